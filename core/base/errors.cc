@@ -1,0 +1,249 @@
+#include "core/base/errors.h"
+
+#include "absl/strings/cord.h"
+
+namespace tactus {
+namespace {
+
+// Standard tools look for this type in grpc-status-details-bin.
+constexpr char kTypeUrl[] = "type.googleapis.com/google.rpc.ErrorInfo";
+constexpr absl::string_view kPrefix = "ERROR_REASON_";
+
+using absl::StatusCode;
+
+}  // namespace
+
+absl::Status MakeError(StatusCode code, v1::ErrorReason reason,
+                       absl::string_view message,
+                       const ErrorMetadata& metadata) {
+  v1::ErrorInfo info;
+  info.set_reason(v1::ErrorReason_Name(reason).substr(kPrefix.size()));
+  info.set_domain("tactus");
+  for (const auto& [key, value] : metadata) {
+    (*info.mutable_metadata())[key] = value;
+  }
+  absl::Status status(code, message);
+  status.SetPayload(kTypeUrl, absl::Cord(info.SerializeAsString()));
+  return status;
+}
+
+v1::ErrorInfo InfoOf(const absl::Status& status) {
+  v1::ErrorInfo info;
+  if (auto payload = status.GetPayload(kTypeUrl)) {
+    if (!info.ParseFromString(std::string(*payload))) info.Clear();
+  }
+  return info;
+}
+
+std::string ReasonOf(const absl::Status& status) {
+  return InfoOf(status).reason();
+}
+
+absl::Status InvalidValue(v1::ErrorReason reason, absl::string_view what,
+                          absl::string_view got, absl::string_view want) {
+  return MakeError(StatusCode::kInvalidArgument, reason,
+                   absl::StrCat(what, " is ", got, "; it must be ", want),
+                   {{"field", std::string(what)},
+                    {"value", std::string(got)},
+                    {"expected", std::string(want)}});
+}
+
+absl::Status InvalidTrainingData(absl::string_view message) {
+  return MakeError(StatusCode::kFailedPrecondition,
+                   v1::ERROR_REASON_INVALID_TRAINING_DATA, message);
+}
+
+absl::Status NumericalFailure(absl::string_view message) {
+  return MakeError(StatusCode::kInternal, v1::ERROR_REASON_NUMERICAL_FAILURE,
+                   message);
+}
+
+absl::Status IoError(absl::string_view path, absl::string_view message) {
+  return MakeError(StatusCode::kUnavailable, v1::ERROR_REASON_IO,
+                   absl::StrCat(path, ": ", message),
+                   {{"path", std::string(path)}});
+}
+
+absl::Status TrialFileInvalid(absl::string_view path,
+                              absl::string_view message) {
+  return MakeError(
+      StatusCode::kInvalidArgument, v1::ERROR_REASON_TRIAL_FILE_INVALID,
+      absl::StrCat(path, ": ", message), {{"path", std::string(path)}});
+}
+
+absl::Status BundleCorrupt(absl::string_view message) {
+  return MakeError(StatusCode::kDataLoss, v1::ERROR_REASON_BUNDLE_CORRUPT,
+                   absl::StrCat("model bundle is corrupt: ", message));
+}
+
+absl::Status BundleVersion(uint32_t got, uint32_t want) {
+  return MakeError(
+      StatusCode::kFailedPrecondition, v1::ERROR_REASON_BUNDLE_VERSION,
+      absl::StrCat("model bundle has format version ", got,
+                   "; this program reads version ", want),
+      {{"value", absl::StrCat(got)}, {"expected", absl::StrCat(want)}});
+}
+
+absl::Status ConfigRequired() {
+  return MakeError(StatusCode::kInvalidArgument,
+                   v1::ERROR_REASON_CONFIG_REQUIRED,
+                   "the first message of a stream must be config");
+}
+
+absl::Status ConfigRepeated() {
+  return MakeError(StatusCode::kInvalidArgument,
+                   v1::ERROR_REASON_CONFIG_REPEATED,
+                   "config was sent a second time; open a new stream instead");
+}
+
+absl::Status EmptyRequest() {
+  return MakeError(StatusCode::kInvalidArgument, v1::ERROR_REASON_EMPTY_REQUEST,
+                   "a request must hold config, frames or end_of_trial");
+}
+
+absl::Status StreamFinished() {
+  return MakeError(StatusCode::kFailedPrecondition,
+                   v1::ERROR_REASON_STREAM_FINISHED,
+                   "the stream has ended; open a new one");
+}
+
+absl::Status UnknownLayout(absl::string_view name) {
+  return MakeError(
+      StatusCode::kInvalidArgument, v1::ERROR_REASON_UNKNOWN_LAYOUT,
+      absl::StrCat("layout \"", name,
+                   "\" is not a preset; use cody-forearm or "
+                   "vitac-12x32, or give rows and columns"),
+      {{"field", "geometry.layout"}, {"value", std::string(name)}});
+}
+
+absl::Status MessageTooLarge(size_t got, size_t limit) {
+  return MakeError(
+      StatusCode::kInvalidArgument, v1::ERROR_REASON_MESSAGE_TOO_LARGE,
+      absl::StrCat("message has ", got, " bytes; the limit is ", limit),
+      {{"value", absl::StrCat(got)}, {"limit", absl::StrCat(limit)}});
+}
+
+absl::Status FrameCountOutOfRange(uint64_t got, uint64_t limit) {
+  return MakeError(
+      StatusCode::kInvalidArgument, v1::ERROR_REASON_FRAME_COUNT_OUT_OF_RANGE,
+      absl::StrCat("frame_count is ", got, "; it must be 1 to ", limit),
+      {{"value", absl::StrCat(got)}, {"limit", absl::StrCat(limit)}});
+}
+
+absl::Status FrameSizeMismatch(uint64_t sequence, absl::string_view field,
+                               size_t got, size_t want) {
+  return MakeError(StatusCode::kInvalidArgument,
+                   v1::ERROR_REASON_FRAME_SIZE_MISMATCH,
+                   absl::StrCat(field, " of the message at sequence ", sequence,
+                                " has size ", got, "; it must be ", want),
+                   {{"sequence", absl::StrCat(sequence)},
+                    {"field", std::string(field)},
+                    {"value", absl::StrCat(got)},
+                    {"expected", absl::StrCat(want)}});
+}
+
+absl::Status NonFiniteTaxel(uint64_t sequence, int taxel) {
+  return MakeError(
+      StatusCode::kInvalidArgument, v1::ERROR_REASON_NON_FINITE_TAXEL,
+      absl::StrCat("taxel ", taxel, " of frame ", sequence,
+                   " is not finite; mask dead taxels instead"),
+      {{"sequence", absl::StrCat(sequence)}, {"taxel", absl::StrCat(taxel)}});
+}
+
+absl::Status NegativeTaxel(uint64_t sequence, int taxel, double value) {
+  return MakeError(StatusCode::kInvalidArgument,
+                   v1::ERROR_REASON_NEGATIVE_TAXEL,
+                   absl::StrCat("taxel ", taxel, " of frame ", sequence, " is ",
+                                value, "; it must be at least 0"),
+                   {{"sequence", absl::StrCat(sequence)},
+                    {"taxel", absl::StrCat(taxel)},
+                    {"value", absl::StrCat(value)}});
+}
+
+absl::Status TaxelTooLarge(uint64_t sequence, int taxel, double value) {
+  return MakeError(StatusCode::kInvalidArgument,
+                   v1::ERROR_REASON_NON_FINITE_TAXEL,
+                   absl::StrCat("taxel ", taxel, " of frame ", sequence, " is ",
+                                value, "; it must be at most 1e12"),
+                   {{"sequence", absl::StrCat(sequence)},
+                    {"taxel", absl::StrCat(taxel)},
+                    {"value", absl::StrCat(value)}});
+}
+
+absl::Status InvalidPose(uint64_t sequence, absl::string_view message) {
+  return MakeError(StatusCode::kInvalidArgument, v1::ERROR_REASON_INVALID_POSE,
+                   absl::StrCat("pose of frame ", sequence, ": ", message),
+                   {{"sequence", absl::StrCat(sequence)}});
+}
+
+absl::Status SequenceRegression(uint64_t got, uint64_t last) {
+  return MakeError(
+      StatusCode::kOutOfRange, v1::ERROR_REASON_SEQUENCE_REGRESSION,
+      absl::StrCat("first_sequence is ", got, "; it must be above ", last),
+      {{"value", absl::StrCat(got)}, {"last", absl::StrCat(last)}});
+}
+
+absl::Status TimeRegression(uint64_t sequence, int64_t got, int64_t last) {
+  return MakeError(StatusCode::kOutOfRange, v1::ERROR_REASON_TIME_REGRESSION,
+                   absl::StrCat("capture time of frame ", sequence, " is ", got,
+                                " ns; it must be above ", last, " ns"),
+                   {{"sequence", absl::StrCat(sequence)},
+                    {"value", absl::StrCat(got)},
+                    {"last", absl::StrCat(last)}});
+}
+
+absl::Status InvalidSparseIndex(uint64_t sequence, uint32_t index,
+                                absl::string_view want) {
+  return MakeError(
+      StatusCode::kInvalidArgument, v1::ERROR_REASON_INVALID_SPARSE_INDEX,
+      absl::StrCat("sparse index ", index, " of frame ", sequence, " must be ",
+                   want),
+      {{"sequence", absl::StrCat(sequence)}, {"value", absl::StrCat(index)}});
+}
+
+absl::Status GeometryMismatch(absl::string_view got, absl::string_view want) {
+  return MakeError(
+      StatusCode::kFailedPrecondition, v1::ERROR_REASON_GEOMETRY_MISMATCH,
+      absl::StrCat("the stream's skin is ", got,
+                   " but the model was trained on ", want),
+      {{"value", std::string(got)}, {"expected", std::string(want)}});
+}
+
+absl::Status ModelNotFound(absl::string_view name) {
+  return MakeError(StatusCode::kNotFound, v1::ERROR_REASON_MODEL_NOT_FOUND,
+                   absl::StrCat("model \"", name, "\" does not exist"),
+                   {{"model", std::string(name)}});
+}
+
+absl::Status ModelNotReady(absl::string_view name, absl::string_view why) {
+  return MakeError(StatusCode::kFailedPrecondition,
+                   v1::ERROR_REASON_MODEL_NOT_READY,
+                   absl::StrCat("model \"", name, "\" cannot serve: ", why),
+                   {{"model", std::string(name)}});
+}
+
+absl::Status StreamLimit(int limit) {
+  return MakeError(
+      StatusCode::kResourceExhausted, v1::ERROR_REASON_STREAM_LIMIT,
+      absl::StrCat("the server already serves ", limit, " streams, its limit"),
+      {{"limit", absl::StrCat(limit)}});
+}
+
+absl::Status Draining() {
+  return MakeError(StatusCode::kUnavailable, v1::ERROR_REASON_DRAINING,
+                   "the server is shutting down; use another or try later");
+}
+
+absl::Status StreamIdle(int timeout_ms) {
+  return MakeError(StatusCode::kDeadlineExceeded, v1::ERROR_REASON_STREAM_IDLE,
+                   absl::StrCat("nothing arrived for ", timeout_ms, " ms"),
+                   {{"limit", absl::StrCat(timeout_ms)}});
+}
+
+absl::Status Unimplemented(absl::string_view rpc) {
+  return MakeError(StatusCode::kUnimplemented, v1::ERROR_REASON_UNIMPLEMENTED,
+                   absl::StrCat(rpc, " is not available in this release"),
+                   {{"rpc", std::string(rpc)}});
+}
+
+}  // namespace tactus

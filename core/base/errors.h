@@ -1,0 +1,102 @@
+// File: errors.h
+//
+// Every error that crosses a border of Tactus is made here: an absl::Status
+// that carries one tactus.v1.ErrorInfo with a stable reason. The text names
+// the thing that was wrong, its value and what would be right.
+//
+//   return InvalidConfig("sample_rate_hz", rate, "above 0 and at most 10000");
+//
+// Thread-safe: free functions without state.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
+#include "tactus/v1/common.pb.h"
+
+namespace tactus {
+
+using ErrorMetadata = std::vector<std::pair<std::string, std::string>>;
+
+// Makes a status of `code` whose payload is ErrorInfo{reason, "tactus",
+// metadata}.
+absl::Status MakeError(absl::StatusCode code, v1::ErrorReason reason,
+                       absl::string_view message,
+                       const ErrorMetadata& metadata = {});
+
+// The reason of an error made here, e.g. "CONFIG_REQUIRED"; empty for others.
+std::string ReasonOf(const absl::Status& status);
+
+// The ErrorInfo of an error made here; an empty one for others.
+v1::ErrorInfo InfoOf(const absl::Status& status);
+
+// INVALID_ARGUMENT: `what` has value `got`, `want` would be right.
+absl::Status InvalidValue(v1::ErrorReason reason, absl::string_view what,
+                          absl::string_view got, absl::string_view want);
+
+template <typename Value>
+absl::Status InvalidValue(v1::ErrorReason reason, absl::string_view what,
+                          const Value& got, absl::string_view want) {
+  return InvalidValue(reason, what, absl::string_view(absl::StrCat(got)), want);
+}
+
+template <typename Value>
+absl::Status InvalidConfig(absl::string_view field, const Value& got,
+                           absl::string_view want) {
+  return InvalidValue(v1::ERROR_REASON_INVALID_CONFIG, field, got, want);
+}
+
+template <typename Value>
+absl::Status InvalidModel(absl::string_view what, const Value& got,
+                          absl::string_view want) {
+  return InvalidValue(v1::ERROR_REASON_INVALID_MODEL, what, got, want);
+}
+
+template <typename Value>
+absl::Status InvalidScene(absl::string_view what, const Value& got,
+                          absl::string_view want) {
+  return InvalidValue(v1::ERROR_REASON_INVALID_SCENE, what, got, want);
+}
+
+absl::Status InvalidTrainingData(absl::string_view message);
+absl::Status NumericalFailure(absl::string_view message);
+absl::Status IoError(absl::string_view path, absl::string_view message);
+absl::Status TrialFileInvalid(absl::string_view path,
+                              absl::string_view message);
+absl::Status BundleCorrupt(absl::string_view message);
+absl::Status BundleVersion(uint32_t got, uint32_t want);
+
+// Stream contract.
+absl::Status ConfigRequired();
+absl::Status ConfigRepeated();
+absl::Status EmptyRequest();
+absl::Status StreamFinished();
+absl::Status UnknownLayout(absl::string_view name);
+absl::Status MessageTooLarge(size_t got, size_t limit);
+absl::Status FrameCountOutOfRange(uint64_t got, uint64_t limit);
+absl::Status FrameSizeMismatch(uint64_t sequence, absl::string_view field,
+                               size_t got, size_t want);
+absl::Status NonFiniteTaxel(uint64_t sequence, int taxel);
+absl::Status NegativeTaxel(uint64_t sequence, int taxel, double value);
+absl::Status TaxelTooLarge(uint64_t sequence, int taxel, double value);
+absl::Status InvalidPose(uint64_t sequence, absl::string_view message);
+absl::Status SequenceRegression(uint64_t got, uint64_t last);
+absl::Status TimeRegression(uint64_t sequence, int64_t got, int64_t last);
+absl::Status InvalidSparseIndex(uint64_t sequence, uint32_t index,
+                                absl::string_view want);
+absl::Status GeometryMismatch(absl::string_view got, absl::string_view want);
+
+// Server.
+absl::Status ModelNotFound(absl::string_view name);
+absl::Status ModelNotReady(absl::string_view name, absl::string_view why);
+absl::Status StreamLimit(int limit);
+absl::Status Draining();
+absl::Status StreamIdle(int timeout_ms);
+absl::Status Unimplemented(absl::string_view rpc);
+
+}  // namespace tactus

@@ -1,0 +1,62 @@
+// File: trial.h
+//
+// One recorded or simulated contact, labelled: time, and the three signals
+// and/or the taxel frames they come from. Mirrors a group of the trial file
+// (docs/formats.md). Plain data; owns its arrays.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/features/feature.h"
+#include "core/skin/frame.h"
+
+namespace tactus {
+
+// Taxel frames as stored: row-major, rows x columns a frame.
+struct TaxelSeries {
+  int rows = 0;
+  int columns = 0;
+  // One of the two is filled. u16 values times `scale` give the unit.
+  std::vector<uint16_t> u16;
+  std::vector<float> f32;
+  double scale = 1;
+
+  size_t frames() const;
+  bool empty() const { return u16.empty() && f32.empty(); }
+  // Writes frame `index` in the unit to `out`, which has rows x columns places.
+  void Decode(size_t index, float* out) const;
+};
+
+struct Trial {
+  // "000000"; the group's name in the file.
+  std::string id;
+  // Seconds, increasing.
+  std::vector<double> time;
+  // Empty, or one per time: force (N), area (m^2), motion (m).
+  std::vector<FeatureVector> signals;
+  // Empty, or one frame per time.
+  TaxelSeries taxels;
+  // Empty, or one per time.
+  std::vector<Pose> poses;
+
+  // "HU", "HM", "SU", "SM", or any other class name.
+  std::string label;
+  // Robot condition, e.g. "k543-v0.005"; folds of leave-one-condition-out.
+  std::string condition;
+  std::string object;
+  // Folds of leave-one-material-out.
+  std::string material;
+  // Of the object, N/m; 0 if unknown.
+  double stiffness = 0;
+  // Of the arm's equilibrium point, m/s; 0 if unknown.
+  double velocity = 0;
+  double sample_rate_hz = 100;
+  // Layout class of `taxels`, e.g. "cody-forearm"; empty without taxels.
+  std::string layout;
+  // Unit of the force signal and of the taxels: "newton" or "counts".
+  std::string unit = "newton";
+};
+
+}  // namespace tactus

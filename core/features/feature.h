@@ -1,0 +1,31 @@
+// File: feature.h
+//
+// The three contact features of the paper (Section "Preprocessing and Feature
+// Selection"), in natural units, and subsets of them.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+
+namespace tactus {
+
+enum class Feature { kForce = 0, kArea = 1, kMotion = 2 };
+inline constexpr int kFeatureCount = 3;
+
+// Force (layout's unit), area (m^2), motion (m); indexed by Feature.
+using FeatureVector = std::array<double, kFeatureCount>;
+
+// "force", "area" or "motion".
+absl::string_view FeatureName(Feature feature);
+
+// Parses "f,m,a" (or full names, any order, no repeats) into the order given.
+absl::StatusOr<std::vector<Feature>> ParseFeatures(absl::string_view text);
+
+// The short form, e.g. "f,m,a".
+std::string FeaturesToString(const std::vector<Feature>& features);
+
+}  // namespace tactus

@@ -1,0 +1,33 @@
+// File: frame.h
+//
+// One skin frame as the pipeline sees it: values in the layout's unit, and
+// the pose of the skin's link where the robot sends one.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "Eigen/Core"
+#include "Eigen/Geometry"
+
+namespace tactus {
+
+// Pose of the skin's link in the world frame.
+struct Pose {
+  // Metres.
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  // Unit length.
+  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
+};
+
+// Views one frame; owns nothing.
+struct FrameView {
+  // rows x columns values, row-major, in the layout's unit; finite and >= 0.
+  std::span<const float> taxels;
+  // Null if the robot sends no poses.
+  const Pose* pose = nullptr;
+  // Frames lost directly before this one.
+  uint64_t missing_before = 0;
+};
+
+}  // namespace tactus

@@ -1,0 +1,88 @@
+#include "core/skin/layout.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+
+namespace tactus {
+namespace {
+
+absl::Status CheckPositive(absl::string_view field, double value) {
+  if (std::isfinite(value) && value > 0) return absl::OkStatus();
+  return InvalidConfig(field, value, "finite and above 0");
+}
+
+absl::Status CheckSide(absl::string_view field, int value, int limit) {
+  if (value >= 1 && value <= limit) return absl::OkStatus();
+  return InvalidConfig(field, value, absl::StrCat("1 to ", limit));
+}
+
+}  // namespace
+
+double SkinLayout::CylinderRadius() const {
+  return columns * column_pitch_m / (2 * std::numbers::pi);
+}
+
+absl::Status Validate(const SkinLayout& layout) {
+  TACTUS_RETURN_IF_ERROR(
+      CheckSide("geometry.rows", layout.rows, limits::kMaxRows));
+  TACTUS_RETURN_IF_ERROR(
+      CheckSide("geometry.columns", layout.columns, limits::kMaxColumns));
+  TACTUS_RETURN_IF_ERROR(
+      CheckPositive("geometry.row_pitch_m", layout.row_pitch_m));
+  TACTUS_RETURN_IF_ERROR(
+      CheckPositive("geometry.column_pitch_m", layout.column_pitch_m));
+  TACTUS_RETURN_IF_ERROR(
+      CheckPositive("geometry.taxel_area_m2", layout.taxel_area_m2));
+  TACTUS_RETURN_IF_ERROR(
+      CheckPositive("geometry.contact_threshold", layout.contact_threshold));
+  if (!std::isfinite(layout.onset_threshold) ||
+      layout.onset_threshold < layout.contact_threshold) {
+    return InvalidConfig("geometry.onset_threshold", layout.onset_threshold,
+                         absl::StrCat("finite and at least contact_threshold, ",
+                                      layout.contact_threshold));
+  }
+  if (!layout.mask.empty() &&
+      layout.mask.size() != static_cast<size_t>(layout.taxels())) {
+    return InvalidConfig("geometry.mask size", layout.mask.size(),
+                         absl::StrCat(layout.taxels(), ", one a taxel"));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<SkinLayout> LayoutPreset(absl::string_view name) {
+  SkinLayout layout;
+  layout.name = std::string(name);
+  if (name == "cody-forearm") {
+    layout.rows = 16;
+    layout.columns = 24;
+    // Rings 10.8 mm apart around a cylinder of radius 46.04 mm; the taxels
+    // themselves are 9 mm x 9 mm (paper, Section "Experimental Setup").
+    layout.row_pitch_m = 0.0108;
+    layout.column_pitch_m = 2 * std::numbers::pi * 0.04604 / 24;
+    layout.taxel_area_m2 = 0.009 * 0.009;
+    layout.wrap_columns = true;
+    layout.unit = TaxelUnit::kNewton;
+    layout.contact_threshold = 0.01;
+    layout.onset_threshold = 0.02;
+    return layout;
+  }
+  if (name == "vitac-12x32") {
+    layout.rows = 12;
+    layout.columns = 32;
+    layout.row_pitch_m = 0.002;
+    layout.column_pitch_m = 0.002;
+    layout.taxel_area_m2 = 0.002 * 0.002;
+    layout.unit = TaxelUnit::kCounts;
+    layout.contact_threshold = 20;
+    layout.onset_threshold = 40;
+    return layout;
+  }
+  return UnknownLayout(name);
+}
+
+}  // namespace tactus

@@ -1,0 +1,57 @@
+// File: layout.h
+//
+// SkinLayout: the shape of one skin patch and how to read its numbers. Sent
+// once per stream; frames carry values only.
+//
+// Plain data, copyable; safe to share between threads once built.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+
+namespace tactus {
+
+enum class TaxelUnit { kNewton, kCounts };
+enum class Connectivity { kFour, kEight };
+
+struct SkinLayout {
+  // Layout class, e.g. "cody-forearm"; models are tied to it.
+  std::string name;
+  int rows = 0;
+  int columns = 0;
+  // Metres between neighbours; columns are measured along the circumference
+  // when they wrap.
+  double row_pitch_m = 0;
+  double column_pitch_m = 0;
+  // Square metres that one touched taxel stands for.
+  double taxel_area_m2 = 0;
+  // True if column columns-1 is the neighbour of column 0.
+  bool wrap_columns = false;
+  TaxelUnit unit = TaxelUnit::kNewton;
+  // A taxel >= contact_threshold is in contact; a contact begins once some
+  // taxel >= onset_threshold. Both in `unit`, onset >= contact > 0.
+  double contact_threshold = 0;
+  double onset_threshold = 0;
+  Connectivity connectivity = Connectivity::kEight;
+  // One byte a taxel, 0 = ignore; empty = all valid.
+  std::vector<uint8_t> mask;
+
+  int taxels() const { return rows * columns; }
+  // Radius of the cylinder formed by wrapping columns, in metres.
+  double CylinderRadius() const;
+};
+
+// OK if every field is in range; else INVALID_CONFIG naming the field.
+absl::Status Validate(const SkinLayout& layout);
+
+// "cody-forearm": 16 x 24, wraps, newton, thresholds of the paper's Section
+// "Preprocessing and Feature Selection" of the robot experiment.
+// "vitac-12x32": counts. Otherwise UNKNOWN_LAYOUT.
+absl::StatusOr<SkinLayout> LayoutPreset(absl::string_view name);
+
+}  // namespace tactus

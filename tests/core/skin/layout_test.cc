@@ -1,0 +1,82 @@
+#include "core/skin/layout.h"
+
+#include <cmath>
+#include <limits>
+
+#include "core/base/errors.h"
+#include "core/skin/geometry.h"
+#include "gtest/gtest.h"
+
+namespace tactus {
+namespace {
+
+TEST(LayoutPresetTest, PresetsAreValid) {
+  for (const char* name : {"cody-forearm", "vitac-12x32"}) {
+    auto layout = LayoutPreset(name);
+    ASSERT_TRUE(layout.ok()) << name;
+    EXPECT_TRUE(Validate(*layout).ok()) << name;
+    EXPECT_EQ(layout->taxels(), 384) << name;
+  }
+}
+
+TEST(LayoutPresetTest, UnknownNameIsRefusedWithReason) {
+  auto layout = LayoutPreset("moon");
+  EXPECT_EQ(layout.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(ReasonOf(layout.status()), "UNKNOWN_LAYOUT");
+}
+
+// The paper's forearm: radius 46.04 mm (shared geometry of the Meka skin).
+TEST(LayoutPresetTest, CodyForearmIsTheMekaCylinder) {
+  auto layout = LayoutPreset("cody-forearm");
+  ASSERT_TRUE(layout.ok());
+  EXPECT_NEAR(layout->CylinderRadius(), 0.04604, 1e-12);
+  EXPECT_TRUE(layout->wrap_columns);
+}
+
+TEST(ValidateTest, EachBadFieldIsNamed) {
+  const SkinLayout good = *LayoutPreset("cody-forearm");
+  struct Case {
+    const char* field;
+    void (*spoil)(SkinLayout&);
+  };
+  const Case cases[] = {
+      {"geometry.rows", [](SkinLayout& l) { l.rows = 65; }},
+      {"geometry.columns", [](SkinLayout& l) { l.columns = 0; }},
+      {"geometry.row_pitch_m", [](SkinLayout& l) { l.row_pitch_m = -1; }},
+      {"geometry.column_pitch_m",
+       [](SkinLayout& l) { l.column_pitch_m = std::nan(""); }},
+      {"geometry.taxel_area_m2", [](SkinLayout& l) { l.taxel_area_m2 = 0; }},
+      {"geometry.contact_threshold",
+       [](SkinLayout& l) { l.contact_threshold = 0; }},
+      {"geometry.onset_threshold",
+       [](SkinLayout& l) { l.onset_threshold = l.contact_threshold / 2; }},
+      {"geometry.mask size", [](SkinLayout& l) { l.mask.resize(3); }},
+  };
+  for (const Case& c : cases) {
+    SkinLayout layout = good;
+    c.spoil(layout);
+    const absl::Status status = Validate(layout);
+    EXPECT_EQ(ReasonOf(status), "INVALID_CONFIG") << c.field;
+    EXPECT_EQ(InfoOf(status).metadata().at("field"), c.field);
+  }
+}
+
+TEST(SkinDistanceTest, GoesTheShortWayRoundACylinder) {
+  const SkinLayout layout = *LayoutPreset("cody-forearm");
+  EXPECT_NEAR(SkinDistance(layout, {3, 0}, {3, 23}), layout.column_pitch_m,
+              1e-12);
+  EXPECT_NEAR(SkinDistance(layout, {3, 0.5}, {5, 0.5}), 2 * layout.row_pitch_m,
+              1e-12);
+}
+
+TEST(LinkPositionTest, WrappedColumnsLieOnTheCylinder) {
+  const SkinLayout layout = *LayoutPreset("cody-forearm");
+  const Eigen::Vector3d a = LinkPosition(layout, {2, 6});
+  EXPECT_NEAR(a.x(), 0, 1e-12);
+  EXPECT_NEAR(a.y(), 0.04604, 1e-12);
+  EXPECT_NEAR(a.z(), 2 * 0.0108, 1e-12);
+  EXPECT_NEAR((a - LinkPosition(layout, {2, 30})).norm(), 0, 1e-12);
+}
+
+}  // namespace
+}  // namespace tactus
