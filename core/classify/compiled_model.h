@@ -1,0 +1,41 @@
+// File: compiled_model.h
+//
+// CompiledModel: a validated Model with its HMMs and LSTM packed for scoring.
+// Immutable; share it as shared_ptr<const CompiledModel> between any number
+// of streams and threads. A stream keeps the one it started with.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/classify/model.h"
+
+namespace tactus {
+
+class CompiledModel {
+ public:
+  // INVALID_MODEL if any part is inconsistent. Does not run the warm-up trial.
+  static absl::StatusOr<std::shared_ptr<const CompiledModel>> Create(
+      Model model);
+
+  const Model& model() const { return model_; }
+  // One per class.
+  const std::vector<CompiledMixture>& hmms() const { return hmms_; }
+  // Null without an LSTM.
+  const CompiledLstm* lstm() const { return lstm_ ? &*lstm_ : nullptr; }
+
+ private:
+  explicit CompiledModel(Model model) : model_(std::move(model)) {}
+
+  Model model_;
+  std::vector<CompiledMixture> hmms_;
+  std::optional<CompiledLstm> lstm_;
+};
+
+// OK if replaying the model's warm-up trial gives its stored answer; else
+// INVALID_MODEL. The answer must agree to 1e-6 in every probability.
+absl::Status RunWarmUp(const CompiledModel& model);
+
+}  // namespace tactus

@@ -1,0 +1,101 @@
+// File: contact_classifier.h
+//
+// ContactClassifier: running class probabilities of one contact.
+//
+//   ContactClassifier classifier(model, {});
+//   for (const FeatureVector& frame : contact) classifier.Step(frame, 0);
+//   classifier.probability();
+//
+// Scores every category's HMMs by the incremental forward algorithm (or
+// Viterbi) and the LSTM, one call a frame, constant memory, no allocation.
+//
+// Holds a share of the model. Not thread-safe: one per stream.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/classify/compiled_model.h"
+#include "core/features/feature.h"
+
+namespace tactus {
+
+// A class whose probability stayed above the threshold long enough.
+struct Decision {
+  int class_index = 0;
+  // Frames since onset at which it was reached, from 1.
+  uint64_t frame = 0;
+};
+
+class ContactClassifier {
+ public:
+  struct Options {
+    // Zero means the model's own.
+    double decision_threshold = 0;
+    uint32_t decision_frames = 0;
+  };
+
+  ContactClassifier(std::shared_ptr<const CompiledModel> model,
+                    const Options& options);
+
+  // Forgets the contact.
+  void Reset();
+
+  // Takes the next frame's features; `missing_before` frames were lost
+  // directly before it: the HMMs predict across them, the LSTM repeats the
+  // frame (at most limits::kMaxBridgedFrames).
+  void Step(const FeatureVector& features, uint64_t missing_before);
+
+  // Frames since onset, lost ones included.
+  uint64_t frames() const { return frames_; }
+  // log p(features | class), one per class.
+  std::span<const double> log_likelihood() const { return log_likelihood_; }
+  // Sum to 1 over the classes; the prior before the first frame.
+  std::span<const double> probability() const { return probability_; }
+  std::span<const double> hmm_probability() const { return hmm_probability_; }
+  // Empty without an LSTM.
+  std::span<const double> lstm_probability() const { return lstm_probability_; }
+  // Probability that no model explains this contact.
+  double unknown() const { return unknown_; }
+  // Fraction of the last kStabilityWindow frames with the same best class.
+  double stability() const;
+  int best_class() const { return best_class_; }
+  // Reached once per contact, then kept.
+  const std::optional<Decision>& decision() const { return decision_; }
+
+  static constexpr int kStabilityWindow = 16;
+
+ private:
+  void UpdateInputs(const FeatureVector& features);
+  void UpdateProbabilities();
+  void UpdateDecision();
+
+  std::shared_ptr<const CompiledModel> model_;
+  double decision_threshold_;
+  uint32_t decision_frames_;
+
+  std::vector<MixtureFilter> hmms_;
+  std::optional<LstmStepper> lstm_;
+
+  std::vector<double> hmm_input_;
+  std::vector<double> lstm_input_;
+  std::vector<double> log_likelihood_;
+  std::vector<double> log_prior_;
+  std::vector<double> hmm_probability_;
+  std::vector<double> lstm_probability_;
+  std::vector<double> probability_;
+  double unknown_ = 0;
+
+  uint64_t frames_ = 0;
+  uint64_t scored_frames_ = 0;
+  int best_class_ = 0;
+  // Best classes of the last frames, a ring.
+  std::vector<int> recent_best_;
+  uint32_t frames_above_ = 0;
+  std::optional<Decision> decision_;
+};
+
+}  // namespace tactus
