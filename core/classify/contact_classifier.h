@@ -69,7 +69,6 @@ class ContactClassifier {
   static constexpr int kStabilityWindow = 16;
 
  private:
-  void UpdateInputs(const FeatureVector& features);
   void UpdateProbabilities();
   void UpdateDecision();
 

@@ -1,0 +1,124 @@
+#include "core/bundle/bundle.h"
+
+#include <openssl/evp.h>
+
+#include <array>
+#include <bit>
+#include <cstring>
+
+#include "absl/strings/escaping.h"
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+#include "core/bundle/model_proto.h"
+#include "core/classify/compiled_model.h"
+#include "google/protobuf/io/coded_stream.h"
+#include "google/protobuf/io/zero_copy_stream_impl_lite.h"
+
+namespace tactus {
+namespace {
+
+static_assert(std::endian::native == std::endian::little,
+              "bundle numbers are little-endian");
+
+constexpr absl::string_view kMagic = "TACTUSMB";
+constexpr size_t kVersionOffset = 8;
+constexpr size_t kLengthOffset = 12;
+constexpr size_t kPayloadOffset = 20;
+constexpr size_t kDigestBytes = 32;
+
+template <typename Number>
+void AppendNumber(Number value, std::string& out) {
+  char bytes[sizeof value];
+  std::memcpy(bytes, &value, sizeof value);
+  out.append(bytes, sizeof value);
+}
+
+template <typename Number>
+Number ReadNumber(absl::string_view bytes, size_t offset) {
+  Number value;
+  std::memcpy(&value, bytes.data() + offset, sizeof value);
+  return value;
+}
+
+std::string Sha256(absl::string_view bytes) {
+  std::array<unsigned char, kDigestBytes> digest{};
+  EVP_Digest(bytes.data(), bytes.size(), digest.data(), nullptr, EVP_sha256(),
+             nullptr);
+  return std::string(digest.begin(), digest.end());
+}
+
+// Field order and map order fixed, so that equal models give equal bytes.
+std::string SerializeDeterministic(const v1::ModelBundle& message) {
+  std::string payload;
+  {
+    google::protobuf::io::StringOutputStream stream(&payload);
+    google::protobuf::io::CodedOutputStream coded(&stream);
+    coded.SetSerializationDeterministic(true);
+    message.SerializeToCodedStream(&coded);
+  }
+  return payload;
+}
+
+// The payload of a bundle whose envelope and checksum are right.
+absl::StatusOr<absl::string_view> OpenEnvelope(absl::string_view bytes) {
+  if (bytes.size() > limits::kMaxBundleBytes) {
+    return BundleCorrupt(absl::StrCat("it has ", bytes.size(),
+                                      " bytes; the limit is ",
+                                      limits::kMaxBundleBytes));
+  }
+  if (bytes.size() < kPayloadOffset + kDigestBytes) {
+    return BundleCorrupt(absl::StrCat("it has ", bytes.size(),
+                                      " bytes, too few for an envelope"));
+  }
+  if (!absl::StartsWith(bytes, kMagic)) {
+    return BundleCorrupt("it does not begin with TACTUSMB");
+  }
+  const absl::string_view body = bytes.substr(0, bytes.size() - kDigestBytes);
+  if (Sha256(body) != bytes.substr(body.size())) {
+    return BundleCorrupt("its SHA-256 checksum does not match");
+  }
+  const auto version = ReadNumber<uint32_t>(bytes, kVersionOffset);
+  if (version != kBundleFormatVersion) {
+    return BundleVersion(version, kBundleFormatVersion);
+  }
+  const absl::string_view payload = body.substr(kPayloadOffset);
+  if (ReadNumber<uint64_t>(bytes, kLengthOffset) != payload.size()) {
+    return BundleCorrupt("its payload length does not match");
+  }
+  return payload;
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> EncodeBundle(const Model& model) {
+  TACTUS_RETURN_IF_ERROR(CompiledModel::Create(model).status());
+  const std::string payload = SerializeDeterministic(ModelToProto(model));
+  std::string bytes(kMagic);
+  AppendNumber<uint32_t>(kBundleFormatVersion, bytes);
+  AppendNumber<uint64_t>(payload.size(), bytes);
+  bytes += payload;
+  bytes += Sha256(bytes);
+  return bytes;
+}
+
+absl::StatusOr<Model> DecodeBundle(absl::string_view bytes) {
+  TACTUS_ASSIGN_OR_RETURN(const absl::string_view payload, OpenEnvelope(bytes));
+  v1::ModelBundle message;
+  if (!message.ParseFromArray(payload.data(),
+                              static_cast<int>(payload.size()))) {
+    return BundleCorrupt("its payload is not a tactus.v1.ModelBundle");
+  }
+  TACTUS_ASSIGN_OR_RETURN(Model model, ModelFromProto(message));
+  TACTUS_RETURN_IF_ERROR(CompiledModel::Create(model).status());
+  return model;
+}
+
+std::string BundleSha256(absl::string_view bytes) {
+  if (bytes.size() < kDigestBytes) return "";
+  return absl::BytesToHexString(bytes.substr(bytes.size() - kDigestBytes));
+}
+
+}  // namespace tactus

@@ -1,0 +1,21 @@
+// File: layout_proto.h
+//
+// SkinLayout as the wire's SensorGeometry and back.
+//
+// Thread-safe: free functions without state.
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "core/skin/layout.h"
+#include "tactus/v1/common.pb.h"
+
+namespace tactus {
+
+v1::SensorGeometry LayoutToProto(const SkinLayout& layout);
+
+// The layout that `geometry` names (a preset, when rows and columns are 0; a
+// mask, thresholds and connectivity given with it replace the preset's) or
+// describes. UNKNOWN_LAYOUT or INVALID_CONFIG otherwise.
+absl::StatusOr<SkinLayout> LayoutFromProto(const v1::SensorGeometry& geometry);
+
+}  // namespace tactus

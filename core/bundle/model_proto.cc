@@ -1,0 +1,277 @@
+#include "core/bundle/model_proto.h"
+
+#include <string>
+#include <utility>
+
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+#include "core/bundle/layout_proto.h"
+
+namespace tactus {
+namespace {
+
+template <typename From, typename To>
+void Assign(const From& from, To* to) {
+  to->Assign(from.begin(), from.end());
+}
+
+template <typename T>
+std::vector<T> ToVector(const google::protobuf::RepeatedField<T>& field) {
+  return {field.begin(), field.end()};
+}
+
+// A pair list read both ways: our enumerator and the wire's.
+template <typename Ours, typename Wire, size_t kCount>
+struct EnumTable {
+  const char* what;
+  std::pair<Ours, Wire> rows[kCount];
+
+  Wire ToWire(Ours value) const {
+    for (const auto& [ours, wire] : rows) {
+      if (ours == value) return wire;
+    }
+    return Wire{};
+  }
+  absl::StatusOr<Ours> FromWire(Wire value) const {
+    for (const auto& [ours, wire] : rows) {
+      if (wire == value) return ours;
+    }
+    return InvalidModel(what, static_cast<int>(value), "a known value");
+  }
+};
+
+constexpr EnumTable<CovarianceType, v1::GaussianHmm::CovarianceType, 3>
+    kCovarianceTypes{
+        "covariance_type",
+        {{CovarianceType::kFull, v1::GaussianHmm::COVARIANCE_TYPE_FULL},
+         {CovarianceType::kDiagonal, v1::GaussianHmm::COVARIANCE_TYPE_DIAGONAL},
+         {CovarianceType::kSpherical,
+          v1::GaussianHmm::COVARIANCE_TYPE_SPHERICAL}}};
+
+constexpr EnumTable<Activation, v1::LstmNetwork::Activation, 2> kActivations{
+    "activation",
+    {{Activation::kTanh, v1::LstmNetwork::ACTIVATION_TANH},
+     {Activation::kSoftsign, v1::LstmNetwork::ACTIVATION_SOFTSIGN}}};
+
+constexpr EnumTable<GateActivation, v1::LstmNetwork::GateActivation, 2>
+    kGateActivations{
+        "gate_activation",
+        {{GateActivation::kSigmoid, v1::LstmNetwork::GATE_ACTIVATION_SIGMOID},
+         {GateActivation::kHardSigmoid,
+          v1::LstmNetwork::GATE_ACTIVATION_HARD_SIGMOID}}};
+
+constexpr EnumTable<HmmScore, v1::HmmScore, 2> kHmmScores{
+    "hmm_score",
+    {{HmmScore::kForward, v1::HMM_SCORE_FORWARD},
+     {HmmScore::kViterbi, v1::HMM_SCORE_VITERBI}}};
+
+void ToProto(const FeatureSpec& spec, v1::FeatureSpec* out) {
+  for (Feature feature : spec.features) {
+    out->add_names(std::string(FeatureName(feature)));
+  }
+  Assign(spec.log_offset, out->mutable_log_offset());
+  auto copy = [](const std::vector<FeatureScaling>& from, auto* to) {
+    for (const FeatureScaling& scaling : from) {
+      auto* row = to->Add();
+      row->set_offset(scaling.offset);
+      row->set_gain(scaling.gain);
+    }
+  };
+  copy(spec.hmm_scaling, out->mutable_hmm_scaling());
+  copy(spec.lstm_scaling, out->mutable_lstm_scaling());
+  out->set_sample_rate_hz(spec.sample_rate_hz);
+}
+
+absl::StatusOr<FeatureSpec> FromProto(const v1::FeatureSpec& in) {
+  FeatureSpec spec;
+  for (const std::string& name : in.names()) {
+    TACTUS_ASSIGN_OR_RETURN(auto features, ParseFeatures(name));
+    spec.features.push_back(features.front());
+  }
+  spec.log_offset = ToVector(in.log_offset());
+  auto copy = [](const auto& from, std::vector<FeatureScaling>& to) {
+    for (const auto& row : from) to.push_back({row.offset(), row.gain()});
+  };
+  copy(in.hmm_scaling(), spec.hmm_scaling);
+  copy(in.lstm_scaling(), spec.lstm_scaling);
+  spec.sample_rate_hz = in.sample_rate_hz();
+  return spec;
+}
+
+void ToProto(const GaussianHmm& hmm, v1::GaussianHmm* out) {
+  out->set_states(hmm.states);
+  out->set_dimensions(hmm.dimensions);
+  out->set_covariance_type(kCovarianceTypes.ToWire(hmm.covariance_type));
+  Assign(hmm.start, out->mutable_start_probability());
+  Assign(hmm.transition, out->mutable_transition());
+  Assign(hmm.means, out->mutable_means());
+  Assign(hmm.covariances, out->mutable_covariances());
+}
+
+absl::StatusOr<GaussianHmm> FromProto(const v1::GaussianHmm& in) {
+  GaussianHmm hmm;
+  hmm.states = static_cast<int>(in.states());
+  hmm.dimensions = static_cast<int>(in.dimensions());
+  TACTUS_ASSIGN_OR_RETURN(hmm.covariance_type,
+                          kCovarianceTypes.FromWire(in.covariance_type()));
+  hmm.start = ToVector(in.start_probability());
+  hmm.transition = ToVector(in.transition());
+  hmm.means = ToVector(in.means());
+  hmm.covariances = ToVector(in.covariances());
+  return hmm;
+}
+
+void ToProto(const LstmNetwork& network, v1::LstmNetwork* out) {
+  out->set_activation(kActivations.ToWire(network.activation));
+  out->set_gate_activation(kGateActivations.ToWire(network.gate_activation));
+  for (const LstmLayer& layer : network.layers) {
+    auto* row = out->add_layers();
+    row->set_inputs(layer.inputs);
+    row->set_cells(layer.cells);
+    Assign(layer.kernel, row->mutable_kernel());
+    Assign(layer.recurrent, row->mutable_recurrent());
+    Assign(layer.bias, row->mutable_bias());
+  }
+  Assign(network.dense_kernel, out->mutable_dense_kernel());
+  Assign(network.dense_bias, out->mutable_dense_bias());
+}
+
+absl::StatusOr<LstmNetwork> FromProto(const v1::LstmNetwork& in) {
+  LstmNetwork network;
+  TACTUS_ASSIGN_OR_RETURN(network.activation,
+                          kActivations.FromWire(in.activation()));
+  TACTUS_ASSIGN_OR_RETURN(network.gate_activation,
+                          kGateActivations.FromWire(in.gate_activation()));
+  for (const auto& row : in.layers()) {
+    LstmLayer& layer = network.layers.emplace_back();
+    layer.inputs = static_cast<int>(row.inputs());
+    layer.cells = static_cast<int>(row.cells());
+    layer.kernel = ToVector(row.kernel());
+    layer.recurrent = ToVector(row.recurrent());
+    layer.bias = ToVector(row.bias());
+  }
+  network.dense_kernel = ToVector(in.dense_kernel());
+  network.dense_bias = ToVector(in.dense_bias());
+  return network;
+}
+
+void ToProto(const Calibration& c, v1::Calibration* out) {
+  Assign(c.frames, out->mutable_frames());
+  Assign(c.hmm_temperature, out->mutable_hmm_temperature());
+  Assign(c.lstm_temperature, out->mutable_lstm_temperature());
+  Assign(c.lstm_weight, out->mutable_lstm_weight());
+  Assign(c.evidence_mean, out->mutable_evidence_mean());
+  Assign(c.evidence_deviation, out->mutable_evidence_deviation());
+  Assign(c.prior, out->mutable_prior());
+  out->set_decision_threshold(c.decision_threshold);
+  out->set_decision_frames(c.decision_frames);
+}
+
+Calibration FromProto(const v1::Calibration& in) {
+  Calibration c;
+  c.frames = ToVector(in.frames());
+  c.hmm_temperature = ToVector(in.hmm_temperature());
+  c.lstm_temperature = ToVector(in.lstm_temperature());
+  c.lstm_weight = ToVector(in.lstm_weight());
+  c.evidence_mean = ToVector(in.evidence_mean());
+  c.evidence_deviation = ToVector(in.evidence_deviation());
+  c.prior = ToVector(in.prior());
+  c.decision_threshold = in.decision_threshold();
+  c.decision_frames = in.decision_frames();
+  return c;
+}
+
+void ToProto(const Provenance& provenance, v1::Provenance* out) {
+  out->set_command(provenance.command);
+  out->set_version(provenance.version);
+  out->set_trials(provenance.trials);
+  out->set_seed(provenance.seed);
+  out->set_data(provenance.data);
+  out->set_note(provenance.note);
+}
+
+Provenance FromProto(const v1::Provenance& in) {
+  return {in.command(), in.version(), in.trials(),
+          in.seed(),    in.data(),    in.note()};
+}
+
+void ToProto(const WarmUpTrial& trial, v1::WarmUpTrial* out) {
+  for (const FeatureVector& frame : trial.signals) {
+    for (double value : frame) out->add_signals(value);
+  }
+  Assign(trial.probability, out->mutable_probability());
+  Assign(trial.log_likelihood, out->mutable_log_likelihood());
+}
+
+absl::StatusOr<WarmUpTrial> FromProto(const v1::WarmUpTrial& in) {
+  if (in.signals_size() % kFeatureCount != 0) {
+    return InvalidModel("warm_up.signals size", in.signals_size(),
+                        "a multiple of 3");
+  }
+  WarmUpTrial trial;
+  trial.signals.resize(in.signals_size() / kFeatureCount);
+  for (int i = 0; i < in.signals_size(); ++i) {
+    trial.signals[i / kFeatureCount][i % kFeatureCount] = in.signals(i);
+  }
+  trial.probability = ToVector(in.probability());
+  trial.log_likelihood = ToVector(in.log_likelihood());
+  return trial;
+}
+
+}  // namespace
+
+v1::ModelBundle ModelToProto(const Model& model) {
+  v1::ModelBundle bundle;
+  for (const std::string& name : model.class_names) {
+    bundle.add_class_names(name);
+  }
+  ToProto(model.features, bundle.mutable_features());
+  for (const HmmMixture& mixture : model.hmms) {
+    v1::HmmMixture* row = bundle.add_hmms();
+    Assign(mixture.log_weight, row->mutable_log_weight());
+    for (const GaussianHmm& hmm : mixture.components) {
+      ToProto(hmm, row->add_components());
+    }
+  }
+  bundle.set_hmm_score(kHmmScores.ToWire(model.hmm_score));
+  if (model.lstm) ToProto(*model.lstm, bundle.mutable_lstm());
+  ToProto(model.calibration, bundle.mutable_calibration());
+  bundle.set_layout_class(model.layout.name);
+  if (!model.layout.name.empty()) {
+    *bundle.mutable_geometry() = LayoutToProto(model.layout);
+  }
+  ToProto(model.provenance, bundle.mutable_provenance());
+  ToProto(model.warm_up, bundle.mutable_warm_up());
+  return bundle;
+}
+
+absl::StatusOr<Model> ModelFromProto(const v1::ModelBundle& bundle) {
+  Model model;
+  model.class_names.assign(bundle.class_names().begin(),
+                           bundle.class_names().end());
+  TACTUS_ASSIGN_OR_RETURN(model.features, FromProto(bundle.features()));
+  for (const v1::HmmMixture& row : bundle.hmms()) {
+    HmmMixture& mixture = model.hmms.emplace_back();
+    mixture.log_weight = ToVector(row.log_weight());
+    for (const v1::GaussianHmm& component : row.components()) {
+      TACTUS_ASSIGN_OR_RETURN(GaussianHmm hmm, FromProto(component));
+      mixture.components.push_back(std::move(hmm));
+    }
+  }
+  TACTUS_ASSIGN_OR_RETURN(model.hmm_score,
+                          kHmmScores.FromWire(bundle.hmm_score()));
+  if (bundle.has_lstm()) {
+    TACTUS_ASSIGN_OR_RETURN(LstmNetwork lstm, FromProto(bundle.lstm()));
+    model.lstm = std::move(lstm);
+  }
+  model.calibration = FromProto(bundle.calibration());
+  if (!bundle.layout_class().empty()) {
+    TACTUS_ASSIGN_OR_RETURN(model.layout, LayoutFromProto(bundle.geometry()));
+    model.layout.name = bundle.layout_class();
+  }
+  model.provenance = FromProto(bundle.provenance());
+  TACTUS_ASSIGN_OR_RETURN(model.warm_up, FromProto(bundle.warm_up()));
+  return model;
+}
+
+}  // namespace tactus

@@ -1,0 +1,144 @@
+#include "core/classify/calibration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+
+namespace tactus {
+namespace {
+
+// A contact is as likely unknown as not when its evidence lies this many
+// deviations below the training mean; one deviation is e-fold.
+constexpr double kUnknownDeviations = 6;
+
+// Exponentiates in place relative to the largest entry and normalises.
+// Returns false if no entry is above -infinity.
+bool NormaliseLogs(std::span<double> values) {
+  const double top = *std::max_element(values.begin(), values.end());
+  if (!(top > -std::numeric_limits<double>::infinity())) return false;
+  double sum = 0;
+  for (double& value : values) sum += value = std::exp(value - top);
+  for (double& value : values) value /= sum;
+  return true;
+}
+
+absl::Status CheckTable(absl::string_view name,
+                        const std::vector<double>& table, size_t entries,
+                        double low, double high) {
+  if (table.size() != entries) {
+    return InvalidModel(absl::StrCat("calibration.", name, " size"),
+                        table.size(), absl::StrCat(entries));
+  }
+  for (double value : table) {
+    if (!(value >= low && value <= high)) {
+      return InvalidModel(absl::StrCat("calibration.", name), value,
+                          absl::StrCat(low, " to ", high));
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+CalibrationPoint CalibrationAt(const Calibration& c, double frames) {
+  const auto after = std::upper_bound(c.frames.begin(), c.frames.end(), frames);
+  size_t high = after - c.frames.begin();
+  size_t low = high == 0 ? 0 : high - 1;
+  if (high == c.frames.size()) high = low;
+  const double share = low == high
+                           ? 0
+                           : std::log(frames / c.frames[low]) /
+                                 std::log(c.frames[high] / c.frames[low]);
+  auto read = [&](const std::vector<double>& table) {
+    return table[low] + share * (table[high] - table[low]);
+  };
+  CalibrationPoint point;
+  point.hmm_temperature = read(c.hmm_temperature);
+  if (!c.lstm_temperature.empty()) {
+    point.lstm_temperature = read(c.lstm_temperature);
+    point.lstm_weight = read(c.lstm_weight);
+  }
+  point.evidence_mean = read(c.evidence_mean);
+  point.evidence_deviation = read(c.evidence_deviation);
+  return point;
+}
+
+void TemperedPosterior(std::span<const double> log_prior,
+                       std::span<const double> log_score, double temperature,
+                       std::span<double> probability) {
+  const double top = *std::max_element(log_score.begin(), log_score.end());
+  const bool scored = top > -std::numeric_limits<double>::infinity();
+  for (size_t k = 0; k < probability.size(); ++k) {
+    // Relative to the best score first: the sums of many frames are large.
+    const double score = scored ? temperature * (log_score[k] - top) : 0.0;
+    probability[k] = log_prior[k] + score;
+  }
+  if (!NormaliseLogs(probability)) {
+    std::fill(probability.begin(), probability.end(),
+              1.0 / static_cast<double>(probability.size()));
+  }
+}
+
+void FusePosteriors(std::span<const double> hmm, std::span<const double> lstm,
+                    double weight, std::span<double> fused) {
+  // Either model may give an exact zero; it must not veto the other.
+  constexpr double kLeast = 1e-300;
+  for (size_t k = 0; k < fused.size(); ++k) {
+    fused[k] = (1 - weight) * std::log(std::max(hmm[k], kLeast)) +
+               weight * std::log(std::max(lstm[k], kLeast));
+  }
+  NormaliseLogs(fused);
+}
+
+double UnknownShare(const CalibrationPoint& point, double evidence) {
+  const double deviations =
+      (evidence - point.evidence_mean) / point.evidence_deviation;
+  return 1 / (1 + std::exp(deviations + kUnknownDeviations));
+}
+
+absl::Status Validate(const Calibration& c, int classes, bool has_lstm) {
+  constexpr double kTiny = 1e-12;
+  constexpr double kHuge = 1e12;
+  const size_t entries = c.frames.size();
+  if (entries == 0) {
+    return InvalidModel("calibration.frames size", 0, "at least 1");
+  }
+  TACTUS_RETURN_IF_ERROR(CheckTable("frames", c.frames, entries, 1, kHuge));
+  if (std::adjacent_find(c.frames.begin(), c.frames.end(),
+                         std::greater_equal<>()) != c.frames.end()) {
+    return InvalidModel("calibration.frames", "not increasing", "increasing");
+  }
+  TACTUS_RETURN_IF_ERROR(
+      CheckTable("hmm_temperature", c.hmm_temperature, entries, kTiny, kHuge));
+  const size_t lstm_entries = has_lstm ? entries : 0;
+  TACTUS_RETURN_IF_ERROR(CheckTable("lstm_temperature", c.lstm_temperature,
+                                    lstm_entries, kTiny, kHuge));
+  TACTUS_RETURN_IF_ERROR(
+      CheckTable("lstm_weight", c.lstm_weight, lstm_entries, 0, 1));
+  TACTUS_RETURN_IF_ERROR(
+      CheckTable("evidence_mean", c.evidence_mean, entries, -kHuge, kHuge));
+  TACTUS_RETURN_IF_ERROR(CheckTable("evidence_deviation", c.evidence_deviation,
+                                    entries, kTiny, kHuge));
+  TACTUS_RETURN_IF_ERROR(CheckTable("prior", c.prior, classes, 0, 1));
+  double sum = 0;
+  for (double p : c.prior) sum += p;
+  if (std::abs(sum - 1) > 1e-9) {
+    return InvalidModel("sum of calibration.prior", sum, "1");
+  }
+  if (!(c.decision_threshold > 0.5 && c.decision_threshold <= 1)) {
+    return InvalidModel("calibration.decision_threshold", c.decision_threshold,
+                        "above 0.5 and at most 1");
+  }
+  if (c.decision_frames < 1 || c.decision_frames > limits::kMaxDecisionFrames) {
+    return InvalidModel("calibration.decision_frames", c.decision_frames,
+                        absl::StrCat("1 to ", limits::kMaxDecisionFrames));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace tactus

@@ -1,0 +1,113 @@
+#include "core/classify/compiled_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+#include "core/classify/calibration.h"
+#include "core/classify/contact_classifier.h"
+#include "core/classify/feature_input.h"
+
+namespace tactus {
+namespace {
+
+absl::Status CheckClassNames(const std::vector<std::string>& names) {
+  if (names.size() < 2 || names.size() > limits::kMaxClasses) {
+    return InvalidModel("number of classes", names.size(),
+                        absl::StrCat("2 to ", limits::kMaxClasses));
+  }
+  std::set<std::string> seen;
+  for (const std::string& name : names) {
+    if (name.empty() || !seen.insert(name).second) {
+      return InvalidModel("class name", absl::StrCat("\"", name, "\""),
+                          "not empty and unique");
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckWarmUp(const Model& model) {
+  const WarmUpTrial& trial = model.warm_up;
+  if (trial.signals.empty()) return absl::OkStatus();
+  for (const auto* answer : {&trial.probability, &trial.log_likelihood}) {
+    if (answer->size() != model.class_names.size()) {
+      return InvalidModel("warm_up answer size", answer->size(),
+                          absl::StrCat(model.classes()));
+    }
+  }
+  for (const FeatureVector& frame : trial.signals) {
+    for (double value : frame) {
+      if (!std::isfinite(value)) {
+        return InvalidModel("warm_up.signals", value, "finite");
+      }
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<std::shared_ptr<const CompiledModel>> CompiledModel::Create(
+    Model model) {
+  const bool has_lstm = model.lstm.has_value();
+  TACTUS_RETURN_IF_ERROR(CheckClassNames(model.class_names));
+  TACTUS_RETURN_IF_ERROR(Validate(model.features, has_lstm));
+  TACTUS_RETURN_IF_ERROR(
+      Validate(model.calibration, model.classes(), has_lstm));
+  TACTUS_RETURN_IF_ERROR(CheckWarmUp(model));
+  if (!model.layout.name.empty()) {
+    TACTUS_RETURN_IF_ERROR(Validate(model.layout));
+  }
+  if (model.hmms.size() != model.class_names.size()) {
+    return InvalidModel("number of HMM mixtures", model.hmms.size(),
+                        absl::StrCat(model.classes(), ", one a class"));
+  }
+
+  std::shared_ptr<CompiledModel> compiled(new CompiledModel(std::move(model)));
+  const Model& m = compiled->model_;
+  const int inputs = static_cast<int>(m.features.features.size());
+  compiled->hmms_.reserve(m.hmms.size());
+  for (const HmmMixture& mixture : m.hmms) {
+    TACTUS_ASSIGN_OR_RETURN(auto hmm, CompiledMixture::Create(mixture));
+    if (hmm.dimensions() != inputs) {
+      return InvalidModel("HMM dimensions", hmm.dimensions(),
+                          absl::StrCat(inputs, ", the number of features"));
+    }
+    compiled->hmms_.push_back(std::move(hmm));
+  }
+  if (has_lstm) {
+    if (m.lstm->layers.empty() || m.lstm->layers[0].inputs != inputs ||
+        m.lstm->classes() != m.classes()) {
+      return InvalidModel("LSTM inputs and classes", "other than the model's",
+                          absl::StrCat(inputs, " and ", m.classes()));
+    }
+    TACTUS_ASSIGN_OR_RETURN(auto lstm, CompiledLstm::Create(*m.lstm));
+    compiled->lstm_.emplace(std::move(lstm));
+  }
+  return std::shared_ptr<const CompiledModel>(std::move(compiled));
+}
+
+absl::Status RunWarmUp(const CompiledModel& model) {
+  constexpr double kTolerance = 1e-6;
+  const WarmUpTrial& trial = model.model().warm_up;
+  // The classifier only needs the model for this call: a non-owning share.
+  ContactClassifier classifier(
+      std::shared_ptr<const CompiledModel>(std::shared_ptr<void>(), &model),
+      {});
+  for (const FeatureVector& frame : trial.signals) classifier.Step(frame, 0);
+  for (size_t k = 0; k < trial.probability.size(); ++k) {
+    const double got = classifier.probability()[k];
+    if (!(std::abs(got - trial.probability[k]) <= kTolerance)) {
+      return InvalidModel(
+          absl::StrCat("warm-up probability of ", model.model().class_names[k]),
+          got, absl::StrCat(trial.probability[k], ", as stored"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace tactus

@@ -1,0 +1,91 @@
+#include "core/classify/contact_pipeline.h"
+
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+
+namespace tactus {
+namespace {
+
+// Rates this far apart would shift what a frame means to the models.
+constexpr double kRateTolerance = 0.05;
+
+std::string Describe(const SkinLayout& layout) {
+  return absl::StrCat(layout.name, " ", layout.rows, "x", layout.columns);
+}
+
+absl::Status CheckRate(double rate, double model_rate) {
+  if (!(rate > 0 && rate <= limits::kMaxSampleRateHz)) {
+    return InvalidConfig(
+        "sample_rate_hz", rate,
+        absl::StrCat("above 0 and at most ", limits::kMaxSampleRateHz));
+  }
+  if (std::abs(rate / model_rate - 1) > kRateTolerance) {
+    return InvalidConfig(
+        "sample_rate_hz", rate,
+        absl::StrCat("within 5 % of the model's ", model_rate));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckSkin(const SkinLayout& layout, const SkinLayout& trained) {
+  if (trained.name.empty()) return absl::OkStatus();
+  const bool same =
+      layout.name == trained.name && layout.rows == trained.rows &&
+      layout.columns == trained.columns && layout.unit == trained.unit;
+  return same ? absl::OkStatus()
+              : GeometryMismatch(Describe(layout), Describe(trained));
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<ContactPipeline>> ContactPipeline::Create(
+    const SkinLayout& layout, std::shared_ptr<const CompiledModel> model,
+    const Options& options) {
+  TACTUS_RETURN_IF_ERROR(Validate(layout));
+  const Model& m = model->model();
+  TACTUS_RETURN_IF_ERROR(
+      CheckRate(options.sample_rate_hz, m.features.sample_rate_hz));
+  TACTUS_RETURN_IF_ERROR(CheckSkin(layout, m.layout));
+  return std::unique_ptr<ContactPipeline>(
+      new ContactPipeline(layout, std::move(model), options));
+}
+
+ContactPipeline::ContactPipeline(const SkinLayout& layout,
+                                 std::shared_ptr<const CompiledModel> model,
+                                 const Options& options)
+    : tracker_(layout, {options.sample_rate_hz, options.release_after_s}),
+      classifier_(std::move(model), options.decision) {}
+
+const ContactReport& ContactPipeline::Step(const FrameView& frame) {
+  report_.features = tracker_.Step(frame);
+  report_.state = tracker_.state();
+  report_.onset = tracker_.onset();
+  report_.released = tracker_.released();
+  report_.decided = false;
+  if (report_.onset) {
+    ++report_.contact_id;
+    classifier_.Reset();
+  }
+  if (report_.state == ContactState::kInContact) {
+    const bool decided_before = classifier_.decision().has_value();
+    // Frames lost before the onset belong to no contact.
+    classifier_.Step(report_.features.vector(),
+                     report_.onset ? 0 : frame.missing_before);
+    report_.decided = !decided_before && classifier_.decision().has_value();
+  }
+  return report_;
+}
+
+void ContactPipeline::EndTrial() {
+  tracker_.Reset();
+  classifier_.Reset();
+  const uint64_t contacts = report_.contact_id;
+  report_ = {};
+  report_.contact_id = contacts;
+}
+
+}  // namespace tactus
