@@ -60,10 +60,10 @@ constexpr EnumTable<GateActivation, v1::LstmNetwork::GateActivation, 2>
          {GateActivation::kHardSigmoid,
           v1::LstmNetwork::GATE_ACTIVATION_HARD_SIGMOID}}};
 
-constexpr EnumTable<HmmScore, v1::HmmScore, 2> kHmmScores{
+constexpr EnumTable<Score, v1::HmmScore, 2> kHmmScores{
     "hmm_score",
-    {{HmmScore::kForward, v1::HMM_SCORE_FORWARD},
-     {HmmScore::kViterbi, v1::HMM_SCORE_VITERBI}}};
+    {{Score::kForward, v1::HMM_SCORE_FORWARD},
+     {Score::kViterbi, v1::HMM_SCORE_VITERBI}}};
 
 void ToProto(const FeatureSpec& spec, v1::FeatureSpec* out) {
   for (Feature feature : spec.features) {

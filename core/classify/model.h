@@ -78,7 +78,7 @@ struct Model {
   FeatureSpec features;
   // One mixture per class.
   std::vector<HmmMixture> hmms;
-  HmmScore hmm_score = HmmScore::kForward;
+  Score hmm_score = Score::kForward;
   std::optional<LstmNetwork> lstm;
   Calibration calibration;
   // Skin of the training data; an empty name fits any skin.

@@ -1,0 +1,139 @@
+// trainctl evaluate: how well the trials of a file are told apart.
+#include <iostream>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/trainctl/command.h"
+#include "client/trainctl/fit_flags.h"
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+#include "core/eval/evaluate.h"
+
+namespace tactus::client {
+namespace {
+
+struct Flags {
+  std::string data;
+  std::string protocol;
+  std::string model;
+  std::string algorithm = "hmm";
+  std::string layout;
+  bool json = false;
+  FitFlags fit;
+};
+
+std::string SecondsKey(double seconds) { return absl::StrFormat("%g", seconds); }
+
+Json ToJson(const Flags& flags, const std::string& features,
+            const LoadedContacts& loaded, const Evaluation& result) {
+  Json accuracy_at = Json::object();
+  Json ece_at = Json::object();
+  for (int i = 0; i < kAnytimeCount; ++i) {
+    const std::string key = SecondsKey(kAnytimeSeconds[i]);
+    accuracy_at[key] = Accuracy(result.anytime[i]);
+    ece_at[key] = ExpectedCalibrationError(result.anytime[i]);
+  }
+  return {{"protocol", flags.model.empty() ? flags.protocol : "model"},
+          {"algorithm", flags.algorithm},
+          {"features", features},
+          {"trials", loaded.trials},
+          {"undetectable", loaded.undetectable},
+          {"accuracy", Accuracy(result.final)},
+          {"accuracy_at", accuracy_at},
+          {"classes", result.class_names},
+          {"confusion",
+           CountConfusion(result.final,
+                          static_cast<int>(result.class_names.size()))},
+          {"ece", ExpectedCalibrationError(result.final)},
+          {"ece_at", ece_at},
+          {"seed", flags.fit.seed},
+          {"seconds", SecondsSinceStart()}};
+}
+
+void PrintForPeople(const Json& r) {
+  std::cout << absl::StrFormat(
+      "%s, %s, features %s: %s of %d trials (%d undetectable, not counted)\n",
+      r["protocol"].get<std::string>(), r["algorithm"].get<std::string>(),
+      r["features"].get<std::string>(), Percent(r["accuracy"]),
+      r["trials"].get<int>(), r["undetectable"].get<int>());
+  for (const auto& [seconds, accuracy] : r["accuracy_at"].items()) {
+    std::cout << absl::StrFormat("  after %4s s  %s\n", seconds,
+                                 Percent(accuracy));
+  }
+  std::cout << absl::StrFormat("Expected calibration error %.3f\n",
+                               r["ece"].get<double>());
+  std::cout << "Rows are labels, columns answers:\n        ";
+  for (const auto& name : r["classes"]) {
+    std::cout << absl::StrFormat("%8s", name.get<std::string>());
+  }
+  std::cout << "\n";
+  for (size_t i = 0; i < r["classes"].size(); ++i) {
+    std::cout << absl::StrFormat("%8s", r["classes"][i].get<std::string>());
+    for (const auto& count : r["confusion"][i]) {
+      std::cout << absl::StrFormat("%8d", count.get<int>());
+    }
+    std::cout << "\n";
+  }
+  std::cout << absl::StrFormat("seed %d, %.1f s\n", r["seed"].get<int64_t>(),
+                               r["seconds"].get<double>());
+}
+
+absl::Status Run(const Flags& flags) {
+  if (flags.protocol.empty() == flags.model.empty()) {
+    return InvalidConfig("--protocol and --model",
+                         flags.model.empty() ? "both absent" : "both given",
+                         "exactly one of the two");
+  }
+  TACTUS_ASSIGN_OR_RETURN(const Algorithm algorithm,
+                          ParseAlgorithm(flags.algorithm));
+  TACTUS_ASSIGN_OR_RETURN(const FitOptions options, flags.fit.Options());
+  TACTUS_ASSIGN_OR_RETURN(const LoadedContacts loaded,
+                          LoadContacts(flags.data, flags.layout));
+  Evaluation result;
+  std::string features;
+  if (flags.model.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(const Protocol protocol,
+                            ParseProtocol(flags.protocol));
+    TACTUS_ASSIGN_OR_RETURN(
+        result, EvaluateProtocol(loaded.Pointers(), protocol, algorithm,
+                                 options, RunOnThreads));
+    features = FeaturesToString(options.features);
+  } else {
+    TACTUS_ASSIGN_OR_RETURN(Model model, LoadModel(flags.model));
+    TACTUS_ASSIGN_OR_RETURN(auto compiled,
+                            CompiledModel::Create(std::move(model)));
+    TACTUS_ASSIGN_OR_RETURN(
+        result, EvaluateModel(compiled, loaded.Pointers(), algorithm,
+                              RunOnThreads));
+    features = FeaturesToString(compiled->model().features.features);
+  }
+  const Json json = ToJson(flags, features, loaded, result);
+  if (flags.json) {
+    std::cout << json.dump() << "\n";
+  } else {
+    PrintForPeople(json);
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddEvaluate(CLI::App& app, const SelectCommand& select) {
+  auto flags = std::make_shared<Flags>();
+  CLI::App* command = app.add_subcommand(
+      "evaluate", "Measure accuracy by a protocol, or of a bundle");
+  command->add_option("--data", flags->data, "Trial file")->required();
+  command->add_option(
+      "--protocol", flags->protocol,
+      "loco, leave-one-out, leave-one-material-out or k-fold");
+  command->add_option("--model", flags->model, "Bundle to evaluate instead");
+  command->add_option("--algorithm", flags->algorithm,
+                      "hmm, lstm, 1nn or fused");
+  command->add_option("--layout", flags->layout,
+                      "JSON file with the skin, for layouts without preset");
+  command->add_flag("--json", flags->json, "One JSON object on stdout");
+  flags->fit.Add(*command);
+  command->callback([=] { select([=] { return Run(*flags); }); });
+}
+
+}  // namespace tactus::client

@@ -1,0 +1,26 @@
+// File: fit_flags.h
+//
+// Flags that say how models are fitted; shared by fit and evaluate.
+#pragma once
+
+#include <string>
+
+#include "CLI/CLI.hpp"
+#include "absl/status/statusor.h"
+#include "core/eval/fit.h"
+
+namespace tactus::client {
+
+struct FitFlags {
+  std::string preset = "default";
+  std::string features = "f,m,a";
+  uint64_t seed = 1;
+  int states = 0;
+  int mixtures = 0;
+
+  void Add(CLI::App& command);
+  // The preset with what the other flags change.
+  absl::StatusOr<FitOptions> Options() const;
+};
+
+}  // namespace tactus::client

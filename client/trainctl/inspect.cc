@@ -1,0 +1,100 @@
+// trainctl inspect: what a trial file or a bundle holds.
+#include <algorithm>
+#include <iostream>
+#include <map>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_format.h"
+#include "client/trainctl/command.h"
+#include "core/base/status_macros.h"
+#include "core/bundle/bundle.h"
+#include "core/data/trial_file.h"
+
+namespace tactus::client {
+namespace {
+
+struct Flags {
+  std::string path;
+  bool json = false;
+};
+
+absl::StatusOr<Json> InspectBundle(const std::string& bytes) {
+  TACTUS_ASSIGN_OR_RETURN(const Model model, DecodeBundle(bytes));
+  TACTUS_ASSIGN_OR_RETURN(auto compiled, CompiledModel::Create(model));
+  TACTUS_RETURN_IF_ERROR(RunWarmUp(*compiled));
+  Json hmms = Json::object();
+  for (int k = 0; k < model.classes(); ++k) {
+    hmms[model.class_names[k]] = {
+        {"components", model.hmms[k].components.size()},
+        {"states", model.hmms[k].components.front().states}};
+  }
+  return Json{
+      {"kind", "bundle"},
+      {"format_version", kBundleFormatVersion},
+      {"bytes", bytes.size()},
+      {"sha256", BundleSha256(bytes)},
+      {"classes", model.class_names},
+      {"features", FeaturesToString(model.features.features)},
+      {"sample_rate_hz", model.features.sample_rate_hz},
+      {"hmms", hmms},
+      {"lstm_parameters",
+       model.lstm ? Json(model.lstm->parameter_count()) : Json(nullptr)},
+      {"layout", model.layout.name},
+      {"decision",
+       {{"threshold", model.calibration.decision_threshold},
+        {"frames", model.calibration.decision_frames}}},
+      {"provenance",
+       {{"command", model.provenance.command},
+        {"version", model.provenance.version},
+        {"trials", model.provenance.trials},
+        {"seed", model.provenance.seed},
+        {"data", model.provenance.data},
+        {"note", model.provenance.note}}},
+      {"warm_up", "passed"}};
+}
+
+absl::StatusOr<Json> InspectTrials(const std::string& path) {
+  TACTUS_ASSIGN_OR_RETURN(auto reader, TrialFileReader::Open(path));
+  std::map<std::string, int> labels;
+  std::map<std::string, int> conditions;
+  std::map<std::string, int> materials;
+  std::map<std::string, int> layouts;
+  size_t frames = 0;
+  for (size_t i = 0; i < reader.size(); ++i) {
+    TACTUS_ASSIGN_OR_RETURN(const Trial trial, reader.Read(i));
+    ++labels[trial.label];
+    ++conditions[trial.condition];
+    ++materials[trial.material];
+    ++layouts[trial.layout];
+    frames += trial.time.size();
+  }
+  return Json{{"kind", "trials"},     {"trials", reader.size()},
+              {"frames", frames},     {"counts", labels},
+              {"layouts", layouts},   {"conditions", conditions},
+              {"materials", materials}};
+}
+
+absl::Status Run(const Flags& flags) {
+  TACTUS_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(flags.path));
+  Json json;
+  if (absl::StartsWith(bytes, "TACTUSMB")) {
+    TACTUS_ASSIGN_OR_RETURN(json, InspectBundle(bytes));
+  } else {
+    TACTUS_ASSIGN_OR_RETURN(json, InspectTrials(flags.path));
+  }
+  std::cout << json.dump(flags.json ? -1 : 2) << "\n";
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddInspect(CLI::App& app, const SelectCommand& select) {
+  auto flags = std::make_shared<Flags>();
+  CLI::App* command =
+      app.add_subcommand("inspect", "Tell what a trial file or bundle holds");
+  command->add_option("file", flags->path, "Trial file or bundle")->required();
+  command->add_flag("--json", flags->json, "One JSON object on stdout");
+  command->callback([=] { select([=] { return Run(*flags); }); });
+}
+
+}  // namespace tactus::client

@@ -1,0 +1,43 @@
+// File: calibrate.h
+//
+// Fitting a Calibration to scores of held-out contacts, so that a probability
+// of 0.8 is right eight times in ten, at any time since onset.
+//
+// The frames of a contact are far from independent given the state, so raw
+// HMM likelihoods are overconfident, more so the longer the contact. One
+// factor on the log-scores per time ("temperature") mends it (Guo et al.,
+// ICML 2017, Section 4.2, on log-likelihoods).
+//
+// Thread-safe: free functions without state.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/classify/compiled_model.h"
+#include "core/eval/contact.h"
+
+namespace tactus {
+
+// Frames since onset at which calibrations are fitted, at `rate` frames per
+// second: 0.1, 0.25, 0.5, 1.2, 2.5 and 5 s.
+std::vector<double> CalibrationFrames(double rate);
+
+// A held-out contact's log-likelihoods at each calibration time.
+struct ScoredContact {
+  int label = 0;
+  // [times][classes]; a contact shorter than a time gives its last.
+  std::vector<std::vector<double>> log_likelihood;
+  // Frames scored at each time.
+  std::vector<double> frames;
+};
+
+// Scores one contact by a model that has not seen it.
+ScoredContact ScoreContact(const std::shared_ptr<const CompiledModel>& model,
+                           const Contact& contact, int label);
+
+// Fills frames, temperatures and evidence; leaves prior and decision rule.
+void FitCalibration(std::span<const ScoredContact> contacts, double rate,
+                    Calibration& calibration);
+
+}  // namespace tactus

@@ -1,0 +1,49 @@
+// File: contact.h
+//
+// Contact: one labelled contact as the models see it, feature frames from
+// onset on. Fitting and evaluating work on these.
+//
+//   auto contact = ExtractContact(trial);
+//   if (!contact->has_value()) ++undetectable;
+//
+// Thread-safe: free functions without state.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/data/trial.h"
+#include "core/features/feature.h"
+#include "core/skin/layout.h"
+
+namespace tactus {
+
+struct Contact {
+  std::string id;
+  std::string label;
+  std::string condition;
+  std::string material;
+  double sample_rate_hz = 100;
+  // Name, rows and columns of the skin; an empty name for ideal signals.
+  SkinLayout layout;
+  // From onset to the end of the trial.
+  std::vector<FeatureVector> frames;
+};
+
+// Takes the taxels, if there are any, through the feature path (the contact
+// ends with the trial), else the stored signals. Nothing if no taxel ever
+// reaches the onset threshold: the trial is undetectable.
+//
+// `layout` is the skin of trials whose layout class has this name; other
+// trials' classes must be presets. Null for none.
+absl::StatusOr<std::optional<Contact>> ExtractContact(
+    const Trial& trial, const SkinLayout* layout = nullptr);
+
+// The skin of a trial with taxels, chosen as above; INVALID_CONFIG if its
+// shape is not that of the taxels.
+absl::StatusOr<SkinLayout> LayoutOfTrial(const Trial& trial,
+                                         const SkinLayout* layout = nullptr);
+
+}  // namespace tactus

@@ -1,0 +1,154 @@
+#include "core/eval/evaluate.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+#include "core/classify/contact_classifier.h"
+#include "core/eval/evaluate_nearest.h"
+
+namespace tactus {
+namespace {
+
+std::span<const double> ProbabilityOf(const ContactClassifier& classifier,
+                                      Algorithm algorithm) {
+  switch (algorithm) {
+    case Algorithm::kHmm:
+      return classifier.hmm_probability();
+    case Algorithm::kLstm:
+      return classifier.lstm_probability();
+    default:
+      return classifier.probability();
+  }
+}
+
+absl::StatusOr<int> LabelIndex(const std::vector<std::string>& class_names,
+                               const Contact& contact) {
+  const auto found =
+      std::find(class_names.begin(), class_names.end(), contact.label);
+  if (found == class_names.end()) {
+    return InvalidConfig(absl::StrCat("label of trial ", contact.id),
+                         contact.label, "one of the model's classes");
+  }
+  return static_cast<int>(found - class_names.begin());
+}
+
+// Room for one outcome per contact, labels filled in.
+absl::StatusOr<Evaluation> PrepareEvaluation(
+    const std::vector<const Contact*>& contacts,
+    std::vector<std::string> class_names) {
+  Evaluation result;
+  result.class_names = std::move(class_names);
+  result.final.resize(contacts.size());
+  for (size_t i = 0; i < contacts.size(); ++i) {
+    TACTUS_ASSIGN_OR_RETURN(result.final[i].label,
+                            LabelIndex(result.class_names, *contacts[i]));
+  }
+  result.anytime.assign(kAnytimeCount, result.final);
+  return result;
+}
+
+// Runs one contact and writes its outcomes at place `index`.
+void EvaluateContact(const std::shared_ptr<const CompiledModel>& model,
+                     const Contact& contact, Algorithm algorithm, int index,
+                     Evaluation& result) {
+  ContactClassifier classifier(model, {});
+  auto record = [&](Outcome& outcome) {
+    const auto probability = ProbabilityOf(classifier, algorithm);
+    outcome.probability.assign(probability.begin(), probability.end());
+  };
+  int next = 0;
+  for (const FeatureVector& frame : contact.frames) {
+    classifier.Step(frame, 0);
+    while (next < kAnytimeCount &&
+           static_cast<double>(classifier.frames()) >=
+               std::round(kAnytimeSeconds[next] * contact.sample_rate_hz)) {
+      record(result.anytime[next++][index]);
+    }
+  }
+  while (next < kAnytimeCount) record(result.anytime[next++][index]);
+  record(result.final[index]);
+}
+
+absl::Status EvaluateHmmFold(const std::vector<const Contact*>& contacts,
+                             const std::vector<int>& fold,
+                             const FitOptions& options, Algorithm algorithm,
+                             Evaluation& result) {
+  std::vector<const Contact*> rest;
+  for (int i : Complement(fold, static_cast<int>(contacts.size()))) {
+    rest.push_back(contacts[i]);
+  }
+  TACTUS_ASSIGN_OR_RETURN(Model model,
+                          FitModel(rest, options, RunSerially));
+  if (model.class_names != result.class_names) {
+    return InvalidTrainingData(
+        "a fold holds all contacts of some class; use another protocol");
+  }
+  TACTUS_ASSIGN_OR_RETURN(auto compiled,
+                          CompiledModel::Create(std::move(model)));
+  for (int i : fold) {
+    EvaluateContact(compiled, *contacts[i], algorithm, i, result);
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<Algorithm> ParseAlgorithm(absl::string_view name) {
+  if (name == "hmm") return Algorithm::kHmm;
+  if (name == "lstm") return Algorithm::kLstm;
+  if (name == "1nn") return Algorithm::kNearest;
+  if (name == "fused") return Algorithm::kFused;
+  return InvalidConfig("algorithm", name, "hmm, lstm, 1nn or fused");
+}
+
+absl::StatusOr<Evaluation> EvaluateModel(
+    const std::shared_ptr<const CompiledModel>& model,
+    const std::vector<const Contact*>& contacts, Algorithm algorithm,
+    const ParallelFor& parallel) {
+  if (algorithm == Algorithm::kNearest) {
+    return InvalidConfig("algorithm", "1nn",
+                         "hmm, lstm or fused with a model bundle");
+  }
+  if (algorithm == Algorithm::kLstm && model->lstm() == nullptr) {
+    return InvalidConfig("algorithm", "lstm",
+                         "hmm or fused: the bundle holds no LSTM");
+  }
+  TACTUS_ASSIGN_OR_RETURN(
+      Evaluation result,
+      PrepareEvaluation(contacts, model->model().class_names));
+  parallel(static_cast<int>(contacts.size()), [&](int i) {
+    EvaluateContact(model, *contacts[i], algorithm, i, result);
+  });
+  return result;
+}
+
+absl::StatusOr<Evaluation> EvaluateProtocol(
+    const std::vector<const Contact*>& contacts, Protocol protocol,
+    Algorithm algorithm, const FitOptions& options,
+    const ParallelFor& parallel) {
+  if (algorithm == Algorithm::kLstm) {
+    return InvalidConfig("algorithm", "lstm",
+                         "hmm, 1nn or fused with a protocol; this release "
+                         "runs LSTMs from bundles but does not train them");
+  }
+  TACTUS_ASSIGN_OR_RETURN(const auto folds, MakeFolds(contacts, protocol));
+  TACTUS_ASSIGN_OR_RETURN(Evaluation result,
+                          PrepareEvaluation(contacts, ClassNames(contacts)));
+  std::vector<absl::Status> failures(folds.size());
+  parallel(static_cast<int>(folds.size()), [&](int f) {
+    failures[f] = algorithm == Algorithm::kNearest
+                      ? EvaluateNearestFold(contacts, folds[f],
+                                            options.features, result)
+                      : EvaluateHmmFold(contacts, folds[f], options,
+                                        algorithm, result);
+  });
+  for (const absl::Status& failure : failures) {
+    TACTUS_RETURN_IF_ERROR(failure);
+  }
+  return result;
+}
+
+}  // namespace tactus

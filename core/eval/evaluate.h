@@ -1,0 +1,58 @@
+// File: evaluate.h
+//
+// Measuring how well contacts are told apart: by a fixed model, or by a
+// protocol that fits on some folds and tests on the others.
+//
+//   auto result = EvaluateProtocol(contacts, options, parallel);
+//   Accuracy(result->final);
+//
+// Thread-safe: free functions without state.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "core/classify/compiled_model.h"
+#include "core/eval/contact.h"
+#include "core/eval/fit.h"
+#include "core/eval/folds.h"
+#include "core/eval/metrics.h"
+#include "core/eval/parallel.h"
+
+namespace tactus {
+
+enum class Algorithm { kHmm, kLstm, kNearest, kFused };
+
+// "hmm", "lstm", "1nn" or "fused".
+absl::StatusOr<Algorithm> ParseAlgorithm(absl::string_view name);
+
+// Seconds since onset at which answers are taken, beside the last.
+inline constexpr double kAnytimeSeconds[] = {0.1, 0.25, 0.5, 1.2, 2.5, 5.0};
+inline constexpr int kAnytimeCount = 6;
+
+struct Evaluation {
+  std::vector<std::string> class_names;
+  // One per contact, in the order given, after its last frame.
+  std::vector<Outcome> final;
+  // The same after each of kAnytimeSeconds; a shorter contact's last.
+  std::vector<std::vector<Outcome>> anytime;
+};
+
+// Every contact by one model. INVALID_CONFIG for 1nn, for lstm without one,
+// and for labels that the model does not know.
+absl::StatusOr<Evaluation> EvaluateModel(
+    const std::shared_ptr<const CompiledModel>& model,
+    const std::vector<const Contact*>& contacts, Algorithm algorithm,
+    const ParallelFor& parallel);
+
+// Every contact by models fitted to the other folds. Algorithms: hmm, 1nn and
+// fused, which is hmm while no LSTM is fitted.
+absl::StatusOr<Evaluation> EvaluateProtocol(
+    const std::vector<const Contact*>& contacts, Protocol protocol,
+    Algorithm algorithm, const FitOptions& options,
+    const ParallelFor& parallel);
+
+}  // namespace tactus

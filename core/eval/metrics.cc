@@ -1,0 +1,60 @@
+#include "core/eval/metrics.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace tactus {
+
+int Outcome::answer() const {
+  return static_cast<int>(
+      std::max_element(probability.begin(), probability.end()) -
+      probability.begin());
+}
+
+Confusion CountConfusion(std::span<const Outcome> outcomes, int classes) {
+  Confusion confusion(classes, std::vector<int>(classes));
+  for (const Outcome& outcome : outcomes) {
+    ++confusion[outcome.label][outcome.answer()];
+  }
+  return confusion;
+}
+
+double Accuracy(std::span<const Outcome> outcomes) {
+  if (outcomes.empty()) return 0;
+  const auto right =
+      std::count_if(outcomes.begin(), outcomes.end(),
+                    [](const Outcome& o) { return o.answer() == o.label; });
+  return static_cast<double>(right) / static_cast<double>(outcomes.size());
+}
+
+double ExpectedCalibrationError(std::span<const Outcome> outcomes) {
+  constexpr int kBins = 15;
+  struct Bin {
+    int count = 0;
+    int right = 0;
+    double probability = 0;
+  };
+  std::array<Bin, kBins> bins;
+  for (const Outcome& outcome : outcomes) {
+    const double top = outcome.probability[outcome.answer()];
+    Bin& bin = bins[std::clamp(static_cast<int>(top * kBins), 0, kBins - 1)];
+    ++bin.count;
+    bin.right += outcome.answer() == outcome.label;
+    bin.probability += top;
+  }
+  double error = 0;
+  for (const Bin& bin : bins) error += std::abs(bin.right - bin.probability);
+  return outcomes.empty() ? 0 : error / static_cast<double>(outcomes.size());
+}
+
+double NegativeLogLikelihood(std::span<const Outcome> outcomes) {
+  if (outcomes.empty()) return 0;
+  double sum = 0;
+  for (const Outcome& outcome : outcomes) {
+    sum -= std::log(std::max(outcome.probability[outcome.label], 1e-12));
+  }
+  return sum / static_cast<double>(outcomes.size());
+}
+
+}  // namespace tactus

@@ -1,0 +1,37 @@
+// File: metrics.h
+//
+// What an evaluation counts: confusion, accuracy, calibration error.
+//
+// Plain data and free functions without state; thread-safe.
+#pragma once
+
+#include <span>
+#include <vector>
+
+namespace tactus {
+
+// One classified contact.
+struct Outcome {
+  int label = 0;
+  // Per class; sums to 1.
+  std::vector<double> probability;
+
+  int answer() const;
+};
+
+// [label][answer] counts, classes x classes.
+using Confusion = std::vector<std::vector<int>>;
+Confusion CountConfusion(std::span<const Outcome> outcomes, int classes);
+
+// Share of outcomes whose answer is their label; 0 for none.
+double Accuracy(std::span<const Outcome> outcomes);
+
+// Expected calibration error: mean over 15 equal-width bins of the top
+// probability, weighted by size, of |accuracy - mean probability|
+// (Guo et al., ICML 2017, eq. 3). 0 for none.
+double ExpectedCalibrationError(std::span<const Outcome> outcomes);
+
+// Mean of -log(probability of the label), probabilities floored at 1e-12.
+double NegativeLogLikelihood(std::span<const Outcome> outcomes);
+
+}  // namespace tactus
