@@ -47,6 +47,7 @@ inline constexpr size_t kMaxQueuedFinals = 64;
 // Models.
 inline constexpr int kMaxClasses = 64;
 inline constexpr int kMaxHmmStates = 256;
+inline constexpr int kMaxHmmDimensions = 16;
 inline constexpr int kMaxHmmsPerClass = 256;
 inline constexpr int kMaxLstmLayers = 8;
 inline constexpr int kMaxLstmCells = 1'024;

@@ -1,0 +1,104 @@
+#include "core/hmm/mixture.h"
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/base/errors.h"
+#include "gtest/gtest.h"
+#include "tests/core/hmm/random_model.h"
+
+namespace tactus {
+namespace {
+
+HmmMixture ThreeModels() {
+  Random random(21);
+  HmmMixture mixture;
+  mixture.log_weight = {std::log(0.5), std::log(0.3), std::log(0.2)};
+  for (int k = 0; k < 3; ++k) {
+    mixture.components.push_back(
+        RandomModel(4 + k, 2, CovarianceType::kFull, true, random));
+  }
+  return mixture;
+}
+
+TEST(MixtureTest, EachFaultIsRefusedByName) {
+  EXPECT_TRUE(Validate(ThreeModels()).ok());
+  struct Case {
+    const char* what;
+    void (*spoil)(HmmMixture&);
+  };
+  const Case cases[] = {
+      {"components", [](HmmMixture& m) { m.components.clear(); }},
+      {"components",
+       [](HmmMixture& m) { m.components.resize(257, m.components[0]); }},
+      {"log_weight size", [](HmmMixture& m) { m.log_weight.pop_back(); }},
+      {"log_weight[1]", [](HmmMixture& m) { m.log_weight[1] = NAN; }},
+      {"log_weight[1]", [](HmmMixture& m) { m.log_weight[1] = -INFINITY; }},
+      {"log_weight[2]", [](HmmMixture& m) { m.log_weight[2] = 0.1; }},
+      {"log_weight sum of exponentials",
+       [](HmmMixture& m) { m.log_weight[0] -= 0.1; }},
+      {"states", [](HmmMixture& m) { m.components[2].states = 0; }},
+      {"components[1] dimensions",
+       [](HmmMixture& m) {
+         Random random(1);
+         m.components[1] =
+             RandomModel(2, 3, CovarianceType::kFull, true, random);
+       }},
+  };
+  for (const Case& c : cases) {
+    HmmMixture mixture = ThreeModels();
+    c.spoil(mixture);
+    const absl::Status status = Validate(mixture);
+    EXPECT_EQ(ReasonOf(status), "INVALID_MODEL") << c.what;
+    EXPECT_EQ(InfoOf(status).metadata().at("field"), c.what);
+    EXPECT_FALSE(CompiledMixture::Create(mixture).ok());
+  }
+}
+
+TEST(MixtureTest, AddsUpTheWeightedLikelihoods) {
+  const HmmMixture model = ThreeModels();
+  const CompiledMixture mixture = *CompiledMixture::Create(model);
+  MixtureFilter forward(mixture, Score::kForward);
+  MixtureFilter viterbi(mixture, Score::kViterbi);
+  Random random(22);
+  const std::vector<double> x =
+      RandomObservations(model.components[1], 10, random);
+  for (int round = 0; round < 2; ++round) {
+    EXPECT_NEAR(forward.log_likelihood(), 0, 1e-15);
+    std::vector<ForwardFilter> forwards;
+    std::vector<ViterbiFilter> viterbis;
+    for (const CompiledHmm& hmm : mixture.components()) {
+      forwards.emplace_back(hmm);
+      viterbis.emplace_back(hmm);
+    }
+    for (int t = 0; t < 10; ++t) {
+      double sum = 0;
+      double viterbi_sum = 0;
+      for (int k = 0; k < 3; ++k) {
+        if (t == 4) {
+          forwards[k].Skip(2);
+          viterbis[k].Skip(2);
+        }
+        forwards[k].Step(Frame(x, 2, t));
+        viterbis[k].Step(Frame(x, 2, t));
+        const double weight = std::exp(model.log_weight[k]);
+        sum += weight * std::exp(forwards[k].log_likelihood());
+        viterbi_sum += weight * std::exp(viterbis[k].score());
+      }
+      if (t == 4) {
+        forward.Skip(2);
+        viterbi.Skip(2);
+      }
+      forward.Step(Frame(x, 2, t));
+      viterbi.Step(Frame(x, 2, t));
+      EXPECT_NEAR(forward.log_likelihood(), std::log(sum), 1e-11);
+      EXPECT_NEAR(viterbi.log_likelihood(), std::log(viterbi_sum), 1e-11);
+    }
+    forward.Reset();
+    viterbi.Reset();
+  }
+}
+
+}  // namespace
+}  // namespace tactus
