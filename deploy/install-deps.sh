@@ -1,0 +1,109 @@
+#!/usr/bin/env bash
+# Installs the Debian 12 packages that Tactus is built and tested with.
+#
+#   deploy/install-deps.sh            everything: server, tools and tests
+#   deploy/install-deps.sh --build    what tactusd alone needs to be built
+#   deploy/install-deps.sh --runtime  what a built tactusd needs to run
+#   deploy/install-deps.sh --list     (with any of these) only name them
+#
+# Runs as root, or as a user who may use sudo. Does nothing, and asks the
+# network nothing, when all of them are there already.
+set -euo pipefail
+
+# The server: compiler, gRPC and protobuf, the numerics it links.
+readonly BUILD=(
+  cmake
+  g++
+  libabsl-dev
+  libcli11-dev
+  libeigen3-dev
+  libgrpc++-dev
+  libprotobuf-dev
+  libspdlog-dev
+  ninja-build
+  protobuf-compiler
+  protobuf-compiler-grpc
+)
+# The shared libraries behind tactusd; each brings its own dependencies.
+readonly RUNTIME=(
+  libgrpc++1.51
+  libspdlog1.10
+)
+# The tools (trial files, simulator), the tests and their references.
+readonly TOOLS_AND_TESTS=(
+  ccache
+  clang-format
+  libbenchmark-dev
+  libghmm-dev
+  libgmock-dev
+  libgtest-dev
+  libhdf5-dev
+  libopencv-core-dev
+  libopencv-imgcodecs-dev
+  libopencv-imgproc-dev
+  libprotoc-dev
+  libsundials-dev
+  nlohmann-json3-dev
+)
+
+usage() {
+  sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "$0"
+}
+
+packages=("${BUILD[@]}" "${TOOLS_AND_TESTS[@]}")
+list_only=no
+for arg in "$@"; do
+  case "$arg" in
+    --build) packages=("${BUILD[@]}") ;;
+    --runtime) packages=("${RUNTIME[@]}") ;;
+    --list) list_only=yes ;;
+    -h | --help) usage; exit 0 ;;
+    *) echo "install-deps: unknown option '$arg'" >&2; usage >&2; exit 2 ;;
+  esac
+done
+
+if [[ $list_only == yes ]]; then
+  printf '%s\n' "${packages[@]}"
+  exit 0
+fi
+
+is_installed() {
+  dpkg-query --show --showformat='${db:Status-Status}\n' "$1" 2>/dev/null |
+    grep -qx installed
+}
+
+missing=()
+for package in "${packages[@]}"; do
+  is_installed "$package" || missing+=("$package")
+done
+if [[ ${#missing[@]} -eq 0 ]]; then
+  exit 0
+fi
+
+as_root=()
+if [[ $(id -u) -ne 0 ]]; then
+  if ! command -v sudo >/dev/null; then
+    echo "install-deps: not root and no sudo; please install as root:" \
+      "${missing[*]}" >&2
+    exit 1
+  fi
+  as_root=(sudo)
+fi
+
+# A mirror may fail for a moment; three tries, each a little later.
+try_apt_get() {
+  local attempt
+  for attempt in 1 2 3; do
+    if "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+      apt-get -qq -o Dpkg::Use-Pty=0 -o DPkg::Lock::Timeout=120 "$@"; then
+      return 0
+    fi
+    echo "install-deps: apt-get $1 failed (try $attempt of 3)" >&2
+    sleep $((attempt * 5))
+  done
+  return 1
+}
+
+echo "install-deps: installing ${missing[*]}"
+try_apt_get update
+try_apt_get install --yes --no-install-recommends "${missing[@]}" >/dev/null

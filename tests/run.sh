@@ -1,0 +1,89 @@
+#!/usr/bin/env bash
+# Builds Tactus and runs its tests; on a fresh Debian 12 this is all it takes.
+#
+#   tests/run.sh               installs what is missing, checks the formatting,
+#                              builds the release preset, runs the quick tests
+#   tests/run.sh --full        the long tests too
+#   tests/run.sh --sanitize    the quick tests under the asan and tsan presets
+#                              too (tsan: core and server/session)
+#
+# Stops at the first step that fails. The last lines say what took how long.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+full=no
+sanitize=no
+for arg in "$@"; do
+  case "$arg" in
+    --full) full=yes ;;
+    --sanitize) sanitize=yes ;;
+    -h | --help) sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "$0"; exit 0 ;;
+    *) echo "run.sh: unknown option '$arg' (try --help)" >&2; exit 2 ;;
+  esac
+done
+
+summary=()
+current=""
+
+# step NAME COMMAND...: runs one command, with a headline and a stopwatch.
+step() {
+  current=$1
+  local begin=$SECONDS
+  printf '\n== %s\n' "$current"
+  "${@:2}"
+  summary+=("$(printf '%5d s  %s' $((SECONDS - begin)) "$current")")
+  current=""
+}
+
+report() {
+  local status=$?
+  printf '\n'
+  [[ ${#summary[@]} -eq 0 ]] || printf '%s\n' "${summary[@]}"
+  if [[ $status -eq 0 ]]; then
+    printf '%5d s  all passed\n' "$SECONDS"
+  else
+    printf 'FAILED: %s\n' "${current:-setup}"
+  fi
+}
+trap report EXIT
+
+check_format() {
+  find core server client tests \( -name '*.cc' -o -name '*.h' \) -print0 |
+    xargs -0 -r clang-format --dry-run -Werror
+}
+
+# gcc 12's sanitizers lose their way when the kernel randomises addresses by
+# more than 28 bits; there they run without randomisation.
+plain_addresses=()
+rnd_bits=$(cat /proc/sys/vm/mmap_rnd_bits 2>/dev/null || echo 0)
+if [[ $rnd_bits -gt 28 ]] && setarch "$(uname -m)" -R true 2>/dev/null; then
+  plain_addresses=(setarch "$(uname -m)" -R)
+fi
+
+# build_and_test PRESET [CTEST OPTIONS]: configures, builds and tests it.
+build_and_test() {
+  local preset=$1
+  shift
+  local wrap=()
+  [[ $preset == release ]] || wrap=("${plain_addresses[@]}")
+  step "$preset: configure" cmake --preset "$preset"
+  step "$preset: build" "${wrap[@]}" \
+    cmake --build --preset "$preset" --parallel "$(nproc)"
+  step "$preset: test" "${wrap[@]}" \
+    ctest --preset "$preset" --parallel 2 --no-tests=error --timeout 600 "$@"
+}
+
+quick=(--label-exclude '^long$')
+release_tests=("${quick[@]}")
+[[ $full == no ]] || release_tests=()
+
+step "packages" deploy/install-deps.sh
+step "format" check_format
+build_and_test release "${release_tests[@]}"
+if [[ $sanitize == yes ]]; then
+  export ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1
+  export UBSAN_OPTIONS=print_stacktrace=1
+  export TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1
+  build_and_test asan "${quick[@]}"
+  build_and_test tsan "${quick[@]}"
+fi
