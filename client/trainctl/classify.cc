@@ -74,8 +74,7 @@ absl::Status Run(const Flags& flags) {
     TACTUS_ASSIGN_OR_RETURN(layout, LoadLayout(flags.layout));
   }
   TACTUS_ASSIGN_OR_RETURN(Model loaded, LoadModel(flags.model));
-  TACTUS_ASSIGN_OR_RETURN(auto model,
-                          CompiledModel::Create(std::move(loaded)));
+  TACTUS_ASSIGN_OR_RETURN(auto model, CompiledModel::Create(std::move(loaded)));
   TACTUS_ASSIGN_OR_RETURN(auto reader, TrialFileReader::Open(flags.data));
   Json trials = Json::array();
   for (size_t i = 0; i < reader.size(); ++i) {

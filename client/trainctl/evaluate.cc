@@ -1,4 +1,6 @@
 // trainctl evaluate: how well the trials of a file are told apart.
+#include "core/eval/evaluate.h"
+
 #include <iostream>
 
 #include "absl/strings/str_cat.h"
@@ -7,7 +9,6 @@
 #include "client/trainctl/fit_flags.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
-#include "core/eval/evaluate.h"
 
 namespace tactus::client {
 namespace {
@@ -22,7 +23,9 @@ struct Flags {
   FitFlags fit;
 };
 
-std::string SecondsKey(double seconds) { return absl::StrFormat("%g", seconds); }
+std::string SecondsKey(double seconds) {
+  return absl::StrFormat("%g", seconds);
+}
 
 Json ToJson(const Flags& flags, const std::string& features,
             const LoadedContacts& loaded, const Evaluation& result) {
@@ -102,9 +105,8 @@ absl::Status Run(const Flags& flags) {
     TACTUS_ASSIGN_OR_RETURN(Model model, LoadModel(flags.model));
     TACTUS_ASSIGN_OR_RETURN(auto compiled,
                             CompiledModel::Create(std::move(model)));
-    TACTUS_ASSIGN_OR_RETURN(
-        result, EvaluateModel(compiled, loaded.Pointers(), algorithm,
-                              RunOnThreads));
+    TACTUS_ASSIGN_OR_RETURN(result, EvaluateModel(compiled, loaded.Pointers(),
+                                                  algorithm, RunOnThreads));
     features = FeaturesToString(compiled->model().features.features);
   }
   const Json json = ToJson(flags, features, loaded, result);
@@ -123,9 +125,8 @@ void AddEvaluate(CLI::App& app, const SelectCommand& select) {
   CLI::App* command = app.add_subcommand(
       "evaluate", "Measure accuracy by a protocol, or of a bundle");
   command->add_option("--data", flags->data, "Trial file")->required();
-  command->add_option(
-      "--protocol", flags->protocol,
-      "loco, leave-one-out, leave-one-material-out or k-fold");
+  command->add_option("--protocol", flags->protocol,
+                      "loco, leave-one-out, leave-one-material-out or k-fold");
   command->add_option("--model", flags->model, "Bundle to evaluate instead");
   command->add_option("--algorithm", flags->algorithm,
                       "hmm, lstm, 1nn or fused");

@@ -23,8 +23,8 @@ absl::Status Run(const Flags& flags) {
   TACTUS_ASSIGN_OR_RETURN(const FitOptions options, flags.fit.Options());
   TACTUS_ASSIGN_OR_RETURN(const LoadedContacts loaded,
                           LoadContacts(flags.data, flags.layout));
-  TACTUS_ASSIGN_OR_RETURN(
-      Model model, FitModel(loaded.Pointers(), options, RunOnThreads));
+  TACTUS_ASSIGN_OR_RETURN(Model model,
+                          FitModel(loaded.Pointers(), options, RunOnThreads));
   model.provenance.command = CommandLine();
   model.provenance.version = TACTUS_VERSION;
   model.provenance.data = flags.data;

@@ -68,9 +68,9 @@ absl::StatusOr<Json> InspectTrials(const std::string& path) {
     ++layouts[trial.layout];
     frames += trial.time.size();
   }
-  return Json{{"kind", "trials"},     {"trials", reader.size()},
-              {"frames", frames},     {"counts", labels},
-              {"layouts", layouts},   {"conditions", conditions},
+  return Json{{"kind", "trials"},      {"trials", reader.size()},
+              {"frames", frames},      {"counts", labels},
+              {"layouts", layouts},    {"conditions", conditions},
               {"materials", materials}};
 }
 

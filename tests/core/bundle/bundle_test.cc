@@ -1,0 +1,102 @@
+#include "core/bundle/bundle.h"
+
+#include "core/base/errors.h"
+#include "core/bundle/model_proto.h"
+#include "google/protobuf/util/message_differencer.h"
+#include "gtest/gtest.h"
+#include "tests/support/small_model.h"
+
+namespace tactus {
+namespace {
+
+Model FullModel() {
+  Model model = testing::SmallModel();
+  model.layout = *LayoutPreset("cody-forearm");
+  model.layout.mask.assign(model.layout.taxels(), 1);
+  model.layout.mask[7] = 0;
+  model.hmm_score = Score::kViterbi;
+  model.lstm = RandomNetwork(2, {5, 3}, 4, Activation::kSoftsign,
+                             GateActivation::kHardSigmoid, 3);
+  model.features.lstm_scaling = {{1, 2}, {3, 4}};
+  model.calibration.lstm_weight = {0.25, 0.5};
+  model.calibration.lstm_temperature = {1, 0.75};
+  model.provenance = {"command", "0.1.0", 12, 34, "data.h5", "note"};
+  model.warm_up.signals = {{1, 2, 3}, {4, 5, 6}};
+  model.warm_up.probability = {0.1, 0.2, 0.3, 0.4};
+  model.warm_up.log_likelihood = {-1, -2, -3, -4};
+  return model;
+}
+
+TEST(BundleTest, RoundTripKeepsEveryField) {
+  const Model model = FullModel();
+  auto bytes = EncodeBundle(model);
+  ASSERT_TRUE(bytes.ok()) << bytes.status();
+  auto back = DecodeBundle(*bytes);
+  ASSERT_TRUE(back.ok()) << back.status();
+  EXPECT_TRUE(google::protobuf::util::MessageDifferencer::Equals(
+      ModelToProto(model), ModelToProto(*back)));
+  EXPECT_EQ(back->layout.mask, model.layout.mask);
+  EXPECT_EQ(back->hmm_score, Score::kViterbi);
+  EXPECT_EQ(back->lstm->layers[1].recurrent, model.lstm->layers[1].recurrent);
+  EXPECT_EQ(back->warm_up.signals, model.warm_up.signals);
+}
+
+TEST(BundleTest, TheSameModelGivesTheSameBytes) {
+  EXPECT_EQ(*EncodeBundle(FullModel()), *EncodeBundle(FullModel()));
+}
+
+TEST(BundleTest, EveryFlippedByteIsRefused) {
+  const std::string good = *EncodeBundle(FullModel());
+  for (size_t i = 0; i < good.size(); ++i) {
+    std::string bad = good;
+    bad[i] = static_cast<char>(bad[i] ^ (1 << (i % 8)));
+    const auto model = DecodeBundle(bad);
+    ASSERT_FALSE(model.ok()) << "byte " << i;
+    EXPECT_EQ(model.status().code(), absl::StatusCode::kDataLoss);
+    EXPECT_EQ(ReasonOf(model.status()), "BUNDLE_CORRUPT");
+  }
+}
+
+TEST(BundleTest, EveryTruncationAndExtensionIsRefused) {
+  const std::string good = *EncodeBundle(FullModel());
+  for (size_t length = 0; length < good.size(); ++length) {
+    EXPECT_EQ(ReasonOf(DecodeBundle(good.substr(0, length)).status()),
+              "BUNDLE_CORRUPT")
+        << length;
+  }
+  EXPECT_EQ(ReasonOf(DecodeBundle(good + '\0').status()), "BUNDLE_CORRUPT");
+}
+
+TEST(BundleTest, TheIdIsTheChecksumInHexadecimal) {
+  const std::string bytes = *EncodeBundle(FullModel());
+  EXPECT_EQ(BundleSha256(bytes).size(), 64u);
+  EXPECT_EQ(BundleSha256("short"), "");
+}
+
+TEST(BundleTest, AnInvalidModelIsNotEncoded) {
+  Model model = FullModel();
+  model.hmms.pop_back();
+  EXPECT_EQ(ReasonOf(EncodeBundle(model).status()), "INVALID_MODEL");
+}
+
+TEST(ModelFromProtoTest, UnknownEnumeratorsAndNamesAreRefused) {
+  const v1::ModelBundle good = ModelToProto(FullModel());
+  using Spoil = void (*)(v1::ModelBundle&);
+  const Spoil spoils[] = {
+      [](v1::ModelBundle& b) { b.clear_hmm_score(); },
+      [](v1::ModelBundle& b) { b.mutable_features()->set_names(0, "smell"); },
+      [](v1::ModelBundle& b) { b.mutable_lstm()->clear_activation(); },
+      [](v1::ModelBundle& b) { b.mutable_warm_up()->add_signals(1); },
+      [](v1::ModelBundle& b) {
+        b.mutable_hmms(0)->mutable_components(0)->clear_covariance_type();
+      },
+  };
+  for (size_t i = 0; i < std::size(spoils); ++i) {
+    v1::ModelBundle bundle = good;
+    spoils[i](bundle);
+    EXPECT_FALSE(ModelFromProto(bundle).ok()) << i;
+  }
+}
+
+}  // namespace
+}  // namespace tactus

@@ -1,0 +1,87 @@
+#include "core/bundle/layout_proto.h"
+
+#include "core/base/errors.h"
+#include "gtest/gtest.h"
+
+namespace tactus {
+namespace {
+
+TEST(LayoutFromProtoTest, ANameAloneIsAPreset) {
+  v1::SensorGeometry geometry;
+  geometry.set_layout("vitac-12x32");
+  auto layout = LayoutFromProto(geometry);
+  ASSERT_TRUE(layout.ok());
+  EXPECT_EQ(layout->rows, 12);
+  EXPECT_EQ(layout->unit, TaxelUnit::kCounts);
+}
+
+TEST(LayoutFromProtoTest, ThresholdsAndMaskRefineAPreset) {
+  v1::SensorGeometry geometry;
+  geometry.set_layout("cody-forearm");
+  // The paper's threshold under the protective cover.
+  geometry.set_contact_threshold(0.1);
+  geometry.add_masked_taxels(383);
+  auto layout = LayoutFromProto(geometry);
+  ASSERT_TRUE(layout.ok()) << layout.status();
+  EXPECT_EQ(layout->contact_threshold, 0.1);
+  EXPECT_EQ(layout->onset_threshold, 0.1);
+  EXPECT_EQ(layout->mask[383], 0);
+  EXPECT_EQ(layout->mask[0], 1);
+}
+
+TEST(LayoutFromProtoTest, RoundTripKeepsEveryField) {
+  SkinLayout layout = *LayoutPreset("cody-forearm");
+  layout.name = "mine";
+  layout.rows = 7;
+  layout.columns = 9;
+  layout.connectivity = Connectivity::kFour;
+  layout.mask.assign(63, 1);
+  layout.mask[5] = 0;
+  auto back = LayoutFromProto(LayoutToProto(layout));
+  ASSERT_TRUE(back.ok()) << back.status();
+  EXPECT_EQ(back->name, "mine");
+  EXPECT_EQ(back->rows, 7);
+  EXPECT_EQ(back->columns, 9);
+  EXPECT_EQ(back->row_pitch_m, layout.row_pitch_m);
+  EXPECT_EQ(back->column_pitch_m, layout.column_pitch_m);
+  EXPECT_EQ(back->taxel_area_m2, layout.taxel_area_m2);
+  EXPECT_EQ(back->wrap_columns, true);
+  EXPECT_EQ(back->contact_threshold, layout.contact_threshold);
+  EXPECT_EQ(back->onset_threshold, layout.onset_threshold);
+  EXPECT_EQ(back->connectivity, Connectivity::kFour);
+  EXPECT_EQ(back->mask, layout.mask);
+}
+
+TEST(LayoutFromProtoTest, BadGeometriesAreRefusedWithReason) {
+  struct Case {
+    const char* reason;
+    void (*spoil)(v1::SensorGeometry&);
+  };
+  const Case cases[] = {
+      {"UNKNOWN_LAYOUT",
+       [](v1::SensorGeometry& g) {
+         g.Clear();
+         g.set_layout("moon");
+       }},
+      {"UNKNOWN_LAYOUT", [](v1::SensorGeometry& g) { g.Clear(); }},
+      {"INVALID_CONFIG", [](v1::SensorGeometry& g) { g.set_rows(65); }},
+      {"INVALID_CONFIG",
+       [](v1::SensorGeometry& g) { g.set_columns(4294967295U); }},
+      {"INVALID_CONFIG", [](v1::SensorGeometry& g) { g.set_rows(0); }},
+      {"INVALID_CONFIG", [](v1::SensorGeometry& g) { g.clear_unit(); }},
+      {"INVALID_CONFIG",
+       [](v1::SensorGeometry& g) { g.add_masked_taxels(384); }},
+      {"INVALID_CONFIG",
+       [](v1::SensorGeometry& g) { g.set_contact_threshold(-1); }},
+  };
+  const v1::SensorGeometry good = LayoutToProto(*LayoutPreset("cody-forearm"));
+  for (size_t i = 0; i < std::size(cases); ++i) {
+    v1::SensorGeometry geometry = good;
+    cases[i].spoil(geometry);
+    EXPECT_EQ(ReasonOf(LayoutFromProto(geometry).status()), cases[i].reason)
+        << i;
+  }
+}
+
+}  // namespace
+}  // namespace tactus

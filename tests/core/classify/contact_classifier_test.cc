@@ -1,0 +1,152 @@
+#include "core/classify/contact_classifier.h"
+
+#include <cmath>
+#include <numeric>
+
+#include "core/base/random.h"
+#include "core/classify/calibration.h"
+#include "gtest/gtest.h"
+#include "tests/support/allocation_counter.h"
+#include "tests/support/small_model.h"
+
+namespace tactus {
+namespace {
+
+std::shared_ptr<const CompiledModel> SmallCompiled() {
+  return *CompiledModel::Create(testing::SmallModel());
+}
+
+double Sum(std::span<const double> values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+// A contact like class HU's second state: force e, no motion.
+constexpr FeatureVector kHard = {2.71, 0, 0};
+// One like SM's: little force, 15 mm.
+constexpr FeatureVector kSoftMoved = {0.125, 0, 0.015};
+
+TEST(ContactClassifierTest, StartsAtThePrior) {
+  ContactClassifier classifier(SmallCompiled(), {});
+  for (double p : classifier.probability()) EXPECT_DOUBLE_EQ(p, 0.25);
+  EXPECT_EQ(classifier.unknown(), 0);
+  EXPECT_FALSE(classifier.decision());
+  EXPECT_EQ(classifier.stability(), 0);
+}
+
+// Brute force over all state paths of a two-state model, in long double.
+TEST(ContactClassifierTest, LogLikelihoodIsTheSumOverAllPaths) {
+  const Model model = testing::SmallModel();
+  ContactClassifier classifier(SmallCompiled(), {});
+  Random random(5);
+  std::vector<FeatureVector> frames(8);
+  for (auto& frame : frames) {
+    frame = {random.Uniform(0, 4), 0, random.Uniform(0, 0.02)};
+    classifier.Step(frame, 0);
+  }
+  for (int k = 0; k < 4; ++k) {
+    const GaussianHmm& hmm = model.hmms[k].components[0];
+    long double total = 0;
+    for (int path = 0; path < 256; ++path) {
+      long double p = 1;
+      int previous = -1;
+      for (int t = 0; t < 8; ++t) {
+        const int state = path >> t & 1;
+        p *= previous < 0 ? hmm.start[state]
+                          : hmm.transition[previous * 2 + state];
+        const long double x[] = {std::log(frames[t][0] + 0.01L),
+                                 frames[t][2] * 100.0L};
+        for (int d = 0; d < 2; ++d) {
+          const long double variance = hmm.covariances[state * 2 + d];
+          const long double z = x[d] - hmm.means[state * 2 + d];
+          p *= std::exp(-z * z / (2 * variance)) /
+               std::sqrt(2 * 3.14159265358979323846L * variance);
+        }
+        previous = state;
+      }
+      total += p;
+    }
+    const double want = static_cast<double>(std::log(total));
+    EXPECT_NEAR(classifier.log_likelihood()[k], want, 1e-12 * std::abs(want));
+  }
+}
+
+TEST(ContactClassifierTest, FollowsTheEvidence) {
+  ContactClassifier classifier(SmallCompiled(), {});
+  for (int t = 0; t < 50; ++t) classifier.Step(kHard, 0);
+  EXPECT_EQ(classifier.best_class(), 0);
+  classifier.Reset();
+  for (int t = 0; t < 50; ++t) classifier.Step(kSoftMoved, 0);
+  EXPECT_EQ(classifier.best_class(), 3);
+  EXPECT_NEAR(Sum(classifier.probability()), 1, 1e-12);
+  EXPECT_EQ(classifier.stability(), 1);
+}
+
+TEST(ContactClassifierTest, DecidesOnceAfterTheAskedForFrames) {
+  ContactClassifier classifier(
+      SmallCompiled(), {.decision_threshold = 0.6, .decision_frames = 7});
+  uint64_t first_above = 0;
+  for (uint64_t t = 1; t <= 60; ++t) {
+    classifier.Step(kHard, 0);
+    if (first_above == 0 && classifier.probability()[0] >= 0.6) {
+      first_above = t;
+    }
+  }
+  ASSERT_TRUE(classifier.decision());
+  EXPECT_EQ(classifier.decision()->class_index, 0);
+  EXPECT_EQ(classifier.decision()->frame, first_above + 6);
+  const uint64_t frame = classifier.decision()->frame;
+  for (int t = 0; t < 200; ++t) classifier.Step(kSoftMoved, 0);
+  EXPECT_EQ(classifier.decision()->frame, frame);
+}
+
+TEST(ContactClassifierTest, WhatNoModelExplainsIsUnknownAndUndecided) {
+  ContactClassifier classifier(SmallCompiled(), {});
+  for (int t = 0; t < 50; ++t) classifier.Step({1e9, 0, 5}, 0);
+  EXPECT_GT(classifier.unknown(), 0.99);
+  EXPECT_FALSE(classifier.decision());
+  EXPECT_NEAR(Sum(classifier.probability()), 1, 1e-12);
+}
+
+TEST(ContactClassifierTest, ResetGivesTheSameBitsAgain) {
+  ContactClassifier classifier(SmallCompiled(), {});
+  auto run = [&] {
+    Random random(11);
+    for (int t = 0; t < 300; ++t) {
+      classifier.Step({random.Uniform(0, 5), 0, random.Uniform(0, 0.02)}, 0);
+    }
+    return std::vector<double>(classifier.probability().begin(),
+                               classifier.probability().end());
+  };
+  const auto first = run();
+  classifier.Reset();
+  EXPECT_EQ(run(), first);
+}
+
+TEST(ContactClassifierTest, LostFramesCountAsTime) {
+  ContactClassifier classifier(SmallCompiled(), {});
+  classifier.Step(kHard, 0);
+  classifier.Step(kHard, 3);
+  EXPECT_EQ(classifier.frames(), 5u);
+  // However long the gap, the models bridge a bounded part of it.
+  classifier.Step(kHard, uint64_t{1} << 60);
+  EXPECT_NEAR(Sum(classifier.probability()), 1, 1e-12);
+}
+
+TEST(ContactClassifierTest, AFrameAllocatesNothing) {
+  Model model = testing::SmallModel();
+  model.lstm = RandomNetwork(2, {50, 50}, 4, Activation::kSoftsign,
+                             GateActivation::kHardSigmoid, 3);
+  model.features.lstm_scaling = model.features.hmm_scaling;
+  model.calibration.lstm_weight = {0.5, 0.5};
+  model.calibration.lstm_temperature = {1, 1};
+  auto compiled = CompiledModel::Create(model);
+  ASSERT_TRUE(compiled.ok()) << compiled.status();
+  ContactClassifier classifier(*compiled, {});
+  testing::AllocationCounter counter;
+  for (int t = 0; t < 1000; ++t) classifier.Step(kHard, t % 7 == 0 ? 2 : 0);
+  classifier.Reset();
+  EXPECT_EQ(counter.count(), 0);
+}
+
+}  // namespace
+}  // namespace tactus

@@ -1,0 +1,47 @@
+// File: small_model.h
+//
+// A tiny valid model for tests: two or more classes told apart by the level
+// of log-force and by motion. Plain data; deterministic.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/classify/model.h"
+
+namespace tactus::testing {
+
+// Classes HU, HM, SU, SM; features force (log) and motion; one two-state
+// left-right HMM a class around the given levels. Fits any skin.
+inline Model SmallModel() {
+  Model model;
+  model.class_names = {"HU", "HM", "SU", "SM"};
+  model.features.features = {Feature::kForce, Feature::kMotion};
+  model.features.log_offset = {0.01, 0};
+  model.features.hmm_scaling = {{0, 1}, {0, 100}};
+  const double force[] = {1, 0, -1, -2};
+  const double motion[] = {0, 1, 0.3, 1.5};
+  for (int k = 0; k < 4; ++k) {
+    GaussianHmm hmm;
+    hmm.states = 2;
+    hmm.dimensions = 2;
+    hmm.covariance_type = CovarianceType::kDiagonal;
+    hmm.start = {1, 0};
+    hmm.transition = {0.9, 0.1, 0, 1};
+    hmm.means = {force[k] - 1, motion[k] / 2, force[k], motion[k]};
+    hmm.covariances = {1, 0.2, 0.5, 0.1};
+    model.hmms.push_back({{0.0}, {hmm}});
+  }
+  Calibration& c = model.calibration;
+  c.frames = {10, 100};
+  c.hmm_temperature = {0.5, 0.1};
+  c.evidence_mean = {-2, -2};
+  c.evidence_deviation = {1, 1};
+  c.prior = {0.25, 0.25, 0.25, 0.25};
+  c.decision_threshold = 0.8;
+  c.decision_frames = 5;
+  model.provenance.command = "small_model";
+  return model;
+}
+
+}  // namespace tactus::testing
