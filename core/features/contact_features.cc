@@ -1,0 +1,117 @@
+#include "core/features/contact_features.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tactus {
+namespace {
+
+constexpr uint64_t kNever = std::numeric_limits<uint64_t>::max();
+// Longer than any stream, and exact in a double.
+constexpr double kMaxReleaseFrames = 0x1p53;
+
+uint64_t ReleaseFrames(const ContactTracker::Options& options) {
+  if (options.release_after_s < 0) return kNever;
+  const double frames = options.release_after_s * options.sample_rate_hz;
+  // 0.07 s at 100 Hz is 7 frames, though the product is 7.000000000000001.
+  const double whole = std::ceil(frames * (1 - 1e-12));
+  return static_cast<uint64_t>(std::clamp(whole, 1.0, kMaxReleaseFrames));
+}
+
+Eigen::Vector3d WorldPosition(const SkinLayout& layout, const SkinPoint& point,
+                              const Pose& pose) {
+  return pose.position + pose.orientation * LinkPosition(layout, point);
+}
+
+}  // namespace
+
+ContactTracker::ContactTracker(const SkinLayout& layout, const Options& options)
+    : layout_(layout),
+      segmenter_(layout),
+      onset_threshold_(TaxelThreshold(layout.onset_threshold)),
+      release_frames_(ReleaseFrames(options)) {}
+
+void ContactTracker::Reset() {
+  state_ = ContactState::kNoContact;
+  onset_ = false;
+  released_ = false;
+  features_ = FrameFeatures();
+}
+
+const FrameFeatures& ContactTracker::Step(const FrameView& frame) {
+  onset_ = false;
+  released_ = false;
+  features_.region_count = segmenter_.Segment(frame.taxels);
+  features_.touched = features_.region_count > 0;
+  if (state_ == ContactState::kInContact) {
+    if (Lost(frame)) {
+      state_ = ContactState::kReleased;
+      released_ = true;
+    }
+  } else if (features_.touched && segmenter_.peak() >= onset_threshold_) {
+    Begin(frame);
+  }
+  if (state_ == ContactState::kInContact) {
+    Measure(frame);
+  } else {
+    features_ = {.touched = features_.touched,
+                 .region_count = features_.region_count};
+  }
+  return features_;
+}
+
+void ContactTracker::Begin(const FrameView& frame) {
+  state_ = ContactState::kInContact;
+  onset_ = true;
+  lost_frames_ = 0;
+  const Region& region = segmenter_.largest();
+  onset_point_ = {region.centroid_row, region.centroid_column};
+  has_pose_ = frame.pose != nullptr;
+  if (has_pose_) {
+    pose_ = *frame.pose;
+    onset_position_ = WorldPosition(layout_, onset_point_, pose_);
+  }
+}
+
+bool ContactTracker::Lost(const FrameView& frame) {
+  // The frames that went missing belong to a loss that goes on.
+  const bool going_on = lost_frames_ > 0;
+  if (going_on || !features_.touched) {
+    const uint64_t room = release_frames_ - lost_frames_;
+    lost_frames_ += std::min(frame.missing_before, room);
+    if (lost_frames_ < release_frames_ && !features_.touched) ++lost_frames_;
+    if (lost_frames_ == release_frames_ && release_frames_ != kNever) {
+      return true;
+    }
+  }
+  if (features_.touched) lost_frames_ = 0;
+  return false;
+}
+
+void ContactTracker::Measure(const FrameView& frame) {
+  if (features_.touched) {
+    const Region& region = segmenter_.largest();
+    features_.max_force = region.max_value;
+    features_.area_taxels = region.taxels;
+    features_.area_m2 = region.taxels * layout_.taxel_area_m2;
+    features_.centroid = {region.centroid_row, region.centroid_column};
+  } else {
+    features_.max_force = 0;
+    features_.area_taxels = 0;
+    features_.area_m2 = 0;
+  }
+  features_.motion_m = Motion(frame.pose);
+}
+
+double ContactTracker::Motion(const Pose* pose) {
+  if (!has_pose_) {
+    return SkinDistance(layout_, features_.centroid, onset_point_);
+  }
+  if (pose != nullptr) pose_ = *pose;
+  const Eigen::Vector3d position =
+      WorldPosition(layout_, features_.centroid, pose_);
+  return (position - onset_position_).norm();
+}
+
+}  // namespace tactus
