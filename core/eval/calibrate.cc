@@ -111,16 +111,14 @@ void FitCalibration(std::span<const ScoredContact> contacts, double rate,
     double sum_of_squares = 0;
     for (const ScoredContact& contact : contacts) {
       const auto& scores = contact.log_likelihood[time];
-      const double evidence =
-          *std::max_element(scores.begin(), scores.end()) /
-          contact.frames[time];
+      const double evidence = *std::max_element(scores.begin(), scores.end()) /
+                              contact.frames[time];
       sum += evidence;
       sum_of_squares += evidence * evidence;
     }
     const double count = static_cast<double>(contacts.size());
     const double mean = sum / count;
-    const double variance =
-        std::max(0.0, sum_of_squares / count - mean * mean);
+    const double variance = std::max(0.0, sum_of_squares / count - mean * mean);
     calibration.evidence_mean.push_back(mean);
     calibration.evidence_deviation.push_back(
         std::max(std::sqrt(variance), kMinEvidenceDeviation));

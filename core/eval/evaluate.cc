@@ -80,8 +80,7 @@ absl::Status EvaluateHmmFold(const std::vector<const Contact*>& contacts,
   for (int i : Complement(fold, static_cast<int>(contacts.size()))) {
     rest.push_back(contacts[i]);
   }
-  TACTUS_ASSIGN_OR_RETURN(Model model,
-                          FitModel(rest, options, RunSerially));
+  TACTUS_ASSIGN_OR_RETURN(Model model, FitModel(rest, options, RunSerially));
   if (model.class_names != result.class_names) {
     return InvalidTrainingData(
         "a fold holds all contacts of some class; use another protocol");
@@ -139,11 +138,10 @@ absl::StatusOr<Evaluation> EvaluateProtocol(
                           PrepareEvaluation(contacts, ClassNames(contacts)));
   std::vector<absl::Status> failures(folds.size());
   parallel(static_cast<int>(folds.size()), [&](int f) {
-    failures[f] = algorithm == Algorithm::kNearest
-                      ? EvaluateNearestFold(contacts, folds[f],
-                                            options.features, result)
-                      : EvaluateHmmFold(contacts, folds[f], options,
-                                        algorithm, result);
+    failures[f] =
+        algorithm == Algorithm::kNearest
+            ? EvaluateNearestFold(contacts, folds[f], options.features, result)
+            : EvaluateHmmFold(contacts, folds[f], options, algorithm, result);
   });
   for (const absl::Status& failure : failures) {
     TACTUS_RETURN_IF_ERROR(failure);

@@ -54,9 +54,9 @@ absl::Status CheckContacts(const std::vector<const Contact*>& contacts,
         std::count_if(contacts.begin(), contacts.end(),
                       [&](const Contact* c) { return c->label == name; });
     if (count < kMinContactsPerClass) {
-      return InvalidTrainingData(
-          absl::StrCat("class ", name, " has ", count, " contacts; it takes ",
-                       kMinContactsPerClass));
+      return InvalidTrainingData(absl::StrCat("class ", name, " has ", count,
+                                              " contacts; it takes ",
+                                              kMinContactsPerClass));
     }
   }
   return CheckUniform(contacts);
@@ -104,10 +104,10 @@ absl::Status Calibrate(const std::vector<const Contact*>& contacts,
       return;
     }
     for (int i : folds[f]) {
-      const auto label = std::find(model.class_names.begin(),
-                                   model.class_names.end(),
-                                   contacts[i]->label) -
-                         model.class_names.begin();
+      const auto label =
+          std::find(model.class_names.begin(), model.class_names.end(),
+                    contacts[i]->label) -
+          model.class_names.begin();
       scored[f].push_back(
           ScoreContact(*compiled, *contacts[i], static_cast<int>(label)));
     }
@@ -188,8 +188,7 @@ absl::StatusOr<Model> FitModel(const std::vector<const Contact*>& contacts,
   }
   const std::vector<std::string> class_names = ClassNames(contacts);
   TACTUS_RETURN_IF_ERROR(CheckContacts(contacts, class_names));
-  TACTUS_ASSIGN_OR_RETURN(Model model,
-                          FitHmms(contacts, class_names, options));
+  TACTUS_ASSIGN_OR_RETURN(Model model, FitHmms(contacts, class_names, options));
   TACTUS_RETURN_IF_ERROR(Calibrate(contacts, options, parallel, model));
   TACTUS_RETURN_IF_ERROR(AddWarmUp(contacts, model));
   model.provenance.trials = static_cast<uint32_t>(contacts.size());

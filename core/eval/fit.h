@@ -4,7 +4,8 @@
 // per category, calibration on inner folds.
 //
 //   TACTUS_ASSIGN_OR_RETURN(FitOptions options, FitPreset("default"));
-//   TACTUS_ASSIGN_OR_RETURN(Model model, FitModel(contacts, options, parallel));
+//   TACTUS_ASSIGN_OR_RETURN(Model model, FitModel(contacts, options,
+//   parallel));
 //
 // Deterministic: the same contacts, options and seed give the same model,
 // however `parallel` spreads the work. Thread-safe.
@@ -45,7 +46,8 @@ absl::StatusOr<FitOptions> FitPreset(absl::string_view name);
 
 // Class names in `contacts`: HU, HM, SU, SM first where present, others in
 // alphabetical order.
-std::vector<std::string> ClassNames(const std::vector<const Contact*>& contacts);
+std::vector<std::string> ClassNames(
+    const std::vector<const Contact*>& contacts);
 
 // INVALID_TRAINING_DATA if there are fewer than two classes or fewer than two
 // contacts of some class, if skins or sampling rates are mixed. The

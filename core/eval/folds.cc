@@ -30,9 +30,8 @@ absl::StatusOr<Protocol> ParseProtocol(absl::string_view name) {
   if (name == "leave-one-out") return Protocol::kLeaveOneOut;
   if (name == "leave-one-material-out") return Protocol::kLeaveOneMaterialOut;
   if (name == "k-fold") return Protocol::kKFold;
-  return InvalidConfig(
-      "protocol", name,
-      "loco, leave-one-out, leave-one-material-out or k-fold");
+  return InvalidConfig("protocol", name,
+                       "loco, leave-one-out, leave-one-material-out or k-fold");
 }
 
 std::vector<std::vector<int>> StratifiedFolds(
