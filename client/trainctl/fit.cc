@@ -5,6 +5,7 @@
 #include "client/trainctl/command.h"
 #include "client/trainctl/fit_flags.h"
 #include "core/base/status_macros.h"
+#include "core/base/version.h"
 #include "core/bundle/bundle.h"
 
 namespace tactus::client {
@@ -26,7 +27,7 @@ absl::Status Run(const Flags& flags) {
   TACTUS_ASSIGN_OR_RETURN(Model model,
                           FitModel(loaded.Pointers(), options, RunOnThreads));
   model.provenance.command = CommandLine();
-  model.provenance.version = TACTUS_VERSION;
+  model.provenance.version = kVersion;
   model.provenance.data = flags.data;
   model.provenance.note = flags.note;
   TACTUS_ASSIGN_OR_RETURN(const std::string bytes, EncodeBundle(model));
