@@ -55,5 +55,11 @@ inline constexpr size_t kMaxBundleBytes = 64UL * 1024 * 1024;
 
 // Trial files.
 inline constexpr size_t kMaxFramesPerTrial = 10'000'000;
+// One array of a trial in memory: four hours of 384 u16 taxels at 100 Hz.
+inline constexpr size_t kMaxTrialArrayBytes = 1024UL * 1024 * 1024;
+inline constexpr size_t kMaxTrialTextBytes = 256;
+inline constexpr size_t kMaxTrialsPerFile = 1'000'000;
+// Text files that are imported.
+inline constexpr size_t kMaxCsvBytes = 256UL * 1024 * 1024;
 
 }  // namespace tactus::limits

@@ -2,13 +2,22 @@
 //
 // One recorded or simulated contact, labelled: time, and the three signals
 // and/or the taxel frames they come from. Mirrors a group of the trial file
-// (docs/formats.md). Plain data; owns its arrays.
+// (docs/formats.md).
+//
+//   std::vector<float> frame(trial.taxels.rows * trial.taxels.columns);
+//   for (size_t t = 0; t < trial.taxels.frames(); ++t) {
+//     trial.taxels.Decode(t, frame.data());
+//   }
+//
+// Plain data; owns its arrays. Safe to read from several threads.
 #pragma once
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
+#include "absl/strings/string_view.h"
 #include "core/features/feature.h"
 #include "core/skin/frame.h"
 
@@ -18,14 +27,16 @@ namespace tactus {
 struct TaxelSeries {
   int rows = 0;
   int columns = 0;
-  // One of the two is filled. u16 values times `scale` give the unit.
+  // One of the two is filled. u16 values times `scale` give the unit; f32
+  // values are in the unit already and have scale 1.
   std::vector<uint16_t> u16;
   std::vector<float> f32;
   double scale = 1;
 
   size_t frames() const;
   bool empty() const { return u16.empty() && f32.empty(); }
-  // Writes frame `index` in the unit to `out`, which has rows x columns places.
+  // Writes frame `index` in the unit to `out`, which has rows x columns
+  // places: u16 values are multiplied in double and rounded once.
   void Decode(size_t index, float* out) const;
 };
 
@@ -58,5 +69,10 @@ struct Trial {
   // Unit of the force signal and of the taxels: "newton" or "counts".
   std::string unit = "newton";
 };
+
+// OK if all parts of `trial` have one length and every number is finite and
+// in range; else TRIAL_FILE_INVALID, which names `path`, the trial and the
+// part.
+absl::Status Validate(const Trial& trial, absl::string_view path);
 
 }  // namespace tactus

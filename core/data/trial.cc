@@ -1,0 +1,199 @@
+#include "core/data/trial.h"
+
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+
+namespace tactus {
+namespace {
+
+// Makes errors that name the file, the trial and the part.
+class Complaint {
+ public:
+  Complaint(const Trial& trial, absl::string_view path)
+      : trial_(trial), path_(path) {}
+
+  template <typename... Parts>
+  absl::Status operator()(absl::string_view part, const Parts&... text) const {
+    return TrialFileInvalid(
+        path_, absl::StrCat("trial ", trial_.id, ": ", part, ": ", text...));
+  }
+
+ private:
+  const Trial& trial_;
+  absl::string_view path_;
+};
+
+absl::Status ValidateTime(const Trial& trial, const Complaint& complain) {
+  const size_t frames = trial.time.size();
+  if (frames == 0 || frames > limits::kMaxFramesPerTrial) {
+    return complain("time", "has ", frames, " entries; it must have 1 to ",
+                    limits::kMaxFramesPerTrial);
+  }
+  for (size_t i = 0; i < frames; ++i) {
+    if (!std::isfinite(trial.time[i])) {
+      return complain("time", "entry ", i, " is not finite");
+    }
+    if (i > 0 && !(trial.time[i] > trial.time[i - 1])) {
+      return complain("time", "entry ", i, " is ", trial.time[i],
+                      " s; it must be above the one before, ",
+                      trial.time[i - 1], " s");
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ValidateSignals(const Trial& trial, const Complaint& complain) {
+  if (trial.signals.empty()) return absl::OkStatus();
+  if (trial.signals.size() != trial.time.size()) {
+    return complain("signals", "has ", trial.signals.size(),
+                    " rows; it must have one per time, ", trial.time.size());
+  }
+  for (size_t i = 0; i < trial.signals.size(); ++i) {
+    for (int f = 0; f < kFeatureCount; ++f) {
+      if (!std::isfinite(trial.signals[i][f])) {
+        return complain("signals", FeatureName(static_cast<Feature>(f)),
+                        " of row ", i, " is not finite");
+      }
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ValidateTaxels(const Trial& trial, const Complaint& complain) {
+  const TaxelSeries& taxels = trial.taxels;
+  if (taxels.empty()) return absl::OkStatus();
+  if (taxels.rows < 1 || taxels.rows > limits::kMaxRows || taxels.columns < 1 ||
+      taxels.columns > limits::kMaxColumns) {
+    return complain("taxels", "frames are ", taxels.rows, " x ", taxels.columns,
+                    "; each side must be 1 to ", limits::kMaxRows);
+  }
+  if (!taxels.u16.empty() && !taxels.f32.empty()) {
+    return complain("taxels", "both types are filled; only one may be");
+  }
+  const size_t count = taxels.u16.size() + taxels.f32.size();
+  const size_t per_frame = static_cast<size_t>(taxels.rows) * taxels.columns;
+  if (count != trial.time.size() * per_frame) {
+    return complain("taxels", "has ", count,
+                    " values; it must have one frame of ", per_frame,
+                    " per time, ", trial.time.size());
+  }
+  if (!std::isfinite(taxels.scale) || taxels.scale <= 0 ||
+      taxels.scale * 65535 > limits::kMaxTaxelValue) {
+    return complain("taxels", "scale is ", taxels.scale,
+                    "; it must be above 0 and at most 1e7");
+  }
+  if (!taxels.f32.empty() && taxels.scale != 1) {
+    return complain("taxels", "scale is ", taxels.scale,
+                    "; it must be 1 with float values");
+  }
+  for (size_t i = 0; i < taxels.f32.size(); ++i) {
+    const float value = taxels.f32[i];
+    if (!(value >= 0 && value <= limits::kMaxTaxelValue)) {
+      return complain("taxels", "taxel ", i % per_frame, " of frame ",
+                      i / per_frame, " is ", value, "; it must be 0 to 1e12");
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ValidatePoses(const Trial& trial, const Complaint& complain) {
+  if (trial.poses.empty()) return absl::OkStatus();
+  if (trial.poses.size() != trial.time.size()) {
+    return complain("pose", "has ", trial.poses.size(),
+                    " rows; it must have one per time, ", trial.time.size());
+  }
+  for (size_t i = 0; i < trial.poses.size(); ++i) {
+    const Pose& pose = trial.poses[i];
+    // Written so that a NaN fails.
+    if (!(pose.position.cwiseAbs().maxCoeff() <= limits::kMaxPositionM) ||
+        !pose.position.allFinite()) {
+      return complain("pose", "position of row ", i,
+                      " is not finite or beyond 1e6 m");
+    }
+    const double norm = pose.orientation.norm();
+    if (!(std::abs(norm - 1) <= limits::kQuaternionTolerance)) {
+      return complain("pose", "quaternion of row ", i, " has length ", norm,
+                      "; it must be 1 to within ",
+                      limits::kQuaternionTolerance);
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ValidateAttributes(const Trial& trial, const Complaint& complain) {
+  struct Text {
+    absl::string_view name;
+    absl::string_view value;
+  };
+  const Text texts[] = {{"label", trial.label},
+                        {"condition", trial.condition},
+                        {"object", trial.object},
+                        {"material", trial.material},
+                        {"layout", trial.layout}};
+  for (const Text& text : texts) {
+    if (text.value.size() > limits::kMaxTrialTextBytes) {
+      return complain(text.name, "has ", text.value.size(),
+                      " bytes; it must have at most ",
+                      limits::kMaxTrialTextBytes);
+    }
+    if (text.value.find('\0') != absl::string_view::npos) {
+      return complain(text.name, "holds a zero byte");
+    }
+  }
+  if (trial.unit != "newton" && trial.unit != "counts") {
+    return complain("unit", "is \"", trial.unit,
+                    "\"; it must be newton or counts");
+  }
+  if (!std::isfinite(trial.stiffness) || trial.stiffness < 0) {
+    return complain("stiffness", "is ", trial.stiffness,
+                    " N/m; it must be finite and at least 0");
+  }
+  if (!std::isfinite(trial.velocity) || trial.velocity < 0) {
+    return complain("velocity", "is ", trial.velocity,
+                    " m/s; it must be finite and at least 0");
+  }
+  if (!(trial.sample_rate_hz > 0 &&
+        trial.sample_rate_hz <= limits::kMaxSampleRateHz)) {
+    return complain("sample_rate_hz", "is ", trial.sample_rate_hz,
+                    "; it must be above 0 and at most ",
+                    limits::kMaxSampleRateHz);
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+size_t TaxelSeries::frames() const {
+  const size_t per_frame = static_cast<size_t>(rows) * columns;
+  return per_frame == 0 ? 0 : (u16.size() + f32.size()) / per_frame;
+}
+
+void TaxelSeries::Decode(size_t index, float* out) const {
+  const size_t per_frame = static_cast<size_t>(rows) * columns;
+  const size_t begin = index * per_frame;
+  if (u16.empty()) {
+    for (size_t i = 0; i < per_frame; ++i) out[i] = f32[begin + i];
+    return;
+  }
+  for (size_t i = 0; i < per_frame; ++i) {
+    out[i] = static_cast<float>(u16[begin + i] * scale);
+  }
+}
+
+absl::Status Validate(const Trial& trial, absl::string_view path) {
+  const Complaint complain(trial, path);
+  TACTUS_RETURN_IF_ERROR(ValidateTime(trial, complain));
+  if (trial.signals.empty() && trial.taxels.empty()) {
+    return complain("signals", "missing, and so are taxels; one is needed");
+  }
+  TACTUS_RETURN_IF_ERROR(ValidateSignals(trial, complain));
+  TACTUS_RETURN_IF_ERROR(ValidateTaxels(trial, complain));
+  TACTUS_RETURN_IF_ERROR(ValidatePoses(trial, complain));
+  return ValidateAttributes(trial, complain);
+}
+
+}  // namespace tactus

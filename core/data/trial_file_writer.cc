@@ -1,0 +1,310 @@
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <set>
+#include <utility>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+#include "core/data/hdf5_handle.h"
+#include "core/data/trial_file.h"
+
+namespace tactus {
+namespace {
+
+constexpr hsize_t kChunkBytes = 1024 * 1024;
+
+std::string Errno() { return std::strerror(errno); }
+
+// One array to write. Owns nothing.
+struct Array {
+  const char* name;
+  hid_t memory_type;
+  hid_t file_type;
+  std::vector<hsize_t> dims;
+  hsize_t row_bytes;
+  const void* data;
+  bool compress;
+};
+
+Hdf5Handle ScalarSpace() { return {H5Screate(H5S_SCALAR), H5Sclose}; }
+
+bool WriteAttribute(hid_t object, const char* name, hid_t memory_type,
+                    hid_t file_type, const void* value) {
+  const Hdf5Handle space = ScalarSpace();
+  Hdf5Handle attribute(H5Acreate2(object, name, file_type, space.get(),
+                                  H5P_DEFAULT, H5P_DEFAULT),
+                       H5Aclose);
+  return attribute.ok() && H5Awrite(attribute.get(), memory_type, value) >= 0 &&
+         attribute.Close();
+}
+
+bool WriteNumber(hid_t object, const char* name, double value) {
+  return WriteAttribute(object, name, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE,
+                        &value);
+}
+
+// Fixed length, zero-padded UTF-8: unlike text of variable length it lies in
+// the object header, which has a checksum.
+bool WriteText(hid_t object, const char* name, const std::string& value) {
+  const Hdf5Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  // HDF5 has no empty type; std::string ends in a zero byte.
+  const size_t bytes = std::max<size_t>(value.size(), 1);
+  return H5Tset_size(type.get(), bytes) >= 0 &&
+         H5Tset_strpad(type.get(), H5T_STR_NULLPAD) >= 0 &&
+         H5Tset_cset(type.get(), H5T_CSET_UTF8) >= 0 &&
+         WriteAttribute(object, name, type.get(), type.get(), value.c_str());
+}
+
+// Returns the dataset, so that attributes may be added; not ok() on failure.
+Hdf5Handle WriteArray(hid_t group, const Array& array) {
+  const int rank = static_cast<int>(array.dims.size());
+  std::vector<hsize_t> chunk = array.dims;
+  chunk[0] = std::clamp<hsize_t>(kChunkBytes / array.row_bytes, 1, chunk[0]);
+  const Hdf5Handle space(H5Screate_simple(rank, array.dims.data(), nullptr),
+                         H5Sclose);
+  const Hdf5Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  // Fletcher32 comes last, so that a damaged chunk is refused before it is
+  // inflated.
+  bool ok = H5Pset_chunk(properties.get(), rank, chunk.data()) >= 0;
+  if (array.compress) {
+    ok = ok && H5Pset_shuffle(properties.get()) >= 0 &&
+         H5Pset_deflate(properties.get(), 1) >= 0;
+  }
+  ok = ok && H5Pset_fletcher32(properties.get()) >= 0;
+  if (!ok) return {};
+  Hdf5Handle dataset(H5Dcreate2(group, array.name, array.file_type, space.get(),
+                                H5P_DEFAULT, properties.get(), H5P_DEFAULT),
+                     H5Dclose);
+  if (!dataset.ok() || H5Dwrite(dataset.get(), array.memory_type, H5S_ALL,
+                                H5S_ALL, H5P_DEFAULT, array.data) < 0) {
+    return {};
+  }
+  return dataset;
+}
+
+bool WriteDoubles(hid_t group, const char* name, hsize_t rows, hsize_t columns,
+                  const double* data) {
+  std::vector<hsize_t> dims = {rows};
+  if (columns > 1) dims.push_back(columns);
+  return WriteArray(group,
+                    {name, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE, std::move(dims),
+                     columns * sizeof(double), data, false})
+      .ok();
+}
+
+bool WriteTaxels(hid_t group, hsize_t frames, const TaxelSeries& taxels) {
+  const hsize_t rows = taxels.rows;
+  const hsize_t columns = taxels.columns;
+  if (taxels.u16.empty()) {
+    return WriteArray(group, {"taxels",
+                              H5T_NATIVE_FLOAT,
+                              H5T_IEEE_F32LE,
+                              {frames, rows, columns},
+                              rows * columns * sizeof(float),
+                              taxels.f32.data(),
+                              true})
+        .ok();
+  }
+  const Hdf5Handle dataset = WriteArray(group, {"taxels",
+                                                H5T_NATIVE_UINT16,
+                                                H5T_STD_U16LE,
+                                                {frames, rows, columns},
+                                                rows * columns * 2,
+                                                taxels.u16.data(),
+                                                true});
+  return dataset.ok() && WriteNumber(dataset.get(), "scale", taxels.scale);
+}
+
+bool WritePoses(hid_t group, const std::vector<Pose>& poses) {
+  std::vector<double> values;
+  values.reserve(poses.size() * 7);
+  for (const Pose& pose : poses) {
+    const Eigen::Quaterniond& q = pose.orientation;
+    values.insert(values.end(),
+                  {pose.position.x(), pose.position.y(), pose.position.z(),
+                   q.x(), q.y(), q.z(), q.w()});
+  }
+  return WriteDoubles(group, "pose", poses.size(), 7, values.data());
+}
+
+bool WriteTrial(hid_t group, const Trial& trial) {
+  const hsize_t frames = trial.time.size();
+  static_assert(sizeof(FeatureVector) == kFeatureCount * sizeof(double));
+  return WriteDoubles(group, "time", frames, 1, trial.time.data()) &&
+         (trial.signals.empty() ||
+          WriteDoubles(group, "signals", frames, kFeatureCount,
+                       trial.signals[0].data())) &&
+         (trial.taxels.empty() || WriteTaxels(group, frames, trial.taxels)) &&
+         (trial.poses.empty() || WritePoses(group, trial.poses)) &&
+         WriteText(group, "label", trial.label) &&
+         WriteText(group, "condition", trial.condition) &&
+         WriteText(group, "object", trial.object) &&
+         WriteText(group, "material", trial.material) &&
+         WriteText(group, "layout", trial.layout) &&
+         WriteText(group, "unit", trial.unit) &&
+         WriteNumber(group, "stiffness", trial.stiffness) &&
+         WriteNumber(group, "velocity", trial.velocity) &&
+         WriteNumber(group, "sample_rate_hz", trial.sample_rate_hz);
+}
+
+bool GoodId(const std::string& id) {
+  return !id.empty() && id.size() <= 64 &&
+         std::all_of(id.begin(), id.end(), [](unsigned char c) {
+           return absl::ascii_isalnum(c) || c == '-' || c == '_';
+         });
+}
+
+absl::Status SyncPath(const std::string& path, int flags) {
+  const int fd = open(path.c_str(), flags | O_CLOEXEC);
+  if (fd < 0) return IoError(path, Errno());
+  const bool ok = fsync(fd) == 0;
+  const std::string error = Errno();
+  close(fd);
+  return ok ? absl::OkStatus() : IoError(path, error);
+}
+
+std::string DirectoryOf(const std::string& path) {
+  const size_t slash = path.rfind('/');
+  if (slash == std::string::npos) return ".";
+  return slash == 0 ? "/" : path.substr(0, slash);
+}
+
+absl::Status RefuseExisting(const std::string& path) {
+  if (access(path.c_str(), F_OK) == 0) {
+    return IoError(path, "exists already; remove it or allow overwriting");
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+struct TrialFileWriter::State {
+  std::string path;
+  std::string temporary;
+  bool overwrite = false;
+  bool broken = false;
+  std::set<std::string> ids;
+  Hdf5Handle file;
+  Hdf5Handle trials;
+
+  ~State() {
+    const Hdf5Quiet quiet;
+    trials.Close();
+    file.Close();
+    if (!temporary.empty()) unlink(temporary.c_str());
+  }
+
+  absl::Status Break(absl::string_view what) {
+    broken = true;
+    return IoError(path, absl::StrCat(what, ": ", Hdf5LastError()));
+  }
+
+  std::string FreeId() const {
+    size_t number = ids.size();
+    std::string id;
+    do {
+      id = absl::StrFormat("%06d", number++);
+    } while (ids.contains(id));
+    return id;
+  }
+};
+
+TrialFileWriter::TrialFileWriter(std::unique_ptr<State> state)
+    : state_(std::move(state)) {}
+TrialFileWriter::TrialFileWriter(TrialFileWriter&&) noexcept = default;
+TrialFileWriter& TrialFileWriter::operator=(TrialFileWriter&&) noexcept =
+    default;
+TrialFileWriter::~TrialFileWriter() = default;
+
+absl::StatusOr<TrialFileWriter> TrialFileWriter::Create(
+    const std::string& path, const TrialFileOptions& options) {
+  if (!options.overwrite) TACTUS_RETURN_IF_ERROR(RefuseExisting(path));
+  auto state = std::make_unique<State>();
+  state->path = path;
+  state->overwrite = options.overwrite;
+  static unsigned writers = 0;
+  const std::string temporary =
+      absl::StrCat(path, ".", getpid(), "-", writers++, ".tmp");
+
+  const Hdf5Quiet quiet;
+  // This range of versions gives every piece of metadata a checksum.
+  const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110);
+  state->file = {
+      H5Fcreate(temporary.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()),
+      H5Fclose};
+  if (!state->file.ok()) return state->Break("cannot be created");
+  state->temporary = temporary;
+  const hid_t file = state->file.get();
+  const int version = 1;
+  state->trials = {
+      H5Gcreate2(file, "trials", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+      H5Gclose};
+  if (!state->trials.ok() || !WriteText(file, "format", "tactus-trials") ||
+      !WriteAttribute(file, "version", H5T_NATIVE_INT, H5T_STD_I32LE,
+                      &version)) {
+    return state->Break("cannot be written");
+  }
+  return TrialFileWriter(std::move(state));
+}
+
+absl::Status TrialFileWriter::Append(const Trial& trial) {
+  if (state_ == nullptr) return IoError("trial file", "is closed");
+  State& state = *state_;
+  if (state.broken) return IoError(state.path, "an earlier write failed");
+  TACTUS_RETURN_IF_ERROR(Validate(trial, state.path));
+  const std::string id = trial.id.empty() ? state.FreeId() : trial.id;
+  if (!GoodId(id)) {
+    return TrialFileInvalid(
+        state.path, absl::StrCat("trial id \"", id,
+                                 "\" must be 1 to 64 letters, digits, - or _"));
+  }
+  if (state.ids.size() >= limits::kMaxTrialsPerFile) {
+    return TrialFileInvalid(state.path,
+                            absl::StrCat("a file holds at most ",
+                                         limits::kMaxTrialsPerFile, " trials"));
+  }
+  if (!state.ids.insert(id).second) {
+    return TrialFileInvalid(state.path,
+                            absl::StrCat("trial id \"", id, "\" is repeated"));
+  }
+
+  const Hdf5Quiet quiet;
+  const Hdf5Handle properties(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
+  // Keeps all attributes in the group's header: smaller and faster.
+  H5Pset_attr_phase_change(properties.get(), 32, 31);
+  Hdf5Handle group(H5Gcreate2(state.trials.get(), id.c_str(), H5P_DEFAULT,
+                              properties.get(), H5P_DEFAULT),
+                   H5Gclose);
+  if (!group.ok() || !WriteTrial(group.get(), trial) || !group.Close()) {
+    return state.Break(absl::StrCat("trial ", id, " cannot be written"));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status TrialFileWriter::Close() {
+  if (state_ == nullptr) return IoError("trial file", "is closed");
+  const std::unique_ptr<State> state = std::move(state_);
+  if (state->broken) return IoError(state->path, "an earlier write failed");
+  const Hdf5Quiet quiet;
+  if (!state->trials.Close() || !state->file.Close()) {
+    return state->Break("cannot be finished");
+  }
+  TACTUS_RETURN_IF_ERROR(SyncPath(state->temporary, O_RDONLY));
+  if (!state->overwrite) TACTUS_RETURN_IF_ERROR(RefuseExisting(state->path));
+  if (rename(state->temporary.c_str(), state->path.c_str()) != 0) {
+    return IoError(state->path, Errno());
+  }
+  state->temporary.clear();
+  return SyncPath(DirectoryOf(state->path), O_RDONLY | O_DIRECTORY);
+}
+
+}  // namespace tactus
