@@ -53,6 +53,9 @@ inline constexpr int kMaxLstmLayers = 8;
 inline constexpr int kMaxLstmCells = 1'024;
 inline constexpr size_t kMaxBundleBytes = 64UL * 1024 * 1024;
 
+// Simulated contacts.
+inline constexpr double kMaxSceneDurationS = 600;
+
 // Trial files.
 inline constexpr size_t kMaxFramesPerTrial = 10'000'000;
 // One array of a trial in memory: four hours of 384 u16 taxels at 100 Hz.

@@ -1,0 +1,39 @@
+// File: cvode.h
+//
+// The reference integration of a ContactScene: SUNDIALS CVODE, BDF of order
+// up to 5 with a dense Newton solver, as the paper used MATLAB's ode15s
+// (Section "Implementation"). Each phase (phases.h) is integrated up to the
+// event that root finding locates, where the solver starts afresh; the end
+// of the equilibrium point's ramp is a known time and ends a step exactly.
+//
+//   TACTUS_ASSIGN_OR_RETURN(Trajectory run, IntegrateCvode(scene, {}));
+//
+// Same scene, same bits. Thread-safe: each call owns its solver.
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "core/sim/scene.h"
+#include "core/sim/trajectory.h"
+
+namespace tactus {
+
+// Contact stiffness above this is integrated as this, N/m. Such objects
+// deform by micrometres either way; labels keep the true stiffness.
+inline constexpr double kStiffnessCap = 1e7;
+
+struct SolverOptions {
+  double relative_tolerance = 1e-4;
+  // Absolute tolerances, in the unit each quantity is read in.
+  double force_tolerance = 1e-5;     // N, of the contact force
+  double velocity_tolerance = 1e-7;  // m/s
+  double position_tolerance = 1e-9;  // m, of the object
+  double sample_rate_hz = 2000;
+  // A run with more events than this is an error.
+  int max_events = 1'000'000;
+};
+
+// INVALID_SCENE for a bad scene, NUMERICAL_FAILURE if the solver gives up.
+absl::StatusOr<Trajectory> IntegrateCvode(const ContactScene& scene,
+                                          const SolverOptions& options);
+
+}  // namespace tactus

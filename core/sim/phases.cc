@@ -1,0 +1,62 @@
+#include "core/sim/phases.h"
+
+#include <limits>
+
+namespace tactus {
+
+PhaseEquations::PhaseEquations(const ContactScene& scene,
+                               double contact_stiffness, ContactPhase p,
+                               bool ramping)
+    : stiffness(Touching(p) ? contact_stiffness : 0),
+      static_limit(scene.fixed ? std::numeric_limits<double>::infinity()
+                               : scene.StaticLimit()),
+      arm_stiffness(scene.actuator_stiffness / scene.arm_mass_kg),
+      arm_damping(scene.actuator_damping / scene.arm_mass_kg),
+      arm_compliance(1 / scene.arm_mass_kg),
+      object_compliance(Sliding(p) ? 1 / scene.object_mass_kg : 0),
+      friction(Sliding(p) ? scene.mu_kinetic * kGravity : 0),
+      equilibrium(ramping ? 0 : scene.goal_m),
+      speed(ramping ? scene.velocity_m_s : 0),
+      phase(p) {}
+
+void PhaseEquations::Derivative(double time, const double* state,
+                                double* derivative) const {
+  const double force = stiffness * state[kDeformation];
+  const double x_arm = state[kObjectPosition] + state[kDeformation];
+  derivative[kDeformation] = state[kArmVelocity] - state[kObjectVelocity];
+  derivative[kArmVelocity] =
+      arm_stiffness * (equilibrium + speed * time - x_arm) +
+      arm_damping * (speed - state[kArmVelocity]) - arm_compliance * force;
+  derivative[kObjectPosition] = state[kObjectVelocity];
+  derivative[kObjectVelocity] = object_compliance * force - friction;
+  derivative[kImpulse] = force;
+}
+
+void PhaseEquations::Jacobian(double* const* columns) const {
+  for (int column = 0; column < kContactStates; ++column) {
+    for (int row = 0; row < kContactStates; ++row) columns[column][row] = 0;
+  }
+  columns[kDeformation][kArmVelocity] =
+      -arm_stiffness - arm_compliance * stiffness;
+  columns[kDeformation][kObjectVelocity] = object_compliance * stiffness;
+  columns[kDeformation][kImpulse] = stiffness;
+  columns[kArmVelocity][kDeformation] = 1;
+  columns[kArmVelocity][kArmVelocity] = -arm_damping;
+  columns[kObjectPosition][kArmVelocity] = -arm_stiffness;
+  columns[kObjectVelocity][kDeformation] = -1;
+  columns[kObjectVelocity][kObjectPosition] = 1;
+}
+
+void PhaseEquations::Events(const double* state, double* values) const {
+  values[0] = state[kDeformation];
+  if (Sliding(phase)) {
+    values[1] = state[kObjectVelocity];
+  } else if (Touching(phase) &&
+             static_limit < std::numeric_limits<double>::infinity()) {
+    values[1] = stiffness * state[kDeformation] - static_limit;
+  } else {
+    values[1] = 1;
+  }
+}
+
+}  // namespace tactus

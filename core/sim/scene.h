@@ -1,0 +1,55 @@
+// File: scene.h
+//
+// ContactScene: one press of the arm against one object, as the lumped
+// element model of the paper sees it (Section "Robot and Object Model",
+// eqs. 1 to 7). The arm starts at rest, touching the undeformed object.
+//
+//   ContactScene scene;
+//   scene.goal_m = 0.019;
+//   TACTUS_RETURN_IF_ERROR(Validate(scene));
+//
+// Plain data, SI units; safe to share between threads once built.
+#pragma once
+
+#include "absl/status/status.h"
+
+namespace tactus {
+
+inline constexpr double kGravity = 9.81;  // m/s^2
+// Mass of the forearm of the robot Cody, kg (paper, "Experimental Setup").
+inline constexpr double kCodyArmMass = 1.167;
+
+struct ContactScene {
+  double arm_mass_kg = kCodyArmMass;
+  // Spring (N/m) and damper (N s/m) between the arm and its equilibrium point.
+  double actuator_stiffness = 543;
+  double actuator_damping = 0;
+  // The equilibrium point moves at `velocity_m_s` up to `goal_m`, then rests.
+  double velocity_m_s = 0.005;
+  double goal_m = 0.019;
+  double object_mass_kg = 0;
+  // Of the object, N/m, true value.
+  double object_stiffness = 0;
+  // Coulomb friction between object and table; mu_static >= mu_kinetic.
+  double mu_static = 0;
+  double mu_kinetic = 0;
+  // True if the object cannot slide whatever the force.
+  bool fixed = false;
+  double duration_s = 5;
+
+  // Largest friction at rest and friction while sliding, N.
+  double StaticLimit() const { return mu_static * object_mass_kg * kGravity; }
+  double KineticFriction() const {
+    return mu_kinetic * object_mass_kg * kGravity;
+  }
+  // Time at which the equilibrium point reaches the goal, s.
+  double RampEnd() const { return goal_m / velocity_m_s; }
+};
+
+// b_act of a critically damped arm (paper, eq. 10 with eta = 1), N s/m.
+double CriticalDamping(double actuator_stiffness, double arm_mass_kg);
+
+// OK if every field is in range; else INVALID_SCENE naming the field.
+absl::Status Validate(const ContactScene& scene);
+
+}  // namespace tactus

@@ -1,0 +1,83 @@
+#include "core/sim/signals.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/sim/butterworth.h"
+
+namespace tactus {
+namespace {
+
+double UnclampedStrain(const Cube& cube, double force) {
+  return force / cube.Stiffness() / cube.edge_m;
+}
+
+double Variance(const std::vector<FeatureVector>& samples, int feature) {
+  double mean = 0;
+  for (const FeatureVector& sample : samples) mean += sample[feature];
+  mean /= samples.size();
+  double sum = 0;
+  for (const FeatureVector& sample : samples) {
+    sum += (sample[feature] - mean) * (sample[feature] - mean);
+  }
+  return sum / samples.size();
+}
+
+}  // namespace
+
+double Strain(const Cube& cube, double force) {
+  return std::min(UnclampedStrain(cube, force), kMaxStrain);
+}
+
+double ContactArea(const Cube& cube, double force) {
+  return cube.edge_m * cube.edge_m *
+         std::pow(1 - Strain(cube, force), -2 * cube.material.poisson_ratio);
+}
+
+IdealSignals ReadSignals(const Cube& cube, const Trajectory& trajectory) {
+  const double rate = trajectory.sample_rate_hz;
+  const size_t stride = static_cast<size_t>(std::lround(rate / kSkinRateHz));
+  const auto& raw = trajectory.samples;
+  std::array<Butterworth6, 3> filters = {Butterworth6(kAntiAliasHz, rate),
+                                         Butterworth6(kAntiAliasHz, rate),
+                                         Butterworth6(kAntiAliasHz, rate)};
+  IdealSignals signals;
+  signals.samples.reserve(raw.size() / stride);
+  bool clamped = false;
+  for (size_t i = 1; i < raw.size(); ++i) {
+    const double force = (raw[i].impulse - raw[i - 1].impulse) * rate;
+    // Share of the interval spent in contact.
+    const double share = (raw[i].contact_time - raw[i - 1].contact_time) * rate;
+    double area = 0;
+    if (share > 0) {
+      const double pressing = std::max(0.0, force / share);
+      area = share * ContactArea(cube, pressing);
+      clamped |= UnclampedStrain(cube, pressing) > kMaxStrain;
+    }
+    const FeatureVector sample = {filters[0].Step(force), filters[1].Step(area),
+                                  filters[2].Step(raw[i].x_arm)};
+    if (i % stride == 0) {
+      signals.samples.push_back(sample);
+      signals.clamped += clamped;
+      clamped = false;
+    }
+  }
+  return signals;
+}
+
+void AddNoise(const SignalNoise& noise, Random& random,
+              std::vector<FeatureVector>& samples) {
+  const FeatureVector shares = {noise.force, noise.area, noise.motion};
+  FeatureVector deviations;
+  for (int f = 0; f < kFeatureCount; ++f) {
+    deviations[f] = std::sqrt(shares[f] * Variance(samples, f));
+  }
+  for (FeatureVector& sample : samples) {
+    for (int f = 0; f < kFeatureCount; ++f) {
+      sample[f] += deviations[f] * random.Gaussian();
+    }
+  }
+}
+
+}  // namespace tactus
