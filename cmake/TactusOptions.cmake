@@ -33,3 +33,9 @@ elseif(TACTUS_SANITIZE)
   message(FATAL_ERROR
     "TACTUS_SANITIZE is '${TACTUS_SANITIZE}'; use address, thread or nothing")
 endif()
+
+if(TACTUS_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link,address,undefined
+                      -fno-sanitize-recover=all -g1)
+  add_link_options(-fsanitize=address,undefined)
+endif()
