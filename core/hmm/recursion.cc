@@ -8,13 +8,8 @@ namespace tactus {
 namespace {
 
 constexpr double kMinusInfinity = -std::numeric_limits<double>::infinity();
-// Sums above this have lost nothing to underflow: what underflows is below
-// 1e-303.
-constexpr double kTrustedSum = 1e-280;
 // exp() of less is treated as 0, away from denormal numbers.
 constexpr double kSmallestExponent = -690;
-// Terms this far below the largest of a sum are beneath its rounding.
-constexpr double kNegligibleExponent = -50;
 
 double LogSum(const CompiledHmm::Incoming& incoming,
               const double* log_probability) {

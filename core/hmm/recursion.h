@@ -16,6 +16,12 @@
 
 namespace tactus {
 
+// Sums of probabilities above this have lost nothing to underflow: what a
+// belief drops is below 1e-299.
+inline constexpr double kTrustedSum = 1e-280;
+// Terms this far below the largest of a sum are beneath its rounding.
+inline constexpr double kNegligibleExponent = -50;
+
 // A distribution over states; both members have [N] entries, owned elsewhere.
 struct Belief {
   double* probability;

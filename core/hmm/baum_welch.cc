@@ -1,0 +1,274 @@
+#include "core/hmm/baum_welch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/errors.h"
+#include "core/base/random.h"
+#include "core/base/status_macros.h"
+#include "core/hmm/compiled_hmm.h"
+#include "core/hmm/covariance_floor.h"
+#include "core/hmm/expectation.h"
+
+namespace tactus {
+namespace {
+
+// Share of every way into a re-seeded state.
+constexpr double kReseedShare = 0.1;
+constexpr int kMaxReseedsPerState = 3;
+// Updates that must follow a re-seeding for it to pay.
+constexpr int kUpdatesAfterReseed = 5;
+// Relative rounding error granted to a sum of log-likelihoods.
+constexpr double kRounding = 1e-9;
+
+absl::Status CheckOptions(const BaumWelchOptions& options) {
+  if (options.max_iterations < 0) {
+    return InvalidConfig("max_iterations", options.max_iterations, "0 or more");
+  }
+  if (!(options.tolerance >= 0)) {
+    return InvalidConfig("tolerance", options.tolerance, "0 or more");
+  }
+  if (!(options.covariance_floor > 0 &&
+        std::isfinite(options.covariance_floor))) {
+    return InvalidConfig("covariance_floor", options.covariance_floor,
+                         "above 0 and finite");
+  }
+  if (!(options.transition_prior >= 0 &&
+        std::isfinite(options.transition_prior))) {
+    return InvalidConfig("transition_prior", options.transition_prior,
+                         "0 or more and finite");
+  }
+  return absl::OkStatus();
+}
+
+void ScaleToOne(double* values, int count) {
+  double sum = 0;
+  for (int k = 0; k < count; ++k) sum += values[k];
+  for (int k = 0; k < count; ++k) values[k] /= sum;
+}
+
+absl::Status RemoveBackwardTransitions(GaussianHmm& model) {
+  const int n = model.states;
+  for (int i = 0; i < n; ++i) {
+    double* row = &model.transition[static_cast<size_t>(i) * n];
+    double removed = 0;
+    for (int j = 0; j < i; ++j) removed += std::exchange(row[j], 0.0);
+    if (removed == 0) continue;
+    if (std::all_of(row + i, row + n, [](double p) { return p == 0; })) {
+      return InvalidModel(absl::StrCat("transition[", i, "]"),
+                          "only to earlier states",
+                          "with a way to stay or go on, as left_right asks");
+    }
+    ScaleToOne(row, n);
+  }
+  return absl::OkStatus();
+}
+
+// One training run.
+class Trainer {
+ public:
+  Trainer(const std::vector<SequenceView>& sequences,
+          const BaumWelchOptions& options, GaussianHmm& model)
+      : sequences_(sequences),
+        options_(options),
+        model_(model),
+        initial_(model),
+        moments_(ComputeFrameMoments(sequences)),
+        frames_(static_cast<double>(TotalFrames(sequences))),
+        random_(options.seed),
+        reseeds_(model.states, 0) {}
+
+  absl::StatusOr<BaumWelchReport> Run() {
+    double last_objective = 0;
+    for (;; ++report_.iterations) {
+      TACTUS_RETURN_IF_ERROR(Expect());
+      const double objective = expectation_.log_likelihood() + LogPrior();
+      if (!std::isfinite(objective)) {
+        return NumericalFailure(absl::StrCat(
+            "log-likelihood became ", objective, " after ", report_.iterations,
+            " updates; finite would be right"));
+      }
+      report_.log_likelihood.push_back(expectation_.log_likelihood());
+      if (report_.iterations > 0) {
+        const double gain = objective - last_objective;
+        if (gain < -kRounding * (1 + std::abs(objective)) && !excused_) {
+          report_.monotone = false;
+        }
+        if (gain < options_.tolerance * frames_ && !reseeded_) {
+          report_.converged = true;
+          break;
+        }
+      }
+      if (report_.iterations == options_.max_iterations) break;
+      last_objective = objective;
+      Maximise();
+    }
+    return report_;
+  }
+
+ private:
+  absl::Status Expect() {
+    TACTUS_ASSIGN_OR_RETURN(CompiledHmm hmm, CompiledHmm::Create(model_));
+    expectation_.Reset(model_);
+    for (const SequenceView& sequence : sequences_) {
+      expectation_.Add(hmm, sequence);
+    }
+    return absl::OkStatus();
+  }
+
+  // Of the transitions the initial model allows, up to a constant.
+  double LogPrior() const {
+    if (options_.transition_prior == 0) return 0;
+    double sum = 0;
+    for (size_t k = 0; k < model_.transition.size(); ++k) {
+      if (initial_.transition[k] > 0) sum += std::log(model_.transition[k]);
+    }
+    return options_.transition_prior * sum;
+  }
+
+  void Maximise() {
+    excused_ = false;
+    reseeded_ = false;
+    UpdateStart();
+    for (int i = 0; i < model_.states; ++i) UpdateTransitions(i);
+    // A state is dead when it explains less than a hundredth of its even
+    // share, and less than one frame.
+    const double dead = std::min(1.0, 0.01 * frames_ / model_.states);
+    for (int i = 0; i < model_.states; ++i) {
+      if (expectation_.occupancy()[i] >= dead) {
+        UpdateEmission(i);
+      } else if (reseeds_[i] < kMaxReseedsPerState &&
+                 report_.iterations + kUpdatesAfterReseed <
+                     options_.max_iterations) {
+        Reseed(i);
+      }
+    }
+  }
+
+  void UpdateStart() {
+    if (!options_.update_start) return;
+    model_.start = expectation_.starts();
+    ScaleToOne(model_.start.data(), model_.states);
+  }
+
+  void UpdateTransitions(int state) {
+    const int n = model_.states;
+    const size_t offset = static_cast<size_t>(state) * n;
+    std::vector<double> row(n);
+    double sum = 0;
+    for (int j = 0; j < n; ++j) {
+      row[j] = expectation_.transitions()[offset + j];
+      if (initial_.transition[offset + j] > 0) {
+        row[j] += options_.transition_prior;
+      }
+      sum += row[j];
+    }
+    // A state that was never left keeps its row.
+    if (sum < 1e-30) return;
+    for (int j = 0; j < n; ++j) model_.transition[offset + j] = row[j] / sum;
+  }
+
+  void UpdateEmission(int state) {
+    const int d = model_.dimensions;
+    const double weight = 1 / expectation_.occupancy()[state];
+    const double* first =
+        &expectation_.first_moment()[static_cast<size_t>(state) * d];
+    const double* second =
+        &expectation_.second_moment()[static_cast<size_t>(state) * d * d];
+    double* mean = &model_.means[static_cast<size_t>(state) * d];
+    std::vector<double> covariance(static_cast<size_t>(d) * d);
+    for (int a = 0; a < d; ++a) {
+      mean[a] += first[a] * weight;
+      for (int b = 0; b <= a; ++b) {
+        covariance[a * d + b] = covariance[b * d + a] =
+            second[a * d + b] * weight -
+            (first[a] * weight) * (first[b] * weight);
+      }
+    }
+    StoreCovariance(state, covariance);
+  }
+
+  // covariance: [D x D]
+  void StoreCovariance(int state, std::vector<double>& covariance) {
+    const bool raised = SetFlooredCovariance(
+        covariance, options_.covariance_floor, state, model_);
+    excused_ = excused_ || raised;
+  }
+
+  void Reseed(int state) {
+    const int n = model_.states;
+    const int d = model_.dimensions;
+    const SequenceView& sequence = sequences_[random_.Index(sequences_.size())];
+    double place = random_.Uniform();
+    if (options_.left_right) place = (state + place) / n;
+    const int t = std::min(static_cast<int>(place * sequence.frames),
+                           sequence.frames - 1);
+    std::ranges::copy(sequence.frame(t),
+                      model_.means.begin() + static_cast<size_t>(state) * d);
+    std::vector<double> covariance(static_cast<size_t>(d) * d, 0.0);
+    for (int k = 0; k < d; ++k) covariance[k * d + k] = moments_.variance[k];
+    StoreCovariance(state, covariance);
+    std::copy_n(&initial_.transition[static_cast<size_t>(state) * n], n,
+                &model_.transition[static_cast<size_t>(state) * n]);
+    for (int i = 0; i < n; ++i) {
+      const size_t offset = static_cast<size_t>(i) * n;
+      if (i != state && initial_.transition[offset + state] > 0) {
+        OpenWay(&model_.transition[offset], state);
+      }
+    }
+    if (options_.update_start && initial_.start[state] > 0) {
+      OpenWay(model_.start.data(), state);
+    }
+    ++reseeds_[state];
+    ++report_.reseeded_states;
+    reseeded_ = excused_ = true;
+  }
+
+  // Moves kReseedShare of the distribution `row` [N] to `state`.
+  void OpenWay(double* row, int state) {
+    for (int j = 0; j < model_.states; ++j) row[j] *= 1 - kReseedShare;
+    row[state] += kReseedShare;
+  }
+
+  const std::vector<SequenceView>& sequences_;
+  const BaumWelchOptions& options_;
+  GaussianHmm& model_;
+  const GaussianHmm initial_;
+  const FrameMoments moments_;
+  const double frames_;
+  Random random_;
+  std::vector<int> reseeds_;  // [N]
+  Expectation expectation_;
+  BaumWelchReport report_;
+  // Of the last update: a state was re-seeded; a loss of likelihood would be
+  // explained by that or by the floor.
+  bool reseeded_ = false;
+  bool excused_ = false;
+};
+
+}  // namespace
+
+absl::StatusOr<BaumWelchReport> BaumWelch(
+    const std::vector<SequenceView>& sequences, const BaumWelchOptions& options,
+    GaussianHmm& model) {
+  TACTUS_RETURN_IF_ERROR(CheckOptions(options));
+  TACTUS_RETURN_IF_ERROR(Validate(sequences));
+  TACTUS_RETURN_IF_ERROR(Validate(model));
+  if (sequences.front().dimensions != model.dimensions) {
+    return InvalidTrainingData(absl::StrCat(
+        "sequences have ", sequences.front().dimensions, " dimensions; ",
+        model.dimensions, ", as the model has, would be right"));
+  }
+  GaussianHmm trained = WithCovarianceType(model, options.covariance_type);
+  if (options.left_right) {
+    TACTUS_RETURN_IF_ERROR(RemoveBackwardTransitions(trained));
+  }
+  TACTUS_ASSIGN_OR_RETURN(BaumWelchReport report,
+                          Trainer(sequences, options, trained).Run());
+  model = std::move(trained);
+  return report;
+}
+
+}  // namespace tactus

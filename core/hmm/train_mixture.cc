@@ -1,0 +1,227 @@
+#include "core/hmm/train_mixture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "Eigen/Core"
+#include "absl/strings/str_cat.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+#include "core/hmm/forward.h"
+#include "core/hmm/init.h"
+#include "core/hmm/kmeans.h"
+
+namespace tactus {
+namespace {
+
+constexpr int kMaxSummaryPoints = 1000;
+
+absl::Status CheckOptions(const TrainMixtureOptions& options) {
+  if (options.components < 1 || options.components > limits::kMaxHmmsPerClass) {
+    return InvalidConfig("components", options.components,
+                         absl::StrCat("1 to ", limits::kMaxHmmsPerClass));
+  }
+  if (options.min_trials < 1) {
+    return InvalidConfig("min_trials", options.min_trials, "1 or more");
+  }
+  if (options.summary_points < 1 ||
+      options.summary_points > kMaxSummaryPoints) {
+    return InvalidConfig("summary_points", options.summary_points,
+                         absl::StrCat("1 to ", kMaxSummaryPoints));
+  }
+  if (options.reassignment_rounds < 0) {
+    return InvalidConfig("reassignment_rounds", options.reassignment_rounds,
+                         "0 or more");
+  }
+  return absl::OkStatus();
+}
+
+// One row per trial: [trials x (points * D)].
+Eigen::MatrixXd Summarise(const std::vector<SequenceView>& trials, int points) {
+  const int d = trials.front().dimensions;
+  Eigen::MatrixXd summary(trials.size(), points * d);
+  for (size_t s = 0; s < trials.size(); ++s) {
+    const SequenceView& trial = trials[s];
+    for (int p = 0; p < points; ++p) {
+      const double place = points == 1 ? trial.frames - 1
+                                       : static_cast<double>(p) *
+                                             (trial.frames - 1) / (points - 1);
+      const int before = static_cast<int>(place);
+      const int after = std::min(before + 1, trial.frames - 1);
+      const double share = place - before;
+      for (int k = 0; k < d; ++k) {
+        summary(s, p * d + k) = (1 - share) * trial.frame(before)[k] +
+                                share * trial.frame(after)[k];
+      }
+    }
+  }
+  for (Eigen::Index c = 0; c < summary.cols(); ++c) {
+    auto column = summary.col(c).array();
+    column -= column.mean();
+    const double deviation = std::sqrt(column.square().mean());
+    if (deviation > 0) column /= deviation;
+  }
+  return summary;
+}
+
+// Dissolves the smallest group until all hold `min_trials` or one is left.
+// cost(trial, group) tells how badly a trial fits; -1 marks removed groups.
+template <typename Cost>
+void DissolveSmallGroups(int groups, int min_trials, Cost cost,
+                         std::vector<int>& group_of) {
+  std::vector<bool> alive(groups, true);
+  for (int left = groups; left > 1; --left) {
+    std::vector<int> sizes(groups, 0);
+    for (const int group : group_of) ++sizes[group];
+    int smallest = -1;
+    for (int g = 0; g < groups; ++g) {
+      if (alive[g] && (smallest < 0 || sizes[g] < sizes[smallest])) {
+        smallest = g;
+      }
+    }
+    if (sizes[smallest] >= min_trials) break;
+    alive[smallest] = false;
+    for (size_t s = 0; s < group_of.size(); ++s) {
+      if (group_of[s] != smallest) continue;
+      int nearest = -1;
+      for (int g = 0; g < groups; ++g) {
+        if (alive[g] && (nearest < 0 || cost(s, g) < cost(s, nearest))) {
+          nearest = g;
+        }
+      }
+      group_of[s] = nearest;
+    }
+  }
+}
+
+// Renames the groups in use to 0 .. K-1, keeping their order; returns the old
+// names.
+std::vector<int> Compact(std::vector<int>& group_of) {
+  std::vector<int> names = group_of;
+  std::ranges::sort(names);
+  names.erase(std::ranges::unique(names).begin(), names.end());
+  for (int& group : group_of) {
+    group = static_cast<int>(std::ranges::lower_bound(names, group) -
+                             names.begin());
+  }
+  return names;
+}
+
+std::vector<SequenceView> Members(const std::vector<SequenceView>& trials,
+                                  const std::vector<int>& group_of, int group) {
+  std::vector<SequenceView> members;
+  for (size_t s = 0; s < trials.size(); ++s) {
+    if (group_of[s] == group) members.push_back(trials[s]);
+  }
+  return members;
+}
+
+// Trains the components, which hold a model each, on their members.
+absl::Status TrainComponents(const std::vector<SequenceView>& trials,
+                             const BaumWelchOptions& options,
+                             TrainedMixture& trained) {
+  trained.reports.clear();
+  trained.mixture.log_weight.clear();
+  for (size_t k = 0; k < trained.mixture.components.size(); ++k) {
+    const std::vector<SequenceView> members =
+        Members(trials, trained.component_of, static_cast<int>(k));
+    TACTUS_ASSIGN_OR_RETURN(
+        BaumWelchReport report,
+        BaumWelch(members, options, trained.mixture.components[k]));
+    trained.reports.push_back(std::move(report));
+    trained.mixture.log_weight.push_back(
+        std::log(static_cast<double>(members.size()) / trials.size()));
+  }
+  return absl::OkStatus();
+}
+
+// Minus log of weight times likelihood per trial and component: [trials x K].
+absl::StatusOr<Eigen::MatrixXd> ComponentCosts(
+    const std::vector<SequenceView>& trials, const HmmMixture& mixture) {
+  const size_t components = mixture.components.size();
+  Eigen::MatrixXd costs(trials.size(), components);
+  for (size_t k = 0; k < components; ++k) {
+    TACTUS_ASSIGN_OR_RETURN(CompiledHmm hmm,
+                            CompiledHmm::Create(mixture.components[k]));
+    ForwardFilter filter(hmm);
+    for (size_t s = 0; s < trials.size(); ++s) {
+      filter.Reset();
+      for (int t = 0; t < trials[s].frames; ++t) {
+        filter.Step(trials[s].frame(t));
+      }
+      costs(s, k) = -(mixture.log_weight[k] + filter.log_likelihood());
+    }
+  }
+  return costs;
+}
+
+// One round of reassignment; false if no trial moved.
+absl::StatusOr<bool> Reassign(const std::vector<SequenceView>& trials,
+                              const TrainMixtureOptions& options,
+                              TrainedMixture& trained) {
+  TACTUS_ASSIGN_OR_RETURN(const Eigen::MatrixXd costs,
+                          ComponentCosts(trials, trained.mixture));
+  std::vector<int> moved(trials.size());
+  for (size_t s = 0; s < trials.size(); ++s) {
+    Eigen::Index best = 0;
+    costs.row(s).minCoeff(&best);
+    moved[s] = static_cast<int>(best);
+  }
+  DissolveSmallGroups(
+      static_cast<int>(costs.cols()), options.min_trials,
+      [&costs](size_t s, int g) { return costs(s, g); }, moved);
+  if (moved == trained.component_of) return false;
+  std::vector<GaussianHmm> components;
+  for (const int old : Compact(moved)) {
+    components.push_back(std::move(trained.mixture.components[old]));
+  }
+  trained.mixture.components = std::move(components);
+  trained.component_of = std::move(moved);
+  TACTUS_RETURN_IF_ERROR(TrainComponents(trials, options.baum_welch, trained));
+  return true;
+}
+
+}  // namespace
+
+absl::StatusOr<TrainedMixture> TrainMixture(
+    const std::vector<SequenceView>& trials,
+    const TrainMixtureOptions& options) {
+  TACTUS_RETURN_IF_ERROR(CheckOptions(options));
+  TACTUS_RETURN_IF_ERROR(Validate(trials));
+  const Eigen::MatrixXd summary = Summarise(trials, options.summary_points);
+  KMeansResult clusters =
+      KMeans(summary, options.components, options.baum_welch.seed);
+  TrainedMixture trained;
+  trained.component_of = std::move(clusters.cluster_of);
+  DissolveSmallGroups(
+      static_cast<int>(clusters.centres.rows()), options.min_trials,
+      [&](size_t s, int g) {
+        return (summary.row(s) - clusters.centres.row(g)).squaredNorm();
+      },
+      trained.component_of);
+  const size_t components = Compact(trained.component_of).size();
+  const InitOptions init = {
+      .states = options.states,
+      .left_right = options.baum_welch.left_right,
+      .max_jump = options.max_jump,
+      .covariance_type = options.baum_welch.covariance_type,
+      .covariance_floor = options.baum_welch.covariance_floor};
+  for (size_t k = 0; k < components; ++k) {
+    TACTUS_ASSIGN_OR_RETURN(
+        GaussianHmm model,
+        InitPaper(Members(trials, trained.component_of, static_cast<int>(k)),
+                  init));
+    trained.mixture.components.push_back(std::move(model));
+  }
+  TACTUS_RETURN_IF_ERROR(TrainComponents(trials, options.baum_welch, trained));
+  for (int round = 0; round < options.reassignment_rounds; ++round) {
+    TACTUS_ASSIGN_OR_RETURN(const bool moved,
+                            Reassign(trials, options, trained));
+    if (!moved) break;
+  }
+  return trained;
+}
+
+}  // namespace tactus
