@@ -11,6 +11,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/classify/model.h"
+#include "core/lstm/stepper.h"
 
 namespace tactus {
 
