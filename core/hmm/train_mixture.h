@@ -33,7 +33,7 @@ struct TrainMixtureOptions {
   // After training, trials move to the component that explains them best and
   // the components are trained on; this many times at most.
   int reassignment_rounds = 0;
-  BaumWelchOptions baum_welch;
+  BaumWelchOptions baum_welch = {};
 };
 
 struct TrainedMixture {
