@@ -51,6 +51,7 @@ inline constexpr int kMaxHmmDimensions = 16;
 inline constexpr int kMaxHmmsPerClass = 256;
 inline constexpr int kMaxLstmLayers = 8;
 inline constexpr int kMaxLstmCells = 1'024;
+inline constexpr float kMaxLstmWeight = 1e6F;
 inline constexpr size_t kMaxBundleBytes = 64UL * 1024 * 1024;
 
 // Simulated contacts.

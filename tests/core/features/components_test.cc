@@ -13,7 +13,7 @@
 #include "core/base/random.h"
 #include "gtest/gtest.h"
 #include "tests/core/features/segmentation_reference.h"
-#include "tests/core/features/shared_data.h"
+#include "tests/core/base/shared_data.h"
 
 namespace tactus {
 namespace {

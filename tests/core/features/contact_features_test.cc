@@ -7,7 +7,7 @@
 
 #include "core/base/random.h"
 #include "gtest/gtest.h"
-#include "tests/core/features/allocation_counter.h"
+#include "tests/core/base/allocation_counter.h"
 
 namespace tactus {
 namespace {

@@ -1,4 +1,4 @@
-#include "tests/core/features/allocation_counter.h"
+#include "tests/core/base/allocation_counter.h"
 
 #include <atomic>
 #include <cstdlib>

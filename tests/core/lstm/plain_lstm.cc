@@ -1,0 +1,86 @@
+#include "tests/core/lstm/plain_lstm.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus {
+namespace {
+
+double Gate(GateActivation activation, double x) {
+  if (activation == GateActivation::kSigmoid) return 1 / (1 + std::exp(-x));
+  return std::max(0.0, std::min(1.0, 0.2 * x + 0.5));
+}
+
+double Squash(Activation activation, double x) {
+  if (activation == Activation::kTanh) return std::tanh(x);
+  return x / (1 + std::abs(x));
+}
+
+// Row `row` of the layer before its activation.
+double RowSum(const LstmLayer& layer, int row, const std::vector<double>& x,
+              const std::vector<double>& h) {
+  double sum = layer.bias[row];
+  for (int j = 0; j < layer.inputs; ++j) {
+    sum += layer.kernel[row * layer.inputs + j] * x[j];
+  }
+  for (int j = 0; j < layer.cells; ++j) {
+    sum += layer.recurrent[row * layer.cells + j] * h[j];
+  }
+  return sum;
+}
+
+void StepLayer(const LstmNetwork& network, const LstmLayer& layer,
+               const std::vector<double>& x, std::vector<double>& h,
+               std::vector<double>& c) {
+  const std::vector<double> previous = h;
+  const int cells = layer.cells;
+  for (int k = 0; k < cells; ++k) {
+    const auto row = [&](int gate) {
+      return RowSum(layer, gate * cells + k, x, previous);
+    };
+    const double i = Gate(network.gate_activation, row(0));
+    const double f = Gate(network.gate_activation, row(1));
+    const double g = Squash(network.activation, row(2));
+    const double o = Gate(network.gate_activation, row(3));
+    c[k] = f * c[k] + i * g;
+    h[k] = o * Squash(network.activation, c[k]);
+  }
+}
+
+std::vector<double> DenseSoftmax(const LstmNetwork& network,
+                                 const std::vector<double>& h) {
+  std::vector<double> result(network.dense_bias.begin(),
+                             network.dense_bias.end());
+  for (size_t k = 0; k < result.size(); ++k) {
+    for (size_t j = 0; j < h.size(); ++j) {
+      result[k] += network.dense_kernel[k * h.size() + j] * h[j];
+    }
+  }
+  const double largest = *std::max_element(result.begin(), result.end());
+  double sum = 0;
+  for (double& value : result) sum += value = std::exp(value - largest);
+  for (double& value : result) value /= sum;
+  return result;
+}
+
+}  // namespace
+
+std::vector<std::vector<double>> PlainLstm(
+    const LstmNetwork& network,
+    const std::vector<std::vector<double>>& inputs) {
+  std::vector<std::vector<double>> h, c, results;
+  for (const LstmLayer& layer : network.layers) {
+    h.emplace_back(layer.cells);
+    c.emplace_back(layer.cells);
+  }
+  for (std::vector<double> x : inputs) {
+    for (size_t i = 0; i < network.layers.size(); ++i) {
+      StepLayer(network, network.layers[i], x, h[i], c[i]);
+      x = h[i];
+    }
+    results.push_back(DenseSoftmax(network, x));
+  }
+  return results;
+}
+
+}  // namespace tactus

@@ -1,0 +1,148 @@
+#include "core/lstm/stepper.h"
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+#include "gtest/gtest.h"
+#include "tests/core/base/allocation_counter.h"
+#include "tests/core/lstm/lstm_cases.h"
+#include "tests/core/lstm/plain_lstm.h"
+
+namespace tactus {
+namespace {
+
+void ExpectDistribution(const LstmStepper& stepper) {
+  double sum = 0;
+  for (size_t k = 0; k < stepper.probability().size(); ++k) {
+    const double probability = stepper.probability()[k];
+    EXPECT_GE(probability, 0);
+    EXPECT_TRUE(std::isfinite(stepper.log_probability()[k]));
+    EXPECT_NEAR(std::exp(stepper.log_probability()[k]), probability, 1e-15);
+    sum += probability;
+  }
+  EXPECT_NEAR(sum, 1, 1e-12);
+}
+
+TEST(LstmStepperTest, AgreesWithPlainLoopsInDoublePrecision) {
+  struct Shape {
+    int inputs;
+    std::vector<int> cells;
+    int classes;
+  };
+  // Odd sizes leave no room for a wrong stride or a skipped remainder.
+  const Shape shapes[] = {{2, {50, 50}, 4},
+                          {3, {50, 50}, 4},
+                          {1, {1}, 1},
+                          {5, {7, 3, 11}, 2},
+                          {2, {64}, 9}};
+  for (const Shape& shape : shapes) {
+    for (Activation activation : kActivations) {
+      for (GateActivation gate : kGateActivations) {
+        for (uint64_t seed = 1; seed <= 3; ++seed) {
+          const LstmNetwork network = MakeNetwork(
+              shape.inputs, shape.cells, shape.classes, activation, gate, seed);
+          const auto inputs = MakeInputs(shape.inputs, 500, seed);
+          auto lstm = CompiledLstm::Create(network);
+          ASSERT_TRUE(lstm.ok()) << lstm.status();
+          LstmStepper stepper(*lstm);
+          const double difference = LargestDifference(
+              PlainLstm(network, inputs), RunAll(stepper, inputs));
+          EXPECT_LE(difference, 1e-5);
+          if (seed == 1 && shape.inputs == 2 && shape.classes == 4) {
+            std::printf("%s, %s: within %.1e of double precision\n",
+                        Name(activation).c_str(), Name(gate).c_str(),
+                        difference);
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(LstmStepperTest, ProbabilityIsUniformBeforeTheFirstStep) {
+  auto lstm = CompiledLstm::Create(
+      MakeNetwork(2, {5}, 4, Activation::kTanh, GateActivation::kSigmoid, 1));
+  ASSERT_TRUE(lstm.ok());
+  LstmStepper stepper(*lstm);
+  ExpectDistribution(stepper);
+  for (double probability : stepper.probability()) {
+    EXPECT_EQ(probability, 0.25);
+  }
+}
+
+TEST(LstmStepperTest, ResetGivesTheSameBits) {
+  for (Activation activation : kActivations) {
+    for (GateActivation gate : kGateActivations) {
+      auto lstm = CompiledLstm::Create(
+          MakeNetwork(2, {50, 50}, 4, activation, gate, 3));
+      ASSERT_TRUE(lstm.ok());
+      const auto inputs = MakeInputs(2, 200, 4);
+      LstmStepper stepper(*lstm);
+      const auto first = RunAll(stepper, inputs);
+      stepper.Reset();
+      ExpectDistribution(stepper);
+      EXPECT_EQ(RunAll(stepper, inputs), first);
+      // A stepper elsewhere in memory, and of a copy of the network.
+      const CompiledLstm copy = *lstm;
+      LstmStepper other(copy);
+      EXPECT_EQ(RunAll(other, inputs), first);
+    }
+  }
+}
+
+TEST(LstmStepperTest, SteppersOfOneNetworkDoNotDisturbEachOther) {
+  auto lstm = CompiledLstm::Create(MakeNetwork(
+      2, {20, 20}, 4, Activation::kTanh, GateActivation::kSigmoid, 3));
+  ASSERT_TRUE(lstm.ok());
+  const auto inputs = MakeInputs(2, 50, 1);
+  LstmStepper alone(*lstm);
+  const auto want = RunAll(alone, inputs);
+  LstmStepper a(*lstm), b(*lstm);
+  for (size_t t = 0; t < inputs.size(); ++t) {
+    a.Step(inputs[t]);
+    b.Step(inputs[inputs.size() - 1 - t]);
+    EXPECT_TRUE(
+        std::equal(want[t].begin(), want[t].end(), a.probability().begin()));
+  }
+}
+
+TEST(LstmStepperTest, ExtremeInputsAndWeightsStayFinite) {
+  constexpr double kMax = std::numeric_limits<double>::max();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const double values[] = {1e30,   -1e30,     kMax,       -kMax,
+                           1e-310, kInfinity, -kInfinity, 0};
+  for (Activation activation : kActivations) {
+    for (GateActivation gate : kGateActivations) {
+      for (float gain : {1.0F, 1e5F}) {
+        auto lstm = CompiledLstm::Create(
+            MakeNetwork(2, {50, 50}, 4, activation, gate, 6, gain));
+        ASSERT_TRUE(lstm.ok()) << lstm.status();
+        LstmStepper stepper(*lstm);
+        for (double a : values) {
+          for (double b : values) {
+            stepper.Step(std::vector<double>{a, b});
+            ExpectDistribution(stepper);
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(LstmStepperTest, StepAllocatesNothing) {
+  auto lstm = CompiledLstm::Create(MakeNetwork(
+      2, {50, 50}, 4, Activation::kSoftsign, GateActivation::kHardSigmoid, 3));
+  ASSERT_TRUE(lstm.ok());
+  const auto inputs = MakeInputs(2, 100, 1);
+  LstmStepper stepper(*lstm);
+  const int64_t before = AllocationCount();
+  for (const auto& input : inputs) stepper.Step(input);
+  stepper.Reset();
+  EXPECT_EQ(AllocationCount(), before);
+}
+
+}  // namespace
+}  // namespace tactus
