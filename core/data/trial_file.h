@@ -56,7 +56,9 @@ class TrialFileWriter {
 };
 
 // Reads one trial at a time, in the order of their ids. Whatever the file
-// holds, the outcome is a valid trial or TRIAL_FILE_INVALID.
+// holds, the outcome is a valid trial or TRIAL_FILE_INVALID. Open() reads
+// files that TrialFileWriter did not make twice, the first time in a child
+// process: see hdf5_probe.h.
 class TrialFileReader {
  public:
   static absl::StatusOr<TrialFileReader> Open(const std::string& path);
@@ -75,6 +77,7 @@ class TrialFileReader {
  private:
   struct State;
   explicit TrialFileReader(std::unique_ptr<State> state);
+  static absl::StatusOr<TrialFileReader> OpenUnprobed(const std::string& path);
   std::unique_ptr<State> state_;
 };
 

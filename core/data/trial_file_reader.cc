@@ -7,6 +7,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/data/hdf5_handle.h"
+#include "core/data/hdf5_probe.h"
 #include "core/data/trial_file.h"
 
 namespace tactus {
@@ -189,9 +190,11 @@ absl::Status CheckShape(const Dataset& dataset, const char* name,
     bytes *= fits ? dataset.dims[i] : 1;
   }
   if (!fits) {
+    constexpr absl::string_view kAny[] = {"T", "rows", "columns"};
     std::vector<std::string> wanted;
     for (const hsize_t size : want) {
-      wanted.push_back(size == 0 ? "T" : absl::StrCat(size));
+      wanted.push_back(size == 0 ? std::string(kAny[wanted.size()])
+                                 : absl::StrCat(size));
     }
     return complain(name, "has shape ", shape, "; it must be ",
                     absl::StrJoin(wanted, " x "));
@@ -328,6 +331,26 @@ absl::Status ReadAttributes(hid_t group, const Complaint& complain,
   return absl::OkStatus();
 }
 
+// True if TrialFileWriter made the file: all its metadata has checksums and
+// none of its text has variable length.
+bool IsOwnFile(const std::string& path) {
+  if (!HasChecksums(path)) return false;
+  const Hdf5Quiet quiet;
+  const Hdf5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT),
+                        H5Fclose);
+  // A damaged superblock or root: safe to report in this process.
+  if (!file.ok()) return true;
+  const Complaint complain(path, "");
+  Hdf5Handle attribute;
+  Hdf5Handle type;
+  std::string creator;
+  return OpenScalarAttribute(file.get(), "creator", complain, &attribute, &type)
+             .ok() &&
+         H5Tis_variable_str(type.get()) == 0 &&
+         ReadText(file.get(), "creator", complain, &creator).ok() &&
+         creator == "tactus";
+}
+
 herr_t TakeName(hid_t, const char* name, const H5L_info_t*, void* out) {
   auto& ids = *static_cast<std::vector<std::string>*>(out);
   if (ids.size() >= limits::kMaxTrialsPerFile) return -1;
@@ -358,6 +381,19 @@ TrialFileReader& TrialFileReader::operator=(TrialFileReader&&) noexcept =
 TrialFileReader::~TrialFileReader() = default;
 
 absl::StatusOr<TrialFileReader> TrialFileReader::Open(const std::string& path) {
+  if (!IsOwnFile(path)) {
+    TACTUS_RETURN_IF_ERROR(ProbeInChild(path, [&path] {
+      auto reader = OpenUnprobed(path);
+      for (size_t i = 0; reader.ok() && i < reader->size(); ++i) {
+        reader->Read(i).IgnoreError();
+      }
+    }));
+  }
+  return OpenUnprobed(path);
+}
+
+absl::StatusOr<TrialFileReader> TrialFileReader::OpenUnprobed(
+    const std::string& path) {
   const Hdf5Quiet quiet;
   const Complaint complain(path, "");
   auto state = std::make_unique<State>();

@@ -249,6 +249,7 @@ absl::StatusOr<TrialFileWriter> TrialFileWriter::Create(
       H5Gcreate2(file, "trials", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
       H5Gclose};
   if (!state->trials.ok() || !WriteText(file, "format", "tactus-trials") ||
+      !WriteText(file, "creator", "tactus") ||
       !WriteAttribute(file, "version", H5T_NATIVE_INT, H5T_STD_I32LE,
                       &version)) {
     return state->Break("cannot be written");

@@ -65,7 +65,6 @@ TEST_F(TrialFileDamageTest, NoFlippedBitIsReadAsSomethingElse) {
   }
   // The rest are bytes that belong to nothing.
   EXPECT_GT(errors, kFlips / 2);
-  RecordProperty("errors", errors);
 }
 
 TEST_F(TrialFileDamageTest, EveryTruncationIsRefused) {
