@@ -56,6 +56,7 @@ inline constexpr size_t kMaxBundleBytes = 64UL * 1024 * 1024;
 
 // Simulated contacts.
 inline constexpr double kMaxSceneDurationS = 600;
+inline constexpr int kMaxLeadInFrames = 1'000;
 
 // Trial files.
 inline constexpr size_t kMaxFramesPerTrial = 10'000'000;
