@@ -22,7 +22,8 @@ inline constexpr size_t kMaxMessageBytes = 64 * 1024;
 inline constexpr double kMaxSampleRateHz = 10'000.0;
 inline constexpr uint32_t kMaxResultIntervalFrames = 10'000;
 inline constexpr uint32_t kMaxDecisionFrames = 10'000;
-inline constexpr size_t kMaxClientIdBytes = 128;
+// Names a client chooses: client_id, model, layout.
+inline constexpr size_t kMaxNameBytes = 128;
 inline constexpr int32_t kMaxReleaseAfterMs = 60'000;
 
 // Largest accepted taxel value, in the layout's unit: beyond any skin, and
@@ -32,6 +33,10 @@ inline constexpr float kMaxTaxelValue = 1e12F;
 inline constexpr double kMaxPositionM = 1e6;
 // How far a pose's quaternion may be from unit length.
 inline constexpr double kQuaternionTolerance = 1e-3;
+
+// Largest accepted distance of a capture time from 0, in nanoseconds: 126
+// years, so that no difference of two overflows.
+inline constexpr int64_t kMaxCaptureTimeNs = 4'000'000'000'000'000'000;
 
 // A sequence gap beyond this many frames is treated as this many by the
 // models; it is counted in full.

@@ -1,0 +1,77 @@
+// File: frame_decoder.h
+//
+// FrameDecoder: turns FrameBatch messages into frames of floats, after
+// checking everything in them.
+//
+//   FrameDecoder decoder(settings);
+//   TACTUS_RETURN_IF_ERROR(decoder.Check(batch));   // all or nothing
+//   for (uint32_t i = 0; i < batch.frame_count(); ++i) {
+//     pipeline.Step(decoder.Frame(batch, i));
+//   }
+//   decoder.Accept(batch);
+//
+// Allocates at construction only. Not thread-safe: one per stream.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "core/skin/frame.h"
+#include "server/session/stream_settings.h"
+#include "tactus/v1/contact.pb.h"
+
+namespace tactus::server {
+
+class FrameDecoder {
+ public:
+  explicit FrameDecoder(const StreamSettings& settings);
+
+  // OK if every frame of `batch` may be used after those accepted so far;
+  // else the stream's error. Changes nothing that Frame depends on.
+  absl::Status Check(const v1::FrameBatch& batch);
+
+  // Frame `index` of a batch that passed Check; valid until the next call.
+  // `missing_before` is left at 0: what counts as a gap is the session's.
+  FrameView Frame(const v1::FrameBatch& batch, uint32_t index);
+
+  // Remembers the order of a batch that was used.
+  void Accept(const v1::FrameBatch& batch);
+
+  uint64_t last_sequence() const { return last_sequence_.value_or(0); }
+  int64_t CaptureTime(const v1::FrameBatch& batch, uint32_t index) const;
+
+ private:
+  absl::Status CheckOrder(const v1::FrameBatch& batch) const;
+  absl::Status CheckSizes(const v1::FrameBatch& batch) const;
+  absl::Status CheckSparse(const v1::FrameBatch& batch) const;
+  absl::Status CheckPoses(const v1::FrameBatch& batch) const;
+  absl::Status CheckValues(const v1::FrameBatch& batch);
+
+  // Fill taxels_ with the values in the layout's unit. Sparse frames are read
+  // one after another: `sparse_entry_` runs along.
+  void DecodeFrame(const v1::FrameBatch& batch, uint32_t index);
+  void DecodeDense(const v1::FrameBatch& batch, uint32_t index);
+  void DecodeSparse(const v1::FrameBatch& batch, uint32_t index);
+  float Value(const char* wire) const;
+
+  size_t taxel_count_;
+  v1::TaxelType taxel_type_;
+  size_t taxel_bytes_;
+  double scale_;
+  bool with_poses_;
+  double frame_period_ns_;
+  // Empty if no taxel is masked, else one byte a taxel, 0 = ignore.
+  std::vector<uint8_t> mask_;
+
+  // The frame decoded last.
+  std::vector<float> taxels_;
+  Pose pose_;
+  size_t sparse_entry_ = 0;
+
+  std::optional<uint64_t> last_sequence_;
+  int64_t last_capture_time_ns_ = 0;
+};
+
+}  // namespace tactus::server

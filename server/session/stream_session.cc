@@ -1,0 +1,165 @@
+#include "server/session/stream_session.h"
+
+#include <utility>
+
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+
+namespace tactus::server {
+
+StreamSession::StreamSession(const ModelSource* models, Options options)
+    : models_(models), options_(std::move(options)) {}
+
+StreamSession::State StreamSession::state() const {
+  if (finishing_) return responses_.empty() ? State::kDone : State::kFinishing;
+  return pipeline_ == nullptr ? State::kWaitConfig : State::kStreaming;
+}
+
+absl::Status StreamSession::OnRequest(
+    const v1::ClassifyContactRequest& request) {
+  if (finishing_) return StreamFinished();
+  responses_.BeginRequest();
+  absl::Status status = Dispatch(request);
+  if (!status.ok()) {
+    finishing_ = true;
+    final_status_ = status;
+  }
+  return status;
+}
+
+absl::Status StreamSession::Dispatch(
+    const v1::ClassifyContactRequest& request) {
+  const size_t size = request.ByteSizeLong();
+  if (size > limits::kMaxMessageBytes) {
+    return MessageTooLarge(size, limits::kMaxMessageBytes);
+  }
+  if (request.request_case() == v1::ClassifyContactRequest::REQUEST_NOT_SET) {
+    return EmptyRequest();
+  }
+  if (request.has_config()) return OnConfig(request.config());
+  if (pipeline_ == nullptr) return ConfigRequired();
+  if (request.has_frames()) return OnFrames(request.frames());
+  OnEndOfTrial();
+  return absl::OkStatus();
+}
+
+void StreamSession::EndRequest(int64_t start_ns, int64_t now_ns) {
+  responses_.EndRequest(now_ns - start_ns, now_ns);
+}
+
+absl::Status StreamSession::OnConfig(const v1::StreamConfig& config) {
+  if (pipeline_ != nullptr) return ConfigRepeated();
+  TACTUS_ASSIGN_OR_RETURN(settings_, ParseStreamConfig(config));
+  TACTUS_ASSIGN_OR_RETURN(const PinnedModel pinned,
+                          models_->Find(settings_.model));
+  TACTUS_ASSIGN_OR_RETURN(
+      pipeline_, ContactPipeline::Create(settings_.layout, pinned.model,
+                                         settings_.pipeline));
+  decoder_.emplace(settings_);
+  writer_.emplace(settings_.with_features);
+  last_best_class_ = pipeline_->classifier().best_class();
+  WriteStarted(pinned);
+  return absl::OkStatus();
+}
+
+void StreamSession::WriteStarted(const PinnedModel& pinned) {
+  const Model& model = pinned.model->model();
+  v1::StreamStarted* started = responses_.AddMessage()->mutable_started();
+  started->set_model_version(pinned.version_name);
+  started->set_bundle_sha256(pinned.sha256);
+  for (const std::string& name : model.class_names) {
+    started->add_class_names(name);
+  }
+  for (const Feature feature : model.features.features) {
+    started->add_features(std::string(FeatureName(feature)));
+  }
+  started->set_has_lstm(model.lstm.has_value());
+  started->set_stream_id(options_.stream_id);
+  v1::StreamLimits* limits = started->mutable_limits();
+  limits->set_max_frames_per_message(limits::kMaxFramesPerMessage);
+  limits->set_max_message_bytes(limits::kMaxMessageBytes);
+  limits->set_idle_timeout_ms(options_.idle_timeout_ms);
+  started->mutable_server()->set_version(options_.server_version);
+  started->mutable_server()->set_api("tactus.v1");
+  LayoutToProto(settings_.layout, started->mutable_geometry());
+}
+
+absl::Status StreamSession::OnFrames(const v1::FrameBatch& batch) {
+  TACTUS_RETURN_IF_ERROR(decoder_->Check(batch));
+  for (uint32_t i = 0; i < batch.frame_count(); ++i) OnFrame(batch, i);
+  decoder_->Accept(batch);
+  return absl::OkStatus();
+}
+
+void StreamSession::OnFrame(const v1::FrameBatch& batch, uint32_t index) {
+  FrameView frame = decoder_->Frame(batch, index);
+  // A trial may begin at any sequence number; gaps lie within trials.
+  if (index == 0 && trial_frames_ > 0) {
+    frame.missing_before =
+        batch.first_sequence() - decoder_->last_sequence() - 1;
+  }
+  const ContactReport& report = pipeline_->Step(frame);
+  ++frames_;
+  ++trial_frames_;
+  writer_->OnFrame(report, batch.first_sequence() + index,
+                   decoder_->CaptureTime(batch, index), frame.missing_before);
+  const bool due = IsDue(report);
+  if (report.released || report.decided) {
+    writer_->Write(*pipeline_, false, responses_.AddFinal());
+  } else if (due) {
+    writer_->Write(*pipeline_, false, responses_.AddInterim());
+  }
+}
+
+bool StreamSession::IsDue(const ContactReport& report) {
+  const int best_class = pipeline_->classifier().best_class();
+  const bool changed =
+      report.state != last_state_ || best_class != last_best_class_;
+  last_state_ = report.state;
+  last_best_class_ = best_class;
+  switch (settings_.cadence) {
+    case v1::RESULT_CADENCE_EVERY_N_FRAMES:
+      return trial_frames_ % settings_.result_interval_frames == 0;
+    case v1::RESULT_CADENCE_ON_CHANGE:
+      return changed;
+    case v1::RESULT_CADENCE_ON_DECISION:
+      return false;
+    default:
+      return true;
+  }
+}
+
+void StreamSession::OnEndOfTrial() {
+  writer_->Write(*pipeline_, true, responses_.AddFinal());
+  pipeline_->EndTrial();
+  writer_->OnEndOfTrial();
+  trial_frames_ = 0;
+  last_state_ = ContactState::kNoContact;
+  last_best_class_ = pipeline_->classifier().best_class();
+}
+
+void StreamSession::OnHalfClose() {
+  Finish(pipeline_ == nullptr ? ConfigRequired() : absl::OkStatus());
+}
+
+void StreamSession::OnDraining(uint32_t grace_ms) {
+  if (finishing_) return;
+  if (pipeline_ == nullptr) {
+    Finish(Draining());
+    return;
+  }
+  v1::StreamNotice* notice = responses_.AddMessage()->mutable_notice();
+  notice->set_kind(v1::StreamNotice::KIND_DRAINING);
+  notice->set_grace_ms(grace_ms);
+}
+
+void StreamSession::Finish(absl::Status status) {
+  if (finishing_) return;
+  responses_.BeginRequest();
+  if (trial_frames_ > 0) OnEndOfTrial();
+  finishing_ = true;
+  final_status_ = std::move(status);
+}
+
+}  // namespace tactus::server

@@ -1,0 +1,103 @@
+// File: stream_session.h
+//
+// StreamSession: one ClassifyContact stream without its transport. Requests
+// go in, answers wait in responses(), and a status says how it ends.
+//
+//   StreamSession session(models, {.stream_id = "7"});
+//   session.OnRequest(request, now_ns);
+//   session.EndRequest(start_ns, now_ns);
+//   while (auto* answer = session.responses().StartWrite(now_ns)) {
+//     Write(*answer);
+//     session.responses().FinishWrite();
+//   }
+//   if (session.state() == StreamSession::State::kDone) Finish(...);
+//
+//   WAIT_CONFIG --config--> STREAMING --half-close, error, Finish--> FINISHING
+//   FINISHING --all answers written--> DONE
+//
+// A message is checked whole before any of its frames is used. The model is
+// held from `config` to the end of this object. No threads, no clock: the
+// caller serialises calls and brings the time.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "core/classify/contact_pipeline.h"
+#include "server/session/frame_decoder.h"
+#include "server/session/model_source.h"
+#include "server/session/posterior_writer.h"
+#include "server/session/response_queue.h"
+#include "server/session/stream_settings.h"
+#include "tactus/v1/contact.pb.h"
+
+namespace tactus::server {
+
+class StreamSession {
+ public:
+  struct Options {
+    std::string stream_id;
+    std::string server_version;
+    // Only reported to the client; 0 means none.
+    uint32_t idle_timeout_ms = 0;
+  };
+  enum class State { kWaitConfig, kStreaming, kFinishing, kDone };
+
+  // `models` must outlive the session.
+  StreamSession(const ModelSource* models, Options options);
+
+  // Takes the next message. On error the stream is FINISHING with it.
+  absl::Status OnRequest(const v1::ClassifyContactRequest& request);
+  // Tells how long the last OnRequest took, for the answers it brought.
+  void EndRequest(int64_t start_ns, int64_t now_ns);
+
+  // The client will send no more: an open trial gets its final.
+  void OnHalfClose();
+  // The server will stop within `grace_ms`; the client is told.
+  void OnDraining(uint32_t grace_ms);
+  // Ends the stream from the server's side with `status`, after the final of
+  // an open trial.
+  void Finish(absl::Status status);
+
+  State state() const;
+  // How the stream ends; meaningful in FINISHING and DONE.
+  const absl::Status& final_status() const { return final_status_; }
+  // False while too many finals wait, and after the end.
+  bool wants_request() const { return !finishing_ && !responses_.full(); }
+  ResponseQueue& responses() { return responses_; }
+  uint64_t frames() const { return frames_; }
+
+ private:
+  absl::Status Dispatch(const v1::ClassifyContactRequest& request);
+  absl::Status OnConfig(const v1::StreamConfig& config);
+  absl::Status OnFrames(const v1::FrameBatch& batch);
+  void OnFrame(const v1::FrameBatch& batch, uint32_t index);
+  void OnEndOfTrial();
+  // True if the cadence asks for an interim posterior after this frame.
+  bool IsDue(const ContactReport& report);
+  void WriteStarted(const PinnedModel& pinned);
+
+  const ModelSource* models_;
+  Options options_;
+  ResponseQueue responses_;
+  bool finishing_ = false;
+  absl::Status final_status_;
+
+  // Set by config.
+  StreamSettings settings_;
+  std::unique_ptr<ContactPipeline> pipeline_;
+  std::optional<FrameDecoder> decoder_;
+  std::optional<PosteriorWriter> writer_;
+
+  uint64_t frames_ = 0;
+  // Of the trial that is open; 0 if none is.
+  uint64_t trial_frames_ = 0;
+  // As of the frame before, for RESULT_CADENCE_ON_CHANGE.
+  ContactState last_state_ = ContactState::kNoContact;
+  int last_best_class_ = 0;
+};
+
+}  // namespace tactus::server

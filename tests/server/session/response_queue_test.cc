@@ -1,0 +1,94 @@
+#include "server/session/response_queue.h"
+
+#include "core/base/limits.h"
+#include "gtest/gtest.h"
+
+namespace tactus::server {
+namespace {
+
+// Sequences of the posteriors that wait, in order of writing.
+std::vector<uint64_t> Drain(ResponseQueue& queue) {
+  std::vector<uint64_t> sequences;
+  while (const auto* response = queue.StartWrite(0)) {
+    sequences.push_back(response->posterior().sequence());
+    queue.FinishWrite();
+  }
+  return sequences;
+}
+
+TEST(ResponseQueueTest, KeepsAllInterimsOfOneRequest) {
+  ResponseQueue queue;
+  queue.BeginRequest();
+  for (int i = 1; i <= 5; ++i) queue.AddInterim()->set_sequence(i);
+  EXPECT_EQ(Drain(queue), (std::vector<uint64_t>{1, 2, 3, 4, 5}));
+  EXPECT_EQ(queue.superseded(), 0u);
+}
+
+TEST(ResponseQueueTest, NewRequestSupersedesWaitingInterimsOnly) {
+  ResponseQueue queue;
+  queue.BeginRequest();
+  queue.AddMessage()->mutable_started();
+  queue.AddInterim()->set_sequence(1);
+  queue.AddFinal()->set_sequence(2);
+  queue.AddInterim()->set_sequence(3);
+  queue.BeginRequest();
+  v1::Posterior* newest = queue.AddInterim();
+  newest->set_sequence(4);
+  EXPECT_EQ(newest->superseded(), 2u);
+  EXPECT_EQ(queue.superseded(), 2u);
+  ASSERT_TRUE(queue.StartWrite(0)->has_started());
+  queue.FinishWrite();
+  EXPECT_EQ(Drain(queue), (std::vector<uint64_t>{2, 4}));
+}
+
+TEST(ResponseQueueTest, TheOneBeingWrittenStaysAsItIs) {
+  ResponseQueue queue;
+  queue.BeginRequest();
+  queue.AddInterim()->set_sequence(1);
+  const auto* writing = queue.StartWrite(0);
+  for (int i = 2; i < 50; ++i) {
+    queue.BeginRequest();
+    queue.AddInterim()->set_sequence(i);
+    EXPECT_EQ(queue.StartWrite(0), nullptr);
+    EXPECT_EQ(writing->posterior().sequence(), 1u);
+    EXPECT_EQ(queue.size(), 1u);
+  }
+  queue.FinishWrite();
+  EXPECT_EQ(Drain(queue), (std::vector<uint64_t>{49}));
+  EXPECT_TRUE(queue.empty());
+}
+
+TEST(ResponseQueueTest, IsFullOfFinalsNotOfInterims) {
+  ResponseQueue queue;
+  queue.BeginRequest();
+  for (size_t i = 0; i < limits::kMaxQueuedFinals - 1; ++i) {
+    queue.AddFinal();
+    queue.AddInterim();
+  }
+  EXPECT_FALSE(queue.full());
+  queue.AddFinal();
+  EXPECT_TRUE(queue.full());
+  // The first in line is a final.
+  ASSERT_NE(queue.StartWrite(0), nullptr);
+  EXPECT_FALSE(queue.full());
+}
+
+TEST(ResponseQueueTest, SharesComputeTimeAndTellsWaitingTime) {
+  ResponseQueue queue;
+  queue.BeginRequest();
+  queue.EndRequest(100, 1000);  // Brought nothing.
+  queue.BeginRequest();
+  queue.AddInterim();
+  queue.AddInterim();
+  queue.EndRequest(300, 2000);
+  const auto* response = queue.StartWrite(2050);
+  EXPECT_EQ(response->posterior().server_compute_ns(), 200);
+  EXPECT_EQ(response->posterior().queue_ns(), 50);
+  queue.FinishWrite();
+  response = queue.StartWrite(2300);
+  EXPECT_EQ(response->posterior().server_compute_ns(), 200);
+  EXPECT_EQ(response->posterior().queue_ns(), 300);
+}
+
+}  // namespace
+}  // namespace tactus::server

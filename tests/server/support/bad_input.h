@@ -1,0 +1,32 @@
+// File: bad_input.h
+//
+// The table of what clients do wrong on a stream, each with the status code
+// and reason it must meet. Run against StreamSession and over gRPC.
+#pragma once
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "tactus/v1/contact.pb.h"
+
+namespace tactus::testing {
+
+struct BadInput {
+  std::string name;
+  // Sent in order; the last is the bad one unless `half_close`.
+  std::vector<v1::ClassifyContactRequest> requests;
+  absl::StatusCode code;
+  std::string reason;
+  // The fault is the half-close after the requests.
+  bool half_close = false;
+};
+
+std::vector<BadInput> BadInputs();
+
+inline std::ostream& operator<<(std::ostream& out, const BadInput& bad) {
+  return out << bad.name;
+}
+
+}  // namespace tactus::testing
