@@ -1,0 +1,100 @@
+#include "core/eval/evaluate_nearest.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+#include "core/nearest/pca_nearest.h"
+
+namespace tactus {
+namespace {
+
+constexpr double kVarianceShare = 0.95;
+
+// The first `frames` frames of a contact as one row, feature after feature; a
+// shorter contact keeps its last frame.
+Eigen::VectorXd Flatten(const Contact& contact,
+                        const std::vector<Feature>& features, int frames) {
+  Eigen::VectorXd row(static_cast<Eigen::Index>(features.size()) * frames);
+  Eigen::Index place = 0;
+  for (Feature feature : features) {
+    for (int t = 0; t < frames; ++t) {
+      const size_t index = std::min<size_t>(t, contact.frames.size() - 1);
+      row[place++] = contact.frames[index][static_cast<int>(feature)];
+    }
+  }
+  return row;
+}
+
+// Standard scores per feature over all samples and frames (paper, S_f), in
+// place; the same map is applied to `test`.
+void Standardise(int features, int frames, Eigen::MatrixXd& train,
+                 Eigen::MatrixXd& test) {
+  for (int f = 0; f < features; ++f) {
+    auto block = train.middleCols(f * frames, frames);
+    const double mean = block.mean();
+    const double deviation = std::sqrt((block.array() - mean).square().mean());
+    const double gain = deviation > 0 ? 1 / deviation : 1;
+    block.array() = (block.array() - mean) * gain;
+    auto other = test.middleCols(f * frames, frames);
+    other.array() = (other.array() - mean) * gain;
+  }
+}
+
+Eigen::MatrixXd Stack(const std::vector<const Contact*>& contacts,
+                      const std::vector<int>& indices,
+                      const std::vector<Feature>& features, int frames) {
+  Eigen::MatrixXd rows(indices.size(), features.size() * frames);
+  for (size_t i = 0; i < indices.size(); ++i) {
+    rows.row(static_cast<Eigen::Index>(i)) =
+        Flatten(*contacts[indices[i]], features, frames);
+  }
+  return rows;
+}
+
+// Answers `fold` from the first `frames` frames alone.
+absl::Status AnswerAt(const std::vector<const Contact*>& contacts,
+                      const std::vector<int>& fold,
+                      const std::vector<int>& rest,
+                      const std::vector<Feature>& features, int frames,
+                      int classes, std::vector<Outcome>& outcomes) {
+  Eigen::MatrixXd train = Stack(contacts, rest, features, frames);
+  Eigen::MatrixXd test = Stack(contacts, fold, features, frames);
+  Standardise(static_cast<int>(features.size()), frames, train, test);
+  std::vector<int> labels;
+  for (int i : rest) labels.push_back(outcomes[i].label);
+  TACTUS_ASSIGN_OR_RETURN(const PcaNearest nearest,
+                          PcaNearest::Fit(train, labels, kVarianceShare));
+  for (size_t i = 0; i < fold.size(); ++i) {
+    TACTUS_ASSIGN_OR_RETURN(
+        const PcaNearest::Match match,
+        nearest.Predict(test.row(static_cast<Eigen::Index>(i)).transpose()));
+    Outcome& outcome = outcomes[fold[i]];
+    outcome.probability.assign(classes, 0);
+    outcome.probability[match.label] = 1;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status EvaluateNearestFold(const std::vector<const Contact*>& contacts,
+                                 const std::vector<int>& fold,
+                                 const std::vector<Feature>& features,
+                                 Evaluation& result) {
+  const auto rest = Complement(fold, static_cast<int>(contacts.size()));
+  const int classes = static_cast<int>(result.class_names.size());
+  const double rate = contacts.front()->sample_rate_hz;
+  for (int t = 0; t < kAnytimeCount; ++t) {
+    const int frames =
+        std::max(1, static_cast<int>(std::round(kAnytimeSeconds[t] * rate)));
+    TACTUS_RETURN_IF_ERROR(AnswerAt(contacts, fold, rest, features, frames,
+                                    classes, result.anytime[t]));
+  }
+  // The window ends with the longest of the times, as in the paper.
+  for (int i : fold) result.final[i] = result.anytime.back()[i];
+  return absl::OkStatus();
+}
+
+}  // namespace tactus
