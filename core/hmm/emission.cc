@@ -51,7 +51,7 @@ EmissionTable::EmissionTable(const GaussianHmm& model)
 
 // Forward substitution z = L^-1 (x - mean), then |z|^2: the squared
 // Mahalanobis distance.
-template <int kDimensions>
+template <int kDimensions, bool kFull>
 void EmissionTable::Evaluate(const double* x, double* out) const {
   const int d = kDimensions > 0 ? kDimensions : dimensions_;
   constexpr int kRows =
@@ -65,7 +65,7 @@ void EmissionTable::Evaluate(const double* x, double* out) const {
       const double* inverse = cell + kLanes;
       cell += 2 * kLanes;
       for (int k = 0; k < kLanes; ++k) z[i][k] = x[i] - mean[k];
-      for (int j = 0; full_ && j < i; ++j) {
+      for (int j = 0; kFull && j < i; ++j) {
         for (int k = 0; k < kLanes; ++k) z[i][k] -= cell[k] * z[j][k];
         cell += kLanes;
       }
@@ -86,15 +86,19 @@ void EmissionTable::Evaluate(const double* x, double* out) const {
 
 void EmissionTable::LogDensity(std::span<const double> observation,
                                std::span<double> out) const {
+  const double* x = observation.data();
   switch (dimensions_) {
     case 1:
-      return Evaluate<1>(observation.data(), out.data());
+      return Evaluate<1, false>(x, out.data());
     case 2:
-      return Evaluate<2>(observation.data(), out.data());
+      return full_ ? Evaluate<2, true>(x, out.data())
+                   : Evaluate<2, false>(x, out.data());
     case 3:
-      return Evaluate<3>(observation.data(), out.data());
+      return full_ ? Evaluate<3, true>(x, out.data())
+                   : Evaluate<3, false>(x, out.data());
     default:
-      return Evaluate<0>(observation.data(), out.data());
+      return full_ ? Evaluate<0, true>(x, out.data())
+                   : Evaluate<0, false>(x, out.data());
   }
 }
 

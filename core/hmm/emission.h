@@ -36,7 +36,8 @@ class EmissionTable {
   int dimensions() const { return dimensions_; }
 
  private:
-  template <int kDimensions>
+  // kDimensions 0: any number of them.
+  template <int kDimensions, bool kFull>
   void Evaluate(const double* x, double* out) const;
 
   int states_;
