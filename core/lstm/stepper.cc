@@ -18,7 +18,8 @@ using Values = Eigen::Ref<Eigen::ArrayXf>;
 void Activate(Activation activation, Values values) {
   switch (activation) {
     case Activation::kTanh:
-      values = values.tanh();
+      // Within 2e-7; Eigen's tanh is only within 3.5e-7.
+      values = 1.0F - 2.0F / ((2.0F * values).exp() + 1.0F);
       return;
     case Activation::kSoftsign:
       values /= values.abs() + 1;
@@ -29,7 +30,7 @@ void Activate(Activation activation, Values values) {
 void ActivateGates(GateActivation activation, Values values) {
   switch (activation) {
     case GateActivation::kSigmoid:
-      values = values.logistic();
+      values = 1.0F / (1.0F + (-values).exp());
       return;
     case GateActivation::kHardSigmoid:
       values = (values * 0.2F + 0.5F).max(0.0F).min(1.0F);

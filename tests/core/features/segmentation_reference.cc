@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "opencv2/core.hpp"
+#include "opencv2/core/utility.hpp"
 #include "opencv2/imgproc.hpp"
 
 namespace tactus {
@@ -100,6 +101,8 @@ ReferenceSegmentation FloodFill(const SkinLayout& layout,
 
 ReferenceSegmentation OpenCvSegmentation(const SkinLayout& layout,
                                          const std::vector<float>& taxels) {
+  // Frames are too small to share between threads.
+  cv::setNumThreads(1);
   cv::Mat binary(layout.rows, layout.columns, CV_8U);
   for (int taxel = 0; taxel < layout.taxels(); ++taxel) {
     binary.data[taxel] = Touched(layout, taxels, taxel) ? 255 : 0;
