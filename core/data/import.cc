@@ -1,0 +1,136 @@
+#include "core/data/import.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <system_error>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+
+namespace tactus {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<absl::string_view, 4> kSignalColumns = {"time", "force",
+                                                             "area", "motion"};
+
+absl::StatusOr<std::vector<std::string>> CsvFiles(const std::string& folder) {
+  std::vector<std::string> files;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end;
+       it.increment(error)) {
+    if (it->path().extension() == ".csv") files.push_back(it->path());
+  }
+  if (error) return IoError(folder, error.message());
+  if (files.empty()) {
+    return TrialFileInvalid(folder, "holds neither index.csv nor CSV files");
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+absl::StatusOr<size_t> ImportCsvFiles(const std::vector<std::string>& files,
+                                      TrialSink sink) {
+  for (size_t i = 0; i < files.size(); ++i) {
+    TACTUS_ASSIGN_OR_RETURN(Trial trial, ImportSignalsCsv(files[i], i));
+    TACTUS_RETURN_IF_ERROR(sink(std::move(trial)));
+  }
+  return files.size();
+}
+
+absl::Status SetMetadata(const std::string& path, const CsvTable& table,
+                         Trial* trial) {
+  const std::pair<absl::string_view, std::string*> texts[] = {
+      {"label", &trial->label},   {"condition", &trial->condition},
+      {"object", &trial->object}, {"material", &trial->material},
+      {"unit", &trial->unit},
+  };
+  const std::pair<absl::string_view, double*> numbers[] = {
+      {"stiffness", &trial->stiffness},
+      {"velocity", &trial->velocity},
+      {"sample_rate_hz", &trial->sample_rate_hz},
+  };
+  for (const auto& [key, value] : table.metadata()) {
+    bool known = false;
+    for (const auto& [name, target] : texts) {
+      if (key != name) continue;
+      *target = value;
+      known = true;
+    }
+    for (const auto& [name, target] : numbers) {
+      if (key != name) continue;
+      if (!ParseNumber(value, target)) {
+        return TrialFileInvalid(path, absl::StrCat("# ", key, " is \"", value,
+                                                   "\"; it must be a number"));
+      }
+      known = true;
+    }
+    if (!known) {
+      return TrialFileInvalid(
+          path, absl::StrCat("# ", key,
+                             " is not known; use label, condition, object, "
+                             "material, stiffness, velocity, sample_rate_hz "
+                             "or unit"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<Trial> ImportSignalsCsv(const std::string& path, size_t number) {
+  TACTUS_ASSIGN_OR_RETURN(const CsvTable table, CsvTable::Read(path));
+  if (!std::equal(table.header().begin(), table.header().end(),
+                  kSignalColumns.begin(), kSignalColumns.end())) {
+    return TrialFileInvalid(
+        path,
+        absl::StrCat("has the header \"", absl::StrJoin(table.header(), ","),
+                     "\"; it must be ", absl::StrJoin(kSignalColumns, ",")));
+  }
+  Trial trial;
+  trial.id = absl::StrFormat("%06d", number);
+  for (size_t row = 0; row < table.rows(); ++row) {
+    std::array<double, 4> values;
+    for (size_t column = 0; column < values.size(); ++column) {
+      TACTUS_ASSIGN_OR_RETURN(values[column], table.Number(row, column));
+    }
+    if (row > 0 && values[0] <= trial.time.back()) {
+      return table.RowError(row, "time must be above the one before");
+    }
+    trial.time.push_back(values[0]);
+    trial.signals.push_back({values[1], values[2], values[3]});
+  }
+  if (trial.time.size() > 1) {
+    trial.sample_rate_hz = static_cast<double>(trial.time.size() - 1) /
+                           (trial.time.back() - trial.time.front());
+  }
+  TACTUS_RETURN_IF_ERROR(SetMetadata(path, table, &trial));
+  TACTUS_RETURN_IF_ERROR(Validate(trial, path));
+  return trial;
+}
+
+absl::StatusOr<size_t> ImportTrials(const std::string& path, TrialSink sink) {
+  std::error_code error;
+  if (!fs::is_directory(path, error)) return ImportCsvFiles({path}, sink);
+  const std::string index = fs::path(path) / "index.csv";
+  if (!fs::exists(index, error)) {
+    TACTUS_ASSIGN_OR_RETURN(const auto files, CsvFiles(path));
+    return ImportCsvFiles(files, sink);
+  }
+  TACTUS_ASSIGN_OR_RETURN(const CsvTable table, CsvTable::Read(index));
+  if (table.Has("hardness") && table.Has("motion")) {
+    return ImportVitac(path, table, sink);
+  }
+  if (table.Has("material_by_index")) return ImportIcub(path, table, sink);
+  return TrialFileInvalid(
+      index,
+      "is of no known kind; its columns must have hardness and motion "
+      "(vitac384) or material_by_index (icub_slide20)");
+}
+
+}  // namespace tactus

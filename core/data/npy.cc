@@ -1,0 +1,181 @@
+#include "core/data/npy.h"
+
+#include <bit>
+#include <cstring>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "absl/strings/strip.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+#include "core/data/file_bytes.h"
+
+namespace tactus {
+namespace {
+
+static_assert(std::endian::native == std::endian::little,
+              "values are copied as they lie in the file");
+
+constexpr absl::string_view kMagic = "\x93NUMPY";
+constexpr size_t kMaxHeaderBytes = 64 * 1024;
+
+struct Header {
+  std::string type;
+  bool fortran_order = true;
+  std::vector<size_t> shape;
+};
+
+// Splits the dictionary off the preamble and leaves the data in `bytes`.
+absl::StatusOr<absl::string_view> TakeHeaderText(absl::string_view path,
+                                                 absl::string_view* bytes) {
+  if (!absl::ConsumePrefix(bytes, kMagic) || bytes->size() < 6) {
+    return TrialFileInvalid(path, "is not a NumPy array file");
+  }
+  const auto byte = [&](size_t i) {
+    return static_cast<size_t>(static_cast<unsigned char>((*bytes)[i]));
+  };
+  const size_t version = byte(0);
+  if (version != 1 && version != 2) {
+    return TrialFileInvalid(path, absl::StrCat("has NumPy format version ",
+                                               version, "; use 1 or 2"));
+  }
+  const size_t preamble = version == 1 ? 4 : 6;
+  size_t length = byte(2) | byte(3) << 8;
+  if (version == 2) length |= byte(4) << 16 | byte(5) << 24;
+  if (length > kMaxHeaderBytes || length > bytes->size() - preamble) {
+    return TrialFileInvalid(
+        path, absl::StrCat("its header of ", length, " bytes is cut short"));
+  }
+  const absl::string_view text = bytes->substr(preamble, length);
+  bytes->remove_prefix(preamble + length);
+  return text;
+}
+
+// "(605, 384)", "(5,)" or "()".
+bool ParseShape(absl::string_view text, std::vector<size_t>* shape) {
+  if (!absl::ConsumePrefix(&text, "(") || !absl::ConsumeSuffix(&text, ")")) {
+    return false;
+  }
+  std::vector<absl::string_view> sizes = absl::StrSplit(text, ',');
+  if (absl::StripAsciiWhitespace(sizes.back()).empty()) sizes.pop_back();
+  for (const absl::string_view item : sizes) {
+    uint32_t size = 0;
+    if (!absl::SimpleAtoi(item, &size)) return false;
+    shape->push_back(size);
+  }
+  return true;
+}
+
+// Takes "'key': value" off the front of a Python dictionary without nesting
+// other than one pair of parentheses.
+bool TakeItem(absl::string_view* text, absl::string_view* key,
+              absl::string_view* value) {
+  *text = absl::StripLeadingAsciiWhitespace(*text);
+  if (!absl::ConsumePrefix(text, "'")) return false;
+  const size_t quote = text->find('\'');
+  if (quote == absl::string_view::npos) return false;
+  *key = text->substr(0, quote);
+  text->remove_prefix(quote + 1);
+  *text = absl::StripLeadingAsciiWhitespace(*text);
+  if (!absl::ConsumePrefix(text, ":")) return false;
+  *text = absl::StripLeadingAsciiWhitespace(*text);
+  const size_t start = absl::StartsWith(*text, "(") ? text->find(')') : 0;
+  if (start == absl::string_view::npos) return false;
+  const size_t end = text->find_first_of(",}", start);
+  if (end == absl::string_view::npos) return false;
+  *value = absl::StripTrailingAsciiWhitespace(text->substr(0, end));
+  text->remove_prefix(end);
+  absl::ConsumePrefix(text, ",");
+  *text = absl::StripLeadingAsciiWhitespace(*text);
+  return true;
+}
+
+bool ParseDictionary(absl::string_view text, Header* header) {
+  text = absl::StripAsciiWhitespace(text);
+  if (!absl::ConsumePrefix(&text, "{")) return false;
+  int found = 0;
+  while (!absl::StartsWith(text, "}")) {
+    absl::string_view key;
+    absl::string_view value;
+    if (!TakeItem(&text, &key, &value)) return false;
+    if (key == "descr") {
+      header->type = std::string(value);
+    } else if (key == "fortran_order") {
+      if (value != "True" && value != "False") return false;
+      header->fortran_order = value == "True";
+    } else if (key != "shape" || !ParseShape(value, &header->shape)) {
+      return false;
+    }
+    ++found;
+  }
+  return found == 3 && text == "}";
+}
+
+template <typename Value>
+absl::Status TakeValues(absl::string_view path, const Header& header,
+                        absl::string_view data, std::vector<Value>* out) {
+  size_t count = 1;
+  for (const size_t size : header.shape) {
+    // No overflow: count is at most 2^30 and size below 2^32.
+    count *= size;
+    if (count > limits::kMaxTrialArrayBytes) {
+      return TrialFileInvalid(
+          path, absl::StrCat("its shape calls for more than ",
+                             limits::kMaxTrialArrayBytes, " values"));
+    }
+  }
+  if (count * sizeof(Value) != data.size()) {
+    return TrialFileInvalid(
+        path, absl::StrCat("has ", data.size(), " bytes of values; its shape ",
+                           "calls for ", count * sizeof(Value)));
+  }
+  out->resize(count);
+  if (count > 0) std::memcpy(out->data(), data.data(), data.size());
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<NpyArray> ParseNpy(absl::string_view path,
+                                  absl::string_view bytes) {
+  TACTUS_ASSIGN_OR_RETURN(const absl::string_view text,
+                          TakeHeaderText(path, &bytes));
+  Header header;
+  if (!ParseDictionary(text, &header)) {
+    return TrialFileInvalid(path, "its NumPy header cannot be understood");
+  }
+  if (header.fortran_order) {
+    return TrialFileInvalid(path, "is in Fortran order; save it in C order");
+  }
+  if (header.shape.empty() || header.shape.size() > 3) {
+    return TrialFileInvalid(path, absl::StrCat("has ", header.shape.size(),
+                                               " dimensions; use 1 to 3"));
+  }
+  NpyArray array;
+  array.shape = header.shape;
+  absl::Status status;
+  if (header.type == "'<u2'") {
+    status = TakeValues(path, header, bytes, &array.u16);
+  } else if (header.type == "'<f4'") {
+    status = TakeValues(path, header, bytes, &array.f32);
+  } else if (header.type == "'<f8'") {
+    status = TakeValues(path, header, bytes, &array.f64);
+  } else {
+    status = TrialFileInvalid(
+        path, absl::StrCat("holds ", header.type,
+                           "; use little-endian u2, f4 or f8 numbers"));
+  }
+  if (!status.ok()) return status;
+  return array;
+}
+
+absl::StatusOr<NpyArray> ReadNpy(const std::string& path) {
+  TACTUS_ASSIGN_OR_RETURN(const std::string bytes,
+                          ReadFileBytes(path, limits::kMaxTrialArrayBytes));
+  return ParseNpy(path, bytes);
+}
+
+}  // namespace tactus

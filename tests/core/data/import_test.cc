@@ -1,0 +1,297 @@
+#include "core/data/import.h"
+
+#include <algorithm>
+#include <clocale>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+
+#include "core/base/errors.h"
+#include "core/data/trial_file.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/core/data/trial_samples.h"
+
+namespace tactus {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+absl::StatusOr<std::vector<Trial>> ImportAll(const std::string& path) {
+  std::vector<Trial> trials;
+  auto count = ImportTrials(path, [&](Trial trial) {
+    trials.push_back(std::move(trial));
+    return absl::OkStatus();
+  });
+  if (!count.ok()) return count.status();
+  EXPECT_EQ(*count, trials.size());
+  return trials;
+}
+
+// Where recordings are, or empty. They are not part of the project.
+std::string Recordings(const std::string& name) {
+  const char* data = std::getenv("TACTUS_DATA_DIR");
+  const char* source = std::getenv("TACTUS_SOURCE_DIR");
+  const std::string root = data != nullptr ? data
+                           : source != nullptr
+                               ? std::string(source) + "/../shared/data"
+                               : "../shared/data";
+  const std::string folder = root + "/" + name;
+  if (std::filesystem::exists(folder + "/index.csv")) return folder;
+  std::printf("%s is absent: not imported\n", name.c_str());
+  return "";
+}
+
+constexpr char kCsv[] =
+    "# label=HU\n"
+    "# stiffness = 1e5\n"
+    "time,force,area,motion\n"
+    "0,0.5,1e-4,0\n"
+    "0.02,0.75,2e-4,-0.001\n"
+    "0.04,1,3e-4,0.002\n";
+
+TEST(ImportCsvTest, ReadsOneTrial) {
+  const ScratchDir dir;
+  WriteBytes(dir / "a.csv", kCsv);
+  auto trials = ImportAll(dir / "a.csv");
+  ASSERT_TRUE(trials.ok()) << trials.status();
+  ASSERT_EQ(trials->size(), 1u);
+  const Trial& trial = trials->front();
+  EXPECT_EQ(trial.id, "000000");
+  EXPECT_THAT(trial.time, ElementsAre(0, 0.02, 0.04));
+  EXPECT_EQ(trial.signals[1], (FeatureVector{0.75, 2e-4, -0.001}));
+  EXPECT_EQ(trial.label, "HU");
+  EXPECT_EQ(trial.stiffness, 1e5);
+  EXPECT_DOUBLE_EQ(trial.sample_rate_hz, 50);
+}
+
+TEST(ImportCsvTest, AFolderComesInTheOrderOfNames) {
+  const ScratchDir dir;
+  WriteBytes(dir / "b.csv", kCsv);
+  WriteBytes(dir / "a.csv",
+             "\xEF\xBB\xBF# label=SM\r\ntime,force,area,motion\r\n0,1,2,3\r\n");
+  WriteBytes(dir / "readme.txt", "not a trial");
+  auto trials = ImportAll(dir.path());
+  ASSERT_TRUE(trials.ok()) << trials.status();
+  ASSERT_EQ(trials->size(), 2u);
+  EXPECT_EQ((*trials)[0].label, "SM");
+  EXPECT_EQ((*trials)[1].label, "HU");
+  EXPECT_EQ((*trials)[1].id, "000001");
+}
+
+TEST(ImportCsvTest, TheLocaleDoesNotMatter) {
+  // Where the decimal sign is a comma, if this machine has such a locale.
+  std::setlocale(LC_ALL, "de_DE.UTF-8");
+  const ScratchDir dir;
+  WriteBytes(dir / "a.csv", kCsv);
+  auto trials = ImportAll(dir / "a.csv");
+  std::setlocale(LC_ALL, "C");
+  ASSERT_TRUE(trials.ok()) << trials.status();
+  EXPECT_EQ(trials->front().time[1], 0.02);
+}
+
+TEST(ImportCsvTest, TheSinksErrorStopsTheImport) {
+  const ScratchDir dir;
+  WriteBytes(dir / "a.csv", kCsv);
+  WriteBytes(dir / "b.csv", kCsv);
+  int calls = 0;
+  auto count = ImportTrials(dir.path(), [&](const Trial&) {
+    ++calls;
+    return IoError("out.h5", "disk full");
+  });
+  EXPECT_EQ(ReasonOf(count.status()), "IO");
+  EXPECT_EQ(calls, 1);
+}
+
+struct BadCsv {
+  const char* text;
+  const char* content;
+};
+
+class BadCsvTest : public testing::TestWithParam<BadCsv> {};
+
+TEST_P(BadCsvTest, IsRefusedWithItsLine) {
+  const ScratchDir dir;
+  WriteBytes(dir / "a.csv", GetParam().content);
+  auto trials = ImportAll(dir / "a.csv");
+  EXPECT_EQ(ReasonOf(trials.status()), "TRIAL_FILE_INVALID");
+  EXPECT_THAT(std::string(trials.status().message()), HasSubstr("a.csv: "));
+  EXPECT_THAT(std::string(trials.status().message()),
+              HasSubstr(GetParam().text));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, BadCsvTest,
+    testing::Values(
+        BadCsv{"no header line", ""}, BadCsv{"no header line", "# a=b\n"},
+        BadCsv{"line 1: # is followed by", "# hello\n"},
+        BadCsv{"line 2: key \"label\" repeated", "# label=a\n# label=b\n"},
+        BadCsv{"line 1: column name \"\" is empty", "time,,area,motion\n"},
+        BadCsv{"line 1: column name \"time\"", "time,time\n"},
+        BadCsv{"header \"time,area,force,motion\"",
+               "time,area,force,motion\n0,1,2,3\n"},
+        BadCsv{"header \"time,force\"", "time,force\n0,1\n"},
+        BadCsv{"time: has 0 entries", "time,force,area,motion\n"},
+        BadCsv{"line 3: has 3 cells",
+               "time,force,area,motion\n0,1,2,3\n1,2,3\n"},
+        BadCsv{"line 3: has 1 cells",
+               "time,force,area,motion\n0,1,2,3\n\n1,2,3,4\n"},
+        BadCsv{"line 2: has 5 cells", "time,force,area,motion\n0,1,2,3,4\n"},
+        BadCsv{"line 2: force is \"1.5x\"",
+               "time,force,area,motion\n0,1.5x,2,3\n"},
+        BadCsv{"line 2: area is \"\"", "time,force,area,motion\n0,1,,3\n"},
+        BadCsv{"line 2: force is \"nan\"",
+               "time,force,area,motion\n0,nan,2,3\n"},
+        BadCsv{"line 2: force is \"1e999\"",
+               "time,force,area,motion\n0,1e999,2,3\n"},
+        BadCsv{"line 2: force is \" 1\"", "time,force,area,motion\n0, 1,2,3\n"},
+        BadCsv{"line 2: quoted", "time,force,area,motion\n0,\"1\",2,3\n"},
+        BadCsv{"line 4: time must be above",
+               "# label=a\ntime,force,area,motion\n0,1,2,3\n0,1,2,3\n"},
+        BadCsv{"# colour is not known",
+               "# colour=red\ntime,force,area,motion\n0,1,2,3\n"},
+        BadCsv{"# stiffness is \"high\"",
+               "# stiffness=high\ntime,force,area,motion\n0,1,2,3\n"},
+        BadCsv{"unit: is \"psi\"",
+               "# unit=psi\ntime,force,area,motion\n0,1,2,3\n"}));
+
+TEST(ImportFolderTest, MissingPlacesAreErrors) {
+  const ScratchDir dir;
+  EXPECT_EQ(ReasonOf(ImportAll(dir / "absent").status()), "IO");
+  EXPECT_EQ(ReasonOf(ImportAll(dir.path()).status()), "TRIAL_FILE_INVALID");
+  WriteBytes(dir / "index.csv", "trial,colour\n0000,red\n");
+  auto status = ImportAll(dir.path()).status();
+  EXPECT_THAT(std::string(status.message()), HasSubstr("of no known kind"));
+}
+
+// A little vitac folder: one trial of two frames.
+class VitacFolderTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::filesystem::create_directory(dir_ / "trials");
+    Index("hard", "moved", "0000");
+    std::string values;
+    for (int i = 0; i < 2 * 384; ++i) {
+      values += static_cast<char>(i % 200);
+      values += '\0';
+    }
+    Npy("0000.npy", "<u2", "(2, 384)", values);
+    const double time[] = {0, 1, 1, 0.01, 0, 1};
+    Npy("0000_time.npy", "<f8", "(2, 3)",
+        std::string(reinterpret_cast<const char*>(time), sizeof(time)));
+  }
+  void Index(const std::string& hardness, const std::string& motion,
+             const std::string& trial) {
+    WriteBytes(dir_ / "index.csv",
+               "trial,hardness,motion,object,session\n" + trial + "," +
+                   hardness + "," + motion +
+                   ",ramp_rubber,session_2026-02-16_14-11-55\n");
+  }
+  void Npy(const std::string& name, const std::string& type,
+           const std::string& shape, const std::string& data) {
+    const std::string dictionary =
+        "{'descr': '" + type + "', 'fortran_order': False, 'shape': " + shape +
+        ", }\n";
+    WriteBytes(dir_ / ("trials/" + name),
+               std::string("\x93NUMPY\1\0", 8) +
+                   static_cast<char>(dictionary.size()) + '\0' + dictionary +
+                   data);
+  }
+  std::string Message() {
+    const absl::Status status = ImportAll(dir_.path()).status();
+    EXPECT_FALSE(status.ok());
+    return std::string(status.message());
+  }
+
+  const ScratchDir dir_;
+};
+
+TEST_F(VitacFolderTest, IsRead) {
+  auto trials = ImportAll(dir_.path());
+  ASSERT_TRUE(trials.ok()) << trials.status();
+  const Trial& trial = trials->front();
+  EXPECT_EQ(trial.id, "000000");
+  EXPECT_EQ(trial.label, "HM");
+  EXPECT_EQ(trial.object, "ramp_rubber");
+  EXPECT_EQ(trial.material, "rubber");
+  EXPECT_EQ(trial.condition, "2026-02-16");
+  EXPECT_THAT(trial.time, ElementsAre(0, 0.01));
+  std::vector<float> frame(384);
+  trial.taxels.Decode(0, frame.data());
+  EXPECT_EQ(frame[199], 99.5F);
+}
+
+TEST_F(VitacFolderTest, EachDefectIsNamed) {
+  Index("hard", "sideways", "0000");
+  EXPECT_THAT(Message(), HasSubstr("line 2: motion is \"sideways\""));
+  Index("firm", "moved", "0000");
+  EXPECT_THAT(Message(), HasSubstr("line 2: hardness is \"firm\""));
+  Index("hard", "moved", "../0000");
+  EXPECT_THAT(Message(), HasSubstr("line 2: trial must be a number"));
+  Index("hard", "moved", "0001");
+  EXPECT_THAT(Message(), HasSubstr("0001.npy: "));
+  Index("hard", "moved", "0000");
+  Npy("0000.npy", "<u2", "(2, 383)", std::string(2 * 383 * 2, 1));
+  EXPECT_THAT(Message(), HasSubstr("has shape 2 x 383"));
+  Npy("0000.npy", "<f4", "(2, 384)", std::string(2 * 384 * 4, 1));
+  EXPECT_THAT(Message(), HasSubstr("must hold uint16"));
+  Npy("0000.npy", "<u2", "(3, 384)", std::string(3 * 384 * 2, 1));
+  EXPECT_THAT(Message(), HasSubstr("taxels: has 1152 values"));
+  Npy("0000_time.npy", "<f8", "(2, 2)", std::string(2 * 2 * 8, 1));
+  EXPECT_THAT(Message(), HasSubstr("must be frames x 3"));
+}
+
+TEST(RecordingsTest, VitacHasItsTrials) {
+  const std::string folder = Recordings("vitac384");
+  if (folder.empty()) return;
+  auto trials = ImportAll(folder);
+  ASSERT_TRUE(trials.ok()) << trials.status();
+  EXPECT_EQ(trials->size(), 43u);
+  std::map<std::string, int> labels;
+  for (const Trial& trial : *trials) {
+    ++labels[trial.label];
+    EXPECT_EQ(trial.taxels.rows, 12);
+    EXPECT_EQ(trial.taxels.columns, 32);
+    EXPECT_EQ(trial.condition, "2026-02-16");
+    EXPECT_LE(
+        *std::max_element(trial.taxels.u16.begin(), trial.taxels.u16.end()),
+        400);
+  }
+  // As counted in the recordings' index.
+  const std::map<std::string, int> want = {
+      {"HM", 14}, {"HU", 14}, {"SM", 8}, {"SU", 7}};
+  EXPECT_EQ(labels, want);
+
+  // And through a trial file.
+  const ScratchDir dir;
+  auto writer = TrialFileWriter::Create(dir / "vitac.h5", {});
+  ASSERT_TRUE(writer.ok());
+  for (const Trial& trial : *trials) ASSERT_TRUE(writer->Append(trial).ok());
+  ASSERT_TRUE(writer->Close().ok());
+  auto reader = TrialFileReader::Open(dir / "vitac.h5");
+  ASSERT_TRUE(reader.ok());
+  ASSERT_EQ(reader->size(), trials->size());
+  for (size_t i = 0; i < trials->size(); ++i) {
+    EXPECT_TRUE(SameBits(*reader->Read(i), (*trials)[i])) << i;
+  }
+}
+
+TEST(RecordingsTest, IcubHasItsTrials) {
+  const std::string folder = Recordings("icub_slide20");
+  if (folder.empty()) return;
+  auto trials = ImportAll(folder);
+  ASSERT_TRUE(trials.ok()) << trials.status();
+  EXPECT_EQ(trials->size(), 680u);
+  std::map<std::string, int> labels;
+  for (const Trial& trial : *trials) {
+    ++labels[trial.label];
+    EXPECT_EQ(trial.time.size(), 75u);
+    EXPECT_EQ(trial.taxels.rows * trial.taxels.columns, 60);
+  }
+  EXPECT_EQ(labels.size(), 20u);
+  for (const auto& [label, count] : labels) EXPECT_EQ(count, 34) << label;
+}
+
+}  // namespace
+}  // namespace tactus
