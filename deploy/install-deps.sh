@@ -4,6 +4,7 @@
 #   deploy/install-deps.sh            everything: server, tools and tests
 #   deploy/install-deps.sh --build    what tactusd alone needs to be built
 #   deploy/install-deps.sh --runtime  what a built tactusd needs to run
+#   deploy/install-deps.sh --image    what deploy/check-image.sh works with
 #   deploy/install-deps.sh --list     (with any of these) only name them
 #
 # Runs as root, or as a user who may use sudo. Does nothing, and asks the
@@ -26,8 +27,15 @@ readonly BUILD=(
 )
 # The shared libraries behind tactusd; each brings its own dependencies.
 readonly RUNTIME=(
+  libabsl20220623
   libgrpc++1.51
+  libprotobuf32
   libspdlog1.10
+)
+# An image without a container engine: its base, and its builder.
+readonly IMAGE=(
+  buildah
+  mmdebstrap
 )
 # The tools (trial files, simulator), the tests and their references.
 readonly TOOLS_AND_TESTS=(
@@ -56,6 +64,7 @@ for arg in "$@"; do
   case "$arg" in
     --build) packages=("${BUILD[@]}") ;;
     --runtime) packages=("${RUNTIME[@]}") ;;
+    --image) packages=("${IMAGE[@]}") ;;
     --list) list_only=yes ;;
     -h | --help) usage; exit 0 ;;
     *) echo "install-deps: unknown option '$arg'" >&2; usage >&2; exit 2 ;;

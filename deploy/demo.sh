@@ -1,0 +1,69 @@
+#!/usr/bin/env bash
+# Shows Tactus at work; on a fresh Debian 12 this is all it takes.
+#
+#   deploy/demo.sh                 simulated contacts, a line for each, then
+#                                  accuracy, confusion, decision and round trips
+#   deploy/demo.sh --json          the same as one JSON object on stdout
+#   deploy/demo.sh OPTION...       further options for tactus-stream
+#
+# Installs what is missing, builds tactusd and tactus-stream, starts tactusd on
+# a free loopback port with the models it carries, streams contacts of robot
+# conditions those models have not seen through it, as taxel frames in real
+# time, and stops it. Exits with the status of tactus-stream. Once built it
+# takes less than 30 s.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+readonly BIN=build/release/bin
+readonly TRIALS=48
+readonly ROBOTS=24   # side by side, so that real time does not take minutes
+
+if [[ ${1-} == -h || ${1-} == --help ]]; then
+  sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "$0"
+  exit 0
+fi
+
+work=$(mktemp -d)
+server=""   # the tactusd that we started
+
+clean_up() {
+  if [[ -n $server ]]; then
+    kill -TERM "$server" 2>/dev/null || true
+    wait "$server" 2>/dev/null || true
+  fi
+  rm -rf "$work"
+}
+trap clean_up EXIT
+
+die() { printf 'demo: %s\n' "$*" >&2; exit 1; }
+
+# Everything but tactus-stream speaks on stderr: stdout may be one JSON object.
+{
+  deploy/install-deps.sh
+  cmake --preset release >"$work/configure.log" 2>&1 || {
+    cat "$work/configure.log"
+    die "configuring failed"
+  }
+  cmake --build --preset release --parallel "$(nproc)" \
+    --target tactusd tactus-stream
+} >&2
+
+"$BIN/tactusd" --listen=127.0.0.1:0 --port-file="$work/port" \
+  >"$work/tactusd.log" 2>&1 &
+server=$!
+for ((i = 0; i < 100; ++i)); do
+  [[ ! -s $work/port ]] || break
+  kill -0 "$server" 2>/dev/null || break
+  sleep 0.1
+done
+if [[ ! -s $work/port ]]; then
+  cat "$work/tactusd.log" >&2
+  die "tactusd did not begin to serve"
+fi
+
+"$BIN/tactus-stream" --server="127.0.0.1:$(<"$work/port")" --driver=sim \
+  --trials="$TRIALS" --rate=real --parallel="$ROBOTS" "$@" || {
+  status=$?
+  cat "$work/tactusd.log" >&2
+  exit "$status"
+}
