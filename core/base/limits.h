@@ -60,7 +60,8 @@ inline constexpr float kMaxLstmWeight = 1e6F;
 inline constexpr size_t kMaxBundleBytes = 64UL * 1024 * 1024;
 
 // Simulated contacts.
-inline constexpr double kMaxSceneDurationS = 600;
+inline constexpr double kMaxSceneDurationS = 60;
+inline constexpr double kMaxTrajectoryRateHz = 20'000;
 inline constexpr int kMaxLeadInFrames = 1'000;
 
 // Trial files.

@@ -11,6 +11,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
+#include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/sim/phases.h"
 
@@ -88,8 +89,11 @@ class Run {
   absl::Status Switch();
   void EnterPhase(ContactPhase phase);
   // Appends the samples due up to `time`, from the last step's polynomial.
-  void Sample(double time);
+  absl::Status Sample(double time);
+  // Adds the impulse since the last call in this phase, up to `time`.
+  void AddImpulse(double time, const double* y);
   absl::Status Failure(absl::string_view what, int flag) const;
+  absl::Status TooMany(absl::string_view what, int64_t limit) const;
 
   double* state() { return N_VGetArrayPointer(y_.get()); }
 
@@ -101,6 +105,9 @@ class Run {
   double time_ = 0;
   double phase_start_ = 0;
   double contact_time_ = 0;  // in finished phases
+  double impulse_ = 0;       // up to impulse_time_, where impulse_state_ was
+  double impulse_time_ = 0;
+  ContactState impulse_state_ = {};
   // Where the object rests, if it does: the solver holds it to rounding only.
   double rest_position_ = 0;
   Trajectory trajectory_;
@@ -118,6 +125,12 @@ class Run {
 absl::Status Run::Failure(absl::string_view what, int flag) const {
   return NumericalFailure(absl::StrCat("CVODE ", what, " returned ", flag,
                                        " at ", time_,
+                                       " s of the simulated contact"));
+}
+
+absl::Status Run::TooMany(absl::string_view what, int64_t limit) const {
+  return NumericalFailure(absl::StrCat("more than ", limit, " ", what,
+                                       " before ", time_,
                                        " s of the simulated contact"));
 }
 
@@ -142,8 +155,6 @@ absl::Status Run::Open() {
   tolerance[kArmVelocity] = options_.velocity_tolerance;
   tolerance[kObjectPosition] = options_.position_tolerance;
   tolerance[kObjectVelocity] = options_.velocity_tolerance;
-  // The impulse is only read off: it must not steer the step.
-  tolerance[kImpulse] = 1e9;
 
   void* cvode = cvode_.get();
   const int flags[] = {
@@ -170,9 +181,6 @@ bool Run::Rings() const {
 }
 
 absl::Status Run::Restart() {
-  long int steps = 0;
-  CVodeGetNumSteps(cvode_.get(), &steps);
-  trajectory_.steps += steps;
   if (int flag = CVodeReInit(cvode_.get(), time_, y_.get());
       flag != CV_SUCCESS) {
     return Failure("restart", flag);
@@ -185,7 +193,15 @@ absl::Status Run::Restart() {
   return absl::OkStatus();
 }
 
+void Run::AddImpulse(double time, const double* y) {
+  impulse_ +=
+      equations_.Impulse(time - impulse_time_, impulse_state_.data(), y);
+  impulse_time_ = time;
+  std::copy_n(y, kContactStates, impulse_state_.begin());
+}
+
 void Run::EnterPhase(ContactPhase phase) {
+  AddImpulse(time_, state());
   if (Touching(equations_.phase)) contact_time_ += time_ - phase_start_;
   if (!Sliding(phase)) {
     if (Sliding(equations_.phase)) rest_position_ = state()[kObjectPosition];
@@ -193,28 +209,33 @@ void Run::EnterPhase(ContactPhase phase) {
     state()[kObjectVelocity] = 0;
   }
   phase_start_ = time_;
+  std::copy_n(state(), kContactStates, impulse_state_.begin());
   equations_ = PhaseEquations(scene_, stiffness_, phase, ramping_);
 }
 
-void Run::Sample(double time) {
+absl::Status Run::Sample(double time) {
   const bool touching = Touching(equations_.phase);
   const bool resting = !Sliding(equations_.phase);
   const double* y = N_VGetArrayPointer(dense_.get());
   while (trajectory_.samples.size() < samples_due_) {
     const double t = static_cast<double>(trajectory_.samples.size()) /
                      options_.sample_rate_hz;
-    if (t > time) return;
-    CVodeGetDky(cvode_.get(), t, 0, dense_.get());
+    if (t > time) break;
+    if (int flag = CVodeGetDky(cvode_.get(), t, 0, dense_.get()); flag != 0) {
+      return Failure("interpolation", flag);
+    }
     TrajectorySample sample;
     sample.x_arm = y[kObjectPosition] + y[kDeformation];
     sample.v_arm = y[kArmVelocity];
     sample.x_uobj = resting ? rest_position_ : y[kObjectPosition];
     sample.v_uobj = resting ? 0 : y[kObjectVelocity];
     sample.force = std::max(0.0, equations_.stiffness * y[kDeformation]);
-    sample.impulse = y[kImpulse];
+    AddImpulse(t, y);
+    sample.impulse = impulse_;
     sample.contact_time = contact_time_ + (touching ? t - phase_start_ : 0);
     trajectory_.samples.push_back(sample);
   }
+  return absl::OkStatus();
 }
 
 absl::StatusOr<bool> Run::Advance(double until) {
@@ -222,7 +243,10 @@ absl::StatusOr<bool> Run::Advance(double until) {
   while (true) {
     const int flag = CVode(cvode_.get(), until, y_.get(), &time_, CV_ONE_STEP);
     if (flag < 0) return Failure("step", flag);
-    Sample(time_);
+    TACTUS_RETURN_IF_ERROR(Sample(time_));
+    if (++trajectory_.steps > options_.max_steps) {
+      return TooMany("solver steps", options_.max_steps);
+    }
     if (flag == CV_ROOT_RETURN) return true;
     if (flag == CV_TSTOP_RETURN) return false;
   }
@@ -247,9 +271,7 @@ absl::Status Run::Switch() {
     sliding = !sliding;
   }
   if (events.Total() > options_.max_events) {
-    return NumericalFailure(absl::StrCat("more than ", options_.max_events,
-                                         " contact events before ", time_,
-                                         " s"));
+    return TooMany("contact events", options_.max_events);
   }
   EnterPhase(touching
                  ? (sliding ? ContactPhase::kSliding : ContactPhase::kStuck)
@@ -278,9 +300,6 @@ absl::StatusOr<Trajectory> Run::Go() {
       EnterPhase(equations_.phase);
     }
   }
-  long int steps = 0;
-  CVodeGetNumSteps(cvode_.get(), &steps);
-  trajectory_.steps += steps;
   // The last sample may lie a rounding beyond the last step.
   while (trajectory_.samples.size() < samples_due_) {
     trajectory_.samples.push_back(trajectory_.samples.back());
@@ -296,9 +315,37 @@ absl::StatusOr<Trajectory> Run::Go() {
 
 }  // namespace
 
+absl::Status Validate(const SolverOptions& options) {
+  const struct {
+    absl::string_view field;
+    double value;
+    double low;
+    double high;
+  } ranges[] = {
+      {"solver.relative_tolerance", options.relative_tolerance, 1e-12, 0.1},
+      {"solver.force_tolerance", options.force_tolerance, 1e-12, 1},
+      {"solver.velocity_tolerance", options.velocity_tolerance, 1e-15, 1},
+      {"solver.position_tolerance", options.position_tolerance, 1e-15, 1},
+      {"solver.sample_rate_hz", options.sample_rate_hz, 500,
+       limits::kMaxTrajectoryRateHz},
+  };
+  for (const auto& range : ranges) {
+    if (!(range.value >= range.low && range.value <= range.high)) {
+      return InvalidScene(range.field, range.value,
+                          absl::StrCat(range.low, " to ", range.high));
+    }
+  }
+  if (std::fmod(options.sample_rate_hz, 100) != 0) {
+    return InvalidScene("solver.sample_rate_hz", options.sample_rate_hz,
+                        "a multiple of 100");
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<Trajectory> IntegrateCvode(const ContactScene& scene,
                                           const SolverOptions& options) {
   TACTUS_RETURN_IF_ERROR(Validate(scene));
+  TACTUS_RETURN_IF_ERROR(Validate(options));
   return Run(scene, options).Go();
 }
 

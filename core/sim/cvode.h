@@ -11,6 +11,9 @@
 // Same scene, same bits. Thread-safe: each call owns its solver.
 #pragma once
 
+#include <cstdint>
+
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/sim/scene.h"
 #include "core/sim/trajectory.h"
@@ -27,12 +30,18 @@ struct SolverOptions {
   double force_tolerance = 1e-5;     // N, of the contact force
   double velocity_tolerance = 1e-7;  // m/s
   double position_tolerance = 1e-9;  // m, of the object
+  // Of the trajectory; whole samples at 100 Hz, so a multiple of that.
   double sample_rate_hz = 2000;
-  // A run with more events than this is an error.
-  int max_events = 1'000'000;
+  // A run that needs more is an error, not a stall.
+  int max_events = 200'000;
+  int64_t max_steps = 20'000'000;
 };
 
-// INVALID_SCENE for a bad scene, NUMERICAL_FAILURE if the solver gives up.
+// OK if every field is in range; else INVALID_SCENE naming the field.
+absl::Status Validate(const SolverOptions& options);
+
+// INVALID_SCENE for a bad scene or option, NUMERICAL_FAILURE if the solver
+// gives up.
 absl::StatusOr<Trajectory> IntegrateCvode(const ContactScene& scene,
                                           const SolverOptions& options);
 

@@ -29,7 +29,6 @@ void PhaseEquations::Derivative(double time, const double* state,
       arm_damping * (speed - state[kArmVelocity]) - arm_compliance * force;
   derivative[kObjectPosition] = state[kObjectVelocity];
   derivative[kObjectVelocity] = object_compliance * force - friction;
-  derivative[kImpulse] = force;
 }
 
 void PhaseEquations::Jacobian(double* const* columns) const {
@@ -39,7 +38,6 @@ void PhaseEquations::Jacobian(double* const* columns) const {
   columns[kDeformation][kArmVelocity] =
       -arm_stiffness - arm_compliance * stiffness;
   columns[kDeformation][kObjectVelocity] = object_compliance * stiffness;
-  columns[kDeformation][kImpulse] = stiffness;
   columns[kArmVelocity][kDeformation] = 1;
   columns[kArmVelocity][kArmVelocity] = -arm_damping;
   columns[kObjectPosition][kArmVelocity] = -arm_stiffness;
@@ -57,6 +55,22 @@ void PhaseEquations::Events(const double* state, double* values) const {
   } else {
     values[1] = 1;
   }
+}
+
+double PhaseEquations::Impulse(double span, const double* from,
+                               const double* to) const {
+  if (!Touching(phase)) return 0;
+  if (object_compliance > arm_compliance) {
+    // A light object rings faster than the ends can tell: use its momentum.
+    return (to[kObjectVelocity] - from[kObjectVelocity] + friction * span) /
+           object_compliance;
+  }
+  // Cubic interpolation of the deformation; its rate is known at both ends.
+  const double rate_change = from[kArmVelocity] - from[kObjectVelocity] -
+                             to[kArmVelocity] + to[kObjectVelocity];
+  return stiffness * span *
+         ((from[kDeformation] + to[kDeformation]) / 2 +
+          span * rate_change / 12);
 }
 
 }  // namespace tactus

@@ -22,14 +22,13 @@ namespace tactus {
 enum class ContactPhase { kStuck, kSliding, kCoasting, kApart };
 
 // State: deformation x_arm - x_uobj (m; below 0 when apart), v_arm, x_uobj,
-// v_uobj, impulse. The deformation is a state of its own because a stiff
+// v_uobj. The deformation is a state of its own because a stiff
 // contact would lose it in the difference of two positions.
 inline constexpr int kDeformation = 0;
 inline constexpr int kArmVelocity = 1;
 inline constexpr int kObjectPosition = 2;
 inline constexpr int kObjectVelocity = 3;
-inline constexpr int kImpulse = 4;
-inline constexpr int kContactStates = 5;
+inline constexpr int kContactStates = 4;
 
 using ContactState = std::array<double, kContactStates>;
 
@@ -53,6 +52,10 @@ struct PhaseEquations {
   // Two functions whose zero crossings end the phase: contact (deformation
   // 0) and the object's slip or stop.
   void Events(const double* state, double* values) const;
+
+  // Integral of the contact force over `span` seconds of this phase, N s, from
+  // the states at both ends.
+  double Impulse(double span, const double* from, const double* to) const;
 
   double stiffness;          // contact, N/m; 0 when apart
   double static_limit;       // N, infinite if fixed

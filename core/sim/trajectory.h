@@ -38,7 +38,7 @@ struct Trajectory {
   // True if x_uobj > 0 at the end.
   bool moved = false;
   EventCounts events;
-  // Steps taken by the solver; 0 if the method takes none.
+  // Steps the solver took; 0 if the method takes none.
   int64_t steps = 0;
   // Contact stiffness used, N/m: below the object's own if that was capped.
   double stiffness = 0;

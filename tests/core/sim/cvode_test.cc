@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/errors.h"
 #include "core/sim/materials.h"
 #include "gtest/gtest.h"
 
@@ -198,9 +199,15 @@ TEST(IntegrateCvodeTest, EnergyIsBalanced) {
 // Newton's second law for the arm, which holds through every impact:
 // m v = integral of actuator force - impulse of the contact.
 TEST(IntegrateCvodeTest, ImpulseCountsEveryImpact) {
-  for (const char* material : {"abs-plastic", "steel", "polymer-foam"}) {
-    const ContactScene scene =
-        SceneFor(material, 0.0311, Surface::kWood, 543, 0.02);
+  const ContactScene scenes[] = {
+      SceneFor("abs-plastic", 0.0311, Surface::kWood, 543, 0.02),
+      SceneFor("steel", 0.0311, Surface::kWood, 543, 0.02),
+      SceneFor("polymer-foam", 0.0311, Surface::kWood, 543, 0.02),
+      // Heavy objects: long rests, then a slip.
+      SceneFor("glass", 0.2, Surface::kWood, 2050, 0.005),
+      SceneFor("muscle", 0.0944, Surface::kWood, 543, 0.005),
+  };
+  for (const ContactScene& scene : scenes) {
     const auto run = IntegrateCvode(scene, {});
     ASSERT_TRUE(run.ok()) << run.status();
     ASSERT_TRUE(run->moved);
@@ -215,7 +222,9 @@ TEST(IntegrateCvodeTest, ImpulseCountsEveryImpact) {
     const double impulse =
         spring + scene.actuator_damping * (scene.goal_m - last.x_arm) -
         scene.arm_mass_kg * last.v_arm;
-    EXPECT_NEAR(last.impulse, impulse, 0.01 * impulse) << material;
+    // The arm's own law amplifies the error of its position.
+    EXPECT_NEAR(last.impulse, impulse, 0.002 * impulse + 5e-5)
+        << scene.object_mass_kg << " kg";
   }
 }
 
@@ -268,12 +277,58 @@ TEST(IntegrateCvodeTest, StiffnessIsCappedForTheDynamics) {
   EXPECT_EQ(IntegrateCvode(scene, {})->stiffness, 1e4);
 }
 
-TEST(IntegrateCvodeTest, TooManyEventsAreAnError) {
-  SolverOptions options;
-  options.max_events = 1;
-  const auto run = IntegrateCvode(
-      SceneFor("abs-plastic", 0.01, Surface::kWood, 543, 0.02), options);
-  EXPECT_EQ(run.status().code(), absl::StatusCode::kInternal);
+TEST(IntegrateCvodeTest, TooManyEventsOrStepsAreAnErrorNotAStall) {
+  const ContactScene scene =
+      SceneFor("abs-plastic", 0.01, Surface::kWood, 543, 0.02);
+  SolverOptions events;
+  events.max_events = 1;
+  EXPECT_EQ(ReasonOf(IntegrateCvode(scene, events).status()),
+            "NUMERICAL_FAILURE");
+  SolverOptions steps;
+  steps.max_steps = 100;
+  EXPECT_EQ(ReasonOf(IntegrateCvode(scene, steps).status()),
+            "NUMERICAL_FAILURE");
+}
+
+TEST(IntegrateCvodeTest, EachBadOptionIsNamed) {
+  struct BadOption {
+    const char* field;
+    void (*spoil)(SolverOptions&);
+  };
+  const BadOption cases[] = {
+      {"solver.relative_tolerance",
+       [](SolverOptions& o) { o.relative_tolerance = 0; }},
+      {"solver.force_tolerance",
+       [](SolverOptions& o) { o.force_tolerance = -1; }},
+      {"solver.velocity_tolerance",
+       [](SolverOptions& o) { o.velocity_tolerance = std::nan(""); }},
+      {"solver.position_tolerance",
+       [](SolverOptions& o) { o.position_tolerance = 0; }},
+      {"solver.sample_rate_hz", [](SolverOptions& o) { o.sample_rate_hz = 0; }},
+      {"solver.sample_rate_hz",
+       [](SolverOptions& o) { o.sample_rate_hz = 1050; }},
+  };
+  for (const BadOption& c : cases) {
+    SolverOptions options;
+    c.spoil(options);
+    const auto run = IntegrateCvode(
+        SceneFor("muscle", 0.1, Surface::kWood, 543, 0.02), options);
+    EXPECT_EQ(ReasonOf(run.status()), "INVALID_SCENE") << c.field;
+    EXPECT_EQ(InfoOf(run.status()).metadata().at("field"), c.field);
+  }
+}
+
+// The lightest and stiffest object a scene may have still ends in time.
+TEST(IntegrateCvodeTest, AnExtremeSceneIsFinite) {
+  ContactScene scene = SceneFor("steel", 0.01, Surface::kGlass, 2050, 0.02);
+  scene.object_mass_kg = 1e-6;
+  scene.object_stiffness = 1e15;
+  const auto run = IntegrateCvode(scene, {});
+  ASSERT_TRUE(run.ok()) << run.status();
+  EXPECT_TRUE(run->moved);
+  for (const TrajectorySample& sample : run->samples) {
+    ASSERT_TRUE(std::isfinite(sample.force + sample.impulse + sample.x_arm));
+  }
 }
 
 }  // namespace
