@@ -55,6 +55,7 @@ readonly TOOLS_AND_TESTS=(
   libsundials-dev
   nlohmann-json3-dev
   pkgconf
+  python3-h5py
 )
 
 usage() {
