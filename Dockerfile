@@ -10,7 +10,6 @@ COPY cmake /src/cmake
 COPY proto /src/proto
 COPY core /src/core
 COPY server /src/server
-COPY client /src/client
 RUN cmake -S /src -B /build -G Ninja -DCMAKE_BUILD_TYPE=Release \
       -DTACTUS_BUILD_TESTS=OFF -DTACTUS_BUILD_TOOLS=OFF \
  && cmake --build /build --target tactusd \

@@ -21,6 +21,7 @@ readonly BUILD=(
   libgrpc++-dev
   libprotobuf-dev
   libspdlog-dev
+  libssl-dev
   ninja-build
   protobuf-compiler
   protobuf-compiler-grpc
@@ -31,6 +32,7 @@ readonly RUNTIME=(
   libgrpc++1.51
   libprotobuf32
   libspdlog1.10
+  libssl3
 )
 # An image without a container engine: its base, and its builder.
 readonly IMAGE=(
@@ -52,6 +54,8 @@ readonly TOOLS_AND_TESTS=(
   libprotoc-dev
   libsundials-dev
   nlohmann-json3-dev
+  pkgconf
+  python3-h5py
 )
 
 usage() {

@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
     command = std::move(chosen);
   };
   for (auto add :
-       {AddSimulate, AddFit, AddEvaluate, AddInspect, AddClassify}) {
+       {AddSimulate, AddImport, AddFit, AddEvaluate, AddInspect, AddClassify}) {
     add(app, select);
   }
   CLI11_PARSE(app, argc, argv);

@@ -61,6 +61,9 @@ struct Trial {
   std::string material;
   // Of the object, N/m; 0 if unknown.
   double stiffness = 0;
+  // Contact stiffness the simulator used if it capped the object's, N/m; else
+  // 0.
+  double capped_stiffness = 0;
   // Of the arm's equilibrium point, m/s; 0 if unknown.
   double velocity = 0;
   double sample_rate_hz = 100;

@@ -75,6 +75,7 @@ Trial SimulatedContact::Metadata() const {
       SurfaceName(spec.object.surface), spec.fixed ? "-fixed" : "");
   trial.material = std::string(spec.object.material.name);
   trial.stiffness = spec.object.Stiffness();
+  if (stiffness_used < trial.stiffness) trial.capped_stiffness = stiffness_used;
   trial.velocity = spec.robot.velocity;
   trial.sample_rate_hz = kSkinRateHz;
   trial.unit = "newton";

@@ -6,6 +6,7 @@
 #include <ghmm/sreestimate.h>
 #include <ghmm/sviterbi.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <memory>
 

@@ -1,6 +1,8 @@
 // Our scores and one Baum-Welch update against libghmm's.
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "core/hmm/baum_welch.h"

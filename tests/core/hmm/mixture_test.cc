@@ -1,7 +1,6 @@
 #include "core/hmm/mixture.h"
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "core/base/errors.h"

@@ -1,6 +1,8 @@
 // What a stream relies on: no allocation per frame, and results that do not
 // depend on how often they are read or what ran before.
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <new>
 #include <vector>

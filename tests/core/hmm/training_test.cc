@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <set>
+#include <string>
 #include <vector>
 
 #include "Eigen/Core"

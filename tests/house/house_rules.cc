@@ -1,0 +1,166 @@
+#include "tests/house/house_rules.h"
+
+#include <algorithm>
+#include <array>
+#include <sstream>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "absl/strings/strip.h"
+
+namespace tactus {
+namespace {
+
+constexpr int kMaxLines = 600;
+constexpr int kMaxAdapterLines = 300;
+
+// Plain types that any room of core may use, wherever they live.
+constexpr std::array<absl::string_view, 1> kPlainHeaders = {
+    "core/data/trial.h"};
+
+// Rooms that read and write files; all others only compute.
+constexpr std::array<absl::string_view, 1> kFileRooms = {"data"};
+
+constexpr std::array<absl::string_view, 6> kNotForComputing = {
+    "thread", "mutex", "chrono", "fstream", "filesystem", "iostream"};
+
+template <typename Range, typename Value>
+bool Holds(const Range& range, const Value& value) {
+  return std::find(range.begin(), range.end(), value) != range.end();
+}
+
+// "core/hmm/forward.h" -> "hmm"; empty elsewhere.
+std::string RoomOf(const std::string& path) {
+  const std::vector<std::string> parts = absl::StrSplit(path, '/');
+  return parts.size() > 2 && parts[0] == "core" ? parts[1] : "";
+}
+
+std::vector<std::string> Lines(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+// The file that a line includes, without quotes or brackets; empty if none.
+std::string Included(absl::string_view line) {
+  line = absl::StripAsciiWhitespace(line);
+  if (!absl::ConsumePrefix(&line, "#")) return "";
+  line = absl::StripLeadingAsciiWhitespace(line);
+  if (!absl::ConsumePrefix(&line, "include")) return "";
+  line = absl::StripLeadingAsciiWhitespace(line);
+  if (line.empty() || (line[0] != '"' && line[0] != '<')) return "";
+  const char close = line[0] == '<' ? '>' : '"';
+  line.remove_prefix(1);
+  return std::string(line.substr(0, line.find(close)));
+}
+
+bool IsGrpc(const std::string& header) {
+  return absl::StartsWith(header, "grpc") ||
+         absl::EndsWith(header, ".grpc.pb.h");
+}
+
+// Why a core file may not include `header`; empty if it may.
+std::string WhyNotInCore(const std::string& path, const std::string& header,
+                         const std::vector<std::string>& rooms) {
+  if (IsGrpc(header)) return "core knows no gRPC";
+  const std::string room = RoomOf(path);
+  if (!Holds(kFileRooms, room) && Holds(kNotForComputing, header)) {
+    return "rooms that compute use no threads, clocks or files";
+  }
+  const std::string other = RoomOf(header);
+  if (other.empty() || other == room || Holds(kPlainHeaders, header)) return "";
+  const auto own = std::find(rooms.begin(), rooms.end(), room);
+  if (own == rooms.end()) return "its room is not in core/CMakeLists.txt";
+  return std::find(rooms.begin(), own, other) == own
+             ? absl::StrCat("room ", other, " is not below room ", room)
+             : "";
+}
+
+std::string WhyNot(const std::string& path, const std::string& header,
+                   const std::vector<std::string>& rooms) {
+  const auto from = [&](absl::string_view top) {
+    return absl::StartsWith(path, top);
+  };
+  const auto to = [&](absl::string_view top) {
+    return absl::StartsWith(header, top);
+  };
+  if (from("core/") && (to("server/") || to("client/"))) {
+    return "core knows neither server nor client";
+  }
+  if (from("server/") && to("client/")) return "server does not know client";
+  if (from("client/") && to("server/")) return "client does not know server";
+  if (!from("tests/") && to("tests/")) return "only tests know tests";
+  if (from("server/session/") && IsGrpc(header)) {
+    return "server/session knows no gRPC";
+  }
+  return from("core/") ? WhyNotInCore(path, header, rooms) : "";
+}
+
+}  // namespace
+
+std::vector<std::string> CoreRooms(const std::string& cmake_text) {
+  std::vector<std::string> rooms;
+  for (const std::string& text : Lines(cmake_text)) {
+    absl::string_view line = absl::StripAsciiWhitespace(text);
+    if (absl::ConsumePrefix(&line, "add_subdirectory(") &&
+        absl::ConsumeSuffix(&line, ")")) {
+      rooms.emplace_back(line);
+    }
+  }
+  return rooms;
+}
+
+std::vector<std::string> IncludeViolations(
+    const std::string& path, const std::string& text,
+    const std::vector<std::string>& rooms) {
+  std::vector<std::string> violations;
+  int number = 0;
+  for (const std::string& line : Lines(text)) {
+    ++number;
+    const std::string header = Included(line);
+    if (header.empty()) continue;
+    const std::string why = WhyNot(path, header, rooms);
+    if (why.empty()) continue;
+    violations.push_back(
+        absl::StrCat(path, ":", number, ": ", header, ": ", why));
+  }
+  return violations;
+}
+
+std::vector<std::string> StyleViolations(const std::string& path,
+                                         const std::string& text) {
+  std::vector<std::string> violations;
+  const std::vector<std::string> lines = Lines(text);
+  const int limit =
+      absl::StartsWith(path, "server/rpc/") ? kMaxAdapterLines : kMaxLines;
+  if (static_cast<int>(lines.size()) > limit) {
+    violations.push_back(absl::StrCat(path, ": has ", lines.size(),
+                                      " lines; the limit is ", limit));
+  }
+  // Spelt apart, so that this file keeps its own rule.
+  const std::array<std::string, 2> leftovers = {std::string("TO") + "DO",
+                                                std::string("FIX") + "ME"};
+  int number = 0;
+  for (const std::string& line : lines) {
+    ++number;
+    for (const std::string& word : leftovers) {
+      if (!absl::StrContains(line, word)) continue;
+      violations.push_back(absl::StrCat(path, ":", number, ": ", word));
+    }
+  }
+  if (absl::EndsWith(path, ".h")) {
+    const std::string name = path.substr(path.rfind('/') + 1);
+    if (lines.empty() || lines[0] != "// File: " + name) {
+      violations.push_back(
+          absl::StrCat(path, ":1: must begin with // File: ", name));
+    }
+    if (!Holds(lines, "#pragma once")) {
+      violations.push_back(absl::StrCat(path, ": has no #pragma once"));
+    }
+  }
+  return violations;
+}
+
+}  // namespace tactus

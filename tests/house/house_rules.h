@@ -1,0 +1,29 @@
+// File: house_rules.h
+//
+// The rules of the house as functions of one file's path and text, so that
+// the tests can show each of them failing. Test-only.
+//
+//   IncludeViolations("core/hmm/a.cc", text, rooms);
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace tactus {
+
+// The rooms of core in the order of core/CMakeLists.txt, lowest first, read
+// from its text.
+std::vector<std::string> CoreRooms(const std::string& cmake_text);
+
+// What `text`, the source at `path` from the project's root, includes though
+// the arrows proto <- core <- {server, client} or the order of rooms forbid
+// it; as "path:line: what".
+std::vector<std::string> IncludeViolations(
+    const std::string& path, const std::string& text,
+    const std::vector<std::string>& rooms);
+
+// Where it breaks the rules on size, headers and leftovers.
+std::vector<std::string> StyleViolations(const std::string& path,
+                                         const std::string& text);
+
+}  // namespace tactus

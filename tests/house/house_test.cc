@@ -1,0 +1,161 @@
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/house/house_rules.h"
+
+namespace tactus {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+std::string Root() {
+  const char* root = std::getenv("TACTUS_SOURCE_DIR");
+  return root == nullptr ? "." : root;
+}
+
+std::string ReadText(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  EXPECT_TRUE(in.good()) << path;
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// Calls `check` with path from the root and text of every C++ file.
+int ForEachSource(
+    const std::function<void(const std::string&, const std::string&)>& check) {
+  int files = 0;
+  for (const char* top : {"core", "server", "client", "tests"}) {
+    if (!fs::exists(fs::path(Root()) / top)) continue;
+    for (const auto& entry :
+         fs::recursive_directory_iterator(fs::path(Root()) / top)) {
+      const std::string extension = entry.path().extension();
+      if (extension != ".cc" && extension != ".h") continue;
+      check(fs::relative(entry.path(), Root()), ReadText(entry.path()));
+      ++files;
+    }
+  }
+  return files;
+}
+
+const std::vector<std::string> kRooms = {"base", "skin", "hmm", "data", "sim"};
+
+TEST(HouseTest, ArrowsRunOneWay) {
+  const std::vector<std::string> rooms =
+      CoreRooms(ReadText(fs::path(Root()) / "core/CMakeLists.txt"));
+  EXPECT_GE(rooms.size(), 11u);
+  const int files =
+      ForEachSource([&](const std::string& path, const std::string& text) {
+        EXPECT_THAT(IncludeViolations(path, text, rooms), IsEmpty());
+      });
+  EXPECT_GE(files, 20) << "is TACTUS_SOURCE_DIR the project's root?";
+}
+
+TEST(HouseTest, FilesAreSmallAndTidy) {
+  ForEachSource([](const std::string& path, const std::string& text) {
+    EXPECT_THAT(StyleViolations(path, text), IsEmpty());
+  });
+}
+
+TEST(IncludeRuleTest, RoomsComeFromTheirList) {
+  EXPECT_THAT(CoreRooms("find_package(absl)\nadd_subdirectory(base)\n"
+                        "if(X)\n  add_subdirectory(data)\nendif()\n"),
+              ElementsAre("base", "data"));
+}
+
+TEST(IncludeRuleTest, WhatIsAllowedPasses) {
+  const std::pair<const char*, const char*> allowed[] = {
+      {"core/hmm/a.cc", "#include \"core/hmm/a.h\""},
+      {"core/hmm/a.cc", "#include \"core/base/errors.h\""},
+      {"core/hmm/a.cc", "#include <vector>"},
+      {"core/hmm/a.cc", "// #include \"server/main.h\""},
+      // The plain type is open to the rooms below data as well.
+      {"core/hmm/a.cc", "#include \"core/data/trial.h\""},
+      {"core/data/a.cc", "#include <fstream>"},
+      {"core/base/a.cc", "#include \"tactus/v1/common.pb.h\""},
+      {"server/rpc/a.cc", "#include \"core/hmm/a.h\""},
+      {"server/rpc/a.cc", "#include \"server/session/a.h\""},
+      {"server/rpc/a.cc", "#include <grpcpp/grpcpp.h>"},
+      {"client/a.cc", "#include \"core/sim/a.h\""},
+      {"tests/client/a.cc", "#include \"server/rpc/a.h\""},
+  };
+  for (const auto& [path, line] : allowed) {
+    EXPECT_THAT(IncludeViolations(path, line, kRooms), IsEmpty());
+  }
+}
+
+TEST(IncludeRuleTest, EachWrongArrowIsFound) {
+  struct Case {
+    const char* path;
+    const char* line;
+    const char* why;
+  };
+  const Case cases[] = {
+      {"core/hmm/a.cc", "#include \"server/session/a.h\"", "neither server"},
+      {"core/hmm/a.cc", "#include \"client/a.h\"", "neither server"},
+      {"core/hmm/a.h", "#include <grpcpp/grpcpp.h>", "no gRPC"},
+      {"core/data/a.h", "#include <grpc/grpc.h>", "no gRPC"},
+      {"core/hmm/a.h", "# include \"tactus/v1/contact.grpc.pb.h\"", "no gRPC"},
+      {"core/hmm/a.h", "#include \"core/sim/a.h\"", "room sim is not below"},
+      {"core/hmm/a.h", "#include \"core/data/trial_file.h\"",
+       "room data is not below"},
+      {"core/moon/a.h", "#include \"core/hmm/a.h\"", "not in core/CMakeLists"},
+      {"core/hmm/a.h", "#include \"core/moon/a.h\"", "room moon is not below"},
+      {"core/hmm/a.cc", "#include <thread>", "no threads"},
+      {"core/hmm/a.cc", "#include <mutex>", "no threads"},
+      {"core/hmm/a.cc", "#include <chrono>", "no threads"},
+      {"core/base/a.cc", "#include <fstream>", "no threads"},
+      {"core/sim/a.cc", "#include <filesystem>", "no threads"},
+      {"core/sim/a.cc", "  #include <iostream>", "no threads"},
+      {"server/rpc/a.cc", "#include \"client/a.h\"", "does not know client"},
+      {"client/a.cc", "#include \"server/rpc/a.h\"", "does not know server"},
+      {"server/session/a.cc", "#include <grpcpp/grpcpp.h>", "session knows"},
+      {"core/hmm/a.cc", "#include \"tests/a.h\"", "only tests"},
+  };
+  for (const Case& c : cases) {
+    EXPECT_THAT(
+        IncludeViolations(c.path, std::string("\n") + c.line + "\n", kRooms),
+        ElementsAre(HasSubstr(c.why)))
+        << c.path << " " << c.line;
+  }
+  EXPECT_THAT(
+      IncludeViolations("client/a.cc", "\n#include \"server/a.h\"\n", kRooms),
+      ElementsAre(HasSubstr("client/a.cc:2: server/a.h: ")));
+}
+
+std::string ManyLines(int count) {
+  std::string text;
+  for (int i = 0; i < count; ++i) text += "int x;\n";
+  return text;
+}
+
+TEST(StyleRuleTest, EachRuleCanFail) {
+  const std::string header = "// File: a.h\n#pragma once\n";
+  EXPECT_THAT(StyleViolations("core/hmm/a.h", header), IsEmpty());
+  EXPECT_THAT(StyleViolations("core/hmm/a.cc", ManyLines(600)), IsEmpty());
+  EXPECT_THAT(StyleViolations("core/hmm/a.cc", ManyLines(601)),
+              ElementsAre(HasSubstr("has 601 lines")));
+  EXPECT_THAT(StyleViolations("server/rpc/a.cc", ManyLines(300)), IsEmpty());
+  EXPECT_THAT(StyleViolations("server/rpc/a.cc", ManyLines(301)),
+              ElementsAre(HasSubstr("the limit is 300")));
+  EXPECT_THAT(StyleViolations("core/a.cc", std::string("\n// TO") + "DO: x\n"),
+              ElementsAre(HasSubstr("core/a.cc:2")));
+  EXPECT_THAT(StyleViolations("core/a.cc", std::string("// FIX") + "ME\n"),
+              ElementsAre(HasSubstr("core/a.cc:1")));
+  EXPECT_THAT(StyleViolations("core/hmm/b.h", header),
+              Contains(HasSubstr("must begin with // File: b.h")));
+  EXPECT_THAT(StyleViolations("core/hmm/a.h", ""),
+              Contains(HasSubstr("must begin with")));
+  EXPECT_THAT(StyleViolations("core/hmm/a.h", "// File: a.h\n"),
+              ElementsAre(HasSubstr("no #pragma once")));
+}
+
+}  // namespace
+}  // namespace tactus
