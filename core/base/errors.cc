@@ -101,6 +101,14 @@ absl::Status EmptyRequest() {
                    "a request must hold config, frames or end_of_trial");
 }
 
+absl::Status MalformedRequest(size_t bytes) {
+  return MakeError(StatusCode::kInvalidArgument,
+                   v1::ERROR_REASON_MALFORMED_REQUEST,
+                   absl::StrCat("a request of ", bytes,
+                                " bytes is not a ClassifyContactRequest"),
+                   {{"value", absl::StrCat(bytes)}});
+}
+
 absl::Status StreamFinished() {
   return MakeError(StatusCode::kFailedPrecondition,
                    v1::ERROR_REASON_STREAM_FINISHED,

@@ -75,6 +75,7 @@ absl::Status BundleVersion(uint32_t got, uint32_t want);
 absl::Status ConfigRequired();
 absl::Status ConfigRepeated();
 absl::Status EmptyRequest();
+absl::Status MalformedRequest(size_t bytes);
 absl::Status StreamFinished();
 absl::Status UnknownLayout(absl::string_view name);
 absl::Status MessageTooLarge(size_t got, size_t limit);

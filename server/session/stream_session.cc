@@ -16,11 +16,26 @@ StreamSession::State StreamSession::state() const {
   return pipeline_ == nullptr ? State::kWaitConfig : State::kStreaming;
 }
 
+absl::Status StreamSession::OnMessage(
+    google::protobuf::io::ZeroCopyInputStream* bytes, size_t size) {
+  // Too large is refused before it is parsed.
+  if (!finishing_ && size > limits::kMaxMessageBytes) {
+    return EndIfError(MessageTooLarge(size, limits::kMaxMessageBytes));
+  }
+  if (!finishing_ && !request_.ParseFromZeroCopyStream(bytes)) {
+    return EndIfError(MalformedRequest(size));
+  }
+  return OnRequest(request_);
+}
+
 absl::Status StreamSession::OnRequest(
     const v1::ClassifyContactRequest& request) {
   if (finishing_) return StreamFinished();
   responses_.BeginRequest();
-  absl::Status status = Dispatch(request);
+  return EndIfError(Dispatch(request));
+}
+
+absl::Status StreamSession::EndIfError(absl::Status status) {
   if (!status.ok()) {
     finishing_ = true;
     final_status_ = status;

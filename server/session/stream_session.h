@@ -4,7 +4,7 @@
 // go in, answers wait in responses(), and a status says how it ends.
 //
 //   StreamSession session(models, {.stream_id = "7"});
-//   session.OnRequest(request, now_ns);
+//   session.OnMessage(&bytes, size);
 //   session.EndRequest(start_ns, now_ns);
 //   while (auto* answer = session.responses().StartWrite(now_ns)) {
 //     Write(*answer);
@@ -27,6 +27,7 @@
 
 #include "absl/status/status.h"
 #include "core/classify/contact_pipeline.h"
+#include "google/protobuf/io/zero_copy_stream.h"
 #include "server/session/frame_decoder.h"
 #include "server/session/model_source.h"
 #include "server/session/posterior_writer.h"
@@ -49,9 +50,13 @@ class StreamSession {
   // `models` must outlive the session.
   StreamSession(const ModelSource* models, Options options);
 
-  // Takes the next message. On error the stream is FINISHING with it.
+  // Takes the next message, `size` bytes from the wire. On error the stream is
+  // FINISHING with it.
+  absl::Status OnMessage(google::protobuf::io::ZeroCopyInputStream* bytes,
+                         size_t size);
+  // The same for a message already parsed.
   absl::Status OnRequest(const v1::ClassifyContactRequest& request);
-  // Tells how long the last OnRequest took, for the answers it brought.
+  // Tells how long the last message took, for the answers it brought.
   void EndRequest(int64_t start_ns, int64_t now_ns);
 
   // The client will send no more: an open trial gets its final.
@@ -71,6 +76,8 @@ class StreamSession {
   uint64_t frames() const { return frames_; }
 
  private:
+  // Ends the stream if `status` is an error; returns it.
+  absl::Status EndIfError(absl::Status status);
   absl::Status Dispatch(const v1::ClassifyContactRequest& request);
   absl::Status OnConfig(const v1::StreamConfig& config);
   absl::Status OnFrames(const v1::FrameBatch& batch);
@@ -83,6 +90,8 @@ class StreamSession {
   const ModelSource* models_;
   Options options_;
   ResponseQueue responses_;
+  // The message being taken; keeps what it has grown to.
+  v1::ClassifyContactRequest request_;
   bool finishing_ = false;
   absl::Status final_status_;
 

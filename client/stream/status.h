@@ -1,0 +1,15 @@
+// File: status.h
+//
+// Errors as they come back from a server: a grpc::Status with a
+// tactus.v1.Status in its details becomes the absl::Status the server raised,
+// so that ReasonOf() works on it. Thread-safe.
+#pragma once
+
+#include "absl/status/status.h"
+#include "grpcpp/support/status.h"
+
+namespace tactus::client {
+
+absl::Status FromGrpcStatus(const grpc::Status& status);
+
+}  // namespace tactus::client

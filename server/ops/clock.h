@@ -1,0 +1,18 @@
+// File: clock.h
+//
+// The server's clock, for durations only. Thread-safe.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+namespace tactus::server {
+
+// Nanoseconds since some fixed point; never goes back.
+inline int64_t MonotonicNs() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+}  // namespace tactus::server

@@ -1,0 +1,68 @@
+// File: server.h
+//
+// TactusServer: all services on their addresses, from start to drained stop.
+//
+//   TACTUS_ASSIGN_OR_RETURN(auto server, TactusServer::Start(&registry, {}));
+//   ...
+//   server->Stop();
+//
+// Thread-safe but for Stop, which is called once. `models` must outlive it.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/base/limits.h"
+#include "grpcpp/channel.h"
+#include "grpcpp/server.h"
+#include "server/ops/keep_warm.h"
+#include "server/rpc/contact_service.h"
+#include "server/rpc/refusal.h"
+
+namespace tactus::server {
+
+class TactusServer {
+ public:
+  struct Options {
+    // "host:port" (port 0: any free one) or "unix:path"; may be empty, the
+    // in-process channel is always there.
+    std::vector<std::string> listen = {};
+    int max_streams = limits::kMaxStreams;
+    // 0 means none.
+    int idle_timeout_ms = limits::kIdleTimeoutMs;
+    int drain_grace_ms = limits::kDrainGraceMs;
+  };
+
+  // Serving when it returns. IO if an address cannot be listened on.
+  static absl::StatusOr<std::unique_ptr<TactusServer>> Start(
+      const ModelSource* models, const Options& options);
+
+  // Stops without grace if Stop was not called.
+  ~TactusServer();
+
+  // Reports NOT_SERVING, refuses new streams, lets those there are finish
+  // within the grace, ends the rest with DRAINING. Returns within the grace
+  // and a second.
+  void Stop();
+
+  // One per address; 0 for unix sockets.
+  const std::vector<int>& ports() const { return ports_; }
+  std::shared_ptr<grpc::Channel> InProcessChannel();
+  const StreamGate& gate() const { return contacts_.gate(); }
+
+ private:
+  TactusServer(const ModelSource* models, const Options& options);
+  absl::Status Listen();
+  void SetServing(bool serving);
+
+  const Options options_;
+  ContactService contacts_;
+  UnimplementedService unimplemented_;
+  std::vector<int> ports_;
+  std::unique_ptr<grpc::Server> server_;
+  std::unique_ptr<KeepWarm> keep_warm_;
+};
+
+}  // namespace tactus::server
