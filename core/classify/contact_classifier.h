@@ -49,7 +49,10 @@ class ContactClassifier {
   // frame (at most limits::kMaxBridgedFrames).
   void Step(const FeatureVector& features, uint64_t missing_before);
 
-  // Frames since onset, lost ones included.
+  // Takes a frame in which touch was lost: time passes, scores rest.
+  void Hold(uint64_t missing_before) { frames_ += missing_before + 1; }
+
+  // Frames since onset, lost and untouched ones included.
   uint64_t frames() const { return frames_; }
   // log p(features | class), one per class.
   std::span<const double> log_likelihood() const { return log_likelihood_; }

@@ -71,10 +71,14 @@ const ContactReport& ContactPipeline::Step(const FrameView& frame) {
     classifier_.Reset();
   }
   if (report_.state == ContactState::kInContact) {
-    const bool decided_before = classifier_.decision().has_value();
     // Frames lost before the onset belong to no contact.
-    classifier_.Step(report_.features.vector(),
-                     report_.onset ? 0 : frame.missing_before);
+    const uint64_t missing = report_.onset ? 0 : frame.missing_before;
+    const bool decided_before = classifier_.decision().has_value();
+    if (report_.features.touched) {
+      classifier_.Step(report_.features.vector(), missing);
+    } else {
+      classifier_.Hold(missing);
+    }
     report_.decided = !decided_before && classifier_.decision().has_value();
   }
   return report_;

@@ -84,8 +84,8 @@ ScoredContact ScoreContact(const std::shared_ptr<const CompiledModel>& model,
     scored.frames.push_back(static_cast<double>(classifier.frames()));
   };
   const auto times = CalibrationFrames(contact.sample_rate_hz);
-  for (const FeatureVector& frame : contact.frames) {
-    classifier.Step(frame, 0);
+  for (const ContactFrame& frame : contact.frames) {
+    StepClassifier(frame, classifier);
     const size_t next = scored.frames.size();
     if (next < times.size() &&
         static_cast<double>(classifier.frames()) == times[next]) {

@@ -11,24 +11,32 @@ namespace {
 // Only the end of the trial ends its contact.
 constexpr double kNeverReleased = -1;
 
-std::vector<FeatureVector> TaxelsToFeatures(const Trial& trial,
-                                            const SkinLayout& layout) {
+std::vector<ContactFrame> TaxelsToFrames(const Trial& trial,
+                                         const SkinLayout& layout) {
   ContactTracker tracker(layout, {trial.sample_rate_hz, kNeverReleased});
   std::vector<float> taxels(layout.taxels());
-  std::vector<FeatureVector> frames;
+  std::vector<ContactFrame> frames;
   for (size_t t = 0; t < trial.taxels.frames(); ++t) {
     trial.taxels.Decode(t, taxels.data());
     FrameView frame{.taxels = taxels};
     if (!trial.poses.empty()) frame.pose = &trial.poses[t];
     const FrameFeatures& features = tracker.Step(frame);
     if (tracker.state() == ContactState::kInContact) {
-      frames.push_back(features.vector());
+      frames.push_back({features.vector(), features.touched});
     }
   }
   return frames;
 }
 
 }  // namespace
+
+void StepClassifier(const ContactFrame& frame, ContactClassifier& classifier) {
+  if (frame.touched) {
+    classifier.Step(frame.features, 0);
+  } else {
+    classifier.Hold(0);
+  }
+}
 
 absl::StatusOr<SkinLayout> LayoutOfTrial(const Trial& trial,
                                          const SkinLayout* layout) {
@@ -59,10 +67,12 @@ absl::StatusOr<std::optional<Contact>> ExtractContact(
   contact.material = trial.material;
   contact.sample_rate_hz = trial.sample_rate_hz;
   if (trial.taxels.empty()) {
-    contact.frames = trial.signals;
+    for (const FeatureVector& signals : trial.signals) {
+      contact.frames.push_back({signals, true});
+    }
   } else {
     TACTUS_ASSIGN_OR_RETURN(contact.layout, LayoutOfTrial(trial, layout));
-    contact.frames = TaxelsToFeatures(trial, contact.layout);
+    contact.frames = TaxelsToFrames(trial, contact.layout);
   }
   if (contact.frames.empty()) return std::optional<Contact>();
   return std::optional<Contact>(std::move(contact));

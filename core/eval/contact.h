@@ -14,11 +14,19 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/classify/contact_classifier.h"
 #include "core/data/trial.h"
 #include "core/features/feature.h"
 #include "core/skin/layout.h"
 
 namespace tactus {
+
+// What one frame of a contact says.
+struct ContactFrame {
+  FeatureVector features = {};
+  // False while touch is lost; such frames take time but say nothing.
+  bool touched = true;
+};
 
 struct Contact {
   std::string id;
@@ -28,9 +36,12 @@ struct Contact {
   double sample_rate_hz = 100;
   // Name, rows and columns of the skin; an empty name for ideal signals.
   SkinLayout layout;
-  // From onset to the end of the trial.
-  std::vector<FeatureVector> frames;
+  // From onset to the end of the trial; the first is touched.
+  std::vector<ContactFrame> frames;
 };
+
+// One frame into a classifier, as ContactPipeline does it.
+void StepClassifier(const ContactFrame& frame, ContactClassifier& classifier);
 
 // Takes the taxels, if there are any, through the feature path (the contact
 // ends with the trial), else the stored signals. Nothing if no taxel ever

@@ -60,8 +60,8 @@ void EvaluateContact(const std::shared_ptr<const CompiledModel>& model,
     outcome.probability.assign(probability.begin(), probability.end());
   };
   int next = 0;
-  for (const FeatureVector& frame : contact.frames) {
-    classifier.Step(frame, 0);
+  for (const ContactFrame& frame : contact.frames) {
+    StepClassifier(frame, classifier);
     while (next < kAnytimeCount &&
            static_cast<double>(classifier.frames()) >=
                std::round(kAnytimeSeconds[next] * contact.sample_rate_hz)) {

@@ -133,9 +133,9 @@ absl::Status AddWarmUp(const std::vector<const Contact*>& contacts,
     return a->frames.size() < b->frames.size();
   });
   constexpr size_t kMaxFrames = 120;
-  model.warm_up.signals = sorted[sorted.size() / 2]->frames;
-  if (model.warm_up.signals.size() > kMaxFrames) {
-    model.warm_up.signals.resize(kMaxFrames);
+  for (const ContactFrame& frame : sorted[sorted.size() / 2]->frames) {
+    if (model.warm_up.signals.size() == kMaxFrames) break;
+    if (frame.touched) model.warm_up.signals.push_back(frame.features);
   }
   model.warm_up.probability.assign(model.class_names.size(), 0);
   model.warm_up.log_likelihood = model.warm_up.probability;

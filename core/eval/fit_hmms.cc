@@ -19,9 +19,9 @@ double TypicalValue(const std::vector<const Contact*>& contacts,
                     Feature feature) {
   std::vector<double> values;
   for (const Contact* contact : contacts) {
-    for (const FeatureVector& frame : contact->frames) {
-      const double value = frame[static_cast<int>(feature)];
-      if (value > 0) values.push_back(value);
+    for (const ContactFrame& frame : contact->frames) {
+      const double value = frame.features[static_cast<int>(feature)];
+      if (frame.touched && value > 0) values.push_back(value);
     }
   }
   if (values.empty()) return 1;
@@ -37,8 +37,9 @@ FeatureScaling StandardScaling(const std::vector<const Contact*>& contacts,
   double mean = 0;
   double squares = 0;
   for (const Contact* contact : contacts) {
-    for (const FeatureVector& frame : contact->frames) {
-      const double value = TransformFeature(spec, index, frame);
+    for (const ContactFrame& frame : contact->frames) {
+      if (!frame.touched) continue;
+      const double value = TransformFeature(spec, index, frame.features);
       const double step = value - mean;
       count += 1;
       mean += step / count;
@@ -64,14 +65,15 @@ FeatureSpec FitFeatureSpec(const std::vector<const Contact*>& contacts,
   return spec;
 }
 
-// Scaled inputs of one contact, frames x features, row-major.
+// Scaled inputs of one contact's touched frames, frames x features, row-major.
 std::vector<double> MakeSequence(const Contact& contact,
                                  const FeatureSpec& spec) {
-  const size_t dimensions = spec.features.size();
-  std::vector<double> sequence(contact.frames.size() * dimensions);
-  for (size_t t = 0; t < contact.frames.size(); ++t) {
-    MakeInput(spec, spec.hmm_scaling, contact.frames[t],
-              std::span(sequence).subspan(t * dimensions, dimensions));
+  std::vector<double> sequence;
+  std::vector<double> input(spec.features.size());
+  for (const ContactFrame& frame : contact.frames) {
+    if (!frame.touched) continue;
+    MakeInput(spec, spec.hmm_scaling, frame.features, input);
+    sequence.insert(sequence.end(), input.begin(), input.end());
   }
   return sequence;
 }

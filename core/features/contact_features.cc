@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace tactus {
 namespace {
@@ -22,6 +23,17 @@ uint64_t ReleaseFrames(const ContactTracker::Options& options) {
 Eigen::Vector3d WorldPosition(const SkinLayout& layout, const SkinPoint& point,
                               const Pose& pose) {
   return pose.position + pose.orientation * LinkPosition(layout, point);
+}
+
+// True if a region as large and round as `region` around its centroid holds
+// `point`.
+bool Covers(const SkinLayout& layout, const Region& region,
+            const SkinPoint& point) {
+  const double area =
+      region.taxels * layout.row_pitch_m * layout.column_pitch_m;
+  const double radius = std::sqrt(area / std::numbers::pi);
+  return SkinDistance(layout, {region.centroid_row, region.centroid_column},
+                      point) <= radius;
 }
 
 }  // namespace
@@ -67,6 +79,7 @@ void ContactTracker::Begin(const FrameView& frame) {
   lost_frames_ = 0;
   const Region& region = segmenter_.largest();
   onset_point_ = {region.centroid_row, region.centroid_column};
+  travelled_ = false;
   has_pose_ = frame.pose != nullptr;
   if (has_pose_) {
     pose_ = *frame.pose;
@@ -96,6 +109,7 @@ void ContactTracker::Measure(const FrameView& frame) {
     features_.area_taxels = region.taxels;
     features_.area_m2 = region.taxels * layout_.taxel_area_m2;
     features_.centroid = {region.centroid_row, region.centroid_column};
+    travelled_ = !Covers(layout_, region, onset_point_);
   } else {
     features_.max_force = 0;
     features_.area_taxels = 0;
@@ -109,8 +123,8 @@ double ContactTracker::Motion(const Pose* pose) {
     return SkinDistance(layout_, features_.centroid, onset_point_);
   }
   if (pose != nullptr) pose_ = *pose;
-  const Eigen::Vector3d position =
-      WorldPosition(layout_, features_.centroid, pose_);
+  const Eigen::Vector3d position = WorldPosition(
+      layout_, travelled_ ? features_.centroid : onset_point_, pose_);
   return (position - onset_position_).norm();
 }
 

@@ -37,8 +37,8 @@ struct FrameFeatures {
   // Size of the largest region, in taxels and square metres; 0 if untouched.
   int area_taxels = 0;
   double area_m2 = 0;
-  // Distance of the contact from where it was at onset, in metres: of the
-  // centroid in the world frame if frames come with poses, else along the skin.
+  // Distance of the contact from where it was at onset, in metres: in the world
+  // frame if frames come with poses, else of the centroid along the skin.
   double motion_m = 0;
   // Regions on the skin.
   int region_count = 0;
@@ -60,6 +60,11 @@ enum class ContactState { kNoContact, kInContact, kReleased };
 // A loss counts frames from its first untouched one on, with those that went
 // missing since the last frame. Frames that go missing between two touched
 // ones do not end a contact.
+//
+// With poses, a region that still covers the place where the contact began has
+// grown, not travelled: its motion is that of this place. Centroids move by
+// whole taxels as a region grows, poses are a hundred times finer. Once the
+// region has left the place, its centroid counts.
 //
 // While touch is lost, force and area are 0 and the point last touched stays
 // fixed to the skin: it moves with the pose, and without poses rests.
@@ -115,6 +120,8 @@ class ContactTracker {
   uint64_t lost_frames_ = 0;
   // Of the current contact: where it began, on the skin and in the world.
   SkinPoint onset_point_;
+  // The region has left the place where the contact began.
+  bool travelled_ = false;
   Eigen::Vector3d onset_position_;
   bool has_pose_ = false;
   // The latest pose of this contact.

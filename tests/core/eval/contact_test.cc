@@ -26,9 +26,10 @@ TEST(ExtractContactTest, BeginsAtOnsetAndEndsWithTheTrial) {
   ASSERT_TRUE(contact.ok()) << contact.status();
   ASSERT_TRUE(contact->has_value());
   ASSERT_EQ((*contact)->frames.size(), 150u);
-  EXPECT_FLOAT_EQ((*contact)->frames[0][0], 0.5F);
-  EXPECT_DOUBLE_EQ((*contact)->frames[0][1], 81e-6);
-  EXPECT_EQ((*contact)->frames[20][0], 0);
+  EXPECT_FLOAT_EQ((*contact)->frames[0].features[0], 0.5F);
+  EXPECT_DOUBLE_EQ((*contact)->frames[0].features[1], 81e-6);
+  EXPECT_TRUE((*contact)->frames[9].touched);
+  EXPECT_FALSE((*contact)->frames[10].touched);
   EXPECT_EQ((*contact)->layout.name, "cody-forearm");
 }
 
@@ -46,7 +47,8 @@ TEST(ExtractContactTest, SignalsAreTakenAsTheyAre) {
   trial.signals = {{1, 2, 3}, {4, 5, 6}};
   auto contact = ExtractContact(trial);
   ASSERT_TRUE(contact.ok());
-  EXPECT_EQ((*contact)->frames, trial.signals);
+  ASSERT_EQ((*contact)->frames.size(), 2u);
+  EXPECT_EQ((*contact)->frames[1].features, trial.signals[1]);
   EXPECT_EQ((*contact)->layout.name, "");
 }
 

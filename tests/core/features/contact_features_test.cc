@@ -231,6 +231,28 @@ TEST(ContactTrackerTest, MotionWithPosesIsMeasuredInTheWorld) {
   EXPECT_NEAR(script.Touch(5, 0, 2, &pose).motion_m, 0, 1e-12);
 }
 
+// A hard, fixed object: the region grows to one side while the link rests, so
+// its centroid shifts though nothing moved. Without poses only the centroid
+// tells, and it counts.
+TEST(ContactTrackerTest, WithPosesGrowthIsNotTravel) {
+  const SkinLayout layout = MakeLayout();
+  std::vector<float> taxels(layout.taxels());
+  Pose pose;
+  ContactTracker with_pose(layout, {});
+  ContactTracker without(layout, {});
+  taxels[0] = 5;
+  with_pose.Step({.taxels = taxels, .pose = &pose});
+  without.Step({.taxels = taxels});
+  taxels[1] = 5;
+  EXPECT_EQ(with_pose.Step({.taxels = taxels, .pose = &pose}).motion_m, 0);
+  EXPECT_GT(without.Step({.taxels = taxels}).motion_m, 0);
+  EXPECT_EQ(with_pose.features().centroid.column, 0.5);
+  // The link's own motion counts in full meanwhile.
+  pose.position.z() += 0.004;
+  EXPECT_NEAR(with_pose.Step({.taxels = taxels, .pose = &pose}).motion_m, 0.004,
+              1e-15);
+}
+
 TEST(ContactTrackerTest, MotionWithPosesFollowsRotation) {
   Script script(MakeLayout());
   Pose pose;
