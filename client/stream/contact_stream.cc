@@ -71,7 +71,8 @@ void ContactStream::ReadAll() {
 
 absl::Status ContactStream::Send(const v1::ClassifyContactRequest& request) {
   if (!reader_.joinable()) return StreamFinished();
-  if (rpc_->Write(request)) return absl::OkStatus();
+  // gRPC may go on taking messages for a stream that the server has ended.
+  if (!ended() && rpc_->Write(request)) return absl::OkStatus();
   const absl::Status status = Join();
   return status.ok() ? StreamFinished() : status;
 }
@@ -82,6 +83,11 @@ absl::Status ContactStream::Close() {
   if (!reader_.joinable()) return StreamFinished();
   rpc_->WritesDone();
   return Join();
+}
+
+bool ContactStream::ended() {
+  const std::lock_guard lock(mutex_);
+  return ended_;
 }
 
 absl::Status ContactStream::Join() {

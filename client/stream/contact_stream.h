@@ -64,6 +64,8 @@ class ContactStream {
   // Ends an open trial, waits for the last answer and for the status.
   absl::Status Close();
 
+  // True once no further answer can come. From any thread.
+  bool ended();
   void Cancel() { context_.TryCancel(); }
 
  private:
