@@ -43,13 +43,11 @@ readonly IMAGE=(
 readonly TOOLS_AND_TESTS=(
   ccache
   clang-format
-  libbenchmark-dev
   libghmm-dev
   libgmock-dev
   libgtest-dev
   libhdf5-dev
   libopencv-core-dev
-  libopencv-imgcodecs-dev
   libopencv-imgproc-dev
   libprotoc-dev
   libsundials-dev

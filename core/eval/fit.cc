@@ -156,7 +156,7 @@ absl::Status AddWarmUp(const std::vector<const Contact*>& contacts,
 absl::StatusOr<FitOptions> FitPreset(absl::string_view name) {
   FitOptions options;
   if (name == "default") {
-    options.hmms_per_class = 10;
+    options.hmms_per_class = 20;
     return options;
   }
   if (name == "paper") {
