@@ -47,7 +47,7 @@ class TactusServer {
   // and a second.
   void Stop();
 
-  // One per address; 0 for unix sockets.
+  // One per address; without meaning for unix sockets.
   const std::vector<int>& ports() const { return ports_; }
   std::shared_ptr<grpc::Channel> InProcessChannel();
   const StreamGate& gate() const { return contacts_.gate(); }

@@ -3,46 +3,19 @@
 
 #include "core/base/errors.h"
 #include "core/base/limits.h"
-#include "google/protobuf/wrappers.pb.h"
-#include "grpcpp/generic/generic_stub.h"
 #include "gtest/gtest.h"
+#include "tests/server/support/raw_call.h"
 #include "tests/server/support/test_server.h"
 
 namespace tactus {
 namespace {
 
-// Sends `bytes` as the first message of `method`; how the RPC ends.
-absl::Status Call(const std::shared_ptr<grpc::Channel>& channel,
-                  const std::string& method, const std::string& bytes) {
-  grpc::GenericStub stub(channel);
-  grpc::ClientContext context;
-  grpc::CompletionQueue queue;
-  const auto next = [&queue] {
-    void* tag;
-    bool ok = false;
-    return queue.Next(&tag, &ok) && ok;
-  };
-  auto rpc = stub.PrepareCall(&context, method, &queue);
-  rpc->StartCall(nullptr);
-  next();
-  const grpc::Slice slice(bytes);
-  rpc->Write(grpc::ByteBuffer(&slice, 1), nullptr);
-  next();
-  grpc::ByteBuffer answer;
-  do {
-    rpc->Read(&answer, nullptr);
-  } while (next());
-  grpc::Status status;
-  rpc->Finish(&status, nullptr);
-  next();
-  return client::FromGrpcStatus(status);
-}
-
 class RawBytesTest : public ::testing::Test {
  protected:
   absl::Status Classify(const std::string& bytes) {
-    return Call(server_.channel(), "/tactus.v1.ContactService/ClassifyContact",
-                bytes);
+    return testing::RawCall(server_.channel(),
+                            "/tactus.v1.ContactService/ClassifyContact", bytes)
+        .status;
   }
   testing::TestServer server_;
 };
@@ -80,17 +53,6 @@ TEST_F(RawBytesTest, BeyondGrpcsOwnLimit) {
   const absl::Status status = Classify(std::string(5 << 20, '\xff'));
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
   testing::ExpectGoodStream(server_.channel());
-}
-
-TEST_F(RawBytesTest, MethodsThatDoNotExistYet) {
-  for (const char* method :
-       {"/tactus.v1.ModelService/ListModels", "/tactus.v1.NoService/NoMethod",
-        "/tactus.v1.ContactService/ClassifyTrial"}) {
-    const absl::Status status = Call(server_.channel(), method, "");
-    EXPECT_EQ(status.code(), absl::StatusCode::kUnimplemented);
-    EXPECT_EQ(ReasonOf(status), "UNIMPLEMENTED") << status;
-    EXPECT_EQ(InfoOf(status).metadata().at("rpc"), method);
-  }
 }
 
 }  // namespace

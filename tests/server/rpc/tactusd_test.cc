@@ -1,0 +1,143 @@
+// The program itself: flags, port file, signals, exit codes.
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <thread>
+
+#include "client/stream/contact_stream.h"
+#include "core/base/errors.h"
+#include "gtest/gtest.h"
+#include "tests/server/support/requests.h"
+
+namespace tactus {
+namespace {
+
+using std::chrono::milliseconds;
+
+// A tactusd process. Killed with the object if it still runs.
+class Daemon {
+ public:
+  explicit Daemon(std::vector<std::string> flags) {
+    flags.insert(flags.begin(), TACTUSD);
+    std::vector<char*> argv;
+    for (std::string& flag : flags) argv.push_back(flag.data());
+    argv.push_back(nullptr);
+    if (posix_spawn(&pid_, TACTUSD, nullptr, nullptr, argv.data(), environ)) {
+      pid_ = -1;
+    }
+  }
+  ~Daemon() {
+    if (pid_ < 0) return;
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+
+  void Signal(int signal) const { kill(pid_, signal); }
+  // Exit code, or minus the signal that ended it.
+  int Wait() {
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    pid_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  }
+
+ private:
+  pid_t pid_ = -1;
+};
+
+int RunToEnd(std::vector<std::string> flags) {
+  return Daemon(std::move(flags)).Wait();
+}
+
+// The address of a daemon that writes to `port_file`; empty if none comes.
+std::string AwaitAddress(const std::string& port_file) {
+  for (int i = 0; i < 2000; ++i) {
+    int port = 0;
+    if (std::ifstream(port_file) >> port) {
+      return "127.0.0.1:" + std::to_string(port);
+    }
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  return "";
+}
+
+class TactusdTest : public ::testing::Test {
+ protected:
+  TactusdTest()
+      : port_file_(::testing::TempDir() + "tactusd-test-" +
+                   std::to_string(getpid())) {
+    std::remove(port_file_.c_str());
+  }
+  ~TactusdTest() override { std::remove(port_file_.c_str()); }
+
+  // Flags for a quiet server on a free port, and `more`.
+  std::vector<std::string> Flags(const std::string& more) const {
+    return {"--listen=127.0.0.1:0", "--port-file=" + port_file_,
+            "--log-level=warn", more};
+  }
+
+  std::string port_file_;
+};
+
+TEST_F(TactusdTest, VersionAndBadFlags) {
+  EXPECT_EQ(RunToEnd({"--version"}), 0);
+  EXPECT_NE(RunToEnd({"--no-such-flag"}), 0);
+  EXPECT_NE(RunToEnd({"--max-streams=0"}), 0);
+  EXPECT_NE(RunToEnd({"--model=without-path"}), 0);
+  EXPECT_EQ(RunToEnd({"--model=a=/no/such/file"}), 1);
+  EXPECT_EQ(RunToEnd({"--log-level=chatty"}), 1);
+  EXPECT_EQ(RunToEnd({"--listen=no-such-host.invalid:1"}), 1);
+}
+
+TEST_F(TactusdTest, ServesItsBuiltInModelAndStopsOnSigterm) {
+  Daemon daemon(Flags("--drain-grace-ms=100"));
+  const std::string address = AwaitAddress(port_file_);
+  ASSERT_FALSE(address.empty());
+  EXPECT_EQ(RunToEnd({"--health-check=" + address}), 0);
+  v1::StreamConfig config = testing::ConfigRequest().config();
+  bool noticed = false;
+  bool final = false;
+  auto stream = client::ContactStream::Open(
+      client::MakeChannel(address), config, [&](const auto& response) {
+        noticed |= response.has_notice();
+        final |= response.posterior().is_final();
+      });
+  ASSERT_TRUE(stream.ok()) << stream.status();
+  EXPECT_EQ((*stream)->started().model_version(), "models/default/versions/1");
+  EXPECT_EQ((*stream)->started().server().version(), TACTUS_VERSION);
+  ASSERT_TRUE((*stream)->Send(testing::DenseU16(1, {testing::Touch(1)})).ok());
+  daemon.Signal(SIGTERM);
+  EXPECT_EQ(daemon.Wait(), 0);
+  EXPECT_EQ(ReasonOf((*stream)->Close()), "DRAINING");
+  EXPECT_TRUE(noticed);
+  EXPECT_TRUE(final);
+  EXPECT_EQ(RunToEnd({"--health-check=" + address}), 1);
+}
+
+TEST_F(TactusdTest, ASecondSignalEndsItAtOnce) {
+  Daemon daemon(Flags("--drain-grace-ms=3600000"));
+  const std::string address = AwaitAddress(port_file_);
+  ASSERT_FALSE(address.empty());
+  std::atomic<bool> noticed = false;
+  auto stream = client::ContactStream::Open(
+      client::MakeChannel(address), testing::ConfigRequest().config(),
+      [&](const auto& response) { noticed = response.has_notice(); });
+  ASSERT_TRUE(stream.ok()) << stream.status();
+  daemon.Signal(SIGINT);
+  for (int i = 0; i < 2000 && !noticed; ++i) {
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  ASSERT_TRUE(noticed);
+  daemon.Signal(SIGINT);
+  EXPECT_EQ(daemon.Wait(), -SIGINT);
+  EXPECT_FALSE((*stream)->Close().ok());
+}
+
+}  // namespace
+}  // namespace tactus
