@@ -15,8 +15,8 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 readonly BIN=build/release/bin
-readonly TRIALS=48
-readonly ROBOTS=24   # side by side, so that real time does not take minutes
+readonly TRIALS=64
+readonly ROBOTS=32   # side by side, so that real time does not take minutes
 
 if [[ ${1-} == -h || ${1-} == --help ]]; then
   sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "$0"

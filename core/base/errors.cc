@@ -1,6 +1,7 @@
 #include "core/base/errors.h"
 
 #include "absl/strings/cord.h"
+#include "core/base/serialize.h"
 
 namespace tactus {
 namespace {
@@ -23,7 +24,7 @@ absl::Status MakeError(StatusCode code, v1::ErrorReason reason,
     (*info.mutable_metadata())[key] = value;
   }
   absl::Status status(code, message);
-  status.SetPayload(kTypeUrl, absl::Cord(info.SerializeAsString()));
+  status.SetPayload(kTypeUrl, absl::Cord(SerializeDeterministic(info)));
   return status;
 }
 

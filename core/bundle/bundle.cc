@@ -11,11 +11,10 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
+#include "core/base/serialize.h"
 #include "core/base/status_macros.h"
 #include "core/bundle/model_proto.h"
 #include "core/classify/compiled_model.h"
-#include "google/protobuf/io/coded_stream.h"
-#include "google/protobuf/io/zero_copy_stream_impl_lite.h"
 
 namespace tactus {
 namespace {
@@ -48,18 +47,6 @@ std::string Sha256(absl::string_view bytes) {
   EVP_Digest(bytes.data(), bytes.size(), digest.data(), nullptr, EVP_sha256(),
              nullptr);
   return std::string(digest.begin(), digest.end());
-}
-
-// Field order and map order fixed, so that equal models give equal bytes.
-std::string SerializeDeterministic(const v1::ModelBundle& message) {
-  std::string payload;
-  {
-    google::protobuf::io::StringOutputStream stream(&payload);
-    google::protobuf::io::CodedOutputStream coded(&stream);
-    coded.SetSerializationDeterministic(true);
-    message.SerializeToCodedStream(&coded);
-  }
-  return payload;
 }
 
 // The payload of a bundle whose envelope and checksum are right.

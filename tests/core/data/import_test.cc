@@ -11,6 +11,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/core/data/trial_samples.h"
+#include "tests/support/shared_data.h"
 
 namespace tactus {
 namespace {
@@ -31,13 +32,7 @@ absl::StatusOr<std::vector<Trial>> ImportAll(const std::string& path) {
 
 // Where recordings are, or empty. They are not part of the project.
 std::string Recordings(const std::string& name) {
-  const char* data = std::getenv("TACTUS_DATA_DIR");
-  const char* source = std::getenv("TACTUS_SOURCE_DIR");
-  const std::string root = data != nullptr ? data
-                           : source != nullptr
-                               ? std::string(source) + "/../shared/data"
-                               : "../shared/data";
-  const std::string folder = root + "/" + name;
+  const std::string folder = SharedDataPath(name);
   if (std::filesystem::exists(folder + "/index.csv")) return folder;
   std::printf("%s is absent: not imported\n", name.c_str());
   return "";

@@ -12,8 +12,8 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/random.h"
 #include "gtest/gtest.h"
-#include "tests/core/base/shared_data.h"
 #include "tests/core/features/segmentation_reference.h"
+#include "tests/support/shared_data.h"
 
 namespace tactus {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "core/base/random.h"
 #include "gtest/gtest.h"
-#include "tests/core/base/allocation_counter.h"
+#include "tests/support/allocation_counter.h"
 
 namespace tactus {
 namespace {
@@ -358,7 +358,7 @@ TEST(ContactTrackerTest, StepAllocatesNothing) {
   const Pose pose;
   int onsets = 0;
   int releases = 0;
-  const int64_t before = AllocationCount();
+  const testing::AllocationCounter allocations;
   for (int i = 0; i < 2'000; ++i) {
     const double density = i / 5 % 2 == 0 ? random.Uniform() : 0;
     for (float& taxel : taxels) {
@@ -368,7 +368,7 @@ TEST(ContactTrackerTest, StepAllocatesNothing) {
     onsets += tracker.onset();
     releases += tracker.released();
   }
-  EXPECT_EQ(AllocationCount(), before);
+  EXPECT_EQ(allocations.count(), 0);
   EXPECT_GT(onsets, 100);
   EXPECT_GT(releases, 100);
 }

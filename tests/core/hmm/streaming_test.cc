@@ -3,31 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <new>
 #include <vector>
 
 #include "core/hmm/forward.h"
 #include "core/hmm/mixture.h"
 #include "gtest/gtest.h"
 #include "tests/core/hmm/random_model.h"
-
-namespace {
-int allocations = 0;
-}  // namespace
-
-// Not inlined: GCC takes an inlined free() for a mismatch with operator new.
-[[gnu::noinline]] void* operator new(size_t size) {
-  ++allocations;
-  if (void* block = std::malloc(size)) return block;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* block) noexcept {
-  std::free(block);
-}
-[[gnu::noinline]] void operator delete(void* block, size_t) noexcept {
-  std::free(block);
-}
+#include "tests/support/allocation_counter.h"
 
 namespace tactus {
 namespace {
@@ -46,7 +28,7 @@ TEST(StreamingTest, FramesAllocateNothing) {
     MixtureFilter viterbi(mixture, Score::kViterbi);
     std::vector<double> x = RandomObservations(model.components[0], 50, random);
     x[5 * d] = 1e8;
-    const int before = allocations;
+    const testing::AllocationCounter allocations;
     double sum = 0;
     for (int t = 0; t < 50; ++t) {
       forward.Step(Frame(x, d, t));
@@ -61,7 +43,7 @@ TEST(StreamingTest, FramesAllocateNothing) {
         viterbi.Reset();
       }
     }
-    EXPECT_EQ(allocations, before);
+    EXPECT_EQ(allocations.count(), 0);
     EXPECT_LT(sum, 0);
   }
 }

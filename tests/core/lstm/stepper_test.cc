@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "tests/core/base/allocation_counter.h"
 #include "tests/core/lstm/lstm_cases.h"
 #include "tests/core/lstm/plain_lstm.h"
+#include "tests/support/allocation_counter.h"
 
 namespace tactus {
 namespace {
@@ -136,10 +136,10 @@ TEST(LstmStepperTest, StepAllocatesNothing) {
   ASSERT_TRUE(lstm.ok());
   const auto inputs = MakeInputs(2, 100, 1);
   LstmStepper stepper(*lstm);
-  const int64_t before = AllocationCount();
+  const testing::AllocationCounter allocations;
   for (const auto& input : inputs) stepper.Step(input);
   stepper.Reset();
-  EXPECT_EQ(AllocationCount(), before);
+  EXPECT_EQ(allocations.count(), 0);
 }
 
 }  // namespace
