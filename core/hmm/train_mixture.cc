@@ -101,7 +101,7 @@ void DissolveSmallGroups(int groups, int min_trials, Cost cost,
 std::vector<int> Compact(std::vector<int>& group_of) {
   std::vector<int> names = group_of;
   std::ranges::sort(names);
-  names.erase(std::ranges::unique(names).begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
   for (int& group : group_of) {
     group = static_cast<int>(std::ranges::lower_bound(names, group) -
                              names.begin());

@@ -45,7 +45,9 @@ void ContactStream::OnReadDone(bool ok) {
   reading_ = false;
   if (ok) {
     TakeMessage();
-  } else if (!context_->IsCancelled()) {
+  } else if (context_->IsCancelled()) {
+    broken_ = true;
+  } else {
     session_.OnHalfClose();
   }
   Advance();

@@ -6,6 +6,7 @@
 #include "core/base/errors.h"
 #include "core/bundle/bundle.h"
 #include "gtest/gtest.h"
+#include "server/registry/default_bundle.h"
 #include "tests/support/small_model.h"
 
 namespace tactus::server {
@@ -28,6 +29,16 @@ TEST(ModelRegistryTest, FindsAModelByAllItsNames) {
     EXPECT_EQ(pinned->sha256, BundleSha256(Bundle(1)));
     EXPECT_EQ(pinned->model->model().provenance.seed, 1u);
   }
+}
+
+TEST(ModelRegistryTest, TheBuiltInBundleServes) {
+  ModelRegistry registry;
+  const absl::Status status = registry.Add("default", DefaultBundle());
+  ASSERT_TRUE(status.ok()) << status;
+  const Model& model = registry.Find("default")->model->model();
+  EXPECT_EQ(model.class_names,
+            (std::vector<std::string>{"HU", "HM", "SU", "SM"}));
+  EXPECT_FALSE(model.warm_up.signals.empty());
 }
 
 TEST(ModelRegistryTest, NewVersionsReplaceButOldOnesStay) {
