@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
+#include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "grpcpp/create_channel.h"
 #include "server/ops/health_probe.h"
@@ -48,7 +49,8 @@ absl::Status LoadModels(const std::vector<std::string>& flags,
     const std::string path =
         split == std::string::npos ? "" : flag.substr(split + 1);
     TACTUS_ASSIGN_OR_RETURN(const std::string bundle, ReadBundleFile(path));
-    TACTUS_RETURN_IF_ERROR(registry.Add(flag.substr(0, split), bundle));
+    TACTUS_RETURN_IF_ERROR(
+        Annotate(registry.Add(flag.substr(0, split), bundle), path));
   }
   for (const std::string& version : registry.versions()) {
     spdlog::info("serving {}", version);

@@ -3,7 +3,8 @@
 #
 #   tests/run.sh               installs what is missing, checks the formatting,
 #                              builds the release preset, runs the quick tests
-#   tests/run.sh --full        the long tests too
+#   tests/run.sh --full        the long tests too, and trains the default bundle
+#                              again
 #   tests/run.sh --sanitize    the quick tests under the asan and tsan presets
 #                              too (tsan: core and server/session)
 #
@@ -80,6 +81,9 @@ release_tests=("${quick[@]}")
 step "packages" deploy/install-deps.sh
 step "format" check_format
 build_and_test release "${release_tests[@]}"
+if [[ $full == yes ]]; then
+  step "default bundle comes out again" deploy/train-default-bundle.sh --check
+fi
 if [[ $sanitize == yes ]]; then
   export ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1
   export UBSAN_OPTIONS=print_stacktrace=1

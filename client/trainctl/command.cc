@@ -6,15 +6,16 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <thread>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "core/base/errors.h"
+#include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/bundle/bundle.h"
 #include "core/bundle/layout_proto.h"
+#include "core/data/file_bytes.h"
 #include "core/data/trial_file.h"
 #include "google/protobuf/util/json_util.h"
 
@@ -88,12 +89,16 @@ absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
 }
 
 absl::StatusOr<Model> LoadModel(const std::string& path) {
-  TACTUS_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(path));
-  return DecodeBundle(bytes);
+  TACTUS_ASSIGN_OR_RETURN(const std::string bytes,
+                          ReadFileBytes(path, limits::kMaxBundleBytes));
+  auto model = DecodeBundle(bytes);
+  if (!model.ok()) return Annotate(model.status(), path);
+  return model;
 }
 
 absl::StatusOr<SkinLayout> LoadLayout(const std::string& path) {
-  TACTUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path));
+  TACTUS_ASSIGN_OR_RETURN(const std::string text,
+                          ReadFileBytes(path, limits::kMaxMessageBytes));
   v1::SensorGeometry geometry;
   const auto parsed =
       google::protobuf::util::JsonStringToMessage(text, &geometry);
@@ -102,14 +107,6 @@ absl::StatusOr<SkinLayout> LoadLayout(const std::string& path) {
                                       std::string(parsed.message())));
   }
   return LayoutFromProto(geometry);
-}
-
-absl::StatusOr<std::string> ReadFile(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return IoError(path, "cannot be opened for reading");
-  std::string bytes{std::istreambuf_iterator<char>(file), {}};
-  if (file.bad()) return IoError(path, "cannot be read");
-  return bytes;
 }
 
 absl::Status WriteFile(const std::string& path, const std::string& bytes) {

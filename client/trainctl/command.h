@@ -58,17 +58,16 @@ struct LoadedContacts {
 absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
                                             const std::string& layout_path);
 
-// Reads and compiles the bundle at `path`.
+// Reads the bundle at `path`.
 absl::StatusOr<Model> LoadModel(const std::string& path);
 
 // The layout in a JSON file, by the field names of tactus.v1.SensorGeometry.
 absl::StatusOr<SkinLayout> LoadLayout(const std::string& path);
 
-// A whole file; and a whole file written beside its target and renamed.
-absl::StatusOr<std::string> ReadFile(const std::string& path);
+// Writes beside the target and renames.
 absl::Status WriteFile(const std::string& path, const std::string& bytes);
 
-// Seven significant digits for people.
+// "89.65 %".
 std::string Percent(double share);
 
 }  // namespace tactus::client

@@ -1,13 +1,14 @@
 // trainctl inspect: what a trial file or a bundle holds.
-#include <algorithm>
+#include <fstream>
 #include <iostream>
 #include <map>
 
-#include "absl/strings/match.h"
 #include "absl/strings/str_format.h"
 #include "client/trainctl/command.h"
+#include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/bundle/bundle.h"
+#include "core/data/file_bytes.h"
 #include "core/data/trial_file.h"
 
 namespace tactus::client {
@@ -18,8 +19,17 @@ struct Flags {
   bool json = false;
 };
 
-absl::StatusOr<Json> InspectBundle(const std::string& bytes) {
-  TACTUS_ASSIGN_OR_RETURN(const Model model, DecodeBundle(bytes));
+bool IsBundle(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  char magic[8] = {};
+  file.read(magic, sizeof magic);
+  return absl::string_view(magic, sizeof magic) == "TACTUSMB";
+}
+
+absl::StatusOr<Json> InspectBundle(const std::string& path) {
+  TACTUS_ASSIGN_OR_RETURN(const std::string bytes,
+                          ReadFileBytes(path, limits::kMaxBundleBytes));
+  TACTUS_ASSIGN_OR_RETURN(const Model model, LoadModel(path));
   TACTUS_ASSIGN_OR_RETURN(auto compiled, CompiledModel::Create(model));
   TACTUS_RETURN_IF_ERROR(RunWarmUp(*compiled));
   Json hmms = Json::object();
@@ -75,10 +85,9 @@ absl::StatusOr<Json> InspectTrials(const std::string& path) {
 }
 
 absl::Status Run(const Flags& flags) {
-  TACTUS_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(flags.path));
   Json json;
-  if (absl::StartsWith(bytes, "TACTUSMB")) {
-    TACTUS_ASSIGN_OR_RETURN(json, InspectBundle(bytes));
+  if (IsBundle(flags.path)) {
+    TACTUS_ASSIGN_OR_RETURN(json, InspectBundle(flags.path));
   } else {
     TACTUS_ASSIGN_OR_RETURN(json, InspectTrials(flags.path));
   }

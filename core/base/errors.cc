@@ -40,6 +40,16 @@ std::string ReasonOf(const absl::Status& status) {
   return InfoOf(status).reason();
 }
 
+absl::Status Annotate(const absl::Status& status, absl::string_view context) {
+  if (status.ok()) return status;
+  absl::Status annotated(status.code(),
+                         absl::StrCat(context, ": ", status.message()));
+  status.ForEachPayload([&](absl::string_view type, const absl::Cord& payload) {
+    annotated.SetPayload(type, payload);
+  });
+  return annotated;
+}
+
 absl::Status InvalidValue(v1::ErrorReason reason, absl::string_view what,
                           absl::string_view got, absl::string_view want) {
   return MakeError(StatusCode::kInvalidArgument, reason,

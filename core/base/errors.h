@@ -35,6 +35,9 @@ std::string ReasonOf(const absl::Status& status);
 // The ErrorInfo of an error made here; an empty one for others.
 v1::ErrorInfo InfoOf(const absl::Status& status);
 
+// The same error with "context: " before its text; OK stays OK.
+absl::Status Annotate(const absl::Status& status, absl::string_view context);
+
 // INVALID_ARGUMENT: `what` has value `got`, `want` would be right.
 absl::Status InvalidValue(v1::ErrorReason reason, absl::string_view what,
                           absl::string_view got, absl::string_view want);

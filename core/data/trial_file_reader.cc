@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -151,6 +154,7 @@ TrialFileReader& TrialFileReader::operator=(TrialFileReader&&) noexcept =
 TrialFileReader::~TrialFileReader() = default;
 
 absl::StatusOr<TrialFileReader> TrialFileReader::Open(const std::string& path) {
+  if (!std::ifstream(path)) return IoError(path, std::strerror(errno));
   if (!IsOwnFile(path)) {
     TACTUS_RETURN_IF_ERROR(ProbeInChild(path, [&path] {
       auto reader = OpenUnprobed(path);

@@ -27,6 +27,14 @@ TEST(ErrorsTest, EqualErrorsCompareEqual) {
   }
 }
 
+TEST(ErrorsTest, AnnotationKeepsCodeAndReason) {
+  const absl::Status status = Annotate(BundleVersion(2, 1), "a.tactus");
+  EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_EQ(ReasonOf(status), "BUNDLE_VERSION");
+  EXPECT_EQ(status.message().substr(0, 10), "a.tactus: ");
+  EXPECT_TRUE(Annotate(absl::OkStatus(), "a.tactus").ok());
+}
+
 TEST(ErrorsTest, OtherStatusesHaveNoReason) {
   EXPECT_EQ(ReasonOf(absl::OkStatus()), "");
   EXPECT_EQ(ReasonOf(absl::InternalError("x")), "");

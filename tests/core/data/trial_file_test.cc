@@ -157,5 +157,12 @@ TEST(TrialFileTest, AFullDiskIsAnErrorAndLeavesNothing) {
   EXPECT_EXIT(fill(), testing::ExitedWithCode(0), "");
 }
 
+TEST(TrialFileReaderTest, AnAbsentFileIsAnIoError) {
+  const absl::Status status =
+      TrialFileReader::Open("/nonexistent/trials.h5").status();
+  EXPECT_EQ(ReasonOf(status), "IO");
+  EXPECT_NE(status.message().find("No such file"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace tactus
