@@ -4,7 +4,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
-#include "core/base/limits.h"
 #include "core/base/status_macros.h"
 
 namespace tactus {
@@ -22,43 +21,82 @@ absl::StatusOr<TaxelUnit> UnitFromProto(v1::TaxelUnit unit) {
   }
 }
 
-// Takes over what may be given beside a preset's name as well.
-absl::Status ApplyRefinements(const v1::SensorGeometry& geometry,
-                              SkinLayout& layout) {
+absl::Status ApplyConnectivity(const v1::SensorGeometry& geometry,
+                               SkinLayout& layout) {
+  switch (geometry.connectivity()) {
+    case v1::CONNECTIVITY_UNSPECIFIED:
+      return absl::OkStatus();
+    case v1::CONNECTIVITY_4:
+      layout.connectivity = Connectivity::kFour;
+      return absl::OkStatus();
+    case v1::CONNECTIVITY_8:
+      layout.connectivity = Connectivity::kEight;
+      return absl::OkStatus();
+    default:
+      return InvalidConfig("geometry.connectivity",
+                           static_cast<int>(geometry.connectivity()),
+                           "CONNECTIVITY_4 or CONNECTIVITY_8");
+  }
+}
+
+absl::Status ApplyMask(const v1::SensorGeometry& geometry, SkinLayout& layout) {
+  if (geometry.masked_taxels().empty()) return absl::OkStatus();
+  layout.mask.assign(layout.taxels(), 1);
+  for (const uint32_t taxel : geometry.masked_taxels()) {
+    if (taxel >= layout.mask.size()) {
+      return InvalidConfig("geometry.masked_taxels", taxel,
+                           absl::StrCat("below ", layout.mask.size()));
+    }
+    layout.mask[taxel] = 0;
+  }
+  if (std::count(layout.mask.begin(), layout.mask.end(), 1) == 0) {
+    return InvalidConfig("geometry.masked_taxels", "every taxel",
+                         "a part of the taxels");
+  }
+  return absl::OkStatus();
+}
+
+// A preset may be refined by mask, connectivity and thresholds, not reshaped.
+absl::StatusOr<SkinLayout> PresetLayout(const v1::SensorGeometry& geometry) {
+  if (geometry.layout().empty()) {
+    return InvalidConfig("geometry.layout", "empty",
+                         "a preset, or rows and columns must be set");
+  }
+  if (geometry.row_pitch_m() != 0 || geometry.column_pitch_m() != 0 ||
+      geometry.taxel_area_m2() != 0 || geometry.wrap_columns() ||
+      geometry.unit() != v1::TAXEL_UNIT_UNSPECIFIED) {
+    return InvalidConfig("geometry", "a preset with parts of a shape",
+                         "a layout name alone, or a shape with rows, columns");
+  }
+  TACTUS_ASSIGN_OR_RETURN(SkinLayout layout, LayoutPreset(geometry.layout()));
   if (geometry.contact_threshold() != 0) {
     layout.contact_threshold = geometry.contact_threshold();
-    // Both thresholds keep their distance unless the onset's is given too.
+    // A higher threshold alone lifts the onset's with it.
     layout.onset_threshold =
         std::max(layout.onset_threshold, layout.contact_threshold);
   }
   if (geometry.onset_threshold() != 0) {
     layout.onset_threshold = geometry.onset_threshold();
   }
-  switch (geometry.connectivity()) {
-    case v1::CONNECTIVITY_UNSPECIFIED:
-      break;
-    case v1::CONNECTIVITY_4:
-      layout.connectivity = Connectivity::kFour;
-      break;
-    case v1::CONNECTIVITY_8:
-      layout.connectivity = Connectivity::kEight;
-      break;
-    default:
-      return InvalidConfig("geometry.connectivity",
-                           static_cast<int>(geometry.connectivity()),
-                           "CONNECTIVITY_4 or CONNECTIVITY_8");
-  }
-  if (geometry.masked_taxels_size() > 0) {
-    layout.mask.assign(layout.taxels(), 1);
-    for (uint32_t index : geometry.masked_taxels()) {
-      if (index >= layout.mask.size()) {
-        return InvalidConfig("geometry.masked_taxels", index,
-                             absl::StrCat("below ", layout.mask.size()));
-      }
-      layout.mask[index] = 0;
-    }
-  }
-  return absl::OkStatus();
+  return layout;
+}
+
+absl::StatusOr<SkinLayout> DescribedLayout(const v1::SensorGeometry& geometry) {
+  SkinLayout layout;
+  layout.name = geometry.layout();
+  // Beyond the limit any value is as wrong as the next one.
+  layout.rows =
+      static_cast<int>(std::min<uint32_t>(geometry.rows(), 1'000'000));
+  layout.columns =
+      static_cast<int>(std::min<uint32_t>(geometry.columns(), 1'000'000));
+  layout.row_pitch_m = geometry.row_pitch_m();
+  layout.column_pitch_m = geometry.column_pitch_m();
+  layout.taxel_area_m2 = geometry.taxel_area_m2();
+  layout.wrap_columns = geometry.wrap_columns();
+  layout.contact_threshold = geometry.contact_threshold();
+  layout.onset_threshold = geometry.onset_threshold();
+  TACTUS_ASSIGN_OR_RETURN(layout.unit, UnitFromProto(geometry.unit()));
+  return layout;
 }
 
 }  // namespace
@@ -88,30 +126,13 @@ v1::SensorGeometry LayoutToProto(const SkinLayout& layout) {
 }
 
 absl::StatusOr<SkinLayout> LayoutFromProto(const v1::SensorGeometry& geometry) {
-  SkinLayout layout;
-  if (geometry.rows() == 0 && geometry.columns() == 0) {
-    TACTUS_ASSIGN_OR_RETURN(layout, LayoutPreset(geometry.layout()));
-  } else {
-    // Checked before the cast: a huge value must not come out small.
-    if (geometry.rows() > limits::kMaxRows) {
-      return InvalidConfig("geometry.rows", geometry.rows(),
-                           absl::StrCat("1 to ", limits::kMaxRows));
-    }
-    if (geometry.columns() > limits::kMaxColumns) {
-      return InvalidConfig("geometry.columns", geometry.columns(),
-                           absl::StrCat("1 to ", limits::kMaxColumns));
-    }
-    layout.name = geometry.layout();
-    layout.rows = static_cast<int>(geometry.rows());
-    layout.columns = static_cast<int>(geometry.columns());
-    layout.row_pitch_m = geometry.row_pitch_m();
-    layout.column_pitch_m = geometry.column_pitch_m();
-    layout.taxel_area_m2 = geometry.taxel_area_m2();
-    layout.wrap_columns = geometry.wrap_columns();
-    TACTUS_ASSIGN_OR_RETURN(layout.unit, UnitFromProto(geometry.unit()));
-  }
-  TACTUS_RETURN_IF_ERROR(ApplyRefinements(geometry, layout));
+  const bool preset = geometry.rows() == 0 && geometry.columns() == 0;
+  TACTUS_ASSIGN_OR_RETURN(SkinLayout layout, preset
+                                                 ? PresetLayout(geometry)
+                                                 : DescribedLayout(geometry));
+  TACTUS_RETURN_IF_ERROR(ApplyConnectivity(geometry, layout));
   TACTUS_RETURN_IF_ERROR(Validate(layout));
+  TACTUS_RETURN_IF_ERROR(ApplyMask(geometry, layout));
   return layout;
 }
 

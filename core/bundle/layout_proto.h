@@ -13,9 +13,9 @@ namespace tactus {
 
 v1::SensorGeometry LayoutToProto(const SkinLayout& layout);
 
-// The layout that `geometry` names (a preset, when rows and columns are 0; a
-// mask, thresholds and connectivity given with it replace the preset's) or
-// describes. UNKNOWN_LAYOUT or INVALID_CONFIG otherwise.
+// The layout that `geometry` describes, or names: a preset, when rows and
+// columns are 0; mask, thresholds and connectivity given with it replace the
+// preset's. UNKNOWN_LAYOUT or INVALID_CONFIG otherwise.
 absl::StatusOr<SkinLayout> LayoutFromProto(const v1::SensorGeometry& geometry);
 
 }  // namespace tactus

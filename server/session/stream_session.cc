@@ -5,6 +5,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/bundle/layout_proto.h"
 
 namespace tactus::server {
 
@@ -97,7 +98,7 @@ void StreamSession::WriteStarted(const PinnedModel& pinned) {
   limits->set_idle_timeout_ms(options_.idle_timeout_ms);
   started->mutable_server()->set_version(options_.server_version);
   started->mutable_server()->set_api("tactus.v1");
-  LayoutToProto(settings_.layout, started->mutable_geometry());
+  *started->mutable_geometry() = LayoutToProto(settings_.layout);
 }
 
 absl::Status StreamSession::OnFrames(const v1::FrameBatch& batch) {

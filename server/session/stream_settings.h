@@ -45,7 +45,4 @@ struct StreamSettings {
 absl::StatusOr<StreamSettings> ParseStreamConfig(
     const v1::StreamConfig& config);
 
-// The layout as StreamStarted reports it.
-void LayoutToProto(const SkinLayout& layout, v1::SensorGeometry* geometry);
-
 }  // namespace tactus::server

@@ -145,7 +145,7 @@ TEST(RobotTest, ALabelTheModelDoesNotKnowIsAnError) {
 }
 
 TEST(RobotTest, TheServersEndIsReportedWithItsReason) {
-  TestServer server({.drain_grace_ms = 0});
+  TestServer server(TestServer::OnLoopback(0));
   std::vector<Trial> trials(200, MakeTrial(1, true, false));
   MemoryDriver driver(std::move(trials));
   std::thread stop;

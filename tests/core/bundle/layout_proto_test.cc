@@ -63,7 +63,17 @@ TEST(LayoutFromProtoTest, BadGeometriesAreRefusedWithReason) {
          g.Clear();
          g.set_layout("moon");
        }},
-      {"UNKNOWN_LAYOUT", [](v1::SensorGeometry& g) { g.Clear(); }},
+      {"INVALID_CONFIG", [](v1::SensorGeometry& g) { g.Clear(); }},
+      // A preset with half a shape.
+      {"INVALID_CONFIG",
+       [](v1::SensorGeometry& g) {
+         g.clear_rows();
+         g.clear_columns();
+       }},
+      {"INVALID_CONFIG",
+       [](v1::SensorGeometry& g) {
+         for (int i = 0; i < 384; ++i) g.add_masked_taxels(i);
+       }},
       {"INVALID_CONFIG", [](v1::SensorGeometry& g) { g.set_rows(65); }},
       {"INVALID_CONFIG",
        [](v1::SensorGeometry& g) { g.set_columns(4294967295U); }},

@@ -25,7 +25,7 @@ bool Serves(const TestServer& server, const std::string& service) {
 }
 
 TEST(DrainTest, AStreamThatFinishesInTimeEndsWell) {
-  TestServer server({.drain_grace_ms = 60'000});
+  TestServer server(TestServer::OnLoopback(60'000));
   RawStream stream(server.channel());
   ASSERT_TRUE(stream.Write(ConfigRequest()));
   ASSERT_TRUE(stream.Read().has_started());
@@ -54,7 +54,7 @@ TEST(DrainTest, AStreamThatFinishesInTimeEndsWell) {
 }
 
 TEST(DrainTest, StreamsThatStayGetTheirFinalAndTheReason) {
-  TestServer server({.drain_grace_ms = 50});
+  TestServer server(TestServer::OnLoopback(50));
   std::vector<std::unique_ptr<RawStream>> streams;
   for (int i = 0; i < 20; ++i) {
     streams.push_back(std::make_unique<RawStream>(server.channel()));
@@ -76,7 +76,7 @@ TEST(DrainTest, StreamsThatStayGetTheirFinalAndTheReason) {
 }
 
 TEST(DrainTest, AStreamWithoutConfigEndsAtOnce) {
-  TestServer server({.drain_grace_ms = 60'000});
+  TestServer server(TestServer::OnLoopback(60'000));
   RawStream stream(server.channel());
   ASSERT_TRUE(
       testing::Eventually([&] { return server.server().gate().live() == 1; }));
@@ -86,7 +86,7 @@ TEST(DrainTest, AStreamWithoutConfigEndsAtOnce) {
 }
 
 TEST(DrainTest, AReaderThatNeverReadsCannotHoldTheServer) {
-  TestServer server({.drain_grace_ms = 50});
+  TestServer server(TestServer::OnLoopback(50));
   RawStream stream(server.channel());
   ASSERT_TRUE(stream.Write(ConfigRequest()));
   // Fill the pipe until the server owes more than it can deliver.

@@ -9,7 +9,9 @@
 #include <thread>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "client/stream/status.h"
+#include "grpcpp/grpcpp.h"
 #include "gtest/gtest.h"
 #include "server/server.h"
 #include "tests/server/support/requests.h"
@@ -31,7 +33,20 @@ class TestServer {
  public:
   explicit TestServer(const server::TactusServer::Options& options = {})
       : server_(*server::TactusServer::Start(&models_, options)),
-        channel_(server_->InProcessChannel()) {}
+        channel_(options.listen.empty()
+                     ? server_->InProcessChannel()
+                     : grpc::CreateChannel(
+                           absl::StrCat("127.0.0.1:", server_->ports()[0]),
+                           grpc::InsecureChannelCredentials())) {}
+
+  // For tests of a stop: when a server stops, an in-process channel may close
+  // before its last messages were taken; a socket delivers them.
+  static server::TactusServer::Options OnLoopback(int drain_grace_ms) {
+    server::TactusServer::Options options;
+    options.listen = {"127.0.0.1:0"};
+    options.drain_grace_ms = drain_grace_ms;
+    return options;
+  }
 
   server::TactusServer& server() { return *server_; }
   const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
