@@ -157,7 +157,7 @@ TEST_F(StreamSessionTest, DecisionStaysWithItsContactOnly) {
   for (int t = 0; t < 120; ++t) Send(DenseU16(1 + t, {Touch(2.7)}));
   auto posteriors = Posteriors();
   ASSERT_EQ(posteriors.size(), 1u);
-  const v1::Posterior& decided = posteriors[0];
+  const v1::Posterior decided = posteriors[0];
   ASSERT_TRUE(decided.has_decision());
   EXPECT_EQ(decided.decision().sequence(), decided.sequence());
   EXPECT_EQ(decided.decision().time_since_onset_ns(),
