@@ -107,7 +107,7 @@ class Run {
   double contact_time_ = 0;  // in finished phases
   double impulse_ = 0;       // up to impulse_time_, where impulse_state_ was
   double impulse_time_ = 0;
-  ContactState impulse_state_ = {};
+  SceneState impulse_state_ = {};
   // Where the object rests, if it does: the solver holds it to rounding only.
   double rest_position_ = 0;
   Trajectory trajectory_;
@@ -140,10 +140,10 @@ absl::Status Run::Open() {
     return Failure("context", flag);
   }
   context_.reset(context);
-  y_.reset(N_VNew_Serial(kContactStates, context));
-  dense_.reset(N_VNew_Serial(kContactStates, context));
-  tolerance_.reset(N_VNew_Serial(kContactStates, context));
-  matrix_.reset(SUNDenseMatrix(kContactStates, kContactStates, context));
+  y_.reset(N_VNew_Serial(kSceneStates, context));
+  dense_.reset(N_VNew_Serial(kSceneStates, context));
+  tolerance_.reset(N_VNew_Serial(kSceneStates, context));
+  matrix_.reset(SUNDenseMatrix(kSceneStates, kSceneStates, context));
   if (!y_ || !dense_ || !tolerance_ || !matrix_) return Failure("vectors", 0);
   linear_.reset(SUNLinSol_Dense(y_.get(), matrix_.get(), context));
   cvode_.reset(CVodeCreate(CV_BDF, context));
@@ -197,7 +197,7 @@ void Run::AddImpulse(double time, const double* y) {
   impulse_ +=
       equations_.Impulse(time - impulse_time_, impulse_state_.data(), y);
   impulse_time_ = time;
-  std::copy_n(y, kContactStates, impulse_state_.begin());
+  std::copy_n(y, kSceneStates, impulse_state_.begin());
 }
 
 void Run::EnterPhase(ContactPhase phase) {
@@ -209,7 +209,7 @@ void Run::EnterPhase(ContactPhase phase) {
     state()[kObjectVelocity] = 0;
   }
   phase_start_ = time_;
-  std::copy_n(state(), kContactStates, impulse_state_.begin());
+  std::copy_n(state(), kSceneStates, impulse_state_.begin());
   equations_ = PhaseEquations(scene_, stiffness_, phase, ramping_);
 }
 
@@ -305,7 +305,7 @@ absl::StatusOr<Trajectory> Run::Go() {
     trajectory_.samples.push_back(trajectory_.samples.back());
   }
   trajectory_.moved = trajectory_.samples.back().x_uobj > 0;
-  for (int i = 0; i < kContactStates; ++i) {
+  for (int i = 0; i < kSceneStates; ++i) {
     if (!std::isfinite(state()[i])) {
       return NumericalFailure("the simulated contact is not finite");
     }

@@ -32,8 +32,8 @@ void PhaseEquations::Derivative(double time, const double* state,
 }
 
 void PhaseEquations::Jacobian(double* const* columns) const {
-  for (int column = 0; column < kContactStates; ++column) {
-    for (int row = 0; row < kContactStates; ++row) columns[column][row] = 0;
+  for (int column = 0; column < kSceneStates; ++column) {
+    for (int row = 0; row < kSceneStates; ++row) columns[column][row] = 0;
   }
   columns[kDeformation][kArmVelocity] =
       -arm_stiffness - arm_compliance * stiffness;

@@ -28,9 +28,9 @@ inline constexpr int kDeformation = 0;
 inline constexpr int kArmVelocity = 1;
 inline constexpr int kObjectPosition = 2;
 inline constexpr int kObjectVelocity = 3;
-inline constexpr int kContactStates = 4;
+inline constexpr int kSceneStates = 4;
 
-using ContactState = std::array<double, kContactStates>;
+using SceneState = std::array<double, kSceneStates>;
 
 inline bool Touching(ContactPhase phase) {
   return phase == ContactPhase::kStuck || phase == ContactPhase::kSliding;
@@ -47,7 +47,7 @@ struct PhaseEquations {
 
   // Writes d(state)/dt at `time` (s).
   void Derivative(double time, const double* state, double* derivative) const;
-  // Writes the constant Jacobian, column-major, kContactStates squared.
+  // Writes the constant Jacobian, column-major, kSceneStates squared.
   void Jacobian(double* const* columns) const;
   // Two functions whose zero crossings end the phase: contact (deformation
   // 0) and the object's slip or stop.
