@@ -152,6 +152,10 @@ absl::Status ValidateAttributes(const Trial& trial, const Complaint& complain) {
     return complain("stiffness", "is ", trial.stiffness,
                     " N/m; it must be finite and at least 0");
   }
+  if (!std::isfinite(trial.capped_stiffness) || trial.capped_stiffness < 0) {
+    return complain("capped_stiffness", "is ", trial.capped_stiffness,
+                    "; it must be finite and at least 0");
+  }
   if (!std::isfinite(trial.velocity) || trial.velocity < 0) {
     return complain("velocity", "is ", trial.velocity,
                     " m/s; it must be finite and at least 0");

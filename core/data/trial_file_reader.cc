@@ -95,6 +95,7 @@ absl::Status ReadAttributes(hid_t group, const Hdf5Complaint& complain,
   }
   const std::pair<const char*, double*> numbers[] = {
       {"stiffness", &trial->stiffness},
+      {"capped_stiffness", &trial->capped_stiffness},
       {"velocity", &trial->velocity},
       {"sample_rate_hz", &trial->sample_rate_hz},
   };

@@ -151,6 +151,7 @@ bool WriteTrial(hid_t group, const Trial& trial) {
          WriteText(group, "layout", trial.layout) &&
          WriteText(group, "unit", trial.unit) &&
          WriteNumber(group, "stiffness", trial.stiffness) &&
+         WriteNumber(group, "capped_stiffness", trial.capped_stiffness) &&
          WriteNumber(group, "velocity", trial.velocity) &&
          WriteNumber(group, "sample_rate_hz", trial.sample_rate_hz);
 }

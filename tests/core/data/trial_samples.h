@@ -88,6 +88,7 @@ inline Trial FullTrial(uint64_t seed, int frames, bool floats = false) {
   trial.object = "cube 0.05 m, gr\xC3\xBCn";
   trial.material = "polymer foam";
   trial.stiffness = 1234.5678901234567;
+  trial.capped_stiffness = 1e7;
   trial.velocity = 0.005;
   trial.sample_rate_hz = 99.5;
   trial.layout = "test-3x4";
@@ -113,8 +114,9 @@ inline bool SameBits(const Trial& a, const Trial& b) {
          poses(a) == poses(b) && a.label == b.label &&
          a.condition == b.condition && a.object == b.object &&
          a.material == b.material && a.stiffness == b.stiffness &&
-         a.velocity == b.velocity && a.sample_rate_hz == b.sample_rate_hz &&
-         a.layout == b.layout && a.unit == b.unit;
+         a.capped_stiffness == b.capped_stiffness && a.velocity == b.velocity &&
+         a.sample_rate_hz == b.sample_rate_hz && a.layout == b.layout &&
+         a.unit == b.unit;
 }
 
 }  // namespace tactus

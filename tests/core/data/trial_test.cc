@@ -132,6 +132,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadTrial{"object", "zero byte",
                  [](Trial& t) { t.object = std::string("a\0b", 3); }},
         BadTrial{"stiffness", "is -1", [](Trial& t) { t.stiffness = -1; }},
+        BadTrial{"capped_stiffness", "is -1",
+                 [](Trial& t) { t.capped_stiffness = -1; }},
         BadTrial{"velocity", "is nan", [](Trial& t) { t.velocity = kNan; }},
         BadTrial{"sample_rate_hz", "is 0",
                  [](Trial& t) { t.sample_rate_hz = 0; }},
