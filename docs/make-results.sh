@@ -32,7 +32,7 @@ Written by `docs/make-results.sh`; every figure comes from the command above it.
 
 ## The paper's trials
 
-The paper's 1,835 simulated contacts (its counts: 544, 365, 496, 430). Two trials differ: borderline contacts that our integration moves.
+The paper's 1,835 simulated contacts (its counts: 544, 365, 496, 430). Two trials fall into another class than in the paper.
 TEXT
   show simulate --protocol=paper --goal=0.019 --sensor=signals --seed=1 --out=signals.h5
   cat <<'TEXT'
@@ -82,7 +82,7 @@ TEXT
 
 ## What limits these figures
 
-Soft and hard objects that move are told apart least well: once an object slides, force is set by friction alone and motion by the arm, so little but the first moments tells how soft it was. Folds of unseen conditions are also answered too cautiously (expected calibration error): the calibration is fitted on inner folds with even fewer conditions, where answers are harder than in use.
+Soft and hard objects that move are told apart least well: once an object slides, force is set by friction alone and motion by the arm, so little but the first moments tells how soft it was. Probabilities do not yet mean quite what they say at unseen conditions (expected calibration error above): the calibration is fitted on inner folds that leave out one condition more than the models in use.
 TEXT
 } >"$work/results.md"
 mv "$work/results.md" "$out"
