@@ -6,6 +6,7 @@
 #include "CLI/CLI.hpp"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
+#include "core/base/version.h"
 #include "grpcpp/create_channel.h"
 #include "server/ops/health_probe.h"
 #include "server/ops/logging.h"
@@ -84,7 +85,7 @@ int Main(int argc, char** argv) {
   Flags flags;
   CLI::App app("Tactus server: tells a robot what its skin touches.",
                "tactusd");
-  app.set_version_flag("--version", std::string("tactusd ") + TACTUS_VERSION);
+  app.set_version_flag("--version", std::string("tactusd ") + kVersion);
   app.add_option("--listen", flags.server.listen,
                  "host:port or unix:path; may be repeated; port 0 takes any "
                  "free one")

@@ -5,6 +5,7 @@
 
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
+#include "core/base/version.h"
 #include "grpcpp/ext/proto_server_reflection_plugin.h"
 #include "grpcpp/health_check_service_interface.h"
 #include "grpcpp/server_builder.h"
@@ -50,7 +51,7 @@ TactusServer::TactusServer(const ModelSource* models, const Options& options)
     : options_(options),
       contacts_(models, {.max_streams = options.max_streams,
                          .idle_timeout_ms = options.idle_timeout_ms,
-                         .server_version = TACTUS_VERSION}) {}
+                         .server_version = kVersion}) {}
 
 absl::Status TactusServer::Listen() {
   grpc::EnableDefaultHealthCheckService(true);

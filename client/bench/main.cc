@@ -5,6 +5,7 @@
 #include "CLI/CLI.hpp"
 #include "client/bench/idle.h"
 #include "client/stream/percentile.h"
+#include "core/base/version.h"
 #include "nlohmann/json.hpp"
 
 namespace tactus::client {
@@ -33,8 +34,7 @@ int RunIdle(const IdleOptions& options, bool json) {
 
 int Main(int argc, char** argv) {
   CLI::App app("Measures a Tactus server.", "tactus-bench");
-  app.set_version_flag("--version",
-                       std::string("tactus-bench ") + TACTUS_VERSION);
+  app.set_version_flag("--version", std::string("tactus-bench ") + kVersion);
   app.require_subcommand(1);
   IdleOptions idle;
   bool quick = false;

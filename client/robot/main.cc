@@ -15,6 +15,7 @@
 #include "client/robot/robot.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/base/version.h"
 
 namespace tactus::client {
 namespace {
@@ -83,8 +84,7 @@ int Main(int argc, char** argv) {
   Flags flags;
   CLI::App app("Streams contacts to a Tactus server as a robot would.",
                "tactus-stream");
-  app.set_version_flag("--version",
-                       std::string("tactus-stream ") + TACTUS_VERSION);
+  app.set_version_flag("--version", std::string("tactus-stream ") + kVersion);
   app.add_option("--server", flags.server, "host:port or unix:path")
       ->capture_default_str();
   app.add_option("--driver", flags.driver, "sim or replay")

@@ -56,6 +56,19 @@ TEST_F(ContactPipelineTest, TellsOneContactAfterAnother) {
   EXPECT_EQ(pipeline->classifier().frames(), 1u);
 }
 
+TEST_F(ContactPipelineTest, ScoresRestWhileTouchIsLost) {
+  auto pipeline = Make();
+  for (int t = 0; t < 10; ++t) Step(*pipeline, 1);
+  const auto scores = pipeline->classifier().log_likelihood();
+  const std::vector<double> before(scores.begin(), scores.end());
+  Step(*pipeline, 0);
+  EXPECT_EQ(pipeline->report().state, ContactState::kInContact);
+  EXPECT_EQ(std::vector<double>(scores.begin(), scores.end()), before);
+  EXPECT_EQ(pipeline->classifier().frames(), 11u);
+  Step(*pipeline, 1);
+  EXPECT_NE(std::vector<double>(scores.begin(), scores.end()), before);
+}
+
 TEST_F(ContactPipelineTest, EndTrialForgetsTheContactButNotTheCount) {
   auto pipeline = Make();
   Step(*pipeline, 1);

@@ -12,6 +12,7 @@
 
 #include "client/stream/contact_stream.h"
 #include "core/base/errors.h"
+#include "core/base/version.h"
 #include "gtest/gtest.h"
 #include "tests/server/support/requests.h"
 
@@ -110,7 +111,7 @@ TEST_F(TactusdTest, ServesItsBuiltInModelAndStopsOnSigterm) {
       });
   ASSERT_TRUE(stream.ok()) << stream.status();
   EXPECT_EQ((*stream)->started().model_version(), "models/default/versions/1");
-  EXPECT_EQ((*stream)->started().server().version(), TACTUS_VERSION);
+  EXPECT_EQ((*stream)->started().server().version(), kVersion);
   ASSERT_TRUE((*stream)->Send(testing::DenseU16(1, {testing::Touch(1)})).ok());
   daemon.Signal(SIGTERM);
   EXPECT_EQ(daemon.Wait(), 0);
