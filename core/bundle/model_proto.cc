@@ -134,6 +134,7 @@ void ToProto(const LstmNetwork& network, v1::LstmNetwork* out) {
   }
   Assign(network.dense_kernel, out->mutable_dense_kernel());
   Assign(network.dense_bias, out->mutable_dense_bias());
+  out->set_regressions(network.regressions);
 }
 
 absl::StatusOr<LstmNetwork> FromProto(const v1::LstmNetwork& in) {
@@ -152,6 +153,7 @@ absl::StatusOr<LstmNetwork> FromProto(const v1::LstmNetwork& in) {
   }
   network.dense_kernel = ToVector(in.dense_kernel());
   network.dense_bias = ToVector(in.dense_bias());
+  network.regressions = static_cast<int>(in.regressions());
   return network;
 }
 

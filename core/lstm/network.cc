@@ -86,8 +86,15 @@ absl::Status Validate(const LstmNetwork& network) {
                                        ", the cells of the layer before"));
     }
   }
-  TACTUS_RETURN_IF_ERROR(CheckCount(
-      "lstm.dense_bias size", network.dense_bias.size(), limits::kMaxClasses));
+  if (network.regressions < 0 || network.regressions > limits::kMaxClasses) {
+    return InvalidModel("lstm.regressions", network.regressions,
+                        absl::StrCat("0 to ", limits::kMaxClasses));
+  }
+  if (network.classes() < 1 || network.classes() > limits::kMaxClasses) {
+    return InvalidModel(
+        "lstm.dense_bias size", network.dense_bias.size(),
+        absl::StrCat("1 to ", limits::kMaxClasses, " plus two per regression"));
+  }
   TACTUS_RETURN_IF_ERROR(CheckWeights("lstm.dense_bias", network.dense_bias,
                                       network.dense_bias.size()));
   return CheckWeights("lstm.dense_kernel", network.dense_kernel,
@@ -97,7 +104,7 @@ absl::Status Validate(const LstmNetwork& network) {
 LstmNetwork RandomNetwork(int inputs, const std::vector<int>& cells,
                           int classes, Activation activation,
                           GateActivation gate_activation, uint64_t seed,
-                          float forget_bias) {
+                          float forget_bias, int regressions) {
   Random random(seed);
   LstmNetwork network;
   network.activation = activation;
@@ -114,8 +121,10 @@ LstmNetwork RandomNetwork(int inputs, const std::vector<int>& cells,
     std::fill_n(layer.bias.begin() + kForgetGate * count, count, forget_bias);
     width = count;
   }
-  network.dense_kernel = GlorotUniform(classes * width, width, classes, random);
-  network.dense_bias.assign(classes, 0);
+  const int outputs = classes + 2 * regressions;
+  network.regressions = regressions;
+  network.dense_kernel = GlorotUniform(outputs * width, width, outputs, random);
+  network.dense_bias.assign(outputs, 0);
   return network;
 }
 

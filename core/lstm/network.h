@@ -1,9 +1,10 @@
 // File: network.h
 //
-// A trained classifier of sequences as plain numbers: stacked LSTM layers and
-// a dense softmax (paper, Section "Long Short-Term Memory Networks"). With two
+// A classifier of sequences as plain numbers: stacked LSTM layers and a dense
+// softmax (paper, Section "Long Short-Term Memory Networks"). With two
 // features, two layers of 50 cells and four classes it has the paper's 31,004
-// parameters.
+// parameters. It may also regress R quantities: the dense layer then gives a
+// Gaussian for each, by its mean and the log of its variance.
 //
 //   LstmNetwork network = RandomNetwork(2, {50, 50}, 4, Activation::kSoftsign,
 //                                       GateActivation::kHardSigmoid, seed);
@@ -48,13 +49,19 @@ struct LstmNetwork {
   GateActivation gate_activation = GateActivation::kSigmoid;
   // First layer first.
   std::vector<LstmLayer> layers;
-  // Classes x H of the last layer, row-major.
+  // R.
+  int regressions = 0;
+  // (classes + 2R) x H of the last layer, row-major: the rows of the classes,
+  // of the R means, of the R log-variances.
   std::vector<float> dense_kernel;
-  // One per class.
+  // One per row of `dense_kernel`.
   std::vector<float> dense_bias;
 
   int inputs() const { return layers.empty() ? 0 : layers.front().inputs; }
-  int classes() const { return static_cast<int>(dense_bias.size()); }
+  int classes() const {
+    return static_cast<int>(static_cast<int64_t>(dense_bias.size()) -
+                            2 * int64_t{regressions});
+  }
   int64_t parameter_count() const;
 };
 
@@ -68,6 +75,6 @@ absl::Status Validate(const LstmNetwork& network);
 LstmNetwork RandomNetwork(int inputs, const std::vector<int>& cells,
                           int classes, Activation activation,
                           GateActivation gate_activation, uint64_t seed,
-                          float forget_bias = 1);
+                          float forget_bias = 1, int regressions = 0);
 
 }  // namespace tactus

@@ -65,13 +65,14 @@ absl::StatusOr<CompiledLstm> CompiledLstm::Create(const LstmNetwork& network) {
     GatesTogether(to.weights, from.cells);
     GatesTogether(to.bias, from.cells);
   }
-  const int classes = network.classes();
+  const auto outputs = static_cast<int>(network.dense_bias.size());
   const int cells = network.layers.back().cells;
+  lstm.regressions_ = network.regressions;
   lstm.dense_kernel_ =
-      Eigen::Map<const RowMajor>(network.dense_kernel.data(), classes, cells)
+      Eigen::Map<const RowMajor>(network.dense_kernel.data(), outputs, cells)
           .cast<double>();
   lstm.dense_bias_ =
-      Eigen::Map<const Eigen::VectorXf>(network.dense_bias.data(), classes)
+      Eigen::Map<const Eigen::VectorXf>(network.dense_bias.data(), outputs)
           .cast<double>();
   return lstm;
 }
@@ -85,6 +86,7 @@ LstmStepper::LstmStepper(const CompiledLstm& lstm) : lstm_(&lstm) {
     state.squashed.resize(layer.cells);
   }
   output_.resize(lstm.layers_.back().cells);
+  dense_.resize(lstm.dense_bias_.size());
   log_probability_.resize(lstm.classes());
   probability_.resize(lstm.classes());
   Reset();
@@ -95,6 +97,7 @@ void LstmStepper::Reset() {
     state.input_output.setZero();
     state.cell.setZero();
   }
+  dense_.setZero();
   log_probability_.setConstant(-std::log(double(lstm_->classes())));
   probability_.setConstant(1.0 / lstm_->classes());
 }
@@ -136,8 +139,9 @@ void LstmStepper::StepLayer(const CompiledLstm::Layer& layer,
 }
 
 void LstmStepper::Softmax() {
-  log_probability_ = lstm_->dense_bias_;
-  log_probability_.noalias() += lstm_->dense_kernel_ * output_;
+  dense_ = lstm_->dense_bias_;
+  dense_.noalias() += lstm_->dense_kernel_ * output_;
+  log_probability_ = dense_.head(lstm_->classes());
   log_probability_.array() -= log_probability_.maxCoeff();
   log_probability_.array() -= std::log(log_probability_.array().exp().sum());
   probability_ = log_probability_.array().exp();

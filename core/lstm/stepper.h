@@ -1,7 +1,8 @@
 // File: stepper.h
 //
-// Runs an LSTM network one frame at a time: probability per class after each
-// step, given all frames since the last Reset().
+// Runs an LSTM network one frame at a time: probability per class, and mean and
+// variance of what it regresses, after each step, given all frames since the
+// last Reset().
 //
 //   TACTUS_ASSIGN_OR_RETURN(CompiledLstm lstm, CompiledLstm::Create(network));
 //   LstmStepper stepper(lstm);
@@ -31,7 +32,10 @@ class CompiledLstm {
   static absl::StatusOr<CompiledLstm> Create(const LstmNetwork& network);
 
   int inputs() const { return layers_.front().inputs; }
-  int classes() const { return static_cast<int>(dense_bias_.size()); }
+  int classes() const {
+    return static_cast<int>(dense_bias_.size()) - 2 * regressions_;
+  }
+  int regressions() const { return regressions_; }
 
  private:
   friend class LstmStepper;
@@ -49,8 +53,9 @@ class CompiledLstm {
 
   Activation activation_ = Activation::kTanh;
   GateActivation gate_activation_ = GateActivation::kSigmoid;
+  int regressions_ = 0;
   std::vector<Layer> layers_;
-  // Classes x H.
+  // (Classes + 2R) x H.
   Eigen::MatrixXd dense_kernel_;
   Eigen::VectorXd dense_bias_;
 };
@@ -76,6 +81,13 @@ class LstmStepper {
   std::span<const double> probability() const {
     return {probability_.data(), size_t(probability_.size())};
   }
+  // After the last Step(), one per regression; 0 before the first.
+  std::span<const double> regression_mean() const {
+    return Outputs(lstm_->classes());
+  }
+  std::span<const double> regression_log_variance() const {
+    return Outputs(lstm_->classes() + lstm_->regressions());
+  }
 
  private:
   struct State {
@@ -91,11 +103,17 @@ class LstmStepper {
 
   void StepLayer(const CompiledLstm::Layer& layer, State& state) const;
   void Softmax();
+  // R outputs of the dense layer.
+  std::span<const double> Outputs(int first) const {
+    return {dense_.data() + first, size_t(lstm_->regressions())};
+  }
 
   const CompiledLstm* lstm_;
   std::vector<State> states_;
   // Output of the last layer, H.
   Eigen::VectorXd output_;
+  // Output of the dense layer, classes + 2R.
+  Eigen::VectorXd dense_;
   Eigen::VectorXd log_probability_;
   Eigen::VectorXd probability_;
 };

@@ -16,7 +16,8 @@ Model FullModel() {
   model.layout.mask[7] = 0;
   model.hmm_score = Score::kViterbi;
   model.lstm = RandomNetwork(2, {5, 3}, 4, Activation::kSoftsign,
-                             GateActivation::kHardSigmoid, 3);
+                             GateActivation::kHardSigmoid, 3,
+                             /*forget_bias=*/1, /*regressions=*/2);
   model.features.lstm_scaling = {{1, 2}, {3, 4}};
   model.calibration.lstm_weight = {0.25, 0.5};
   model.calibration.lstm_temperature = {1, 0.75};
@@ -38,6 +39,8 @@ TEST(BundleTest, RoundTripKeepsEveryField) {
   EXPECT_EQ(back->layout.mask, model.layout.mask);
   EXPECT_EQ(back->hmm_score, Score::kViterbi);
   EXPECT_EQ(back->lstm->layers[1].recurrent, model.lstm->layers[1].recurrent);
+  EXPECT_EQ(back->lstm->regressions, 2);
+  EXPECT_EQ(back->lstm->classes(), 4);
   EXPECT_EQ(back->warm_up.signals, model.warm_up.signals);
 }
 

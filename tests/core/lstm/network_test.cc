@@ -23,6 +23,15 @@ TEST(LstmNetworkTest, PaperNetworkHas31004Parameters) {
   EXPECT_EQ(PaperNetwork().classes(), 4);
 }
 
+TEST(LstmNetworkTest, RegressionsTakeTwoRowsEachAndNoClass) {
+  const LstmNetwork network =
+      RandomNetwork(3, {50, 50}, 4, Activation::kTanh, GateActivation::kSigmoid,
+                    1, /*forget_bias=*/1, /*regressions=*/2);
+  EXPECT_TRUE(Validate(network).ok());
+  EXPECT_EQ(network.classes(), 4);
+  EXPECT_EQ(network.parameter_count(), 31'204 + 4 * 51);
+}
+
 TEST(LstmNetworkTest, RandomNetworkIsValidAndItsSeedFixesIt) {
   EXPECT_TRUE(Validate(PaperNetwork()).ok());
   EXPECT_EQ(PaperNetwork().layers[1].kernel, PaperNetwork().layers[1].kernel);
@@ -79,6 +88,10 @@ TEST(LstmNetworkTest, EachFaultIsRefusedByName) {
        [](LstmNetwork& n) { n.layers[1].bias[199] = 2e6F; }},
       {"lstm.dense_bias size", [](LstmNetwork& n) { n.dense_bias.clear(); }},
       {"lstm.dense_bias size", [](LstmNetwork& n) { n.dense_bias.resize(65); }},
+      {"lstm.dense_bias size", [](LstmNetwork& n) { n.regressions = 2; }},
+      {"lstm.regressions", [](LstmNetwork& n) { n.regressions = -1; }},
+      {"lstm.regressions",
+       [](LstmNetwork& n) { n.regressions = std::numeric_limits<int>::max(); }},
       {"lstm.dense_bias[2]", [](LstmNetwork& n) { n.dense_bias[2] = kNan; }},
       {"lstm.dense_kernel size",
        [](LstmNetwork& n) { n.dense_kernel.resize(4 * 49); }},

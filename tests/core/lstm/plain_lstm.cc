@@ -47,8 +47,8 @@ void StepLayer(const LstmNetwork& network, const LstmLayer& layer,
   }
 }
 
-std::vector<double> DenseSoftmax(const LstmNetwork& network,
-                                 const std::vector<double>& h) {
+std::vector<double> Dense(const LstmNetwork& network,
+                          const std::vector<double>& h) {
   std::vector<double> result(network.dense_bias.begin(),
                              network.dense_bias.end());
   for (size_t k = 0; k < result.size(); ++k) {
@@ -56,16 +56,19 @@ std::vector<double> DenseSoftmax(const LstmNetwork& network,
       result[k] += network.dense_kernel[k * h.size() + j] * h[j];
     }
   }
-  const double largest = *std::max_element(result.begin(), result.end());
-  double sum = 0;
-  for (double& value : result) sum += value = std::exp(value - largest);
-  for (double& value : result) value /= sum;
   return result;
+}
+
+void Softmax(std::vector<double>& values) {
+  const double largest = *std::max_element(values.begin(), values.end());
+  double sum = 0;
+  for (double& value : values) sum += value = std::exp(value - largest);
+  for (double& value : values) value /= sum;
 }
 
 }  // namespace
 
-std::vector<std::vector<double>> PlainLstm(
+std::vector<std::vector<double>> PlainOutputs(
     const LstmNetwork& network,
     const std::vector<std::vector<double>>& inputs) {
   std::vector<std::vector<double>> h, c, results;
@@ -78,7 +81,18 @@ std::vector<std::vector<double>> PlainLstm(
       StepLayer(network, network.layers[i], x, h[i], c[i]);
       x = h[i];
     }
-    results.push_back(DenseSoftmax(network, x));
+    results.push_back(Dense(network, x));
+  }
+  return results;
+}
+
+std::vector<std::vector<double>> PlainLstm(
+    const LstmNetwork& network,
+    const std::vector<std::vector<double>>& inputs) {
+  auto results = PlainOutputs(network, inputs);
+  for (std::vector<double>& result : results) {
+    result.resize(network.classes());
+    Softmax(result);
   }
   return results;
 }

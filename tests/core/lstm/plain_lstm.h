@@ -10,6 +10,10 @@
 
 namespace tactus {
 
+// Output of the dense layer after each step of `inputs`, [T][classes + 2R].
+std::vector<std::vector<double>> PlainOutputs(
+    const LstmNetwork& network, const std::vector<std::vector<double>>& inputs);
+
 // Probability per class after each step of `inputs`, [T][classes].
 std::vector<std::vector<double>> PlainLstm(
     const LstmNetwork& network, const std::vector<std::vector<double>>& inputs);

@@ -60,6 +60,33 @@ TEST(LstmStepperTest, AgreesWithPlainLoopsInDoublePrecision) {
   std::printf("within %.1e of plain loops\n", largest);
 }
 
+TEST(LstmStepperTest, RegressionsAgreeWithPlainLoops) {
+  const LstmNetwork network =
+      RandomNetwork(2, {9, 7}, 3, Activation::kTanh, GateActivation::kSigmoid,
+                    5, /*forget_bias=*/1, /*regressions=*/2);
+  const auto inputs = MakeInputs(2, 60, 6);
+  auto lstm = CompiledLstm::Create(network);
+  ASSERT_TRUE(lstm.ok()) << lstm.status();
+  LstmStepper stepper(*lstm);
+  ASSERT_EQ(stepper.probability().size(), 3u);
+  EXPECT_EQ(stepper.regression_mean()[1], 0);
+  const auto probability = PlainLstm(network, inputs);
+  const auto outputs = PlainOutputs(network, inputs);
+  for (size_t t = 0; t < inputs.size(); ++t) {
+    stepper.Step(inputs[t]);
+    ASSERT_EQ(stepper.regression_mean().size(), 2u);
+    ASSERT_EQ(stepper.regression_log_variance().size(), 2u);
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_NEAR(stepper.probability()[k], probability[t][k], 1e-5);
+    }
+    for (int r = 0; r < 2; ++r) {
+      EXPECT_NEAR(stepper.regression_mean()[r], outputs[t][3 + r], 1e-5);
+      EXPECT_NEAR(stepper.regression_log_variance()[r], outputs[t][5 + r],
+                  1e-5);
+    }
+  }
+}
+
 TEST(LstmStepperTest, ProbabilityIsUniformBeforeTheFirstStep) {
   auto lstm = CompiledLstm::Create(
       MakeNetwork(2, {5}, 4, Activation::kTanh, GateActivation::kSigmoid, 1));
