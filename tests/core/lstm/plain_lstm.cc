@@ -97,4 +97,58 @@ std::vector<std::vector<double>> PlainLstm(
   return results;
 }
 
+namespace {
+
+double PlainStepLoss(const LstmNetwork& network, const LstmSequence& sequence,
+                     const std::vector<double>& outputs, int t,
+                     const LstmLossOptions& options) {
+  const int classes = network.classes();
+  const int regressions = network.regressions;
+  std::vector<double> probability(outputs.begin(), outputs.begin() + classes);
+  Softmax(probability);
+  double loss = 0;
+  for (int k = 0; k < classes; ++k) {
+    const double want = options.label_smoothing / classes +
+                        (1 - options.label_smoothing) * (k == sequence.label);
+    loss -= want * std::log(probability[k]);
+  }
+  if (sequence.targets.empty()) return loss;
+  for (int r = 0; r < regressions; ++r) {
+    const double error =
+        sequence.targets[t * regressions + r] - outputs[classes + r];
+    const double s = outputs[classes + regressions + r];
+    loss += options.regression_weight * 0.5 * (s + error * error / std::exp(s));
+  }
+  return loss;
+}
+
+}  // namespace
+
+double PlainLoss(const LstmNetwork& network,
+                 std::span<const LstmSequence> batch,
+                 const LstmLossOptions& options) {
+  double total = 0;
+  for (const LstmSequence& sequence : batch) {
+    std::vector<std::vector<double>> inputs;
+    const auto x = sequence.inputs;
+    for (size_t at = 0; at < x.size(); at += network.inputs()) {
+      inputs.emplace_back(x.begin() + at, x.begin() + at + network.inputs());
+    }
+    const auto outputs = PlainOutputs(network, inputs);
+    const int last = static_cast<int>(inputs.size()) - 1;
+    double sum = 0;
+    int count = 0;
+    const auto add = [&](int t) {
+      sum += PlainStepLoss(network, sequence, outputs[t], t, options);
+      ++count;
+    };
+    if (options.steps == LstmLoss::kEveryStep) {
+      for (int t = options.first_step; t < last; t += options.stride) add(t);
+    }
+    add(last);
+    total += sequence.weight * sum / count;
+  }
+  return total / static_cast<double>(batch.size());
+}
+
 }  // namespace tactus

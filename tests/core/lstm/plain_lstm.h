@@ -4,9 +4,12 @@
 // equations: the reference for the fast one.
 #pragma once
 
+#include <span>
 #include <vector>
 
+#include "core/lstm/loss.h"
 #include "core/lstm/network.h"
+#include "core/lstm/sequence.h"
 
 namespace tactus {
 
@@ -17,5 +20,10 @@ std::vector<std::vector<double>> PlainOutputs(
 // Probability per class after each step of `inputs`, [T][classes].
 std::vector<std::vector<double>> PlainLstm(
     const LstmNetwork& network, const std::vector<std::vector<double>>& inputs);
+
+// Mean loss of a batch, as core/lstm/loss.h defines it.
+double PlainLoss(const LstmNetwork& network,
+                 std::span<const LstmSequence> batch,
+                 const LstmLossOptions& options);
 
 }  // namespace tactus

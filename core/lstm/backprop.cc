@@ -1,0 +1,352 @@
+#include "core/lstm/backprop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "core/base/errors.h"
+#include "core/lstm/dropout.h"
+
+namespace tactus {
+namespace {
+
+void Grow(size_t size, std::vector<float>& values) {
+  if (values.size() < size) values.resize(size);
+}
+
+// Every row of `to` becomes `row`.
+void Repeat(const std::vector<float>& row, int rows, std::vector<float>& to) {
+  for (int n = 0; n < rows; ++n) {
+    std::copy(row.begin(), row.end(), to.begin() + n * row.size());
+  }
+}
+
+// to += from weights, for `rows` rows.
+void AddForward(const LstmKernels& kernels, int rows, const float* from,
+                const PackedMatrix& matrix, float* to) {
+  kernels.multiply_add({.rows = rows,
+                        .inner = matrix.inputs,
+                        .columns = Padded(matrix.rows),
+                        .a = from,
+                        .a_row = Padded(matrix.inputs),
+                        .b = matrix.forward.data(),
+                        .b_row = Padded(matrix.rows),
+                        .c = to,
+                        .c_row = Padded(matrix.rows)});
+}
+
+// to = from weights^T, for `rows` rows.
+void SetBackward(const LstmKernels& kernels, int rows, const float* from,
+                 const PackedMatrix& matrix, float* to) {
+  std::fill_n(to, size_t(rows) * Padded(matrix.inputs), 0.0F);
+  kernels.multiply_add({.rows = rows,
+                        .inner = matrix.rows,
+                        .columns = Padded(matrix.inputs),
+                        .a = from,
+                        .a_row = Padded(matrix.rows),
+                        .b = matrix.backward.data(),
+                        .b_row = Padded(matrix.inputs),
+                        .c = to,
+                        .c_row = Padded(matrix.inputs)});
+}
+
+// matrix.gradient += sum over `rows` rows of inputs^T deltas.
+void AddGradient(const LstmKernels& kernels, int rows, const float* inputs,
+                 const float* deltas, PackedMatrix& matrix) {
+  kernels.multiply_add({.rows = matrix.inputs,
+                        .inner = rows,
+                        .columns = Padded(matrix.rows),
+                        .a = inputs,
+                        .a_row = 1,
+                        .a_column = Padded(matrix.inputs),
+                        .b = deltas,
+                        .b_row = Padded(matrix.rows),
+                        .c = matrix.gradient.data(),
+                        .c_row = Padded(matrix.rows)});
+}
+
+// sums = the sum of `rows` rows of deltas.
+void SetBiasGradient(const LstmKernels& kernels, int rows, const float* deltas,
+                     std::vector<float>& sums) {
+  constexpr float kOne = 1;
+  const auto columns = static_cast<int>(sums.size());
+  std::fill(sums.begin(), sums.end(), 0.0F);
+  kernels.multiply_add({.rows = 1,
+                        .inner = rows,
+                        .columns = columns,
+                        .a = &kOne,
+                        .a_column = 0,
+                        .b = deltas,
+                        .b_row = columns,
+                        .c = sums.data(),
+                        .c_row = columns});
+}
+
+}  // namespace
+
+absl::Status Validate(const LstmNoise& noise) {
+  if (!(noise.dropout >= 0 && noise.dropout < 1)) {
+    return InvalidConfig("dropout", noise.dropout, "at least 0 and below 1");
+  }
+  if (!(noise.input >= 0 && std::isfinite(noise.input))) {
+    return InvalidConfig("input noise", noise.input, "finite and at least 0");
+  }
+  return absl::OkStatus();
+}
+
+LstmBackprop::LstmBackprop(const LstmNetwork& network,
+                           const LstmKernels& kernels)
+    : kernels_(kernels),
+      activation_(network.activation),
+      gate_activation_(network.gate_activation),
+      classes_(network.classes()),
+      regressions_(network.regressions) {
+  for (const LstmLayer& from : network.layers) {
+    Layer& layer = layers_.emplace_back();
+    layer.kernel = PackedMatrix(4 * from.cells, from.inputs);
+    layer.recurrent = PackedMatrix(4 * from.cells, from.cells);
+    layer.bias.resize(Padded(4 * from.cells));
+    layer.bias_gradient.resize(layer.bias.size());
+  }
+  dense_ = PackedMatrix(classes_ + 2 * regressions_, layers_.back().cells());
+  dense_bias_.resize(Padded(dense_.rows));
+  dense_bias_gradient_.resize(dense_bias_.size());
+}
+
+void LstmBackprop::SetWeights(const LstmNetwork& network) {
+  for (size_t i = 0; i < layers_.size(); ++i) {
+    const LstmLayer& from = network.layers[i];
+    layers_[i].kernel.SetWeights(from.kernel);
+    layers_[i].recurrent.SetWeights(from.recurrent);
+    std::copy(from.bias.begin(), from.bias.end(), layers_[i].bias.begin());
+  }
+  dense_.SetWeights(network.dense_kernel);
+  std::copy(network.dense_bias.begin(), network.dense_bias.end(),
+            dense_bias_.begin());
+}
+
+void LstmBackprop::Resize() {
+  const size_t rows = layout_.rows;
+  const size_t sequences = layout_.sequences();
+  size_t widest = 0;
+  for (Layer& layer : layers_) {
+    const size_t cells = Padded(layer.cells());
+    // The kernels read on past the last row.
+    const size_t gates = rows * layer.bias.size() + kLstmLanes;
+    Grow(gates, layer.gates);
+    Grow(gates, layer.deltas);
+    for (auto* buffer :
+         {&layer.cell, &layer.squashed, &layer.output, &layer.by_output}) {
+      Grow(rows * cells, *buffer);
+    }
+    Grow(sequences * cells, layer.from_next);
+    Grow(sequences * cells, layer.carry);
+    widest = std::max(widest, cells);
+  }
+  Grow(rows * dense_bias_.size(), outputs_);
+  Grow(rows * dense_bias_.size(), by_outputs_);
+  Grow(sequences * widest, zeros_);
+}
+
+void LstmBackprop::TakeInputs(double noise, Random& random) {
+  const int inputs = layers_.front().kernel.inputs;
+  const int stride = Padded(inputs);
+  std::vector<float>& rows = layers_.front().input;
+  Grow(size_t(layout_.rows) * stride, rows);
+  for (int i = 0; i < layout_.sequences(); ++i) {
+    const float* from = batch_[layout_.order[i]].inputs.data();
+    for (int t = 0; t < layout_.steps[i]; ++t, from += inputs) {
+      float* to = &rows[layout_.Row(t, i) * stride];
+      std::copy_n(from, inputs, to);
+      if (noise == 0) continue;
+      for (int k = 0; k < inputs; ++k) {
+        to[k] += static_cast<float>(noise * random.Gaussian());
+      }
+    }
+  }
+}
+
+void LstmBackprop::TakeOutputs(size_t layer, double dropout, Random& random) {
+  std::vector<float>& input = layers_[layer].input;
+  std::vector<float>& mask = layers_[layer].mask;
+  input.clear();
+  mask.clear();
+  if (dropout == 0) return;
+  const std::vector<float>& output = layers_[layer - 1].output;
+  const size_t size = size_t(layout_.rows) * Padded(layers_[layer - 1].cells());
+  input.resize(size);
+  mask.resize(size);
+  DropoutMask(dropout, random, mask);
+  for (size_t k = 0; k < size; ++k) input[k] = output[k] * mask[k];
+}
+
+const std::vector<float>& LstmBackprop::InputOf(size_t layer) const {
+  const std::vector<float>& own = layers_[layer].input;
+  return own.empty() ? layers_[layer - 1].output : own;
+}
+
+LstmCellShape LstmBackprop::ShapeOf(const Layer& layer, int rows) const {
+  return {.rows = rows,
+          .cells = layer.cells(),
+          .activation = activation_,
+          .gate_activation = gate_activation_,
+          .gate_row = Padded(4 * layer.cells()),
+          .cell_row = Padded(layer.cells())};
+}
+
+void LstmBackprop::Forward(std::span<const LstmSequence> batch,
+                           const LstmNoise& noise, Random& random) {
+  batch_ = batch;
+  steps_.clear();
+  for (const LstmSequence& sequence : batch) {
+    steps_.push_back(static_cast<int>(sequence.inputs.size()) /
+                     layers_.front().kernel.inputs);
+  }
+  layout_.Arrange(steps_);
+  Resize();
+  TakeInputs(noise.input, random);
+  for (size_t i = 0; i < layers_.size(); ++i) {
+    if (i > 0) TakeOutputs(i, noise.dropout, random);
+    ForwardLayer(i);
+  }
+  Repeat(dense_bias_, layout_.rows, outputs_);
+  AddForward(kernels_, layout_.rows, layers_.back().output.data(), dense_,
+             outputs_.data());
+}
+
+void LstmBackprop::ForwardLayer(size_t index) {
+  Layer& layer = layers_[index];
+  Repeat(layer.bias, layout_.rows, layer.gates);
+  AddForward(kernels_, layout_.rows, InputOf(index).data(), layer.kernel,
+             layer.gates.data());
+  const float* previous_cell = zeros_.data();
+  const float* previous_output = nullptr;
+  for (size_t t = 0; t < layout_.active.size(); ++t) {
+    const LstmCellShape shape = ShapeOf(layer, layout_.active[t]);
+    const ptrdiff_t at = layout_.first[t] * shape.cell_row;
+    float* gates = &layer.gates[layout_.first[t] * shape.gate_row];
+    if (t > 0) {
+      AddForward(kernels_, shape.rows, previous_output, layer.recurrent, gates);
+    }
+    kernels_.cell_forward({.shape = shape,
+                           .gates = gates,
+                           .previous = previous_cell,
+                           .cell = &layer.cell[at],
+                           .squashed = &layer.squashed[at],
+                           .output = &layer.output[at]});
+    previous_cell = &layer.cell[at];
+    previous_output = &layer.output[at];
+  }
+}
+
+LstmBatchLoss LstmBackprop::Loss(const LstmLossOptions& options) {
+  const size_t stride = dense_bias_.size();
+  std::fill_n(by_outputs_.begin(), layout_.rows * stride, 0.0F);
+  LstmBatchLoss total;
+  for (int i = 0; i < layout_.sequences(); ++i) {
+    const LstmSequence& sequence = batch_[layout_.order[i]];
+    const int steps = layout_.steps[i];
+    int counted = 0;
+    for (int t = 0; t < steps; ++t) counted += Counts(options, t, steps);
+    const double mean = 1.0 / layout_.sequences();
+    const double share = mean * sequence.weight / counted;
+    double loss = 0;
+    for (int t = 0; t < steps; ++t) {
+      if (!Counts(options, t, steps)) continue;
+      const size_t at = layout_.Row(t, i) * stride;
+      const auto targets =
+          sequence.targets.empty()
+              ? sequence.targets
+              : sequence.targets.subspan(t * regressions_, regressions_);
+      loss += StepLoss(options, classes_, regressions_, &outputs_[at],
+                       sequence.label, targets, share, &by_outputs_[at]);
+    }
+    total.sum += loss / mean;
+    const float* last = &outputs_[layout_.Row(steps - 1, i) * stride];
+    total.correct +=
+        std::max_element(last, last + classes_) - last == sequence.label;
+  }
+  return total;
+}
+
+void LstmBackprop::Backward(LstmNetwork& gradient) {
+  const Layer& last = layers_.back();
+  std::fill(dense_.gradient.begin(), dense_.gradient.end(), 0.0F);
+  AddGradient(kernels_, layout_.rows, last.output.data(), by_outputs_.data(),
+              dense_);
+  SetBiasGradient(kernels_, layout_.rows, by_outputs_.data(),
+                  dense_bias_gradient_);
+  dense_.GetGradient(gradient.dense_kernel);
+  std::copy_n(dense_bias_gradient_.begin(), gradient.dense_bias.size(),
+              gradient.dense_bias.begin());
+  SetBackward(kernels_, layout_.rows, by_outputs_.data(), dense_,
+              layers_.back().by_output.data());
+  for (size_t i = layers_.size(); i-- > 0;) {
+    BackwardLayer(i);
+    WeightGradients(i);
+    const Layer& layer = layers_[i];
+    LstmLayer& to = gradient.layers[i];
+    layer.kernel.GetGradient(to.kernel);
+    layer.recurrent.GetGradient(to.recurrent);
+    std::copy_n(layer.bias_gradient.begin(), to.bias.size(), to.bias.begin());
+    if (i == 0) return;
+    std::vector<float>& below = layers_[i - 1].by_output;
+    SetBackward(kernels_, layout_.rows, layer.deltas.data(), layer.kernel,
+                below.data());
+    for (size_t k = 0; k < layer.mask.size(); ++k) below[k] *= layer.mask[k];
+  }
+}
+
+void LstmBackprop::BackwardLayer(size_t index) {
+  Layer& layer = layers_[index];
+  std::fill(layer.from_next.begin(), layer.from_next.end(), 0.0F);
+  std::fill(layer.carry.begin(), layer.carry.end(), 0.0F);
+  for (size_t t = layout_.active.size(); t-- > 0;) {
+    const LstmCellShape shape = ShapeOf(layer, layout_.active[t]);
+    const ptrdiff_t gates = layout_.first[t] * shape.gate_row;
+    const ptrdiff_t at = layout_.first[t] * shape.cell_row;
+    const float* previous =
+        t == 0 ? zeros_.data()
+               : &layer.cell[layout_.first[t - 1] * shape.cell_row];
+    kernels_.cell_backward({.shape = shape,
+                            .gates = &layer.gates[gates],
+                            .previous = previous,
+                            .squashed = &layer.squashed[at],
+                            .from_above = &layer.by_output[at],
+                            .from_next = layer.from_next.data(),
+                            .carry = layer.carry.data(),
+                            .deltas = &layer.deltas[gates]});
+    if (t == 0) return;
+    SetBackward(kernels_, shape.rows, &layer.deltas[gates], layer.recurrent,
+                layer.from_next.data());
+  }
+}
+
+void LstmBackprop::WeightGradients(size_t index) {
+  Layer& layer = layers_[index];
+  const float* deltas = layer.deltas.data();
+  std::fill(layer.kernel.gradient.begin(), layer.kernel.gradient.end(), 0.0F);
+  AddGradient(kernels_, layout_.rows, InputOf(index).data(), deltas,
+              layer.kernel);
+  SetBiasGradient(kernels_, layout_.rows, deltas, layer.bias_gradient);
+
+  std::fill(layer.recurrent.gradient.begin(), layer.recurrent.gradient.end(),
+            0.0F);
+  // One product per stretch of steps that as many sequences reach: within it
+  // h[t-1] lies a fixed number of rows before the deltas of t.
+  const size_t steps = layout_.active.size();
+  for (size_t from = 1, to = 1; from < steps; from = to) {
+    const int distance = layout_.first[from] - layout_.first[from - 1];
+    while (to < steps && layout_.active[to] == layout_.active[from] &&
+           layout_.first[to] - layout_.first[to - 1] == distance) {
+      ++to;
+    }
+    const int first = layout_.first[from];
+    const int rows = (to < steps ? layout_.first[to] : layout_.rows) - first;
+    AddGradient(kernels_, rows,
+                &layer.output[(first - distance) * Padded(layer.cells())],
+                deltas + first * layer.bias.size(), layer.recurrent);
+  }
+}
+
+}  // namespace tactus

@@ -1,0 +1,344 @@
+#include "core/lstm/kernels.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+namespace tactus {
+namespace {
+
+// What is inlined into the functions of each width must be inlined whole, and
+// passes vectors by reference, as their ABI differs between widths.
+#define TACTUS_INLINE [[gnu::always_inline]] inline
+
+template <int kLanes>
+struct Lanes {
+  using Floats [[gnu::vector_size(kLanes * sizeof(float))]] = float;
+  using Ints [[gnu::vector_size(kLanes * sizeof(int32_t))]] = int32_t;
+};
+
+template <typename Floats>
+TACTUS_INLINE void Load(const float* from, Floats& to) {
+  __builtin_memcpy(&to, from, sizeof(Floats));
+}
+
+template <typename Floats>
+TACTUS_INLINE void Store(const Floats& from, float* to) {
+  __builtin_memcpy(to, &from, sizeof(Floats));
+}
+
+// The first `count` lanes at most.
+template <typename Floats>
+TACTUS_INLINE void StoreFirst(const Floats& from, int count, float* to) {
+  constexpr int kLanes = sizeof(Floats) / sizeof(float);
+  if (count >= kLanes) {
+    Store(from, to);
+  } else {
+    for (int i = 0; i < count; ++i) to[i] = from[i];
+  }
+}
+
+// Rows of c kept in registers at once, and vectors of each: as many as the
+// registers hold.
+constexpr int kTileRows = 6;
+template <int kLanes>
+constexpr int kTileVectors = kLanes == 16 ? 4 : 2;
+// Terms summed before the next tile, so that their rows of b stay in cache.
+constexpr int kTileInner = 256;
+
+template <int kLanes, int kRows, int kVectors>
+TACTUS_INLINE void Tile(const LstmProduct& p, const float* a, const float* b,
+                        float* c, int inner) {
+  using Floats = typename Lanes<kLanes>::Floats;
+  Floats sums[kRows][kVectors];
+#pragma GCC unroll 8
+  for (int m = 0; m < kRows; ++m) {
+#pragma GCC unroll 8
+    for (int v = 0; v < kVectors; ++v) {
+      Load(c + m * p.c_row + v * kLanes, sums[m][v]);
+    }
+  }
+  for (int k = 0; k < inner; ++k) {
+    Floats factors[kVectors];
+#pragma GCC unroll 8
+    for (int v = 0; v < kVectors; ++v) Load(b + v * kLanes, factors[v]);
+#pragma GCC unroll 8
+    for (int m = 0; m < kRows; ++m) {
+      const float factor = a[m * p.a_row];
+#pragma GCC unroll 8
+      for (int v = 0; v < kVectors; ++v) sums[m][v] += factor * factors[v];
+    }
+    a += p.a_column;
+    b += p.b_row;
+  }
+#pragma GCC unroll 8
+  for (int m = 0; m < kRows; ++m) {
+#pragma GCC unroll 8
+    for (int v = 0; v < kVectors; ++v) {
+      Store(sums[m][v], c + m * p.c_row + v * kLanes);
+    }
+  }
+}
+
+template <int kLanes, int kVectors>
+TACTUS_INLINE void TileColumn(const LstmProduct& p, int column, int from,
+                              int inner) {
+  const float* a = p.a + from * p.a_column;
+  const float* b = p.b + from * p.b_row + column;
+  float* c = p.c + column;
+  int rows = p.rows;
+  for (; rows >= kTileRows; rows -= kTileRows) {
+    Tile<kLanes, kTileRows, kVectors>(p, a, b, c, inner);
+    a += kTileRows * p.a_row;
+    c += kTileRows * p.c_row;
+  }
+  static_assert(kTileRows == 6);
+  switch (rows) {
+    case 5:
+      return Tile<kLanes, 5, kVectors>(p, a, b, c, inner);
+    case 4:
+      return Tile<kLanes, 4, kVectors>(p, a, b, c, inner);
+    case 3:
+      return Tile<kLanes, 3, kVectors>(p, a, b, c, inner);
+    case 2:
+      return Tile<kLanes, 2, kVectors>(p, a, b, c, inner);
+    case 1:
+      return Tile<kLanes, 1, kVectors>(p, a, b, c, inner);
+    default:
+      return;
+  }
+}
+
+template <int kLanes>
+TACTUS_INLINE void MultiplyAdd(const LstmProduct& p) {
+  constexpr int kVectors = kTileVectors<kLanes>;
+  for (int from = 0; from < p.inner; from += kTileInner) {
+    const int inner = std::min(kTileInner, p.inner - from);
+    int column = 0;
+    for (; column + kVectors * kLanes <= p.columns;
+         column += kVectors * kLanes) {
+      TileColumn<kLanes, kVectors>(p, column, from, inner);
+    }
+    for (; column < p.columns; column += kLanes) {
+      TileColumn<kLanes, 1>(p, column, from, inner);
+    }
+  }
+}
+
+template <typename Floats>
+TACTUS_INLINE void Clamp(float low, float high, Floats& x) {
+  const Floats lows = low - Floats{};
+  const Floats highs = high - Floats{};
+  x = x < lows ? lows : x;
+  x = x > highs ? highs : x;
+}
+
+template <typename Floats>
+TACTUS_INLINE void Absolute(Floats& x) {
+  x = x < Floats{} ? -x : x;
+}
+
+// exp(x), |x| <= 87, within 2 ulp: exp(r) 2^n with n = round(x / ln 2), and
+// the polynomial of the Cephes library for exp(r).
+template <typename Floats>
+TACTUS_INLINE void Exp(Floats& x) {
+  using Ints = typename Lanes<sizeof(Floats) / sizeof(float)>::Ints;
+  // Adding 1.5 * 2^23 leaves round(x) in the lowest bits.
+  constexpr float kRound = 12582912.0F;
+  const Floats shifted = x * 1.44269504088896341F + kRound;
+  const Floats n = shifted - kRound;
+  const Floats r = x - n * 0.693359375F - n * -2.12194440e-4F;
+  Floats sum = r * 1.9875691500e-4F + 1.3981999507e-3F;
+  sum = sum * r + 8.3334519073e-3F;
+  sum = sum * r + 4.1665795894e-2F;
+  sum = sum * r + 1.6666665459e-1F;
+  sum = sum * r + 5.0000001201e-1F;
+  sum = sum * (r * r) + r + 1.0F;
+  const Ints power = (reinterpret_cast<Ints>(shifted) << 23) + (127 << 23);
+  x = sum * reinterpret_cast<Floats>(power);
+}
+
+template <typename Floats>
+TACTUS_INLINE void Activate(Activation activation, Floats& x) {
+  Floats size = x;
+  Absolute(size);
+  if (activation == Activation::kSoftsign) {
+    x = x / (size + 1.0F);
+    return;
+  }
+  // tanh |x| = (1 - e) / (1 + e), e = exp(-2 |x|); 1 from 9.1 on.
+  Floats e = size * -2.0F;
+  Clamp(-40.0F, 0.0F, e);
+  Exp(e);
+  const Floats result = (1.0F - e) / (1.0F + e);
+  x = x < Floats{} ? -result : result;
+}
+
+template <typename Floats>
+TACTUS_INLINE void ActivateGate(GateActivation activation, Floats& x) {
+  if (activation == GateActivation::kHardSigmoid) {
+    x = x * 0.2F + 0.5F;
+    Clamp(0.0F, 1.0F, x);
+    return;
+  }
+  Floats e = -x;
+  Clamp(-87.0F, 87.0F, e);
+  Exp(e);
+  x = 1.0F / (1.0F + e);
+}
+
+// `slope` times the derivative of the activation whose value is y.
+template <typename Floats>
+TACTUS_INLINE void TimesSlope(Activation activation, const Floats& y,
+                              Floats& slope) {
+  if (activation == Activation::kTanh) {
+    slope *= 1.0F - y * y;
+    return;
+  }
+  Floats rest = y;
+  Absolute(rest);
+  rest = 1.0F - rest;
+  slope *= rest * rest;
+}
+
+template <typename Floats>
+TACTUS_INLINE void TimesGateSlope(GateActivation activation, const Floats& y,
+                                  Floats& slope) {
+  const Floats room = y * (1.0F - y);
+  if (activation == GateActivation::kSigmoid) {
+    slope *= room;
+  } else {
+    slope = room > Floats{} ? slope * 0.2F : Floats{};
+  }
+}
+
+template <typename Floats>
+TACTUS_INLINE void FlushTiny(Floats& x) {
+  Floats size = x;
+  Absolute(size);
+  x = size < 1e-30F - Floats{} ? Floats{} : x;
+}
+
+template <int kLanes>
+TACTUS_INLINE void CellForward(const LstmCellForward& f) {
+  using Floats = typename Lanes<kLanes>::Floats;
+  const LstmCellShape& s = f.shape;
+  for (int row = 0; row < s.rows; ++row) {
+    float* gates = f.gates + row * s.gate_row;
+    for (int j = 0; j < s.cells; j += kLanes) {
+      const ptrdiff_t at = row * s.cell_row + j;
+      Floats i, forget, c, o, cell;
+      Load(gates + j, i);
+      Load(gates + s.cells + j, forget);
+      Load(gates + 2 * s.cells + j, c);
+      Load(gates + 3 * s.cells + j, o);
+      Load(f.previous + at, cell);
+      ActivateGate(s.gate_activation, i);
+      ActivateGate(s.gate_activation, forget);
+      Activate(s.activation, c);
+      ActivateGate(s.gate_activation, o);
+      cell = forget * cell + i * c;
+      Store(cell, f.cell + at);
+      Activate(s.activation, cell);
+      Store(cell, f.squashed + at);
+      Store(o * cell, f.output + at);
+      const int count = s.cells - j;
+      StoreFirst(i, count, gates + j);
+      StoreFirst(forget, count, gates + s.cells + j);
+      StoreFirst(c, count, gates + 2 * s.cells + j);
+      StoreFirst(o, count, gates + 3 * s.cells + j);
+    }
+  }
+}
+
+template <int kLanes>
+TACTUS_INLINE void CellBackward(const LstmCellBackward& g) {
+  using Floats = typename Lanes<kLanes>::Floats;
+  const LstmCellShape& s = g.shape;
+  for (int row = 0; row < s.rows; ++row) {
+    const float* gates = g.gates + row * s.gate_row;
+    float* deltas = g.deltas + row * s.gate_row;
+    for (int j = 0; j < s.cells; j += kLanes) {
+      const ptrdiff_t at = row * s.cell_row + j;
+      Floats i, forget, c, o, previous, squashed, above, next, carry;
+      Load(gates + j, i);
+      Load(gates + s.cells + j, forget);
+      Load(gates + 2 * s.cells + j, c);
+      Load(gates + 3 * s.cells + j, o);
+      Load(g.previous + at, previous);
+      Load(g.squashed + at, squashed);
+      Load(g.from_above + at, above);
+      Load(g.from_next + at, next);
+      Load(g.carry + at, carry);
+      const Floats by_output = above + next;
+      Floats by_cell = by_output * o;
+      TimesSlope(s.activation, squashed, by_cell);
+      by_cell += carry;
+      Floats by_i = by_cell * c;
+      Floats by_forget = by_cell * previous;
+      Floats by_c = by_cell * i;
+      Floats by_o = by_output * squashed;
+      carry = by_cell * forget;
+      TimesGateSlope(s.gate_activation, i, by_i);
+      TimesGateSlope(s.gate_activation, forget, by_forget);
+      TimesSlope(s.activation, c, by_c);
+      TimesGateSlope(s.gate_activation, o, by_o);
+      FlushTiny(carry);
+      FlushTiny(by_i);
+      FlushTiny(by_forget);
+      FlushTiny(by_c);
+      FlushTiny(by_o);
+      Store(carry, g.carry + at);
+      const int count = s.cells - j;
+      StoreFirst(by_i, count, deltas + j);
+      StoreFirst(by_forget, count, deltas + s.cells + j);
+      StoreFirst(by_c, count, deltas + 2 * s.cells + j);
+      StoreFirst(by_o, count, deltas + 3 * s.cells + j);
+    }
+  }
+}
+
+// The three kernels at `lanes` floats for CPUs with `target`.
+#define TACTUS_KERNELS(Name, target, lanes)                              \
+  struct Name {                                                          \
+    target static void Multiply(const LstmProduct& product) {            \
+      MultiplyAdd<lanes>(product);                                       \
+    }                                                                    \
+    target static void Forward(const LstmCellForward& step) {            \
+      CellForward<lanes>(step);                                          \
+    }                                                                    \
+    target static void Backward(const LstmCellBackward& step) {          \
+      CellBackward<lanes>(step);                                         \
+    }                                                                    \
+    static constexpr LstmKernels kKernels = {#Name, &Multiply, &Forward, \
+                                             &Backward};                 \
+  };
+
+TACTUS_KERNELS(Baseline, , 4)
+#ifdef __x86_64__
+TACTUS_KERNELS(Avx2, [[gnu::target("avx2")]], 8)
+TACTUS_KERNELS(Avx512, [[gnu::target("avx512f")]], 16)
+constexpr std::array kAll = {Baseline::kKernels, Avx2::kKernels,
+                             Avx512::kKernels};
+#else
+constexpr std::array kAll = {Baseline::kKernels};
+#endif
+
+size_t CountSupported() {
+#ifdef __x86_64__
+  if (!__builtin_cpu_supports("avx2")) return 1;
+  if (!__builtin_cpu_supports("avx512f")) return 2;
+#endif
+  return kAll.size();
+}
+
+}  // namespace
+
+std::span<const LstmKernels> SupportedLstmKernels() {
+  static const size_t count = CountSupported();
+  return {kAll.data(), count};
+}
+
+const LstmKernels& BestLstmKernels() { return SupportedLstmKernels().back(); }
+
+}  // namespace tactus

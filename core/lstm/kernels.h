@@ -1,0 +1,98 @@
+// File: kernels.h
+//
+// The inner loops of LSTM training: matrix products, and one time step of the
+// cells of a layer forward and backward. Written once and compiled for several
+// vector widths; each number is computed by the same operations in the same
+// order at any width, so every CPU gives the same bits.
+//
+//   const LstmKernels& kernels = BestLstmKernels();
+//   kernels.multiply_add({.rows = 5, .inner = 50, .columns = 208, ...});
+//
+// All rows of c, of b and of one number per cell are as long as Padded() makes
+// them; what lies in the padding is finite and counts for nothing. Kernels
+// read up to kLstmLanes floats past the last row of gates.
+//
+// Owns nothing. Thread-safe: free functions.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "core/lstm/network.h"
+
+namespace tactus {
+
+// The widest vector, in floats.
+inline constexpr int kLstmLanes = 16;
+
+// `count` rounded up to whole vectors.
+constexpr int Padded(int count) {
+  return (count + kLstmLanes - 1) / kLstmLanes * kLstmLanes;
+}
+
+// c += a b, summed over `inner` in order.
+struct LstmProduct {
+  int rows = 0;
+  int inner = 0;
+  int columns = 0;  // a multiple of kLstmLanes
+  // a[m, k] lies at a[m * a_row + k * a_column].
+  const float* a = nullptr;
+  ptrdiff_t a_row = 0;
+  ptrdiff_t a_column = 1;
+  // inner x columns, rows b_row apart.
+  const float* b = nullptr;
+  ptrdiff_t b_row = 0;
+  // rows x columns, rows c_row apart.
+  float* c = nullptr;
+  ptrdiff_t c_row = 0;
+};
+
+// What the cells of one layer do at one time, for `rows` sequences. Gates lie
+// in blocks of `cells`: i, f, c, o.
+struct LstmCellShape {
+  int rows = 0;
+  int cells = 0;
+  Activation activation = Activation::kTanh;
+  GateActivation gate_activation = GateActivation::kSigmoid;
+  ptrdiff_t gate_row = 0;  // distance of sequences in gates and deltas
+  ptrdiff_t cell_row = 0;  // and in all else
+};
+
+struct LstmCellForward {
+  LstmCellShape shape;
+  float* gates = nullptr;           // in: sums; out: gates
+  const float* previous = nullptr;  // c[t-1]
+  float* cell = nullptr;            // out: c[t]
+  float* squashed = nullptr;        // out: act(c[t])
+  float* output = nullptr;          // out: h[t]
+};
+
+// Gradients smaller than 1e-30 count as 0: long sequences would drag them into
+// the denormal numbers, which are slow.
+struct LstmCellBackward {
+  LstmCellShape shape;
+  const float* gates = nullptr;
+  const float* previous = nullptr;  // c[t-1]
+  const float* squashed = nullptr;
+  // The loss by h[t], from above and from t+1.
+  const float* from_above = nullptr;
+  const float* from_next = nullptr;
+  // The loss by c[t] through t+1; out: by c[t-1] through t.
+  float* carry = nullptr;
+  float* deltas = nullptr;  // out: the loss by the gates' sums
+};
+
+struct LstmKernels {
+  const char* name;
+  void (*multiply_add)(const LstmProduct&);
+  void (*cell_forward)(const LstmCellForward&);
+  void (*cell_backward)(const LstmCellBackward&);
+};
+
+// Those this CPU can run, narrowest first; never empty.
+std::span<const LstmKernels> SupportedLstmKernels();
+
+// The widest of them.
+const LstmKernels& BestLstmKernels();
+
+}  // namespace tactus

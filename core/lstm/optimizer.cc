@@ -1,0 +1,148 @@
+#include "core/lstm/optimizer.h"
+
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+
+namespace tactus {
+namespace {
+
+// Mean squares below count as 0: they would fade into the denormal numbers,
+// which are slow.
+constexpr float kTiny = 1e-30F;
+
+// Calls take(weights, is_kernel) for each tensor, always in the same order.
+template <typename Network, typename Take>
+void ForEachTensor(Network& network, Take take) {
+  for (auto& layer : network.layers) {
+    take(layer.kernel, true);
+    take(layer.recurrent, true);
+    take(layer.bias, false);
+  }
+  take(network.dense_kernel, true);
+  take(network.dense_bias, false);
+}
+
+struct Rates {
+  float mean;
+  float mean_square;
+  float step;         // learning rate, corrected for the bias of the mean
+  float root_factor;  // corrects the root of the mean square
+  float epsilon;
+};
+
+void RmsProp(const Rates& rates, const float* gradient, float* mean_square,
+             std::span<float> weights) {
+  for (size_t i = 0; i < weights.size(); ++i) {
+    const float square = gradient[i] * gradient[i];
+    float v = rates.mean_square * mean_square[i] +
+              (1.0F - rates.mean_square) * square;
+    v = v < kTiny ? 0.0F : v;
+    mean_square[i] = v;
+    weights[i] -= rates.step * gradient[i] / (std::sqrt(v) + rates.epsilon);
+  }
+}
+
+void Adam(const Rates& rates, const float* gradient, float* mean,
+          float* mean_square, std::span<float> weights) {
+  for (size_t i = 0; i < weights.size(); ++i) {
+    const float g = gradient[i];
+    float m = rates.mean * mean[i] + (1.0F - rates.mean) * g;
+    float v = rates.mean_square * mean_square[i] +
+              (1.0F - rates.mean_square) * (g * g);
+    m = std::abs(m) < kTiny ? 0.0F : m;
+    v = v < kTiny ? 0.0F : v;
+    mean[i] = m;
+    mean_square[i] = v;
+    weights[i] -=
+        rates.step * m / (std::sqrt(v) * rates.root_factor + rates.epsilon);
+  }
+}
+
+Rates RatesOf(const OptimizerOptions& options, double learning_rate,
+              int64_t steps) {
+  const auto narrow = [](double value) { return static_cast<float>(value); };
+  if (options.optimizer == Optimizer::kRmsProp) {
+    return {0, narrow(options.rms_decay), narrow(learning_rate), 1,
+            narrow(options.epsilon)};
+  }
+  const auto n = static_cast<double>(steps);
+  const double first = 1 - std::pow(options.first_decay, n);
+  const double second = 1 - std::pow(options.second_decay, n);
+  return {narrow(options.first_decay), narrow(options.second_decay),
+          narrow(learning_rate / first), narrow(1 / std::sqrt(second)),
+          narrow(options.epsilon)};
+}
+
+absl::Status CheckShare(absl::string_view field, double value) {
+  if (value >= 0 && value < 1) return absl::OkStatus();
+  return InvalidConfig(field, value, "at least 0 and below 1");
+}
+
+absl::Status CheckSize(absl::string_view field, double value) {
+  if (value >= 0 && std::isfinite(value)) return absl::OkStatus();
+  return InvalidConfig(field, value, "finite and at least 0");
+}
+
+}  // namespace
+
+absl::Status Validate(const OptimizerOptions& options) {
+  TACTUS_RETURN_IF_ERROR(CheckSize("learning_rate", options.learning_rate));
+  TACTUS_RETURN_IF_ERROR(CheckShare("rms_decay", options.rms_decay));
+  TACTUS_RETURN_IF_ERROR(CheckShare("first_decay", options.first_decay));
+  TACTUS_RETURN_IF_ERROR(CheckShare("second_decay", options.second_decay));
+  if (!(options.epsilon > 0 && options.epsilon <= 1)) {
+    return InvalidConfig("epsilon", options.epsilon, "above 0 and at most 1");
+  }
+  TACTUS_RETURN_IF_ERROR(CheckSize("weight_decay", options.weight_decay));
+  return CheckSize("gradient_clip", options.gradient_clip);
+}
+
+double ClipGradient(double longest, LstmNetwork& gradient) {
+  double squares = 0;
+  ForEachTensor(gradient, [&](const std::vector<float>& values, bool) {
+    for (const float value : values) squares += double{value} * double{value};
+  });
+  const double norm = std::sqrt(squares);
+  if (longest == 0 || norm <= longest) return norm;
+  const auto factor = static_cast<float>(longest / norm);
+  ForEachTensor(gradient, [&](std::vector<float>& values, bool) {
+    for (float& value : values) value *= factor;
+  });
+  return norm;
+}
+
+void OptimizerStep(const OptimizerOptions& options, double learning_rate,
+                   const LstmNetwork& gradient, OptimizerState& state,
+                   LstmNetwork& network) {
+  const bool adam = options.optimizer == Optimizer::kAdam;
+  state.mean_square.resize(network.parameter_count());
+  if (adam) state.mean.resize(network.parameter_count());
+  ++state.steps;
+  const Rates rates = RatesOf(options, learning_rate, state.steps);
+  const auto kept =
+      static_cast<float>(1 - learning_rate * options.weight_decay);
+  std::vector<const float*> gradients;
+  ForEachTensor(gradient, [&](const std::vector<float>& values, bool) {
+    gradients.push_back(values.data());
+  });
+  size_t tensor = 0;
+  size_t at = 0;
+  ForEachTensor(network, [&](std::vector<float>& weights, bool is_kernel) {
+    if (is_kernel && kept != 1) {
+      for (float& weight : weights) weight *= kept;
+    }
+    const float* g = gradients[tensor++];
+    if (adam) {
+      Adam(rates, g, &state.mean[at], &state.mean_square[at], weights);
+    } else {
+      RmsProp(rates, g, &state.mean_square[at], weights);
+    }
+    at += weights.size();
+  });
+}
+
+}  // namespace tactus

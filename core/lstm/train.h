@@ -1,0 +1,96 @@
+// File: train.h
+//
+// Trains an LSTM by back-propagation through time (paper, Section "Algorithm
+// Parameters": RMSprop, cross entropy, dropout of 0.2 between the layers,
+// batches of 5, 10 epochs; these are the defaults here).
+//
+//   LstmTrainOptions options;
+//   options.loss.steps = LstmLoss::kEveryStep;
+//   options.patience = 5;
+//   TACTUS_ASSIGN_OR_RETURN(
+//       LstmTrained trained,
+//       TrainLstm({.network = network}, training, validation, options));
+//
+// A checkpoint, given after every epoch, holds all there is to go on from:
+// TrainLstm(checkpoint, ...) with the same data and options gives the bits of
+// the training that was not interrupted.
+//
+// The same seed gives the same bits on every CPU. Thread-safe: a free
+// function; one thread each.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "absl/functional/function_ref.h"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/lstm/backprop.h"
+#include "core/lstm/loss.h"
+#include "core/lstm/network.h"
+#include "core/lstm/optimizer.h"
+#include "core/lstm/sequence.h"
+
+namespace tactus {
+
+struct LstmTrainOptions {
+  int epochs = 10;
+  int batch_size = 5;
+  OptimizerOptions optimizer = {};
+  // The learning rate falls to 0 along half a cosine over all epochs.
+  bool cosine_decay = false;
+  LstmLossOptions loss = {};
+  LstmNoise noise = {.dropout = 0.2, .input = 0};
+  // Of the order of the sequences and of the noise.
+  uint64_t seed = 1;
+  // Stops after this many epochs in which the validation loss was no lower
+  // than before, and gives the network of the epoch at which it was lowest. 0
+  // = trains all epochs and gives the last network.
+  int patience = 0;
+};
+
+struct LstmEpoch {
+  int epoch = 0;  // from 1
+  // As trained with, noise included, while the weights moved.
+  double train_loss = 0;
+  double train_accuracy = 0;  // after the last step
+  // After the epoch, without noise; 0 without validation sequences.
+  double validation_loss = 0;
+  double validation_accuracy = 0;
+};
+
+struct LstmCheckpoint {
+  LstmNetwork network;
+  OptimizerState optimizer = {};
+  std::vector<LstmEpoch> history = {};  // epochs done
+  // With patience: the best epoch so far and its network.
+  int best_epoch = 0;
+  LstmNetwork best = {};
+};
+
+struct LstmTrained {
+  LstmNetwork network;
+  int epoch = 0;  // the network's
+  std::vector<LstmEpoch> history;
+};
+
+// Given after every epoch; an error ends the training with it.
+using LstmEpochSink =
+    absl::FunctionRef<absl::Status(const LstmEpoch&, const LstmCheckpoint&)>;
+
+inline absl::Status IgnoreEpoch(const LstmEpoch&, const LstmCheckpoint&) {
+  return absl::OkStatus();
+}
+
+// Starts from `from.network`, or goes on from a checkpoint. `validation` may be
+// empty without patience. INVALID_MODEL, INVALID_TRAINING_DATA or
+// INVALID_CONFIG for a bad argument; NUMERICAL_FAILURE if the loss or a weight
+// outgrows its numbers.
+absl::StatusOr<LstmTrained> TrainLstm(LstmCheckpoint from,
+                                      std::span<const LstmSequence> training,
+                                      std::span<const LstmSequence> validation,
+                                      const LstmTrainOptions& options,
+                                      LstmEpochSink on_epoch = IgnoreEpoch);
+
+}  // namespace tactus

@@ -1,0 +1,96 @@
+#include "core/lstm/gradient.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <vector>
+
+#include "core/base/errors.h"
+#include "gtest/gtest.h"
+#include "tests/core/lstm/plain_lstm.h"
+#include "tests/core/lstm/training_cases.h"
+
+namespace tactus {
+namespace {
+
+LstmNetwork Network(Activation activation, GateActivation gate,
+                    int regressions = 2) {
+  return RandomNetwork(3, {3, 17}, 4, activation, gate, 7, /*forget_bias=*/1,
+                       regressions);
+}
+
+LstmLossOptions EveryStep() {
+  return {.steps = LstmLoss::kEveryStep,
+          .first_step = 2,
+          .stride = 3,
+          .label_smoothing = 0.1,
+          .regression_weight = 0.7};
+}
+
+// Central difference of the plain loss, in double precision, by one weight.
+double Slope(LstmNetwork& network, float& weight,
+             std::span<const LstmSequence> batch,
+             const LstmLossOptions& options) {
+  const float at = weight;
+  const auto loss_at = [&](float value) {
+    weight = value;
+    return PlainLoss(network, batch, options);
+  };
+  const float above = at + 1e-5F;
+  const float below = at - 1e-5F;
+  const double slope =
+      (loss_at(above) - loss_at(below)) / (double{above} - double{below});
+  weight = at;
+  return slope;
+}
+
+// Largest difference of the gradient from finite differences,
+// relative to the largest slope of the tensor. Every tensor has a
+// slope that counts.
+double GradientError(LstmNetwork network, std::span<const LstmSequence> batch,
+                     const LstmLossOptions& options) {
+  auto got = LossAndGradient(network, batch, options);
+  EXPECT_TRUE(got.ok()) << got.status();
+  if (!got.ok()) return HUGE_VAL;
+  EXPECT_NEAR(got->loss, PlainLoss(network, batch, options), 1e-6);
+  double worst = 0;
+  const auto weights = Tensors(network);
+  const auto gradients = Tensors(got->gradient);
+  for (size_t i = 0; i < weights.size(); ++i) {
+    double largest = 0;
+    double error = 0;
+    for (size_t k = 0; k < weights[i].values->size(); ++k) {
+      const double slope =
+          Slope(network, (*weights[i].values)[k], batch, options);
+      largest = std::max(largest, std::abs(slope));
+      error = std::max(error, std::abs(slope - (*gradients[i].values)[k]));
+    }
+    EXPECT_GT(largest, 1e-4) << weights[i].name;
+    EXPECT_LE(error, 2e-5 * largest) << weights[i].name;
+    worst = std::max(worst, error / largest);
+  }
+  return worst;
+}
+
+TEST(LstmGradientTest, AgreesWithFiniteDifferences) {
+  double worst = 0;
+  for (const Activation activation : kActivations) {
+    for (const GateActivation gate : kGateActivations) {
+      for (const bool every : {false, true}) {
+        SCOPED_TRACE(Name(activation) + " " + Name(gate));
+        const LstmNetwork network = Network(activation, gate);
+        // Lengths out of order, two of them equal, one a single
+        // step.
+        const TrainingSet set = RandomTrainingSet(network, {4, 7, 1, 7, 3}, 21);
+        worst = std::max(
+            worst, GradientError(network, set.views,
+                                 every ? EveryStep() : LstmLossOptions{}));
+      }
+    }
+  }
+  std::printf("within %.1e of finite differences\n", worst);
+}
+
+}  // namespace
+}  // namespace tactus
