@@ -20,7 +20,7 @@ trap 'rm -rf "$work"' EXIT
   cd "$work"
   "$trainctl" simulate --protocol=paper --goal=0.019 --sensor=taxels --seed=1 \
     --out=paper-taxels.h5
-  "$trainctl" fit --data=paper-taxels.h5 --preset=default --features=f,m,a \
+  "$trainctl" fit --data=paper-taxels.h5 --preset=tuned --features=f,m,a \
     --seed=1 --out=default.tactus \
     --note="paper's simulated trials as taxel frames, goal 0.019 m"
 )

@@ -64,7 +64,9 @@ absl::StatusOr<Json> ClassifyTaxels(
 absl::StatusOr<Json> ClassifySignals(
     const Trial& trial, const std::shared_ptr<const CompiledModel>& model) {
   ContactClassifier classifier(model, {});
-  for (const FeatureVector& frame : trial.signals) classifier.Step(frame, 0);
+  for (const FeatureVector& signals : trial.signals) {
+    classifier.Step(IdealSample(signals), 0);
+  }
   return Answer(trial, model->model(), classifier, !trial.signals.empty());
 }
 

@@ -107,7 +107,7 @@ absl::Status Run(const Flags& flags) {
                             CompiledModel::Create(std::move(model)));
     TACTUS_ASSIGN_OR_RETURN(result, EvaluateModel(compiled, loaded.Pointers(),
                                                   algorithm, RunOnThreads));
-    features = FeaturesToString(compiled->model().features.features);
+    features = FeaturesToString(FeaturesUsed(compiled->model().features));
   }
   const Json json = ToJson(flags, features, loaded, result);
   if (flags.json) {

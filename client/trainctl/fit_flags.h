@@ -12,11 +12,15 @@
 namespace tactus::client {
 
 struct FitFlags {
-  std::string preset = "default";
+  std::string preset = "tuned";
   std::string features = "f,m,a";
   uint64_t seed = 1;
   int states = 0;
   int mixtures = 0;
+  int networks = -1;
+  int epochs = 0;
+  std::string hmm_cues;
+  std::string lstm_cues;
 
   void Add(CLI::App& command);
   // The preset with what the other flags change.

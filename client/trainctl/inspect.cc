@@ -8,6 +8,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/bundle/bundle.h"
+#include "core/classify/feature_input.h"
 #include "core/data/file_bytes.h"
 #include "core/data/trial_file.h"
 
@@ -44,11 +45,13 @@ absl::StatusOr<Json> InspectBundle(const std::string& path) {
       {"bytes", bytes.size()},
       {"sha256", BundleSha256(bytes)},
       {"classes", model.class_names},
-      {"features", FeaturesToString(model.features.features)},
+      {"features", FeaturesToString(FeaturesUsed(model.features))},
       {"sample_rate_hz", model.features.sample_rate_hz},
       {"hmms", hmms},
+      {"lstms", model.lstms.size()},
       {"lstm_parameters",
-       model.lstm ? Json(model.lstm->parameter_count()) : Json(nullptr)},
+       model.lstms.empty() ? Json(nullptr)
+                           : Json(model.lstms[0].parameter_count())},
       {"layout", model.layout.name},
       {"decision",
        {{"threshold", model.calibration.decision_threshold},

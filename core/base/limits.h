@@ -54,6 +54,7 @@ inline constexpr int kMaxClasses = 64;
 inline constexpr int kMaxHmmStates = 256;
 inline constexpr int kMaxHmmDimensions = 16;
 inline constexpr int kMaxHmmsPerClass = 256;
+inline constexpr int kMaxLstms = 16;
 inline constexpr int kMaxLstmLayers = 8;
 inline constexpr int kMaxLstmCells = 1'024;
 inline constexpr float kMaxLstmWeight = 1e6F;

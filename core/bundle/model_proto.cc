@@ -1,8 +1,10 @@
 #include "core/bundle/model_proto.h"
 
+#include <optional>
 #include <string>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/bundle/layout_proto.h"
@@ -65,35 +67,55 @@ constexpr EnumTable<Score, v1::HmmScore, 2> kHmmScores{
     {{Score::kForward, v1::HMM_SCORE_FORWARD},
      {Score::kViterbi, v1::HMM_SCORE_VITERBI}}};
 
-void ToProto(const FeatureSpec& spec, v1::FeatureSpec* out) {
-  for (Feature feature : spec.features) {
-    out->add_names(std::string(FeatureName(feature)));
+template <typename Names, typename Offsets, typename Scalings>
+void ToProto(const std::vector<ModelInput>& inputs, Names* names,
+             Offsets* log_offsets, Scalings* scalings) {
+  for (const ModelInput& input : inputs) {
+    names->Add(std::string(CueName(input.cue)));
+    log_offsets->Add(input.log_offset);
+    auto* scaling = scalings->Add();
+    scaling->set_offset(input.offset);
+    scaling->set_gain(input.gain);
   }
-  Assign(spec.log_offset, out->mutable_log_offset());
-  auto copy = [](const std::vector<FeatureScaling>& from, auto* to) {
-    for (const FeatureScaling& scaling : from) {
-      auto* row = to->Add();
-      row->set_offset(scaling.offset);
-      row->set_gain(scaling.gain);
-    }
-  };
-  copy(spec.hmm_scaling, out->mutable_hmm_scaling());
-  copy(spec.lstm_scaling, out->mutable_lstm_scaling());
+}
+
+template <typename Names, typename Offsets, typename Scalings>
+absl::StatusOr<std::vector<ModelInput>> FromProto(const Names& names,
+                                                  const Offsets& log_offsets,
+                                                  const Scalings& scalings) {
+  if (log_offsets.size() != names.size() || scalings.size() != names.size()) {
+    return InvalidModel("features sizes",
+                        absl::StrCat(log_offsets.size(), ", ", scalings.size()),
+                        absl::StrCat(names.size(), ", one a name"));
+  }
+  std::vector<ModelInput> inputs;
+  for (int i = 0; i < names.size(); ++i) {
+    const std::optional<Cue> cue = ParseCue(names[i]);
+    if (!cue) return InvalidModel("features name", names[i], "a known cue");
+    inputs.push_back(
+        {*cue, log_offsets[i], scalings[i].offset(), scalings[i].gain()});
+  }
+  return inputs;
+}
+
+void ToProto(const FeatureSpec& spec, v1::FeatureSpec* out) {
+  ToProto(spec.hmm, out->mutable_names(), out->mutable_log_offset(),
+          out->mutable_hmm_scaling());
+  ToProto(spec.lstm, out->mutable_lstm_names(), out->mutable_lstm_log_offset(),
+          out->mutable_lstm_scaling());
+  out->set_lstm_first_interval(spec.lstm_steps.first);
+  out->set_lstm_last_interval(spec.lstm_steps.last);
   out->set_sample_rate_hz(spec.sample_rate_hz);
 }
 
 absl::StatusOr<FeatureSpec> FromProto(const v1::FeatureSpec& in) {
   FeatureSpec spec;
-  for (const std::string& name : in.names()) {
-    TACTUS_ASSIGN_OR_RETURN(auto features, ParseFeatures(name));
-    spec.features.push_back(features.front());
-  }
-  spec.log_offset = ToVector(in.log_offset());
-  auto copy = [](const auto& from, std::vector<FeatureScaling>& to) {
-    for (const auto& row : from) to.push_back({row.offset(), row.gain()});
-  };
-  copy(in.hmm_scaling(), spec.hmm_scaling);
-  copy(in.lstm_scaling(), spec.lstm_scaling);
+  TACTUS_ASSIGN_OR_RETURN(
+      spec.hmm, FromProto(in.names(), in.log_offset(), in.hmm_scaling()));
+  TACTUS_ASSIGN_OR_RETURN(
+      spec.lstm,
+      FromProto(in.lstm_names(), in.lstm_log_offset(), in.lstm_scaling()));
+  spec.lstm_steps = {in.lstm_first_interval(), in.lstm_last_interval()};
   spec.sample_rate_hz = in.sample_rate_hz();
   return spec;
 }
@@ -198,22 +220,26 @@ Provenance FromProto(const v1::Provenance& in) {
 }
 
 void ToProto(const WarmUpTrial& trial, v1::WarmUpTrial* out) {
-  for (const FeatureVector& frame : trial.signals) {
-    for (double value : frame) out->add_signals(value);
+  for (const ContactSample& sample : trial.samples) {
+    for (double value : sample.features) out->add_signals(value);
+    out->add_net_force(sample.net_force);
   }
   Assign(trial.probability, out->mutable_probability());
   Assign(trial.log_likelihood, out->mutable_log_likelihood());
 }
 
 absl::StatusOr<WarmUpTrial> FromProto(const v1::WarmUpTrial& in) {
-  if (in.signals_size() % kFeatureCount != 0) {
+  if (in.signals_size() != kFeatureCount * in.net_force_size()) {
     return InvalidModel("warm_up.signals size", in.signals_size(),
-                        "a multiple of 3");
+                        absl::StrCat(kFeatureCount * in.net_force_size(),
+                                     ", three a net force"));
   }
   WarmUpTrial trial;
-  trial.signals.resize(in.signals_size() / kFeatureCount);
+  trial.samples.resize(in.net_force_size());
   for (int i = 0; i < in.signals_size(); ++i) {
-    trial.signals[i / kFeatureCount][i % kFeatureCount] = in.signals(i);
+    ContactSample& sample = trial.samples[i / kFeatureCount];
+    sample.features[i % kFeatureCount] = in.signals(i);
+    sample.net_force = in.net_force(i / kFeatureCount);
   }
   trial.probability = ToVector(in.probability());
   trial.log_likelihood = ToVector(in.log_likelihood());
@@ -236,7 +262,9 @@ v1::ModelBundle ModelToProto(const Model& model) {
     }
   }
   bundle.set_hmm_score(kHmmScores.ToWire(model.hmm_score));
-  if (model.lstm) ToProto(*model.lstm, bundle.mutable_lstm());
+  for (const LstmNetwork& network : model.lstms) {
+    ToProto(network, bundle.add_lstm());
+  }
   ToProto(model.calibration, bundle.mutable_calibration());
   bundle.set_layout_class(model.layout.name);
   if (!model.layout.name.empty()) {
@@ -262,9 +290,9 @@ absl::StatusOr<Model> ModelFromProto(const v1::ModelBundle& bundle) {
   }
   TACTUS_ASSIGN_OR_RETURN(model.hmm_score,
                           kHmmScores.FromWire(bundle.hmm_score()));
-  if (bundle.has_lstm()) {
-    TACTUS_ASSIGN_OR_RETURN(LstmNetwork lstm, FromProto(bundle.lstm()));
-    model.lstm = std::move(lstm);
+  for (const v1::LstmNetwork& row : bundle.lstm()) {
+    TACTUS_ASSIGN_OR_RETURN(LstmNetwork lstm, FromProto(row));
+    model.lstms.push_back(std::move(lstm));
   }
   model.calibration = FromProto(bundle.calibration());
   if (!bundle.layout_class().empty()) {

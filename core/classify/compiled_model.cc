@@ -32,15 +32,16 @@ absl::Status CheckClassNames(const std::vector<std::string>& names) {
 
 absl::Status CheckWarmUp(const Model& model) {
   const WarmUpTrial& trial = model.warm_up;
-  if (trial.signals.empty()) return absl::OkStatus();
+  if (trial.samples.empty()) return absl::OkStatus();
   for (const auto* answer : {&trial.probability, &trial.log_likelihood}) {
     if (answer->size() != model.class_names.size()) {
       return InvalidModel("warm_up answer size", answer->size(),
                           absl::StrCat(model.classes()));
     }
   }
-  for (const FeatureVector& frame : trial.signals) {
-    for (double value : frame) {
+  for (const ContactSample& sample : trial.samples) {
+    for (double value : {sample.features[0], sample.features[1],
+                         sample.features[2], sample.net_force}) {
       if (!std::isfinite(value)) {
         return InvalidModel("warm_up.signals", value, "finite");
       }
@@ -53,7 +54,7 @@ absl::Status CheckWarmUp(const Model& model) {
 
 absl::StatusOr<std::shared_ptr<const CompiledModel>> CompiledModel::Create(
     Model model) {
-  const bool has_lstm = model.lstm.has_value();
+  const bool has_lstm = !model.lstms.empty();
   TACTUS_RETURN_IF_ERROR(CheckClassNames(model.class_names));
   TACTUS_RETURN_IF_ERROR(Validate(model.features, has_lstm));
   TACTUS_RETURN_IF_ERROR(
@@ -69,24 +70,30 @@ absl::StatusOr<std::shared_ptr<const CompiledModel>> CompiledModel::Create(
 
   std::shared_ptr<CompiledModel> compiled(new CompiledModel(std::move(model)));
   const Model& m = compiled->model_;
-  const int inputs = static_cast<int>(m.features.features.size());
+  const int inputs = static_cast<int>(m.features.hmm.size());
   compiled->hmms_.reserve(m.hmms.size());
   for (const HmmMixture& mixture : m.hmms) {
     TACTUS_ASSIGN_OR_RETURN(auto hmm, CompiledMixture::Create(mixture));
     if (hmm.dimensions() != inputs) {
       return InvalidModel("HMM dimensions", hmm.dimensions(),
-                          absl::StrCat(inputs, ", the number of features"));
+                          absl::StrCat(inputs, ", the number of HMM inputs"));
     }
     compiled->hmms_.push_back(std::move(hmm));
   }
-  if (has_lstm) {
-    if (m.lstm->layers.empty() || m.lstm->layers[0].inputs != inputs ||
-        m.lstm->classes() != m.classes()) {
-      return InvalidModel("LSTM inputs and classes", "other than the model's",
-                          absl::StrCat(inputs, " and ", m.classes()));
+  if (m.lstms.size() > limits::kMaxLstms) {
+    return InvalidModel("number of LSTMs", m.lstms.size(),
+                        absl::StrCat("at most ", limits::kMaxLstms));
+  }
+  const int lstm_inputs = static_cast<int>(m.features.lstm.size());
+  for (const LstmNetwork& network : m.lstms) {
+    if (network.inputs() != lstm_inputs || network.classes() != m.classes()) {
+      return InvalidModel(
+          "LSTM inputs and classes",
+          absl::StrCat(network.inputs(), " and ", network.classes()),
+          absl::StrCat(lstm_inputs, " and ", m.classes()));
     }
-    TACTUS_ASSIGN_OR_RETURN(auto lstm, CompiledLstm::Create(*m.lstm));
-    compiled->lstm_.emplace(std::move(lstm));
+    TACTUS_ASSIGN_OR_RETURN(auto lstm, CompiledLstm::Create(network));
+    compiled->lstms_.push_back(std::move(lstm));
   }
   return std::shared_ptr<const CompiledModel>(std::move(compiled));
 }
@@ -98,7 +105,9 @@ absl::Status RunWarmUp(const CompiledModel& model) {
   ContactClassifier classifier(
       std::shared_ptr<const CompiledModel>(std::shared_ptr<void>(), &model),
       {});
-  for (const FeatureVector& frame : trial.signals) classifier.Step(frame, 0);
+  for (const ContactSample& sample : trial.samples) {
+    classifier.Step(sample, 0);
+  }
   for (size_t k = 0; k < trial.probability.size(); ++k) {
     const double got = classifier.probability()[k];
     if (!(std::abs(got - trial.probability[k]) <= kTolerance)) {

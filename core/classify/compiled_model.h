@@ -6,7 +6,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -24,15 +23,15 @@ class CompiledModel {
   const Model& model() const { return model_; }
   // One per class.
   const std::vector<CompiledMixture>& hmms() const { return hmms_; }
-  // Null without an LSTM.
-  const CompiledLstm* lstm() const { return lstm_ ? &*lstm_ : nullptr; }
+  // Empty without an LSTM.
+  const std::vector<CompiledLstm>& lstms() const { return lstms_; }
 
  private:
   explicit CompiledModel(Model model) : model_(std::move(model)) {}
 
   Model model_;
   std::vector<CompiledMixture> hmms_;
-  std::optional<CompiledLstm> lstm_;
+  std::vector<CompiledLstm> lstms_;
 };
 
 // OK if replaying the model's warm-up trial gives its stored answer; else

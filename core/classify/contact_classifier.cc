@@ -11,7 +11,7 @@ namespace tactus {
 
 ContactClassifier::ContactClassifier(std::shared_ptr<const CompiledModel> model,
                                      const Options& options)
-    : model_(std::move(model)) {
+    : model_(std::move(model)), cues_(model_->model().features.sample_rate_hz) {
   const Model& m = model_->model();
   const Calibration& c = m.calibration;
   decision_threshold_ = options.decision_threshold > 0
@@ -23,7 +23,7 @@ ContactClassifier::ContactClassifier(std::shared_ptr<const CompiledModel> model,
   for (const CompiledMixture& mixture : model_->hmms()) {
     hmms_.emplace_back(mixture, m.hmm_score);
   }
-  hmm_input_.resize(m.features.features.size());
+  hmm_input_.resize(m.features.hmm.size());
   const size_t classes = m.class_names.size();
   log_likelihood_.resize(classes);
   hmm_probability_.resize(classes);
@@ -32,24 +32,29 @@ ContactClassifier::ContactClassifier(std::shared_ptr<const CompiledModel> model,
   std::transform(c.prior.begin(), c.prior.end(), log_prior_.begin(),
                  [](double p) { return std::log(p); });
   recent_best_.resize(kStabilityWindow);
-  if (model_->lstm() != nullptr) {
-    lstm_.emplace(*model_->lstm());
-    lstm_input_.resize(m.features.features.size());
+  for (const CompiledLstm& lstm : model_->lstms()) lstms_.emplace_back(lstm);
+  if (!lstms_.empty()) {
+    lstm_input_.resize(m.features.lstm.size());
+    lstm_score_.resize(classes);
     lstm_probability_.resize(classes);
   }
   Reset();
 }
 
 void ContactClassifier::Reset() {
-  const std::vector<double>& prior = model_->model().calibration.prior;
+  const Model& m = model_->model();
+  const std::vector<double>& prior = m.calibration.prior;
+  cues_.Reset();
   for (MixtureFilter& filter : hmms_) filter.Reset();
-  if (lstm_) lstm_->Reset();
+  for (LstmStepper& lstm : lstms_) lstm.Reset();
   std::fill(log_likelihood_.begin(), log_likelihood_.end(), 0.0);
   std::copy(prior.begin(), prior.end(), hmm_probability_.begin());
   std::copy(prior.begin(), prior.end(), probability_.begin());
-  if (lstm_) {
+  if (!lstms_.empty()) {
     std::copy(prior.begin(), prior.end(), lstm_probability_.begin());
+    std::fill(lstm_score_.begin(), lstm_score_.end(), 0.0);
   }
+  lstm_due_ = m.features.lstm_steps.first;
   unknown_ = 0;
   frames_ = 0;
   scored_frames_ = 0;
@@ -59,26 +64,38 @@ void ContactClassifier::Reset() {
   decision_.reset();
 }
 
-void ContactClassifier::Step(const FeatureVector& features,
+void ContactClassifier::Step(const ContactSample& sample,
                              uint64_t missing_before) {
-  const Model& m = model_->model();
   const int bridged = static_cast<int>(
       std::min<uint64_t>(missing_before, limits::kMaxBridgedFrames));
   frames_ += missing_before + 1;
   ++scored_frames_;
+  cues_.Step(sample, frames_);
 
-  MakeInput(m.features, m.features.hmm_scaling, features, hmm_input_);
+  MakeInput(model_->model().features.hmm, cues_, hmm_input_);
   for (size_t k = 0; k < hmms_.size(); ++k) {
     if (bridged > 0) hmms_[k].Skip(bridged);
     hmms_[k].Step(hmm_input_);
     log_likelihood_[k] = hmms_[k].log_likelihood();
   }
-  if (lstm_) {
-    MakeInput(m.features, m.features.lstm_scaling, features, lstm_input_);
-    for (int i = 0; i <= bridged; ++i) lstm_->Step(lstm_input_);
-  }
+  if (!lstms_.empty() && frames_ >= lstm_due_) StepLstms();
   UpdateProbabilities();
   UpdateDecision();
+}
+
+void ContactClassifier::StepLstms() {
+  const FeatureSpec& spec = model_->model().features;
+  MakeLstmInput(spec.lstm, cues_, lstm_input_);
+  for (LstmStepper& lstm : lstms_) lstm.Step(lstm_input_);
+  lstm_due_ = spec.lstm_steps.Next(frames_);
+  const double share = 1 / static_cast<double>(lstms_.size());
+  for (size_t k = 0; k < lstm_score_.size(); ++k) {
+    double mean = 0;
+    for (const LstmStepper& lstm : lstms_) {
+      mean += share * lstm.probability()[k];
+    }
+    lstm_score_[k] = std::log(mean);
+  }
 }
 
 void ContactClassifier::UpdateProbabilities() {
@@ -86,9 +103,9 @@ void ContactClassifier::UpdateProbabilities() {
       CalibrationAt(model_->model().calibration, static_cast<double>(frames_));
   TemperedPosterior(log_prior_, log_likelihood_, point.hmm_temperature,
                     hmm_probability_);
-  if (lstm_) {
-    TemperedPosterior(log_prior_, lstm_->log_probability(),
-                      point.lstm_temperature, lstm_probability_);
+  if (!lstms_.empty()) {
+    TemperedPosterior(log_prior_, lstm_score_, point.lstm_temperature,
+                      lstm_probability_);
     FusePosteriors(hmm_probability_, lstm_probability_, point.lstm_weight,
                    probability_);
   } else {

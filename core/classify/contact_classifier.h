@@ -3,11 +3,12 @@
 // ContactClassifier: running class probabilities of one contact.
 //
 //   ContactClassifier classifier(model, {});
-//   for (const FeatureVector& frame : contact) classifier.Step(frame, 0);
+//   for (const ContactSample& sample : contact) classifier.Step(sample, 0);
 //   classifier.probability();
 //
 // Scores every category's HMMs by the incremental forward algorithm (or
-// Viterbi) and the LSTM, one call a frame, constant memory, no allocation.
+// Viterbi) on every frame and the LSTMs at their intervals; constant memory, no
+// allocation.
 //
 // Holds a share of the model. Not thread-safe: one per stream.
 #pragma once
@@ -19,7 +20,7 @@
 #include <vector>
 
 #include "core/classify/compiled_model.h"
-#include "core/features/feature.h"
+#include "core/features/cues.h"
 
 namespace tactus {
 
@@ -45,9 +46,9 @@ class ContactClassifier {
   void Reset();
 
   // Takes the next frame's features; `missing_before` frames were lost
-  // directly before it: the HMMs predict across them, the LSTM repeats the
-  // frame (at most limits::kMaxBridgedFrames).
-  void Step(const FeatureVector& features, uint64_t missing_before);
+  // directly before it: the HMMs predict across them (at most
+  // limits::kMaxBridgedFrames), the LSTMs miss the steps that were due.
+  void Step(const ContactSample& sample, uint64_t missing_before);
 
   // Takes a frame in which touch was lost: time passes, scores rest.
   void Hold(uint64_t missing_before) { frames_ += missing_before + 1; }
@@ -56,6 +57,9 @@ class ContactClassifier {
   uint64_t frames() const { return frames_; }
   // log p(features | class), one per class.
   std::span<const double> log_likelihood() const { return log_likelihood_; }
+  // Log of the LSTMs' mean probability before calibration, one per class;
+  // empty without an LSTM.
+  std::span<const double> lstm_score() const { return lstm_score_; }
   // Sum to 1 over the classes; the prior before the first frame.
   std::span<const double> probability() const { return probability_; }
   std::span<const double> hmm_probability() const { return hmm_probability_; }
@@ -72,6 +76,7 @@ class ContactClassifier {
   static constexpr int kStabilityWindow = 16;
 
  private:
+  void StepLstms();
   void UpdateProbabilities();
   void UpdateDecision();
 
@@ -79,20 +84,25 @@ class ContactClassifier {
   double decision_threshold_;
   uint32_t decision_frames_;
 
+  CueTracker cues_;
   std::vector<MixtureFilter> hmms_;
-  std::optional<LstmStepper> lstm_;
+  std::vector<LstmStepper> lstms_;
 
   std::vector<double> hmm_input_;
   std::vector<double> lstm_input_;
   std::vector<double> log_likelihood_;
   std::vector<double> log_prior_;
   std::vector<double> hmm_probability_;
+  // Log of the networks' mean probability; 0 before their first step.
+  std::vector<double> lstm_score_;
   std::vector<double> lstm_probability_;
   std::vector<double> probability_;
   double unknown_ = 0;
 
   uint64_t frames_ = 0;
   uint64_t scored_frames_ = 0;
+  // The LSTMs' next step is due at this frame.
+  uint64_t lstm_due_ = 0;
   int best_class_ = 0;
   // Best classes of the last frames, a ring.
   std::vector<int> recent_best_;

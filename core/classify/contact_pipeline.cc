@@ -75,7 +75,7 @@ const ContactReport& ContactPipeline::Step(const FrameView& frame) {
     const uint64_t missing = report_.onset ? 0 : frame.missing_before;
     const bool decided_before = classifier_.decision().has_value();
     if (report_.features.touched) {
-      classifier_.Step(report_.features.vector(), missing);
+      classifier_.Step(report_.features.sample(), missing);
     } else {
       classifier_.Hold(missing);
     }

@@ -1,7 +1,9 @@
 #include "core/classify/feature_input.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
@@ -11,16 +13,22 @@
 namespace tactus {
 namespace {
 
-absl::Status CheckScaling(absl::string_view name,
-                          const std::vector<FeatureScaling>& scaling,
-                          size_t count) {
-  if (scaling.size() != count) {
-    return InvalidModel(absl::StrCat(name, " size"), scaling.size(),
-                        absl::StrCat(count));
-  }
-  for (const FeatureScaling& s : scaling) {
-    if (!std::isfinite(s.offset) || !std::isfinite(s.gain) || s.gain == 0) {
-      return InvalidModel(name, absl::StrCat(s.offset, ", ", s.gain),
+absl::Status CheckInputs(absl::string_view name,
+                         std::span<const ModelInput> inputs) {
+  std::array<bool, kCueCount> seen = {};
+  for (const ModelInput& input : inputs) {
+    const absl::string_view cue = CueName(input.cue);
+    if (std::exchange(seen[static_cast<int>(input.cue)], true)) {
+      return InvalidModel(name, absl::StrCat(cue, " twice"), "without repeats");
+    }
+    if (!(input.log_offset >= 0 && std::isfinite(input.log_offset))) {
+      return InvalidModel(absl::StrCat("log_offset of ", name, " ", cue),
+                          input.log_offset, "finite, at least 0");
+    }
+    if (!std::isfinite(input.offset) || !std::isfinite(input.gain) ||
+        input.gain == 0) {
+      return InvalidModel(absl::StrCat("scaling of ", name, " ", cue),
+                          absl::StrCat(input.offset, ", ", input.gain),
                           "finite with a gain other than 0");
     }
   }
@@ -29,47 +37,60 @@ absl::Status CheckScaling(absl::string_view name,
 
 }  // namespace
 
-double TransformFeature(const FeatureSpec& spec, size_t index,
-                        const FeatureVector& features) {
-  const double value = features[static_cast<int>(spec.features[index])];
-  const double offset = spec.log_offset[index];
-  return offset == 0 ? value : std::log(std::max(value, 0.0) + offset);
+double TransformCue(double value, double log_offset) {
+  return log_offset == 0 ? value : std::log(std::max(value, 0.0) + log_offset);
 }
 
-void MakeInput(const FeatureSpec& spec,
-               const std::vector<FeatureScaling>& scaling,
-               const FeatureVector& features, std::span<double> out) {
+void MakeInput(std::span<const ModelInput> inputs, const CueTracker& cues,
+               std::span<double> out) {
   for (size_t i = 0; i < out.size(); ++i) {
-    out[i] = (TransformFeature(spec, i, features) - scaling[i].offset) *
-             scaling[i].gain;
+    const ModelInput& input = inputs[i];
+    out[i] =
+        (TransformCue(cues.value(input.cue), input.log_offset) - input.offset) *
+        input.gain;
   }
+}
+
+void MakeLstmInput(std::span<const ModelInput> inputs, const CueTracker& cues,
+                   std::span<double> out) {
+  MakeInput(inputs, cues, out);
+  for (double& value : out) {
+    value = std::clamp(value, -kLargestLstmInput, kLargestLstmInput);
+  }
+}
+
+std::vector<Feature> FeaturesUsed(const FeatureSpec& spec) {
+  std::vector<Feature> used;
+  for (int f = 0; f < kFeatureCount; ++f) {
+    const Feature feature = static_cast<Feature>(f);
+    auto needs = [&](const ModelInput& input) {
+      return NeedsFeature(input.cue, feature);
+    };
+    if (std::any_of(spec.hmm.begin(), spec.hmm.end(), needs) ||
+        std::any_of(spec.lstm.begin(), spec.lstm.end(), needs)) {
+      used.push_back(feature);
+    }
+  }
+  return used;
 }
 
 absl::Status Validate(const FeatureSpec& spec, bool has_lstm) {
-  const size_t count = spec.features.size();
-  if (count < 1 || count > kFeatureCount) {
-    return InvalidModel("number of features", count, "1 to 3");
+  if (spec.hmm.empty()) {
+    return InvalidModel("number of HMM inputs", 0, "at least 1");
   }
-  for (size_t i = 0; i < count; ++i) {
-    if (std::count(spec.features.begin(), spec.features.end(),
-                   spec.features[i]) != 1) {
-      return InvalidModel("features", FeaturesToString(spec.features),
-                          "without repeats");
-    }
+  if (spec.lstm.empty() == has_lstm) {
+    return InvalidModel("number of LSTM inputs", spec.lstm.size(),
+                        has_lstm ? "at least 1" : "0 without an LSTM");
   }
-  if (spec.log_offset.size() != count) {
-    return InvalidModel("features.log_offset size", spec.log_offset.size(),
-                        absl::StrCat(count));
+  TACTUS_RETURN_IF_ERROR(CheckInputs("HMM input", spec.hmm));
+  TACTUS_RETURN_IF_ERROR(CheckInputs("LSTM input", spec.lstm));
+  const StepIntervals& steps = spec.lstm_steps;
+  if (steps.first < 1 || steps.last < steps.first ||
+      steps.last > limits::kMaxBridgedFrames) {
+    return InvalidModel(
+        "lstm_steps", absl::StrCat(steps.first, ", ", steps.last),
+        absl::StrCat("1 <= first <= last <= ", limits::kMaxBridgedFrames));
   }
-  for (double offset : spec.log_offset) {
-    if (!(offset >= 0 && std::isfinite(offset))) {
-      return InvalidModel("features.log_offset", offset, "finite, at least 0");
-    }
-  }
-  TACTUS_RETURN_IF_ERROR(
-      CheckScaling("features.hmm_scaling", spec.hmm_scaling, count));
-  TACTUS_RETURN_IF_ERROR(CheckScaling("features.lstm_scaling",
-                                      spec.lstm_scaling, has_lstm ? count : 0));
   if (!(spec.sample_rate_hz > 0 &&
         spec.sample_rate_hz <= limits::kMaxSampleRateHz)) {
     return InvalidModel(

@@ -1,7 +1,7 @@
 // File: feature_input.h
 //
-// From the three natural features to the inputs of the models, as the
-// FeatureSpec says. Used on every frame and when fitting.
+// From cues to the inputs of the models, as the FeatureSpec says. Used on every
+// frame and when fitting.
 //
 // Thread-safe: free functions without state. Nothing allocates.
 #pragma once
@@ -12,14 +12,22 @@
 
 namespace tactus {
 
-// The used feature number `index` before scaling: x or log(max(x, 0) + c).
-double TransformFeature(const FeatureSpec& spec, size_t index,
-                        const FeatureVector& features);
+// LSTM inputs are held within this many scaled units: beyond, a cue is out of
+// what was trained on, and how far does not matter.
+inline constexpr double kLargestLstmInput = 5;
 
-// Writes spec.features.size() scaled inputs to `out`.
-void MakeInput(const FeatureSpec& spec,
-               const std::vector<FeatureScaling>& scaling,
-               const FeatureVector& features, std::span<double> out);
+// A cue before scaling: x or log(max(x, 0) + log_offset).
+double TransformCue(double value, double log_offset);
+
+// Writes inputs.size() scaled inputs to `out`.
+void MakeInput(std::span<const ModelInput> inputs, const CueTracker& cues,
+               std::span<double> out);
+// The same, held within kLargestLstmInput.
+void MakeLstmInput(std::span<const ModelInput> inputs, const CueTracker& cues,
+                   std::span<double> out);
+
+// The features that the inputs of both models are computed from.
+std::vector<Feature> FeaturesUsed(const FeatureSpec& spec);
 
 // INVALID_MODEL naming what is wrong.
 absl::Status Validate(const FeatureSpec& spec, bool has_lstm);

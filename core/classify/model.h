@@ -7,11 +7,12 @@
 // Copyable; safe to share between threads once built.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/features/cues.h"
 #include "core/features/feature.h"
 #include "core/hmm/mixture.h"
 #include "core/lstm/network.h"
@@ -19,21 +20,34 @@
 
 namespace tactus {
 
-// x -> (g(x) - offset) * gain.
-struct FeatureScaling {
+// One input of a model: cue x -> (g(x) - offset) * gain, where g(x) is x if
+// log_offset is 0, else log(max(x, 0) + log_offset).
+struct ModelInput {
+  Cue cue = Cue::kForce;
+  double log_offset = 0;
   double offset = 0;
   double gain = 1;
 };
 
-// How the three natural features become model inputs.
+// When the LSTM is stepped: a contact changes fast at first and slowly later.
+// The interval between steps is a tenth of the frames since onset, but at least
+// `first` and at most `last` frames. 1 and 1 step it on every frame.
+struct StepIntervals {
+  uint32_t first = 1;
+  uint32_t last = 1;
+
+  uint64_t Next(uint64_t frames) const {
+    return frames + std::clamp<uint64_t>(frames / 10, first, last);
+  }
+};
+
+// How the frames of a contact become model inputs.
 struct FeatureSpec {
-  // Features used, in the order of the models' inputs; at least one.
-  std::vector<Feature> features;
-  // Per used feature: 0 keeps x, above 0 takes log(max(x, 0) + log_offset).
-  std::vector<double> log_offset;
-  // Per used feature. The LSTM's is empty without an LSTM.
-  std::vector<FeatureScaling> hmm_scaling;
-  std::vector<FeatureScaling> lstm_scaling;
+  // At least one.
+  std::vector<ModelInput> hmm;
+  // Empty without an LSTM.
+  std::vector<ModelInput> lstm;
+  StepIntervals lstm_steps;
   // Frames per second the models were trained at.
   double sample_rate_hz = 100;
 };
@@ -66,9 +80,9 @@ struct Provenance {
   std::string note;
 };
 
-// Features of one contact and the answers they must give.
+// Touched frames of one contact and the answers they must give.
 struct WarmUpTrial {
-  std::vector<FeatureVector> signals;
+  std::vector<ContactSample> samples;
   std::vector<double> probability;
   std::vector<double> log_likelihood;
 };
@@ -79,7 +93,9 @@ struct Model {
   // One mixture per class.
   std::vector<HmmMixture> hmms;
   Score hmm_score = Score::kForward;
-  std::optional<LstmNetwork> lstm;
+  // Networks of one shape whose mean probability is the LSTM's answer; empty
+  // for HMMs alone.
+  std::vector<LstmNetwork> lstms;
   Calibration calibration;
   // Skin of the training data; an empty name fits any skin.
   SkinLayout layout;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/classify/calibration.h"
 #include "core/classify/contact_classifier.h"
@@ -10,36 +11,46 @@
 namespace tactus {
 namespace {
 
-// Never sharper than the model itself.
-constexpr double kMaxTemperature = 1;
+using Scores = std::vector<std::vector<double>>;
+
 constexpr double kMinTemperature = 1e-4;
+// HMMs are never sharpened: the frames of a contact say less than they claim.
+constexpr double kMaxHmmTemperature = 1;
+constexpr double kMaxLstmTemperature = 4;
+// Weights tried are multiples of one over this.
+constexpr int kWeightSteps = 20;
 // Keeps a constant score from making everything else unknown.
 constexpr double kMinEvidenceDeviation = 0.5;
 
-// Mean negative log-likelihood of the labels at `time` under a temperature.
-double Loss(std::span<const ScoredContact> contacts, size_t time,
-            std::span<const double> log_prior, double temperature) {
+// Probabilities of the classes of every contact under a temperature.
+std::vector<Outcome> Temper(std::span<const ScoredContact> contacts,
+                            Scores ScoredContact::*scores, size_t time,
+                            std::span<const double> log_prior,
+                            double temperature) {
   std::vector<Outcome> outcomes;
   outcomes.reserve(contacts.size());
   for (const ScoredContact& contact : contacts) {
     Outcome outcome{contact.label, std::vector<double>(log_prior.size())};
-    TemperedPosterior(log_prior, contact.log_likelihood[time], temperature,
+    TemperedPosterior(log_prior, (contact.*scores)[time], temperature,
                       outcome.probability);
     outcomes.push_back(std::move(outcome));
   }
-  return NegativeLogLikelihood(outcomes);
+  return outcomes;
 }
 
-// Golden-section search for the temperature, in its logarithm.
-double BestTemperature(std::span<const ScoredContact> contacts, size_t time,
-                       std::span<const double> log_prior) {
+// Golden-section search for the logarithm of the temperature at which the
+// labels are most likely.
+double BestTemperature(std::span<const ScoredContact> contacts,
+                       Scores ScoredContact::*scores, size_t time,
+                       std::span<const double> log_prior, double most) {
   constexpr double kGolden = 0.6180339887498949;
   constexpr int kSteps = 40;
   auto loss = [&](double x) {
-    return Loss(contacts, time, log_prior, std::exp(x));
+    return NegativeLogLikelihood(
+        Temper(contacts, scores, time, log_prior, std::exp(x)));
   };
   double low = std::log(kMinTemperature);
-  double high = std::log(kMaxTemperature);
+  double high = std::log(most);
   double a = high - kGolden * (high - low);
   double b = low + kGolden * (high - low);
   double loss_a = loss(a);
@@ -62,6 +73,46 @@ double BestTemperature(std::span<const ScoredContact> contacts, size_t time,
   return std::exp(0.5 * (low + high));
 }
 
+// The LSTM's share at which the fused labels are most likely.
+double BestWeight(std::span<const Outcome> hmm, std::span<const Outcome> lstm) {
+  double best_weight = 0;
+  double best_loss = std::numeric_limits<double>::infinity();
+  std::vector<Outcome> fused(hmm.begin(), hmm.end());
+  for (int step = 0; step <= kWeightSteps; ++step) {
+    const double weight = static_cast<double>(step) / kWeightSteps;
+    for (size_t i = 0; i < fused.size(); ++i) {
+      FusePosteriors(hmm[i].probability, lstm[i].probability, weight,
+                     fused[i].probability);
+    }
+    const double loss = NegativeLogLikelihood(fused);
+    if (loss < best_loss) {
+      best_loss = loss;
+      best_weight = weight;
+    }
+  }
+  return best_weight;
+}
+
+// What the best class's log-likelihood per frame is like.
+void FitEvidence(std::span<const ScoredContact> contacts, size_t time,
+                 Calibration& calibration) {
+  double sum = 0;
+  double sum_of_squares = 0;
+  for (const ScoredContact& contact : contacts) {
+    const auto& scores = contact.log_likelihood[time];
+    const double evidence =
+        *std::max_element(scores.begin(), scores.end()) / contact.frames[time];
+    sum += evidence;
+    sum_of_squares += evidence * evidence;
+  }
+  const double count = static_cast<double>(contacts.size());
+  const double mean = sum / count;
+  const double variance = std::max(0.0, sum_of_squares / count - mean * mean);
+  calibration.evidence_mean.push_back(mean);
+  calibration.evidence_deviation.push_back(
+      std::max(std::sqrt(variance), kMinEvidenceDeviation));
+}
+
 }  // namespace
 
 std::vector<double> CalibrationFrames(double rate) {
@@ -81,6 +132,8 @@ ScoredContact ScoreContact(const std::shared_ptr<const CompiledModel>& model,
   auto record = [&] {
     const auto scores = classifier.log_likelihood();
     scored.log_likelihood.emplace_back(scores.begin(), scores.end());
+    const auto lstm = classifier.lstm_score();
+    if (!lstm.empty()) scored.lstm_score.emplace_back(lstm.begin(), lstm.end());
     scored.frames.push_back(static_cast<double>(classifier.frames()));
   };
   const auto times = CalibrationFrames(contact.sample_rate_hz);
@@ -98,30 +151,28 @@ ScoredContact ScoreContact(const std::shared_ptr<const CompiledModel>& model,
 
 void FitCalibration(std::span<const ScoredContact> contacts, double rate,
                     Calibration& calibration) {
-  calibration.frames = CalibrationFrames(rate);
-  calibration.hmm_temperature.clear();
-  calibration.evidence_mean.clear();
-  calibration.evidence_deviation.clear();
+  Calibration& c = calibration;
+  c.frames = CalibrationFrames(rate);
+  for (auto* table : {&c.hmm_temperature, &c.lstm_temperature, &c.lstm_weight,
+                      &c.evidence_mean, &c.evidence_deviation}) {
+    table->clear();
+  }
   std::vector<double> log_prior;
-  for (double p : calibration.prior) log_prior.push_back(std::log(p));
-  for (size_t time = 0; time < calibration.frames.size(); ++time) {
-    calibration.hmm_temperature.push_back(
-        BestTemperature(contacts, time, log_prior));
-    double sum = 0;
-    double sum_of_squares = 0;
-    for (const ScoredContact& contact : contacts) {
-      const auto& scores = contact.log_likelihood[time];
-      const double evidence = *std::max_element(scores.begin(), scores.end()) /
-                              contact.frames[time];
-      sum += evidence;
-      sum_of_squares += evidence * evidence;
-    }
-    const double count = static_cast<double>(contacts.size());
-    const double mean = sum / count;
-    const double variance = std::max(0.0, sum_of_squares / count - mean * mean);
-    calibration.evidence_mean.push_back(mean);
-    calibration.evidence_deviation.push_back(
-        std::max(std::sqrt(variance), kMinEvidenceDeviation));
+  for (double p : c.prior) log_prior.push_back(std::log(p));
+  for (size_t time = 0; time < c.frames.size(); ++time) {
+    c.hmm_temperature.push_back(
+        BestTemperature(contacts, &ScoredContact::log_likelihood, time,
+                        log_prior, kMaxHmmTemperature));
+    FitEvidence(contacts, time, c);
+    if (contacts.front().lstm_score.empty()) continue;
+    c.lstm_temperature.push_back(
+        BestTemperature(contacts, &ScoredContact::lstm_score, time, log_prior,
+                        kMaxLstmTemperature));
+    c.lstm_weight.push_back(
+        BestWeight(Temper(contacts, &ScoredContact::log_likelihood, time,
+                          log_prior, c.hmm_temperature.back()),
+                   Temper(contacts, &ScoredContact::lstm_score, time, log_prior,
+                          c.lstm_temperature.back())));
   }
 }
 

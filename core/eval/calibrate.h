@@ -6,7 +6,8 @@
 // The frames of a contact are far from independent given the state, so raw
 // HMM likelihoods are overconfident, more so the longer the contact. One
 // factor on the log-scores per time ("temperature") mends it (Guo et al.,
-// ICML 2017, Section 4.2, on log-likelihoods).
+// ICML 2017, Section 4.2, on log-likelihoods). The LSTM has its own, and its
+// weight is the one at which HMMs and LSTM together lose least.
 //
 // Thread-safe: free functions without state.
 #pragma once
@@ -23,11 +24,13 @@ namespace tactus {
 // second: 0.1, 0.25, 0.5, 1.2, 2.5 and 5 s.
 std::vector<double> CalibrationFrames(double rate);
 
-// A held-out contact's log-likelihoods at each calibration time.
+// A held-out contact's scores at each calibration time.
 struct ScoredContact {
   int label = 0;
   // [times][classes]; a contact shorter than a time gives its last.
   std::vector<std::vector<double>> log_likelihood;
+  // [times][classes], the LSTMs' log-probabilities; empty without an LSTM.
+  std::vector<std::vector<double>> lstm_score;
   // Frames scored at each time.
   std::vector<double> frames;
 };
@@ -36,7 +39,8 @@ struct ScoredContact {
 ScoredContact ScoreContact(const std::shared_ptr<const CompiledModel>& model,
                            const Contact& contact, int label);
 
-// Fills frames, temperatures and evidence; leaves prior and decision rule.
+// Fills frames, temperatures, the LSTM's weight and evidence; leaves prior and
+// decision rule.
 void FitCalibration(std::span<const ScoredContact> contacts, double rate,
                     Calibration& calibration);
 

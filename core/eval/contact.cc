@@ -22,7 +22,7 @@ std::vector<ContactFrame> TaxelsToFrames(const Trial& trial,
     if (!trial.poses.empty()) frame.pose = &trial.poses[t];
     const FrameFeatures& features = tracker.Step(frame);
     if (tracker.state() == ContactState::kInContact) {
-      frames.push_back({features.vector(), features.touched});
+      frames.push_back({features.sample(), features.touched});
     }
   }
   return frames;
@@ -30,9 +30,13 @@ std::vector<ContactFrame> TaxelsToFrames(const Trial& trial,
 
 }  // namespace
 
+ContactSample IdealSample(const FeatureVector& signals) {
+  return {signals, signals[static_cast<int>(Feature::kForce)]};
+}
+
 void StepClassifier(const ContactFrame& frame, ContactClassifier& classifier) {
   if (frame.touched) {
-    classifier.Step(frame.features, 0);
+    classifier.Step(frame.sample, 0);
   } else {
     classifier.Hold(0);
   }
@@ -66,9 +70,10 @@ absl::StatusOr<std::optional<Contact>> ExtractContact(
   contact.condition = trial.condition;
   contact.material = trial.material;
   contact.sample_rate_hz = trial.sample_rate_hz;
+  contact.stiffness = trial.stiffness;
   if (trial.taxels.empty()) {
     for (const FeatureVector& signals : trial.signals) {
-      contact.frames.push_back({signals, true});
+      contact.frames.push_back({IdealSample(signals), true});
     }
   } else {
     TACTUS_ASSIGN_OR_RETURN(contact.layout, LayoutOfTrial(trial, layout));

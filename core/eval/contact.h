@@ -23,7 +23,7 @@ namespace tactus {
 
 // What one frame of a contact says.
 struct ContactFrame {
-  FeatureVector features = {};
+  ContactSample sample = {};
   // False while touch is lost; such frames take time but say nothing.
   bool touched = true;
 };
@@ -34,11 +34,16 @@ struct Contact {
   std::string condition;
   std::string material;
   double sample_rate_hz = 100;
+  // Of the object, N/m; 0 if unknown.
+  double stiffness = 0;
   // Name, rows and columns of the skin; an empty name for ideal signals.
   SkinLayout layout;
   // From onset to the end of the trial; the first is touched.
   std::vector<ContactFrame> frames;
 };
+
+// An ideal signal as a frame: its force is both peak and net force.
+ContactSample IdealSample(const FeatureVector& signals);
 
 // One frame into a classifier, as ContactPipeline does it.
 void StepClassifier(const ContactFrame& frame, ContactClassifier& classifier);

@@ -72,10 +72,10 @@ void EvaluateContact(const std::shared_ptr<const CompiledModel>& model,
   record(result.final[index]);
 }
 
-absl::Status EvaluateHmmFold(const std::vector<const Contact*>& contacts,
-                             const std::vector<int>& fold,
-                             const FitOptions& options, Algorithm algorithm,
-                             Evaluation& result) {
+absl::Status EvaluateFold(const std::vector<const Contact*>& contacts,
+                          const std::vector<int>& fold,
+                          const FitOptions& options, Algorithm algorithm,
+                          Evaluation& result) {
   std::vector<const Contact*> rest;
   for (int i : Complement(fold, static_cast<int>(contacts.size()))) {
     rest.push_back(contacts[i]);
@@ -111,7 +111,7 @@ absl::StatusOr<Evaluation> EvaluateModel(
     return InvalidConfig("algorithm", "1nn",
                          "hmm, lstm or fused with a model bundle");
   }
-  if (algorithm == Algorithm::kLstm && model->lstm() == nullptr) {
+  if (algorithm == Algorithm::kLstm && model->lstms().empty()) {
     return InvalidConfig("algorithm", "lstm",
                          "hmm or fused: the bundle holds no LSTM");
   }
@@ -128,10 +128,14 @@ absl::StatusOr<Evaluation> EvaluateProtocol(
     const std::vector<const Contact*>& contacts, Protocol protocol,
     Algorithm algorithm, const FitOptions& options,
     const ParallelFor& parallel) {
-  if (algorithm == Algorithm::kLstm) {
+  if (algorithm == Algorithm::kLstm && options.lstm.networks == 0) {
     return InvalidConfig("algorithm", "lstm",
-                         "hmm, 1nn or fused with a protocol; this release "
-                         "runs LSTMs from bundles but does not train them");
+                         "hmm or 1nn where no LSTM is trained");
+  }
+  FitOptions fit = options;
+  if (algorithm == Algorithm::kHmm) fit.lstm.networks = 0;
+  if (protocol == Protocol::kLeaveOneMaterialOut) {
+    fit.inner_folds = InnerFolds::kMaterials;
   }
   TACTUS_ASSIGN_OR_RETURN(const auto folds, MakeFolds(contacts, protocol));
   TACTUS_ASSIGN_OR_RETURN(Evaluation result,
@@ -140,8 +144,8 @@ absl::StatusOr<Evaluation> EvaluateProtocol(
   parallel(static_cast<int>(folds.size()), [&](int f) {
     failures[f] =
         algorithm == Algorithm::kNearest
-            ? EvaluateNearestFold(contacts, folds[f], options.features, result)
-            : EvaluateHmmFold(contacts, folds[f], options, algorithm, result);
+            ? EvaluateNearestFold(contacts, folds[f], fit.features, result)
+            : EvaluateFold(contacts, folds[f], fit, algorithm, result);
   });
   for (const absl::Status& failure : failures) {
     TACTUS_RETURN_IF_ERROR(failure);

@@ -48,8 +48,8 @@ absl::StatusOr<Evaluation> EvaluateModel(
     const std::vector<const Contact*>& contacts, Algorithm algorithm,
     const ParallelFor& parallel);
 
-// Every contact by models fitted to the other folds. Algorithms: hmm, 1nn and
-// fused, which is hmm while no LSTM is fitted.
+// Every contact by models fitted to the other folds. LSTMs are trained only
+// where they are asked for; fused is hmm if options.lstm.networks is 0.
 absl::StatusOr<Evaluation> EvaluateProtocol(
     const std::vector<const Contact*>& contacts, Protocol protocol,
     Algorithm algorithm, const FitOptions& options,

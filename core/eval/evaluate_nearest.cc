@@ -21,7 +21,8 @@ Eigen::VectorXd Flatten(const Contact& contact,
   for (Feature feature : features) {
     for (int t = 0; t < frames; ++t) {
       const size_t index = std::min<size_t>(t, contact.frames.size() - 1);
-      row[place++] = contact.frames[index].features[static_cast<int>(feature)];
+      row[place++] =
+          contact.frames[index].sample.features[static_cast<int>(feature)];
     }
   }
   return row;

@@ -12,6 +12,7 @@
 #include "core/classify/contact_classifier.h"
 #include "core/eval/calibrate.h"
 #include "core/eval/fit_hmms.h"
+#include "core/eval/fit_lstms.h"
 #include "core/eval/folds.h"
 
 namespace tactus {
@@ -62,15 +63,27 @@ absl::Status CheckContacts(const std::vector<const Contact*>& contacts,
   return CheckUniform(contacts);
 }
 
-// Robot conditions where there are a few of them, so that the calibration
-// knows what a new condition costs; else an even split.
-std::vector<std::vector<int>> InnerFolds(
-    const std::vector<const Contact*>& contacts, int count) {
+// Robot conditions or materials where there are a few of them, so that the
+// calibration knows what a new one costs; else an even split.
+std::vector<std::vector<int>> MakeInnerFolds(
+    const std::vector<const Contact*>& contacts, const FitOptions& options) {
+  if (options.inner_folds == InnerFolds::kMaterials) {
+    auto by_material = MakeFolds(contacts, Protocol::kLeaveOneMaterialOut);
+    if (by_material.ok()) {
+      std::vector<std::vector<int>> groups(options.calibration_folds);
+      for (size_t f = 0; f < by_material->size(); ++f) {
+        auto& group = groups[f % groups.size()];
+        group.insert(group.end(), (*by_material)[f].begin(),
+                     (*by_material)[f].end());
+      }
+      return groups;
+    }
+  }
   auto by_condition = MakeFolds(contacts, Protocol::kLeaveOneConditionOut);
   if (by_condition.ok() && by_condition->size() <= kMaxConditions) {
     return *std::move(by_condition);
   }
-  return StratifiedFolds(contacts, count);
+  return StratifiedFolds(contacts, options.calibration_folds);
 }
 
 std::vector<const Contact*> Select(const std::vector<const Contact*>& contacts,
@@ -81,19 +94,34 @@ std::vector<const Contact*> Select(const std::vector<const Contact*>& contacts,
   return selected;
 }
 
+absl::StatusOr<Model> FitUncalibrated(
+    const std::vector<const Contact*>& contacts,
+    const std::vector<std::string>& class_names, const FitOptions& options,
+    int networks, const ParallelFor& parallel) {
+  TACTUS_ASSIGN_OR_RETURN(Model model, FitHmms(contacts, class_names, options));
+  if (networks > 0) {
+    TACTUS_RETURN_IF_ERROR(
+        FitLstms(contacts, options, networks, parallel, model));
+  }
+  return model;
+}
+
 // A calibration from scores of each inner fold by models of the others. A
 // fold whose complement lacks a class is not used.
 absl::Status Calibrate(const std::vector<const Contact*>& contacts,
                        const FitOptions& options, const ParallelFor& parallel,
                        Model& model) {
-  const auto folds = InnerFolds(contacts, options.calibration_folds);
+  const auto folds = MakeInnerFolds(contacts, options);
   std::vector<std::vector<ScoredContact>> scored(folds.size());
   std::vector<absl::Status> failures(folds.size());
   parallel(static_cast<int>(folds.size()), [&](int f) {
     const auto rest = Select(
         contacts, Complement(folds[f], static_cast<int>(contacts.size())));
     if (ClassNames(rest) != model.class_names) return;
-    auto fitted = FitHmms(rest, model.class_names, options);
+    // One network is enough to say how far to trust them.
+    auto fitted =
+        FitUncalibrated(rest, model.class_names, options,
+                        std::min(options.lstm.networks, 1), RunSerially);
     if (!fitted.ok()) {
       failures[f] = fitted.status();
       return;
@@ -134,15 +162,15 @@ absl::Status AddWarmUp(const std::vector<const Contact*>& contacts,
   });
   constexpr size_t kMaxFrames = 120;
   for (const ContactFrame& frame : sorted[sorted.size() / 2]->frames) {
-    if (model.warm_up.signals.size() == kMaxFrames) break;
-    if (frame.touched) model.warm_up.signals.push_back(frame.features);
+    if (model.warm_up.samples.size() == kMaxFrames) break;
+    if (frame.touched) model.warm_up.samples.push_back(frame.sample);
   }
   model.warm_up.probability.assign(model.class_names.size(), 0);
   model.warm_up.log_likelihood = model.warm_up.probability;
   TACTUS_ASSIGN_OR_RETURN(auto compiled, CompiledModel::Create(model));
   ContactClassifier classifier(compiled, {});
-  for (const FeatureVector& frame : model.warm_up.signals) {
-    classifier.Step(frame, 0);
+  for (const ContactSample& sample : model.warm_up.samples) {
+    classifier.Step(sample, 0);
   }
   const auto probability = classifier.probability();
   const auto scores = classifier.log_likelihood();
@@ -152,20 +180,6 @@ absl::Status AddWarmUp(const std::vector<const Contact*>& contacts,
 }
 
 }  // namespace
-
-absl::StatusOr<FitOptions> FitPreset(absl::string_view name) {
-  FitOptions options;
-  if (name == "default") {
-    options.hmms_per_class = 20;
-    return options;
-  }
-  if (name == "paper") {
-    options.log_features = false;
-    options.score = Score::kViterbi;
-    return options;
-  }
-  return InvalidConfig("preset", name, "default or paper");
-}
 
 std::vector<std::string> ClassNames(
     const std::vector<const Contact*>& contacts) {
@@ -188,7 +202,9 @@ absl::StatusOr<Model> FitModel(const std::vector<const Contact*>& contacts,
   }
   const std::vector<std::string> class_names = ClassNames(contacts);
   TACTUS_RETURN_IF_ERROR(CheckContacts(contacts, class_names));
-  TACTUS_ASSIGN_OR_RETURN(Model model, FitHmms(contacts, class_names, options));
+  TACTUS_ASSIGN_OR_RETURN(Model model,
+                          FitUncalibrated(contacts, class_names, options,
+                                          options.lstm.networks, parallel));
   TACTUS_RETURN_IF_ERROR(Calibrate(contacts, options, parallel, model));
   TACTUS_RETURN_IF_ERROR(AddWarmUp(contacts, model));
   model.provenance.trials = static_cast<uint32_t>(contacts.size());

@@ -3,7 +3,7 @@
 // Fitting a Model to labelled contacts: feature scaling, one mixture of HMMs
 // per category, calibration on inner folds.
 //
-//   TACTUS_ASSIGN_OR_RETURN(FitOptions options, FitPreset("default"));
+//   TACTUS_ASSIGN_OR_RETURN(FitOptions options, FitPreset("tuned"));
 //   TACTUS_ASSIGN_OR_RETURN(Model model, FitModel(contacts, options,
 //   parallel));
 //
@@ -18,13 +18,36 @@
 #include "absl/strings/string_view.h"
 #include "core/classify/model.h"
 #include "core/eval/contact.h"
+#include "core/eval/inputs.h"
 #include "core/eval/parallel.h"
+#include "core/lstm/train.h"
 
 namespace tactus {
 
+// How LSTMs are trained.
+struct LstmFit {
+  // Networks of the model, which differ by their seeds; 0 for HMMs alone.
+  int networks = 0;
+  // What they see, as FitOptions::hmm_cues.
+  std::vector<Cue> cues;
+  Scaling scaling = Scaling::kStandard;
+  StepIntervals steps;
+  std::vector<int> cells = {50, 50};
+  Activation activation = Activation::kTanh;
+  GateActivation gate_activation = GateActivation::kSigmoid;
+  // Its seed is FitOptions::seed and those after it.
+  LstmTrainOptions training;
+};
+
+// What the inner folds of a calibration leave out.
+enum class InnerFolds { kConditions, kMaterials };
+
 struct FitOptions {
+  // What may be known of a contact; cues that need others are left out.
   std::vector<Feature> features = {Feature::kForce, Feature::kMotion,
                                    Feature::kArea};
+  // What the HMMs see; empty for the features themselves.
+  std::vector<Cue> hmm_cues;
   // Logarithms of the features instead of the features.
   bool log_features = true;
   int states = 10;
@@ -32,16 +55,26 @@ struct FitOptions {
   Score score = Score::kForward;
   // Iterations of Baum-Welch.
   int max_iterations = 15;
-  // Smallest variance of a scaled feature in any state.
+  // Smallest variance of a scaled input in any state.
   double covariance_floor = 1e-3;
-  // Inner folds that the calibration is fitted on.
+  LstmFit lstm;
+  // A calibration is fitted on inner folds that leave out one condition each
+  // where there are a few, or a few groups of materials; else on this many
+  // even ones.
+  InnerFolds inner_folds = InnerFolds::kConditions;
   int calibration_folds = 3;
   uint64_t seed = 1;
 };
 
+// `cues` without those that need other features; for an empty list, the
+// features themselves.
+std::vector<Cue> CuesFor(const std::vector<Cue>& cues,
+                         const std::vector<Feature>& features);
+
 // "paper": one 10-state left-right HMM a category on the scaled features,
-// scored by Viterbi (Section "Algorithm Parameters").
-// "default": log-features, several HMMs a category, forward score.
+// scored by Viterbi, and a 2 x 50 softsign LSTM on every frame (Section
+// "Algorithm Parameters").
+// "tuned": mixtures of HMMs and several LSTMs on cues, fused.
 absl::StatusOr<FitOptions> FitPreset(absl::string_view name);
 
 // Class names in `contacts`: HU, HM, SU, SM first where present, others in

@@ -1,82 +1,11 @@
 #include "core/eval/fit_hmms.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "core/base/status_macros.h"
-#include "core/classify/feature_input.h"
+#include "core/eval/inputs.h"
 #include "core/hmm/train_mixture.h"
 
 namespace tactus {
 namespace {
-
-// The logarithm is taken of feature + this share of the feature's typical
-// (median positive) value, so that sensor noise around zero stays small.
-constexpr double kLogOffsetShare = 0.02;
-
-// Median of the positive values of one feature; 1 if there is none.
-double TypicalValue(const std::vector<const Contact*>& contacts,
-                    Feature feature) {
-  std::vector<double> values;
-  for (const Contact* contact : contacts) {
-    for (const ContactFrame& frame : contact->frames) {
-      const double value = frame.features[static_cast<int>(feature)];
-      if (frame.touched && value > 0) values.push_back(value);
-    }
-  }
-  if (values.empty()) return 1;
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-// Standard scores over all frames (paper, eq. for S_f).
-FeatureScaling StandardScaling(const std::vector<const Contact*>& contacts,
-                               const FeatureSpec& spec, size_t index) {
-  double count = 0;
-  double mean = 0;
-  double squares = 0;
-  for (const Contact* contact : contacts) {
-    for (const ContactFrame& frame : contact->frames) {
-      if (!frame.touched) continue;
-      const double value = TransformFeature(spec, index, frame.features);
-      const double step = value - mean;
-      count += 1;
-      mean += step / count;
-      squares += step * (value - mean);
-    }
-  }
-  const double deviation = std::sqrt(squares / count);
-  return {mean, deviation > 0 ? 1 / deviation : 1};
-}
-
-FeatureSpec FitFeatureSpec(const std::vector<const Contact*>& contacts,
-                           const FitOptions& options) {
-  FeatureSpec spec;
-  spec.features = options.features;
-  spec.sample_rate_hz = contacts.front()->sample_rate_hz;
-  for (size_t i = 0; i < spec.features.size(); ++i) {
-    spec.log_offset.push_back(options.log_features
-                                  ? kLogOffsetShare *
-                                        TypicalValue(contacts, spec.features[i])
-                                  : 0.0);
-    spec.hmm_scaling.push_back(StandardScaling(contacts, spec, i));
-  }
-  return spec;
-}
-
-// Scaled inputs of one contact's touched frames, frames x features, row-major.
-std::vector<double> MakeSequence(const Contact& contact,
-                                 const FeatureSpec& spec) {
-  std::vector<double> sequence;
-  std::vector<double> input(spec.features.size());
-  for (const ContactFrame& frame : contact.frames) {
-    if (!frame.touched) continue;
-    MakeInput(spec, spec.hmm_scaling, frame.features, input);
-    sequence.insert(sequence.end(), input.begin(), input.end());
-  }
-  return sequence;
-}
 
 absl::StatusOr<HmmMixture> FitClass(const std::vector<const Contact*>& contacts,
                                     const std::string& name,
@@ -85,10 +14,10 @@ absl::StatusOr<HmmMixture> FitClass(const std::vector<const Contact*>& contacts,
   std::vector<std::vector<double>> sequences;
   for (const Contact* contact : contacts) {
     if (contact->label == name) {
-      sequences.push_back(MakeSequence(*contact, spec));
+      sequences.push_back(MakeSequence(*contact, spec.hmm));
     }
   }
-  const int dimensions = static_cast<int>(spec.features.size());
+  const int dimensions = static_cast<int>(spec.hmm.size());
   std::vector<SequenceView> views;
   for (const auto& sequence : sequences) {
     views.push_back({sequence.data(),
@@ -113,7 +42,10 @@ absl::StatusOr<Model> FitHmms(const std::vector<const Contact*>& contacts,
                               const FitOptions& options) {
   Model model;
   model.class_names = class_names;
-  model.features = FitFeatureSpec(contacts, options);
+  model.features.hmm =
+      FitInputs(contacts, CuesFor(options.hmm_cues, options.features),
+                {.log_features = options.log_features});
+  model.features.sample_rate_hz = contacts.front()->sample_rate_hz;
   model.hmm_score = options.score;
   model.layout = contacts.front()->layout;
   for (const std::string& name : class_names) {

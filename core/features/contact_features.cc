@@ -106,12 +106,14 @@ void ContactTracker::Measure(const FrameView& frame) {
   if (features_.touched) {
     const Region& region = segmenter_.largest();
     features_.max_force = region.max_value;
+    features_.net_force = region.total;
     features_.area_taxels = region.taxels;
     features_.area_m2 = region.taxels * layout_.taxel_area_m2;
     features_.centroid = {region.centroid_row, region.centroid_column};
     travelled_ = !Covers(layout_, region, onset_point_);
   } else {
     features_.max_force = 0;
+    features_.net_force = 0;
     features_.area_taxels = 0;
     features_.area_m2 = 0;
   }

@@ -9,7 +9,7 @@
 //     const FrameFeatures& features = tracker.Step(frame);
 //     if (tracker.onset()) model.Reset();
 //     if (tracker.state() == ContactState::kInContact) {
-//       model.Step(features.vector());
+//       model.Step(features.sample());
 //     }
 //   }
 //
@@ -34,6 +34,8 @@ struct FrameFeatures {
   bool touched = false;
   // Largest taxel of the largest region, in the layout's unit; 0 if untouched.
   double max_force = 0;
+  // Sum over the largest region, in the layout's unit; 0 if untouched.
+  double net_force = 0;
   // Size of the largest region, in taxels and square metres; 0 if untouched.
   int area_taxels = 0;
   double area_m2 = 0;
@@ -45,7 +47,9 @@ struct FrameFeatures {
   // Of the largest region; while touch is lost, where it was last.
   SkinPoint centroid = {};
 
-  FeatureVector vector() const { return {max_force, area_m2, motion_m}; }
+  ContactSample sample() const {
+    return {{max_force, area_m2, motion_m}, net_force};
+  }
 };
 
 enum class ContactState { kNoContact, kInContact, kReleased };

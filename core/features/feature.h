@@ -19,6 +19,14 @@ inline constexpr int kFeatureCount = 3;
 // Force (layout's unit), area (m^2), motion (m); indexed by Feature.
 using FeatureVector = std::array<double, kFeatureCount>;
 
+// What one touched frame of a contact says.
+struct ContactSample {
+  FeatureVector features = {};
+  // Force on the whole region, in the layout's unit: the three features know
+  // only its largest taxel. An ideal signal's force is both.
+  double net_force = 0;
+};
+
 // "force", "area" or "motion".
 absl::string_view FeatureName(Feature feature);
 

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/base/errors.h"
+#include "core/classify/feature_input.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/bundle/layout_proto.h"
@@ -87,10 +88,10 @@ void StreamSession::WriteStarted(const PinnedModel& pinned) {
   for (const std::string& name : model.class_names) {
     started->add_class_names(name);
   }
-  for (const Feature feature : model.features.features) {
+  for (const Feature feature : FeaturesUsed(model.features)) {
     started->add_features(std::string(FeatureName(feature)));
   }
-  started->set_has_lstm(model.lstm.has_value());
+  started->set_has_lstm(!model.lstms.empty());
   started->set_stream_id(options_.stream_id);
   v1::StreamLimits* limits = started->mutable_limits();
   limits->set_max_frames_per_message(limits::kMaxFramesPerMessage);

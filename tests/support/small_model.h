@@ -16,9 +16,7 @@ namespace tactus::testing {
 inline Model SmallModel() {
   Model model;
   model.class_names = {"HU", "HM", "SU", "SM"};
-  model.features.features = {Feature::kForce, Feature::kMotion};
-  model.features.log_offset = {0.01, 0};
-  model.features.hmm_scaling = {{0, 1}, {0, 100}};
+  model.features.hmm = {{Cue::kForce, 0.01}, {Cue::kMotion, 0, 0, 100}};
   const double force[] = {1, 0, -1, -2};
   const double motion[] = {0, 1, 0.3, 1.5};
   for (int k = 0; k < 4; ++k) {

@@ -15,14 +15,18 @@ Model FullModel() {
   model.layout.mask.assign(model.layout.taxels(), 1);
   model.layout.mask[7] = 0;
   model.hmm_score = Score::kViterbi;
-  model.lstm = RandomNetwork(2, {5, 3}, 4, Activation::kSoftsign,
-                             GateActivation::kHardSigmoid, 3,
-                             /*forget_bias=*/1, /*regressions=*/2);
-  model.features.lstm_scaling = {{1, 2}, {3, 4}};
+  for (uint64_t seed : {3, 4}) {
+    model.lstms.push_back(RandomNetwork(3, {5, 3}, 4, Activation::kSoftsign,
+                                        GateActivation::kHardSigmoid, seed,
+                                        /*forget_bias=*/1, /*regressions=*/2));
+  }
+  model.features.lstm = {
+      {Cue::kLogSpring, 0, 1, 2}, {Cue::kArea, 0.5, 3, 4}, {Cue::kLogTime}};
+  model.features.lstm_steps = {5, 20};
   model.calibration.lstm_weight = {0.25, 0.5};
   model.calibration.lstm_temperature = {1, 0.75};
   model.provenance = {"command", "0.1.0", 12, 34, "data.h5", "note"};
-  model.warm_up.signals = {{1, 2, 3}, {4, 5, 6}};
+  model.warm_up.samples = {{{1, 2, 3}, 4}, {{5, 6, 7}, 8}};
   model.warm_up.probability = {0.1, 0.2, 0.3, 0.4};
   model.warm_up.log_likelihood = {-1, -2, -3, -4};
   return model;
@@ -38,10 +42,15 @@ TEST(BundleTest, RoundTripKeepsEveryField) {
       ModelToProto(model), ModelToProto(*back)));
   EXPECT_EQ(back->layout.mask, model.layout.mask);
   EXPECT_EQ(back->hmm_score, Score::kViterbi);
-  EXPECT_EQ(back->lstm->layers[1].recurrent, model.lstm->layers[1].recurrent);
-  EXPECT_EQ(back->lstm->regressions, 2);
-  EXPECT_EQ(back->lstm->classes(), 4);
-  EXPECT_EQ(back->warm_up.signals, model.warm_up.signals);
+  ASSERT_EQ(back->lstms.size(), 2u);
+  EXPECT_EQ(back->lstms[1].layers[1].recurrent,
+            model.lstms[1].layers[1].recurrent);
+  EXPECT_EQ(back->lstms[0].regressions, 2);
+  EXPECT_EQ(back->lstms[0].classes(), 4);
+  EXPECT_EQ(back->features.lstm[1].cue, Cue::kArea);
+  EXPECT_EQ(back->features.lstm_steps.last, 20u);
+  EXPECT_EQ(back->warm_up.samples[1].features, (FeatureVector{5, 6, 7}));
+  EXPECT_EQ(back->warm_up.samples[1].net_force, 8);
 }
 
 TEST(BundleTest, TheSameModelGivesTheSameBytes) {
@@ -88,7 +97,7 @@ TEST(ModelFromProtoTest, UnknownEnumeratorsAndNamesAreRefused) {
   const Spoil spoils[] = {
       [](v1::ModelBundle& b) { b.clear_hmm_score(); },
       [](v1::ModelBundle& b) { b.mutable_features()->set_names(0, "smell"); },
-      [](v1::ModelBundle& b) { b.mutable_lstm()->clear_activation(); },
+      [](v1::ModelBundle& b) { b.mutable_lstm(0)->clear_activation(); },
       [](v1::ModelBundle& b) { b.mutable_warm_up()->add_signals(1); },
       [](v1::ModelBundle& b) {
         b.mutable_hmms(0)->mutable_components(0)->clear_covariance_type();

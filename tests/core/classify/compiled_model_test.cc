@@ -19,16 +19,16 @@ TEST(CompiledModelTest, EachInconsistencyIsRefused) {
       [](Model& m) { m.hmms[2].components.clear(); },
       [](Model& m) { m.hmms[2].components[0].transition[0] = 0.5; },
       [](Model& m) { m.hmms[2].components[0].covariances[0] = -1; },
-      [](Model& m) { m.features.features.pop_back(); },
+      [](Model& m) { m.features.hmm.pop_back(); },
       [](Model& m) { m.calibration.prior = {1}; },
       [](Model& m) {
-        m.warm_up.signals = {{1, 1, 1}};
+        m.warm_up.samples = {{{1, 1, 1}, 1}};
       },
       [](Model& m) { m.layout.name = "half a layout"; },
       [](Model& m) {
-        m.lstm = RandomNetwork(3, {4}, 4, Activation::kTanh,
-                               GateActivation::kSigmoid, 1);
-        m.features.lstm_scaling = m.features.hmm_scaling;
+        m.lstms = {RandomNetwork(3, {4}, 4, Activation::kTanh,
+                                 GateActivation::kSigmoid, 1)};
+        m.features.lstm = m.features.hmm;
         m.calibration.lstm_weight = {0.5, 0.5};
         m.calibration.lstm_temperature = {1, 1};
       },
@@ -44,13 +44,13 @@ TEST(CompiledModelTest, EachInconsistencyIsRefused) {
 
 TEST(RunWarmUpTest, PassesForItsOwnAnswerAndFailsForAnother) {
   Model model = testing::SmallModel();
-  model.warm_up.signals.assign(20, {2.0, 0.0, 0.001});
+  model.warm_up.samples.assign(20, {{2.0, 0.0, 0.001}, 2.0});
   model.warm_up.probability.assign(4, 0);
   model.warm_up.log_likelihood.assign(4, 0);
   {
     auto compiled = *CompiledModel::Create(model);
     ContactClassifier classifier(compiled, {});
-    for (const auto& frame : model.warm_up.signals) classifier.Step(frame, 0);
+    for (const auto& frame : model.warm_up.samples) classifier.Step(frame, 0);
     const auto p = classifier.probability();
     model.warm_up.probability.assign(p.begin(), p.end());
   }

@@ -21,9 +21,9 @@ double Sum(std::span<const double> values) {
 }
 
 // A contact like class HU's second state: force e, no motion.
-constexpr FeatureVector kHard = {2.71, 0, 0};
+constexpr ContactSample kHard = {{2.71, 0, 0}, 2.71};
 // One like SM's: little force, 15 mm.
-constexpr FeatureVector kSoftMoved = {0.125, 0, 0.015};
+constexpr ContactSample kSoftMoved = {{0.125, 0, 0.015}, 0.125};
 
 TEST(ContactClassifierTest, StartsAtThePrior) {
   ContactClassifier classifier(SmallCompiled(), {});
@@ -41,7 +41,7 @@ TEST(ContactClassifierTest, LogLikelihoodIsTheSumOverAllPaths) {
   std::vector<FeatureVector> frames(8);
   for (auto& frame : frames) {
     frame = {random.Uniform(0, 4), 0, random.Uniform(0, 0.02)};
-    classifier.Step(frame, 0);
+    classifier.Step({frame, frame[0]}, 0);
   }
   for (int k = 0; k < 4; ++k) {
     const GaussianHmm& hmm = model.hmms[k].components[0];
@@ -101,7 +101,7 @@ TEST(ContactClassifierTest, DecidesOnceAfterTheAskedForFrames) {
 
 TEST(ContactClassifierTest, WhatNoModelExplainsIsUnknownAndUndecided) {
   ContactClassifier classifier(SmallCompiled(), {});
-  for (int t = 0; t < 50; ++t) classifier.Step({1e9, 0, 5}, 0);
+  for (int t = 0; t < 50; ++t) classifier.Step({{1e9, 0, 5}, 1e9}, 0);
   EXPECT_GT(classifier.unknown(), 0.99);
   EXPECT_FALSE(classifier.decision());
   EXPECT_NEAR(Sum(classifier.probability()), 1, 1e-12);
@@ -112,7 +112,8 @@ TEST(ContactClassifierTest, ResetGivesTheSameBitsAgain) {
   auto run = [&] {
     Random random(11);
     for (int t = 0; t < 300; ++t) {
-      classifier.Step({random.Uniform(0, 5), 0, random.Uniform(0, 0.02)}, 0);
+      const double force = random.Uniform(0, 5);
+      classifier.Step({{force, 0, random.Uniform(0, 0.02)}, force}, 0);
     }
     return std::vector<double>(classifier.probability().begin(),
                                classifier.probability().end());
@@ -132,13 +133,65 @@ TEST(ContactClassifierTest, LostFramesCountAsTime) {
   EXPECT_NEAR(Sum(classifier.probability()), 1, 1e-12);
 }
 
-TEST(ContactClassifierTest, AFrameAllocatesNothing) {
-  Model model = testing::SmallModel();
-  model.lstm = RandomNetwork(2, {50, 50}, 4, Activation::kSoftsign,
-                             GateActivation::kHardSigmoid, 3);
-  model.features.lstm_scaling = model.features.hmm_scaling;
+// `count` untrained networks on the model's own inputs.
+void AddLstms(int count, Model& model) {
+  for (int n = 0; n < count; ++n) {
+    model.lstms.push_back(RandomNetwork(2, {50, 50}, 4, Activation::kSoftsign,
+                                        GateActivation::kHardSigmoid, 3 + n));
+  }
+  model.features.lstm = model.features.hmm;
   model.calibration.lstm_weight = {0.5, 0.5};
   model.calibration.lstm_temperature = {1, 1};
+}
+
+TEST(ContactClassifierTest, LstmsAnswerWithTheirMeanProbability) {
+  Model model = testing::SmallModel();
+  AddLstms(2, model);
+  ContactClassifier classifier(*CompiledModel::Create(model), {});
+  std::vector<CompiledLstm> compiled;
+  for (const LstmNetwork& network : model.lstms) {
+    compiled.push_back(*CompiledLstm::Create(network));
+  }
+  LstmStepper first(compiled[0]);
+  LstmStepper second(compiled[1]);
+  const double input[] = {std::log(2.71 + 0.01), 0};
+  for (int t = 0; t < 30; ++t) {
+    classifier.Step(kHard, 0);
+    first.Step(input);
+    second.Step(input);
+    for (int k = 0; k < 4; ++k) {
+      EXPECT_NEAR(std::exp(classifier.lstm_score()[k]),
+                  (first.probability()[k] + second.probability()[k]) / 2,
+                  1e-12);
+    }
+  }
+}
+
+TEST(ContactClassifierTest, LstmsRestBetweenTheirIntervals) {
+  Model model = testing::SmallModel();
+  AddLstms(1, model);
+  model.features.lstm_steps = {5, 20};
+  ContactClassifier classifier(*CompiledModel::Create(model), {});
+  std::vector<int> stepped;
+  std::vector<double> last(4, 0.0);
+  Random random(3);
+  for (int t = 1; t <= 400; ++t) {
+    classifier.Step({{random.Uniform(0, 4), 0, 0.001}, 1}, 0);
+    const auto score = classifier.lstm_score();
+    if (!std::equal(score.begin(), score.end(), last.begin())) {
+      stepped.push_back(t);
+      last.assign(score.begin(), score.end());
+    }
+  }
+  // Every 5th frame to 50, a tenth of the time so far to 200, then every 20th.
+  EXPECT_EQ(std::vector<int>(stepped.begin(), stepped.begin() + 12),
+            (std::vector<int>{5, 10, 15, 20, 25, 30, 35, 40, 45, 50, 55, 60}));
+  EXPECT_EQ(stepped.back() - stepped[stepped.size() - 2], 20);
+}
+
+TEST(ContactClassifierTest, AFrameAllocatesNothing) {
+  Model model = testing::SmallModel();
+  AddLstms(2, model);
   auto compiled = CompiledModel::Create(model);
   ASSERT_TRUE(compiled.ok()) << compiled.status();
   ContactClassifier classifier(*compiled, {});

@@ -10,22 +10,36 @@ namespace tactus {
 namespace {
 
 TEST(MakeInputTest, TransformsThenScalesInTheOrderOfTheSpec) {
-  FeatureSpec spec;
-  spec.features = {Feature::kMotion, Feature::kForce};
-  spec.log_offset = {0, 0.5};
-  const std::vector<FeatureScaling> scaling = {{1, 10}, {0, 2}};
-  const FeatureVector features = {2.0, 9.0, 3.0};  // force, area, motion
+  const ModelInput inputs[] = {{Cue::kMotion, 0, 1, 10},
+                               {Cue::kForce, 0.5, 0, 2}};
+  CueTracker cues(100);
+  cues.Step({{2.0, 9.0, 3.0}, 2.0}, 1);  // force, area, motion
   double out[2];
-  MakeInput(spec, scaling, features, out);
+  MakeInput(inputs, cues, out);
   EXPECT_DOUBLE_EQ(out[0], 20);
   EXPECT_DOUBLE_EQ(out[1], 2 * std::log(2.5));
 }
 
+TEST(MakeInputTest, LstmInputsAreHeld) {
+  const ModelInput inputs[] = {{Cue::kForce}, {Cue::kArea}};
+  CueTracker cues(100);
+  cues.Step({{1e9, -1e9, 0}, 1e9}, 1);
+  double out[2];
+  MakeLstmInput(inputs, cues, out);
+  EXPECT_EQ(out[0], kLargestLstmInput);
+  EXPECT_EQ(out[1], -kLargestLstmInput);
+}
+
 TEST(MakeInputTest, NegativeNoiseIsClampedBeforeTheLogarithm) {
+  EXPECT_DOUBLE_EQ(TransformCue(-3, 0.01), std::log(0.01));
+}
+
+TEST(FeaturesUsedTest, NamesWhatTheCuesAreComputedFrom) {
   FeatureSpec spec;
-  spec.features = {Feature::kForce};
-  spec.log_offset = {0.01};
-  EXPECT_DOUBLE_EQ(TransformFeature(spec, 0, {-3, 0, 0}), std::log(0.01));
+  spec.hmm = {{Cue::kLogTime}, {Cue::kLogArea}};
+  EXPECT_EQ(FeaturesUsed(spec), std::vector<Feature>{Feature::kArea});
+  spec.lstm = {{Cue::kLogSpring}};
+  EXPECT_EQ(FeaturesUsed(spec).size(), 3u);
 }
 
 TEST(ValidateFeatureSpecTest, EachSpoiltFieldIsRefused) {
@@ -33,13 +47,16 @@ TEST(ValidateFeatureSpecTest, EachSpoiltFieldIsRefused) {
   EXPECT_TRUE(Validate(good, false).ok());
   using Spoil = void (*)(FeatureSpec&);
   const Spoil spoils[] = {
-      [](FeatureSpec& s) { s.features.clear(); },
-      [](FeatureSpec& s) { s.features[1] = s.features[0]; },
-      [](FeatureSpec& s) { s.log_offset.pop_back(); },
-      [](FeatureSpec& s) { s.log_offset[0] = -1; },
-      [](FeatureSpec& s) { s.hmm_scaling[0].gain = 0; },
-      [](FeatureSpec& s) { s.hmm_scaling[0].offset = std::nan(""); },
-      [](FeatureSpec& s) { s.lstm_scaling = s.hmm_scaling; },
+      [](FeatureSpec& s) { s.hmm.clear(); },
+      [](FeatureSpec& s) { s.hmm[1] = s.hmm[0]; },
+      [](FeatureSpec& s) { s.hmm[0].log_offset = -1; },
+      [](FeatureSpec& s) { s.hmm[0].gain = 0; },
+      [](FeatureSpec& s) { s.hmm[0].offset = std::nan(""); },
+      [](FeatureSpec& s) { s.lstm = s.hmm; },
+      [](FeatureSpec& s) { s.lstm_steps.first = 0; },
+      [](FeatureSpec& s) {
+        s.lstm_steps = {5, 4};
+      },
       [](FeatureSpec& s) { s.sample_rate_hz = 0; },
   };
   for (size_t i = 0; i < std::size(spoils); ++i) {

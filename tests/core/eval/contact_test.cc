@@ -26,8 +26,8 @@ TEST(ExtractContactTest, BeginsAtOnsetAndEndsWithTheTrial) {
   ASSERT_TRUE(contact.ok()) << contact.status();
   ASSERT_TRUE(contact->has_value());
   ASSERT_EQ((*contact)->frames.size(), 150u);
-  EXPECT_FLOAT_EQ((*contact)->frames[0].features[0], 0.5F);
-  EXPECT_DOUBLE_EQ((*contact)->frames[0].features[1], 81e-6);
+  EXPECT_FLOAT_EQ((*contact)->frames[0].sample.features[0], 0.5F);
+  EXPECT_DOUBLE_EQ((*contact)->frames[0].sample.features[1], 81e-6);
   EXPECT_TRUE((*contact)->frames[9].touched);
   EXPECT_FALSE((*contact)->frames[10].touched);
   EXPECT_EQ((*contact)->layout.name, "cody-forearm");
@@ -48,7 +48,8 @@ TEST(ExtractContactTest, SignalsAreTakenAsTheyAre) {
   auto contact = ExtractContact(trial);
   ASSERT_TRUE(contact.ok());
   ASSERT_EQ((*contact)->frames.size(), 2u);
-  EXPECT_EQ((*contact)->frames[1].features, trial.signals[1]);
+  EXPECT_EQ((*contact)->frames[1].sample.features, trial.signals[1]);
+  EXPECT_EQ((*contact)->frames[1].sample.net_force, trial.signals[1][0]);
   EXPECT_EQ((*contact)->layout.name, "");
 }
 

@@ -10,10 +10,13 @@ namespace tactus {
 namespace {
 
 FitOptions QuickOptions() {
-  FitOptions options = *FitPreset("default");
+  FitOptions options = *FitPreset("tuned");
   options.states = 3;
   options.hmms_per_class = 2;
   options.max_iterations = 4;
+  options.lstm.networks = 2;
+  options.lstm.cells = {5};
+  options.lstm.training.epochs = 2;
   return options;
 }
 
@@ -26,9 +29,12 @@ TEST(FitModelTest, GivesACompleteModelThatPassesItsOwnWarmUp) {
             (std::vector<std::string>{"HU", "HM", "SU", "SM"}));
   EXPECT_EQ(model->provenance.trials, 32u);
   EXPECT_EQ(model->calibration.frames.size(), 6u);
+  EXPECT_EQ(model->calibration.lstm_weight.size(), 6u);
+  EXPECT_EQ(model->lstms.size(), 2u);
+  EXPECT_NE(model->lstms[0].dense_kernel, model->lstms[1].dense_kernel);
   auto compiled = CompiledModel::Create(*model);
   ASSERT_TRUE(compiled.ok()) << compiled.status();
-  EXPECT_FALSE(model->warm_up.signals.empty());
+  EXPECT_FALSE(model->warm_up.samples.empty());
   EXPECT_TRUE(RunWarmUp(**compiled).ok());
 }
 
@@ -71,6 +77,8 @@ TEST(FitModelTest, BadTrainingDataIsRefused) {
 TEST(FitPresetTest, KnowsItsNames) {
   EXPECT_EQ(FitPreset("paper")->score, Score::kViterbi);
   EXPECT_FALSE(FitPreset("paper")->log_features);
+  EXPECT_EQ(FitPreset("paper")->lstm.steps.last, 1u);
+  EXPECT_GT(FitPreset("tuned")->lstm.networks, 1);
   EXPECT_EQ(ReasonOf(FitPreset("magic").status()), "INVALID_CONFIG");
 }
 

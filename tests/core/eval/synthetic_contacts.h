@@ -36,9 +36,9 @@ inline std::vector<Contact> SyntheticContacts(int per_class, int frames,
     for (int t = 1; t <= frames; ++t) {
       const double ramp = std::min(1.0, 3.0 * t / frames);
       contact.frames.push_back(
-          {{gain * force[k] * ramp + 0.02 * random.Gaussian(),
-            81e-6 * static_cast<double>(1 + random.Index(6)),
-            gain * motion[k] * ramp + 5e-5 * random.Gaussian()}});
+          {IdealSample({gain * force[k] * ramp + 0.02 * random.Gaussian(),
+                        81e-6 * static_cast<double>(1 + random.Index(6)),
+                        gain * motion[k] * ramp + 5e-5 * random.Gaussian()})});
     }
     contacts.push_back(std::move(contact));
   }

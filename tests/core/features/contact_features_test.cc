@@ -60,7 +60,8 @@ class Script {
 };
 
 void ExpectZero(const FrameFeatures& features) {
-  EXPECT_EQ(features.vector(), (FeatureVector{0, 0, 0}));
+  EXPECT_EQ(features.sample().features, (FeatureVector{0, 0, 0}));
+  EXPECT_EQ(features.sample().net_force, 0);
   EXPECT_EQ(features.area_taxels, 0);
   EXPECT_EQ(features.centroid.row, 0);
   EXPECT_EQ(features.centroid.column, 0);

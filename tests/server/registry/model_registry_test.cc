@@ -78,7 +78,7 @@ TEST(ModelRegistryTest, ABadBundleChangesNothing) {
   EXPECT_FALSE(registry.Add("default", flipped).ok());
   // Its own self-test fails.
   Model wrong = testing::SmallModel();
-  wrong.warm_up.signals = {FeatureVector{1, 1, 1}};
+  wrong.warm_up.samples = {{{1, 1, 1}, 1}};
   wrong.warm_up.probability = {1, 0, 0, 0};
   wrong.warm_up.log_likelihood = {0, 0, 0, 0};
   EXPECT_EQ(ReasonOf(registry.Add("default", *EncodeBundle(wrong))),

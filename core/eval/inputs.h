@@ -1,0 +1,54 @@
+// File: inputs.h
+//
+// Model inputs of whole contacts, for fitting: cues as ContactClassifier
+// computes them frame by frame, their scaling, and the sequences they make.
+//
+//   auto inputs = FitInputs(contacts, cues, {});
+//   std::vector<double> rows = MakeSequence(contact, inputs);
+//
+// Thread-safe: free functions without state.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "absl/functional/function_ref.h"
+#include "core/classify/feature_input.h"
+#include "core/eval/contact.h"
+
+namespace tactus {
+
+enum class Scaling {
+  kStandard,  // zero mean, unit deviation (paper, eq. for S_f)
+  kMinMax,    // 0 to 1
+};
+
+struct InputOptions {
+  Scaling scaling = Scaling::kStandard;
+  // Logarithms of the raw features: of x and 2 % of its typical value, so that
+  // sensor noise around zero stays small.
+  bool log_features = false;
+  // Frames that count.
+  StepIntervals steps = {};
+};
+
+// Calls `visit` with the cues at every touched frame that is due by `steps`,
+// and the frames since onset.
+void WalkCues(
+    const Contact& contact, const StepIntervals& steps,
+    absl::FunctionRef<void(const CueTracker& cues, size_t frame)> visit);
+
+// One input a cue, scaled over all contacts, each of the same rate.
+std::vector<ModelInput> FitInputs(const std::vector<const Contact*>& contacts,
+                                  std::span<const Cue> cues,
+                                  const InputOptions& options);
+
+// Scaled inputs of all touched frames, frames x inputs, row-major.
+std::vector<double> MakeSequence(const Contact& contact,
+                                 std::span<const ModelInput> inputs);
+// Those of the frames due by `steps`, as the LSTMs get them.
+std::vector<float> MakeLstmSequence(const Contact& contact,
+                                    std::span<const ModelInput> inputs,
+                                    const StepIntervals& steps);
+
+}  // namespace tactus

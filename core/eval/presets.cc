@@ -1,0 +1,73 @@
+#include <algorithm>
+#include <vector>
+
+#include "core/base/errors.h"
+#include "core/eval/fit.h"
+
+namespace tactus {
+namespace {
+
+// Section "Algorithm Parameters".
+FitOptions PaperPreset() {
+  FitOptions options;
+  options.log_features = false;
+  options.score = Score::kViterbi;
+  LstmFit& lstm = options.lstm;
+  lstm.networks = 1;
+  lstm.scaling = Scaling::kMinMax;
+  lstm.activation = Activation::kSoftsign;
+  lstm.gate_activation = GateActivation::kHardSigmoid;
+  return options;
+}
+
+FitOptions TunedPreset() {
+  FitOptions options;
+  options.hmms_per_class = 20;
+  LstmFit& lstm = options.lstm;
+  lstm.networks = 3;
+  lstm.cues = DerivedCues();
+  lstm.steps = {5, 20};
+  LstmTrainOptions& training = lstm.training;
+  training.epochs = 40;
+  training.batch_size = 16;
+  training.optimizer.optimizer = Optimizer::kAdam;
+  training.optimizer.learning_rate = 3e-3;
+  training.optimizer.weight_decay = 1e-3;
+  training.optimizer.gradient_clip = 1;
+  training.cosine_decay = true;
+  training.loss.steps = LstmLoss::kEveryStep;
+  training.noise = {.dropout = 0.2, .input = 0.05};
+  return options;
+}
+
+}  // namespace
+
+absl::StatusOr<FitOptions> FitPreset(absl::string_view name) {
+  if (name == "tuned") return TunedPreset();
+  if (name == "paper") return PaperPreset();
+  return InvalidConfig("preset", name, "tuned or paper");
+}
+
+std::vector<Cue> CuesFor(const std::vector<Cue>& cues,
+                         const std::vector<Feature>& features) {
+  std::vector<Cue> usable;
+  if (cues.empty()) {
+    for (Feature feature : features) usable.push_back(RawCue(feature));
+    return usable;
+  }
+  auto known = [&](Cue cue) {
+    for (int f = 0; f < kFeatureCount; ++f) {
+      const Feature feature = static_cast<Feature>(f);
+      if (NeedsFeature(cue, feature) &&
+          std::find(features.begin(), features.end(), feature) ==
+              features.end()) {
+        return false;
+      }
+    }
+    return true;
+  };
+  std::copy_if(cues.begin(), cues.end(), std::back_inserter(usable), known);
+  return usable;
+}
+
+}  // namespace tactus

@@ -1,0 +1,253 @@
+#include "core/features/cues.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tactus {
+namespace {
+
+constexpr int kNeedsForce = 1 << static_cast<int>(Feature::kForce);
+constexpr int kNeedsArea = 1 << static_cast<int>(Feature::kArea);
+constexpr int kNeedsMotion = 1 << static_cast<int>(Feature::kMotion);
+
+struct CueRow {
+  absl::string_view name;
+  int needs;
+};
+
+constexpr CueRow kCues[] = {
+    {"force", kNeedsForce},
+    {"area", kNeedsArea},
+    {"motion", kNeedsMotion},
+    {"log_peak", kNeedsForce},
+    {"log_force", kNeedsForce},
+    {"log_area", kNeedsArea},
+    {"log_motion", kNeedsMotion},
+    {"log_time", 0},
+    {"log_speed", kNeedsMotion},
+    {"log_stiffness", kNeedsForce | kNeedsMotion},
+    {"log_spring", kNeedsForce | kNeedsMotion},
+    {"log_stiffest_spring", kNeedsForce | kNeedsMotion},
+    {"log_spring_misfit", kNeedsForce | kNeedsMotion},
+    {"log_slope", kNeedsForce | kNeedsMotion},
+    {"log_slope_misfit", kNeedsForce | kNeedsMotion},
+    {"stiffness_short", kNeedsForce | kNeedsMotion},
+    {"force_ripple_short", kNeedsForce},
+    {"motion_ripple_short", kNeedsMotion},
+    {"area_ripple_short", kNeedsArea},
+    {"area_response_short", kNeedsForce | kNeedsArea},
+    {"stiffness_long", kNeedsForce | kNeedsMotion},
+    {"force_ripple_long", kNeedsForce},
+    {"motion_ripple_long", kNeedsMotion},
+    {"area_ripple_long", kNeedsArea},
+    {"area_response_long", kNeedsForce | kNeedsArea},
+    {"log_first_area", kNeedsArea},
+    {"area_growth", kNeedsArea},
+    {"log_largest_force", kNeedsForce},
+    {"force_drop", kNeedsForce},
+    {"force_roughness", kNeedsForce},
+    {"area_roughness", kNeedsArea},
+    {"motion_roughness", kNeedsMotion},
+};
+static_assert(std::size(kCues) == kCueCount);
+
+constexpr int kF = static_cast<int>(Feature::kForce);
+constexpr int kA = static_cast<int>(Feature::kArea);
+constexpr int kM = static_cast<int>(Feature::kMotion);
+
+// Seconds.
+constexpr double kSmooth = 0.05;
+constexpr double kShort = 0.1;
+constexpr double kLong = 0.4;
+// Below these a logarithm says nothing: N, m^2, m, and shares of a mean.
+constexpr double kForceFloor = 1e-6;
+constexpr double kAreaFloor = 1e-7;
+constexpr double kMotionFloor = 1e-7;
+constexpr double kRippleFloor = 1e-6;
+// Shares of unexplained variance below this look alike.
+constexpr double kMisfitFloor = 1e-4;
+// Where signed logarithms turn from linear: N/m, shares.
+constexpr double kStiffnessKnee = 1e3;
+constexpr double kAreaKnee = 1e-5;
+// Samples are held within this, so that no product overflows.
+constexpr double kLargest = 1e30;
+// The anti-aliasing filter has settled after these frames at 100 Hz (s).
+constexpr double kSettled = 0.03;
+
+double Log(double x, double floor) { return std::log(std::max(x, floor)); }
+
+double SignedLog(double x, double knee) {
+  return std::copysign(std::log1p(std::abs(x) / knee), x);
+}
+
+// 0 / 0 = 0; a sum of squares may have vanished.
+double Ratio(double x, double y) { return y > 0 ? x / y : 0; }
+
+// Weight of the newest of `count` samples in a mean over `window` samples.
+double Share(uint64_t count, double window) {
+  return 1 / std::min(static_cast<double>(count), std::max(1.0, window));
+}
+
+// Log of the share of variance left when `product` explains it.
+double Misfit(double product, double x, double y) {
+  const double explained = Ratio(product, x) * Ratio(product, y);
+  return std::log(1 + kMisfitFloor - std::clamp(explained, 0.0, 1.0));
+}
+
+}  // namespace
+
+absl::string_view CueName(Cue cue) { return kCues[static_cast<int>(cue)].name; }
+
+std::optional<Cue> ParseCue(absl::string_view name) {
+  for (int i = 0; i < kCueCount; ++i) {
+    if (kCues[i].name == name) return static_cast<Cue>(i);
+  }
+  return std::nullopt;
+}
+
+Cue RawCue(Feature feature) {
+  return static_cast<Cue>(static_cast<int>(feature));
+}
+
+bool NeedsFeature(Cue cue, Feature feature) {
+  return (kCues[static_cast<int>(cue)].needs &
+          (1 << static_cast<int>(feature))) != 0;
+}
+
+std::vector<Cue> DerivedCues() {
+  std::vector<Cue> cues;
+  for (int i = kFeatureCount; i < kCueCount; ++i) {
+    cues.push_back(static_cast<Cue>(i));
+  }
+  return cues;
+}
+
+void CueTracker::Moments::Step(const FeatureVector& x, double share) {
+  FeatureVector change;
+  for (int i = 0; i < kFeatureCount; ++i) {
+    change[i] = x[i] - mean[i];
+    mean[i] += share * change[i];
+  }
+  const double keep = 1 - share;
+  for (int i = 0; i < kFeatureCount; ++i) {
+    variance[i] = keep * (variance[i] + share * change[i] * change[i]);
+  }
+  force_motion = keep * (force_motion + share * change[kF] * change[kM]);
+  force_area = keep * (force_area + share * change[kF] * change[kA]);
+}
+
+double CueTracker::WindowShare(double seconds) const {
+  return Share(state_.frames, seconds * sample_rate_hz_);
+}
+
+void CueTracker::Step(const ContactSample& sample,
+                      uint64_t frames_since_onset) {
+  ++state_.frames;
+  FeatureVector x = {sample.net_force, sample.features[kA],
+                     sample.features[kM]};
+  for (double& value : x) value = std::clamp(value, -kLargest, kLargest);
+  for (int i = 0; i < kFeatureCount; ++i) {
+    state_.values[i] = std::clamp(sample.features[i], -kLargest, kLargest);
+    state_.smooth[i].Step(x[i], WindowShare(kSmooth));
+  }
+  state_.short_window.Step(x, WindowShare(kShort));
+  state_.long_window.Step(x, WindowShare(kLong));
+  state_.contact.Step(x, 1 / static_cast<double>(state_.frames));
+  StepLevels(sample, frames_since_onset);
+  StepSprings(x);
+  ReadWindow(state_.short_window, Cue::kStiffnessShort);
+  ReadWindow(state_.long_window, Cue::kStiffnessLong);
+  StepRoughness(x);
+}
+
+void CueTracker::StepLevels(const ContactSample& sample,
+                            uint64_t frames_since_onset) {
+  State& s = state_;
+  s.peak.Step(std::clamp(sample.features[kF], -kLargest, kLargest),
+              WindowShare(kSmooth));
+  const double force = s.smooth[kF].value;
+  const double area = s.smooth[kA].value;
+  const double log_force = Log(force, kForceFloor);
+  const double log_motion = Log(s.smooth[kM].value, kMotionFloor);
+  const double log_time =
+      std::log(static_cast<double>(frames_since_onset) / sample_rate_hz_);
+  Set(Cue::kLogPeak, Log(s.peak.value, kForceFloor));
+  Set(Cue::kLogForce, log_force);
+  Set(Cue::kLogArea, Log(area, kAreaFloor));
+  Set(Cue::kLogMotion, log_motion);
+  Set(Cue::kLogTime, log_time);
+  Set(Cue::kLogSpeed, log_motion - log_time);
+  Set(Cue::kLogStiffness, log_force - log_motion);
+
+  const bool settled =
+      static_cast<double>(s.frames) > kSettled * sample_rate_hz_;
+  s.first_area = settled ? std::min(s.first_area, area) : area;
+  Set(Cue::kLogFirstArea, Log(s.first_area, kAreaFloor));
+  Set(Cue::kAreaGrowth,
+      SignedLog(Ratio(area - s.first_area, std::max(s.first_area, kAreaFloor)),
+                kAreaKnee));
+  s.largest_force = std::max(s.largest_force, force);
+  const double log_largest = Log(s.largest_force, kForceFloor);
+  Set(Cue::kLogLargestForce, log_largest);
+  Set(Cue::kForceDrop, log_force - log_largest);
+}
+
+void CueTracker::StepSprings(const FeatureVector& x) {
+  State& s = state_;
+  const double share = 1 / static_cast<double>(s.frames);
+  s.force_motion.Step(x[kF] * x[kM], share);
+  s.motion_motion.Step(x[kM] * x[kM], share);
+  s.force_force.Step(x[kF] * x[kF], share);
+  const double spring =
+      std::log(std::max(s.force_motion.value, kForceFloor * kMotionFloor)) -
+      std::log(std::max(s.motion_motion.value, kMotionFloor * kMotionFloor));
+  s.stiffest = s.frames == 1 ? spring : std::max(s.stiffest, spring);
+  Set(Cue::kLogSpring, spring);
+  Set(Cue::kLogStiffestSpring, s.stiffest);
+  Set(Cue::kLogSpringMisfit,
+      Misfit(s.force_motion.value, s.motion_motion.value, s.force_force.value));
+
+  const Moments& all = s.contact;
+  Set(Cue::kLogSlope,
+      std::log(std::max(all.variance[kF], kForceFloor * kForceFloor)) -
+          std::log(std::max(all.force_motion, kForceFloor * kMotionFloor)));
+  Set(Cue::kLogSlopeMisfit,
+      Misfit(all.force_motion, all.variance[kM], all.variance[kF]));
+}
+
+void CueTracker::ReadWindow(const Moments& window, Cue stiffness) {
+  auto set = [&](int place, double value) {
+    state_.values[static_cast<int>(stiffness) + place] = value;
+  };
+  auto ripple = [&](int feature, double floor) {
+    const double mean = std::max(std::abs(window.mean[feature]), floor);
+    const double share = window.variance[feature] / (mean * mean);
+    return 0.5 * std::log(share + kRippleFloor * kRippleFloor);
+  };
+  set(0, SignedLog(Ratio(window.force_motion, window.variance[kM]),
+                   kStiffnessKnee));
+  set(1, ripple(kF, kForceFloor));
+  set(2, ripple(kM, kMotionFloor));
+  set(3, ripple(kA, kAreaFloor));
+  set(4, SignedLog(Ratio(window.force_area, window.variance[kF]) *
+                       window.mean[kF] / std::max(window.mean[kA], kAreaFloor),
+                   kAreaKnee));
+}
+
+void CueTracker::StepRoughness(const FeatureVector& x) {
+  constexpr Cue kCue[] = {Cue::kForceRoughness, Cue::kAreaRoughness,
+                          Cue::kMotionRoughness};
+  constexpr double kFloor[] = {kForceFloor, kAreaFloor, kMotionFloor};
+  State& s = state_;
+  for (int i = 0; i < kFeatureCount; ++i) {
+    const double change = s.frames == 1 ? 0 : x[i] - s.last[i];
+    s.roughness[i].Step(change * change, 1 / static_cast<double>(s.frames));
+    // Roughness is far smaller than the level.
+    Set(kCue[i], 0.5 * std::log(s.roughness[i].value +
+                                kFloor[i] * kFloor[i] * kRippleFloor));
+  }
+  s.last = x;
+}
+
+}  // namespace tactus

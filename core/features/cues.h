@@ -1,0 +1,155 @@
+// File: cues.h
+//
+// Cues: numbers that sequence models see, computed causally from the contact
+// samples so far. The raw features are cues; the others put into one number
+// what the lumped element model (paper, eqs. 1 to 7) says about an object:
+// pressed without sliding, force over motion is its stiffness; once it slides,
+// force stays and motion goes on; area grows with strain. Ratios and
+// logarithms of them hold at arm stiffnesses and speeds never trained on.
+//
+//   CueTracker tracker(/*sample_rate_hz=*/100);
+//   tracker.Step(sample, /*missing_before=*/0);
+//   double cue = tracker.value(Cue::kLogSpring);
+//
+// Constant memory; Step allocates nothing. Not thread-safe: one per stream.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "absl/strings/string_view.h"
+#include "core/features/feature.h"
+
+namespace tactus {
+
+// "Net" is the force on the whole region; "smooth" a running mean over 50 ms.
+enum class Cue {
+  kForce,   // the feature itself
+  kArea,    // the feature itself
+  kMotion,  // the feature itself
+  // Logarithms of the smooth features.
+  kLogPeak,
+  kLogForce,  // net
+  kLogArea,
+  kLogMotion,
+  // Of the time since onset, of motion over it, of force over motion.
+  kLogTime,
+  kLogSpeed,
+  kLogStiffness,
+  // One spring through the origin, fitted to all of the contact (log N/m), the
+  // stiffest it has been, and the share of force it does not explain (log).
+  kLogSpring,
+  kLogStiffestSpring,
+  kLogSpringMisfit,
+  // The same with a free origin, motion on force.
+  kLogSlope,
+  kLogSlopeMisfit,
+  // In the last 0.1 s: change of force over that of motion; deviation over mean
+  // (log); relative change of area over that of force.
+  kStiffnessShort,
+  kForceRippleShort,
+  kMotionRippleShort,
+  kAreaRippleShort,
+  kAreaResponseShort,
+  // The same in the last 0.4 s.
+  kStiffnessLong,
+  kForceRippleLong,
+  kMotionRippleLong,
+  kAreaRippleLong,
+  kAreaResponseLong,
+  // Smallest smooth area so far, and how much the area has grown from it.
+  kLogFirstArea,
+  kAreaGrowth,
+  // Largest smooth force so far, and force relative to it.
+  kLogLargestForce,
+  kForceDrop,
+  // Root mean square of the changes from frame to frame (log).
+  kForceRoughness,
+  kAreaRoughness,
+  kMotionRoughness,
+};
+inline constexpr int kCueCount = static_cast<int>(Cue::kMotionRoughness) + 1;
+
+// "log_spring".
+absl::string_view CueName(Cue cue);
+
+// Nothing if there is none of that name.
+std::optional<Cue> ParseCue(absl::string_view name);
+
+// The raw feature as a cue.
+Cue RawCue(Feature feature);
+
+// True if the cue is computed from this feature.
+bool NeedsFeature(Cue cue, Feature feature);
+
+// All cues but the raw features.
+std::vector<Cue> DerivedCues();
+
+class CueTracker {
+ public:
+  // `sample_rate_hz` > 0.
+  explicit CueTracker(double sample_rate_hz)
+      : sample_rate_hz_(sample_rate_hz) {}
+
+  // Forgets the contact.
+  void Reset() { state_ = {}; }
+
+  // Takes the next touched frame; `frames_since_onset` counts lost and
+  // untouched ones too, from 1. Values of any finite size are safe.
+  void Step(const ContactSample& sample, uint64_t frames_since_onset);
+
+  // After the last Step(); 0 before the first.
+  double value(Cue cue) const { return state_.values[static_cast<int>(cue)]; }
+
+ private:
+  // Mean of all samples, or a running one once they are more than a window.
+  struct Mean {
+    double value = 0;
+    void Step(double x, double share) { value += share * (x - value); }
+  };
+  // Means, variances and covariances, as Mean.
+  struct Moments {
+    FeatureVector mean = {};
+    FeatureVector variance = {};
+    double force_motion = 0;
+    double force_area = 0;
+    void Step(const FeatureVector& x, double share);
+  };
+  // Net force, area, motion are the three features here.
+  struct State {
+    std::array<double, kCueCount> values = {};
+    uint64_t frames = 0;
+    Mean peak;
+    std::array<Mean, kFeatureCount> smooth;
+    Moments short_window;
+    Moments long_window;
+    Moments contact;
+    // Mean products, for the spring through the origin.
+    Mean force_motion;
+    Mean motion_motion;
+    Mean force_force;
+    double stiffest = 0;
+    double first_area = 0;
+    double largest_force = 0;
+    FeatureVector last = {};
+    // Mean squared changes.
+    std::array<Mean, kFeatureCount> roughness;
+  };
+
+  double WindowShare(double seconds) const;
+  void Set(Cue cue, double value) {
+    state_.values[static_cast<int>(cue)] = value;
+  }
+  void StepLevels(const ContactSample& sample, uint64_t frames_since_onset);
+  void StepSprings(const FeatureVector& x);
+  void StepRoughness(const FeatureVector& x);
+  // Writes the five cues of a window, from `stiffness` on.
+  void ReadWindow(const Moments& window, Cue stiffness);
+
+  double sample_rate_hz_;
+  State state_;
+};
+
+}  // namespace tactus

@@ -1,0 +1,171 @@
+#include "core/features/cues.h"
+
+#include <cmath>
+
+#include "core/base/random.h"
+#include "gtest/gtest.h"
+#include "tests/support/allocation_counter.h"
+
+namespace tactus {
+namespace {
+
+using Samples = std::vector<ContactSample>;
+
+ContactSample Sample(double force, double area, double motion) {
+  return {{force, area, motion}, force};
+}
+
+// A spring of `stiffness` pressed at 10 mm/s, sliding from frame `slip` on.
+Samples Press(double stiffness, int frames, int slip) {
+  Samples samples;
+  for (int t = 1; t <= frames; ++t) {
+    const double motion = 0.0001 * t;
+    const double pressed = 0.0001 * std::min(t, slip);
+    samples.push_back(Sample(stiffness * pressed, 1e-3, motion));
+  }
+  return samples;
+}
+
+CueTracker After(const Samples& samples) {
+  CueTracker tracker(100);
+  for (size_t i = 0; i < samples.size(); ++i) tracker.Step(samples[i], i + 1);
+  return tracker;
+}
+
+// Weights of a mean that becomes a running one over `window` samples, from
+// the recursion's closed form.
+std::vector<long double> Weights(size_t count, size_t window) {
+  std::vector<long double> weights(count, 1.0L);
+  for (size_t i = 0; i < count; ++i) {
+    weights[i] = 1.0L / std::min(i + 1, window);
+    for (size_t j = 0; j < i; ++j) weights[j] *= 1 - weights[i];
+  }
+  return weights;
+}
+
+TEST(CueTest, NamesRoundTripAndAreUnique) {
+  for (int i = 0; i < kCueCount; ++i) {
+    const Cue cue = static_cast<Cue>(i);
+    EXPECT_EQ(ParseCue(CueName(cue)), cue);
+  }
+  EXPECT_FALSE(ParseCue("log_nothing"));
+  EXPECT_EQ(CueName(RawCue(Feature::kMotion)), "motion");
+  EXPECT_FALSE(NeedsFeature(Cue::kLogSpring, Feature::kArea));
+  EXPECT_TRUE(NeedsFeature(Cue::kLogSpring, Feature::kMotion));
+}
+
+TEST(CueTest, ASpringThatRestsShowsItsStiffness) {
+  const CueTracker tracker = After(Press(2000, 100, 1000));
+  for (Cue cue : {Cue::kLogSpring, Cue::kLogSlope, Cue::kLogStiffestSpring,
+                  Cue::kLogStiffness}) {
+    EXPECT_NEAR(tracker.value(cue), std::log(2000), 1e-9) << CueName(cue);
+  }
+  for (Cue cue : {Cue::kStiffnessShort, Cue::kStiffnessLong}) {
+    EXPECT_NEAR(tracker.value(cue), std::log1p(2000 / 1e3), 1e-9);
+  }
+  EXPECT_NEAR(tracker.value(Cue::kLogSpringMisfit), std::log(1e-4), 1e-6);
+  EXPECT_NEAR(tracker.value(Cue::kLogSpeed), std::log(0.01), 0.05);
+}
+
+TEST(CueTest, SlidingShowsAsMisfitAndKeepsTheStiffestSpring) {
+  const CueTracker tracker = After(Press(2000, 200, 20));
+  EXPECT_NEAR(tracker.value(Cue::kLogStiffestSpring), std::log(2000), 1e-9);
+  EXPECT_LT(tracker.value(Cue::kLogSpring), std::log(500));
+  EXPECT_GT(tracker.value(Cue::kLogSpringMisfit), std::log(0.1));
+  EXPECT_NEAR(tracker.value(Cue::kStiffnessShort), 0, 1e-6);
+}
+
+TEST(CueTest, StiffnessHoldsAtAnySpeedAndArm) {
+  const Samples slow = Press(2000, 400, 1000);
+  Samples fast;
+  for (size_t i = 3; i < slow.size(); i += 4) fast.push_back(slow[i]);
+  for (Cue cue : {Cue::kLogSpring, Cue::kLogSlope, Cue::kLogStiffness}) {
+    EXPECT_NEAR(After(slow).value(cue), After(fast).value(cue), 1e-9);
+  }
+}
+
+// Every windowed cue from all samples at once, in long double.
+TEST(CueTest, WindowsAgreeWithWeightedSumsOverAllSamples) {
+  Random random(3);
+  Samples samples;
+  CueTracker tracker(100);
+  for (int t = 1; t <= 120; ++t) {
+    samples.push_back(Sample(random.Uniform(1, 2), random.Uniform(0.001, 0.002),
+                             random.Uniform(0.01, 0.02)));
+    tracker.Step(samples.back(), t);
+    struct Case {
+      size_t window;
+      Cue stiffness;
+      Cue force_ripple;
+      Cue area_response;
+    };
+    for (const Case& c : {Case{10, Cue::kStiffnessShort, Cue::kForceRippleShort,
+                               Cue::kAreaResponseShort},
+                          Case{40, Cue::kStiffnessLong, Cue::kForceRippleLong,
+                               Cue::kAreaResponseLong}}) {
+      const auto w = Weights(samples.size(), c.window);
+      long double f = 0, a = 0, m = 0, ff = 0, mm = 0, fm = 0, fa = 0;
+      for (size_t i = 0; i < samples.size(); ++i) {
+        f += w[i] * samples[i].features[0];
+        a += w[i] * samples[i].features[1];
+        m += w[i] * samples[i].features[2];
+      }
+      for (size_t i = 0; i < samples.size(); ++i) {
+        const long double df = samples[i].features[0] - f;
+        const long double da = samples[i].features[1] - a;
+        const long double dm = samples[i].features[2] - m;
+        ff += w[i] * df * df;
+        mm += w[i] * dm * dm;
+        fm += w[i] * df * dm;
+        fa += w[i] * df * da;
+      }
+      if (t < 3) continue;
+      const long double k = fm / mm;
+      EXPECT_NEAR(
+          tracker.value(c.stiffness),
+          static_cast<double>(std::copysign(std::log1p(std::abs(k) / 1e3L), k)),
+          1e-9);
+      EXPECT_NEAR(tracker.value(c.force_ripple),
+                  static_cast<double>(std::log(std::sqrt(ff) / f)), 1e-9);
+      const long double response = fa / ff * f / a;
+      EXPECT_NEAR(tracker.value(c.area_response),
+                  static_cast<double>(std::copysign(
+                      std::log1p(std::abs(response) / 1e-5L), response)),
+                  1e-8);
+    }
+  }
+}
+
+TEST(CueTest, AnyFiniteSampleGivesFiniteCues) {
+  const double values[] = {0,     -1,     1e-308, 5e-324, 1e-30, 1e30,
+                           1e300, -1e300, 1,      1e-7,   12};
+  Random random(9);
+  CueTracker tracker(100);
+  auto pick = [&] { return values[random.Index(std::size(values))]; };
+  for (uint64_t t = 1; t <= 5000; ++t) {
+    if (t % 100 == 0) tracker.Reset();
+    tracker.Step({{pick(), pick(), pick()}, pick()}, t);
+    for (int i = 0; i < kCueCount; ++i) {
+      ASSERT_TRUE(std::isfinite(tracker.value(static_cast<Cue>(i))))
+          << CueName(static_cast<Cue>(i)) << " at " << t;
+    }
+  }
+}
+
+TEST(CueTest, ResetForgetsAndStepAllocatesNothing) {
+  CueTracker tracker(100);
+  testing::AllocationCounter counter;
+  for (int t = 1; t <= 100; ++t) tracker.Step(Sample(9, 1, 1), t);
+  tracker.Reset();
+  for (int t = 1; t <= 7; ++t) tracker.Step(Sample(1, 1e-3, 0.001 * t), t);
+  EXPECT_EQ(counter.count(), 0);
+  CueTracker fresh(100);
+  for (int t = 1; t <= 7; ++t) fresh.Step(Sample(1, 1e-3, 0.001 * t), t);
+  for (int i = 0; i < kCueCount; ++i) {
+    const Cue cue = static_cast<Cue>(i);
+    EXPECT_EQ(tracker.value(cue), fresh.value(cue)) << CueName(cue);
+  }
+}
+
+}  // namespace
+}  // namespace tactus
