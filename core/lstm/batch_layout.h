@@ -21,8 +21,9 @@ struct BatchLayout {
   void Arrange(std::span<const int> steps_of) {
     order.resize(steps_of.size());
     std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](int a, int b) { return steps_of[a] > steps_of[b]; });
+    std::sort(order.begin(), order.end(), [&](int a, int b) {
+      return steps_of[a] != steps_of[b] ? steps_of[a] > steps_of[b] : a < b;
+    });
     steps.clear();
     for (const int i : order) steps.push_back(steps_of[i]);
     active.clear();

@@ -165,6 +165,38 @@ TEST(TrainLstmTest, GoesOnFromACheckpointToTheSameBits) {
   }
 }
 
+TEST(TrainLstmTest, ACheckpointOfOtherOptionsIsRefused) {
+  const TrainingSet set = PulseOrder(10, 3);
+  LstmTrainOptions options = Options();
+  options.patience = 4;
+  LstmCheckpoint good;
+  ASSERT_TRUE(TrainLstm({.network = SmallNetwork()}, set.views, set.views,
+                        options,
+                        [&](const LstmEpoch&, const LstmCheckpoint& made) {
+                          good = made;
+                          return absl::OkStatus();
+                        })
+                  .ok());
+  const auto reason = [&](const LstmCheckpoint& from) {
+    return ReasonOf(TrainLstm(from, set.views, set.views, options).status());
+  };
+  EXPECT_EQ(reason(good), "");
+  LstmCheckpoint bad = good;
+  bad.network =
+      RandomNetwork(3, {4}, 2, Activation::kTanh, GateActivation::kSigmoid, 1);
+  EXPECT_EQ(reason(bad), "INVALID_MODEL");
+  bad = good;
+  bad.best_epoch = 5;
+  EXPECT_EQ(reason(bad), "INVALID_MODEL");
+  bad = good;
+  bad.best = {};
+  EXPECT_EQ(reason(bad), "INVALID_MODEL");
+  options.optimizer.optimizer = Optimizer::kRmsProp;
+  EXPECT_EQ(reason(good), "INVALID_MODEL");
+  options = Options();
+  EXPECT_EQ(reason(good), "INVALID_MODEL");
+}
+
 TEST(TrainLstmTest, PatienceEndsTrainingAndGivesTheBestEpoch) {
   const TrainingSet training = PulseOrder(20, 3);
   // Labels turned round: the better it learns, the worse it does here.
