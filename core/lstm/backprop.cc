@@ -249,10 +249,10 @@ LstmBatchLoss LstmBackprop::Loss(const LstmLossOptions& options) {
     for (int t = 0; t < steps; ++t) {
       if (!Counts(options, t, steps)) continue;
       const size_t at = layout_.Row(t, i) * stride;
-      const auto targets =
-          sequence.targets.empty()
-              ? sequence.targets
-              : sequence.targets.subspan(t * regressions_, regressions_);
+      const auto targets = sequence.targets.empty()
+                               ? sequence.targets
+                               : sequence.targets.subspan(
+                                     size_t(t) * regressions_, regressions_);
       loss += StepLoss(options, classes_, regressions_, &outputs_[at],
                        sequence.label, targets, share, &by_outputs_[at]);
     }
@@ -328,20 +328,18 @@ void LstmBackprop::WeightGradients(size_t index) {
 
   std::fill(layer.recurrent.gradient.begin(), layer.recurrent.gradient.end(),
             0.0F);
-  // One product per stretch of steps that as many sequences reach: within it
-  // h[t-1] lies a fixed number of rows before the deltas of t.
+  const LstmCellShape shape = ShapeOf(layer, 0);
+  // h[t-1] lies as many rows before the deltas of t as sequences reach t-1:
+  // one product per stretch of steps for which that is one number.
   const size_t steps = layout_.active.size();
   for (size_t from = 1, to = 1; from < steps; from = to) {
-    const int distance = layout_.first[from] - layout_.first[from - 1];
-    while (to < steps && layout_.active[to] == layout_.active[from] &&
-           layout_.first[to] - layout_.first[to - 1] == distance) {
-      ++to;
-    }
-    const int first = layout_.first[from];
-    const int rows = (to < steps ? layout_.first[to] : layout_.rows) - first;
-    AddGradient(kernels_, rows,
-                &layer.output[(first - distance) * Padded(layer.cells())],
-                deltas + first * layer.bias.size(), layer.recurrent);
+    const int distance = layout_.active[from - 1];
+    while (to < steps && layout_.active[to - 1] == distance) ++to;
+    const ptrdiff_t first = layout_.first[from];
+    const int end = to < steps ? layout_.first[to] : layout_.rows;
+    AddGradient(kernels_, static_cast<int>(end - first),
+                &layer.output[(first - distance) * shape.cell_row],
+                deltas + first * shape.gate_row, layer.recurrent);
   }
 }
 

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <numeric>
 #include <span>
 #include <vector>
@@ -39,7 +40,7 @@ struct BatchLayout {
   }
 
   int sequences() const { return static_cast<int>(order.size()); }
-  int Row(int t, int position) const { return first[t] + position; }
+  ptrdiff_t Row(int t, int position) const { return first[t] + position; }
 
   // Per position: which sequence, and its steps.
   std::vector<int> order;
