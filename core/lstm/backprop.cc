@@ -10,76 +10,74 @@
 namespace tactus {
 namespace {
 
-void Grow(size_t size, std::vector<float>& values) {
+void Grow(size_t size, LstmBuffer& values) {
   if (values.size() < size) values.resize(size);
 }
 
-// Every row of `to` becomes `row`.
-void Repeat(const std::vector<float>& row, int rows, std::vector<float>& to) {
-  for (int n = 0; n < rows; ++n) {
-    std::copy(row.begin(), row.end(), to.begin() + n * row.size());
-  }
-}
-
-// to += from weights, for `rows` rows.
-void AddForward(const LstmKernels& kernels, int rows, const float* from,
-                const PackedMatrix& matrix, float* to) {
-  kernels.multiply_add({.rows = rows,
-                        .inner = matrix.inputs,
-                        .columns = Padded(matrix.rows),
-                        .a = from,
-                        .a_row = Padded(matrix.inputs),
-                        .b = matrix.forward.data(),
-                        .b_row = Padded(matrix.rows),
-                        .c = to,
-                        .c_row = Padded(matrix.rows)});
+// to = start + from weights, for `rows` rows.
+void Forwards(const LstmKernels& kernels, int rows, const float* from,
+              const PackedMatrix& matrix, const float* start, int start_row,
+              float* to) {
+  kernels.product({.rows = rows,
+                   .inner = matrix.inputs,
+                   .columns = Padded(matrix.rows),
+                   .a = from,
+                   .a_row = Padded(matrix.inputs),
+                   .b = matrix.forward.data(),
+                   .b_row = Padded(matrix.rows),
+                   .start = start,
+                   .start_row = start_row,
+                   .c = to,
+                   .c_row = Padded(matrix.rows)});
 }
 
 // to = from weights^T, for `rows` rows.
-void SetBackward(const LstmKernels& kernels, int rows, const float* from,
-                 const PackedMatrix& matrix, float* to) {
-  std::fill_n(to, size_t(rows) * Padded(matrix.inputs), 0.0F);
-  kernels.multiply_add({.rows = rows,
-                        .inner = matrix.rows,
-                        .columns = Padded(matrix.inputs),
-                        .a = from,
-                        .a_row = Padded(matrix.rows),
-                        .b = matrix.backward.data(),
-                        .b_row = Padded(matrix.inputs),
-                        .c = to,
-                        .c_row = Padded(matrix.inputs)});
+void Backwards(const LstmKernels& kernels, int rows, const float* from,
+               const PackedMatrix& matrix, const LstmBuffer& zeros, float* to) {
+  kernels.product({.rows = rows,
+                   .inner = matrix.rows,
+                   .columns = Padded(matrix.inputs),
+                   .a = from,
+                   .a_row = Padded(matrix.rows),
+                   .b = matrix.backward.data(),
+                   .b_row = Padded(matrix.inputs),
+                   .start = zeros.data(),
+                   .c = to,
+                   .c_row = Padded(matrix.inputs)});
 }
 
 // matrix.gradient += sum over `rows` rows of inputs^T deltas.
 void AddGradient(const LstmKernels& kernels, int rows, const float* inputs,
                  const float* deltas, PackedMatrix& matrix) {
-  kernels.multiply_add({.rows = matrix.inputs,
-                        .inner = rows,
-                        .columns = Padded(matrix.rows),
-                        .a = inputs,
-                        .a_row = 1,
-                        .a_column = Padded(matrix.inputs),
-                        .b = deltas,
-                        .b_row = Padded(matrix.rows),
-                        .c = matrix.gradient.data(),
-                        .c_row = Padded(matrix.rows)});
+  kernels.product({.rows = matrix.inputs,
+                   .inner = rows,
+                   .columns = Padded(matrix.rows),
+                   .a = inputs,
+                   .a_row = 1,
+                   .a_column = Padded(matrix.inputs),
+                   .b = deltas,
+                   .b_row = Padded(matrix.rows),
+                   .start = matrix.gradient.data(),
+                   .start_row = Padded(matrix.rows),
+                   .c = matrix.gradient.data(),
+                   .c_row = Padded(matrix.rows)});
 }
 
 // sums = the sum of `rows` rows of deltas.
-void SetBiasGradient(const LstmKernels& kernels, int rows, const float* deltas,
-                     std::vector<float>& sums) {
+void SumRows(const LstmKernels& kernels, int rows, const float* deltas,
+             LstmBuffer& sums) {
   constexpr float kOne = 1;
   const auto columns = static_cast<int>(sums.size());
   std::fill(sums.begin(), sums.end(), 0.0F);
-  kernels.multiply_add({.rows = 1,
-                        .inner = rows,
-                        .columns = columns,
-                        .a = &kOne,
-                        .a_column = 0,
-                        .b = deltas,
-                        .b_row = columns,
-                        .c = sums.data(),
-                        .c_row = columns});
+  kernels.product({.rows = 1,
+                   .inner = rows,
+                   .columns = columns,
+                   .a = &kOne,
+                   .a_column = 0,
+                   .b = deltas,
+                   .b_row = columns,
+                   .start = sums.data(),
+                   .c = sums.data()});
 }
 
 }  // namespace
@@ -128,7 +126,7 @@ void LstmBackprop::SetWeights(const LstmNetwork& network) {
 void LstmBackprop::Resize() {
   const size_t rows = layout_.rows;
   const size_t sequences = layout_.sequences();
-  size_t widest = 0;
+  size_t widest = dense_bias_.size();
   for (Layer& layer : layers_) {
     const size_t cells = Padded(layer.cells());
     // The kernels read on past the last row.
@@ -151,7 +149,7 @@ void LstmBackprop::Resize() {
 void LstmBackprop::TakeInputs(double noise, Random& random) {
   const int inputs = layers_.front().kernel.inputs;
   const int stride = Padded(inputs);
-  std::vector<float>& rows = layers_.front().input;
+  LstmBuffer& rows = layers_.front().input;
   Grow(size_t(layout_.rows) * stride, rows);
   for (int i = 0; i < layout_.sequences(); ++i) {
     const float* from = batch_[layout_.order[i]].inputs.data();
@@ -166,23 +164,20 @@ void LstmBackprop::TakeInputs(double noise, Random& random) {
   }
 }
 
-void LstmBackprop::TakeOutputs(size_t layer, double dropout, Random& random) {
-  std::vector<float>& input = layers_[layer].input;
-  std::vector<float>& mask = layers_[layer].mask;
-  input.clear();
-  mask.clear();
-  if (dropout == 0) return;
-  const std::vector<float>& output = layers_[layer - 1].output;
-  const size_t size = size_t(layout_.rows) * Padded(layers_[layer - 1].cells());
-  input.resize(size);
-  mask.resize(size);
-  DropoutMask(dropout, random, mask);
-  for (size_t k = 0; k < size; ++k) input[k] = output[k] * mask[k];
+void LstmBackprop::DropInputs(size_t layer, double dropout, Random& random) {
+  const Layer& below = layers_[layer - 1];
+  LstmBuffer& input = layers_[layer].input;
+  LstmBuffer& mask = layers_[layer].mask;
+  const size_t size = size_t(layout_.rows) * Padded(below.cells());
+  Grow(size, input);
+  Grow(size, mask);
+  DropoutMask(dropout, random, std::span(mask).first(size));
+  for (size_t k = 0; k < size; ++k) input[k] = below.output[k] * mask[k];
 }
 
-const std::vector<float>& LstmBackprop::InputOf(size_t layer) const {
-  const std::vector<float>& own = layers_[layer].input;
-  return own.empty() ? layers_[layer - 1].output : own;
+const LstmBuffer& LstmBackprop::InputOf(size_t layer) const {
+  return layer == 0 || dropping_ ? layers_[layer].input
+                                 : layers_[layer - 1].output;
 }
 
 LstmCellShape LstmBackprop::ShapeOf(const Layer& layer, int rows) const {
@@ -197,6 +192,7 @@ LstmCellShape LstmBackprop::ShapeOf(const Layer& layer, int rows) const {
 void LstmBackprop::Forward(std::span<const LstmSequence> batch,
                            const LstmNoise& noise, Random& random) {
   batch_ = batch;
+  dropping_ = noise.dropout > 0;
   steps_.clear();
   for (const LstmSequence& sequence : batch) {
     steps_.push_back(static_cast<int>(sequence.inputs.size()) /
@@ -206,19 +202,17 @@ void LstmBackprop::Forward(std::span<const LstmSequence> batch,
   Resize();
   TakeInputs(noise.input, random);
   for (size_t i = 0; i < layers_.size(); ++i) {
-    if (i > 0) TakeOutputs(i, noise.dropout, random);
+    if (i > 0 && dropping_) DropInputs(i, noise.dropout, random);
     ForwardLayer(i);
   }
-  Repeat(dense_bias_, layout_.rows, outputs_);
-  AddForward(kernels_, layout_.rows, layers_.back().output.data(), dense_,
-             outputs_.data());
+  Forwards(kernels_, layout_.rows, layers_.back().output.data(), dense_,
+           dense_bias_.data(), 0, outputs_.data());
 }
 
 void LstmBackprop::ForwardLayer(size_t index) {
   Layer& layer = layers_[index];
-  Repeat(layer.bias, layout_.rows, layer.gates);
-  AddForward(kernels_, layout_.rows, InputOf(index).data(), layer.kernel,
-             layer.gates.data());
+  Forwards(kernels_, layout_.rows, InputOf(index).data(), layer.kernel,
+           layer.bias.data(), 0, layer.gates.data());
   const float* previous_cell = zeros_.data();
   const float* previous_output = nullptr;
   for (size_t t = 0; t < layout_.active.size(); ++t) {
@@ -226,7 +220,8 @@ void LstmBackprop::ForwardLayer(size_t index) {
     const ptrdiff_t at = layout_.first[t] * shape.cell_row;
     float* gates = &layer.gates[layout_.first[t] * shape.gate_row];
     if (t > 0) {
-      AddForward(kernels_, shape.rows, previous_output, layer.recurrent, gates);
+      Forwards(kernels_, shape.rows, previous_output, layer.recurrent, gates,
+               static_cast<int>(shape.gate_row), gates);
     }
     kernels_.cell_forward({.shape = shape,
                            .gates = gates,
@@ -254,10 +249,10 @@ LstmBatchLoss LstmBackprop::Loss(const LstmLossOptions& options) {
     for (int t = 0; t < steps; ++t) {
       if (!Counts(options, t, steps)) continue;
       const size_t at = layout_.Row(t, i) * stride;
-      const auto targets =
-          sequence.targets.empty()
-              ? sequence.targets
-              : sequence.targets.subspan(t * regressions_, regressions_);
+      const auto targets = sequence.targets.empty()
+                               ? sequence.targets
+                               : sequence.targets.subspan(
+                                     size_t(t) * regressions_, regressions_);
       loss += StepLoss(options, classes_, regressions_, &outputs_[at],
                        sequence.label, targets, share, &by_outputs_[at]);
     }
@@ -274,13 +269,12 @@ void LstmBackprop::Backward(LstmNetwork& gradient) {
   std::fill(dense_.gradient.begin(), dense_.gradient.end(), 0.0F);
   AddGradient(kernels_, layout_.rows, last.output.data(), by_outputs_.data(),
               dense_);
-  SetBiasGradient(kernels_, layout_.rows, by_outputs_.data(),
-                  dense_bias_gradient_);
+  SumRows(kernels_, layout_.rows, by_outputs_.data(), dense_bias_gradient_);
   dense_.GetGradient(gradient.dense_kernel);
   std::copy_n(dense_bias_gradient_.begin(), gradient.dense_bias.size(),
               gradient.dense_bias.begin());
-  SetBackward(kernels_, layout_.rows, by_outputs_.data(), dense_,
-              layers_.back().by_output.data());
+  Backwards(kernels_, layout_.rows, by_outputs_.data(), dense_, zeros_,
+            layers_.back().by_output.data());
   for (size_t i = layers_.size(); i-- > 0;) {
     BackwardLayer(i);
     WeightGradients(i);
@@ -290,10 +284,12 @@ void LstmBackprop::Backward(LstmNetwork& gradient) {
     layer.recurrent.GetGradient(to.recurrent);
     std::copy_n(layer.bias_gradient.begin(), to.bias.size(), to.bias.begin());
     if (i == 0) return;
-    std::vector<float>& below = layers_[i - 1].by_output;
-    SetBackward(kernels_, layout_.rows, layer.deltas.data(), layer.kernel,
-                below.data());
-    for (size_t k = 0; k < layer.mask.size(); ++k) below[k] *= layer.mask[k];
+    LstmBuffer& below = layers_[i - 1].by_output;
+    Backwards(kernels_, layout_.rows, layer.deltas.data(), layer.kernel, zeros_,
+              below.data());
+    if (!dropping_) continue;
+    const size_t size = size_t(layout_.rows) * Padded(layer.kernel.inputs);
+    for (size_t k = 0; k < size; ++k) below[k] *= layer.mask[k];
   }
 }
 
@@ -317,8 +313,8 @@ void LstmBackprop::BackwardLayer(size_t index) {
                             .carry = layer.carry.data(),
                             .deltas = &layer.deltas[gates]});
     if (t == 0) return;
-    SetBackward(kernels_, shape.rows, &layer.deltas[gates], layer.recurrent,
-                layer.from_next.data());
+    Backwards(kernels_, shape.rows, &layer.deltas[gates], layer.recurrent,
+              zeros_, layer.from_next.data());
   }
 }
 
@@ -328,24 +324,22 @@ void LstmBackprop::WeightGradients(size_t index) {
   std::fill(layer.kernel.gradient.begin(), layer.kernel.gradient.end(), 0.0F);
   AddGradient(kernels_, layout_.rows, InputOf(index).data(), deltas,
               layer.kernel);
-  SetBiasGradient(kernels_, layout_.rows, deltas, layer.bias_gradient);
+  SumRows(kernels_, layout_.rows, deltas, layer.bias_gradient);
 
   std::fill(layer.recurrent.gradient.begin(), layer.recurrent.gradient.end(),
             0.0F);
-  // One product per stretch of steps that as many sequences reach: within it
-  // h[t-1] lies a fixed number of rows before the deltas of t.
+  const LstmCellShape shape = ShapeOf(layer, 0);
+  // h[t-1] lies as many rows before the deltas of t as sequences reach t-1:
+  // one product per stretch of steps for which that is one number.
   const size_t steps = layout_.active.size();
   for (size_t from = 1, to = 1; from < steps; from = to) {
-    const int distance = layout_.first[from] - layout_.first[from - 1];
-    while (to < steps && layout_.active[to] == layout_.active[from] &&
-           layout_.first[to] - layout_.first[to - 1] == distance) {
-      ++to;
-    }
-    const int first = layout_.first[from];
-    const int rows = (to < steps ? layout_.first[to] : layout_.rows) - first;
-    AddGradient(kernels_, rows,
-                &layer.output[(first - distance) * Padded(layer.cells())],
-                deltas + first * layer.bias.size(), layer.recurrent);
+    const int distance = layout_.active[from - 1];
+    while (to < steps && layout_.active[to - 1] == distance) ++to;
+    const ptrdiff_t first = layout_.first[from];
+    const int end = to < steps ? layout_.first[to] : layout_.rows;
+    AddGradient(kernels_, static_cast<int>(end - first),
+                &layer.output[(first - distance) * shape.cell_row],
+                deltas + first * shape.gate_row, layer.recurrent);
   }
 }
 

@@ -71,24 +71,22 @@ class LstmBackprop {
   struct Layer {
     PackedMatrix kernel;
     PackedMatrix recurrent;
-    std::vector<float> bias;  // Padded(4H)
-    std::vector<float> bias_gradient;
+    LstmBuffer bias;  // Padded(4H)
+    LstmBuffer bias_gradient;
     // One row per sequence and step, of Padded(I), Padded(4H), Padded(H).
-    // `input` is empty if it is the output of the layer below as it is, `mask`
-    // without dropout.
-    std::vector<float> input, mask;
-    std::vector<float> gates, deltas;
-    std::vector<float> cell, squashed, output, by_output;
+    LstmBuffer input, mask;  // above the first layer, with dropout only
+    LstmBuffer gates, deltas;
+    LstmBuffer cell, squashed, output, by_output;
     // One row per sequence.
-    std::vector<float> from_next, carry;
+    LstmBuffer from_next, carry;
 
     int cells() const { return recurrent.inputs; }
   };
 
   void Resize();
   void TakeInputs(double noise, Random& random);
-  void TakeOutputs(size_t layer, double dropout, Random& random);
-  const std::vector<float>& InputOf(size_t layer) const;
+  void DropInputs(size_t layer, double dropout, Random& random);
+  const LstmBuffer& InputOf(size_t layer) const;
   void ForwardLayer(size_t layer);
   void BackwardLayer(size_t layer);
   void WeightGradients(size_t layer);
@@ -101,13 +99,15 @@ class LstmBackprop {
   int regressions_;
   std::vector<Layer> layers_;
   PackedMatrix dense_;
-  std::vector<float> dense_bias_, dense_bias_gradient_;
+  LstmBuffer dense_bias_, dense_bias_gradient_;
   // One row of Padded(classes + 2R) per sequence and step.
-  std::vector<float> outputs_, by_outputs_;
+  LstmBuffer outputs_, by_outputs_;
   // What comes before the first step.
-  std::vector<float> zeros_;
+  LstmBuffer zeros_;
 
+  // Of the batch last run.
   std::span<const LstmSequence> batch_;
+  bool dropping_ = false;
   BatchLayout layout_;
   std::vector<int> steps_;
 };

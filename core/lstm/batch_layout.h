@@ -11,6 +11,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <numeric>
 #include <span>
 #include <vector>
@@ -21,8 +22,9 @@ struct BatchLayout {
   void Arrange(std::span<const int> steps_of) {
     order.resize(steps_of.size());
     std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](int a, int b) { return steps_of[a] > steps_of[b]; });
+    std::sort(order.begin(), order.end(), [&](int a, int b) {
+      return steps_of[a] != steps_of[b] ? steps_of[a] > steps_of[b] : a < b;
+    });
     steps.clear();
     for (const int i : order) steps.push_back(steps_of[i]);
     active.clear();
@@ -38,7 +40,7 @@ struct BatchLayout {
   }
 
   int sequences() const { return static_cast<int>(order.size()); }
-  int Row(int t, int position) const { return first[t] + position; }
+  ptrdiff_t Row(int t, int position) const { return first[t] + position; }
 
   // Per position: which sequence, and its steps.
   std::vector<int> order;

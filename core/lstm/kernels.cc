@@ -2,41 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
+#include <cstddef>
+
+#include "core/lstm/vector_math.h"
 
 namespace tactus {
 namespace {
-
-// What is inlined into the functions of each width must be inlined whole, and
-// passes vectors by reference, as their ABI differs between widths.
-#define TACTUS_INLINE [[gnu::always_inline]] inline
-
-template <int kLanes>
-struct Lanes {
-  using Floats [[gnu::vector_size(kLanes * sizeof(float))]] = float;
-  using Ints [[gnu::vector_size(kLanes * sizeof(int32_t))]] = int32_t;
-};
-
-template <typename Floats>
-TACTUS_INLINE void Load(const float* from, Floats& to) {
-  __builtin_memcpy(&to, from, sizeof(Floats));
-}
-
-template <typename Floats>
-TACTUS_INLINE void Store(const Floats& from, float* to) {
-  __builtin_memcpy(to, &from, sizeof(Floats));
-}
-
-// The first `count` lanes at most.
-template <typename Floats>
-TACTUS_INLINE void StoreFirst(const Floats& from, int count, float* to) {
-  constexpr int kLanes = sizeof(Floats) / sizeof(float);
-  if (count >= kLanes) {
-    Store(from, to);
-  } else {
-    for (int i = 0; i < count; ++i) to[i] = from[i];
-  }
-}
 
 // Rows of c kept in registers at once, and vectors of each: as many as the
 // registers hold.
@@ -47,18 +18,19 @@ constexpr int kTileVectors = kLanes == 16 ? 4 : 2;
 constexpr int kTileInner = 256;
 
 template <int kLanes, int kRows, int kVectors>
-TACTUS_INLINE void Tile(const LstmProduct& p, const float* a, const float* b,
-                        float* c, int inner) {
+TACTUS_INLINE void Tile(const LstmProduct& p) {
   using Floats = typename Lanes<kLanes>::Floats;
   Floats sums[kRows][kVectors];
 #pragma GCC unroll 8
   for (int m = 0; m < kRows; ++m) {
 #pragma GCC unroll 8
     for (int v = 0; v < kVectors; ++v) {
-      Load(c + m * p.c_row + v * kLanes, sums[m][v]);
+      Load(p.start + m * p.start_row + v * kLanes, sums[m][v]);
     }
   }
-  for (int k = 0; k < inner; ++k) {
+  const float* a = p.a;
+  const float* b = p.b;
+  for (int k = 0; k < p.inner; ++k) {
     Floats factors[kVectors];
 #pragma GCC unroll 8
     for (int v = 0; v < kVectors; ++v) Load(b + v * kLanes, factors[v]);
@@ -75,148 +47,64 @@ TACTUS_INLINE void Tile(const LstmProduct& p, const float* a, const float* b,
   for (int m = 0; m < kRows; ++m) {
 #pragma GCC unroll 8
     for (int v = 0; v < kVectors; ++v) {
-      Store(sums[m][v], c + m * p.c_row + v * kLanes);
+      Store(sums[m][v], p.c + m * p.c_row + v * kLanes);
     }
   }
 }
 
+// All rows of `p`, kVectors vectors wide.
 template <int kLanes, int kVectors>
-TACTUS_INLINE void TileColumn(const LstmProduct& p, int column, int from,
-                              int inner) {
-  const float* a = p.a + from * p.a_column;
-  const float* b = p.b + from * p.b_row + column;
-  float* c = p.c + column;
-  int rows = p.rows;
-  for (; rows >= kTileRows; rows -= kTileRows) {
-    Tile<kLanes, kTileRows, kVectors>(p, a, b, c, inner);
-    a += kTileRows * p.a_row;
-    c += kTileRows * p.c_row;
+TACTUS_INLINE void TileRows(LstmProduct p) {
+  for (; p.rows >= kTileRows; p.rows -= kTileRows) {
+    Tile<kLanes, kTileRows, kVectors>(p);
+    p.a += kTileRows * p.a_row;
+    p.start += kTileRows * p.start_row;
+    p.c += kTileRows * p.c_row;
   }
   static_assert(kTileRows == 6);
-  switch (rows) {
+  switch (p.rows) {
     case 5:
-      return Tile<kLanes, 5, kVectors>(p, a, b, c, inner);
+      return Tile<kLanes, 5, kVectors>(p);
     case 4:
-      return Tile<kLanes, 4, kVectors>(p, a, b, c, inner);
+      return Tile<kLanes, 4, kVectors>(p);
     case 3:
-      return Tile<kLanes, 3, kVectors>(p, a, b, c, inner);
+      return Tile<kLanes, 3, kVectors>(p);
     case 2:
-      return Tile<kLanes, 2, kVectors>(p, a, b, c, inner);
+      return Tile<kLanes, 2, kVectors>(p);
     case 1:
-      return Tile<kLanes, 1, kVectors>(p, a, b, c, inner);
+      return Tile<kLanes, 1, kVectors>(p);
     default:
       return;
   }
 }
 
 template <int kLanes>
-TACTUS_INLINE void MultiplyAdd(const LstmProduct& p) {
+TACTUS_INLINE void Product(const LstmProduct& p) {
   constexpr int kVectors = kTileVectors<kLanes>;
   for (int from = 0; from < p.inner; from += kTileInner) {
-    const int inner = std::min(kTileInner, p.inner - from);
-    int column = 0;
-    for (; column + kVectors * kLanes <= p.columns;
-         column += kVectors * kLanes) {
-      TileColumn<kLanes, kVectors>(p, column, from, inner);
+    LstmProduct part = p;
+    part.inner = std::min(kTileInner, p.inner - from);
+    part.a += from * p.a_column;
+    part.b += from * p.b_row;
+    if (from > 0) {
+      part.start = p.c;
+      part.start_row = p.c_row;
     }
-    for (; column < p.columns; column += kLanes) {
-      TileColumn<kLanes, 1>(p, column, from, inner);
+    const auto step_right = [&part](int columns) {
+      part.columns -= columns;
+      part.b += columns;
+      part.start += columns;
+      part.c += columns;
+    };
+    while (part.columns >= kVectors * kLanes) {
+      TileRows<kLanes, kVectors>(part);
+      step_right(kVectors * kLanes);
+    }
+    while (part.columns > 0) {
+      TileRows<kLanes, 1>(part);
+      step_right(kLanes);
     }
   }
-}
-
-template <typename Floats>
-TACTUS_INLINE void Clamp(float low, float high, Floats& x) {
-  const Floats lows = low - Floats{};
-  const Floats highs = high - Floats{};
-  x = x < lows ? lows : x;
-  x = x > highs ? highs : x;
-}
-
-template <typename Floats>
-TACTUS_INLINE void Absolute(Floats& x) {
-  x = x < Floats{} ? -x : x;
-}
-
-// exp(x), |x| <= 87, within 2 ulp: exp(r) 2^n with n = round(x / ln 2), and
-// the polynomial of the Cephes library for exp(r).
-template <typename Floats>
-TACTUS_INLINE void Exp(Floats& x) {
-  using Ints = typename Lanes<sizeof(Floats) / sizeof(float)>::Ints;
-  // Adding 1.5 * 2^23 leaves round(x) in the lowest bits.
-  constexpr float kRound = 12582912.0F;
-  const Floats shifted = x * 1.44269504088896341F + kRound;
-  const Floats n = shifted - kRound;
-  const Floats r = x - n * 0.693359375F - n * -2.12194440e-4F;
-  Floats sum = r * 1.9875691500e-4F + 1.3981999507e-3F;
-  sum = sum * r + 8.3334519073e-3F;
-  sum = sum * r + 4.1665795894e-2F;
-  sum = sum * r + 1.6666665459e-1F;
-  sum = sum * r + 5.0000001201e-1F;
-  sum = sum * (r * r) + r + 1.0F;
-  const Ints power = (reinterpret_cast<Ints>(shifted) << 23) + (127 << 23);
-  x = sum * reinterpret_cast<Floats>(power);
-}
-
-template <typename Floats>
-TACTUS_INLINE void Activate(Activation activation, Floats& x) {
-  Floats size = x;
-  Absolute(size);
-  if (activation == Activation::kSoftsign) {
-    x = x / (size + 1.0F);
-    return;
-  }
-  // tanh |x| = (1 - e) / (1 + e), e = exp(-2 |x|); 1 from 9.1 on.
-  Floats e = size * -2.0F;
-  Clamp(-40.0F, 0.0F, e);
-  Exp(e);
-  const Floats result = (1.0F - e) / (1.0F + e);
-  x = x < Floats{} ? -result : result;
-}
-
-template <typename Floats>
-TACTUS_INLINE void ActivateGate(GateActivation activation, Floats& x) {
-  if (activation == GateActivation::kHardSigmoid) {
-    x = x * 0.2F + 0.5F;
-    Clamp(0.0F, 1.0F, x);
-    return;
-  }
-  Floats e = -x;
-  Clamp(-87.0F, 87.0F, e);
-  Exp(e);
-  x = 1.0F / (1.0F + e);
-}
-
-// `slope` times the derivative of the activation whose value is y.
-template <typename Floats>
-TACTUS_INLINE void TimesSlope(Activation activation, const Floats& y,
-                              Floats& slope) {
-  if (activation == Activation::kTanh) {
-    slope *= 1.0F - y * y;
-    return;
-  }
-  Floats rest = y;
-  Absolute(rest);
-  rest = 1.0F - rest;
-  slope *= rest * rest;
-}
-
-template <typename Floats>
-TACTUS_INLINE void TimesGateSlope(GateActivation activation, const Floats& y,
-                                  Floats& slope) {
-  const Floats room = y * (1.0F - y);
-  if (activation == GateActivation::kSigmoid) {
-    slope *= room;
-  } else {
-    slope = room > Floats{} ? slope * 0.2F : Floats{};
-  }
-}
-
-template <typename Floats>
-TACTUS_INLINE void FlushTiny(Floats& x) {
-  Floats size = x;
-  Absolute(size);
-  x = size < 1e-30F - Floats{} ? Floats{} : x;
 }
 
 template <int kLanes>
@@ -237,16 +125,24 @@ TACTUS_INLINE void CellForward(const LstmCellForward& f) {
       ActivateGate(s.gate_activation, forget);
       Activate(s.activation, c);
       ActivateGate(s.gate_activation, o);
-      cell = forget * cell + i * c;
-      Store(cell, f.cell + at);
-      Activate(s.activation, cell);
-      Store(cell, f.squashed + at);
-      Store(o * cell, f.output + at);
+      Store(forget * cell + i * c, f.cell + at);
+      // Until o is read below.
+      Store(o, f.output + at);
       const int count = s.cells - j;
       StoreFirst(i, count, gates + j);
       StoreFirst(forget, count, gates + s.cells + j);
       StoreFirst(c, count, gates + 2 * s.cells + j);
       StoreFirst(o, count, gates + 3 * s.cells + j);
+    }
+    // Apart, as these wait for the cells.
+    for (int j = 0; j < s.cells; j += kLanes) {
+      const ptrdiff_t at = row * s.cell_row + j;
+      Floats squashed, o;
+      Load(f.cell + at, squashed);
+      Load(f.output + at, o);
+      Activate(s.activation, squashed);
+      Store(squashed, f.squashed + at);
+      Store(o * squashed, f.output + at);
     }
   }
 }
@@ -299,19 +195,17 @@ TACTUS_INLINE void CellBackward(const LstmCellBackward& g) {
 }
 
 // The three kernels at `lanes` floats for CPUs with `target`.
-#define TACTUS_KERNELS(Name, target, lanes)                              \
-  struct Name {                                                          \
-    target static void Multiply(const LstmProduct& product) {            \
-      MultiplyAdd<lanes>(product);                                       \
-    }                                                                    \
-    target static void Forward(const LstmCellForward& step) {            \
-      CellForward<lanes>(step);                                          \
-    }                                                                    \
-    target static void Backward(const LstmCellBackward& step) {          \
-      CellBackward<lanes>(step);                                         \
-    }                                                                    \
-    static constexpr LstmKernels kKernels = {#Name, &Multiply, &Forward, \
-                                             &Backward};                 \
+#define TACTUS_KERNELS(Name, target, lanes)                                  \
+  struct Name {                                                              \
+    target static void Multiply(const LstmProduct& p) { Product<lanes>(p); } \
+    target static void Forward(const LstmCellForward& step) {                \
+      CellForward<lanes>(step);                                              \
+    }                                                                        \
+    target static void Backward(const LstmCellBackward& step) {              \
+      CellBackward<lanes>(step);                                             \
+    }                                                                        \
+    static constexpr LstmKernels kKernels = {#Name, &Multiply, &Forward,     \
+                                             &Backward};                     \
   };
 
 TACTUS_KERNELS(Baseline, , 4)

@@ -5,8 +5,8 @@
 // vector widths; each number is computed by the same operations in the same
 // order at any width, so every CPU gives the same bits.
 //
-//   const LstmKernels& kernels = BestLstmKernels();
-//   kernels.multiply_add({.rows = 5, .inner = 50, .columns = 208, ...});
+//   LstmBuffer c(5 * Padded(200));
+//   BestLstmKernels().product({.rows = 5, .inner = 50, .columns = 208, ...});
 //
 // All rows of c, of b and of one number per cell are as long as Padded() makes
 // them; what lies in the padding is finite and counts for nothing. Kernels
@@ -16,7 +16,9 @@
 #pragma once
 
 #include <cstddef>
+#include <new>
 #include <span>
+#include <vector>
 
 #include "core/lstm/network.h"
 
@@ -30,7 +32,24 @@ constexpr int Padded(int count) {
   return (count + kLstmLanes - 1) / kLstmLanes * kLstmLanes;
 }
 
-// c += a b, summed over `inner` in order.
+// Vectors load fastest from whole cache lines.
+template <typename T>
+struct CacheLineAllocator {
+  using value_type = T;
+  static constexpr std::align_val_t kAlign{64};
+
+  CacheLineAllocator() = default;
+  template <typename U>
+  explicit CacheLineAllocator(const CacheLineAllocator<U>&) {}
+  T* allocate(size_t n) {
+    return static_cast<T*>(::operator new(n * sizeof(T), kAlign));
+  }
+  void deallocate(T* p, size_t) { ::operator delete(p, kAlign); }
+  bool operator==(const CacheLineAllocator&) const { return true; }
+};
+using LstmBuffer = std::vector<float, CacheLineAllocator<float>>;
+
+// c = start + a b, summed over `inner` in order.
 struct LstmProduct {
   int rows = 0;
   int inner = 0;
@@ -42,6 +61,9 @@ struct LstmProduct {
   // inner x columns, rows b_row apart.
   const float* b = nullptr;
   ptrdiff_t b_row = 0;
+  // rows x columns, rows start_row apart; 0 repeats one row. May be c itself.
+  const float* start = nullptr;
+  ptrdiff_t start_row = 0;
   // rows x columns, rows c_row apart.
   float* c = nullptr;
   ptrdiff_t c_row = 0;
@@ -84,7 +106,7 @@ struct LstmCellBackward {
 
 struct LstmKernels {
   const char* name;
-  void (*multiply_add)(const LstmProduct&);
+  void (*product)(const LstmProduct&);
   void (*cell_forward)(const LstmCellForward&);
   void (*cell_backward)(const LstmCellBackward&);
 };

@@ -42,9 +42,9 @@ struct PackedMatrix {
 
   int rows = 0;
   int inputs = 0;
-  std::vector<float> forward;   // inputs x Padded(rows)
-  std::vector<float> backward;  // rows x Padded(inputs)
-  std::vector<float> gradient;  // as forward
+  LstmBuffer forward;   // inputs x Padded(rows)
+  LstmBuffer backward;  // rows x Padded(inputs)
+  LstmBuffer gradient;  // as forward
 };
 
 }  // namespace tactus

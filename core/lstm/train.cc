@@ -44,6 +44,30 @@ absl::Status CheckOptions(const LstmTrainOptions& options,
   return absl::OkStatus();
 }
 
+// That `from` is a network to start from, or was made with such options.
+absl::Status CheckStart(const LstmCheckpoint& from,
+                        const LstmTrainOptions& options) {
+  TACTUS_RETURN_IF_ERROR(Validate(from.network));
+  const OptimizerState& optimizer = from.optimizer;
+  const size_t moments =
+      optimizer.steps == 0 ? 0 : from.network.parameter_count();
+  const bool adam = options.optimizer.optimizer == Optimizer::kAdam;
+  if (optimizer.mean_square.size() != moments ||
+      optimizer.mean.size() != (adam ? moments : 0)) {
+    return InvalidModel("checkpoint.optimizer",
+                        "not the optimizer's of this network",
+                        "as a checkpoint with the same options has it");
+  }
+  const bool has_best = options.patience > 0 && !from.history.empty();
+  const int epochs = has_best ? static_cast<int>(from.history.size()) : 0;
+  if (from.best_epoch < (has_best ? 1 : 0) || from.best_epoch > epochs) {
+    return InvalidModel("checkpoint.best_epoch", from.best_epoch,
+                        absl::StrCat(has_best ? 1 : 0, " to ", epochs));
+  }
+  return has_best ? Annotate(Validate(from.best), "checkpoint.best")
+                  : absl::OkStatus();
+}
+
 class Trainer {
  public:
   Trainer(LstmCheckpoint from, std::span<const LstmSequence> training,
@@ -195,8 +219,8 @@ absl::StatusOr<LstmTrained> TrainLstm(LstmCheckpoint from,
                                       std::span<const LstmSequence> validation,
                                       const LstmTrainOptions& options,
                                       LstmEpochSink on_epoch) {
-  TACTUS_RETURN_IF_ERROR(Validate(from.network));
   TACTUS_RETURN_IF_ERROR(CheckOptions(options, validation));
+  TACTUS_RETURN_IF_ERROR(CheckStart(from, options));
   TACTUS_RETURN_IF_ERROR(
       Annotate(Validate(training, from.network), "training"));
   TACTUS_RETURN_IF_ERROR(

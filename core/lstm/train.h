@@ -15,8 +15,8 @@
 // TrainLstm(checkpoint, ...) with the same data and options gives the bits of
 // the training that was not interrupted.
 //
-// The same seed gives the same bits on every CPU. Thread-safe: a free
-// function; one thread each.
+// The same seed gives the same bits, however wide the CPU's vectors are.
+// Thread-safe: a free function that starts no thread.
 #pragma once
 
 #include <cstdint>

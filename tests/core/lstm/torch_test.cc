@@ -1,12 +1,8 @@
 // The LSTM against PyTorch, which computes in double precision: nn.LSTM where
 // it has the activations, and a cell written in torch for the others.
-#include <sys/wait.h>
+#include "tests/core/lstm/torch.h"
 
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <iostream>
-#include <string>
 #include <vector>
 
 #include "core/lstm/stepper.h"
@@ -18,48 +14,6 @@ namespace tactus {
 namespace {
 
 using nlohmann::json;
-
-// Exit status of torch_reference.py where torch cannot be imported.
-constexpr int kNoTorch = 77;
-
-// A directory of its own that goes with the test.
-class TempDir {
- public:
-  TempDir() {
-    std::string name =
-        (std::filesystem::temp_directory_path() / "lstm-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) std::abort();
-    path_ = name;
-  }
-  ~TempDir() { std::filesystem::remove_all(path_); }
-  std::string File(const std::string& name) const {
-    return (path_ / name).string();
-  }
-
- private:
-  std::filesystem::path path_;
-};
-
-json ToJson(const LstmNetwork& network) {
-  json layers = json::array();
-  for (const LstmLayer& layer : network.layers) {
-    layers.push_back({{"inputs", layer.inputs},
-                      {"cells", layer.cells},
-                      {"kernel", layer.kernel},
-                      {"recurrent", layer.recurrent},
-                      {"bias", layer.bias}});
-  }
-  return {{"activation", Name(network.activation)},
-          {"gate_activation", Name(network.gate_activation)},
-          {"layers", layers},
-          {"dense_kernel", network.dense_kernel},
-          {"dense_bias", network.dense_bias}};
-}
-
-int ExitStatus(const std::string& command) {
-  const int status = std::system(command.c_str());
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
 
 TEST(LstmTorchTest, AgreesWithPyTorch) {
   std::vector<LstmNetwork> networks;
@@ -74,22 +28,9 @@ TEST(LstmTorchTest, AgreesWithPyTorch) {
     cases.push_back({{"network", ToJson(network)},
                      {"inputs", MakeInputs(network.inputs(), 500, 13)}});
   }
-  const TempDir dir;
-  std::ofstream(dir.File("cases.json")) << cases;
-
-  const char* source = std::getenv("TACTUS_SOURCE_DIR");
-  const std::string script = std::string(source != nullptr ? source : ".") +
-                             "/tests/core/lstm/torch_reference.py";
-  const int status = ExitStatus("/usr/bin/python3 '" + script + "' '" +
-                                dir.File("cases.json") + "' '" +
-                                dir.File("answers.json") + "'");
-  if (status == kNoTorch) {
-    std::cout << "PyTorch (Debian: python3-torch) is absent; nothing to "
-                 "compare with\n";
-    return;
-  }
-  ASSERT_EQ(status, 0);
-  const json answers = json::parse(std::ifstream(dir.File("answers.json")));
+  const auto answered = AskTorch("torch_reference.py", cases);
+  if (!answered) return;
+  const json& answers = *answered;
   ASSERT_EQ(answers.size(), networks.size());
   for (size_t i = 0; i < networks.size(); ++i) {
     auto lstm = CompiledLstm::Create(networks[i]);

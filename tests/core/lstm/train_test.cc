@@ -134,6 +134,34 @@ TEST(TrainLstmTest, TheSeedFixesTheBits) {
   EXPECT_FALSE(SameBits(train(), first));
 }
 
+TEST(TrainLstmTest, TheLearningRateFallsAlongACosine) {
+  const TrainingSet set = PulseOrder(8, 3);
+  LstmTrainOptions options = Options();
+  options.epochs = 2;
+  options.noise = {};
+  const auto networks = [&] {
+    std::vector<LstmNetwork> after;
+    EXPECT_TRUE(TrainLstm({.network = SmallNetwork()}, set.views, {}, options,
+                          [&](const LstmEpoch&, const LstmCheckpoint& made) {
+                            after.push_back(made.network);
+                            return absl::OkStatus();
+                          })
+                    .ok());
+    return after;
+  };
+  const auto constant = networks();
+  options.cosine_decay = true;
+  const auto falling = networks();
+  // One batch an epoch: the first step is whole, the second half as long.
+  EXPECT_TRUE(SameBits(falling[0], constant[0]));
+  for (size_t k = 0; k < falling[0].dense_kernel.size(); ++k) {
+    const double start = constant[0].dense_kernel[k];
+    EXPECT_NEAR(falling[1].dense_kernel[k] - start,
+                (constant[1].dense_kernel[k] - start) / 2, 1e-6);
+  }
+  EXPECT_FALSE(SameBits(falling[1], falling[0]));
+}
+
 TEST(TrainLstmTest, GoesOnFromACheckpointToTheSameBits) {
   const TrainingSet training = PulseOrder(30, 3);
   const TrainingSet validation = PulseOrder(20, 4);
@@ -163,6 +191,38 @@ TEST(TrainLstmTest, GoesOnFromACheckpointToTheSameBits) {
                 whole->history.back().train_loss);
     }
   }
+}
+
+TEST(TrainLstmTest, ACheckpointOfOtherOptionsIsRefused) {
+  const TrainingSet set = PulseOrder(10, 3);
+  LstmTrainOptions options = Options();
+  options.patience = 4;
+  LstmCheckpoint good;
+  ASSERT_TRUE(TrainLstm({.network = SmallNetwork()}, set.views, set.views,
+                        options,
+                        [&](const LstmEpoch&, const LstmCheckpoint& made) {
+                          good = made;
+                          return absl::OkStatus();
+                        })
+                  .ok());
+  const auto reason = [&](const LstmCheckpoint& from) {
+    return ReasonOf(TrainLstm(from, set.views, set.views, options).status());
+  };
+  EXPECT_EQ(reason(good), "");
+  LstmCheckpoint bad = good;
+  bad.network =
+      RandomNetwork(3, {4}, 2, Activation::kTanh, GateActivation::kSigmoid, 1);
+  EXPECT_EQ(reason(bad), "INVALID_MODEL");
+  bad = good;
+  bad.best_epoch = 5;
+  EXPECT_EQ(reason(bad), "INVALID_MODEL");
+  bad = good;
+  bad.best = {};
+  EXPECT_EQ(reason(bad), "INVALID_MODEL");
+  options.optimizer.optimizer = Optimizer::kRmsProp;
+  EXPECT_EQ(reason(good), "INVALID_MODEL");
+  options = Options();
+  EXPECT_EQ(reason(good), "INVALID_MODEL");
 }
 
 TEST(TrainLstmTest, PatienceEndsTrainingAndGivesTheBestEpoch) {

@@ -1,0 +1,89 @@
+#include "core/lstm/dropout.h"
+
+#include <cmath>
+#include <vector>
+
+#include "core/base/random.h"
+#include "core/lstm/gradient.h"
+#include "gtest/gtest.h"
+#include "tests/core/lstm/plain_lstm.h"
+#include "tests/core/lstm/training_cases.h"
+
+namespace tactus {
+namespace {
+
+TEST(DropoutTest, DropsItsShareAndKeepsTheMean) {
+  constexpr int kCount = 1'000'003;  // no multiple of anything
+  for (const double probability : {0.001, 0.2, 0.5, 0.9}) {
+    Random random(3);
+    std::vector<float> mask(kCount);
+    DropoutMask(probability, random, mask);
+    double sum = 0;
+    double pairs = 0;
+    int dropped = 0;
+    for (int i = 0; i < kCount; ++i) {
+      sum += mask[i];
+      dropped += mask[i] == 0;
+      if (i > 0) pairs += mask[i] == 0 && mask[i - 1] == 0;
+    }
+    const double deviation =
+        std::sqrt(probability * (1 - probability) / kCount);
+    EXPECT_NEAR(dropped / double{kCount}, probability, 5 * deviation + 1e-5);
+    EXPECT_NEAR(sum / kCount, 1, (5 * deviation + 1e-5) / (1 - probability));
+    // Neighbours, which share a draw, are dropped independently.
+    EXPECT_NEAR(pairs / kCount, probability * probability,
+                5 * deviation + 1e-5);
+  }
+}
+
+LstmNetwork Network(const std::vector<int>& cells) {
+  return RandomNetwork(2, cells, 3, Activation::kTanh, GateActivation::kSigmoid,
+                       4);
+}
+
+double LossOf(const LstmNetwork& network, const TrainingSet& set,
+              double dropout, uint64_t seed) {
+  return LossAndGradient(network, set.views, {}, {.dropout = dropout}, seed)
+      ->loss;
+}
+
+TEST(DropoutTest, LiesBetweenLayersOnly) {
+  const LstmNetwork one = Network({9});
+  const TrainingSet set = RandomTrainingSet(one, {12, 7}, 5);
+  EXPECT_EQ(LossOf(one, set, 0.5, 1), LossOf(one, set, 0, 1));
+  const LstmNetwork two = Network({9, 8});
+  EXPECT_NE(LossOf(two, set, 0.5, 1), LossOf(two, set, 0, 1));
+  EXPECT_NE(LossOf(two, set, 0.5, 1), LossOf(two, set, 0.5, 2));
+  EXPECT_EQ(LossOf(two, set, 0.5, 1), LossOf(two, set, 0.5, 1));
+}
+
+// The gradient of what was computed: along it the loss with the same noise
+// grows as it says.
+TEST(DropoutTest, TheGradientIsThatOfTheDisturbedLoss) {
+  const LstmNetwork network = Network({9, 8, 7});
+  const TrainingSet set = RandomTrainingSet(network, {12, 7, 12}, 5);
+  const LstmNoise noise = {.dropout = 0.4, .input = 0.5};
+  auto at = LossAndGradient(network, set.views, {}, noise, 6);
+  ASSERT_TRUE(at.ok()) << at.status();
+  const auto slopes = Tensors(at->gradient);
+  // In every tensor on its own.
+  for (size_t i = 0; i < slopes.size(); ++i) {
+    double squares = 0;
+    for (const float slope : *slopes[i].values) squares += slope * slope;
+    const double step = 0.02 / std::sqrt(squares);
+    const auto moved = [&](double by) {
+      LstmNetwork there = network;
+      std::vector<float>& weights = *Tensors(there)[i].values;
+      for (size_t k = 0; k < weights.size(); ++k) {
+        weights[k] += static_cast<float>(by * (*slopes[i].values)[k]);
+      }
+      return LossAndGradient(there, set.views, {}, noise, 6)->loss;
+    };
+    EXPECT_NEAR((moved(step) - moved(-step)) / (2 * step), squares,
+                0.01 * squares)
+        << slopes[i].name;
+  }
+}
+
+}  // namespace
+}  // namespace tactus
