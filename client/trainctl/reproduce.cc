@@ -69,6 +69,8 @@ ReproducedRow Reproduce(Experiment experiment, const PaperRow& paper,
     row.reason = std::string(result.status().message());
     return row;
   }
+  row.trials = data->trials;
+  row.undetectable = data->undetectable;
   row.ours_percent = 100 * Accuracy(result->final);
   row.class_names = result->class_names;
   row.confusion = CountConfusion(result->final,
@@ -90,7 +92,14 @@ absl::Status RunExperiment(const Flags& flags, const Selection& selection,
     rows_json.push_back(RowToJson(rows.back()));
     if (!flags.json) std::cout << TableLine(rows.back()) << std::flush;
   }
-  if (!flags.json) std::cout << ConfusionBlocks(rows) << "\n";
+  if (!flags.json) {
+    if (data.ok()) {
+      std::cout << absl::StrFormat(
+          "Here %d trials; %d undetectable, not counted\n", data->trials,
+          data->undetectable);
+    }
+    std::cout << ConfusionBlocks(rows) << "\n";
+  }
   if (flags.figures.empty()) return absl::OkStatus();
   return WriteFigures(rows, flags.figures);
 }

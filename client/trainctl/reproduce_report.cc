@@ -152,6 +152,8 @@ Json RowToJson(const ReproducedRow& row) {
                {"ours", nullptr},
                {"paper", row.paper.accuracy_percent},
                {"difference", nullptr},
+               {"trials", row.trials},
+               {"undetectable", row.undetectable},
                {"classes", row.class_names},
                {"confusion", row.confusion},
                {"seconds", row.seconds}};

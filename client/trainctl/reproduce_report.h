@@ -28,6 +28,9 @@ struct ReproducedRow {
   // Absent if the row could not be computed; `reason` then says why.
   std::optional<double> ours_percent;
   std::string reason;
+  // Trials simulated, and those of them that are undetectable and not counted.
+  int trials = 0;
+  int undetectable = 0;
   // Of the contacts classified; empty without an answer.
   std::vector<std::string> class_names;
   Confusion confusion;

@@ -22,6 +22,8 @@ ReproducedRow Known(Algorithm algorithm, absl::string_view features) {
   row.ours_percent = 80;
   row.class_names = {"HU", "SM"};
   row.confusion = {{50, 10}, {14, 46}};
+  row.trials = 121;
+  row.undetectable = 1;
   row.seconds = 2.5;
   return row;
 }
@@ -95,6 +97,8 @@ TEST(ReproduceReportTest, JsonHasTheNumbersOrNullAndTheReason) {
   EXPECT_EQ(known["paper"], 83.75);
   EXPECT_EQ(known["difference"], -3.75);
   EXPECT_EQ(known["confusion"][1][0], 14);
+  EXPECT_EQ(known["trials"], 121);
+  EXPECT_EQ(known["undetectable"], 1);
   EXPECT_FALSE(known.contains("reason"));
   const Json failed = RowToJson(Failed());
   EXPECT_TRUE(failed["ours"].is_null());
