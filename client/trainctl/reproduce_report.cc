@@ -19,8 +19,7 @@ constexpr int kNameWidth = 6;
 constexpr int kCountWidth = 5;
 
 const char* TitleOf(Experiment experiment) {
-  return experiment == Experiment::kSimulation ? "Simulation"
-                                               : "Robot (virtual Cody)";
+  return experiment == Experiment::kSimulation ? "Simulation" : "Virtual Cody";
 }
 
 std::string RowName(const ReproducedRow& row) {
@@ -182,7 +181,7 @@ absl::Status WriteFigures(const std::vector<ReproducedRow>& rows,
   for (const ReproducedRow& row : rows) {
     if (row.confusion.empty()) continue;
     const ConfusionMatrix matrix = {
-        .title = absl::StrCat(RowName(row), ", ", name),
+        .title = absl::StrCat(TitleOf(row.experiment), ": ", RowName(row)),
         .labels = row.class_names,
         .counts = row.confusion};
     TACTUS_RETURN_IF_ERROR(
