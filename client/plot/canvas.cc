@@ -265,7 +265,7 @@ absl::StatusOr<std::string> Canvas::EncodePng() const {
              {pixels_->image.cols / kShrink, pixels_->image.rows / kShrink}, 0,
              0, cv::INTER_AREA);
   std::vector<unsigned char> bytes;
-  if (!cv::imencode(".png", small, bytes, {cv::IMWRITE_PNG_COMPRESSION, 9})) {
+  if (!cv::imencode(".png", small, bytes, {cv::IMWRITE_PNG_COMPRESSION, 6})) {
     return IoError("figure", "cannot be encoded as PNG");
   }
   return std::string(bytes.begin(), bytes.end());
