@@ -48,6 +48,7 @@ readonly TOOLS_AND_TESTS=(
   libgtest-dev
   libhdf5-dev
   libopencv-core-dev
+  libopencv-imgcodecs-dev
   libopencv-imgproc-dev
   libprotoc-dev
   libsundials-dev

@@ -33,6 +33,7 @@ void AddFit(CLI::App& app, const SelectCommand& select);
 void AddEvaluate(CLI::App& app, const SelectCommand& select);
 void AddInspect(CLI::App& app, const SelectCommand& select);
 void AddClassify(CLI::App& app, const SelectCommand& select);
+void AddReproduce(CLI::App& app, const SelectCommand& select);
 
 // The command line, as it goes into a bundle's provenance.
 void SetCommandLine(int argc, char** argv);

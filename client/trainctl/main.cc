@@ -18,7 +18,8 @@ int main(int argc, char** argv) {
     command = std::move(chosen);
   };
   for (auto add :
-       {AddSimulate, AddImport, AddFit, AddEvaluate, AddInspect, AddClassify}) {
+       {AddSimulate, AddImport, AddFit, AddEvaluate, AddInspect, AddClassify,
+        AddReproduce}) {
     add(app, select);
   }
   CLI11_PARSE(app, argc, argv);
