@@ -16,6 +16,7 @@ namespace {
 struct Flags {
   std::string data;
   std::string protocol;
+  int folds = Protocol::kDefaultFolds;
   std::string model;
   std::string algorithm = "hmm";
   std::string layout;
@@ -96,7 +97,7 @@ absl::Status Run(const Flags& flags) {
   std::string features;
   if (flags.model.empty()) {
     TACTUS_ASSIGN_OR_RETURN(const Protocol protocol,
-                            ParseProtocol(flags.protocol));
+                            ParseProtocol(flags.protocol, flags.folds));
     TACTUS_ASSIGN_OR_RETURN(
         result, EvaluateProtocol(loaded.Pointers(), protocol, algorithm,
                                  options, RunOnThreads));
@@ -127,6 +128,7 @@ void AddEvaluate(CLI::App& app, const SelectCommand& select) {
   command->add_option("--data", flags->data, "Trial file")->required();
   command->add_option("--protocol", flags->protocol,
                       "loco, leave-one-out, leave-one-material-out or k-fold");
+  command->add_option("--folds", flags->folds, "Folds of k-fold");
   command->add_option("--model", flags->model, "Bundle to evaluate instead");
   command->add_option("--algorithm", flags->algorithm,
                       "hmm, lstm, 1nn or fused");

@@ -60,6 +60,23 @@ absl::StatusOr<char> Letter(const CsvTable& table, size_t row, size_t column,
                                      "\"; it must be ", first, " or ", second));
 }
 
+// The files of icub_slide20 hold the readings of `rows` triangles in a wrong
+// order: frames x triangles was taken for triangles x frames and transposed.
+// Put right, taxels change by 0.19 from a frame to the next on average, and by
+// 7.1 as the files have them.
+std::vector<float> InOrderOfTime(const std::vector<float>& stored, size_t rows,
+                                 size_t columns) {
+  const size_t triangles = stored.size() / columns;
+  const size_t frames = triangles / rows;
+  std::vector<float> ordered;
+  ordered.reserve(stored.size());
+  for (size_t i = 0; i < triangles; ++i) {
+    const auto* from = &stored[(i % frames * rows + i / frames) * columns];
+    ordered.insert(ordered.end(), from, from + columns);
+  }
+  return ordered;
+}
+
 // "session_2026-02-16_14-11-55" was recorded on 2026-02-16.
 std::string DayOf(absl::string_view session) {
   const std::vector<absl::string_view> parts = absl::StrSplit(session, '_');
@@ -119,8 +136,8 @@ absl::StatusOr<size_t> ImportVitac(const std::string& folder,
 
 absl::StatusOr<size_t> ImportIcub(const std::string& folder,
                                   const CsvTable& table, TrialSink sink) {
-  constexpr int kRows = 5;
-  constexpr int kColumns = 12;
+  constexpr int kRows = 6;
+  constexpr int kColumns = 10;
   // Assumed: the data set does not state its rate; the skin's ports run at up
   // to this.
   constexpr double kSampleRateHz = 50;
@@ -136,7 +153,7 @@ absl::StatusOr<size_t> ImportIcub(const std::string& folder,
     trial.material = trial.label;
     trial.object = trial.label;
     trial.condition = std::string(table.text(row, part));
-    trial.layout = "icub-5x12";
+    trial.layout = "icub-6x10";
     trial.unit = "counts";
     trial.sample_rate_hz = kSampleRateHz;
 
@@ -146,7 +163,8 @@ absl::StatusOr<size_t> ImportIcub(const std::string& folder,
     if (values.f32.empty()) {
       return TrialFileInvalid(files.values, "must hold float32 values");
     }
-    trial.taxels = {kRows, kColumns, {}, std::move(values.f32), 1};
+    trial.taxels = {
+        kRows, kColumns, {}, InOrderOfTime(values.f32, kRows, kColumns), 1};
     for (size_t i = 0; i < values.shape[0]; ++i) {
       trial.time.push_back(static_cast<double>(i) / kSampleRateHz);
     }

@@ -9,8 +9,6 @@
 namespace tactus {
 namespace {
 
-constexpr int kFoldsOfKFold = 10;
-
 template <typename Key>
 std::vector<std::vector<int>> GroupBy(
     const std::vector<const Contact*>& contacts, Key key) {
@@ -25,11 +23,12 @@ std::vector<std::vector<int>> GroupBy(
 
 }  // namespace
 
-absl::StatusOr<Protocol> ParseProtocol(absl::string_view name) {
+absl::StatusOr<Protocol> ParseProtocol(absl::string_view name, int folds) {
+  if (folds < 2) return InvalidConfig("folds", folds, "at least 2");
   if (name == "loco") return Protocol::kLeaveOneConditionOut;
   if (name == "leave-one-out") return Protocol::kLeaveOneOut;
   if (name == "leave-one-material-out") return Protocol::kLeaveOneMaterialOut;
-  if (name == "k-fold") return Protocol::kKFold;
+  if (name == "k-fold") return Protocol(Protocol::kKFold, folds);
   return InvalidConfig("protocol", name,
                        "loco, leave-one-out, leave-one-material-out or k-fold");
 }
@@ -49,7 +48,7 @@ std::vector<std::vector<int>> StratifiedFolds(
 absl::StatusOr<std::vector<std::vector<int>>> MakeFolds(
     const std::vector<const Contact*>& contacts, Protocol protocol) {
   std::vector<std::vector<int>> folds;
-  switch (protocol) {
+  switch (protocol.kind) {
     case Protocol::kLeaveOneConditionOut:
       folds = GroupBy(contacts, [](const Contact& c) { return c.condition; });
       break;
@@ -62,7 +61,7 @@ absl::StatusOr<std::vector<std::vector<int>>> MakeFolds(
       }
       break;
     case Protocol::kKFold:
-      folds = StratifiedFolds(contacts, kFoldsOfKFold);
+      folds = StratifiedFolds(contacts, protocol.folds);
       break;
   }
   if (folds.size() < 2) {

@@ -14,17 +14,28 @@
 
 namespace tactus {
 
-enum class Protocol {
-  // Leave one robot condition out (the paper's).
-  kLeaveOneConditionOut,
-  kLeaveOneOut,
-  kLeaveOneMaterialOut,
-  // Ten folds, every tenth contact of each class.
-  kKFold,
+struct Protocol {
+  enum Kind {
+    // Leave one robot condition out (the paper's).
+    kLeaveOneConditionOut,
+    kLeaveOneOut,
+    kLeaveOneMaterialOut,
+    // `folds` folds, to which the contacts of each class go in turn.
+    kKFold,
+  };
+  static constexpr int kDefaultFolds = 10;
+
+  // Implicit: a kind is a protocol.
+  Protocol(Kind protocol, int k = kDefaultFolds) : kind(protocol), folds(k) {}
+
+  Kind kind;
+  int folds;
 };
 
-// "loco", "leave-one-out", "leave-one-material-out" or "k-fold".
-absl::StatusOr<Protocol> ParseProtocol(absl::string_view name);
+// "loco", "leave-one-out", "leave-one-material-out" or "k-fold", which makes
+// `folds`, at least 2; else INVALID_CONFIG.
+absl::StatusOr<Protocol> ParseProtocol(absl::string_view name,
+                                       int folds = Protocol::kDefaultFolds);
 
 // Indices of the test contacts of each fold. INVALID_TRAINING_DATA if there
 // are fewer than two folds.

@@ -82,6 +82,21 @@ absl::StatusOr<SkinLayout> LayoutPreset(absl::string_view name) {
     layout.onset_threshold = 40;
     return layout;
   }
+  if (name == "icub-6x10") {
+    layout.rows = 6;
+    layout.columns = 10;
+    // Nominal: triangles of 30 mm side, the taxels of 4 mm diameter in one
+    // some 6.5 mm apart.
+    layout.row_pitch_m = 0.026;
+    layout.column_pitch_m = 0.0065;
+    layout.taxel_area_m2 = std::numbers::pi * 0.002 * 0.002;
+    layout.unit = TaxelUnit::kCounts;
+    // In 680 recorded slides the triangle that is least touched reaches 4 in
+    // one reading of 200; the lightest slide presses some taxel to 6.3.
+    layout.contact_threshold = 4;
+    layout.onset_threshold = 5;
+    return layout;
+  }
   return UnknownLayout(name);
 }
 

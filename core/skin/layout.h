@@ -51,7 +51,9 @@ absl::Status Validate(const SkinLayout& layout);
 
 // "cody-forearm": 16 x 24, wraps, newton, thresholds of the paper's Section
 // "Preprocessing and Feature Selection" of the robot experiment.
-// "vitac-12x32": counts. Otherwise UNKNOWN_LAYOUT.
+// "vitac-12x32": counts.
+// "icub-6x10": six triangles of ten taxels of the iCub's skin, as if flat, one
+// a row; counts (capacitance units). Otherwise UNKNOWN_LAYOUT.
 absl::StatusOr<SkinLayout> LayoutPreset(absl::string_view name);
 
 }  // namespace tactus

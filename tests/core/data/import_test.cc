@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <clocale>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <map>
 
 #include "core/base/errors.h"
@@ -160,6 +162,16 @@ TEST(ImportFolderTest, MissingPlacesAreErrors) {
   EXPECT_THAT(std::string(status.message()), HasSubstr("of no known kind"));
 }
 
+void WriteNpy(const std::string& path, const std::string& type,
+              const std::string& shape, const std::string& data) {
+  const std::string dictionary =
+      "{'descr': '" + type + "', 'fortran_order': False, 'shape': " + shape +
+      ", }\n";
+  WriteBytes(path, std::string("\x93NUMPY\1\0", 8) +
+                       static_cast<char>(dictionary.size()) + '\0' +
+                       dictionary + data);
+}
+
 // A little vitac folder: one trial of two frames.
 class VitacFolderTest : public testing::Test {
  protected:
@@ -185,13 +197,7 @@ class VitacFolderTest : public testing::Test {
   }
   void Npy(const std::string& name, const std::string& type,
            const std::string& shape, const std::string& data) {
-    const std::string dictionary =
-        "{'descr': '" + type + "', 'fortran_order': False, 'shape': " + shape +
-        ", }\n";
-    WriteBytes(dir_ / ("trials/" + name),
-               std::string("\x93NUMPY\1\0", 8) +
-                   static_cast<char>(dictionary.size()) + '\0' + dictionary +
-                   data);
+    WriteNpy(dir_ / ("trials/" + name), type, shape, data);
   }
   std::string Message() {
     const absl::Status status = ImportAll(dir_.path()).status();
@@ -235,6 +241,35 @@ TEST_F(VitacFolderTest, EachDefectIsNamed) {
   EXPECT_THAT(Message(), HasSubstr("taxels: has 1152 values"));
   Npy("0000_time.npy", "<f8", "(2, 2)", std::string(2 * 2 * 8, 1));
   EXPECT_THAT(Message(), HasSubstr("must be frames x 3"));
+}
+
+// Triangles come as 6 x frames where they are frames x 6.
+TEST(ImportFolderTest, IcubTrianglesArePutInTheOrderOfTime) {
+  const ScratchDir dir;
+  std::filesystem::create_directory(dir / "trials");
+  WriteBytes(dir / "index.csv",
+             "trial,label,material_by_index,part\n0000,3,cork,val_0\n");
+  // Each reading is its place in the file.
+  std::string values(2 * 60 * sizeof(float), '\0');
+  for (int i = 0; i < 2 * 60; ++i) {
+    const float place = static_cast<float>(i);
+    std::memcpy(&values[i * sizeof(float)], &place, sizeof(float));
+  }
+  WriteNpy(dir / "trials/0000.npy", "<f4", "(2, 60)", values);
+  const auto trials = ImportAll(dir.path());
+  ASSERT_TRUE(trials.ok()) << trials.status();
+  const Trial& trial = trials->front();
+  EXPECT_EQ(trial.label, "cork");
+  EXPECT_EQ(trial.sample_rate_hz, 50);
+  // The first taxel of each triangle.
+  const float first[] = {0, 60, 10, 70, 20, 80};
+  const float second[] = {30, 90, 40, 100, 50, 110};
+  for (int i = 0; i < 6; ++i) {
+    for (int taxel = 0; taxel < 10; ++taxel) {
+      EXPECT_EQ(trial.taxels.f32[10 * i + taxel], first[i] + taxel);
+      EXPECT_EQ(trial.taxels.f32[60 + 10 * i + taxel], second[i] + taxel);
+    }
+  }
 }
 
 TEST(RecordingsTest, VitacHasItsTrials) {
@@ -282,7 +317,16 @@ TEST(RecordingsTest, IcubHasItsTrials) {
   for (const Trial& trial : *trials) {
     ++labels[trial.label];
     EXPECT_EQ(trial.time.size(), 75u);
-    EXPECT_EQ(trial.taxels.rows * trial.taxels.columns, 60);
+    ASSERT_EQ(trial.taxels.rows, 6);
+    ASSERT_EQ(trial.taxels.columns, 10);
+    EXPECT_EQ(trial.layout, "icub-6x10");
+    // A skin read 50 times a second changes little from frame to frame.
+    double step = 0;
+    const auto& values = trial.taxels.f32;
+    for (size_t i = 60; i < values.size(); ++i) {
+      step += std::abs(values[i] - values[i - 60]);
+    }
+    EXPECT_LT(step / values.size(), 1.5) << trial.id;
   }
   EXPECT_EQ(labels.size(), 20u);
   for (const auto& [label, count] : labels) EXPECT_EQ(count, 34) << label;

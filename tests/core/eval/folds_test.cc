@@ -1,5 +1,6 @@
 #include "core/eval/folds.h"
 
+#include <map>
 #include <set>
 
 #include "core/base/errors.h"
@@ -41,6 +42,26 @@ TEST(MakeFoldsTest, EveryContactIsTestedOnceAndNeverWithItsGroup) {
     EXPECT_EQ(tested.size(), 48u) << c.name;
     EXPECT_EQ(std::set<int>(tested.begin(), tested.end()).size(), 48u);
   }
+}
+
+TEST(MakeFoldsTest, KFoldMakesAsManyAsAskedForOfEvenClasses) {
+  auto contacts = testing::SyntheticContacts(12, 5, 0.1, 1);
+  auto protocol = ParseProtocol("k-fold", 5);
+  ASSERT_TRUE(protocol.ok());
+  auto folds = MakeFolds(testing::PointersTo(contacts), *protocol);
+  ASSERT_TRUE(folds.ok());
+  ASSERT_EQ(folds->size(), 5u);
+  for (const auto& fold : *folds) {
+    std::map<std::string, int> labels;
+    for (int i : fold) ++labels[contacts[i].label];
+    ASSERT_EQ(labels.size(), 4u);
+    // 12 contacts of each class.
+    for (const auto& [label, count] : labels) {
+      EXPECT_GE(count, 2) << label;
+      EXPECT_LE(count, 3) << label;
+    }
+  }
+  EXPECT_EQ(ReasonOf(ParseProtocol("k-fold", 1).status()), "INVALID_CONFIG");
 }
 
 TEST(MakeFoldsTest, OneGroupIsNoProtocol) {

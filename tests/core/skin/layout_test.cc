@@ -11,11 +11,14 @@ namespace tactus {
 namespace {
 
 TEST(LayoutPresetTest, PresetsAreValid) {
-  for (const char* name : {"cody-forearm", "vitac-12x32"}) {
+  const std::pair<const char*, int> presets[] = {
+      {"cody-forearm", 384}, {"vitac-12x32", 384}, {"icub-6x10", 60}};
+  for (const auto& [name, taxels] : presets) {
     auto layout = LayoutPreset(name);
     ASSERT_TRUE(layout.ok()) << name;
+    EXPECT_EQ(layout->name, name);
     EXPECT_TRUE(Validate(*layout).ok()) << name;
-    EXPECT_EQ(layout->taxels(), 384) << name;
+    EXPECT_EQ(layout->taxels(), taxels) << name;
   }
 }
 
