@@ -7,6 +7,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/sim/bounce.h"
 #include "core/sim/contact_modes.h"
 #include "core/sim/first_crossing.h"
 
@@ -92,13 +93,47 @@ PhaseStart Follow(const ContactScene& scene, const ContactPiece& piece,
           state};
 }
 
+// Follows a train of bounces from `next` at `time` on for as long as they are
+// simple, and returns when that ends; `next` is then the start of what
+// follows.
+double RideBounces(const ContactScene& scene, const ContactModes& modes,
+                   bool ramping, double until, double time, int64_t max_events,
+                   PieceSink& sink, PhaseStart& next, EventCounts& events) {
+  BounceTrain train(scene, modes, ramping, time, next.phase, next.state);
+  double impulse = 0;
+  double contact_time = 0;
+  double sample = sink.NextSample();
+  while (events.Total() <= max_events) {
+    double bounce_impulse;
+    const double span = train.Next(until, &bounce_impulse);
+    if (!(span > 0)) break;
+    const bool touching = Touching(train.last_phase());
+    if (train.time() < sample) {
+      impulse += bounce_impulse;
+      if (touching) contact_time += span;
+    } else {
+      sink.TakeTotals(impulse, contact_time);
+      impulse = 0;
+      contact_time = 0;
+      sink.Take(ContactPiece(scene, modes, train.last_phase(), ramping,
+                             train.last_time(), train.last_state()),
+                span);
+      sample = sink.NextSample();
+    }
+    ++(touching ? events.contacts_lost : events.contacts_made);
+  }
+  sink.TakeTotals(impulse, contact_time);
+  next = {train.phase(), train.state()};
+  return train.time();
+}
+
 bool Finite(const ContactState& state) {
   return std::isfinite(state.deformation + state.approach + state.position +
                        state.speed);
 }
 
 // Takes samples at a fixed rate from pieces.
-class Sampler {
+class Sampler : public PieceSink {
  public:
   Sampler(const ContactScene& scene, const ExactOptions& options)
       : rate_(options.sample_rate_hz) {
@@ -108,11 +143,19 @@ class Sampler {
     trajectory_.samples.emplace_back();
   }
 
-  void Take(const ContactPiece& piece, double duration) {
+  double NextSample() const override {
+    return static_cast<double>(trajectory_.samples.size()) / rate_;
+  }
+
+  void TakeTotals(double impulse, double contact_time) override {
+    impulse_ += impulse;
+    contact_time_ += contact_time;
+  }
+
+  void Take(const ContactPiece& piece, double duration) override {
     const bool touching = Touching(piece.phase());
     while (trajectory_.samples.size() < due_) {
-      const double t = static_cast<double>(trajectory_.samples.size()) / rate_ -
-                       piece.begin();
+      const double t = NextSample() - piece.begin();
       if (t > duration) break;
       Append(piece, t);
     }
@@ -165,9 +208,9 @@ absl::Status Validate(const ExactOptions& options) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<PieceSummary> ForEachPiece(
-    const ContactScene& scene, const ExactOptions& options,
-    absl::FunctionRef<void(const ContactPiece&, double)> take) {
+absl::StatusOr<PieceSummary> SolvePieces(const ContactScene& scene,
+                                         const ExactOptions& options,
+                                         PieceSink& sink) {
   TACTUS_RETURN_IF_ERROR(Validate(scene));
   TACTUS_RETURN_IF_ERROR(Validate(options));
   const ContactModes modes(scene);
@@ -181,7 +224,7 @@ absl::StatusOr<PieceSummary> ForEachPiece(
     const ContactPiece piece(scene, modes, next.phase, ramping, time,
                              next.state);
     const PieceEnd end = FindEnd(scene, piece, until - time);
-    take(piece, end.time);
+    sink.Take(piece, end.time);
     next = Follow(scene, piece, end, summary.events);
     if (!Finite(next.state)) {
       return NumericalFailure("the simulated contact is not finite");
@@ -191,6 +234,10 @@ absl::StatusOr<PieceSummary> ForEachPiece(
       ramping = false;
     } else {
       time = std::min(time + end.time, until);
+    }
+    if (end.ending == Ending::kContact && Sliding(next.phase)) {
+      time = RideBounces(scene, modes, ramping, until, time, options.max_events,
+                         sink, next, summary.events);
     }
     if (summary.events.Total() > options.max_events) {
       return NumericalFailure(absl::StrCat("more than ", options.max_events,
@@ -204,13 +251,11 @@ absl::StatusOr<PieceSummary> ForEachPiece(
 
 absl::StatusOr<Trajectory> IntegrateExact(const ContactScene& scene,
                                           const ExactOptions& options) {
+  TACTUS_RETURN_IF_ERROR(Validate(scene));
+  TACTUS_RETURN_IF_ERROR(Validate(options));
   Sampler sampler(scene, options);
-  TACTUS_ASSIGN_OR_RETURN(
-      const PieceSummary summary,
-      ForEachPiece(scene, options,
-                   [&](const ContactPiece& piece, double duration) {
-                     sampler.Take(piece, duration);
-                   }));
+  TACTUS_ASSIGN_OR_RETURN(const PieceSummary summary,
+                          SolvePieces(scene, options, sampler));
   return sampler.Finish(summary);
 }
 

@@ -12,7 +12,6 @@
 
 #include <cstdint>
 
-#include "absl/functional/function_ref.h"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/sim/contact_piece.h"
@@ -36,13 +35,24 @@ struct PieceSummary {
   bool moved = false;
 };
 
-// Hands the pieces of the contact to `take` in order, each with its duration
-// in seconds; they follow each other without gaps from 0 to the scene's end.
-// INVALID_SCENE for a bad scene or option, NUMERICAL_FAILURE if there are too
-// many events.
-absl::StatusOr<PieceSummary> ForEachPiece(
-    const ContactScene& scene, const ExactOptions& options,
-    absl::FunctionRef<void(const ContactPiece&, double)> take);
+// Takes a contact as it is solved, in order and without gaps from 0 to the
+// scene's end.
+class PieceSink {
+ public:
+  virtual ~PieceSink() = default;
+  // The next piece and its duration, s.
+  virtual void Take(const ContactPiece& piece, double duration) = 0;
+  // Time of the next sample: pieces that end before it may come as totals.
+  virtual double NextSample() const = 0;
+  // The impulse (N s) and the time in contact (s) of such pieces.
+  virtual void TakeTotals(double impulse, double contact_time) = 0;
+};
+
+// Solves the contact piece by piece. INVALID_SCENE for a bad scene or option,
+// NUMERICAL_FAILURE if there are too many events.
+absl::StatusOr<PieceSummary> SolvePieces(const ContactScene& scene,
+                                         const ExactOptions& options,
+                                         PieceSink& sink);
 
 // The same, sampled. Errors as above.
 absl::StatusOr<Trajectory> IntegrateExact(const ContactScene& scene,

@@ -164,7 +164,8 @@ ModalFunction ModalFunction::Negated() const {
 }
 
 double FirstCrossing(const ModalFunction& f, double horizon) {
-  constexpr double kGrowth = 4;
+  constexpr double kGrowth = 16;
+  constexpr double kShrink = 4;
   Scan here(f);
   const double fastest = here.Fastest();
   const double first_step = fastest > 0 ? 0.5 / fastest : horizon;
@@ -189,7 +190,7 @@ double FirstCrossing(const ModalFunction& f, double horizon) {
       time += span;
       step = span * kGrowth;
     } else {
-      step = span / kGrowth;
+      step = span / kShrink;
     }
   }
   return horizon + 1;

@@ -103,13 +103,10 @@ absl::StatusOr<SimulatedContact> SimulateContact(
     contact.steps = trajectory.steps;
     return contact;
   }
+  TACTUS_RETURN_IF_ERROR(Validate(scene));
   PieceSignals reader(spec.object, scene, options.area);
-  TACTUS_ASSIGN_OR_RETURN(
-      const PieceSummary summary,
-      ForEachPiece(scene, options.exact,
-                   [&](const ContactPiece& piece, double duration) {
-                     reader.Take(piece, duration);
-                   }));
+  TACTUS_ASSIGN_OR_RETURN(const PieceSummary summary,
+                          SolvePieces(scene, options.exact, reader));
   contact.signals = reader.Finish();
   contact.moved = summary.moved;
   contact.events = summary.events;

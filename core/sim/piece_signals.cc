@@ -9,8 +9,14 @@ namespace {
 constexpr double kInterval = 1 / kSignalRateHz;
 // Boundaries may lie a rounding beyond the piece that ends there, s.
 constexpr double kSlack = 1e-12;
+// Longer than any contact, s.
+constexpr double kForever = 1e3;
 // Strains whose square is lost beside 1: the area is linear in the force.
 constexpr double kLinearStrain = 1e-9;
+
+// Frames after which nothing is left of what was in the filter: its slowest
+// mode fades by 25 in one.
+constexpr int kFilterFrames = 14;
 
 double Dot(const std::array<double, 2>& row, const PairState& state) {
   return row[0] * state.value + row[1] * state.rate;
@@ -76,6 +82,22 @@ BlockFilter::Inputs PieceSignals::Areas(const BlockFilter::Inputs& forces) {
   return areas;
 }
 
+// True if `form` is constant from here on, to double precision.
+bool PieceSignals::Settled(const PieceForm& form, const FrameStart& start) {
+  if (form.slope != 0) return false;
+  const double negligible = 1e-18 * std::abs(form.constant);
+  for (int i = 0; i < start.used; ++i) {
+    const DampedPair& pair = *start.pairs[i];
+    const PairState& state = start.states[i];
+    if (std::abs(form.value[i]) * pair.Bound(state, kForever) > negligible ||
+        std::abs(form.rate[i]) * pair.Bound(pair.Derivative(state), kForever) >
+            negligible) {
+      return false;
+    }
+  }
+  return true;
+}
+
 void PieceSignals::FillTable(const ContactPiece& piece, PhaseTable& table) {
   table.ready = true;
   const PieceForm force = piece.Force();
@@ -105,83 +127,102 @@ void PieceSignals::FillTable(const ContactPiece& piece, PhaseTable& table) {
   }
 }
 
+BlockFilter::Column PieceSignals::AreaDrive(
+    const PieceForm& force, const FrameStart& start, const PhaseTable& table,
+    const BlockFilter::Column& force_drive) {
+  constexpr double kFrame = kBlock * kInterval;
+  double bound = std::abs(start.force) + std::abs(force.slope) * kFrame;
+  for (int i = 0; i < start.used; ++i) {
+    const DampedPair& pair = *start.pairs[i];
+    bound += std::abs(force.value[i]) * pair.Bound(start.states[i], kFrame) +
+             std::abs(force.rate[i]) *
+                 pair.Bound(pair.Derivative(start.states[i]), kFrame);
+  }
+  if (bound * strain_per_newton_ < kLinearStrain) {
+    BlockFilter::Column drive = {};
+    Add(full_area_, filter_.constant(), drive);
+    Add(2 * cube_.material.poisson_ratio * full_area_ * strain_per_newton_,
+        force_drive, drive);
+    return drive;
+  }
+  BlockFilter::Inputs forces;
+  for (int j = 0; j < kBlock; ++j) {
+    forces[j] = start.force + force.slope * kInterval * j;
+  }
+  for (int i = 0; i < start.used; ++i) {
+    const auto& rows = table.pairs[i].force;
+    const PairState& state = start.states[i];
+    for (int j = 0; j < kBlock; ++j) {
+      forces[j] += state.value * rows[0][j] + state.rate * rows[1][j];
+    }
+  }
+  return filter_.Drive(Areas(forces));
+}
+
 void PieceSignals::TakeFrames(const ContactPiece& piece, double end) {
   const bool touching = Touching(piece.phase());
-  const bool coasting = piece.phase() == ContactPhase::kCoasting;
   PhaseTable& table = tables_[static_cast<int>(piece.phase())];
   if (!table.ready) FillTable(piece, table);
   const PieceForm force = piece.Force();
   const PieceForm motion = piece.ArmPosition();
   const PieceForm object = piece.ObjectPosition();
-  const auto pairs = piece.pairs();
-  const int used = pairs[1] == nullptr ? 1 : 2;
-  std::array<PairState, 2> states = piece.states();
+  FrameStart start = {piece.pairs(), piece.states()};
+  start.used = start.pairs[1] == nullptr ? 1 : 2;
   double time = Boundary(closed_) - piece.begin();
-  for (int i = 0; i < used; ++i) states[i] = pairs[i]->After(states[i], time);
-
+  for (int i = 0; i < start.used; ++i) {
+    start.states[i] = start.pairs[i]->After(start.states[i], time);
+  }
+  // Frames since the input of the filter stopped changing.
+  int settled = 0;
+  bool last_clamped = false;
   while (closed_ + kBlock <= intervals_ && Boundary(closed_ + kBlock) <= end) {
+    if (settled > kFilterFrames) {
+      signals_.samples.push_back(signals_.samples.back());
+      signals_.object_motion.push_back(signals_.object_motion.back());
+      signals_.clamped += last_clamped;
+      closed_ += kBlock;
+      continue;
+    }
     time = Boundary(closed_) - piece.begin();
-    const double first_force =
-        force.constant + force.slope * (time + kInterval / 2);
+    start.force = force.constant + force.slope * (time + kInterval / 2);
     BlockFilter::Column force_drive = {};
-    Add(first_force, filter_.constant(), force_drive);
+    Add(start.force, filter_.constant(), force_drive);
     Add(force.slope * kInterval, filter_.ramp(), force_drive);
     BlockFilter::Column motion_drive = {};
     Add(motion.constant + motion.slope * (time + kInterval), filter_.constant(),
         motion_drive);
     Add(motion.slope * kInterval, filter_.ramp(), motion_drive);
-    for (int i = 0; i < used; ++i) {
+    for (int i = 0; i < start.used; ++i) {
       const PairTable& pair = table.pairs[i];
+      const PairState& state = start.states[i];
       if (touching) {
-        Add(states[i].value, pair.force_drive[0], force_drive);
-        Add(states[i].rate, pair.force_drive[1], force_drive);
+        Add(state.value, pair.force_drive[0], force_drive);
+        Add(state.rate, pair.force_drive[1], force_drive);
       }
-      Add(states[i].value, pair.motion_drive[0], motion_drive);
-      Add(states[i].rate, pair.motion_drive[1], motion_drive);
+      Add(state.value, pair.motion_drive[0], motion_drive);
+      Add(state.rate, pair.motion_drive[1], motion_drive);
     }
-
     BlockFilter::Column area_drive = {};
     if (with_area_ && touching) {
-      double bound =
-          std::abs(first_force) + std::abs(force.slope) * kBlock * kInterval;
-      for (int i = 0; i < used; ++i) {
-        bound += std::abs(force.value[i]) *
-                     pairs[i]->Bound(states[i], kBlock * kInterval) +
-                 std::abs(force.rate[i]) *
-                     pairs[i]->Bound(pairs[i]->Derivative(states[i]),
-                                     kBlock * kInterval);
-      }
-      if (bound * strain_per_newton_ < kLinearStrain) {
-        area_drive = filter_.constant();
-        for (double& value : area_drive) value *= full_area_;
-        Add(2 * cube_.material.poisson_ratio * full_area_ * strain_per_newton_,
-            force_drive, area_drive);
-      } else {
-        BlockFilter::Inputs forces;
-        for (int j = 0; j < kBlock; ++j) {
-          forces[j] = first_force + force.slope * kInterval * j;
-        }
-        for (int i = 0; i < used; ++i) {
-          const auto& rows = table.pairs[i].force;
-          for (int j = 0; j < kBlock; ++j) {
-            forces[j] +=
-                states[i].value * rows[0][j] + states[i].rate * rows[1][j];
-          }
-        }
-        area_drive = filter_.Drive(Areas(forces));
-      }
+      area_drive = AreaDrive(force, start, table, force_drive);
     }
+    last_clamped = clamped_;
 
-    for (int i = 0; i < used; ++i) {
+    for (int i = 0; i < start.used; ++i) {
       const auto& frame = table.pairs[i].frame;
-      states[i] = {Dot(frame[0], states[i]), Dot(frame[1], states[i])};
+      start.states[i] = {Dot(frame[0], start.states[i]),
+                         Dot(frame[1], start.states[i])};
     }
     closed_ += kBlock;
+    const bool constant = Settled(force, start) && Settled(motion, start) &&
+                          !Sliding(piece.phase());
+    settled = constant ? settled + 1 : 0;
     time = Boundary(closed_) - piece.begin();
-    double position = object.constant + object.slope * time +
-                      object.value[0] * states[0].value +
-                      object.value[1] * states[1].value;
-    if (coasting) position = piece.At(time).position;
+    const double position = piece.phase() == ContactPhase::kCoasting
+                                ? piece.At(time).position
+                                : object.constant + object.slope * time +
+                                      object.value[0] * start.states[0].value +
+                                      object.value[1] * start.states[1].value;
     CloseFrame(force_drive, area_drive, motion_drive, position);
   }
 }

@@ -7,9 +7,7 @@
 // at 2 kHz, equal up to rounding.
 //
 //   PieceSignals reader(cube, scene, /*area=*/true);
-//   ForEachPiece(scene, {}, [&](const ContactPiece& piece, double duration) {
-//     reader.Take(piece, duration);
-//   });
+//   TACTUS_RETURN_IF_ERROR(SolvePieces(scene, {}, reader).status());
 //   IdealSignals signals = reader.Finish();
 //
 // Not thread-safe: one a contact.
@@ -19,17 +17,23 @@
 
 #include "core/sim/block_filter.h"
 #include "core/sim/contact_piece.h"
+#include "core/sim/exact.h"
 #include "core/sim/scene.h"
 #include "core/sim/signals.h"
 
 namespace tactus {
 
-class PieceSignals {
+class PieceSignals : public PieceSink {
  public:
   // Without `area`, that signal stays 0.
   PieceSignals(const Cube& cube, const ContactScene& scene, bool area);
 
-  void Take(const ContactPiece& piece, double duration);
+  void Take(const ContactPiece& piece, double duration) override;
+  double NextSample() const override { return Boundary(closed_ + 1); }
+  void TakeTotals(double impulse, double contact_time) override {
+    impulse_ += impulse;
+    contact_ += contact_time;
+  }
   IdealSignals Finish() { return std::move(signals_); }
 
  private:
@@ -48,10 +52,25 @@ class PieceSignals {
     std::array<PairTable, 2> pairs;
   };
 
+  // The pairs of a piece at the start of a frame, and the mean force in its
+  // first interval without them.
+  struct FrameStart {
+    std::array<const DampedPair*, 2> pairs;
+    std::array<PairState, 2> states;
+    int used = 0;
+    double force = 0;
+  };
+
   double Boundary(int interval) const { return interval / kSignalRateHz; }
   void FillTable(const ContactPiece& piece, PhaseTable& table);
   // Takes as many whole frames as the piece still holds.
   void TakeFrames(const ContactPiece& piece, double end);
+  // True if `form` is constant from here on, to double precision.
+  static bool Settled(const PieceForm& form, const FrameStart& start);
+  // What a frame in contact throughout adds to the area's filter.
+  BlockFilter::Column AreaDrive(const PieceForm& force, const FrameStart& start,
+                                const PhaseTable& table,
+                                const BlockFilter::Column& force_drive);
   // Closes the current interval with its impulse (N s), the time in contact
   // (s) and where arm and object are at its end.
   void CloseInterval(double impulse, double contact, double arm, double object);
