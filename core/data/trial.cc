@@ -124,6 +124,24 @@ absl::Status ValidatePoses(const Trial& trial, const Complaint& complain) {
   return absl::OkStatus();
 }
 
+absl::Status ValidateObjectMotion(const Trial& trial,
+                                  const Complaint& complain) {
+  const std::vector<double>& motion = trial.object_motion;
+  if (motion.empty()) return absl::OkStatus();
+  if (motion.size() != trial.time.size()) {
+    return complain("object_motion", "has ", motion.size(),
+                    " entries; it must have one per time, ", trial.time.size());
+  }
+  for (size_t i = 0; i < motion.size(); ++i) {
+    // Written so that a NaN fails.
+    if (!(std::abs(motion[i]) <= limits::kMaxPositionM)) {
+      return complain("object_motion", "entry ", i, " is ", motion[i],
+                      "; it must be finite and at most 1e6 m from 0");
+    }
+  }
+  return absl::OkStatus();
+}
+
 absl::Status ValidateAttributes(const Trial& trial, const Complaint& complain) {
   struct Text {
     absl::string_view name;
@@ -151,10 +169,6 @@ absl::Status ValidateAttributes(const Trial& trial, const Complaint& complain) {
   if (!std::isfinite(trial.stiffness) || trial.stiffness < 0) {
     return complain("stiffness", "is ", trial.stiffness,
                     " N/m; it must be finite and at least 0");
-  }
-  if (!std::isfinite(trial.capped_stiffness) || trial.capped_stiffness < 0) {
-    return complain("capped_stiffness", "is ", trial.capped_stiffness,
-                    "; it must be finite and at least 0");
   }
   if (!std::isfinite(trial.velocity) || trial.velocity < 0) {
     return complain("velocity", "is ", trial.velocity,
@@ -197,6 +211,7 @@ absl::Status Validate(const Trial& trial, absl::string_view path) {
   TACTUS_RETURN_IF_ERROR(ValidateSignals(trial, complain));
   TACTUS_RETURN_IF_ERROR(ValidateTaxels(trial, complain));
   TACTUS_RETURN_IF_ERROR(ValidatePoses(trial, complain));
+  TACTUS_RETURN_IF_ERROR(ValidateObjectMotion(trial, complain));
   return ValidateAttributes(trial, complain);
 }
 

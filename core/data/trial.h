@@ -51,6 +51,9 @@ struct Trial {
   TaxelSeries taxels;
   // Empty, or one per time.
   std::vector<Pose> poses;
+  // Empty, or one per time: how far the object has moved, m; truth, never an
+  // input.
+  std::vector<double> object_motion;
 
   // "HU", "HM", "SU", "SM", or any other class name.
   std::string label;
@@ -61,9 +64,6 @@ struct Trial {
   std::string material;
   // Of the object, N/m; 0 if unknown.
   double stiffness = 0;
-  // Contact stiffness the simulator used if it capped the object's, N/m; else
-  // 0.
-  double capped_stiffness = 0;
   // Of the arm's equilibrium point, m/s; 0 if unknown.
   double velocity = 0;
   double sample_rate_hz = 100;

@@ -80,7 +80,9 @@ absl::Status ReadArrays(hid_t group, const Hdf5Complaint& complain,
     // Eigen's constructor takes w first.
     trial->poses[i].orientation = {row[6], row[3], row[4], row[5]};
   }
-  return absl::OkStatus();
+
+  return ReadDoubles(group, "object_motion", frames, 0, complain,
+                     &trial->object_motion);
 }
 
 absl::Status ReadAttributes(hid_t group, const Hdf5Complaint& complain,
@@ -95,7 +97,6 @@ absl::Status ReadAttributes(hid_t group, const Hdf5Complaint& complain,
   }
   const std::pair<const char*, double*> numbers[] = {
       {"stiffness", &trial->stiffness},
-      {"capped_stiffness", &trial->capped_stiffness},
       {"velocity", &trial->velocity},
       {"sample_rate_hz", &trial->sample_rate_hz},
   };

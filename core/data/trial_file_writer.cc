@@ -135,6 +135,19 @@ bool WritePoses(hid_t group, const std::vector<Pose>& poses) {
   return WriteDoubles(group, "pose", poses.size(), 7, values.data());
 }
 
+// Compressed, as most objects rest for long; and a chunk that was overwritten
+// with zeros, to which Fletcher-32 is blind, does not inflate.
+bool WriteObjectMotion(hid_t group, const std::vector<double>& motion) {
+  return WriteArray(group, {"object_motion",
+                            H5T_NATIVE_DOUBLE,
+                            H5T_IEEE_F64LE,
+                            {motion.size()},
+                            sizeof(double),
+                            motion.data(),
+                            true})
+      .ok();
+}
+
 bool WriteTrial(hid_t group, const Trial& trial) {
   const hsize_t frames = trial.time.size();
   static_assert(sizeof(FeatureVector) == kFeatureCount * sizeof(double));
@@ -144,6 +157,8 @@ bool WriteTrial(hid_t group, const Trial& trial) {
                        trial.signals[0].data())) &&
          (trial.taxels.empty() || WriteTaxels(group, frames, trial.taxels)) &&
          (trial.poses.empty() || WritePoses(group, trial.poses)) &&
+         (trial.object_motion.empty() ||
+          WriteObjectMotion(group, trial.object_motion)) &&
          WriteText(group, "label", trial.label) &&
          WriteText(group, "condition", trial.condition) &&
          WriteText(group, "object", trial.object) &&
@@ -151,7 +166,6 @@ bool WriteTrial(hid_t group, const Trial& trial) {
          WriteText(group, "layout", trial.layout) &&
          WriteText(group, "unit", trial.unit) &&
          WriteNumber(group, "stiffness", trial.stiffness) &&
-         WriteNumber(group, "capped_stiffness", trial.capped_stiffness) &&
          WriteNumber(group, "velocity", trial.velocity) &&
          WriteNumber(group, "sample_rate_hz", trial.sample_rate_hz);
 }

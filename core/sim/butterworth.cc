@@ -30,4 +30,20 @@ double Butterworth6::Step(double sample) {
   return sample;
 }
 
+std::array<double, 6> Butterworth6::state() const {
+  std::array<double, 6> state;
+  for (int i = 0; i < 3; ++i) {
+    state[2 * i] = sections_[i].s1;
+    state[2 * i + 1] = sections_[i].s2;
+  }
+  return state;
+}
+
+void Butterworth6::set_state(const std::array<double, 6>& state) {
+  for (int i = 0; i < 3; ++i) {
+    sections_[i].s1 = state[2 * i];
+    sections_[i].s2 = state[2 * i + 1];
+  }
+}
+
 }  // namespace tactus

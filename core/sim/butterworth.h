@@ -21,6 +21,10 @@ class Butterworth6 {
 
   double Step(double sample);
 
+  // What the filter remembers: two numbers a section, first section first.
+  std::array<double, 6> state() const;
+  void set_state(const std::array<double, 6>& state);
+
  private:
   // gain (1 + z^-1)^2 / (1 + a1 z^-1 + a2 z^-2), transposed direct form II.
   struct Section {

@@ -71,8 +71,7 @@ class Run {
   Run(const ContactScene& scene, const SolverOptions& options)
       : scene_(scene),
         options_(options),
-        stiffness_(std::min(scene.object_stiffness, kStiffnessCap)),
-        equations_(scene, stiffness_, ContactPhase::kStuck, true) {}
+        equations_(scene, ContactPhase::kStuck, true) {}
 
   absl::StatusOr<Trajectory> Go();
 
@@ -99,7 +98,6 @@ class Run {
 
   const ContactScene& scene_;
   const SolverOptions& options_;
-  const double stiffness_;
   PhaseEquations equations_;
   bool ramping_ = true;
   double time_ = 0;
@@ -151,7 +149,7 @@ absl::Status Run::Open() {
 
   N_VConst(0, y_.get());
   double* tolerance = N_VGetArrayPointer(tolerance_.get());
-  tolerance[kDeformation] = options_.force_tolerance / stiffness_;
+  tolerance[kDeformation] = options_.force_tolerance / scene_.object_stiffness;
   tolerance[kArmVelocity] = options_.velocity_tolerance;
   tolerance[kObjectPosition] = options_.position_tolerance;
   tolerance[kObjectVelocity] = options_.velocity_tolerance;
@@ -210,7 +208,7 @@ void Run::EnterPhase(ContactPhase phase) {
   }
   phase_start_ = time_;
   std::copy_n(state(), kSceneStates, impulse_state_.begin());
-  equations_ = PhaseEquations(scene_, stiffness_, phase, ramping_);
+  equations_ = PhaseEquations(scene_, phase, ramping_);
 }
 
 absl::Status Run::Sample(double time) {
@@ -282,7 +280,6 @@ absl::Status Run::Switch() {
 absl::StatusOr<Trajectory> Run::Go() {
   TACTUS_RETURN_IF_ERROR(Open());
   trajectory_.sample_rate_hz = options_.sample_rate_hz;
-  trajectory_.stiffness = stiffness_;
   samples_due_ = 1 + static_cast<size_t>(std::floor(
                          scene_.duration_s * options_.sample_rate_hz + 1e-9));
   trajectory_.samples.reserve(samples_due_);

@@ -20,10 +20,6 @@
 
 namespace tactus {
 
-// Contact stiffness above this is integrated as this, N/m. Such objects
-// deform by micrometres either way; labels keep the true stiffness.
-inline constexpr double kStiffnessCap = 1e7;
-
 struct SolverOptions {
   double relative_tolerance = 1e-4;
   // Absolute tolerances, in the unit each quantity is read in.

@@ -4,6 +4,7 @@
 #include "absl/strings/str_format.h"
 #include "core/base/random.h"
 #include "core/base/status_macros.h"
+#include "core/sim/piece_signals.h"
 
 namespace tactus {
 namespace {
@@ -75,7 +76,6 @@ Trial SimulatedContact::Metadata() const {
       SurfaceName(spec.object.surface), spec.fixed ? "-fixed" : "");
   trial.material = std::string(spec.object.material.name);
   trial.stiffness = spec.object.Stiffness();
-  if (stiffness_used < trial.stiffness) trial.capped_stiffness = stiffness_used;
   trial.velocity = spec.robot.velocity;
   trial.sample_rate_hz = kSkinRateHz;
   trial.unit = "newton";
@@ -89,22 +89,32 @@ TrialSpec FixedTwin(const TrialSpec& spec) {
   return twin;
 }
 
-absl::StatusOr<SimulatedContact> SimulateContact(const TrialSpec& spec,
-                                                 const SolverOptions& options) {
-  TACTUS_ASSIGN_OR_RETURN(const Trajectory trajectory,
-                          IntegrateCvode(SceneOf(spec), options));
+absl::StatusOr<SimulatedContact> SimulateContact(
+    const TrialSpec& spec, const SimulateOptions& options) {
+  const ContactScene scene = SceneOf(spec);
   SimulatedContact contact;
   contact.spec = spec;
-  contact.signals = ReadSignals(spec.object, trajectory);
-  contact.moved = trajectory.moved;
-  contact.events = trajectory.events;
-  contact.steps = trajectory.steps;
-  contact.stiffness_used = trajectory.stiffness;
+  if (options.method == SimMethod::kCvode) {
+    TACTUS_ASSIGN_OR_RETURN(const Trajectory trajectory,
+                            IntegrateCvode(scene, options.cvode));
+    contact.signals = ReadSignals(spec.object, trajectory, options.area);
+    contact.moved = trajectory.moved;
+    contact.events = trajectory.events;
+    contact.steps = trajectory.steps;
+    return contact;
+  }
+  TACTUS_RETURN_IF_ERROR(Validate(scene));
+  PieceSignals reader(spec.object, scene, options.area);
+  TACTUS_ASSIGN_OR_RETURN(const PieceSummary summary,
+                          SolvePieces(scene, options.exact, reader));
+  contact.signals = reader.Finish();
+  contact.moved = summary.moved;
+  contact.events = summary.events;
   return contact;
 }
 
 absl::Status ForEachContact(
-    std::span<const TrialSpec> specs, const SolverOptions& options,
+    std::span<const TrialSpec> specs, const SimulateOptions& options,
     absl::FunctionRef<absl::Status(const SimulatedContact&)> take) {
   for (const TrialSpec& spec : specs) {
     TACTUS_ASSIGN_OR_RETURN(const SimulatedContact contact,
@@ -122,6 +132,7 @@ Trial SignalTrial(const SimulatedContact& contact, const SignalNoise& noise,
                   uint64_t seed) {
   Trial trial = contact.Metadata();
   trial.signals = contact.signals.samples;
+  trial.object_motion = contact.signals.object_motion;
   trial.time.reserve(trial.signals.size());
   for (size_t i = 0; i < trial.signals.size(); ++i) {
     trial.time.push_back(i / kSkinRateHz);

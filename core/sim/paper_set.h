@@ -27,6 +27,7 @@
 #include "absl/status/statusor.h"
 #include "core/data/trial.h"
 #include "core/sim/cvode.h"
+#include "core/sim/exact.h"
 #include "core/sim/materials.h"
 #include "core/sim/scene.h"
 #include "core/sim/signals.h"
@@ -64,9 +65,7 @@ struct SimulatedContact {
   IdealSignals signals;
   bool moved = false;
   EventCounts events;
-  int64_t steps = 0;
-  // Contact stiffness of the dynamics, N/m (see kStiffnessCap).
-  double stiffness_used = 0;
+  int64_t steps = 0;  // of the solver; 0 if the method takes none
 
   bool hard() const { return spec.object.Stiffness() >= kHardStiffness; }
   // "HU", "HM", "SU" or "SM".
@@ -78,14 +77,24 @@ struct SimulatedContact {
 // The same trial with the object fixed.
 TrialSpec FixedTwin(const TrialSpec& spec);
 
-// INVALID_SCENE for a bad spec, NUMERICAL_FAILURE if the solver gives up.
+enum class SimMethod { kExact, kCvode };
+
+struct SimulateOptions {
+  SimMethod method = SimMethod::kExact;
+  // Without it, the area signal stays 0.
+  bool area = true;
+  ExactOptions exact;
+  SolverOptions cvode;
+};
+
+// INVALID_SCENE for a bad spec, NUMERICAL_FAILURE if the method gives up.
 absl::StatusOr<SimulatedContact> SimulateContact(
-    const TrialSpec& spec, const SolverOptions& options = {});
+    const TrialSpec& spec, const SimulateOptions& options = {});
 
 // Runs `specs` in order, the twin of one that moved directly after it, and
 // hands each to `take`. Stops at the first error.
 absl::Status ForEachContact(
-    std::span<const TrialSpec> specs, const SolverOptions& options,
+    std::span<const TrialSpec> specs, const SimulateOptions& options,
     absl::FunctionRef<absl::Status(const SimulatedContact&)> take);
 
 // The trial with its three signals and their noise, drawn from `seed` and the

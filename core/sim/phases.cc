@@ -4,10 +4,9 @@
 
 namespace tactus {
 
-PhaseEquations::PhaseEquations(const ContactScene& scene,
-                               double contact_stiffness, ContactPhase p,
+PhaseEquations::PhaseEquations(const ContactScene& scene, ContactPhase p,
                                bool ramping)
-    : stiffness(Touching(p) ? contact_stiffness : 0),
+    : stiffness(Touching(p) ? scene.object_stiffness : 0),
       static_limit(scene.fixed ? std::numeric_limits<double>::infinity()
                                : scene.StaticLimit()),
       arm_stiffness(scene.actuator_stiffness / scene.arm_mass_kg),

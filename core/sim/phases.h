@@ -42,8 +42,7 @@ inline bool Sliding(ContactPhase phase) {
 
 // The equations of one phase: scene constants, folded.
 struct PhaseEquations {
-  PhaseEquations(const ContactScene& scene, double stiffness,
-                 ContactPhase phase, bool ramping);
+  PhaseEquations(const ContactScene& scene, ContactPhase phase, bool ramping);
 
   // Writes d(state)/dt at `time` (s).
   void Derivative(double time, const double* state, double* derivative) const;

@@ -156,6 +156,9 @@ absl::StatusOr<Trial> TaxelTrial(const SimulatedContact& contact,
         normal * (motion + options.encoder_noise_m * random.Gaussian());
     trial.poses.push_back(pose);
     trial.time.push_back(i / kSkinRateHz);
+    // Frame `lead_in - 1` is the touch itself.
+    trial.object_motion.push_back(
+        i < lead_in ? 0 : contact.signals.object_motion[i - lead_in]);
   }
   return trial;
 }

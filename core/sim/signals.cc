@@ -35,7 +35,8 @@ double ContactArea(const Cube& cube, double force) {
          std::pow(1 - Strain(cube, force), -2 * cube.material.poisson_ratio);
 }
 
-IdealSignals ReadSignals(const Cube& cube, const Trajectory& trajectory) {
+IdealSignals ReadSignals(const Cube& cube, const Trajectory& trajectory,
+                         bool with_area) {
   const double rate = trajectory.sample_rate_hz;
   const size_t stride = static_cast<size_t>(std::lround(rate / kSkinRateHz));
   const auto& raw = trajectory.samples;
@@ -44,13 +45,14 @@ IdealSignals ReadSignals(const Cube& cube, const Trajectory& trajectory) {
                                          Butterworth6(kAntiAliasHz, rate)};
   IdealSignals signals;
   signals.samples.reserve(raw.size() / stride);
+  signals.object_motion.reserve(raw.size() / stride);
   bool clamped = false;
   for (size_t i = 1; i < raw.size(); ++i) {
     const double force = (raw[i].impulse - raw[i - 1].impulse) * rate;
     // Share of the interval spent in contact.
     const double share = (raw[i].contact_time - raw[i - 1].contact_time) * rate;
     double area = 0;
-    if (share > 0) {
+    if (with_area && share > 0) {
       const double pressing = std::max(0.0, force / share);
       area = share * ContactArea(cube, pressing);
       clamped |= UnclampedStrain(cube, pressing) > kMaxStrain;
@@ -59,6 +61,7 @@ IdealSignals ReadSignals(const Cube& cube, const Trajectory& trajectory) {
                                   filters[2].Step(raw[i].x_arm)};
     if (i % stride == 0) {
       signals.samples.push_back(sample);
+      signals.object_motion.push_back(raw[i].x_uobj);
       signals.clamped += clamped;
       clamped = false;
     }

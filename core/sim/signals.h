@@ -13,13 +13,12 @@
 
 #include "core/base/random.h"
 #include "core/features/feature.h"
+#include "core/sim/block_filter.h"
 #include "core/sim/materials.h"
 #include "core/sim/trajectory.h"
 
 namespace tactus {
 
-inline constexpr double kSkinRateHz = 100;
-inline constexpr double kAntiAliasHz = 200;
 // The smallest soft cubes would be pressed flat: strain stops here.
 inline constexpr double kMaxStrain = 0.95;
 
@@ -32,14 +31,18 @@ double ContactArea(const Cube& cube, double force);
 struct IdealSignals {
   // Sample i is read (i + 1) / 100 s after the touch.
   std::vector<FeatureVector> samples;
+  // x_uobj at the instant of each sample, m: neither filtered nor noisy.
+  std::vector<double> object_motion;
   // Samples in whose time the strain had to be clamped.
   int clamped = 0;
 };
 
 // Force and area enter the filter as means over each interval of the
 // trajectory, 0 while apart, so that short impacts count with their impulse.
-// The trajectory's rate must be a multiple of 100 Hz above 400 Hz.
-IdealSignals ReadSignals(const Cube& cube, const Trajectory& trajectory);
+// The trajectory's rate must be a multiple of 100 Hz above 400 Hz. Without
+// `area`, that signal stays 0.
+IdealSignals ReadSignals(const Cube& cube, const Trajectory& trajectory,
+                         bool area = true);
 
 // Noise variance as a share of the variance of the trial's own signal.
 struct SignalNoise {

@@ -40,8 +40,6 @@ struct Trajectory {
   EventCounts events;
   // Steps the solver took; 0 if the method takes none.
   int64_t steps = 0;
-  // Contact stiffness used, N/m: below the object's own if that was capped.
-  double stiffness = 0;
 };
 
 }  // namespace tactus

@@ -32,6 +32,7 @@ TEST(TrialFileTest, EveryFieldComesBackBitForBit) {
   std::vector<Trial> trials = {FullTrial(1, 500), FullTrial(2, 3, true),
                                FullTrial(3, 1), FullTrial(4, 40'000)};
   trials[1].poses.clear();
+  trials[1].object_motion.clear();
   trials[2].signals.clear();
   trials[2].label.clear();
   trials[3].taxels = TaxelSeries();

@@ -82,13 +82,13 @@ inline Trial FullTrial(uint64_t seed, int frames, bool floats = false) {
                                           random.Gaussian(), random.Gaussian())
                            .normalized();
     trial.poses.push_back(pose);
+    trial.object_motion.push_back(1e-12 * random.Gaussian());
   }
   trial.label = "SM";
   trial.condition = "k543-v0.005";
   trial.object = "cube 0.05 m, gr\xC3\xBCn";
   trial.material = "polymer foam";
   trial.stiffness = 1234.5678901234567;
-  trial.capped_stiffness = 1e7;
   trial.velocity = 0.005;
   trial.sample_rate_hz = 99.5;
   trial.layout = "test-3x4";
@@ -114,7 +114,7 @@ inline bool SameBits(const Trial& a, const Trial& b) {
          poses(a) == poses(b) && a.label == b.label &&
          a.condition == b.condition && a.object == b.object &&
          a.material == b.material && a.stiffness == b.stiffness &&
-         a.capped_stiffness == b.capped_stiffness && a.velocity == b.velocity &&
+         a.object_motion == b.object_motion && a.velocity == b.velocity &&
          a.sample_rate_hz == b.sample_rate_hz && a.layout == b.layout &&
          a.unit == b.unit;
 }

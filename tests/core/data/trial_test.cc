@@ -132,8 +132,16 @@ INSTANTIATE_TEST_SUITE_P(
         BadTrial{"object", "zero byte",
                  [](Trial& t) { t.object = std::string("a\0b", 3); }},
         BadTrial{"stiffness", "is -1", [](Trial& t) { t.stiffness = -1; }},
-        BadTrial{"capped_stiffness", "is -1",
-                 [](Trial& t) { t.capped_stiffness = -1; }},
+        BadTrial{"object_motion", "has 3 entries",
+                 [](Trial& t) { t.object_motion.assign(3, 0); }},
+        BadTrial{"object_motion", "entry 2 is nan",
+                 [](Trial& t) {
+                   t.object_motion = {0, 0, kNan, 0};
+                 }},
+        BadTrial{"object_motion", "entry 1 is -2e+06",
+                 [](Trial& t) {
+                   t.object_motion = {0, -2e6, 0, 0};
+                 }},
         BadTrial{"velocity", "is nan", [](Trial& t) { t.velocity = kNan; }},
         BadTrial{"sample_rate_hz", "is 0",
                  [](Trial& t) { t.sample_rate_hz = 0; }},

@@ -48,19 +48,12 @@ TEST(SimulateContactTest, LabelsAndDescribesTheTrial) {
   EXPECT_EQ(trial.object, "steel-0.0311-wood");
   EXPECT_EQ(trial.material, "steel");
   EXPECT_NEAR(trial.stiffness, 2 * (0.01 + 0.19 / 9) * 2e11, 1);
-  EXPECT_EQ(trial.capped_stiffness, kStiffnessCap);
   EXPECT_EQ(trial.velocity, 0.005);
   EXPECT_EQ(trial.unit, "newton");
   EXPECT_EQ(trial.layout, "");
   EXPECT_EQ(trial.signals.size(), 500);
   EXPECT_EQ(trial.time.size(), 500);
   EXPECT_NEAR(trial.time[499], 4.99, 1e-12);
-}
-
-TEST(SimulateContactTest, OnlyCappedStiffnessIsStatedAsCapped) {
-  const auto contact = SimulateContact(Spec("muscle", 0.1));
-  ASSERT_TRUE(contact.ok());
-  EXPECT_EQ(contact->Metadata().capped_stiffness, 0);
 }
 
 // A small cut through the set; the whole of it is counted in counts_test.cc.

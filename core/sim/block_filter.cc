@@ -1,0 +1,59 @@
+#include "core/sim/block_filter.h"
+
+#include <algorithm>
+
+#include "core/sim/butterworth.h"
+
+namespace tactus {
+namespace {
+
+static_assert(kSignalRateHz == kBlock * kSkinRateHz);
+
+// The column after `steps` samples of input 0.
+BlockFilter::Column Rest(Butterworth6 filter, int steps) {
+  BlockFilter::Column column = {};
+  for (int i = 0; i < steps; ++i) column[6] = filter.Step(0);
+  const std::array<double, 6> state = filter.state();
+  std::copy(state.begin(), state.end(), column.begin());
+  return column;
+}
+
+}  // namespace
+
+const BlockFilter& BlockFilter::AntiAlias() {
+  static const BlockFilter filter;
+  return filter;
+}
+
+BlockFilter::BlockFilter() {
+  Butterworth6 filter(kAntiAliasHz, kSignalRateHz);
+  for (int i = 0; i < 6; ++i) {
+    std::array<double, 6> unit = {};
+    unit[i] = 1;
+    filter.set_state(unit);
+    transition_[i] = Rest(filter, kBlock);
+  }
+  for (int j = 0; j < kBlock; ++j) {
+    filter.set_state({});
+    const double output = filter.Step(1);
+    input_[j] = Rest(filter, kBlock - 1 - j);
+    if (j == kBlock - 1) input_[j][6] = output;
+    Add(1, input_[j], constant_);
+    Add(j, input_[j], ramp_);
+  }
+}
+
+BlockFilter::Column BlockFilter::Drive(const Inputs& inputs) const {
+  Column drive = {};
+  for (int j = 0; j < kBlock; ++j) Add(inputs[j], input_[j], drive);
+  return drive;
+}
+
+BlockFilter::Column BlockFilter::Advance(const Column& state,
+                                         const Column& drive) const {
+  Column next = drive;
+  for (int i = 0; i < 6; ++i) Add(state[i], transition_[i], next);
+  return next;
+}
+
+}  // namespace tactus

@@ -1,0 +1,226 @@
+#include "core/sim/bounce.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace tactus {
+namespace {
+
+using std::numbers::pi;
+
+// Slow motion spans at most this share of its own time scale in one piece:
+// five terms of its series are then exact to double precision.
+constexpr double kSlowSpan = 2e-3;
+// The ringing loses at most this share in one contact.
+constexpr double kRingLoss = 1e-3;
+// Turns of the ringing's angle by more than this are computed afresh.
+constexpr double kSmallTurn = 0.03;
+
+// The first derivatives of a solution of y'' + p y' + q y = 0.
+template <int kCount>
+struct Series {
+  Series(const DampedPair& pair, double value, double rate) {
+    y[0] = value;
+    y[1] = rate;
+    for (int n = 2; n < kCount; ++n) {
+      y[n] = -pair.damping() * y[n - 1] - pair.stiffness() * y[n - 2];
+    }
+  }
+  // Change of derivative `n` after `t`, by four terms.
+  double Change(int n, double t) const {
+    constexpr double kThird = 1.0 / 3;
+    return t * (y[n + 1] +
+                0.5 * t *
+                    (y[n + 2] + kThird * t * (y[n + 3] + 0.25 * t * y[n + 4])));
+  }
+  double y[kCount];
+};
+
+}  // namespace
+
+BounceTrain::BounceTrain(const ContactScene& scene, const ContactModes& modes,
+                         bool ramping, double time, ContactPhase phase,
+                         const ContactState& state)
+    : scene_(&scene),
+      modes_(&modes),
+      equilibrium_speed_(ramping ? scene.velocity_m_s : 0),
+      equilibrium_start_(ramping ? 0 : scene.goal_m),
+      friction_(scene.mu_kinetic * kGravity),
+      compliance_(scene.object_mass_kg / modes.stiffness),
+      rigidity_(modes.stiffness / scene.object_mass_kg),
+      offset_(scene.KineticFriction() / scene.actuator_stiffness +
+              scene.KineticFriction() / modes.stiffness),
+      softness_(1 / modes.fast.stiffness()),
+      decay_(modes.fast.damping() / 2) {
+  now_.time = time;
+  now_.lag = state.position - (equilibrium_start_ + equilibrium_speed_ * time);
+  now_.rate = state.arm_speed() - equilibrium_speed_;
+  now_.approach = state.approach;
+  now_.touching = Touching(phase);
+  const DampedPair& slow = modes.slow;
+  const DampedPair& fast = modes.fast;
+  const double p = slow.damping() - fast.damping();
+  const double q = slow.stiffness() - fast.stiffness();
+  const double corner = q - fast.damping() * p;
+  const double determinant = q * corner + p * fast.stiffness() * p;
+  fast_[0][0] = corner / determinant;
+  fast_[0][1] = -p / determinant;
+  fast_[1][0] = fast.stiffness() * p / determinant;
+  fast_[1][1] = q / determinant;
+  frequency_ = std::sqrt(std::max(0.0, fast.stiffness() - decay_ * decay_));
+  period_ = 1 / frequency_;
+  slowest_span_ = kSlowSpan / std::max(modes.arm.fastest(), slow.fastest());
+}
+
+ContactState BounceTrain::StateOf(const Moment& moment) const {
+  ContactState state;
+  state.approach = moment.approach;
+  state.position =
+      equilibrium_start_ + equilibrium_speed_ * moment.time + moment.lag;
+  state.speed = moment.rate + equilibrium_speed_ - moment.approach;
+  return state;
+}
+
+double BounceTrain::Next(double until, double* impulse) {
+  Moment next = now_;
+  *impulse = 0;
+  const double span = next.touching ? Press(next, impulse) : Fly(next);
+  next.time += span;
+  if (!(span > 0 && next.time < until)) return 0;
+  next.touching = !next.touching;
+  last_ = now_;
+  now_ = next;
+  return span;
+}
+
+// d(t) = approach t + (a + friction) t^2 / 2 + a' t^3 / 6 + ..., where a is
+// the arm's acceleration. It bends upwards throughout, so that the root
+// beyond 0 is the only one.
+double BounceTrain::Fly(Moment& moment) const {
+  const Series<6> arm(modes_->arm, moment.lag, moment.rate);
+  const double gravity = arm.y[2] + friction_;
+  const double inverse = 2 / gravity;
+  double t = -moment.approach * inverse;
+  // Four times the change of gravity in this time stays below it.
+  if (!(gravity > 0 && t > 0 && t < slowest_span_) ||
+      !(gravity > 8 * t * (std::abs(arm.y[3]) + t * std::abs(arm.y[4])))) {
+    return 0;
+  }
+  // Newton's method with the slope's inverse to first order: each step leaves
+  // less than 1e-8 of the error.
+  constexpr double kSixth = 1.0 / 6;
+  for (int step = 0; step < 3; ++step) {
+    const double bend =
+        kSixth * (arm.y[3] + t * (0.25 * arm.y[4] + 0.05 * t * arm.y[5]));
+    const double miss = moment.approach + t * (gravity / 2 + t * bend);
+    const double correction = miss * inverse * (1 - 2 * t * bend * inverse);
+    t -= correction;
+    if (std::abs(correction) < 1e-7 * t) break;
+  }
+  const double speed = moment.rate + equilibrium_speed_ - moment.approach;
+  if (!(speed > 1.01 * friction_ * t)) return 0;
+  const double change = arm.Change(1, t);
+  moment.lag += arm.Change(0, t);
+  moment.rate += change;
+  moment.approach += friction_ * t + change;
+  return moment.approach > 0 ? t : 0;
+}
+
+void BounceTrain::Turn(double angle) {
+  angle_ += angle;
+  if (std::abs(angle) > kSmallTurn) {
+    cosine_ = std::cos(angle_);
+    sine_ = std::sin(angle_);
+    return;
+  }
+  const double square = angle * angle;
+  const double sine =
+      angle * (1 - square * (1.0 / 6) * (1 - square * (1.0 / 20)));
+  const double less =
+      0.5 * square * (1 - square * (1.0 / 12) * (1 - square * (1.0 / 30)));
+  const double cosine = cosine_ - (cosine_ * less + sine_ * sine);
+  sine_ += cosine_ * sine - sine_ * less;
+  cosine_ = cosine;
+}
+
+// d(t) = slow part + ringing. With a slow part that hardly changes and hardly
+// any damping, d starts at 0 with a positive rate and its next zero is the
+// only one before a full turn of the ringing.
+double BounceTrain::Press(Moment& moment, double* impulse) {
+  const double turn = 2 * pi * period_;
+  if (!(turn < slowest_span_ && turn * decay_ < kRingLoss)) return 0;
+  const DampedPair& fast_pair = modes_->fast;
+  // The object's position and its first three derivatives, less its
+  // particular solution, split into slow and fast.
+  const double p1 = modes_->slow.damping();
+  const double q1 = modes_->slow.stiffness();
+  const double value = moment.lag + offset_;
+  const double rate = moment.rate - moment.approach;
+  const double third = moment.approach * rigidity_;
+  const double left = -friction_ + p1 * rate + q1 * value;
+  const double left_rate = third - p1 * friction_ + q1 * rate;
+  const Series<8> slow(modes_->slow,
+                       value - (fast_[0][0] * left + fast_[0][1] * left_rate),
+                       rate - (fast_[1][0] * left + fast_[1][1] * left_rate));
+  // Deformation: compliance (friction + slow'') + ringing.
+  const double rest = friction_ + slow.y[2];
+  const double ring = -compliance_ * rest;
+  const double ring_rate = moment.approach - compliance_ * slow.y[3];
+  const double speed = rate + equilibrium_speed_;
+  if (!(rest > 0 && ring_rate > -0.05 * ring * frequency_ &&
+        std::abs(slow.y[3]) * turn < 0.01 * rest &&
+        speed > 1.01 * friction_ * turn)) {
+    return 0;
+  }
+  const double mixed = (ring_rate + decay_ * ring) * period_;
+  const double back =
+      (fast_pair.stiffness() * ring + decay_ * ring_rate) * period_;
+  const double before = angle_;
+  if (before == 0) {
+    Turn(2 * (pi - std::atan(-mixed / ring)));
+  } else {
+    Turn(drift_);
+  }
+  bool found = false;
+  for (int step = 0; step < 8; ++step) {
+    const double t = angle_ * period_;
+    const double x = decay_ * t;
+    const double envelope = 1 - x * (1 - 0.5 * x * (1 - x * (1.0 / 3)));
+    const double ringing = envelope * (ring * cosine_ + mixed * sine_);
+    const double ringing_rate = envelope * (ring_rate * cosine_ - back * sine_);
+    const double slow_rate = slow.y[3] + slow.Change(3, t);
+    const double approach = compliance_ * slow_rate + ringing_rate;
+    if (found) {
+      drift_ = before == 0 ? 0 : angle_ - before;
+      if (!(angle_ > 0.98 * pi && angle_ < 1.99 * pi && approach < 0)) break;
+      // The fast pair of the position from that of the deformation.
+      const double second = ringing * rigidity_;
+      const double fast_rate =
+          -(ringing_rate * rigidity_ + fast_pair.damping() * second) *
+          softness_;
+      const double fast =
+          -(second + fast_pair.damping() * fast_rate) * softness_;
+      const double new_rate = slow.y[1] + slow.Change(1, t) + fast_rate;
+      moment.lag = slow.y[0] + slow.Change(0, t) + fast - offset_;
+      moment.rate = new_rate + approach;
+      moment.approach = approach;
+      *impulse = scene_->object_mass_kg * (new_rate - rate + friction_ * t);
+      return t;
+    }
+    const double deformation =
+        compliance_ * (rest + slow.Change(2, t)) + ringing;
+    const double missed = -frequency_ * deformation / approach;
+    if (!(std::abs(missed) < 1)) break;
+    Turn(missed);
+    // Newton's method squares this.
+    found = std::abs(missed) < 1e-7;
+  }
+  angle_ = 0;
+  drift_ = 0;
+  cosine_ = 1;
+  sine_ = 0;
+  return 0;
+}
+
+}  // namespace tactus

@@ -1,0 +1,61 @@
+// File: exact.h
+//
+// The exact integration of a ContactScene: each phase (phases.h) is solved in
+// closed form and left at the event that ends it, so that there are no time
+// steps and no error to control.
+//
+//   TACTUS_ASSIGN_OR_RETURN(Trajectory run, IntegrateExact(scene, {}));
+//
+// Same scene, same bits; the motion does not depend on the sampling rate.
+// Stateless; thread-safe. Source: paper, eqs. 1 to 7.
+#pragma once
+
+#include <cstdint>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/sim/contact_piece.h"
+#include "core/sim/scene.h"
+#include "core/sim/trajectory.h"
+
+namespace tactus {
+
+struct ExactOptions {
+  // Of the trajectory; a multiple of 100 Hz.
+  double sample_rate_hz = 2000;
+  // A contact that needs more is an error, not a stall.
+  int64_t max_events = 20'000'000;
+};
+
+// OK if every field is in range; else INVALID_SCENE naming the field.
+absl::Status Validate(const ExactOptions& options);
+
+struct PieceSummary {
+  EventCounts events;
+  bool moved = false;
+};
+
+// Takes a contact as it is solved, in order and without gaps from 0 to the
+// scene's end.
+class PieceSink {
+ public:
+  virtual ~PieceSink() = default;
+  // The next piece and its duration, s.
+  virtual void Take(const ContactPiece& piece, double duration) = 0;
+  // Time of the next sample: pieces that end before it may come as totals.
+  virtual double NextSample() const = 0;
+  // The impulse (N s) and the time in contact (s) of such pieces.
+  virtual void TakeTotals(double impulse, double contact_time) = 0;
+};
+
+// Solves the contact piece by piece. INVALID_SCENE for a bad scene or option,
+// NUMERICAL_FAILURE if there are too many events.
+absl::StatusOr<PieceSummary> SolvePieces(const ContactScene& scene,
+                                         const ExactOptions& options,
+                                         PieceSink& sink);
+
+// The same, sampled. Errors as above.
+absl::StatusOr<Trajectory> IntegrateExact(const ContactScene& scene,
+                                          const ExactOptions& options);
+
+}  // namespace tactus
