@@ -1,11 +1,14 @@
 // trainctl evaluate: how well the trials of a file are told apart.
 #include "core/eval/evaluate.h"
 
+#include <algorithm>
+#include <filesystem>
 #include <iostream>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/trainctl/command.h"
+#include "client/trainctl/evaluate_figures.h"
 #include "client/trainctl/fit_flags.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
@@ -20,12 +23,55 @@ struct Flags {
   std::string model;
   std::string algorithm = "hmm";
   std::string layout;
+  std::string figures;
   bool json = false;
   FitFlags fit;
 };
 
 std::string SecondsKey(double seconds) {
   return absl::StrFormat("%g", seconds);
+}
+
+Json ToJson(const EstimateErrors& errors) {
+  return {{"contacts", errors.count},
+          {"median_error", errors.median},
+          {"rms_error", errors.root_mean_square},
+          {"covered_by_deviation", errors.covered}};
+}
+
+// Null where nothing was estimated or the truth is not known.
+Json ToJson(const std::vector<std::optional<EstimateOutcome>>& estimates) {
+  std::vector<EstimateError> stiffness;
+  std::vector<EstimateError> moved;
+  for (const auto& e : estimates) {
+    if (!e) continue;
+    stiffness.push_back({e->said.log10_stiffness - e->log10_stiffness,
+                         e->said.log10_stiffness_deviation});
+    moved.push_back({e->said.moved_m - e->moved_m, e->said.moved_deviation_m});
+  }
+  if (stiffness.empty()) return nullptr;
+  return {{"log10_stiffness", ToJson(SummariseErrors(stiffness))},
+          {"moved_m", ToJson(SummariseErrors(moved))}};
+}
+
+// How many contacts were decided, how rightly and how soon.
+Json ToJson(
+    const std::vector<std::optional<Evaluation::DecisionOutcome>>& decisions) {
+  std::vector<double> seconds;
+  int right = 0;
+  for (const auto& decision : decisions) {
+    if (!decision) continue;
+    seconds.push_back(decision->seconds);
+    right += decision->right;
+  }
+  if (seconds.empty()) return nullptr;
+  const auto middle =
+      seconds.begin() + static_cast<ptrdiff_t>(seconds.size() / 2);
+  std::nth_element(seconds.begin(), middle, seconds.end());
+  const double count = static_cast<double>(seconds.size());
+  return {{"decided", count / static_cast<double>(decisions.size())},
+          {"accuracy", right / count},
+          {"median_seconds", *middle}};
 }
 
 Json ToJson(const Flags& flags, const std::string& features,
@@ -50,8 +96,19 @@ Json ToJson(const Flags& flags, const std::string& features,
                           static_cast<int>(result.class_names.size()))},
           {"ece", ExpectedCalibrationError(result.final)},
           {"ece_at", ece_at},
+          {"decision", ToJson(result.decisions)},
+          {"estimate", ToJson(result.final_estimates)},
+          {"estimate_at_1.2", ToJson(result.anytime_estimates[3])},
           {"seed", flags.fit.seed},
           {"seconds", SecondsSinceStart()}};
+}
+
+void PrintErrors(absl::string_view what, const Json& errors, double scale) {
+  std::cout << absl::StrFormat(
+      "Error of %s: median %.3f, rms %.3f; %s within the deviation said\n",
+      what, scale * errors["median_error"].get<double>(),
+      scale * errors["rms_error"].get<double>(),
+      Percent(errors["covered_by_deviation"]));
 }
 
 void PrintForPeople(const Json& r) {
@@ -66,6 +123,16 @@ void PrintForPeople(const Json& r) {
   }
   std::cout << absl::StrFormat("Expected calibration error %.3f\n",
                                r["ece"].get<double>());
+  if (const Json& d = r["decision"]; !d.is_null()) {
+    std::cout << absl::StrFormat(
+        "Decided %s, of these %s rightly, after %.2f s (median)\n",
+        Percent(d["decided"]), Percent(d["accuracy"]),
+        d["median_seconds"].get<double>());
+  }
+  if (const Json& e = r["estimate"]; !e.is_null()) {
+    PrintErrors("log10 of stiffness (N/m)", e["log10_stiffness"], 1);
+    PrintErrors("moved (mm)", e["moved_m"], 1000);
+  }
   std::cout << "Rows are labels, columns answers:\n        ";
   for (const auto& name : r["classes"]) {
     std::cout << absl::StrFormat("%8s", name.get<std::string>());
@@ -80,6 +147,14 @@ void PrintForPeople(const Json& r) {
   }
   std::cout << absl::StrFormat("seed %d, %.1f s\n", r["seed"].get<int64_t>(),
                                r["seconds"].get<double>());
+}
+
+absl::Status Draw(const Flags& flags, const Evaluation& result) {
+  std::filesystem::create_directories(flags.figures);
+  const NamedEvaluation named{flags.algorithm, &result, 5};
+  TACTUS_RETURN_IF_ERROR(DrawAnytime({named}, Experiment::kSimulation,
+                                     flags.figures + "/anytime.png"));
+  return DrawReliability({named}, flags.figures + "/reliability.png");
 }
 
 absl::Status Run(const Flags& flags) {
@@ -110,6 +185,9 @@ absl::Status Run(const Flags& flags) {
                                                   algorithm, RunOnThreads));
     features = FeaturesToString(FeaturesUsed(compiled->model().features));
   }
+  if (!flags.figures.empty()) {
+    TACTUS_RETURN_IF_ERROR(Draw(flags, result));
+  }
   const Json json = ToJson(flags, features, loaded, result);
   if (flags.json) {
     std::cout << json.dump() << "\n";
@@ -134,6 +212,8 @@ void AddEvaluate(CLI::App& app, const SelectCommand& select) {
                       "hmm, lstm, 1nn or fused");
   command->add_option("--layout", flags->layout,
                       "JSON file with the skin, for layouts without preset");
+  command->add_option("--figures", flags->figures,
+                      "Folder for figures of accuracy and reliability");
   command->add_flag("--json", flags->json, "One JSON object on stdout");
   flags->fit.Add(*command);
   command->callback([=] { select([=] { return Run(*flags); }); });

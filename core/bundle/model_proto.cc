@@ -189,6 +189,8 @@ void ToProto(const Calibration& c, v1::Calibration* out) {
   Assign(c.prior, out->mutable_prior());
   out->set_decision_threshold(c.decision_threshold);
   out->set_decision_frames(c.decision_frames);
+  out->set_stiffness_deviation_scale(c.stiffness_deviation_scale);
+  out->set_moved_deviation_scale(c.moved_deviation_scale);
 }
 
 Calibration FromProto(const v1::Calibration& in) {
@@ -202,6 +204,8 @@ Calibration FromProto(const v1::Calibration& in) {
   c.prior = ToVector(in.prior());
   c.decision_threshold = in.decision_threshold();
   c.decision_frames = in.decision_frames();
+  c.stiffness_deviation_scale = in.stiffness_deviation_scale();
+  c.moved_deviation_scale = in.moved_deviation_scale();
   return c;
 }
 

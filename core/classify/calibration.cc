@@ -130,6 +130,12 @@ absl::Status Validate(const Calibration& c, int classes, bool has_lstm) {
   if (std::abs(sum - 1) > 1e-9) {
     return InvalidModel("sum of calibration.prior", sum, "1");
   }
+  for (double scale : {c.stiffness_deviation_scale, c.moved_deviation_scale}) {
+    if (!(scale >= kTiny && scale <= kHuge)) {
+      return InvalidModel("calibration deviation scale", scale,
+                          absl::StrCat(kTiny, " to ", kHuge));
+    }
+  }
   if (!(c.decision_threshold > 0.5 && c.decision_threshold <= 1)) {
     return InvalidModel("calibration.decision_threshold", c.decision_threshold,
                         "above 0.5 and at most 1");

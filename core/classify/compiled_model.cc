@@ -11,6 +11,7 @@
 #include "core/classify/calibration.h"
 #include "core/classify/contact_classifier.h"
 #include "core/classify/feature_input.h"
+#include "core/classify/object_estimate.h"
 
 namespace tactus {
 namespace {
@@ -91,6 +92,13 @@ absl::StatusOr<std::shared_ptr<const CompiledModel>> CompiledModel::Create(
           "LSTM inputs and classes",
           absl::StrCat(network.inputs(), " and ", network.classes()),
           absl::StrCat(lstm_inputs, " and ", m.classes()));
+    }
+    if (network.regressions != m.lstms[0].regressions ||
+        (network.regressions != 0 &&
+         network.regressions != kEstimateRegressions)) {
+      return InvalidModel(
+          "LSTM regressions", network.regressions,
+          absl::StrCat("0 or ", kEstimateRegressions, ", the same in all"));
     }
     TACTUS_ASSIGN_OR_RETURN(auto lstm, CompiledLstm::Create(network));
     compiled->lstms_.push_back(std::move(lstm));

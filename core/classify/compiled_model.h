@@ -25,6 +25,10 @@ class CompiledModel {
   const std::vector<CompiledMixture>& hmms() const { return hmms_; }
   // Empty without an LSTM.
   const std::vector<CompiledLstm>& lstms() const { return lstms_; }
+  // The LSTMs have the outputs of object_estimate.h.
+  bool estimates_object() const {
+    return !model_.lstms.empty() && model_.lstms[0].regressions > 0;
+  }
 
  private:
   explicit CompiledModel(Model model) : model_(std::move(model)) {}

@@ -55,6 +55,7 @@ void ContactClassifier::Reset() {
     std::fill(lstm_score_.begin(), lstm_score_.end(), 0.0);
   }
   lstm_due_ = m.features.lstm_steps.first;
+  object_.reset();
   unknown_ = 0;
   frames_ = 0;
   scored_frames_ = 0;
@@ -96,6 +97,27 @@ void ContactClassifier::StepLstms() {
     }
     lstm_score_[k] = std::log(mean);
   }
+  if (model_->estimates_object()) EstimateObject();
+}
+
+// Mean and deviation of the even mixture of the networks' Gaussians.
+void ContactClassifier::EstimateObject() {
+  const Calibration& c = model_->model().calibration;
+  const double scale[] = {c.stiffness_deviation_scale, c.moved_deviation_scale};
+  const double share = 1 / static_cast<double>(lstms_.size());
+  double mean[kEstimateRegressions] = {};
+  double deviation[kEstimateRegressions] = {};
+  for (int r = 0; r < kEstimateRegressions; ++r) {
+    double square = 0;
+    for (const LstmStepper& lstm : lstms_) {
+      const double m = lstm.regression_mean()[r];
+      mean[r] += share * m;
+      square += share * (m * m + std::exp(lstm.regression_log_variance()[r]));
+    }
+    const double variance = std::max(square - mean[r] * mean[r], 0.0);
+    deviation[r] = scale[r] * std::sqrt(variance);
+  }
+  object_ = DecodeEstimate(mean, deviation, cues_.value(Cue::kMotion));
 }
 
 void ContactClassifier::UpdateProbabilities() {

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "core/classify/compiled_model.h"
+#include "core/classify/object_estimate.h"
 #include "core/features/cues.h"
 
 namespace tactus {
@@ -65,6 +66,9 @@ class ContactClassifier {
   std::span<const double> hmm_probability() const { return hmm_probability_; }
   // Empty without an LSTM.
   std::span<const double> lstm_probability() const { return lstm_probability_; }
+  // Of the object, as of the LSTMs' last step; nothing before their first, or
+  // if they were not trained to estimate it.
+  const std::optional<ObjectEstimate>& object() const { return object_; }
   // Probability that no model explains this contact.
   double unknown() const { return unknown_; }
   // Fraction of the last kStabilityWindow frames with the same best class.
@@ -77,6 +81,7 @@ class ContactClassifier {
 
  private:
   void StepLstms();
+  void EstimateObject();
   void UpdateProbabilities();
   void UpdateDecision();
 
@@ -97,6 +102,7 @@ class ContactClassifier {
   std::vector<double> lstm_score_;
   std::vector<double> lstm_probability_;
   std::vector<double> probability_;
+  std::optional<ObjectEstimate> object_;
   double unknown_ = 0;
 
   uint64_t frames_ = 0;

@@ -64,6 +64,9 @@ struct Calibration {
   // Best class's log-likelihood per frame over training contacts.
   std::vector<double> evidence_mean;
   std::vector<double> evidence_deviation;
+  // Factors on the standard deviations of the object estimate.
+  double stiffness_deviation_scale = 1;
+  double moved_deviation_scale = 1;
   // Per class; sums to 1.
   std::vector<double> prior;
   // A decision is a probability >= threshold for this many frames.

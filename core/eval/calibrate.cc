@@ -11,6 +11,10 @@
 namespace tactus {
 namespace {
 
+// Keep a division finite, and a scale within reason.
+constexpr double kLeastDeviation = 1e-12;
+constexpr double kLeastScale = 0.01;
+
 using Scores = std::vector<std::vector<double>>;
 
 constexpr double kMinTemperature = 1e-4;
@@ -113,6 +117,34 @@ void FitEvidence(std::span<const ScoredContact> contacts, size_t time,
       std::max(std::sqrt(variance), kMinEvidenceDeviation));
 }
 
+// Scales deviations so that they cover two thirds of the errors: robust
+// against the few that are far off.
+void FitEstimateScales(std::span<const ScoredContact> contacts,
+                       Calibration& calibration) {
+  constexpr double kCovered = 0.683;
+  std::vector<double> stiffness;
+  std::vector<double> moved;
+  for (const ScoredContact& contact : contacts) {
+    for (const ScoredContact::Estimate& estimate : contact.estimates) {
+      const ObjectEstimate& said = estimate.said;
+      stiffness.push_back(
+          std::abs(said.log10_stiffness - estimate.log10_stiffness) /
+          std::max(said.log10_stiffness_deviation, kLeastDeviation));
+      moved.push_back(std::abs(said.moved_m - estimate.moved_m) /
+                      std::max(said.moved_deviation_m, kLeastDeviation));
+    }
+  }
+  auto scale = [&](std::vector<double>& errors) {
+    if (errors.empty()) return 1.0;
+    const auto place =
+        errors.begin() + static_cast<ptrdiff_t>(kCovered * (errors.size() - 1));
+    std::nth_element(errors.begin(), place, errors.end());
+    return std::clamp(*place, kLeastScale, 1 / kLeastScale);
+  };
+  calibration.stiffness_deviation_scale = scale(stiffness);
+  calibration.moved_deviation_scale = scale(moved);
+}
+
 }  // namespace
 
 std::vector<double> CalibrationFrames(double rate) {
@@ -134,6 +166,11 @@ ScoredContact ScoreContact(const std::shared_ptr<const CompiledModel>& model,
     scored.log_likelihood.emplace_back(scores.begin(), scores.end());
     const auto lstm = classifier.lstm_score();
     if (!lstm.empty()) scored.lstm_score.emplace_back(lstm.begin(), lstm.end());
+    if (classifier.object() && !contact.object_motion.empty()) {
+      scored.estimates.push_back(
+          {*classifier.object(), std::log10(contact.stiffness),
+           contact.object_motion[classifier.frames() - 1]});
+    }
     scored.frames.push_back(static_cast<double>(classifier.frames()));
   };
   const auto times = CalibrationFrames(contact.sample_rate_hz);
@@ -174,6 +211,7 @@ void FitCalibration(std::span<const ScoredContact> contacts, double rate,
                    Temper(contacts, &ScoredContact::lstm_score, time, log_prior,
                           c.lstm_temperature.back())));
   }
+  FitEstimateScales(contacts, c);
 }
 
 }  // namespace tactus

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "core/classify/compiled_model.h"
+#include "core/classify/object_estimate.h"
 #include "core/eval/contact.h"
 
 namespace tactus {
@@ -31,6 +32,14 @@ struct ScoredContact {
   std::vector<std::vector<double>> log_likelihood;
   // [times][classes], the LSTMs' log-probabilities; empty without an LSTM.
   std::vector<std::vector<double>> lstm_score;
+  // What the LSTMs say of the object and what is true, at
+  // each calibration time; empty without.
+  struct Estimate {
+    ObjectEstimate said;
+    double log10_stiffness = 0;
+    double moved_m = 0;
+  };
+  std::vector<Estimate> estimates;
   // Frames scored at each time.
   std::vector<double> frames;
 };
@@ -39,8 +48,8 @@ struct ScoredContact {
 ScoredContact ScoreContact(const std::shared_ptr<const CompiledModel>& model,
                            const Contact& contact, int label);
 
-// Fills frames, temperatures, the LSTM's weight and evidence; leaves prior and
-// decision rule.
+// Fills frames, temperatures, the LSTM's weight, evidence and the scales of the
+// estimates' deviations; leaves prior and decision rule.
 void FitCalibration(std::span<const ScoredContact> contacts, double rate,
                     Calibration& calibration);
 

@@ -11,21 +11,22 @@ namespace {
 // Only the end of the trial ends its contact.
 constexpr double kNeverReleased = -1;
 
-std::vector<ContactFrame> TaxelsToFrames(const Trial& trial,
-                                         const SkinLayout& layout) {
+void TakeTaxels(const Trial& trial, const SkinLayout& layout,
+                Contact& contact) {
   ContactTracker tracker(layout, {trial.sample_rate_hz, kNeverReleased});
   std::vector<float> taxels(layout.taxels());
-  std::vector<ContactFrame> frames;
   for (size_t t = 0; t < trial.taxels.frames(); ++t) {
     trial.taxels.Decode(t, taxels.data());
     FrameView frame{.taxels = taxels};
     if (!trial.poses.empty()) frame.pose = &trial.poses[t];
     const FrameFeatures& features = tracker.Step(frame);
     if (tracker.state() == ContactState::kInContact) {
-      frames.push_back({features.sample(), features.touched});
+      contact.frames.push_back({features.sample(), features.touched});
+      if (!trial.object_motion.empty()) {
+        contact.object_motion.push_back(trial.object_motion[t]);
+      }
     }
   }
-  return frames;
 }
 
 }  // namespace
@@ -75,9 +76,10 @@ absl::StatusOr<std::optional<Contact>> ExtractContact(
     for (const FeatureVector& signals : trial.signals) {
       contact.frames.push_back({IdealSample(signals), true});
     }
+    contact.object_motion = trial.object_motion;
   } else {
     TACTUS_ASSIGN_OR_RETURN(contact.layout, LayoutOfTrial(trial, layout));
-    contact.frames = TaxelsToFrames(trial, contact.layout);
+    TakeTaxels(trial, contact.layout, contact);
   }
   if (contact.frames.empty()) return std::optional<Contact>();
   return std::optional<Contact>(std::move(contact));

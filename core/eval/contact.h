@@ -38,6 +38,8 @@ struct Contact {
   double stiffness = 0;
   // Name, rows and columns of the skin; an empty name for ideal signals.
   SkinLayout layout;
+  // How far the object has moved, m, one a frame; empty if unknown.
+  std::vector<double> object_motion;
   // From onset to the end of the trial; the first is touched.
   std::vector<ContactFrame> frames;
 };

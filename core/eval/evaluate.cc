@@ -47,6 +47,10 @@ absl::StatusOr<Evaluation> PrepareEvaluation(
                             LabelIndex(result.class_names, *contacts[i]));
   }
   result.anytime.assign(kAnytimeCount, result.final);
+  result.final_estimates.resize(contacts.size());
+  result.anytime_estimates.assign(kAnytimeCount, result.final_estimates);
+  result.decisions.resize(contacts.size());
+  result.unknown.resize(contacts.size());
   return result;
 }
 
@@ -55,9 +59,14 @@ void EvaluateContact(const std::shared_ptr<const CompiledModel>& model,
                      const Contact& contact, Algorithm algorithm, int index,
                      Evaluation& result) {
   ContactClassifier classifier(model, {});
-  auto record = [&](Outcome& outcome) {
+  auto record = [&](Outcome& outcome,
+                    std::optional<EstimateOutcome>& estimate) {
     const auto probability = ProbabilityOf(classifier, algorithm);
     outcome.probability.assign(probability.begin(), probability.end());
+    if (classifier.object() && !contact.object_motion.empty()) {
+      estimate = {*classifier.object(), std::log10(contact.stiffness),
+                  contact.object_motion[classifier.frames() - 1]};
+    }
   };
   int next = 0;
   for (const ContactFrame& frame : contact.frames) {
@@ -65,11 +74,21 @@ void EvaluateContact(const std::shared_ptr<const CompiledModel>& model,
     while (next < kAnytimeCount &&
            static_cast<double>(classifier.frames()) >=
                std::round(kAnytimeSeconds[next] * contact.sample_rate_hz)) {
-      record(result.anytime[next++][index]);
+      record(result.anytime[next][index],
+             result.anytime_estimates[next][index]);
+      ++next;
     }
   }
-  while (next < kAnytimeCount) record(result.anytime[next++][index]);
-  record(result.final[index]);
+  for (; next < kAnytimeCount; ++next) {
+    record(result.anytime[next][index], result.anytime_estimates[next][index]);
+  }
+  record(result.final[index], result.final_estimates[index]);
+  if (const auto& decision = classifier.decision()) {
+    result.decisions[index] = {
+        static_cast<double>(decision->frame) / contact.sample_rate_hz,
+        decision->class_index == result.final[index].label};
+  }
+  result.unknown[index] = classifier.unknown();
 }
 
 absl::Status EvaluateFold(const std::vector<const Contact*>& contacts,
@@ -134,7 +153,7 @@ absl::StatusOr<Evaluation> EvaluateProtocol(
   }
   FitOptions fit = options;
   if (algorithm == Algorithm::kHmm) fit.lstm.networks = 0;
-  if (protocol == Protocol::kLeaveOneMaterialOut) {
+  if (protocol.kind == Protocol::kLeaveOneMaterialOut) {
     fit.inner_folds = InnerFolds::kMaterials;
   }
   TACTUS_ASSIGN_OR_RETURN(const auto folds, MakeFolds(contacts, protocol));

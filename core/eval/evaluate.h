@@ -33,12 +33,30 @@ absl::StatusOr<Algorithm> ParseAlgorithm(absl::string_view name);
 inline constexpr double kAnytimeSeconds[] = {0.1, 0.25, 0.5, 1.2, 2.5, 5.0};
 inline constexpr int kAnytimeCount = 6;
 
+// What was said of an object and what is true of it.
+struct EstimateOutcome {
+  ObjectEstimate said;
+  double log10_stiffness = 0;
+  double moved_m = 0;
+};
+
 struct Evaluation {
   std::vector<std::string> class_names;
   // One per contact, in the order given, after its last frame.
   std::vector<Outcome> final;
   // The same after each of kAnytimeSeconds; a shorter contact's last.
   std::vector<std::vector<Outcome>> anytime;
+  // Nothing where the truth or the estimate is missing; as above.
+  std::vector<std::optional<EstimateOutcome>> final_estimates;
+  std::vector<std::vector<std::optional<EstimateOutcome>>> anytime_estimates;
+  // Seconds since onset at which each contact was decided, and whether rightly.
+  struct DecisionOutcome {
+    double seconds = 0;
+    bool right = false;
+  };
+  std::vector<std::optional<DecisionOutcome>> decisions;
+  // Probability that no class explains the contact, after its last frame.
+  std::vector<double> unknown;
 };
 
 // Every contact by one model. INVALID_CONFIG for 1nn, for lstm without one,

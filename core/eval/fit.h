@@ -33,6 +33,8 @@ struct LstmFit {
   Scaling scaling = Scaling::kStandard;
   StepIntervals steps;
   std::vector<int> cells = {50, 50};
+  // Also estimate the object (object_estimate.h), where the truth is known.
+  bool estimates = false;
   Activation activation = Activation::kTanh;
   GateActivation gate_activation = GateActivation::kSigmoid;
   // Its seed is FitOptions::seed and those after it.

@@ -3,9 +3,25 @@
 #include <algorithm>
 
 #include "core/base/status_macros.h"
+#include "core/classify/object_estimate.h"
 #include "core/eval/inputs.h"
 
 namespace tactus {
+namespace {
+
+// What object_estimate.h asks for, at every step.
+std::vector<float> MakeTargets(const Contact& contact,
+                               const StepIntervals& steps) {
+  std::vector<float> targets;
+  WalkCues(contact, steps, [&](const CueTracker& cues, size_t frame) {
+    targets.push_back(static_cast<float>(EncodeStiffness(contact.stiffness)));
+    targets.push_back(static_cast<float>(
+        EncodeMoved(contact.object_motion[frame], cues.value(Cue::kMotion))));
+  });
+  return targets;
+}
+
+}  // namespace
 
 absl::Status FitLstms(const std::vector<const Contact*>& contacts,
                       const FitOptions& options, int networks,
@@ -17,16 +33,27 @@ absl::Status FitLstms(const std::vector<const Contact*>& contacts,
                         {.scaling = fit.scaling, .steps = fit.steps});
   const int inputs = static_cast<int>(spec.lstm.size());
 
+  // Estimates are trained where the truth is known.
+  const bool estimate =
+      fit.estimates &&
+      std::all_of(contacts.begin(), contacts.end(), [](const Contact* c) {
+        return c->stiffness > 0 && !c->object_motion.empty();
+      });
+  const int regressions = estimate ? kEstimateRegressions : 0;
   std::vector<std::vector<float>> rows;
+  std::vector<std::vector<float>> targets;
   std::vector<LstmSequence> sequences;
   for (const Contact* contact : contacts) {
     rows.push_back(MakeLstmSequence(*contact, spec.lstm, fit.steps));
+    targets.push_back(estimate ? MakeTargets(*contact, fit.steps)
+                               : std::vector<float>());
     if (rows.back().empty()) continue;
     const auto label = std::find(model.class_names.begin(),
                                  model.class_names.end(), contact->label);
     sequences.push_back(
         {.inputs = rows.back(),
-         .label = static_cast<int>(label - model.class_names.begin())});
+         .label = static_cast<int>(label - model.class_names.begin()),
+         .targets = targets.back()});
   }
 
   model.lstms.resize(networks);
@@ -35,9 +62,9 @@ absl::Status FitLstms(const std::vector<const Contact*>& contacts,
     const uint64_t seed = options.seed + static_cast<uint64_t>(n);
     LstmTrainOptions training = fit.training;
     training.seed = seed;
-    const LstmNetwork start =
-        RandomNetwork(inputs, fit.cells, model.classes(), fit.activation,
-                      fit.gate_activation, seed);
+    const LstmNetwork start = RandomNetwork(
+        inputs, fit.cells, model.classes(), fit.activation, fit.gate_activation,
+        seed, /*forget_bias=*/1, regressions);
     auto trained = TrainLstm({.network = start}, sequences, {}, training);
     if (trained.ok()) {
       model.lstms[n] = std::move(trained->network);

@@ -48,6 +48,27 @@ double ExpectedCalibrationError(std::span<const Outcome> outcomes) {
   return outcomes.empty() ? 0 : error / static_cast<double>(outcomes.size());
 }
 
+EstimateErrors SummariseErrors(std::span<const EstimateError> errors) {
+  EstimateErrors summary;
+  summary.count = static_cast<int>(errors.size());
+  if (errors.empty()) return summary;
+  std::vector<double> sizes;
+  double squares = 0;
+  int covered = 0;
+  for (const EstimateError& e : errors) {
+    sizes.push_back(std::abs(e.error));
+    squares += e.error * e.error;
+    covered += std::abs(e.error) <= e.deviation;
+  }
+  const auto middle = sizes.begin() + static_cast<ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  const double count = static_cast<double>(errors.size());
+  summary.median = *middle;
+  summary.root_mean_square = std::sqrt(squares / count);
+  summary.covered = covered / count;
+  return summary;
+}
+
 double NegativeLogLikelihood(std::span<const Outcome> outcomes) {
   if (outcomes.empty()) return 0;
   double sum = 0;

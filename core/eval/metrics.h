@@ -31,6 +31,20 @@ double Accuracy(std::span<const Outcome> outcomes);
 // (Guo et al., ICML 2017, eq. 3). 0 for none.
 double ExpectedCalibrationError(std::span<const Outcome> outcomes);
 
+// What an estimate with a Gaussian uncertainty missed by.
+struct EstimateErrors {
+  int count = 0;
+  double median = 0;  // of the absolute errors
+  double root_mean_square = 0;
+  // Share of errors within one standard deviation as said; 0.68 if honest.
+  double covered = 0;
+};
+struct EstimateError {
+  double error = 0;
+  double deviation = 0;
+};
+EstimateErrors SummariseErrors(std::span<const EstimateError> errors);
+
 // Mean of -log(probability of the label), probabilities floored at 1e-12.
 double NegativeLogLikelihood(std::span<const Outcome> outcomes);
 

@@ -27,6 +27,7 @@ FitOptions TunedPreset() {
   lstm.networks = 3;
   lstm.cues = DerivedCues();
   lstm.steps = {5, 20};
+  lstm.estimates = true;
   LstmTrainOptions& training = lstm.training;
   training.epochs = 40;
   training.batch_size = 16;
@@ -36,6 +37,7 @@ FitOptions TunedPreset() {
   training.optimizer.gradient_clip = 1;
   training.cosine_decay = true;
   training.loss.steps = LstmLoss::kEveryStep;
+  training.loss.regression_weight = 0.1;
   training.noise = {.dropout = 0.2, .input = 0.05};
   return options;
 }

@@ -24,6 +24,19 @@ v1::ContactState ToProto(ContactState state) {
   return v1::CONTACT_STATE_UNSPECIFIED;
 }
 
+void WriteObject(const std::optional<ObjectEstimate>& object,
+                 v1::Posterior* posterior) {
+  if (!object) {
+    if (posterior->has_object()) posterior->clear_object();
+    return;
+  }
+  v1::ObjectEstimate* out = posterior->mutable_object();
+  out->set_log10_stiffness(object->log10_stiffness);
+  out->set_log10_stiffness_deviation(object->log10_stiffness_deviation);
+  out->set_moved_m(object->moved_m);
+  out->set_moved_deviation_m(object->moved_deviation_m);
+}
+
 void WriteFeatures(const FrameFeatures& features, v1::ContactFeatures* out) {
   out->set_max_force(features.max_force);
   out->set_area_taxels(features.area_taxels);
@@ -75,6 +88,7 @@ void PosteriorWriter::Write(const ContactPipeline& pipeline, bool is_final,
   Assign(classifier.lstm_probability(), posterior->mutable_lstm_probability());
   posterior->set_unknown(classifier.unknown());
   posterior->set_stability(classifier.stability());
+  WriteObject(classifier.object(), posterior);
   WriteDecision(pipeline, posterior);
   if (with_features_) {
     WriteFeatures(report.features, posterior->mutable_features());
