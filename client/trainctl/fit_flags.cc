@@ -23,6 +23,8 @@ void FitFlags::Add(CLI::App& command) {
                      "LSTMs instead of the preset's; 0 for none");
   command.add_option("--epochs", epochs,
                      "Epochs of LSTM training instead of the preset's");
+  command.add_option("--stretches", stretches,
+                     "Stretches of each stretched cue instead of the preset's");
   command.add_option("--hmm-cues", hmm_cues,
                      "What the HMMs see, like log_force,log_spring");
   command.add_option("--lstm-cues", lstm_cues, "What the LSTMs see");
@@ -62,6 +64,7 @@ absl::StatusOr<FitOptions> FitFlags::Options() const {
                          absl::StrCat("0 to ", limits::kMaxLstms));
   }
   if (networks >= 0) options.lstm.networks = networks;
+  if (stretches >= 0) options.lstm.stretches = stretches;
   if (epochs > 0) options.lstm.training.epochs = epochs;
   if (!hmm_cues.empty()) {
     TACTUS_ASSIGN_OR_RETURN(options.hmm_cues,

@@ -19,6 +19,7 @@ struct FitFlags {
   int mixtures = 0;
   int networks = -1;
   int epochs = 0;
+  int stretches = -1;
   std::string hmm_cues;
   std::string lstm_cues;
 

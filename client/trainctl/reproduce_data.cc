@@ -1,61 +1,51 @@
 #include "client/trainctl/reproduce_data.h"
 
-#include <functional>
 #include <optional>
 #include <utility>
+#include <vector>
 
-#include "core/base/errors.h"
+#include "client/trainctl/simulate_jobs.h"
 #include "core/base/status_macros.h"
-#include "core/sim/paper_set.h"
+#include "core/skin/layout.h"
 
 namespace tactus::client {
 namespace {
 
-// The trials of one base contact.
-using Job = std::function<absl::StatusOr<std::vector<Trial>>()>;
+using Extracted = std::vector<std::optional<Contact>>;
 
-std::vector<Job> SimulationJobs(uint64_t seed) {
-  std::vector<Job> jobs;
-  for (const TrialSpec& spec : TrialSpecs(PaperConditions())) {
-    jobs.push_back([spec, seed]() -> absl::StatusOr<std::vector<Trial>> {
-      std::vector<Trial> trials;
-      TACTUS_RETURN_IF_ERROR(
-          ForEachContact({&spec, 1}, {}, [&](const SimulatedContact& contact) {
-            trials.push_back(SignalTrial(contact, {}, seed));
-            return absl::OkStatus();
-          }));
-      return trials;
-    });
+// What `trainctl simulate` would be told.
+SimulateFlags FlagsOf(Experiment experiment, uint64_t seed) {
+  SimulateFlags flags;
+  flags.seed = seed;
+  if (experiment == Experiment::kCody) {
+    flags.protocol = "cody";
+    flags.sensor = "taxels";
   }
-  return jobs;
+  return flags;
 }
 
-absl::StatusOr<std::vector<Job>> MakeJobs(Experiment experiment,
-                                          uint64_t seed) {
-  if (experiment == Experiment::kSimulation) return SimulationJobs(seed);
-  return InvalidConfig("experiment", SourceOf(experiment).name,
-                       "simulation; this release cannot simulate the robot");
+absl::StatusOr<Extracted> Extract(const SimulateJob& job) {
+  TACTUS_ASSIGN_OR_RETURN(const std::vector<SensedContact> sensed, job());
+  Extracted extracted;
+  for (const SensedContact& each : sensed) {
+    TACTUS_ASSIGN_OR_RETURN(auto contact, ExtractContact(each.trial));
+    extracted.push_back(std::move(contact));
+  }
+  return extracted;
 }
 
 }  // namespace
 
 absl::StatusOr<LoadedContacts> SimulateExperiment(Experiment experiment,
                                                   uint64_t seed) {
-  TACTUS_ASSIGN_OR_RETURN(const std::vector<Job> jobs,
-                          MakeJobs(experiment, seed));
-  using Extracted = std::vector<std::optional<Contact>>;
+  const SimulateFlags flags = FlagsOf(experiment, seed);
+  TACTUS_ASSIGN_OR_RETURN(const SkinLayout layout,
+                          LayoutPreset("cody-forearm"));
+  TACTUS_ASSIGN_OR_RETURN(const std::vector<SimulateJob> jobs,
+                          MakeJobs(flags, layout));
   std::vector<absl::StatusOr<Extracted>> results(jobs.size());
-  RunOnThreads(static_cast<int>(jobs.size()), [&](int i) {
-    results[i] = [&]() -> absl::StatusOr<Extracted> {
-      TACTUS_ASSIGN_OR_RETURN(const std::vector<Trial> trials, jobs[i]());
-      Extracted extracted;
-      for (const Trial& trial : trials) {
-        TACTUS_ASSIGN_OR_RETURN(auto contact, ExtractContact(trial));
-        extracted.push_back(std::move(contact));
-      }
-      return extracted;
-    }();
-  });
+  RunOnThreads(static_cast<int>(jobs.size()),
+               [&](int i) { results[i] = Extract(jobs[i]); });
   LoadedContacts data;
   for (auto& result : results) {
     TACTUS_RETURN_IF_ERROR(result.status());

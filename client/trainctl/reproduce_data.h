@@ -16,8 +16,8 @@
 
 namespace tactus::client {
 
-// kSimulation: the 1,835 trials with ideal signals of 5 s. INVALID_CONFIG for
-// an experiment that cannot be simulated.
+// kSimulation: the 1,835 trials with ideal signals of 5 s. kCody: the 240
+// trials of 1.2 s with taxel frames, through the feature path.
 absl::StatusOr<LoadedContacts> SimulateExperiment(Experiment experiment,
                                                   uint64_t seed);
 

@@ -103,6 +103,7 @@ void ToProto(const FeatureSpec& spec, v1::FeatureSpec* out) {
           out->mutable_hmm_scaling());
   ToProto(spec.lstm, out->mutable_lstm_names(), out->mutable_lstm_log_offset(),
           out->mutable_lstm_scaling());
+  for (const ModelInput& input : spec.lstm) out->add_lstm_limit(input.limit);
   out->set_lstm_first_interval(spec.lstm_steps.first);
   out->set_lstm_last_interval(spec.lstm_steps.last);
   out->set_sample_rate_hz(spec.sample_rate_hz);
@@ -115,6 +116,13 @@ absl::StatusOr<FeatureSpec> FromProto(const v1::FeatureSpec& in) {
   TACTUS_ASSIGN_OR_RETURN(
       spec.lstm,
       FromProto(in.lstm_names(), in.lstm_log_offset(), in.lstm_scaling()));
+  if (in.lstm_limit_size() != static_cast<int>(spec.lstm.size())) {
+    return InvalidModel("features.lstm_limit size", in.lstm_limit_size(),
+                        absl::StrCat(spec.lstm.size(), ", one an LSTM name"));
+  }
+  for (size_t i = 0; i < spec.lstm.size(); ++i) {
+    spec.lstm[i].limit = in.lstm_limit(static_cast<int>(i));
+  }
   spec.lstm_steps = {in.lstm_first_interval(), in.lstm_last_interval()};
   spec.sample_rate_hz = in.sample_rate_hz();
   return spec;

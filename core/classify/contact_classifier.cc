@@ -86,7 +86,7 @@ void ContactClassifier::Step(const ContactSample& sample,
 
 void ContactClassifier::StepLstms() {
   const FeatureSpec& spec = model_->model().features;
-  MakeLstmInput(spec.lstm, cues_, lstm_input_);
+  MakeInput(spec.lstm, cues_, lstm_input_);
   for (LstmStepper& lstm : lstms_) lstm.Step(lstm_input_);
   lstm_due_ = spec.lstm_steps.Next(frames_);
   const double share = 1 / static_cast<double>(lstms_.size());

@@ -1,9 +1,7 @@
 #include "core/classify/feature_input.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
@@ -15,12 +13,8 @@ namespace {
 
 absl::Status CheckInputs(absl::string_view name,
                          std::span<const ModelInput> inputs) {
-  std::array<bool, kCueCount> seen = {};
   for (const ModelInput& input : inputs) {
     const absl::string_view cue = CueName(input.cue);
-    if (std::exchange(seen[static_cast<int>(input.cue)], true)) {
-      return InvalidModel(name, absl::StrCat(cue, " twice"), "without repeats");
-    }
     if (!(input.log_offset >= 0 && std::isfinite(input.log_offset))) {
       return InvalidModel(absl::StrCat("log_offset of ", name, " ", cue),
                           input.log_offset, "finite, at least 0");
@@ -30,6 +24,10 @@ absl::Status CheckInputs(absl::string_view name,
       return InvalidModel(absl::StrCat("scaling of ", name, " ", cue),
                           absl::StrCat(input.offset, ", ", input.gain),
                           "finite with a gain other than 0");
+    }
+    if (!(input.limit > 0)) {
+      return InvalidModel(absl::StrCat("limit of ", name, " ", cue),
+                          input.limit, "above 0");
     }
   }
   return absl::OkStatus();
@@ -48,14 +46,6 @@ void MakeInput(std::span<const ModelInput> inputs, const CueTracker& cues,
     out[i] =
         (TransformCue(cues.value(input.cue), input.log_offset) - input.offset) *
         input.gain;
-  }
-}
-
-void MakeLstmInput(std::span<const ModelInput> inputs, const CueTracker& cues,
-                   std::span<double> out) {
-  MakeInput(inputs, cues, out);
-  for (double& value : out) {
-    value = std::clamp(value, -kLargestLstmInput, kLargestLstmInput);
   }
 }
 

@@ -12,19 +12,12 @@
 
 namespace tactus {
 
-// LSTM inputs are held within this many scaled units: beyond, a cue is out of
-// what was trained on, and how far does not matter.
-inline constexpr double kLargestLstmInput = 5;
-
 // A cue before scaling: x or log(max(x, 0) + log_offset).
 double TransformCue(double value, double log_offset);
 
 // Writes inputs.size() scaled inputs to `out`.
 void MakeInput(std::span<const ModelInput> inputs, const CueTracker& cues,
                std::span<double> out);
-// The same, held within kLargestLstmInput.
-void MakeLstmInput(std::span<const ModelInput> inputs, const CueTracker& cues,
-                   std::span<double> out);
 
 // The features that the inputs of both models are computed from.
 std::vector<Feature> FeaturesUsed(const FeatureSpec& spec);

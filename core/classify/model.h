@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -20,13 +21,16 @@
 
 namespace tactus {
 
-// One input of a model: cue x -> (g(x) - offset) * gain, where g(x) is x if
-// log_offset is 0, else log(max(x, 0) + log_offset).
+// One input of a model: cue x -> (g(x) - offset) * gain, held within `limit`
+// either way, where g(x) is x if log_offset is 0, else
+// log(max(x, 0) + log_offset). Several inputs may look at one cue, each at
+// another stretch of it.
 struct ModelInput {
   Cue cue = Cue::kForce;
   double log_offset = 0;
   double offset = 0;
   double gain = 1;
+  double limit = std::numeric_limits<double>::infinity();
 };
 
 // When the LSTM is stepped: a contact changes fast at first and slowly later.

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -31,6 +32,11 @@ struct LstmFit {
   // What they see, as FitOptions::hmm_cues.
   std::vector<Cue> cues;
   Scaling scaling = Scaling::kStandard;
+  // Of the scaled inputs.
+  double limit = std::numeric_limits<double>::infinity();
+  // Cues of which they see this many stretches too.
+  std::vector<Cue> stretched_cues;
+  int stretches = 0;
   StepIntervals steps;
   std::vector<int> cells = {50, 50};
   // Also estimate the object (object_estimate.h), where the truth is known.

@@ -29,8 +29,15 @@ absl::Status FitLstms(const std::vector<const Contact*>& contacts,
   const LstmFit& fit = options.lstm;
   FeatureSpec& spec = model.features;
   spec.lstm_steps = fit.steps;
-  spec.lstm = FitInputs(contacts, CuesFor(fit.cues, options.features),
-                        {.scaling = fit.scaling, .steps = fit.steps});
+  spec.lstm = FitInputs(
+      contacts, CuesFor(fit.cues, options.features),
+      {.scaling = fit.scaling, .steps = fit.steps, .limit = fit.limit});
+  if (fit.stretches > 0) {
+    const auto stretches =
+        FitStretches(contacts, CuesFor(fit.stretched_cues, options.features),
+                     fit.stretches, fit.steps);
+    spec.lstm.insert(spec.lstm.end(), stretches.begin(), stretches.end());
+  }
   const int inputs = static_cast<int>(spec.lstm.size());
 
   // Estimates are trained where the truth is known.

@@ -71,7 +71,8 @@ std::vector<ModelInput> FitInputs(const std::vector<const Contact*>& contacts,
         options.log_features && raw
             ? kLogOffsetShare * TypicalValue(contacts, cue)
             : 0;
-    inputs.push_back({cue, log_offset});
+    inputs.push_back(
+        {.cue = cue, .log_offset = log_offset, .limit = options.limit});
   }
   std::vector<Range> ranges(inputs.size());
   for (const Contact* contact : contacts) {
@@ -95,6 +96,37 @@ std::vector<ModelInput> FitInputs(const std::vector<const Contact*>& contacts,
   return inputs;
 }
 
+std::vector<ModelInput> FitStretches(
+    const std::vector<const Contact*>& contacts, std::span<const Cue> cues,
+    int stretches, const StepIntervals& steps) {
+  std::vector<std::vector<double>> values(cues.size());
+  for (const Contact* contact : contacts) {
+    WalkCues(*contact, steps, [&](const CueTracker& tracker, size_t) {
+      for (size_t i = 0; i < cues.size(); ++i) {
+        values[i].push_back(tracker.value(cues[i]));
+      }
+    });
+  }
+  std::vector<ModelInput> inputs;
+  for (size_t i = 0; i < cues.size() && !values[i].empty(); ++i) {
+    std::sort(values[i].begin(), values[i].end());
+    auto quantile = [&](int n) {
+      return values[i][(values[i].size() - 1) * n / stretches];
+    };
+    for (int n = 0; n < stretches; ++n) {
+      const double low = quantile(n);
+      const double high = quantile(n + 1);
+      if (high > low) {
+        inputs.push_back({.cue = cues[i],
+                          .offset = (low + high) / 2,
+                          .gain = 2 / (high - low),
+                          .limit = 1});
+      }
+    }
+  }
+  return inputs;
+}
+
 std::vector<double> MakeSequence(const Contact& contact,
                                  std::span<const ModelInput> inputs) {
   std::vector<double> sequence;
@@ -112,7 +144,7 @@ std::vector<float> MakeLstmSequence(const Contact& contact,
   std::vector<float> sequence;
   std::vector<double> row(inputs.size());
   WalkCues(contact, steps, [&](const CueTracker& cues, size_t) {
-    MakeLstmInput(inputs, cues, row);
+    MakeInput(inputs, cues, row);
     for (double value : row) sequence.push_back(static_cast<float>(value));
   });
   return sequence;

@@ -9,6 +9,7 @@
 // Thread-safe: free functions without state.
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -30,7 +31,18 @@ struct InputOptions {
   bool log_features = false;
   // Frames that count.
   StepIntervals steps = {};
+  // Scaled inputs are held within this: beyond, a cue is out of what was
+  // trained on, and how far does not matter.
+  double limit = std::numeric_limits<double>::infinity();
 };
+
+// Inputs that each rise from -1 to 1 over one stretch of a cue and rest
+// elsewhere, `stretches` of them between its quantiles: what is a small step on
+// the whole range is a large one on its stretch (piecewise linear encoding,
+// Gorishniy et al., NeurIPS 2022).
+std::vector<ModelInput> FitStretches(
+    const std::vector<const Contact*>& contacts, std::span<const Cue> cues,
+    int stretches, const StepIntervals& steps);
 
 // Calls `visit` with the cues at every touched frame that is due by `steps`,
 // and the frames since onset.
@@ -46,7 +58,7 @@ std::vector<ModelInput> FitInputs(const std::vector<const Contact*>& contacts,
 // Scaled inputs of all touched frames, frames x inputs, row-major.
 std::vector<double> MakeSequence(const Contact& contact,
                                  std::span<const ModelInput> inputs);
-// Those of the frames due by `steps`, as the LSTMs get them.
+// Those of the frames due by `steps`, as LSTMs are trained on them.
 std::vector<float> MakeLstmSequence(const Contact& contact,
                                     std::span<const ModelInput> inputs,
                                     const StepIntervals& steps);

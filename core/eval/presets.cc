@@ -26,6 +26,10 @@ FitOptions TunedPreset() {
   LstmFit& lstm = options.lstm;
   lstm.networks = 3;
   lstm.cues = DerivedCues();
+  lstm.limit = 5;
+  lstm.stretched_cues = {Cue::kLogSpring, Cue::kLogStiffestSpring,
+                         Cue::kLogSlope, Cue::kLogStiffness};
+  lstm.stretches = 8;
   lstm.steps = {5, 20};
   lstm.estimates = true;
   LstmTrainOptions& training = lstm.training;

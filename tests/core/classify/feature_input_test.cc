@@ -20,14 +20,17 @@ TEST(MakeInputTest, TransformsThenScalesInTheOrderOfTheSpec) {
   EXPECT_DOUBLE_EQ(out[1], 2 * std::log(2.5));
 }
 
-TEST(MakeInputTest, LstmInputsAreHeld) {
-  const ModelInput inputs[] = {{Cue::kForce}, {Cue::kArea}};
+TEST(MakeInputTest, InputsAreHeldWithinTheirLimits) {
+  const ModelInput inputs[] = {{.cue = Cue::kForce, .limit = 5},
+                               {.cue = Cue::kArea, .limit = 1},
+                               {.cue = Cue::kForce}};
   CueTracker cues(100);
   cues.Step({{1e9, -1e9, 0}, 1e9}, 1);
-  double out[2];
-  MakeLstmInput(inputs, cues, out);
-  EXPECT_EQ(out[0], kLargestLstmInput);
-  EXPECT_EQ(out[1], -kLargestLstmInput);
+  double out[3];
+  MakeInput(inputs, cues, out);
+  EXPECT_EQ(out[0], 5);
+  EXPECT_EQ(out[1], -1);
+  EXPECT_EQ(out[2], 1e9);
 }
 
 TEST(MakeInputTest, NegativeNoiseIsClampedBeforeTheLogarithm) {
@@ -48,7 +51,7 @@ TEST(ValidateFeatureSpecTest, EachSpoiltFieldIsRefused) {
   using Spoil = void (*)(FeatureSpec&);
   const Spoil spoils[] = {
       [](FeatureSpec& s) { s.hmm.clear(); },
-      [](FeatureSpec& s) { s.hmm[1] = s.hmm[0]; },
+      [](FeatureSpec& s) { s.hmm[1].limit = 0; },
       [](FeatureSpec& s) { s.hmm[0].log_offset = -1; },
       [](FeatureSpec& s) { s.hmm[0].gain = 0; },
       [](FeatureSpec& s) { s.hmm[0].offset = std::nan(""); },
