@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_format.h"
 #include "client/trainctl/command.h"
+#include "client/trainctl/simulate_one.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/data/trial_file.h"
@@ -30,6 +31,7 @@ struct Flags {
   std::vector<double> velocities = {0.005, 0.02};
   RenderOptions render;
   bool json = false;
+  OneContactFlags one;
 };
 
 struct Tally {
@@ -152,6 +154,7 @@ void Print(const Flags& flags, const Tally& tally) {
 }
 
 absl::Status Run(const Flags& flags) {
+  if (!flags.one.scene.empty()) return SimulateOne(flags.one, std::cout);
   TACTUS_RETURN_IF_ERROR(CheckFlags(flags));
   TACTUS_ASSIGN_OR_RETURN(const SkinLayout layout,
                           LayoutPreset("cody-forearm"));
@@ -213,6 +216,7 @@ void AddSimulate(CLI::App& app, const SelectCommand& select) {
   command->add_option("--dead-taxels", flags->render.dead_count,
                       "Number of dead taxels");
   command->add_flag("--json", flags->json, "One JSON object on stdout");
+  AddOneContactFlags(*command, flags->one);
   command->callback([=] { select([=] { return Run(*flags); }); });
 }
 

@@ -25,10 +25,11 @@ std::vector<RobotCondition> PaperConditions(double goal_m) {
   return conditions;
 }
 
-std::vector<TrialSpec> TrialSpecs(const std::vector<RobotCondition>& robots) {
+std::vector<TrialSpec> TrialSpecs(const std::vector<RobotCondition>& robots,
+                                  std::span<const Material> materials) {
   std::vector<TrialSpec> specs;
   for (const RobotCondition& robot : robots) {
-    for (const Material& material : Materials()) {
+    for (const Material& material : materials) {
       for (int i = 0; i < kEdges; ++i) {
         const double edge =
             kSmallestEdge + i * (kLargestEdge - kSmallestEdge) / (kEdges - 1);

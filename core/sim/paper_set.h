@@ -55,8 +55,11 @@ struct TrialSpec {
 // The paper's four conditions: {543, 2050} N/m x {0.005, 0.02} m/s.
 std::vector<RobotCondition> PaperConditions(double goal_m = kPaperGoal);
 
-// 260 specs for each condition, none fixed.
-std::vector<TrialSpec> TrialSpecs(const std::vector<RobotCondition>& robots);
+// Twenty specs for each condition and material, none fixed: 260 a condition
+// with the paper's.
+std::vector<TrialSpec> TrialSpecs(
+    const std::vector<RobotCondition>& robots,
+    std::span<const Material> materials = Materials());
 
 ContactScene SceneOf(const TrialSpec& spec);
 
