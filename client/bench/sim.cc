@@ -21,7 +21,7 @@ constexpr char kReference[] =
     "long double matrix exponentials, every ringing period resolved";
 // Of the base trials, every one of this many (and its fixed twin) is compared
 // with CVODE.
-constexpr size_t kStride = 13;
+constexpr size_t kStride = 37;
 constexpr size_t kQuickStride = 131;
 // Contacts with more events are not integrated with CVODE: at tight
 // tolerances they would take minutes each.

@@ -84,7 +84,8 @@ enum class SimMethod { kExact, kCvode };
 
 struct SimulateOptions {
   SimMethod method = SimMethod::kExact;
-  // Without it, the area signal stays 0.
+  // Without it, the area signal stays 0 and bounces too small to be felt are
+  // skipped (exact.h).
   bool area = true;
   ExactOptions exact;
   SolverOptions cvode;
