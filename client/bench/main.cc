@@ -1,9 +1,11 @@
 // tactus-bench: measures a server from the client's side.
 #include <cstdio>
+#include <fstream>
 #include <string>
 
 #include "CLI/CLI.hpp"
 #include "client/bench/idle.h"
+#include "client/bench/sim.h"
 #include "client/stream/percentile.h"
 #include "core/base/version.h"
 #include "nlohmann/json.hpp"
@@ -32,8 +34,54 @@ int RunIdle(const IdleOptions& options, bool json) {
   return 0;
 }
 
+struct SimFlags {
+  SimBenchOptions options;
+  std::string table;
+  bool json = false;
+};
+
+void AddSim(CLI::App& app, SimFlags& flags) {
+  CLI::App* command =
+      app.add_subcommand("sim", "Work and precision of the contact simulator");
+  command->add_flag("--quick", flags.options.quick, "A few trials only");
+  command->add_flag("--all", flags.options.all,
+                    "Compare every trial, and random scenes, with the "
+                    "reference: many minutes");
+  command
+      ->add_option("--random", flags.options.random_scenes,
+                   "Random scenes of --all")
+      ->capture_default_str();
+  command->add_option("--table", flags.table, "Write the table as CSV");
+  command->add_flag("--json", flags.json, "Print one JSON array");
+}
+
+int RunSim(const SimFlags& flags) {
+  const auto report = MeasureSim(flags.options);
+  if (!report.ok()) {
+    std::fprintf(stderr, "tactus-bench: %s\n",
+                 std::string(report.status().message()).c_str());
+    return 1;
+  }
+  if (!flags.table.empty()) {
+    std::ofstream file(flags.table);
+    file << report->table;
+    if (!file.flush()) {
+      std::fprintf(stderr, "tactus-bench: %s cannot be written\n",
+                   flags.table.c_str());
+      return 1;
+    }
+  }
+  if (flags.json) {
+    std::printf("%s\n", report->rows.dump().c_str());
+    return 0;
+  }
+  std::printf("%s", report->table.c_str());
+  for (const auto& row : report->rows) std::printf("%s\n", row.dump().c_str());
+  return 0;
+}
+
 int Main(int argc, char** argv) {
-  CLI::App app("Measures a Tactus server.", "tactus-bench");
+  CLI::App app("Measures Tactus.", "tactus-bench");
   app.set_version_flag("--version", std::string("tactus-bench ") + kVersion);
   app.require_subcommand(1);
   IdleOptions idle;
@@ -53,7 +101,10 @@ int Main(int argc, char** argv) {
   command->add_flag("--quick", quick, "Five repetitions")
       ->excludes(repetitions);
   command->add_flag("--json", json, "Print one JSON array");
+  SimFlags sim;
+  AddSim(app, sim);
   CLI11_PARSE(app, argc, argv);
+  if (app.got_subcommand("sim")) return RunSim(sim);
   if (quick) idle.repetitions = 5;
   return RunIdle(idle, json);
 }

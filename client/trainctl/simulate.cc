@@ -7,6 +7,7 @@
 #include "absl/strings/str_format.h"
 #include "client/trainctl/command.h"
 #include "client/trainctl/simulate_jobs.h"
+#include "client/trainctl/simulate_one.h"
 #include "core/base/status_macros.h"
 #include "core/data/trial_file.h"
 #include "core/sim/paper_set.h"
@@ -161,6 +162,9 @@ void AddSimulate(CLI::App& app, const SelectCommand& select) {
       ->add_option("--velocity", flags->velocities,
                    "Arm speeds, m/s, instead of the protocol's")
       ->delimiter(',');
+  command->add_option("--materials", flags->materials,
+                      "CSV table of materials (as core/sim/materials.csv) "
+                      "instead of the paper's");
   command->add_option("--sample", flags->sample,
                       "Trials of the grid, spread evenly over conditions");
   command->add_option("--taxel-noise", flags->render.taxel_noise,
@@ -172,7 +176,13 @@ void AddSimulate(CLI::App& app, const SelectCommand& select) {
   command->add_option("--dead-taxels", flags->render.dead_count,
                       "Number of dead taxels");
   command->add_flag("--json", flags->json, "One JSON object on stdout");
-  command->callback([=] { select([=] { return Run(*flags); }); });
+  auto one = std::make_shared<OneContactFlags>();
+  AddOneContactFlags(*command, *one);
+  command->callback([=] {
+    select([=] {
+      return one->scene.empty() ? Run(*flags) : SimulateOne(*one, std::cout);
+    });
+  });
 }
 
 }  // namespace tactus::client

@@ -1,9 +1,12 @@
 #include "client/trainctl/simulate_jobs.h"
 
+#include <span>
 #include <utility>
 
 #include "core/base/errors.h"
+#include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/data/file_bytes.h"
 #include "core/sim/cody_set.h"
 #include "core/sim/grid_set.h"
 
@@ -14,6 +17,15 @@ namespace {
 std::vector<double> GivenOr(const std::vector<double>& given,
                             const std::vector<double>& otherwise) {
   return given.empty() ? otherwise : given;
+}
+
+absl::StatusOr<std::vector<Material>> ReadMaterials(const std::string& path) {
+  if (path.empty()) return std::vector(Materials().begin(), Materials().end());
+  TACTUS_ASSIGN_OR_RETURN(const std::string text,
+                          ReadFileBytes(path, limits::kMaxCsvBytes));
+  auto materials = ParseMaterials(text);
+  if (!materials.ok()) return Annotate(materials.status(), path);
+  return materials;
 }
 
 absl::StatusOr<SensedContact> Sense(const SimulatedContact& contact,
@@ -71,26 +83,29 @@ SimulateJob CodyJob(const CodySpec& spec, const SimulateFlags& flags,
 }
 
 std::vector<SimulateJob> PaperJobs(const SimulateFlags& flags,
-                                   const SkinLayout& layout) {
+                                   const SkinLayout& layout,
+                                   std::span<const Material> materials) {
   const auto goals = GivenOr(flags.goals, {kPaperGoal});
   std::vector<SimulateJob> jobs;
   for (const TrialSpec& spec : TrialSpecs(
            GridConditions(GivenOr(flags.stiffnesses, {543, 2050}),
-                          GivenOr(flags.velocities, {0.005, 0.02}), goals))) {
+                          GivenOr(flags.velocities, {0.005, 0.02}), goals),
+           materials)) {
     jobs.push_back(PairJob(spec, goals.size() > 1, flags, layout));
   }
   return jobs;
 }
 
 std::vector<SimulateJob> GridJobs(const SimulateFlags& flags,
-                                  const SkinLayout& layout) {
+                                  const SkinLayout& layout,
+                                  std::span<const Material> materials) {
   const Grid grid;
   std::vector<SimulateJob> jobs;
   for (const TrialSpec& spec :
        DrawSpecs(GridConditions(GivenOr(flags.stiffnesses, grid.stiffnesses),
                                 GivenOr(flags.velocities, grid.velocities),
                                 GivenOr(flags.goals, grid.goals)),
-                 flags.seed)) {
+                 flags.seed, materials)) {
     jobs.push_back(PairJob(spec, /*name_goal=*/true, flags, layout));
   }
   return jobs;
@@ -99,8 +114,8 @@ std::vector<SimulateJob> GridJobs(const SimulateFlags& flags,
 absl::StatusOr<std::vector<SimulateJob>> CodyJobs(const SimulateFlags& flags,
                                                   const SkinLayout& layout) {
   if (!flags.stiffnesses.empty() || !flags.velocities.empty() ||
-      !flags.goals.empty()) {
-    return InvalidConfig("--protocol with --stiffness, --velocity or --goal",
+      !flags.goals.empty() || !flags.materials.empty()) {
+    return InvalidConfig("--protocol with other conditions or materials",
                          "cody", "paper or grid");
   }
   std::vector<SimulateJob> jobs;
@@ -120,9 +135,11 @@ absl::StatusOr<std::vector<SimulateJob>> MakeJobs(const SimulateFlags& flags,
   if (flags.sample < 1) {
     return InvalidConfig("--sample", flags.sample, "at least 1");
   }
-  if (flags.protocol == "paper") return PaperJobs(flags, layout);
-  if (flags.protocol == "grid") return GridJobs(flags, layout);
   if (flags.protocol == "cody") return CodyJobs(flags, layout);
+  TACTUS_ASSIGN_OR_RETURN(const std::vector<Material> materials,
+                          ReadMaterials(flags.materials));
+  if (flags.protocol == "paper") return PaperJobs(flags, layout, materials);
+  if (flags.protocol == "grid") return GridJobs(flags, layout, materials);
   return InvalidConfig("--protocol", flags.protocol, "paper, grid or cody");
 }
 

@@ -32,6 +32,8 @@ struct SimulateFlags {
   std::vector<double> stiffnesses;
   std::vector<double> velocities;
   std::vector<double> goals;
+  // Table of materials (ParseMaterials); empty: the paper's.
+  std::string materials;
   // Trials of the grid; the others run in full.
   int sample = 2000;
   RenderOptions render;
@@ -51,7 +53,8 @@ struct SensedContact {
 // if it moved.
 using SimulateJob = std::function<absl::StatusOr<std::vector<SensedContact>>()>;
 
-// INVALID_CONFIG naming the flag if flags are unknown or do not go together.
+// INVALID_CONFIG naming the flag if flags are unknown or do not go together;
+// IO or INVALID_SCENE for the table of materials.
 absl::StatusOr<std::vector<SimulateJob>> MakeJobs(const SimulateFlags& flags,
                                                   const SkinLayout& layout);
 

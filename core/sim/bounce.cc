@@ -142,6 +142,11 @@ void BounceTrain::Turn(double angle) {
   const double cosine = cosine_ - (cosine_ * less + sine_ * sine);
   sine_ += cosine_ * sine - sine_ * less;
   cosine_ = cosine;
+  // Keeps them on the unit circle: over many bounces a drift would feed the
+  // ringing.
+  const double excess = 0.5 * (cosine_ * cosine_ + sine_ * sine_ - 1);
+  cosine_ -= excess * cosine_;
+  sine_ -= excess * sine_;
 }
 
 // d(t) = slow part + ringing. With a slow part that hardly changes and hardly

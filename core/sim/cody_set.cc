@@ -113,9 +113,10 @@ size_t OnsetFrame(const Trial& trial, const SkinLayout& layout,
   return otherwise;
 }
 
-void Describe(const CodySpec& spec, double travel_m, Trial& trial) {
-  trial.label = absl::StrCat(spec.object.hard ? "H" : "S",
-                             travel_m > kCodyMovedM ? "M" : "U");
+// `trial` is that of the window, so its end is the window's.
+void Describe(const CodySpec& spec, Trial& trial) {
+  const bool moved = trial.object_motion.back() > kCodyMovedM;
+  trial.label = absl::StrCat(spec.object.hard ? "H" : "S", moved ? "M" : "U");
   trial.condition = absl::StrFormat("k%gNm-w%gdeg", spec.joint_stiffness,
                                     spec.joint_velocity);
   trial.material = spec.object.name;
@@ -149,13 +150,6 @@ std::vector<CodySpec> CodySpecs(const SkinLayout& layout, uint64_t seed) {
   return specs;
 }
 
-double ObjectTravel(const SimulatedContact& contact, size_t sample) {
-  const FeatureVector& signals = contact.signals.samples[sample];
-  return signals[static_cast<int>(Feature::kMotion)] -
-         signals[static_cast<int>(Feature::kForce)] /
-             contact.spec.object.Stiffness();
-}
-
 absl::StatusOr<Trial> CodySignalTrial(const CodySpec& spec,
                                       const SimulatedContact& contact,
                                       const SignalNoise& noise, uint64_t seed) {
@@ -163,7 +157,8 @@ absl::StatusOr<Trial> CodySignalTrial(const CodySpec& spec,
   const size_t frames = std::min(WindowFrames(), trial.time.size());
   trial.time.resize(frames);
   trial.signals.resize(frames);
-  Describe(spec, ObjectTravel(contact, frames - 1), trial);
+  trial.object_motion.resize(frames);
+  Describe(spec, trial);
   return trial;
 }
 
@@ -176,15 +171,13 @@ absl::StatusOr<Trial> CodyTaxelTrial(const CodySpec& spec,
   placed.centre = spec.centre;
   TACTUS_ASSIGN_OR_RETURN(Trial trial,
                           TaxelTrial(contact, layout, placed, seed));
-  const size_t lead_in = options.lead_in_frames;
-  const size_t onset = OnsetFrame(trial, layout, lead_in);
+  const size_t onset = OnsetFrame(trial, layout, options.lead_in_frames);
   const size_t frames = std::min(onset + WindowFrames(), trial.time.size());
   trial.time.resize(frames);
   trial.poses.resize(frames);
+  trial.object_motion.resize(frames);
   trial.taxels.u16.resize(frames * layout.taxels());
-  // Noise may pass for an onset during the lead-in.
-  const size_t last = std::max(frames, lead_in + 1) - 1 - lead_in;
-  Describe(spec, ObjectTravel(contact, last), trial);
+  Describe(spec, trial);
   return trial;
 }
 

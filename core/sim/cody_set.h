@@ -75,12 +75,9 @@ double CodyLeverArm(const SkinLayout& layout, double row);
 // `layout` is the forearm's.
 std::vector<CodySpec> CodySpecs(const SkinLayout& layout, uint64_t seed);
 
-// How far the object has slid at a sample of the contact, in metres: what of
-// the arm's motion is not deformation of the object.
-double ObjectTravel(const SimulatedContact& contact, size_t sample);
-
 // The window's trial, with signals and with taxel frames. Its label is H or S
-// by the object and M or U by the travel at the end of the window; condition,
+// by the object and M or U by the object's motion at the end of the
+// window; condition,
 // object and material name what the paper varies, so that
 // leave-one-material-out leaves out one object. A contact that the skin does
 // not feel keeps 1.2 s from the touch on. INVALID_SCENE for options that do

@@ -123,6 +123,16 @@ ContactState ContactPiece::At(double t) const {
   return state;
 }
 
+ContactState ContactPiece::WithoutRinging() const {
+  ContactState state = start_;
+  const PairState bend = Curvature(modes_->fast, ringing_);
+  state.deformation -= compliance_ * bend.value;
+  state.approach -= compliance_ * bend.rate;
+  state.position -= ringing_.value;
+  state.speed -= ringing_.rate;
+  return state;
+}
+
 double ContactPiece::Impulse(double t) const {
   switch (phase_) {
     case ContactPhase::kStuck:

@@ -56,6 +56,8 @@ class ContactPiece {
 
   // The state `t` >= 0 seconds into the piece.
   ContactState At(double t) const;
+  // The state at its start less the fast part, if the object slides.
+  ContactState WithoutRinging() const;
   // Integral of the contact force over its first `t` seconds, N s.
   double Impulse(double t) const;
 

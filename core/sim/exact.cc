@@ -7,7 +7,9 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/sim/block_filter.h"
 #include "core/sim/bounce.h"
+#include "core/sim/butterworth.h"
 #include "core/sim/contact_modes.h"
 #include "core/sim/first_crossing.h"
 
@@ -93,17 +95,43 @@ PhaseStart Follow(const ContactScene& scene, const ContactPiece& piece,
           state};
 }
 
+// Sum of the absolute changes of the anti-aliasing filter's impulse response.
+double ImpulseVariation() {
+  static const double variation = [] {
+    Butterworth6 filter(kAntiAliasHz, kSignalRateHz);
+    double sum = 0;
+    double last = 0;
+    for (int n = 0; n < 1000; ++n) {
+      const double response = filter.Step(n == 0 ? 1 : 0);
+      sum += std::abs(response - last);
+      last = response;
+    }
+    return sum;
+  }();
+  return variation;
+}
+
 // Follows a train of bounces from `next` at `time` on for as long as they are
-// simple, and returns when that ends; `next` is then the start of what
-// follows.
+// simple and faster than `slowest`, and returns when that ends; `next` is then
+// the start of what follows.
 double RideBounces(const ContactScene& scene, const ContactModes& modes,
-                   bool ramping, double until, double time, int64_t max_events,
-                   PieceSink& sink, PhaseStart& next, EventCounts& events) {
+                   bool ramping, double until, double time, double slowest,
+                   int64_t max_events, PieceSink& sink, PhaseStart& next,
+                   EventCounts& events) {
   BounceTrain train(scene, modes, ramping, time, next.phase, next.state);
   double impulse = 0;
   double contact_time = 0;
   double sample = sink.NextSample();
   while (events.Total() <= max_events) {
+    if (train.phase() == ContactPhase::kSliding &&
+        train.state().approach < slowest) {
+      sink.TakeTotals(impulse, contact_time);
+      next = {ContactPhase::kSliding,
+              ContactPiece(scene, modes, ContactPhase::kSliding, ramping,
+                           train.time(), train.state())
+                  .WithoutRinging()};
+      return train.time();
+    }
     double bounce_impulse;
     const double span = train.Next(until, &bounce_impulse);
     if (!(span > 0)) break;
@@ -196,7 +224,18 @@ class Sampler : public PieceSink {
 
 }  // namespace
 
+double SkippedBounceSpeed(const ContactScene& scene,
+                          const ExactOptions& options) {
+  if (options.contact_time) return 0;
+  return options.skip_tolerance * scene.mu_kinetic * kGravity /
+         (2 * ImpulseVariation() * kSignalRateHz);
+}
+
 absl::Status Validate(const ExactOptions& options) {
+  if (!(options.skip_tolerance >= 0 && options.skip_tolerance <= 0.1)) {
+    return InvalidScene("exact.skip_tolerance", options.skip_tolerance,
+                        "0 to 0.1");
+  }
   const double rate = options.sample_rate_hz;
   if (!(rate >= 500 && rate <= limits::kMaxTrajectoryRateHz)) {
     return InvalidScene("exact.sample_rate_hz", rate,
@@ -214,6 +253,7 @@ absl::StatusOr<PieceSummary> SolvePieces(const ContactScene& scene,
   TACTUS_RETURN_IF_ERROR(Validate(scene));
   TACTUS_RETURN_IF_ERROR(Validate(options));
   const ContactModes modes(scene);
+  const double slowest = SkippedBounceSpeed(scene, options);
   PieceSummary summary;
   PhaseStart next;
   bool ramping = true;
@@ -236,8 +276,8 @@ absl::StatusOr<PieceSummary> SolvePieces(const ContactScene& scene,
       time = std::min(time + end.time, until);
     }
     if (end.ending == Ending::kContact && Sliding(next.phase)) {
-      time = RideBounces(scene, modes, ramping, until, time, options.max_events,
-                         sink, next, summary.events);
+      time = RideBounces(scene, modes, ramping, until, time, slowest,
+                         options.max_events, sink, next, summary.events);
     }
     if (summary.events.Total() > options.max_events) {
       return NumericalFailure(absl::StrCat("more than ", options.max_events,

@@ -28,8 +28,9 @@ std::vector<RobotCondition> GridConditions(
 }
 
 std::vector<TrialSpec> DrawSpecs(const std::vector<RobotCondition>& robots,
-                                 uint64_t seed) {
-  std::vector<TrialSpec> specs = TrialSpecs(robots);
+                                 uint64_t seed,
+                                 std::span<const Material> materials) {
+  std::vector<TrialSpec> specs = TrialSpecs(robots, materials);
   if (robots.empty()) return specs;
   const size_t objects = specs.size() / robots.size();
   // Shuffles the objects of each condition (Fisher and Yates).

@@ -13,9 +13,11 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "core/sim/materials.h"
 #include "core/sim/paper_set.h"
 
 namespace tactus {
@@ -33,11 +35,12 @@ std::vector<RobotCondition> GridConditions(
     const std::vector<double>& stiffnesses,
     const std::vector<double>& velocities, const std::vector<double>& goals);
 
-// The paper's objects (TrialSpecs) under `robots`, in an order that is even
+// Cubes of `materials` (TrialSpecs) under `robots`, in an order that is even
 // from the start: round after round, one object of each condition, drawn
 // without return. Numbers are those of TrialSpecs.
-std::vector<TrialSpec> DrawSpecs(const std::vector<RobotCondition>& robots,
-                                 uint64_t seed);
+std::vector<TrialSpec> DrawSpecs(
+    const std::vector<RobotCondition>& robots, uint64_t seed,
+    std::span<const Material> materials = Materials());
 
 // "k630-v0.016-g0.02": names all that makes the condition.
 std::string ConditionName(const RobotCondition& robot);

@@ -1,12 +1,19 @@
 // File: materials.h
 //
-// The paper's 13 materials (Table "Material Selection for Simulations") and
-// cubes made of them. Stateless; thread-safe.
+// What cubes are made of: the paper's 13 materials (Table "Material Selection
+// for Simulations"; materials.csv, built in) and tables like it.
+//
+//   TACTUS_ASSIGN_OR_RETURN(auto more, ParseMaterials(csv_text));
+//   Cube cube = {more[0], /*edge_m=*/0.05, Surface::kGlass};
+//
+// Stateless; thread-safe. Materials own their names.
 #pragma once
 
-#include <array>
 #include <span>
+#include <string>
+#include <vector>
 
+#include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
 namespace tactus {
@@ -19,7 +26,7 @@ struct Friction {
 };
 
 struct Material {
-  absl::string_view name;     // "abs-plastic"
+  std::string name;           // "abs-plastic"
   double youngs_modulus = 0;  // Pa
   double density = 0;         // kg/m^3
   Friction wood;
@@ -30,8 +37,16 @@ struct Material {
 // All 13, in the table's order.
 std::span<const Material> Materials();
 
-// Null if there is none of that name.
+// Null if there is none of that name among them.
 const Material* FindMaterial(absl::string_view name);
+
+// A table of at least one material as comma-separated text. The first line is
+// the header
+//   name,youngs_modulus_pa,density_kg_m3,wood_static,wood_kinetic,
+//   glass_static,glass_kinetic,poisson_ratio
+// (in one line); blank lines and those that begin with # are passed over.
+// INVALID_SCENE naming line and column of what is wrong.
+absl::StatusOr<std::vector<Material>> ParseMaterials(absl::string_view csv);
 
 absl::string_view SurfaceName(Surface surface);  // "wood" or "glass"
 

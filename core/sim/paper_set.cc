@@ -25,10 +25,11 @@ std::vector<RobotCondition> PaperConditions(double goal_m) {
   return conditions;
 }
 
-std::vector<TrialSpec> TrialSpecs(const std::vector<RobotCondition>& robots) {
+std::vector<TrialSpec> TrialSpecs(const std::vector<RobotCondition>& robots,
+                                  std::span<const Material> materials) {
   std::vector<TrialSpec> specs;
   for (const RobotCondition& robot : robots) {
-    for (const Material& material : Materials()) {
+    for (const Material& material : materials) {
       for (int i = 0; i < kEdges; ++i) {
         const double edge =
             kSmallestEdge + i * (kLargestEdge - kSmallestEdge) / (kEdges - 1);
@@ -105,8 +106,10 @@ absl::StatusOr<SimulatedContact> SimulateContact(
   }
   TACTUS_RETURN_IF_ERROR(Validate(scene));
   PieceSignals reader(spec.object, scene, options.area);
+  ExactOptions exact = options.exact;
+  exact.contact_time = options.area;
   TACTUS_ASSIGN_OR_RETURN(const PieceSummary summary,
-                          SolvePieces(scene, options.exact, reader));
+                          SolvePieces(scene, exact, reader));
   contact.signals = reader.Finish();
   contact.moved = summary.moved;
   contact.events = summary.events;

@@ -55,8 +55,11 @@ struct TrialSpec {
 // The paper's four conditions: {543, 2050} N/m x {0.005, 0.02} m/s.
 std::vector<RobotCondition> PaperConditions(double goal_m = kPaperGoal);
 
-// 260 specs for each condition, none fixed.
-std::vector<TrialSpec> TrialSpecs(const std::vector<RobotCondition>& robots);
+// Twenty specs for each condition and material, none fixed: 260 a condition
+// with the paper's.
+std::vector<TrialSpec> TrialSpecs(
+    const std::vector<RobotCondition>& robots,
+    std::span<const Material> materials = Materials());
 
 ContactScene SceneOf(const TrialSpec& spec);
 
@@ -81,7 +84,8 @@ enum class SimMethod { kExact, kCvode };
 
 struct SimulateOptions {
   SimMethod method = SimMethod::kExact;
-  // Without it, the area signal stays 0.
+  // Without it, the area signal stays 0 and bounces too small to be felt are
+  // skipped (exact.h).
   bool area = true;
   ExactOptions exact;
   SolverOptions cvode;

@@ -301,6 +301,36 @@ TEST(IntegrateExactTest, AFixedObjectStaysPutExactly) {
               1e-12);
 }
 
+// A crumb of steel meets the arm a million times a second. Skipping what is
+// not felt stays within the tolerance; nothing is skipped where the time in
+// contact matters.
+TEST(SkippedBouncesTest, ChangeTheForceByLessThanTolerated) {
+  TrialSpec spec = Spec("steel", 0.001, Surface::kGlass, 543, 0.02);
+  SimulateOptions resolve;
+  resolve.area = false;
+  resolve.exact.skip_tolerance = 0;
+  const auto resolved = SimulateContact(spec, resolve);
+  ASSERT_TRUE(resolved.ok()) << resolved.status();
+  EXPECT_GT(resolved->events.Total(), 100'000);
+  double peak = 0;
+  for (const FeatureVector& sample : resolved->signals.samples) {
+    peak = std::max(peak, sample[0]);
+  }
+  int events = resolved->events.Total();
+  for (double tolerance : {1e-3, 1e-2, 1e-1}) {
+    SimulateOptions skip;
+    skip.area = false;
+    skip.exact.skip_tolerance = tolerance;
+    const auto skipped = SimulateContact(spec, skip);
+    ASSERT_TRUE(skipped.ok()) << skipped.status();
+    EXPECT_LT(FeatureError(skipped->signals, resolved->signals), tolerance);
+    EXPECT_EQ(skipped->moved, resolved->moved);
+    EXPECT_LE(skipped->events.Total(), events);
+    events = skipped->events.Total();
+  }
+  EXPECT_LT(events, 1000);
+}
+
 TEST(IntegrateExactTest, TooManyEventsAreAnErrorNotAStall) {
   ExactOptions options;
   options.max_events = 100;
