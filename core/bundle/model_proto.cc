@@ -277,6 +277,9 @@ v1::ModelBundle ModelToProto(const Model& model) {
   for (const LstmNetwork& network : model.lstms) {
     ToProto(network, bundle.add_lstm());
   }
+  if (model.estimator) {
+    ToProto(*model.estimator, bundle.mutable_estimator());
+  }
   ToProto(model.calibration, bundle.mutable_calibration());
   bundle.set_layout_class(model.layout.name);
   if (!model.layout.name.empty()) {
@@ -305,6 +308,9 @@ absl::StatusOr<Model> ModelFromProto(const v1::ModelBundle& bundle) {
   for (const v1::LstmNetwork& row : bundle.lstm()) {
     TACTUS_ASSIGN_OR_RETURN(LstmNetwork lstm, FromProto(row));
     model.lstms.push_back(std::move(lstm));
+  }
+  if (bundle.has_estimator()) {
+    TACTUS_ASSIGN_OR_RETURN(model.estimator, FromProto(bundle.estimator()));
   }
   model.calibration = FromProto(bundle.calibration());
   if (!bundle.layout_class().empty()) {

@@ -51,11 +51,28 @@ absl::Status CheckWarmUp(const Model& model) {
   return absl::OkStatus();
 }
 
+absl::StatusOr<CompiledLstm> CompileNetwork(const LstmNetwork& network,
+                                            int inputs, int classes,
+                                            int regressions) {
+  if (network.inputs() != inputs || network.classes() != classes ||
+      network.regressions != regressions) {
+    return InvalidModel(
+        "LSTM inputs, classes and regressions",
+        absl::StrCat(network.inputs(), ", ", network.classes(), " and ",
+                     network.regressions),
+        absl::StrCat(inputs, ", ", classes, " and ", regressions));
+  }
+  return CompiledLstm::Create(network);
+}
+
 }  // namespace
 
 absl::StatusOr<std::shared_ptr<const CompiledModel>> CompiledModel::Create(
     Model model) {
   const bool has_lstm = !model.lstms.empty();
+  if (model.estimator && !has_lstm) {
+    return InvalidModel("estimator", "alone", "beside LSTMs");
+  }
   TACTUS_RETURN_IF_ERROR(CheckClassNames(model.class_names));
   TACTUS_RETURN_IF_ERROR(Validate(model.features, has_lstm));
   TACTUS_RETURN_IF_ERROR(
@@ -87,21 +104,14 @@ absl::StatusOr<std::shared_ptr<const CompiledModel>> CompiledModel::Create(
   }
   const int lstm_inputs = static_cast<int>(m.features.lstm.size());
   for (const LstmNetwork& network : m.lstms) {
-    if (network.inputs() != lstm_inputs || network.classes() != m.classes()) {
-      return InvalidModel(
-          "LSTM inputs and classes",
-          absl::StrCat(network.inputs(), " and ", network.classes()),
-          absl::StrCat(lstm_inputs, " and ", m.classes()));
-    }
-    if (network.regressions != m.lstms[0].regressions ||
-        (network.regressions != 0 &&
-         network.regressions != kEstimateRegressions)) {
-      return InvalidModel(
-          "LSTM regressions", network.regressions,
-          absl::StrCat("0 or ", kEstimateRegressions, ", the same in all"));
-    }
-    TACTUS_ASSIGN_OR_RETURN(auto lstm, CompiledLstm::Create(network));
+    TACTUS_ASSIGN_OR_RETURN(
+        auto lstm, CompileNetwork(network, lstm_inputs, m.classes(), 0));
     compiled->lstms_.push_back(std::move(lstm));
+  }
+  if (m.estimator) {
+    TACTUS_ASSIGN_OR_RETURN(compiled->estimator_,
+                            CompileNetwork(*m.estimator, lstm_inputs,
+                                           m.classes(), kEstimateRegressions));
   }
   return std::shared_ptr<const CompiledModel>(std::move(compiled));
 }

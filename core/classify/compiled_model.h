@@ -6,6 +6,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -25,9 +26,9 @@ class CompiledModel {
   const std::vector<CompiledMixture>& hmms() const { return hmms_; }
   // Empty without an LSTM.
   const std::vector<CompiledLstm>& lstms() const { return lstms_; }
-  // The LSTMs have the outputs of object_estimate.h.
-  bool estimates_object() const {
-    return !model_.lstms.empty() && model_.lstms[0].regressions > 0;
+  // Null without an estimate of the object.
+  const CompiledLstm* estimator() const {
+    return estimator_ ? &*estimator_ : nullptr;
   }
 
  private:
@@ -36,6 +37,7 @@ class CompiledModel {
   Model model_;
   std::vector<CompiledMixture> hmms_;
   std::vector<CompiledLstm> lstms_;
+  std::optional<CompiledLstm> estimator_;
 };
 
 // OK if replaying the model's warm-up trial gives its stored answer; else

@@ -33,6 +33,7 @@ ContactClassifier::ContactClassifier(std::shared_ptr<const CompiledModel> model,
                  [](double p) { return std::log(p); });
   recent_best_.resize(kStabilityWindow);
   for (const CompiledLstm& lstm : model_->lstms()) lstms_.emplace_back(lstm);
+  if (model_->estimator() != nullptr) estimator_.emplace(*model_->estimator());
   if (!lstms_.empty()) {
     lstm_input_.resize(m.features.lstm.size());
     lstm_score_.resize(classes);
@@ -47,6 +48,7 @@ void ContactClassifier::Reset() {
   cues_.Reset();
   for (MixtureFilter& filter : hmms_) filter.Reset();
   for (LstmStepper& lstm : lstms_) lstm.Reset();
+  if (estimator_) estimator_->Reset();
   std::fill(log_likelihood_.begin(), log_likelihood_.end(), 0.0);
   std::copy(prior.begin(), prior.end(), hmm_probability_.begin());
   std::copy(prior.begin(), prior.end(), probability_.begin());
@@ -97,27 +99,18 @@ void ContactClassifier::StepLstms() {
     }
     lstm_score_[k] = std::log(mean);
   }
-  if (model_->estimates_object()) EstimateObject();
+  if (estimator_) EstimateObject();
 }
 
-// Mean and deviation of the even mixture of the networks' Gaussians.
 void ContactClassifier::EstimateObject() {
+  estimator_->Step(lstm_input_);
   const Calibration& c = model_->model().calibration;
-  const double scale[] = {c.stiffness_deviation_scale, c.moved_deviation_scale};
-  const double share = 1 / static_cast<double>(lstms_.size());
-  double mean[kEstimateRegressions] = {};
-  double deviation[kEstimateRegressions] = {};
-  for (int r = 0; r < kEstimateRegressions; ++r) {
-    double square = 0;
-    for (const LstmStepper& lstm : lstms_) {
-      const double m = lstm.regression_mean()[r];
-      mean[r] += share * m;
-      square += share * (m * m + std::exp(lstm.regression_log_variance()[r]));
-    }
-    const double variance = std::max(square - mean[r] * mean[r], 0.0);
-    deviation[r] = scale[r] * std::sqrt(variance);
-  }
-  object_ = DecodeEstimate(mean, deviation, cues_.value(Cue::kMotion));
+  const auto log_variance = estimator_->regression_log_variance();
+  const double deviation[] = {
+      c.stiffness_deviation_scale * std::exp(0.5 * log_variance[0]),
+      c.moved_deviation_scale * std::exp(0.5 * log_variance[1])};
+  object_ = DecodeEstimate(estimator_->regression_mean().data(), deviation,
+                           cues_.value(Cue::kMotion));
 }
 
 void ContactClassifier::UpdateProbabilities() {

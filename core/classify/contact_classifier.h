@@ -67,7 +67,7 @@ class ContactClassifier {
   // Empty without an LSTM.
   std::span<const double> lstm_probability() const { return lstm_probability_; }
   // Of the object, as of the LSTMs' last step; nothing before their first, or
-  // if they were not trained to estimate it.
+  // without an estimator.
   const std::optional<ObjectEstimate>& object() const { return object_; }
   // Probability that no model explains this contact.
   double unknown() const { return unknown_; }
@@ -92,6 +92,7 @@ class ContactClassifier {
   CueTracker cues_;
   std::vector<MixtureFilter> hmms_;
   std::vector<LstmStepper> lstms_;
+  std::optional<LstmStepper> estimator_;
 
   std::vector<double> hmm_input_;
   std::vector<double> lstm_input_;

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -103,6 +104,9 @@ struct Model {
   // Networks of one shape whose mean probability is the LSTM's answer; empty
   // for HMMs alone.
   std::vector<LstmNetwork> lstms;
+  // A network of its own for the object estimate (object_estimate.h), which
+  // would cost the others accuracy; sees the same inputs.
+  std::optional<LstmNetwork> estimator;
   Calibration calibration;
   // Skin of the training data; an empty name fits any skin.
   SkinLayout layout;

@@ -1,7 +1,7 @@
 // File: object_estimate.h
 //
 // What a planner wants beside the class: how stiff the object is and how far
-// it has been pushed, each with its uncertainty. The LSTMs regress both: the
+// it has been pushed, each with its uncertainty. A network regresses both: the
 // stiffness on a log scale, and the share of the arm's motion that moved the
 // object instead of deforming it, which holds at any speed.
 //
@@ -13,7 +13,7 @@
 
 namespace tactus {
 
-// Outputs of an LSTM that estimates both: index 0 and 1.
+// Outputs of the network: index 0 and 1.
 inline constexpr int kEstimateRegressions = 2;
 
 // Means and standard deviations.

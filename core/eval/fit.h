@@ -39,7 +39,8 @@ struct LstmFit {
   int stretches = 0;
   StepIntervals steps;
   std::vector<int> cells = {50, 50};
-  // Also estimate the object (object_estimate.h), where the truth is known.
+  // Also train an estimator of the object (object_estimate.h), where the truth
+  // is known.
   bool estimates = false;
   Activation activation = Activation::kTanh;
   GateActivation gate_activation = GateActivation::kSigmoid;

@@ -21,6 +21,20 @@ std::vector<float> MakeTargets(const Contact& contact,
   return targets;
 }
 
+absl::StatusOr<LstmNetwork> Train(const LstmFit& fit, uint64_t seed, int inputs,
+                                  int classes, int regressions,
+                                  std::span<const LstmSequence> sequences) {
+  LstmTrainOptions training = fit.training;
+  training.seed = seed;
+  const LstmNetwork start =
+      RandomNetwork(inputs, fit.cells, classes, fit.activation,
+                    fit.gate_activation, seed, /*forget_bias=*/1, regressions);
+  TACTUS_ASSIGN_OR_RETURN(
+      LstmTrained trained,
+      TrainLstm({.network = start}, sequences, {}, training));
+  return std::move(trained.network);
+}
+
 }  // namespace
 
 absl::Status FitLstms(const std::vector<const Contact*>& contacts,
@@ -40,48 +54,47 @@ absl::Status FitLstms(const std::vector<const Contact*>& contacts,
   }
   const int inputs = static_cast<int>(spec.lstm.size());
 
-  // Estimates are trained where the truth is known.
+  // The estimator is trained where the truth is known.
   const bool estimate =
       fit.estimates &&
       std::all_of(contacts.begin(), contacts.end(), [](const Contact* c) {
         return c->stiffness > 0 && !c->object_motion.empty();
       });
-  const int regressions = estimate ? kEstimateRegressions : 0;
   std::vector<std::vector<float>> rows;
   std::vector<std::vector<float>> targets;
   std::vector<LstmSequence> sequences;
+  std::vector<LstmSequence> with_targets;
   for (const Contact* contact : contacts) {
     rows.push_back(MakeLstmSequence(*contact, spec.lstm, fit.steps));
-    targets.push_back(estimate ? MakeTargets(*contact, fit.steps)
-                               : std::vector<float>());
     if (rows.back().empty()) continue;
     const auto label = std::find(model.class_names.begin(),
                                  model.class_names.end(), contact->label);
     sequences.push_back(
         {.inputs = rows.back(),
-         .label = static_cast<int>(label - model.class_names.begin()),
-         .targets = targets.back()});
+         .label = static_cast<int>(label - model.class_names.begin())});
+    if (!estimate) continue;
+    targets.push_back(MakeTargets(*contact, fit.steps));
+    with_targets.push_back(sequences.back());
+    with_targets.back().targets = targets.back();
   }
 
-  model.lstms.resize(networks);
-  std::vector<absl::Status> failures(networks);
-  parallel(networks, [&](int n) {
-    const uint64_t seed = options.seed + static_cast<uint64_t>(n);
-    LstmTrainOptions training = fit.training;
-    training.seed = seed;
-    const LstmNetwork start = RandomNetwork(
-        inputs, fit.cells, model.classes(), fit.activation, fit.gate_activation,
-        seed, /*forget_bias=*/1, regressions);
-    auto trained = TrainLstm({.network = start}, sequences, {}, training);
-    if (trained.ok()) {
-      model.lstms[n] = std::move(trained->network);
-    } else {
-      failures[n] = trained.status();
-    }
+  std::vector<absl::StatusOr<LstmNetwork>> trained(
+      networks + (estimate ? 1 : 0),
+      absl::StatusOr<LstmNetwork>(LstmNetwork()));
+  parallel(static_cast<int>(trained.size()), [&](int n) {
+    const bool estimator = n == networks;
+    trained[n] = Train(fit, options.seed + static_cast<uint64_t>(n), inputs,
+                       model.classes(), estimator ? kEstimateRegressions : 0,
+                       estimator ? with_targets : sequences);
   });
-  for (const absl::Status& failure : failures) {
-    TACTUS_RETURN_IF_ERROR(failure);
+  for (const auto& network : trained) {
+    TACTUS_RETURN_IF_ERROR(network.status());
   }
+  if (estimate) {
+    model.estimator = *std::move(trained.back());
+    trained.pop_back();
+  }
+  for (auto& network : trained) model.lstms.push_back(*std::move(network));
   model.calibration.lstm_temperature.assign(model.calibration.frames.size(), 1);
   model.calibration.lstm_weight.assign(model.calibration.frames.size(), 0.5);
   return absl::OkStatus();

@@ -24,7 +24,7 @@ FitOptions TunedPreset() {
   FitOptions options;
   options.hmms_per_class = 20;
   LstmFit& lstm = options.lstm;
-  lstm.networks = 3;
+  lstm.networks = 4;
   lstm.cues = DerivedCues();
   lstm.limit = 5;
   lstm.stretched_cues = {Cue::kLogSpring, Cue::kLogStiffestSpring,
@@ -33,7 +33,7 @@ FitOptions TunedPreset() {
   lstm.steps = {5, 20};
   lstm.estimates = true;
   LstmTrainOptions& training = lstm.training;
-  training.epochs = 40;
+  training.epochs = 60;
   training.batch_size = 16;
   training.optimizer.optimizer = Optimizer::kAdam;
   training.optimizer.learning_rate = 3e-3;
@@ -41,7 +41,7 @@ FitOptions TunedPreset() {
   training.optimizer.gradient_clip = 1;
   training.cosine_decay = true;
   training.loss.steps = LstmLoss::kEveryStep;
-  training.loss.regression_weight = 0.1;
+  training.loss.regression_weight = 1;
   training.noise = {.dropout = 0.2, .input = 0.05};
   return options;
 }
