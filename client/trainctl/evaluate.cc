@@ -78,10 +78,15 @@ Json ToJson(const Flags& flags, const std::string& features,
             const LoadedContacts& loaded, const Evaluation& result) {
   Json accuracy_at = Json::object();
   Json ece_at = Json::object();
+  Json parts = nullptr;
   for (int i = 0; i < kAnytimeCount; ++i) {
     const std::string key = SecondsKey(kAnytimeSeconds[i]);
     accuracy_at[key] = Accuracy(result.anytime[i]);
     ece_at[key] = ExpectedCalibrationError(result.anytime[i]);
+    if (!result.anytime_hmm.empty()) {
+      parts["hmm"][key] = Accuracy(result.anytime_hmm[i]);
+      parts["lstm"][key] = Accuracy(result.anytime_lstm[i]);
+    }
   }
   return {{"protocol", flags.model.empty() ? flags.protocol : "model"},
           {"algorithm", flags.algorithm},
@@ -90,6 +95,7 @@ Json ToJson(const Flags& flags, const std::string& features,
           {"undetectable", loaded.undetectable},
           {"accuracy", Accuracy(result.final)},
           {"accuracy_at", accuracy_at},
+          {"parts_accuracy_at", parts},
           {"classes", result.class_names},
           {"confusion",
            CountConfusion(result.final,
@@ -117,9 +123,17 @@ void PrintForPeople(const Json& r) {
       r["protocol"].get<std::string>(), r["algorithm"].get<std::string>(),
       r["features"].get<std::string>(), Percent(r["accuracy"]),
       r["trials"].get<int>(), r["undetectable"].get<int>());
+  const Json& parts = r["parts_accuracy_at"];
   for (const auto& [seconds, accuracy] : r["accuracy_at"].items()) {
-    std::cout << absl::StrFormat("  after %4s s  %s\n", seconds,
-                                 Percent(accuracy));
+    std::cout << absl::StrFormat("  after %4s s  %s  calibration error %.3f",
+                                 seconds, Percent(accuracy),
+                                 r["ece_at"][seconds].get<double>());
+    if (!parts.is_null()) {
+      std::cout << absl::StrFormat("  (HMM alone %s, LSTM alone %s)",
+                                   Percent(parts["hmm"][seconds]),
+                                   Percent(parts["lstm"][seconds]));
+    }
+    std::cout << "\n";
   }
   std::cout << absl::StrFormat("Expected calibration error %.3f\n",
                                r["ece"].get<double>());

@@ -23,6 +23,8 @@ void FitFlags::Add(CLI::App& command) {
                      "LSTMs instead of the preset's; 0 for none");
   command.add_option("--epochs", epochs,
                      "Epochs of LSTM training instead of the preset's");
+  command.add_flag("--no-estimates", no_estimates,
+                   "Train no estimator of stiffness and motion");
   command.add_option("--stretches", stretches,
                      "Stretches of each stretched cue instead of the preset's");
   command.add_option("--hmm-cues", hmm_cues,
@@ -64,6 +66,7 @@ absl::StatusOr<FitOptions> FitFlags::Options() const {
                          absl::StrCat("0 to ", limits::kMaxLstms));
   }
   if (networks >= 0) options.lstm.networks = networks;
+  if (no_estimates) options.lstm.estimates = false;
   if (stretches >= 0) options.lstm.stretches = stretches;
   if (epochs > 0) options.lstm.training.epochs = epochs;
   if (!hmm_cues.empty()) {

@@ -20,6 +20,7 @@ struct FitFlags {
   int networks = -1;
   int epochs = 0;
   int stretches = -1;
+  bool no_estimates = false;
   std::string hmm_cues;
   std::string lstm_cues;
 

@@ -68,6 +68,14 @@ void EvaluateContact(const std::shared_ptr<const CompiledModel>& model,
                   contact.object_motion[classifier.frames() - 1]};
     }
   };
+  const bool parts = !result.anytime_hmm.empty();
+  auto record_parts = [&](int time) {
+    auto copy = [](std::span<const double> from, Outcome& to) {
+      to.probability.assign(from.begin(), from.end());
+    };
+    copy(classifier.hmm_probability(), result.anytime_hmm[time][index]);
+    copy(classifier.lstm_probability(), result.anytime_lstm[time][index]);
+  };
   int next = 0;
   for (const ContactFrame& frame : contact.frames) {
     StepClassifier(frame, classifier);
@@ -76,11 +84,13 @@ void EvaluateContact(const std::shared_ptr<const CompiledModel>& model,
                std::round(kAnytimeSeconds[next] * contact.sample_rate_hz)) {
       record(result.anytime[next][index],
              result.anytime_estimates[next][index]);
+      if (parts) record_parts(next);
       ++next;
     }
   }
   for (; next < kAnytimeCount; ++next) {
     record(result.anytime[next][index], result.anytime_estimates[next][index]);
+    if (parts) record_parts(next);
   }
   record(result.final[index], result.final_estimates[index]);
   if (const auto& decision = classifier.decision()) {
@@ -137,6 +147,10 @@ absl::StatusOr<Evaluation> EvaluateModel(
   TACTUS_ASSIGN_OR_RETURN(
       Evaluation result,
       PrepareEvaluation(contacts, model->model().class_names));
+  if (algorithm == Algorithm::kFused && !model->lstms().empty()) {
+    result.anytime_hmm = result.anytime;
+    result.anytime_lstm = result.anytime;
+  }
   parallel(static_cast<int>(contacts.size()), [&](int i) {
     EvaluateContact(model, *contacts[i], algorithm, i, result);
   });
@@ -159,6 +173,10 @@ absl::StatusOr<Evaluation> EvaluateProtocol(
   TACTUS_ASSIGN_OR_RETURN(const auto folds, MakeFolds(contacts, protocol));
   TACTUS_ASSIGN_OR_RETURN(Evaluation result,
                           PrepareEvaluation(contacts, ClassNames(contacts)));
+  if (algorithm == Algorithm::kFused && fit.lstm.networks > 0) {
+    result.anytime_hmm = result.anytime;
+    result.anytime_lstm = result.anytime;
+  }
   std::vector<absl::Status> failures(folds.size());
   parallel(static_cast<int>(folds.size()), [&](int f) {
     failures[f] =

@@ -46,6 +46,10 @@ struct Evaluation {
   std::vector<Outcome> final;
   // The same after each of kAnytimeSeconds; a shorter contact's last.
   std::vector<std::vector<Outcome>> anytime;
+  // What the HMMs and the LSTMs alone said at each of kAnytimeSeconds, if
+  // fused was asked for and there is an LSTM; else empty.
+  std::vector<std::vector<Outcome>> anytime_hmm;
+  std::vector<std::vector<Outcome>> anytime_lstm;
   // Nothing where the truth or the estimate is missing; as above.
   std::vector<std::optional<EstimateOutcome>> final_estimates;
   std::vector<std::vector<std::optional<EstimateOutcome>>> anytime_estimates;

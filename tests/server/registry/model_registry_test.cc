@@ -38,7 +38,7 @@ TEST(ModelRegistryTest, TheBuiltInBundleServes) {
   const Model& model = registry.Find("default")->model->model();
   EXPECT_EQ(model.class_names,
             (std::vector<std::string>{"HU", "HM", "SU", "SM"}));
-  EXPECT_FALSE(model.warm_up.signals.empty());
+  EXPECT_FALSE(model.warm_up.samples.empty());
 }
 
 TEST(ModelRegistryTest, NewVersionsReplaceButOldOnesStay) {
