@@ -2,10 +2,13 @@
 #include <algorithm>
 #include <iostream>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/trainctl/command.h"
+#include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/classify/contact_pipeline.h"
+#include "core/classify/feature_input.h"
 #include "core/data/trial_file.h"
 
 namespace tactus::client {
@@ -63,6 +66,10 @@ absl::StatusOr<Json> ClassifyTaxels(
 
 absl::StatusOr<Json> ClassifySignals(
     const Trial& trial, const std::shared_ptr<const CompiledModel>& model) {
+  if (UsesProfile(model->model().features)) {
+    return InvalidConfig(absl::StrCat("trial ", trial.id), "ideal signals",
+                         "taxels: the model sees the load profile of a skin");
+  }
   ContactClassifier classifier(model, {});
   for (const FeatureVector& signals : trial.signals) {
     classifier.Step(IdealSample(signals), 0);

@@ -11,7 +11,7 @@
 namespace tactus::client {
 
 void FitFlags::Add(CLI::App& command) {
-  command.add_option("--preset", preset, "tuned or paper");
+  command.add_option("--preset", preset, "tuned, paper or profile");
   command.add_option("--features", features,
                      "Any of f (force), m (motion), a (area), like f,m");
   command.add_option("--seed", seed, "Seed of every random choice");

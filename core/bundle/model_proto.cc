@@ -8,6 +8,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/bundle/layout_proto.h"
+#include "core/classify/feature_input.h"
 
 namespace tactus {
 namespace {
@@ -231,20 +232,29 @@ Provenance FromProto(const v1::Provenance& in) {
           in.seed(),    in.data(),    in.note()};
 }
 
-void ToProto(const WarmUpTrial& trial, v1::WarmUpTrial* out) {
+void ToProto(const WarmUpTrial& trial, bool has_profile, v1::WarmUpTrial* out) {
   for (const ContactSample& sample : trial.samples) {
     for (double value : sample.features) out->add_signals(value);
     out->add_net_force(sample.net_force);
+    if (has_profile) {
+      for (double value : sample.profile) out->add_profile(value);
+    }
   }
   Assign(trial.probability, out->mutable_probability());
   Assign(trial.log_likelihood, out->mutable_log_likelihood());
 }
 
-absl::StatusOr<WarmUpTrial> FromProto(const v1::WarmUpTrial& in) {
+absl::StatusOr<WarmUpTrial> FromProto(const v1::WarmUpTrial& in,
+                                      bool has_profile) {
   if (in.signals_size() != kFeatureCount * in.net_force_size()) {
     return InvalidModel("warm_up.signals size", in.signals_size(),
                         absl::StrCat(kFeatureCount * in.net_force_size(),
                                      ", three a net force"));
+  }
+  const int profile_size = has_profile ? kProfileSize * in.net_force_size() : 0;
+  if (in.profile_size() != profile_size) {
+    return InvalidModel("warm_up.profile size", in.profile_size(),
+                        absl::StrCat(profile_size));
   }
   WarmUpTrial trial;
   trial.samples.resize(in.net_force_size());
@@ -252,6 +262,9 @@ absl::StatusOr<WarmUpTrial> FromProto(const v1::WarmUpTrial& in) {
     ContactSample& sample = trial.samples[i / kFeatureCount];
     sample.features[i % kFeatureCount] = in.signals(i);
     sample.net_force = in.net_force(i / kFeatureCount);
+  }
+  for (int i = 0; i < in.profile_size(); ++i) {
+    trial.samples[i / kProfileSize].profile[i % kProfileSize] = in.profile(i);
   }
   trial.probability = ToVector(in.probability());
   trial.log_likelihood = ToVector(in.log_likelihood());
@@ -286,7 +299,7 @@ v1::ModelBundle ModelToProto(const Model& model) {
     *bundle.mutable_geometry() = LayoutToProto(model.layout);
   }
   ToProto(model.provenance, bundle.mutable_provenance());
-  ToProto(model.warm_up, bundle.mutable_warm_up());
+  ToProto(model.warm_up, UsesProfile(model.features), bundle.mutable_warm_up());
   return bundle;
 }
 
@@ -318,7 +331,8 @@ absl::StatusOr<Model> ModelFromProto(const v1::ModelBundle& bundle) {
     model.layout.name = bundle.layout_class();
   }
   model.provenance = FromProto(bundle.provenance());
-  TACTUS_ASSIGN_OR_RETURN(model.warm_up, FromProto(bundle.warm_up()));
+  TACTUS_ASSIGN_OR_RETURN(
+      model.warm_up, FromProto(bundle.warm_up(), UsesProfile(model.features)));
   return model;
 }
 

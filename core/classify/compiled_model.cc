@@ -47,6 +47,11 @@ absl::Status CheckWarmUp(const Model& model) {
         return InvalidModel("warm_up.signals", value, "finite");
       }
     }
+    for (double value : sample.profile) {
+      if (!std::isfinite(value)) {
+        return InvalidModel("warm_up.profile", value, "finite");
+      }
+    }
   }
   return absl::OkStatus();
 }

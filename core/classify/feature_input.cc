@@ -64,6 +64,14 @@ std::vector<Feature> FeaturesUsed(const FeatureSpec& spec) {
   return used;
 }
 
+bool UsesProfile(const FeatureSpec& spec) {
+  auto is_profile = [](const ModelInput& input) {
+    return IsProfileCue(input.cue);
+  };
+  return std::any_of(spec.hmm.begin(), spec.hmm.end(), is_profile) ||
+         std::any_of(spec.lstm.begin(), spec.lstm.end(), is_profile);
+}
+
 absl::Status Validate(const FeatureSpec& spec, bool has_lstm) {
   if (spec.hmm.empty()) {
     return InvalidModel("number of HMM inputs", 0, "at least 1");

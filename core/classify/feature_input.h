@@ -22,6 +22,9 @@ void MakeInput(std::span<const ModelInput> inputs, const CueTracker& cues,
 // The features that the inputs of both models are computed from.
 std::vector<Feature> FeaturesUsed(const FeatureSpec& spec);
 
+// True if an input is of the load profile: the model needs a skin.
+bool UsesProfile(const FeatureSpec& spec);
+
 // INVALID_MODEL naming what is wrong.
 absl::Status Validate(const FeatureSpec& spec, bool has_lstm);
 

@@ -47,6 +47,11 @@ struct Contact {
 // An ideal signal as a frame: its force is both peak and net force.
 ContactSample IdealSample(const FeatureVector& signals);
 
+// True if the contact has no skin, only signals.
+inline bool IsIdeal(const Contact& contact) {
+  return contact.layout.name.empty();
+}
+
 // One frame into a classifier, as ContactPipeline does it.
 void StepClassifier(const ContactFrame& frame, ContactClassifier& classifier);
 

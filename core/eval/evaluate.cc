@@ -7,6 +7,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/classify/contact_classifier.h"
+#include "core/classify/feature_input.h"
 #include "core/eval/evaluate_nearest.h"
 
 namespace tactus {
@@ -143,6 +144,12 @@ absl::StatusOr<Evaluation> EvaluateModel(
   if (algorithm == Algorithm::kLstm && model->lstms().empty()) {
     return InvalidConfig("algorithm", "lstm",
                          "hmm or fused: the bundle holds no LSTM");
+  }
+  if (UsesProfile(model->model().features) &&
+      std::any_of(contacts.begin(), contacts.end(),
+                  [](const Contact* contact) { return IsIdeal(*contact); })) {
+    return InvalidConfig("data", "ideal signals",
+                         "taxels: the model sees the load profile of a skin");
   }
   TACTUS_ASSIGN_OR_RETURN(
       Evaluation result,

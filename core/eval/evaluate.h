@@ -64,7 +64,8 @@ struct Evaluation {
 };
 
 // Every contact by one model. INVALID_CONFIG for 1nn, for lstm without one,
-// and for labels that the model does not know.
+// for labels that the model does not know, and for ideal signals where the
+// model sees the load profile.
 absl::StatusOr<Evaluation> EvaluateModel(
     const std::shared_ptr<const CompiledModel>& model,
     const std::vector<const Contact*>& contacts, Algorithm algorithm,

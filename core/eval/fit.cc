@@ -63,6 +63,28 @@ absl::Status CheckContacts(const std::vector<const Contact*>& contacts,
   return CheckUniform(contacts);
 }
 
+// An ideal signal knows no place on a skin: its profile says nothing.
+absl::Status CheckCues(const std::vector<const Contact*>& contacts,
+                       const std::vector<Cue>& wanted,
+                       const std::vector<Feature>& features) {
+  const std::vector<Cue> cues = CuesFor(wanted, features);
+  if (cues.empty()) {
+    return InvalidConfig("features", FeaturesToString(features),
+                         "some that the cues are computed from");
+  }
+  if (std::none_of(cues.begin(), cues.end(), IsProfileCue)) {
+    return absl::OkStatus();
+  }
+  for (const Contact* contact : contacts) {
+    if (IsIdeal(*contact)) {
+      return InvalidTrainingData(absl::StrCat(
+          "contact ", contact->id,
+          " is of ideal signals, but the load profile takes taxels of a skin"));
+    }
+  }
+  return absl::OkStatus();
+}
+
 // Robot conditions or materials where there are a few of them, so that the
 // calibration knows what a new one costs; else an even split.
 std::vector<std::vector<int>> MakeInnerFolds(
@@ -202,6 +224,12 @@ absl::StatusOr<Model> FitModel(const std::vector<const Contact*>& contacts,
   }
   const std::vector<std::string> class_names = ClassNames(contacts);
   TACTUS_RETURN_IF_ERROR(CheckContacts(contacts, class_names));
+  TACTUS_RETURN_IF_ERROR(
+      CheckCues(contacts, options.hmm_cues, options.features));
+  if (options.lstm.networks > 0) {
+    TACTUS_RETURN_IF_ERROR(
+        CheckCues(contacts, options.lstm.cues, options.features));
+  }
   TACTUS_ASSIGN_OR_RETURN(Model model,
                           FitUncalibrated(contacts, class_names, options,
                                           options.lstm.networks, parallel));

@@ -84,6 +84,8 @@ std::vector<Cue> CuesFor(const std::vector<Cue>& cues,
 // scored by Viterbi, and a 2 x 50 softsign LSTM on every frame (Section
 // "Algorithm Parameters").
 // "tuned": mixtures of HMMs and several LSTMs on cues, fused.
+// "profile": mixtures of HMMs on the load profile, for recordings on a skin
+// whose place matters (docs/recordings.md).
 absl::StatusOr<FitOptions> FitPreset(absl::string_view name);
 
 // Class names in `contacts`: HU, HM, SU, SM first where present, others in
@@ -92,8 +94,9 @@ std::vector<std::string> ClassNames(
     const std::vector<const Contact*>& contacts);
 
 // INVALID_TRAINING_DATA if there are fewer than two classes or fewer than two
-// contacts of some class, if skins or sampling rates are mixed. The
-// provenance is left to the caller, but for trials and seed.
+// contacts of some class, if skins or sampling rates are mixed, if cues of the
+// load profile meet ideal signals; INVALID_CONFIG if the features allow no cue.
+// The provenance is left to the caller, but for trials and seed.
 absl::StatusOr<Model> FitModel(const std::vector<const Contact*>& contacts,
                                const FitOptions& options,
                                const ParallelFor& parallel);

@@ -46,12 +46,25 @@ FitOptions TunedPreset() {
   return options;
 }
 
+// Where on the skin the load is, by HMMs alone (docs/recordings.md).
+FitOptions ProfilePreset() {
+  FitOptions options;
+  options.hmm_cues = ProfileCues();
+  options.log_features = false;
+  options.states = 3;
+  options.hmms_per_class = 8;
+  options.max_iterations = 10;
+  options.covariance_floor = 0.03;
+  return options;
+}
+
 }  // namespace
 
 absl::StatusOr<FitOptions> FitPreset(absl::string_view name) {
   if (name == "tuned") return TunedPreset();
   if (name == "paper") return PaperPreset();
-  return InvalidConfig("preset", name, "tuned or paper");
+  if (name == "profile") return ProfilePreset();
+  return InvalidConfig("preset", name, "tuned, paper or profile");
 }
 
 std::vector<Cue> CuesFor(const std::vector<Cue>& cues,

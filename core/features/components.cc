@@ -33,7 +33,9 @@ Segmenter::Segmenter(const SkinLayout& layout)
       reach_(layout.connectivity == Connectivity::kEight ? 1 : 0),
       threshold_(TaxelThreshold(layout.contact_threshold)),
       valid_(rows_, BitRange(0, columns_)),
-      labels_(layout.taxels()) {
+      labels_(layout.taxels()),
+      row_loads_(rows_),
+      column_loads_(columns_) {
   for (size_t i = 0; i < layout.mask.size(); ++i) {
     if (layout.mask[i] != 0) continue;
     valid_[i / columns_] &= ~(uint64_t{1} << (i % columns_));
@@ -45,6 +47,8 @@ Segmenter::Segmenter(const SkinLayout& layout)
 
 int Segmenter::Segment(std::span<const float> taxels) {
   runs_.clear();
+  std::fill(row_loads_.begin(), row_loads_.end(), 0);
+  std::fill(column_loads_.begin(), column_loads_.end(), 0);
   int previous = 0;
   for (int row = 0; row < rows_; ++row) {
     const int first = static_cast<int>(runs_.size());
@@ -76,7 +80,9 @@ void Segmenter::AppendRuns(const float* row_taxels, int row, uint64_t touched) {
     for (int column = run.begin; column < run.end; ++column) {
       run.max_value = std::max(run.max_value, row_taxels[column]);
       run.total += row_taxels[column];
+      column_loads_[column] += row_taxels[column];
     }
+    row_loads_[row] += run.total;
     touched &= ~BitRange(run.begin, run.end);
     runs_.push_back(run);
   }

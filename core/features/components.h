@@ -62,6 +62,10 @@ class Segmenter {
   // Largest value in any region; 0 if there is none.
   float peak() const { return peak_; }
 
+  // Sums of the touched taxels in each row and in each column.
+  std::span<const double> row_loads() const { return row_loads_; }
+  std::span<const double> column_loads() const { return column_loads_; }
+
   // rows x columns, row-major: 0 is background, regions are numbered from 1 in
   // the order of their first taxels.
   std::span<const uint16_t> labels() const { return labels_; }
@@ -115,6 +119,8 @@ class Segmenter {
   std::vector<Run> runs_;
   std::vector<Accumulator> regions_;
   std::vector<uint16_t> labels_;
+  std::vector<double> row_loads_;
+  std::vector<double> column_loads_;
   Region largest_;
   float peak_ = 0;
 };

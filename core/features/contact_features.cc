@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "core/features/load_profile.h"
+
 namespace tactus {
 namespace {
 
@@ -109,6 +111,8 @@ void ContactTracker::Measure(const FrameView& frame) {
     features_.net_force = region.total;
     features_.area_taxels = region.taxels;
     features_.area_m2 = region.taxels * layout_.taxel_area_m2;
+    features_.profile =
+        MakeLoadProfile(segmenter_.row_loads(), segmenter_.column_loads());
     features_.centroid = {region.centroid_row, region.centroid_column};
     travelled_ = !Covers(layout_, region, onset_point_);
   } else {
@@ -116,6 +120,7 @@ void ContactTracker::Measure(const FrameView& frame) {
     features_.net_force = 0;
     features_.area_taxels = 0;
     features_.area_m2 = 0;
+    features_.profile = {};
   }
   features_.motion_m = Motion(frame.pose);
 }

@@ -42,13 +42,15 @@ struct FrameFeatures {
   // Distance of the contact from where it was at onset, in metres: in the world
   // frame if frames come with poses, else of the centroid along the skin.
   double motion_m = 0;
+  // Of the whole skin; zero if untouched.
+  LoadProfile profile = {};
   // Regions on the skin.
   int region_count = 0;
   // Of the largest region; while touch is lost, where it was last.
   SkinPoint centroid = {};
 
   ContactSample sample() const {
-    return {{max_force, area_m2, motion_m}, net_force};
+    return {{max_force, area_m2, motion_m}, net_force, profile};
   }
 };
 

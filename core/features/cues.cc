@@ -49,8 +49,27 @@ constexpr CueRow kCues[] = {
     {"force_roughness", kNeedsForce},
     {"area_roughness", kNeedsArea},
     {"motion_roughness", kNeedsMotion},
+    {"row_load_0", kNeedsForce},
+    {"row_load_1", kNeedsForce},
+    {"row_load_2", kNeedsForce},
+    {"row_load_3", kNeedsForce},
+    {"row_load_4", kNeedsForce},
+    {"row_load_5", kNeedsForce},
+    {"column_load_0", kNeedsForce},
+    {"column_load_1", kNeedsForce},
+    {"column_load_2", kNeedsForce},
+    {"column_load_3", kNeedsForce},
+    {"column_load_4", kNeedsForce},
+    {"column_load_5", kNeedsForce},
+    {"column_load_6", kNeedsForce},
+    {"column_load_7", kNeedsForce},
+    {"column_load_8", kNeedsForce},
+    {"column_load_9", kNeedsForce},
 };
 static_assert(std::size(kCues) == kCueCount);
+
+constexpr int kFirstProfileCue = static_cast<int>(Cue::kRowLoad0);
+static_assert(kFirstProfileCue + kProfileSize == kCueCount);
 
 constexpr int kF = static_cast<int>(Feature::kForce);
 constexpr int kA = static_cast<int>(Feature::kArea);
@@ -89,6 +108,12 @@ double Share(uint64_t count, double window) {
   return 1 / std::min(static_cast<double>(count), std::max(1.0, window));
 }
 
+std::vector<Cue> CueRange(int first, int end) {
+  std::vector<Cue> cues;
+  for (int i = first; i < end; ++i) cues.push_back(static_cast<Cue>(i));
+  return cues;
+}
+
 // Log of the share of variance left when `product` explains it.
 double Misfit(double product, double x, double y) {
   const double explained = Ratio(product, x) * Ratio(product, y);
@@ -116,12 +141,10 @@ bool NeedsFeature(Cue cue, Feature feature) {
 }
 
 std::vector<Cue> DerivedCues() {
-  std::vector<Cue> cues;
-  for (int i = kFeatureCount; i < kCueCount; ++i) {
-    cues.push_back(static_cast<Cue>(i));
-  }
-  return cues;
+  return CueRange(kFeatureCount, kFirstProfileCue);
 }
+
+std::vector<Cue> ProfileCues() { return CueRange(kFirstProfileCue, kCueCount); }
 
 void CueTracker::Moments::Step(const FeatureVector& x, double share) {
   FeatureVector change;
@@ -150,6 +173,10 @@ void CueTracker::Step(const ContactSample& sample,
   for (int i = 0; i < kFeatureCount; ++i) {
     state_.values[i] = std::clamp(sample.features[i], -kLargest, kLargest);
     state_.smooth[i].Step(x[i], WindowShare(kSmooth));
+  }
+  for (int i = 0; i < kProfileSize; ++i) {
+    state_.values[kFirstProfileCue + i] =
+        std::clamp(sample.profile[i], -kLargest, kLargest);
   }
   state_.short_window.Step(x, WindowShare(kShort));
   state_.long_window.Step(x, WindowShare(kLong));

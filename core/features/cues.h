@@ -69,8 +69,25 @@ enum class Cue {
   kForceRoughness,
   kAreaRoughness,
   kMotionRoughness,
+  // The load profile itself.
+  kRowLoad0,
+  kRowLoad1,
+  kRowLoad2,
+  kRowLoad3,
+  kRowLoad4,
+  kRowLoad5,
+  kColumnLoad0,
+  kColumnLoad1,
+  kColumnLoad2,
+  kColumnLoad3,
+  kColumnLoad4,
+  kColumnLoad5,
+  kColumnLoad6,
+  kColumnLoad7,
+  kColumnLoad8,
+  kColumnLoad9,
 };
-inline constexpr int kCueCount = static_cast<int>(Cue::kMotionRoughness) + 1;
+inline constexpr int kCueCount = static_cast<int>(Cue::kColumnLoad9) + 1;
 
 // "log_spring".
 absl::string_view CueName(Cue cue);
@@ -84,8 +101,14 @@ Cue RawCue(Feature feature);
 // True if the cue is computed from this feature.
 bool NeedsFeature(Cue cue, Feature feature);
 
-// All cues but the raw features.
+// True for the cues of the load profile, which an ideal signal leaves at 0.
+constexpr bool IsProfileCue(Cue cue) { return cue >= Cue::kRowLoad0; }
+
+// All cues but the raw features and the load profile.
 std::vector<Cue> DerivedCues();
+
+// The load profile.
+std::vector<Cue> ProfileCues();
 
 class CueTracker {
  public:

@@ -53,6 +53,24 @@ TEST(BundleTest, RoundTripKeepsEveryField) {
   EXPECT_EQ(back->warm_up.samples[1].net_force, 8);
 }
 
+TEST(BundleTest, TheLoadProfileOfTheWarmUpIsKeptIfTheModelSeesIt) {
+  Model model = FullModel();
+  model.warm_up.samples[1].profile[15] = 7;
+  v1::ModelBundle without = ModelToProto(model);
+  EXPECT_EQ(without.warm_up().profile_size(), 0);
+  model.features.lstm[2].cue = Cue::kColumnLoad9;
+  v1::ModelBundle bundle = ModelToProto(model);
+  auto back = ModelFromProto(bundle);
+  ASSERT_TRUE(back.ok()) << back.status();
+  EXPECT_EQ(back->warm_up.samples[0].profile, LoadProfile{});
+  EXPECT_EQ(back->warm_up.samples[1].profile, model.warm_up.samples[1].profile);
+
+  bundle.mutable_warm_up()->mutable_profile()->RemoveLast();
+  EXPECT_EQ(ReasonOf(ModelFromProto(bundle).status()), "INVALID_MODEL");
+  without.mutable_warm_up()->add_profile(1);
+  EXPECT_EQ(ReasonOf(ModelFromProto(without).status()), "INVALID_MODEL");
+}
+
 TEST(BundleTest, TheSameModelGivesTheSameBytes) {
   EXPECT_EQ(*EncodeBundle(FullModel()), *EncodeBundle(FullModel()));
 }

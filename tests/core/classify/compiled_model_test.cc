@@ -1,5 +1,7 @@
 #include "core/classify/compiled_model.h"
 
+#include <cmath>
+
 #include "core/base/errors.h"
 #include "core/classify/contact_classifier.h"
 #include "gtest/gtest.h"
@@ -23,6 +25,10 @@ TEST(CompiledModelTest, EachInconsistencyIsRefused) {
       [](Model& m) { m.calibration.prior = {1}; },
       [](Model& m) {
         m.warm_up.samples = {{{1, 1, 1}, 1}};
+      },
+      [](Model& m) {
+        m.warm_up.probability = m.warm_up.log_likelihood = {0, 0, 0, 0};
+        m.warm_up.samples = {{{1, 1, 1}, 1, {std::nan("")}}};
       },
       [](Model& m) { m.layout.name = "half a layout"; },
       [](Model& m) {

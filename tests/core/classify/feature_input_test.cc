@@ -1,6 +1,7 @@
 #include "core/classify/feature_input.h"
 
 #include <cmath>
+#include <utility>
 
 #include "core/base/errors.h"
 #include "gtest/gtest.h"
@@ -43,6 +44,16 @@ TEST(FeaturesUsedTest, NamesWhatTheCuesAreComputedFrom) {
   EXPECT_EQ(FeaturesUsed(spec), std::vector<Feature>{Feature::kArea});
   spec.lstm = {{Cue::kLogSpring}};
   EXPECT_EQ(FeaturesUsed(spec).size(), 3u);
+}
+
+TEST(UsesProfileTest, LooksAtBothModels) {
+  FeatureSpec spec;
+  spec.hmm = {{Cue::kLogArea}};
+  EXPECT_FALSE(UsesProfile(spec));
+  spec.lstm = {{Cue::kRowLoad0}};
+  EXPECT_TRUE(UsesProfile(spec));
+  std::swap(spec.hmm, spec.lstm);
+  EXPECT_TRUE(UsesProfile(spec));
 }
 
 TEST(ValidateFeatureSpecTest, EachSpoiltFieldIsRefused) {

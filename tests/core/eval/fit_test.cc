@@ -74,11 +74,68 @@ TEST(FitModelTest, BadTrainingDataIsRefused) {
   EXPECT_EQ(reason(skins), "INVALID_TRAINING_DATA");
 }
 
+// Classes that differ in nothing but the half of the skin they load.
+std::vector<Contact> ContactsByPlace() {
+  auto contacts = testing::SyntheticContacts(6, 12, 0.1, 4);
+  Random random(4);
+  for (auto& contact : contacts) {
+    contact.layout = *LayoutPreset("icub-6x10");
+    const bool hard = contact.label[0] == 'H';
+    contact.label = hard ? "near" : "far";
+    for (ContactFrame& frame : contact.frames) {
+      frame.sample = IdealSample({1, 1e-4, 0.001});
+      frame.sample.profile[hard ? 0 : 15] = 3 + 0.1 * random.Gaussian();
+    }
+  }
+  return contacts;
+}
+
+TEST(FitModelTest, ThePresetProfileTellsPlacesApart) {
+  const auto contacts = ContactsByPlace();
+  auto model = FitModel(testing::PointersTo(contacts), *FitPreset("profile"),
+                        RunSerially);
+  ASSERT_TRUE(model.ok()) << model.status();
+  EXPECT_TRUE(model->lstms.empty());
+  // Through the file's form, which must keep what the warm-up needs.
+  auto back = ModelFromProto(ModelToProto(*model));
+  ASSERT_TRUE(back.ok()) << back.status();
+  auto compiled = CompiledModel::Create(*back);
+  ASSERT_TRUE(compiled.ok()) << compiled.status();
+  EXPECT_TRUE(RunWarmUp(**compiled).ok());
+  for (const Contact& contact : contacts) {
+    ContactClassifier classifier(*compiled, {});
+    for (const auto& frame : contact.frames) StepClassifier(frame, classifier);
+    const int label = contact.label == model->class_names[0] ? 0 : 1;
+    EXPECT_GT(classifier.probability()[label], 0.5) << contact.id;
+  }
+}
+
+TEST(FitModelTest, CuesThatSayNothingAreRefused) {
+  const auto contacts = ContactsByPlace();
+  auto reason = [](const std::vector<Contact>& given,
+                   const FitOptions& options) {
+    return ReasonOf(
+        FitModel(testing::PointersTo(given), options, RunSerially).status());
+  };
+  FitOptions options = *FitPreset("profile");
+  auto ideal = contacts;
+  ideal.back().layout = {};
+  EXPECT_EQ(reason(ideal, options), "INVALID_TRAINING_DATA");
+  options.hmm_cues.clear();
+  options.lstm.networks = 1;
+  options.lstm.cues = {Cue::kLogTime, Cue::kRowLoad3};
+  EXPECT_EQ(reason(ideal, options), "INVALID_TRAINING_DATA");
+  options = *FitPreset("profile");
+  options.features = {Feature::kMotion, Feature::kArea};
+  EXPECT_EQ(reason(contacts, options), "INVALID_CONFIG");
+}
+
 TEST(FitPresetTest, KnowsItsNames) {
   EXPECT_EQ(FitPreset("paper")->score, Score::kViterbi);
   EXPECT_FALSE(FitPreset("paper")->log_features);
   EXPECT_EQ(FitPreset("paper")->lstm.steps.last, 1u);
   EXPECT_GT(FitPreset("tuned")->lstm.networks, 1);
+  EXPECT_EQ(FitPreset("profile")->hmm_cues, ProfileCues());
   EXPECT_EQ(ReasonOf(FitPreset("magic").status()), "INVALID_CONFIG");
 }
 

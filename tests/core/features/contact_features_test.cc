@@ -62,6 +62,7 @@ class Script {
 void ExpectZero(const FrameFeatures& features) {
   EXPECT_EQ(features.sample().features, (FeatureVector{0, 0, 0}));
   EXPECT_EQ(features.sample().net_force, 0);
+  EXPECT_EQ(features.sample().profile, LoadProfile{});
   EXPECT_EQ(features.area_taxels, 0);
   EXPECT_EQ(features.centroid.row, 0);
   EXPECT_EQ(features.centroid.column, 0);

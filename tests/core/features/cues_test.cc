@@ -136,6 +136,33 @@ TEST(CueTest, WindowsAgreeWithWeightedSumsOverAllSamples) {
   }
 }
 
+TEST(CueTest, TheLoadProfileIsPassedOnAsItIs) {
+  const std::vector<Cue> cues = ProfileCues();
+  ASSERT_EQ(cues.size(), static_cast<size_t>(kProfileSize));
+  EXPECT_EQ(CueName(cues.front()), "row_load_0");
+  EXPECT_EQ(CueName(cues[kRowBands]), "column_load_0");
+  EXPECT_EQ(CueName(cues.back()), "column_load_9");
+  CueTracker tracker(100);
+  for (int t = 1; t <= 3; ++t) {
+    ContactSample sample = Sample(1, 1, 1);
+    for (int i = 0; i < kProfileSize; ++i) sample.profile[i] = 100 * t + i;
+    tracker.Step(sample, t);
+    for (int i = 0; i < kProfileSize; ++i) {
+      EXPECT_EQ(tracker.value(cues[i]), sample.profile[i]);
+      EXPECT_TRUE(IsProfileCue(cues[i]));
+      EXPECT_TRUE(NeedsFeature(cues[i], Feature::kForce));
+      EXPECT_FALSE(NeedsFeature(cues[i], Feature::kArea));
+      EXPECT_FALSE(NeedsFeature(cues[i], Feature::kMotion));
+    }
+  }
+}
+
+TEST(CueTest, EveryCueIsRawOrDerivedOrOfTheProfile) {
+  EXPECT_EQ(DerivedCues().size() + ProfileCues().size() + kFeatureCount,
+            static_cast<size_t>(kCueCount));
+  for (Cue cue : DerivedCues()) EXPECT_FALSE(IsProfileCue(cue));
+}
+
 TEST(CueTest, AnyFiniteSampleGivesFiniteCues) {
   const double values[] = {0,     -1,     1e-308, 5e-324, 1e-30, 1e30,
                            1e300, -1e300, 1,      1e-7,   12};
@@ -144,7 +171,9 @@ TEST(CueTest, AnyFiniteSampleGivesFiniteCues) {
   auto pick = [&] { return values[random.Index(std::size(values))]; };
   for (uint64_t t = 1; t <= 5000; ++t) {
     if (t % 100 == 0) tracker.Reset();
-    tracker.Step({{pick(), pick(), pick()}, pick()}, t);
+    ContactSample sample = {{pick(), pick(), pick()}, pick()};
+    for (double& load : sample.profile) load = pick();
+    tracker.Step(sample, t);
     for (int i = 0; i < kCueCount; ++i) {
       ASSERT_TRUE(std::isfinite(tracker.value(static_cast<Cue>(i))))
           << CueName(static_cast<Cue>(i)) << " at " << t;
