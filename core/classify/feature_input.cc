@@ -43,9 +43,10 @@ void MakeInput(std::span<const ModelInput> inputs, const CueTracker& cues,
                std::span<double> out) {
   for (size_t i = 0; i < out.size(); ++i) {
     const ModelInput& input = inputs[i];
-    out[i] =
+    const double scaled =
         (TransformCue(cues.value(input.cue), input.log_offset) - input.offset) *
         input.gain;
+    out[i] = std::clamp(scaled, -input.limit, input.limit);
   }
 }
 

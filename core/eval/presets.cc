@@ -24,7 +24,7 @@ FitOptions TunedPreset() {
   FitOptions options;
   options.hmms_per_class = 20;
   LstmFit& lstm = options.lstm;
-  lstm.networks = 4;
+  lstm.networks = 3;
   lstm.cues = DerivedCues();
   lstm.limit = 5;
   lstm.stretched_cues = {Cue::kLogSpring, Cue::kLogStiffestSpring,
@@ -33,7 +33,7 @@ FitOptions TunedPreset() {
   lstm.steps = {5, 20};
   lstm.estimates = true;
   LstmTrainOptions& training = lstm.training;
-  training.epochs = 60;
+  training.epochs = 40;
   training.batch_size = 16;
   training.optimizer.optimizer = Optimizer::kAdam;
   training.optimizer.learning_rate = 3e-3;

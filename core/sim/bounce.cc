@@ -41,7 +41,7 @@ struct Series {
 
 BounceTrain::BounceTrain(const ContactScene& scene, const ContactModes& modes,
                          bool ramping, double time, ContactPhase phase,
-                         const ContactState& state)
+                         const PieceState& state)
     : scene_(&scene),
       modes_(&modes),
       equilibrium_speed_(ramping ? scene.velocity_m_s : 0),
@@ -73,8 +73,8 @@ BounceTrain::BounceTrain(const ContactScene& scene, const ContactModes& modes,
   slowest_span_ = kSlowSpan / std::max(modes.arm.fastest(), slow.fastest());
 }
 
-ContactState BounceTrain::StateOf(const Moment& moment) const {
-  ContactState state;
+PieceState BounceTrain::StateOf(const Moment& moment) const {
+  PieceState state;
   state.approach = moment.approach;
   state.position =
       equilibrium_start_ + equilibrium_speed_ * moment.time + moment.lag;

@@ -27,7 +27,7 @@ class BounceTrain {
   // `phase` is kSliding or kCoasting and `state` its start, touching.
   BounceTrain(const ContactScene& scene, const ContactModes& modes,
               bool ramping, double time, ContactPhase phase,
-              const ContactState& state);
+              const PieceState& state);
 
   // Moves to the next change of contact and returns its distance in seconds
   // and the contact's impulse (N s) on the way. 0, and nothing moved, if the
@@ -37,12 +37,12 @@ class BounceTrain {
 
   double time() const { return now_.time; }
   ContactPhase phase() const { return PhaseOf(now_); }
-  ContactState state() const { return StateOf(now_); }
+  PieceState state() const { return StateOf(now_); }
 
   // Where the piece that Next() passed began.
   double last_time() const { return last_.time; }
   ContactPhase last_phase() const { return PhaseOf(last_); }
-  ContactState last_state() const { return StateOf(last_); }
+  PieceState last_state() const { return StateOf(last_); }
 
  private:
   // The moment of a change of contact: the arm in the frame of its
@@ -58,7 +58,7 @@ class BounceTrain {
   static ContactPhase PhaseOf(const Moment& moment) {
     return moment.touching ? ContactPhase::kSliding : ContactPhase::kCoasting;
   }
-  ContactState StateOf(const Moment& moment) const;
+  PieceState StateOf(const Moment& moment) const;
   // Each moves `moment` to the end of a flight or contact and returns its
   // span; 0 or less if it is not certainly a simple one.
   double Fly(Moment& moment) const;

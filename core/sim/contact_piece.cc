@@ -42,7 +42,7 @@ PairState Scaled(const PairState& state, double factor) {
 
 ContactPiece::ContactPiece(const ContactScene& scene, const ContactModes& modes,
                            ContactPhase phase, bool ramping, double begin,
-                           const ContactState& start)
+                           const PieceState& start)
     : scene_(&scene),
       modes_(&modes),
       phase_(phase),
@@ -87,8 +87,8 @@ ContactPiece::ContactPiece(const ContactScene& scene, const ContactModes& modes,
   }
 }
 
-ContactState ContactPiece::At(double t) const {
-  ContactState state = start_;
+PieceState ContactPiece::At(double t) const {
+  PieceState state = start_;
   const PairState main = pair_->Change(main_, t);
   switch (phase_) {
     case ContactPhase::kStuck:
@@ -123,8 +123,8 @@ ContactState ContactPiece::At(double t) const {
   return state;
 }
 
-ContactState ContactPiece::WithoutRinging() const {
-  ContactState state = start_;
+PieceState ContactPiece::WithoutRinging() const {
+  PieceState state = start_;
   const PairState bend = Curvature(modes_->fast, ringing_);
   state.deformation -= compliance_ * bend.value;
   state.approach -= compliance_ * bend.rate;

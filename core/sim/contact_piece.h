@@ -6,7 +6,7 @@
 //
 //   ContactPiece piece(scene, modes, ContactPhase::kStuck, /*ramping=*/true,
 //                      /*begin=*/0, {});
-//   ContactState later = piece.At(0.01);
+//   PieceState later = piece.At(0.01);
 //
 // Keeps pointers to `scene` and `modes`, which must outlive it. Safe to share
 // between threads. SI units. Source: paper, eqs. 1 to 7.
@@ -23,7 +23,7 @@ namespace tactus {
 
 // The deformation and its rate are kept, not the arm's position and velocity,
 // in which a stiff contact would drown.
-struct ContactState {
+struct PieceState {
   double deformation = 0;  // x_arm - x_uobj, m; below 0 when apart
   double approach = 0;     // its rate, m/s
   double position = 0;     // x_uobj, m
@@ -46,18 +46,18 @@ class ContactPiece {
  public:
   ContactPiece(const ContactScene& scene, const ContactModes& modes,
                ContactPhase phase, bool ramping, double begin,
-               const ContactState& start);
+               const PieceState& start);
 
   ContactPhase phase() const { return phase_; }
   double begin() const { return begin_; }
-  const ContactState& start() const { return start_; }
+  const PieceState& start() const { return start_; }
   // N/m; 0 when apart.
   double stiffness() const { return Touching(phase_) ? modes_->stiffness : 0; }
 
   // The state `t` >= 0 seconds into the piece.
-  ContactState At(double t) const;
+  PieceState At(double t) const;
   // The state at its start less the fast part, if the object slides.
-  ContactState WithoutRinging() const;
+  PieceState WithoutRinging() const;
   // Integral of the contact force over its first `t` seconds, N s.
   double Impulse(double t) const;
 
@@ -84,7 +84,7 @@ class ContactPiece {
   const ContactModes* modes_;
   ContactPhase phase_;
   double begin_;
-  ContactState start_;
+  PieceState start_;
   double equilibrium_speed_;
   double drift_ = 0;  // speed of the particular solution of the deformation
   double compliance_ = 0;  // m_obj / k_obj while sliding

@@ -63,7 +63,7 @@ PieceEnd FindEnd(const ContactScene& scene, const ContactPiece& piece,
 
 struct PhaseStart {
   ContactPhase phase = ContactPhase::kStuck;
-  ContactState state;
+  PieceState state;
 };
 
 // The phase after `ending`, and its state: exactly on the event, so that it
@@ -73,7 +73,7 @@ PhaseStart Follow(const ContactScene& scene, const ContactPiece& piece,
   const ContactPhase phase = piece.phase();
   bool touching = Touching(phase);
   bool sliding = Sliding(phase);
-  ContactState state = piece.At(end.time);
+  PieceState state = piece.At(end.time);
   if (end.ending == Ending::kContact) {
     state.deformation = 0;
     ++(touching ? events.contacts_lost : events.contacts_made);
@@ -155,7 +155,7 @@ double RideBounces(const ContactScene& scene, const ContactModes& modes,
   return train.time();
 }
 
-bool Finite(const ContactState& state) {
+bool Finite(const PieceState& state) {
   return std::isfinite(state.deformation + state.approach + state.position +
                        state.speed);
 }
@@ -203,7 +203,7 @@ class Sampler : public PieceSink {
 
  private:
   void Append(const ContactPiece& piece, double t) {
-    const ContactState state = piece.At(t);
+    const PieceState state = piece.At(t);
     TrajectorySample sample;
     sample.x_arm = state.arm_position();
     sample.v_arm = state.arm_speed();

@@ -272,7 +272,7 @@ void PieceSignals::Take(const ContactPiece& piece, double duration) {
       continue;
     }
     const double to = std::max(from, Boundary(closed_ + 1) - piece.begin());
-    const ContactState state = piece.At(to);
+    const PieceState state = piece.At(to);
     const double total = touching ? piece.Impulse(to) : 0;
     CloseInterval(impulse_ + total - impulse,
                   contact_ + (touching ? to - from : 0), state.arm_position(),

@@ -18,8 +18,12 @@ Model FullModel() {
   for (uint64_t seed : {3, 4}) {
     model.lstms.push_back(RandomNetwork(3, {5, 3}, 4, Activation::kSoftsign,
                                         GateActivation::kHardSigmoid, seed,
-                                        /*forget_bias=*/1, /*regressions=*/2));
+                                        /*forget_bias=*/1));
   }
+  model.estimator = RandomNetwork(3, {5, 3}, 4, Activation::kSoftsign,
+                                  GateActivation::kHardSigmoid, 5,
+                                  /*forget_bias=*/1, /*regressions=*/2);
+  model.calibration.stiffness_deviation_scale = 1.5;
   model.features.lstm = {
       {Cue::kLogSpring, 0, 1, 2}, {Cue::kArea, 0.5, 3, 4}, {Cue::kLogTime}};
   model.features.lstm_steps = {5, 20};
@@ -45,7 +49,8 @@ TEST(BundleTest, RoundTripKeepsEveryField) {
   ASSERT_EQ(back->lstms.size(), 2u);
   EXPECT_EQ(back->lstms[1].layers[1].recurrent,
             model.lstms[1].layers[1].recurrent);
-  EXPECT_EQ(back->lstms[0].regressions, 2);
+  EXPECT_EQ(back->estimator->regressions, 2);
+  EXPECT_EQ(back->calibration.stiffness_deviation_scale, 1.5);
   EXPECT_EQ(back->lstms[0].classes(), 4);
   EXPECT_EQ(back->features.lstm[1].cue, Cue::kArea);
   EXPECT_EQ(back->features.lstm_steps.last, 20u);

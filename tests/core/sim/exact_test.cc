@@ -120,7 +120,7 @@ class PieceChecker : public PieceSink {
   double time() const { return time_; }
 
  private:
-  void CheckContinuity(const ContactState& start) const {
+  void CheckContinuity(const PieceState& start) const {
     const double x = 1e-9 * s_.goal_m;
     EXPECT_NEAR(start.arm_position(), end_.arm_position(), x);
     EXPECT_NEAR(start.position, end_.position, x);
@@ -134,11 +134,11 @@ class PieceChecker : public PieceSink {
     const bool touching = Touching(piece.phase());
     double size = 0;
     for (int i = 0; i <= 64; ++i) {
-      const ContactState state = piece.At(duration * i / 64);
+      const PieceState state = piece.At(duration * i / 64);
       size = std::max(size, std::abs(state.deformation));
     }
     for (int i = 0; i <= 64; ++i) {
-      const ContactState state = piece.At(duration * i / 64);
+      const PieceState state = piece.At(duration * i / 64);
       ASSERT_TRUE(std::isfinite(state.deformation + state.arm_speed()));
       const double noise = 1e-9 * size + 1e-17;
       EXPECT_GE(touching ? state.deformation : -state.deformation, -noise);
@@ -175,7 +175,7 @@ class PieceChecker : public PieceSink {
     for (int part = 0; part < parts; ++part) {
       for (int node = 0; node < 5; ++node) {
         const double t = (part + kNodes[node]) / parts * duration;
-        const ContactState state = piece.At(t);
+        const PieceState state = piece.At(t);
         const double equilibrium =
             ramping ? s_.velocity_m_s * (piece.begin() + t) : s_.goal_m;
         const double force =
@@ -188,8 +188,8 @@ class PieceChecker : public PieceSink {
         gross += weight * std::abs(force * state.arm_speed());
       }
     }
-    const ContactState& a = piece.start();
-    const ContactState& b = end_;
+    const PieceState& a = piece.start();
+    const PieceState& b = end_;
     const double m = s_.arm_mass_kg;
     const double mass = s_.object_mass_kg;
     const double impulse = piece.Impulse(duration);
@@ -201,7 +201,7 @@ class PieceChecker : public PieceSink {
                   impulse - s_.KineticFriction() * duration,
                   1e-9 * (scale + std::abs(impulse)));
     }
-    const auto energy = [&](const ContactState& state) {
+    const auto energy = [&](const PieceState& state) {
       return 0.5 * m * state.arm_speed() * state.arm_speed() +
              0.5 * mass * state.speed * state.speed +
              0.5 * piece.stiffness() * state.deformation * state.deformation;
@@ -212,7 +212,7 @@ class PieceChecker : public PieceSink {
   }
 
   const ContactScene& s_;
-  ContactState end_;
+  PieceState end_;
   double time_ = 0;
   int pieces_ = 0;
   int balanced_ = 0;
