@@ -39,31 +39,30 @@ absl::StatusOr<Json> InspectBundle(const std::string& path) {
         {"components", model.hmms[k].components.size()},
         {"states", model.hmms[k].components.front().states}};
   }
-  return Json{
-      {"kind", "bundle"},
-      {"format_version", kBundleFormatVersion},
-      {"bytes", bytes.size()},
-      {"sha256", BundleSha256(bytes)},
-      {"classes", model.class_names},
-      {"features", FeaturesToString(FeaturesUsed(model.features))},
-      {"sample_rate_hz", model.features.sample_rate_hz},
-      {"hmms", hmms},
-      {"lstms", model.lstms.size()},
-      {"lstm_parameters",
-       model.lstms.empty() ? Json(nullptr)
-                           : Json(model.lstms[0].parameter_count())},
-      {"layout", model.layout.name},
-      {"decision",
-       {{"threshold", model.calibration.decision_threshold},
-        {"frames", model.calibration.decision_frames}}},
-      {"provenance",
-       {{"command", model.provenance.command},
-        {"version", model.provenance.version},
-        {"trials", model.provenance.trials},
-        {"seed", model.provenance.seed},
-        {"data", model.provenance.data},
-        {"note", model.provenance.note}}},
-      {"warm_up", "passed"}};
+  return Json{{"kind", "bundle"},
+              {"format_version", kBundleFormatVersion},
+              {"bytes", bytes.size()},
+              {"sha256", BundleSha256(bytes)},
+              {"classes", model.class_names},
+              {"features", FeaturesToString(FeaturesUsed(model.features))},
+              {"sample_rate_hz", model.features.sample_rate_hz},
+              {"hmms", hmms},
+              {"lstms", model.lstms.size()},
+              {"lstm_parameters", model.lstms.empty()
+                                      ? Json(nullptr)
+                                      : Json(model.lstms[0].parameter_count())},
+              {"layout", model.layout.name},
+              {"decision",
+               {{"threshold", model.calibration.decision_threshold},
+                {"frames", model.calibration.decision_frames}}},
+              {"provenance",
+               {{"command", model.provenance.command},
+                {"version", model.provenance.version},
+                {"trials", model.provenance.trials},
+                {"seed", model.provenance.seed},
+                {"data", model.provenance.data},
+                {"note", model.provenance.note}}},
+              {"warm_up", "passed"}};
 }
 
 absl::StatusOr<Json> InspectTrials(const std::string& path) {

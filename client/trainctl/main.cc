@@ -17,9 +17,8 @@ int main(int argc, char** argv) {
   const SelectCommand select = [&](Command chosen) {
     command = std::move(chosen);
   };
-  for (auto add :
-       {AddSimulate, AddImport, AddFit, AddEvaluate, AddInspect, AddClassify,
-        AddReproduce}) {
+  for (auto add : {AddSimulate, AddImport, AddFit, AddEvaluate, AddInspect,
+                   AddClassify, AddReproduce}) {
     add(app, select);
   }
   CLI11_PARSE(app, argc, argv);

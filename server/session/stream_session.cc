@@ -3,10 +3,10 @@
 #include <utility>
 
 #include "core/base/errors.h"
-#include "core/classify/feature_input.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/bundle/layout_proto.h"
+#include "core/classify/feature_input.h"
 
 namespace tactus::server {
 
