@@ -8,7 +8,7 @@
 // logarithms of them hold at arm stiffnesses and speeds never trained on.
 //
 //   CueTracker tracker(/*sample_rate_hz=*/100);
-//   tracker.Step(sample, /*missing_before=*/0);
+//   tracker.Step(sample, /*frames_since_onset=*/1);
 //   double cue = tracker.value(Cue::kLogSpring);
 //
 // Constant memory; Step allocates nothing. Not thread-safe: one per stream.
