@@ -3,6 +3,7 @@
 #include "core/base/errors.h"
 #include "core/bundle/model_proto.h"
 #include "core/classify/compiled_model.h"
+#include "core/eval/evaluate.h"
 #include "gtest/gtest.h"
 #include "tests/core/eval/synthetic_contacts.h"
 
@@ -36,6 +37,38 @@ TEST(FitModelTest, GivesACompleteModelThatPassesItsOwnWarmUp) {
   ASSERT_TRUE(compiled.ok()) << compiled.status();
   EXPECT_FALSE(model->warm_up.samples.empty());
   EXPECT_TRUE(RunWarmUp(**compiled).ok());
+}
+
+TEST(FitModelTest, EstimatesTheObjectWhereTheTruthIsKnown) {
+  auto contacts = testing::SyntheticContacts(8, 40, 0.1, 1);
+  FitOptions options = QuickOptions();
+  options.lstm.training.epochs = 30;
+  const auto without =
+      FitModel(testing::PointersTo(contacts), options, RunSerially);
+  ASSERT_TRUE(without.ok()) << without.status();
+  EXPECT_FALSE(without->estimator.has_value());
+  for (Contact& contact : contacts) {
+    contact.stiffness = contact.label[0] == 'H' ? 1e6 : 1e3;
+    contact.object_motion.assign(contact.frames.size(), 0.0);
+  }
+  const auto pointers = testing::PointersTo(contacts);
+  auto model = FitModel(pointers, options, RunSerially);
+  ASSERT_TRUE(model.ok()) << model.status();
+  ASSERT_TRUE(model->estimator.has_value());
+  // The estimator takes nothing from the networks that classify.
+  EXPECT_EQ(model->lstms[0].dense_kernel, without->lstms[0].dense_kernel);
+  const auto result = EvaluateModel(*CompiledModel::Create(*model), pointers,
+                                    Algorithm::kFused, RunSerially);
+  ASSERT_TRUE(result.ok()) << result.status();
+  double hard = 0;
+  double soft = 0;
+  for (const auto& estimate : result->final_estimates) {
+    ASSERT_TRUE(estimate.has_value());
+    EXPECT_GT(estimate->said.log10_stiffness_deviation, 0);
+    (estimate->log10_stiffness > 5 ? hard : soft) +=
+        estimate->said.log10_stiffness / 16;
+  }
+  EXPECT_GT(hard, soft + 1);
 }
 
 TEST(FitModelTest, TheSameSeedGivesTheSameBitsInAnyOrderOfWork) {

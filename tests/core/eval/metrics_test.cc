@@ -25,6 +25,17 @@ TEST(MetricsTest, CalibrationErrorIsTheWeightedGap) {
   EXPECT_DOUBLE_EQ(ExpectedCalibrationError(certain), 0);
 }
 
+TEST(MetricsTest, ErrorsOfEstimatesAreSummedUp) {
+  // By hand: sizes 1, 2, 2, 5; squares 34; the first and the last covered.
+  const EstimateError errors[] = {{-1, 1}, {2, 1.9}, {-2, 0.1}, {5, 6}};
+  const EstimateErrors summary = SummariseErrors(errors);
+  EXPECT_EQ(summary.count, 4);
+  EXPECT_DOUBLE_EQ(summary.median, 2);
+  EXPECT_DOUBLE_EQ(summary.root_mean_square, std::sqrt(34.0 / 4));
+  EXPECT_DOUBLE_EQ(summary.covered, 0.5);
+  EXPECT_EQ(SummariseErrors({}).count, 0);
+}
+
 TEST(MetricsTest, LogLossIsFlooredNotInfinite) {
   const Outcome outcomes[] = {{0, {0, 1}}, {1, {0.5, 0.5}}};
   EXPECT_NEAR(NegativeLogLikelihood(outcomes),
