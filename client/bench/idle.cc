@@ -1,13 +1,17 @@
 #include "client/bench/idle.h"
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
+#include <string>
 #include <thread>
 
+#include "CLI/CLI.hpp"
 #include "client/bench/child_server.h"
 #include "client/stream/contact_stream.h"
 #include "client/stream/frame_encoder.h"
+#include "client/stream/percentile.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/skin/layout.h"
@@ -16,6 +20,13 @@ namespace tactus::client {
 namespace {
 
 using std::chrono::steady_clock;
+
+struct IdleOptions {
+  // Empty: a server of our own.
+  std::string server;
+  int repetitions = 100;
+  int silence_ms = 3000;
+};
 
 // Notes when the answer to a frame came.
 class AnswerClock {
@@ -53,8 +64,7 @@ SkinFrame TouchFrame(const SkinLayout& layout, int64_t capture_time_ns) {
   return frame;
 }
 
-}  // namespace
-
+// Milliseconds from sending a frame to its posterior, one a repetition.
 absl::StatusOr<std::vector<double>> MeasureIdle(const IdleOptions& options) {
   std::unique_ptr<ChildServer> child;
   std::string address = options.server;
@@ -90,6 +100,52 @@ absl::StatusOr<std::vector<double>> MeasureIdle(const IdleOptions& options) {
   }
   TACTUS_RETURN_IF_ERROR(stream->Close());
   return milliseconds;
+}
+
+class IdleBenchmark : public Benchmark {
+ public:
+  const char* name() const override { return "idle"; }
+  const char* description() const override {
+    return "Delay of the first frame after a silence";
+  }
+
+  void AddFlags(CLI::App& command) override {
+    command.add_option("--server", options_.server,
+                       "host:port or unix:path; else a server of its own");
+    command.add_option("--repetitions", options_.repetitions, "How often")
+        ->check(CLI::Range(1, 1'000'000))
+        ->capture_default_str();
+    command
+        .add_option("--silence-ms", options_.silence_ms,
+                    "Length of the silence")
+        ->check(CLI::Range(0, 3'600'000))
+        ->capture_default_str();
+  }
+
+  absl::StatusOr<std::vector<BenchRow>> Run(bool quick) override {
+    IdleOptions options = options_;
+    if (quick) options.repetitions = std::min(options.repetitions, 5);
+    if (quick) options.silence_ms = std::min(options.silence_ms, 200);
+    TACTUS_ASSIGN_OR_RETURN(const auto milliseconds, MeasureIdle(options));
+    std::vector<BenchRow> rows;
+    const std::pair<const char*, double> shares[] = {
+        {"p50", 0.5}, {"p90", 0.9}, {"p99", 0.99}, {"max", 1}};
+    for (const auto& [name, share] : shares) {
+      rows.push_back({.name = std::string("idle/first_frame_") + name,
+                      .unit = "ms",
+                      .ours = Percentile(milliseconds, share)});
+    }
+    return rows;
+  }
+
+ private:
+  IdleOptions options_;
+};
+
+}  // namespace
+
+std::unique_ptr<Benchmark> MakeIdleBenchmark() {
+  return std::make_unique<IdleBenchmark>();
 }
 
 }  // namespace tactus::client

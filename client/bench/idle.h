@@ -4,21 +4,14 @@
 // server that is the moment a touch begins.
 #pragma once
 
-#include <string>
-#include <vector>
+#include <memory>
 
-#include "absl/status/statusor.h"
+#include "client/bench/benchmark.h"
 
 namespace tactus::client {
 
-struct IdleOptions {
-  // Empty: a server of our own.
-  std::string server;
-  int repetitions = 100;
-  int silence_ms = 3000;
-};
-
-// Milliseconds from sending a frame to its posterior, one a repetition.
-absl::StatusOr<std::vector<double>> MeasureIdle(const IdleOptions& options);
+// Rows idle/first_frame_p50, _p90, _p99 and _max, in ms from sending a frame to
+// its posterior.
+std::unique_ptr<Benchmark> MakeIdleBenchmark();
 
 }  // namespace tactus::client

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <fstream>
+#include <string>
 #include <vector>
 
+#include "CLI/CLI.hpp"
 #include "absl/strings/str_format.h"
 #include "core/base/errors.h"
 #include "core/base/random.h"
@@ -15,7 +18,20 @@
 namespace tactus::client {
 namespace {
 
-using Json = nlohmann::ordered_json;
+struct SimBenchOptions {
+  // A few trials and tolerances, for tests.
+  bool quick = false;
+  // Also compares every trial of the paper's set, not only the sample, and
+  // this many random scenes with the reference. Takes many minutes.
+  bool all = false;
+  int random_scenes = 10'000;
+};
+
+struct SimReport {
+  std::vector<BenchRow> rows;
+  // method,tolerance,seconds,median_error,worst_error,trials as CSV.
+  std::string table;
+};
 
 constexpr char kReference[] =
     "long double matrix exponentials, every ringing period resolved";
@@ -113,20 +129,6 @@ SimulateOptions Cvode(double tolerance) {
   return options;
 }
 
-Json Row(absl::string_view name, double ours, const Json& peer,
-         const Json& peer_name, double error) {
-  Json row = {{"name", std::string(name)},
-              {"unit", "s"},
-              {"ours", ours},
-              {"peer", peer},
-              {"peer_name", peer_name},
-              {"ratio", nullptr},
-              {"error", error},
-              {"error_reference", kReference}};
-  if (peer.is_number()) row["ratio"] = peer.get<double>() / ours;
-  return row;
-}
-
 // A scene far from the paper's that the reference can resolve.
 TrialSpec RandomSpec(Random& random) {
   TrialSpec spec;
@@ -150,11 +152,8 @@ TrialSpec RandomSpec(Random& random) {
   }
 }
 
-}  // namespace
-
 absl::StatusOr<SimReport> MeasureSim(const SimBenchOptions& options) {
   SimReport report;
-  report.rows = Json::array();
 
   // The whole set as it is used: filtered, with noise.
   double whole = 0;
@@ -193,19 +192,26 @@ absl::StatusOr<SimReport> MeasureSim(const SimBenchOptions& options) {
   };
   TACTUS_ASSIGN_OR_RETURN(const Work exact, Measure(sample, {}));
   tabulate("exact", 0, exact);
-  report.rows.push_back(Row("sim/paper-set", whole, nullptr, nullptr, worst));
+  report.rows.push_back({.name = "sim/paper-set",
+                         .unit = "s",
+                         .ours = whole,
+                         .error = worst,
+                         .error_reference = kReference});
   std::vector<double> tolerances = {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8};
   if (options.quick) tolerances = {1e-2, 1e-4};
   for (double tolerance : tolerances) {
     TACTUS_ASSIGN_OR_RETURN(const Work cvode,
                             Measure(sample, Cvode(tolerance)));
     tabulate("cvode", tolerance, cvode);
-    Json row = Row(absl::StrFormat("sim/cvode-%g", tolerance), exact.seconds,
-                   cvode.seconds,
-                   absl::StrFormat("CVODE at relative tolerance %g", tolerance),
-                   exact.Worst());
-    row["peer_error"] = cvode.Worst();
-    report.rows.push_back(row);
+    report.rows.push_back({.name = absl::StrFormat("sim/cvode-%g", tolerance),
+                           .unit = "s",
+                           .ours = exact.seconds,
+                           .peer = cvode.seconds,
+                           .peer_name = absl::StrFormat(
+                               "CVODE at relative tolerance %g, error %.2g",
+                               tolerance, cvode.Worst()),
+                           .error = exact.Worst(),
+                           .error_reference = kReference});
   }
 
   if (options.all) {
@@ -222,10 +228,54 @@ absl::StatusOr<SimReport> MeasureSim(const SimBenchOptions& options) {
       worst_random =
           std::max(worst_random, FeatureError(contact.signals.samples, truth));
     }
-    report.rows.push_back(
-        Row("sim/random-scenes", seconds, nullptr, nullptr, worst_random));
+    report.rows.push_back({.name = "sim/random-scenes",
+                           .unit = "s",
+                           .ours = seconds,
+                           .error = worst_random,
+                           .error_reference = kReference});
   }
   return report;
+}
+
+class SimBenchmark : public Benchmark {
+ public:
+  const char* name() const override { return "sim"; }
+  const char* description() const override {
+    return "Work and precision of the contact simulator";
+  }
+
+  void AddFlags(CLI::App& command) override {
+    command.add_flag("--all", options_.all,
+                     "Compare every trial, and random scenes, with the "
+                     "reference: many minutes");
+    command
+        .add_option("--random", options_.random_scenes,
+                    "Random scenes of --all")
+        ->capture_default_str();
+    command.add_option("--table", table_, "Write the table as CSV");
+  }
+
+  absl::StatusOr<std::vector<BenchRow>> Run(bool quick) override {
+    SimBenchOptions options = options_;
+    options.quick = quick;
+    TACTUS_ASSIGN_OR_RETURN(const SimReport report, MeasureSim(options));
+    if (!table_.empty()) {
+      std::ofstream file(table_);
+      file << report.table;
+      if (!file.flush()) return IoError(table_, "cannot be written");
+    }
+    return report.rows;
+  }
+
+ private:
+  SimBenchOptions options_;
+  std::string table_;
+};
+
+}  // namespace
+
+std::unique_ptr<Benchmark> MakeSimBenchmark() {
+  return std::make_unique<SimBenchmark>();
 }
 
 }  // namespace tactus::client

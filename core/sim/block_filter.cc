@@ -40,6 +40,12 @@ BlockFilter::BlockFilter() {
     if (j == kBlock - 1) input_[j][6] = output;
     Add(1, input_[j], constant_);
     Add(j, input_[j], ramp_);
+    const double place = (2 * j - (kBlock - 1)) / static_cast<double>(kBlock);
+    double power = 1;
+    for (Column& column : ramp_powers_) {
+      Add(power, input_[j], column);
+      power *= place;
+    }
   }
 }
 

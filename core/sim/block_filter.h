@@ -23,6 +23,8 @@ inline constexpr double kAntiAliasHz = 200;
 // Rate at which a simulated contact enters the filter; a block is one frame.
 inline constexpr double kSignalRateHz = 2000;
 inline constexpr int kBlock = 20;
+// Powers of a ramp that a block takes in closed form.
+inline constexpr int kRampPowers = 8;
 
 class BlockFilter {
  public:
@@ -39,6 +41,8 @@ class BlockFilter {
   Column Drive(const Inputs& inputs) const;
   const Column& constant() const { return constant_; }
   const Column& ramp() const { return ramp_; }
+  // The n-th power of a ramp from -0.95 to 0.95.
+  const Column& ramp_power(int n) const { return ramp_powers_[n]; }
 
   // The state after a block that adds `drive`.
   Column Advance(const Column& state, const Column& drive) const;
@@ -53,6 +57,7 @@ class BlockFilter {
   std::array<Column, kBlock> input_;
   Column constant_ = {};
   Column ramp_ = {};
+  std::array<Column, kRampPowers> ramp_powers_ = {};
 };
 
 // to += factor * column.

@@ -11,12 +11,16 @@ constexpr double kInterval = 1 / kSignalRateHz;
 constexpr double kSlack = 1e-12;
 // Longer than any contact, s.
 constexpr double kForever = 1e3;
-// Strains whose square is lost beside 1: the area is linear in the force.
-constexpr double kLinearStrain = 1e-9;
-
-// Frames after which nothing is left of what was in the filter: its slowest
+// Of the signal: what pairs that have faded may still add to it.
+constexpr double kFaded = 1e-14;
+// Frames after which no more is left of what was in the filter: its slowest
 // mode fades by 25 in one.
-constexpr int kFilterFrames = 14;
+constexpr int kFilterFrames = 10;
+// Of the area: what the square of the pairs' share of the strain may add.
+constexpr double kLinear = 1e-12;
+// Share by which the thickness may change in half a frame, for its powers
+// beyond kRampPowers to be lost beside 1.
+constexpr double kSlowRamp = 0.01;
 
 double Dot(const std::array<double, 2>& row, const PairState& state) {
   return row[0] * state.value + row[1] * state.rate;
@@ -82,10 +86,9 @@ BlockFilter::Inputs PieceSignals::Areas(const BlockFilter::Inputs& forces) {
   return areas;
 }
 
-// True if `form` is constant from here on, to double precision.
 bool PieceSignals::Settled(const PieceForm& form, const FrameStart& start) {
   if (form.slope != 0) return false;
-  const double negligible = 1e-18 * std::abs(form.constant);
+  const double negligible = kFaded * std::abs(form.constant);
   for (int i = 0; i < start.used; ++i) {
     const DampedPair& pair = *start.pairs[i];
     const PairState& state = start.states[i];
@@ -129,20 +132,34 @@ void PieceSignals::FillTable(const ContactPiece& piece, PhaseTable& table) {
 
 BlockFilter::Column PieceSignals::AreaDrive(
     const PieceForm& force, const FrameStart& start, const PhaseTable& table,
-    const BlockFilter::Column& force_drive) {
+    const BlockFilter::Column& pair_drive) {
   constexpr double kFrame = kBlock * kInterval;
-  double bound = std::abs(start.force) + std::abs(force.slope) * kFrame;
+  double bound = 0;
   for (int i = 0; i < start.used; ++i) {
     const DampedPair& pair = *start.pairs[i];
     bound += std::abs(force.value[i]) * pair.Bound(start.states[i], kFrame) +
              std::abs(force.rate[i]) *
                  pair.Bound(pair.Derivative(start.states[i]), kFrame);
   }
-  if (bound * strain_per_newton_ < kLinearStrain) {
+  // A ramp's binomial series is one of constant columns; beside it, pairs
+  // that have all but faded are linear.
+  const double exponent = 2 * cube_.material.poisson_ratio;
+  const double step = force.slope * kInterval;
+  const double middle =
+      1 - strain_per_newton_ * (start.force + (kBlock - 1) / 2.0 * step);
+  const double ramp = strain_per_newton_ * (kBlock / 2.0) * step / middle;
+  const double pairs = strain_per_newton_ * bound / middle;
+  const double varies = std::abs(ramp) + pairs;
+  if (middle * (1 - varies) > 1 - kMaxStrain && std::abs(ramp) < kSlowRamp &&
+      pairs * varies < kLinear) {
     BlockFilter::Column drive = {};
-    Add(full_area_, filter_.constant(), drive);
-    Add(2 * cube_.material.poisson_ratio * full_area_ * strain_per_newton_,
-        force_drive, drive);
+    const double scale = full_area_ * std::pow(middle, -exponent);
+    double term = scale;
+    for (int n = 0; n < kRampPowers && std::abs(term) > 1e-17 * scale; ++n) {
+      Add(term, filter_.ramp_power(n), drive);
+      term *= ramp * (exponent + n) / (n + 1);
+    }
+    Add(scale * exponent * strain_per_newton_ / middle, pair_drive, drive);
     return drive;
   }
   BlockFilter::Inputs forces;
@@ -186,8 +203,6 @@ void PieceSignals::TakeFrames(const ContactPiece& piece, double end) {
     time = Boundary(closed_) - piece.begin();
     start.force = force.constant + force.slope * (time + kInterval / 2);
     BlockFilter::Column force_drive = {};
-    Add(start.force, filter_.constant(), force_drive);
-    Add(force.slope * kInterval, filter_.ramp(), force_drive);
     BlockFilter::Column motion_drive = {};
     Add(motion.constant + motion.slope * (time + kInterval), filter_.constant(),
         motion_drive);
@@ -206,6 +221,8 @@ void PieceSignals::TakeFrames(const ContactPiece& piece, double end) {
     if (with_area_ && touching) {
       area_drive = AreaDrive(force, start, table, force_drive);
     }
+    Add(start.force, filter_.constant(), force_drive);
+    Add(force.slope * kInterval, filter_.ramp(), force_drive);
     last_clamped = clamped_;
 
     for (int i = 0; i < start.used; ++i) {

@@ -65,12 +65,13 @@ class PieceSignals : public PieceSink {
   void FillTable(const ContactPiece& piece, PhaseTable& table);
   // Takes as many whole frames as the piece still holds.
   void TakeFrames(const ContactPiece& piece, double end);
-  // True if `form` is constant from here on, to double precision.
+  // True if `form` is as good as constant from here on.
   static bool Settled(const PieceForm& form, const FrameStart& start);
-  // What a frame in contact throughout adds to the area's filter.
+  // What a frame in contact throughout adds to the area's filter, given what
+  // its pairs add to the force's.
   BlockFilter::Column AreaDrive(const PieceForm& force, const FrameStart& start,
                                 const PhaseTable& table,
-                                const BlockFilter::Column& force_drive);
+                                const BlockFilter::Column& pair_drive);
   // Closes the current interval with its impulse (N s), the time in contact
   // (s) and where arm and object are at its end.
   void CloseInterval(double impulse, double contact, double arm, double object);

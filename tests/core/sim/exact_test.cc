@@ -70,7 +70,7 @@ TEST(IntegrateExactTest, RandomScenesFollowTheReference) {
   Random random(11);
   int compared = 0;
   int moved = 0;
-  while (compared < 100) {
+  while (compared < 50) {
     ContactScene scene = RandomScene(random);
     scene.duration_s = 0.3;
     if (RingingRate(scene) > 2e4) continue;
@@ -89,7 +89,7 @@ TEST(IntegrateExactTest, RandomScenesFollowTheReference) {
     EXPECT_NEAR(end.x_uobj, want.x_uobj, 1e-8 * scene.goal_m) << compared;
     EXPECT_NEAR(end.impulse, want.impulse, 1e-8 * want.impulse) << compared;
   }
-  EXPECT_GT(moved, 50);
+  EXPECT_GT(moved, 25);
 }
 
 // Checks every piece of a contact as it comes.

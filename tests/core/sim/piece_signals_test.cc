@@ -91,5 +91,19 @@ TEST(BlockFilterTest, IsButterworthStepByStep) {
   }
 }
 
+TEST(BlockFilterTest, TakesPowersOfARampAtOnce) {
+  const BlockFilter& blocks = BlockFilter::AntiAlias();
+  for (int n = 0; n < kRampPowers; ++n) {
+    BlockFilter::Inputs inputs;
+    for (int j = 0; j < kBlock; ++j) {
+      inputs[j] = std::pow((j - 9.5) / 10, n);
+    }
+    const BlockFilter::Column want = blocks.Drive(inputs);
+    for (size_t i = 0; i < want.size(); ++i) {
+      EXPECT_NEAR(blocks.ramp_power(n)[i], want[i], 1e-13) << n;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace tactus

@@ -1,0 +1,54 @@
+// File: interleave.h
+//
+// Times two ways to do the same work in turns, so that what else the machine
+// does falls on both; medians of the repetitions count.
+//
+//   const Timing timing = Interleave(15, [&] { Ours(); }, [&] { Theirs(); });
+//   row.ours = timing.ours / frames * 1e9;
+//
+// Elapsed time of a steady clock. A first round of each warms caches and does
+// not count.
+#pragma once
+
+#include <chrono>
+#include <vector>
+
+#include "client/stream/percentile.h"
+
+namespace tactus::client {
+
+// Seconds of one call.
+template <typename Work>
+double SecondsOf(Work&& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
+      .count();
+}
+
+// Medians, s.
+struct Timing {
+  double ours = 0;
+  double peer = 0;
+};
+
+// `repetitions` > 0.
+template <typename Ours, typename Peer>
+Timing Interleave(int repetitions, Ours&& ours, Peer&& peer) {
+  ours();
+  peer();
+  std::vector<double> our_seconds, peer_seconds;
+  for (int i = 0; i < repetitions; ++i) {
+    our_seconds.push_back(SecondsOf(ours));
+    peer_seconds.push_back(SecondsOf(peer));
+  }
+  return {Percentile(our_seconds, 0.5), Percentile(peer_seconds, 0.5)};
+}
+
+// Ours alone, where there is no peer to be had.
+template <typename Ours>
+double MedianSeconds(int repetitions, Ours&& ours) {
+  return Interleave(repetitions, ours, [] {}).ours;
+}
+
+}  // namespace tactus::client
