@@ -12,9 +12,12 @@
 #include "client/trainctl/fit_flags.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
+#include "core/eval/unknown.h"
 
 namespace tactus::client {
 namespace {
+
+constexpr char kLeaveOneCategoryOut[] = "leave-one-category-out";
 
 struct Flags {
   std::string data;
@@ -171,12 +174,48 @@ absl::Status Draw(const Flags& flags, const Evaluation& result) {
   return DrawReliability({named}, flags.figures + "/reliability.png");
 }
 
+// How well contacts of a category left out are told to be unknown.
+absl::Status RunUnknown(const Flags& flags) {
+  TACTUS_ASSIGN_OR_RETURN(const FitOptions options, flags.fit.Options());
+  TACTUS_ASSIGN_OR_RETURN(const LoadedContacts loaded,
+                          LoadContacts(flags.data, flags.layout));
+  TACTUS_ASSIGN_OR_RETURN(
+      const auto results,
+      EvaluateUnknown(loaded.Pointers(), options, RunOnThreads));
+  Json categories = Json::array();
+  for (const UnknownResult& r : results) {
+    categories.push_back({{"category", r.category},
+                          {"detected", r.detected},
+                          {"false_alarms", r.false_alarms},
+                          {"area_under_roc", r.area_under_roc}});
+    if (flags.json) continue;
+    std::cout << absl::StrFormat(
+        "without %s: its contacts are unknown %s, others %s; area under the "
+        "ROC curve %.3f\n",
+        r.category, Percent(r.detected), Percent(r.false_alarms),
+        r.area_under_roc);
+  }
+  if (flags.json) {
+    std::cout << Json({{"protocol", flags.protocol},
+                       {"seed", flags.fit.seed},
+                       {"categories", categories},
+                       {"seconds", SecondsSinceStart()}})
+                     .dump()
+              << "\n";
+  } else {
+    std::cout << absl::StrFormat("seed %d, %.1f s\n", flags.fit.seed,
+                                 SecondsSinceStart());
+  }
+  return absl::OkStatus();
+}
+
 absl::Status Run(const Flags& flags) {
   if (flags.protocol.empty() == flags.model.empty()) {
     return InvalidConfig("--protocol and --model",
                          flags.model.empty() ? "both absent" : "both given",
                          "exactly one of the two");
   }
+  if (flags.protocol == kLeaveOneCategoryOut) return RunUnknown(flags);
   TACTUS_ASSIGN_OR_RETURN(const Algorithm algorithm,
                           ParseAlgorithm(flags.algorithm));
   TACTUS_ASSIGN_OR_RETURN(const FitOptions options, flags.fit.Options());
@@ -219,7 +258,8 @@ void AddEvaluate(CLI::App& app, const SelectCommand& select) {
       "evaluate", "Measure accuracy by a protocol, or of a bundle");
   command->add_option("--data", flags->data, "Trial file")->required();
   command->add_option("--protocol", flags->protocol,
-                      "loco, leave-one-out, leave-one-material-out or k-fold");
+                      "loco, leave-one-out, leave-one-material-out, k-fold or, "
+                      "for what is unknown, leave-one-category-out");
   command->add_option("--folds", flags->folds, "Folds of k-fold");
   command->add_option("--model", flags->model, "Bundle to evaluate instead");
   command->add_option("--algorithm", flags->algorithm,

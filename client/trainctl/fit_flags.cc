@@ -61,13 +61,17 @@ absl::StatusOr<FitOptions> FitFlags::Options() const {
   }
   if (states > 0) options.states = states;
   if (mixtures > 0) options.hmms_per_class = mixtures;
-  if (networks > limits::kMaxLstms) {
-    return InvalidConfig("--networks", networks,
+  if (networks && (*networks < 0 || *networks > limits::kMaxLstms)) {
+    return InvalidConfig("--networks", *networks,
                          absl::StrCat("0 to ", limits::kMaxLstms));
   }
-  if (networks >= 0) options.lstm.networks = networks;
+  if (stretches && *stretches < 0) {
+    return InvalidConfig("--stretches", *stretches, "0 or more");
+  }
+  if (epochs < 0) return InvalidConfig("--epochs", epochs, "1 or more");
+  if (networks) options.lstm.networks = *networks;
   if (no_estimates) options.lstm.estimates = false;
-  if (stretches >= 0) options.lstm.stretches = stretches;
+  if (stretches) options.lstm.stretches = *stretches;
   if (epochs > 0) options.lstm.training.epochs = epochs;
   if (!hmm_cues.empty()) {
     TACTUS_ASSIGN_OR_RETURN(options.hmm_cues,

@@ -3,6 +3,7 @@
 // Flags that say how models are fitted; shared by fit and evaluate.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "CLI/CLI.hpp"
@@ -17,9 +18,9 @@ struct FitFlags {
   uint64_t seed = 1;
   int states = 0;
   int mixtures = 0;
-  int networks = -1;
+  std::optional<int> networks;
   int epochs = 0;
-  int stretches = -1;
+  std::optional<int> stretches;
   bool no_estimates = false;
   std::string hmm_cues;
   std::string lstm_cues;

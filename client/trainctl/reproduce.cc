@@ -61,6 +61,8 @@ ReproducedRow Reproduce(Experiment experiment, const PaperRow& paper,
     TACTUS_ASSIGN_OR_RETURN(FitOptions options, FitPreset("paper"));
     options.features = PaperFeatures(paper.features);
     options.seed = seed;
+    // The table counts answers, which calibration leaves as they are.
+    options.calibrate = false;
     return EvaluateProtocol(data->Pointers(), Protocol::kLeaveOneConditionOut,
                             paper.algorithm, options, RunOnThreads);
   }();

@@ -1,5 +1,6 @@
 #include "core/bundle/model_proto.h"
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -105,6 +106,8 @@ void ToProto(const FeatureSpec& spec, v1::FeatureSpec* out) {
   ToProto(spec.lstm, out->mutable_lstm_names(), out->mutable_lstm_log_offset(),
           out->mutable_lstm_scaling());
   for (const ModelInput& input : spec.lstm) out->add_lstm_limit(input.limit);
+  out->set_hmm_first_interval(spec.hmm_steps.first);
+  out->set_hmm_last_interval(spec.hmm_steps.last);
   out->set_lstm_first_interval(spec.lstm_steps.first);
   out->set_lstm_last_interval(spec.lstm_steps.last);
   out->set_sample_rate_hz(spec.sample_rate_hz);
@@ -124,6 +127,8 @@ absl::StatusOr<FeatureSpec> FromProto(const v1::FeatureSpec& in) {
   for (size_t i = 0; i < spec.lstm.size(); ++i) {
     spec.lstm[i].limit = in.lstm_limit(static_cast<int>(i));
   }
+  spec.hmm_steps = {std::max(in.hmm_first_interval(), 1U),
+                    std::max(in.hmm_last_interval(), 1U)};
   spec.lstm_steps = {in.lstm_first_interval(), in.lstm_last_interval()};
   spec.sample_rate_hz = in.sample_rate_hz();
   return spec;

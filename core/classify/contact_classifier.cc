@@ -56,11 +56,13 @@ void ContactClassifier::Reset() {
     std::copy(prior.begin(), prior.end(), lstm_probability_.begin());
     std::fill(lstm_score_.begin(), lstm_score_.end(), 0.0);
   }
+  hmm_due_ = m.features.hmm_steps.first;
   lstm_due_ = m.features.lstm_steps.first;
   object_.reset();
   unknown_ = 0;
   frames_ = 0;
   scored_frames_ = 0;
+  hmm_steps_ = 0;
   best_class_ = static_cast<int>(std::max_element(prior.begin(), prior.end()) -
                                  prior.begin());
   frames_above_ = 0;
@@ -69,21 +71,36 @@ void ContactClassifier::Reset() {
 
 void ContactClassifier::Step(const ContactSample& sample,
                              uint64_t missing_before) {
-  const int bridged = static_cast<int>(
-      std::min<uint64_t>(missing_before, limits::kMaxBridgedFrames));
   frames_ += missing_before + 1;
   ++scored_frames_;
   cues_.Step(sample, frames_);
-
-  MakeInput(model_->model().features.hmm, cues_, hmm_input_);
-  for (size_t k = 0; k < hmms_.size(); ++k) {
-    if (bridged > 0) hmms_[k].Skip(bridged);
-    hmms_[k].Step(hmm_input_);
-    log_likelihood_[k] = hmms_[k].log_likelihood();
-  }
+  StepHmms(missing_before);
   if (!lstms_.empty() && frames_ >= lstm_due_) StepLstms();
   UpdateProbabilities();
   UpdateDecision();
+}
+
+void ContactClassifier::StepHmms(uint64_t missing_before) {
+  const FeatureSpec& spec = model_->model().features;
+  // Steps that were due while frames were missing.
+  uint64_t bridged = 0;
+  hmm_due_ = std::max(hmm_due_, frames_ - missing_before);
+  while (hmm_due_ < frames_ && bridged < uint64_t{limits::kMaxBridgedFrames}) {
+    hmm_due_ = spec.hmm_steps.Next(hmm_due_);
+    ++bridged;
+  }
+  const bool due = frames_ >= hmm_due_;
+  if (due) {
+    MakeInput(spec.hmm, cues_, hmm_input_);
+    hmm_due_ = spec.hmm_steps.Next(frames_);
+    ++hmm_steps_;
+  }
+  for (size_t k = 0; k < hmms_.size(); ++k) {
+    if (bridged > 0) hmms_[k].Skip(static_cast<int>(bridged));
+    if (!due) continue;
+    hmms_[k].Step(hmm_input_);
+    log_likelihood_[k] = hmms_[k].log_likelihood();
+  }
 }
 
 void ContactClassifier::StepLstms() {
@@ -127,9 +144,10 @@ void ContactClassifier::UpdateProbabilities() {
     std::copy(hmm_probability_.begin(), hmm_probability_.end(),
               probability_.begin());
   }
+  if (hmm_steps_ == 0) return;
   const double best =
       *std::max_element(log_likelihood_.begin(), log_likelihood_.end());
-  unknown_ = UnknownShare(point, best / static_cast<double>(scored_frames_));
+  unknown_ = UnknownShare(point, best / static_cast<double>(hmm_steps_));
 }
 
 void ContactClassifier::UpdateDecision() {

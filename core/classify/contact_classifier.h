@@ -47,8 +47,8 @@ class ContactClassifier {
   void Reset();
 
   // Takes the next frame's features; `missing_before` frames were lost
-  // directly before it: the HMMs predict across them (at most
-  // limits::kMaxBridgedFrames), the LSTMs miss the steps that were due.
+  // directly before it: the HMMs predict across the steps that were due (at
+  // most limits::kMaxBridgedFrames), the LSTMs miss them.
   void Step(const ContactSample& sample, uint64_t missing_before);
 
   // Takes a frame in which touch was lost: time passes, scores rest.
@@ -56,7 +56,9 @@ class ContactClassifier {
 
   // Frames since onset, lost and untouched ones included.
   uint64_t frames() const { return frames_; }
-  // log p(features | class), one per class.
+  // Steps of the HMMs so far.
+  uint64_t hmm_steps() const { return hmm_steps_; }
+  // log p(HMM inputs | class), one per class.
   std::span<const double> log_likelihood() const { return log_likelihood_; }
   // Log of the LSTMs' mean probability before calibration, one per class;
   // empty without an LSTM.
@@ -80,6 +82,7 @@ class ContactClassifier {
   static constexpr int kStabilityWindow = 16;
 
  private:
+  void StepHmms(uint64_t missing_before);
   void StepLstms();
   void EstimateObject();
   void UpdateProbabilities();
@@ -108,7 +111,9 @@ class ContactClassifier {
 
   uint64_t frames_ = 0;
   uint64_t scored_frames_ = 0;
-  // The LSTMs' next step is due at this frame.
+  uint64_t hmm_steps_ = 0;
+  // The next steps are due at these frames.
+  uint64_t hmm_due_ = 0;
   uint64_t lstm_due_ = 0;
   int best_class_ = 0;
   // Best classes of the last frames, a ring.

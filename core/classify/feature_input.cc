@@ -33,6 +33,16 @@ absl::Status CheckInputs(absl::string_view name,
   return absl::OkStatus();
 }
 
+absl::Status CheckSteps(absl::string_view name, const StepIntervals& steps) {
+  if (steps.first < 1 || steps.last < steps.first ||
+      steps.last > limits::kMaxBridgedFrames) {
+    return InvalidModel(
+        name, absl::StrCat(steps.first, ", ", steps.last),
+        absl::StrCat("1 <= first <= last <= ", limits::kMaxBridgedFrames));
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 double TransformCue(double value, double log_offset) {
@@ -83,13 +93,8 @@ absl::Status Validate(const FeatureSpec& spec, bool has_lstm) {
   }
   TACTUS_RETURN_IF_ERROR(CheckInputs("HMM input", spec.hmm));
   TACTUS_RETURN_IF_ERROR(CheckInputs("LSTM input", spec.lstm));
-  const StepIntervals& steps = spec.lstm_steps;
-  if (steps.first < 1 || steps.last < steps.first ||
-      steps.last > limits::kMaxBridgedFrames) {
-    return InvalidModel(
-        "lstm_steps", absl::StrCat(steps.first, ", ", steps.last),
-        absl::StrCat("1 <= first <= last <= ", limits::kMaxBridgedFrames));
-  }
+  TACTUS_RETURN_IF_ERROR(CheckSteps("hmm_steps", spec.hmm_steps));
+  TACTUS_RETURN_IF_ERROR(CheckSteps("lstm_steps", spec.lstm_steps));
   if (!(spec.sample_rate_hz > 0 &&
         spec.sample_rate_hz <= limits::kMaxSampleRateHz)) {
     return InvalidModel(

@@ -34,9 +34,10 @@ struct ModelInput {
   double limit = std::numeric_limits<double>::infinity();
 };
 
-// When the LSTM is stepped: a contact changes fast at first and slowly later.
+// When a model is stepped: a contact changes fast at first and slowly later.
 // The interval between steps is a tenth of the frames since onset, but at least
-// `first` and at most `last` frames. 1 and 1 step it on every frame.
+// `first` and at most `last` frames. 1 and 1 step it on every
+// frame.
 struct StepIntervals {
   uint32_t first = 1;
   uint32_t last = 1;
@@ -50,6 +51,7 @@ struct StepIntervals {
 struct FeatureSpec {
   // At least one.
   std::vector<ModelInput> hmm;
+  StepIntervals hmm_steps;
   // Empty without an LSTM.
   std::vector<ModelInput> lstm;
   StepIntervals lstm_steps;
@@ -66,7 +68,7 @@ struct Calibration {
   std::vector<double> lstm_temperature;
   // Share of the LSTM in the fused log-probability, 0 to 1.
   std::vector<double> lstm_weight;
-  // Best class's log-likelihood per frame over training contacts.
+  // Best class's log-likelihood per HMM step over training contacts.
   std::vector<double> evidence_mean;
   std::vector<double> evidence_deviation;
   // Factors on the standard deviations of the object estimate.

@@ -104,8 +104,8 @@ void FitEvidence(std::span<const ScoredContact> contacts, size_t time,
   double sum_of_squares = 0;
   for (const ScoredContact& contact : contacts) {
     const auto& scores = contact.log_likelihood[time];
-    const double evidence =
-        *std::max_element(scores.begin(), scores.end()) / contact.frames[time];
+    const double evidence = *std::max_element(scores.begin(), scores.end()) /
+                            std::max(contact.hmm_steps[time], 1.0);
     sum += evidence;
     sum_of_squares += evidence * evidence;
   }
@@ -171,18 +171,18 @@ ScoredContact ScoreContact(const std::shared_ptr<const CompiledModel>& model,
           {*classifier.object(), std::log10(contact.stiffness),
            contact.object_motion[classifier.frames() - 1]});
     }
-    scored.frames.push_back(static_cast<double>(classifier.frames()));
+    scored.hmm_steps.push_back(static_cast<double>(classifier.hmm_steps()));
   };
   const auto times = CalibrationFrames(contact.sample_rate_hz);
   for (const ContactFrame& frame : contact.frames) {
     StepClassifier(frame, classifier);
-    const size_t next = scored.frames.size();
+    const size_t next = scored.hmm_steps.size();
     if (next < times.size() &&
         static_cast<double>(classifier.frames()) == times[next]) {
       record();
     }
   }
-  while (scored.frames.size() < times.size()) record();
+  while (scored.hmm_steps.size() < times.size()) record();
   return scored;
 }
 

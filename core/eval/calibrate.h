@@ -40,8 +40,8 @@ struct ScoredContact {
     double moved_m = 0;
   };
   std::vector<Estimate> estimates;
-  // Frames scored at each time.
-  std::vector<double> frames;
+  // Steps of the HMMs up to each time.
+  std::vector<double> hmm_steps;
 };
 
 // Scores one contact by a model that has not seen it.

@@ -14,6 +14,7 @@
 #include "core/eval/fit_hmms.h"
 #include "core/eval/fit_lstms.h"
 #include "core/eval/folds.h"
+#include "core/eval/time_warp.h"
 
 namespace tactus {
 namespace {
@@ -120,10 +121,17 @@ absl::StatusOr<Model> FitUncalibrated(
     const std::vector<const Contact*>& contacts,
     const std::vector<std::string>& class_names, const FitOptions& options,
     int networks, const ParallelFor& parallel) {
-  TACTUS_ASSIGN_OR_RETURN(Model model, FitHmms(contacts, class_names, options));
+  std::vector<Contact> warped;
+  for (double pace : options.paces) {
+    for (const Contact* contact : contacts) {
+      warped.push_back(AtPace(*contact, pace));
+    }
+  }
+  std::vector<const Contact*> all = contacts;
+  for (const Contact& contact : warped) all.push_back(&contact);
+  TACTUS_ASSIGN_OR_RETURN(Model model, FitHmms(all, class_names, options));
   if (networks > 0) {
-    TACTUS_RETURN_IF_ERROR(
-        FitLstms(contacts, options, networks, parallel, model));
+    TACTUS_RETURN_IF_ERROR(FitLstms(all, options, networks, parallel, model));
   }
   return model;
 }
@@ -233,7 +241,9 @@ absl::StatusOr<Model> FitModel(const std::vector<const Contact*>& contacts,
   TACTUS_ASSIGN_OR_RETURN(Model model,
                           FitUncalibrated(contacts, class_names, options,
                                           options.lstm.networks, parallel));
-  TACTUS_RETURN_IF_ERROR(Calibrate(contacts, options, parallel, model));
+  if (options.calibrate) {
+    TACTUS_RETURN_IF_ERROR(Calibrate(contacts, options, parallel, model));
+  }
   TACTUS_RETURN_IF_ERROR(AddWarmUp(contacts, model));
   model.provenance.trials = static_cast<uint32_t>(contacts.size());
   model.provenance.seed = options.seed;

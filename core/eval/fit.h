@@ -59,6 +59,7 @@ struct FitOptions {
   std::vector<Cue> hmm_cues;
   // Logarithms of the features instead of the features.
   bool log_features = true;
+  StepIntervals hmm_steps;
   int states = 10;
   int hmms_per_class = 1;
   Score score = Score::kForward;
@@ -67,11 +68,17 @@ struct FitOptions {
   // Smallest variance of a scaled input in any state.
   double covariance_floor = 1e-3;
   LstmFit lstm;
+  // Models are trained on every contact as it is and as if the arm had moved at
+  // these multiples of its pace (time_warp.h).
+  std::vector<double> paces;
   // A calibration is fitted on inner folds that leave out one condition each
   // where there are a few, or a few groups of materials; else on this many
   // even ones.
   InnerFolds inner_folds = InnerFolds::kConditions;
   int calibration_folds = 3;
+  // Without, scores are probabilities as they are: the best class is the same
+  // where HMMs or LSTMs are asked alone.
+  bool calibrate = true;
   uint64_t seed = 1;
 };
 

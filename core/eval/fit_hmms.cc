@@ -14,7 +14,7 @@ absl::StatusOr<HmmMixture> FitClass(const std::vector<const Contact*>& contacts,
   std::vector<std::vector<double>> sequences;
   for (const Contact* contact : contacts) {
     if (contact->label == name) {
-      sequences.push_back(MakeSequence(*contact, spec.hmm));
+      sequences.push_back(MakeSequence(*contact, spec.hmm, spec.hmm_steps));
     }
   }
   const int dimensions = static_cast<int>(spec.hmm.size());
@@ -42,9 +42,10 @@ absl::StatusOr<Model> FitHmms(const std::vector<const Contact*>& contacts,
                               const FitOptions& options) {
   Model model;
   model.class_names = class_names;
-  model.features.hmm =
-      FitInputs(contacts, CuesFor(options.hmm_cues, options.features),
-                {.log_features = options.log_features});
+  model.features.hmm_steps = options.hmm_steps;
+  model.features.hmm = FitInputs(
+      contacts, CuesFor(options.hmm_cues, options.features),
+      {.log_features = options.log_features, .steps = options.hmm_steps});
   model.features.sample_rate_hz = contacts.front()->sample_rate_hz;
   model.hmm_score = options.score;
   model.layout = contacts.front()->layout;

@@ -128,10 +128,11 @@ std::vector<ModelInput> FitStretches(
 }
 
 std::vector<double> MakeSequence(const Contact& contact,
-                                 std::span<const ModelInput> inputs) {
+                                 std::span<const ModelInput> inputs,
+                                 const StepIntervals& steps) {
   std::vector<double> sequence;
   std::vector<double> row(inputs.size());
-  WalkCues(contact, StepIntervals(), [&](const CueTracker& cues, size_t) {
+  WalkCues(contact, steps, [&](const CueTracker& cues, size_t) {
     MakeInput(inputs, cues, row);
     sequence.insert(sequence.end(), row.begin(), row.end());
   });

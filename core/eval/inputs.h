@@ -55,10 +55,12 @@ std::vector<ModelInput> FitInputs(const std::vector<const Contact*>& contacts,
                                   std::span<const Cue> cues,
                                   const InputOptions& options);
 
-// Scaled inputs of all touched frames, frames x inputs, row-major.
+// Scaled inputs of the touched frames due by `steps`, frames x inputs,
+// row-major.
 std::vector<double> MakeSequence(const Contact& contact,
-                                 std::span<const ModelInput> inputs);
-// Those of the frames due by `steps`, as LSTMs are trained on them.
+                                 std::span<const ModelInput> inputs,
+                                 const StepIntervals& steps);
+// The same as LSTMs are trained on them.
 std::vector<float> MakeLstmSequence(const Contact& contact,
                                     std::span<const ModelInput> inputs,
                                     const StepIntervals& steps);

@@ -22,7 +22,16 @@ FitOptions PaperPreset() {
 
 FitOptions TunedPreset() {
   FitOptions options;
+  options.hmm_cues = {Cue::kLogForce,         Cue::kLogMotion,
+                      Cue::kLogArea,          Cue::kLogSlope,
+                      Cue::kLogSlopeMisfit,   Cue::kForceRippleLong,
+                      Cue::kMotionRippleLong, Cue::kLogSpring,
+                      Cue::kLogSpringMisfit,  Cue::kForceDrop};
+  options.hmm_steps = {5, 20};
   options.hmms_per_class = 20;
+  options.states = 6;
+  options.covariance_floor = 0.1;
+  options.paces = {0.7, 1.4};
   LstmFit& lstm = options.lstm;
   lstm.networks = 3;
   lstm.cues = DerivedCues();
@@ -33,7 +42,7 @@ FitOptions TunedPreset() {
   lstm.steps = {5, 20};
   lstm.estimates = true;
   LstmTrainOptions& training = lstm.training;
-  training.epochs = 40;
+  training.epochs = 12;
   training.batch_size = 16;
   training.optimizer.optimizer = Optimizer::kAdam;
   training.optimizer.learning_rate = 3e-3;

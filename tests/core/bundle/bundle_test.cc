@@ -27,6 +27,7 @@ Model FullModel() {
   model.features.lstm = {
       {Cue::kLogSpring, 0, 1, 2}, {Cue::kArea, 0.5, 3, 4}, {Cue::kLogTime}};
   model.features.lstm_steps = {5, 20};
+  model.features.hmm_steps = {4, 30};
   model.calibration.lstm_weight = {0.25, 0.5};
   model.calibration.lstm_temperature = {1, 0.75};
   model.provenance = {"command", "0.1.0", 12, 34, "data.h5", "note"};
@@ -54,6 +55,7 @@ TEST(BundleTest, RoundTripKeepsEveryField) {
   EXPECT_EQ(back->lstms[0].classes(), 4);
   EXPECT_EQ(back->features.lstm[1].cue, Cue::kArea);
   EXPECT_EQ(back->features.lstm_steps.last, 20u);
+  EXPECT_EQ(back->features.hmm_steps.first, 4u);
   EXPECT_EQ(back->warm_up.samples[1].features, (FeatureVector{5, 6, 7}));
   EXPECT_EQ(back->warm_up.samples[1].net_force, 8);
 }

@@ -189,6 +189,40 @@ TEST(ContactClassifierTest, LstmsRestBetweenTheirIntervals) {
   EXPECT_EQ(stepped.back() - stepped[stepped.size() - 2], 20);
 }
 
+// Only frames that are due count, however few lie between.
+TEST(ContactClassifierTest, HmmsRestBetweenTheirIntervals) {
+  Model model = testing::SmallModel();
+  ContactClassifier every_frame(*CompiledModel::Create(model), {});
+  model.features.hmm_steps = {3, 3};
+  ContactClassifier every_third(*CompiledModel::Create(model), {});
+  Random random(3);
+  for (int t = 1; t <= 30; ++t) {
+    const ContactSample sample = {{random.Uniform(0, 4), 0, 0.001}, 1};
+    every_third.Step(sample, 0);
+    if (t % 3 == 0) every_frame.Step(sample, 0);
+    EXPECT_EQ(every_third.hmm_steps(), static_cast<uint64_t>(t / 3));
+    for (int k = 0; k < 4; ++k) {
+      EXPECT_EQ(every_third.log_likelihood()[k],
+                every_frame.log_likelihood()[k]);
+    }
+  }
+}
+
+// Of frames that went missing, those that were due are summed over.
+TEST(ContactClassifierTest, HmmsPredictAcrossTheStepsThatWereDue) {
+  Model model = testing::SmallModel();
+  ContactClassifier every_frame(*CompiledModel::Create(model), {});
+  model.features.hmm_steps = {3, 3};
+  ContactClassifier every_third(*CompiledModel::Create(model), {});
+  for (int t = 1; t <= 4; ++t) every_third.Step(kHard, 0);
+  every_frame.Step(kHard, 0);
+  every_third.Step(kSoftMoved, /*missing_before=*/7);  // 5 to 11, then 12
+  every_frame.Step(kSoftMoved, /*missing_before=*/2);  // 6 and 9
+  for (int k = 0; k < 4; ++k) {
+    EXPECT_EQ(every_third.log_likelihood()[k], every_frame.log_likelihood()[k]);
+  }
+}
+
 TEST(ContactClassifierTest, AFrameAllocatesNothing) {
   Model model = testing::SmallModel();
   AddLstms(2, model);

@@ -68,6 +68,7 @@ TEST(ValidateFeatureSpecTest, EachSpoiltFieldIsRefused) {
       [](FeatureSpec& s) { s.hmm[0].offset = std::nan(""); },
       [](FeatureSpec& s) { s.lstm = s.hmm; },
       [](FeatureSpec& s) { s.lstm_steps.first = 0; },
+      [](FeatureSpec& s) { s.hmm_steps.first = 0; },
       [](FeatureSpec& s) {
         s.lstm_steps = {5, 4};
       },

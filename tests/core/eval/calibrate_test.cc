@@ -28,7 +28,7 @@ TEST(FitCalibrationTest, FindsTheFactorThatMakesScoresHonest) {
     contact.label = random.Uniform() < 1 / (1 + std::exp(-honest)) ? 1 : 0;
     contact.log_likelihood.assign(6,
                                   {-100.0, -100.0 + kOverconfidence * honest});
-    contact.frames = CalibrationFrames(100);
+    contact.hmm_steps = CalibrationFrames(100);
     contacts.push_back(contact);
   }
   Calibration c;
@@ -50,7 +50,7 @@ TEST(FitCalibrationTest, FindsTheFactorThatMakesScoresHonest) {
 
 TEST(FitCalibrationTest, EvidenceIsPerFrame) {
   std::vector<ScoredContact> contacts(2);
-  for (auto& contact : contacts) contact.frames = CalibrationFrames(100);
+  for (auto& contact : contacts) contact.hmm_steps = CalibrationFrames(100);
   contacts[0].log_likelihood.assign(6, {-30, -90});
   contacts[1].log_likelihood.assign(6, {-50, -10});
   contacts[1].label = 1;

@@ -26,7 +26,7 @@ TEST(FitInputsTest, ScalesToZeroMeanAndUnitDeviationOrToZeroAndOne) {
   EXPECT_DOUBLE_EQ(standard[0].gain, 1 / std::sqrt(60.0 / 9));
   const auto span =
       FitInputs({&contact}, kForceCue, {.scaling = Scaling::kMinMax});
-  const auto rows = MakeSequence(contact, span);
+  const auto rows = MakeSequence(contact, span, {});
   EXPECT_DOUBLE_EQ(rows.front(), 0);
   EXPECT_DOUBLE_EQ(rows.back(), 1);
 }
@@ -35,7 +35,7 @@ TEST(FitStretchesTest, EachRisesOverItsOwnPartAndRestsElsewhere) {
   const Contact contact = Ramp(0, 101);
   const auto stretches = FitStretches({&contact}, kForceCue, 4, {});
   ASSERT_EQ(stretches.size(), 4u);
-  const auto rows = MakeSequence(contact, stretches);
+  const auto rows = MakeSequence(contact, stretches, {});
   for (int t = 0; t <= 100; ++t) {
     for (int n = 0; n < 4; ++n) {
       const double want = std::clamp((t - 25.0 * n) / 12.5 - 1, -1.0, 1.0);

@@ -1,0 +1,107 @@
+#include "core/eval/unknown.h"
+
+#include <algorithm>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+#include "core/classify/contact_classifier.h"
+#include "core/eval/folds.h"
+
+namespace tactus {
+namespace {
+
+constexpr size_t kMinCategories = 3;
+constexpr double kUnknown = 0.5;
+
+// The probability of being unknown of every contact of `fold`, by a model
+// fitted to what is neither of it nor of `category`.
+absl::StatusOr<std::vector<double>> ScoreFold(
+    const std::vector<const Contact*>& contacts, const std::vector<int>& fold,
+    const std::string& category, const FitOptions& options) {
+  std::vector<const Contact*> rest;
+  for (int i : Complement(fold, static_cast<int>(contacts.size()))) {
+    if (contacts[i]->label != category) rest.push_back(contacts[i]);
+  }
+  TACTUS_ASSIGN_OR_RETURN(Model model, FitModel(rest, options, RunSerially));
+  TACTUS_ASSIGN_OR_RETURN(const auto compiled,
+                          CompiledModel::Create(std::move(model)));
+  std::vector<double> unknown;
+  for (int i : fold) {
+    ContactClassifier classifier(compiled, {});
+    for (const ContactFrame& frame : contacts[i]->frames) {
+      StepClassifier(frame, classifier);
+    }
+    unknown.push_back(classifier.unknown());
+  }
+  return unknown;
+}
+
+double ShareAbove(std::span<const double> values, double limit) {
+  if (values.empty()) return 0;
+  const auto above = std::count_if(values.begin(), values.end(),
+                                   [&](double v) { return v > limit; });
+  return static_cast<double>(above) / static_cast<double>(values.size());
+}
+
+}  // namespace
+
+double AreaUnderRoc(std::span<const double> positive,
+                    std::span<const double> negative) {
+  if (positive.empty() || negative.empty()) return 0.5;
+  std::vector<double> sorted(negative.begin(), negative.end());
+  std::sort(sorted.begin(), sorted.end());
+  double sum = 0;
+  for (double value : positive) {
+    const auto [first, last] =
+        std::equal_range(sorted.begin(), sorted.end(), value);
+    sum += static_cast<double>(first - sorted.begin()) +
+           0.5 * static_cast<double>(last - first);
+  }
+  return sum / static_cast<double>(positive.size()) /
+         static_cast<double>(negative.size());
+}
+
+absl::StatusOr<std::vector<UnknownResult>> EvaluateUnknown(
+    const std::vector<const Contact*>& contacts, const FitOptions& options,
+    const ParallelFor& parallel) {
+  const std::vector<std::string> categories = ClassNames(contacts);
+  if (categories.size() < kMinCategories) {
+    return InvalidTrainingData(
+        absl::StrCat("the contacts have ", categories.size(),
+                     " categories; leaving one out takes ", kMinCategories));
+  }
+  TACTUS_ASSIGN_OR_RETURN(const auto folds,
+                          MakeFolds(contacts, Protocol::kLeaveOneConditionOut));
+  FitOptions hmms_only = options;
+  hmms_only.lstm.networks = 0;
+
+  const size_t jobs = categories.size() * folds.size();
+  std::vector<absl::StatusOr<std::vector<double>>> unknown(
+      jobs, std::vector<double>());
+  parallel(static_cast<int>(jobs), [&](int job) {
+    unknown[job] = ScoreFold(contacts, folds[job % folds.size()],
+                             categories[job / folds.size()], hmms_only);
+  });
+
+  std::vector<UnknownResult> results;
+  for (size_t c = 0; c < categories.size(); ++c) {
+    std::vector<double> left_out;
+    std::vector<double> known;
+    for (size_t f = 0; f < folds.size(); ++f) {
+      const auto& scores = unknown[c * folds.size() + f];
+      TACTUS_RETURN_IF_ERROR(scores.status());
+      for (size_t i = 0; i < folds[f].size(); ++i) {
+        const bool is_known = contacts[folds[f][i]]->label != categories[c];
+        (is_known ? known : left_out).push_back((*scores)[i]);
+      }
+    }
+    results.push_back({.category = categories[c],
+                       .detected = ShareAbove(left_out, kUnknown),
+                       .false_alarms = ShareAbove(known, kUnknown),
+                       .area_under_roc = AreaUnderRoc(left_out, known)});
+  }
+  return results;
+}
+
+}  // namespace tactus

@@ -1,0 +1,61 @@
+#include "core/eval/unknown.h"
+
+#include "core/base/random.h"
+#include "gtest/gtest.h"
+
+namespace tactus {
+namespace {
+
+TEST(AreaUnderRocTest, CountsPairsInOrderAndTiesByHalves) {
+  const double positive[] = {3, 2};
+  const double negative[] = {1, 2, 0};
+  EXPECT_DOUBLE_EQ(AreaUnderRoc(positive, negative), 5.5 / 6);
+  EXPECT_DOUBLE_EQ(AreaUnderRoc({}, negative), 0.5);
+}
+
+// Three categories on three levels of force, at two conditions.
+std::vector<Contact> Levels() {
+  std::vector<Contact> contacts;
+  Random random(1);
+  const char* labels[] = {"a", "b", "c"};
+  const double levels[] = {1, 2, 50};
+  for (int c = 0; c < 3; ++c) {
+    for (int i = 0; i < 20; ++i) {
+      Contact contact;
+      contact.label = labels[c];
+      contact.condition = i % 2 == 0 ? "slow" : "fast";
+      for (int t = 0; t < 40; ++t) {
+        contact.frames.push_back(
+            {IdealSample({levels[c] * random.Uniform(0.9, 1.1), 1, 0.01})});
+      }
+      contacts.push_back(std::move(contact));
+    }
+  }
+  return contacts;
+}
+
+TEST(EvaluateUnknownTest, FindsWhatIsFarFromAllThatWasFitted) {
+  const std::vector<Contact> contacts = Levels();
+  std::vector<const Contact*> pointers;
+  for (const Contact& contact : contacts) pointers.push_back(&contact);
+  FitOptions options;
+  options.states = 2;
+  const auto results = EvaluateUnknown(pointers, options, RunSerially);
+  ASSERT_TRUE(results.ok()) << results.status();
+  ASSERT_EQ(results->size(), 3u);
+  const UnknownResult& far = (*results)[2];
+  EXPECT_EQ(far.category, "c");
+  EXPECT_EQ(far.detected, 1);
+  EXPECT_EQ(far.area_under_roc, 1);
+  EXPECT_LT(far.false_alarms, 0.2);
+}
+
+TEST(EvaluateUnknownTest, RefusesTwoCategories) {
+  const std::vector<Contact> contacts = Levels();
+  std::vector<const Contact*> pointers;
+  for (int i = 0; i < 40; ++i) pointers.push_back(&contacts[i]);
+  EXPECT_FALSE(EvaluateUnknown(pointers, FitOptions(), RunSerially).ok());
+}
+
+}  // namespace
+}  // namespace tactus
