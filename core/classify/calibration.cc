@@ -12,10 +12,6 @@
 namespace tactus {
 namespace {
 
-// A contact is as likely unknown as not when its evidence lies this many
-// deviations below the training mean; one deviation is e-fold.
-constexpr double kUnknownDeviations = 6;
-
 // Exponentiates in place relative to the largest entry and normalises.
 // Returns false if no entry is above -infinity.
 bool NormaliseLogs(std::span<double> values) {

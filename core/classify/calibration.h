@@ -35,8 +35,12 @@ void TemperedPosterior(std::span<const double> log_prior,
 void FusePosteriors(std::span<const double> hmm, std::span<const double> lstm,
                     double weight, std::span<double> fused);
 
+// A contact is as likely unknown as not when its evidence lies this many
+// deviations below what is typical; one deviation is e-fold.
+inline constexpr double kUnknownDeviations = 6;
+
 // Probability that the contact is of no known kind, from how far its best
-// log-likelihood per frame lies below that of training contacts.
+// log-likelihood per HMM step lies below that of training contacts.
 double UnknownShare(const CalibrationPoint& point, double evidence);
 
 // INVALID_MODEL unless all tables have one finite entry per frame count and

@@ -68,7 +68,8 @@ struct Calibration {
   std::vector<double> lstm_temperature;
   // Share of the LSTM in the fused log-probability, 0 to 1.
   std::vector<double> lstm_weight;
-  // Best class's log-likelihood per HMM step over training contacts.
+  // Best class's log-likelihood per HMM step: the median of training contacts,
+  // and the deviation that the share of unknown is reckoned with.
   std::vector<double> evidence_mean;
   std::vector<double> evidence_deviation;
   // Factors on the standard deviations of the object estimate.

@@ -24,7 +24,9 @@ constexpr double kMaxLstmTemperature = 4;
 // Weights tried are multiples of one over this.
 constexpr int kWeightSteps = 20;
 // Keeps a constant score from making everything else unknown.
-constexpr double kMinEvidenceDeviation = 0.5;
+constexpr double kMinEvidenceDeviation = 0.1;
+// Share of known contacts that may be called unknown.
+constexpr double kFalseAlarms = 0.02;
 
 // Probabilities of the classes of every contact under a temperature.
 std::vector<Outcome> Temper(std::span<const ScoredContact> contacts,
@@ -97,24 +99,27 @@ double BestWeight(std::span<const Outcome> hmm, std::span<const Outcome> lstm) {
   return best_weight;
 }
 
-// What the best class's log-likelihood per frame is like.
+// What the best class's log-likelihood per step is like. The deviation is such
+// that kFalseAlarms of the contacts are rather unknown: the tail towards the
+// unlikely is heavy, and a variance says little of it.
 void FitEvidence(std::span<const ScoredContact> contacts, size_t time,
                  Calibration& calibration) {
-  double sum = 0;
-  double sum_of_squares = 0;
+  std::vector<double> evidence;
   for (const ScoredContact& contact : contacts) {
     const auto& scores = contact.log_likelihood[time];
-    const double evidence = *std::max_element(scores.begin(), scores.end()) /
-                            std::max(contact.hmm_steps[time], 1.0);
-    sum += evidence;
-    sum_of_squares += evidence * evidence;
+    evidence.push_back(*std::max_element(scores.begin(), scores.end()) /
+                       std::max(contact.hmm_steps[time], 1.0));
   }
-  const double count = static_cast<double>(contacts.size());
-  const double mean = sum / count;
-  const double variance = std::max(0.0, sum_of_squares / count - mean * mean);
-  calibration.evidence_mean.push_back(mean);
+  std::sort(evidence.begin(), evidence.end());
+  const auto quantile = [&](double share) {
+    return evidence[static_cast<size_t>(
+        share * static_cast<double>(evidence.size() - 1))];
+  };
+  const double median = quantile(0.5);
+  calibration.evidence_mean.push_back(median);
   calibration.evidence_deviation.push_back(
-      std::max(std::sqrt(variance), kMinEvidenceDeviation));
+      std::max((median - quantile(kFalseAlarms)) / kUnknownDeviations,
+               kMinEvidenceDeviation));
 }
 
 // Scales deviations so that they cover two thirds of the errors: robust

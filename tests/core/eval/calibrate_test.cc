@@ -48,17 +48,21 @@ TEST(FitCalibrationTest, FindsTheFactorThatMakesScoresHonest) {
   EXPECT_TRUE(Validate(c, 2, false).ok());
 }
 
-TEST(FitCalibrationTest, EvidenceIsPerFrame) {
-  std::vector<ScoredContact> contacts(2);
-  for (auto& contact : contacts) contact.hmm_steps = CalibrationFrames(100);
-  contacts[0].log_likelihood.assign(6, {-30, -90});
-  contacts[1].log_likelihood.assign(6, {-50, -10});
-  contacts[1].label = 1;
+// Evidence 0, -1 .. -100 a step: two contacts in a hundred are beyond -98.
+TEST(FitCalibrationTest, FewKnownContactsAreCalledUnknown) {
+  std::vector<ScoredContact> contacts(101);
+  for (int i = 0; i <= 100; ++i) {
+    contacts[i].hmm_steps.assign(6, 4);
+    contacts[i].log_likelihood.assign(6, {-4.0 * i, -4.0 * i - 7});
+    contacts[i].label = i % 2;
+  }
   Calibration c;
   c.prior = {0.5, 0.5};
   FitCalibration(contacts, 100, c);
-  EXPECT_NEAR(c.evidence_mean[0], (-3.0 - 1.0) / 2, 1e-12);
-  EXPECT_NEAR(c.evidence_deviation[0], 1, 1e-12);
+  EXPECT_NEAR(c.evidence_mean[0], -50, 1e-12);
+  const CalibrationPoint point = CalibrationAt(c, c.frames[0]);
+  EXPECT_NEAR(UnknownShare(point, -98), 0.5, 1e-12);
+  EXPECT_LT(UnknownShare(point, -50), 0.01);
 }
 
 }  // namespace
