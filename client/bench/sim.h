@@ -15,8 +15,10 @@
 
 namespace tactus::client {
 
-// Rows sim/paper-set, sim/cvode-TOLERANCE and, with --all, sim/random-scenes.
-// --table writes method,tolerance,seconds,median_error,worst_error,trials.
+// Rows sim/paper-set, sim/exact-TOLERANCE, sim/CVODE-TOLERANCE and, with --all,
+// sim/random-scenes; --table and --figure (work_precision.h) show the same.
+// NUMERICAL_FAILURE if the exact method is off by more than it states. What
+// was compared, and the worst scenes, go to stderr.
 std::unique_ptr<Benchmark> MakeSimBenchmark();
 
 }  // namespace tactus::client

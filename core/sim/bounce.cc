@@ -40,10 +40,8 @@ struct Series {
 }  // namespace
 
 BounceTrain::BounceTrain(const ContactScene& scene, const ContactModes& modes,
-                         bool ramping, double time, ContactPhase phase,
-                         const PieceState& state)
-    : scene_(&scene),
-      modes_(&modes),
+                         bool ramping)
+    : modes_(&modes),
       equilibrium_speed_(ramping ? scene.velocity_m_s : 0),
       equilibrium_start_(ramping ? 0 : scene.goal_m),
       friction_(scene.mu_kinetic * kGravity),
@@ -53,11 +51,6 @@ BounceTrain::BounceTrain(const ContactScene& scene, const ContactModes& modes,
               scene.KineticFriction() / modes.stiffness),
       softness_(1 / modes.fast.stiffness()),
       decay_(modes.fast.damping() / 2) {
-  now_.time = time;
-  now_.lag = state.position - (equilibrium_start_ + equilibrium_speed_ * time);
-  now_.rate = state.arm_speed() - equilibrium_speed_;
-  now_.approach = state.approach;
-  now_.touching = Touching(phase);
   const DampedPair& slow = modes.slow;
   const DampedPair& fast = modes.fast;
   const double p = slow.damping() - fast.damping();
@@ -73,7 +66,19 @@ BounceTrain::BounceTrain(const ContactScene& scene, const ContactModes& modes,
   slowest_span_ = kSlowSpan / std::max(modes.arm.fastest(), slow.fastest());
 }
 
-PieceState BounceTrain::StateOf(const Moment& moment) const {
+BounceMoment BounceTrain::MomentOf(ContactPhase phase, double time,
+                                   const PieceState& state) const {
+  BounceMoment moment;
+  moment.time = time;
+  moment.lag =
+      state.position - (equilibrium_start_ + equilibrium_speed_ * time);
+  moment.rate = state.arm_speed() - equilibrium_speed_;
+  moment.approach = state.approach;
+  moment.touching = Touching(phase);
+  return moment;
+}
+
+PieceState BounceTrain::StateOf(const BounceMoment& moment) const {
   PieceState state;
   state.approach = moment.approach;
   state.position =
@@ -82,22 +87,20 @@ PieceState BounceTrain::StateOf(const Moment& moment) const {
   return state;
 }
 
-double BounceTrain::Next(double until, double* impulse) {
-  Moment next = now_;
-  *impulse = 0;
-  const double span = next.touching ? Press(next, impulse) : Fly(next);
+double BounceTrain::Next(double until, BounceMoment& moment) {
+  BounceMoment next = moment;
+  const double span = next.touching ? Press(next) : Fly(next);
   next.time += span;
   if (!(span > 0 && next.time < until)) return 0;
   next.touching = !next.touching;
-  last_ = now_;
-  now_ = next;
+  moment = next;
   return span;
 }
 
 // d(t) = approach t + (a + friction) t^2 / 2 + a' t^3 / 6 + ..., where a is
 // the arm's acceleration. It bends upwards throughout, so that the root
 // beyond 0 is the only one.
-double BounceTrain::Fly(Moment& moment) const {
+double BounceTrain::Fly(BounceMoment& moment) const {
   const Series<6> arm(modes_->arm, moment.lag, moment.rate);
   const double gravity = arm.y[2] + friction_;
   const double inverse = 2 / gravity;
@@ -152,7 +155,7 @@ void BounceTrain::Turn(double angle) {
 // d(t) = slow part + ringing. With a slow part that hardly changes and hardly
 // any damping, d starts at 0 with a positive rate and its next zero is the
 // only one before a full turn of the ringing.
-double BounceTrain::Press(Moment& moment, double* impulse) {
+double BounceTrain::Press(BounceMoment& moment) {
   const double turn = 2 * pi * period_;
   if (!(turn < slowest_span_ && turn * decay_ < kRingLoss)) return 0;
   const DampedPair& fast_pair = modes_->fast;
@@ -210,7 +213,6 @@ double BounceTrain::Press(Moment& moment, double* impulse) {
       moment.lag = slow.y[0] + slow.Change(0, t) + fast - offset_;
       moment.rate = new_rate + approach;
       moment.approach = approach;
-      *impulse = scene_->object_mass_kg * (new_rate - rate + friction_ * t);
       return t;
     }
     const double deformation =

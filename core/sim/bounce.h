@@ -6,13 +6,13 @@
 // few terms of its Taylor series need neither exponentials nor a search for
 // their end; Newton's method finds it next to that of the bounce before.
 //
-//   BounceTrain train(scene, modes, ramping, time, phase, state);
-//   double impulse;
-//   while (train.Next(until, &impulse) > 0) total += impulse;
+//   BounceTrain train(scene, modes, ramping);
+//   BounceMoment moment = train.MomentOf(phase, time, state);
+//   while (train.Next(until, moment) > 0) ++changes_of_contact;
 //
 // The same equations as contact_piece.h, to double precision: a bounce that is
-// not certainly of this simple kind is left to the general way. Keeps pointers
-// to `scene` and `modes`. Not thread-safe.
+// not certainly of this simple kind is left to the general way. Keeps a pointer
+// to `modes`. Not thread-safe.
 #pragma once
 
 #include "core/sim/contact_modes.h"
@@ -22,54 +22,44 @@
 
 namespace tactus {
 
+// A change of contact: the arm in the frame of its equilibrium point, and its
+// approach to the object, which it just touches.
+struct BounceMoment {
+  double time = 0;
+  double lag = 0;
+  double rate = 0;
+  double approach = 0;
+  // From now on.
+  bool touching = false;
+};
+
 class BounceTrain {
  public:
-  // `phase` is kSliding or kCoasting and `state` its start, touching.
   BounceTrain(const ContactScene& scene, const ContactModes& modes,
-              bool ramping, double time, ContactPhase phase,
-              const PieceState& state);
+              bool ramping);
 
-  // Moves to the next change of contact and returns its distance in seconds
-  // and the contact's impulse (N s) on the way. 0, and nothing moved, if the
-  // next piece is not certainly an undisturbed flight or contact that ends
-  // before `until`.
-  double Next(double until, double* impulse);
-
-  double time() const { return now_.time; }
-  ContactPhase phase() const { return PhaseOf(now_); }
-  PieceState state() const { return StateOf(now_); }
-
-  // Where the piece that Next() passed began.
-  double last_time() const { return last_.time; }
-  ContactPhase last_phase() const { return PhaseOf(last_); }
-  PieceState last_state() const { return StateOf(last_); }
-
- private:
-  // The moment of a change of contact: the arm in the frame of its
-  // equilibrium point, and its approach to the object.
-  struct Moment {
-    double time = 0;
-    double lag = 0;
-    double rate = 0;
-    double approach = 0;
-    bool touching = false;
-  };
-
-  static ContactPhase PhaseOf(const Moment& moment) {
+  // `phase` is kSliding or kCoasting and `state` its start, touching.
+  BounceMoment MomentOf(ContactPhase phase, double time,
+                        const PieceState& state) const;
+  PieceState StateOf(const BounceMoment& moment) const;
+  static ContactPhase PhaseOf(const BounceMoment& moment) {
     return moment.touching ? ContactPhase::kSliding : ContactPhase::kCoasting;
   }
-  PieceState StateOf(const Moment& moment) const;
+
+  // Moves `moment` to the next change of contact and returns its distance in
+  // seconds. 0, and nothing moved, if the next piece is not certainly an
+  // undisturbed flight or contact that ends before `until`.
+  double Next(double until, BounceMoment& moment);
+
+ private:
   // Each moves `moment` to the end of a flight or contact and returns its
   // span; 0 or less if it is not certainly a simple one.
-  double Fly(Moment& moment) const;
-  double Press(Moment& moment, double* impulse);
+  double Fly(BounceMoment& moment) const;
+  double Press(BounceMoment& moment);
   // Turns the remembered angle of the ringing.
   void Turn(double angle);
 
-  const ContactScene* scene_;
   const ContactModes* modes_;
-  Moment now_;
-  Moment last_;
   double equilibrium_speed_;
   double equilibrium_start_;
   // Constants of the scene, folded.

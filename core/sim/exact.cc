@@ -7,9 +7,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
-#include "core/sim/block_filter.h"
-#include "core/sim/bounce.h"
-#include "core/sim/butterworth.h"
+#include "core/sim/bounce_ride.h"
 #include "core/sim/contact_modes.h"
 #include "core/sim/first_crossing.h"
 
@@ -61,11 +59,6 @@ PieceEnd FindEnd(const ContactScene& scene, const ContactPiece& piece,
   return end;
 }
 
-struct PhaseStart {
-  ContactPhase phase = ContactPhase::kStuck;
-  PieceState state;
-};
-
 // The phase after `ending`, and its state: exactly on the event, so that it
 // starts clean.
 PhaseStart Follow(const ContactScene& scene, const ContactPiece& piece,
@@ -95,66 +88,6 @@ PhaseStart Follow(const ContactScene& scene, const ContactPiece& piece,
           state};
 }
 
-// Sum of the absolute changes of the anti-aliasing filter's impulse response.
-double ImpulseVariation() {
-  static const double variation = [] {
-    Butterworth6 filter(kAntiAliasHz, kSignalRateHz);
-    double sum = 0;
-    double last = 0;
-    for (int n = 0; n < 1000; ++n) {
-      const double response = filter.Step(n == 0 ? 1 : 0);
-      sum += std::abs(response - last);
-      last = response;
-    }
-    return sum;
-  }();
-  return variation;
-}
-
-// Follows a train of bounces from `next` at `time` on for as long as they are
-// simple and faster than `slowest`, and returns when that ends; `next` is then
-// the start of what follows.
-double RideBounces(const ContactScene& scene, const ContactModes& modes,
-                   bool ramping, double until, double time, double slowest,
-                   int64_t max_events, PieceSink& sink, PhaseStart& next,
-                   EventCounts& events) {
-  BounceTrain train(scene, modes, ramping, time, next.phase, next.state);
-  double impulse = 0;
-  double contact_time = 0;
-  double sample = sink.NextSample();
-  while (events.Total() <= max_events) {
-    if (train.phase() == ContactPhase::kSliding &&
-        train.state().approach < slowest) {
-      sink.TakeTotals(impulse, contact_time);
-      next = {ContactPhase::kSliding,
-              ContactPiece(scene, modes, ContactPhase::kSliding, ramping,
-                           train.time(), train.state())
-                  .WithoutRinging()};
-      return train.time();
-    }
-    double bounce_impulse;
-    const double span = train.Next(until, &bounce_impulse);
-    if (!(span > 0)) break;
-    const bool touching = Touching(train.last_phase());
-    if (train.time() < sample) {
-      impulse += bounce_impulse;
-      if (touching) contact_time += span;
-    } else {
-      sink.TakeTotals(impulse, contact_time);
-      impulse = 0;
-      contact_time = 0;
-      sink.Take(ContactPiece(scene, modes, train.last_phase(), ramping,
-                             train.last_time(), train.last_state()),
-                span);
-      sample = sink.NextSample();
-    }
-    ++(touching ? events.contacts_lost : events.contacts_made);
-  }
-  sink.TakeTotals(impulse, contact_time);
-  next = {train.phase(), train.state()};
-  return train.time();
-}
-
 bool Finite(const PieceState& state) {
   return std::isfinite(state.deformation + state.approach + state.position +
                        state.speed);
@@ -164,12 +97,14 @@ bool Finite(const PieceState& state) {
 class Sampler : public PieceSink {
  public:
   Sampler(const ContactScene& scene, const ExactOptions& options)
-      : rate_(options.sample_rate_hz) {
+      : rate_(options.sample_rate_hz), stiffness_(scene.object_stiffness) {
     trajectory_.sample_rate_hz = rate_;
     due_ = 1 + static_cast<size_t>(std::floor(scene.duration_s * rate_ + 1e-9));
     trajectory_.samples.reserve(due_);
     trajectory_.samples.emplace_back();
   }
+
+  BounceDetail detail() const override { return BounceDetail::kInstant; }
 
   double NextSample() const override {
     return static_cast<double>(trajectory_.samples.size()) / rate_;
@@ -180,12 +115,20 @@ class Sampler : public PieceSink {
     contact_time_ += contact_time;
   }
 
+  void TakeSample(const PieceState& state, double impulse,
+                  double contact_time) override {
+    TakeTotals(impulse, contact_time);
+    Append(state, stiffness_);
+  }
+
   void Take(const ContactPiece& piece, double duration) override {
     const bool touching = Touching(piece.phase());
     while (trajectory_.samples.size() < due_) {
       const double t = NextSample() - piece.begin();
       if (t > duration) break;
-      Append(piece, t);
+      Append(piece.At(t), piece.stiffness());
+      trajectory_.samples.back().impulse += piece.Impulse(t);
+      if (touching) trajectory_.samples.back().contact_time += t;
     }
     impulse_ += piece.Impulse(duration);
     if (touching) contact_time_ += duration;
@@ -202,20 +145,20 @@ class Sampler : public PieceSink {
   }
 
  private:
-  void Append(const ContactPiece& piece, double t) {
-    const PieceState state = piece.At(t);
+  void Append(const PieceState& state, double stiffness) {
     TrajectorySample sample;
     sample.x_arm = state.arm_position();
     sample.v_arm = state.arm_speed();
     sample.x_uobj = state.position;
     sample.v_uobj = state.speed;
-    sample.force = std::max(0.0, piece.stiffness() * state.deformation);
-    sample.impulse = impulse_ + piece.Impulse(t);
-    sample.contact_time = contact_time_ + (Touching(piece.phase()) ? t : 0);
+    sample.force = std::max(0.0, stiffness * state.deformation);
+    sample.impulse = impulse_;
+    sample.contact_time = contact_time_;
     trajectory_.samples.push_back(sample);
   }
 
   double rate_;
+  double stiffness_;
   size_t due_ = 0;
   double impulse_ = 0;       // of finished pieces
   double contact_time_ = 0;  // of finished pieces
@@ -223,13 +166,6 @@ class Sampler : public PieceSink {
 };
 
 }  // namespace
-
-double SkippedBounceSpeed(const ContactScene& scene,
-                          const ExactOptions& options) {
-  if (options.contact_time) return 0;
-  return options.skip_tolerance * scene.mu_kinetic * kGravity /
-         (2 * ImpulseVariation() * kSignalRateHz);
-}
 
 absl::Status Validate(const ExactOptions& options) {
   if (!(options.skip_tolerance >= 0 && options.skip_tolerance <= 0.1)) {
@@ -253,7 +189,6 @@ absl::StatusOr<PieceSummary> SolvePieces(const ContactScene& scene,
   TACTUS_RETURN_IF_ERROR(Validate(scene));
   TACTUS_RETURN_IF_ERROR(Validate(options));
   const ContactModes modes(scene);
-  const double slowest = SkippedBounceSpeed(scene, options);
   PieceSummary summary;
   PhaseStart next;
   bool ramping = true;
@@ -276,13 +211,19 @@ absl::StatusOr<PieceSummary> SolvePieces(const ContactScene& scene,
       time = std::min(time + end.time, until);
     }
     if (end.ending == Ending::kContact && Sliding(next.phase)) {
-      time = RideBounces(scene, modes, ramping, until, time, slowest,
-                         options.max_events, sink, next, summary.events);
+      const BounceRide ride = {&scene,
+                               &modes,
+                               ramping,
+                               until,
+                               options.skip_tolerance,
+                               options.max_events};
+      time = RideBounces(ride, time, sink, next, summary);
     }
-    if (summary.events.Total() > options.max_events) {
-      return NumericalFailure(absl::StrCat("more than ", options.max_events,
-                                           " contact events before ", time,
-                                           " s of the simulated contact"));
+    ++summary.solved;
+    if (summary.solved > options.max_events) {
+      return NumericalFailure(absl::StrCat(
+          "more than ", options.max_events, " bounces to solve before ", time,
+          " s of the simulated contact (exact.max_events)"));
     }
   }
   summary.moved = next.state.position > 0;

@@ -106,13 +106,12 @@ absl::StatusOr<SimulatedContact> SimulateContact(
   }
   TACTUS_RETURN_IF_ERROR(Validate(scene));
   PieceSignals reader(spec.object, scene, options.area);
-  ExactOptions exact = options.exact;
-  exact.contact_time = options.area;
   TACTUS_ASSIGN_OR_RETURN(const PieceSummary summary,
-                          SolvePieces(scene, exact, reader));
+                          SolvePieces(scene, options.exact, reader));
   contact.signals = reader.Finish();
   contact.moved = summary.moved;
   contact.events = summary.events;
+  contact.skipped_bounces = summary.skipped;
   return contact;
 }
 

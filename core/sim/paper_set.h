@@ -68,6 +68,8 @@ struct SimulatedContact {
   IdealSignals signals;
   bool moved = false;
   EventCounts events;
+  // Not solved one by one (bounce_ride.h).
+  int64_t skipped_bounces = 0;
   int64_t steps = 0;  // of the solver; 0 if the method takes none
 
   bool hard() const { return spec.object.Stiffness() >= kHardStiffness; }
@@ -84,8 +86,7 @@ enum class SimMethod { kExact, kCvode };
 
 struct SimulateOptions {
   SimMethod method = SimMethod::kExact;
-  // Without it, the area signal stays 0 and bounces too small to be felt are
-  // skipped (exact.h).
+  // Without it, the area signal stays 0.
   bool area = true;
   ExactOptions exact;
   SolverOptions cvode;

@@ -274,6 +274,12 @@ void PieceSignals::CloseFrame(const BlockFilter::Column& force_drive,
   clamped_ = false;
 }
 
+void PieceSignals::TakeSample(const PieceState& state, double impulse,
+                              double contact_time) {
+  CloseInterval(impulse_ + impulse, contact_ + contact_time,
+                state.arm_position(), state.position);
+}
+
 void PieceSignals::Take(const ContactPiece& piece, double duration) {
   const bool touching = Touching(piece.phase());
   const double end = piece.begin() + duration + kSlack;

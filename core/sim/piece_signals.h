@@ -17,7 +17,7 @@
 
 #include "core/sim/block_filter.h"
 #include "core/sim/contact_piece.h"
-#include "core/sim/exact.h"
+#include "core/sim/piece_sink.h"
 #include "core/sim/scene.h"
 #include "core/sim/signals.h"
 
@@ -28,8 +28,13 @@ class PieceSignals : public PieceSink {
   // Without `area`, that signal stays 0.
   PieceSignals(const Cube& cube, const ContactScene& scene, bool area);
 
+  BounceDetail detail() const override { return BounceDetail::kMean; }
   void Take(const ContactPiece& piece, double duration) override;
-  double NextSample() const override { return Boundary(closed_ + 1); }
+  double NextSample() const override {
+    return closed_ < intervals_ ? Boundary(closed_ + 1) : kNever;
+  }
+  void TakeSample(const PieceState& state, double impulse,
+                  double contact_time) override;
   void TakeTotals(double impulse, double contact_time) override {
     impulse_ += impulse;
     contact_ += contact_time;
@@ -37,6 +42,8 @@ class PieceSignals : public PieceSink {
   IdealSignals Finish() { return std::move(signals_); }
 
  private:
+  static constexpr double kNever = 1e300;  // s
+
   // How the pairs of one phase pass through a frame.
   struct PairTable {
     // State after a frame, by its state before: [of][from].

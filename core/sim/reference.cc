@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
@@ -155,7 +156,9 @@ class Run {
   absl::StatusOr<Trajectory> Go();
 
  private:
+  Real Crossing(int e, Real high) const;
   Real Event(const Vector& end, Real h, int* which) const;
+  Real StepLength() const;
   void Switch(int which);
   void Advance(Real until);
   void Sample();
@@ -167,8 +170,28 @@ class Run {
   Vector x_ = {};
   Real time_ = 0;
   Real contact_time_ = 0;
+  // By mode.
+  std::array<std::optional<Stepper>, 8> steppers_;
   Trajectory out_;
 };
+
+// The zero of margin `e` before `high`, where it is negative: Newton's method
+// inside a bracket. It leaves zero upwards first, if it starts there.
+Real Run::Crossing(int e, Real high) const {
+  Real low = 0;
+  Real t = high;
+  for (int i = 0; i < 200 && high - low > 1e-19L * high; ++i) {
+    const Margin margin = Margins(s_, mode_, a_, Propagate(a_, x_, t));
+    (margin.value[e] < 0 ? high : low) = t;
+    Real next = t - margin.value[e] / margin.rate[e];
+    if (!(margin.rate[e] < 0 && next > low && next < high)) {
+      next = (low + high) / 2;
+    }
+    if (std::abs(next - t) <= 1e-19L * t) break;
+    t = next;
+  }
+  return t;
+}
 
 // The time of the first event before `h`, where the state is `end`; else -1.
 Real Run::Event(const Vector& end, Real h, int* which) const {
@@ -186,13 +209,7 @@ Real Run::Event(const Vector& end, Real h, int* which) const {
       if (Margins(s_, mode_, a_, x).value[e] < 0) high = low;
     }
     if (high < 0) continue;
-    // Leaves zero upwards first, if it starts there.
-    Real low = 0;
-    for (int i = 0; i < 200 && high - low > 1e-19L * h; ++i) {
-      const Real middle = (low + high) / 2;
-      const Vector x = Propagate(a_, x_, middle);
-      (Margins(s_, mode_, a_, x).value[e] < 0 ? high : low) = middle;
-    }
+    high = Crossing(e, high);
     if (first < 0 || high < first) {
       first = high;
       *which = e;
@@ -219,32 +236,37 @@ void Run::Switch(int which) {
   a_ = Equations(s_, mode_);
 }
 
-// Steps evenly to `until`, event by event.
+Real Run::StepLength() const {
+  const Real mass = mode_.sliding ? s_.object_mass_kg : 1e300;
+  const Real contact = mode_.touching ? s_.object_stiffness : 0;
+  const Real fastest = std::sqrt(
+      (s_.actuator_stiffness + contact) / s_.arm_mass_kg + contact / mass);
+  const Real damping = s_.actuator_damping / s_.arm_mass_kg;
+  return kStepShare / std::max(fastest, damping);
+}
+
+// Steps of one length, and the rest, to `until`, event by event.
 void Run::Advance(Real until) {
   while (time_ < until) {
-    const Real left = until - time_;
-    const Real mass = mode_.sliding ? s_.object_mass_kg : 1e300;
-    const Real contact = mode_.touching ? s_.object_stiffness : 0;
-    const Real fastest = std::sqrt(
-        (s_.actuator_stiffness + contact) / s_.arm_mass_kg + contact / mass);
-    const Real damping = s_.actuator_damping / s_.arm_mass_kg;
-    const int steps = static_cast<int>(
-        std::ceil(left * std::max(fastest, damping) / kStepShare));
-    const Real h = left / steps;
-    const Stepper stepper(a_, h);
+    const Real length = StepLength();
+    std::optional<Stepper>& stepper =
+        steppers_[mode_.touching * 4 + mode_.sliding * 2 + mode_.ramping];
+    if (!stepper) stepper.emplace(a_, length);
     bool met = false;
-    for (int i = 0; i < steps && !met; ++i) {
-      const Vector end = stepper.Step(x_);
+    while (time_ < until && !met) {
+      const Real left = until - time_;
+      const Real h = std::min(left, length);
+      const Vector end =
+          left < length ? Propagate(a_, x_, h) : stepper->Step(x_);
       int which = 0;
       const Real at = Event(end, h, &which);
       met = at >= 0;
       x_ = met ? Propagate(a_, x_, at) : end;
-      time_ += met ? at : h;
+      time_ = met ? time_ + at : (left <= length ? until : time_ + h);
       if (mode_.touching) contact_time_ += met ? at : h;
       ++out_.steps;
       if (met) Switch(which);
     }
-    if (!met) time_ = until;
   }
 }
 

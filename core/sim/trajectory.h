@@ -25,10 +25,12 @@ struct TrajectorySample {
 struct EventCounts {
   int slips = 0;
   int stops = 0;
-  int contacts_lost = 0;
-  int contacts_made = 0;
+  int64_t contacts_lost = 0;
+  int64_t contacts_made = 0;
 
-  int Total() const { return slips + stops + contacts_lost + contacts_made; }
+  int64_t Total() const {
+    return slips + stops + contacts_lost + contacts_made;
+  }
 };
 
 struct Trajectory {
