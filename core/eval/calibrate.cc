@@ -26,7 +26,7 @@ constexpr int kWeightSteps = 20;
 // Keeps a constant score from making everything else unknown.
 constexpr double kMinEvidenceDeviation = 0.1;
 // Share of known contacts that may be called unknown.
-constexpr double kFalseAlarms = 0.02;
+constexpr double kFalseAlarms = 0.05;
 
 // Probabilities of the classes of every contact under a temperature.
 std::vector<Outcome> Temper(std::span<const ScoredContact> contacts,
