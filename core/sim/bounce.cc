@@ -119,7 +119,7 @@ double BounceTrain::Fly(BounceMoment& moment) const {
     const double miss = moment.approach + t * (gravity / 2 + t * bend);
     const double correction = miss * inverse * (1 - 2 * t * bend * inverse);
     t -= correction;
-    if (std::abs(correction) < 1e-7 * t) break;
+    if (std::abs(correction) < 1e-8 * t) break;
   }
   const double speed = moment.rate + equilibrium_speed_ - moment.approach;
   if (!(speed > 1.01 * friction_ * t)) return 0;
@@ -221,7 +221,7 @@ double BounceTrain::Press(BounceMoment& moment) {
     if (!(std::abs(missed) < 1)) break;
     Turn(missed);
     // Newton's method squares this.
-    found = std::abs(missed) < 1e-7;
+    found = std::abs(missed) < 1e-8;
   }
   angle_ = 0;
   drift_ = 0;

@@ -18,7 +18,7 @@ namespace {
 // way.
 constexpr double kDriveMiss = 1e-9;
 constexpr double kTimeMiss = 1e-7;
-// Rounding of eighth differences, which is no miss.
+// Rounding of high differences, which is no miss.
 constexpr double kRounding = 5e-14;
 // A leap spans at most this share of the slow motion's time scale.
 constexpr double kLeapShare = 0.1;

@@ -9,8 +9,8 @@ namespace {
 constexpr int kTerms = BounceSeries::kTerms;
 
 // Bernoulli's numbers, the second -1/2.
-constexpr std::array<double, kTerms> kBernoulli = {
-    1, -0.5, 1.0 / 6, 0, -1.0 / 30, 0, 1.0 / 42, 0};
+constexpr std::array<double, kTerms> kBernoulli = {1, -0.5,      1.0 / 6,
+                                                   0, -1.0 / 30, 0};
 
 }  // namespace
 

@@ -28,7 +28,7 @@ inline constexpr int kContact = 4;  // seconds in contact
 class BounceSeries {
  public:
   // Of the polynomial: terms, one more than its degree.
-  static constexpr int kTerms = 8;
+  static constexpr int kTerms = 6;
 
   // `change` is that of the bounce the series stands before; stride 1.
   explicit BounceSeries(const BounceChange& change);

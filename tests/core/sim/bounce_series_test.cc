@@ -7,12 +7,12 @@
 namespace tactus {
 namespace {
 
-// A sequence of changes that a polynomial of degree 7 gives exactly.
+// A sequence of changes that a polynomial of degree 5 gives exactly.
 BounceChange ChangeAt(double n) {
   BounceChange change = {};
   change[kTime] = 1 + 1e-3 * n;
   change[kLag] = 1 - n / 100 + n * n / 1e5;
-  change[kApproach] = std::pow(n / 500, 7);
+  change[kApproach] = std::pow(n / 500, 5);
   return change;
 }
 
