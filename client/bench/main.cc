@@ -6,6 +6,7 @@
 
 #include "CLI/CLI.hpp"
 #include "client/bench/benchmark.h"
+#include "client/bench/features.h"
 #include "client/bench/idle.h"
 #include "client/bench/sim.h"
 #include "core/base/version.h"
@@ -23,6 +24,7 @@ int Main(int argc, char** argv) {
   const auto add = [&](std::unique_ptr<Benchmark> benchmark) {
     commands.push_back({std::move(benchmark)});
   };
+  add(MakeFeaturesBenchmark());
   add(MakeSimBenchmark());
   add(MakeIdleBenchmark());
 

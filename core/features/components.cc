@@ -5,17 +5,14 @@
 #include <cstddef>
 #include <limits>
 
+#include "core/features/touched.h"
+
 namespace tactus {
 namespace {
 
 // Bits begin .. end-1; 0 <= begin < end <= 64.
 uint64_t BitRange(int begin, int end) {
   return (~uint64_t{0} >> (64 - (end - begin))) << begin;
-}
-
-bool Larger(const Region& a, const Region& b) {
-  if (a.taxels != b.taxels) return a.taxels > b.taxels;
-  return a.max_value > b.max_value;
 }
 
 }  // namespace
@@ -33,58 +30,50 @@ Segmenter::Segmenter(const SkinLayout& layout)
       reach_(layout.connectivity == Connectivity::kEight ? 1 : 0),
       threshold_(TaxelThreshold(layout.contact_threshold)),
       valid_(rows_, BitRange(0, columns_)),
-      labels_(layout.taxels()),
-      row_loads_(rows_),
-      column_loads_(columns_) {
+      touched_(TouchedWords(layout.taxels()) + 1) {
   for (size_t i = 0; i < layout.mask.size(); ++i) {
     if (layout.mask[i] != 0) continue;
     valid_[i / columns_] &= ~(uint64_t{1} << (i % columns_));
   }
-  const int max_runs = rows_ * ((columns_ + 1) / 2);
-  runs_.reserve(max_runs);
-  regions_.reserve(max_runs);
+  runs_.reserve(rows_ * ((columns_ + 1) / 2));
 }
 
 int Segmenter::Segment(std::span<const float> taxels) {
   runs_.clear();
-  std::fill(row_loads_.begin(), row_loads_.end(), 0);
-  std::fill(column_loads_.begin(), column_loads_.end(), 0);
+  largest_ = Region();
+  peak_ = 0;
+  regions_ = 0;
+  if (!FindTouched(taxels, threshold_, touched_)) return 0;
   int previous = 0;
   for (int row = 0; row < rows_; ++row) {
     const int first = static_cast<int>(runs_.size());
-    const float* row_taxels = taxels.data() + ptrdiff_t{row} * columns_;
-    AppendRuns(row_taxels, row, TouchedColumns(row_taxels, row));
+    AppendRuns(row, TouchedColumns(row));
     JoinRow(previous, first, static_cast<int>(runs_.size()));
     previous = first;
   }
-  Accumulate();
-  ChooseLargest();
-  return static_cast<int>(regions_.size());
+  if (runs_.empty()) return 0;
+  MeasureLargest(taxels.data(), MeasureRegions(taxels.data()));
+  return regions_;
 }
 
-uint64_t Segmenter::TouchedColumns(const float* row_taxels, int row) const {
-  uint64_t touched = 0;
-  for (int column = 0; column < columns_; ++column) {
-    touched |= uint64_t{row_taxels[column] >= threshold_} << column;
-  }
+uint64_t Segmenter::TouchedColumns(int row) const {
+  const int bit = row * columns_;
+  const uint64_t* word = &touched_[bit / 64];
+  const int shift = bit % 64;
+  // Two shifts, as one by 64 means nothing.
+  const uint64_t touched = word[0] >> shift | word[1] << 1 << (63 - shift);
   return touched & valid_[row];
 }
 
-void Segmenter::AppendRuns(const float* row_taxels, int row, uint64_t touched) {
+void Segmenter::AppendRuns(int row, uint64_t touched) {
   while (touched != 0) {
-    Run run;
-    run.row = row;
-    run.begin = std::countr_zero(touched);
-    run.end = run.begin + std::countr_one(touched >> run.begin);
-    run.parent = static_cast<int>(runs_.size());
-    for (int column = run.begin; column < run.end; ++column) {
-      run.max_value = std::max(run.max_value, row_taxels[column]);
-      run.total += row_taxels[column];
-      column_loads_[column] += row_taxels[column];
-    }
-    row_loads_[row] += run.total;
-    touched &= ~BitRange(run.begin, run.end);
-    runs_.push_back(run);
+    const int begin = std::countr_zero(touched);
+    const int end = begin + std::countr_one(touched >> begin);
+    runs_.push_back({.row = row,
+                     .begin = begin,
+                     .end = end,
+                     .parent = static_cast<int>(runs_.size())});
+    touched &= ~BitRange(begin, end);
   }
 }
 
@@ -124,66 +113,108 @@ int Segmenter::Root(int run) {
   return run;
 }
 
-void Segmenter::Accumulate() {
-  std::fill(labels_.begin(), labels_.end(), 0);
-  regions_.clear();
+int Segmenter::MeasureRegions(const float* taxels) {
+  int best = 0;
   for (int i = 0; i < static_cast<int>(runs_.size()); ++i) {
     Run& run = runs_[i];
-    const int first_taxel = run.row * columns_ + run.begin;
-    const int root = Root(i);
-    if (root == i) {
-      regions_.emplace_back().region.first_taxel = first_taxel;
-      run.label = static_cast<uint16_t>(regions_.size());
-    } else {
-      run.label = runs_[root].label;
+    // Its parent comes earlier and knows its first run by now.
+    run.parent = runs_[run.parent].parent;
+    regions_ += run.parent == i;
+    float max_value = 0;
+    const float* row = taxels + ptrdiff_t{run.row} * columns_;
+    for (int column = run.begin; column < run.end; ++column) {
+      max_value = std::max(max_value, row[column]);
+    }
+    Run& root = runs_[run.parent];
+    root.taxels += run.end - run.begin;
+    root.max_value = std::max(root.max_value, max_value);
+    peak_ = std::max(peak_, max_value);
+  }
+  if (regions_ == 1) return 0;
+  for (int i = 1; i < static_cast<int>(runs_.size()); ++i) {
+    const Run& run = runs_[i];
+    const Run& most = runs_[best];
+    if (run.taxels > most.taxels ||
+        (run.taxels == most.taxels && run.max_value > most.max_value)) {
+      best = i;
+    }
+  }
+  return best;
+}
+
+void Segmenter::MeasureLargest(const float* taxels, int root) {
+  int64_t row_sum = 0;
+  int64_t column_sum = 0;
+  uint64_t columns = 0;
+  for (const Run& run : runs_) {
+    if (run.parent != root) continue;
+    const float* row = taxels + ptrdiff_t{run.row} * columns_;
+    double total = 0;
+    for (int column = run.begin; column < run.end; ++column) {
+      total += row[column];
     }
     const int length = run.end - run.begin;
-    std::fill_n(labels_.begin() + first_taxel, length, run.label);
-    Accumulator& sums = regions_[run.label - 1];
-    sums.region.taxels += length;
-    sums.region.max_value = std::max(sums.region.max_value, run.max_value);
-    sums.region.total += run.total;
-    sums.row_sum += int64_t{run.row} * length;
-    sums.column_sum += int64_t{run.begin + run.end - 1} * length / 2;
-    sums.columns |= BitRange(run.begin, run.end);
+    largest_.total += total;
+    row_sum += int64_t{run.row} * length;
+    column_sum += int64_t{run.begin + run.end - 1} * length / 2;
+    columns |= BitRange(run.begin, run.end);
+  }
+  const Run& first = runs_[root];
+  largest_.taxels = first.taxels;
+  largest_.max_value = first.max_value;
+  largest_.first_taxel = first.row * columns_ + first.begin;
+  column_sum = AlongRegion(column_sum, columns, root);
+  largest_.centroid_row = static_cast<double>(row_sum) / first.taxels;
+  largest_.centroid_column = static_cast<double>(column_sum) / first.taxels;
+}
+
+int64_t Segmenter::AlongRegion(int64_t column_sum, uint64_t columns,
+                               int root) const {
+  const bool crosses = wrap_ && columns != BitRange(0, columns_) &&
+                       (columns & 1) != 0 && (columns >> (columns_ - 1)) != 0;
+  if (!crosses) return column_sum;
+  // Its columns form one arc of the cylinder: those of its end, next to column
+  // 0, are counted beyond the last one.
+  const int tail = std::countr_one(columns);
+  int tail_taxels = 0;
+  for (const Run& run : runs_) {
+    if (run.parent == root && run.begin < tail) {
+      tail_taxels += std::min(run.end, tail) - run.begin;
+    }
+  }
+  const int64_t round = int64_t{columns_} * runs_[root].taxels;
+  column_sum += int64_t{columns_} * tail_taxels;
+  return column_sum >= round ? column_sum - round : column_sum;
+}
+
+void Segmenter::SumLoads(std::span<const float> taxels,
+                         std::span<double> row_loads,
+                         std::span<double> column_loads) const {
+  std::fill(row_loads.begin(), row_loads.end(), 0.0);
+  std::fill(column_loads.begin(), column_loads.end(), 0.0);
+  for (const Run& run : runs_) {
+    const float* row = &taxels[ptrdiff_t{run.row} * columns_];
+    double total = 0;
+    for (int column = run.begin; column < run.end; ++column) {
+      total += row[column];
+      column_loads[column] += row[column];
+    }
+    row_loads[run.row] += total;
   }
 }
 
-void Segmenter::ChooseLargest() {
-  largest_ = Region();
-  peak_ = 0;
-  const Accumulator* best = nullptr;
-  for (const Accumulator& candidate : regions_) {
-    peak_ = std::max(peak_, candidate.region.max_value);
-    if (best == nullptr || Larger(candidate.region, best->region)) {
-      best = &candidate;
-    }
+void Segmenter::CopyLabels(std::span<uint16_t> labels) const {
+  std::fill(labels.begin(), labels.end(), 0);
+  uint16_t last = 0;
+  for (const Run& run : runs_) {
+    const Run& root = runs_[run.parent];
+    const bool is_first = &root == &run;
+    if (is_first) ++last;
+    const int first_taxel = run.row * columns_ + run.begin;
+    const uint16_t label =
+        is_first ? last : labels[root.row * columns_ + root.begin];
+    std::fill_n(labels.begin() + first_taxel, run.end - run.begin, label);
   }
-  if (best == nullptr) return;
-  largest_ = best->region;
-  Locate(*best, largest_);
-}
-
-void Segmenter::Locate(const Accumulator& sums, Region& region) const {
-  int64_t column_sum = sums.column_sum;
-  const uint64_t all = BitRange(0, columns_);
-  if (wrap_ && sums.columns != all && (sums.columns & 1) != 0 &&
-      (sums.columns >> (columns_ - 1)) != 0) {
-    // The region crosses the seam. Its columns form one arc of the cylinder:
-    // those of its end, next to column 0, are counted beyond the last one.
-    const int tail = std::countr_one(sums.columns);
-    int tail_taxels = 0;
-    for (const Run& run : runs_) {
-      if (run.label == labels_[region.first_taxel] && run.begin < tail) {
-        tail_taxels += std::min(run.end, tail) - run.begin;
-      }
-    }
-    const int64_t round = int64_t{columns_} * region.taxels;
-    column_sum += int64_t{columns_} * tail_taxels;
-    if (column_sum >= round) column_sum -= round;
-  }
-  region.centroid_row = static_cast<double>(sums.row_sum) / region.taxels;
-  region.centroid_column = static_cast<double>(column_sum) / region.taxels;
 }
 
 }  // namespace tactus

@@ -62,13 +62,14 @@ class Segmenter {
   // Largest value in any region; 0 if there is none.
   float peak() const { return peak_; }
 
-  // Sums of the touched taxels in each row and in each column.
-  std::span<const double> row_loads() const { return row_loads_; }
-  std::span<const double> column_loads() const { return column_loads_; }
+  // Writes the sums of the touched taxels in each row and in each column;
+  // `taxels` are those last segmented.
+  void SumLoads(std::span<const float> taxels, std::span<double> row_loads,
+                std::span<double> column_loads) const;
 
-  // rows x columns, row-major: 0 is background, regions are numbered from 1 in
-  // the order of their first taxels.
-  std::span<const uint16_t> labels() const { return labels_; }
+  // Writes rows x columns labels, row-major: 0 is background, regions are
+  // numbered from 1 in the order of their first taxels.
+  void CopyLabels(std::span<uint16_t> labels) const;
 
  private:
   // A maximal stretch of touched taxels in one row: columns begin .. end-1.
@@ -76,35 +77,30 @@ class Segmenter {
     int row = 0;
     int begin = 0;
     int end = 0;
-    // Index of an earlier run of the same region, or its own.
+    // Index of an earlier run of the same region, or its own; once all rows
+    // are known, of the region's first run.
     int parent = 0;
-    // Of the region; set once all rows are known.
-    uint16_t label = 0;
+    // Of the region, in its first run.
+    int taxels = 0;
     float max_value = 0;
-    double total = 0;
-  };
-
-  struct Accumulator {
-    Region region;
-    int64_t row_sum = 0;
-    int64_t column_sum = 0;
-    // Bit c is set if the region has a taxel in column c.
-    uint64_t columns = 0;
   };
 
   // Bit c is set if column c of the row is touched.
-  uint64_t TouchedColumns(const float* row_taxels, int row) const;
-  void AppendRuns(const float* row_taxels, int row, uint64_t touched);
+  uint64_t TouchedColumns(int row) const;
+  void AppendRuns(int row, uint64_t touched);
   // Joins runs first .. end-1 of one row with each other across the seam and
   // with the runs previous .. first-1 of the row above.
   void JoinRow(int previous, int first, int end);
   void Join(int a, int b);
   int Root(int run);
-  // Labels the taxels and sums over each region.
-  void Accumulate();
-  void ChooseLargest();
-  // Fills in the centroid.
-  void Locate(const Accumulator& sums, Region& region) const;
+  // Finds each run's region, its size and its peak. Returns the first run of
+  // the largest.
+  int MeasureRegions(const float* taxels);
+  // Sums over the region whose first run is `root`.
+  void MeasureLargest(const float* taxels, int root);
+  // `column_sum` as counted along a region that crosses the seam; `columns`
+  // are those it has taxels in.
+  int64_t AlongRegion(int64_t column_sum, uint64_t columns, int root) const;
 
   int rows_;
   int columns_;
@@ -116,11 +112,10 @@ class Segmenter {
   // One word a row: bit c is set if column c is valid.
   std::vector<uint64_t> valid_;
 
+  // One bit a taxel, row-major, and a word more.
+  std::vector<uint64_t> touched_;
   std::vector<Run> runs_;
-  std::vector<Accumulator> regions_;
-  std::vector<uint16_t> labels_;
-  std::vector<double> row_loads_;
-  std::vector<double> column_loads_;
+  int regions_ = 0;
   Region largest_;
   float peak_ = 0;
 };
