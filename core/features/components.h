@@ -82,25 +82,34 @@ class Segmenter {
     int parent = 0;
     // Of the region, in its first run.
     int taxels = 0;
-    float max_value = 0;
   };
 
-  // Bit c is set if column c of the row is touched.
-  uint64_t TouchedColumns(int row) const;
+  // Finds the touched taxels, row by row; false if there are none.
+  bool FindRows(std::span<const float> taxels);
+  // Most contacts are one region with one run in each of its rows: tells if
+  // this is one, and if so where it lies.
+  bool LocateBlob();
+  // Finds the regions of any other frame. Returns the first run of the largest.
+  int FindRegions(std::span<const float> taxels);
   void AppendRuns(int row, uint64_t touched);
   // Joins runs first .. end-1 of one row with each other across the seam and
   // with the runs previous .. first-1 of the row above.
   void JoinRow(int previous, int first, int end);
   void Join(int a, int b);
   int Root(int run);
-  // Finds each run's region, its size and its peak. Returns the first run of
-  // the largest.
-  int MeasureRegions(const float* taxels);
-  // Sums over the region whose first run is `root`.
-  void MeasureLargest(const float* taxels, int root);
-  // `column_sum` as counted along a region that crosses the seam; `columns`
-  // are those it has taxels in.
-  int64_t AlongRegion(int64_t column_sum, uint64_t columns, int root) const;
+  // Finds each run's region and its size. Returns the first run of the
+  // largest.
+  int MeasureRegions(std::span<const float> taxels);
+  // Largest value in a region.
+  float Peak(std::span<const float> taxels, int root);
+  // Sets the bits of a region alone.
+  void SelectRegion(int root);
+  // Finds where the largest region lies.
+  void Locate(int root);
+  // True if a region with taxels in `columns` crosses the seam.
+  bool Crosses(uint64_t columns) const;
+  // Of the columns' sum of a region as counted along it.
+  double CentroidColumn(int64_t column_sum) const;
 
   int rows_;
   int columns_;
@@ -109,11 +118,17 @@ class Segmenter {
   // 8-connected, else 0.
   int reach_;
   float threshold_;
-  // One word a row: bit c is set if column c is valid.
+  // One bit a taxel, row-major: whether it is valid; touched, and a word more;
+  // of one region.
   std::vector<uint64_t> valid_;
-
-  // One bit a taxel, row-major, and a word more.
   std::vector<uint64_t> touched_;
+  std::vector<uint64_t> selected_;
+  // One word a row: bit c is set if column c is touched. Rows before
+  // first_row_ and from end_row_ on are untouched.
+  std::vector<uint64_t> row_columns_;
+  int first_row_ = 0;
+  int end_row_ = 0;
+  // Empty if the frame is one blob.
   std::vector<Run> runs_;
   int regions_ = 0;
   Region largest_;

@@ -1,6 +1,6 @@
 #include "core/features/touched.h"
 
-#include <cstring>
+#include <algorithm>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/features/touched.cc"
@@ -38,6 +38,51 @@ bool FindTouched(const float* taxels, size_t count, float threshold,
   return (any | word) != 0;
 }
 
+// Sums run in this many stripes at any vector width, so that every width
+// rounds alike.
+constexpr size_t kStripes = 16;
+
+void SumTouched(const float* taxels, size_t count, const uint64_t* bits,
+                TouchedSum* sum) {
+  constexpr hn::CappedTag<double, 8> d;
+  constexpr hn::Rebind<float, decltype(d)> f;
+  constexpr size_t kLanes = hn::MaxLanes(d);
+  constexpr size_t kParts = kStripes / kLanes;
+  auto largest = hn::Zero(f);
+  decltype(hn::Zero(d)) totals[kParts];
+  for (auto& total : totals) total = hn::Zero(d);
+  for (size_t from = 0; from < count; from += kStripes) {
+    const uint64_t word = bits[from / 64];
+    if (word == 0) {
+      from += 64 - kStripes;
+      continue;
+    }
+    const float* values = taxels + from;
+    float padded[kStripes] = {};
+    if (count - from < kStripes) {
+      std::copy(values, taxels + count, padded);
+      values = padded;
+    }
+    for (size_t part = 0; part < kParts; ++part) {
+      const auto byte =
+          static_cast<uint8_t>(word >> (from % 64 + part * kLanes));
+      const auto value = hn::IfThenElseZero(
+          hn::LoadMaskBits(f, &byte), hn::LoadU(f, values + part * kLanes));
+      largest = hn::Max(largest, value);
+      totals[part] = hn::Add(totals[part], hn::PromoteTo(d, value));
+    }
+  }
+  double stripes[kStripes];
+  for (size_t part = 0; part < kParts; ++part) {
+    hn::StoreU(totals[part], d, stripes + part * kLanes);
+  }
+  sum->max_value = hn::GetLane(hn::MaxOfLanes(f, largest));
+  for (size_t half = kStripes / 2; half > 0; half /= 2) {
+    for (size_t i = 0; i < half; ++i) stripes[i] += stripes[i + half];
+  }
+  sum->total = stripes[0];
+}
+
 }  // namespace tactus::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -45,11 +90,20 @@ HWY_AFTER_NAMESPACE();
 namespace tactus {
 
 HWY_EXPORT(FindTouched);
+HWY_EXPORT(SumTouched);
 
 bool FindTouched(std::span<const float> taxels, float threshold,
                  std::span<uint64_t> bits) {
   return HWY_DYNAMIC_DISPATCH(FindTouched)(taxels.data(), taxels.size(),
                                            threshold, bits.data());
+}
+
+TouchedSum SumTouched(std::span<const float> taxels,
+                      std::span<const uint64_t> bits) {
+  TouchedSum sum;
+  HWY_DYNAMIC_DISPATCH(SumTouched)
+  (taxels.data(), taxels.size(), bits.data(), &sum);
+  return sum;
 }
 
 }  // namespace tactus
