@@ -6,8 +6,12 @@
 
 #include "CLI/CLI.hpp"
 #include "client/bench/benchmark.h"
+#include "client/bench/features.h"
 #include "client/bench/idle.h"
+#include "client/bench/lstm.h"
+#include "client/bench/session.h"
 #include "client/bench/sim.h"
+#include "client/bench/train_lstm.h"
 #include "core/base/version.h"
 
 namespace tactus::client {
@@ -23,6 +27,10 @@ int Main(int argc, char** argv) {
   const auto add = [&](std::unique_ptr<Benchmark> benchmark) {
     commands.push_back({std::move(benchmark)});
   };
+  add(MakeFeaturesBenchmark());
+  add(MakeLstmBenchmark());
+  add(MakeTrainLstmBenchmark());
+  add(MakeSessionBenchmark());
   add(MakeSimBenchmark());
   add(MakeIdleBenchmark());
 

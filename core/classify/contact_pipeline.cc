@@ -6,6 +6,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/classify/feature_input.h"
 
 namespace tactus {
 namespace {
@@ -57,7 +58,8 @@ absl::StatusOr<std::unique_ptr<ContactPipeline>> ContactPipeline::Create(
 ContactPipeline::ContactPipeline(const SkinLayout& layout,
                                  std::shared_ptr<const CompiledModel> model,
                                  const Options& options)
-    : tracker_(layout, {options.sample_rate_hz, options.release_after_s}),
+    : tracker_(layout, {options.sample_rate_hz, options.release_after_s,
+                        UsesProfile(model->model().features)}),
       classifier_(std::move(model), options.decision) {}
 
 const ContactReport& ContactPipeline::Step(const FrameView& frame) {

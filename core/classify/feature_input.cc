@@ -49,7 +49,7 @@ double TransformCue(double value, double log_offset) {
   return log_offset == 0 ? value : std::log(std::max(value, 0.0) + log_offset);
 }
 
-void MakeInput(std::span<const ModelInput> inputs, const CueTracker& cues,
+void MakeInput(std::span<const ModelInput> inputs, CueTracker& cues,
                std::span<double> out) {
   for (size_t i = 0; i < out.size(); ++i) {
     const ModelInput& input = inputs[i];

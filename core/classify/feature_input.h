@@ -16,7 +16,7 @@ namespace tactus {
 double TransformCue(double value, double log_offset);
 
 // Writes inputs.size() scaled inputs to `out`.
-void MakeInput(std::span<const ModelInput> inputs, const CueTracker& cues,
+void MakeInput(std::span<const ModelInput> inputs, CueTracker& cues,
                std::span<double> out);
 
 // The features that the inputs of both models are computed from.

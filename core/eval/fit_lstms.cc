@@ -13,7 +13,7 @@ namespace {
 std::vector<float> MakeTargets(const Contact& contact,
                                const StepIntervals& steps) {
   std::vector<float> targets;
-  WalkCues(contact, steps, [&](const CueTracker& cues, size_t frame) {
+  WalkCues(contact, steps, [&](CueTracker& cues, size_t frame) {
     targets.push_back(static_cast<float>(EncodeStiffness(contact.stiffness)));
     targets.push_back(static_cast<float>(
         EncodeMoved(contact.object_motion[frame], cues.value(Cue::kMotion))));

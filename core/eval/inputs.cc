@@ -46,9 +46,8 @@ double Inverse(double spread) { return spread > 0 ? 1 / spread : 1; }
 
 }  // namespace
 
-void WalkCues(
-    const Contact& contact, const StepIntervals& steps,
-    absl::FunctionRef<void(const CueTracker& cues, size_t frame)> visit) {
+void WalkCues(const Contact& contact, const StepIntervals& steps,
+              absl::FunctionRef<void(CueTracker& cues, size_t frame)> visit) {
   CueTracker cues(contact.sample_rate_hz);
   uint64_t due = steps.first;
   for (size_t i = 0; i < contact.frames.size(); ++i) {
@@ -76,7 +75,7 @@ std::vector<ModelInput> FitInputs(const std::vector<const Contact*>& contacts,
   }
   std::vector<Range> ranges(inputs.size());
   for (const Contact* contact : contacts) {
-    WalkCues(*contact, options.steps, [&](const CueTracker& tracker, size_t) {
+    WalkCues(*contact, options.steps, [&](CueTracker& tracker, size_t) {
       for (size_t i = 0; i < inputs.size(); ++i) {
         ranges[i].Add(
             TransformCue(tracker.value(inputs[i].cue), inputs[i].log_offset));
@@ -101,7 +100,7 @@ std::vector<ModelInput> FitStretches(
     int stretches, const StepIntervals& steps) {
   std::vector<std::vector<double>> values(cues.size());
   for (const Contact* contact : contacts) {
-    WalkCues(*contact, steps, [&](const CueTracker& tracker, size_t) {
+    WalkCues(*contact, steps, [&](CueTracker& tracker, size_t) {
       for (size_t i = 0; i < cues.size(); ++i) {
         values[i].push_back(tracker.value(cues[i]));
       }
@@ -132,7 +131,7 @@ std::vector<double> MakeSequence(const Contact& contact,
                                  const StepIntervals& steps) {
   std::vector<double> sequence;
   std::vector<double> row(inputs.size());
-  WalkCues(contact, steps, [&](const CueTracker& cues, size_t) {
+  WalkCues(contact, steps, [&](CueTracker& cues, size_t) {
     MakeInput(inputs, cues, row);
     sequence.insert(sequence.end(), row.begin(), row.end());
   });
@@ -144,7 +143,7 @@ std::vector<float> MakeLstmSequence(const Contact& contact,
                                     const StepIntervals& steps) {
   std::vector<float> sequence;
   std::vector<double> row(inputs.size());
-  WalkCues(contact, steps, [&](const CueTracker& cues, size_t) {
+  WalkCues(contact, steps, [&](CueTracker& cues, size_t) {
     MakeInput(inputs, cues, row);
     for (double value : row) sequence.push_back(static_cast<float>(value));
   });

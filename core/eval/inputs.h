@@ -46,9 +46,8 @@ std::vector<ModelInput> FitStretches(
 
 // Calls `visit` with the cues at every touched frame that is due by `steps`,
 // and the frames since onset.
-void WalkCues(
-    const Contact& contact, const StepIntervals& steps,
-    absl::FunctionRef<void(const CueTracker& cues, size_t frame)> visit);
+void WalkCues(const Contact& contact, const StepIntervals& steps,
+              absl::FunctionRef<void(CueTracker& cues, size_t frame)> visit);
 
 // One input a cue, scaled over all contacts, each of the same rate.
 std::vector<ModelInput> FitInputs(const std::vector<const Contact*>& contacts,

@@ -62,13 +62,14 @@ class Segmenter {
   // Largest value in any region; 0 if there is none.
   float peak() const { return peak_; }
 
-  // Sums of the touched taxels in each row and in each column.
-  std::span<const double> row_loads() const { return row_loads_; }
-  std::span<const double> column_loads() const { return column_loads_; }
+  // Writes the sums of the touched taxels in each row and in each column;
+  // `taxels` are those last segmented.
+  void SumLoads(std::span<const float> taxels, std::span<double> row_loads,
+                std::span<double> column_loads) const;
 
-  // rows x columns, row-major: 0 is background, regions are numbered from 1 in
-  // the order of their first taxels.
-  std::span<const uint16_t> labels() const { return labels_; }
+  // Writes rows x columns labels, row-major: 0 is background, regions are
+  // numbered from 1 in the order of their first taxels.
+  void CopyLabels(std::span<uint16_t> labels) const;
 
  private:
   // A maximal stretch of touched taxels in one row: columns begin .. end-1.
@@ -76,35 +77,39 @@ class Segmenter {
     int row = 0;
     int begin = 0;
     int end = 0;
-    // Index of an earlier run of the same region, or its own.
+    // Index of an earlier run of the same region, or its own; once all rows
+    // are known, of the region's first run.
     int parent = 0;
-    // Of the region; set once all rows are known.
-    uint16_t label = 0;
-    float max_value = 0;
-    double total = 0;
+    // Of the region, in its first run.
+    int taxels = 0;
   };
 
-  struct Accumulator {
-    Region region;
-    int64_t row_sum = 0;
-    int64_t column_sum = 0;
-    // Bit c is set if the region has a taxel in column c.
-    uint64_t columns = 0;
-  };
-
-  // Bit c is set if column c of the row is touched.
-  uint64_t TouchedColumns(const float* row_taxels, int row) const;
-  void AppendRuns(const float* row_taxels, int row, uint64_t touched);
+  // Finds the touched taxels, row by row; false if there are none.
+  bool FindRows(std::span<const float> taxels);
+  // Most contacts are one region with one run in each of its rows: tells if
+  // this is one, and if so where it lies.
+  bool LocateBlob();
+  // Finds the regions of any other frame. Returns the first run of the largest.
+  int FindRegions(std::span<const float> taxels);
+  void AppendRuns(int row, uint64_t touched);
   // Joins runs first .. end-1 of one row with each other across the seam and
   // with the runs previous .. first-1 of the row above.
   void JoinRow(int previous, int first, int end);
   void Join(int a, int b);
   int Root(int run);
-  // Labels the taxels and sums over each region.
-  void Accumulate();
-  void ChooseLargest();
-  // Fills in the centroid.
-  void Locate(const Accumulator& sums, Region& region) const;
+  // Finds each run's region and its size. Returns the first run of the
+  // largest.
+  int MeasureRegions(std::span<const float> taxels);
+  // Largest value in a region.
+  float Peak(std::span<const float> taxels, int root);
+  // Sets the bits of a region alone.
+  void SelectRegion(int root);
+  // Finds where the largest region lies.
+  void Locate(int root);
+  // True if a region with taxels in `columns` crosses the seam.
+  bool Crosses(uint64_t columns) const;
+  // Of the columns' sum of a region as counted along it.
+  double CentroidColumn(int64_t column_sum) const;
 
   int rows_;
   int columns_;
@@ -113,14 +118,19 @@ class Segmenter {
   // 8-connected, else 0.
   int reach_;
   float threshold_;
-  // One word a row: bit c is set if column c is valid.
+  // One bit a taxel, row-major: whether it is valid; touched, and a word more;
+  // of one region.
   std::vector<uint64_t> valid_;
-
+  std::vector<uint64_t> touched_;
+  std::vector<uint64_t> selected_;
+  // One word a row: bit c is set if column c is touched. Rows before
+  // first_row_ and from end_row_ on are untouched.
+  std::vector<uint64_t> row_columns_;
+  int first_row_ = 0;
+  int end_row_ = 0;
+  // Empty if the frame is one blob.
   std::vector<Run> runs_;
-  std::vector<Accumulator> regions_;
-  std::vector<uint16_t> labels_;
-  std::vector<double> row_loads_;
-  std::vector<double> column_loads_;
+  int regions_ = 0;
   Region largest_;
   float peak_ = 0;
 };

@@ -22,9 +22,9 @@ uint64_t ReleaseFrames(const ContactTracker::Options& options) {
   return static_cast<uint64_t>(std::clamp(whole, 1.0, kMaxReleaseFrames));
 }
 
-Eigen::Vector3d WorldPosition(const SkinLayout& layout, const SkinPoint& point,
+Eigen::Vector3d WorldPosition(const Eigen::Vector3d& link_position,
                               const Pose& pose) {
-  return pose.position + pose.orientation * LinkPosition(layout, point);
+  return pose.position + pose.orientation * link_position;
 }
 
 // True if a region as large and round as `region` around its centroid holds
@@ -44,7 +44,9 @@ ContactTracker::ContactTracker(const SkinLayout& layout, const Options& options)
     : layout_(layout),
       segmenter_(layout),
       onset_threshold_(TaxelThreshold(layout.onset_threshold)),
-      release_frames_(ReleaseFrames(options)) {}
+      release_frames_(ReleaseFrames(options)),
+      row_loads_(options.load_profile ? layout.rows : 0),
+      column_loads_(options.load_profile ? layout.columns : 0) {}
 
 void ContactTracker::Reset() {
   state_ = ContactState::kNoContact;
@@ -85,7 +87,8 @@ void ContactTracker::Begin(const FrameView& frame) {
   has_pose_ = frame.pose != nullptr;
   if (has_pose_) {
     pose_ = *frame.pose;
-    onset_position_ = WorldPosition(layout_, onset_point_, pose_);
+    onset_link_position_ = LinkPosition(layout_, onset_point_);
+    onset_position_ = WorldPosition(onset_link_position_, pose_);
   }
 }
 
@@ -111,8 +114,10 @@ void ContactTracker::Measure(const FrameView& frame) {
     features_.net_force = region.total;
     features_.area_taxels = region.taxels;
     features_.area_m2 = region.taxels * layout_.taxel_area_m2;
-    features_.profile =
-        MakeLoadProfile(segmenter_.row_loads(), segmenter_.column_loads());
+    if (!row_loads_.empty()) {
+      segmenter_.SumLoads(frame.taxels, row_loads_, column_loads_);
+      features_.profile = MakeLoadProfile(row_loads_, column_loads_);
+    }
     features_.centroid = {region.centroid_row, region.centroid_column};
     travelled_ = !Covers(layout_, region, onset_point_);
   } else {
@@ -130,8 +135,10 @@ double ContactTracker::Motion(const Pose* pose) {
     return SkinDistance(layout_, features_.centroid, onset_point_);
   }
   if (pose != nullptr) pose_ = *pose;
-  const Eigen::Vector3d position = WorldPosition(
-      layout_, travelled_ ? features_.centroid : onset_point_, pose_);
+  const Eigen::Vector3d position =
+      WorldPosition(travelled_ ? LinkPosition(layout_, features_.centroid)
+                               : onset_link_position_,
+                    pose_);
   return (position - onset_position_).norm();
 }
 

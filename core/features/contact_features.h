@@ -17,6 +17,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "Eigen/Core"
 #include "core/features/components.h"
@@ -42,7 +43,7 @@ struct FrameFeatures {
   // Distance of the contact from where it was at onset, in metres: in the world
   // frame if frames come with poses, else of the centroid along the skin.
   double motion_m = 0;
-  // Of the whole skin; zero if untouched.
+  // Of the whole skin; zero if untouched, or if the tracker leaves it out.
   LoadProfile profile = {};
   // Regions on the skin.
   int region_count = 0;
@@ -81,6 +82,8 @@ class ContactTracker {
     double sample_rate_hz = 100;
     // Seconds; below 0 a contact is never released.
     double release_after_s = 0.5;
+    // Without it, the load profile stays 0, for models that do not look at it.
+    bool load_profile = true;
   };
 
   // `layout` must be valid.
@@ -124,14 +127,20 @@ class ContactTracker {
   FrameFeatures features_;
   // Frames since the last touched one, up to release_frames_.
   uint64_t lost_frames_ = 0;
-  // Of the current contact: where it began, on the skin and in the world.
+  // Of the current contact: where it began, on the skin, in the link's frame
+  // and in the world.
   SkinPoint onset_point_;
+  Eigen::Vector3d onset_link_position_;
   // The region has left the place where the contact began.
   bool travelled_ = false;
   Eigen::Vector3d onset_position_;
   bool has_pose_ = false;
   // The latest pose of this contact.
   Pose pose_;
+
+  // Empty without the load profile.
+  std::vector<double> row_loads_;
+  std::vector<double> column_loads_;
 };
 
 }  // namespace tactus

@@ -102,11 +102,6 @@ double SignedLog(double x, double knee) {
 // 0 / 0 = 0; a sum of squares may have vanished.
 double Ratio(double x, double y) { return y > 0 ? x / y : 0; }
 
-// Weight of the newest of `count` samples in a mean over `window` samples.
-double Share(uint64_t count, double window) {
-  return 1 / std::min(static_cast<double>(count), std::max(1.0, window));
-}
-
 std::vector<Cue> CueRange(int first, int end) {
   std::vector<Cue> cues;
   for (int i = first; i < end; ++i) cues.push_back(static_cast<Cue>(i));
@@ -159,45 +154,94 @@ void CueTracker::Moments::Step(const FeatureVector& x, double share) {
   force_area = keep * (force_area + share * change[kF] * change[kA]);
 }
 
-double CueTracker::WindowShare(double seconds) const {
-  return Share(state_.frames, seconds * sample_rate_hz_);
+CueTracker::CueTracker(double sample_rate_hz)
+    : sample_rate_hz_(sample_rate_hz),
+      smooth_window_(std::max(1.0, kSmooth * sample_rate_hz)),
+      short_window_(std::max(1.0, kShort * sample_rate_hz)),
+      long_window_(std::max(1.0, kLong * sample_rate_hz)),
+      settled_frames_(kSettled * sample_rate_hz) {}
+
+double CueTracker::Share(double window) const {
+  return 1 / std::min(static_cast<double>(state_.frames), window);
 }
 
 void CueTracker::Step(const ContactSample& sample,
                       uint64_t frames_since_onset) {
   ++state_.frames;
+  state_.frames_since_onset = frames_since_onset;
+  state_.derived = false;
   FeatureVector x = {sample.net_force, sample.features[kA],
                      sample.features[kM]};
   for (double& value : x) value = std::clamp(value, -kLargest, kLargest);
+  const double smooth_share = Share(smooth_window_);
   for (int i = 0; i < kFeatureCount; ++i) {
     state_.values[i] = std::clamp(sample.features[i], -kLargest, kLargest);
-    state_.smooth[i].Step(x[i], WindowShare(kSmooth));
+    state_.smooth[i].Step(x[i], smooth_share);
   }
   for (int i = 0; i < kProfileSize; ++i) {
     state_.values[kFirstProfileCue + i] =
         std::clamp(sample.profile[i], -kLargest, kLargest);
   }
-  state_.short_window.Step(x, WindowShare(kShort));
-  state_.long_window.Step(x, WindowShare(kLong));
-  state_.contact.Step(x, 1 / static_cast<double>(state_.frames));
-  StepLevels(sample, frames_since_onset);
-  StepSprings(x);
-  ReadWindow(state_.short_window, Cue::kStiffnessShort);
-  ReadWindow(state_.long_window, Cue::kStiffnessLong);
-  StepRoughness(x);
+  const double share = 1 / static_cast<double>(state_.frames);
+  state_.short_window.Step(x, Share(short_window_));
+  state_.long_window.Step(x, Share(long_window_));
+  state_.contact.Step(x, share);
+  StepLevels(smooth_share, state_.values[kF]);
+  StepSprings(x, share);
+  StepRoughness(x, share);
 }
 
-void CueTracker::StepLevels(const ContactSample& sample,
-                            uint64_t frames_since_onset) {
+void CueTracker::StepLevels(double peak_share, double peak_force) {
   State& s = state_;
-  s.peak.Step(std::clamp(sample.features[kF], -kLargest, kLargest),
-              WindowShare(kSmooth));
-  const double force = s.smooth[kF].value;
+  s.peak.Step(peak_force, peak_share);
   const double area = s.smooth[kA].value;
-  const double log_force = Log(force, kForceFloor);
+  const bool settled = static_cast<double>(s.frames) > settled_frames_;
+  s.first_area = settled ? std::min(s.first_area, area) : area;
+  s.largest_force = std::max(s.largest_force, s.smooth[kF].value);
+}
+
+void CueTracker::StepSprings(const FeatureVector& x, double share) {
+  State& s = state_;
+  s.force_motion.Step(x[kF] * x[kM], share);
+  s.motion_motion.Step(x[kM] * x[kM], share);
+  s.force_force.Step(x[kF] * x[kF], share);
+  const double force_motion =
+      std::max(s.force_motion.value, kForceFloor * kMotionFloor);
+  const double motion_motion =
+      std::max(s.motion_motion.value, kMotionFloor * kMotionFloor);
+  // Compares the ratios.
+  if (s.frames == 1 || force_motion * s.stiffest_motion_motion >
+                           s.stiffest_force_motion * motion_motion) {
+    s.stiffest_force_motion = force_motion;
+    s.stiffest_motion_motion = motion_motion;
+  }
+}
+
+void CueTracker::StepRoughness(const FeatureVector& x, double share) {
+  State& s = state_;
+  for (int i = 0; i < kFeatureCount; ++i) {
+    const double change = s.frames == 1 ? 0 : x[i] - s.last[i];
+    s.roughness[i].Step(change * change, share);
+  }
+  s.last = x;
+}
+
+void CueTracker::Derive() {
+  state_.derived = true;
+  DeriveLevels();
+  DeriveSprings();
+  DeriveWindow(state_.short_window, Cue::kStiffnessShort);
+  DeriveWindow(state_.long_window, Cue::kStiffnessLong);
+  DeriveRoughness();
+}
+
+void CueTracker::DeriveLevels() {
+  const State& s = state_;
+  const double area = s.smooth[kA].value;
+  const double log_force = Log(s.smooth[kF].value, kForceFloor);
   const double log_motion = Log(s.smooth[kM].value, kMotionFloor);
   const double log_time =
-      std::log(static_cast<double>(frames_since_onset) / sample_rate_hz_);
+      std::log(static_cast<double>(s.frames_since_onset) / sample_rate_hz_);
   Set(Cue::kLogPeak, Log(s.peak.value, kForceFloor));
   Set(Cue::kLogForce, log_force);
   Set(Cue::kLogArea, Log(area, kAreaFloor));
@@ -206,43 +250,33 @@ void CueTracker::StepLevels(const ContactSample& sample,
   Set(Cue::kLogSpeed, log_motion - log_time);
   Set(Cue::kLogStiffness, log_force - log_motion);
 
-  const bool settled =
-      static_cast<double>(s.frames) > kSettled * sample_rate_hz_;
-  s.first_area = settled ? std::min(s.first_area, area) : area;
   Set(Cue::kLogFirstArea, Log(s.first_area, kAreaFloor));
   Set(Cue::kAreaGrowth,
       SignedLog(Ratio(area - s.first_area, std::max(s.first_area, kAreaFloor)),
                 kAreaKnee));
-  s.largest_force = std::max(s.largest_force, force);
   const double log_largest = Log(s.largest_force, kForceFloor);
   Set(Cue::kLogLargestForce, log_largest);
   Set(Cue::kForceDrop, log_force - log_largest);
 }
 
-void CueTracker::StepSprings(const FeatureVector& x) {
-  State& s = state_;
-  const double share = 1 / static_cast<double>(s.frames);
-  s.force_motion.Step(x[kF] * x[kM], share);
-  s.motion_motion.Step(x[kM] * x[kM], share);
-  s.force_force.Step(x[kF] * x[kF], share);
-  const double spring =
-      std::log(std::max(s.force_motion.value, kForceFloor * kMotionFloor)) -
-      std::log(std::max(s.motion_motion.value, kMotionFloor * kMotionFloor));
-  s.stiffest = s.frames == 1 ? spring : std::max(s.stiffest, spring);
-  Set(Cue::kLogSpring, spring);
-  Set(Cue::kLogStiffestSpring, s.stiffest);
+void CueTracker::DeriveSprings() {
+  const State& s = state_;
+  Set(Cue::kLogSpring,
+      Log(s.force_motion.value, kForceFloor * kMotionFloor) -
+          Log(s.motion_motion.value, kMotionFloor * kMotionFloor));
+  Set(Cue::kLogStiffestSpring,
+      std::log(s.stiffest_force_motion) - std::log(s.stiffest_motion_motion));
   Set(Cue::kLogSpringMisfit,
       Misfit(s.force_motion.value, s.motion_motion.value, s.force_force.value));
 
   const Moments& all = s.contact;
-  Set(Cue::kLogSlope,
-      std::log(std::max(all.variance[kF], kForceFloor * kForceFloor)) -
-          std::log(std::max(all.force_motion, kForceFloor * kMotionFloor)));
+  Set(Cue::kLogSlope, Log(all.variance[kF], kForceFloor * kForceFloor) -
+                          Log(all.force_motion, kForceFloor * kMotionFloor));
   Set(Cue::kLogSlopeMisfit,
       Misfit(all.force_motion, all.variance[kM], all.variance[kF]));
 }
 
-void CueTracker::ReadWindow(const Moments& window, Cue stiffness) {
+void CueTracker::DeriveWindow(const Moments& window, Cue stiffness) {
   auto set = [&](int place, double value) {
     state_.values[static_cast<int>(stiffness) + place] = value;
   };
@@ -261,19 +295,15 @@ void CueTracker::ReadWindow(const Moments& window, Cue stiffness) {
                    kAreaKnee));
 }
 
-void CueTracker::StepRoughness(const FeatureVector& x) {
+void CueTracker::DeriveRoughness() {
   constexpr Cue kCue[] = {Cue::kForceRoughness, Cue::kAreaRoughness,
                           Cue::kMotionRoughness};
   constexpr double kFloor[] = {kForceFloor, kAreaFloor, kMotionFloor};
-  State& s = state_;
   for (int i = 0; i < kFeatureCount; ++i) {
-    const double change = s.frames == 1 ? 0 : x[i] - s.last[i];
-    s.roughness[i].Step(change * change, 1 / static_cast<double>(s.frames));
     // Roughness is far smaller than the level.
-    Set(kCue[i], 0.5 * std::log(s.roughness[i].value +
+    Set(kCue[i], 0.5 * std::log(state_.roughness[i].value +
                                 kFloor[i] * kFloor[i] * kRippleFloor));
   }
-  s.last = x;
 }
 
 }  // namespace tactus

@@ -11,7 +11,9 @@
 //   tracker.Step(sample, /*frames_since_onset=*/1);
 //   double cue = tracker.value(Cue::kLogSpring);
 //
-// Constant memory; Step allocates nothing. Not thread-safe: one per stream.
+// Step keeps sums; the derived cues, some thirty logarithms, are computed when
+// one of them is first read. Constant memory; nothing allocates. Not
+// thread-safe: one per stream.
 #pragma once
 
 #include <array>
@@ -104,7 +106,12 @@ bool NeedsFeature(Cue cue, Feature feature);
 // True for the cues of the load profile, which an ideal signal leaves at 0.
 constexpr bool IsProfileCue(Cue cue) { return cue >= Cue::kRowLoad0; }
 
-// All cues but the raw features and the load profile.
+// True for all cues but the raw features and the load profile.
+constexpr bool IsDerived(Cue cue) {
+  return cue > Cue::kMotion && !IsProfileCue(cue);
+}
+
+// Those.
 std::vector<Cue> DerivedCues();
 
 // The load profile.
@@ -113,8 +120,7 @@ std::vector<Cue> ProfileCues();
 class CueTracker {
  public:
   // `sample_rate_hz` > 0.
-  explicit CueTracker(double sample_rate_hz)
-      : sample_rate_hz_(sample_rate_hz) {}
+  explicit CueTracker(double sample_rate_hz);
 
   // Forgets the contact.
   void Reset() { state_ = {}; }
@@ -124,7 +130,10 @@ class CueTracker {
   void Step(const ContactSample& sample, uint64_t frames_since_onset);
 
   // After the last Step(); 0 before the first.
-  double value(Cue cue) const { return state_.values[static_cast<int>(cue)]; }
+  double value(Cue cue) {
+    if (!state_.derived && IsDerived(cue)) Derive();
+    return state_.values[static_cast<int>(cue)];
+  }
 
  private:
   // Mean of all samples, or a running one once they are more than a window.
@@ -143,7 +152,10 @@ class CueTracker {
   // Net force, area, motion are the three features here.
   struct State {
     std::array<double, kCueCount> values = {};
+    // The derived ones are those of the last Step().
+    bool derived = true;
     uint64_t frames = 0;
+    uint64_t frames_since_onset = 0;
     Mean peak;
     std::array<Mean, kFeatureCount> smooth;
     Moments short_window;
@@ -153,7 +165,9 @@ class CueTracker {
     Mean force_motion;
     Mean motion_motion;
     Mean force_force;
-    double stiffest = 0;
+    // Mean products at the frame at which their ratio was largest.
+    double stiffest_force_motion = 0;
+    double stiffest_motion_motion = 0;
     double first_area = 0;
     double largest_force = 0;
     FeatureVector last = {};
@@ -161,17 +175,28 @@ class CueTracker {
     std::array<Mean, kFeatureCount> roughness;
   };
 
-  double WindowShare(double seconds) const;
+  // Weight of the newest sample in a running mean over `window` samples.
+  double Share(double window) const;
   void Set(Cue cue, double value) {
     state_.values[static_cast<int>(cue)] = value;
   }
-  void StepLevels(const ContactSample& sample, uint64_t frames_since_onset);
-  void StepSprings(const FeatureVector& x);
-  void StepRoughness(const FeatureVector& x);
-  // Writes the five cues of a window, from `stiffness` on.
-  void ReadWindow(const Moments& window, Cue stiffness);
+  void StepLevels(double peak_share, double peak_force);
+  void StepSprings(const FeatureVector& x, double share);
+  void StepRoughness(const FeatureVector& x, double share);
+  // Computes the derived cues from the sums.
+  void Derive();
+  void DeriveLevels();
+  void DeriveSprings();
+  // The five cues of a window, from `stiffness` on.
+  void DeriveWindow(const Moments& window, Cue stiffness);
+  void DeriveRoughness();
 
   double sample_rate_hz_;
+  // In samples, at least 1.
+  double smooth_window_;
+  double short_window_;
+  double long_window_;
+  double settled_frames_;
   State state_;
 };
 

@@ -7,10 +7,9 @@
 // not jump when a contact breaks into regions, and a root steadies the spread
 // of a load that varies more the larger it is.
 //
-//   Segmenter segmenter(layout);
 //   segmenter.Segment(frame.taxels);
-//   const LoadProfile profile =
-//       MakeLoadProfile(segmenter.row_loads(), segmenter.column_loads());
+//   segmenter.SumLoads(frame.taxels, row_loads, column_loads);
+//   const LoadProfile profile = MakeLoadProfile(row_loads, column_loads);
 //
 // Thread-safe: a free function without state. Nothing allocates.
 #pragma once

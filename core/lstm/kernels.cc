@@ -14,6 +14,7 @@ namespace {
 constexpr int kTileRows = 6;
 template <int kLanes>
 constexpr int kTileVectors = kLanes == 16 ? 4 : 2;
+constexpr int kMaxRowVectors = 8;
 // Terms summed before the next tile, so that their rows of b stay in cache.
 constexpr int kTileInner = 256;
 
@@ -78,6 +79,45 @@ TACTUS_INLINE void TileRows(LstmProduct p) {
   }
 }
 
+// A single row, in tiles of 5 to 8 vectors: fewer would wait for their sums.
+template <int kLanes>
+TACTUS_INLINE void TileOneRow(LstmProduct p) {
+  static_assert(kMaxRowVectors == 8);
+  for (int vectors = p.columns / kLanes; vectors > 0;) {
+    const int tiles = (vectors + kMaxRowVectors - 1) / kMaxRowVectors;
+    const int width = (vectors + tiles - 1) / tiles;
+    switch (width) {
+      case 8:
+        Tile<kLanes, 1, 8>(p);
+        break;
+      case 7:
+        Tile<kLanes, 1, 7>(p);
+        break;
+      case 6:
+        Tile<kLanes, 1, 6>(p);
+        break;
+      case 5:
+        Tile<kLanes, 1, 5>(p);
+        break;
+      case 4:
+        Tile<kLanes, 1, 4>(p);
+        break;
+      case 3:
+        Tile<kLanes, 1, 3>(p);
+        break;
+      case 2:
+        Tile<kLanes, 1, 2>(p);
+        break;
+      default:
+        Tile<kLanes, 1, 1>(p);
+    }
+    vectors -= width;
+    p.b += width * kLanes;
+    p.start += width * kLanes;
+    p.c += width * kLanes;
+  }
+}
+
 template <int kLanes>
 TACTUS_INLINE void Product(const LstmProduct& p) {
   constexpr int kVectors = kTileVectors<kLanes>;
@@ -89,6 +129,10 @@ TACTUS_INLINE void Product(const LstmProduct& p) {
     if (from > 0) {
       part.start = p.c;
       part.start_row = p.c_row;
+    }
+    if (p.rows == 1) {
+      TileOneRow<kLanes>(part);
+      continue;
     }
     const auto step_right = [&part](int columns) {
       part.columns -= columns;

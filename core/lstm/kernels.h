@@ -1,7 +1,8 @@
 // File: kernels.h
 //
-// The inner loops of LSTM training: matrix products, and one time step of the
-// cells of a layer forward and backward. Written once and compiled for several
+// The inner loops of LSTM inference and training: matrix products, and one time
+// step of the cells of a layer forward and backward. Activations are within
+// 2e-7 of the exact ones. Written once and compiled for several
 // vector widths; each number is computed by the same operations in the same
 // order at any width, so every CPU gives the same bits.
 //
@@ -84,7 +85,7 @@ struct LstmCellForward {
   LstmCellShape shape;
   float* gates = nullptr;           // in: sums; out: gates
   const float* previous = nullptr;  // c[t-1]
-  float* cell = nullptr;            // out: c[t]
+  float* cell = nullptr;            // out: c[t]; may be `previous` itself
   float* squashed = nullptr;        // out: act(c[t])
   float* output = nullptr;          // out: h[t]
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "core/base/status_macros.h"
 
@@ -13,35 +14,19 @@ constexpr double kMaxInput = 1e20;
 
 using RowMajor =
     Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using Values = Eigen::Ref<Eigen::ArrayXf>;
 
-void Activate(Activation activation, Values values) {
-  switch (activation) {
-    case Activation::kTanh:
-      // Within 2e-7; Eigen's tanh is only within 3.5e-7.
-      values = 1.0F - 2.0F / ((2.0F * values).exp() + 1.0F);
-      return;
-    case Activation::kSoftsign:
-      values /= values.abs() + 1;
-      return;
+// Distance of streams in the states of a layer.
+int Stride(int inputs, int cells) { return inputs + Padded(cells); }
+
+// Writes rows x columns `weights`, row-major, to `columns` rows of
+// Padded(rows).
+void Transpose(const std::vector<float>& weights, int rows, int columns,
+               float* to) {
+  for (int column = 0; column < columns; ++column, to += Padded(rows)) {
+    for (int row = 0; row < rows; ++row) {
+      to[row] = weights[row * columns + column];
+    }
   }
-}
-
-void ActivateGates(GateActivation activation, Values values) {
-  switch (activation) {
-    case GateActivation::kSigmoid:
-      values = 1.0F / (1.0F + (-values).exp());
-      return;
-    case GateActivation::kHardSigmoid:
-      values = (values * 0.2F + 0.5F).max(0.0F).min(1.0F);
-      return;
-  }
-}
-
-// Rows i, f, c, o to i, f, o, c.
-template <typename Matrix>
-void GatesTogether(Matrix& matrix, int cells) {
-  matrix.middleRows(2 * cells, cells).swap(matrix.bottomRows(cells));
 }
 
 }  // namespace
@@ -52,18 +37,16 @@ absl::StatusOr<CompiledLstm> CompiledLstm::Create(const LstmNetwork& network) {
   lstm.activation_ = network.activation;
   lstm.gate_activation_ = network.gate_activation;
   for (const LstmLayer& from : network.layers) {
-    const int rows = 4 * from.cells;
+    const int gates = 4 * from.cells;
     Layer& to = lstm.layers_.emplace_back();
     to.inputs = from.inputs;
     to.cells = from.cells;
-    to.weights.resize(rows, from.inputs + from.cells);
-    to.weights.leftCols(from.inputs) =
-        Eigen::Map<const RowMajor>(from.kernel.data(), rows, from.inputs);
-    to.weights.rightCols(from.cells) =
-        Eigen::Map<const RowMajor>(from.recurrent.data(), rows, from.cells);
-    to.bias = Eigen::Map<const Eigen::VectorXf>(from.bias.data(), rows);
-    GatesTogether(to.weights, from.cells);
-    GatesTogether(to.bias, from.cells);
+    to.weights.resize(size_t(from.inputs + from.cells) * Padded(gates));
+    Transpose(from.kernel, gates, from.inputs, to.weights.data());
+    Transpose(from.recurrent, gates, from.cells,
+              &to.weights[size_t(from.inputs) * Padded(gates)]);
+    to.bias.resize(Padded(gates));
+    std::copy(from.bias.begin(), from.bias.end(), to.bias.begin());
   }
   const auto outputs = static_cast<int>(network.dense_bias.size());
   const int cells = network.layers.back().cells;
@@ -77,74 +60,108 @@ absl::StatusOr<CompiledLstm> CompiledLstm::Create(const LstmNetwork& network) {
   return lstm;
 }
 
-LstmStepper::LstmStepper(const CompiledLstm& lstm) : lstm_(&lstm) {
+LstmStepper::LstmStepper(const CompiledLstm& lstm, int streams,
+                         const LstmKernels& kernels)
+    : lstm_(&lstm), kernels_(&kernels), streams_(streams) {
   for (const CompiledLstm::Layer& layer : lstm.layers_) {
     State& state = states_.emplace_back();
-    state.input_output.resize(layer.inputs + layer.cells);
-    state.cell.resize(layer.cells);
-    state.gates.resize(4 * layer.cells);
-    state.squashed.resize(layer.cells);
+    const size_t size = size_t(streams) * Stride(layer.inputs, layer.cells);
+    state.input_output.resize(size);
+    state.cell.resize(size);
+    state.squashed.resize(size);
+    // The kernels read on past the last row.
+    state.gates.resize(size_t(streams) * layer.bias.size() + kLstmLanes);
   }
-  output_.resize(lstm.layers_.back().cells);
-  dense_.resize(lstm.dense_bias_.size());
-  log_probability_.resize(lstm.classes());
-  probability_.resize(lstm.classes());
+  output_.resize(lstm.layers_.back().cells, streams);
+  dense_.resize(lstm.dense_bias_.size(), streams);
+  log_probability_.resize(lstm.classes(), streams);
+  probability_.resize(lstm.classes(), streams);
   Reset();
 }
 
 void LstmStepper::Reset() {
-  for (State& state : states_) {
-    state.input_output.setZero();
-    state.cell.setZero();
+  for (int stream = 0; stream < streams_; ++stream) Reset(stream);
+}
+
+void LstmStepper::Reset(int stream) {
+  for (size_t i = 0; i < states_.size(); ++i) {
+    const CompiledLstm::Layer& layer = lstm_->layers_[i];
+    const int stride = Stride(layer.inputs, layer.cells);
+    const ptrdiff_t at = ptrdiff_t{stream} * stride;
+    std::fill_n(&states_[i].input_output[at], stride, 0.0F);
+    std::fill_n(&states_[i].cell[at], stride, 0.0F);
   }
-  dense_.setZero();
-  log_probability_.setConstant(-std::log(double(lstm_->classes())));
-  probability_.setConstant(1.0 / lstm_->classes());
+  dense_.col(stream).setZero();
+  log_probability_.col(stream).setConstant(-std::log(double(lstm_->classes())));
+  probability_.col(stream).setConstant(1.0 / lstm_->classes());
 }
 
 void LstmStepper::Step(std::span<const double> input) {
-  for (int i = 0; i < lstm_->inputs(); ++i) {
-    states_.front().input_output[i] =
-        static_cast<float>(std::clamp(input[i], -kMaxInput, kMaxInput));
-  }
-  for (size_t i = 0; i < states_.size(); ++i) {
-    const CompiledLstm::Layer& layer = lstm_->layers_[i];
-    StepLayer(layer, states_[i]);
-    const auto output = states_[i].input_output.tail(layer.cells);
-    if (i + 1 < states_.size()) {
-      states_[i + 1].input_output.head(layer.cells) = output;
-    } else {
-      output_ = output.cast<double>();
+  const CompiledLstm::Layer& first = lstm_->layers_.front();
+  float* to = states_.front().input_output.data();
+  for (int stream = 0; stream < streams_; ++stream) {
+    for (int i = 0; i < first.inputs; ++i) {
+      to[i] = static_cast<float>(std::clamp(
+          input[size_t(stream) * first.inputs + i], -kMaxInput, kMaxInput));
     }
+    to += Stride(first.inputs, first.cells);
   }
+  for (size_t i = 0; i < states_.size(); ++i) StepLayer(i);
   Softmax();
 }
 
-void LstmStepper::StepLayer(const CompiledLstm::Layer& layer,
-                            State& state) const {
-  const int cells = layer.cells;
-  state.gates = layer.bias;
-  state.gates.noalias() += layer.weights * state.input_output;
-  ActivateGates(lstm_->gate_activation_, state.gates.head(3 * cells).array());
-  Activate(lstm_->activation_, state.gates.tail(cells).array());
-  const auto input_gate = state.gates.segment(0, cells).array();
-  const auto forget_gate = state.gates.segment(cells, cells).array();
-  const auto output_gate = state.gates.segment(2 * cells, cells).array();
-  const auto candidate = state.gates.segment(3 * cells, cells).array();
-  state.cell.array() =
-      forget_gate * state.cell.array() + input_gate * candidate;
-  state.squashed = state.cell;
-  Activate(lstm_->activation_, state.squashed.array());
-  state.input_output.tail(cells).array() = output_gate * state.squashed.array();
+void LstmStepper::StepLayer(size_t index) {
+  const CompiledLstm::Layer& layer = lstm_->layers_[index];
+  State& state = states_[index];
+  const int stride = Stride(layer.inputs, layer.cells);
+  const int gates = Padded(4 * layer.cells);
+  kernels_->product({.rows = streams_,
+                     .inner = layer.inputs + layer.cells,
+                     .columns = gates,
+                     .a = state.input_output.data(),
+                     .a_row = stride,
+                     .b = layer.weights.data(),
+                     .b_row = gates,
+                     .start = layer.bias.data(),
+                     .c = state.gates.data(),
+                     .c_row = gates});
+  float* output = state.input_output.data() + layer.inputs;
+  kernels_->cell_forward({.shape = {.rows = streams_,
+                                    .cells = layer.cells,
+                                    .activation = lstm_->activation_,
+                                    .gate_activation = lstm_->gate_activation_,
+                                    .gate_row = gates,
+                                    .cell_row = stride},
+                          .gates = state.gates.data(),
+                          .previous = state.cell.data(),
+                          .cell = state.cell.data(),
+                          .squashed = state.squashed.data(),
+                          .output = output});
+  const bool last = index + 1 == states_.size();
+  for (int stream = 0; stream < streams_; ++stream, output += stride) {
+    if (last) {
+      std::copy_n(output, layer.cells, output_.col(stream).data());
+    } else {
+      const CompiledLstm::Layer& next = lstm_->layers_[index + 1];
+      std::copy_n(
+          output, layer.cells,
+          &states_[index + 1].input_output[ptrdiff_t{stream} *
+                                           Stride(next.inputs, next.cells)]);
+    }
+  }
 }
 
 void LstmStepper::Softmax() {
-  dense_ = lstm_->dense_bias_;
-  dense_.noalias() += lstm_->dense_kernel_ * output_;
-  log_probability_ = dense_.head(lstm_->classes());
-  log_probability_.array() -= log_probability_.maxCoeff();
-  log_probability_.array() -= std::log(log_probability_.array().exp().sum());
-  probability_ = log_probability_.array().exp();
+  for (int stream = 0; stream < streams_; ++stream) {
+    auto dense = dense_.col(stream);
+    dense = lstm_->dense_bias_;
+    dense.noalias() += lstm_->dense_kernel_ * output_.col(stream);
+    auto log_probability = log_probability_.col(stream);
+    log_probability = dense.head(lstm_->classes());
+    log_probability.array() -= log_probability.maxCoeff();
+    log_probability.array() -= std::log(log_probability.array().exp().sum());
+    probability_.col(stream) = log_probability.array().exp();
+  }
 }
 
 }  // namespace tactus

@@ -11,8 +11,12 @@
 //     ... stepper.probability() ...
 //   }
 //
+// A stepper may run several streams in step, each with its own state: weights
+// are then read once for all of them.
+//
 // Weights and state are float, the softmax is double. The same inputs give the
-// same bits.
+// same bits, whatever the number of streams and however wide the CPU's vectors
+// are.
 #pragma once
 
 #include <span>
@@ -20,6 +24,7 @@
 
 #include "Eigen/Core"
 #include "absl/status/statusor.h"
+#include "core/lstm/kernels.h"
 #include "core/lstm/network.h"
 
 namespace tactus {
@@ -43,10 +48,10 @@ class CompiledLstm {
   struct Layer {
     int inputs = 0;
     int cells = 0;
-    // 4H x (I + H): kernel and recurrent weights side by side; rows i, f, o, c,
-    // so that the three gates lie together.
-    Eigen::MatrixXf weights;
-    Eigen::VectorXf bias;
+    // (I + H) x Padded(4H): kernel above recurrent weights, so that one product
+    // makes all gates of what a layer sees.
+    LstmBuffer weights;
+    LstmBuffer bias;  // Padded(4H)
   };
 
   CompiledLstm() = default;
@@ -60,62 +65,69 @@ class CompiledLstm {
   Eigen::VectorXd dense_bias_;
 };
 
-// The state of one sequence. Step() allocates nothing. Not thread-safe; one
-// per stream.
+// The state of one sequence a stream. Step() allocates nothing. Not
+// thread-safe.
 class LstmStepper {
  public:
-  // `lstm` must outlive the stepper.
-  explicit LstmStepper(const CompiledLstm& lstm);
+  // `lstm` and `kernels` must outlive the stepper; `streams` > 0.
+  explicit LstmStepper(const CompiledLstm& lstm, int streams = 1,
+                       const LstmKernels& kernels = BestLstmKernels());
 
-  // Begins a new sequence.
+  // Begins a new sequence in every stream.
   void Reset();
+  // In one of them.
+  void Reset(int stream);
 
-  // Takes the next frame: lstm.inputs() finite numbers, scaled as in training.
-  // Any magnitude is safe; beyond 1e20 it counts as 1e20.
+  // Takes the next frame of every stream, one after another: lstm.inputs()
+  // finite numbers each, scaled as in training. Any magnitude is safe; beyond
+  // 1e20 it counts as 1e20.
   void Step(std::span<const double> input);
 
   // After the last Step(), one per class; uniform before the first.
-  std::span<const double> log_probability() const {
-    return {log_probability_.data(), size_t(log_probability_.size())};
+  std::span<const double> log_probability(int stream = 0) const {
+    return {log_probability_.col(stream).data(), size_t(lstm_->classes())};
   }
-  std::span<const double> probability() const {
-    return {probability_.data(), size_t(probability_.size())};
+  std::span<const double> probability(int stream = 0) const {
+    return {probability_.col(stream).data(), size_t(lstm_->classes())};
   }
   // After the last Step(), one per regression; 0 before the first.
-  std::span<const double> regression_mean() const {
-    return Outputs(lstm_->classes());
+  std::span<const double> regression_mean(int stream = 0) const {
+    return Outputs(stream, lstm_->classes());
   }
-  std::span<const double> regression_log_variance() const {
-    return Outputs(lstm_->classes() + lstm_->regressions());
+  std::span<const double> regression_log_variance(int stream = 0) const {
+    return Outputs(stream, lstm_->classes() + lstm_->regressions());
   }
 
  private:
+  // One row a stream.
   struct State {
-    // I + H: this layer's input and its last output, as `weights` takes them.
-    Eigen::VectorXf input_output;
-    // H: c.
-    Eigen::VectorXf cell;
-    // 4H: the rows of `weights`, then the gates made of them.
-    Eigen::VectorXf gates;
-    // H: act(c).
-    Eigen::VectorXf squashed;
+    // I + Padded(H): this layer's input and its last output, as `weights` takes
+    // them.
+    LstmBuffer input_output;
+    // As long, H used: c and act(c).
+    LstmBuffer cell;
+    LstmBuffer squashed;
+    // Padded(4H).
+    LstmBuffer gates;
   };
 
-  void StepLayer(const CompiledLstm::Layer& layer, State& state) const;
+  void StepLayer(size_t index);
   void Softmax();
   // R outputs of the dense layer.
-  std::span<const double> Outputs(int first) const {
-    return {dense_.data() + first, size_t(lstm_->regressions())};
+  std::span<const double> Outputs(int stream, int first) const {
+    return {dense_.col(stream).data() + first, size_t(lstm_->regressions())};
   }
 
   const CompiledLstm* lstm_;
+  const LstmKernels* kernels_;
+  int streams_;
   std::vector<State> states_;
-  // Output of the last layer, H.
-  Eigen::VectorXd output_;
-  // Output of the dense layer, classes + 2R.
-  Eigen::VectorXd dense_;
-  Eigen::VectorXd log_probability_;
-  Eigen::VectorXd probability_;
+  // One column a stream: output of the last layer, H, and of the dense layer,
+  // classes + 2R.
+  Eigen::MatrixXd output_;
+  Eigen::MatrixXd dense_;
+  Eigen::MatrixXd log_probability_;
+  Eigen::MatrixXd probability_;
 };
 
 }  // namespace tactus

@@ -32,7 +32,8 @@ double SkinDistance(const SkinLayout& layout, const SkinPoint& a,
                     const SkinPoint& b) {
   double columns = std::abs(a.column - b.column);
   if (layout.wrap_columns) {
-    columns = std::fmod(columns, layout.columns);
+    // Seldom needed, and slow.
+    if (columns >= layout.columns) columns = std::fmod(columns, layout.columns);
     columns = std::min(columns, layout.columns - columns);
   }
   return std::hypot(columns * layout.column_pitch_m,

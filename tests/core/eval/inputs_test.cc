@@ -54,7 +54,7 @@ TEST(WalkCuesTest, VisitsTouchedFramesThatAreDue) {
   Contact contact = Ramp(1, 60);
   contact.frames[9].touched = false;
   std::vector<size_t> visited;
-  WalkCues(contact, {5, 20}, [&](const CueTracker&, size_t frame) {
+  WalkCues(contact, {5, 20}, [&](CueTracker&, size_t frame) {
     visited.push_back(frame + 1);
   });
   EXPECT_EQ(visited,

@@ -339,6 +339,16 @@ TEST(ContactTrackerTest, FullSkinAndCheckerboard) {
   EXPECT_NEAR(tracker.features().motion_m, 0, 1e-15);
 }
 
+TEST(ContactTrackerTest, LoadProfileMayBeLeftOut) {
+  const SkinLayout layout = MakeLayout();
+  const std::vector<float> taxels(layout.taxels(), 4);
+  ContactTracker with(layout, {});
+  ContactTracker without(layout, {.load_profile = false});
+  EXPECT_GT(with.Step({taxels}).profile[0], 0);
+  EXPECT_EQ(without.Step({taxels}).profile, LoadProfile{});
+  EXPECT_EQ(without.features().net_force, with.features().net_force);
+}
+
 TEST(ContactTrackerTest, ResetIsLikeNew) {
   Script script(MakeLayout());
   script.Touch(5, 0, 0);

@@ -55,7 +55,7 @@ TEST(CueTest, NamesRoundTripAndAreUnique) {
 }
 
 TEST(CueTest, ASpringThatRestsShowsItsStiffness) {
-  const CueTracker tracker = After(Press(2000, 100, 1000));
+  CueTracker tracker = After(Press(2000, 100, 1000));
   for (Cue cue : {Cue::kLogSpring, Cue::kLogSlope, Cue::kLogStiffestSpring,
                   Cue::kLogStiffness}) {
     EXPECT_NEAR(tracker.value(cue), std::log(2000), 1e-9) << CueName(cue);
@@ -68,7 +68,7 @@ TEST(CueTest, ASpringThatRestsShowsItsStiffness) {
 }
 
 TEST(CueTest, SlidingShowsAsMisfitAndKeepsTheStiffestSpring) {
-  const CueTracker tracker = After(Press(2000, 200, 20));
+  CueTracker tracker = After(Press(2000, 200, 20));
   EXPECT_NEAR(tracker.value(Cue::kLogStiffestSpring), std::log(2000), 1e-9);
   EXPECT_LT(tracker.value(Cue::kLogSpring), std::log(500));
   EXPECT_GT(tracker.value(Cue::kLogSpringMisfit), std::log(0.1));
@@ -160,7 +160,45 @@ TEST(CueTest, TheLoadProfileIsPassedOnAsItIs) {
 TEST(CueTest, EveryCueIsRawOrDerivedOrOfTheProfile) {
   EXPECT_EQ(DerivedCues().size() + ProfileCues().size() + kFeatureCount,
             static_cast<size_t>(kCueCount));
-  for (Cue cue : DerivedCues()) EXPECT_FALSE(IsProfileCue(cue));
+  for (Cue cue : DerivedCues()) {
+    EXPECT_FALSE(IsProfileCue(cue));
+    EXPECT_TRUE(IsDerived(cue));
+  }
+  for (Cue cue : ProfileCues()) EXPECT_FALSE(IsDerived(cue));
+  EXPECT_FALSE(IsDerived(Cue::kMotion));
+}
+
+TEST(CueTest, CuesAreTheSameHoweverSeldomTheyAreRead) {
+  Random random(4);
+  CueTracker often(100);
+  CueTracker seldom(100);
+  for (int t = 1; t <= 300; ++t) {
+    const ContactSample sample =
+        Sample(random.Uniform(0, 2), random.Uniform(0, 0.002),
+               random.Uniform(0, 0.02));
+    often.Step(sample, t);
+    seldom.Step(sample, t);
+    EXPECT_EQ(often.value(Cue::kForce), sample.features[0]);
+    for (Cue cue : DerivedCues()) {
+      const double value = often.value(cue);
+      if (t % 37 == 0) {
+        EXPECT_EQ(seldom.value(cue), value) << CueName(cue);
+      }
+    }
+  }
+}
+
+// From its definition: the largest ratio of mean products so far.
+TEST(CueTest, TheStiffestSpringIsTheLargestSpringSoFar) {
+  Random random(5);
+  CueTracker tracker(100);
+  double stiffest = -HUGE_VAL;
+  for (int t = 1; t <= 300; ++t) {
+    tracker.Step(Sample(random.Uniform(0, 2), 1e-3, random.Uniform(0, 0.02)),
+                 t);
+    stiffest = std::max(stiffest, tracker.value(Cue::kLogSpring));
+    EXPECT_NEAR(tracker.value(Cue::kLogStiffestSpring), stiffest, 1e-13);
+  }
 }
 
 TEST(CueTest, AnyFiniteSampleGivesFiniteCues) {

@@ -134,6 +134,45 @@ TEST(LstmStepperTest, SteppersOfOneNetworkDoNotDisturbEachOther) {
   }
 }
 
+TEST(LstmStepperTest, StreamsInStepGiveTheBitsOfEachAlone) {
+  constexpr int kInputs = 3;
+  constexpr int kSteps = 40;
+  for (const LstmKernels& kernels : SupportedLstmKernels()) {
+    SCOPED_TRACE(kernels.name);
+    for (const int streams : {1, 2, 5, 6, 7, 13, 64}) {
+      auto lstm = CompiledLstm::Create(MakeNetwork(
+          kInputs, {50, 7}, 4, Activation::kTanh, GateActivation::kSigmoid, 8));
+      ASSERT_TRUE(lstm.ok());
+      LstmStepper together(*lstm, streams, kernels);
+      std::vector<LstmStepper> alone(streams, LstmStepper(*lstm));
+      std::vector<std::vector<std::vector<double>>> inputs;
+      for (int stream = 0; stream < streams; ++stream) {
+        inputs.push_back(MakeInputs(kInputs, kSteps, stream));
+      }
+      for (int t = 0; t < kSteps; ++t) {
+        // One of them begins anew.
+        if (t == 20) {
+          together.Reset(streams / 2);
+          alone[streams / 2].Reset();
+        }
+        std::vector<double> all;
+        for (int stream = 0; stream < streams; ++stream) {
+          const std::vector<double>& input = inputs[stream][t];
+          all.insert(all.end(), input.begin(), input.end());
+          alone[stream].Step(input);
+        }
+        together.Step(all);
+        for (int stream = 0; stream < streams; ++stream) {
+          const auto want = alone[stream].log_probability();
+          ASSERT_TRUE(std::equal(want.begin(), want.end(),
+                                 together.log_probability(stream).begin()))
+              << stream << " of " << streams << " at " << t;
+        }
+      }
+    }
+  }
+}
+
 TEST(LstmStepperTest, ExtremeInputsAndWeightsStayFinite) {
   constexpr double kMax = std::numeric_limits<double>::max();
   constexpr double kInfinity = std::numeric_limits<double>::infinity();

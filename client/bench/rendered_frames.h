@@ -1,0 +1,43 @@
+// File: rendered_frames.h
+//
+// Frames as the robot's skin would send them, for benchmarks: one simulated
+// contact in each of a few places, rendered with the skin's noise.
+//
+//   TACTUS_ASSIGN_OR_RETURN(const auto trials, RenderTrials(layout, 8));
+//   for (const RenderedTrial& trial : trials) { ... trial.frame(t) ... }
+//
+// Plain data; owns its arrays. Same arguments, same bits.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/skin/frame.h"
+#include "core/skin/layout.h"
+
+namespace tactus::client {
+
+struct RenderedTrial {
+  int taxels = 0;  // a frame
+  // One frame after another, in the layout's unit, and one pose each.
+  std::vector<float> values;
+  std::vector<Pose> poses;
+  // Those before the touch, with noise alone.
+  int lead_in = 0;
+
+  int frames() const { return static_cast<int>(poses.size()); }
+  std::span<const float> taxels_of(int frame) const {
+    return std::span(values).subspan(size_t(frame) * taxels, taxels);
+  }
+  FrameView frame(int frame) const {
+    return {.taxels = taxels_of(frame), .pose = &poses[frame]};
+  }
+};
+
+// `count` trials of the paper's set, of hard and soft objects by turns, at
+// places drawn over the skin.
+absl::StatusOr<std::vector<RenderedTrial>> RenderTrials(
+    const SkinLayout& layout, int count);
+
+}  // namespace tactus::client

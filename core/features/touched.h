@@ -1,0 +1,41 @@
+// File: touched.h
+//
+// The taxels of a frame that reach a threshold, one bit each, found for the
+// whole frame at once; and the largest value and the sum of such taxels.
+//
+//   std::vector<uint64_t> bits(TouchedWords(taxels.size()));
+//   if (FindTouched(taxels, threshold, bits)) {
+//     const TouchedSum sum = SumTouched(taxels, bits);
+//   }
+//
+// Compiled for several vector widths by Highway; the widest one that the CPU
+// has is used. All give the same bits. Thread-safe: free functions without
+// state. Nothing allocates.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace tactus {
+
+inline constexpr size_t TouchedWords(size_t taxels) {
+  return (taxels + 63) / 64;
+}
+
+// Sets bit i % 64 of bits[i / 64] if taxels[i] >= threshold, which a NaN is
+// not, and clears the others. `bits` has TouchedWords() words. True if any bit
+// is set.
+bool FindTouched(std::span<const float> taxels, float threshold,
+                 std::span<uint64_t> bits);
+
+struct TouchedSum {
+  float max_value = 0;
+  double total = 0;
+};
+
+// Over the taxels whose bits are set; their values are above 0.
+TouchedSum SumTouched(std::span<const float> taxels,
+                      std::span<const uint64_t> bits);
+
+}  // namespace tactus
