@@ -5,16 +5,17 @@
 #   docs/make-results.sh              all pages
 #   docs/make-results.sh PAGE...      these alone
 #
-# Pages, with minutes on two quiet cores: signals (10), materials (45),
-# taxels (10), grid (10), default-bundle (1), cody (1), recordings (1),
-# paper-tables (25). Needs a release build. Real recordings are evaluated when
+# Pages, with minutes on two quiet cores: signals (6), materials (15), taxels
+# (6), grid (4), unknown (3), default-bundle (1), cody (1), recordings (1),
+# paper-tables (15). Needs a release build. Real recordings are evaluated when
 # TACTUS_DATA_DIR, or ../shared/data beside the project, has them.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 trainctl=$PWD/build/release/bin/trainctl
 data=$(realpath -m "${TACTUS_DATA_DIR:-../shared/data}")
-out=$PWD/docs/results
+docs=$PWD/docs
+out=$docs/results
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir -p "$out"
@@ -43,11 +44,18 @@ signals() {
   printf '\n![Accuracy over time](signals/anytime.png)\n\n![Reliability](signals/reliability.png)\n'
 }
 
+# One network and half the epochs: thirteen folds take long.
 materials() {
   title "Ideal signals, one material left out"
   show simulate --protocol=paper --goal=0.019 --sensor=signals --seed=1 --out=signals.h5
   show evaluate --data=signals.h5 --protocol=leave-one-material-out --algorithm=fused \
-    --preset=tuned --seed=1 --no-estimates
+    --preset=tuned --seed=1 --no-estimates --networks=1 --epochs=6
+}
+
+unknown() {
+  title "Ideal signals, one category left out: is it unknown?"
+  show simulate --protocol=paper --goal=0.019 --sensor=signals --seed=1 --out=signals.h5
+  show evaluate --data=signals.h5 --protocol=leave-one-category-out --preset=tuned --seed=1
 }
 
 taxels() {
@@ -87,15 +95,19 @@ recordings() {
 
 paper-tables() {
   title "The paper's tables"
-  show reproduce --seed=1 --figures="$out/paper-tables"
+  printf '\n```\n$ trainctl reproduce --seed=1 --json --figures=paper-tables\n```\n'
+  "$trainctl" reproduce --seed=1 --json --figures=paper-tables |
+    python3 "$docs/paper_tables.py"
+  mkdir -p "$out/paper-tables"
+  cp paper-tables/*-accuracy.png paper-tables/*-f-m-a.png "$out/paper-tables"
 }
 
 pages=("$@")
-[[ $# -gt 0 ]] || pages=(signals materials taxels grid default-bundle cody
+[[ $# -gt 0 ]] || pages=(signals materials taxels grid unknown default-bundle cody
   recordings paper-tables)
 for page in "${pages[@]}"; do
   case "$page" in
-    signals | materials | taxels | grid | default-bundle | cody | \
+    signals | materials | taxels | grid | unknown | default-bundle | cody | \
       recordings | paper-tables) ;;
     *) echo "make-results: unknown page '$page'" >&2; exit 2 ;;
   esac
