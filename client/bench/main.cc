@@ -6,8 +6,10 @@
 
 #include "CLI/CLI.hpp"
 #include "client/bench/benchmark.h"
+#include "client/bench/hmm.h"
 #include "client/bench/idle.h"
 #include "client/bench/sim.h"
+#include "client/bench/train_hmm.h"
 #include "core/base/version.h"
 
 namespace tactus::client {
@@ -25,6 +27,8 @@ int Main(int argc, char** argv) {
   };
   add(MakeSimBenchmark());
   add(MakeIdleBenchmark());
+  add(MakeHmmBenchmark());
+  add(MakeTrainHmmBenchmark());
 
   CLI::App app("Measures Tactus and its peers, side by side.", "tactus-bench");
   app.set_version_flag("--version", std::string("tactus-bench ") + kVersion);
