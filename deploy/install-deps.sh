@@ -19,6 +19,7 @@ readonly BUILD=(
   libcli11-dev
   libeigen3-dev
   libgrpc++-dev
+  libhwy-dev
   libprotobuf-dev
   libspdlog-dev
   libssl-dev
@@ -30,6 +31,7 @@ readonly BUILD=(
 readonly RUNTIME=(
   libabsl20220623
   libgrpc++1.51
+  libhwy1
   libprotobuf32
   libspdlog1.10
   libssl3

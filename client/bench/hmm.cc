@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "absl/strings/str_format.h"
@@ -12,7 +12,7 @@
 #include "client/bench/interleave.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
-#include "core/hmm/mixture.h"
+#include "core/hmm/hmm_bank.h"
 
 namespace tactus::client {
 namespace {
@@ -50,39 +50,16 @@ std::vector<HmmMixture> DrawCategories(const Shape& shape, Random& random) {
   return categories;
 }
 
-class Ours {
- public:
-  static absl::StatusOr<Ours> Create(const std::vector<HmmMixture>& categories,
-                                     Score score) {
-    Ours ours;
-    for (const HmmMixture& category : categories) {
-      TACTUS_ASSIGN_OR_RETURN(auto compiled, CompiledMixture::Create(category));
-      ours.mixtures_.push_back(
-          std::make_unique<CompiledMixture>(std::move(compiled)));
-      ours.filters_.emplace_back(*ours.mixtures_.back(), score);
-    }
-    ours.scores_.resize(categories.size());
-    return ours;
+// Scores of all categories after `observations`; read on every frame, as a
+// stream does.
+void ScoreOurs(BankFilter& filter, const std::vector<double>& observations,
+               std::vector<double>& scores) {
+  filter.Reset();
+  for (size_t t = 0; t < observations.size(); t += kDimensions) {
+    filter.Step({&observations[t], kDimensions});
+    filter.LogLikelihood(scores);
   }
-
-  // Of all categories after `observations`; read on every frame, as a stream
-  // does.
-  const std::vector<double>& Score(const std::vector<double>& observations) {
-    for (MixtureFilter& filter : filters_) filter.Reset();
-    for (size_t t = 0; t < observations.size(); t += kDimensions) {
-      for (size_t k = 0; k < filters_.size(); ++k) {
-        filters_[k].Step({&observations[t], kDimensions});
-        scores_[k] = filters_[k].log_likelihood();
-      }
-    }
-    return scores_;
-  }
-
- private:
-  std::vector<std::unique_ptr<CompiledMixture>> mixtures_;
-  std::vector<MixtureFilter> filters_;
-  std::vector<double> scores_;
-};
+}
 
 // Largest relative difference of a category's score from the reference.
 double RelativeError(const std::vector<HmmMixture>& categories, Score score,
@@ -109,14 +86,16 @@ double RelativeError(const std::vector<HmmMixture>& categories, Score score,
 absl::StatusOr<BenchRow> Measure(const Shape& shape, bool quick) {
   Random random(1);
   const std::vector<HmmMixture> categories = DrawCategories(shape, random);
-  TACTUS_ASSIGN_OR_RETURN(Ours ours, Ours::Create(categories, shape.score));
+  TACTUS_ASSIGN_OR_RETURN(const HmmBank bank, HmmBank::Create(categories));
+  BankFilter ours(bank, shape.score);
+  std::vector<double> scores(categories.size());
   const GaussianHmm& source = categories[0].components[0];
 
   const bool many = shape.components > 1;
   const int long_frames = (quick ? 1'000 : 100'000) / (many ? 10 : 1);
   const std::vector<double> contact = DrawTrial(source, long_frames, random);
-  const double error =
-      RelativeError(categories, shape.score, contact, ours.Score(contact));
+  ScoreOurs(ours, contact, scores);
+  const double error = RelativeError(categories, shape.score, contact, scores);
   if (!(error <= shape.tolerance)) {
     return NumericalFailure(
         absl::StrFormat("%s: relative error %g; at most %g would be right",
@@ -134,7 +113,7 @@ absl::StatusOr<BenchRow> Measure(const Shape& shape, bool quick) {
   const bool has_peer = peers.front() != nullptr;
   absl::Status failure;
   const Timing timing = Interleave(
-      quick ? 3 : 15, [&] { ours.Score(trial); },
+      quick ? 3 : 15, [&] { ScoreOurs(ours, trial, scores); },
       [&] {
         for (const auto& peer : peers) {
           if (!has_peer) return;
