@@ -7,10 +7,12 @@
 #include "CLI/CLI.hpp"
 #include "client/bench/benchmark.h"
 #include "client/bench/features.h"
+#include "client/bench/hmm.h"
 #include "client/bench/idle.h"
 #include "client/bench/lstm.h"
 #include "client/bench/session.h"
 #include "client/bench/sim.h"
+#include "client/bench/train_hmm.h"
 #include "client/bench/train_lstm.h"
 #include "core/base/version.h"
 
@@ -33,6 +35,8 @@ int Main(int argc, char** argv) {
   add(MakeSessionBenchmark());
   add(MakeSimBenchmark());
   add(MakeIdleBenchmark());
+  add(MakeHmmBenchmark());
+  add(MakeTrainHmmBenchmark());
 
   CLI::App app("Measures Tactus and its peers, side by side.", "tactus-bench");
   app.set_version_flag("--version", std::string("tactus-bench ") + kVersion);

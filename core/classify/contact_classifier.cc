@@ -11,7 +11,9 @@ namespace tactus {
 
 ContactClassifier::ContactClassifier(std::shared_ptr<const CompiledModel> model,
                                      const Options& options)
-    : model_(std::move(model)), cues_(model_->model().features.sample_rate_hz) {
+    : model_(std::move(model)),
+      cues_(model_->model().features.sample_rate_hz),
+      hmms_(model_->hmms(), model_->model().hmm_score) {
   const Model& m = model_->model();
   const Calibration& c = m.calibration;
   decision_threshold_ = options.decision_threshold > 0
@@ -19,10 +21,6 @@ ContactClassifier::ContactClassifier(std::shared_ptr<const CompiledModel> model,
                             : c.decision_threshold;
   decision_frames_ =
       options.decision_frames > 0 ? options.decision_frames : c.decision_frames;
-  hmms_.reserve(model_->hmms().size());
-  for (const CompiledMixture& mixture : model_->hmms()) {
-    hmms_.emplace_back(mixture, m.hmm_score);
-  }
   hmm_input_.resize(m.features.hmm.size());
   const size_t classes = m.class_names.size();
   log_likelihood_.resize(classes);
@@ -46,7 +44,7 @@ void ContactClassifier::Reset() {
   const Model& m = model_->model();
   const std::vector<double>& prior = m.calibration.prior;
   cues_.Reset();
-  for (MixtureFilter& filter : hmms_) filter.Reset();
+  hmms_.Reset();
   for (LstmStepper& lstm : lstms_) lstm.Reset();
   if (estimator_) estimator_->Reset();
   std::fill(log_likelihood_.begin(), log_likelihood_.end(), 0.0);
@@ -89,18 +87,13 @@ void ContactClassifier::StepHmms(uint64_t missing_before) {
     hmm_due_ = spec.hmm_steps.Next(hmm_due_);
     ++bridged;
   }
-  const bool due = frames_ >= hmm_due_;
-  if (due) {
-    MakeInput(spec.hmm, cues_, hmm_input_);
-    hmm_due_ = spec.hmm_steps.Next(frames_);
-    ++hmm_steps_;
-  }
-  for (size_t k = 0; k < hmms_.size(); ++k) {
-    if (bridged > 0) hmms_[k].Skip(static_cast<int>(bridged));
-    if (!due) continue;
-    hmms_[k].Step(hmm_input_);
-    log_likelihood_[k] = hmms_[k].log_likelihood();
-  }
+  hmms_.Skip(static_cast<int>(bridged));
+  if (frames_ < hmm_due_) return;
+  MakeInput(spec.hmm, cues_, hmm_input_);
+  hmm_due_ = spec.hmm_steps.Next(frames_);
+  ++hmm_steps_;
+  hmms_.Step(hmm_input_);
+  hmms_.LogLikelihood(log_likelihood_);
 }
 
 void ContactClassifier::StepLstms() {

@@ -93,7 +93,7 @@ class ContactClassifier {
   uint32_t decision_frames_;
 
   CueTracker cues_;
-  std::vector<MixtureFilter> hmms_;
+  BankFilter hmms_;
   std::vector<LstmStepper> lstms_;
   std::optional<LstmStepper> estimator_;
 

@@ -17,10 +17,10 @@
 #pragma once
 
 #include <cstddef>
-#include <new>
 #include <span>
 #include <vector>
 
+#include "core/base/aligned_vector.h"
 #include "core/lstm/network.h"
 
 namespace tactus {
@@ -33,22 +33,7 @@ constexpr int Padded(int count) {
   return (count + kLstmLanes - 1) / kLstmLanes * kLstmLanes;
 }
 
-// Vectors load fastest from whole cache lines.
-template <typename T>
-struct CacheLineAllocator {
-  using value_type = T;
-  static constexpr std::align_val_t kAlign{64};
-
-  CacheLineAllocator() = default;
-  template <typename U>
-  explicit CacheLineAllocator(const CacheLineAllocator<U>&) {}
-  T* allocate(size_t n) {
-    return static_cast<T*>(::operator new(n * sizeof(T), kAlign));
-  }
-  void deallocate(T* p, size_t) { ::operator delete(p, kAlign); }
-  bool operator==(const CacheLineAllocator&) const { return true; }
-};
-using LstmBuffer = std::vector<float, CacheLineAllocator<float>>;
+using LstmBuffer = AlignedVector<float>;
 
 // c = start + a b, summed over `inner` in order.
 struct LstmProduct {

@@ -7,7 +7,7 @@
 namespace tactus {
 namespace {
 
-static_assert(kSignalRateHz == kBlock * kSkinRateHz);
+static_assert(kSignalRateHz == kFilterBlock * kSkinRateHz);
 
 // The column after `steps` samples of input 0.
 BlockFilter::Column Rest(Butterworth6 filter, int steps) {
@@ -31,16 +31,17 @@ BlockFilter::BlockFilter() {
     std::array<double, 6> unit = {};
     unit[i] = 1;
     filter.set_state(unit);
-    transition_[i] = Rest(filter, kBlock);
+    transition_[i] = Rest(filter, kFilterBlock);
   }
-  for (int j = 0; j < kBlock; ++j) {
+  for (int j = 0; j < kFilterBlock; ++j) {
     filter.set_state({});
     const double output = filter.Step(1);
-    input_[j] = Rest(filter, kBlock - 1 - j);
-    if (j == kBlock - 1) input_[j][6] = output;
+    input_[j] = Rest(filter, kFilterBlock - 1 - j);
+    if (j == kFilterBlock - 1) input_[j][6] = output;
     Add(1, input_[j], constant_);
     Add(j, input_[j], ramp_);
-    const double place = (2 * j - (kBlock - 1)) / static_cast<double>(kBlock);
+    const double place =
+        (2 * j - (kFilterBlock - 1)) / static_cast<double>(kFilterBlock);
     double power = 1;
     for (Column& column : ramp_powers_) {
       Add(power, input_[j], column);
@@ -51,7 +52,7 @@ BlockFilter::BlockFilter() {
 
 BlockFilter::Column BlockFilter::Drive(const Inputs& inputs) const {
   Column drive = {};
-  for (int j = 0; j < kBlock; ++j) Add(inputs[j], input_[j], drive);
+  for (int j = 0; j < kFilterBlock; ++j) Add(inputs[j], input_[j], drive);
   return drive;
 }
 

@@ -22,7 +22,7 @@ inline constexpr double kSkinRateHz = 100;
 inline constexpr double kAntiAliasHz = 200;
 // Rate at which a simulated contact enters the filter; a block is one frame.
 inline constexpr double kSignalRateHz = 2000;
-inline constexpr int kBlock = 20;
+inline constexpr int kFilterBlock = 20;
 // Powers of a ramp that a block takes in closed form.
 inline constexpr int kRampPowers = 8;
 
@@ -30,7 +30,7 @@ class BlockFilter {
  public:
   // Six states, then the last output; padded for the processor's vectors.
   using Column = std::array<double, 8>;
-  using Inputs = std::array<double, kBlock>;
+  using Inputs = std::array<double, kFilterBlock>;
 
   static const BlockFilter& AntiAlias();
 
@@ -54,7 +54,7 @@ class BlockFilter {
   BlockFilter();
 
   std::array<Column, 6> transition_;
-  std::array<Column, kBlock> input_;
+  std::array<Column, kFilterBlock> input_;
   Column constant_ = {};
   Column ramp_ = {};
   std::array<Column, kRampPowers> ramp_powers_ = {};

@@ -37,7 +37,7 @@ PieceSignals::PieceSignals(const Cube& cube, const ContactScene& scene,
       strain_per_newton_(1 / (cube.Stiffness() * cube.edge_m)) {
   const int frames =
       static_cast<int>(std::floor(scene.duration_s * kSkinRateHz + 1e-9));
-  intervals_ = frames * kBlock;
+  intervals_ = frames * kFilterBlock;
   signals_.samples.reserve(frames);
   signals_.object_motion.reserve(frames);
 }
@@ -55,18 +55,19 @@ BlockFilter::Inputs PieceSignals::Areas(const BlockFilter::Inputs& forces) {
   // (1 - strain)^-n by its binomial series around the middle of the frame.
   const double exponent = 2 * cube_.material.poisson_ratio;
   const double middle =
-      1 - std::clamp(forces[kBlock / 2] * strain_per_newton_, 0.0, kMaxStrain);
+      1 - std::clamp(forces[kFilterBlock / 2] * strain_per_newton_, 0.0,
+                     kMaxStrain);
   BlockFilter::Inputs areas;
   double farthest = 0;
   double largest = 0;
-  for (int j = 0; j < kBlock; ++j) {
+  for (int j = 0; j < kFilterBlock; ++j) {
     const double strain = std::max(0.0, forces[j]) * strain_per_newton_;
     areas[j] = (strain - (1 - middle)) / middle;
     farthest = std::max(farthest, std::abs(areas[j]));
     largest = std::max(largest, strain);
   }
   if (largest > kMaxStrain || farthest > 0.03) {
-    for (int j = 0; j < kBlock; ++j) areas[j] = Area(1, forces[j]);
+    for (int j = 0; j < kFilterBlock; ++j) areas[j] = Area(1, forces[j]);
     return areas;
   }
   constexpr int kTerms = 12;
@@ -80,9 +81,10 @@ BlockFilter::Inputs PieceSignals::Areas(const BlockFilter::Inputs& forces) {
   BlockFilter::Inputs sums;
   sums.fill(terms[last]);
   for (int n = last - 1; n >= 0; --n) {
-    for (int j = 0; j < kBlock; ++j) sums[j] = sums[j] * areas[j] + terms[n];
+    for (int j = 0; j < kFilterBlock; ++j)
+      sums[j] = sums[j] * areas[j] + terms[n];
   }
-  for (int j = 0; j < kBlock; ++j) areas[j] = scale * sums[j];
+  for (int j = 0; j < kFilterBlock; ++j) areas[j] = scale * sums[j];
   return areas;
 }
 
@@ -112,7 +114,7 @@ void PieceSignals::FillTable(const ContactPiece& piece, PhaseTable& table) {
       BlockFilter::Inputs forces;
       BlockFilter::Inputs motions;
       PairState state = {from == 0 ? 1.0 : 0.0, from == 0 ? 0.0 : 1.0};
-      for (int j = 0; j < kBlock; ++j) {
+      for (int j = 0; j < kFilterBlock; ++j) {
         const PairState change = pairs[i]->Change(state, kInterval);
         forces[j] = (force.value[i] * pairs[i]->Integral(state, kInterval) +
                      force.rate[i] * change.value) /
@@ -133,7 +135,7 @@ void PieceSignals::FillTable(const ContactPiece& piece, PhaseTable& table) {
 BlockFilter::Column PieceSignals::AreaDrive(
     const PieceForm& force, const FrameStart& start, const PhaseTable& table,
     const BlockFilter::Column& pair_drive) {
-  constexpr double kFrame = kBlock * kInterval;
+  constexpr double kFrame = kFilterBlock * kInterval;
   double bound = 0;
   for (int i = 0; i < start.used; ++i) {
     const DampedPair& pair = *start.pairs[i];
@@ -146,8 +148,8 @@ BlockFilter::Column PieceSignals::AreaDrive(
   const double exponent = 2 * cube_.material.poisson_ratio;
   const double step = force.slope * kInterval;
   const double middle =
-      1 - strain_per_newton_ * (start.force + (kBlock - 1) / 2.0 * step);
-  const double ramp = strain_per_newton_ * (kBlock / 2.0) * step / middle;
+      1 - strain_per_newton_ * (start.force + (kFilterBlock - 1) / 2.0 * step);
+  const double ramp = strain_per_newton_ * (kFilterBlock / 2.0) * step / middle;
   const double pairs = strain_per_newton_ * bound / middle;
   const double varies = std::abs(ramp) + pairs;
   if (middle * (1 - varies) > 1 - kMaxStrain && std::abs(ramp) < kSlowRamp &&
@@ -163,13 +165,13 @@ BlockFilter::Column PieceSignals::AreaDrive(
     return drive;
   }
   BlockFilter::Inputs forces;
-  for (int j = 0; j < kBlock; ++j) {
+  for (int j = 0; j < kFilterBlock; ++j) {
     forces[j] = start.force + force.slope * kInterval * j;
   }
   for (int i = 0; i < start.used; ++i) {
     const auto& rows = table.pairs[i].force;
     const PairState& state = start.states[i];
-    for (int j = 0; j < kBlock; ++j) {
+    for (int j = 0; j < kFilterBlock; ++j) {
       forces[j] += state.value * rows[0][j] + state.rate * rows[1][j];
     }
   }
@@ -192,12 +194,13 @@ void PieceSignals::TakeFrames(const ContactPiece& piece, double end) {
   // Frames since the input of the filter stopped changing.
   int settled = 0;
   bool last_clamped = false;
-  while (closed_ + kBlock <= intervals_ && Boundary(closed_ + kBlock) <= end) {
+  while (closed_ + kFilterBlock <= intervals_ &&
+         Boundary(closed_ + kFilterBlock) <= end) {
     if (settled > kFilterFrames) {
       signals_.samples.push_back(signals_.samples.back());
       signals_.object_motion.push_back(signals_.object_motion.back());
       signals_.clamped += last_clamped;
-      closed_ += kBlock;
+      closed_ += kFilterBlock;
       continue;
     }
     time = Boundary(closed_) - piece.begin();
@@ -230,7 +233,7 @@ void PieceSignals::TakeFrames(const ContactPiece& piece, double end) {
       start.states[i] = {Dot(frame[0], start.states[i]),
                          Dot(frame[1], start.states[i])};
     }
-    closed_ += kBlock;
+    closed_ += kFilterBlock;
     const bool constant = Settled(force, start) && Settled(motion, start) &&
                           !Sliding(piece.phase());
     settled = constant ? settled + 1 : 0;
@@ -246,14 +249,14 @@ void PieceSignals::TakeFrames(const ContactPiece& piece, double end) {
 
 void PieceSignals::CloseInterval(double impulse, double contact, double arm,
                                  double object) {
-  const int j = closed_ % kBlock;
+  const int j = closed_ % kFilterBlock;
   force_[j] = impulse * kSignalRateHz;
   area_[j] = Area(contact * kSignalRateHz, force_[j]);
   motion_[j] = arm;
   impulse_ = 0;
   contact_ = 0;
   ++closed_;
-  if (j == kBlock - 1) {
+  if (j == kFilterBlock - 1) {
     CloseFrame(filter_.Drive(force_), filter_.Drive(area_),
                filter_.Drive(motion_), object);
   }
@@ -287,8 +290,9 @@ void PieceSignals::Take(const ContactPiece& piece, double duration) {
   double impulse = 0;  // up to there
   while (closed_ < intervals_ && Boundary(closed_ + 1) <= end) {
     // A frame that lies in the piece as a whole is taken as a whole.
-    if (closed_ % kBlock == 0 && Boundary(closed_) >= piece.begin() &&
-        closed_ + kBlock <= intervals_ && Boundary(closed_ + kBlock) <= end) {
+    if (closed_ % kFilterBlock == 0 && Boundary(closed_) >= piece.begin() &&
+        closed_ + kFilterBlock <= intervals_ &&
+        Boundary(closed_ + kFilterBlock) <= end) {
       TakeFrames(piece, end);
       from = Boundary(closed_) - piece.begin();
       impulse = touching ? piece.Impulse(from) : 0;

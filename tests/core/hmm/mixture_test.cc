@@ -51,51 +51,6 @@ TEST(MixtureTest, EachFaultIsRefusedByName) {
     const absl::Status status = Validate(mixture);
     EXPECT_EQ(ReasonOf(status), "INVALID_MODEL") << c.what;
     EXPECT_EQ(InfoOf(status).metadata().at("field"), c.what);
-    EXPECT_FALSE(CompiledMixture::Create(mixture).ok());
-  }
-}
-
-TEST(MixtureTest, AddsUpTheWeightedLikelihoods) {
-  const HmmMixture model = ThreeModels();
-  const CompiledMixture mixture = *CompiledMixture::Create(model);
-  MixtureFilter forward(mixture, Score::kForward);
-  MixtureFilter viterbi(mixture, Score::kViterbi);
-  Random random(22);
-  const std::vector<double> x =
-      RandomObservations(model.components[1], 10, random);
-  for (int round = 0; round < 2; ++round) {
-    EXPECT_NEAR(forward.log_likelihood(), 0, 1e-15);
-    std::vector<ForwardFilter> forwards;
-    std::vector<ViterbiFilter> viterbis;
-    for (const CompiledHmm& hmm : mixture.components()) {
-      forwards.emplace_back(hmm);
-      viterbis.emplace_back(hmm);
-    }
-    for (int t = 0; t < 10; ++t) {
-      double sum = 0;
-      double viterbi_sum = 0;
-      for (int k = 0; k < 3; ++k) {
-        if (t == 4) {
-          forwards[k].Skip(2);
-          viterbis[k].Skip(2);
-        }
-        forwards[k].Step(Frame(x, 2, t));
-        viterbis[k].Step(Frame(x, 2, t));
-        const double weight = std::exp(model.log_weight[k]);
-        sum += weight * std::exp(forwards[k].log_likelihood());
-        viterbi_sum += weight * std::exp(viterbis[k].score());
-      }
-      if (t == 4) {
-        forward.Skip(2);
-        viterbi.Skip(2);
-      }
-      forward.Step(Frame(x, 2, t));
-      viterbi.Step(Frame(x, 2, t));
-      EXPECT_NEAR(forward.log_likelihood(), std::log(sum), 1e-11);
-      EXPECT_NEAR(viterbi.log_likelihood(), std::log(viterbi_sum), 1e-11);
-    }
-    forward.Reset();
-    viterbi.Reset();
   }
 }
 

@@ -1,147 +1,129 @@
-// The filters against the same recursions in quadruple precision, and at the
-// edges of double precision.
-
-#include <quadmath.h>
+// The ladder of precisions - scaled in float (the bank), scaled in double,
+// logarithms in double - against quadruple precision, and at their edges.
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <string>
 #include <vector>
 
 #include "core/hmm/forward.h"
+#include "core/hmm/hmm_bank.h"
+#include "core/hmm/scaled_filter.h"
 #include "gtest/gtest.h"
+#include "tests/core/hmm/quad_reference.h"
 #include "tests/core/hmm/random_model.h"
 
 namespace tactus {
 namespace {
 
-using Quad = __float128;
+constexpr double kTolerance = 1e-12;
+constexpr double kFloatTolerance = 1e-6;
 
-// The log of a state's density in quad precision, by Cholesky.
-Quad QuadLogDensity(const GaussianHmm& model, int state,
-                    std::span<const double> x) {
-  const int d = model.dimensions;
-  std::vector<double> covariance(d * d);
-  FullCovariance(model, state, covariance.data());
-  std::vector<Quad> factor(d * d, 0);
-  std::vector<Quad> z(d);
-  Quad log_density = -d * logq(2 * acosq(-1)) / 2;
-  for (int i = 0; i < d; ++i) {
-    for (int j = 0; j <= i; ++j) {
-      Quad sum = covariance[i * d + j];
-      for (int k = 0; k < j; ++k) sum -= factor[i * d + k] * factor[j * d + k];
-      factor[i * d + j] = i == j ? sqrtq(sum) : sum / factor[j * d + j];
-    }
-    z[i] = Quad(x[i]) - Quad(model.means[state * d + i]);
-    for (int j = 0; j < i; ++j) z[i] -= factor[i * d + j] * z[j];
-    z[i] /= factor[i * d + i];
-    log_density -= logq(factor[i * d + i]) + z[i] * z[i] / 2;
-  }
-  return log_density;
-}
-
-struct QuadScores {
-  Quad log_likelihood;
-  Quad viterbi;
+// Scores of one model by each rung of the ladder.
+struct Rung {
+  const char* name;
+  double tolerance;
+  double log_likelihood = 0;
+  double viterbi = 0;
 };
 
-// The forward and Viterbi recursions with every sum in logarithms.
-QuadScores ScoreInQuad(const GaussianHmm& model,
+// The log-domain filters.
+Rung ScoreInLogarithms(const GaussianHmm& model,
                        const std::vector<double>& observations) {
-  const int n = model.states;
-  const int frames = static_cast<int>(observations.size()) / model.dimensions;
-  const Quad zero = -HUGE_VALQ;
-  std::vector<Quad> alpha(n), best(n), log_transition(n * n);
-  for (int k = 0; k < n * n; ++k) {
-    log_transition[k] =
-        model.transition[k] > 0 ? logq(model.transition[k]) : zero;
-  }
-  for (int t = 0; t < frames; ++t) {
-    std::vector<Quad> next_alpha(n), next_best(n);
-    for (int j = 0; j < n; ++j) {
-      Quad largest = zero;
-      Quad path = zero;
-      std::vector<Quad> terms;
-      if (t == 0) {
-        largest = path = logq(model.start[j]);
-        terms = {largest};
-      }
-      for (int i = 0; i < n && t > 0; ++i) {
-        if (log_transition[i * n + j] == zero) continue;
-        terms.push_back(alpha[i] + log_transition[i * n + j]);
-        largest = fmaxq(largest, terms.back());
-        path = fmaxq(path, best[i] + log_transition[i * n + j]);
-      }
-      Quad sum = 0;
-      for (const Quad term : terms) sum += expq(term - largest);
-      const Quad density =
-          QuadLogDensity(model, j, Frame(observations, model.dimensions, t));
-      next_alpha[j] = largest + logq(sum) + density;
-      next_best[j] = path + density;
-    }
-    alpha = next_alpha;
-    best = next_best;
-  }
-  const Quad largest = *std::max_element(alpha.begin(), alpha.end());
-  Quad sum = 0;
-  for (const Quad a : alpha) sum += expq(a - largest);
-  return {largest + logq(sum), *std::max_element(best.begin(), best.end())};
-}
-
-void ExpectAgreement(const GaussianHmm& model,
-                     const std::vector<double>& observations,
-                     double tolerance) {
   const CompiledHmm hmm = *CompiledHmm::Create(model);
   ForwardFilter forward(hmm);
   ViterbiFilter viterbi(hmm);
-  const int frames = static_cast<int>(observations.size()) / model.dimensions;
-  for (int t = 0; t < frames; ++t) {
-    forward.Step(Frame(observations, model.dimensions, t));
-    viterbi.Step(Frame(observations, model.dimensions, t));
-    ASSERT_TRUE(std::isfinite(forward.log_likelihood())) << t;
-    ASSERT_TRUE(std::isfinite(viterbi.score())) << t;
+  const int d = model.dimensions;
+  for (int t = 0; t * d < static_cast<int>(observations.size()); ++t) {
+    forward.Step(Frame(observations, d, t));
+    viterbi.Step(Frame(observations, d, t));
+    EXPECT_TRUE(std::isfinite(forward.log_likelihood())) << t;
+    EXPECT_TRUE(std::isfinite(viterbi.score())) << t;
     const auto posterior = forward.state_posterior();
-    ASSERT_NEAR(std::accumulate(posterior.begin(), posterior.end(), 0.0), 1,
+    EXPECT_NEAR(std::accumulate(posterior.begin(), posterior.end(), 0.0), 1,
                 1e-12);
   }
-  EXPECT_GE(forward.log_likelihood() - viterbi.score(),
-            -tolerance * std::abs(viterbi.score()));
-  const QuadScores want = ScoreInQuad(model, observations);
-  const double forward_error = static_cast<double>(fabsq(
-      (forward.log_likelihood() - want.log_likelihood) / want.log_likelihood));
-  const double viterbi_error = static_cast<double>(
-      fabsq((viterbi.score() - want.viterbi) / want.viterbi));
-  EXPECT_LT(forward_error, tolerance);
-  EXPECT_LT(viterbi_error, tolerance);
-  testing::Test::RecordProperty("forward_error_e16",
-                                std::to_string(forward_error * 1e16));
-  testing::Test::RecordProperty("viterbi_error_e16",
-                                std::to_string(viterbi_error * 1e16));
+  return {"logarithms", kTolerance, forward.log_likelihood(), viterbi.score()};
 }
 
-constexpr double kTolerance = 1e-12;
+Rung ScoreScaled(const GaussianHmm& model,
+                 const std::vector<double>& observations) {
+  const ScaledModel<double> scaled({&model}, UnitScale(model.dimensions));
+  Rung rung{"double", kTolerance};
+  for (const Score score : {Score::kForward, Score::kViterbi}) {
+    ScaledFilter<double> filter(scaled, {}, score);
+    const int d = model.dimensions;
+    for (int t = 0; t * d < static_cast<int>(observations.size()); ++t) {
+      filter.Step(Frame(observations, d, t));
+    }
+    filter.UpdateTotals();
+    (score == Score::kForward ? rung.log_likelihood : rung.viterbi) =
+        filter.log_likelihood(0);
+  }
+  return rung;
+}
+
+Rung ScoreInBank(const GaussianHmm& model,
+                 const std::vector<double>& observations) {
+  const HmmMixture mixture = {.log_weight = {0}, .components = {model}};
+  const HmmBank bank = *HmmBank::Create({&mixture, 1});
+  Rung rung{"bank", kFloatTolerance};
+  for (const Score score : {Score::kForward, Score::kViterbi}) {
+    BankFilter filter(bank, score);
+    double got = 0;
+    const int d = model.dimensions;
+    for (int t = 0; t * d < static_cast<int>(observations.size()); ++t) {
+      filter.Step(Frame(observations, d, t));
+      filter.LogLikelihood({&got, 1});
+      EXPECT_TRUE(std::isfinite(got)) << t;
+    }
+    (score == Score::kForward ? rung.log_likelihood : rung.viterbi) = got;
+  }
+  return rung;
+}
+
+void ExpectAgreement(const GaussianHmm& model,
+                     const std::vector<double>& observations) {
+  const QuadScores want = ScoreInQuad(model, observations);
+  for (const Rung& rung :
+       {ScoreInLogarithms(model, observations),
+        ScoreScaled(model, observations), ScoreInBank(model, observations)}) {
+    SCOPED_TRACE(rung.name);
+    EXPECT_GE(rung.log_likelihood - rung.viterbi,
+              -rung.tolerance * std::abs(rung.viterbi));
+    const double forward_error =
+        RelativeError(rung.log_likelihood, want.log_likelihood);
+    const double viterbi_error = RelativeError(rung.viterbi, want.viterbi);
+    EXPECT_LT(forward_error, rung.tolerance);
+    EXPECT_LT(viterbi_error, rung.tolerance);
+    testing::Test::RecordProperty(std::string(rung.name) + "_forward_error_e16",
+                                  std::to_string(forward_error * 1e16));
+    testing::Test::RecordProperty(std::string(rung.name) + "_viterbi_error_e16",
+                                  std::to_string(viterbi_error * 1e16));
+  }
+}
 
 TEST(PrecisionTest, LongStreamLeftRight) {
   Random random(41);
   const GaussianHmm model =
       RandomModel(10, 3, CovarianceType::kFull, true, random);
-  ExpectAgreement(model, RandomObservations(model, 10'000, random), kTolerance);
+  ExpectAgreement(model, RandomObservations(model, 10'000, random));
 }
 
 TEST(PrecisionTest, LongStreamErgodic) {
   Random random(42);
   const GaussianHmm model =
       RandomModel(4, 2, CovarianceType::kFull, false, random);
-  ExpectAgreement(model, RandomObservations(model, 10'000, random), kTolerance);
+  ExpectAgreement(model, RandomObservations(model, 10'000, random));
 }
 
 TEST(PrecisionTest, HundredThousandFrames) {
   Random random(43);
   const GaussianHmm model =
       RandomModel(2, 1, CovarianceType::kSpherical, false, random);
-  ExpectAgreement(model, RandomObservations(model, 100'000, random),
-                  kTolerance);
+  ExpectAgreement(model, RandomObservations(model, 100'000, random));
 }
 
 // Every state's density underflows and the states' order is decided by
@@ -157,7 +139,7 @@ TEST(PrecisionTest, OutliersOfAMillionSigma) {
       x[2 * t] = 1e6;
       x[2 * t + 1] = t % 2 == 0 ? -1e6 : 1e6;
     }
-    ExpectAgreement(model, x, kTolerance);
+    ExpectAgreement(model, x);
   }
 }
 
@@ -174,7 +156,7 @@ TEST(PrecisionTest, StatesFarBehindAreNotLost) {
   model.covariances = {1, 1};
   std::vector<double> x(10, 80.0);
   x.resize(40, 0.0);
-  ExpectAgreement(model, x, kTolerance);
+  ExpectAgreement(model, x);
 }
 
 TEST(PrecisionTest, IdenticalStates) {
@@ -185,7 +167,7 @@ TEST(PrecisionTest, IdenticalStates) {
     std::copy_n(model.covariances.begin(), 4,
                 model.covariances.begin() + 4 * s);
   }
-  ExpectAgreement(model, RandomObservations(model, 500, random), kTolerance);
+  ExpectAgreement(model, RandomObservations(model, 500, random));
 }
 
 // One direction's variance is 1e-12 of the other's.
@@ -199,7 +181,7 @@ TEST(PrecisionTest, NearSingularCovariances) {
   }
   std::vector<double> x = RandomObservations(model, 200, random);
   for (size_t k = 0; k < x.size(); k += 2) x[k + 1] = x[k];
-  ExpectAgreement(model, x, kTolerance);
+  ExpectAgreement(model, x);
 }
 
 TEST(PrecisionTest, ConstantFeaturesAndTinyNumbers) {
@@ -214,14 +196,14 @@ TEST(PrecisionTest, ConstantFeaturesAndTinyNumbers) {
     x.push_back(1e-150 * (t % 3));
     x.push_back(denormal * t);
   }
-  ExpectAgreement(model, x, kTolerance);
+  ExpectAgreement(model, x);
 }
 
 TEST(PrecisionTest, SingleFrameSingleState) {
   Random random(48);
   const GaussianHmm model =
       RandomModel(1, 1, CovarianceType::kFull, true, random);
-  ExpectAgreement(model, {0.3}, kTolerance);
+  ExpectAgreement(model, {0.3});
 }
 
 // What no double can hold still leaves finite numbers behind.
@@ -233,6 +215,10 @@ TEST(PrecisionTest, NumbersBeyondRangeDoNotSpread) {
     const CompiledHmm hmm = *CompiledHmm::Create(model);
     ForwardFilter forward(hmm);
     ViterbiFilter viterbi(hmm);
+    const HmmMixture mixture = {.log_weight = {0}, .components = {model}};
+    const HmmBank bank = *HmmBank::Create({&mixture, 1});
+    BankFilter bank_forward(bank, Score::kForward);
+    BankFilter bank_viterbi(bank, Score::kViterbi);
     const std::vector<double> good = RandomObservations(model, 1, random);
     for (const double bad : {std::numeric_limits<double>::quiet_NaN(),
                              std::numeric_limits<double>::infinity(),
@@ -246,11 +232,119 @@ TEST(PrecisionTest, NumbersBeyondRangeDoNotSpread) {
       viterbi.Step(good);
       EXPECT_TRUE(std::isfinite(forward.log_likelihood())) << bad;
       EXPECT_TRUE(std::isfinite(viterbi.score())) << bad;
+      for (BankFilter* filter : {&bank_forward, &bank_viterbi}) {
+        filter->Step(x);
+        filter->Step(good);
+        double score = 0;
+        filter->LogLikelihood({&score, 1});
+        EXPECT_TRUE(std::isfinite(score)) << bad;
+      }
       const auto posterior = forward.state_posterior();
       EXPECT_NEAR(std::accumulate(posterior.begin(), posterior.end(), 0.0), 1,
                   1e-12);
     }
   }
+}
+
+// Each feature in its own unit, from 1e-30 to 1e30.
+TEST(PrecisionTest, UnitsFarApart) {
+  Random random(50);
+  for (const double power : {-30.0, -12.0, 12.0, 30.0}) {
+    GaussianHmm model = RandomModel(4, 3, CovarianceType::kFull, true, random);
+    std::vector<double> x = RandomObservations(model, 300, random);
+    const double unit[] = {std::pow(10, power), 1, std::pow(10, -power)};
+    for (size_t k = 0; k < x.size(); ++k) x[k] *= unit[k % 3];
+    for (size_t k = 0; k < model.means.size(); ++k) {
+      model.means[k] *= unit[k % 3];
+    }
+    for (size_t k = 0; k < model.covariances.size(); ++k) {
+      model.covariances[k] *= unit[k % 3] * unit[k / 3 % 3];
+    }
+    ExpectAgreement(model, x);
+  }
+}
+
+// A way that is taken once in 1e300 frames is taken when there is no other.
+TEST(PrecisionTest, TransitionsThatFloatCannotHold) {
+  GaussianHmm model;
+  model.states = 3;
+  model.dimensions = 1;
+  model.covariance_type = CovarianceType::kSpherical;
+  model.start = {1, 1e-300, 0};
+  model.transition = {1, 1e-300, 0, 0, 1, 1e-200, 0, 0, 1};
+  model.means = {0, 50, 100};
+  model.covariances = {1, 1, 1};
+  std::vector<double> x(20, 0.1);
+  x.resize(40, 49.9);
+  x.resize(60, 100.2);
+  ExpectAgreement(model, x);
+}
+
+// A stream far from the origin: float alone could not tell its values apart.
+TEST(PrecisionTest, FeaturesFarFromZero) {
+  Random random(51);
+  GaussianHmm model = RandomModel(4, 2, CovarianceType::kFull, true, random);
+  std::vector<double> x = RandomObservations(model, 500, random);
+  for (double& value : x) value += 1e8;
+  for (double& mean : model.means) mean += 1e8;
+  ExpectAgreement(model, x);
+}
+
+TEST(PrecisionTest, HundredThousandFramesOfThreeFeatures) {
+  Random random(52);
+  const GaussianHmm model =
+      RandomModel(3, 3, CovarianceType::kFull, true, random);
+  ExpectAgreement(model, RandomObservations(model, 100'000, random));
+}
+
+// After what no double can hold, the bank believes what it predicted, as if the
+// frame had been lost.
+TEST(PrecisionTest, NumbersBeyondRangeLeaveTheBelief) {
+  Random random(53);
+  const HmmMixture mixture = {
+      .log_weight = {0},
+      .components = {RandomModel(4, 2, CovarianceType::kFull, true, random)}};
+  const HmmBank bank = *HmmBank::Create({&mixture, 1});
+  const std::vector<double> x =
+      RandomObservations(mixture.components[0], 40, random);
+  const double bad[] = {std::numeric_limits<double>::quiet_NaN(), 0};
+  for (const Score score : {Score::kForward, Score::kViterbi}) {
+    const ScaledModel<double> model({&mixture.components[0]}, UnitScale(2));
+    ScaledFilter<double> lost(model, {}, score);
+    ScaledFilter<double> spoilt(model, {}, score);
+    for (int t = 0; t < 20; ++t) {
+      lost.Step(Frame(x, 2, t));
+      spoilt.Step(Frame(x, 2, t));
+    }
+    lost.Skip(1);
+    spoilt.Step(bad);
+    lost.UpdateTotals();
+    spoilt.UpdateTotals();
+    EXPECT_EQ(lost.total(0), spoilt.total(0));
+  }
+}
+
+// Every number of a long contact is rounded the same way when a feature is
+// constant; the sum must not drift.
+TEST(PrecisionTest, MillionEqualFrames) {
+  GaussianHmm model;
+  model.states = 2;
+  model.dimensions = 1;
+  model.covariance_type = CovarianceType::kSpherical;
+  model.start = {0.3, 0.7};
+  model.transition = {0.9, 0.1, 0.1, 0.9};
+  model.means = {0, 0};
+  model.covariances = {0.7, 0.7};
+  const HmmMixture mixture = {.log_weight = {0}, .components = {model}};
+  const HmmBank bank = *HmmBank::Create({&mixture, 1});
+  BankFilter filter(bank, Score::kForward);
+  const double x[] = {0.1};
+  constexpr int kFrames = 1'000'000;
+  for (int t = 0; t < kFrames; ++t) filter.Step(x);
+  double got = 0;
+  filter.LogLikelihood({&got, 1});
+  const double want = -0.5 * kFrames * (std::log(2 * M_PI * 0.7) + 0.01 / 0.7);
+  EXPECT_NEAR(got, want, kFloatTolerance * std::abs(want));
 }
 
 }  // namespace

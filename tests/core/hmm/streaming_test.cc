@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/hmm/forward.h"
-#include "core/hmm/mixture.h"
+#include "core/hmm/hmm_bank.h"
 #include "gtest/gtest.h"
 #include "tests/core/hmm/random_model.h"
 #include "tests/support/allocation_counter.h"
@@ -23,17 +23,21 @@ TEST(StreamingTest, FramesAllocateNothing) {
       model.components.push_back(
           RandomModel(10, d, CovarianceType::kFull, left_right, random));
     }
-    const CompiledMixture mixture = *CompiledMixture::Create(model);
-    MixtureFilter forward(mixture, Score::kForward);
-    MixtureFilter viterbi(mixture, Score::kViterbi);
+    const HmmBank bank = *HmmBank::Create({&model, 1});
+    BankFilter forward(bank, Score::kForward);
+    BankFilter viterbi(bank, Score::kViterbi);
     std::vector<double> x = RandomObservations(model.components[0], 50, random);
     x[5 * d] = 1e8;
     const testing::AllocationCounter allocations;
     double sum = 0;
+    double score = 0;
     for (int t = 0; t < 50; ++t) {
       forward.Step(Frame(x, d, t));
       viterbi.Step(Frame(x, d, t));
-      sum += forward.log_likelihood() + viterbi.log_likelihood();
+      forward.LogLikelihood({&score, 1});
+      sum += score;
+      viterbi.LogLikelihood({&score, 1});
+      sum += score;
       if (t == 20) {
         forward.Skip(3);
         viterbi.Skip(3);

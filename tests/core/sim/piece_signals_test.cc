@@ -77,7 +77,7 @@ TEST(BlockFilterTest, IsButterworthStepByStep) {
   for (int frame = 0; frame < 50; ++frame) {
     BlockFilter::Inputs inputs;
     double want = 0;
-    for (int j = 0; j < kBlock; ++j) {
+    for (int j = 0; j < kFilterBlock; ++j) {
       inputs[j] = 2 + 0.25 * j;
       want = steps.Step(inputs[j]);
     }
@@ -95,7 +95,7 @@ TEST(BlockFilterTest, TakesPowersOfARampAtOnce) {
   const BlockFilter& blocks = BlockFilter::AntiAlias();
   for (int n = 0; n < kRampPowers; ++n) {
     BlockFilter::Inputs inputs;
-    for (int j = 0; j < kBlock; ++j) {
+    for (int j = 0; j < kFilterBlock; ++j) {
       inputs[j] = std::pow((j - 9.5) / 10, n);
     }
     const BlockFilter::Column want = blocks.Drive(inputs);

@@ -1,4 +1,4 @@
-#include "tests/core/hmm/ghmm_reference.h"
+#include "client/bench/ghmm_peer.h"
 
 #include <ghmm/sequence.h>
 #include <ghmm/sfoba.h>
@@ -9,10 +9,11 @@
 #include <algorithm>
 #include <cstdlib>
 #include <memory>
+#include <vector>
 
 #include "Eigen/Cholesky"
 #include "Eigen/LU"
-#include "gtest/gtest.h"
+#include "core/base/errors.h"
 
 using RowMajor =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -48,7 +49,7 @@ extern "C" int clapack_dpotrf(int, int, int n, double* a, int) {
   return 0;
 }
 
-namespace tactus {
+namespace tactus::client {
 namespace {
 
 struct FreeModel {
@@ -78,7 +79,7 @@ void SetEmission(const GaussianHmm& model, int state, ghmm_c_emission& e) {
   e.det = covariance.determinant();
 }
 
-GhmmModel MakeGhmmModel(const GaussianHmm& model) {
+GhmmModel Convert(const GaussianHmm& model) {
   const int n = model.states;
   GhmmModel out(ghmm_cmodel_calloc(
       n,
@@ -118,69 +119,93 @@ GhmmModel MakeGhmmModel(const GaussianHmm& model) {
   return out;
 }
 
-}  // namespace
+struct FreeSequences {
+  void operator()(ghmm_cseq* data) const { ghmm_cseq_free(&data); }
+};
+using GhmmSequences = std::unique_ptr<ghmm_cseq, FreeSequences>;
 
-GhmmScores ScoreWithGhmm(const GaussianHmm& model,
-                         const std::vector<double>& observations) {
-  const GhmmModel ghmm = MakeGhmmModel(model);
-  std::vector<double> copy = observations;
-  // Lengths count numbers, not frames, whatever its documentation says.
-  const int length = static_cast<int>(copy.size());
-  GhmmScores scores;
-  EXPECT_EQ(
-      ghmm_cmodel_logp(ghmm.get(), copy.data(), length, &scores.log_likelihood),
-      0);
-  int* path =
-      ghmm_cmodel_viterbi(ghmm.get(), copy.data(), length, &scores.viterbi);
-  EXPECT_NE(path, nullptr);
-  std::free(path);
-  return scores;
-}
-
-GaussianHmm TrainOnceWithGhmm(
-    const GaussianHmm& model,
-    const std::vector<std::vector<double>>& sequences) {
-  const GhmmModel ghmm = MakeGhmmModel(model);
-  const int n = model.states;
-  const int d = model.dimensions;
-  ghmm_cseq* data = ghmm_cseq_calloc(static_cast<long>(sequences.size()));
-  data->dim = d;
+GhmmSequences Convert(const std::vector<SequenceView>& sequences) {
+  GhmmSequences data(ghmm_cseq_calloc(static_cast<long>(sequences.size())));
+  data->dim = sequences.front().dimensions;
   for (size_t s = 0; s < sequences.size(); ++s) {
-    const size_t bytes = sequences[s].size() * sizeof(double);
-    data->seq[s] = static_cast<double*>(std::malloc(bytes));
-    std::copy(sequences[s].begin(), sequences[s].end(), data->seq[s]);
-    data->seq_len[s] = static_cast<int>(sequences[s].size());
+    const size_t count = static_cast<size_t>(sequences[s].frames) * data->dim;
+    data->seq[s] = static_cast<double*>(std::malloc(count * sizeof(double)));
+    std::copy_n(sequences[s].data, count, data->seq[s]);
+    data->seq_len[s] = static_cast<int>(count);
     data->seq_w[s] = 1;
   }
-  double log_likelihood = 0;
-  ghmm_cmodel_baum_welch_context context = {.smo = ghmm.get(),
-                                            .sqd = data,
-                                            .logp = &log_likelihood,
-                                            .eps = 1e-9,
-                                            .max_iter = 1};
-  EXPECT_EQ(ghmm_cmodel_baum_welch(&context), 0);
-  ghmm_cseq_free(&data);
-
-  GaussianHmm out = WithCovarianceType(model, CovarianceType::kFull);
-  for (int s = 0; s < n; ++s) {
-    const ghmm_cstate& state = ghmm->s[s];
-    out.start[s] = state.pi;
-    for (int k = 0; k < state.out_states; ++k) {
-      out.transition[s * n + state.out_id[k]] = state.out_a[0][k];
-    }
-    const ghmm_c_emission& e = state.e[0];
-    const double* mean = d == 1 ? &e.mean.val : e.mean.vec;
-    const double* covariance = d == 1 ? &e.variance.val : e.variance.mat;
-    for (int a = 0; a < d; ++a) out.means[s * d + a] = mean[a];
-    for (int a = 0; a < d; ++a) {
-      for (int b = 0; b < d; ++b) {
-        out.covariances[(s * d + a) * d + b] =
-            covariance[a * d + b] - (mean[a] - model.means[s * d + a]) *
-                                        (mean[b] - model.means[s * d + b]);
-      }
-    }
-  }
-  return out;
+  return data;
 }
 
-}  // namespace tactus
+class Peer : public GhmmPeer {
+ public:
+  explicit Peer(const GaussianHmm& model)
+      : initial_(model), ghmm_(Convert(model)) {}
+
+  // Lengths count numbers, not frames, whatever libghmm's documentation says.
+  absl::StatusOr<double> LogLikelihood(
+      std::span<double> observations) override {
+    double log_likelihood = 0;
+    if (ghmm_cmodel_logp(ghmm_.get(), observations.data(),
+                         static_cast<int>(observations.size()),
+                         &log_likelihood) != 0) {
+      return NumericalFailure("libghmm gives no log-likelihood");
+    }
+    return log_likelihood;
+  }
+
+  absl::StatusOr<double> ViterbiScore(std::span<double> observations) override {
+    double score = 0;
+    int* path =
+        ghmm_cmodel_viterbi(ghmm_.get(), observations.data(),
+                            static_cast<int>(observations.size()), &score);
+    if (path == nullptr) return NumericalFailure("libghmm finds no path");
+    std::free(path);
+    return score;
+  }
+
+  absl::Status Train(const std::vector<SequenceView>& sequences,
+                     int iterations) override {
+    const GhmmSequences data = Convert(sequences);
+    double log_likelihood = 0;
+    ghmm_cmodel_baum_welch_context context = {.smo = ghmm_.get(),
+                                              .sqd = data.get(),
+                                              .logp = &log_likelihood,
+                                              .eps = 1e-9,
+                                              .max_iter = iterations};
+    if (ghmm_cmodel_baum_welch(&context) != 0) {
+      return NumericalFailure("libghmm does not train");
+    }
+    return absl::OkStatus();
+  }
+
+  GaussianHmm model() const override {
+    const size_t n = initial_.states;
+    const size_t d = initial_.dimensions;
+    GaussianHmm out = WithCovarianceType(initial_, CovarianceType::kFull);
+    for (size_t s = 0; s < n; ++s) {
+      const ghmm_cstate& state = ghmm_->s[s];
+      out.start[s] = state.pi;
+      for (int k = 0; k < state.out_states; ++k) {
+        out.transition[s * n + state.out_id[k]] = state.out_a[0][k];
+      }
+      const ghmm_c_emission& e = state.e[0];
+      std::copy_n(d == 1 ? &e.mean.val : e.mean.vec, d, &out.means[s * d]);
+      std::copy_n(d == 1 ? &e.variance.val : e.variance.mat, d * d,
+                  &out.covariances[s * d * d]);
+    }
+    return out;
+  }
+
+ private:
+  const GaussianHmm initial_;
+  GhmmModel ghmm_;
+};
+
+}  // namespace
+
+std::unique_ptr<GhmmPeer> MakeGhmmPeer(const GaussianHmm& model) {
+  return std::make_unique<Peer>(model);
+}
+
+}  // namespace tactus::client

@@ -1,0 +1,34 @@
+// File: hmm_models.h
+//
+// Seeded models and trials for the HMM benchmarks: left-right models with full
+// covariances, as the default bundle has them, and a reference score.
+//
+//   Random random(1);
+//   const GaussianHmm model = DrawLeftRightModel(10, 3, random);
+//   const std::vector<double> trial = DrawTrial(model, 1000, random);
+//
+// Thread-safe but for the caller's Random.
+#pragma once
+
+#include <vector>
+
+#include "core/base/random.h"
+#include "core/hmm/gaussian_hmm.h"
+#include "core/hmm/mixture.h"
+
+namespace tactus::client {
+
+// A state stays or steps to the next. Features are of order 1, correlated.
+GaussianHmm DrawLeftRightModel(int states, int dimensions, Random& random);
+
+// `frames` observations of the model [frames x D], each state held equally
+// long.
+std::vector<double> DrawTrial(const GaussianHmm& model, int frames,
+                              Random& random);
+
+// log p(observations) of the model, or the score of its best path, with every
+// sum in logarithms of long double.
+long double ReferenceScore(const GaussianHmm& model, Score score,
+                           const std::vector<double>& observations);
+
+}  // namespace tactus::client

@@ -1,0 +1,110 @@
+#include "client/bench/train_hmm.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "absl/strings/str_format.h"
+#include "client/bench/ghmm_peer.h"
+#include "client/bench/hmm_models.h"
+#include "client/bench/interleave.h"
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+#include "core/hmm/baum_welch.h"
+#include "core/hmm/init.h"
+
+namespace tactus::client {
+namespace {
+
+// Both optimisers run so long for the comparison of their optima; a tolerance
+// of 0 nats lets neither stop early.
+constexpr int kConvergedIterations = 200;
+constexpr double kSameOptimum = 1e-6;
+
+BaumWelchOptions Options(int iterations) {
+  return {
+      .max_iterations = iterations, .tolerance = 0, .covariance_floor = 1e-9};
+}
+
+// Log-likelihood of the model's trials.
+absl::StatusOr<double> LogLikelihood(const std::vector<SequenceView>& trials,
+                                     GaussianHmm model) {
+  TACTUS_ASSIGN_OR_RETURN(const BaumWelchReport report,
+                          BaumWelch(trials, Options(0), model));
+  return report.log_likelihood.back();
+}
+
+absl::StatusOr<BenchRow> Measure(bool quick) {
+  Random random(2);
+  const GaussianHmm source = DrawLeftRightModel(10, 3, random);
+  std::vector<std::vector<double>> data;
+  std::vector<SequenceView> trials;
+  for (int s = 0; s < (quick ? 4 : 20); ++s) {
+    data.push_back(DrawTrial(source, 200 + 5 * s, random));
+  }
+  for (const std::vector<double>& trial : data) {
+    trials.push_back({trial.data(), static_cast<int>(trial.size()) / 3, 3});
+  }
+  TACTUS_ASSIGN_OR_RETURN(const GaussianHmm start, InitPaper(trials, {}));
+  BenchRow row{
+      .name = "train-hmm/iteration", .unit = "ns", .peer_name = "libghmm"};
+
+  GaussianHmm ours = start;
+  const int converged = quick ? 50 : kConvergedIterations;
+  TACTUS_RETURN_IF_ERROR(BaumWelch(trials, Options(converged), ours).status());
+  const auto converged_peer = MakeGhmmPeer(start);
+  if (converged_peer != nullptr) {
+    TACTUS_RETURN_IF_ERROR(converged_peer->Train(trials, converged));
+    TACTUS_ASSIGN_OR_RETURN(const double our_optimum,
+                            LogLikelihood(trials, ours));
+    TACTUS_ASSIGN_OR_RETURN(const double peer_optimum,
+                            LogLikelihood(trials, converged_peer->model()));
+    row.error = std::abs(our_optimum / peer_optimum - 1);
+    row.error_reference = "libghmm's optimum, relative";
+    if (!(*row.error <= kSameOptimum)) {
+      return NumericalFailure(absl::StrFormat(
+          "log-likelihood %.9g where libghmm ends; %.9g where we do",
+          peer_optimum, our_optimum));
+    }
+  }
+
+  const int iterations = quick ? 2 : 5;
+  absl::Status failure;
+  const Timing timing = Interleave(
+      quick ? 3 : 9,
+      [&] {
+        GaussianHmm model = start;
+        failure.Update(BaumWelch(trials, Options(iterations), model).status());
+      },
+      [&] {
+        const auto peer = MakeGhmmPeer(start);
+        if (peer != nullptr) failure.Update(peer->Train(trials, iterations));
+      });
+  TACTUS_RETURN_IF_ERROR(failure);
+  const double unit =
+      1e9 / (static_cast<double>(TotalFrames(trials)) * iterations);
+  row.ours = timing.ours * unit;
+  if (converged_peer != nullptr) row.peer = timing.peer * unit;
+  return row;
+}
+
+class TrainHmmBenchmark : public Benchmark {
+ public:
+  const char* name() const override { return "train-hmm"; }
+  const char* description() const override {
+    return "Training an HMM by Baum-Welch";
+  }
+
+  absl::StatusOr<std::vector<BenchRow>> Run(bool quick) override {
+    TACTUS_ASSIGN_OR_RETURN(BenchRow row, Measure(quick));
+    return std::vector<BenchRow>{row};
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Benchmark> MakeTrainHmmBenchmark() {
+  return std::make_unique<TrainHmmBenchmark>();
+}
+
+}  // namespace tactus::client

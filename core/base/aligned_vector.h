@@ -1,0 +1,40 @@
+// File: aligned_vector.h
+//
+// A vector whose numbers start on a cache line, so that no load of the
+// vectorised kernels straddles two.
+//
+//   AlignedVector<float> cells(160);
+//
+// Thread-safe as std::vector is.
+#pragma once
+
+#include <cstddef>
+#include <new>
+#include <vector>
+
+namespace tactus {
+
+template <typename T>
+struct CacheLineAllocator {
+  using value_type = T;
+  static constexpr std::align_val_t kAlignment{64};
+
+  CacheLineAllocator() = default;
+  template <typename U>
+  explicit CacheLineAllocator(const CacheLineAllocator<U>&) {}
+
+  T* allocate(size_t count) {
+    return static_cast<T*>(::operator new(count * sizeof(T), kAlignment));
+  }
+  void deallocate(T* pointer, size_t /*count*/) {
+    ::operator delete(pointer, kAlignment);
+  }
+  friend bool operator==(CacheLineAllocator, CacheLineAllocator) {
+    return true;
+  }
+};
+
+template <typename T>
+using AlignedVector = std::vector<T, CacheLineAllocator<T>>;
+
+}  // namespace tactus

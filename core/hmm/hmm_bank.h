@@ -1,0 +1,89 @@
+// File: hmm_bank.h
+//
+// All categories' HMMs of one model, packed for scoring together: components of
+// one shape side by side, in float where that holds, else in double. The score
+// of a category is log sum_k weight_k p(o | hmm_k).
+//
+//   TACTUS_ASSIGN_OR_RETURN(HmmBank bank, HmmBank::Create(mixtures));
+//   BankFilter filter(bank, Score::kForward);
+//   filter.Step(observation);         // per frame
+//   filter.Skip(3);                   // three frames were lost
+//   filter.LogLikelihood(scores);     // one per category
+//
+// Precision: relative to the sum of the frames' absolute log-densities, 1e-6 in
+// float and 1e-12 in double; see scaled_filter.h for what outliers do.
+//
+// Thread-safety: HmmBank is immutable; a BankFilter belongs to one stream. The
+// bank must outlive its filters and stay where it is.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/hmm/mixture.h"
+#include "core/hmm/scaled_filter.h"
+#include "core/hmm/scaled_model.h"
+
+namespace tactus {
+
+class HmmBank {
+ public:
+  // mixtures: one per category, at least one. Fails as Validate(mixture) does,
+  // and with INVALID_MODEL if their dimensions differ.
+  static absl::StatusOr<HmmBank> Create(std::span<const HmmMixture> mixtures);
+
+  int dimensions() const { return dimensions_; }
+  int categories() const { return static_cast<int>(first_.size()) - 1; }
+  // Components that float does not hold, scored in double.
+  int in_double() const;
+
+ private:
+  friend class BankFilter;
+
+  // Components of one shape; `component` numbers them through all categories.
+  struct FloatGroup {
+    std::vector<int> component;
+    ScaledModel<float> model;
+    std::vector<ScaledModel<double>> exact;
+  };
+  struct DoubleGroup {
+    std::vector<int> component;
+    ScaledModel<double> model;
+  };
+
+  HmmBank() = default;
+
+  int dimensions_ = 0;
+  std::vector<FloatGroup> floats_;
+  std::vector<DoubleGroup> doubles_;
+  // Of all categories' components in turn: mantissa and exponent of weights.
+  std::vector<double> weight_mantissa_;
+  std::vector<double> weight_exponent_;
+  std::vector<int> first_;  // component of each category, and their number
+};
+
+class BankFilter {
+ public:
+  BankFilter(const HmmBank& bank, Score score);
+
+  // As for ScaledFilter; nothing here allocates.
+  void Reset();
+  void Step(std::span<const double> observation);
+  void Skip(int missing);
+
+  // Writes each category's log sum_k weight_k p(o_1 .. o_t | k), or of the best
+  // paths, in nats; finite, 0 before the first frame. out: [categories]
+  void LogLikelihood(std::span<double> out);
+
+ private:
+  const HmmBank* bank_;
+  std::vector<ScaledFilter<float>> floats_;
+  std::vector<ScaledFilter<double>> doubles_;
+  // Of every component, weighted: mantissa 2^exponent.
+  std::vector<double> mantissa_;
+  std::vector<double> exponent_;
+  bool started_ = false;
+};
+
+}  // namespace tactus

@@ -1,0 +1,271 @@
+#include "core/hmm/scaled_model.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+#include <type_traits>
+#include <utility>
+
+#include "Eigen/Cholesky"
+#include "Eigen/Core"
+
+namespace tactus {
+namespace {
+
+using Matrix =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+int RoundUp(int value, int unit) { return (value + unit - 1) / unit * unit; }
+
+// Lower Cholesky factor of a state's covariance.
+Matrix Factor(const GaussianHmm& model, int state) {
+  const int d = model.dimensions;
+  Matrix covariance(d, d);
+  FullCovariance(model, state, covariance.data());
+  if (model.covariance_type == CovarianceType::kFull) {
+    return covariance.llt().matrixL();
+  }
+  return covariance.diagonal().cwiseSqrt().asDiagonal();
+}
+
+Matrix InverseFactor(const Matrix& factor) {
+  return factor.triangularView<Eigen::Lower>().solve(
+      Matrix::Identity(factor.rows(), factor.cols()));
+}
+
+// log2 of the density's normalising constant.
+double LogConstant(const Matrix& factor) {
+  return -0.5 * static_cast<double>(factor.rows()) *
+             std::log2(2 * std::numbers::pi) -
+         factor.diagonal().array().log().sum() / std::numbers::ln2;
+}
+
+}  // namespace
+
+HmmShape ShapeOf(const GaussianHmm& model) {
+  HmmShape shape = {.states = model.states,
+                    .dimensions = model.dimensions,
+                    .full = model.dimensions > 1 &&
+                            model.covariance_type == CovarianceType::kFull};
+  for (int i = 0; i < model.states; ++i) {
+    for (int j = 0; j < model.states; ++j) {
+      if (model.transition[static_cast<size_t>(i) * model.states + j] > 0) {
+        shape.first_jump = std::min(shape.first_jump, j - i);
+        shape.last_jump = std::max(shape.last_jump, j - i);
+      }
+    }
+  }
+  return shape;
+}
+
+std::vector<double> UnitScale(int dimensions) {
+  return std::vector<double>(dimensions, 1.0);
+}
+
+std::vector<double> BalancedScale(
+    const std::vector<const GaussianHmm*>& models) {
+  const int d = models.front()->dimensions;
+  std::vector<double> scale(d, 0.0);
+  double states = 0;
+  std::vector<double> covariance(static_cast<size_t>(d) * d);
+  for (const GaussianHmm* model : models) {
+    for (int s = 0; s < model->states; ++s) {
+      FullCovariance(*model, s, covariance.data());
+      for (int k = 0; k < d; ++k) {
+        scale[k] += 0.5 * std::log2(covariance[k * d + k]);
+      }
+    }
+    states += model->states;
+  }
+  for (double& s : scale) {
+    s = std::ldexp(1.0, -static_cast<int>(std::lround(s / states)));
+  }
+  return scale;
+}
+
+bool FitsFloat(const GaussianHmm& model, const std::vector<double>& scale) {
+  // Numbers whose squares and products stay well within float.
+  constexpr double kLargest = 1e12;
+  // How much a row of the inverse factor may amplify rounding errors.
+  constexpr double kMaxAmplification = 256;
+  const int d = model.dimensions;
+  const Eigen::Map<const Eigen::VectorXd> factors(scale.data(), d);
+  for (int s = 0; s < model.states; ++s) {
+    const Matrix factor = factors.asDiagonal() * Factor(model, s);
+    const Matrix inverse = InverseFactor(factor);
+    const double amplification =
+        (inverse.cwiseAbs() * factor.cwiseAbs()).rowwise().sum().maxCoeff();
+    const Eigen::Map<const Eigen::VectorXd> mean(
+        &model.means[static_cast<size_t>(s) * d], d);
+    const double largest =
+        std::max({inverse.cwiseAbs().maxCoeff(), factor.cwiseAbs().maxCoeff(),
+                  mean.cwiseProduct(factors).cwiseAbs().maxCoeff()});
+    if (!(amplification < kMaxAmplification && largest < kLargest)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+template <typename T>
+void SplitProbability(double p, T& mantissa, T& exponent) {
+  if (!(p > 0)) {
+    mantissa = 1;
+    exponent = Scaled<T>::kNothing;
+    return;
+  }
+  int power = 0;
+  mantissa = static_cast<T>(2 * std::frexp(p, &power));
+  exponent = static_cast<T>(power - 1);
+}
+
+template <typename T>
+ScaledModel<T>::ScaledModel(const std::vector<const GaussianHmm*>& models,
+                            std::vector<double> scale)
+    : shape_(ShapeOf(*models.front())),
+      scale_(std::move(scale)),
+      components_(static_cast<int>(models.size())) {
+  const int k = components_;
+  stride_ = k < kBlock
+                ? static_cast<int>(std::bit_ceil(static_cast<unsigned>(k)))
+                : RoundUp(k, kBlock);
+  period_ = std::max(stride_, kBlock);
+  const int in_blocks = RoundUp(cells(), kBlock);
+  front_ = RoundUp(shape_.last_jump * stride_, kBlock);
+  padded_ = front_ + in_blocks + RoundUp(-shape_.first_jump * stride_, kBlock);
+  const int d = shape_.dimensions;
+  rows_ = (std::is_same_v<T, float> ? 2 : 1) * d +
+          (shape_.full ? d * (d + 1) / 2 : d) + 1;
+  const int jumps = shape_.last_jump - shape_.first_jump + 1;
+  emissions_.assign(static_cast<size_t>(in_blocks) * rows_, T{0});
+  transitions_.assign(static_cast<size_t>(in_blocks) * jumps * 2, T{1});
+  // Transitions are nothing but for padding components, which stay.
+  for (int cell = 0; cell < in_blocks; ++cell) {
+    const bool padding = cell < cells() && cell % stride_ >= components_;
+    for (int q = 0; q < jumps; ++q) {
+      const bool stays = padding && shape_.first_jump + q == 0;
+      transitions_[(static_cast<size_t>(cell / kBlock) * jumps + q) * 2 *
+                       kBlock +
+                   kBlock + cell % kBlock] = stays ? 0 : Scaled<T>::kNothing;
+    }
+  }
+  start_mantissa_.resize(padded_);
+  start_exponent_.resize(padded_);
+  Clear(start_mantissa_.data(), start_exponent_.data(), 1);
+  for (int c = 0; c < k; ++c) {
+    PackEmissions(*models[c], c);
+    PackTransitions(*models[c], c);
+    for (int s = 0; s < shape_.states; ++s) {
+      SplitProbability(models[c]->start[s], start_mantissa_[Cell(s, c)],
+                       start_exponent_[Cell(s, c)]);
+    }
+  }
+}
+
+template <typename T>
+void ScaledModel<T>::PackEmissions(const GaussianHmm& model, int component) {
+  // |z|^2 / 2 in bits is |gain z|^2.
+  const double gain = std::sqrt(0.5 * std::numbers::log2e);
+  const int d = shape_.dimensions;
+  for (int s = 0; s < shape_.states; ++s) {
+    const size_t cell = static_cast<size_t>(s) * stride_ + component;
+    T* row = &emissions_[cell / kBlock * rows_ * kBlock + cell % kBlock];
+    const auto put = [&row](double value) {
+      *row = static_cast<T>(value);
+      row += kBlock;
+    };
+    const Matrix factor = Factor(model, s);
+    // Rows of the inverse factor, for scaled observations and in bits.
+    Matrix row_factors = gain * InverseFactor(factor);
+    for (int i = 0; i < d; ++i) row_factors.col(i) /= scale_[i];
+    Eigen::VectorXd rest(d);
+    for (int i = 0; i < d; ++i) {
+      const double mean =
+          model.means[static_cast<size_t>(s) * d + i] * scale_[i];
+      rest[i] = mean - static_cast<double>(static_cast<T>(mean));
+      put(mean);
+      if constexpr (std::is_same_v<T, float>) {
+        put(row_factors.row(i).head(i + 1).dot(rest.head(i + 1)));
+      }
+      put(row_factors(i, i));
+      for (int j = 0; shape_.full && j < i; ++j) put(row_factors(i, j));
+    }
+    put(LogConstant(factor));
+  }
+}
+
+template <typename T>
+void ScaledModel<T>::PackTransitions(const GaussianHmm& model, int component) {
+  const int jumps = shape_.last_jump - shape_.first_jump + 1;
+  for (int j = 0; j < shape_.states; ++j) {
+    const size_t cell = static_cast<size_t>(j) * stride_ + component;
+    T* parameters =
+        &transitions_[cell / kBlock * jumps * 2 * kBlock + cell % kBlock];
+    for (int q = 0; q < jumps; ++q) {
+      const int i = j - shape_.first_jump - q;
+      if (i < 0 || i >= shape_.states) continue;
+      SplitProbability(
+          model.transition[static_cast<size_t>(i) * shape_.states + j],
+          parameters[2 * q * kBlock], parameters[(2 * q + 1) * kBlock]);
+    }
+  }
+}
+
+template <typename T>
+void ScaledModel<T>::Clear(T* mantissa, T* exponent, size_t count) const {
+  std::fill_n(mantissa, count * padded_, T{1});
+  std::fill_n(exponent, count * padded_, Scaled<T>::kNothing);
+  for (size_t r = 0; r < count; ++r) {
+    for (int s = 0; s < shape_.states; ++s) {
+      std::fill_n(exponent + r * padded_ + Cell(s, components_),
+                  stride_ - components_, T{0});
+    }
+  }
+}
+
+template <typename T>
+void ScaledModel<T>::Predict(bool best, Shares<T> from, Shares<T> to) const {
+  tactus::Predict(
+      PredictStep<T>{.best = best,
+                     .cells = cells(),
+                     .stride = stride_,
+                     .first_jump = shape_.first_jump,
+                     .jumps = shape_.last_jump - shape_.first_jump + 1,
+                     .transitions = transitions_.data(),
+                     .from = {from.mantissa + front_, from.exponent + front_},
+                     .to = {to.mantissa + front_, to.exponent + front_}});
+}
+
+template <typename T>
+void ScaledModel<T>::Weigh(const T* x, const T* lowered, T* largest_exponent,
+                           Shares<T> shares) const {
+  tactus::Weigh(WeighStep<T>{
+      .cells = cells(),
+      .period = period_,
+      .dimensions = shape_.dimensions,
+      .full = shape_.full,
+      .emissions = emissions_.data(),
+      .x = x,
+      .x_rest = x + shape_.dimensions,
+      .lowered = lowered,
+      .largest_exponent = largest_exponent,
+      .shares = {shares.mantissa + front_, shares.exponent + front_}});
+}
+
+template <typename T>
+void ScaledModel<T>::Split(std::span<const double> observation, T* out) const {
+  const int d = shape_.dimensions;
+  for (int k = 0; k < d; ++k) {
+    const double x = observation[k] * scale_[k];
+    out[k] = static_cast<T>(x);
+    out[d + k] = static_cast<T>(x - static_cast<double>(out[k]));
+  }
+}
+
+template class ScaledModel<float>;
+template class ScaledModel<double>;
+template void SplitProbability(double, float&, float&);
+template void SplitProbability(double, double&, double&);
+
+}  // namespace tactus
