@@ -54,9 +54,8 @@ TEST(WalkCuesTest, VisitsTouchedFramesThatAreDue) {
   Contact contact = Ramp(1, 60);
   contact.frames[9].touched = false;
   std::vector<size_t> visited;
-  WalkCues(contact, {5, 20}, [&](CueTracker&, size_t frame) {
-    visited.push_back(frame + 1);
-  });
+  WalkCues(contact, {5, 20},
+           [&](CueTracker&, size_t frame) { visited.push_back(frame + 1); });
   EXPECT_EQ(visited,
             (std::vector<size_t>{5, 11, 16, 21, 26, 31, 36, 41, 46, 51, 56}));
 }
