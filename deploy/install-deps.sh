@@ -53,6 +53,7 @@ readonly TOOLS_AND_TESTS=(
   libprotoc-dev
   libsundials-dev
   nlohmann-json3-dev
+  openssl
   pkgconf
   python3-h5py
 )
