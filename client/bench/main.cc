@@ -5,9 +5,14 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
+#include "absl/synchronization/mutex.h"
 #include "client/bench/benchmark.h"
+#include "client/bench/echo_server.h"
 #include "client/bench/idle.h"
+#include "client/bench/load.h"
 #include "client/bench/sim.h"
+#include "client/bench/startup.h"
+#include "client/bench/stream.h"
 #include "core/base/version.h"
 
 namespace tactus::client {
@@ -19,12 +24,18 @@ struct Command {
 };
 
 int Main(int argc, char** argv) {
+  // Debian's Abseil keeps a graph of all locks to find deadlocks, which costs
+  // gRPC a twentieth of its time.
+  absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   std::vector<Command> commands;
   const auto add = [&](std::unique_ptr<Benchmark> benchmark) {
     commands.push_back({std::move(benchmark)});
   };
   add(MakeSimBenchmark());
   add(MakeIdleBenchmark());
+  add(MakeStreamBenchmark());
+  add(MakeLoadBenchmark());
+  add(MakeStartupBenchmark());
 
   CLI::App app("Measures Tactus and its peers, side by side.", "tactus-bench");
   app.set_version_flag("--version", std::string("tactus-bench ") + kVersion);
@@ -43,7 +54,12 @@ int Main(int argc, char** argv) {
   }
   const CLI::App* all = app.add_subcommand("all", "All of them, one by one");
   add_common(app.get_subcommand("all"));
+  EchoOptions echo;
+  // Not for users: `stream` starts it as its peer.
+  CLI::App* echo_server = app.add_subcommand("echo-server")->group("");
+  AddEchoFlags(echo, *echo_server);
   CLI11_PARSE(app, argc, argv);
+  if (echo_server->parsed()) return RunEchoServer(echo).ok() ? 0 : 1;
 
   std::vector<BenchRow> rows;
   for (const Command& command : commands) {
