@@ -55,6 +55,7 @@ readonly TOOLS_AND_TESTS=(
   libprotoc-dev
   libsundials-dev
   nlohmann-json3-dev
+  openssl
   pkgconf
   python3-h5py
 )

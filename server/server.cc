@@ -59,9 +59,11 @@ absl::Status TactusServer::Listen() {
   grpc::ServerBuilder builder;
   SetChannelArguments(options_.max_streams, builder);
   ports_.resize(options_.listen.size());
+  const TlsIdentity* tls = options_.tls ? &*options_.tls : nullptr;
   for (size_t i = 0; i < options_.listen.size(); ++i) {
     builder.AddListeningPort(options_.listen[i],
-                             grpc::InsecureServerCredentials(), &ports_[i]);
+                             CredentialsFor(options_.listen[i], tls),
+                             &ports_[i]);
   }
   builder.RegisterService(&contacts_);
   builder.RegisterCallbackGenericService(&unimplemented_);
@@ -71,7 +73,10 @@ absl::Status TactusServer::Listen() {
     for (const std::string& address : options_.listen) {
       absl::StrAppend(&addresses, addresses.empty() ? "" : ", ", address);
     }
-    return IoError(addresses, "cannot listen there");
+    return IoError(addresses, tls == nullptr
+                                  ? "cannot listen there"
+                                  : "cannot listen there, or the certificate "
+                                    "and the key are no pair");
   }
   SetServing(true);
   keep_warm_ = std::make_unique<KeepWarm>(InProcessChannel());

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@
 #include "grpcpp/channel.h"
 #include "grpcpp/server.h"
 #include "server/ops/keep_warm.h"
+#include "server/ops/tls.h"
 #include "server/rpc/contact_service.h"
 #include "server/rpc/refusal.h"
 
@@ -29,13 +31,16 @@ class TactusServer {
     // "host:port" (port 0: any free one) or "unix:path"; may be empty, the
     // in-process channel is always there.
     std::vector<std::string> listen = {};
+    // TLS on every host:port; unix sockets stay plain.
+    std::optional<TlsIdentity> tls = {};
     int max_streams = limits::kMaxStreams;
     // 0 means none.
     int idle_timeout_ms = limits::kIdleTimeoutMs;
     int drain_grace_ms = limits::kDrainGraceMs;
   };
 
-  // Serving when it returns. IO if an address cannot be listened on.
+  // Serving when it returns. IO if an address cannot be listened on, also
+  // because certificate and key do not make a pair.
   static absl::StatusOr<std::unique_ptr<TactusServer>> Start(
       const ModelSource* models, const Options& options);
 

@@ -1,9 +1,9 @@
 // File: child_server.h
 //
-// ChildServer: a tactusd of our own, the program beside this one, on a free
-// port; ended with the object.
+// ChildServer: a server of our own, one of the programs beside this one, on a
+// free port; ended with the object.
 //
-//   TACTUS_ASSIGN_OR_RETURN(auto server, ChildServer::Start());
+//   TACTUS_ASSIGN_OR_RETURN(auto server, ChildServer::Start("tactusd"));
 //   MakeChannel(server->address());
 //
 // Owns the process. Not thread-safe.
@@ -13,6 +13,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 
@@ -20,14 +21,21 @@ namespace tactus::client {
 
 class ChildServer {
  public:
-  // Returns once it serves; IO if it does not within ten seconds.
-  static absl::StatusOr<std::unique_ptr<ChildServer>> Start();
+  // Starts `program` with `arguments` and --port-file, to which it writes its
+  // port once it serves. Returns then; IO if that takes over ten seconds.
+  static absl::StatusOr<std::unique_ptr<ChildServer>> Start(
+      const std::string& program,
+      const std::vector<std::string>& arguments = {});
   ~ChildServer();
 
   ChildServer(const ChildServer&) = delete;
   ChildServer& operator=(const ChildServer&) = delete;
 
   const std::string& address() const { return address_; }
+  // Memory it has in use, KiB.
+  double ResidentKib() const;
+  // Processor time it has used, s, to 10 ms.
+  double CpuSeconds() const;
 
  private:
   ChildServer() = default;
@@ -36,5 +44,13 @@ class ChildServer {
   pid_t pid_ = -1;
   std::string address_;
 };
+
+// The path of a program in this program's directory.
+std::string ProgramBeside(const std::string& name);
+// Starts it; its process, or IO.
+absl::StatusOr<pid_t> SpawnBeside(const std::string& name,
+                                  const std::vector<std::string>& arguments);
+// Sends SIGTERM and waits for its end.
+void EndProcess(pid_t pid);
 
 }  // namespace tactus::client

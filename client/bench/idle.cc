@@ -69,7 +69,9 @@ absl::StatusOr<std::vector<double>> MeasureIdle(const IdleOptions& options) {
   std::unique_ptr<ChildServer> child;
   std::string address = options.server;
   if (address.empty()) {
-    TACTUS_ASSIGN_OR_RETURN(child, ChildServer::Start());
+    TACTUS_ASSIGN_OR_RETURN(
+        child, ChildServer::Start(
+                   "tactusd", {"--listen=127.0.0.1:0", "--log-level=warn"}));
     address = child->address();
   }
   SkinInfo info;

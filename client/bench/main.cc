@@ -5,13 +5,18 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
+#include "absl/synchronization/mutex.h"
 #include "client/bench/benchmark.h"
+#include "client/bench/echo_server.h"
 #include "client/bench/features.h"
 #include "client/bench/hmm.h"
 #include "client/bench/idle.h"
+#include "client/bench/load.h"
 #include "client/bench/lstm.h"
 #include "client/bench/session.h"
 #include "client/bench/sim.h"
+#include "client/bench/startup.h"
+#include "client/bench/stream.h"
 #include "client/bench/train_hmm.h"
 #include "client/bench/train_lstm.h"
 #include "core/base/version.h"
@@ -25,6 +30,9 @@ struct Command {
 };
 
 int Main(int argc, char** argv) {
+  // Debian's Abseil keeps a graph of all locks to find deadlocks, which costs
+  // gRPC a twentieth of its time.
+  absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   std::vector<Command> commands;
   const auto add = [&](std::unique_ptr<Benchmark> benchmark) {
     commands.push_back({std::move(benchmark)});
@@ -37,6 +45,9 @@ int Main(int argc, char** argv) {
   add(MakeIdleBenchmark());
   add(MakeHmmBenchmark());
   add(MakeTrainHmmBenchmark());
+  add(MakeStreamBenchmark());
+  add(MakeLoadBenchmark());
+  add(MakeStartupBenchmark());
 
   CLI::App app("Measures Tactus and its peers, side by side.", "tactus-bench");
   app.set_version_flag("--version", std::string("tactus-bench ") + kVersion);
@@ -55,7 +66,12 @@ int Main(int argc, char** argv) {
   }
   const CLI::App* all = app.add_subcommand("all", "All of them, one by one");
   add_common(app.get_subcommand("all"));
+  EchoOptions echo;
+  // Not for users: `stream` starts it as its peer.
+  CLI::App* echo_server = app.add_subcommand("echo-server")->group("");
+  AddEchoFlags(echo, *echo_server);
   CLI11_PARSE(app, argc, argv);
+  if (echo_server->parsed()) return RunEchoServer(echo).ok() ? 0 : 1;
 
   std::vector<BenchRow> rows;
   for (const Command& command : commands) {

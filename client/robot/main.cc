@@ -22,6 +22,7 @@ namespace {
 
 struct Flags {
   std::string server = "127.0.0.1:50051";
+  std::string tls_ca;
   std::string driver = "sim";
   std::string data;
   size_t trials = 0;
@@ -48,7 +49,9 @@ std::unique_ptr<TrialDriver> MakeDriver(const Flags& flags, size_t shard) {
 absl::Status Run(const Flags& flags) {
   // Standard output is for the one JSON object.
   Report report(flags.json ? stderr : stdout);
-  const auto channel = MakeChannel(flags.server);
+  TACTUS_ASSIGN_OR_RETURN(const std::string roots,
+                          ReadRootCertificates(flags.tls_ca));
+  const auto channel = MakeChannel(flags.server, {.tls_roots = roots});
   std::mutex mutex;
   std::vector<absl::Status> statuses(flags.parallel);
   std::vector<std::thread> threads;
@@ -87,6 +90,8 @@ int Main(int argc, char** argv) {
   app.set_version_flag("--version", std::string("tactus-stream ") + kVersion);
   app.add_option("--server", flags.server, "host:port or unix:path")
       ->capture_default_str();
+  app.add_option("--tls-ca", flags.tls_ca,
+                 "PEM file of who may vouch for the server: use TLS");
   app.add_option("--driver", flags.driver, "sim or replay")
       ->check(CLI::IsMember({"sim", "replay"}))
       ->capture_default_str();

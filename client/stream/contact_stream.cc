@@ -5,18 +5,8 @@
 #include "client/stream/status.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
-#include "grpcpp/create_channel.h"
 
 namespace tactus::client {
-
-std::shared_ptr<grpc::Channel> MakeChannel(const std::string& address) {
-  grpc::ChannelArguments arguments;
-  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 20'000);
-  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 10'000);
-  arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
-  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(),
-                                   arguments);
-}
 
 absl::StatusOr<std::unique_ptr<ContactStream>> ContactStream::Open(
     const std::shared_ptr<grpc::Channel>& channel,

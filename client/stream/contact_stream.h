@@ -28,14 +28,12 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/stream/channel.h"
 #include "grpcpp/channel.h"
 #include "grpcpp/client_context.h"
 #include "tactus/v1/contact.grpc.pb.h"
 
 namespace tactus::client {
-
-// A channel with the keep-alive the server expects: "host:port" or "unix:path".
-std::shared_ptr<grpc::Channel> MakeChannel(const std::string& address);
 
 class ContactStream {
  public:

@@ -182,7 +182,8 @@ absl::Status FrameDecoder::CheckValues(const v1::FrameBatch& batch) {
 }
 
 FrameView FrameDecoder::Frame(const v1::FrameBatch& batch, uint32_t index) {
-  DecodeFrame(batch, index);
+  // Check has left a single frame in place.
+  if (batch.frame_count() > 1) DecodeFrame(batch, index);
   FrameView frame;
   frame.taxels = taxels_;
   if (with_poses_) {

@@ -32,7 +32,8 @@ class FrameDecoder {
   // else the stream's error. Changes nothing that Frame depends on.
   absl::Status Check(const v1::FrameBatch& batch);
 
-  // Frame `index` of a batch that passed Check; valid until the next call.
+  // Frame `index` of the batch that passed Check last; valid until the next
+  // call.
   // `missing_before` is left at 0: what counts as a gap is the session's.
   FrameView Frame(const v1::FrameBatch& batch, uint32_t index);
 

@@ -7,6 +7,7 @@
 #include "core/base/status_macros.h"
 #include "core/bundle/layout_proto.h"
 #include "core/classify/feature_input.h"
+#include "server/session/request_parser.h"
 
 namespace tactus::server {
 
@@ -15,7 +16,7 @@ StreamSession::StreamSession(const ModelSource* models, Options options)
 
 StreamSession::State StreamSession::state() const {
   if (finishing_) return responses_.empty() ? State::kDone : State::kFinishing;
-  return pipeline_ == nullptr ? State::kWaitConfig : State::kStreaming;
+  return pinned_ ? State::kStreaming : State::kWaitConfig;
 }
 
 absl::Status StreamSession::OnMessage(
@@ -24,7 +25,7 @@ absl::Status StreamSession::OnMessage(
   if (!finishing_ && size > limits::kMaxMessageBytes) {
     return EndIfError(MessageTooLarge(size, limits::kMaxMessageBytes));
   }
-  if (!finishing_ && !request_.ParseFromZeroCopyStream(bytes)) {
+  if (!finishing_ && !ParseRequest(bytes, &request_)) {
     return EndIfError(MalformedRequest(size));
   }
   return OnRequest(request_);
@@ -55,7 +56,8 @@ absl::Status StreamSession::Dispatch(
     return EmptyRequest();
   }
   if (request.has_config()) return OnConfig(request.config());
-  if (pipeline_ == nullptr) return ConfigRequired();
+  if (!pinned_) return ConfigRequired();
+  if (pipeline_ == nullptr) WakePipeline();
   if (request.has_frames()) return OnFrames(request.frames());
   OnEndOfTrial();
   return absl::OkStatus();
@@ -66,25 +68,31 @@ void StreamSession::EndRequest(int64_t start_ns, int64_t now_ns) {
 }
 
 absl::Status StreamSession::OnConfig(const v1::StreamConfig& config) {
-  if (pipeline_ != nullptr) return ConfigRepeated();
+  if (pinned_) return ConfigRepeated();
   TACTUS_ASSIGN_OR_RETURN(settings_, ParseStreamConfig(config));
-  TACTUS_ASSIGN_OR_RETURN(const PinnedModel pinned,
-                          models_->Find(settings_.model));
+  TACTUS_ASSIGN_OR_RETURN(PinnedModel pinned, models_->Find(settings_.model));
   TACTUS_ASSIGN_OR_RETURN(
-      pipeline_, ContactPipeline::Create(settings_.layout, pinned.model,
-                                         settings_.pipeline));
+      const auto pipeline,
+      ContactPipeline::Create(settings_.layout, pinned.model,
+                              settings_.pipeline));
+  pinned_ = std::move(pinned);
   decoder_.emplace(settings_);
   writer_.emplace(settings_.with_features);
-  last_best_class_ = pipeline_->classifier().best_class();
-  WriteStarted(pinned);
+  last_best_class_ = pipeline->classifier().best_class();
+  WriteStarted();
   return absl::OkStatus();
 }
 
-void StreamSession::WriteStarted(const PinnedModel& pinned) {
-  const Model& model = pinned.model->model();
+void StreamSession::WakePipeline() {
+  pipeline_ = *ContactPipeline::Create(settings_.layout, pinned_->model,
+                                       settings_.pipeline);
+}
+
+void StreamSession::WriteStarted() {
+  const Model& model = pinned_->model->model();
   v1::StreamStarted* started = responses_.AddMessage()->mutable_started();
-  started->set_model_version(pinned.version_name);
-  started->set_bundle_sha256(pinned.sha256);
+  started->set_model_version(pinned_->version_name);
+  started->set_bundle_sha256(pinned_->sha256);
   for (const std::string& name : model.class_names) {
     started->add_class_names(name);
   }
@@ -157,12 +165,12 @@ void StreamSession::OnEndOfTrial() {
 }
 
 void StreamSession::OnHalfClose() {
-  Finish(pipeline_ == nullptr ? ConfigRequired() : absl::OkStatus());
+  Finish(pinned_ ? absl::OkStatus() : ConfigRequired());
 }
 
 void StreamSession::OnDraining(uint32_t grace_ms) {
   if (finishing_) return;
-  if (pipeline_ == nullptr) {
+  if (!pinned_) {
     Finish(Draining());
     return;
   }

@@ -85,7 +85,10 @@ class StreamSession {
   void OnEndOfTrial();
   // True if the cadence asks for an interim posterior after this frame.
   bool IsDue(const ContactReport& report);
-  void WriteStarted(const PinnedModel& pinned);
+  void WriteStarted();
+  // Makes the pipeline of a stream that was configured; config checked that
+  // this cannot fail.
+  void WakePipeline();
 
   const ModelSource* models_;
   Options options_;
@@ -97,6 +100,8 @@ class StreamSession {
 
   // Set by config.
   StreamSettings settings_;
+  std::optional<PinnedModel> pinned_;
+  // From the first frame on: most of a stream's memory.
   std::unique_ptr<ContactPipeline> pipeline_;
   std::optional<FrameDecoder> decoder_;
   std::optional<PosteriorWriter> writer_;

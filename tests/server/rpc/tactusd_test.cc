@@ -121,6 +121,57 @@ TEST_F(TactusdTest, ServesItsBuiltInModelAndStopsOnSigterm) {
   EXPECT_EQ(RunToEnd({"--health-check=" + address}), 1);
 }
 
+// A self-signed certificate for localhost and 127.0.0.1, made for this run.
+class TactusdTlsTest : public TactusdTest {
+ protected:
+  TactusdTlsTest() : base_(port_file_) {}
+  ~TactusdTlsTest() override {
+    std::remove(certificate().c_str());
+    std::remove(key().c_str());
+  }
+  bool MakeCertificate() const {
+    const std::string command =
+        "openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes "
+        "-days 2 -subj /CN=localhost -addext "
+        "subjectAltName=DNS:localhost,IP:127.0.0.1 -keyout " +
+        key() + " -out " + certificate() + " 2>/dev/null";
+    return std::system(command.c_str()) == 0;
+  }
+  std::string certificate() const { return base_ + ".crt"; }
+  std::string key() const { return base_ + ".key"; }
+
+ private:
+  const std::string base_;
+};
+
+TEST_F(TactusdTlsTest, SpeaksTlsOnPortsAndPlainOnUnixSockets) {
+  ASSERT_TRUE(MakeCertificate()) << "needs the openssl program";
+  EXPECT_NE(RunToEnd({"--tls-cert=" + certificate()}), 0);
+  EXPECT_EQ(RunToEnd({"--tls-cert=/no/such", "--tls-key=" + key()}), 1);
+  EXPECT_EQ(RunToEnd({"--listen=127.0.0.1:0", "--log-level=off",
+                      "--tls-cert=" + key(), "--tls-key=" + certificate()}),
+            1);
+  std::vector<std::string> flags = Flags("--tls-cert=" + certificate());
+  const std::string socket = "unix:" + port_file_ + ".sock";
+  flags.push_back("--tls-key=" + key());
+  flags.push_back("--listen=" + socket);
+  Daemon daemon(flags);
+  const std::string address = AwaitAddress(port_file_);
+  ASSERT_FALSE(address.empty());
+  EXPECT_EQ(
+      RunToEnd({"--health-check=" + address, "--tls-ca=" + certificate()}), 0);
+  EXPECT_EQ(RunToEnd({"--health-check=" + address}), 1);
+  EXPECT_EQ(RunToEnd({"--health-check=" + socket}), 0);
+  const auto roots = client::ReadRootCertificates(certificate());
+  ASSERT_TRUE(roots.ok()) << roots.status();
+  for (const std::string& server : {address, socket}) {
+    const auto stream = client::ContactStream::Open(
+        client::MakeChannel(server, {.tls_roots = *roots}),
+        testing::ConfigRequest().config(), [](const auto&) {});
+    EXPECT_TRUE(stream.ok()) << server << ": " << stream.status();
+  }
+}
+
 TEST_F(TactusdTest, ASecondSignalEndsItAtOnce) {
   Daemon daemon(Flags("--drain-grace-ms=3600000"));
   const std::string address = AwaitAddress(port_file_);

@@ -1,0 +1,171 @@
+#include "client/bench/echo_server.h"
+
+#include <atomic>
+#include <fstream>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "CLI/CLI.hpp"
+#include "core/base/errors.h"
+#include "grpcpp/alarm.h"
+#include "grpcpp/generic/async_generic_service.h"
+#include "grpcpp/server.h"
+#include "grpcpp/server_builder.h"
+#include "tactus/v1/contact.pb.h"
+
+namespace tactus::client {
+namespace {
+
+constexpr int kQueueThreads = 2;
+
+grpc::ByteBuffer MakeAnswer(int bytes) {
+  v1::ClassifyContactResponse response;
+  v1::Posterior* posterior = response.mutable_posterior();
+  posterior->set_sequence(1);
+  while (response.ByteSizeLong() < static_cast<size_t>(bytes)) {
+    posterior->add_log_likelihood(-1);
+  }
+  const grpc::Slice slice(response.SerializeAsString());
+  return grpc::ByteBuffer(&slice, 1);
+}
+
+class EchoReactor : public grpc::ServerGenericBidiReactor {
+ public:
+  explicit EchoReactor(const grpc::ByteBuffer* answer) : answer_(answer) {
+    StartRead(&read_);
+  }
+  void OnReadDone(bool ok) override {
+    if (!ok) {
+      Finish(grpc::Status::OK);
+      return;
+    }
+    if (owed_.fetch_add(1) == 0) StartWrite(answer_);
+    StartRead(&read_);
+  }
+  void OnWriteDone(bool ok) override {
+    if (ok && owed_.fetch_sub(1) > 1) StartWrite(answer_);
+  }
+  void OnDone() override { delete this; }
+
+ private:
+  const grpc::ByteBuffer* const answer_;
+  grpc::ByteBuffer read_;
+  std::atomic<int> owed_ = 0;
+};
+
+class CallbackEcho : public grpc::CallbackGenericService {
+ public:
+  explicit CallbackEcho(const grpc::ByteBuffer* answer) : answer_(answer) {}
+  grpc::ServerGenericBidiReactor* CreateReactor(
+      grpc::GenericCallbackServerContext*) override {
+    return new EchoReactor(answer_);
+  }
+
+ private:
+  const grpc::ByteBuffer* const answer_;
+};
+
+// One stream of a completion queue. Its client takes all answers before it
+// ends, so that nothing is in flight when it is deleted.
+class QueueEcho {
+ public:
+  struct Tag {
+    QueueEcho* stream;
+    void (QueueEcho::*on_event)(bool ok);
+  };
+
+  static void Await(grpc::AsyncGenericService* service,
+                    grpc::ServerCompletionQueue* queue,
+                    const grpc::ByteBuffer* answer) {
+    auto* echo = new QueueEcho(service, queue, answer);
+    service->RequestCall(&echo->context_, &echo->stream_, queue, queue,
+                         &echo->started_);
+  }
+
+ private:
+  QueueEcho(grpc::AsyncGenericService* service,
+            grpc::ServerCompletionQueue* queue, const grpc::ByteBuffer* answer)
+      : service_(service), queue_(queue), answer_(answer) {}
+
+  void OnStarted(bool ok) {
+    if (!ok) return;
+    Await(service_, queue_, answer_);
+    stream_.Read(&read_, &read_done_);
+  }
+  void OnRead(bool ok) {
+    if (!ok) {
+      stream_.Finish(grpc::Status::OK, &finished_);
+      return;
+    }
+    if (owed_.fetch_add(1) == 0) stream_.Write(*answer_, &write_done_);
+    stream_.Read(&read_, &read_done_);
+  }
+  void OnWritten(bool ok) {
+    if (ok && owed_.fetch_sub(1) > 1) stream_.Write(*answer_, &write_done_);
+  }
+  void OnFinished(bool) { delete this; }
+
+  grpc::AsyncGenericService* const service_;
+  grpc::ServerCompletionQueue* const queue_;
+  const grpc::ByteBuffer* const answer_;
+  grpc::GenericServerContext context_;
+  grpc::GenericServerAsyncReaderWriter stream_{&context_};
+  grpc::ByteBuffer read_;
+  std::atomic<int> owed_ = 0;
+  Tag started_{this, &QueueEcho::OnStarted};
+  Tag read_done_{this, &QueueEcho::OnRead};
+  Tag write_done_{this, &QueueEcho::OnWritten};
+  Tag finished_{this, &QueueEcho::OnFinished};
+};
+
+void ServeQueue(grpc::ServerCompletionQueue* queue) {
+  void* tag = nullptr;
+  bool ok = false;
+  while (queue->Next(&tag, &ok)) {
+    const auto* event = static_cast<QueueEcho::Tag*>(tag);
+    (event->stream->*event->on_event)(ok);
+  }
+}
+
+}  // namespace
+
+void AddEchoFlags(EchoOptions& options, CLI::App& command) {
+  command.add_option("--port-file", options.port_file,
+                     "Where to tell the port");
+  command.add_option("--answer-bytes", options.answer_bytes, "Size of answers");
+  command.add_flag("--completion-queue", options.completion_queue,
+                   "In place of callbacks");
+}
+
+absl::Status RunEchoServer(const EchoOptions& options) {
+  const grpc::ByteBuffer answer = MakeAnswer(options.answer_bytes);
+  CallbackEcho callback(&answer);
+  grpc::AsyncGenericService async;
+  grpc::ServerBuilder builder;
+  int port = 0;
+  builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(),
+                           &port);
+  std::unique_ptr<grpc::ServerCompletionQueue> queue;
+  if (options.completion_queue) {
+    builder.RegisterAsyncGenericService(&async);
+    queue = builder.AddCompletionQueue();
+  } else {
+    builder.RegisterCallbackGenericService(&callback);
+  }
+  const auto server = builder.BuildAndStart();
+  if (server == nullptr) return IoError("127.0.0.1", "cannot listen there");
+  std::vector<std::thread> threads;
+  if (queue != nullptr) {
+    QueueEcho::Await(&async, queue.get(), &answer);
+    for (int i = 0; i < kQueueThreads; ++i) {
+      threads.emplace_back(ServeQueue, queue.get());
+    }
+  }
+  std::ofstream(options.port_file) << port << std::endl;
+  server->Wait();
+  for (std::thread& thread : threads) thread.join();
+  return absl::OkStatus();
+}
+
+}  // namespace tactus::client

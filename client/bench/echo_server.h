@@ -1,0 +1,32 @@
+// File: echo_server.h
+//
+// What gRPC alone costs: a server whose every method answers each message of a
+// stream with one of a given size, by the callback interface, as tactusd's
+// adapter is built, or by a completion queue. Run as a child process,
+// `tactus-bench echo-server`.
+#pragma once
+
+#include <string>
+
+#include "absl/status/status.h"
+
+namespace CLI {
+class App;
+}  // namespace CLI
+
+namespace tactus::client {
+
+struct EchoOptions {
+  std::string port_file;
+  // Bytes of an answer, about; answers parse as ClassifyContactResponse.
+  int answer_bytes = 300;
+  // One completion queue served by two threads, in place of callbacks.
+  bool completion_queue = false;
+};
+
+void AddEchoFlags(EchoOptions& options, CLI::App& command);
+
+// Serves on a free port until the process is ended. IO if it cannot listen.
+absl::Status RunEchoServer(const EchoOptions& options);
+
+}  // namespace tactus::client

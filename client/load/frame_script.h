@@ -1,0 +1,62 @@
+// File: frame_script.h
+//
+// FrameScript: the messages of frames that all robots of a load test play,
+// each from a place of its own: simulated contacts of all classes in turn, some
+// untouched skin before each.
+//
+//   TACTUS_ASSIGN_OR_RETURN(auto script, FrameScript::Create({.seed = 1}));
+//   stream.Write(script.Message(position, first_sequence));
+//
+// Taxels are encoded once and shared; only the numbers are written for each
+// message, so that a generator costs little beside the server it measures.
+// Immutable; thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "grpcpp/support/byte_buffer.h"
+#include "grpcpp/support/slice.h"
+#include "tactus/v1/contact.pb.h"
+
+namespace tactus::client {
+
+class FrameScript {
+ public:
+  struct Options {
+    uint64_t seed = 1;
+    uint32_t frames_per_message = 1;
+    // List touched taxels only.
+    bool sparse = false;
+    // Before each contact; at most 10.
+    double untouched_seconds = 1;
+    // Simulated contacts; four are one of each class.
+    size_t contacts = 8;
+  };
+
+  // INVALID_CONFIG for options out of range, or if a message would exceed what
+  // a server takes.
+  static absl::StatusOr<FrameScript> Create(const Options& options);
+
+  // For streams of this script: one answer a message.
+  const v1::StreamConfig& config() const { return config_; }
+  // Messages at its begin that hold nothing but untouched frames.
+  size_t untouched_messages() const { return untouched_messages_; }
+  // Messages until it begins again.
+  size_t size() const { return bodies_.size(); }
+  // Message `position` modulo size(), numbered from `first_sequence` and
+  // captured at the script's rate.
+  grpc::ByteBuffer Message(size_t position, uint64_t first_sequence) const;
+
+ private:
+  FrameScript() = default;
+
+  v1::StreamConfig config_;
+  int64_t frame_period_ns_ = 0;
+  size_t untouched_messages_ = 0;
+  // FrameBatches without first_sequence and first_capture_time_ns.
+  std::vector<grpc::Slice> bodies_;
+};
+
+}  // namespace tactus::client

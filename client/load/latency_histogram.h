@@ -1,0 +1,43 @@
+// File: latency_histogram.h
+//
+// LatencyHistogram: percentiles of many delays, in buckets less than 1 % wide.
+//
+//   histogram.Add(delay_ns);
+//   histogram.PercentileNs(0.99);
+//
+// Add may be called from any thread and locks nothing. What is read while
+// others add is a moment's view.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+
+namespace tactus::client {
+
+class LatencyHistogram {
+ public:
+  // A negative delay counts as 0.
+  void Add(int64_t delay_ns);
+
+  uint64_t count() const;
+  int64_t max_ns() const { return max_ns_.load(std::memory_order_relaxed); }
+  // By nearest rank, rounded up to its bucket's end but not above the maximum;
+  // 0 if there are none. 0 < share <= 1.
+  int64_t PercentileNs(double share) const;
+
+ private:
+  // Every power of two is cut into 128 equal buckets.
+  static constexpr int kBits = 7;
+  static constexpr size_t kBuckets = (64 - kBits) << kBits;
+
+  static size_t BucketOf(uint64_t delay_ns);
+  // The largest delay in it.
+  static int64_t EndOf(size_t bucket);
+
+  std::array<std::atomic<uint64_t>, kBuckets> counts_ = {};
+  std::atomic<int64_t> max_ns_ = 0;
+};
+
+}  // namespace tactus::client

@@ -1,0 +1,135 @@
+#include "client/load/load_stream.h"
+
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "client/stream/status.h"
+#include "grpcpp/generic/generic_stub.h"
+#include "grpcpp/impl/codegen/proto_utils.h"
+#include "grpcpp/support/proto_buffer_reader.h"
+
+namespace tactus::client {
+namespace {
+
+constexpr char kMethod[] = "/tactus.v1.ContactService/ClassifyContact";
+// Spreads the robots over the script, whatever its length.
+constexpr double kGoldenRatio = 0.6180339887498949;
+
+size_t OffsetOf(int robot, size_t script_size) {
+  const double place = kGoldenRatio * robot;
+  return static_cast<size_t>((place - std::floor(place)) *
+                             static_cast<double>(script_size));
+}
+
+}  // namespace
+
+int64_t LoadClockNs() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+LoadStream::LoadStream(LoadShared* shared, int robot)
+    : shared_(shared),
+      robot_(robot),
+      script_offset_(OffsetOf(robot, shared->script->size())) {}
+
+void LoadStream::Open(const std::shared_ptr<grpc::Channel>& channel) {
+  v1::ClassifyContactRequest request;
+  *request.mutable_config() = shared_->script->config();
+  const grpc::Slice bytes(request.SerializeAsString());
+  write_ = grpc::ByteBuffer(&bytes, 1);
+  grpc::GenericStub(channel).PrepareBidiStreamingCall(&context_, kMethod, {},
+                                                      this);
+  // Offer writes from outside of reactions.
+  AddHold();
+  pending_ = 1;
+  StartWrite(&write_);
+  StartRead(&read_);
+  StartCall();
+}
+
+void LoadStream::Offer() {
+  ++offered_;
+  if (pending_.fetch_add(1) == 0) WriteNext();
+}
+
+void LoadStream::WriteNext() {
+  const uint64_t message = written_++;
+  const uint64_t frames = message * shared_->frames_per_message;
+  write_ = shared_->script->Message(script_offset_ + message, frames + 1);
+  const int64_t due_ns = shared_->schedule->DueNs(robot_, message);
+  if (due_ns >= shared_->measure_from_ns) {
+    shared_->send_delay.Add(LoadClockNs() - due_ns);
+  }
+  StartWrite(&write_);
+}
+
+void LoadStream::OnWriteDone(bool ok) {
+  // After a failure nothing will ever be written again.
+  if (ok && pending_.fetch_sub(1) > 1) WriteNext();
+}
+
+void LoadStream::OnReadDone(bool ok) {
+  const int64_t now_ns = LoadClockNs();
+  if (!ok) {
+    Settle();
+    return;
+  }
+  grpc::ProtoBufferReader bytes(&read_);
+  if (!response_.ParseFromZeroCopyStream(&bytes)) {
+    Cancel();
+    return;
+  }
+  if (response_.has_posterior()) {
+    OnPosterior(response_.posterior(), now_ns);
+  } else if (response_.has_started()) {
+    accepted_ = true;
+    Settle();
+  }
+  StartRead(&read_);
+}
+
+void LoadStream::OnPosterior(const v1::Posterior& posterior, int64_t now_ns) {
+  superseded_ = posterior.superseded();
+  const uint64_t frames = shared_->frames_per_message;
+  const uint64_t sequence = posterior.sequence();
+  // Decisions and ends of contacts may come in between.
+  if (posterior.is_final() || sequence <= last_sequence_ ||
+      sequence % frames != 0) {
+    return;
+  }
+  last_sequence_ = sequence;
+  const int64_t due_ns =
+      shared_->schedule->DueNs(robot_, sequence / frames - 1);
+  if (due_ns >= shared_->measure_from_ns) {
+    shared_->answer_delay.Add(now_ns - due_ns);
+  }
+  answered_.fetch_add(1, std::memory_order_relaxed);
+}
+
+void LoadStream::Settle() {
+  if (std::exchange(settled_, true)) return;
+  const std::lock_guard lock(shared_->mutex);
+  ++shared_->settled;
+  shared_->changed.notify_all();
+}
+
+void LoadStream::Close() {
+  if (pending_ == 0) {
+    StartWritesDone();
+  } else {
+    Cancel();
+  }
+  RemoveHold();
+}
+
+void LoadStream::OnDone(const grpc::Status& status) {
+  status_ = FromGrpcStatus(status);
+  const std::lock_guard lock(shared_->mutex);
+  ++shared_->ended;
+  shared_->changed.notify_all();
+}
+
+}  // namespace tactus::client

@@ -1,0 +1,111 @@
+// File: load_stream.h
+//
+// LoadStream: one robot of a load test, on gRPC's callback interface, so that
+// thousands need no thread of their own.
+//
+//   LoadStream stream(&shared, robot);
+//   stream.Open(channel);          // then wait for shared.settled
+//   stream.Offer();                // each time a message is due
+//   stream.Close();                // then wait for shared.ended
+//
+// A message that comes due while the one before is still being written waits
+// its turn; its delay counts from when it was due. No locks on the way of a
+// frame. Offer belongs to one thread; the object must live until it ended.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+
+#include "absl/status/status.h"
+#include "client/load/frame_script.h"
+#include "client/load/latency_histogram.h"
+#include "client/load/schedule.h"
+#include "grpcpp/channel.h"
+#include "grpcpp/client_context.h"
+#include "grpcpp/support/client_callback.h"
+#include "tactus/v1/contact.pb.h"
+
+namespace tactus::client {
+
+// What the streams of one test share.
+struct LoadShared {
+  const FrameScript* script = nullptr;
+  uint32_t frames_per_message = 1;
+  // Set before the first Offer.
+  const Schedule* schedule = nullptr;
+  // What was due earlier is not put into the histograms.
+  int64_t measure_from_ns = 0;
+
+  // From when a message was due to its answer, and to its writing.
+  LatencyHistogram answer_delay;
+  LatencyHistogram send_delay;
+
+  std::mutex mutex;
+  std::condition_variable changed;
+  // Streams the server accepted or refused; streams that are over.
+  int settled = 0;
+  int ended = 0;
+};
+
+class LoadStream
+    : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
+ public:
+  // `shared` must outlive the stream.
+  LoadStream(LoadShared* shared, int robot);
+
+  void Open(const std::shared_ptr<grpc::Channel>& channel);
+  void Offer();
+  // Half-closes if all is written, else cancels.
+  void Close();
+
+  void Cancel() { context_.TryCancel(); }
+
+  int robot() const { return robot_; }
+  bool accepted() const { return accepted_.load(); }
+  uint64_t offered() const { return offered_; }
+  uint64_t answered() const { return answered_.load(); }
+  // Answers the server dropped because this client read slowly.
+  uint64_t superseded() const { return superseded_.load(); }
+  // Once it ended.
+  const absl::Status& status() const { return status_; }
+
+  void OnWriteDone(bool ok) override;
+  void OnReadDone(bool ok) override;
+  void OnDone(const grpc::Status& status) override;
+
+ private:
+  void WriteNext();
+  // Accepted or refused.
+  void Settle();
+  void OnPosterior(const v1::Posterior& posterior, int64_t now_ns);
+
+  LoadShared* const shared_;
+  const int robot_;
+  // Where in the script this robot begins.
+  const size_t script_offset_;
+  grpc::ClientContext context_;
+
+  // Messages that are due and not written yet. Who raises it from 0, or lowers
+  // it to above 0, writes the next.
+  std::atomic<uint32_t> pending_ = 0;
+  uint64_t offered_ = 0;
+  uint64_t written_ = 0;
+  grpc::ByteBuffer write_;
+
+  grpc::ByteBuffer read_;
+  v1::ClassifyContactResponse response_;
+  bool settled_ = false;
+  uint64_t last_sequence_ = 0;
+  std::atomic<bool> accepted_ = false;
+  std::atomic<uint64_t> answered_ = 0;
+  std::atomic<uint64_t> superseded_ = 0;
+  absl::Status status_;
+};
+
+// Nanoseconds of the clock that schedules are in.
+int64_t LoadClockNs();
+
+}  // namespace tactus::client
