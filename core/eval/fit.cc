@@ -14,7 +14,6 @@
 #include "core/eval/fit_hmms.h"
 #include "core/eval/fit_lstms.h"
 #include "core/eval/folds.h"
-#include "core/eval/time_warp.h"
 
 namespace tactus {
 namespace {
@@ -121,14 +120,10 @@ absl::StatusOr<Model> FitUncalibrated(
     const std::vector<const Contact*>& contacts,
     const std::vector<std::string>& class_names, const FitOptions& options,
     int networks, const ParallelFor& parallel) {
-  std::vector<Contact> warped;
-  for (double pace : options.paces) {
-    for (const Contact* contact : contacts) {
-      warped.push_back(AtPace(*contact, pace));
-    }
-  }
+  const std::vector<Contact> copies =
+      DrawVariations(contacts, options.variations, options.seed);
   std::vector<const Contact*> all = contacts;
-  for (const Contact& contact : warped) all.push_back(&contact);
+  for (const Contact& copy : copies) all.push_back(&copy);
   TACTUS_ASSIGN_OR_RETURN(Model model, FitHmms(all, class_names, options));
   if (networks > 0) {
     TACTUS_RETURN_IF_ERROR(FitLstms(all, options, networks, parallel, model));

@@ -21,6 +21,7 @@
 #include "core/eval/contact.h"
 #include "core/eval/inputs.h"
 #include "core/eval/parallel.h"
+#include "core/eval/variation.h"
 #include "core/lstm/train.h"
 
 namespace tactus {
@@ -68,9 +69,8 @@ struct FitOptions {
   // Smallest variance of a scaled input in any state.
   double covariance_floor = 1e-3;
   LstmFit lstm;
-  // Models are trained on every contact as it is and as if the arm had moved at
-  // these multiples of its pace (time_warp.h).
-  std::vector<double> paces;
+  // Models are trained on every contact as it is, and on such copies of it.
+  VariationRange variations;
   // A calibration is fitted on inner folds that leave out one condition each
   // where there are a few, or a few groups of materials; else on this many
   // even ones.

@@ -31,7 +31,7 @@ FitOptions TunedPreset() {
   options.hmms_per_class = 20;
   options.states = 6;
   options.covariance_floor = 0.1;
-  options.paces = {0.7, 1.4};
+  options.variations = {.copies = 4, .pace = 3, .load = 3};
   LstmFit& lstm = options.lstm;
   lstm.networks = 3;
   lstm.cues = DerivedCues();
@@ -42,7 +42,7 @@ FitOptions TunedPreset() {
   lstm.steps = {5, 20};
   lstm.estimates = true;
   LstmTrainOptions& training = lstm.training;
-  training.epochs = 12;
+  training.epochs = 10;
   training.batch_size = 16;
   training.optimizer.optimizer = Optimizer::kAdam;
   training.optimizer.learning_rate = 3e-3;

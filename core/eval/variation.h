@@ -1,0 +1,59 @@
+// File: variation.h
+//
+// A contact as other arms and objects would have made it, so that models hold
+// at speeds and stiffnesses that were never recorded. But for its ringing the
+// lumped element model (paper, eqs. 1 to 7) has two symmetries, and neither
+// changes a category:
+//
+// - Pace. Force, area and motion follow how far the equilibrium point has come;
+//   an arm of another speed plays the same signals at another pace.
+// - Load. The pieces are linear: a softer arm on a lighter object makes all
+//   forces and motions smaller by one factor. The sensor's noise stays, so what
+//   was scaled away of it is drawn anew.
+//
+//   Random random(seed);
+//   Contact other = Vary(contact, {.pace = 1.4, .load = 0.5}, random);
+//
+// Thread-safe: free functions.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/base/random.h"
+#include "core/eval/contact.h"
+
+namespace tactus {
+
+struct Variation {
+  double pace = 1;  // > 0
+  double load = 1;  // in (0, 1]: noise cannot be taken away
+};
+
+// Frame k, (k + 1) frames after the touch, is `contact` (k + 1) x pace frames
+// after it, between frames interpolated, at first the first; as long as the
+// contact lasts and no longer than its frames are many. Where touch is lost on
+// either side, and for the load profile, the frame before counts.
+Contact Vary(const Contact& contact, const Variation& variation,
+             Random& random);
+
+// How many copies to draw of each contact, from what: the logarithm of the pace
+// evenly between 1 / pace and pace, that of the load between 1 / load and 1.
+struct VariationRange {
+  int copies = 0;
+  double pace = 1;  // >= 1
+  double load = 1;  // >= 1
+};
+
+// All copies of all contacts; the same contacts, range and seed give the same
+// copies.
+std::vector<Contact> DrawVariations(const std::vector<const Contact*>& contacts,
+                                    const VariationRange& range, uint64_t seed);
+
+// Standard deviation of the noise on values[t], from the median of their second
+// differences: a signal that changes evenly, however fast, has none. 0 for
+// fewer than 3 values. (The median of |normal| is 0.6745; a second difference
+// of noise has 6 times its variance.)
+double NoiseOf(const std::vector<double>& values);
+
+}  // namespace tactus
