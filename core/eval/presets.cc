@@ -31,13 +31,13 @@ FitOptions TunedPreset() {
   options.hmms_per_class = 20;
   options.states = 6;
   options.covariance_floor = 0.1;
-  options.variations = {.copies = 4, .pace = 3, .load = 3};
+  options.variations = {.copies = 4, .pace = 3, .load = 2};
   LstmFit& lstm = options.lstm;
   lstm.networks = 3;
   lstm.cues = DerivedCues();
   lstm.limit = 5;
   lstm.stretched_cues = {Cue::kLogSpring, Cue::kLogStiffestSpring,
-                         Cue::kLogSlope, Cue::kLogStiffness};
+                         Cue::kLogSlope, Cue::kLogStiffness, Cue::kLogDrag};
   lstm.stretches = 8;
   lstm.steps = {5, 20};
   lstm.estimates = true;

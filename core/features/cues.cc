@@ -45,6 +45,7 @@ constexpr CueRow kCues[] = {
     {"area_growth", kNeedsArea},
     {"log_largest_force", kNeedsForce},
     {"force_drop", kNeedsForce},
+    {"log_drag", kNeedsForce | kNeedsArea},
     {"force_roughness", kNeedsForce},
     {"area_roughness", kNeedsArea},
     {"motion_roughness", kNeedsMotion},
@@ -239,12 +240,13 @@ void CueTracker::DeriveLevels() {
   const State& s = state_;
   const double area = s.smooth[kA].value;
   const double log_force = Log(s.smooth[kF].value, kForceFloor);
+  const double log_area = Log(area, kAreaFloor);
   const double log_motion = Log(s.smooth[kM].value, kMotionFloor);
   const double log_time =
       std::log(static_cast<double>(s.frames_since_onset) / sample_rate_hz_);
   Set(Cue::kLogPeak, Log(s.peak.value, kForceFloor));
   Set(Cue::kLogForce, log_force);
-  Set(Cue::kLogArea, Log(area, kAreaFloor));
+  Set(Cue::kLogArea, log_area);
   Set(Cue::kLogMotion, log_motion);
   Set(Cue::kLogTime, log_time);
   Set(Cue::kLogSpeed, log_motion - log_time);
@@ -257,6 +259,7 @@ void CueTracker::DeriveLevels() {
   const double log_largest = Log(s.largest_force, kForceFloor);
   Set(Cue::kLogLargestForce, log_largest);
   Set(Cue::kForceDrop, log_force - log_largest);
+  Set(Cue::kLogDrag, log_force - 1.5 * log_area);
 }
 
 void CueTracker::DeriveSprings() {

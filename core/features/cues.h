@@ -67,6 +67,9 @@ enum class Cue {
   // Largest smooth force so far, and force relative to it.
   kLogLargestForce,
   kForceDrop,
+  // Smooth force over area^1.5 (log): once it slides, the object's friction
+  // times its density, whatever its size.
+  kLogDrag,
   // Root mean square of the changes from frame to frame (log).
   kForceRoughness,
   kAreaRoughness,
