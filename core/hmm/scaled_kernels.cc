@@ -111,9 +111,10 @@ void WeighCells(const WeighStep<T>& step) {
   const int dimensions = kDimensions > 0 ? kDimensions : step.dimensions;
   const int rows = (sizeof(T) == sizeof(float) ? 2 : 1) * dimensions +
                    (kFull ? dimensions * (dimensions + 1) / 2 : dimensions) + 1;
-  for (int p = 0; p < step.period; p += lanes) {
-    hn::Store(hn::Set(d, std::numeric_limits<T>::lowest()), d,
-              step.largest_exponent + p);
+  V largest_of_all = hn::Set(d, std::numeric_limits<T>::lowest());
+  if (step.stride > 1) {
+    std::fill_n(step.largest_exponent, step.period,
+                std::numeric_limits<T>::lowest());
   }
   int p = 0;
   for (int j = 0; j < step.cells; j += lanes) {
@@ -122,15 +123,25 @@ void WeighCells(const WeighStep<T>& step) {
     const V distance = Distance<T, kDimensions, kFull>(step, row);
     const V bits = hn::Sub(hn::Load(d, row), distance);
     const V whole = hn::Round(bits);
-    const V mantissa = hn::Mul(hn::Load(d, step.shares.mantissa + j),
+    const V mantissa = hn::Mul(hn::Load(d, step.from.mantissa + j),
                                PowerOfFraction(d, hn::Sub(bits, whole)));
-    const V exponent = hn::Add(hn::Load(d, step.shares.exponent + j),
+    const V exponent = hn::Add(hn::Load(d, step.from.exponent + j),
                                hn::Sub(whole, hn::Load(d, step.lowered + p)));
-    hn::Store(mantissa, d, step.shares.mantissa + j);
-    hn::Store(exponent, d, step.shares.exponent + j);
+    hn::Store(mantissa, d, step.to.mantissa + j);
+    hn::Store(exponent, d, step.to.exponent + j);
+    if (step.stride == 1) {
+      largest_of_all = hn::Max(largest_of_all, exponent);
+      continue;
+    }
     T* largest = step.largest_exponent + p;
     hn::Store(hn::Max(hn::Load(d, largest), exponent), d, largest);
     p = p + lanes < step.period ? p + lanes : 0;
+  }
+  if (step.stride == 1) {
+    largest_of_all = hn::MaxOfLanes(d, largest_of_all);
+    for (p = 0; p < step.period; p += lanes) {
+      hn::Store(largest_of_all, d, step.largest_exponent + p);
+    }
   }
 }
 

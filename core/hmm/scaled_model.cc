@@ -6,6 +6,7 @@
 #include <numbers>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "Eigen/Cholesky"
 #include "Eigen/Core"
@@ -132,8 +133,11 @@ ScaledModel<T>::ScaledModel(const std::vector<const GaussianHmm*>& models,
                 : RoundUp(k, kBlock);
   period_ = std::max(stride_, kBlock);
   const int in_blocks = RoundUp(cells(), kBlock);
-  front_ = RoundUp(shape_.last_jump * stride_, kBlock);
-  padded_ = front_ + in_blocks + RoundUp(-shape_.first_jump * stride_, kBlock);
+  constexpr int kCacheLine = 64 / sizeof(T);
+  front_ = RoundUp(shape_.last_jump * stride_, kCacheLine);
+  padded_ =
+      front_ + in_blocks + RoundUp(-shape_.first_jump * stride_, kCacheLine);
+  zeros_.assign(period_, T{0});
   const int d = shape_.dimensions;
   rows_ = (std::is_same_v<T, float> ? 2 : 1) * d +
           (shape_.full ? d * (d + 1) / 2 : d) + 1;
@@ -238,19 +242,46 @@ void ScaledModel<T>::Predict(bool best, Shares<T> from, Shares<T> to) const {
 }
 
 template <typename T>
-void ScaledModel<T>::Weigh(const T* x, const T* lowered, T* largest_exponent,
-                           Shares<T> shares) const {
-  tactus::Weigh(WeighStep<T>{
-      .cells = cells(),
-      .period = period_,
-      .dimensions = shape_.dimensions,
-      .full = shape_.full,
-      .emissions = emissions_.data(),
-      .x = x,
-      .x_rest = x + shape_.dimensions,
-      .lowered = lowered,
-      .largest_exponent = largest_exponent,
-      .shares = {shares.mantissa + front_, shares.exponent + front_}});
+void ScaledModel<T>::WeighOnce(const T* x, const T* lowered,
+                               T* largest_exponent, Shares<T> from,
+                               Shares<T> to) const {
+  tactus::Weigh(
+      WeighStep<T>{.cells = cells(),
+                   .stride = stride_,
+                   .period = period_,
+                   .dimensions = shape_.dimensions,
+                   .full = shape_.full,
+                   .emissions = emissions_.data(),
+                   .x = x,
+                   .x_rest = x + shape_.dimensions,
+                   .lowered = lowered,
+                   .largest_exponent = largest_exponent,
+                   .from = {from.mantissa + front_, from.exponent + front_},
+                   .to = {to.mantissa + front_, to.exponent + front_}});
+  if (stride_ > 1) {
+    Fold(largest_exponent, [](T a, T b) { return std::max(a, b); });
+  }
+}
+
+template <typename T>
+bool ScaledModel<T>::Weigh(const T* x, T* lowered, T* largest_exponent,
+                           Shares<T> from, Shares<T> to) const {
+  WeighOnce(x, lowered, largest_exponent, from, to);
+  if (std::count_if(largest_exponent, largest_exponent + period_,
+                    [](T l) { return !(l > Scaled<T>::kTrusted); }) == 0) {
+    return true;
+  }
+  if constexpr (std::is_same_v<T, double>) {
+    // The densities alone, of shares of 1; `to` is only room for them.
+    Clear(to.mantissa, to.exponent, 1);
+    for (int s = 0; s < shape_.states; ++s) {
+      std::fill_n(to.exponent + Cell(s, 0), stride_, T{0});
+    }
+    WeighOnce(x, zeros_.data(), largest_exponent, to, to);
+    for (int p = 0; p < period_; ++p) lowered[p] += largest_exponent[p];
+    WeighOnce(x, lowered, largest_exponent, from, to);
+  }
+  return false;
 }
 
 template <typename T>

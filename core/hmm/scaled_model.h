@@ -75,13 +75,31 @@ class ScaledModel {
 
   // See scaled_kernels.h; shares are padded arrays.
   void Predict(bool best, Shares<T> from, Shares<T> to) const;
-  // x: [D] twice, as Split writes it.
-  void Weigh(const T* x, const T* lowered, T* largest_exponent,
-             Shares<T> shares) const;
+  // Weighs with x, [2 D] as Split writes it. Patterns hold the same number for
+  // all entries of a component. `to` is not `from`. True if no component fell
+  // by more than 2^20 bits (double: 2^40), else float has lost digits; double
+  // weighs again, relative to each component's largest density, which adds to
+  // `lowered` and leaves the order of the states alone.
+  bool Weigh(const T* x, T* lowered, T* largest_exponent, Shares<T> from,
+             Shares<T> to) const;
+  // Makes one value of the pattern entries that belong to a component.
+  template <typename Combine>
+  void Fold(T* pattern, Combine combine) const {
+    for (int width = kBlock / 2; width >= stride_; width /= 2) {
+      for (int l = 0; l < width; ++l) {
+        pattern[l] = combine(pattern[l], pattern[l + width]);
+      }
+    }
+    for (int l = stride_; l < kBlock; ++l) {
+      pattern[l] = pattern[l - stride_];
+    }
+  }
   // x scaled and rounded, then what rounding left. out: [2 D]
   void Split(std::span<const double> observation, T* out) const;
 
  private:
+  void WeighOnce(const T* x, const T* lowered, T* largest_exponent,
+                 Shares<T> from, Shares<T> to) const;
   void PackEmissions(const GaussianHmm& model, int component);
   void PackTransitions(const GaussianHmm& model, int component);
 
@@ -99,6 +117,7 @@ class ScaledModel {
   // constant. Squares of what the factor gives are in bits.
   AlignedVector<T> emissions_;
   AlignedVector<T> transitions_;  // [blocks][jumps][2][kBlock]
+  AlignedVector<T> zeros_;        // [period]
   AlignedVector<T> start_mantissa_;
   AlignedVector<T> start_exponent_;
 };

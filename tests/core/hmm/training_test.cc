@@ -83,7 +83,7 @@ TEST(ExpectationTest, MatchesTheSumOverAllPaths) {
     const CompiledHmm hmm = *CompiledHmm::Create(model);
     Expectation got;
     got.Reset(model);
-    got.Add(hmm, {x.data(), 6, 2});
+    got.Add({x.data(), 6, 2});
 
     std::vector<double> starts(3), transitions(9), occupancy(3), first(6),
         second(12);

@@ -1,0 +1,62 @@
+// File: smooth_kernels.h
+//
+// The backward half of Baum-Welch for one model, vectorised over its states
+// like scaled_kernels.h, whose cells it shares. Used by Expectation. A plane is
+// an array of cells, rounded up to whole blocks, without padding either side.
+//
+// Thread-safe: free functions on the caller's buffers; they allocate nothing.
+#pragma once
+
+#include <cstddef>
+
+#include "core/hmm/scaled_kernels.h"
+
+namespace tactus {
+
+// One step back in time of Baum-Welch for one model (stride 1). With i's belief
+// at t and j's prediction for t + 1,
+//   taken[i][j] = belief[i] transition[i][j] / predicted[j] share_next[j];
+// share[i] becomes the sum over j, flushed to 0 below 1e-30.
+struct SmoothStep {
+  int cells;
+  int first_jump;
+  int jumps;
+  size_t plane;  // cells of one, a multiple of kBlock
+  // Transitions by the state that is left, [jumps][plane] each.
+  const double* mantissa;
+  const double* exponent;
+  Shares<double> belief;
+  Shares<double> predicted;
+  const double* share_next;
+  double* quotient;  // scratch; padding either side is 0
+  double* share;
+  double* taken;  // [jumps][plane], added to
+};
+void Smooth(const SmoothStep& step);
+
+// share[j] = shares[j] / total / 2^largest, exactly 0 where a share is nothing.
+struct NormaliseStep {
+  int cells;
+  Shares<double> shares;
+  double total;
+  double largest_exponent;
+  double* share;
+};
+void Normalise(const NormaliseStep& step);
+
+// Adds a frame whose state is distributed as `share` to the moments about the
+// means: planes for occupancy, then per dimension a the first moment and the
+// second ones (a, 0) .. (a, a), without full covariances (a, a) alone.
+struct MomentStep {
+  int cells;
+  int dimensions;
+  bool full;
+  size_t plane;
+  const double* means;  // [D][plane]
+  const double* x;      // [D]
+  const double* share;
+  double* moments;
+};
+void AddMoments(const MomentStep& step);
+
+}  // namespace tactus
