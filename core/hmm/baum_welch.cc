@@ -110,10 +110,11 @@ class Trainer {
  private:
   absl::Status Expect() {
     TACTUS_RETURN_IF_ERROR(Validate(model_));
-    expectation_.Reset(model_);
-    for (const SequenceView& sequence : sequences_) {
-      expectation_.Add(sequence);
-    }
+    // The last model is not improved any more.
+    expectation_.Compute(model_, sequences_,
+                         report_.iterations < options_.max_iterations
+                             ? Expectation::Sums::kAll
+                             : Expectation::Sums::kLogLikelihood);
     return absl::OkStatus();
   }
 

@@ -5,15 +5,16 @@
 // (Rabiner 1989, equations 27, 37 and 38).
 //
 //   Expectation expectation;
-//   expectation.Reset(model);
-//   for (const SequenceView& s : sequences) expectation.Add(s);
+//   expectation.Compute(model, sequences);
+//   expectation.transitions();
 //
 // The backward pass smooths the filtered beliefs,
 //   p(i at t | j at t+1, o_1 .. o_t) = belief_t[i] transition[i][j]
 //                                      / predicted_t+1[j],
 // which is the textbook backward variable in a form whose every number is a
 // probability and which evaluates no density twice. Scaled in double
-// (scaled_kernels.h): no state is lost, however far behind.
+// (scaled_kernels.h): no state is lost, however far behind. Several sequences
+// are taken in side by side, so that short models fill vectors too.
 //
 // Not thread-safe. Buffers grow to the longest sequence and are kept.
 #pragma once
@@ -31,12 +32,14 @@ namespace tactus {
 
 class Expectation {
  public:
-  // Forgets all sequences. Moments are taken about the means of `model`, which
-  // is valid.
-  void Reset(const GaussianHmm& model);
+  // What to compute; the log-likelihood costs half as much as all.
+  enum class Sums { kAll, kLogLikelihood };
 
-  // Takes in one sequence of the model's dimensions.
-  void Add(const SequenceView& sequence);
+  // Moments are taken about the means of `model`, which is valid. sequences: at
+  // least one, of the model's dimensions.
+  void Compute(const GaussianHmm& model,
+               const std::vector<SequenceView>& sequences,
+               Sums sums = Sums::kAll);
 
   // Sum over sequences of log p(sequence).
   double log_likelihood() const { return log_likelihood_; }
@@ -53,16 +56,33 @@ class Expectation {
   std::vector<double> second_moment() const;
 
  private:
-  void Forward(const SequenceView& sequence);
-  void Backward(const SequenceView& sequence);
-  // Adds a frame whose state is distributed as share_.
-  void AddFrame(const double* frame);
+  // A sequence in the lane of its place in the batch. All of a batch end
+  // together; before its first frame a lane holds what counts for nothing.
+  struct Lane {
+    const SequenceView* sequence;
+    int first;  // frame of the batch at which it starts; never: all of them
+  };
+
+  void Reset(const GaussianHmm& model, int lanes);
+  // batch: in the order of their first frames.
+  void AddBatch(const std::vector<Lane>& batch, int frames, Sums sums);
+  void Forward(const std::vector<Lane>& batch, int frames);
+  void Backward(const std::vector<Lane>& batch, int frames);
+  // Frame t of every lane, as the model takes it.
+  double* Observation(int t);
+  // The lane's first frame is t.
+  void Start(int lane, int t);
+  // Nothing of a lane counts any more, going back.
+  void Leave(int lane);
   Shares<double> Belief(int t);
   Shares<double> Predicted(int t);
   // Planes of moments that come before those of dimension a.
   int MomentPlanes(int a) const;
+  // Over the lanes, of a state in one plane.
+  double Sum(const AlignedVector<double>& planes, size_t plane,
+             size_t state) const;
 
-  std::optional<ScaledModel<double>> model_;
+  std::optional<ScaledModel<double>> model_;  // one component a lane
   size_t plane_ = 0;             // cells of one, see smooth_kernels.h
   AlignedVector<double> means_;  // [D][plane]
   AlignedVector<double> mantissa_, exponent_;  // transitions, [jumps][plane]
@@ -70,13 +90,15 @@ class Expectation {
   AlignedVector<double> starts_;   // [plane]
   AlignedVector<double> taken_;    // [jumps][plane]
   AlignedVector<double> moments_;  // as AddMoments keeps them
-  // Per frame of the current sequence belief and prediction, each mantissa and
-  // exponent: [T x 4 x padded].
+  // Per frame of the batch belief and prediction, each mantissa and exponent:
+  // [T x 4 x padded].
   AlignedVector<double> frames_;
-  AlignedVector<double> lowered_, largest_, total_;  // [period]
-  AlignedVector<double> share_, next_share_;         // [plane]
-  AlignedVector<double> quotient_;                   // [padded]
-  std::vector<double> x_;                            // [2 D]
+  AlignedVector<double> observations_;               // [T][D][kBlock]
+  AlignedVector<double> lowered_, largest_, total_;  // patterns
+  // Bits taken out of each lane's shares: whole numbers, so the sum is exact.
+  std::vector<double> taken_out_;
+  AlignedVector<double> share_, next_share_;  // [plane]
+  AlignedVector<double> quotient_;            // [padded]
 };
 
 }  // namespace tactus

@@ -19,7 +19,7 @@ ScaledFilter<T>::ScaledFilter(const ScaledModel<T>& model,
       lowered_(model.period()),
       total_(model.period()),
       taken_out_(model.period()),
-      x_(2 * static_cast<size_t>(model.shape().dimensions)) {
+      x_(model.observed_size()) {
   model.Clear(mantissa_.data(), exponent_.data(), 3);
   if constexpr (std::is_same_v<T, float>) {
     redo_ = std::make_unique<ScaledFilter<double>>(
@@ -54,7 +54,7 @@ void ScaledFilter<T>::Predict(int to) {
 template <typename T>
 void ScaledFilter<T>::Step(std::span<const double> observation) {
   const bool started = started_;
-  model_->Split(observation, x_.data());
+  model_->Observe(observation, x_.data());
   Predict(2);
   now_ = 1 - now_;
   std::swap(lowered_, largest_);

@@ -80,7 +80,7 @@ class ScaledFilter {
   int now_ = 0;
   AlignedVector<T> largest_, lowered_, total_;  // [period]
   std::vector<double> taken_out_;               // [period]
-  AlignedVector<T> x_;                          // [2 D]
+  AlignedVector<T> x_;  // the observation, as the model takes it
   std::unique_ptr<ScaledFilter<double>> redo_;
 };
 

@@ -67,10 +67,11 @@ void PredictAny(const PredictStep<T>& step) {
                    : PredictCells<T, false, 0>(step);
 }
 
-// z = (inverse factor) (x - mean); returns |z|^2, which is in bits.
+// z = (inverse factor) (x - mean); returns |z|^2, which is in bits. p: place in
+// the patterns.
 template <typename T, int kDimensions, bool kFull>
 HWY_INLINE hn::Vec<Vector<T>> Distance(const WeighStep<T>& step,
-                                       const T*& row) {
+                                       [[maybe_unused]] int p, const T*& row) {
   const Vector<T> d;
   using V = hn::Vec<decltype(d)>;
   const int dimensions = kDimensions > 0 ? kDimensions : step.dimensions;
@@ -82,14 +83,16 @@ HWY_INLINE hn::Vec<Vector<T>> Distance(const WeighStep<T>& step,
   V difference[kDimensions > 0 ? kDimensions : limits::kMaxHmmDimensions];
   V distance = hn::Zero(d);
   for (int i = 0; i < dimensions; ++i) {
-    difference[i] = hn::Sub(hn::Set(d, step.x[i]), next());
     V z;
     if constexpr (sizeof(T) == sizeof(float)) {
-      // What rounding x and the mean to float has left.
-      difference[i] = hn::Add(difference[i], hn::Set(d, step.x_rest[i]));
+      // With what rounding x and the mean to float has left.
+      difference[i] = hn::Add(hn::Sub(hn::Set(d, step.x[i]), next()),
+                              hn::Set(d, step.x[dimensions + i]));
       const V mean_rest = next();
       z = hn::MulSub(next(), difference[i], mean_rest);
     } else {
+      difference[i] =
+          hn::Sub(hn::Load(d, step.x + i * step.period + p), next());
       z = hn::Mul(next(), difference[i]);
     }
     for (int j = 0; kFull && j < i; ++j) {
@@ -120,7 +123,7 @@ void WeighCells(const WeighStep<T>& step) {
   for (int j = 0; j < step.cells; j += lanes) {
     const T* row = step.emissions +
                    static_cast<size_t>(j / kBlock) * rows * kBlock + j % kBlock;
-    const V distance = Distance<T, kDimensions, kFull>(step, row);
+    const V distance = Distance<T, kDimensions, kFull>(step, p, row);
     const V bits = hn::Sub(hn::Load(d, row), distance);
     const V whole = hn::Round(bits);
     const V mantissa = hn::Mul(hn::Load(d, step.from.mantissa + j),

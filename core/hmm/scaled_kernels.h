@@ -77,10 +77,11 @@ struct WeighStep {
   int stride;
   int period;
   int dimensions;
-  bool full;            // the inverse factors are triangular, not diagonal
-  const T* emissions;   // [cells / kBlock][rows][kBlock], see ScaledModel
-  const T* x;           // [D], rounded
-  const T* x_rest;      // [D], what rounding left
+  bool full;           // the inverse factors are triangular, not diagonal
+  const T* emissions;  // [cells / kBlock][rows][kBlock], see ScaledModel
+  // float: one observation for all, rounded, then what rounding left, [2 D];
+  // double: one for each component, patterns [D][period].
+  const T* x;
   const T* lowered;     // [period]
   T* largest_exponent;  // [period]
   Shares<T> from;

@@ -158,12 +158,36 @@ ScaledModel<T>::ScaledModel(const std::vector<const GaussianHmm*>& models,
   start_exponent_.resize(padded_);
   Clear(start_mantissa_.data(), start_exponent_.data(), 1);
   for (int c = 0; c < k; ++c) {
+    if (c > 0 && models[c] == models[c - 1]) {
+      CopyPrevious(c);
+      continue;
+    }
     PackEmissions(*models[c], c);
     PackTransitions(*models[c], c);
     for (int s = 0; s < shape_.states; ++s) {
       SplitProbability(models[c]->start[s], start_mantissa_[Cell(s, c)],
                        start_exponent_[Cell(s, c)]);
     }
+  }
+}
+
+template <typename T>
+void ScaledModel<T>::CopyPrevious(int component) {
+  const int parameters = 2 * (shape_.last_jump - shape_.first_jump + 1);
+  for (int s = 0; s < shape_.states; ++s) {
+    const size_t cell = static_cast<size_t>(s) * stride_ + component;
+    const auto copy = [cell](AlignedVector<T>& values, int rows) {
+      for (int r = 0; r < rows; ++r) {
+        const auto at = [&](size_t c) {
+          return (c / kBlock * rows + r) * kBlock + c % kBlock;
+        };
+        values[at(cell)] = values[at(cell - 1)];
+      }
+    };
+    copy(emissions_, rows_);
+    copy(transitions_, parameters);
+    start_mantissa_[front_ + cell] = start_mantissa_[front_ + cell - 1];
+    start_exponent_[front_ + cell] = start_exponent_[front_ + cell - 1];
   }
 }
 
@@ -253,7 +277,6 @@ void ScaledModel<T>::WeighOnce(const T* x, const T* lowered,
                    .full = shape_.full,
                    .emissions = emissions_.data(),
                    .x = x,
-                   .x_rest = x + shape_.dimensions,
                    .lowered = lowered,
                    .largest_exponent = largest_exponent,
                    .from = {from.mantissa + front_, from.exponent + front_},
@@ -285,12 +308,34 @@ bool ScaledModel<T>::Weigh(const T* x, T* lowered, T* largest_exponent,
 }
 
 template <typename T>
-void ScaledModel<T>::Split(std::span<const double> observation, T* out) const {
+size_t ScaledModel<T>::observed_size() const {
+  return static_cast<size_t>(shape_.dimensions) *
+         (std::is_same_v<T, float> ? 2 : period_);
+}
+
+template <typename T>
+void ScaledModel<T>::Observe(std::span<const double> observation, T* x) const {
   const int d = shape_.dimensions;
-  for (int k = 0; k < d; ++k) {
-    const double x = observation[k] * scale_[k];
-    out[k] = static_cast<T>(x);
-    out[d + k] = static_cast<T>(x - static_cast<double>(out[k]));
+  if constexpr (std::is_same_v<T, float>) {
+    for (int k = 0; k < d; ++k) {
+      const double scaled = observation[k] * scale_[k];
+      x[k] = static_cast<float>(scaled);
+      x[d + k] = static_cast<float>(scaled - static_cast<double>(x[k]));
+    }
+  } else {
+    for (int k = 0; k < d; ++k) {
+      std::fill_n(x + k * period_, period_, observation[k] * scale_[k]);
+    }
+  }
+}
+
+template <typename T>
+void ScaledModel<T>::Observe(int component, std::span<const double> observation,
+                             T* x) const {
+  for (int k = 0; k < shape_.dimensions; ++k) {
+    for (int p = component; p < period_; p += stride_) {
+      x[k * period_ + p] = static_cast<T>(observation[k] * scale_[k]);
+    }
   }
 }
 

@@ -75,7 +75,7 @@ class ScaledModel {
 
   // See scaled_kernels.h; shares are padded arrays.
   void Predict(bool best, Shares<T> from, Shares<T> to) const;
-  // Weighs with x, [2 D] as Split writes it. Patterns hold the same number for
+  // Weighs with x, as Observe writes it. Patterns hold the same number for
   // all entries of a component. `to` is not `from`. True if no component fell
   // by more than 2^20 bits (double: 2^40), else float has lost digits; double
   // weighs again, relative to each component's largest density, which adds to
@@ -94,12 +94,18 @@ class ScaledModel {
       pattern[l] = pattern[l - stride_];
     }
   }
-  // x scaled and rounded, then what rounding left. out: [2 D]
-  void Split(std::span<const double> observation, T* out) const;
+  // Scales an observation for all components into x: float [2 D], rounded and
+  // what rounding left; double [D x period].
+  void Observe(std::span<const double> observation, T* x) const;
+  // Of double: for one component alone.
+  void Observe(int component, std::span<const double> observation, T* x) const;
+  size_t observed_size() const;  // entries of x
 
  private:
   void WeighOnce(const T* x, const T* lowered, T* largest_exponent,
                  Shares<T> from, Shares<T> to) const;
+  // The same model again.
+  void CopyPrevious(int component);
   void PackEmissions(const GaussianHmm& model, int component);
   void PackTransitions(const GaussianHmm& model, int component);
 

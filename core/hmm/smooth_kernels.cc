@@ -45,7 +45,8 @@ void SmoothCells(const SmoothStep& step) {
     const auto exponent = hn::Load(d, step.belief.exponent + i);
     auto share = hn::Zero(d);
     for (int q = 0; q < step.jumps; ++q) {
-      const ptrdiff_t j = i + step.first_jump + q;
+      const ptrdiff_t j =
+          i + static_cast<ptrdiff_t>(step.first_jump + q) * step.stride;
       const size_t cell = q * step.plane + i;
       const auto power =
           hn::Sub(hn::Add(exponent, hn::Load(d, step.exponent + cell)),
@@ -65,13 +66,13 @@ void SmoothCells(const SmoothStep& step) {
 void NormaliseCells(const NormaliseStep& step) {
   const Vector<double> d;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  const auto factor = hn::Set(d, 1 / step.total);
-  const auto largest = hn::Set(d, step.largest_exponent);
   for (int j = 0; j < step.cells; j += lanes) {
-    const auto power =
-        PowerOrZero(d, hn::Sub(hn::Load(d, step.shares.exponent + j), largest));
+    const auto power = PowerOrZero(
+        d, hn::Sub(hn::Load(d, step.shares.exponent + j),
+                   hn::Load(d, step.largest_exponent + j % kBlock)));
     const auto share =
-        hn::Mul(hn::Mul(hn::Load(d, step.shares.mantissa + j), power), factor);
+        hn::Div(hn::Mul(hn::Load(d, step.shares.mantissa + j), power),
+                hn::Load(d, step.total + j % kBlock));
     hn::Store(Flush(d, share), d, step.share + j);
   }
 }
@@ -96,7 +97,7 @@ void AddMomentsOf(const MomentStep& step) {
     for (int a = 0; a < dimensions; ++a) {
       // What a state has no share in may be too far away for a square.
       difference[a] = hn::IfThenZeroElse(
-          none, hn::Sub(hn::Set(d, step.x[a]),
+          none, hn::Sub(hn::Load(d, step.x + a * kBlock + j % kBlock),
                         hn::Load(d, step.means + a * step.plane + j)));
       const V weighted = hn::Mul(share, difference[a]);
       add(weighted);

@@ -1,8 +1,9 @@
 // File: smooth_kernels.h
 //
-// The backward half of Baum-Welch for one model, vectorised over its states
-// like scaled_kernels.h, whose cells it shares. Used by Expectation. A plane is
-// an array of cells, rounded up to whole blocks, without padding either side.
+// The backward half of Baum-Welch, vectorised like scaled_kernels.h, whose
+// cells it shares: one model, up to kBlock sequences side by side in place of
+// components. Used by Expectation. A plane is an array of cells, rounded up to
+// whole blocks, without padding either side; patterns are [kBlock].
 //
 // Thread-safe: free functions on the caller's buffers; they allocate nothing.
 #pragma once
@@ -13,12 +14,12 @@
 
 namespace tactus {
 
-// One step back in time of Baum-Welch for one model (stride 1). With i's belief
-// at t and j's prediction for t + 1,
+// One step back in time. With i's belief at t and j's prediction for t + 1,
 //   taken[i][j] = belief[i] transition[i][j] / predicted[j] share_next[j];
 // share[i] becomes the sum over j, flushed to 0 below 1e-30.
 struct SmoothStep {
   int cells;
+  int stride;
   int first_jump;
   int jumps;
   size_t plane;  // cells of one, a multiple of kBlock
@@ -38,8 +39,8 @@ void Smooth(const SmoothStep& step);
 struct NormaliseStep {
   int cells;
   Shares<double> shares;
-  double total;
-  double largest_exponent;
+  const double* total;             // pattern
+  const double* largest_exponent;  // pattern
   double* share;
 };
 void Normalise(const NormaliseStep& step);
@@ -53,7 +54,7 @@ struct MomentStep {
   bool full;
   size_t plane;
   const double* means;  // [D][plane]
-  const double* x;      // [D]
+  const double* x;      // patterns, [D][kBlock]
   const double* share;
   double* moments;
 };
