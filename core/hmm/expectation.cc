@@ -11,8 +11,8 @@
 namespace tactus {
 namespace {
 
-// Sequences side by side: doubles of the widest vector.
-constexpr size_t kMaxLanes = 8;
+// Sequences side by side.
+constexpr size_t kMaxLanes = kPattern<double>;
 
 }  // namespace
 

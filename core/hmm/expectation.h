@@ -93,7 +93,7 @@ class Expectation {
   // Per frame of the batch belief and prediction, each mantissa and exponent:
   // [T x 4 x padded].
   AlignedVector<double> frames_;
-  AlignedVector<double> observations_;               // [T][D][kBlock]
+  AlignedVector<double> observations_;               // [T][D][kPattern]
   AlignedVector<double> lowered_, largest_, total_;  // patterns
   // Bits taken out of each lane's shares: whole numbers, so the sum is exact.
   std::vector<double> taken_out_;

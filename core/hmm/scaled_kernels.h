@@ -12,7 +12,8 @@
 //
 // Cells: state s of component k lies in cell s * stride + k; arrays of cells
 // are padded as ScaledModel says, to kBlock cells and aligned to 64 bytes.
-// Patterns hold one number a component, repeated to fill blocks: [period].
+// Patterns hold one number a component, repeated to fill a vector: [period], at
+// least kPattern.
 //
 // Thread-safe: free functions on the caller's buffers; they allocate nothing.
 #pragma once
@@ -24,6 +25,9 @@ namespace tactus {
 
 // Cells evaluated together at most; parameters are interleaved by it.
 inline constexpr int kBlock = 16;
+
+template <typename T>
+inline constexpr int kPattern = 64 / sizeof(T);
 
 template <typename T>
 struct Scaled;

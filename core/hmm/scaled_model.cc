@@ -131,12 +131,11 @@ ScaledModel<T>::ScaledModel(const std::vector<const GaussianHmm*>& models,
   stride_ = k < kBlock
                 ? static_cast<int>(std::bit_ceil(static_cast<unsigned>(k)))
                 : RoundUp(k, kBlock);
-  period_ = std::max(stride_, kBlock);
+  period_ = std::max(stride_, kPattern<T>);
   const int in_blocks = RoundUp(cells(), kBlock);
-  constexpr int kCacheLine = 64 / sizeof(T);
-  front_ = RoundUp(shape_.last_jump * stride_, kCacheLine);
+  front_ = RoundUp(shape_.last_jump * stride_, kPattern<T>);
   padded_ =
-      front_ + in_blocks + RoundUp(-shape_.first_jump * stride_, kCacheLine);
+      front_ + in_blocks + RoundUp(-shape_.first_jump * stride_, kPattern<T>);
   zeros_.assign(period_, T{0});
   const int d = shape_.dimensions;
   rows_ = (std::is_same_v<T, float> ? 2 : 1) * d +

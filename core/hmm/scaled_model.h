@@ -85,14 +85,7 @@ class ScaledModel {
   // Makes one value of the pattern entries that belong to a component.
   template <typename Combine>
   void Fold(T* pattern, Combine combine) const {
-    for (int width = kBlock / 2; width >= stride_; width /= 2) {
-      for (int l = 0; l < width; ++l) {
-        pattern[l] = combine(pattern[l], pattern[l + width]);
-      }
-    }
-    for (int l = stride_; l < kBlock; ++l) {
-      pattern[l] = pattern[l - stride_];
-    }
+    FoldHalves<kPattern<T> / 2>(pattern, combine);
   }
   // Scales an observation for all components into x: float [2 D], rounded and
   // what rounding left; double [D x period].
@@ -102,6 +95,16 @@ class ScaledModel {
   size_t observed_size() const;  // entries of x
 
  private:
+  // Sizes known to the compiler, as patterns are short.
+  template <int kHalf, typename Combine>
+  void FoldHalves(T* pattern, Combine combine) const {
+    if (stride_ > kHalf) return;
+    for (int p = 0; p < kHalf; ++p) {
+      pattern[p] = combine(pattern[p], pattern[p + kHalf]);
+    }
+    if constexpr (kHalf > 1) FoldHalves<kHalf / 2>(pattern, combine);
+    for (int p = 0; p < kHalf; ++p) pattern[p + kHalf] = pattern[p];
+  }
   void WeighOnce(const T* x, const T* lowered, T* largest_exponent,
                  Shares<T> from, Shares<T> to) const;
   // The same model again.

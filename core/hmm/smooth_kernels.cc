@@ -69,10 +69,10 @@ void NormaliseCells(const NormaliseStep& step) {
   for (int j = 0; j < step.cells; j += lanes) {
     const auto power = PowerOrZero(
         d, hn::Sub(hn::Load(d, step.shares.exponent + j),
-                   hn::Load(d, step.largest_exponent + j % kBlock)));
+                   hn::Load(d, step.largest_exponent + j % kPattern<double>)));
     const auto share =
         hn::Div(hn::Mul(hn::Load(d, step.shares.mantissa + j), power),
-                hn::Load(d, step.total + j % kBlock));
+                hn::Load(d, step.total + j % kPattern<double>));
     hn::Store(Flush(d, share), d, step.share + j);
   }
 }
@@ -97,7 +97,8 @@ void AddMomentsOf(const MomentStep& step) {
     for (int a = 0; a < dimensions; ++a) {
       // What a state has no share in may be too far away for a square.
       difference[a] = hn::IfThenZeroElse(
-          none, hn::Sub(hn::Load(d, step.x + a * kBlock + j % kBlock),
+          none, hn::Sub(hn::Load(d, step.x + a * kPattern<double> +
+                                        j % kPattern<double>),
                         hn::Load(d, step.means + a * step.plane + j)));
       const V weighted = hn::Mul(share, difference[a]);
       add(weighted);

@@ -1,9 +1,9 @@
 // File: smooth_kernels.h
 //
 // The backward half of Baum-Welch, vectorised like scaled_kernels.h, whose
-// cells it shares: one model, up to kBlock sequences side by side in place of
+// cells it shares: one model, up to 8 sequences side by side in place of
 // components. Used by Expectation. A plane is an array of cells, rounded up to
-// whole blocks, without padding either side; patterns are [kBlock].
+// whole blocks, without padding either side; patterns are [kPattern].
 //
 // Thread-safe: free functions on the caller's buffers; they allocate nothing.
 #pragma once
@@ -54,7 +54,7 @@ struct MomentStep {
   bool full;
   size_t plane;
   const double* means;  // [D][plane]
-  const double* x;      // patterns, [D][kBlock]
+  const double* x;      // patterns, [D][kPattern]
   const double* share;
   double* moments;
 };
