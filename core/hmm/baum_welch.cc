@@ -8,7 +8,6 @@
 #include "core/base/errors.h"
 #include "core/base/random.h"
 #include "core/base/status_macros.h"
-#include "core/hmm/compiled_hmm.h"
 #include "core/hmm/covariance_floor.h"
 #include "core/hmm/expectation.h"
 
@@ -110,11 +109,12 @@ class Trainer {
 
  private:
   absl::Status Expect() {
-    TACTUS_ASSIGN_OR_RETURN(CompiledHmm hmm, CompiledHmm::Create(model_));
-    expectation_.Reset(model_);
-    for (const SequenceView& sequence : sequences_) {
-      expectation_.Add(hmm, sequence);
-    }
+    TACTUS_RETURN_IF_ERROR(Validate(model_));
+    // The last model is not improved any more.
+    expectation_.Compute(model_, sequences_,
+                         report_.iterations < options_.max_iterations
+                             ? Expectation::Sums::kAll
+                             : Expectation::Sums::kLogLikelihood);
     return absl::OkStatus();
   }
 
@@ -132,17 +132,23 @@ class Trainer {
     excused_ = false;
     reseeded_ = false;
     UpdateStart();
-    for (int i = 0; i < model_.states; ++i) UpdateTransitions(i);
+    const std::vector<double> transitions = expectation_.transitions();
+    const std::vector<double> occupancy = expectation_.occupancy();
+    const std::vector<double> first = expectation_.first_moment();
+    const std::vector<double> second = expectation_.second_moment();
+    const size_t n = model_.states;
+    const size_t d = model_.dimensions;
+    for (size_t i = 0; i < n; ++i) UpdateTransitions(i, &transitions[i * n]);
     // A state is dead when it explains less than a hundredth of its even
     // share, and less than one frame.
     const double dead = std::min(1.0, 0.01 * frames_ / model_.states);
-    for (int i = 0; i < model_.states; ++i) {
-      if (expectation_.occupancy()[i] >= dead) {
-        UpdateEmission(i);
+    for (size_t i = 0; i < n; ++i) {
+      if (occupancy[i] >= dead) {
+        UpdateEmission(i, 1 / occupancy[i], &first[i * d], &second[i * d * d]);
       } else if (reseeds_[i] < kMaxReseedsPerState &&
                  report_.iterations + kUpdatesAfterReseed <
                      options_.max_iterations) {
-        Reseed(i);
+        Reseed(static_cast<int>(i));
       }
     }
   }
@@ -153,13 +159,14 @@ class Trainer {
     ScaleToOne(model_.start.data(), model_.states);
   }
 
-  void UpdateTransitions(int state) {
+  // taken: expected number of transitions to each state, [N]
+  void UpdateTransitions(size_t state, const double* taken) {
     const int n = model_.states;
-    const size_t offset = static_cast<size_t>(state) * n;
+    const size_t offset = state * n;
     std::vector<double> row(n);
     double sum = 0;
     for (int j = 0; j < n; ++j) {
-      row[j] = expectation_.transitions()[offset + j];
+      row[j] = taken[j];
       if (initial_.transition[offset + j] > 0) {
         row[j] += options_.transition_prior;
       }
@@ -170,14 +177,12 @@ class Trainer {
     for (int j = 0; j < n; ++j) model_.transition[offset + j] = row[j] / sum;
   }
 
-  void UpdateEmission(int state) {
+  // weight: one over the expected number of frames; moments as Expectation
+  // gives them, of this state.
+  void UpdateEmission(size_t state, double weight, const double* first,
+                      const double* second) {
     const int d = model_.dimensions;
-    const double weight = 1 / expectation_.occupancy()[state];
-    const double* first =
-        &expectation_.first_moment()[static_cast<size_t>(state) * d];
-    const double* second =
-        &expectation_.second_moment()[static_cast<size_t>(state) * d * d];
-    double* mean = &model_.means[static_cast<size_t>(state) * d];
+    double* mean = &model_.means[state * d];
     std::vector<double> covariance(static_cast<size_t>(d) * d);
     for (int a = 0; a < d; ++a) {
       mean[a] += first[a] * weight;
@@ -187,7 +192,7 @@ class Trainer {
             (first[a] * weight) * (first[b] * weight);
       }
     }
-    StoreCovariance(state, covariance);
+    StoreCovariance(static_cast<int>(state), covariance);
   }
 
   // covariance: [D x D]

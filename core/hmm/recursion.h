@@ -1,7 +1,7 @@
 // File: recursion.h
 //
 // The two halves of one step of the forward algorithm (Rabiner 1989, equations
-// 19 to 21, scaled), shared by ForwardFilter and BaumWelch.
+// 19 to 21, scaled) of the log-domain filters.
 //
 // Beliefs are carried twice: as probabilities, which makes the sums cheap, and
 // as logarithms, which never underflow. A sum of probabilities that has become

@@ -6,14 +6,6 @@
 #include <type_traits>
 
 namespace tactus {
-namespace {
-
-// A frame's largest share must not fall below this many bits.
-template <typename T>
-constexpr T kTrusted = std::is_same_v<T, float> ? T{-0x1p20} : T{-0x1p40};
-
-}  // namespace
-
 template <typename T>
 ScaledFilter<T>::ScaledFilter(const ScaledModel<T>& model,
                               std::span<const ScaledModel<double>> exact,
@@ -27,7 +19,7 @@ ScaledFilter<T>::ScaledFilter(const ScaledModel<T>& model,
       lowered_(model.period()),
       total_(model.period()),
       taken_out_(model.period()),
-      x_(2 * static_cast<size_t>(model.shape().dimensions)) {
+      x_(model.observed_size()) {
   model.Clear(mantissa_.data(), exponent_.data(), 3);
   if constexpr (std::is_same_v<T, float>) {
     redo_ = std::make_unique<ScaledFilter<double>>(
@@ -45,84 +37,39 @@ void ScaledFilter<T>::Reset() {
   std::ranges::fill(largest_, T{0});
 }
 
-// Buffer now_ becomes the distribution of the next frame's state, the other one
-// that before. Before the first frame that is the start distribution.
+// Before the first frame that is the start distribution.
 template <typename T>
-void ScaledFilter<T>::PredictNext() {
-  const Shares<T> from = Buffer(now_);
-  now_ = 1 - now_;
-  const Shares<T> to = Buffer(now_);
+void ScaledFilter<T>::Predict(int to) {
+  const Shares<T> before = Buffer(now_);
+  const Shares<T> next = Buffer(to);
   if (started_) {
-    model_->Predict(score_ == Score::kViterbi, from, to);
+    model_->Predict(score_ == Score::kViterbi, before, next);
   } else {
-    std::copy_n(from.mantissa, model_->padded(), to.mantissa);
-    std::copy_n(from.exponent, model_->padded(), to.exponent);
+    std::copy_n(before.mantissa, model_->padded(), next.mantissa);
+    std::copy_n(before.exponent, model_->padded(), next.exponent);
     started_ = true;
-  }
-}
-
-template <typename T>
-template <typename Combine>
-void ScaledFilter<T>::Fold(T* pattern, Combine combine) const {
-  for (int width = kBlock / 2; width >= model_->stride(); width /= 2) {
-    for (int l = 0; l < width; ++l) {
-      pattern[l] = combine(pattern[l], pattern[l + width]);
-    }
-  }
-  for (int l = model_->stride(); l < kBlock; ++l) {
-    pattern[l] = pattern[l - model_->stride()];
-  }
-}
-
-template <typename T>
-void ScaledFilter<T>::Weigh() {
-  model_->Weigh(x_.data(), lowered_.data(), largest_.data(), Buffer(now_));
-  Fold(largest_.data(), [](T a, T b) { return std::max(a, b); });
-  for (size_t p = 0; p < taken_out_.size(); ++p) {
-    taken_out_[p] += static_cast<double>(lowered_[p]);
   }
 }
 
 template <typename T>
 void ScaledFilter<T>::Step(std::span<const double> observation) {
   const bool started = started_;
-  model_->Split(observation, x_.data());
-  PredictNext();
+  model_->Observe(observation, x_.data());
+  Predict(2);
+  now_ = 1 - now_;
   std::swap(lowered_, largest_);
-  Weigh();
-  if (std::ranges::count_if(
-          largest_, [](T largest) { return !(largest > kTrusted<T>); }) == 0) {
-    return;
+  const bool trusted = model_->Weigh(x_.data(), lowered_.data(),
+                                     largest_.data(), Buffer(2), Buffer(now_));
+  for (size_t p = 0; p < taken_out_.size(); ++p) {
+    taken_out_[p] += static_cast<double>(lowered_[p]);
   }
   if constexpr (std::is_same_v<T, float>) {
-    for (int k = 0; k < model_->components(); ++k) {
-      if (!(largest_[k] > kTrusted<T>)) RedoExactly(k, observation, started);
+    for (int k = 0; !trusted && k < model_->components(); ++k) {
+      if (!(largest_[k] > Scaled<float>::kTrusted)) {
+        RedoExactly(k, observation, started);
+      }
     }
-  } else {
-    now_ = 1 - now_;
-    started_ = started;
-    WeighRelativeToBest();
   }
-}
-
-// The same step, but each component's largest density is taken out before
-// anything is added: those of far outliers differ by little.
-template <typename T>
-void ScaledFilter<T>::WeighRelativeToBest() {
-  const Shares<T> ones = Buffer(2);
-  model_->Clear(ones.mantissa, ones.exponent, 1);
-  for (int s = 0; s < model_->shape().states; ++s) {
-    std::fill_n(ones.exponent + model_->Cell(s, 0), model_->components(), T{0});
-  }
-  std::ranges::fill(total_, T{0});
-  model_->Weigh(x_.data(), total_.data(), largest_.data(), ones);
-  Fold(largest_.data(), [](T a, T b) { return std::max(a, b); });
-  for (size_t p = 0; p < taken_out_.size(); ++p) {
-    taken_out_[p] -= lowered_[p];
-    lowered_[p] += largest_[p];
-  }
-  PredictNext();
-  Weigh();
 }
 
 template <typename T>
@@ -165,7 +112,10 @@ void ScaledFilter<T>::RedoExactly(int component,
 template <typename T>
 void ScaledFilter<T>::Skip(int missing) {
   if (missing <= 0) return;
-  for (int k = 0; k < missing; ++k) PredictNext();
+  for (int k = 0; k < missing; ++k) {
+    Predict(1 - now_);
+    now_ = 1 - now_;
+  }
   const Shares<T> shares = Buffer(now_);
   FindLargest(Reduction<T>{.best = score_ == Score::kViterbi,
                            .cells = model_->cells(),
@@ -174,7 +124,7 @@ void ScaledFilter<T>::Skip(int missing) {
                                       shares.exponent + model_->front()},
                            .largest_exponent = largest_.data(),
                            .total = nullptr});
-  Fold(largest_.data(), [](T a, T b) { return std::max(a, b); });
+  model_->Fold(largest_.data(), [](T a, T b) { return std::max(a, b); });
 }
 
 template <typename T>
@@ -188,8 +138,8 @@ void ScaledFilter<T>::UpdateTotals() {
                                 shares.exponent + model_->front()},
                      .largest_exponent = largest_.data(),
                      .total = total_.data()});
-  Fold(total_.data(),
-       [best](T a, T b) { return best ? std::max(a, b) : a + b; });
+  model_->Fold(total_.data(),
+               [best](T a, T b) { return best ? std::max(a, b) : a + b; });
 }
 
 template <typename T>

@@ -65,28 +65,22 @@ class ScaledFilter {
     return {mantissa_.data() + index * model_->padded(),
             exponent_.data() + index * model_->padded()};
   }
-  void PredictNext();
-  void Weigh();
-  // Of T double.
-  void WeighRelativeToBest();
+  // Writes the distribution of the next frame's state to buffer `to`.
+  void Predict(int to);
   // Of T float; `started`: as before the frame.
   void RedoExactly(int component, std::span<const double> observation,
                    bool started);
-  // Makes one value of those that belong to a component.
-  template <typename Combine>
-  void Fold(T* pattern, Combine combine) const;
-
   const ScaledModel<T>* model_;
   std::span<const ScaledModel<double>> exact_;
   Score score_;
   bool started_ = false;
-  // Buffers of padded cells: the frame before, this one, and for double one
-  // where every share is 1.
+  // Three buffers of padded cells: 0 and 1 in turn this frame (now_) and the
+  // frame before, 2 what that one predicts.
   AlignedVector<T> mantissa_, exponent_;
   int now_ = 0;
   AlignedVector<T> largest_, lowered_, total_;  // [period]
   std::vector<double> taken_out_;               // [period]
-  AlignedVector<T> x_;                          // [2 D]
+  AlignedVector<T> x_;  // the observation, as the model takes it
   std::unique_ptr<ScaledFilter<double>> redo_;
 };
 

@@ -67,10 +67,11 @@ void PredictAny(const PredictStep<T>& step) {
                    : PredictCells<T, false, 0>(step);
 }
 
-// z = (inverse factor) (x - mean); returns |z|^2, which is in bits.
+// z = (inverse factor) (x - mean); returns |z|^2, which is in bits. p: place in
+// the patterns.
 template <typename T, int kDimensions, bool kFull>
 HWY_INLINE hn::Vec<Vector<T>> Distance(const WeighStep<T>& step,
-                                       const T*& row) {
+                                       [[maybe_unused]] int p, const T*& row) {
   const Vector<T> d;
   using V = hn::Vec<decltype(d)>;
   const int dimensions = kDimensions > 0 ? kDimensions : step.dimensions;
@@ -82,14 +83,16 @@ HWY_INLINE hn::Vec<Vector<T>> Distance(const WeighStep<T>& step,
   V difference[kDimensions > 0 ? kDimensions : limits::kMaxHmmDimensions];
   V distance = hn::Zero(d);
   for (int i = 0; i < dimensions; ++i) {
-    difference[i] = hn::Sub(hn::Set(d, step.x[i]), next());
     V z;
     if constexpr (sizeof(T) == sizeof(float)) {
-      // What rounding x and the mean to float has left.
-      difference[i] = hn::Add(difference[i], hn::Set(d, step.x_rest[i]));
+      // With what rounding x and the mean to float has left.
+      difference[i] = hn::Add(hn::Sub(hn::Set(d, step.x[i]), next()),
+                              hn::Set(d, step.x[dimensions + i]));
       const V mean_rest = next();
       z = hn::MulSub(next(), difference[i], mean_rest);
     } else {
+      difference[i] =
+          hn::Sub(hn::Load(d, step.x + i * step.period + p), next());
       z = hn::Mul(next(), difference[i]);
     }
     for (int j = 0; kFull && j < i; ++j) {
@@ -111,26 +114,37 @@ void WeighCells(const WeighStep<T>& step) {
   const int dimensions = kDimensions > 0 ? kDimensions : step.dimensions;
   const int rows = (sizeof(T) == sizeof(float) ? 2 : 1) * dimensions +
                    (kFull ? dimensions * (dimensions + 1) / 2 : dimensions) + 1;
-  for (int p = 0; p < step.period; p += lanes) {
-    hn::Store(hn::Set(d, std::numeric_limits<T>::lowest()), d,
-              step.largest_exponent + p);
+  V largest_of_all = hn::Set(d, std::numeric_limits<T>::lowest());
+  if (step.stride > 1) {
+    std::fill_n(step.largest_exponent, step.period,
+                std::numeric_limits<T>::lowest());
   }
   int p = 0;
   for (int j = 0; j < step.cells; j += lanes) {
     const T* row = step.emissions +
                    static_cast<size_t>(j / kBlock) * rows * kBlock + j % kBlock;
-    const V distance = Distance<T, kDimensions, kFull>(step, row);
+    const V distance = Distance<T, kDimensions, kFull>(step, p, row);
     const V bits = hn::Sub(hn::Load(d, row), distance);
     const V whole = hn::Round(bits);
-    const V mantissa = hn::Mul(hn::Load(d, step.shares.mantissa + j),
+    const V mantissa = hn::Mul(hn::Load(d, step.from.mantissa + j),
                                PowerOfFraction(d, hn::Sub(bits, whole)));
-    const V exponent = hn::Add(hn::Load(d, step.shares.exponent + j),
+    const V exponent = hn::Add(hn::Load(d, step.from.exponent + j),
                                hn::Sub(whole, hn::Load(d, step.lowered + p)));
-    hn::Store(mantissa, d, step.shares.mantissa + j);
-    hn::Store(exponent, d, step.shares.exponent + j);
+    hn::Store(mantissa, d, step.to.mantissa + j);
+    hn::Store(exponent, d, step.to.exponent + j);
+    if (step.stride == 1) {
+      largest_of_all = hn::Max(largest_of_all, exponent);
+      continue;
+    }
     T* largest = step.largest_exponent + p;
     hn::Store(hn::Max(hn::Load(d, largest), exponent), d, largest);
     p = p + lanes < step.period ? p + lanes : 0;
+  }
+  if (step.stride == 1) {
+    largest_of_all = hn::MaxOfLanes(d, largest_of_all);
+    for (p = 0; p < step.period; p += lanes) {
+      hn::Store(largest_of_all, d, step.largest_exponent + p);
+    }
   }
 }
 

@@ -12,7 +12,8 @@
 //
 // Cells: state s of component k lies in cell s * stride + k; arrays of cells
 // are padded as ScaledModel says, to kBlock cells and aligned to 64 bytes.
-// Patterns hold one number a component, repeated to fill blocks: [period].
+// Patterns hold one number a component, repeated to fill a vector: [period], at
+// least kPattern.
 //
 // Thread-safe: free functions on the caller's buffers; they allocate nothing.
 #pragma once
@@ -26,6 +27,9 @@ namespace tactus {
 inline constexpr int kBlock = 16;
 
 template <typename T>
+inline constexpr int kPattern = 64 / sizeof(T);
+
+template <typename T>
 struct Scaled;
 template <>
 struct Scaled<float> {
@@ -33,12 +37,15 @@ struct Scaled<float> {
   static constexpr float kNothing = -1e36F;
   // Ceiling of the squared distance, in bits; what is not finite takes it too.
   static constexpr float kFarthest = 1e34F;
+  // A frame that leaves no share above 2 to that has cost digits.
+  static constexpr float kTrusted = -0x1p20F;
 };
 template <>
 struct Scaled<double> {
   static constexpr double kNothing = -1e304;
   // 1e7 frames of it still sum to a finite log-likelihood.
   static constexpr double kFarthest = 1e300;
+  static constexpr double kTrusted = -0x1p40;
 };
 
 // Shares of cells: mantissa and exponent, [cells] and padding either side.
@@ -65,20 +72,24 @@ struct PredictStep {
 void Predict(const PredictStep<float>& step);
 void Predict(const PredictStep<double>& step);
 
-// shares[j] *= density of state j at x, over 2^lowered of its component; finds
-// the largest exponent of each pattern entry.
+// to[j] = from[j] times the density of state j at x, over 2^lowered of its
+// component; finds the largest exponent of each pattern entry, of stride 1 that
+// of all cells. `to` may be `from`.
 template <typename T>
 struct WeighStep {
   int cells;
+  int stride;
   int period;
   int dimensions;
-  bool full;            // the inverse factors are triangular, not diagonal
-  const T* emissions;   // [cells / kBlock][rows][kBlock], see ScaledModel
-  const T* x;           // [D], rounded
-  const T* x_rest;      // [D], what rounding left
+  bool full;           // the inverse factors are triangular, not diagonal
+  const T* emissions;  // [cells / kBlock][rows][kBlock], see ScaledModel
+  // float: one observation for all, rounded, then what rounding left, [2 D];
+  // double: one for each component, patterns [D][period].
+  const T* x;
   const T* lowered;     // [period]
   T* largest_exponent;  // [period]
-  Shares<T> shares;
+  Shares<T> from;
+  Shares<T> to;
 };
 void Weigh(const WeighStep<float>& step);
 void Weigh(const WeighStep<double>& step);

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "Eigen/Cholesky"
 #include "Eigen/Core"
@@ -130,10 +131,12 @@ ScaledModel<T>::ScaledModel(const std::vector<const GaussianHmm*>& models,
   stride_ = k < kBlock
                 ? static_cast<int>(std::bit_ceil(static_cast<unsigned>(k)))
                 : RoundUp(k, kBlock);
-  period_ = std::max(stride_, kBlock);
+  period_ = std::max(stride_, kPattern<T>);
   const int in_blocks = RoundUp(cells(), kBlock);
-  front_ = RoundUp(shape_.last_jump * stride_, kBlock);
-  padded_ = front_ + in_blocks + RoundUp(-shape_.first_jump * stride_, kBlock);
+  front_ = RoundUp(shape_.last_jump * stride_, kPattern<T>);
+  padded_ =
+      front_ + in_blocks + RoundUp(-shape_.first_jump * stride_, kPattern<T>);
+  zeros_.assign(period_, T{0});
   const int d = shape_.dimensions;
   rows_ = (std::is_same_v<T, float> ? 2 : 1) * d +
           (shape_.full ? d * (d + 1) / 2 : d) + 1;
@@ -154,12 +157,36 @@ ScaledModel<T>::ScaledModel(const std::vector<const GaussianHmm*>& models,
   start_exponent_.resize(padded_);
   Clear(start_mantissa_.data(), start_exponent_.data(), 1);
   for (int c = 0; c < k; ++c) {
+    if (c > 0 && models[c] == models[c - 1]) {
+      CopyPrevious(c);
+      continue;
+    }
     PackEmissions(*models[c], c);
     PackTransitions(*models[c], c);
     for (int s = 0; s < shape_.states; ++s) {
       SplitProbability(models[c]->start[s], start_mantissa_[Cell(s, c)],
                        start_exponent_[Cell(s, c)]);
     }
+  }
+}
+
+template <typename T>
+void ScaledModel<T>::CopyPrevious(int component) {
+  const int parameters = 2 * (shape_.last_jump - shape_.first_jump + 1);
+  for (int s = 0; s < shape_.states; ++s) {
+    const size_t cell = static_cast<size_t>(s) * stride_ + component;
+    const auto copy = [cell](AlignedVector<T>& values, int rows) {
+      for (int r = 0; r < rows; ++r) {
+        const auto at = [&](size_t c) {
+          return (c / kBlock * rows + r) * kBlock + c % kBlock;
+        };
+        values[at(cell)] = values[at(cell - 1)];
+      }
+    };
+    copy(emissions_, rows_);
+    copy(transitions_, parameters);
+    start_mantissa_[front_ + cell] = start_mantissa_[front_ + cell - 1];
+    start_exponent_[front_ + cell] = start_exponent_[front_ + cell - 1];
   }
 }
 
@@ -238,28 +265,76 @@ void ScaledModel<T>::Predict(bool best, Shares<T> from, Shares<T> to) const {
 }
 
 template <typename T>
-void ScaledModel<T>::Weigh(const T* x, const T* lowered, T* largest_exponent,
-                           Shares<T> shares) const {
-  tactus::Weigh(WeighStep<T>{
-      .cells = cells(),
-      .period = period_,
-      .dimensions = shape_.dimensions,
-      .full = shape_.full,
-      .emissions = emissions_.data(),
-      .x = x,
-      .x_rest = x + shape_.dimensions,
-      .lowered = lowered,
-      .largest_exponent = largest_exponent,
-      .shares = {shares.mantissa + front_, shares.exponent + front_}});
+void ScaledModel<T>::WeighOnce(const T* x, const T* lowered,
+                               T* largest_exponent, Shares<T> from,
+                               Shares<T> to) const {
+  tactus::Weigh(
+      WeighStep<T>{.cells = cells(),
+                   .stride = stride_,
+                   .period = period_,
+                   .dimensions = shape_.dimensions,
+                   .full = shape_.full,
+                   .emissions = emissions_.data(),
+                   .x = x,
+                   .lowered = lowered,
+                   .largest_exponent = largest_exponent,
+                   .from = {from.mantissa + front_, from.exponent + front_},
+                   .to = {to.mantissa + front_, to.exponent + front_}});
+  if (stride_ > 1) {
+    Fold(largest_exponent, [](T a, T b) { return std::max(a, b); });
+  }
 }
 
 template <typename T>
-void ScaledModel<T>::Split(std::span<const double> observation, T* out) const {
+bool ScaledModel<T>::Weigh(const T* x, T* lowered, T* largest_exponent,
+                           Shares<T> from, Shares<T> to) const {
+  WeighOnce(x, lowered, largest_exponent, from, to);
+  if (std::count_if(largest_exponent, largest_exponent + period_,
+                    [](T l) { return !(l > Scaled<T>::kTrusted); }) == 0) {
+    return true;
+  }
+  if constexpr (std::is_same_v<T, double>) {
+    // The densities alone, of shares of 1; `to` is only room for them.
+    Clear(to.mantissa, to.exponent, 1);
+    for (int s = 0; s < shape_.states; ++s) {
+      std::fill_n(to.exponent + Cell(s, 0), stride_, T{0});
+    }
+    WeighOnce(x, zeros_.data(), largest_exponent, to, to);
+    for (int p = 0; p < period_; ++p) lowered[p] += largest_exponent[p];
+    WeighOnce(x, lowered, largest_exponent, from, to);
+  }
+  return false;
+}
+
+template <typename T>
+size_t ScaledModel<T>::observed_size() const {
+  return static_cast<size_t>(shape_.dimensions) *
+         (std::is_same_v<T, float> ? 2 : period_);
+}
+
+template <typename T>
+void ScaledModel<T>::Observe(std::span<const double> observation, T* x) const {
   const int d = shape_.dimensions;
-  for (int k = 0; k < d; ++k) {
-    const double x = observation[k] * scale_[k];
-    out[k] = static_cast<T>(x);
-    out[d + k] = static_cast<T>(x - static_cast<double>(out[k]));
+  if constexpr (std::is_same_v<T, float>) {
+    for (int k = 0; k < d; ++k) {
+      const double scaled = observation[k] * scale_[k];
+      x[k] = static_cast<float>(scaled);
+      x[d + k] = static_cast<float>(scaled - static_cast<double>(x[k]));
+    }
+  } else {
+    for (int k = 0; k < d; ++k) {
+      std::fill_n(x + k * period_, period_, observation[k] * scale_[k]);
+    }
+  }
+}
+
+template <typename T>
+void ScaledModel<T>::Observe(int component, std::span<const double> observation,
+                             T* x) const {
+  for (int k = 0; k < shape_.dimensions; ++k) {
+    for (int p = component; p < period_; p += stride_) {
+      x[k * period_ + p] = static_cast<T>(observation[k] * scale_[k]);
+    }
   }
 }
 

@@ -75,13 +75,40 @@ class ScaledModel {
 
   // See scaled_kernels.h; shares are padded arrays.
   void Predict(bool best, Shares<T> from, Shares<T> to) const;
-  // x: [D] twice, as Split writes it.
-  void Weigh(const T* x, const T* lowered, T* largest_exponent,
-             Shares<T> shares) const;
-  // x scaled and rounded, then what rounding left. out: [2 D]
-  void Split(std::span<const double> observation, T* out) const;
+  // Weighs with x, as Observe writes it. Patterns hold the same number for
+  // all entries of a component. `to` is not `from`. True if no component fell
+  // by more than 2^20 bits (double: 2^40), else float has lost digits; double
+  // weighs again, relative to each component's largest density, which adds to
+  // `lowered` and leaves the order of the states alone.
+  bool Weigh(const T* x, T* lowered, T* largest_exponent, Shares<T> from,
+             Shares<T> to) const;
+  // Makes one value of the pattern entries that belong to a component.
+  template <typename Combine>
+  void Fold(T* pattern, Combine combine) const {
+    FoldHalves<kPattern<T> / 2>(pattern, combine);
+  }
+  // Scales an observation for all components into x: float [2 D], rounded and
+  // what rounding left; double [D x period].
+  void Observe(std::span<const double> observation, T* x) const;
+  // Of double: for one component alone.
+  void Observe(int component, std::span<const double> observation, T* x) const;
+  size_t observed_size() const;  // entries of x
 
  private:
+  // Sizes known to the compiler, as patterns are short.
+  template <int kHalf, typename Combine>
+  void FoldHalves(T* pattern, Combine combine) const {
+    if (stride_ > kHalf) return;
+    for (int p = 0; p < kHalf; ++p) {
+      pattern[p] = combine(pattern[p], pattern[p + kHalf]);
+    }
+    if constexpr (kHalf > 1) FoldHalves<kHalf / 2>(pattern, combine);
+    for (int p = 0; p < kHalf; ++p) pattern[p + kHalf] = pattern[p];
+  }
+  void WeighOnce(const T* x, const T* lowered, T* largest_exponent,
+                 Shares<T> from, Shares<T> to) const;
+  // The same model again.
+  void CopyPrevious(int component);
   void PackEmissions(const GaussianHmm& model, int component);
   void PackTransitions(const GaussianHmm& model, int component);
 
@@ -99,6 +126,7 @@ class ScaledModel {
   // constant. Squares of what the factor gives are in bits.
   AlignedVector<T> emissions_;
   AlignedVector<T> transitions_;  // [blocks][jumps][2][kBlock]
+  AlignedVector<T> zeros_;        // [period]
   AlignedVector<T> start_mantissa_;
   AlignedVector<T> start_exponent_;
 };

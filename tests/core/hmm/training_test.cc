@@ -73,6 +73,50 @@ Trials RandomTrials(int d, Random& random) {
   return trials;
 }
 
+// However many lanes they share, and whatever their lengths.
+TEST(ExpectationTest, SequencesAddUp) {
+  Random random(62);
+  for (const bool left_right : {false, true}) {
+    const GaussianHmm model =
+        RandomModel(5, 3, CovarianceType::kFull, left_right, random);
+    for (const int count : {2, 3, 8, 11}) {
+      std::vector<std::vector<double>> data;
+      std::vector<SequenceView> views;
+      for (int s = 0; s < count; ++s) {
+        data.push_back(RandomObservations(model, 1 + s * 7 % 19, random));
+      }
+      // An outlier that no state explains.
+      data[1][0] = 1e8;
+      for (const std::vector<double>& x : data) {
+        views.push_back({x.data(), static_cast<int>(x.size()) / 3, 3});
+      }
+      Expectation together;
+      together.Compute(model, views);
+      std::vector<double> want, got;
+      const auto collect = [](const Expectation& from,
+                              std::vector<double>& sums) {
+        std::vector<double> all = {from.log_likelihood()};
+        for (const auto& part :
+             {from.starts(), from.transitions(), from.occupancy(),
+              from.first_moment(), from.second_moment()}) {
+          all.insert(all.end(), part.begin(), part.end());
+        }
+        sums.resize(all.size());
+        for (size_t k = 0; k < all.size(); ++k) sums[k] += all[k];
+      };
+      collect(together, got);
+      Expectation alone;
+      for (const SequenceView& view : views) {
+        alone.Compute(model, {view});
+        collect(alone, want);
+      }
+      for (size_t k = 0; k < want.size(); ++k) {
+        EXPECT_NEAR(got[k], want[k], 1e-9 * (1 + std::abs(want[k]))) << k;
+      }
+    }
+  }
+}
+
 // Sums over every path: the definition of what Expectation computes.
 TEST(ExpectationTest, MatchesTheSumOverAllPaths) {
   Random random(61);
@@ -82,8 +126,7 @@ TEST(ExpectationTest, MatchesTheSumOverAllPaths) {
     const std::vector<double> x = RandomObservations(model, 6, random);
     const CompiledHmm hmm = *CompiledHmm::Create(model);
     Expectation got;
-    got.Reset(model);
-    got.Add(hmm, {x.data(), 6, 2});
+    got.Compute(model, {{x.data(), 6, 2}});
 
     std::vector<double> starts(3), transitions(9), occupancy(3), first(6),
         second(12);
