@@ -133,9 +133,10 @@ ScaledModel<T>::ScaledModel(const std::vector<const GaussianHmm*>& models,
                 : RoundUp(k, kBlock);
   period_ = std::max(stride_, kPattern<T>);
   const int in_blocks = RoundUp(cells(), kBlock);
-  front_ = RoundUp(shape_.last_jump * stride_, kPattern<T>);
-  padded_ =
-      front_ + in_blocks + RoundUp(-shape_.first_jump * stride_, kPattern<T>);
+  // Predict looks back along a jump, Smooth ahead.
+  front_ = RoundUp(std::max(shape_.last_jump, -shape_.first_jump) * stride_,
+                   kPattern<T>);
+  padded_ = front_ + in_blocks + front_;
   zeros_.assign(period_, T{0});
   const int d = shape_.dimensions;
   rows_ = (std::is_same_v<T, float> ? 2 : 1) * d +
