@@ -84,6 +84,19 @@ TEST(CueTest, StiffnessHoldsAtAnySpeedAndArm) {
   }
 }
 
+// Two cubes of one density and friction: drag goes with the edge's cube, area
+// with its square.
+TEST(CueTest, DragOfWhatSlidesDoesNotDependOnItsSize) {
+  const auto slide = [](double edge) {
+    const double friction = 0.3 * 2700 * 9.81 * edge * edge * edge;
+    return After(Samples(50, Sample(friction, edge * edge, 0.01)));
+  };
+  EXPECT_NEAR(slide(0.01).value(Cue::kLogDrag), std::log(0.3 * 2700 * 9.81),
+              1e-9);
+  EXPECT_NEAR(slide(0.05).value(Cue::kLogDrag), std::log(0.3 * 2700 * 9.81),
+              1e-9);
+}
+
 // Every windowed cue from all samples at once, in long double.
 TEST(CueTest, WindowsAgreeWithWeightedSumsOverAllSamples) {
   Random random(3);
