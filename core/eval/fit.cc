@@ -143,10 +143,8 @@ absl::Status Calibrate(const std::vector<const Contact*>& contacts,
     const auto rest = Select(
         contacts, Complement(folds[f], static_cast<int>(contacts.size())));
     if (ClassNames(rest) != model.class_names) return;
-    // One network is enough to say how far to trust them.
-    auto fitted =
-        FitUncalibrated(rest, model.class_names, options,
-                        std::min(options.lstm.networks, 1), RunSerially);
+    auto fitted = FitUncalibrated(rest, model.class_names, options,
+                                  options.lstm.networks, RunSerially);
     if (!fitted.ok()) {
       failures[f] = fitted.status();
       return;

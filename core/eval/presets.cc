@@ -22,7 +22,7 @@ FitOptions PaperPreset() {
 
 FitOptions TunedPreset() {
   FitOptions options;
-  options.hmm_cues = {Cue::kLogForce,         Cue::kLogMotion,
+  options.hmm_cues = {Cue::kLogDrag,          Cue::kLogMotion,
                       Cue::kLogArea,          Cue::kLogSlope,
                       Cue::kLogSlopeMisfit,   Cue::kForceRippleLong,
                       Cue::kMotionRippleLong, Cue::kLogSpring,
