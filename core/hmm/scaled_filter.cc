@@ -53,11 +53,23 @@ void ScaledFilter<T>::Predict(int to) {
 
 template <typename T>
 void ScaledFilter<T>::Step(std::span<const double> observation) {
-  const bool started = started_;
   model_->Observe(observation, x_.data());
+  if (started_ &&
+      model_->Advance(score_ == Score::kViterbi, x_.data(), largest_.data(),
+                      Buffer(now_), Buffer(1 - now_))) {
+    now_ = 1 - now_;
+    return;
+  }
+  StepLowered(observation);
+}
+
+template <typename T>
+void ScaledFilter<T>::StepLowered(std::span<const double> observation) {
+  const bool started = started_;
+  FindLargestShares();
+  std::swap(lowered_, largest_);
   Predict(2);
   now_ = 1 - now_;
-  std::swap(lowered_, largest_);
   const bool trusted = model_->Weigh(x_.data(), lowered_.data(),
                                      largest_.data(), Buffer(2), Buffer(now_));
   for (size_t p = 0; p < taken_out_.size(); ++p) {
@@ -93,6 +105,7 @@ void ScaledFilter<T>::RedoExactly(int component,
                                           : Scaled<double>::kNothing;
   }
   redo.Step(observation);
+  redo.UpdateTotals();
   const Shares<double> result = redo.Buffer(redo.now_);
   const Shares<T> after = Buffer(now_);
   const double largest = redo.largest_[0];
@@ -116,6 +129,11 @@ void ScaledFilter<T>::Skip(int missing) {
     Predict(1 - now_);
     now_ = 1 - now_;
   }
+  FindLargestShares();
+}
+
+template <typename T>
+void ScaledFilter<T>::FindLargestShares() {
   const Shares<T> shares = Buffer(now_);
   FindLargest(Reduction<T>{.best = score_ == Score::kViterbi,
                            .cells = model_->cells(),
@@ -130,6 +148,7 @@ void ScaledFilter<T>::Skip(int missing) {
 template <typename T>
 void ScaledFilter<T>::UpdateTotals() {
   const bool best = score_ == Score::kViterbi;
+  model_->Fold(largest_.data(), [](T a, T b) { return std::max(a, b); });
   const Shares<T> shares = Buffer(now_);
   Total(Reduction<T>{.best = best,
                      .cells = model_->cells(),

@@ -67,6 +67,9 @@ class ScaledFilter {
   }
   // Writes the distribution of the next frame's state to buffer `to`.
   void Predict(int to);
+  // The frames that Advance leaves; takes out what the shares have gathered.
+  void StepLowered(std::span<const double> observation);
+  void FindLargestShares();
   // Of T float; `started`: as before the frame.
   void RedoExactly(int component, std::span<const double> observation,
                    bool started);

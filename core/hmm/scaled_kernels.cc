@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/base/limits.h"
 #include "core/hmm/highway_targets.h"
 
 // Highway includes this file again for every instruction set.
@@ -11,7 +10,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/hmm/scaled_kernels.cc"
 #include "hwy/foreach_target.h"
-#include "core/hmm/scaled_math-inl.h"
+#include "core/hmm/scaled_cells-inl.h"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
@@ -22,38 +21,11 @@ namespace HWY_NAMESPACE {
 template <typename T, bool kBest, int kJumps>
 void PredictCells(const PredictStep<T>& step) {
   const Vector<T> d;
-  using V = hn::Vec<decltype(d)>;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  const int jumps = kJumps > 0 ? kJumps : step.jumps;
   for (int j = 0; j < step.cells; j += lanes) {
-    const T* parameters = step.transitions +
-                          static_cast<size_t>(j / kBlock) * jumps * 2 * kBlock +
-                          j % kBlock;
-    const ptrdiff_t source =
-        j - static_cast<ptrdiff_t>(step.first_jump) * step.stride;
-    V exponent = hn::Set(d, 2 * Scaled<T>::kNothing);
-    for (int q = 0; q < jumps; ++q) {
-      const ptrdiff_t i = source - static_cast<ptrdiff_t>(q) * step.stride;
-      exponent = hn::Max(
-          exponent, hn::Add(hn::LoadU(d, step.from.exponent + i),
-                            hn::Load(d, parameters + (2 * q + 1) * kBlock)));
-    }
-    V mantissa = hn::Zero(d);
-    for (int q = 0; q < jumps; ++q) {
-      const ptrdiff_t i = source - static_cast<ptrdiff_t>(q) * step.stride;
-      const V behind =
-          hn::Sub(hn::Add(hn::LoadU(d, step.from.exponent + i),
-                          hn::Load(d, parameters + (2 * q + 1) * kBlock)),
-                  exponent);
-      const V weight = hn::Mul(hn::Load(d, parameters + 2 * q * kBlock),
-                               PowerOfTwo(d, behind));
-      const V from = hn::LoadU(d, step.from.mantissa + i);
-      mantissa = kBest ? hn::Max(mantissa, hn::Mul(from, weight))
-                       : hn::MulAdd(from, weight, mantissa);
-    }
-    Renormalise(d, mantissa, exponent);
-    hn::Store(mantissa, d, step.to.mantissa + j);
-    hn::Store(exponent, d, step.to.exponent + j);
+    const Cells<T> share = PredictVector<T, kBest, kJumps>(step, j);
+    hn::Store(share.mantissa, d, step.to.mantissa + j);
+    hn::Store(share.exponent, d, step.to.exponent + j);
   }
 }
 
@@ -67,85 +39,47 @@ void PredictAny(const PredictStep<T>& step) {
                    : PredictCells<T, false, 0>(step);
 }
 
-// z = (inverse factor) (x - mean); returns |z|^2, which is in bits. p: place in
-// the patterns.
-template <typename T, int kDimensions, bool kFull>
-HWY_INLINE hn::Vec<Vector<T>> Distance(const WeighStep<T>& step,
-                                       [[maybe_unused]] int p, const T*& row) {
+// Stores what `shares` gives for the cells from j on, at place p in the
+// patterns, and their largest exponents.
+template <typename T, class Function>
+HWY_INLINE void WeighEach(const WeighStep<T>& step, const Function& shares) {
   const Vector<T> d;
   using V = hn::Vec<decltype(d)>;
-  const int dimensions = kDimensions > 0 ? kDimensions : step.dimensions;
-  const auto next = [&] {
-    const V value = hn::Load(d, row);
-    row += kBlock;
-    return value;
-  };
-  V difference[kDimensions > 0 ? kDimensions : limits::kMaxHmmDimensions];
-  V distance = hn::Zero(d);
-  for (int i = 0; i < dimensions; ++i) {
-    V z;
-    if constexpr (sizeof(T) == sizeof(float)) {
-      // With what rounding x and the mean to float has left.
-      difference[i] = hn::Add(hn::Sub(hn::Set(d, step.x[i]), next()),
-                              hn::Set(d, step.x[dimensions + i]));
-      const V mean_rest = next();
-      z = hn::MulSub(next(), difference[i], mean_rest);
-    } else {
-      difference[i] =
-          hn::Sub(hn::Load(d, step.x + i * step.period + p), next());
-      z = hn::Mul(next(), difference[i]);
-    }
-    for (int j = 0; kFull && j < i; ++j) {
-      z = hn::MulAdd(next(), difference[j], z);
-    }
-    distance = hn::MulAdd(z, z, distance);
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  // Patterns of one vector stay in a register.
+  const bool in_register = step.period == lanes;
+  V largest_of_all = hn::Set(d, std::numeric_limits<T>::lowest());
+  if (!in_register) {
+    std::fill_n(step.largest_exponent, step.period,
+                std::numeric_limits<T>::lowest());
   }
-  // Written so that what is not a number takes the ceiling too.
-  const V farthest = hn::Set(d, Scaled<T>::kFarthest);
-  return hn::IfThenElse(hn::Lt(distance, farthest), distance, farthest);
+  int p = 0;
+  for (int j = 0; j < step.cells; j += lanes) {
+    const Cells<T> share = shares(j, p);
+    hn::Store(share.mantissa, d, step.to.mantissa + j);
+    hn::Store(share.exponent, d, step.to.exponent + j);
+    if (in_register) {
+      largest_of_all = hn::Max(largest_of_all, share.exponent);
+      continue;
+    }
+    T* largest = step.largest_exponent + p;
+    hn::Store(hn::Max(hn::Load(d, largest), share.exponent), d, largest);
+    p = p + lanes < step.period ? p + lanes : 0;
+  }
+  if (in_register) hn::Store(largest_of_all, d, step.largest_exponent);
 }
 
 // kDimensions 0: any number of them.
 template <typename T, int kDimensions, bool kFull>
 void WeighCells(const WeighStep<T>& step) {
   const Vector<T> d;
-  using V = hn::Vec<decltype(d)>;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  const int dimensions = kDimensions > 0 ? kDimensions : step.dimensions;
-  const int rows = (sizeof(T) == sizeof(float) ? 2 : 1) * dimensions +
-                   (kFull ? dimensions * (dimensions + 1) / 2 : dimensions) + 1;
-  V largest_of_all = hn::Set(d, std::numeric_limits<T>::lowest());
-  if (step.stride > 1) {
-    std::fill_n(step.largest_exponent, step.period,
-                std::numeric_limits<T>::lowest());
-  }
-  int p = 0;
-  for (int j = 0; j < step.cells; j += lanes) {
-    const T* row = step.emissions +
-                   static_cast<size_t>(j / kBlock) * rows * kBlock + j % kBlock;
-    const V distance = Distance<T, kDimensions, kFull>(step, p, row);
-    const V bits = hn::Sub(hn::Load(d, row), distance);
-    const V whole = hn::Round(bits);
-    const V mantissa = hn::Mul(hn::Load(d, step.from.mantissa + j),
-                               PowerOfFraction(d, hn::Sub(bits, whole)));
-    const V exponent = hn::Add(hn::Load(d, step.from.exponent + j),
-                               hn::Sub(whole, hn::Load(d, step.lowered + p)));
-    hn::Store(mantissa, d, step.to.mantissa + j);
-    hn::Store(exponent, d, step.to.exponent + j);
-    if (step.stride == 1) {
-      largest_of_all = hn::Max(largest_of_all, exponent);
-      continue;
-    }
-    T* largest = step.largest_exponent + p;
-    hn::Store(hn::Max(hn::Load(d, largest), exponent), d, largest);
-    p = p + lanes < step.period ? p + lanes : 0;
-  }
-  if (step.stride == 1) {
-    largest_of_all = hn::MaxOfLanes(d, largest_of_all);
-    for (p = 0; p < step.period; p += lanes) {
-      hn::Store(largest_of_all, d, step.largest_exponent + p);
-    }
-  }
+  WeighEach(step, [&](int j, int p) {
+    const Cells<T> density = DensityVector<T, kDimensions, kFull>(step, j, p);
+    return Cells<T>{
+        hn::Mul(hn::Load(d, step.from.mantissa + j), density.mantissa),
+        hn::Add(hn::Load(d, step.from.exponent + j),
+                hn::Sub(density.exponent, hn::Load(d, step.lowered + p)))};
+  });
 }
 
 template <typename T>
@@ -163,6 +97,63 @@ void WeighAny(const WeighStep<T>& step) {
       return step.full ? WeighCells<T, 0, true>(step)
                        : WeighCells<T, 0, false>(step);
   }
+}
+
+// As Advance returns it.
+template <typename T>
+bool KeptDigits(const WeighStep<T>& step) {
+  const Vector<T> d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const auto lowest = hn::Set(d, Scaled<T>::kTrusted);
+  const auto highest = hn::Set(d, -Scaled<T>::kTrusted);
+  bool all_above = true;
+  for (int p = 0; p < step.period; p += lanes) {
+    const auto largest = hn::Load(d, step.largest_exponent + p);
+    if (!hn::AllTrue(d, hn::Lt(largest, highest))) return false;
+    all_above = all_above && hn::AllTrue(d, hn::Gt(largest, lowest));
+  }
+  // One entry of each component is enough.
+  for (int k = 0; !all_above && k < step.stride; ++k) {
+    T largest = step.largest_exponent[k];
+    for (int p = k + step.stride; p < step.period; p += step.stride) {
+      largest = std::max(largest, step.largest_exponent[p]);
+    }
+    if (!(largest > Scaled<T>::kTrusted)) return false;
+  }
+  return true;
+}
+
+template <typename T, bool kBest, int kJumps, int kDimensions, bool kFull>
+bool AdvanceCells(const AdvanceStep<T>& step) {
+  WeighEach(step.weigh, [&](int j, int p) {
+    const Cells<T> density =
+        DensityVector<T, kDimensions, kFull>(step.weigh, j, p);
+    const Cells<T> before = PredictVector<T, kBest, kJumps>(step.predict, j);
+    return Cells<T>{hn::Mul(before.mantissa, density.mantissa),
+                    hn::Add(before.exponent, density.exponent)};
+  });
+  return KeptDigits(step.weigh);
+}
+
+template <typename T, bool kBest>
+bool AdvanceAny(const AdvanceStep<T>& step) {
+  const bool full = step.weigh.full;
+  if (step.predict.jumps == 2) {
+    switch (step.weigh.dimensions) {
+      case 1:
+        return AdvanceCells<T, kBest, 2, 1, false>(step);
+      case 2:
+        return full ? AdvanceCells<T, kBest, 2, 2, true>(step)
+                    : AdvanceCells<T, kBest, 2, 2, false>(step);
+      case 3:
+        return full ? AdvanceCells<T, kBest, 2, 3, true>(step)
+                    : AdvanceCells<T, kBest, 2, 3, false>(step);
+      default:
+        break;
+    }
+  }
+  return full ? AdvanceCells<T, kBest, 0, 0, true>(step)
+              : AdvanceCells<T, kBest, 0, 0, false>(step);
 }
 
 template <typename T>
@@ -204,6 +195,14 @@ void PredictFloat(const PredictStep<float>& step) { PredictAny(step); }
 void PredictDouble(const PredictStep<double>& step) { PredictAny(step); }
 void WeighFloat(const WeighStep<float>& step) { WeighAny(step); }
 void WeighDouble(const WeighStep<double>& step) { WeighAny(step); }
+bool AdvanceFloat(const AdvanceStep<float>& step) {
+  return step.predict.best ? AdvanceAny<float, true>(step)
+                           : AdvanceAny<float, false>(step);
+}
+bool AdvanceDouble(const AdvanceStep<double>& step) {
+  return step.predict.best ? AdvanceAny<double, true>(step)
+                           : AdvanceAny<double, false>(step);
+}
 void FindLargestFloat(const Reduction<float>& step) { FindLargestAny(step); }
 void FindLargestDouble(const Reduction<double>& step) { FindLargestAny(step); }
 void TotalFloat(const Reduction<float>& step) { TotalAny(step); }
@@ -222,6 +221,8 @@ HWY_EXPORT(PredictFloat);
 HWY_EXPORT(PredictDouble);
 HWY_EXPORT(WeighFloat);
 HWY_EXPORT(WeighDouble);
+HWY_EXPORT(AdvanceFloat);
+HWY_EXPORT(AdvanceDouble);
 HWY_EXPORT(FindLargestFloat);
 HWY_EXPORT(FindLargestDouble);
 HWY_EXPORT(TotalFloat);
@@ -239,6 +240,12 @@ void Weigh(const WeighStep<float>& step) {
 }
 void Weigh(const WeighStep<double>& step) {
   HWY_DYNAMIC_DISPATCH(WeighDouble)(step);
+}
+bool Advance(const AdvanceStep<float>& step) {
+  return HWY_DYNAMIC_DISPATCH(AdvanceFloat)(step);
+}
+bool Advance(const AdvanceStep<double>& step) {
+  return HWY_DYNAMIC_DISPATCH(AdvanceDouble)(step);
 }
 void FindLargest(const Reduction<float>& step) {
   HWY_DYNAMIC_DISPATCH(FindLargestFloat)(step);

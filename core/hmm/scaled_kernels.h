@@ -73,8 +73,8 @@ void Predict(const PredictStep<float>& step);
 void Predict(const PredictStep<double>& step);
 
 // to[j] = from[j] times the density of state j at x, over 2^lowered of its
-// component; finds the largest exponent of each pattern entry, of stride 1 that
-// of all cells. `to` may be `from`.
+// component; finds the largest exponent of each pattern entry. `to` may be
+// `from`.
 template <typename T>
 struct WeighStep {
   int cells;
@@ -93,6 +93,18 @@ struct WeighStep {
 };
 void Weigh(const WeighStep<float>& step);
 void Weigh(const WeighStep<double>& step);
+
+// Predicts and weighs at once, as a frame asks for, with lowered = 0 and
+// without keeping the prediction: predict.to, weigh.from and weigh.lowered are
+// not used. False if a component's largest exponent is not between kTrusted and
+// -kTrusted.
+template <typename T>
+struct AdvanceStep {
+  PredictStep<T> predict;
+  WeighStep<T> weigh;
+};
+bool Advance(const AdvanceStep<float>& step);
+bool Advance(const AdvanceStep<double>& step);
 
 // Over the states of each component, by pattern entry.
 template <typename T>

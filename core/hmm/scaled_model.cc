@@ -253,37 +253,54 @@ void ScaledModel<T>::Clear(T* mantissa, T* exponent, size_t count) const {
 }
 
 template <typename T>
+PredictStep<T> ScaledModel<T>::Prediction(bool best, Shares<T> from,
+                                          Shares<T> to) const {
+  return {.best = best,
+          .cells = cells(),
+          .stride = stride_,
+          .first_jump = shape_.first_jump,
+          .jumps = shape_.last_jump - shape_.first_jump + 1,
+          .transitions = transitions_.data(),
+          .from = {from.mantissa + front_, from.exponent + front_},
+          .to = {to.mantissa + front_, to.exponent + front_}};
+}
+
+template <typename T>
+WeighStep<T> ScaledModel<T>::Weighing(const T* x, const T* lowered,
+                                      T* largest_exponent, Shares<T> from,
+                                      Shares<T> to) const {
+  return {.cells = cells(),
+          .stride = stride_,
+          .period = period_,
+          .dimensions = shape_.dimensions,
+          .full = shape_.full,
+          .emissions = emissions_.data(),
+          .x = x,
+          .lowered = lowered,
+          .largest_exponent = largest_exponent,
+          .from = {from.mantissa + front_, from.exponent + front_},
+          .to = {to.mantissa + front_, to.exponent + front_}};
+}
+
+template <typename T>
 void ScaledModel<T>::Predict(bool best, Shares<T> from, Shares<T> to) const {
-  tactus::Predict(
-      PredictStep<T>{.best = best,
-                     .cells = cells(),
-                     .stride = stride_,
-                     .first_jump = shape_.first_jump,
-                     .jumps = shape_.last_jump - shape_.first_jump + 1,
-                     .transitions = transitions_.data(),
-                     .from = {from.mantissa + front_, from.exponent + front_},
-                     .to = {to.mantissa + front_, to.exponent + front_}});
+  tactus::Predict(Prediction(best, from, to));
+}
+
+template <typename T>
+bool ScaledModel<T>::Advance(bool best, const T* x, T* largest_exponent,
+                             Shares<T> from, Shares<T> to) const {
+  return tactus::Advance(
+      AdvanceStep<T>{Prediction(best, from, to),
+                     Weighing(x, zeros_.data(), largest_exponent, from, to)});
 }
 
 template <typename T>
 void ScaledModel<T>::WeighOnce(const T* x, const T* lowered,
                                T* largest_exponent, Shares<T> from,
                                Shares<T> to) const {
-  tactus::Weigh(
-      WeighStep<T>{.cells = cells(),
-                   .stride = stride_,
-                   .period = period_,
-                   .dimensions = shape_.dimensions,
-                   .full = shape_.full,
-                   .emissions = emissions_.data(),
-                   .x = x,
-                   .lowered = lowered,
-                   .largest_exponent = largest_exponent,
-                   .from = {from.mantissa + front_, from.exponent + front_},
-                   .to = {to.mantissa + front_, to.exponent + front_}});
-  if (stride_ > 1) {
-    Fold(largest_exponent, [](T a, T b) { return std::max(a, b); });
-  }
+  tactus::Weigh(Weighing(x, lowered, largest_exponent, from, to));
+  Fold(largest_exponent, [](T a, T b) { return std::max(a, b); });
 }
 
 template <typename T>

@@ -82,6 +82,12 @@ class ScaledModel {
   // `lowered` and leaves the order of the states alone.
   bool Weigh(const T* x, T* lowered, T* largest_exponent, Shares<T> from,
              Shares<T> to) const;
+  // Predicts and weighs at once, nothing lowered, for the frames between which
+  // no digits are lost: false if a component's largest exponent has come to
+  // 2^20 (double: 2^40) or fallen below minus that; Weigh is for those frames.
+  // largest_exponent is not folded yet.
+  bool Advance(bool best, const T* x, T* largest_exponent, Shares<T> from,
+               Shares<T> to) const;
   // Makes one value of the pattern entries that belong to a component.
   template <typename Combine>
   void Fold(T* pattern, Combine combine) const {
@@ -105,6 +111,9 @@ class ScaledModel {
     if constexpr (kHalf > 1) FoldHalves<kHalf / 2>(pattern, combine);
     for (int p = 0; p < kHalf; ++p) pattern[p + kHalf] = pattern[p];
   }
+  PredictStep<T> Prediction(bool best, Shares<T> from, Shares<T> to) const;
+  WeighStep<T> Weighing(const T* x, const T* lowered, T* largest_exponent,
+                        Shares<T> from, Shares<T> to) const;
   void WeighOnce(const T* x, const T* lowered, T* largest_exponent,
                  Shares<T> from, Shares<T> to) const;
   // The same model again.

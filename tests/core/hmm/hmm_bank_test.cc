@@ -141,6 +141,25 @@ TEST(HmmBankTest, ManyComponentsFillSeveralBlocks) {
                   RandomObservations(categories[2].components[4], 100, random));
 }
 
+// Bits gather in the shares until they cost digits: of every component after
+// another number of frames, of the last ones upwards.
+TEST(HmmBankTest, ComponentsGatherBitsAtDifferentRates) {
+  Random random(66);
+  std::vector<HmmMixture> categories;
+  for (const double distance : {0.0, 30.0, 300.0, 1100.0, 0.0}) {
+    HmmMixture category = {
+        .log_weight = {0},
+        .components = {RandomModel(3, 3, CovarianceType::kFull, true, random)}};
+    for (double& mean : category.components[0].means) mean += distance;
+    categories.push_back(std::move(category));
+  }
+  for (double& value : categories.back().components[0].covariances) {
+    value *= 1e-8;
+  }
+  ExpectAgreement(categories,
+                  RandomObservations(categories[0].components[0], 400, random));
+}
+
 // The default of every CPU, and what an older one would do.
 TEST(HmmBankTest, EveryInstructionSetAgrees) {
   Random random(63);

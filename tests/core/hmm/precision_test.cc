@@ -325,26 +325,41 @@ TEST(PrecisionTest, NumbersBeyondRangeLeaveTheBelief) {
 }
 
 // Every number of a long contact is rounded the same way when a feature is
-// constant; the sum must not drift.
+// constant; the sum must not drift: neither of one bit a frame, nor of 2^13,
+// nor of densities of 2^98.
 TEST(PrecisionTest, MillionEqualFrames) {
-  GaussianHmm model;
-  model.states = 2;
-  model.dimensions = 1;
-  model.covariance_type = CovarianceType::kSpherical;
-  model.start = {0.3, 0.7};
-  model.transition = {0.9, 0.1, 0.1, 0.9};
-  model.means = {0, 0};
-  model.covariances = {0.7, 0.7};
-  const HmmMixture mixture = {.log_weight = {0}, .components = {model}};
-  const HmmBank bank = *HmmBank::Create({&mixture, 1});
-  BankFilter filter(bank, Score::kForward);
-  const double x[] = {0.1};
   constexpr int kFrames = 1'000'000;
-  for (int t = 0; t < kFrames; ++t) filter.Step(x);
-  double got = 0;
-  filter.LogLikelihood({&got, 1});
-  const double want = -0.5 * kFrames * (std::log(2 * M_PI * 0.7) + 0.01 / 0.7);
-  EXPECT_NEAR(got, want, kFloatTolerance * std::abs(want));
+  for (const double unit : {1.0, 1e-30}) {
+    const double means[] = {0, 100 * unit};
+    const double variance = 0.7 * unit * unit;
+    const double x[] = {0.1 * unit};
+    std::vector<HmmMixture> categories;
+    for (const double mean : means) {
+      GaussianHmm model;
+      model.states = 2;
+      model.dimensions = 1;
+      model.covariance_type = CovarianceType::kSpherical;
+      model.start = {0.3, 0.7};
+      model.transition = {0.9, 0.1, 0.1, 0.9};
+      model.means = {mean, mean};
+      model.covariances = {variance, variance};
+      categories.push_back({.log_weight = {0}, .components = {model}});
+    }
+    const HmmBank bank = *HmmBank::Create(categories);
+    EXPECT_EQ(bank.in_double(), 0);
+    BankFilter filter(bank, Score::kForward);
+    for (int t = 0; t < kFrames; ++t) filter.Step(x);
+    std::vector<double> got(2);
+    filter.LogLikelihood(got);
+    for (int c = 0; c < 2; ++c) {
+      const double far = x[0] - means[c];
+      const double want =
+          -0.5 * kFrames *
+          (std::log(2 * M_PI * variance) + far * far / variance);
+      EXPECT_NEAR(got[c], want, kFloatTolerance * std::abs(want))
+          << "unit " << unit << " mean " << means[c];
+    }
+  }
 }
 
 }  // namespace
