@@ -52,10 +52,10 @@ double FrictionChange(const ContactScene& scene, const ContactPiece& piece,
 PieceEnd FindEnd(const ContactScene& scene, const ContactPiece& piece,
                  double horizon) {
   PieceEnd end = {horizon, Ending::kHorizon};
-  const double friction = FrictionChange(scene, piece, end.time);
-  if (friction <= end.time) end = {friction, Ending::kFriction};
   const double contact = ContactChange(piece, end.time);
   if (contact < end.time) end = {contact, Ending::kContact};
+  const double friction = FrictionChange(scene, piece, end.time);
+  if (friction <= end.time) end = {friction, Ending::kFriction};
   return end;
 }
 
