@@ -40,6 +40,8 @@ double FrictionChange(const ContactScene& scene, const ContactPiece& piece,
       return FirstCrossing(margin, horizon);
     }
     case ContactPhase::kSliding:
+      // The contact only pushes: friction alone stops the object no sooner.
+      if (piece.start().speed > scene.mu_kinetic * kGravity * horizon) break;
       return FirstCrossing(piece.ObjectSpeed(), horizon);
     case ContactPhase::kCoasting:
       return piece.start().speed / (scene.mu_kinetic * kGravity);
