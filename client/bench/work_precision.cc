@@ -34,13 +34,19 @@ LinePlot WorkFigure(const std::vector<WorkPoint>& points) {
   plot.title = "Work and precision of the contact simulator";
   plot.x = {.title = "processor time of one contact (ms)",
             .scale = AxisScale::kLog};
-  plot.y = {.title = "worst error / peak of the feature",
-            .scale = AxisScale::kLog};
+  plot.y = {.title = "error / peak of the feature",
+            .scale = AxisScale::kLog,
+            .low = 1e-14,
+            .high = 10};
   for (const WorkPoint& point : points) {
-    Series& worst = SeriesOf(
-        absl::StrCat(point.method, ", ", point.sample, " sample"), plot);
+    const std::string name = absl::StrCat(point.method, ", ", point.sample);
+    Series& worst = SeriesOf(absl::StrCat(name, ", worst"), plot);
     worst.x.push_back(1e3 * point.seconds);
     worst.y.push_back(point.worst_error);
+    if (point.sample != points.front().sample) continue;
+    Series& median = SeriesOf(absl::StrCat(name, ", median"), plot);
+    median.x.push_back(1e3 * point.seconds);
+    median.y.push_back(point.median_error);
   }
   return plot;
 }

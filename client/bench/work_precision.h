@@ -31,8 +31,9 @@ struct WorkPoint {
 // sample,method,tolerance,seconds,median_error,worst_error as CSV.
 std::string WorkTable(const std::vector<WorkPoint>& points);
 
-// Worst errors over time, both logarithmic, a line a method and sample; low and
-// left is better. Times and errors are above 0.
+// Worst errors, and of the first sample medians too, over time, both
+// logarithmic, a line a method and sample; low and left is better. Times and
+// errors are above 0.
 LinePlot WorkFigure(const std::vector<WorkPoint>& points);
 
 }  // namespace tactus::client
