@@ -7,12 +7,13 @@
 #
 # Pages, with minutes on two quiet cores: signals (6), materials (15), taxels
 # (6), grid (4), unknown (3), default-bundle (1), cody (1), recordings (1),
-# paper-tables (15). Needs a release build. Real recordings are evaluated when
+# paper-tables (15), simulator (12). Needs a release build. Real recordings are evaluated when
 # TACTUS_DATA_DIR, or ../shared/data beside the project, has them.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 trainctl=$PWD/build/release/bin/trainctl
+bench=$PWD/build/release/bin/tactus-bench
 data=$(realpath -m "${TACTUS_DATA_DIR:-../shared/data}")
 docs=$PWD/docs
 out=$docs/results
@@ -102,13 +103,27 @@ paper-tables() {
   cp paper-tables/*-accuracy.png paper-tables/*-f-m-a.png "$out/paper-tables"
 }
 
+# Processor times are this machine's; their ratios are what counts.
+simulator() {
+  title "The contact simulator: error and work"
+  local command="sim --all --budget=${TACTUS_SIM_BUDGET:-300} --table=work.csv --figure=work.png"
+  printf '\n```\n$ tactus-bench %s\n' "$command"
+  # shellcheck disable=SC2086
+  "$bench" $command 2>&1
+  printf '```\n\nOne contact on one core; errors are the largest of any noiseless sampled feature, as a share of its peak.\n'
+  printf '\n| sample | method | tolerance | time (ms) | median error | worst error |\n|---|---|---|---|---|---|\n'
+  awk -F, 'NR > 1 { printf "| %s | %s | %s | %.3g | %s | %s |\n", $1, $2, $3, 1000 * $4, $5, $6 }' work.csv
+  cp work.png "$out/sim-work-precision.png"
+  printf '\n![Work and precision](sim-work-precision.png)\n'
+}
+
 pages=("$@")
 [[ $# -gt 0 ]] || pages=(signals materials taxels grid unknown default-bundle cody
-  recordings paper-tables)
+  recordings paper-tables simulator)
 for page in "${pages[@]}"; do
   case "$page" in
     signals | materials | taxels | grid | unknown | default-bundle | cody | \
-      recordings | paper-tables) ;;
+      recordings | paper-tables | simulator) ;;
     *) echo "make-results: unknown page '$page'" >&2; exit 2 ;;
   esac
   "$page" >"$work/$page.md"

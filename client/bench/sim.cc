@@ -1,23 +1,20 @@
 #include "client/bench/sim.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
-#include <ctime>
 #include <fstream>
 #include <string>
 #include <vector>
 
 #include "CLI/CLI.hpp"
-#include "absl/functional/function_ref.h"
 #include "absl/strings/str_format.h"
+#include "client/bench/sim_check.h"
 #include "client/bench/work_precision.h"
 #include "core/base/errors.h"
 #include "core/base/random.h"
 #include "core/base/status_macros.h"
+#include "core/sim/contact_modes.h"
 #include "core/sim/paper_set.h"
-#include "core/sim/reference.h"
 
 namespace tactus::client {
 namespace {
@@ -29,7 +26,7 @@ struct SimBenchOptions {
   // with the reference.
   bool all = false;
   int random_scenes = 10'000;
-  // Stops comparing after so much processor time, s.
+  // Processor time of each of the two comparisons, s.
   double budget = 300;
 };
 
@@ -38,42 +35,32 @@ struct SimReport {
   std::vector<WorkPoint> points;
 };
 
-// Bounds of the exact method, which the benchmark fails beyond: where every
-// bounce was solved, and where some were leapt over.
-constexpr double kSolvedBound = 1e-6;
-constexpr double kSkippedBound = 1e-3;
-
 constexpr char kReference[] =
     "long double matrix exponentials, every ringing period resolved";
-// Of the base trials, every one of this many (and its fixed twin) is compared
-// with CVODE.
-constexpr size_t kStride = 37;
-constexpr size_t kQuickStride = 131;
-// Contacts with more events are not integrated with CVODE: at tight
-// tolerances they would take minutes each.
-constexpr int kSampleEvents = 20'000;
 
-// Processor time of this thread, s.
-double ThreadSeconds() {
-  timespec time;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * time.tv_nsec;
-}
+// Every so many trials of the set are measured.
+constexpr size_t kStride = 13;
+constexpr size_t kQuickStride = 101;
 
-// Largest error of any feature, as a share of its peak.
-double FeatureError(const std::vector<FeatureVector>& got,
-                    const std::vector<FeatureVector>& want) {
-  double worst = 0;
-  for (int f = 0; f < kFeatureCount; ++f) {
-    double peak = 0;
-    double error = 0;
-    for (size_t i = 0; i < want.size(); ++i) {
-      peak = std::max(peak, std::abs(want[i][f]));
-      error = std::max(error, std::abs(got[i][f] - want[i][f]));
-    }
-    if (peak > 0) worst = std::max(worst, error / peak);
-  }
-  return worst;
+// The two samples on which CVODE is measured. Gentle contacts, without trains
+// of bounces and ringing so slowly that CVODE resolves it, it can follow to
+// tight tolerances; of the others it lets the ringing fade and misses bounces,
+// and at tight tolerances would take minutes each.
+struct SampleLimits {
+  const char* name;
+  int64_t events;
+  double ringing;  // rad/s
+  std::vector<double> tolerances;
+  std::vector<double> quick;
+};
+
+std::vector<SampleLimits> Samples() {
+  return {{"gentle",
+           50,
+           5e3,
+           {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10},
+           {1e-2, 1e-4, 1e-6}},
+          {"mixed", 20'000, 1e300, {1e-2, 1e-3, 1e-4}, {1e-2}}};
 }
 
 struct Case {
@@ -81,38 +68,22 @@ struct Case {
   std::vector<FeatureVector> truth;
 };
 
-struct Work {
-  double seconds = 0;
+absl::StatusOr<WorkPoint> Measure(const std::vector<Case>& cases,
+                                  const SimulateOptions& options) {
+  WorkPoint point;
   std::vector<double> errors;
-
-  double Worst() const {
-    return *std::max_element(errors.begin(), errors.end());
-  }
-  double Median() const {
-    std::vector<double> sorted = errors;
-    std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2,
-                     sorted.end());
-    return sorted[sorted.size() / 2];
-  }
-};
-
-absl::StatusOr<std::vector<FeatureVector>> Truth(const TrialSpec& spec) {
-  TACTUS_ASSIGN_OR_RETURN(const Trajectory run,
-                          IntegrateReference(SceneOf(spec), kSignalRateHz));
-  return ReadSignals(spec.object, run).samples;
-}
-
-absl::StatusOr<Work> Measure(const std::vector<Case>& cases,
-                             const SimulateOptions& options) {
-  Work work;
   for (const Case& each : cases) {
     const double start = ThreadSeconds();
     TACTUS_ASSIGN_OR_RETURN(const SimulatedContact contact,
                             SimulateContact(each.spec, options));
-    work.seconds += ThreadSeconds() - start;
-    work.errors.push_back(FeatureError(contact.signals.samples, each.truth));
+    point.seconds += ThreadSeconds() - start;
+    errors.push_back(FeatureError(contact.signals.samples, each.truth));
   }
-  return work;
+  std::sort(errors.begin(), errors.end());
+  point.seconds /= cases.size();
+  point.median_error = errors[errors.size() / 2];
+  point.worst_error = errors.back();
+  return point;
 }
 
 SimulateOptions Cvode(double tolerance) {
@@ -125,30 +96,9 @@ SimulateOptions Cvode(double tolerance) {
   options.cvode.velocity_tolerance *= share;
   options.cvode.position_tolerance *= share;
   options.cvode.max_steps = 1'000'000'000;
+  // What ringing order 2 cannot let fade, it resolves slowly.
+  if (tolerance < 1e-5) options.cvode.ringing_order = 5;
   return options;
-}
-
-// A scene far from the paper's that the reference can resolve.
-TrialSpec RandomSpec(Random& random) {
-  TrialSpec spec;
-  while (true) {
-    const auto log_uniform = [&](double low, double high) {
-      return low * std::exp(random.Uniform() * std::log(high / low));
-    };
-    Material material;
-    material.name = "random";
-    material.youngs_modulus = log_uniform(1e3, 2e11);
-    material.density = log_uniform(10, 1e4);
-    material.poisson_ratio = random.Uniform(0, 0.5);
-    material.wood.mu_static = random.Uniform(0.11, 0.95);
-    material.wood.mu_kinetic = material.wood.mu_static * random.Uniform(0.3, 1);
-    spec.object = {material, log_uniform(0.005, 0.3), Surface::kWood};
-    spec.robot = {log_uniform(50, 5000), log_uniform(0.002, 0.1),
-                  log_uniform(0.002, 0.05)};
-    spec.fixed = random.Index(4) == 0;
-    const double rate = std::sqrt(spec.object.Stiffness() / spec.object.Mass());
-    if (rate < 2e4) return spec;
-  }
 }
 
 SimulateOptions Exact(double skip_tolerance) {
@@ -157,171 +107,107 @@ SimulateOptions Exact(double skip_tolerance) {
   return options;
 }
 
-// Of a thread that compares scenes with the reference: the worst errors and
-// where they were, apart for scenes with and without skipped bounces.
-class Worst {
- public:
-  absl::Status Take(const SimulatedContact& contact,
-                    const std::vector<FeatureVector>& truth) {
-    ++compared_;
-    const bool skipped = contact.skipped_bounces > 0;
-    const double error = FeatureError(contact.signals.samples, truth);
-    const ContactScene scene = SceneOf(contact.spec);
-    const std::string where = absl::StrFormat(
-        "%s of %.3g kg and %.3g N/m, friction %.3g and %.3g, at %g N/m, %g m/s "
-        "to %g m: %d events",
-        contact.Metadata().object, scene.object_mass_kg, scene.object_stiffness,
-        scene.mu_static, scene.mu_kinetic, scene.actuator_stiffness,
-        scene.velocity_m_s, scene.goal_m, contact.events.Total());
-    if (error > error_[skipped]) {
-      error_[skipped] = error;
-      where_[skipped] = where;
-    }
-    const double bound = skipped ? kSkippedBound : kSolvedBound;
-    if (error <= bound) return absl::OkStatus();
-    return NumericalFailure(
-        absl::StrFormat("the exact method is off by %.2g, more than %g, for %s",
-                        error, bound, where));
-  }
+bool Within(const SampleLimits& limits, const SimulatedContact& contact) {
+  const ContactModes modes(SceneOf(contact.spec));
+  return contact.events.Total() <= limits.events &&
+         std::max(modes.stuck.fastest(), modes.fast.fastest()) <=
+             limits.ringing;
+}
 
-  double error() const { return std::max(error_[0], error_[1]); }
+// The whole set as it is used: filtered, with noise. Lists its trials.
+absl::StatusOr<double> SetSeconds(std::vector<TrialSpec>& trials) {
+  const double start = ThreadSeconds();
+  TACTUS_RETURN_IF_ERROR(ForEachContact(
+      TrialSpecs(PaperConditions()), {}, [&](const SimulatedContact& contact) {
+        const Trial trial = SignalTrial(contact, SignalNoise(), 1);
+        trials.push_back(contact.spec);
+        return trial.signals.empty() ? NumericalFailure("no signals")
+                                     : absl::OkStatus();
+      }));
+  return ThreadSeconds() - start;
+}
 
-  void Print(const char* what) const {
-    std::fprintf(stderr, "%s: %d compared\n", what, compared_);
-    for (int skipped = 0; skipped < 2; ++skipped) {
-      if (where_[skipped].empty()) continue;
-      std::fprintf(stderr, "  worst %s %.2g: %s\n",
-                   skipped ? "with skipped bounces" : "of the others",
-                   error_[skipped], where_[skipped].c_str());
-    }
-  }
-
- private:
-  int compared_ = 0;
-  std::array<double, 2> error_ = {};
-  std::array<std::string, 2> where_;
-};
-
-// Compares `count` scenes with the reference, within `deadline` seconds of
-// processor time.
-absl::Status CompareAll(const char* what, int count, double deadline,
-                        absl::FunctionRef<TrialSpec(int)> spec_of, Worst& worst,
-                        double& seconds) {
-  for (int i = 0; i < count; ++i) {
-    if (ThreadSeconds() > deadline) {
-      std::fprintf(stderr, "%s: out of time after %d of %d\n", what, i, count);
-      break;
-    }
-    const TrialSpec spec = spec_of(i);
-    const double start = ThreadSeconds();
+absl::Status MeasureSample(const SampleLimits& limits,
+                           const std::vector<TrialSpec>& trials, bool quick,
+                           SimReport& report) {
+  std::vector<Case> sample;
+  WorstErrors worst;
+  for (size_t i = 0; i < trials.size(); i += quick ? kQuickStride : kStride) {
     TACTUS_ASSIGN_OR_RETURN(const SimulatedContact contact,
-                            SimulateContact(spec));
-    seconds += ThreadSeconds() - start;
-    TACTUS_ASSIGN_OR_RETURN(const auto truth, Truth(spec));
-    TACTUS_RETURN_IF_ERROR(worst.Take(contact, truth));
-    if (i % 100 == 99) {
-      std::fprintf(stderr, "%s: %d of %d, worst error %.2g\n", what, i + 1,
-                   count, worst.error());
-    }
+                            SimulateContact(trials[i]));
+    if (!Within(limits, contact)) continue;
+    TACTUS_ASSIGN_OR_RETURN(auto truth, ReferenceFeatures(contact.spec));
+    worst.Take(contact, truth);
+    sample.push_back({contact.spec, std::move(truth)});
   }
-  worst.Print(what);
+  worst.Print(absl::StrFormat("%s sample", limits.name).c_str());
+  TACTUS_RETURN_IF_ERROR(worst.Check());
+
+  std::vector<double> skips = {0, 1e-6, 1e-3, 1e-1};
+  if (quick) skips = {0, 1e-3};
+  WorkPoint exact;  // at the default
+  for (double tolerance : skips) {
+    TACTUS_ASSIGN_OR_RETURN(WorkPoint point, Measure(sample, Exact(tolerance)));
+    point.sample = limits.name;
+    point.method = "exact";
+    point.tolerance = tolerance;
+    report.points.push_back(point);
+    if (tolerance == ExactOptions().skip_tolerance) exact = point;
+  }
+  report.rows.push_back({.name = absl::StrFormat("sim/%s/exact", limits.name),
+                         .unit = "s",
+                         .ours = exact.seconds,
+                         .error = exact.worst_error,
+                         .error_reference = kReference});
+  for (double tolerance : quick ? limits.quick : limits.tolerances) {
+    TACTUS_ASSIGN_OR_RETURN(WorkPoint point, Measure(sample, Cvode(tolerance)));
+    point.sample = limits.name;
+    point.method = "CVODE";
+    point.tolerance = tolerance;
+    report.points.push_back(point);
+    report.rows.push_back(
+        {.name = absl::StrFormat("sim/%s/CVODE-%g", limits.name, tolerance),
+         .unit = "s",
+         .ours = exact.seconds,
+         .peer = point.seconds,
+         .peer_name =
+             absl::StrFormat("CVODE at relative tolerance %g, error %.2g",
+                             tolerance, point.worst_error),
+         .error = exact.worst_error,
+         .error_reference = kReference});
+  }
   return absl::OkStatus();
 }
 
 absl::StatusOr<SimReport> MeasureSim(const SimBenchOptions& options) {
   SimReport report;
-
-  // The whole set as it is used: filtered, with noise.
   std::vector<TrialSpec> trials;
-  double whole = 0;
-  {
-    const double start = ThreadSeconds();
-    TACTUS_RETURN_IF_ERROR(ForEachContact(
-        TrialSpecs(PaperConditions()), {},
-        [&](const SimulatedContact& contact) {
-          const Trial trial = SignalTrial(contact, SignalNoise(), 1);
-          trials.push_back(contact.spec);
-          return trial.signals.empty() ? NumericalFailure("no signals")
-                                       : absl::OkStatus();
-        }));
-    whole = ThreadSeconds() - start;
+  TACTUS_ASSIGN_OR_RETURN(const double seconds, SetSeconds(trials));
+  report.rows.push_back(
+      {.name = "sim/paper-set", .unit = "s", .ours = seconds});
+  for (const SampleLimits& limits : Samples()) {
+    TACTUS_RETURN_IF_ERROR(
+        MeasureSample(limits, trials, options.quick, report));
   }
+  if (!options.all) return report;
 
-  // The sample, and the truth of it.
-  std::vector<Case> sample;
-  Worst worst;
-  const size_t stride = options.quick ? kQuickStride : kStride;
-  for (size_t i = 0; i < trials.size(); i += stride) {
-    TACTUS_ASSIGN_OR_RETURN(const SimulatedContact contact,
-                            SimulateContact(trials[i]));
-    if (contact.events.Total() > kSampleEvents) continue;
-    TACTUS_ASSIGN_OR_RETURN(auto truth, Truth(contact.spec));
-    TACTUS_RETURN_IF_ERROR(worst.Take(contact, truth));
-    sample.push_back({contact.spec, std::move(truth)});
-  }
-  worst.Print("sample of the paper's set");
-
-  std::vector<double> skips = {0, 1e-6, 1e-3, 1e-1};
-  if (options.quick) skips = {0, 1e-3};
-  WorkPoint exact;  // at the default
-  for (double tolerance : skips) {
-    TACTUS_ASSIGN_OR_RETURN(const Work work, Measure(sample, Exact(tolerance)));
-    report.points.push_back(
-        {"exact", tolerance, work.seconds, work.Median(), work.Worst()});
-    if (tolerance == ExactOptions().skip_tolerance) {
-      exact = report.points.back();
-    }
-  }
-  std::vector<double> tolerances = {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8};
-  if (options.quick) tolerances = {1e-2, 1e-4};
-  for (double tolerance : tolerances) {
-    TACTUS_ASSIGN_OR_RETURN(const Work work, Measure(sample, Cvode(tolerance)));
-    report.points.push_back(
-        {"CVODE", tolerance, work.seconds, work.Median(), work.Worst()});
-  }
-
-  if (options.all) {
-    double seconds = 0;
-    TACTUS_RETURN_IF_ERROR(CompareAll(
-        "paper's set", trials.size(), ThreadSeconds() + options.budget / 2,
-        // Mixed, so that what the time allows is a fair sample.
-        [&](int i) { return trials[i * 997 % trials.size()]; }, worst,
-        seconds));
-    Random random(1);
-    Worst worst_random;
-    seconds = 0;
-    TACTUS_RETURN_IF_ERROR(CompareAll(
-        "random scenes", options.random_scenes,
-        ThreadSeconds() + options.budget / 2,
-        [&](int) { return RandomSpec(random); }, worst_random, seconds));
-    report.rows.push_back({.name = "sim/random-scenes",
-                           .unit = "s",
-                           .ours = seconds,
-                           .error = worst_random.error(),
-                           .error_reference = kReference});
-  }
-  report.rows.insert(report.rows.begin(), {.name = "sim/paper-set",
-                                           .unit = "s",
-                                           .ours = whole,
-                                           .error = worst.error(),
-                                           .error_reference = kReference});
-  for (const WorkPoint& point : report.points) {
-    BenchRow row = {
-        .name = absl::StrFormat("sim/%s-%g", point.method, point.tolerance),
-        .unit = "s",
-        .ours = point.seconds,
-        .error = point.worst_error,
-        .error_reference = kReference};
-    if (point.method == "CVODE") {
-      row.ours = exact.seconds;
-      row.peer = point.seconds;
-      row.peer_name =
-          absl::StrFormat("CVODE at relative tolerance %g, error %.2g",
-                          point.tolerance, point.worst_error);
-      row.error = exact.worst_error;
-    }
-    report.rows.push_back(row);
-  }
+  TACTUS_ASSIGN_OR_RETURN(
+      const Comparison set,
+      CompareScenes("paper's set", trials.size(), options.budget,
+                    // Mixed, so that what the time allows is a fair sample.
+                    [&](int i) { return trials[i * 997 % trials.size()]; }));
+  Random random(1);
+  TACTUS_ASSIGN_OR_RETURN(
+      const Comparison scenes,
+      CompareScenes("random scenes", options.random_scenes, options.budget,
+                    [&](int) { return RandomSpec(random); }));
+  report.rows.front().error = set.worst.error();
+  report.rows.front().error_reference = kReference;
+  report.rows.push_back({.name = "sim/random-scenes",
+                         .unit = "s",
+                         .ours = scenes.seconds,
+                         .error = scenes.worst.error(),
+                         .error_reference = kReference});
   return report;
 }
 
@@ -342,7 +228,7 @@ class SimBenchmark : public Benchmark {
         ->capture_default_str();
     command
         .add_option("--budget", options_.budget,
-                    "Processor time of the comparisons of --all, s")
+                    "Processor time of each comparison of --all, s")
         ->capture_default_str();
     command.add_option("--table", table_, "Write the table as CSV");
     command.add_option("--figure", figure_, "Draw work and precision as PNG");

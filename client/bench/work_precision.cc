@@ -19,11 +19,12 @@ Series& SeriesOf(const std::string& name, LinePlot& plot) {
 }  // namespace
 
 std::string WorkTable(const std::vector<WorkPoint>& points) {
-  std::string table = "method,tolerance,seconds,median_error,worst_error\n";
+  std::string table =
+      "sample,method,tolerance,seconds,median_error,worst_error\n";
   for (const WorkPoint& point : points) {
-    absl::StrAppendFormat(&table, "%s,%g,%.6g,%.3g,%.3g\n", point.method,
-                          point.tolerance, point.seconds, point.median_error,
-                          point.worst_error);
+    absl::StrAppendFormat(&table, "%s,%s,%g,%.3g,%.3g,%.3g\n", point.sample,
+                          point.method, point.tolerance, point.seconds,
+                          point.median_error, point.worst_error);
   }
   return table;
 }
@@ -31,17 +32,20 @@ std::string WorkTable(const std::vector<WorkPoint>& points) {
 LinePlot WorkFigure(const std::vector<WorkPoint>& points) {
   LinePlot plot;
   plot.title = "Work and precision of the contact simulator";
-  plot.x = {.title = "processor time of the sample (s)",
+  plot.x = {.title = "processor time of one contact (ms)",
             .scale = AxisScale::kLog};
-  plot.y = {.title = "error / peak of the feature", .scale = AxisScale::kLog};
+  plot.y = {.title = "error / peak of the feature",
+            .scale = AxisScale::kLog,
+            .low = 1e-14,
+            .high = 10};
   for (const WorkPoint& point : points) {
-    Series& worst = SeriesOf(absl::StrCat(point.method, ", worst"), plot);
-    worst.x.push_back(point.seconds);
+    const std::string name = absl::StrCat(point.method, ", ", point.sample);
+    Series& worst = SeriesOf(absl::StrCat(name, ", worst"), plot);
+    worst.x.push_back(1e3 * point.seconds);
     worst.y.push_back(point.worst_error);
-  }
-  for (const WorkPoint& point : points) {
-    Series& median = SeriesOf(absl::StrCat(point.method, ", median"), plot);
-    median.x.push_back(point.seconds);
+    if (point.sample != points.front().sample) continue;
+    Series& median = SeriesOf(absl::StrCat(name, ", median"), plot);
+    median.x.push_back(1e3 * point.seconds);
     median.y.push_back(point.median_error);
   }
   return plot;

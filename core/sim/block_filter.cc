@@ -48,6 +48,21 @@ BlockFilter::BlockFilter() {
       power *= place;
     }
   }
+  // From so long ago that powers of a ramp are forgotten too.
+  for (int block = -2 * kForgetful; block <= 0; ++block) {
+    Inputs ramp;
+    for (int j = 0; j < kFilterBlock; ++j) ramp[j] = block * kFilterBlock + j;
+    steady_constant_ = Advance(steady_constant_, constant_);
+    steady_ramp_ = Step(steady_ramp_, ramp);
+    Inputs power;
+    power.fill(1);
+    for (Column& column : steady_powers_) {
+      column = Step(column, power);
+      for (int j = 0; j < kFilterBlock; ++j) {
+        power[j] *= (2 * ramp[j] - (kFilterBlock - 1)) / kFilterBlock;
+      }
+    }
+  }
 }
 
 BlockFilter::Column BlockFilter::Drive(const Inputs& inputs) const {

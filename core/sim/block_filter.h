@@ -23,6 +23,9 @@ inline constexpr double kAntiAliasHz = 200;
 // Rate at which a simulated contact enters the filter; a block is one frame.
 inline constexpr double kSignalRateHz = 2000;
 inline constexpr int kFilterBlock = 20;
+// Blocks after which less than 1e-16 is left of what was in the filter: its
+// slowest mode fades by 25 in one.
+inline constexpr int kForgetful = 12;
 // Powers of a ramp that a block takes in closed form.
 inline constexpr int kRampPowers = 8;
 
@@ -44,6 +47,12 @@ class BlockFilter {
   // The n-th power of a ramp from -0.95 to 0.95.
   const Column& ramp_power(int n) const { return ramp_powers_[n]; }
 
+  // The state after a block of inputs that have always been such: what was in
+  // the filter before is forgotten after kForgetful blocks.
+  const Column& steady_constant() const { return steady_constant_; }
+  const Column& steady_ramp() const { return steady_ramp_; }
+  const Column& steady_power(int n) const { return steady_powers_[n]; }
+
   // The state after a block that adds `drive`.
   Column Advance(const Column& state, const Column& drive) const;
   Column Step(const Column& state, const Inputs& inputs) const {
@@ -58,6 +67,9 @@ class BlockFilter {
   Column constant_ = {};
   Column ramp_ = {};
   std::array<Column, kRampPowers> ramp_powers_ = {};
+  Column steady_constant_ = {};
+  Column steady_ramp_ = {};
+  std::array<Column, kRampPowers> steady_powers_ = {};
 };
 
 // to += factor * column.

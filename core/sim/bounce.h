@@ -56,6 +56,12 @@ class BounceTrain {
   // span; 0 or less if it is not certainly a simple one.
   double Fly(BounceMoment& moment) const;
   double Press(BounceMoment& moment);
+  // The same by so many terms of the slow motion's series, the flight from a
+  // guess of its span.
+  template <int kTerms>
+  double FlyBy(BounceMoment& moment, double span) const;
+  template <int kTerms>
+  double PressBy(BounceMoment& moment);
   // Turns the remembered angle of the ringing.
   void Turn(double angle);
 
@@ -72,7 +78,9 @@ class BounceTrain {
   double frequency_;
   double period_;  // 1 / frequency
   double decay_;
-  double slowest_span_;  // longest piece the Taylor series may span, s
+  // Longest pieces that few and many terms of the series may span, s.
+  double short_span_;
+  double long_span_;
   // Of the last contact: angle of the ringing at its end, cosine and sine,
   // and by how much it differed from the one before.
   double angle_ = 0;

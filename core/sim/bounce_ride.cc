@@ -137,9 +137,14 @@ void Rider::HandPiece(const BounceMoment& start, double span) {
     sink_.Take(Piece(start), span);
     return;
   }
-  for (double time; (time = sink_.NextSample()) <= start.time + span;) {
-    const double inside = time - start.time;
-    HandSample(time, Piece(start).At(inside), start.touching ? inside : 0);
+  const double end = start.time + span;
+  double time = sink_.NextSample();
+  if (time <= end) {
+    const ContactPiece piece = Piece(start);
+    for (; time <= end; time = sink_.NextSample()) {
+      const double inside = time - start.time;
+      HandSample(time, piece.At(inside), start.touching ? inside : 0);
+    }
   }
   if (start.touching) contact_ += span;
 }

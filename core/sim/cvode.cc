@@ -19,12 +19,8 @@ namespace tactus {
 namespace {
 
 constexpr int kMaxOrder = 5;
-// BDF above order 2 is not stable on the imaginary axis, where the contact of
-// a stiff or light object rings, hardly damped: its steps would stay a small
-// part of the ring's period to the end. Order 2 lets the ringing fade. So
-// contacts that ring faster than this (rad/s, beyond what a 100 Hz skin
-// behind a 200 Hz filter can tell) are integrated with order 2.
-constexpr int kStableOrder = 2;
+// Contacts that ring faster than this (rad/s, beyond what a 100 Hz skin behind
+// a 200 Hz filter can tell) are integrated with SolverOptions::ringing_order.
 constexpr double kRingingRate = 1000;
 
 struct ContextDelete {
@@ -187,7 +183,7 @@ absl::Status Run::Restart() {
   const bool touching = Touching(equations_.phase);
   int directions[] = {touching ? -1 : 1, Sliding(equations_.phase) ? -1 : 1};
   CVodeSetRootDirection(cvode_.get(), directions);
-  CVodeSetMaxOrd(cvode_.get(), Rings() ? kStableOrder : kMaxOrder);
+  CVodeSetMaxOrd(cvode_.get(), Rings() ? options_.ringing_order : kMaxOrder);
   return absl::OkStatus();
 }
 
@@ -242,6 +238,7 @@ absl::StatusOr<bool> Run::Advance(double until) {
     const int flag = CVode(cvode_.get(), until, y_.get(), &time_, CV_ONE_STEP);
     if (flag < 0) return Failure("step", flag);
     TACTUS_RETURN_IF_ERROR(Sample(time_));
+    AddImpulse(time_, state());
     if (++trajectory_.steps > options_.max_steps) {
       return TooMany("solver steps", options_.max_steps);
     }
@@ -323,6 +320,8 @@ absl::Status Validate(const SolverOptions& options) {
       {"solver.force_tolerance", options.force_tolerance, 1e-12, 1},
       {"solver.velocity_tolerance", options.velocity_tolerance, 1e-15, 1},
       {"solver.position_tolerance", options.position_tolerance, 1e-15, 1},
+      {"solver.ringing_order", static_cast<double>(options.ringing_order), 1,
+       kMaxOrder},
       {"solver.sample_rate_hz", options.sample_rate_hz, 500,
        limits::kMaxTrajectoryRateHz},
   };

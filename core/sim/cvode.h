@@ -26,6 +26,10 @@ struct SolverOptions {
   double force_tolerance = 1e-5;     // N, of the contact force
   double velocity_tolerance = 1e-7;  // m/s
   double position_tolerance = 1e-9;  // m, of the object
+  // Highest order, 1 to 5, in contacts that ring faster than a 100 Hz skin can
+  // tell. BDF above order 2 is not stable on the imaginary axis: order 2 lets
+  // the ringing fade, 5 resolves it, in small steps to the end.
+  int ringing_order = 2;
   // Of the trajectory; whole samples at 100 Hz, so a multiple of that.
   double sample_rate_hz = 2000;
   // A run that needs more is an error, not a stall.

@@ -1,7 +1,9 @@
 #include "core/sim/damped_pair.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 
 namespace tactus {
 namespace {
@@ -9,6 +11,14 @@ namespace {
 // Terms of the power series that reach double precision at Short() times.
 constexpr int kTerms = 14;
 constexpr double kNegligible = 1e-18;
+// Longer than any contact, s.
+constexpr double kForever = 1e9;
+
+constexpr std::array<double, kTerms + 2> kInverse = [] {
+  std::array<double, kTerms + 2> inverse = {};
+  for (size_t n = 1; n < inverse.size(); ++n) inverse[n] = 1.0 / n;
+  return inverse;
+}();
 
 }  // namespace
 
@@ -21,6 +31,12 @@ DampedPair::DampedPair(double damping, double stiffness)
   split_ = square < 0 ? std::sqrt(-square) : 0;
   fastest_ = square < 0 ? decay_ + split_ : root;
   slowest_ = stiffness / fastest_;
+  // The sine over its frequency is at most the time, so that its envelope
+  // peaks at 1 / e / the slower decay.
+  const double slower = split_ > 0 ? slowest_ : decay_;
+  reach_ = slower > 0 ? 1 / (std::numbers::e * slower) : kForever;
+  if (frequency_ > 0) reach_ = std::min(reach_, 1 / frequency_);
+  if (split_ > 0) reach_ = std::min(reach_, 0.5 / split_);
 }
 
 DampedPair::Basis DampedPair::At(double t) const {
@@ -43,7 +59,7 @@ PairState DampedPair::Change(const PairState& start, double t) const {
     double value = start.value;
     double rate = start.rate;
     for (int n = 1; n <= kTerms; ++n) {
-      const double step = t / n;
+      const double step = kInverse[n] * t;
       const double next = -(damping_ * rate + stiffness_ * value) * step;
       value = rate * step;
       rate = next;
@@ -69,7 +85,7 @@ double DampedPair::Integral(const PairState& start, double t) const {
     double value = start.value * t;
     double rate = start.rate * t;
     for (int n = 1; n <= kTerms; ++n) {
-      const double step = t / (n + 1);
+      const double step = kInverse[n + 1] * t;
       const double next = -(damping_ * rate + stiffness_ * value) * step;
       value = rate * step;
       rate = next;
@@ -92,12 +108,10 @@ double DampedPair::Integral(const PairState& start, double t) const {
 double DampedPair::Bound(const PairState& start, double span) const {
   const double value = std::abs(start.value);
   const double mixed = std::abs(start.rate + decay_ * start.value);
-  if (split_ > 0) return value + mixed * std::min(span, 0.5 / split_);
-  if (frequency_ * span > 1) {
-    const double sine = mixed / frequency_;
-    return std::sqrt(value * value + sine * sine);
-  }
-  return value + mixed * span;
+  const double sum = value + mixed * std::min(span, reach_);
+  if (frequency_ * span <= 1) return sum;
+  const double sine = mixed / frequency_;
+  return std::min(sum, std::sqrt(value * value + sine * sine));
 }
 
 }  // namespace tactus

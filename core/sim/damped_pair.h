@@ -45,6 +45,8 @@ class DampedPair {
   double stiffness() const { return stiffness_; }
   // The larger magnitude of the two roots, 1/s.
   double fastest() const { return fastest_; }
+  // The faster of its decays, 1/s.
+  double FastestDecay() const { return decay_ + split_; }
 
  private:
   // exp(-damping t / 2) times the cosine and the sine over its frequency.
@@ -62,6 +64,7 @@ class DampedPair {
   double split_;      // half the distance of two real roots; 0 if complex
   double slowest_;    // the smaller real root, if real
   double fastest_;
+  double reach_;  // the most the sine over its frequency gets to, s
 };
 
 }  // namespace tactus

@@ -40,6 +40,8 @@ double FrictionChange(const ContactScene& scene, const ContactPiece& piece,
       return FirstCrossing(margin, horizon);
     }
     case ContactPhase::kSliding:
+      // The contact only pushes: friction alone stops the object no sooner.
+      if (piece.start().speed > scene.mu_kinetic * kGravity * horizon) break;
       return FirstCrossing(piece.ObjectSpeed(), horizon);
     case ContactPhase::kCoasting:
       return piece.start().speed / (scene.mu_kinetic * kGravity);
@@ -52,10 +54,10 @@ double FrictionChange(const ContactScene& scene, const ContactPiece& piece,
 PieceEnd FindEnd(const ContactScene& scene, const ContactPiece& piece,
                  double horizon) {
   PieceEnd end = {horizon, Ending::kHorizon};
-  const double friction = FrictionChange(scene, piece, end.time);
-  if (friction <= end.time) end = {friction, Ending::kFriction};
   const double contact = ContactChange(piece, end.time);
   if (contact < end.time) end = {contact, Ending::kContact};
+  const double friction = FrictionChange(scene, piece, end.time);
+  if (friction <= end.time) end = {friction, Ending::kFriction};
   return end;
 }
 

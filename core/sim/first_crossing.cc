@@ -6,16 +6,72 @@
 namespace tactus {
 namespace {
 
-constexpr int kDerivatives = 4;
+// Of a derivative's terms: what rounding may make of it.
+constexpr double kRounding = 4e-16;
 
-// The function seen from one point: its state there and its derivatives.
+// By powers of time.
+using Quartic = std::array<double, 5>;
+
+// A time up to which `c`, positive at once, is certainly positive; about that
+// of its first root, at least, if one is near `scale`.
+double PositiveSpan(Quartic c, double scale) {
+  int first = 0;
+  while (c[first] == 0) ++first;
+  if (first < 3 && c[first + 1] < 0 && c[first + 2] > 0) {
+    // A dip that a parabola proves harmless.
+    const double low =
+        c[first] - c[first + 1] * c[first + 1] / (4 * c[first + 2]);
+    if (low > 0) {
+      c[first] = low;
+      c[first + 1] = 0;
+      c[first + 2] = 0;
+    }
+  }
+  // Behind the first negative term no positive ones: what is left has one root.
+  bool negative = false;
+  for (int n = first + 1; n <= 4; ++n) {
+    if (negative) c[n] = std::min(c[n], 0.0);
+    negative = negative || c[n] < 0;
+  }
+  if (!negative) return 1e300;
+  double low = 0;
+  double high = 1e300;
+  double t = scale;
+  for (int step = 0; step < 60 && low < 0.9 * high; ++step) {
+    double value = 0;
+    double slope = 0;
+    for (int n = 4; n >= first; --n) {
+      slope = slope * t + value;
+      value = value * t + c[n];
+    }
+    (value > 0 ? low : high) = t;
+    double next = slope < 0 ? t - value / slope : 4 * t;
+    // A little short of the root is as good, and certain.
+    if (next > 0.97 * t && next < high) next *= 0.97;
+    if (!(next > low && next < high)) {
+      next = high < 1e300 ? low + (high - low) / 2 : 4 * t;
+    }
+    t = next;
+  }
+  return low;
+}
+
+// The function seen from one point: its state there, its derivatives and a
+// bound on the fourth from there on.
 class Scan {
  public:
-  explicit Scan(const ModalFunction& f) : f_(&f), states_(f.states) {
-    value_ = f.start;
-  }
+  explicit Scan(const ModalFunction& f)
+      : f_(&f), states_(f.states), value_(f.start) {}
 
   double value() const { return value_; }
+
+  double Slope() const {
+    double slope = f_->slope + f_->curvature * time_;
+    for (int i = 0; i < 2; ++i) {
+      if (f_->pairs[i] != nullptr) slope += states_[i].rate;
+    }
+    return slope;
+  }
 
   double Fastest() const {
     double rate = 0;
@@ -25,49 +81,65 @@ class Scan {
     return rate;
   }
 
-  // Derivatives 1 to 4 at this point, each pair's share of them, and bounds
-  // on those shares over the next `span` seconds.
+  // Finds the derivatives, and the bound for the next `span` seconds.
   void Differentiate(double span) {
-    derivative_.fill(0);
-    derivative_[1] = f_->slope + f_->curvature * time_;
-    derivative_[2] = f_->curvature;
-    size_ = derivative_;
-    for (double& size : size_) size = std::abs(size);
+    derivative_ = {value_, f_->slope + f_->curvature * time_, f_->curvature, 0};
+    size_ = {0, std::abs(derivative_[1]), std::abs(derivative_[2]), 0};
+    fourth_ = 0;
     for (int i = 0; i < 2; ++i) {
-      bound_[i].fill(0);
       if (f_->pairs[i] == nullptr) continue;
       PairState state = states_[i];
-      for (int n = 1; n <= kDerivatives; ++n) {
+      for (int n = 1; n <= 3; ++n) {
         state = f_->pairs[i]->Derivative(state);
         derivative_[n] += state.value;
         size_[n] += std::abs(state.value);
-        bound_[i][n] = f_->pairs[i]->Bound(state, span);
       }
+      fourth_ += f_->pairs[i]->Bound(f_->pairs[i]->Derivative(state), span);
     }
   }
 
-  // True if the Taylor series at this point proves the function positive
-  // within `span`: some derivative outlasts the bound on the next, and none
-  // before it is negative beyond rounding.
-  bool TaylorPositive(double span) const {
-    for (int n = 0; n < kDerivatives; ++n) {
-      const double here = n == 0 ? value_ : derivative_[n];
-      const double next =
-          bound_[0][n + 1] + bound_[1][n + 1] +
-          (n == 0 ? std::abs(f_->slope + f_->curvature * time_) +
-                        std::abs(f_->curvature) * span
-                  : (n == 1 ? std::abs(f_->curvature) : 0));
-      if (here > 0 && here >= span * next / (n + 1)) return true;
-      if (here < -4e-16 * (n == 0 ? 0 : size_[n])) return false;
+  // The rest need Differentiate() first.
+
+  // True if the function is at zero, or beyond, and falls.
+  bool Crosses() const {
+    for (int n = 0; n < 4; ++n) {
+      if (derivative_[n] > kRounding * size_[n]) return false;
+      if (n > 0 && derivative_[n] < -kRounding * size_[n]) return true;
     }
     return false;
   }
 
-  // True if the function certainly falls within the whole of `span`.
-  bool Falls(double span) const {
-    return derivative_[1] +
-               span * (bound_[0][2] + bound_[1][2] + std::abs(f_->curvature)) <
-           0;
+  // A time within which the function is certainly positive.
+  double SafeSpan(double scale) const {
+    Quartic c = {derivative_[0], derivative_[1], derivative_[2] / 2,
+                 derivative_[3] / 6, -fourth_ / 24};
+    for (int n = 0; n < 4; ++n) {
+      if (c[n] > kRounding * size_[n]) return PositiveSpan(c, scale);
+      c[n] = 0;
+    }
+    return fourth_ > 0 ? 0 : 1e300;
+  }
+
+  // A time by which the function certainly falls through zero, throughout; 0
+  // if there is none.
+  double FallingSpan() const {
+    if (!(derivative_[1] < 0)) return 0;
+    const double span = -1.5 * value_ / derivative_[1];
+    const double bend = std::abs(derivative_[2]) +
+                        span * (std::abs(derivative_[3]) + span / 2 * fourth_);
+    return bend * span * span < value_ && bend * span < -derivative_[1] ? span
+                                                                        : 0;
+  }
+
+  // False if envelopes do not even prove the function positive here.
+  bool Clear(double span) const {
+    double rest = value_;
+    for (int i = 1; i >= 0; --i) {
+      if (f_->pairs[i] == nullptr) continue;
+      rest -= states_[i].value + f_->pairs[i]->Bound(states_[i], span);
+      if (rest > 0) return true;
+    }
+    return rest > 0;
   }
 
   // True if chord and curvature, or envelopes, prove the function positive
@@ -75,14 +147,12 @@ class Scan {
   bool ChordPositive(const Scan& end, double span) const {
     const double eighth = span * span / 8;
     const double bend = std::max(0.0, f_->curvature);
-    const double low = std::min(value_, end.value_);
-    if (low > eighth * (bend + bound_[0][2] + bound_[1][2])) return true;
     // The fast pair by its envelope, the rest by chord and curvature.
     const double fast =
         f_->pairs[1] == nullptr ? 0 : f_->pairs[1]->Bound(states_[1], span);
     const double rest =
         std::min(value_ - states_[1].value, end.value_ - end.states_[1].value);
-    if (rest - fast > eighth * (bend + bound_[0][2])) return true;
+    if (rest - fast > eighth * (bend + SlowBend(span))) return true;
     const double slow =
         f_->pairs[0] == nullptr ? 0 : f_->pairs[0]->Bound(states_[0], span);
     const double polynomial =
@@ -106,46 +176,30 @@ class Scan {
     return later;
   }
 
-  double Slope() const {
-    double slope = f_->slope + f_->curvature * time_;
-    for (int i = 0; i < 2; ++i) {
-      if (f_->pairs[i] != nullptr) slope += states_[i].rate;
-    }
-    return slope;
+ private:
+  double SlowBend(double span) const {
+    if (f_->pairs[0] == nullptr) return 0;
+    const DampedPair& pair = *f_->pairs[0];
+    return pair.Bound(pair.Derivative(pair.Derivative(states_[0])), span);
   }
 
- private:
   const ModalFunction* f_;
   std::array<PairState, 2> states_;
   double time_ = 0;
   double value_;
-  std::array<double, kDerivatives + 1> derivative_ = {};
-  std::array<double, kDerivatives + 1> size_ = {};
-  std::array<std::array<double, kDerivatives + 1>, 2> bound_ = {};
+  std::array<double, 4> derivative_ = {};
+  std::array<double, 4> size_ = {};
+  double fourth_ = 0;
 };
 
-// The zero of a falling function between `begin`, where it is not negative,
-// and `span` later, where it is not positive: Newton's method, kept inside
-// the bracket.
-double Refine(const Scan& begin, double span) {
-  double low = 0;
-  double high = span;
-  Scan point = begin;
-  double t = 0;
-  for (int step = 0; step < 100; ++step) {
-    const double slope = point.Slope();
-    double next = slope < 0 ? t - point.value() / slope : high;
-    if (!(next > low && next < high)) next = low + (high - low) / 2;
-    if (next <= low || next >= high || std::abs(next - t) <= 2e-16 * next) {
-      return next;
-    }
-    t = next;
-    point = begin.After(t);
-    if (point.value() > 0) {
-      low = t;
-    } else {
-      high = t;
-    }
+// The zero of a function that falls through it within `span`: Newton's method.
+double FallsAt(const Scan& begin, double span) {
+  double t = span / 1.5;
+  for (int step = 0; step < 8; ++step) {
+    const Scan point = begin.After(t);
+    const double correction = point.value() / point.Slope();
+    t = std::clamp(t - correction, 0.0, span);
+    if (std::abs(correction) < 1e-8 * span) break;
   }
   return t;
 }
@@ -165,33 +219,39 @@ ModalFunction ModalFunction::Negated() const {
 
 double FirstCrossing(const ModalFunction& f, double horizon) {
   constexpr double kGrowth = 16;
-  constexpr double kShrink = 4;
   Scan here(f);
   const double fastest = here.Fastest();
-  const double first_step = fastest > 0 ? 0.5 / fastest : horizon;
+  const double scale = fastest > 0 ? 2 / fastest : horizon;
   // Below this, a dip is rounding.
-  const double smallest = 1e-9 * first_step;
+  const double smallest = 1e-9 * scale;
   double time = 0;
-  double step = first_step;
+  double leap = kGrowth * scale;
   while (time < horizon) {
-    const double span = std::min(step, horizon - time);
-    here.Differentiate(span);
-    const Scan end = here.After(span);
-    const bool positive = here.TaylorPositive(span) ||
-                          (end.value() > 0 && here.ChordPositive(end, span));
-    if (positive) {
-      here = end;
-      time += span;
-      step = span * kGrowth;
-    } else if (end.value() <= 0 && (here.Falls(span) || span < smallest)) {
-      return time + Refine(here, span);
-    } else if (span < smallest) {
-      here = end;
-      time += span;
-      step = span * kGrowth;
-    } else {
-      step = span / kShrink;
+    const double left = horizon - time;
+    here.Differentiate(left);
+    if (here.value() <= 0 && here.Crosses()) return time;
+    const double falling = here.FallingSpan();
+    if (falling > 0) {
+      const double crossing = time + FallsAt(here, falling);
+      return crossing <= horizon ? crossing : horizon + 1;
     }
+    const double safe = here.SafeSpan(scale);
+    if (safe >= left) break;
+    if (leap > safe && here.Clear(left)) {
+      const double span = std::min(leap, left);
+      const Scan end = here.After(span);
+      if (end.value() > 0 && here.ChordPositive(end, span)) {
+        here = end;
+        time += span;
+        leap *= kGrowth;
+        continue;
+      }
+      leap /= kGrowth;
+    }
+    const double span = std::min(std::max(safe, smallest), left);
+    here = here.After(span);
+    time += span;
+    leap = std::max(leap, 2 * span);
   }
   return horizon + 1;
 }

@@ -7,15 +7,17 @@ namespace tactus {
 namespace {
 
 constexpr double kInterval = 1 / kSignalRateHz;
+constexpr double kFrame = 1 / kSkinRateHz;
 // Boundaries may lie a rounding beyond the piece that ends there, s.
 constexpr double kSlack = 1e-12;
 // Longer than any contact, s.
 constexpr double kForever = 1e3;
 // Of the signal: what pairs that have faded may still add to it.
 constexpr double kFaded = 1e-14;
-// Frames after which no more is left of what was in the filter: its slowest
-// mode fades by 25 in one.
-constexpr int kFilterFrames = 10;
+// A pair that fades by less than e to this in a frame was not much larger
+// before, beside what the filter has forgotten of it.
+constexpr double kSteadyFading = 1;
+constexpr int kSteadyFrames = 18;
 // Of the area: what the square of the pairs' share of the strain may add.
 constexpr double kLinear = 1e-12;
 // Share by which the thickness may change in half a frame, for its powers
@@ -24,6 +26,13 @@ constexpr double kSlowRamp = 0.01;
 
 double Dot(const std::array<double, 2>& row, const PairState& state) {
   return row[0] * state.value + row[1] * state.rate;
+}
+
+void AddPair(const PairState& state,
+             const std::array<BlockFilter::Column, 2>& columns,
+             BlockFilter::Column& to) {
+  Add(state.value, columns[0], to);
+  Add(state.rate, columns[1], to);
 }
 
 }  // namespace
@@ -126,16 +135,45 @@ void PieceSignals::FillTable(const ContactPiece& piece, PhaseTable& table) {
       pair.frame[0][from] = state.value;
       pair.frame[1][from] = state.rate;
       pair.force[from] = forces;
-      pair.force_drive[from] = filter_.Drive(forces);
-      pair.motion_drive[from] = filter_.Drive(motions);
+      pair.drive.force[from] = filter_.Drive(forces);
+      pair.drive.motion[from] = filter_.Drive(motions);
+    }
+    FillSteady(*pairs[i], table.pairs[i], table.steady);
+  }
+}
+
+// What frames ago a pair put into the filter, in terms of its state now.
+void PieceSignals::FillSteady(const DampedPair& pair, PairTable& table,
+                              bool& steady) const {
+  steady = steady && pair.FastestDecay() * kFrame < kSteadyFading;
+  if (!steady) return;
+  const auto& f = table.frame;
+  const double determinant = f[0][0] * f[1][1] - f[0][1] * f[1][0];
+  const std::array<std::array<double, 2>, 2> back = {
+      {{f[1][1] / determinant, -f[0][1] / determinant},
+       {-f[1][0] / determinant, f[0][0] / determinant}}};
+  for (int from = 0; from < 2; ++from) {
+    std::array<PairState, kSteadyFrames> states;
+    PairState state = {from == 0 ? 1.0 : 0.0, from == 0 ? 0.0 : 1.0};
+    for (PairState& earlier : states) {
+      earlier = state;
+      state = {Dot(back[0], state), Dot(back[1], state)};
+    }
+    BlockFilter::Column& force = table.steady.force[from];
+    BlockFilter::Column& motion = table.steady.motion[from];
+    for (int n = kSteadyFrames - 1; n >= 0; --n) {
+      force = filter_.Advance(force, {});
+      motion = filter_.Advance(motion, {});
+      AddPair(states[n], table.drive.force, force);
+      AddPair(states[n], table.drive.motion, motion);
     }
   }
 }
 
-BlockFilter::Column PieceSignals::AreaDrive(
-    const PieceForm& force, const FrameStart& start, const PhaseTable& table,
-    const BlockFilter::Column& pair_drive) {
-  constexpr double kFrame = kFilterBlock * kInterval;
+void PieceSignals::TakeArea(const PieceForm& force, const FrameStart& start,
+                            const PhaseTable& table,
+                            const BlockFilter::Column& pair_column,
+                            bool steady) {
   double bound = 0;
   for (int i = 0; i < start.used; ++i) {
     const DampedPair& pair = *start.pairs[i];
@@ -154,15 +192,17 @@ BlockFilter::Column PieceSignals::AreaDrive(
   const double varies = std::abs(ramp) + pairs;
   if (middle * (1 - varies) > 1 - kMaxStrain && std::abs(ramp) < kSlowRamp &&
       pairs * varies < kLinear) {
-    BlockFilter::Column drive = {};
+    BlockFilter::Column column = {};
     const double scale = full_area_ * std::pow(middle, -exponent);
     double term = scale;
     for (int n = 0; n < kRampPowers && std::abs(term) > 1e-17 * scale; ++n) {
-      Add(term, filter_.ramp_power(n), drive);
+      Add(term, steady ? filter_.steady_power(n) : filter_.ramp_power(n),
+          column);
       term *= ramp * (exponent + n) / (n + 1);
     }
-    Add(scale * exponent * strain_per_newton_ / middle, pair_drive, drive);
-    return drive;
+    Add(scale * exponent * strain_per_newton_ / middle, pair_column, column);
+    area_state_ = steady ? column : filter_.Advance(area_state_, column);
+    return;
   }
   BlockFilter::Inputs forces;
   for (int j = 0; j < kFilterBlock; ++j) {
@@ -175,7 +215,7 @@ BlockFilter::Column PieceSignals::AreaDrive(
       forces[j] += state.value * rows[0][j] + state.rate * rows[1][j];
     }
   }
-  return filter_.Drive(Areas(forces));
+  area_state_ = filter_.Step(area_state_, Areas(forces));
 }
 
 void PieceSignals::TakeFrames(const ContactPiece& piece, double end) {
@@ -191,12 +231,13 @@ void PieceSignals::TakeFrames(const ContactPiece& piece, double end) {
   for (int i = 0; i < start.used; ++i) {
     start.states[i] = start.pairs[i]->After(start.states[i], time);
   }
+  int taken = 0;
   // Frames since the input of the filter stopped changing.
   int settled = 0;
   bool last_clamped = false;
   while (closed_ + kFilterBlock <= intervals_ &&
          Boundary(closed_ + kFilterBlock) <= end) {
-    if (settled > kFilterFrames) {
+    if (settled >= kForgetful) {
       signals_.samples.push_back(signals_.samples.back());
       signals_.object_motion.push_back(signals_.object_motion.back());
       signals_.clamped += last_clamped;
@@ -205,27 +246,35 @@ void PieceSignals::TakeFrames(const ContactPiece& piece, double end) {
     }
     time = Boundary(closed_) - piece.begin();
     start.force = force.constant + force.slope * (time + kInterval / 2);
-    BlockFilter::Column force_drive = {};
-    BlockFilter::Column motion_drive = {};
-    Add(motion.constant + motion.slope * (time + kInterval), filter_.constant(),
-        motion_drive);
-    Add(motion.slope * kInterval, filter_.ramp(), motion_drive);
+    // The filter knows nothing but this piece.
+    const bool steady = table.steady && taken >= kForgetful;
+    BlockFilter::Column force_column = {};
+    BlockFilter::Column motion_column = {};
     for (int i = 0; i < start.used; ++i) {
       const PairTable& pair = table.pairs[i];
-      const PairState& state = start.states[i];
-      if (touching) {
-        Add(state.value, pair.force_drive[0], force_drive);
-        Add(state.rate, pair.force_drive[1], force_drive);
-      }
-      Add(state.value, pair.motion_drive[0], motion_drive);
-      Add(state.rate, pair.motion_drive[1], motion_drive);
+      const PairColumns& columns = steady ? pair.steady : pair.drive;
+      if (touching) AddPair(start.states[i], columns.force, force_column);
+      AddPair(start.states[i], columns.motion, motion_column);
     }
-    BlockFilter::Column area_drive = {};
     if (with_area_ && touching) {
-      area_drive = AreaDrive(force, start, table, force_drive);
+      TakeArea(force, start, table, force_column, steady);
+    } else if (with_area_) {
+      area_state_ = filter_.Advance(area_state_, {});
     }
-    Add(start.force, filter_.constant(), force_drive);
-    Add(force.slope * kInterval, filter_.ramp(), force_drive);
+    const BlockFilter::Column& constant =
+        steady ? filter_.steady_constant() : filter_.constant();
+    const BlockFilter::Column& ramp =
+        steady ? filter_.steady_ramp() : filter_.ramp();
+    Add(start.force, constant, force_column);
+    Add(force.slope * kInterval, ramp, force_column);
+    Add(motion.constant + motion.slope * (time + kInterval), constant,
+        motion_column);
+    Add(motion.slope * kInterval, ramp, motion_column);
+    force_state_ =
+        steady ? force_column : filter_.Advance(force_state_, force_column);
+    motion_state_ =
+        steady ? motion_column : filter_.Advance(motion_state_, motion_column);
+    ++taken;
     last_clamped = clamped_;
 
     for (int i = 0; i < start.used; ++i) {
@@ -234,16 +283,16 @@ void PieceSignals::TakeFrames(const ContactPiece& piece, double end) {
                          Dot(frame[1], start.states[i])};
     }
     closed_ += kFilterBlock;
-    const bool constant = Settled(force, start) && Settled(motion, start) &&
-                          !Sliding(piece.phase());
-    settled = constant ? settled + 1 : 0;
+    const bool rests = Settled(force, start) && Settled(motion, start) &&
+                       !Sliding(piece.phase());
+    settled = rests ? settled + 1 : 0;
     time = Boundary(closed_) - piece.begin();
     const double position = piece.phase() == ContactPhase::kCoasting
                                 ? piece.At(time).position
                                 : object.constant + object.slope * time +
                                       object.value[0] * start.states[0].value +
                                       object.value[1] * start.states[1].value;
-    CloseFrame(force_drive, area_drive, motion_drive, position);
+    CloseFrame(position);
   }
 }
 
@@ -257,18 +306,14 @@ void PieceSignals::CloseInterval(double impulse, double contact, double arm,
   contact_ = 0;
   ++closed_;
   if (j == kFilterBlock - 1) {
-    CloseFrame(filter_.Drive(force_), filter_.Drive(area_),
-               filter_.Drive(motion_), object);
+    force_state_ = filter_.Step(force_state_, force_);
+    if (with_area_) area_state_ = filter_.Step(area_state_, area_);
+    motion_state_ = filter_.Step(motion_state_, motion_);
+    CloseFrame(object);
   }
 }
 
-void PieceSignals::CloseFrame(const BlockFilter::Column& force_drive,
-                              const BlockFilter::Column& area_drive,
-                              const BlockFilter::Column& motion_drive,
-                              double object) {
-  force_state_ = filter_.Advance(force_state_, force_drive);
-  if (with_area_) area_state_ = filter_.Advance(area_state_, area_drive);
-  motion_state_ = filter_.Advance(motion_state_, motion_drive);
+void PieceSignals::CloseFrame(double object) {
   signals_.samples.push_back({BlockFilter::Output(force_state_),
                               BlockFilter::Output(area_state_),
                               BlockFilter::Output(motion_state_)});

@@ -44,18 +44,26 @@ class PieceSignals : public PieceSink {
  private:
   static constexpr double kNever = 1e300;  // s
 
+  // What force and motion put into the filter in a frame, by the state of a
+  // pair before: [from].
+  struct PairColumns {
+    std::array<BlockFilter::Column, 2> force = {};
+    std::array<BlockFilter::Column, 2> motion = {};
+  };
   // How the pairs of one phase pass through a frame.
   struct PairTable {
     // State after a frame, by its state before: [of][from].
     std::array<std::array<double, 2>, 2> frame;
-    // Force of each interval, and what force and motion add to the filter, by
-    // the state before: [from].
+    // Force of each interval, by the state before: [from].
     std::array<BlockFilter::Inputs, 2> force;
-    std::array<BlockFilter::Column, 2> force_drive;
-    std::array<BlockFilter::Column, 2> motion_drive;
+    PairColumns drive;
+    // The filter's states themselves, once it has forgotten all else.
+    PairColumns steady;
   };
   struct PhaseTable {
     bool ready = false;
+    // False if a pair fades too fast for a steady state.
+    bool steady = true;
     std::array<PairTable, 2> pairs;
   };
 
@@ -74,17 +82,17 @@ class PieceSignals : public PieceSink {
   void TakeFrames(const ContactPiece& piece, double end);
   // True if `form` is as good as constant from here on.
   static bool Settled(const PieceForm& form, const FrameStart& start);
-  // What a frame in contact throughout adds to the area's filter, given what
-  // its pairs add to the force's.
-  BlockFilter::Column AreaDrive(const PieceForm& force, const FrameStart& start,
-                                const PhaseTable& table,
-                                const BlockFilter::Column& pair_drive);
+  void FillSteady(const DampedPair& pair, PairTable& table, bool& steady) const;
+  // Takes a frame in contact throughout into the area's filter, given what its
+  // pairs add to the force's or, once steady, what they are in it.
+  void TakeArea(const PieceForm& force, const FrameStart& start,
+                const PhaseTable& table, const BlockFilter::Column& pairs,
+                bool steady);
   // Closes the current interval with its impulse (N s), the time in contact
   // (s) and where arm and object are at its end.
   void CloseInterval(double impulse, double contact, double arm, double object);
-  void CloseFrame(const BlockFilter::Column& force_drive,
-                  const BlockFilter::Column& area_drive,
-                  const BlockFilter::Column& motion_drive, double object);
+  // Takes the filters' outputs.
+  void CloseFrame(double object);
   double Area(double share, double force);
   // Areas under `forces`, in contact throughout.
   BlockFilter::Inputs Areas(const BlockFilter::Inputs& forces);

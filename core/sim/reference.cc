@@ -14,7 +14,7 @@ namespace {
 using Real = long double;
 
 // Share of the fastest motion's time scale in one step.
-constexpr Real kStepShare = 0.2L;
+constexpr Real kStepShare = 0.7L;
 constexpr Real kMaxSteps = 1e9L;
 
 // Deformation, its rate, object position and speed, integral of the
@@ -60,11 +60,16 @@ Matrix Equations(const ContactScene& s, const Mode& mode) {
   return a;
 }
 
+// a x, without the entries that Equations() leaves zero.
 Vector Times(const Matrix& a, const Vector& x) {
   Vector y = {};
-  for (int i = 0; i < kSize; ++i) {
-    for (int j = 0; j < kSize; ++j) y[i] += a[i][j] * x[j];
-  }
+  y[0] = a[0][1] * x[1];
+  y[1] = a[1][0] * x[0] + a[1][1] * x[1] + a[1][2] * x[2] + a[1][3] * x[3] +
+         a[1][5] * x[5] + a[1][6] * x[6];
+  y[2] = a[2][3] * x[3];
+  y[3] = a[3][0] * x[0] + a[3][5] * x[5];
+  y[4] = a[4][0] * x[0];
+  y[6] = a[6][5] * x[5];
   return y;
 }
 

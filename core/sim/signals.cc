@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/gaussian.h"
 #include "core/sim/butterworth.h"
 
 namespace tactus {
@@ -13,15 +14,20 @@ double UnclampedStrain(const Cube& cube, double force) {
   return force / cube.Stiffness() / cube.edge_m;
 }
 
-double Variance(const std::vector<FeatureVector>& samples, int feature) {
-  double mean = 0;
-  for (const FeatureVector& sample : samples) mean += sample[feature];
-  mean /= samples.size();
-  double sum = 0;
+FeatureVector Variances(const std::vector<FeatureVector>& samples) {
+  FeatureVector means = {};
   for (const FeatureVector& sample : samples) {
-    sum += (sample[feature] - mean) * (sample[feature] - mean);
+    for (int f = 0; f < kFeatureCount; ++f) means[f] += sample[f];
   }
-  return sum / samples.size();
+  for (double& mean : means) mean /= samples.size();
+  FeatureVector sums = {};
+  for (const FeatureVector& sample : samples) {
+    for (int f = 0; f < kFeatureCount; ++f) {
+      sums[f] += (sample[f] - means[f]) * (sample[f] - means[f]);
+    }
+  }
+  for (double& sum : sums) sum /= samples.size();
+  return sums;
 }
 
 }  // namespace
@@ -72,13 +78,15 @@ IdealSignals ReadSignals(const Cube& cube, const Trajectory& trajectory,
 void AddNoise(const SignalNoise& noise, Random& random,
               std::vector<FeatureVector>& samples) {
   const FeatureVector shares = {noise.force, noise.area, noise.motion};
-  FeatureVector deviations;
+  FeatureVector deviations = Variances(samples);
   for (int f = 0; f < kFeatureCount; ++f) {
-    deviations[f] = std::sqrt(shares[f] * Variance(samples, f));
+    deviations[f] = std::sqrt(shares[f] * deviations[f]);
   }
-  for (FeatureVector& sample : samples) {
+  std::vector<double> deviates(kFeatureCount * samples.size());
+  FillGaussian(random, deviates);
+  for (size_t i = 0; i < samples.size(); ++i) {
     for (int f = 0; f < kFeatureCount; ++f) {
-      sample[f] += deviations[f] * random.Gaussian();
+      samples[i][f] += deviations[f] * deviates[kFeatureCount * i + f];
     }
   }
 }
