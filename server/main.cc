@@ -91,6 +91,7 @@ absl::Status Serve(const Flags& flags, StopSignals& signals) {
   const StreamGate& gate = server->gate();
   spdlog::info("stopped after {} streams, {} refused, {} frames", gate.opened(),
                gate.refused(), gate.frames());
+  spdlog::info("skipped {}", server->skipped().ToString());
   return absl::OkStatus();
 }
 

@@ -56,6 +56,7 @@ class TactusServer {
   const std::vector<int>& ports() const { return ports_; }
   std::shared_ptr<grpc::Channel> InProcessChannel();
   const StreamGate& gate() const { return contacts_.gate(); }
+  const SkipTotals& skipped() const { return contacts_.skipped(); }
 
  private:
   TactusServer(const ModelSource* models, const Options& options);

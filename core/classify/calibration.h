@@ -19,6 +19,8 @@ struct CalibrationPoint {
   double lstm_weight = 0;
   double evidence_mean = 0;
   double evidence_deviation = 1;
+
+  bool operator==(const CalibrationPoint&) const = default;
 };
 
 // Linear in log(frames) between entries, held outside. The calibration must

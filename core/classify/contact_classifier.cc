@@ -4,23 +4,42 @@
 #include <cmath>
 
 #include "core/base/limits.h"
-#include "core/classify/calibration.h"
-#include "core/classify/feature_input.h"
 
 namespace tactus {
+namespace {
+
+ContactClassifier::Options FillIn(ContactClassifier::Options options,
+                                  const Calibration& calibration) {
+  if (options.decision_threshold <= 0) {
+    options.decision_threshold = calibration.decision_threshold;
+  }
+  if (options.decision_frames == 0) {
+    options.decision_frames = calibration.decision_frames;
+  }
+  return options;
+}
+
+CueNeeds NeedsOf(const FeatureSpec& spec,
+                 const ContactClassifier::Options& options,
+                 const SkipRules& skip) {
+  if (!skip[SkipRule::kUnusedCues]) return {};
+  return CuesNeeded(spec, !options.hmm_only || !skip[SkipRule::kUnaskedLstms]);
+}
+
+}  // namespace
 
 ContactClassifier::ContactClassifier(std::shared_ptr<const CompiledModel> model,
-                                     const Options& options)
+                                     const Options& options,
+                                     const SkipRules& skip)
     : model_(std::move(model)),
-      cues_(model_->model().features.sample_rate_hz),
+      options_(FillIn(options, model_->model().calibration)),
+      skip_(skip),
+      cue_needs_(NeedsOf(model_->model().features, options, skip)),
+      cues_(model_->model().features.sample_rate_hz, cue_needs_.groups),
       hmms_(model_->hmms(), model_->model().hmm_score) {
   const Model& m = model_->model();
   const Calibration& c = m.calibration;
-  decision_threshold_ = options.decision_threshold > 0
-                            ? options.decision_threshold
-                            : c.decision_threshold;
-  decision_frames_ =
-      options.decision_frames > 0 ? options.decision_frames : c.decision_frames;
+  skipped_[SkipRule::kUnusedCues] = CountUnused(cue_needs_);
   hmm_input_.resize(m.features.hmm.size());
   const size_t classes = m.class_names.size();
   log_likelihood_.resize(classes);
@@ -30,14 +49,24 @@ ContactClassifier::ContactClassifier(std::shared_ptr<const CompiledModel> model,
   std::transform(c.prior.begin(), c.prior.end(), log_prior_.begin(),
                  [](double p) { return std::log(p); });
   recent_best_.resize(kStabilityWindow);
-  for (const CompiledLstm& lstm : model_->lstms()) lstms_.emplace_back(lstm);
-  if (model_->estimator() != nullptr) estimator_.emplace(*model_->estimator());
-  if (!lstms_.empty()) {
-    lstm_input_.resize(m.features.lstm.size());
-    lstm_score_.resize(classes);
-    lstm_probability_.resize(classes);
-  }
+  MakeLstms();
   Reset();
+}
+
+void ContactClassifier::MakeLstms() {
+  const Model& m = model_->model();
+  if (m.lstms.empty()) return;
+  if (!options_.hmm_only) {
+    lstm_score_.resize(m.class_names.size());
+    lstm_probability_.resize(m.class_names.size());
+    if (model_->estimator() != nullptr) {
+      estimator_.emplace(*model_->estimator());
+    }
+  } else if (skip_[SkipRule::kUnaskedLstms]) {
+    return;
+  }
+  lstm_input_.resize(m.features.lstm.size());
+  for (const CompiledLstm& lstm : model_->lstms()) lstms_.emplace_back(lstm);
 }
 
 void ContactClassifier::Reset() {
@@ -50,10 +79,11 @@ void ContactClassifier::Reset() {
   std::fill(log_likelihood_.begin(), log_likelihood_.end(), 0.0);
   std::copy(prior.begin(), prior.end(), hmm_probability_.begin());
   std::copy(prior.begin(), prior.end(), probability_.begin());
-  if (!lstms_.empty()) {
+  if (!lstm_score_.empty()) {
     std::copy(prior.begin(), prior.end(), lstm_probability_.begin());
     std::fill(lstm_score_.begin(), lstm_score_.end(), 0.0);
   }
+  scores_changed_ = true;
   hmm_due_ = m.features.hmm_steps.first;
   lstm_due_ = m.features.lstm_steps.first;
   object_.reset();
@@ -73,7 +103,7 @@ void ContactClassifier::Step(const ContactSample& sample,
   ++scored_frames_;
   cues_.Step(sample, frames_);
   StepHmms(missing_before);
-  if (!lstms_.empty() && frames_ >= lstm_due_) StepLstms();
+  StepLstmsIfDue();
   UpdateProbabilities();
   UpdateDecision();
 }
@@ -92,15 +122,30 @@ void ContactClassifier::StepHmms(uint64_t missing_before) {
   MakeInput(spec.hmm, cues_, hmm_input_);
   hmm_due_ = spec.hmm_steps.Next(frames_);
   ++hmm_steps_;
+  scores_changed_ = true;
   hmms_.Step(hmm_input_);
   hmms_.LogLikelihood(log_likelihood_);
 }
 
+void ContactClassifier::StepLstmsIfDue() {
+  const Model& m = model_->model();
+  if (m.lstms.empty() || frames_ < lstm_due_) return;
+  lstm_due_ = m.features.lstm_steps.Next(frames_);
+  if (lstms_.empty()) {
+    ++skipped_[SkipRule::kUnaskedLstms];
+  } else if (options_.decisions_only && decision_ &&
+             skip_[SkipRule::kLstmsAfterDecision]) {
+    ++skipped_[SkipRule::kLstmsAfterDecision];
+  } else {
+    StepLstms();
+  }
+}
+
 void ContactClassifier::StepLstms() {
   const FeatureSpec& spec = model_->model().features;
+  scores_changed_ = true;
   MakeInput(spec.lstm, cues_, lstm_input_);
   for (LstmStepper& lstm : lstms_) lstm.Step(lstm_input_);
-  lstm_due_ = spec.lstm_steps.Next(frames_);
   const double share = 1 / static_cast<double>(lstms_.size());
   for (size_t k = 0; k < lstm_score_.size(); ++k) {
     double mean = 0;
@@ -126,9 +171,16 @@ void ContactClassifier::EstimateObject() {
 void ContactClassifier::UpdateProbabilities() {
   const CalibrationPoint point =
       CalibrationAt(model_->model().calibration, static_cast<double>(frames_));
+  if (!scores_changed_ && point == calibration_point_ &&
+      skip_[SkipRule::kUnchangedScores]) {
+    ++skipped_[SkipRule::kUnchangedScores];
+    return;
+  }
+  scores_changed_ = false;
+  calibration_point_ = point;
   TemperedPosterior(log_prior_, log_likelihood_, point.hmm_temperature,
                     hmm_probability_);
-  if (!lstms_.empty()) {
+  if (!lstm_score_.empty()) {
     TemperedPosterior(log_prior_, lstm_score_, point.lstm_temperature,
                       lstm_probability_);
     FusePosteriors(hmm_probability_, lstm_probability_, point.lstm_weight,
@@ -148,11 +200,11 @@ void ContactClassifier::UpdateDecision() {
   const int best_class = static_cast<int>(best - probability_.begin());
   recent_best_[(scored_frames_ - 1) % kStabilityWindow] = best_class;
   // The class that no model explains is not a decision for any other.
-  const bool above = *best >= decision_threshold_ && unknown_ < 0.5;
+  const bool above = *best >= options_.decision_threshold && unknown_ < 0.5;
   const bool same = best_class == best_class_ && frames_above_ > 0;
   frames_above_ = above ? (same ? frames_above_ + 1 : 1) : 0;
   best_class_ = best_class;
-  if (!decision_ && frames_above_ >= decision_frames_) {
+  if (!decision_ && frames_above_ >= options_.decision_frames) {
     decision_ = Decision{best_class, frames_};
   }
 }

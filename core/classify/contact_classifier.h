@@ -8,7 +8,7 @@
 //
 // Scores every category's HMMs by the incremental forward algorithm (or
 // Viterbi) on every frame and the LSTMs at their intervals; constant memory, no
-// allocation.
+// allocation. Leaves out what the rules of skip_rules.h allow.
 //
 // Holds a share of the model. Not thread-safe: one per stream.
 #pragma once
@@ -19,8 +19,11 @@
 #include <span>
 #include <vector>
 
+#include "core/classify/calibration.h"
 #include "core/classify/compiled_model.h"
+#include "core/classify/feature_input.h"
 #include "core/classify/object_estimate.h"
+#include "core/classify/skip_rules.h"
 #include "core/features/cues.h"
 
 namespace tactus {
@@ -38,10 +41,15 @@ class ContactClassifier {
     // Zero means the model's own.
     double decision_threshold = 0;
     uint32_t decision_frames = 0;
+    // Answer as if the model had no LSTMs.
+    bool hmm_only = false;
+    // Nobody looks at a contact's scores between its decision and its end: the
+    // LSTMs and the object estimate may rest from the decision on.
+    bool decisions_only = false;
   };
 
   ContactClassifier(std::shared_ptr<const CompiledModel> model,
-                    const Options& options);
+                    const Options& options, const SkipRules& skip = {});
 
   // Forgets the contact.
   void Reset();
@@ -61,12 +69,12 @@ class ContactClassifier {
   // log p(HMM inputs | class), one per class.
   std::span<const double> log_likelihood() const { return log_likelihood_; }
   // Log of the LSTMs' mean probability before calibration, one per class;
-  // empty without an LSTM.
+  // empty without an LSTM that was asked for.
   std::span<const double> lstm_score() const { return lstm_score_; }
   // Sum to 1 over the classes; the prior before the first frame.
   std::span<const double> probability() const { return probability_; }
   std::span<const double> hmm_probability() const { return hmm_probability_; }
-  // Empty without an LSTM.
+  // Empty without an LSTM that was asked for.
   std::span<const double> lstm_probability() const { return lstm_probability_; }
   // Of the object, as of the LSTMs' last step; nothing before their first, or
   // without an estimator.
@@ -76,24 +84,34 @@ class ContactClassifier {
   // Fraction of the last kStabilityWindow frames with the same best class.
   double stability() const;
   int best_class() const { return best_class_; }
+  // False if nothing looks at ContactSample::profile.
+  bool uses_profile() const { return cue_needs_.profile; }
+  // Of all contacts; never reset.
+  const SkipCounters& skipped() const { return skipped_; }
   // Reached once per contact, then kept.
   const std::optional<Decision>& decision() const { return decision_; }
 
   static constexpr int kStabilityWindow = 16;
 
  private:
+  void MakeLstms();
   void StepHmms(uint64_t missing_before);
+  // Takes what is due, or counts why not.
+  void StepLstmsIfDue();
   void StepLstms();
   void EstimateObject();
   void UpdateProbabilities();
   void UpdateDecision();
 
   std::shared_ptr<const CompiledModel> model_;
-  double decision_threshold_;
-  uint32_t decision_frames_;
+  Options options_;
+  SkipRules skip_;
+  SkipCounters skipped_;
+  CueNeeds cue_needs_;
 
   CueTracker cues_;
   BankFilter hmms_;
+  // Empty if they are never stepped.
   std::vector<LstmStepper> lstms_;
   std::optional<LstmStepper> estimator_;
 
@@ -106,6 +124,9 @@ class ContactClassifier {
   std::vector<double> lstm_score_;
   std::vector<double> lstm_probability_;
   std::vector<double> probability_;
+  // What the probabilities were made with, unless scores have changed since.
+  CalibrationPoint calibration_point_;
+  bool scores_changed_ = true;
   std::optional<ObjectEstimate> object_;
   double unknown_ = 0;
 

@@ -6,7 +6,6 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
-#include "core/classify/feature_input.h"
 
 namespace tactus {
 namespace {
@@ -58,9 +57,14 @@ absl::StatusOr<std::unique_ptr<ContactPipeline>> ContactPipeline::Create(
 ContactPipeline::ContactPipeline(const SkinLayout& layout,
                                  std::shared_ptr<const CompiledModel> model,
                                  const Options& options)
-    : tracker_(layout, {options.sample_rate_hz, options.release_after_s,
-                        UsesProfile(model->model().features)}),
-      classifier_(std::move(model), options.decision) {}
+    : classifier_(std::move(model), options.decision, options.skip),
+      tracker_(layout,
+               {.sample_rate_hz = options.sample_rate_hz,
+                .release_after_s = options.release_after_s,
+                .load_profile = classifier_.uses_profile(),
+                .skip_untouched = options.skip[SkipRule::kUntouchedFrames],
+                .reuse_unchanged = options.skip[SkipRule::kUnchangedFrames]}),
+      skip_(options.skip) {}
 
 const ContactReport& ContactPipeline::Step(const FrameView& frame) {
   report_.features = tracker_.Step(frame);
@@ -68,6 +72,7 @@ const ContactReport& ContactPipeline::Step(const FrameView& frame) {
   report_.onset = tracker_.onset();
   report_.released = tracker_.released();
   report_.decided = false;
+  CountSkipped();
   if (report_.onset) {
     ++report_.contact_id;
     classifier_.Reset();
@@ -84,6 +89,19 @@ const ContactReport& ContactPipeline::Step(const FrameView& frame) {
     report_.decided = !decided_before && classifier_.decision().has_value();
   }
   return report_;
+}
+
+void ContactPipeline::CountSkipped() {
+  skipped_[SkipRule::kUnchangedFrames] += tracker_.reused();
+  skipped_[SkipRule::kUntouchedFrames] +=
+      skip_[SkipRule::kUntouchedFrames] && !report_.features.touched &&
+      report_.state != ContactState::kInContact;
+}
+
+SkipCounters ContactPipeline::skipped() const {
+  SkipCounters all = skipped_;
+  all += classifier_.skipped();
+  return all;
 }
 
 void ContactPipeline::EndTrial() {

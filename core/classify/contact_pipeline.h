@@ -10,7 +10,8 @@
 //   }
 //   (*pipeline)->EndTrial();
 //
-// Step allocates nothing, locks nothing. Not thread-safe: one per stream.
+// What a frame does not need is skipped (skip_rules.h). Step allocates nothing,
+// locks nothing. Not thread-safe: one per stream.
 #pragma once
 
 #include <cstdint>
@@ -42,6 +43,7 @@ class ContactPipeline {
     // Seconds without touch that end a contact; negative: only EndTrial does.
     double release_after_s = 0.5;
     ContactClassifier::Options decision;
+    SkipRules skip;
   };
 
   // INVALID_CONFIG for a layout or rate out of range or a rate more than 5 %
@@ -56,6 +58,8 @@ class ContactPipeline {
   void EndTrial();
 
   const ContactReport& report() const { return report_; }
+  // What was left out so far, in all trials.
+  SkipCounters skipped() const;
   // Scores of the current contact; of the last one after its release.
   const ContactClassifier& classifier() const { return classifier_; }
 
@@ -63,10 +67,14 @@ class ContactPipeline {
   ContactPipeline(const SkinLayout& layout,
                   std::shared_ptr<const CompiledModel> model,
                   const Options& options);
+  void CountSkipped();
 
-  ContactTracker tracker_;
   ContactClassifier classifier_;
+  ContactTracker tracker_;
   ContactReport report_;
+  SkipRules skip_;
+  // Of the tracker.
+  SkipCounters skipped_;
 };
 
 }  // namespace tactus

@@ -76,11 +76,26 @@ std::vector<Feature> FeaturesUsed(const FeatureSpec& spec) {
 }
 
 bool UsesProfile(const FeatureSpec& spec) {
-  auto is_profile = [](const ModelInput& input) {
-    return IsProfileCue(input.cue);
+  return CuesNeeded(spec, /*with_lstms=*/true).profile;
+}
+
+CueNeeds CuesNeeded(const FeatureSpec& spec, bool with_lstms) {
+  CueNeeds needs = {.groups = 0, .profile = false};
+  auto add = [&needs](const ModelInput& input) {
+    needs.groups |= GroupOf(input.cue);
+    needs.profile |= IsProfileCue(input.cue);
   };
-  return std::any_of(spec.hmm.begin(), spec.hmm.end(), is_profile) ||
-         std::any_of(spec.lstm.begin(), spec.lstm.end(), is_profile);
+  std::ranges::for_each(spec.hmm, add);
+  if (with_lstms) std::ranges::for_each(spec.lstm, add);
+  return needs;
+}
+
+int CountUnused(const CueNeeds& needs) {
+  int count = needs.profile ? 0 : kProfileSize;
+  for (const Cue cue : DerivedCues()) {
+    count += (GroupOf(cue) & needs.groups) == 0;
+  }
+  return count;
 }
 
 absl::Status Validate(const FeatureSpec& spec, bool has_lstm) {

@@ -25,6 +25,16 @@ std::vector<Feature> FeaturesUsed(const FeatureSpec& spec);
 // True if an input is of the load profile: the model needs a skin.
 bool UsesProfile(const FeatureSpec& spec);
 
+// The cues that models look at, besides the raw features.
+struct CueNeeds {
+  CueGroups groups = kAllCueGroups;
+  bool profile = true;
+};
+CueNeeds CuesNeeded(const FeatureSpec& spec, bool with_lstms);
+
+// How many cues lie outside of them.
+int CountUnused(const CueNeeds& needs);
+
 // INVALID_MODEL naming what is wrong.
 absl::Status Validate(const FeatureSpec& spec, bool has_lstm);
 

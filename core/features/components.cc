@@ -23,12 +23,13 @@ float TaxelThreshold(double value) {
       std::clamp<double>(value, Limits::denorm_min(), Limits::max()));
 }
 
-Segmenter::Segmenter(const SkinLayout& layout)
+Segmenter::Segmenter(const SkinLayout& layout, bool skip_untouched)
     : rows_(layout.rows),
       columns_(layout.columns),
       wrap_(layout.wrap_columns),
       reach_(layout.connectivity == Connectivity::kEight ? 1 : 0),
       threshold_(TaxelThreshold(layout.contact_threshold)),
+      skip_untouched_(skip_untouched),
       valid_(TouchedWords(layout.taxels()), ~uint64_t{0}),
       touched_(valid_.size() + 1),
       selected_(valid_.size()),
@@ -44,10 +45,11 @@ int Segmenter::Segment(std::span<const float> taxels) {
   largest_ = Region();
   peak_ = 0;
   regions_ = 0;
-  if (!FindRows(taxels)) return 0;
+  const bool touched = FindRows(taxels);
+  if (!touched && skip_untouched_) return 0;
   TouchedSum sum = SumTouched(taxels, touched_);
   peak_ = sum.max_value;
-  if (LocateBlob()) {
+  if (touched && LocateBlob()) {
     regions_ = 1;
   } else {
     const int root = FindRegions(taxels);
@@ -55,7 +57,7 @@ int Segmenter::Segment(std::span<const float> taxels) {
       SelectRegion(root);
       sum = SumTouched(taxels, selected_);
     }
-    Locate(root);
+    if (regions_ > 0) Locate(root);
   }
   largest_.max_value = sum.max_value;
   largest_.total = sum.total;
@@ -63,7 +65,9 @@ int Segmenter::Segment(std::span<const float> taxels) {
 }
 
 bool Segmenter::FindRows(std::span<const float> taxels) {
-  if (!FindTouched(taxels, threshold_, touched_)) return false;
+  if (!FindTouched(taxels, threshold_, touched_) && skip_untouched_) {
+    return false;
+  }
   for (size_t i = 0; i < valid_.size(); ++i) touched_[i] &= valid_[i];
   const uint64_t all = BitRange(0, columns_);
   // Bit r is set if row r is touched.

@@ -45,8 +45,9 @@ float TaxelThreshold(double value);
 
 class Segmenter {
  public:
-  // `layout` must be valid.
-  explicit Segmenter(const SkinLayout& layout);
+  // `layout` must be valid. `skip_untouched`: a frame without a touched taxel
+  // costs a scan and no more; the results are the same.
+  explicit Segmenter(const SkinLayout& layout, bool skip_untouched = true);
 
   // Finds the regions of taxels >= contact_threshold that are not masked out
   // and returns how many there are. `taxels` holds rows x columns values,
@@ -84,7 +85,8 @@ class Segmenter {
     int taxels = 0;
   };
 
-  // Finds the touched taxels, row by row; false if there are none.
+  // Finds the touched taxels, row by row; false if there are none, and then
+  // leaves the rows alone if it may skip them.
   bool FindRows(std::span<const float> taxels);
   // Most contacts are one region with one run in each of its rows: tells if
   // this is one, and if so where it lies.
@@ -118,6 +120,7 @@ class Segmenter {
   // 8-connected, else 0.
   int reach_;
   float threshold_;
+  bool skip_untouched_;
   // One bit a taxel, row-major: whether it is valid; touched, and a word more;
   // of one region.
   std::vector<uint64_t> valid_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numbers>
 
@@ -42,9 +43,10 @@ bool Covers(const SkinLayout& layout, const Region& region,
 
 ContactTracker::ContactTracker(const SkinLayout& layout, const Options& options)
     : layout_(layout),
-      segmenter_(layout),
+      segmenter_(layout, options.skip_untouched),
       onset_threshold_(TaxelThreshold(layout.onset_threshold)),
       release_frames_(ReleaseFrames(options)),
+      measured_taxels_(options.reuse_unchanged ? layout.taxels() : 0),
       row_loads_(options.load_profile ? layout.rows : 0),
       column_loads_(options.load_profile ? layout.columns : 0) {}
 
@@ -52,14 +54,24 @@ void ContactTracker::Reset() {
   state_ = ContactState::kNoContact;
   onset_ = false;
   released_ = false;
+  reused_ = false;
+  measured_ = false;
   features_ = FrameFeatures();
+}
+
+bool ContactTracker::Unchanged(std::span<const float> taxels) const {
+  return measured_ && std::memcmp(taxels.data(), measured_taxels_.data(),
+                                  taxels.size_bytes()) == 0;
 }
 
 const FrameFeatures& ContactTracker::Step(const FrameView& frame) {
   onset_ = false;
   released_ = false;
-  features_.region_count = segmenter_.Segment(frame.taxels);
-  features_.touched = features_.region_count > 0;
+  reused_ = Unchanged(frame.taxels);
+  if (!reused_) {
+    features_.region_count = segmenter_.Segment(frame.taxels);
+    features_.touched = features_.region_count > 0;
+  }
   if (state_ == ContactState::kInContact) {
     if (Lost(frame)) {
       state_ = ContactState::kReleased;
@@ -68,11 +80,17 @@ const FrameFeatures& ContactTracker::Step(const FrameView& frame) {
   } else if (features_.touched && segmenter_.peak() >= onset_threshold_) {
     Begin(frame);
   }
-  if (state_ == ContactState::kInContact) {
-    Measure(frame);
-  } else {
+  measured_ = false;
+  if (state_ != ContactState::kInContact) {
     features_ = {.touched = features_.touched,
                  .region_count = features_.region_count};
+    return features_;
+  }
+  if (!reused_) Measure(frame);
+  features_.motion_m = Motion(frame.pose);
+  measured_ = features_.touched && !measured_taxels_.empty();
+  if (measured_ && !reused_) {
+    std::ranges::copy(frame.taxels, measured_taxels_.begin());
   }
   return features_;
 }
@@ -127,7 +145,6 @@ void ContactTracker::Measure(const FrameView& frame) {
     features_.area_m2 = 0;
     features_.profile = {};
   }
-  features_.motion_m = Motion(frame.pose);
 }
 
 double ContactTracker::Motion(const Pose* pose) {

@@ -17,6 +17,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "Eigen/Core"
@@ -84,6 +85,11 @@ class ContactTracker {
     double release_after_s = 0.5;
     // Without it, the load profile stays 0, for models that do not look at it.
     bool load_profile = true;
+    // What may be skipped; neither changes a bit. A frame without a touched
+    // taxel is not segmented; one whose taxels are those of the touched frame
+    // before keeps its features, but for the motion, which poses change.
+    bool skip_untouched = true;
+    bool reuse_unchanged = true;
   };
 
   // `layout` must be valid.
@@ -103,15 +109,19 @@ class ContactTracker {
   bool onset() const { return onset_; }
   // True on the frame at which a contact ended.
   bool released() const { return released_; }
+  // True if the frame's taxels were those of the frame before.
+  bool reused() const { return reused_; }
 
   // How the last frame was segmented.
   const Segmenter& segmenter() const { return segmenter_; }
 
  private:
   void Begin(const FrameView& frame);
+  // True if these are the taxels that features_ were read off.
+  bool Unchanged(std::span<const float> taxels) const;
   // Counts a loss of touch; true once it is too long.
   bool Lost(const FrameView& frame);
-  // Reads the features off the segmented frame.
+  // Reads the features off the segmented frame, all but the motion.
   void Measure(const FrameView& frame);
   double Motion(const Pose* pose);
 
@@ -124,7 +134,12 @@ class ContactTracker {
   ContactState state_ = ContactState::kNoContact;
   bool onset_ = false;
   bool released_ = false;
+  bool reused_ = false;
   FrameFeatures features_;
+  // The taxels of the last frame, if it was touched and of a contact; empty if
+  // frames are never compared.
+  std::vector<float> measured_taxels_;
+  bool measured_ = false;
   // Frames since the last touched one, up to release_frames_.
   uint64_t lost_frames_ = 0;
   // Of the current contact: where it began, on the skin, in the link's frame

@@ -155,8 +155,18 @@ void CueTracker::Moments::Step(const FeatureVector& x, double share) {
   force_area = keep * (force_area + share * change[kF] * change[kA]);
 }
 
-CueTracker::CueTracker(double sample_rate_hz)
+CueGroups GroupOf(Cue cue) {
+  if (!IsDerived(cue)) return 0;
+  if (cue < Cue::kLogSpring) return kLevelCues;
+  if (cue < Cue::kStiffnessShort) return kSpringCues;
+  if (cue < Cue::kStiffnessLong) return kShortWindowCues;
+  if (cue < Cue::kLogFirstArea) return kLongWindowCues;
+  return cue < Cue::kForceRoughness ? kLevelCues : kRoughnessCues;
+}
+
+CueTracker::CueTracker(double sample_rate_hz, CueGroups groups)
     : sample_rate_hz_(sample_rate_hz),
+      groups_(groups),
       smooth_window_(std::max(1.0, kSmooth * sample_rate_hz)),
       short_window_(std::max(1.0, kShort * sample_rate_hz)),
       long_window_(std::max(1.0, kLong * sample_rate_hz)),
@@ -174,27 +184,26 @@ void CueTracker::Step(const ContactSample& sample,
   FeatureVector x = {sample.net_force, sample.features[kA],
                      sample.features[kM]};
   for (double& value : x) value = std::clamp(value, -kLargest, kLargest);
-  const double smooth_share = Share(smooth_window_);
   for (int i = 0; i < kFeatureCount; ++i) {
     state_.values[i] = std::clamp(sample.features[i], -kLargest, kLargest);
-    state_.smooth[i].Step(x[i], smooth_share);
   }
   for (int i = 0; i < kProfileSize; ++i) {
     state_.values[kFirstProfileCue + i] =
         std::clamp(sample.profile[i], -kLargest, kLargest);
   }
   const double share = 1 / static_cast<double>(state_.frames);
-  state_.short_window.Step(x, Share(short_window_));
-  state_.long_window.Step(x, Share(long_window_));
-  state_.contact.Step(x, share);
-  StepLevels(smooth_share, state_.values[kF]);
-  StepSprings(x, share);
-  StepRoughness(x, share);
+  if (Has(kShortWindowCues)) state_.short_window.Step(x, Share(short_window_));
+  if (Has(kLongWindowCues)) state_.long_window.Step(x, Share(long_window_));
+  if (Has(kLevelCues)) StepLevels(x, state_.values[kF]);
+  if (Has(kSpringCues)) StepSprings(x, share);
+  if (Has(kRoughnessCues)) StepRoughness(x, share);
 }
 
-void CueTracker::StepLevels(double peak_share, double peak_force) {
+void CueTracker::StepLevels(const FeatureVector& x, double peak_force) {
   State& s = state_;
-  s.peak.Step(peak_force, peak_share);
+  const double share = Share(smooth_window_);
+  for (int i = 0; i < kFeatureCount; ++i) s.smooth[i].Step(x[i], share);
+  s.peak.Step(peak_force, share);
   const double area = s.smooth[kA].value;
   const bool settled = static_cast<double>(s.frames) > settled_frames_;
   s.first_area = settled ? std::min(s.first_area, area) : area;
@@ -203,6 +212,7 @@ void CueTracker::StepLevels(double peak_share, double peak_force) {
 
 void CueTracker::StepSprings(const FeatureVector& x, double share) {
   State& s = state_;
+  s.contact.Step(x, share);
   s.force_motion.Step(x[kF] * x[kM], share);
   s.motion_motion.Step(x[kM] * x[kM], share);
   s.force_force.Step(x[kF] * x[kF], share);
@@ -229,11 +239,15 @@ void CueTracker::StepRoughness(const FeatureVector& x, double share) {
 
 void CueTracker::Derive() {
   state_.derived = true;
-  DeriveLevels();
-  DeriveSprings();
-  DeriveWindow(state_.short_window, Cue::kStiffnessShort);
-  DeriveWindow(state_.long_window, Cue::kStiffnessLong);
-  DeriveRoughness();
+  if (Has(kLevelCues)) DeriveLevels();
+  if (Has(kSpringCues)) DeriveSprings();
+  if (Has(kShortWindowCues)) {
+    DeriveWindow(state_.short_window, Cue::kStiffnessShort);
+  }
+  if (Has(kLongWindowCues)) {
+    DeriveWindow(state_.long_window, Cue::kStiffnessLong);
+  }
+  if (Has(kRoughnessCues)) DeriveRoughness();
 }
 
 void CueTracker::DeriveLevels() {

@@ -12,8 +12,9 @@
 //   double cue = tracker.value(Cue::kLogSpring);
 //
 // Step keeps sums; the derived cues, some thirty logarithms, are computed when
-// one of them is first read. Constant memory; nothing allocates. Not
-// thread-safe: one per stream.
+// one of them is first read, and only those of the groups that the tracker was
+// asked for. Constant memory; nothing allocates. Not thread-safe: one per
+// stream.
 #pragma once
 
 #include <array>
@@ -120,10 +121,22 @@ std::vector<Cue> DerivedCues();
 // The load profile.
 std::vector<Cue> ProfileCues();
 
+// Derived cues are computed by groups; sets of groups are sums of these.
+using CueGroups = unsigned;
+inline constexpr CueGroups kLevelCues = 1;        // kLogPeak and others
+inline constexpr CueGroups kSpringCues = 2;       // kLogSpring to misfits
+inline constexpr CueGroups kShortWindowCues = 4;  // of the last 0.1 s
+inline constexpr CueGroups kLongWindowCues = 8;   // of the last 0.4 s
+inline constexpr CueGroups kRoughnessCues = 16;
+inline constexpr CueGroups kAllCueGroups = 31;
+
+// The group of a derived cue; none for others.
+CueGroups GroupOf(Cue cue);
+
 class CueTracker {
  public:
-  // `sample_rate_hz` > 0.
-  explicit CueTracker(double sample_rate_hz);
+  // `sample_rate_hz` > 0. Cues of other groups than `groups` stay 0.
+  explicit CueTracker(double sample_rate_hz, CueGroups groups = kAllCueGroups);
 
   // Forgets the contact.
   void Reset() { state_ = {}; }
@@ -183,9 +196,10 @@ class CueTracker {
   void Set(Cue cue, double value) {
     state_.values[static_cast<int>(cue)] = value;
   }
-  void StepLevels(double peak_share, double peak_force);
+  void StepLevels(const FeatureVector& x, double peak_force);
   void StepSprings(const FeatureVector& x, double share);
   void StepRoughness(const FeatureVector& x, double share);
+  bool Has(CueGroups group) const { return (groups_ & group) != 0; }
   // Computes the derived cues from the sums.
   void Derive();
   void DeriveLevels();
@@ -195,6 +209,7 @@ class CueTracker {
   void DeriveRoughness();
 
   double sample_rate_hz_;
+  CueGroups groups_;
   // In samples, at least 1.
   double smooth_window_;
   double short_window_;

@@ -69,6 +69,7 @@ void ContactService::OnStreamDone(ContactStream* stream) {
   const uint64_t frames = stream->frames();
   spdlog::debug("stream ended after {} frames, {} left", frames,
                 gate_.live() - 1);
+  skipped_.Add(stream->skipped());
   const std::lock_guard lock(mutex_);
   streams_.erase(stream->shared_from_this());
   gate_.Leave(frames);

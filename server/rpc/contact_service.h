@@ -13,6 +13,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "server/ops/skip_totals.h"
 #include "server/ops/stream_gate.h"
 #include "server/rpc/contact_stream.h"
 #include "tactus/v1/contact.grpc.pb.h"
@@ -52,6 +53,8 @@ class ContactService : public ContactServiceBase {
   bool WaitUntilEmpty(std::chrono::milliseconds timeout);
 
   const StreamGate& gate() const { return gate_; }
+  // Of the streams that have ended.
+  const SkipTotals& skipped() const { return skipped_; }
 
  private:
   std::vector<std::shared_ptr<ContactStream>> Streams();
@@ -60,6 +63,7 @@ class ContactService : public ContactServiceBase {
   const ModelSource* models_;
   const Options options_;
   StreamGate gate_;
+  SkipTotals skipped_;
   std::atomic<uint64_t> next_stream_ = 1;
 
   std::mutex mutex_;

@@ -45,6 +45,7 @@ class ContactStream : public BytesReactor,
   void End(const absl::Status& status);
 
   uint64_t frames() const { return session_.frames(); }
+  SkipCounters skipped() const { return session_.skipped(); }
 
   void OnReadDone(bool ok) override;
   void OnWriteDone(bool ok) override;

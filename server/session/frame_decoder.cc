@@ -31,6 +31,17 @@ uint16_t SparseIndex(const v1::SparseFrames& sparse, size_t entry) {
   return Load<uint16_t>(sparse.indices().data() + 2 * entry);
 }
 
+bool IsGood(float value) {
+  // Written so that NaN is not.
+  return value >= 0 && value <= limits::kMaxTaxelValue;
+}
+
+absl::Status BadValue(uint64_t sequence, int taxel, float value) {
+  if (!std::isfinite(value)) return NonFiniteTaxel(sequence, taxel);
+  if (value < 0) return NegativeTaxel(sequence, taxel, value);
+  return TaxelTooLarge(sequence, taxel, value);
+}
+
 }  // namespace
 
 FrameDecoder::FrameDecoder(const StreamSettings& settings)
@@ -41,7 +52,10 @@ FrameDecoder::FrameDecoder(const StreamSettings& settings)
       with_poses_(settings.with_poses),
       frame_period_ns_(settings.frame_period_ns()),
       mask_(settings.layout.mask),
-      taxels_(taxel_count_, 0.0F) {}
+      taxels_(taxel_count_, 0.0F),
+      skip_unlisted_(settings.pipeline.skip[SkipRule::kUnlistedTaxels]) {
+  listed_.reserve(taxel_count_);
+}
 
 absl::Status FrameDecoder::Check(const v1::FrameBatch& batch) {
   if (batch.frame_count() < 1 ||
@@ -165,25 +179,35 @@ absl::Status FrameDecoder::CheckPoses(const v1::FrameBatch& batch) const {
 }
 
 absl::Status FrameDecoder::CheckValues(const v1::FrameBatch& batch) {
+  if (batch.has_sparse() && skip_unlisted_) return CheckListedValues(batch);
   for (uint32_t i = 0; i < batch.frame_count(); ++i) {
     DecodeFrame(batch, i);
-    const auto bad =
-        std::find_if(taxels_.begin(), taxels_.end(), [](float value) {
-          return !(value >= 0 && value <= limits::kMaxTaxelValue);
-        });
+    const auto bad = std::ranges::find_if_not(taxels_, IsGood);
     if (bad == taxels_.end()) continue;
-    const uint64_t sequence = batch.first_sequence() + i;
-    const int taxel = static_cast<int>(bad - taxels_.begin());
-    if (!std::isfinite(*bad)) return NonFiniteTaxel(sequence, taxel);
-    if (*bad < 0) return NegativeTaxel(sequence, taxel, *bad);
-    return TaxelTooLarge(sequence, taxel, *bad);
+    return BadValue(batch.first_sequence() + i,
+                    static_cast<int>(bad - taxels_.begin()), *bad);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status FrameDecoder::CheckListedValues(
+    const v1::FrameBatch& batch) const {
+  const v1::SparseFrames& sparse = batch.sparse();
+  size_t entry = 0;
+  for (uint32_t i = 0; i < batch.frame_count(); ++i) {
+    for (uint32_t k = 0; k < sparse.counts(static_cast<int>(i)); ++k, ++entry) {
+      const uint16_t taxel = SparseIndex(sparse, entry);
+      const float value = SparseValue(sparse, entry);
+      if (IsGood(value) || Masked(taxel)) continue;
+      return BadValue(batch.first_sequence() + i, taxel, value);
+    }
   }
   return absl::OkStatus();
 }
 
 FrameView FrameDecoder::Frame(const v1::FrameBatch& batch, uint32_t index) {
-  // Check has left a single frame in place.
-  if (batch.frame_count() > 1) DecodeFrame(batch, index);
+  // Check has left a single frame in place, unless it decoded none.
+  if (batch.frame_count() > 1 || batch.has_sparse()) DecodeFrame(batch, index);
   FrameView frame;
   frame.taxels = taxels_;
   if (with_poses_) {
@@ -199,6 +223,7 @@ FrameView FrameDecoder::Frame(const v1::FrameBatch& batch, uint32_t index) {
 void FrameDecoder::Accept(const v1::FrameBatch& batch) {
   last_sequence_ = batch.first_sequence() + batch.frame_count() - 1;
   last_capture_time_ns_ = batch.first_capture_time_ns();
+  if (listed_only_) sparse_frames_ += batch.frame_count();
 }
 
 int64_t FrameDecoder::CaptureTime(const v1::FrameBatch& batch,
@@ -212,11 +237,6 @@ void FrameDecoder::DecodeFrame(const v1::FrameBatch& batch, uint32_t index) {
   } else {
     DecodeDense(batch, index);
   }
-  if (mask_.empty()) return;
-  // What a masked taxel holds is never looked at.
-  for (size_t i = 0; i < taxel_count_; ++i) {
-    if (mask_[i] == 0) taxels_[i] = 0;
-  }
 }
 
 void FrameDecoder::DecodeDense(const v1::FrameBatch& batch, uint32_t index) {
@@ -225,17 +245,37 @@ void FrameDecoder::DecodeDense(const v1::FrameBatch& batch, uint32_t index) {
   for (size_t i = 0; i < taxel_count_; ++i) {
     taxels_[i] = Value(wire + i * taxel_bytes_);
   }
+  listed_only_ = false;
+  if (mask_.empty()) return;
+  // What a masked taxel holds is never looked at.
+  for (size_t i = 0; i < taxel_count_; ++i) {
+    if (mask_[i] == 0) taxels_[i] = 0;
+  }
 }
 
 void FrameDecoder::DecodeSparse(const v1::FrameBatch& batch, uint32_t index) {
   const v1::SparseFrames& sparse = batch.sparse();
   if (index == 0) sparse_entry_ = 0;
-  std::fill(taxels_.begin(), taxels_.end(), 0.0F);
+  if (listed_only_) {
+    for (const uint16_t taxel : listed_) taxels_[taxel] = 0;
+  } else {
+    std::ranges::fill(taxels_, 0.0F);
+  }
+  listed_only_ = skip_unlisted_;
+  listed_.clear();
   for (uint32_t k = 0; k < sparse.counts(static_cast<int>(index)); ++k) {
-    taxels_[SparseIndex(sparse, sparse_entry_)] =
-        Value(sparse.values().data() + sparse_entry_ * taxel_bytes_);
+    const uint16_t taxel = SparseIndex(sparse, sparse_entry_);
+    if (!Masked(taxel)) {
+      taxels_[taxel] = SparseValue(sparse, sparse_entry_);
+      listed_.push_back(taxel);
+    }
     ++sparse_entry_;
   }
+}
+
+float FrameDecoder::SparseValue(const v1::SparseFrames& sparse,
+                                size_t entry) const {
+  return Value(sparse.values().data() + entry * taxel_bytes_);
 }
 
 float FrameDecoder::Value(const char* wire) const {

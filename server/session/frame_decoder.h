@@ -10,7 +10,9 @@
 //   }
 //   decoder.Accept(batch);
 //
-// Allocates at construction only. Not thread-safe: one per stream.
+// Of a sparse frame it writes and checks only the listed taxels, and clears
+// those that the frame decoded before it had set. Allocates at construction
+// only. Not thread-safe: one per stream.
 #pragma once
 
 #include <cstdint>
@@ -41,6 +43,8 @@ class FrameDecoder {
   void Accept(const v1::FrameBatch& batch);
 
   uint64_t last_sequence() const { return last_sequence_.value_or(0); }
+  // Frames accepted so far of which only listed taxels were looked at.
+  uint64_t sparse_frames() const { return sparse_frames_; }
   int64_t CaptureTime(const v1::FrameBatch& batch, uint32_t index) const;
 
  private:
@@ -49,6 +53,7 @@ class FrameDecoder {
   absl::Status CheckSparse(const v1::FrameBatch& batch) const;
   absl::Status CheckPoses(const v1::FrameBatch& batch) const;
   absl::Status CheckValues(const v1::FrameBatch& batch);
+  absl::Status CheckListedValues(const v1::FrameBatch& batch) const;
 
   // Fill taxels_ with the values in the layout's unit. Sparse frames are read
   // one after another: `sparse_entry_` runs along.
@@ -56,6 +61,10 @@ class FrameDecoder {
   void DecodeDense(const v1::FrameBatch& batch, uint32_t index);
   void DecodeSparse(const v1::FrameBatch& batch, uint32_t index);
   float Value(const char* wire) const;
+  float SparseValue(const v1::SparseFrames& sparse, size_t entry) const;
+  bool Masked(size_t taxel) const {
+    return !mask_.empty() && mask_[taxel] == 0;
+  }
 
   size_t taxel_count_;
   v1::TaxelType taxel_type_;
@@ -70,6 +79,11 @@ class FrameDecoder {
   std::vector<float> taxels_;
   Pose pose_;
   size_t sparse_entry_ = 0;
+  // If it was sparse, the taxels it listed, and no other is set.
+  bool skip_unlisted_;
+  bool listed_only_ = false;
+  std::vector<uint16_t> listed_;
+  uint64_t sparse_frames_ = 0;
 
   std::optional<uint64_t> last_sequence_;
   int64_t last_capture_time_ns_ = 0;

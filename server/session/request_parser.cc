@@ -11,21 +11,41 @@ namespace tactus::server {
 namespace {
 
 using google::protobuf::internal::WireFormatLite;
+using google::protobuf::io::CodedInputStream;
 
 constexpr uint8_t kFramesTag =
     WireFormatLite::MakeTag(v1::ClassifyContactRequest::kFramesFieldNumber,
                             WireFormatLite::WIRETYPE_LENGTH_DELIMITED);
 
-bool BeginsWithFrames(google::protobuf::io::ZeroCopyInputStream* bytes) {
+constexpr uint8_t kSparseTag =
+    WireFormatLite::MakeTag(v1::FrameBatch::kSparseFieldNumber,
+                            WireFormatLite::WIRETYPE_LENGTH_DELIMITED);
+
+// What the first block of a message shows of it.
+struct Glance {
+  bool frames = false;
+  bool sparse = false;
+};
+
+Glance LookAhead(google::protobuf::io::ZeroCopyInputStream* bytes) {
   const void* data = nullptr;
   int size = 0;
-  while (bytes->Next(&data, &size)) {
-    if (size == 0) continue;
-    const bool frames = *static_cast<const uint8_t*>(data) == kFramesTag;
-    bytes->BackUp(size);
-    return frames;
+  do {
+    if (!bytes->Next(&data, &size)) return {};
+  } while (size == 0);
+  bytes->BackUp(size);
+  CodedInputStream block(static_cast<const uint8_t*>(data), size);
+  uint32_t batch_size = 0;
+  Glance glance;
+  glance.frames = block.ReadTag() == kFramesTag;
+  if (!glance.frames || !block.ReadVarint32(&batch_size)) return glance;
+  const auto limit = block.PushLimit(static_cast<int>(batch_size));
+  for (uint32_t tag = block.ReadTag(); tag != 0; tag = block.ReadTag()) {
+    if (tag == kSparseTag) glance.sparse = true;
+    if (glance.sparse || !WireFormatLite::SkipField(&block, tag)) break;
   }
-  return false;
+  block.PopLimit(limit);
+  return glance;
 }
 
 void ForgetUnknownFields(google::protobuf::Message* message) {
@@ -34,13 +54,22 @@ void ForgetUnknownFields(google::protobuf::Message* message) {
   reflection.MutableUnknownFields(message)->Clear();
 }
 
-// As if new, with its memory.
-void Reuse(v1::FrameBatch* batch) {
+// As if new, with its memory; `sparse`: an empty field of that name will do.
+void Reuse(bool sparse, v1::FrameBatch* batch) {
   batch->set_first_sequence(0);
   batch->set_first_capture_time_ns(0);
   batch->set_frame_count(0);
-  batch->mutable_taxels()->clear();
-  batch->clear_sparse();
+  // The first mutable access of a field that was never set allocates.
+  if (!batch->taxels().empty()) batch->mutable_taxels()->clear();
+  if (sparse && batch->has_sparse()) {
+    v1::SparseFrames* frames = batch->mutable_sparse();
+    frames->mutable_counts()->Clear();
+    if (!frames->indices().empty()) frames->mutable_indices()->clear();
+    if (!frames->values().empty()) frames->mutable_values()->clear();
+    ForgetUnknownFields(frames);
+  } else {
+    batch->clear_sparse();
+  }
   batch->mutable_poses()->Clear();
   ForgetUnknownFields(batch);
 }
@@ -49,14 +78,15 @@ void Reuse(v1::FrameBatch* batch) {
 
 bool ParseRequest(google::protobuf::io::ZeroCopyInputStream* bytes,
                   v1::ClassifyContactRequest* request) {
-  if (request->has_frames() && BeginsWithFrames(bytes)) {
+  const Glance glance = LookAhead(bytes);
+  if (request->has_frames() && glance.frames) {
     // What is merged into it now was sent.
-    Reuse(request->mutable_frames());
+    Reuse(glance.sparse, request->mutable_frames());
     ForgetUnknownFields(request);
   } else {
     request->Clear();
   }
-  google::protobuf::io::CodedInputStream input(bytes);
+  CodedInputStream input(bytes);
   return request->MergeFromCodedStream(&input) && input.ConsumedEntireMessage();
 }
 

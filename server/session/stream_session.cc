@@ -131,10 +131,22 @@ void StreamSession::OnFrame(const v1::FrameBatch& batch, uint32_t index) {
                    decoder_->CaptureTime(batch, index), frame.missing_before);
   const bool due = IsDue(report);
   if (report.released || report.decided) {
-    writer_->Write(*pipeline_, false, responses_.AddFinal());
+    WritePosterior(false, responses_.AddFinal());
   } else if (due) {
-    writer_->Write(*pipeline_, false, responses_.AddInterim());
+    WritePosterior(false, responses_.AddInterim());
   }
+}
+
+void StreamSession::WritePosterior(bool is_final, v1::Posterior* posterior) {
+  writer_->Write(*pipeline_, skipped(), is_final, posterior);
+}
+
+SkipCounters StreamSession::skipped() const {
+  SkipCounters skipped;
+  if (pipeline_ == nullptr) return skipped;
+  skipped = pipeline_->skipped();
+  skipped[SkipRule::kUnlistedTaxels] = decoder_->sparse_frames();
+  return skipped;
 }
 
 bool StreamSession::IsDue(const ContactReport& report) {
@@ -156,7 +168,7 @@ bool StreamSession::IsDue(const ContactReport& report) {
 }
 
 void StreamSession::OnEndOfTrial() {
-  writer_->Write(*pipeline_, true, responses_.AddFinal());
+  WritePosterior(true, responses_.AddFinal());
   pipeline_->EndTrial();
   writer_->OnEndOfTrial();
   trial_frames_ = 0;

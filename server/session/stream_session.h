@@ -74,6 +74,8 @@ class StreamSession {
   bool wants_request() const { return !finishing_ && !responses_.full(); }
   ResponseQueue& responses() { return responses_; }
   uint64_t frames() const { return frames_; }
+  // What was left out so far.
+  SkipCounters skipped() const;
 
  private:
   // Ends the stream if `status` is an error; returns it.
@@ -83,6 +85,7 @@ class StreamSession {
   absl::Status OnFrames(const v1::FrameBatch& batch);
   void OnFrame(const v1::FrameBatch& batch, uint32_t index);
   void OnEndOfTrial();
+  void WritePosterior(bool is_final, v1::Posterior* posterior);
   // True if the cadence asks for an interim posterior after this frame.
   bool IsDue(const ContactReport& report);
   void WriteStarted();

@@ -42,4 +42,15 @@ inline Model SmallModel() {
   return model;
 }
 
+// Adds `count` untrained networks on the HMMs' inputs.
+inline void AddLstms(int count, Model& model) {
+  for (int n = 0; n < count; ++n) {
+    model.lstms.push_back(RandomNetwork(2, {50, 50}, 4, Activation::kSoftsign,
+                                        GateActivation::kHardSigmoid, 3 + n));
+  }
+  model.features.lstm = model.features.hmm;
+  model.calibration.lstm_weight = {0.5, 0.5};
+  model.calibration.lstm_temperature = {1, 1};
+}
+
 }  // namespace tactus::testing

@@ -133,20 +133,9 @@ TEST(ContactClassifierTest, LostFramesCountAsTime) {
   EXPECT_NEAR(Sum(classifier.probability()), 1, 1e-12);
 }
 
-// `count` untrained networks on the model's own inputs.
-void AddLstms(int count, Model& model) {
-  for (int n = 0; n < count; ++n) {
-    model.lstms.push_back(RandomNetwork(2, {50, 50}, 4, Activation::kSoftsign,
-                                        GateActivation::kHardSigmoid, 3 + n));
-  }
-  model.features.lstm = model.features.hmm;
-  model.calibration.lstm_weight = {0.5, 0.5};
-  model.calibration.lstm_temperature = {1, 1};
-}
-
 TEST(ContactClassifierTest, LstmsAnswerWithTheirMeanProbability) {
   Model model = testing::SmallModel();
-  AddLstms(2, model);
+  testing::AddLstms(2, model);
   ContactClassifier classifier(*CompiledModel::Create(model), {});
   std::vector<CompiledLstm> compiled;
   for (const LstmNetwork& network : model.lstms) {
@@ -169,7 +158,7 @@ TEST(ContactClassifierTest, LstmsAnswerWithTheirMeanProbability) {
 
 TEST(ContactClassifierTest, LstmsRestBetweenTheirIntervals) {
   Model model = testing::SmallModel();
-  AddLstms(1, model);
+  testing::AddLstms(1, model);
   model.features.lstm_steps = {5, 20};
   ContactClassifier classifier(*CompiledModel::Create(model), {});
   std::vector<int> stepped;
@@ -225,7 +214,7 @@ TEST(ContactClassifierTest, HmmsPredictAcrossTheStepsThatWereDue) {
 
 TEST(ContactClassifierTest, AFrameAllocatesNothing) {
   Model model = testing::SmallModel();
-  AddLstms(2, model);
+  testing::AddLstms(2, model);
   auto compiled = CompiledModel::Create(model);
   ASSERT_TRUE(compiled.ok()) << compiled.status();
   ContactClassifier classifier(*compiled, {});

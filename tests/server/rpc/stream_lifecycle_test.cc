@@ -121,6 +121,24 @@ TEST(StreamLifecycleTest, ServerGoneWithStreamsOpen) {
   for (auto& stream : streams) EXPECT_FALSE(stream->Finish().ok());
 }
 
+TEST(StreamLifecycleTest, WhatStreamsSkippedIsAddedUpAtTheirEnds) {
+  TestServer server;
+  for (int i = 0; i < 3; ++i) {
+    RawStream stream(server.channel());
+    stream.Write(ConfigRequest());
+    stream.Write(testing::SparseU16(1, std::vector(5, testing::Untouched())));
+    EXPECT_EQ(server.server().skipped().total(SkipRule::kUntouchedFrames),
+              5u * i);
+    stream.HalfClose();
+    EXPECT_TRUE(stream.Finish().ok());
+    ASSERT_TRUE(Eventually([&] { return server.server().gate().live() == 0; }));
+  }
+  EXPECT_EQ(server.server().skipped().total(SkipRule::kUntouchedFrames), 15u);
+  EXPECT_EQ(server.server().skipped().total(SkipRule::kUnlistedTaxels), 15u);
+  EXPECT_NE(server.server().skipped().ToString().find("15 untouched frames"),
+            std::string::npos);
+}
+
 TEST(StreamLifecycleTest, StreamsBeyondTheLimitAreToldSo) {
   TestServer server({.max_streams = 2});
   auto first = std::make_unique<RawStream>(server.channel());

@@ -35,24 +35,16 @@ std::vector<std::string> Samples() {
   // Field 100 of the message, and of its frames.
   const std::string unknown = "\xa0\x06\x01";
   const std::string unknown_within = std::string("\x12\x03") + unknown;
-  return {config,
-          dense,
-          sparse,
-          with_pose.SerializeAsString(),
-          testing::EndOfTrialRequest().SerializeAsString(),
-          "",
-          unknown,
-          unknown + dense,
-          dense + unknown,
-          unknown_within,
+  return {config, dense, sparse, with_pose.SerializeAsString(),
+          testing::EndOfTrialRequest().SerializeAsString(), "", unknown,
+          unknown + dense, dense + unknown, unknown_within,
           std::string("\x12\x00", 2),
-          dense + sparse,
-          dense + config,
-          config + dense,
-          dense.substr(0, dense.size() / 2),
-          "\xff\xff\xff",
-          "\x12",
-          "\x14"};
+          // Sparse frames that are empty, that hold only what is unknown, and
+          // twice.
+          std::string("\x12\x02\x2a\x00", 4),
+          std::string("\x12\x05\x2a\x03") + unknown, sparse + sparse,
+          dense + sparse, dense + config, config + dense,
+          dense.substr(0, dense.size() / 2), "\xff\xff\xff", "\x12", "\x14"};
 }
 
 TEST(RequestParserTest, GivesWhatProtobufGivesWhateverCameBefore) {
@@ -72,14 +64,17 @@ TEST(RequestParserTest, GivesWhatProtobufGivesWhateverCameBefore) {
 }
 
 TEST(RequestParserTest, FramesAfterFramesAllocateNothing) {
-  auto message = DenseU16(1, {Touch(1)});
-  testing::AddPose({}, message.mutable_frames());
-  const std::string bytes = message.SerializeAsString();
-  v1::ClassifyContactRequest request;
-  ASSERT_TRUE(Parse(bytes, &request));
-  const testing::AllocationCounter counter;
-  for (int i = 0; i < 100; ++i) Parse(bytes, &request);
-  EXPECT_EQ(counter.count(), 0);
+  for (auto message :
+       {DenseU16(1, {Touch(1)}), testing::DenseF32(1, {Touch(1)}),
+        SparseU16(1, {Touch(1)}), testing::SparseF32(1, {Touch(1)})}) {
+    testing::AddPose({}, message.mutable_frames());
+    const std::string bytes = message.SerializeAsString();
+    v1::ClassifyContactRequest request;
+    ASSERT_TRUE(Parse(bytes, &request));
+    const testing::AllocationCounter counter;
+    for (int i = 0; i < 100; ++i) Parse(bytes, &request);
+    EXPECT_EQ(counter.count(), 0);
+  }
 }
 
 }  // namespace

@@ -1,0 +1,240 @@
+// Each rule of skip_rules.h on and off: what it may not change does not change
+// by a bit, and its counter moves.
+#include <vector>
+
+#include "core/base/random.h"
+#include "core/classify/contact_pipeline.h"
+#include "gtest/gtest.h"
+#include "tests/support/small_model.h"
+
+namespace tactus {
+namespace {
+
+using Numbers = std::vector<double>;
+
+void Append(std::span<const double> values, Numbers& out) {
+  out.insert(out.end(), values.begin(), values.end());
+}
+
+// What the frame itself and the HMMs say.
+Numbers HmmAnswers(const ContactPipeline& pipeline) {
+  const ContactReport& r = pipeline.report();
+  const ContactClassifier& c = pipeline.classifier();
+  Numbers out = {static_cast<double>(r.state),
+                 static_cast<double>(r.contact_id),
+                 static_cast<double>(r.onset),
+                 static_cast<double>(r.released),
+                 static_cast<double>(r.features.touched),
+                 r.features.max_force,
+                 r.features.net_force,
+                 r.features.area_m2,
+                 r.features.motion_m,
+                 r.features.centroid.row,
+                 r.features.centroid.column,
+                 static_cast<double>(r.features.region_count),
+                 static_cast<double>(c.frames()),
+                 static_cast<double>(c.hmm_steps()),
+                 c.unknown()};
+  Append(c.log_likelihood(), out);
+  Append(c.hmm_probability(), out);
+  return out;
+}
+
+// Everything that a stream may tell.
+Numbers AllAnswers(const ContactPipeline& pipeline) {
+  const ContactClassifier& c = pipeline.classifier();
+  Numbers out = HmmAnswers(pipeline);
+  Append(c.probability(), out);
+  Append(c.lstm_probability(), out);
+  Append(c.lstm_score(), out);
+  out.insert(out.end(), {static_cast<double>(pipeline.report().decided),
+                         c.stability(), static_cast<double>(c.best_class())});
+  if (c.decision()) {
+    out.push_back(static_cast<double>(c.decision()->class_index));
+    out.push_back(static_cast<double>(c.decision()->frame));
+  }
+  if (c.object()) {
+    out.insert(out.end(), {c.object()->log10_stiffness, c.object()->moved_m,
+                           c.object()->log10_stiffness_deviation,
+                           c.object()->moved_deviation_m});
+  }
+  return out;
+}
+
+struct Trace {
+  std::vector<Numbers> all;
+  std::vector<Numbers> hmm;
+  SkipCounters skipped;
+};
+
+class SkippingTest : public ::testing::Test {
+ protected:
+  SkippingTest() {
+    Model model = testing::SmallModel();
+    testing::AddLstms(2, model);
+    model.features.lstm = {{Cue::kLogSpring}, {Cue::kRowLoad1}};
+    model.features.hmm_steps = {2, 5};
+    model.features.lstm_steps = {3, 10};
+    model.estimator = RandomNetwork(2, {5}, 4, Activation::kSoftsign,
+                                    GateActivation::kHardSigmoid, 9, 1, 2);
+    model_ = *CompiledModel::Create(model);
+    options_.release_after_s = 0.05;
+    options_.decision.decision_threshold = 0.4;
+  }
+
+  // Contacts of all lengths, with frames that repeat, losses of touch, gaps
+  // and ends of trials.
+  Trace Run(const SkipRules& skip) const {
+    ContactPipeline::Options options = options_;
+    options.skip = skip;
+    const SkinLayout layout = *LayoutPreset("cody-forearm");
+    auto pipeline = *ContactPipeline::Create(layout, model_, options);
+    Random random(8);
+    std::vector<float> taxels(layout.taxels());
+    Trace trace;
+    int left = 0;
+    bool touched = false;
+    for (int t = 0; t < 3000; ++t) {
+      if (left-- == 0) {
+        touched = !touched;
+        left = static_cast<int>(random.Index(touched ? 300 : 12));
+        if (random.Index(6) == 0) pipeline->EndTrial();
+      }
+      if (random.Index(2) == 0) {
+        for (int i = 100; i < 106; ++i) {
+          taxels[i] = touched ? static_cast<float>(random.Uniform(1, 3)) : 0.0F;
+        }
+      }
+      const uint64_t missing = random.Index(20) == 0 ? random.Index(4) : 0;
+      pipeline->Step({.taxels = taxels, .missing_before = missing});
+      trace.all.push_back(AllAnswers(*pipeline));
+      trace.hmm.push_back(HmmAnswers(*pipeline));
+    }
+    trace.skipped = pipeline->skipped();
+    return trace;
+  }
+
+  Trace RunWithout(SkipRule rule) const {
+    SkipRules skip;
+    skip[rule] = false;
+    return Run(skip);
+  }
+
+  void ExpectExact(SkipRule rule) const {
+    const Trace on = Run({});
+    const Trace off = RunWithout(rule);
+    EXPECT_GT(on.skipped[rule], 0u);
+    EXPECT_EQ(off.skipped[rule], 0u);
+    EXPECT_TRUE(on.all == off.all);
+    for (int i = 0; i < kSkipRuleCount; ++i) {
+      const auto other = static_cast<SkipRule>(i);
+      if (other == rule) continue;
+      EXPECT_EQ(on.skipped[other], off.skipped[other]) << i;
+    }
+  }
+
+  std::shared_ptr<const CompiledModel> model_;
+  ContactPipeline::Options options_;
+};
+
+TEST_F(SkippingTest, UntouchedFrames) {
+  ExpectExact(SkipRule::kUntouchedFrames);
+}
+
+TEST_F(SkippingTest, UnchangedFrames) {
+  ExpectExact(SkipRule::kUnchangedFrames);
+}
+
+TEST_F(SkippingTest, UnusedCues) {
+  ExpectExact(SkipRule::kUnusedCues);
+  // All but the springs and the load profile.
+  EXPECT_EQ(Run({}).skipped[SkipRule::kUnusedCues], DerivedCues().size() - 5);
+}
+
+TEST_F(SkippingTest, UnaskedLstms) {
+  EXPECT_EQ(Run({}).skipped[SkipRule::kUnaskedLstms], 0u);
+  const Trace with_lstms = Run({});
+  options_.decision.hmm_only = true;
+  const Trace on = Run({});
+  const Trace off = RunWithout(SkipRule::kUnaskedLstms);
+  EXPECT_GT(on.skipped[SkipRule::kUnaskedLstms], 200u);
+  EXPECT_EQ(off.skipped[SkipRule::kUnaskedLstms], 0u);
+  EXPECT_TRUE(on.all == off.all);
+  // The HMMs' own share is what it is beside the LSTMs.
+  EXPECT_TRUE(on.hmm == with_lstms.hmm);
+  EXPECT_FALSE(on.all == with_lstms.all);
+  // Cues that only the LSTMs look at go with them.
+  EXPECT_EQ(on.skipped[SkipRule::kUnusedCues],
+            DerivedCues().size() + kProfileSize);
+}
+
+// Without LSTMs the probabilities are the HMMs' own.
+TEST_F(SkippingTest, HmmOnlyAnswersLikeAModelWithoutLstms) {
+  options_.decision.hmm_only = true;
+  const Trace asked = Run({});
+  Model model = testing::SmallModel();
+  model.features.hmm_steps = {2, 5};
+  model_ = *CompiledModel::Create(model);
+  options_.decision.hmm_only = false;
+  EXPECT_TRUE(asked.all == Run({}).all);
+}
+
+TEST_F(SkippingTest, UnchangedScores) {
+  ExpectExact(SkipRule::kUnchangedScores);
+}
+
+// The decision and all before it are exact, and all that the HMMs say.
+TEST_F(SkippingTest, LstmsAfterDecision) {
+  const SkipRule rule = SkipRule::kLstmsAfterDecision;
+  EXPECT_EQ(Run({}).skipped[rule], 0u);
+  options_.decision.decisions_only = true;
+  const Trace on = Run({});
+  const Trace off = RunWithout(rule);
+  EXPECT_GT(on.skipped[rule], 100u);
+  EXPECT_EQ(off.skipped[rule], 0u);
+  EXPECT_TRUE(on.hmm == off.hmm);
+  EXPECT_FALSE(on.all == off.all);
+  options_.decision.decisions_only = false;
+  EXPECT_TRUE(Run({}).all == off.all);
+}
+
+TEST_F(SkippingTest, ADecisionIsTheSameHoweverTheLstmsRestAfterIt) {
+  for (const bool decisions_only : {false, true}) {
+    ContactClassifier::Options options = options_.decision;
+    ContactClassifier every(model_, options);
+    options.decisions_only = decisions_only;
+    ContactClassifier resting(model_, options);
+    Random random(2);
+    for (int t = 0; t < 400; ++t) {
+      const double force = random.Uniform(1, 3);
+      const bool decided = every.decision().has_value();
+      for (ContactClassifier* c : {&every, &resting}) {
+        c->Step({{force, 1e-3, 0.01}, force}, 0);
+      }
+      if (!decided) {
+        EXPECT_TRUE(
+            std::ranges::equal(every.probability(), resting.probability()));
+      }
+      ASSERT_EQ(every.decision().has_value(), resting.decision().has_value());
+      if (every.decision()) {
+        EXPECT_EQ(every.decision()->frame, resting.decision()->frame);
+        EXPECT_EQ(every.decision()->class_index,
+                  resting.decision()->class_index);
+      }
+    }
+    EXPECT_TRUE(every.decision());
+  }
+}
+
+TEST_F(SkippingTest, AllRulesTogetherAreAsExact) {
+  SkipRules nothing;
+  for (bool& on : nothing) on = false;
+  const Trace off = Run(nothing);
+  EXPECT_TRUE(Run({}).all == off.all);
+  for (int i = 0; i < kSkipRuleCount; ++i) {
+    EXPECT_EQ(off.skipped[static_cast<SkipRule>(i)], 0u);
+  }
+}
+
+}  // namespace
+}  // namespace tactus

@@ -1,0 +1,237 @@
+// What a stream skips changes no bit of its answers, is told in its finals and
+// may be switched off; its frames allocate nothing in any encoding.
+#include "core/base/random.h"
+#include "google/protobuf/io/zero_copy_stream_impl_lite.h"
+#include "gtest/gtest.h"
+#include "server/session/stream_session.h"
+#include "tests/server/support/requests.h"
+#include "tests/server/support/test_models.h"
+#include "tests/support/allocation_counter.h"
+
+namespace tactus::server {
+namespace {
+
+using testing::Counts;
+using testing::Touch;
+using testing::Untouched;
+
+using Encode = v1::ClassifyContactRequest (*)(uint64_t,
+                                              const std::vector<Counts>&);
+
+v1::ClassifyContactRequest Config(bool f32) {
+  auto request = testing::ConfigRequest();
+  request.mutable_config()->set_release_after_ms(30);
+  if (f32) {
+    request.mutable_config()->set_taxel_type(v1::TAXEL_TYPE_FLOAT32);
+    request.mutable_config()->set_scale(1);
+  }
+  return request;
+}
+
+// Untouched frames, a touch that rests, moves, and rests on, and its end.
+std::vector<Counts> Scene() {
+  std::vector<Counts> frames(10, Untouched());
+  for (int t = 0; t < 60; ++t) {
+    frames.push_back(Touch(1 + t / 10, 2 + t / 20));
+  }
+  frames.resize(frames.size() + 10, Untouched());
+  return frames;
+}
+
+std::vector<v1::Posterior> Answers(const v1::ClassifyContactRequest& config,
+                                   const testing::TestModels& models,
+                                   Encode encode, int frames_per_message) {
+  StreamSession session(&models, {});
+  EXPECT_TRUE(session.OnRequest(config).ok());
+  std::vector<v1::Posterior> posteriors;
+  const auto collect = [&] {
+    while (const auto* response = session.responses().StartWrite(0)) {
+      if (response->has_posterior()) {
+        posteriors.push_back(response->posterior());
+      }
+      session.responses().FinishWrite();
+    }
+  };
+  const std::vector<Counts> frames = Scene();
+  for (size_t t = 0; t < frames.size(); t += frames_per_message) {
+    const auto first = frames.begin() + static_cast<ptrdiff_t>(t);
+    EXPECT_TRUE(
+        session.OnRequest(encode(1 + t, {first, first + frames_per_message}))
+            .ok());
+    collect();
+  }
+  session.OnHalfClose();
+  collect();
+  return posteriors;
+}
+
+class SessionSkippingTest : public ::testing::Test {
+ protected:
+  testing::TestModels models_;
+};
+
+TEST_F(SessionSkippingTest, FinalsAndEndsTellWhatWasSkipped) {
+  const auto posteriors =
+      Answers(Config(false), models_, testing::SparseU16, 10);
+  int told = 0;
+  for (const v1::Posterior& posterior : posteriors) {
+    EXPECT_EQ(posterior.has_skipped(),
+              posterior.is_final() || posterior.is_contact_end());
+    told += posterior.has_skipped();
+  }
+  EXPECT_EQ(told, 2);
+  const v1::Skipped& skipped = posteriors.back().skipped();
+  // Ten before the touch; of those after it the third ends the contact.
+  EXPECT_EQ(skipped.untouched_frames(), 18u);
+  EXPECT_EQ(skipped.unchanged_frames(), 54u);
+  EXPECT_EQ(skipped.unused_cues(), DerivedCues().size() + kProfileSize);
+  EXPECT_EQ(skipped.unasked_lstms(), 0u);
+  EXPECT_EQ(skipped.unlisted_taxels(), 80u);
+}
+
+TEST_F(SessionSkippingTest, EachRuleMayBeSwitchedOffAndChangesNothing) {
+  for (const Encode encode : {testing::SparseU16, testing::DenseU16}) {
+    auto on = Answers(Config(false), models_, encode, 1);
+    for (v1::Posterior& posterior : on) posterior.clear_skipped();
+    for (int rule = 1; rule <= kSkipRuleCount; ++rule) {
+      auto config = Config(false);
+      config.mutable_config()->add_skip_rules_off(
+          static_cast<v1::SkipRule>(rule));
+      auto off = Answers(config, models_, encode, 1);
+      const v1::Skipped& skipped = off.back().skipped();
+      const auto* field = v1::Skipped::descriptor()->FindFieldByNumber(rule);
+      EXPECT_EQ(skipped.GetReflection()->GetUInt64(skipped, field), 0u)
+          << field->name();
+      ASSERT_EQ(off.size(), on.size());
+      for (size_t i = 0; i < off.size(); ++i) {
+        off[i].clear_skipped();
+        EXPECT_EQ(off[i].SerializeAsString(), on[i].SerializeAsString());
+      }
+    }
+  }
+}
+
+// Many frames a message, dense and sparse by turns, taxels masked out.
+TEST_F(SessionSkippingTest, SparseFramesLeaveNothingBehind) {
+  for (const bool skip : {true, false}) {
+    auto config = Config(false);
+    config.mutable_config()->mutable_geometry()->add_masked_taxels(5 * 24 + 8);
+    if (!skip) {
+      config.mutable_config()->add_skip_rules_off(
+          v1::SKIP_RULE_UNLISTED_TAXELS);
+    }
+    const auto parsed = *ParseStreamConfig(config.config());
+    FrameDecoder decoder(parsed);
+    Random random(4);
+    uint64_t sequence = 1;
+    uint64_t sparse_frames = 0;
+    for (int message = 0; message < 300; ++message) {
+      std::vector<Counts> frames(1 + random.Index(5), Untouched());
+      for (Counts& frame : frames) {
+        for (size_t i = random.Index(20); i > 0; --i) {
+          frame[random.Index(frame.size())] =
+              static_cast<uint16_t>(random.Index(5000));
+        }
+        frame[5 * 24 + 8] = 9;
+      }
+      const bool sparse = random.Index(2) == 0;
+      const auto request = sparse ? testing::SparseU16(sequence, frames)
+                                  : testing::DenseU16(sequence, frames);
+      ASSERT_TRUE(decoder.Check(request.frames()).ok());
+      for (size_t i = 0; i < frames.size(); ++i) {
+        const FrameView got = decoder.Frame(request.frames(), i);
+        frames[i][5 * 24 + 8] = 0;
+        ASSERT_TRUE(
+            std::ranges::equal(got.taxels, testing::Newtons(frames[i])));
+      }
+      decoder.Accept(request.frames());
+      sequence += frames.size();
+      if (sparse) sparse_frames += frames.size();
+    }
+    EXPECT_EQ(decoder.sparse_frames(), skip ? sparse_frames : 0);
+  }
+}
+
+TEST_F(SessionSkippingTest, HmmOnlyLeavesOutTheLstms) {
+  auto config = Config(false);
+  config.mutable_config()->set_model_parts(v1::MODEL_PARTS_HMM);
+  Model model = testing::SmallModel();
+  testing::AddLstms(2, model);
+  class LstmModels : public ModelSource {
+   public:
+    explicit LstmModels(Model model)
+        : model_(*CompiledModel::Create(std::move(model))) {}
+    absl::StatusOr<PinnedModel> Find(absl::string_view) const override {
+      return PinnedModel{model_, "models/default/versions/1",
+                         std::string(64, 'a')};
+    }
+
+   private:
+    std::shared_ptr<const CompiledModel> model_;
+  };
+  const LstmModels models(std::move(model));
+  StreamSession session(&models, {});
+  ASSERT_TRUE(session.OnRequest(config).ok());
+  ASSERT_TRUE(
+      session.OnRequest(testing::DenseU16(1, std::vector(9, Touch(2)))).ok());
+  session.OnHalfClose();
+  EXPECT_EQ(session.skipped()[SkipRule::kUnaskedLstms], 9u);
+  int posteriors = 0;
+  while (const auto* response = session.responses().StartWrite(0)) {
+    if (response->has_posterior()) {
+      const v1::Posterior& posterior = response->posterior();
+      EXPECT_EQ(posterior.lstm_probability_size(), 0);
+      EXPECT_EQ(posterior.probability(1), posterior.hmm_probability(1));
+      ++posteriors;
+    }
+    session.responses().FinishWrite();
+  }
+  EXPECT_EQ(posteriors, 10);
+}
+
+// From the bytes of the message to the answer, one and several frames each.
+TEST_F(SessionSkippingTest, NoEncodingAllocates) {
+  struct Case {
+    Encode encode;
+    bool f32;
+  };
+  for (const Case& c :
+       {Case{testing::DenseU16, false}, Case{testing::DenseF32, true},
+        Case{testing::SparseU16, false}, Case{testing::SparseF32, true}}) {
+    for (const bool poses : {false, true}) {
+      StreamSession session(&models_, {});
+      auto config = Config(c.f32);
+      config.mutable_config()->set_release_after_ms(-1);
+      config.mutable_config()->set_with_poses(poses);
+      config.mutable_config()->set_with_features(true);
+      ASSERT_TRUE(session.OnRequest(config).ok());
+      std::vector<std::string> messages;
+      for (int t = 0; t < 200; ++t) {
+        const bool touched = t % 60 < 59;
+        const std::vector<Counts> frames(
+            1 + t % 3, touched ? Touch(1 + 0.01 * (t % 7)) : Untouched());
+        auto request = c.encode(1 + 3 * t, frames);
+        for (size_t i = 0; poses && i < frames.size(); ++i) {
+          testing::AddPose({}, request.mutable_frames());
+        }
+        messages.push_back(request.SerializeAsString());
+      }
+      int64_t allocations = 0;
+      for (size_t t = 0; t < messages.size(); ++t) {
+        const testing::AllocationCounter counter;
+        google::protobuf::io::ArrayInputStream bytes(
+            messages[t].data(), static_cast<int>(messages[t].size()));
+        ASSERT_TRUE(session.OnMessage(&bytes, messages[t].size()).ok());
+        session.EndRequest(0, 1000);
+        while (session.responses().StartWrite(0) != nullptr) {
+          session.responses().FinishWrite();
+        }
+        if (t >= 100) allocations += counter.count();
+      }
+      EXPECT_EQ(allocations, 0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tactus::server
