@@ -1,5 +1,7 @@
 #include "client/bench/benchmark.h"
 
+#include <algorithm>
+
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "nlohmann/json.hpp"
@@ -35,15 +37,19 @@ std::string RowsToJson(const std::vector<BenchRow>& rows) {
                     {"peer_name", OrNull(row.peer_name)},
                     {"ratio", OrNull(row.Ratio())},
                     {"error", OrNull(row.error)},
-                    {"error_reference", OrNull(row.error_reference)}});
+                    {"error_reference", OrNull(row.error_reference)},
+                    {"accuracy", OrNull(row.accuracy)}});
   }
   return json.dump(1);
 }
 
 std::string RowsToText(const std::vector<BenchRow>& rows) {
+  size_t width = 26;
+  for (const BenchRow& row : rows) width = std::max(width, row.name.size());
+  const int name_width = static_cast<int>(width);
   std::string text =
-      absl::StrFormat("%-26s %12s %12s %8s  %-4s  %s\n", "name", "ours", "peer",
-                      "ratio", "unit", "peer, error");
+      absl::StrFormat("%-*s %12s %12s %8s  %-4s  %s\n", name_width, "name",
+                      "ours", "peer", "ratio", "unit", "peer, error");
   for (const BenchRow& row : rows) {
     std::vector<std::string> notes;
     if (!row.peer_name.empty()) {
@@ -54,9 +60,12 @@ std::string RowsToText(const std::vector<BenchRow>& rows) {
       notes.push_back(
           absl::StrFormat("error %.2g to %s", *row.error, row.error_reference));
     }
+    if (row.accuracy) {
+      notes.push_back(absl::StrFormat("%.2f %% right", 100 * *row.accuracy));
+    }
     absl::StrAppendFormat(
-        &text, "%-26s %12.6g %12s %8s  %-4s  %s\n", row.name, row.ours,
-        row.peer ? absl::StrFormat("%.6g", *row.peer) : "-",
+        &text, "%-*s %12.6g %12s %8s  %-4s  %s\n", name_width, row.name,
+        row.ours, row.peer ? absl::StrFormat("%.6g", *row.peer) : "-",
         row.Ratio() ? absl::StrFormat("%.2f", *row.Ratio()) : "-", row.unit,
         absl::StrJoin(notes, "; "));
   }

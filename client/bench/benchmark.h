@@ -35,6 +35,8 @@ struct BenchRow {
   // Largest difference from the reference, in the reference's own terms.
   std::optional<double> error = {};
   std::string error_reference = {};
+  // Share of answers that are right, where the row is of a classifier.
+  std::optional<double> accuracy = {};
 
   // How many times better ours is: peer over ours for times and sizes, ours
   // over peer for rates. Nothing without a peer.
@@ -54,7 +56,7 @@ class Benchmark {
 };
 
 // One JSON array: name, unit, ours, peer, peer_name, ratio, error,
-// error_reference; null where absent.
+// error_reference, accuracy; null where absent.
 std::string RowsToJson(const std::vector<BenchRow>& rows);
 
 // The same as aligned text for people.

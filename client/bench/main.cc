@@ -1,4 +1,5 @@
 // tactus-bench: measures Tactus and its peers, side by side.
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -9,6 +10,7 @@
 #include "client/bench/benchmark.h"
 #include "client/bench/echo_server.h"
 #include "client/bench/features.h"
+#include "client/bench/frontier.h"
 #include "client/bench/hmm.h"
 #include "client/bench/idle.h"
 #include "client/bench/load.h"
@@ -48,6 +50,7 @@ int Main(int argc, char** argv) {
   add(MakeStreamBenchmark());
   add(MakeLoadBenchmark());
   add(MakeStartupBenchmark());
+  add(MakeFrontierBenchmark());
 
   CLI::App app("Measures Tactus and its peers, side by side.", "tactus-bench");
   app.set_version_flag("--version", std::string("tactus-bench ") + kVersion);
@@ -64,8 +67,16 @@ int Main(int argc, char** argv) {
     add_common(command.app);
     command.benchmark->AddFlags(*command.app);
   }
-  const CLI::App* all = app.add_subcommand("all", "All of them, one by one");
-  add_common(app.get_subcommand("all"));
+  CLI::App* all = app.add_subcommand("all", "All of them, one by one");
+  add_common(all);
+  std::vector<std::string> names;
+  for (const Command& command : commands) {
+    names.emplace_back(command.benchmark->name());
+  }
+  std::vector<std::string> except;
+  all->add_option("--except", except, "Leave these out")
+      ->delimiter(',')
+      ->check(CLI::IsMember(names));
   EchoOptions echo;
   // Not for users: `stream` starts it as its peer.
   CLI::App* echo_server = app.add_subcommand("echo-server")->group("");
@@ -75,7 +86,11 @@ int Main(int argc, char** argv) {
 
   std::vector<BenchRow> rows;
   for (const Command& command : commands) {
-    if (!command.app->parsed() && !all->parsed()) continue;
+    const bool wanted =
+        all->parsed() ? std::ranges::find(except, command.benchmark->name()) ==
+                            except.end()
+                      : command.app->parsed();
+    if (!wanted) continue;
     const auto measured = command.benchmark->Run(quick);
     if (!measured.ok()) {
       std::fprintf(stderr, "tactus-bench %s: %s\n", command.benchmark->name(),
