@@ -57,7 +57,8 @@ Quad LogLikelihood(const GaussianHmm& model) {
   for (int s = 0; s < 2; ++s) {
     const Quad variance = model.covariances[s];
     const Quad z = Quad(kValue) - Quad(model.means[s]);
-    density[s] = expq(-z * z / (2 * variance)) / sqrtq(2 * acosq(-1) * variance);
+    density[s] =
+        expq(-z * z / (2 * variance)) / sqrtq(2 * acosq(-1) * variance);
   }
   Scaled step;
   for (int k = 0; k < 4; ++k) {
