@@ -47,21 +47,40 @@ double Area(const Box& a, const Box& b) {
   return width > 0 && height > 0 ? width * height : 0;
 }
 
-// Where a label of this size may stand around its point.
-std::array<Box, 8> Places(Point point, double width) {
+// Where a label may stand, and what the place costs beside what it covers, as a
+// share of the label: near the point is better, and needs no leader.
+struct Place {
+  Box box;
+  double penalty = 0;
+  bool leader = false;
+};
+
+// Beside, above and below the point, then ever further up and down.
+std::vector<Place> Places(Point point, double width) {
+  constexpr int kFurthest = 6;
+  constexpr double kPenalty = 0.05;
   const double gap = kRingRadius + 2.5;
   const double half = kLabelStyle.size / 2 + 0.5;
-  const auto box = [&](double dx, double dy) {
-    // dx and dy of -1, 0 or 1 say on which side.
-    const double left = dx > 0   ? point.x + gap
-                        : dx < 0 ? point.x - gap - width
-                                 : point.x - width / 2;
-    const double shift = dx == 0 ? gap + half : half + 2;
-    const double middle = point.y + dy * shift;
-    return Box{left, middle - half, left + width, middle + half};
+  std::vector<Place> places;
+  const auto add = [&](int side, double shift, int distance) {
+    const double left = side > 0   ? point.x + gap
+                        : side < 0 ? point.x - gap - width
+                                   : point.x - width / 2;
+    const double middle = point.y + shift;
+    places.push_back({.box = {left, middle - half, left + width, middle + half},
+                      .penalty = kPenalty * distance,
+                      .leader = distance > 1});
   };
-  return {box(1, 0),  box(-1, 0), box(0, -1),  box(0, 1),
-          box(1, -1), box(1, 1),  box(-1, -1), box(-1, 1)};
+  add(1, 0, 0);
+  add(-1, 0, 0);
+  for (int distance = 1; distance <= kFurthest; ++distance) {
+    const double beyond = (distance - 1) * (2 * half + 2);
+    for (int up : {-1, 1}) {
+      add(0, up * (gap + half + beyond), distance);
+      for (int side : {1, -1}) add(side, up * (half + 2 + beyond), distance);
+    }
+  }
+  return places;
 }
 
 // Lines of the front between its points, in steps: no point of it promises
@@ -82,7 +101,7 @@ std::vector<std::pair<Point, Point>> FrontLines(
 }
 
 // Each label where it covers the least of `taken` and of what is not plot, in
-// the order of the points.
+// the order of the points; a thin line leads to one that stands apart.
 void DrawLabels(const std::vector<ScatterPoint>& points, std::vector<Box> taken,
                 const PlotFrame& frame, Canvas& canvas) {
   for (const ScatterPoint& point : points) {
@@ -90,17 +109,27 @@ void DrawLabels(const std::vector<ScatterPoint>& points, std::vector<Box> taken,
     const Point at = frame.At(point.x, point.y);
     const double width = Canvas::TextWidth(point.label, kLabelStyle);
     double least = std::numeric_limits<double>::infinity();
-    Box best;
-    for (const Box& place : Places(at, width)) {
-      double cost = place.width() * place.height() - Area(place, frame.plot());
-      for (const Box& other : taken) cost += Area(place, other);
+    Place best;
+    for (const Place& place : Places(at, width)) {
+      const Box& box = place.box;
+      const double size = box.width() * box.height();
+      double cost = size * (1 + place.penalty) - Area(box, frame.plot());
+      for (const Box& other : taken) cost += 3 * Area(box, other);
       if (cost < least) {
         least = cost;
         best = place;
       }
     }
-    taken.push_back(best);
-    canvas.Text(point.label, {best.left, (best.top + best.bottom) / 2},
+    const Box& box = best.box;
+    taken.push_back(box);
+    if (best.leader) {
+      const double end = box.top > at.y ? box.top : box.bottom;
+      const double start = at.y + (box.top > at.y ? 1 : -1) * kMarkerSize / 2;
+      canvas.Line({at.x, start},
+                  {std::clamp(at.x, box.left + 4, box.right - 4), end},
+                  kSoftInk, 0.7);
+    }
+    canvas.Text(point.label, {box.left, (box.top + box.bottom) / 2},
                 kLabelStyle);
   }
 }
