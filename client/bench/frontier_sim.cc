@@ -1,6 +1,7 @@
 #include "client/bench/frontier_sim.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -33,8 +34,8 @@ struct Method {
   std::string family;
   std::string name;
   SimulateOptions options;
-  // Largest error of a right answer.
-  double bound;
+  // Largest error of a right answer; a peer's is told and not judged.
+  std::optional<double> bound;
 };
 
 struct Work {
@@ -64,7 +65,7 @@ std::vector<Method> Methods(bool quick) {
     options.cvode.position_tolerance *= share;
     options.cvode.max_steps = 1'000'000'000;
     methods.push_back(
-        {"CVODE", absl::StrFormat("tolerance %g", tolerance), options, 1});
+        {"CVODE", absl::StrFormat("tolerance %g", tolerance), options, {}});
   }
   return methods;
 }
@@ -133,10 +134,10 @@ absl::StatusOr<std::vector<FrontierPoint>> MeasureSimulators(
   std::vector<FrontierPoint> points;
   for (size_t m = 0; m < methods.size(); ++m) {
     const Method& method = methods[m];
-    if (!(total[m].error <= method.bound)) {
+    if (method.bound && !(total[m].error <= *method.bound)) {
       return NumericalFailure(
           absl::StrFormat("%s, %s is off by %.2g, more than %g", method.family,
-                          method.name, total[m].error, method.bound));
+                          method.name, total[m].error, *method.bound));
     }
     TACTUS_ASSIGN_OR_RETURN(const double accuracy,
                             AccuracyOf(model, total[m].contacts));
