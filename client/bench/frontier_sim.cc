@@ -47,25 +47,16 @@ struct Work {
 std::vector<Method> Methods(bool quick) {
   std::vector<Method> methods;
   for (const double skip : {0.0, 1e-4, 1e-3, 1e-2}) {
-    SimulateOptions options;
-    options.exact.skip_tolerance = skip;
     methods.push_back(
         {"exact", skip == 0 ? "all bounces" : absl::StrFormat("skip %g", skip),
-         options, std::max(skip, kSolvedBound)});
+         ExactAt(skip), std::max(skip, kSolvedBound)});
   }
   for (const double tolerance : {1e-4, 1e-6}) {
     if (quick && tolerance < 1e-4) continue;
-    SimulateOptions options;
-    options.method = SimMethod::kCvode;
-    // Relative and, in the default's proportion, absolute.
-    const double share = tolerance / options.cvode.relative_tolerance;
-    options.cvode.relative_tolerance = tolerance;
-    options.cvode.force_tolerance *= share;
-    options.cvode.velocity_tolerance *= share;
-    options.cvode.position_tolerance *= share;
-    options.cvode.max_steps = 1'000'000'000;
-    methods.push_back(
-        {"CVODE", absl::StrFormat("tolerance %g", tolerance), options, {}});
+    methods.push_back({"CVODE",
+                       absl::StrFormat("tolerance %g", tolerance),
+                       CvodeAt(tolerance),
+                       {}});
   }
   return methods;
 }

@@ -86,27 +86,6 @@ absl::StatusOr<WorkPoint> Measure(const std::vector<Case>& cases,
   return point;
 }
 
-SimulateOptions Cvode(double tolerance) {
-  SimulateOptions options;
-  options.method = SimMethod::kCvode;
-  // Relative and, in the default's proportion, absolute.
-  const double share = tolerance / options.cvode.relative_tolerance;
-  options.cvode.relative_tolerance = tolerance;
-  options.cvode.force_tolerance *= share;
-  options.cvode.velocity_tolerance *= share;
-  options.cvode.position_tolerance *= share;
-  options.cvode.max_steps = 1'000'000'000;
-  // What ringing order 2 cannot let fade, it resolves slowly.
-  if (tolerance < 1e-5) options.cvode.ringing_order = 5;
-  return options;
-}
-
-SimulateOptions Exact(double skip_tolerance) {
-  SimulateOptions options;
-  options.exact.skip_tolerance = skip_tolerance;
-  return options;
-}
-
 bool Within(const SampleLimits& limits, const SimulatedContact& contact) {
   const ContactModes modes(SceneOf(contact.spec));
   return contact.events.Total() <= limits.events &&
@@ -147,7 +126,8 @@ absl::Status MeasureSample(const SampleLimits& limits,
   if (quick) skips = {0, 1e-3};
   WorkPoint exact;  // at the default
   for (double tolerance : skips) {
-    TACTUS_ASSIGN_OR_RETURN(WorkPoint point, Measure(sample, Exact(tolerance)));
+    TACTUS_ASSIGN_OR_RETURN(WorkPoint point,
+                            Measure(sample, ExactAt(tolerance)));
     point.sample = limits.name;
     point.method = "exact";
     point.tolerance = tolerance;
@@ -160,7 +140,8 @@ absl::Status MeasureSample(const SampleLimits& limits,
                          .error = exact.worst_error,
                          .error_reference = kReference});
   for (double tolerance : quick ? limits.quick : limits.tolerances) {
-    TACTUS_ASSIGN_OR_RETURN(WorkPoint point, Measure(sample, Cvode(tolerance)));
+    TACTUS_ASSIGN_OR_RETURN(WorkPoint point,
+                            Measure(sample, CvodeAt(tolerance)));
     point.sample = limits.name;
     point.method = "CVODE";
     point.tolerance = tolerance;

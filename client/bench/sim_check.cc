@@ -32,6 +32,27 @@ double ThreadSeconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * time.tv_nsec;
 }
 
+SimulateOptions CvodeAt(double tolerance) {
+  SimulateOptions options;
+  options.method = SimMethod::kCvode;
+  // Relative and, in the default's proportion, absolute.
+  const double share = tolerance / options.cvode.relative_tolerance;
+  options.cvode.relative_tolerance = tolerance;
+  options.cvode.force_tolerance *= share;
+  options.cvode.velocity_tolerance *= share;
+  options.cvode.position_tolerance *= share;
+  options.cvode.max_steps = 1'000'000'000;
+  // What ringing order 2 cannot let fade, it resolves slowly.
+  if (tolerance < 1e-5) options.cvode.ringing_order = 5;
+  return options;
+}
+
+SimulateOptions ExactAt(double skip_tolerance) {
+  SimulateOptions options;
+  options.exact.skip_tolerance = skip_tolerance;
+  return options;
+}
+
 double FeatureError(const std::vector<FeatureVector>& got,
                     const std::vector<FeatureVector>& want) {
   double worst = 0;
