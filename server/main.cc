@@ -41,7 +41,7 @@ int CheckHealth(const std::string& address, const std::string& tls_roots) {
     return 1;
   }
   const auto channel = grpc::CreateChannel(address, *credentials);
-  const auto serving = ProbeHealth(*channel, "", std::chrono::seconds(3));
+  const auto serving = ProbeHealth(channel, "", std::chrono::seconds(3));
   if (!serving.ok()) {
     std::fprintf(stderr, "%s: %s\n", address.c_str(),
                  serving.status().ToString().c_str());
@@ -130,6 +130,11 @@ int Main(int argc, char** argv) {
   app.add_option("--drain-grace-ms", flags.server.drain_grace_ms,
                  "Time streams have to finish after SIGTERM")
       ->check(CLI::Range(0, 3'600'000))
+      ->capture_default_str();
+  app.add_option("--threads", flags.server.threads,
+                 "Threads that serve streams; 0: half as many as there are "
+                 "processors")
+      ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   app.add_option("--max-streams", flags.server.max_streams,
                  "Streams admitted at once")

@@ -1,13 +1,14 @@
 #include "server/server.h"
 
+#include <algorithm>
 #include <chrono>
+#include <thread>
 #include <utility>
 
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/base/version.h"
 #include "grpcpp/ext/proto_server_reflection_plugin.h"
-#include "grpcpp/health_check_service_interface.h"
 #include "grpcpp/server_builder.h"
 
 namespace tactus::server {
@@ -38,6 +39,11 @@ void SetChannelArguments(int max_streams, grpc::ServerBuilder& builder) {
       grpc::ResourceQuota("tactusd").Resize(kMemoryQuotaBytes));
 }
 
+int Threads(int wanted) {
+  if (wanted > 0) return wanted;
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency() / 2));
+}
+
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<TactusServer>> TactusServer::Start(
@@ -54,7 +60,6 @@ TactusServer::TactusServer(const ModelSource* models, const Options& options)
                          .server_version = kVersion}) {}
 
 absl::Status TactusServer::Listen() {
-  grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
   SetChannelArguments(options_.max_streams, builder);
@@ -66,7 +71,12 @@ absl::Status TactusServer::Listen() {
                              &ports_[i]);
   }
   builder.RegisterService(&contacts_);
-  builder.RegisterCallbackGenericService(&unimplemented_);
+  builder.RegisterService(&health_);
+  builder.RegisterAsyncGenericService(unimplemented_.service());
+  for (int i = 0; i < Threads(options_.threads); ++i) {
+    queues_.push_back(
+        std::make_unique<CallQueue>(builder.AddCompletionQueue()));
+  }
   server_ = builder.BuildAndStart();
   if (server_ == nullptr) {
     std::string addresses;
@@ -78,16 +88,22 @@ absl::Status TactusServer::Listen() {
                                   : "cannot listen there, or the certificate "
                                     "and the key are no pair");
   }
-  SetServing(true);
-  keep_warm_ = std::make_unique<KeepWarm>(InProcessChannel());
+  Serve();
   return absl::OkStatus();
 }
 
+void TactusServer::Serve() {
+  for (const auto& queue : queues_) {
+    contacts_.Serve(queue.get());
+    health_.Serve(queue.get());
+    unimplemented_.Serve(queue.get());
+  }
+  SetServing(true);
+  for (const auto& queue : queues_) queue->Start();
+}
+
 TactusServer::~TactusServer() {
-  keep_warm_.reset();
-  if (server_ == nullptr) return;
-  server_->Shutdown(std::chrono::system_clock::now());
-  server_->Wait();
+  if (server_ != nullptr) Shutdown(std::chrono::system_clock::now());
 }
 
 void TactusServer::Stop() {
@@ -98,16 +114,19 @@ void TactusServer::Stop() {
     contacts_.EndStreams();
     contacts_.WaitUntilEmpty(kLastMessages);
   }
-  keep_warm_.reset();
-  server_->Shutdown(std::chrono::system_clock::now() + kCutOff);
+  Shutdown(std::chrono::system_clock::now() + kCutOff);
+}
+
+void TactusServer::Shutdown(std::chrono::system_clock::time_point deadline) {
+  server_->Shutdown(deadline);
   server_->Wait();
+  for (const auto& queue : queues_) queue->Stop();
   server_.reset();
 }
 
 void TactusServer::SetServing(bool serving) {
-  grpc::HealthCheckServiceInterface* health = server_->GetHealthCheckService();
-  health->SetServingStatus(serving);
-  health->SetServingStatus(kContactService, serving);
+  health_.SetServing("", serving);
+  health_.SetServing(kContactService, serving);
 }
 
 std::shared_ptr<grpc::Channel> TactusServer::InProcessChannel() {

@@ -9,6 +9,7 @@
 // Thread-safe but for Stop, which is called once. `models` must outlive it.
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,10 +19,10 @@
 #include "core/base/limits.h"
 #include "grpcpp/channel.h"
 #include "grpcpp/server.h"
-#include "server/ops/keep_warm.h"
 #include "server/ops/tls.h"
 #include "server/rpc/contact_service.h"
-#include "server/rpc/refusal.h"
+#include "server/rpc/health_service.h"
+#include "server/rpc/unimplemented_calls.h"
 
 namespace tactus::server {
 
@@ -33,6 +34,8 @@ class TactusServer {
     std::vector<std::string> listen = {};
     // TLS on every host:port; unix sockets stay plain.
     std::optional<TlsIdentity> tls = {};
+    // That serve calls; 0: half as many as there are processors.
+    int threads = 0;
     int max_streams = limits::kMaxStreams;
     // 0 means none.
     int idle_timeout_ms = limits::kIdleTimeoutMs;
@@ -61,14 +64,18 @@ class TactusServer {
  private:
   TactusServer(const ModelSource* models, const Options& options);
   absl::Status Listen();
+  void Serve();
   void SetServing(bool serving);
+  // Cuts off what is left at `deadline`.
+  void Shutdown(std::chrono::system_clock::time_point deadline);
 
   const Options options_;
   ContactService contacts_;
-  UnimplementedService unimplemented_;
+  HealthService health_;
+  UnimplementedCalls unimplemented_;
   std::vector<int> ports_;
+  std::vector<std::unique_ptr<CallQueue>> queues_;
   std::unique_ptr<grpc::Server> server_;
-  std::unique_ptr<KeepWarm> keep_warm_;
 };
 
 }  // namespace tactus::server

@@ -4,7 +4,6 @@
 #include <fstream>
 #include <memory>
 #include <thread>
-#include <vector>
 
 #include "CLI/CLI.hpp"
 #include "core/base/errors.h"
@@ -16,8 +15,6 @@
 
 namespace tactus::client {
 namespace {
-
-constexpr int kQueueThreads = 2;
 
 grpc::ByteBuffer MakeAnswer(int bytes) {
   v1::ClassifyContactResponse response;
@@ -134,8 +131,8 @@ void AddEchoFlags(EchoOptions& options, CLI::App& command) {
   command.add_option("--port-file", options.port_file,
                      "Where to tell the port");
   command.add_option("--answer-bytes", options.answer_bytes, "Size of answers");
-  command.add_flag("--completion-queue", options.completion_queue,
-                   "In place of callbacks");
+  command.add_flag("--callbacks", options.callbacks,
+                   "In place of a completion queue and its thread");
 }
 
 absl::Status RunEchoServer(const EchoOptions& options) {
@@ -147,24 +144,22 @@ absl::Status RunEchoServer(const EchoOptions& options) {
   builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(),
                            &port);
   std::unique_ptr<grpc::ServerCompletionQueue> queue;
-  if (options.completion_queue) {
+  if (options.callbacks) {
+    builder.RegisterCallbackGenericService(&callback);
+  } else {
     builder.RegisterAsyncGenericService(&async);
     queue = builder.AddCompletionQueue();
-  } else {
-    builder.RegisterCallbackGenericService(&callback);
   }
   const auto server = builder.BuildAndStart();
   if (server == nullptr) return IoError("127.0.0.1", "cannot listen there");
-  std::vector<std::thread> threads;
+  std::thread thread;
   if (queue != nullptr) {
     QueueEcho::Await(&async, queue.get(), &answer);
-    for (int i = 0; i < kQueueThreads; ++i) {
-      threads.emplace_back(ServeQueue, queue.get());
-    }
+    thread = std::thread(ServeQueue, queue.get());
   }
   std::ofstream(options.port_file) << port << std::endl;
   server->Wait();
-  for (std::thread& thread : threads) thread.join();
+  if (thread.joinable()) thread.join();
   return absl::OkStatus();
 }
 

@@ -21,7 +21,7 @@ struct EchoOptions {
   // Bytes of an answer, about; answers parse as ClassifyContactResponse.
   int answer_bytes = 300;
   // One completion queue served by two threads, in place of callbacks.
-  bool completion_queue = false;
+  bool callbacks = false;
 };
 
 void AddEchoFlags(EchoOptions& options, CLI::App& command);

@@ -90,14 +90,14 @@ absl::StatusOr<std::vector<BenchRow>> MeasureStream(
       "echo-server",
       absl::StrCat("--answer-bytes=",
                    static_cast<int>(ours->stream().answer_bytes()))};
-  std::vector<std::string> queue_echo = echo;
-  queue_echo.push_back("--completion-queue");
-  TACTUS_ASSIGN_OR_RETURN(auto callback,
-                          Side::Start("tactus-bench", echo, &script));
+  std::vector<std::string> callback_echo = echo;
+  callback_echo.push_back("--callbacks");
   TACTUS_ASSIGN_OR_RETURN(auto queue,
-                          Side::Start("tactus-bench", queue_echo, &script));
-  Side* const sides[] = {ours.get(), untouched.get(), callback.get(),
-                         queue.get()};
+                          Side::Start("tactus-bench", echo, &script));
+  TACTUS_ASSIGN_OR_RETURN(auto callback,
+                          Side::Start("tactus-bench", callback_echo, &script));
+  Side* const sides[] = {ours.get(), untouched.get(), queue.get(),
+                         callback.get()};
   for (Side* side : sides) {
     TACTUS_RETURN_IF_ERROR(side->Round(options));
     side->Forget();
@@ -107,52 +107,52 @@ absl::StatusOr<std::vector<BenchRow>> MeasureStream(
       TACTUS_RETURN_IF_ERROR(side->Round(options));
     }
   }
-  const char* const bare = "bare gRPC echo, callbacks";
-  const char* const bare_queue = "bare gRPC echo, completion queue";
+  const char* const bare = "bare gRPC echo, completion queue";
+  const char* const bare_callback = "bare gRPC echo, callbacks";
   return std::vector<BenchRow>{
       {.name = "stream/throughput",
        .unit = "1/s",
        .ours = ours->rate(),
-       .peer = callback->rate(),
+       .peer = queue->rate(),
        .peer_name = bare},
       {.name = "stream/rtt_p50",
        .unit = "ms",
        .ours = ours->rtt_ms(),
-       .peer = callback->rtt_ms(),
+       .peer = queue->rtt_ms(),
        .peer_name = bare},
       {.name = "stream/server_cpu",
        .unit = "ns",
        .ours = ours->cpu_ns(),
-       .peer = callback->cpu_ns(),
+       .peer = queue->cpu_ns(),
        .peer_name = bare},
       {.name = "stream/untouched_throughput",
        .unit = "1/s",
        .ours = untouched->rate(),
-       .peer = callback->rate(),
+       .peer = queue->rate(),
        .peer_name = bare},
       {.name = "stream/untouched_rtt_p50",
        .unit = "ms",
        .ours = untouched->rtt_ms(),
-       .peer = callback->rtt_ms(),
+       .peer = queue->rtt_ms(),
        .peer_name = bare},
       {.name = "stream/superseded",
        .unit = "answers",
        .ours = static_cast<double>(ours->stream().superseded())},
-      {.name = "stream/echo_callback_vs_cq_throughput",
+      {.name = "stream/echo_cq_vs_callback_throughput",
        .unit = "1/s",
-       .ours = callback->rate(),
-       .peer = queue->rate(),
-       .peer_name = bare_queue},
-      {.name = "stream/echo_callback_vs_cq_rtt_p50",
+       .ours = queue->rate(),
+       .peer = callback->rate(),
+       .peer_name = bare_callback},
+      {.name = "stream/echo_cq_vs_callback_rtt_p50",
        .unit = "ms",
-       .ours = callback->rtt_ms(),
-       .peer = queue->rtt_ms(),
-       .peer_name = bare_queue},
-      {.name = "stream/echo_callback_vs_cq_server_cpu",
+       .ours = queue->rtt_ms(),
+       .peer = callback->rtt_ms(),
+       .peer_name = bare_callback},
+      {.name = "stream/echo_cq_vs_callback_server_cpu",
        .unit = "ns",
-       .ours = callback->cpu_ns(),
-       .peer = queue->cpu_ns(),
-       .peer_name = bare_queue}};
+       .ours = queue->cpu_ns(),
+       .peer = callback->cpu_ns(),
+       .peer_name = bare_callback}};
 }
 
 class StreamBenchmark : public Benchmark {

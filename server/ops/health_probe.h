@@ -2,12 +2,13 @@
 //
 // Asks a server's grpc.health.v1.Health whether it serves.
 //
-//   auto serving = ProbeHealth(*channel, "", std::chrono::seconds(2));
+//   auto serving = ProbeHealth(channel, "", std::chrono::seconds(2));
 //
 // Thread-safe.
 #pragma once
 
 #include <chrono>
+#include <memory>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -17,7 +18,7 @@ namespace tactus::server {
 
 // True if `service` ("" = the server as a whole) is SERVING. The RPC's own
 // error if there is no answer.
-absl::StatusOr<bool> ProbeHealth(grpc::Channel& channel,
+absl::StatusOr<bool> ProbeHealth(const std::shared_ptr<grpc::Channel>& channel,
                                  const std::string& service,
                                  std::chrono::milliseconds timeout);
 

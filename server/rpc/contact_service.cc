@@ -1,6 +1,7 @@
 #include "server/rpc/contact_service.h"
 
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
@@ -14,66 +15,64 @@ ContactService::ContactService(const ModelSource* models, Options options)
       options_(std::move(options)),
       gate_(options_.max_streams) {}
 
-BytesReactor* ContactService::ClassifyContact(
-    grpc::CallbackServerContext* context) {
-  std::unique_lock lock(mutex_);
-  if (draining_) return RefuseStream(Draining());
-  if (!gate_.TryEnter()) return RefuseStream(StreamLimit(gate_.limit()));
-  ContactStream::Options options;
-  options.session.stream_id = absl::StrCat(next_stream_.fetch_add(1));
-  options.session.server_version = options_.server_version;
-  options.session.idle_timeout_ms = options_.idle_timeout_ms;
-  options.idle_timeout_ms = options_.idle_timeout_ms;
-  options.on_done = [this](ContactStream* stream) { OnStreamDone(stream); };
-  auto stream =
-      std::make_shared<ContactStream>(context, models_, std::move(options));
-  streams_.insert(stream);
-  lock.unlock();
-  stream->Start();
-  return stream.get();
+void ContactService::Serve(CallQueue* queue) {
+  streams_.try_emplace(queue);
+  // Deletes itself.
+  new ContactStream(this, queue, this);
 }
 
-grpc::ServerUnaryReactor* ContactService::ClassifyTrial(
-    grpc::CallbackServerContext* context, const v1::ClassifyTrialRequest*,
-    v1::ClassifyTrialResponse*) {
-  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  reactor->Finish(
-      ToGrpcStatus(Unimplemented("/tactus.v1.ContactService/ClassifyTrial")));
-  return reactor;
+absl::StatusOr<StreamSession::Options> ContactService::Admit(
+    ContactStream* stream) {
+  new ContactStream(this, stream->queue(), this);
+  if (draining_) return Draining();
+  if (!gate_.TryEnter()) return StreamLimit(gate_.limit());
+  streams_.at(stream->queue()).insert(stream);
+  return StreamSession::Options{
+      .stream_id = absl::StrCat(next_stream_.fetch_add(1)),
+      .server_version = options_.server_version,
+      .idle_timeout_ms = static_cast<uint32_t>(options_.idle_timeout_ms)};
+}
+
+void ContactService::Release(ContactStream* stream) {
+  const uint64_t frames = stream->frames();
+  spdlog::debug("stream ended after {} frames, {} left", frames,
+                gate_.live() - 1);
+  skipped_.Add(stream->skipped());
+  streams_.at(stream->queue()).erase(stream);
+  const std::lock_guard lock(mutex_);
+  gate_.Leave(frames);
+  stream_done_.notify_all();
+}
+
+grpc::Status ContactService::ClassifyTrial(grpc::ServerContext*,
+                                           const v1::ClassifyTrialRequest*,
+                                           v1::ClassifyTrialResponse*) {
+  return ToGrpcStatus(Unimplemented("/tactus.v1.ContactService/ClassifyTrial"));
 }
 
 void ContactService::StartDraining(std::chrono::milliseconds grace) {
-  {
-    const std::lock_guard lock(mutex_);
-    draining_ = true;
-  }
-  for (const auto& stream : Streams()) stream->Drain(grace.count());
+  draining_ = true;
+  ForEachStream(
+      [grace](ContactStream* stream) { stream->Drain(grace.count()); });
 }
 
 void ContactService::EndStreams() {
-  for (const auto& stream : Streams()) stream->End(Draining());
+  ForEachStream([](ContactStream* stream) { stream->End(Draining()); });
 }
 
 bool ContactService::WaitUntilEmpty(std::chrono::milliseconds timeout) {
   std::unique_lock lock(mutex_);
   return stream_done_.wait_for(lock, timeout,
-                               [this] { return streams_.empty(); });
+                               [this] { return gate_.live() == 0; });
 }
 
-std::vector<std::shared_ptr<ContactStream>> ContactService::Streams() {
-  const std::lock_guard lock(mutex_);
-  return {streams_.begin(), streams_.end()};
-}
-
-void ContactService::OnStreamDone(ContactStream* stream) {
-  const uint64_t frames = stream->frames();
-  spdlog::debug("stream ended after {} frames, {} left", frames,
-                gate_.live() - 1);
-  skipped_.Add(stream->skipped());
-  const std::lock_guard lock(mutex_);
-  streams_.erase(stream->shared_from_this());
-  gate_.Leave(frames);
-  stream_done_.notify_all();
+void ContactService::ForEachStream(std::function<void(ContactStream*)> visit) {
+  for (auto& [queue, streams] : streams_) {
+    queue->Post([&streams = streams, visit] {
+      // A visit may end a stream, but never deletes it.
+      for (ContactStream* stream : streams) visit(stream);
+    });
+  }
 }
 
 }  // namespace tactus::server

@@ -2,32 +2,33 @@
 //
 // ContactService: admits streams, keeps count of them and drains them.
 //
-// Thread-safe. Must outlive the gRPC server it is registered with.
+//   builder.RegisterService(&service);
+//   ...
+//   queue.Post([&] { service.Await(&queue); });
+//
+// Thread-safe, but for what the keeper of streams does: that belongs to the
+// thread of each stream's queue. Must outlive the gRPC server it is registered
+// with, and its queues.
 #pragma once
 
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
-#include <memory>
+#include <functional>
 #include <mutex>
+#include <string>
+#include <unordered_map>
 #include <unordered_set>
-#include <vector>
 
 #include "server/ops/skip_totals.h"
 #include "server/ops/stream_gate.h"
+#include "server/rpc/call_queue.h"
 #include "server/rpc/contact_stream.h"
-#include "tactus/v1/contact.grpc.pb.h"
 
 namespace tactus::server {
 
-// Streams move raw bytes, so that a message is measured before it is parsed
-// and one that cannot be parsed is told from a half-close.
-using ContactServiceBase =
-    v1::ContactService::WithRawCallbackMethod_ClassifyContact<
-        v1::ContactService::WithCallbackMethod_ClassifyTrial<
-            v1::ContactService::Service>>;
-
-class ContactService : public ContactServiceBase {
+class ContactService final : public RawContactService,
+                             private ContactStream::Keeper {
  public:
   struct Options {
     int max_streams = 0;
@@ -39,11 +40,12 @@ class ContactService : public ContactServiceBase {
   // `models` must outlive this object.
   ContactService(const ModelSource* models, Options options);
 
-  BytesReactor* ClassifyContact(grpc::CallbackServerContext* context) override;
-  grpc::ServerUnaryReactor* ClassifyTrial(
-      grpc::CallbackServerContext* context,
-      const v1::ClassifyTrialRequest* request,
-      v1::ClassifyTrialResponse* response) override;
+  // Takes streams on `queue`. Before any queue starts.
+  void Serve(CallQueue* queue);
+
+  grpc::Status ClassifyTrial(grpc::ServerContext* context,
+                             const v1::ClassifyTrialRequest* request,
+                             v1::ClassifyTrialResponse* response) override;
 
   // Refuses new streams and tells those there are.
   void StartDraining(std::chrono::milliseconds grace);
@@ -57,19 +59,27 @@ class ContactService : public ContactServiceBase {
   const SkipTotals& skipped() const { return skipped_; }
 
  private:
-  std::vector<std::shared_ptr<ContactStream>> Streams();
-  void OnStreamDone(ContactStream* stream);
+  using Streams = std::unordered_set<ContactStream*>;
 
-  const ModelSource* models_;
+  absl::StatusOr<StreamSession::Options> Admit(ContactStream* stream) override;
+  void Release(ContactStream* stream) override;
+  const ModelSource* models() const override { return models_; }
+
+  // On the thread of each queue.
+  void ForEachStream(std::function<void(ContactStream*)> visit);
+
+  const ModelSource* const models_;
   const Options options_;
   StreamGate gate_;
   SkipTotals skipped_;
   std::atomic<uint64_t> next_stream_ = 1;
+  std::atomic<bool> draining_ = false;
+  // Which queues there are is fixed once they start; the streams of each
+  // belong to its thread.
+  std::unordered_map<CallQueue*, Streams> streams_;
 
   std::mutex mutex_;
   std::condition_variable stream_done_;
-  bool draining_ = false;
-  std::unordered_set<std::shared_ptr<ContactStream>> streams_;
 };
 
 }  // namespace tactus::server

@@ -4,70 +4,103 @@
 // StreamSession. At most one read and one write are in flight; every event
 // ends in Advance(), which starts what may be started next.
 //
-// Lives until gRPC is done with the RPC and nobody holds it. Reactions and the
-// public functions may come from any thread; a mutex per stream orders them.
-// gRPC never runs a reaction inside StartRead, StartWrite or Finish, so they
-// may be called with the mutex held.
+//   new ContactStream(service, queue, keeper);  // awaits a call
+//
+// Deletes itself when nothing of it is in flight any more. Belongs to its
+// queue's thread, on which everything runs, construction and the keeper's
+// functions too.
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
-#include <mutex>
+#include <optional>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "grpcpp/alarm.h"
 #include "grpcpp/server_context.h"
-#include "server/rpc/refusal.h"
+#include "grpcpp/support/async_stream.h"
+#include "server/rpc/call_queue.h"
 #include "server/session/stream_session.h"
+#include "tactus/v1/contact.grpc.pb.h"
 
 namespace tactus::server {
 
-class ContactStream : public BytesReactor,
-                      public std::enable_shared_from_this<ContactStream> {
+// Streams move raw bytes, so that a message is measured before it is parsed
+// and one that cannot be parsed is told from a half-close.
+using RawContactService = v1::ContactService::WithRawMethod_ClassifyContact<
+    v1::ContactService::Service>;
+
+class ContactStream {
  public:
-  struct Options {
-    StreamSession::Options session;
-    // Silence that ends the stream; 0 means none.
-    int idle_timeout_ms = 0;
-    // Called once, last.
-    std::function<void(ContactStream*)> on_done;
+  // Who admits streams and keeps them.
+  class Keeper {
+   public:
+    // A call has come: awaits the next one on `stream`'s queue, and admits
+    // this one or says why not.
+    virtual absl::StatusOr<StreamSession::Options> Admit(
+        ContactStream* stream) = 0;
+    // A stream that was admitted is over.
+    virtual void Release(ContactStream* stream) = 0;
+    virtual const ModelSource* models() const = 0;
+
+   protected:
+    ~Keeper() = default;
   };
 
-  ContactStream(grpc::CallbackServerContext* context, const ModelSource* models,
-                Options options);
+  // All three must outlive it. The session's option tells the idle timeout.
+  ContactStream(RawContactService* service, CallQueue* queue, Keeper* keeper);
 
-  // Starts reading. Once, after construction.
-  void Start();
+  ContactStream(const ContactStream&) = delete;
+  ContactStream& operator=(const ContactStream&) = delete;
+
   // Tells the client that the server will stop.
   void Drain(uint32_t grace_ms);
   // Ends the stream with `status`, after what is owed.
   void End(const absl::Status& status);
 
-  uint64_t frames() const { return session_.frames(); }
-  SkipCounters skipped() const { return session_.skipped(); }
-
-  void OnReadDone(bool ok) override;
-  void OnWriteDone(bool ok) override;
-  void OnCancel() override;
-  void OnDone() override;
+  CallQueue* queue() const { return queue_; }
+  uint64_t frames() const { return session_->frames(); }
+  SkipCounters skipped() const { return session_->skipped(); }
 
  private:
+  using Event = MemberEvent<ContactStream>;
+
+  ~ContactStream();
+
+  void OnCalled(bool ok);
+  void OnRead(bool ok);
+  void OnWritten(bool ok);
+  void OnIdle(bool ok);
+  void OnFinished(bool ok);
+
   void TakeMessage();
   void Advance();
   void StartNextWrite();
   void SetIdleAlarm(int64_t delay_ns);
-  void OnIdleAlarm();
+  void Finish(const grpc::Status& status);
+  void DeleteIfOver();
 
-  grpc::CallbackServerContext* const context_;
-  const Options options_;
-  // Dropped in OnDone.
-  std::shared_ptr<ContactStream> self_;
+  RawContactService* const service_;
+  CallQueue* const queue_;
+  Keeper* const keeper_;
 
-  std::mutex mutex_;
-  StreamSession session_;
+  grpc::ServerContext context_;
+  grpc::ServerAsyncReaderWriter<grpc::ByteBuffer, grpc::ByteBuffer> stream_{
+      &context_};
+  Event called_{this, &ContactStream::OnCalled};
+  Event read_done_{this, &ContactStream::OnRead};
+  Event written_{this, &ContactStream::OnWritten};
+  Event idle_{this, &ContactStream::OnIdle};
+  Event finish_done_{this, &ContactStream::OnFinished};
+
+  // From admission on.
+  std::optional<StreamSession> session_;
+  StreamSession::Options options_;
   grpc::ByteBuffer read_;
   grpc::ByteBuffer write_;
+  // Operations whose events have not come yet.
+  int in_flight_ = 0;
   bool reading_ = false;
   bool writing_ = false;
   // The peer is gone: nothing more can be written.
@@ -75,7 +108,7 @@ class ContactStream : public BytesReactor,
   // Finish was called.
   bool finished_ = false;
   int64_t last_read_ns_ = 0;
-  std::unique_ptr<grpc::Alarm> idle_alarm_;
+  grpc::Alarm idle_alarm_;
 };
 
 }  // namespace tactus::server

@@ -10,6 +10,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/skin/taxel_values.h"
 
 namespace tactus::server {
 namespace {
@@ -181,7 +182,7 @@ absl::Status FrameDecoder::CheckPoses(const v1::FrameBatch& batch) const {
 absl::Status FrameDecoder::CheckValues(const v1::FrameBatch& batch) {
   if (batch.has_sparse() && skip_unlisted_) return CheckListedValues(batch);
   for (uint32_t i = 0; i < batch.frame_count(); ++i) {
-    DecodeFrame(batch, i);
+    if (DecodeFrame(batch, i)) continue;
     const auto bad = std::ranges::find_if_not(taxels_, IsGood);
     if (bad == taxels_.end()) continue;
     return BadValue(batch.first_sequence() + i,
@@ -231,26 +232,25 @@ int64_t FrameDecoder::CaptureTime(const v1::FrameBatch& batch,
   return batch.first_capture_time_ns() + std::llround(index * frame_period_ns_);
 }
 
-void FrameDecoder::DecodeFrame(const v1::FrameBatch& batch, uint32_t index) {
-  if (batch.has_sparse()) {
-    DecodeSparse(batch, index);
-  } else {
-    DecodeDense(batch, index);
-  }
+bool FrameDecoder::DecodeFrame(const v1::FrameBatch& batch, uint32_t index) {
+  if (!batch.has_sparse()) return DecodeDense(batch, index);
+  DecodeSparse(batch, index);
+  return false;
 }
 
-void FrameDecoder::DecodeDense(const v1::FrameBatch& batch, uint32_t index) {
+bool FrameDecoder::DecodeDense(const v1::FrameBatch& batch, uint32_t index) {
   const char* wire =
       batch.taxels().data() + index * taxel_count_ * taxel_bytes_;
-  for (size_t i = 0; i < taxel_count_; ++i) {
-    taxels_[i] = Value(wire + i * taxel_bytes_);
-  }
+  const auto scale_taxels = taxel_type_ == v1::TAXEL_TYPE_UINT16
+                                ? ScaleTaxels<uint16_t>
+                                : ScaleTaxels<float>;
+  const bool good = scale_taxels(wire, scale_, limits::kMaxTaxelValue, taxels_);
   listed_only_ = false;
-  if (mask_.empty()) return;
   // What a masked taxel holds is never looked at.
-  for (size_t i = 0; i < taxel_count_; ++i) {
+  for (size_t i = 0; i < mask_.size(); ++i) {
     if (mask_[i] == 0) taxels_[i] = 0;
   }
+  return good;
 }
 
 void FrameDecoder::DecodeSparse(const v1::FrameBatch& batch, uint32_t index) {
@@ -281,8 +281,8 @@ float FrameDecoder::SparseValue(const v1::SparseFrames& sparse,
 float FrameDecoder::Value(const char* wire) const {
   // In double, as trial files are read: the same bits online and offline.
   return taxel_type_ == v1::TAXEL_TYPE_UINT16
-             ? static_cast<float>(Load<uint16_t>(wire) * scale_)
-             : static_cast<float>(Load<float>(wire) * scale_);
+             ? ScaledTaxel(Load<uint16_t>(wire), scale_)
+             : ScaledTaxel(Load<float>(wire), scale_);
 }
 
 }  // namespace tactus::server

@@ -56,9 +56,10 @@ class FrameDecoder {
   absl::Status CheckListedValues(const v1::FrameBatch& batch) const;
 
   // Fill taxels_ with the values in the layout's unit. Sparse frames are read
-  // one after another: `sparse_entry_` runs along.
-  void DecodeFrame(const v1::FrameBatch& batch, uint32_t index);
-  void DecodeDense(const v1::FrameBatch& batch, uint32_t index);
+  // one after another: `sparse_entry_` runs along. True if all values are
+  // known to be good.
+  bool DecodeFrame(const v1::FrameBatch& batch, uint32_t index);
+  bool DecodeDense(const v1::FrameBatch& batch, uint32_t index);
   void DecodeSparse(const v1::FrameBatch& batch, uint32_t index);
   float Value(const char* wire) const;
   float SparseValue(const v1::SparseFrames& sparse, size_t entry) const;

@@ -28,11 +28,19 @@ absl::Status StreamSession::OnMessage(
   if (!finishing_ && !ParseRequest(bytes, &request_)) {
     return EndIfError(MalformedRequest(size));
   }
-  return OnRequest(request_);
+  return Take(request_);
 }
 
 absl::Status StreamSession::OnRequest(
     const v1::ClassifyContactRequest& request) {
+  const size_t size = request.ByteSizeLong();
+  if (!finishing_ && size > limits::kMaxMessageBytes) {
+    return EndIfError(MessageTooLarge(size, limits::kMaxMessageBytes));
+  }
+  return Take(request);
+}
+
+absl::Status StreamSession::Take(const v1::ClassifyContactRequest& request) {
   if (finishing_) return StreamFinished();
   responses_.BeginRequest();
   return EndIfError(Dispatch(request));

@@ -80,6 +80,7 @@ class StreamSession {
  private:
   // Ends the stream if `status` is an error; returns it.
   absl::Status EndIfError(absl::Status status);
+  absl::Status Take(const v1::ClassifyContactRequest& request);
   absl::Status Dispatch(const v1::ClassifyContactRequest& request);
   absl::Status OnConfig(const v1::StreamConfig& config);
   absl::Status OnFrames(const v1::FrameBatch& batch);

@@ -19,7 +19,7 @@ constexpr char kService[] = "tactus.v1.ContactService";
 
 bool Serves(const TestServer& server, const std::string& service) {
   const auto serving =
-      server::ProbeHealth(*server.channel(), service, std::chrono::seconds(10));
+      server::ProbeHealth(server.channel(), service, std::chrono::seconds(10));
   EXPECT_TRUE(serving.ok()) << serving.status();
   return serving.value_or(false);
 }

@@ -1,0 +1,85 @@
+// File: call_queue.h
+//
+// CallQueue: one of a server's completion queues, and the thread that serves
+// it. Whatever happens to a call happens on the thread of its queue, one event
+// after another, so calls need no locks.
+//
+//   CallQueue queue(builder.AddCompletionQueue());
+//   const auto server = builder.BuildAndStart();
+//   queue.Start();
+//   queue.Post([] { ... });
+//   server->Shutdown(deadline);
+//   queue.Stop();
+//
+// A call's operations carry one of its CallEvents as their tag. A call counts
+// itself in when it is made and out when it is deleted; the queue serves until
+// none is left.
+//
+// Post may come from any thread, at any time before Stop. Start and Stop are
+// called once each, by the owner; all else belongs to the queue's thread.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <thread>
+
+#include "grpcpp/completion_queue.h"
+
+namespace tactus::server {
+
+// What a queue hands back when an operation is over.
+class CallEvent {
+ public:
+  // `ok` as gRPC tells it: false if the operation failed.
+  virtual void OnEvent(bool ok) = 0;
+  // What operations carry.
+  void* tag() { return this; }
+
+ protected:
+  ~CallEvent() = default;
+};
+
+// Calls a member function of the call that owns it.
+template <typename Call>
+class MemberEvent final : public CallEvent {
+ public:
+  using Handler = void (Call::*)(bool ok);
+  MemberEvent(Call* call, Handler handler) : call_(call), handler_(handler) {}
+  void OnEvent(bool ok) override { (call_->*handler_)(ok); }
+
+ private:
+  Call* const call_;
+  const Handler handler_;
+};
+
+class CallQueue {
+ public:
+  explicit CallQueue(std::unique_ptr<grpc::ServerCompletionQueue> queue);
+  // After Stop, or without Start and any call.
+  ~CallQueue();
+
+  CallQueue(const CallQueue&) = delete;
+  CallQueue& operator=(const CallQueue&) = delete;
+
+  void Start();
+  // Runs `task` on the queue's thread.
+  void Post(std::function<void()> task);
+  // Once the server was shut down, so that all calls end: waits for them.
+  void Stop();
+
+  void Enter() { ++calls_; }
+  void Leave();
+
+  grpc::ServerCompletionQueue* queue() { return queue_.get(); }
+
+ private:
+  void Serve();
+
+  const std::unique_ptr<grpc::ServerCompletionQueue> queue_;
+  int calls_ = 0;
+  bool stopping_ = false;
+  bool served_ = false;
+  std::thread thread_;
+};
+
+}  // namespace tactus::server

@@ -1,0 +1,86 @@
+// Whole frames at once give each taxel what it gives alone.
+#include "core/skin/taxel_values.h"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "gtest/gtest.h"
+
+namespace tactus {
+namespace {
+
+constexpr float kLimit = 1e12F;
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+// The bytes of `numbers`, at an address that suits no number.
+template <typename Number>
+std::string Wire(const std::vector<Number>& numbers) {
+  std::string wire(1 + numbers.size() * sizeof(Number), 0);
+  std::memcpy(wire.data() + 1, numbers.data(), numbers.size() * sizeof(Number));
+  return wire;
+}
+
+template <typename Number>
+void ExpectEachAsAlone(const std::vector<Number>& numbers, double scale) {
+  const std::string wire = Wire(numbers);
+  std::vector<float> taxels(numbers.size() + 1, -7);
+  bool good = true;
+  ScaleTaxels<Number>(wire.data() + 1, scale, kLimit,
+                      std::span(taxels).first(numbers.size()));
+  for (size_t i = 0; i < numbers.size(); ++i) {
+    const auto alone =
+        static_cast<float>(static_cast<double>(numbers[i]) * scale);
+    good = good && alone >= 0 && alone <= kLimit;
+    EXPECT_EQ(std::bit_cast<uint32_t>(taxels[i]),
+              std::bit_cast<uint32_t>(alone))
+        << i << " of " << numbers.size();
+  }
+  EXPECT_TRUE(good);
+  EXPECT_EQ(taxels.back(), -7) << "wrote past the end";
+}
+
+TEST(TaxelValuesTest, EveryLengthAndNumber) {
+  std::mt19937 random(1);
+  for (size_t count = 0; count <= 70; ++count) {
+    std::vector<uint16_t> integers(count);
+    std::vector<float> floats(count);
+    for (size_t i = 0; i < count; ++i) {
+      integers[i] = static_cast<uint16_t>(random());
+      floats[i] = std::ldexp(static_cast<float>(random() % 10'000),
+                             static_cast<int>(random() % 60) - 40);
+    }
+    ExpectEachAsAlone(integers, 0.1);
+    ExpectEachAsAlone(floats, 1.0 / 3);
+  }
+  std::vector<uint16_t> all(65'536);
+  for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<uint16_t>(i);
+  ExpectEachAsAlone(all, 0.0123);
+}
+
+TEST(TaxelValuesTest, OneBadValueAnywhereIsSeen) {
+  for (const size_t count : {1, 7, 8, 16, 33, 384}) {
+    for (size_t bad = 0; bad < count; ++bad) {
+      for (const float value :
+           {kNan, kInfinity, -kInfinity, -1e-30F, 1.1e12F}) {
+        std::vector<float> numbers(count, 2.5F);
+        numbers[bad] = value;
+        std::vector<float> taxels(count);
+        EXPECT_FALSE(
+            ScaleTaxels<float>(Wire(numbers).data() + 1, 1, kLimit, taxels))
+            << value << " at " << bad << " of " << count;
+      }
+    }
+    std::vector<float> taxels(count);
+    EXPECT_TRUE(ScaleTaxels<float>(
+        Wire(std::vector<float>(count, kLimit)).data() + 1, 1, kLimit, taxels));
+  }
+}
+
+}  // namespace
+}  // namespace tactus
