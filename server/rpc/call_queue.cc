@@ -7,6 +7,9 @@
 namespace tactus::server {
 namespace {
 
+// Of other calls, before those that were deferred have their turn.
+constexpr int kMostEventsWhileDeferred = 64;
+
 // A task on its way to a queue's thread: an alarm that has expired.
 class Task final : public CallEvent {
  public:
@@ -58,9 +61,36 @@ void CallQueue::Leave() {
 }
 
 void CallQueue::Serve() {
+  while (HandleNext()) {
+    if (!deferred_.empty() && ++events_since_ >= kMostEventsWhileDeferred) {
+      HandleDeferred(false);
+    }
+  }
+}
+
+bool CallQueue::HandleNext() {
   void* tag = nullptr;
   bool ok = false;
-  while (queue_->Next(&tag, &ok)) static_cast<CallEvent*>(tag)->OnEvent(ok);
+  if (deferred_.empty()) {
+    if (!queue_->Next(&tag, &ok)) return false;
+  } else {
+    const auto next =
+        queue_->AsyncNext(&tag, &ok, gpr_inf_past(GPR_CLOCK_MONOTONIC));
+    if (next == grpc::CompletionQueue::SHUTDOWN) return false;
+    if (next == grpc::CompletionQueue::TIMEOUT) {
+      HandleDeferred(true);
+      return true;
+    }
+  }
+  static_cast<CallEvent*>(tag)->OnEvent(ok);
+  return true;
+}
+
+void CallQueue::HandleDeferred(bool idle) {
+  events_since_ = 0;
+  due_.swap(deferred_);
+  for (CallEvent* event : due_) event->OnEvent(idle);
+  due_.clear();
 }
 
 }  // namespace tactus::server

@@ -22,6 +22,7 @@
 #include <functional>
 #include <memory>
 #include <thread>
+#include <vector>
 
 #include "grpcpp/completion_queue.h"
 
@@ -69,16 +70,26 @@ class CallQueue {
 
   void Enter() { ++calls_; }
   void Leave();
+  // Hands `event` back with `ok` once no other is at hand, or without if that
+  // does not come about soon.
+  void Defer(CallEvent* event) { deferred_.push_back(event); }
 
   grpc::ServerCompletionQueue* queue() { return queue_.get(); }
 
  private:
   void Serve();
+  // False once the queue is shut down and empty.
+  bool HandleNext();
+  void HandleDeferred(bool idle);
 
   const std::unique_ptr<grpc::ServerCompletionQueue> queue_;
   int calls_ = 0;
   bool stopping_ = false;
   bool served_ = false;
+  // What was deferred, the list that it is handed back from, and events since.
+  std::vector<CallEvent*> deferred_;
+  std::vector<CallEvent*> due_;
+  int events_since_ = 0;
   std::thread thread_;
 };
 

@@ -13,6 +13,12 @@
 namespace tactus::server {
 namespace {
 
+// Of a client that is ahead. Few enough that it need not wait for answers
+// while there are messages of it to be answered.
+constexpr int kAnswersPerFlush = 4;
+// How often it is looked whether a client is ahead.
+constexpr uint32_t kReadsPerProbe = 16;
+
 int64_t TimeoutNs(const StreamSession::Options& options) {
   return options.idle_timeout_ms * int64_t{1'000'000};
 }
@@ -62,7 +68,14 @@ void ContactStream::OnRead(bool ok) {
   reading_ = false;
   if (!finished_) {
     // A call that was cancelled looks like a half-close here; its writes fail.
+    // Read first, as it is now and then, a message comes before the write's
+    // end only if it was here already.
+    ahead_ = ok && (writing_ || held_);
     if (ok) {
+      // Before it would give way to the answer of this message.
+      if (held_ && !writing_ && session_->responses().size() > 0) {
+        StageNextWrite();
+      }
       TakeMessage();
     } else {
       session_->OnHalfClose();
@@ -83,6 +96,13 @@ void ContactStream::TakeMessage() {
   }
 }
 
+void ContactStream::OnNothingMore(bool idle) {
+  --in_flight_;
+  held_ = false;
+  if (idle) ahead_ = false;
+  Advance();
+}
+
 void ContactStream::OnWritten(bool ok) {
   --in_flight_;
   writing_ = false;
@@ -97,12 +117,17 @@ void ContactStream::Advance() {
     return;
   }
   if (!broken_) {
-    if (!writing_) StartNextWrite();
-    if (!reading_ && session_->wants_request()) {
-      reading_ = true;
-      ++in_flight_;
-      stream_.Read(&read_, read_done_.tag());
+    if (!ahead_ && reads_ % kReadsPerProbe == 0) StartNextRead();
+    if (staged_) StartStagedWrite();
+    if (!writing_ && session_->responses().size() > 0) {
+      if (ahead_ && reading_) {
+        Hold();
+      } else {
+        StageNextWrite();
+        StartStagedWrite();
+      }
     }
+    StartNextRead();
   }
   if (broken_) {
     Finish(grpc::Status::CANCELLED);
@@ -111,17 +136,44 @@ void ContactStream::Advance() {
   }
 }
 
-void ContactStream::StartNextWrite() {
-  const v1::ClassifyContactResponse* response =
-      session_->responses().StartWrite(MonotonicNs());
-  if (response == nullptr) return;
-  write_.Clear();
-  bool own_buffer = false;
-  grpc::SerializationTraits<v1::ClassifyContactResponse>::Serialize(
-      *response, &write_, &own_buffer);
+void ContactStream::StartNextRead() {
+  if (reading_ || !session_->wants_request()) return;
+  reading_ = true;
+  ++reads_;
+  ++in_flight_;
+  stream_.Read(&read_, read_done_.tag());
+}
+
+void ContactStream::StageNextWrite() {
+  const v1::ClassifyContactResponse& response =
+      *session_->responses().StartWrite(MonotonicNs());
+  grpc::Slice bytes(response.ByteSizeLong());
+  // Slices are const only once they are shared.
+  response.SerializeWithCachedSizesToArray(const_cast<uint8_t*>(bytes.begin()));
+  grpc::ByteBuffer message(&bytes, 1);
+  write_.Swap(&message);
+  staged_ = true;
+}
+
+void ContactStream::StartStagedWrite() {
+  staged_ = false;
   writing_ = true;
   ++in_flight_;
-  stream_.Write(write_, written_.tag());
+  grpc::WriteOptions options;
+  if (session_->responses().size() > 0 && ++unflushed_ < kAnswersPerFlush) {
+    // Another follows, which flushes both.
+    options.set_buffer_hint();
+  } else {
+    unflushed_ = 0;
+  }
+  stream_.Write(write_, options, written_.tag());
+}
+
+void ContactStream::Hold() {
+  if (held_) return;
+  held_ = true;
+  ++in_flight_;
+  queue_->Defer(&nothing_more_);
 }
 
 void ContactStream::SetIdleAlarm(int64_t delay_ns) {

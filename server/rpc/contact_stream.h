@@ -72,11 +72,17 @@ class ContactStream {
   void OnRead(bool ok);
   void OnWritten(bool ok);
   void OnIdle(bool ok);
+  void OnNothingMore(bool ok);
   void OnFinished(bool ok);
 
   void TakeMessage();
   void Advance();
-  void StartNextWrite();
+  void StartNextRead();
+  // Puts the next answer into write_, if one waits.
+  void StageNextWrite();
+  void StartStagedWrite();
+  // Holds the answer that waits until nothing else is at hand.
+  void Hold();
   void SetIdleAlarm(int64_t delay_ns);
   void Finish(const grpc::Status& status);
   void DeleteIfOver();
@@ -92,6 +98,7 @@ class ContactStream {
   Event read_done_{this, &ContactStream::OnRead};
   Event written_{this, &ContactStream::OnWritten};
   Event idle_{this, &ContactStream::OnIdle};
+  Event nothing_more_{this, &ContactStream::OnNothingMore};
   Event finish_done_{this, &ContactStream::OnFinished};
 
   // From admission on.
@@ -102,7 +109,17 @@ class ContactStream {
   // Operations whose events have not come yet.
   int in_flight_ = 0;
   bool reading_ = false;
+  // write_ holds an answer that is to be written next; it is on its way.
+  bool staged_ = false;
   bool writing_ = false;
+  // The client sends faster than it is answered: its next message is here
+  // before this one's answer is out. Such answers are held back until it is
+  // known whether another goes with them, as each flush of its own costs as
+  // much as all the rest of a message.
+  bool ahead_ = false;
+  bool held_ = false;
+  uint32_t reads_ = 0;
+  int unflushed_ = 0;
   // The peer is gone: nothing more can be written.
   bool broken_ = false;
   // Finish was called.
