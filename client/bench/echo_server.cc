@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "CLI/CLI.hpp"
+#include "core/base/call_event.h"
 #include "core/base/errors.h"
 #include "grpcpp/alarm.h"
 #include "grpcpp/generic/async_generic_service.h"
@@ -67,17 +68,12 @@ class CallbackEcho : public grpc::CallbackGenericService {
 // ends, so that nothing is in flight when it is deleted.
 class QueueEcho {
  public:
-  struct Tag {
-    QueueEcho* stream;
-    void (QueueEcho::*on_event)(bool ok);
-  };
-
   static void Await(grpc::AsyncGenericService* service,
                     grpc::ServerCompletionQueue* queue,
                     const grpc::ByteBuffer* answer) {
     auto* echo = new QueueEcho(service, queue, answer);
     service->RequestCall(&echo->context_, &echo->stream_, queue, queue,
-                         &echo->started_);
+                         echo->started_.tag());
   }
 
  private:
@@ -88,18 +84,19 @@ class QueueEcho {
   void OnStarted(bool ok) {
     if (!ok) return;
     Await(service_, queue_, answer_);
-    stream_.Read(&read_, &read_done_);
+    stream_.Read(&read_, read_done_.tag());
   }
   void OnRead(bool ok) {
     if (!ok) {
-      stream_.Finish(grpc::Status::OK, &finished_);
+      stream_.Finish(grpc::Status::OK, finished_.tag());
       return;
     }
-    if (owed_.fetch_add(1) == 0) stream_.Write(*answer_, &write_done_);
-    stream_.Read(&read_, &read_done_);
+    if (owed_.fetch_add(1) == 0) stream_.Write(*answer_, write_done_.tag());
+    stream_.Read(&read_, read_done_.tag());
   }
   void OnWritten(bool ok) {
-    if (ok && owed_.fetch_sub(1) > 1) stream_.Write(*answer_, &write_done_);
+    if (ok && owed_.fetch_sub(1) > 1)
+      stream_.Write(*answer_, write_done_.tag());
   }
   void OnFinished(bool) { delete this; }
 
@@ -110,18 +107,18 @@ class QueueEcho {
   grpc::GenericServerAsyncReaderWriter stream_{&context_};
   grpc::ByteBuffer read_;
   std::atomic<int> owed_ = 0;
-  Tag started_{this, &QueueEcho::OnStarted};
-  Tag read_done_{this, &QueueEcho::OnRead};
-  Tag write_done_{this, &QueueEcho::OnWritten};
-  Tag finished_{this, &QueueEcho::OnFinished};
+  using Event = MemberEvent<QueueEcho>;
+  Event started_{this, &QueueEcho::OnStarted};
+  Event read_done_{this, &QueueEcho::OnRead};
+  Event write_done_{this, &QueueEcho::OnWritten};
+  Event finished_{this, &QueueEcho::OnFinished};
 };
 
 void ServeQueue(grpc::ServerCompletionQueue* queue) {
   void* tag = nullptr;
   bool ok = false;
   while (queue->Next(&tag, &ok)) {
-    const auto* event = static_cast<QueueEcho::Tag*>(tag);
-    (event->stream->*event->on_event)(ok);
+    static_cast<CallEvent*>(tag)->OnEvent(ok);
   }
 }
 

@@ -14,6 +14,7 @@
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
 #include "client/bench/child_server.h"
+#include "client/load/event_thread.h"
 #include "client/load/load_stream.h"
 #include "client/stream/channel.h"
 #include "client/stream/percentile.h"
@@ -129,7 +130,7 @@ class IdleStreams {
       int count, const std::vector<std::shared_ptr<grpc::Channel>>& channels) {
     for (int i = 0; i < count; ++i) {
       streams_.push_back(std::make_unique<LoadStream>(&shared_, Count()));
-      streams_.back()->Open(channels[i % channels.size()]);
+      streams_.back()->Open(channels[i % channels.size()], events_.queue());
     }
     std::unique_lock lock(shared_.mutex);
     shared_.changed.wait_for(lock, std::chrono::seconds(30),
@@ -145,6 +146,7 @@ class IdleStreams {
 
   LoadShared shared_;
   std::vector<std::unique_ptr<LoadStream>> streams_;
+  EventThread events_;
 };
 
 // KiB a stream.

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "client/load/event_thread.h"
 #include "client/load/load_stream.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
@@ -88,7 +89,7 @@ class LoadTest {
     }
     for (int i = 0; i < options_.robots; ++i) {
       streams_.push_back(std::make_unique<LoadStream>(&shared_, i));
-      streams_.back()->Open(channels[i % connections]);
+      streams_.back()->Open(channels[i % connections], events_.queue());
     }
     std::unique_lock lock(shared_.mutex);
     shared_.changed.wait_for(lock, kOpenTimeout, [this] {
@@ -190,6 +191,7 @@ class LoadTest {
   std::vector<std::unique_ptr<LoadStream>> streams_;
   // Those the server accepted, in the order of their phases.
   std::vector<LoadStream*> senders_;
+  EventThread events_;
 };
 
 }  // namespace

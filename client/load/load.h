@@ -9,8 +9,8 @@
 //                           RunLoad({.address = "127.0.0.1:50051"}));
 //   report.lost();
 //
-// One sending thread; answers are counted in gRPC's callbacks. Thread-safe:
-// a free function without state.
+// One thread sends, another takes the answers. Thread-safe: a free function
+// without state.
 #pragma once
 
 #include <cstdint>

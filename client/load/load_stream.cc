@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "client/stream/status.h"
-#include "grpcpp/generic/generic_stub.h"
 #include "grpcpp/impl/codegen/proto_utils.h"
 #include "grpcpp/support/proto_buffer_reader.h"
 
@@ -35,19 +34,20 @@ LoadStream::LoadStream(LoadShared* shared, int robot)
       robot_(robot),
       script_offset_(OffsetOf(robot, shared->script->size())) {}
 
-void LoadStream::Open(const std::shared_ptr<grpc::Channel>& channel) {
+void LoadStream::Open(const std::shared_ptr<grpc::Channel>& channel,
+                      grpc::CompletionQueue* queue) {
+  call_ = grpc::GenericStub(channel).PrepareCall(&context_, kMethod, queue);
+  call_->StartCall(started_.tag());
+}
+
+void LoadStream::OnStarted(bool ok) {
+  // A call that failed tells it to its reader.
+  call_->Read(&read_, read_done_.tag());
+  if (!ok) return;
   v1::ClassifyContactRequest request;
   *request.mutable_config() = shared_->script->config();
   const grpc::Slice bytes(request.SerializeAsString());
-  write_ = grpc::ByteBuffer(&bytes, 1);
-  grpc::GenericStub(channel).PrepareBidiStreamingCall(&context_, kMethod, {},
-                                                      this);
-  // Offer writes from outside of reactions.
-  AddHold();
-  pending_ = 1;
-  StartWrite(&write_);
-  StartRead(&read_);
-  StartCall();
+  call_->Write(grpc::ByteBuffer(&bytes, 1), write_done_.tag());
 }
 
 void LoadStream::Offer() {
@@ -58,37 +58,36 @@ void LoadStream::Offer() {
 void LoadStream::WriteNext() {
   const uint64_t message = written_++;
   const uint64_t frames = message * shared_->frames_per_message;
-  write_ = shared_->script->Message(script_offset_ + message, frames + 1);
   const int64_t due_ns = shared_->schedule->DueNs(robot_, message);
   if (due_ns >= shared_->measure_from_ns) {
     shared_->send_delay.Add(LoadClockNs() - due_ns);
   }
-  StartWrite(&write_);
+  call_->Write(shared_->script->Message(script_offset_ + message, frames + 1),
+               write_done_.tag());
 }
 
-void LoadStream::OnWriteDone(bool ok) {
+void LoadStream::OnWritten(bool ok) {
   // After a failure nothing will ever be written again.
   if (ok && pending_.fetch_sub(1) > 1) WriteNext();
 }
 
-void LoadStream::OnReadDone(bool ok) {
+void LoadStream::OnRead(bool ok) {
   const int64_t now_ns = LoadClockNs();
   if (!ok) {
     Settle();
+    call_->Finish(&grpc_status_, finished_.tag());
     return;
   }
   grpc::ProtoBufferReader bytes(&read_);
   if (!response_.ParseFromZeroCopyStream(&bytes)) {
     Cancel();
-    return;
-  }
-  if (response_.has_posterior()) {
+  } else if (response_.has_posterior()) {
     OnPosterior(response_.posterior(), now_ns);
   } else if (response_.has_started()) {
     accepted_ = true;
     Settle();
   }
-  StartRead(&read_);
+  call_->Read(&read_, read_done_.tag());
 }
 
 void LoadStream::OnPosterior(const v1::Posterior& posterior, int64_t now_ns) {
@@ -118,15 +117,14 @@ void LoadStream::Settle() {
 
 void LoadStream::Close() {
   if (pending_ == 0) {
-    StartWritesDone();
+    call_->WritesDone(half_closed_.tag());
   } else {
     Cancel();
   }
-  RemoveHold();
 }
 
-void LoadStream::OnDone(const grpc::Status& status) {
-  status_ = FromGrpcStatus(status);
+void LoadStream::OnFinished(bool) {
+  status_ = FromGrpcStatus(grpc_status_);
   const std::lock_guard lock(shared_->mutex);
   ++shared_->ended;
   shared_->changed.notify_all();

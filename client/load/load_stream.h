@@ -1,16 +1,17 @@
 // File: load_stream.h
 //
-// LoadStream: one robot of a load test, on gRPC's callback interface, so that
+// LoadStream: one robot of a load test, on a completion queue, so that
 // thousands need no thread of their own.
 //
 //   LoadStream stream(&shared, robot);
-//   stream.Open(channel);          // then wait for shared.settled
+//   stream.Open(channel, events.queue());  // then wait for shared.settled
 //   stream.Offer();                // each time a message is due
 //   stream.Close();                // then wait for shared.ended
 //
 // A message that comes due while the one before is still being written waits
 // its turn; its delay counts from when it was due. No locks on the way of a
-// frame. Offer belongs to one thread; the object must live until it ended.
+// frame. Offer and Close belong to one thread, events to another; the object
+// must live until it ended and its EventThread is gone.
 #pragma once
 
 #include <atomic>
@@ -23,9 +24,10 @@
 #include "client/load/frame_script.h"
 #include "client/load/latency_histogram.h"
 #include "client/load/schedule.h"
+#include "core/base/call_event.h"
 #include "grpcpp/channel.h"
 #include "grpcpp/client_context.h"
-#include "grpcpp/support/client_callback.h"
+#include "grpcpp/generic/generic_stub.h"
 #include "tactus/v1/contact.pb.h"
 
 namespace tactus::client {
@@ -50,13 +52,16 @@ struct LoadShared {
   int ended = 0;
 };
 
-class LoadStream
-    : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
+class LoadStream {
  public:
   // `shared` must outlive the stream.
   LoadStream(LoadShared* shared, int robot);
 
-  void Open(const std::shared_ptr<grpc::Channel>& channel);
+  LoadStream(const LoadStream&) = delete;
+  LoadStream& operator=(const LoadStream&) = delete;
+
+  void Open(const std::shared_ptr<grpc::Channel>& channel,
+            grpc::CompletionQueue* queue);
   void Offer();
   // Half-closes if all is written, else cancels.
   void Close();
@@ -72,11 +77,15 @@ class LoadStream
   // Once it ended.
   const absl::Status& status() const { return status_; }
 
-  void OnWriteDone(bool ok) override;
-  void OnReadDone(bool ok) override;
-  void OnDone(const grpc::Status& status) override;
-
  private:
+  using Event = MemberEvent<LoadStream>;
+
+  void OnStarted(bool ok);
+  void OnWritten(bool ok);
+  void OnRead(bool ok);
+  void OnHalfClosed(bool) {}
+  void OnFinished(bool ok);
+
   void WriteNext();
   // Accepted or refused.
   void Settle();
@@ -87,14 +96,19 @@ class LoadStream
   // Where in the script this robot begins.
   const size_t script_offset_;
   grpc::ClientContext context_;
+  std::unique_ptr<grpc::GenericClientAsyncReaderWriter> call_;
+  Event started_{this, &LoadStream::OnStarted};
+  Event write_done_{this, &LoadStream::OnWritten};
+  Event read_done_{this, &LoadStream::OnRead};
+  Event half_closed_{this, &LoadStream::OnHalfClosed};
+  Event finished_{this, &LoadStream::OnFinished};
 
   // Messages that are due and not written yet. Who raises it from 0, or lowers
   // it to above 0, writes the next.
-  std::atomic<uint32_t> pending_ = 0;
+  // The configuration is the first.
+  std::atomic<uint32_t> pending_ = 1;
   uint64_t offered_ = 0;
   uint64_t written_ = 0;
-  grpc::ByteBuffer write_;
-
   grpc::ByteBuffer read_;
   v1::ClassifyContactResponse response_;
   bool settled_ = false;
@@ -102,6 +116,7 @@ class LoadStream
   std::atomic<bool> accepted_ = false;
   std::atomic<uint64_t> answered_ = 0;
   std::atomic<uint64_t> superseded_ = 0;
+  grpc::Status grpc_status_;
   absl::Status status_;
 };
 

@@ -24,34 +24,10 @@
 #include <thread>
 #include <vector>
 
+#include "core/base/call_event.h"
 #include "grpcpp/completion_queue.h"
 
 namespace tactus::server {
-
-// What a queue hands back when an operation is over.
-class CallEvent {
- public:
-  // `ok` as gRPC tells it: false if the operation failed.
-  virtual void OnEvent(bool ok) = 0;
-  // What operations carry.
-  void* tag() { return this; }
-
- protected:
-  ~CallEvent() = default;
-};
-
-// Calls a member function of the call that owns it.
-template <typename Call>
-class MemberEvent final : public CallEvent {
- public:
-  using Handler = void (Call::*)(bool ok);
-  MemberEvent(Call* call, Handler handler) : call_(call), handler_(handler) {}
-  void OnEvent(bool ok) override { (call_->*handler_)(ok); }
-
- private:
-  Call* const call_;
-  const Handler handler_;
-};
 
 class CallQueue {
  public:

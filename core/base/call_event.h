@@ -1,0 +1,41 @@
+// File: call_event.h
+//
+// CallEvent: what a completion queue hands back when an operation is over. The
+// operation carries its tag():
+//
+//   class Call {
+//     void OnRead(bool ok);
+//     MemberEvent<Call> read_done_{this, &Call::OnRead};
+//   };
+//   stream.Read(&message, read_done_.tag());
+//   static_cast<CallEvent*>(tag)->OnEvent(ok);
+//
+// Must live until it is handed back. Not thread-safe.
+#pragma once
+
+namespace tactus {
+
+class CallEvent {
+ public:
+  // `ok` as the queue tells it: false if the operation failed.
+  virtual void OnEvent(bool ok) = 0;
+  void* tag() { return this; }
+
+ protected:
+  ~CallEvent() = default;
+};
+
+// Calls a member function of the call that owns it.
+template <typename Call>
+class MemberEvent final : public CallEvent {
+ public:
+  using Handler = void (Call::*)(bool ok);
+  MemberEvent(Call* call, Handler handler) : call_(call), handler_(handler) {}
+  void OnEvent(bool ok) override { (call_->*handler_)(ok); }
+
+ private:
+  Call* const call_;
+  const Handler handler_;
+};
+
+}  // namespace tactus
