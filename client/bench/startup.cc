@@ -14,7 +14,7 @@
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
 #include "client/bench/child_server.h"
-#include "client/load/event_thread.h"
+#include "client/load/event_loop.h"
 #include "client/load/load_stream.h"
 #include "client/stream/channel.h"
 #include "client/stream/percentile.h"
@@ -104,8 +104,7 @@ class IdleStreams {
   explicit IdleStreams(const FrameScript* script) { shared_.script = script; }
   ~IdleStreams() {
     for (const auto& stream : streams_) stream->Close();
-    std::unique_lock lock(shared_.mutex);
-    shared_.changed.wait(lock, [this] { return shared_.ended == Count(); });
+    loop_.HandleUntil([this] { return shared_.ended == Count(); }, kTimeout);
   }
 
   // Sends a frame on each and takes its answer.
@@ -113,13 +112,14 @@ class IdleStreams {
     const Schedule now(Count(), LoadClockNs(), 1, 1);
     shared_.schedule = &now;
     for (const auto& stream : streams_) stream->Offer();
-    const auto until = steady_clock::now() + std::chrono::seconds(30);
-    const auto answered = [](const auto& stream) {
-      return stream->answered() == stream->offered();
+    const auto all_answered = [this] {
+      return std::all_of(streams_.begin(), streams_.end(),
+                         [](const auto& stream) {
+                           return stream->answered() == stream->offered();
+                         });
     };
-    while (!std::all_of(streams_.begin(), streams_.end(), answered)) {
-      if (steady_clock::now() > until) return StreamIdle(30'000);
-      std::this_thread::sleep_for(milliseconds(1));
+    if (!loop_.HandleUntil(all_answered, kTimeout)) {
+      return StreamIdle(kTimeout.count());
     }
     return absl::OkStatus();
   }
@@ -130,11 +130,9 @@ class IdleStreams {
       int count, const std::vector<std::shared_ptr<grpc::Channel>>& channels) {
     for (int i = 0; i < count; ++i) {
       streams_.push_back(std::make_unique<LoadStream>(&shared_, Count()));
-      streams_.back()->Open(channels[i % channels.size()], events_.queue());
+      streams_.back()->Open(channels[i % channels.size()], loop_.queue());
     }
-    std::unique_lock lock(shared_.mutex);
-    shared_.changed.wait_for(lock, std::chrono::seconds(30),
-                             [this] { return shared_.settled == Count(); });
+    loop_.HandleUntil([this] { return shared_.settled == Count(); }, kTimeout);
     for (const auto& stream : streams_) {
       if (!stream->accepted()) return IoError("tactusd", "refused a stream");
     }
@@ -142,11 +140,13 @@ class IdleStreams {
   }
 
  private:
+  static constexpr milliseconds kTimeout{30'000};
+
   int Count() const { return static_cast<int>(streams_.size()); }
 
   LoadShared shared_;
   std::vector<std::unique_ptr<LoadStream>> streams_;
-  EventThread events_;
+  EventLoop loop_;
 };
 
 // KiB a stream.

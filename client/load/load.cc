@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "client/load/event_thread.h"
+#include "client/load/event_loop.h"
 #include "client/load/load_stream.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
@@ -32,6 +32,8 @@ constexpr seconds kOpenTimeout(30);
 // For answers after the last message.
 constexpr seconds kAnswerTimeout(3);
 constexpr seconds kCloseTimeout(10);
+// Cancelled streams end.
+constexpr std::chrono::hours kForEver(1);
 
 absl::Status Check(const LoadOptions& options) {
   if (options.robots < 1) {
@@ -77,25 +79,21 @@ class LoadTest {
 
  private:
   void OpenAll() {
-    const int connections =
-        options_.connections == 0
-            ? options_.robots
-            : std::min(options_.connections, options_.robots);
+    connections_ = options_.connections == 0
+                       ? options_.robots
+                       : std::min(options_.connections, options_.robots);
     ChannelOptions own = options_.channel;
     own.share_connection = false;
     std::vector<std::shared_ptr<grpc::Channel>> channels;
-    for (int i = 0; i < connections; ++i) {
+    for (int i = 0; i < connections_; ++i) {
       channels.push_back(MakeChannel(options_.address, own));
     }
     for (int i = 0; i < options_.robots; ++i) {
       streams_.push_back(std::make_unique<LoadStream>(&shared_, i));
-      streams_.back()->Open(channels[i % connections], events_.queue());
+      streams_.back()->Open(channels[i % connections_], loop_.queue());
     }
-    std::unique_lock lock(shared_.mutex);
-    shared_.changed.wait_for(lock, kOpenTimeout, [this] {
-      return shared_.settled == options_.robots;
-    });
-    lock.unlock();
+    loop_.HandleUntil([this] { return shared_.settled == options_.robots; },
+                      kOpenTimeout);
     for (const auto& stream : streams_) {
       if (stream->accepted()) senders_.push_back(stream.get());
     }
@@ -113,23 +111,30 @@ class LoadTest {
     shared_.schedule = schedule_.get();
     shared_.measure_from_ns =
         start_ns + static_cast<int64_t>(options_.warm_up_seconds * 1e9);
+    tick_ns_ = start_ns;
     const auto messages = static_cast<uint64_t>(
         std::max(1.0, options_.seconds * 1e9 / period_ns));
     for (uint64_t message = 0; message < messages; ++message) {
       for (LoadStream* stream : senders_) {
-        const int64_t due_ns = schedule.DueNs(stream->robot(), message);
-        if (due_ns > LoadClockNs()) {
-          const int64_t ticks = (due_ns - start_ns + kTickNs - 1) / kTickNs;
-          std::this_thread::sleep_until(steady_clock::time_point(
-              nanoseconds(start_ns + ticks * kTickNs)));
-        }
+        WaitUntilDue(schedule.DueNs(stream->robot(), message));
         stream->Offer();
       }
     }
   }
 
+  // Takes what has come meanwhile, once a tick, even when late.
+  void WaitUntilDue(int64_t due_ns) {
+    if (due_ns <= tick_ns_) return;
+    const int64_t now_ns = LoadClockNs();
+    const int64_t ticks =
+        (std::max(due_ns, now_ns) - tick_ns_ + kTickNs - 1) / kTickNs;
+    tick_ns_ += ticks * kTickNs;
+    std::this_thread::sleep_until(
+        steady_clock::time_point(nanoseconds(tick_ns_)));
+    loop_.HandleReady(connections_);
+  }
+
   void AwaitAnswers() {
-    const auto until = steady_clock::now() + kAnswerTimeout;
     const auto all_answered = [this] {
       return std::all_of(senders_.begin(), senders_.end(),
                          [](const LoadStream* stream) {
@@ -137,24 +142,15 @@ class LoadTest {
                                   stream->offered();
                          });
     };
-    while (!all_answered() && steady_clock::now() < until) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+    loop_.HandleUntil(all_answered, kAnswerTimeout);
   }
 
   LoadReport CloseAll(double cpu_seconds, double elapsed) {
     for (const auto& stream : streams_) stream->Close();
-    {
-      std::unique_lock lock(shared_.mutex);
-      const auto all_ended = [this] {
-        return shared_.ended == options_.robots;
-      };
-      if (!shared_.changed.wait_for(lock, kCloseTimeout, all_ended)) {
-        lock.unlock();
-        for (const auto& stream : streams_) stream->Cancel();
-        lock.lock();
-        shared_.changed.wait(lock, all_ended);
-      }
+    const auto all_ended = [this] { return shared_.ended == options_.robots; };
+    if (!loop_.HandleUntil(all_ended, kCloseTimeout)) {
+      for (const auto& stream : streams_) stream->Cancel();
+      loop_.HandleUntil(all_ended, kForEver);
     }
     LoadReport report;
     report.robots = options_.robots;
@@ -187,11 +183,14 @@ class LoadTest {
 
   const LoadOptions& options_;
   LoadShared shared_;
+  int connections_ = 0;
+  // How far sending has come.
+  int64_t tick_ns_ = 0;
   std::unique_ptr<Schedule> schedule_;
   std::vector<std::unique_ptr<LoadStream>> streams_;
   // Those the server accepted, in the order of their phases.
   std::vector<LoadStream*> senders_;
-  EventThread events_;
+  EventLoop loop_;
 };
 
 }  // namespace

@@ -9,8 +9,8 @@
 //                           RunLoad({.address = "127.0.0.1:50051"}));
 //   report.lost();
 //
-// One thread sends, another takes the answers. Thread-safe: a free function
-// without state.
+// One thread sends and takes the answers, every tenth of a millisecond; what
+// waits for that counts as delay. Thread-safe: a free function without state.
 #pragma once
 
 #include <cstdint>

@@ -52,7 +52,7 @@ void LoadStream::OnStarted(bool ok) {
 
 void LoadStream::Offer() {
   ++offered_;
-  if (pending_.fetch_add(1) == 0) WriteNext();
+  if (pending_++ == 0) WriteNext();
 }
 
 void LoadStream::WriteNext() {
@@ -68,7 +68,12 @@ void LoadStream::WriteNext() {
 
 void LoadStream::OnWritten(bool ok) {
   // After a failure nothing will ever be written again.
-  if (ok && pending_.fetch_sub(1) > 1) WriteNext();
+  if (!ok) return;
+  if (--pending_ > 0) {
+    WriteNext();
+  } else {
+    HalfCloseIfWritten();
+  }
 }
 
 void LoadStream::OnRead(bool ok) {
@@ -81,11 +86,14 @@ void LoadStream::OnRead(bool ok) {
   grpc::ProtoBufferReader bytes(&read_);
   if (!response_.ParseFromZeroCopyStream(&bytes)) {
     Cancel();
-  } else if (response_.has_posterior()) {
+  } else if (response_.has_posterior() && accepted_) {
     OnPosterior(response_.posterior(), now_ns);
   } else if (response_.has_started()) {
     accepted_ = true;
     Settle();
+  } else if (!accepted_) {
+    // No Tactus server begins like that.
+    Cancel();
   }
   call_->Read(&read_, read_done_.tag());
 }
@@ -105,29 +113,26 @@ void LoadStream::OnPosterior(const v1::Posterior& posterior, int64_t now_ns) {
   if (due_ns >= shared_->measure_from_ns) {
     shared_->answer_delay.Add(now_ns - due_ns);
   }
-  answered_.fetch_add(1, std::memory_order_relaxed);
+  ++answered_;
 }
 
 void LoadStream::Settle() {
   if (std::exchange(settled_, true)) return;
-  const std::lock_guard lock(shared_->mutex);
   ++shared_->settled;
-  shared_->changed.notify_all();
 }
 
 void LoadStream::Close() {
-  if (pending_ == 0) {
-    call_->WritesDone(half_closed_.tag());
-  } else {
-    Cancel();
-  }
+  closing_ = true;
+  HalfCloseIfWritten();
+}
+
+void LoadStream::HalfCloseIfWritten() {
+  if (closing_ && pending_ == 0) call_->WritesDone(half_closed_.tag());
 }
 
 void LoadStream::OnFinished(bool) {
   status_ = FromGrpcStatus(grpc_status_);
-  const std::lock_guard lock(shared_->mutex);
   ++shared_->ended;
-  shared_->changed.notify_all();
 }
 
 }  // namespace tactus::client

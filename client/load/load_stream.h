@@ -4,21 +4,17 @@
 // thousands need no thread of their own.
 //
 //   LoadStream stream(&shared, robot);
-//   stream.Open(channel, events.queue());  // then wait for shared.settled
+//   stream.Open(channel, loop.queue());  // then serve until shared.settled
 //   stream.Offer();                // each time a message is due
-//   stream.Close();                // then wait for shared.ended
+//   stream.Close();                // then serve until shared.ended
 //
 // A message that comes due while the one before is still being written waits
-// its turn; its delay counts from when it was due. No locks on the way of a
-// frame. Offer and Close belong to one thread, events to another; the object
-// must live until it ended and its EventThread is gone.
+// its turn; its delay counts from when it was due. Must live
+// until it ended and its EventLoop is gone. Not thread-safe.
 #pragma once
 
-#include <atomic>
-#include <condition_variable>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 
 #include "absl/status/status.h"
 #include "client/load/frame_script.h"
@@ -45,8 +41,6 @@ struct LoadShared {
   LatencyHistogram answer_delay;
   LatencyHistogram send_delay;
 
-  std::mutex mutex;
-  std::condition_variable changed;
   // Streams the server accepted or refused; streams that are over.
   int settled = 0;
   int ended = 0;
@@ -63,17 +57,17 @@ class LoadStream {
   void Open(const std::shared_ptr<grpc::Channel>& channel,
             grpc::CompletionQueue* queue);
   void Offer();
-  // Half-closes if all is written, else cancels.
+  // Half-closes once all is written.
   void Close();
 
   void Cancel() { context_.TryCancel(); }
 
   int robot() const { return robot_; }
-  bool accepted() const { return accepted_.load(); }
+  bool accepted() const { return accepted_; }
   uint64_t offered() const { return offered_; }
-  uint64_t answered() const { return answered_.load(); }
+  uint64_t answered() const { return answered_; }
   // Answers the server dropped because this client read slowly.
-  uint64_t superseded() const { return superseded_.load(); }
+  uint64_t superseded() const { return superseded_; }
   // Once it ended.
   const absl::Status& status() const { return status_; }
 
@@ -84,6 +78,7 @@ class LoadStream {
   void OnWritten(bool ok);
   void OnRead(bool ok);
   void OnHalfClosed(bool) {}
+  void HalfCloseIfWritten();
   void OnFinished(bool ok);
 
   void WriteNext();
@@ -103,19 +98,19 @@ class LoadStream {
   Event half_closed_{this, &LoadStream::OnHalfClosed};
   Event finished_{this, &LoadStream::OnFinished};
 
-  // Messages that are due and not written yet. Who raises it from 0, or lowers
-  // it to above 0, writes the next.
+  // Messages that are due and not written yet.
   // The configuration is the first.
-  std::atomic<uint32_t> pending_ = 1;
+  uint32_t pending_ = 1;
+  bool closing_ = false;
   uint64_t offered_ = 0;
   uint64_t written_ = 0;
   grpc::ByteBuffer read_;
   v1::ClassifyContactResponse response_;
   bool settled_ = false;
   uint64_t last_sequence_ = 0;
-  std::atomic<bool> accepted_ = false;
-  std::atomic<uint64_t> answered_ = 0;
-  std::atomic<uint64_t> superseded_ = 0;
+  bool accepted_ = false;
+  uint64_t answered_ = 0;
+  uint64_t superseded_ = 0;
   grpc::Status grpc_status_;
   absl::Status status_;
 };
