@@ -45,10 +45,9 @@ std::vector<LegendEntry> Legend(const LinePlot& plot) {
 }
 
 // y = x from one side of the plot to another.
-void DrawDiagonal(const PlotFrame& frame, const FrameSpec& spec,
-                  Canvas& canvas) {
-  const double low = std::max(spec.x.low, spec.y.low);
-  const double high = std::min(spec.x.high, spec.y.high);
+void DrawDiagonal(const PlotFrame& frame, Canvas& canvas) {
+  const double low = std::max(frame.x().low, frame.y().low);
+  const double high = std::min(frame.x().high, frame.y().high);
   if (low >= high) return;
   canvas.Line(frame.At(low, low), frame.At(high, high), {170, 170, 170}, 1.2);
 }
@@ -75,7 +74,7 @@ absl::StatusOr<Canvas> Draw(const LinePlot& plot) {
   TACTUS_ASSIGN_OR_RETURN(spec.y, MakeScale(plot.y, range_y, 6));
   Canvas canvas(kWidth, kHeight);
   const PlotFrame frame(canvas, kWidth, kHeight, spec);
-  if (plot.diagonal) DrawDiagonal(frame, spec, canvas);
+  if (plot.diagonal) DrawDiagonal(frame, canvas);
   for (size_t i = 0; i < plot.references.size(); ++i) {
     frame.DrawReference(canvas, static_cast<int>(i), plot.references[i].y);
   }

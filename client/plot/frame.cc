@@ -12,6 +12,9 @@ constexpr double kTickLength = 4;
 constexpr double kRowHeight = 18;
 constexpr double kSwatchGap = 6;
 constexpr double kEntryGap = 20;
+// Left free between labels of ticks, side by side and above each other.
+constexpr double kGapAcross = 12;
+constexpr double kGapDown = 20;
 
 constexpr TextStyle kLegendStyle = {.size = 11};
 constexpr TextStyle kTickStyle = {.size = kTickSize, .colour = kInk};
@@ -119,6 +122,15 @@ PlotFrame::PlotFrame(Canvas& canvas, double width, double height,
   const double labels = spec_.x.ticks.empty() ? 0 : kTickLength + kTickSize + 6;
   const double title = spec_.x_title.empty() ? 0 : kAxisTitleSize + 8;
   plot_.bottom = height - kMargin - labels - title - spec_.extra_bottom;
+  ThinTicks(
+      plot_.width(),
+      [](const Tick& tick) {
+        return Canvas::TextWidth(tick.label, kTickStyle) + kGapAcross;
+      },
+      spec_.x);
+  ThinTicks(
+      plot_.height(), [](const Tick&) { return kTickSize + kGapDown; },
+      spec_.y);
 
   for (const Tick& tick : spec_.y.ticks) {
     const double y = AtY(tick.value);

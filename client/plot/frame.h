@@ -47,10 +47,13 @@ struct FrameSpec {
 
 class PlotFrame {
  public:
-  // Lays out and draws all but the data.
+  // Lays out and draws all but the data; thins the ticks to where their labels
+  // stand apart.
   PlotFrame(Canvas& canvas, double width, double height, FrameSpec spec);
 
   const Box& plot() const { return plot_; }
+  const PlotScale& x() const { return spec_.x; }
+  const PlotScale& y() const { return spec_.y; }
   Point At(double x, double y) const;
   double AtX(double x) const;
   double AtY(double y) const;

@@ -56,6 +56,20 @@ DataRange Extent(const Axis& axis, const DataRange& data) {
   return {all.low - margin, all.high + margin};
 }
 
+// Less than a decade is divided as a linear axis is.
+bool HasDecades(const PlotScale& scale) {
+  return scale.kind == AxisScale::kLog &&
+         scale.high >= 10 * scale.low * (1 - kSlack);
+}
+
+// All multiples of `step` within the scale.
+void LaySteps(double step, PlotScale& scale) {
+  const double last = std::floor(scale.high / step + kSlack);
+  for (double k = std::ceil(scale.low / step - kSlack); k <= last; ++k) {
+    scale.ticks.push_back({k * step, TickLabel(k * step, step)});
+  }
+}
+
 void LayLinear(const Axis& axis, const DataRange& extent, int count,
                PlotScale& scale) {
   const double step = RoundStep(extent.high - extent.low, count);
@@ -65,22 +79,17 @@ void LayLinear(const Axis& axis, const DataRange& extent, int count,
   scale.high = extent.high == axis.high
                    ? extent.high
                    : std::ceil(extent.high / step - kSlack) * step;
-  const double last = std::floor(scale.high / step + kSlack);
-  for (double k = std::ceil(scale.low / step - kSlack); k <= last; ++k) {
-    scale.ticks.push_back({k * step, TickLabel(k * step, step)});
-  }
+  LaySteps(step, scale);
 }
 
 void LayLog(const Axis& axis, const DataRange& extent, int count,
             PlotScale& scale) {
   scale.low = extent.low == axis.low ? extent.low : RoundDown(extent.low);
   scale.high = extent.high == axis.high ? extent.high : RoundUp(extent.high);
-  const double decades = std::log10(scale.high / scale.low);
-  // 1, 2 and 5 of each decade where there is room, else one label every so
-  // many decades.
-  const bool all_digits = 3 * decades <= 1.5 * count;
-  const int stride =
-      std::max(1, static_cast<int>(std::ceil(decades / (1.5 * count))));
+  if (!HasDecades(scale)) {
+    LaySteps(RoundStep(scale.high - scale.low, count), scale);
+    return;
+  }
   const int first = static_cast<int>(std::floor(std::log10(scale.low)));
   const int last = static_cast<int>(std::ceil(std::log10(scale.high)));
   for (int exponent = first; exponent <= last; ++exponent) {
@@ -90,10 +99,9 @@ void LayLog(const Axis& axis, const DataRange& extent, int count,
           value > scale.high * (1 + kSlack)) {
         continue;
       }
-      if ((digit == 1 && (exponent - first) % stride == 0) ||
-          (all_digits && (digit == 2 || digit == 5))) {
+      if (digit == 1 || digit == 2 || digit == 5) {
         scale.ticks.push_back({value, TickLabel(value, value)});
-      } else if (stride == 1) {
+      } else {
         scale.minor_ticks.push_back(value);
       }
     }
@@ -103,10 +111,27 @@ void LayLog(const Axis& axis, const DataRange& extent, int count,
 void LayGiven(const std::vector<double>& values, PlotScale& scale) {
   scale.ticks.clear();
   scale.minor_ticks.clear();
+  scale.given = true;
   for (double value : values) {
     if (value < scale.low || value > scale.high) continue;
     scale.ticks.push_back({value, absl::StrFormat("%g", value)});
   }
+}
+
+bool LabelsTouch(const PlotScale& scale, double length,
+                 absl::FunctionRef<double(const Tick&)> extent) {
+  for (size_t i = 1; i < scale.ticks.size(); ++i) {
+    const Tick& a = scale.ticks[i - 1];
+    const Tick& b = scale.ticks[i];
+    const double apart =
+        (scale.Position(b.value) - scale.Position(a.value)) * length;
+    if (apart < (extent(a) + extent(b)) / 2 * (1 - kSlack)) return true;
+  }
+  return false;
+}
+
+bool IsWhole(double number) {
+  return std::abs(number - std::round(number)) < 1e-6;
 }
 
 }  // namespace
@@ -143,6 +168,26 @@ absl::StatusOr<PlotScale> MakeScale(const Axis& axis, const DataRange& data,
   }
   if (!axis.ticks.empty()) LayGiven(axis.ticks, scale);
   return scale;
+}
+
+void ThinTicks(double length, absl::FunctionRef<double(const Tick&)> extent,
+               PlotScale& scale) {
+  if (scale.given || scale.ticks.size() < 2) return;
+  const std::vector<Tick> all = scale.ticks;
+  const double step = all[1].value - all[0].value;
+  for (int n = 1; LabelsTouch(scale, length, extent); ++n) {
+    scale.ticks.clear();
+    if (n > 1) scale.minor_ticks.clear();
+    for (const Tick& tick : all) {
+      const double number =
+          HasDecades(scale) ? std::log10(tick.value) : tick.value / step;
+      if (IsWhole(number / n)) {
+        scale.ticks.push_back(tick);
+      } else if (n == 1 || IsWhole(number)) {
+        scale.minor_ticks.push_back(tick.value);
+      }
+    }
+  }
 }
 
 std::string TickLabel(double value, double step) {

@@ -60,14 +60,55 @@ TEST(TicksTest, OneValueGetsARangeAroundIt) {
   }
 }
 
-TEST(TicksTest, LogarithmicTicksAreDecadesOrOneTwoFive) {
+TEST(TicksTest, LogarithmicTicksAreOneTwoFiveOfEachDecade) {
   const Axis axis = {.scale = AxisScale::kLog};
   EXPECT_THAT(Labels(Scale(axis, 0.1, 5)),
               ElementsAre("0.1", "0.2", "0.5", "1", "2", "5"));
-  EXPECT_THAT(Labels(Scale(axis, 0.001, 1000)),
-              ElementsAre("0.001", "0.01", "0.1", "1", "10", "100", "1000"));
-  EXPECT_THAT(Labels(Scale(axis, 0.3, 3e5)),
-              ElementsAre("1", "10", "100", "1000", "10000", "100000"));
+  EXPECT_THAT(
+      Labels(Scale(axis, 0.3, 70)),
+      ElementsAre("0.2", "0.5", "1", "2", "5", "10", "20", "50", "100"));
+}
+
+TEST(TicksTest, ALogarithmicAxisBelowADecadeHasEvenTicks) {
+  const Axis axis = {.scale = AxisScale::kLog, .low = 5.4, .high = 9.1};
+  EXPECT_THAT(Labels(Scale(axis, 6, 7)), ElementsAre("6", "7", "8", "9"));
+  EXPECT_THAT(Labels(Scale({.scale = AxisScale::kLog}, 31, 92)),
+              ElementsAre("20", "40", "60", "80", "100"));
+}
+
+// Labels that take up ten units of an axis of a hundred.
+std::vector<std::string> Thinned(PlotScale scale) {
+  ThinTicks(
+      100, [](const Tick&) { return 10.0; }, scale);
+  return Labels(scale);
+}
+
+TEST(TicksTest, LabelsAreAsManyAsThereIsRoomFor) {
+  const Axis axis = {.scale = AxisScale::kLog};
+  EXPECT_THAT(Thinned(Scale(axis, 1, 100)),
+              ElementsAre("1", "2", "5", "10", "20", "50", "100"));
+  EXPECT_THAT(Thinned(Scale(axis, 0.01, 1000)),
+              ElementsAre("0.01", "0.1", "1", "10", "100", "1000"));
+  EXPECT_THAT(Thinned(Scale(axis, 1e-7, 1e5)),
+              ElementsAre("1e-6", "0.0001", "0.01", "1", "100", "10000"));
+  EXPECT_THAT(Thinned(Scale(axis, 1e-23, 1e4)),
+              ElementsAre("1e-21", "1e-18", "1e-15", "1e-12", "1e-9", "1e-6",
+                          "0.001", "1", "1000"));
+  EXPECT_THAT(
+      Thinned(Scale({}, 0, 20, 20)),
+      ElementsAre("0", "2", "4", "6", "8", "10", "12", "14", "16", "18", "20"));
+}
+
+TEST(TicksTest, DroppedLabelsLeaveMarks) {
+  PlotScale scale = Scale({.scale = AxisScale::kLog}, 1, 1000);
+  ThinTicks(
+      3, [](const Tick&) { return 1.0; }, scale);
+  EXPECT_THAT(Labels(scale), ElementsAre("1", "10", "100", "1000"));
+  EXPECT_EQ(scale.minor_ticks.size(), 3u * 8);
+  ThinTicks(
+      3, [](const Tick&) { return 2.0; }, scale);
+  EXPECT_THAT(Labels(scale), ElementsAre("1", "100"));
+  EXPECT_THAT(scale.minor_ticks, ElementsAre(10, 1000));
 }
 
 TEST(TicksTest, PositionsAreLinearOrLogarithmic) {
@@ -81,6 +122,7 @@ TEST(TicksTest, ChosenTicksReplaceTheRoundOnes) {
       Scale({.scale = AxisScale::kLog, .ticks = {0.1, 0.25, 1.2, 9}}, 0.1, 5);
   EXPECT_THAT(Labels(scale), ElementsAre("0.1", "0.25", "1.2"));
   EXPECT_THAT(scale.minor_ticks, IsEmpty());
+  EXPECT_EQ(Thinned(scale), Labels(scale));
 }
 
 TEST(TicksTest, ImpossibleAxesAreRefused) {
