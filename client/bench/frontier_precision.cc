@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -11,6 +9,7 @@
 
 #include "absl/strings/str_format.h"
 #include "client/bench/frontier_classifier.h"
+#include "client/bench/frontier_rungs.h"
 #include "client/bench/hmm_models.h"
 #include "client/bench/sim_check.h"
 #include "client/stream/percentile.h"
@@ -18,9 +17,6 @@
 #include "core/base/status_macros.h"
 #include "core/eval/fit.h"
 #include "core/eval/inputs.h"
-#include "core/hmm/forward.h"
-#include "core/hmm/hmm_bank.h"
-#include "core/hmm/scaled_filter.h"
 
 namespace tactus::client {
 namespace {
@@ -28,154 +24,6 @@ namespace {
 constexpr int kContacts = 100;
 constexpr int kQuickContacts = 4;
 constexpr int kRounds = 15;
-
-// log sum_k exp(values_k).
-template <typename T>
-T LogSumExp(std::span<const T> values) {
-  const T largest = *std::ranges::max_element(values);
-  T sum = 0;
-  for (const T value : values) sum += std::exp(value - largest);
-  return largest + std::log(sum);
-}
-
-// A way to score all categories frame by frame.
-class Rung {
- public:
-  virtual ~Rung() = default;
-  virtual void Reset() = 0;
-  virtual void Step(std::span<const double> observation) = 0;
-  // One per category.
-  virtual void Scores(std::span<double> out) = 0;
-};
-
-class BankRung : public Rung {
- public:
-  explicit BankRung(HmmBank bank)
-      : bank_(std::move(bank)), filter_(bank_, Score::kForward) {}
-
-  void Reset() override { filter_.Reset(); }
-  void Step(std::span<const double> x) override { filter_.Step(x); }
-  void Scores(std::span<double> out) override { filter_.LogLikelihood(out); }
-
- private:
-  HmmBank bank_;
-  BankFilter filter_;
-};
-
-// Log-likelihoods of all components in turn, put together by category.
-class ComponentRung : public Rung {
- public:
-  explicit ComponentRung(const std::vector<HmmMixture>& mixtures)
-      : mixtures_(&mixtures) {
-    for (const HmmMixture& mixture : mixtures) {
-      for (const GaussianHmm& model : mixture.components) {
-        models_.push_back(&model);
-      }
-    }
-    scores_.resize(models_.size());
-  }
-
-  void Scores(std::span<double> out) override {
-    ReadComponents(scores_);
-    double* score = scores_.data();
-    for (size_t c = 0; c < mixtures_->size(); ++c) {
-      const std::vector<double>& weight = (*mixtures_)[c].log_weight;
-      for (size_t k = 0; k < weight.size(); ++k) score[k] += weight[k];
-      out[c] = LogSumExp(std::span<const double>(score, weight.size()));
-      score += weight.size();
-    }
-  }
-
- protected:
-  virtual void ReadComponents(std::span<double> scores) = 0;
-  const std::vector<const GaussianHmm*>& models() const { return models_; }
-
- private:
-  const std::vector<HmmMixture>* mixtures_;
-  std::vector<const GaussianHmm*> models_;
-  std::vector<double> scores_;
-};
-
-class DoubleRung : public ComponentRung {
- public:
-  explicit DoubleRung(const std::vector<HmmMixture>& mixtures)
-      : ComponentRung(mixtures) {
-    std::map<HmmShape, std::vector<int>> shapes;
-    for (size_t k = 0; k < models().size(); ++k) {
-      shapes[ShapeOf(*models()[k])].push_back(static_cast<int>(k));
-    }
-    for (const auto& [shape, components] : shapes) {
-      std::vector<const GaussianHmm*> alike;
-      for (const int k : components) alike.push_back(models()[k]);
-      groups_.push_back(std::make_unique<Group>(alike, components));
-    }
-  }
-
-  void Reset() override {
-    for (const auto& group : groups_) group->filter.Reset();
-  }
-  void Step(std::span<const double> x) override {
-    for (const auto& group : groups_) group->filter.Step(x);
-  }
-
- private:
-  struct Group {
-    Group(const std::vector<const GaussianHmm*>& alike, std::vector<int> places)
-        : model(alike, UnitScale(alike[0]->dimensions)),
-          filter(model, {}, Score::kForward),
-          components(std::move(places)) {}
-
-    ScaledModel<double> model;
-    ScaledFilter<double> filter;
-    std::vector<int> components;
-  };
-
-  void ReadComponents(std::span<double> scores) override {
-    for (const auto& group : groups_) {
-      group->filter.UpdateTotals();
-      for (size_t k = 0; k < group->components.size(); ++k) {
-        scores[group->components[k]] =
-            group->filter.log_likelihood(static_cast<int>(k));
-      }
-    }
-  }
-
-  std::vector<std::unique_ptr<Group>> groups_;
-};
-
-class LogarithmRung : public ComponentRung {
- public:
-  static absl::StatusOr<std::unique_ptr<Rung>> Create(
-      const std::vector<HmmMixture>& mixtures) {
-    auto rung = std::unique_ptr<LogarithmRung>(new LogarithmRung(mixtures));
-    for (const GaussianHmm* model : rung->models()) {
-      TACTUS_ASSIGN_OR_RETURN(CompiledHmm compiled,
-                              CompiledHmm::Create(*model));
-      rung->hmms_.push_back(std::make_unique<CompiledHmm>(std::move(compiled)));
-      rung->filters_.emplace_back(*rung->hmms_.back());
-    }
-    return rung;
-  }
-
-  void Reset() override {
-    for (ForwardFilter& filter : filters_) filter.Reset();
-  }
-  void Step(std::span<const double> x) override {
-    for (ForwardFilter& filter : filters_) filter.Step(x);
-  }
-
- private:
-  using ComponentRung::ComponentRung;
-
-  void ReadComponents(std::span<double> scores) override {
-    for (size_t k = 0; k < filters_.size(); ++k) {
-      scores[k] = filters_[k].log_likelihood();
-    }
-  }
-
-  std::vector<std::unique_ptr<CompiledHmm>> hmms_;
-  std::vector<ForwardFilter> filters_;
-};
 
 // What the HMMs see of a contact until kFrontierSeconds after onset, and what
 // is true of it.
@@ -232,6 +80,17 @@ struct NamedRung {
   std::unique_ptr<Rung> rung;
 };
 
+absl::StatusOr<std::vector<NamedRung>> MakeRungs(
+    const std::vector<HmmMixture>& mixtures) {
+  TACTUS_ASSIGN_OR_RETURN(auto served, MakeServedRung(mixtures));
+  TACTUS_ASSIGN_OR_RETURN(auto logarithms, MakeLogarithmRung(mixtures));
+  std::vector<NamedRung> rungs;
+  rungs.push_back({"scaled", "float as served", 1e-6, std::move(served)});
+  rungs.push_back({"scaled", "double", 1e-12, MakeDoubleRung(mixtures)});
+  rungs.push_back({"logarithms", "double", 1e-12, std::move(logarithms)});
+  return rungs;
+}
+
 // Error and accuracy; NUMERICAL_FAILURE beyond the tolerance.
 absl::StatusOr<FrontierPoint> Check(const NamedRung& named,
                                     const std::vector<Sequence>& sequences,
@@ -276,15 +135,8 @@ absl::StatusOr<std::vector<FrontierPoint>> MeasurePrecision(
   const std::vector<Sequence> sequences =
       MakeSequences(model, contacts, quick ? kQuickContacts : kContacts);
   const size_t dimensions = model.features.hmm.size();
-  TACTUS_ASSIGN_OR_RETURN(HmmBank bank, HmmBank::Create(model.hmms));
-  TACTUS_ASSIGN_OR_RETURN(auto logarithms, LogarithmRung::Create(model.hmms));
-  std::vector<NamedRung> rungs;
-  rungs.push_back({"scaled", "float as served", 1e-6,
-                   std::make_unique<BankRung>(std::move(bank))});
-  rungs.push_back(
-      {"scaled", "double", 1e-12, std::make_unique<DoubleRung>(model.hmms)});
-  rungs.push_back({"logarithms", "double", 1e-12, std::move(logarithms)});
-
+  TACTUS_ASSIGN_OR_RETURN(const std::vector<NamedRung> rungs,
+                          MakeRungs(model.hmms));
   std::vector<FrontierPoint> points;
   for (const NamedRung& named : rungs) {
     TACTUS_ASSIGN_OR_RETURN(points.emplace_back(),
