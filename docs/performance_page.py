@@ -18,7 +18,8 @@ LADDERS = {
         "a tenth of the time since onset, but at least 5 and at most 20 frames; "
         "\"at 10-40\": at least 10 and at most 40. HMMs are counted per category, of four; "
         "\"as served\" is the preset `tuned`: 20 HMMs, 3 networks and a network that "
-        "estimates the object.",
+        "estimates the object; \"nothing skipped\" is the same with all skip rules off, of "
+        "which two apply here ([skipping.md](skipping.md)): unused cues and unchanged scores.",
         "wrong after 1.2 s, %",
     ),
     "precision": (
@@ -26,7 +27,9 @@ LADDERS = {
         "The forward algorithm of all HMMs of the model above on what they see of 100 "
         "of the contacts up to 1.2 s, scores read after each step. Time is processor time of a step; "
         "error is the largest of a category's log-likelihood, nats per step, against "
-        "logarithms in long double.",
+        "logarithms in long double. \"pruned\": in double, state by state, and without the "
+        "states that hold no more than the bound of their category's forward mass; this "
+        "is measured here and not served ([skipping.md](skipping.md)).",
         "error, nats",
     ),
     "simulator": (

@@ -17,7 +17,8 @@ namespace tactus::client {
 // Rows frontier/LADDER/VARIANT; --table and --figures (frontier_point.h) show
 // the same with the front. NUMERICAL_FAILURE if a precision or the exact
 // simulator is off by more than it states, if parts of a model answer
-// otherwise alone, or if answers are hardly better than guesses.
+// otherwise alone, if a skip rule changes an answer, or if answers are hardly
+// better than guesses.
 std::unique_ptr<Benchmark> MakeFrontierBenchmark();
 
 }  // namespace tactus::client

@@ -43,7 +43,8 @@ std::vector<double> TimeVariants(const std::vector<ClassifierVariant>& variants,
   const int sample = std::min<int>(kTimedContacts, std::ssize(contacts));
   std::vector<ContactClassifier> classifiers;
   for (const ClassifierVariant& variant : variants) {
-    classifiers.emplace_back(variant.model, ContactClassifier::Options());
+    classifiers.emplace_back(variant.model, ContactClassifier::Options(),
+                             variant.skip);
   }
   int64_t frames = 0;
   const auto run = [&](ContactClassifier& classifier) {
@@ -91,6 +92,27 @@ absl::Status CheckPart(const ClassifierVariant& part,
   return absl::OkStatus();
 }
 
+// Accuracies are taken with the skip rules on: no bit may depend on them.
+absl::Status CheckUnskipped(const ClassifierVariant& served,
+                            const ClassifierVariant& unskipped,
+                            const std::vector<Contact>& contacts) {
+  ContactClassifier a(served.model, {}, served.skip);
+  ContactClassifier b(unskipped.model, {}, unskipped.skip);
+  for (const Contact& contact : contacts) {
+    a.Reset();
+    b.Reset();
+    for (const ContactFrame& frame : contact.frames) {
+      StepClassifier(frame, a);
+      StepClassifier(frame, b);
+      if (std::ranges::equal(a.probability(), b.probability())) continue;
+      return NumericalFailure(absl::StrFormat(
+          "skip rules change the probabilities of test contact %s",
+          contact.id));
+    }
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::StatusOr<double> AccuracyOf(
@@ -122,6 +144,8 @@ absl::StatusOr<ClassifierLadder> MeasureClassifiers(const FrontierData& data,
          .accuracy = Accuracy(evaluation.anytime[FrontierTime()]),
          .final_accuracy = Accuracy(evaluation.final)});
   }
+  TACTUS_RETURN_IF_ERROR(CheckUnskipped(
+      variants[kServedVariant], variants[kUnskippedVariant], data.test));
   const Evaluation& whole = evaluations[kServedVariant];
   TACTUS_RETURN_IF_ERROR(CheckPart(
       variants[kHmmVariant], evaluations[kHmmVariant].anytime[FrontierTime()],

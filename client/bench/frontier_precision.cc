@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include "absl/strings/str_format.h"
 #include "client/bench/frontier_classifier.h"
+#include "client/bench/frontier_pruned.h"
 #include "client/bench/frontier_rungs.h"
 #include "client/bench/hmm_models.h"
 #include "client/bench/sim_check.h"
@@ -24,6 +26,8 @@ namespace {
 constexpr int kContacts = 100;
 constexpr int kQuickContacts = 4;
 constexpr int kRounds = 15;
+// Nothing tells beforehand what states left out would have come to.
+constexpr double kNoTolerance = std::numeric_limits<double>::infinity();
 
 // What the HMMs see of a contact until kFrontierSeconds after onset, and what
 // is true of it.
@@ -88,6 +92,14 @@ absl::StatusOr<std::vector<NamedRung>> MakeRungs(
   rungs.push_back({"scaled", "float as served", 1e-6, std::move(served)});
   rungs.push_back({"scaled", "double", 1e-12, MakeDoubleRung(mixtures)});
   rungs.push_back({"logarithms", "double", 1e-12, std::move(logarithms)});
+  constexpr std::pair<const char*, double> kBounds[] = {{"bound 0", 0},
+                                                        {"bound 1e-12", 1e-12},
+                                                        {"bound 1e-8", 1e-8},
+                                                        {"bound 1e-4", 1e-4}};
+  for (const auto& [name, bound] : kBounds) {
+    rungs.push_back(
+        {"pruned", name, kNoTolerance, MakePrunedRung(mixtures, bound)});
+  }
   return rungs;
 }
 

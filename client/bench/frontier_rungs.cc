@@ -25,6 +25,40 @@ class BankRung : public Rung {
   BankFilter filter_;
 };
 
+// Log-likelihoods of all components in turn, put together by category.
+class ComponentRung : public Rung {
+ public:
+  explicit ComponentRung(const std::vector<HmmMixture>& mixtures)
+      : mixtures_(&mixtures) {
+    for (const HmmMixture& mixture : mixtures) {
+      for (const GaussianHmm& model : mixture.components) {
+        models_.push_back(&model);
+      }
+    }
+    scores_.resize(models_.size());
+  }
+
+  void Scores(std::span<double> out) override {
+    ReadComponents(scores_);
+    double* score = scores_.data();
+    for (size_t c = 0; c < mixtures_->size(); ++c) {
+      const std::vector<double>& weight = (*mixtures_)[c].log_weight;
+      for (size_t k = 0; k < weight.size(); ++k) score[k] += weight[k];
+      out[c] = LogSumExp(std::span<const double>(score, weight.size()));
+      score += weight.size();
+    }
+  }
+
+ protected:
+  virtual void ReadComponents(std::span<double> scores) = 0;
+  const std::vector<const GaussianHmm*>& models() const { return models_; }
+
+ private:
+  const std::vector<HmmMixture>* mixtures_;
+  std::vector<const GaussianHmm*> models_;
+  std::vector<double> scores_;
+};
+
 class DoubleRung : public ComponentRung {
  public:
   explicit DoubleRung(const std::vector<HmmMixture>& mixtures)
@@ -99,27 +133,6 @@ class LogarithmRung : public ComponentRung {
 };
 
 }  // namespace
-
-ComponentRung::ComponentRung(const std::vector<HmmMixture>& mixtures)
-    : mixtures_(&mixtures) {
-  for (const HmmMixture& mixture : mixtures) {
-    for (const GaussianHmm& model : mixture.components) {
-      models_.push_back(&model);
-    }
-  }
-  scores_.resize(models_.size());
-}
-
-void ComponentRung::Scores(std::span<double> out) {
-  ReadComponents(scores_);
-  double* score = scores_.data();
-  for (size_t c = 0; c < mixtures_->size(); ++c) {
-    const std::vector<double>& weight = (*mixtures_)[c].log_weight;
-    for (size_t k = 0; k < weight.size(); ++k) score[k] += weight[k];
-    out[c] = LogSumExp(std::span<const double>(score, weight.size()));
-    score += weight.size();
-  }
-}
 
 absl::StatusOr<std::unique_ptr<Rung>> MakeServedRung(
     const std::vector<HmmMixture>& mixtures) {

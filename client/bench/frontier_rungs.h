@@ -38,23 +38,6 @@ class Rung {
   virtual void Scores(std::span<double> out) = 0;
 };
 
-// Log-likelihoods of all components in turn, put together by category.
-class ComponentRung : public Rung {
- public:
-  explicit ComponentRung(const std::vector<HmmMixture>& mixtures);
-
-  void Scores(std::span<double> out) override;
-
- protected:
-  virtual void ReadComponents(std::span<double> scores) = 0;
-  const std::vector<const GaussianHmm*>& models() const { return models_; }
-
- private:
-  const std::vector<HmmMixture>* mixtures_;
-  std::vector<const GaussianHmm*> models_;
-  std::vector<double> scores_;
-};
-
 // Scaled in float, as it is served; scaled in double; logarithms in double.
 // Fail as Validate(mixture) does.
 absl::StatusOr<std::unique_ptr<Rung>> MakeServedRung(

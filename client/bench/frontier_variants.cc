@@ -136,12 +136,17 @@ absl::StatusOr<std::vector<ClassifierVariant>> FitVariants(
                        Model model) -> absl::Status {
     TACTUS_ASSIGN_OR_RETURN(auto compiled,
                             CompiledModel::Create(std::move(model)));
-    variants.push_back({family, name, std::move(compiled)});
+    variants.push_back(
+        {.family = family, .name = name, .model = std::move(compiled)});
     return absl::OkStatus();
   };
   const int networks = static_cast<int>(served.lstms.size());
   const std::string all = absl::StrCat(networks, " networks");
   TACTUS_RETURN_IF_ERROR(add(kFused, "as served", served));
+  variants.push_back({.family = kFused,
+                      .name = "nothing skipped",
+                      .model = variants[kServedVariant].model});
+  for (bool& on : variants[kUnskippedVariant].skip) on = false;
   TACTUS_RETURN_IF_ERROR(
       add(kHmms, Hmms(options.hmms_per_class), HmmsAlone(served)));
   TACTUS_RETURN_IF_ERROR(

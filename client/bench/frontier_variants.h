@@ -14,6 +14,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/classify/compiled_model.h"
+#include "core/classify/skip_rules.h"
 #include "core/eval/contact.h"
 
 namespace tactus::client {
@@ -22,13 +23,15 @@ struct ClassifierVariant {
   std::string family;
   std::string name;
   std::shared_ptr<const CompiledModel> model;
+  SkipRules skip = {};
 };
 
-// Places of the preset `tuned` as it is served, and of its HMMs and its LSTMs
-// alone.
+// Places of the preset `tuned` as it is served, of the same with all skip rules
+// off, and of its HMMs and its LSTMs alone.
 inline constexpr int kServedVariant = 0;
-inline constexpr int kHmmVariant = 1;
-inline constexpr int kLstmVariant = 2;
+inline constexpr int kUnskippedVariant = 1;
+inline constexpr int kHmmVariant = 2;
+inline constexpr int kLstmVariant = 3;
 
 // These, less of them, and others, which are not calibrated where that leaves
 // the answers as they are. `quick`: tiny ones.
