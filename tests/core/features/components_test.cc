@@ -13,6 +13,7 @@
 #include "core/base/random.h"
 #include "gtest/gtest.h"
 #include "tests/core/features/segmentation_reference.h"
+#include "tests/support/flat_layout.h"
 #include "tests/support/shared_data.h"
 
 namespace tactus {
@@ -20,15 +21,8 @@ namespace {
 
 SkinLayout MakeLayout(int rows, int columns, bool wrap,
                       Connectivity connectivity = Connectivity::kEight) {
-  SkinLayout layout;
-  layout.rows = rows;
-  layout.columns = columns;
-  layout.row_pitch_m = 0.01;
-  layout.column_pitch_m = 0.01;
-  layout.taxel_area_m2 = 1e-4;
+  SkinLayout layout = testing::FlatLayout(rows, columns);
   layout.wrap_columns = wrap;
-  layout.contact_threshold = 1;
-  layout.onset_threshold = 1;
   layout.connectivity = connectivity;
   return layout;
 }

@@ -8,6 +8,7 @@
 #include "core/base/random.h"
 #include "gtest/gtest.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/flat_layout.h"
 
 namespace tactus {
 namespace {
@@ -18,14 +19,9 @@ constexpr auto kReleased = ContactState::kReleased;
 
 // 6 x 8 taxels of 10 x 20 mm, contact at 1, onset at 2.
 SkinLayout MakeLayout(bool wrap = false) {
-  SkinLayout layout;
-  layout.rows = 6;
-  layout.columns = 8;
-  layout.row_pitch_m = 0.01;
+  SkinLayout layout = testing::FlatLayout(6, 8);
   layout.column_pitch_m = 0.02;
-  layout.taxel_area_m2 = 1e-4;
   layout.wrap_columns = wrap;
-  layout.contact_threshold = 1;
   layout.onset_threshold = 2;
   return layout;
 }

@@ -9,21 +9,12 @@
 #include "core/features/contact_features.h"
 #include "gtest/gtest.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/flat_layout.h"
 
 namespace tactus {
 namespace {
 
-SkinLayout MakeLayout(int rows, int columns) {
-  SkinLayout layout;
-  layout.rows = rows;
-  layout.columns = columns;
-  layout.row_pitch_m = 0.01;
-  layout.column_pitch_m = 0.01;
-  layout.taxel_area_m2 = 1e-4;
-  layout.contact_threshold = 1;
-  layout.onset_threshold = 1;
-  return layout;
-}
+using testing::FlatLayout;
 
 // The band of a line is the one whose range holds it, by the definition.
 int BandOf(int line, int lines, int bands) {
@@ -61,7 +52,7 @@ void ExpectNear(const LoadProfile& got, const LoadProfile& want) {
 TEST(LoadProfileTest, AgreesWithAPlainLoopOnRandomSkins) {
   Random random(11);
   for (int trial = 0; trial < 300; ++trial) {
-    SkinLayout layout = MakeLayout(1 + static_cast<int>(random.Index(64)),
+    SkinLayout layout = FlatLayout(1 + static_cast<int>(random.Index(64)),
                                    1 + static_cast<int>(random.Index(64)));
     layout.wrap_columns = random.Index(2) == 0;
     if (random.Index(2) == 0) {
@@ -99,7 +90,7 @@ TEST(LoadProfileTest, ASkinOfFewLinesLeavesBandsEmpty) {
 }
 
 TEST(LoadProfileTest, AllRegionsCount) {
-  const SkinLayout layout = MakeLayout(6, 10);
+  const SkinLayout layout = FlatLayout(6, 10);
   ContactTracker tracker(layout, {});
   std::vector<float> taxels(layout.taxels());
   taxels[0] = taxels[1] = 2;

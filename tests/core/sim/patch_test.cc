@@ -4,21 +4,12 @@
 #include <numeric>
 
 #include "gtest/gtest.h"
+#include "tests/support/flat_layout.h"
 
 namespace tactus {
 namespace {
 
-SkinLayout Flat(int rows, int columns) {
-  SkinLayout layout;
-  layout.rows = rows;
-  layout.columns = columns;
-  layout.row_pitch_m = 0.01;
-  layout.column_pitch_m = 0.01;
-  layout.taxel_area_m2 = 1e-4;
-  layout.contact_threshold = 0.01;
-  layout.onset_threshold = 0.02;
-  return layout;
-}
+using testing::FlatLayout;
 
 double Sum(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
@@ -26,7 +17,7 @@ double Sum(const std::vector<double>& values) {
 
 // The dome summed on a fine grid of points instead of integrated.
 TEST(SpreadPatchTest, MatchesBruteForceOnAFineGrid) {
-  const SkinLayout layout = Flat(6, 9);
+  const SkinLayout layout = FlatLayout(6, 9);
   const SkinPoint centre = {1.3, 7.1};
   const double side = 0.0437;
   PatchShares shares;
@@ -57,16 +48,16 @@ TEST(SpreadPatchTest, MatchesBruteForceOnAFineGrid) {
 
 TEST(SpreadPatchTest, ASmallPatchIsCarriedByTheTaxelUnderIt) {
   PatchShares shares;
-  SpreadPatch(Flat(6, 9), {2, 3}, 0.01, shares);
+  SpreadPatch(FlatLayout(6, 9), {2, 3}, 0.01, shares);
   EXPECT_NEAR(shares.Of(2, 3), 1, 1e-12);
-  SpreadPatch(Flat(6, 9), {2.5, 3}, 0.001, shares);
+  SpreadPatch(FlatLayout(6, 9), {2.5, 3}, 0.001, shares);
   EXPECT_NEAR(shares.Of(2, 3), 0.5, 1e-12);
   EXPECT_NEAR(shares.Of(3, 3), 0.5, 1e-12);
 }
 
 TEST(SpreadPatchTest, APatchBeyondTheSkinIsCarriedByAllOfIt) {
   PatchShares shares;
-  SpreadPatch(Flat(3, 4), {0, 3}, 0.5, shares);
+  SpreadPatch(FlatLayout(3, 4), {0, 3}, 0.5, shares);
   EXPECT_NEAR(Sum(shares.rows), 1, 1e-12);
   EXPECT_NEAR(Sum(shares.columns), 1, 1e-12);
   for (double share : shares.rows) EXPECT_NEAR(share, 1.0 / 3, 0.01);
