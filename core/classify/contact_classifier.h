@@ -7,8 +7,8 @@
 //   classifier.probability();
 //
 // Scores every category's HMMs by the incremental forward algorithm (or
-// Viterbi) on every frame and the LSTMs at their intervals; constant memory, no
-// allocation. Leaves out what the rules of skip_rules.h allow.
+// Viterbi) and steps the LSTMs, each at the model's intervals; constant memory,
+// no allocation. Leaves out what the rules of skip_rules.h allow.
 //
 // Holds a share of the model. Not thread-safe: one per stream.
 #pragma once
