@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
+#include <regex>
 #include <sstream>
 
 #include "absl/strings/match.h"
@@ -169,6 +171,23 @@ std::vector<std::string> StyleViolations(const std::string& path,
     }
   }
   return violations;
+}
+
+std::vector<std::string> FilesNamed(const std::string& path,
+                                    const std::string& text) {
+  static const std::regex named(
+      R"(\]\(([^)#:\s]+)[)#])"
+      R"(|`((core|server|client|tests|proto|docs|deploy)/[\w./-]*\.\w+)`)");
+  const std::filesystem::path folder =
+      std::filesystem::path(path).parent_path();
+  std::vector<std::string> files;
+  for (std::sregex_iterator it(text.begin(), text.end(), named), end; it != end;
+       ++it) {
+    files.push_back((*it)[1].matched
+                        ? (folder / (*it)[1].str()).lexically_normal().string()
+                        : (*it)[2].str());
+  }
+  return files;
 }
 
 }  // namespace tactus

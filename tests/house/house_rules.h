@@ -26,4 +26,9 @@ std::vector<std::string> IncludeViolations(
 std::vector<std::string> StyleViolations(const std::string& path,
                                          const std::string& text);
 
+// The files that a Markdown page at `path` links to, or names between backticks
+// with their path from the project's root; by that path.
+std::vector<std::string> FilesNamed(const std::string& path,
+                                    const std::string& text);
+
 }  // namespace tactus

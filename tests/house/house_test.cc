@@ -64,6 +64,32 @@ TEST(HouseTest, FilesAreSmallAndTidy) {
   });
 }
 
+TEST(HouseTest, PagesNameFilesThatExist) {
+  std::vector<fs::path> pages;
+  for (const char* folder : {"", "docs", "docs/results"}) {
+    for (const auto& entry :
+         fs::directory_iterator(fs::path(Root()) / folder)) {
+      if (entry.path().extension() == ".md") pages.push_back(entry.path());
+    }
+  }
+  EXPECT_GE(pages.size(), 10u);
+  for (const fs::path& page : pages) {
+    const std::string path = fs::relative(page, Root());
+    for (const std::string& file : FilesNamed(path, ReadText(page))) {
+      EXPECT_TRUE(fs::exists(fs::path(Root()) / file)) << path << ": " << file;
+    }
+  }
+}
+
+TEST(PageRuleTest, LinksAndPathsAreFound) {
+  EXPECT_THAT(FilesNamed("docs/a.md",
+                         "[b](b.md#there) ![c](pictures/c.png) [d](../D.md)\n"
+                         "[e](https://e.org/e.md) [f](#here)\n"
+                         "`core/g.h` `core/` `g.h` `docs/h.sh`"),
+              ElementsAre("docs/b.md", "docs/pictures/c.png", "D.md",
+                          "core/g.h", "docs/h.sh"));
+}
+
 TEST(IncludeRuleTest, RoomsComeFromTheirList) {
   EXPECT_THAT(CoreRooms("find_package(absl)\nadd_subdirectory(base)\n"
                         "if(X)\n  add_subdirectory(data)\nendif()\n"),
