@@ -116,17 +116,34 @@ std::vector<const Contact*> Select(const std::vector<const Contact*>& contacts,
   return selected;
 }
 
+// Contacts and their copies, which `all` points to.
+struct Varied {
+  std::vector<Contact> copies;
+  std::vector<const Contact*> all;
+};
+
+Varied WithVariations(const std::vector<const Contact*>& contacts,
+                      const VariationRange& range, uint64_t seed) {
+  Varied varied = {DrawVariations(contacts, range, seed), contacts};
+  for (const Contact& copy : varied.copies) varied.all.push_back(&copy);
+  return varied;
+}
+
+// HMMs learn no other stiffnesses: their few components would have to cover
+// them too, at the cost of what they cover now.
 absl::StatusOr<Model> FitUncalibrated(
     const std::vector<const Contact*>& contacts,
     const std::vector<std::string>& class_names, const FitOptions& options,
     int networks, const ParallelFor& parallel) {
-  const std::vector<Contact> copies =
-      DrawVariations(contacts, options.variations, options.seed);
-  std::vector<const Contact*> all = contacts;
-  for (const Contact& copy : copies) all.push_back(&copy);
-  TACTUS_ASSIGN_OR_RETURN(Model model, FitHmms(all, class_names, options));
+  VariationRange range = options.variations;
+  range.stiffness = 1;
+  TACTUS_ASSIGN_OR_RETURN(
+      Model model, FitHmms(WithVariations(contacts, range, options.seed).all,
+                           class_names, options));
   if (networks > 0) {
-    TACTUS_RETURN_IF_ERROR(FitLstms(all, options, networks, parallel, model));
+    TACTUS_RETURN_IF_ERROR(
+        FitLstms(WithVariations(contacts, options.variations, options.seed).all,
+                 options, networks, parallel, model));
   }
   return model;
 }

@@ -69,7 +69,8 @@ struct FitOptions {
   // Smallest variance of a scaled input in any state.
   double covariance_floor = 1e-3;
   LstmFit lstm;
-  // Models are trained on every contact as it is, and on such copies of it.
+  // Models are trained on every contact as it is, and on such copies of it;
+  // HMMs on copies of the same stiffness.
   VariationRange variations;
   // A calibration is fitted on inner folds that leave out one condition each
   // where there are a few, or a few groups of materials; else on this many

@@ -31,7 +31,7 @@ FitOptions TunedPreset() {
   options.hmms_per_class = 20;
   options.states = 6;
   options.covariance_floor = 0.1;
-  options.variations = {.copies = 4, .pace = 3, .load = 2};
+  options.variations = {.copies = 4, .pace = 3, .load = 2, .stiffness = 5};
   LstmFit& lstm = options.lstm;
   lstm.networks = 3;
   lstm.cues = DerivedCues();

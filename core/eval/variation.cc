@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
+#include <string>
 
 namespace tactus {
 namespace {
@@ -57,6 +60,54 @@ double NoiseIn(const Contact& contact, Number number) {
   return NoiseOf(values);
 }
 
+// How much of the noise a factor on a signal takes away.
+double MissingNoise(double factor) {
+  return std::sqrt(std::max(0.0, 1 - factor * factor));
+}
+
+// A stretch of the axis of stiffness, N/m.
+struct Span {
+  double least = 0;
+  double most = std::numeric_limits<double>::infinity();
+};
+
+// The stiffnesses that leave a contact in its class, by class; nothing where it
+// cannot be told. A class that another is all stiffer than is soft: its objects
+// may be as soft as they like, and as stiff as the stiffest of it. A hard one
+// the other way round.
+std::map<std::string, Span> SpansOf(
+    const std::vector<const Contact*>& contacts) {
+  std::map<std::string, Span> seen;
+  for (const Contact* contact : contacts) {
+    const double k = contact->stiffness;
+    if (k <= 0) return {};
+    Span& span = seen.try_emplace(contact->label, Span{k, k}).first->second;
+    span.least = std::min(span.least, k);
+    span.most = std::max(span.most, k);
+  }
+  std::map<std::string, Span> spans;
+  for (const auto& [label, own] : seen) {
+    bool soft = false;
+    bool hard = false;
+    for (const auto& [other, others] : seen) {
+      soft |= own.most < others.least;
+      hard |= own.least > others.most;
+    }
+    if (soft == hard) continue;
+    spans[label] = soft ? Span{.most = own.most} : Span{.least = own.least};
+  }
+  return spans;
+}
+
+// A factor on the stiffness, its logarithm even over the part of 1 / range to
+// range that stays within `span`.
+double DrawStiffness(double stiffness, const Span& span, double range,
+                     Random& random) {
+  const double low = std::max(1 / range, span.least / stiffness);
+  const double high = std::min(range, span.most / stiffness);
+  return low * std::pow(high / low, random.Uniform());
+}
+
 }  // namespace
 
 double NoiseOf(const std::vector<double>& values) {
@@ -75,22 +126,27 @@ Contact Vary(const Contact& contact, const Variation& variation,
              Random& random) {
   Contact varied = AtPace(contact, variation.pace);
   const double load = variation.load;
-  if (load == 1) return varied;
-  const double anew = std::sqrt(1 - load * load);
-  const double peak_noise =
-      anew * NoiseIn(contact, [](auto& s) { return s.features[kForceAt]; });
+  const double force = load * variation.stiffness;
+  varied.stiffness *= variation.stiffness;
+  if (load == 1 && force == 1) return varied;
+  const double of_forces = MissingNoise(force);
+  const double peak_noise = of_forces * NoiseIn(contact, [](auto& s) {
+                              return s.features[kForceAt];
+                            });
   const double net_noise =
-      anew * NoiseIn(contact, [](auto& s) { return s.net_force; });
+      of_forces * NoiseIn(contact, [](auto& s) { return s.net_force; });
   const double motion_noise =
-      anew * NoiseIn(contact, [](auto& s) { return s.features[kMotionAt]; });
+      MissingNoise(load) *
+      NoiseIn(contact, [](auto& s) { return s.features[kMotionAt]; });
   for (ContactFrame& frame : varied.frames) {
     if (!frame.touched) continue;
     ContactSample& sample = frame.sample;
     // The largest taxel is part of the region: one draw serves both.
     const double of_force = random.Gaussian();
     double& peak = sample.features[kForceAt];
-    peak = std::abs(load * peak + peak_noise * of_force);
-    sample.net_force = std::abs(load * sample.net_force + net_noise * of_force);
+    peak = std::abs(force * peak + peak_noise * of_force);
+    sample.net_force =
+        std::abs(force * sample.net_force + net_noise * of_force);
     double& motion = sample.features[kMotionAt];
     motion = std::abs(load * motion + motion_noise * random.Gaussian());
   }
@@ -103,12 +159,19 @@ std::vector<Contact> DrawVariations(const std::vector<const Contact*>& contacts,
                                     uint64_t seed) {
   std::vector<Contact> drawn;
   drawn.reserve(contacts.size() * static_cast<size_t>(range.copies));
+  const auto spans = SpansOf(contacts);
   for (int copy = 0; copy < range.copies; ++copy) {
     for (size_t i = 0; i < contacts.size(); ++i) {
       Random random = Random::ForStream(seed, copy * contacts.size() + i);
       const double pace = std::pow(range.pace, random.Uniform(-1, 1));
       const double load = std::pow(range.load, random.Uniform(-1, 0));
-      drawn.push_back(Vary(*contacts[i], {pace, load}, random));
+      double stiffness = 1;
+      const auto span = spans.find(contacts[i]->label);
+      if (copy % 2 == 1 && range.stiffness > 1 && span != spans.end()) {
+        stiffness = DrawStiffness(contacts[i]->stiffness, span->second,
+                                  range.stiffness, random);
+      }
+      drawn.push_back(Vary(*contacts[i], {pace, load, stiffness}, random));
     }
   }
   return drawn;

@@ -1,15 +1,19 @@
 // File: variation.h
 //
 // A contact as other arms and objects would have made it, so that models hold
-// at speeds and stiffnesses that were never recorded. But for its ringing the
-// lumped element model (paper, eqs. 1 to 7) has two symmetries, and neither
-// changes a category:
+// at speeds, stiffnesses and materials that were never recorded. But for its
+// ringing the lumped element model (paper, eqs. 1 to 7) has three symmetries:
 //
 // - Pace. Force, area and motion follow how far the equilibrium point has come;
 //   an arm of another speed plays the same signals at another pace.
 // - Load. The pieces are linear: a softer arm on a lighter object makes all
 //   forces and motions smaller by one factor. The sensor's noise stays, so what
 //   was scaled away of it is drawn anew.
+// - Stiffness. With all springs and masses, the object's among them, larger by
+//   one factor, forces are too, and motions stay; ringing as well.
+//
+// Pace and load leave every category alone, stiffness those on whose side of
+// the border between hard and soft it stays.
 //
 //   Random random(seed);
 //   Contact other = Vary(contact, {.pace = 1.4, .load = 0.5}, random);
@@ -26,8 +30,9 @@
 namespace tactus {
 
 struct Variation {
-  double pace = 1;  // > 0
-  double load = 1;  // in (0, 1]: noise cannot be taken away
+  double pace = 1;       // > 0
+  double load = 1;       // in (0, 1]: noise cannot be taken away
+  double stiffness = 1;  // > 0
 };
 
 // Frame k, (k + 1) frames after the touch, is `contact` (k + 1) x pace frames
@@ -38,11 +43,17 @@ Contact Vary(const Contact& contact, const Variation& variation,
              Random& random);
 
 // How many copies to draw of each contact, from what: the logarithm of the pace
-// evenly between 1 / pace and pace, that of the load between 1 / load and 1.
+// evenly between 1 / pace and pace, that of the load between 1 / load and 1. In
+// every other copy also that of the stiffness, between 1 / stiffness and
+// stiffness: objects of classes that others are all stiffer than stay as soft
+// as the stiffest known of their class, those that are stiffer than all of
+// another as hard as its softest. Others, and all where a stiffness is unknown,
+// keep theirs.
 struct VariationRange {
   int copies = 0;
-  double pace = 1;  // >= 1
-  double load = 1;  // >= 1
+  double pace = 1;       // >= 1
+  double load = 1;       // >= 1
+  double stiffness = 1;  // >= 1
 };
 
 // All copies of all contacts; the same contacts, range and seed give the same

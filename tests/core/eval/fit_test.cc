@@ -43,6 +43,8 @@ TEST(FitModelTest, EstimatesTheObjectWhereTheTruthIsKnown) {
   auto contacts = testing::SyntheticContacts(8, 40, 0.1, 1);
   FitOptions options = QuickOptions();
   options.lstm.training.epochs = 30;
+  // Of which there is none either without the truth.
+  options.variations.stiffness = 1;
   const auto without =
       FitModel(testing::PointersTo(contacts), options, RunSerially);
   ASSERT_TRUE(without.ok()) << without.status();
@@ -69,6 +71,22 @@ TEST(FitModelTest, EstimatesTheObjectWhereTheTruthIsKnown) {
         estimate->said.log10_stiffness / 16;
   }
   EXPECT_GT(hard, soft + 1);
+}
+
+TEST(FitModelTest, LstmsAloneLearnOtherStiffnesses) {
+  auto contacts = testing::SyntheticContacts(8, 40, 0.1, 1);
+  for (Contact& contact : contacts) {
+    contact.stiffness = contact.label[0] == 'H' ? 1e6 : 1e3;
+  }
+  FitOptions options = QuickOptions();
+  options.calibrate = false;
+  const auto pointers = testing::PointersTo(contacts);
+  const auto with = FitModel(pointers, options, RunSerially);
+  options.variations.stiffness = 1;
+  const auto without = FitModel(pointers, options, RunSerially);
+  ASSERT_TRUE(with.ok() && without.ok());
+  EXPECT_EQ(with->warm_up.log_likelihood, without->warm_up.log_likelihood);
+  EXPECT_NE(with->lstms[0].dense_kernel, without->lstms[0].dense_kernel);
 }
 
 TEST(FitModelTest, TheSameSeedGivesTheSameBitsInAnyOrderOfWork) {

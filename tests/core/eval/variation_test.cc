@@ -61,9 +61,8 @@ TEST(VaryTest, MixesNothingIntoLostTouch) {
   EXPECT_TRUE(warped.frames[7].touched);
 }
 
-// The symmetry that loads rest on, in the contact model itself: a goal, a speed
-// and a friction half as large halve all forces and motions.
-TEST(VaryTest, LoadIsASymmetryOfTheContactModel) {
+// An object that slides.
+ContactScene SlidingScene() {
   ContactScene scene;
   scene.actuator_damping =
       CriticalDamping(scene.actuator_stiffness, scene.arm_mass_kg);
@@ -71,6 +70,13 @@ TEST(VaryTest, LoadIsASymmetryOfTheContactModel) {
   scene.object_stiffness = 3e4;
   scene.mu_static = 0.6;
   scene.mu_kinetic = 0.4;
+  return scene;
+}
+
+// The symmetry that loads rest on, in the contact model itself: a goal, a speed
+// and a friction half as large halve all forces and motions.
+TEST(VaryTest, LoadIsASymmetryOfTheContactModel) {
+  const ContactScene scene = SlidingScene();
   ContactScene half = scene;
   half.velocity_m_s /= 2;
   half.goal_m /= 2;
@@ -87,6 +93,30 @@ TEST(VaryTest, LoadIsASymmetryOfTheContactModel) {
     EXPECT_NEAR(halved.force, whole.force / 2, 1e-6);
     EXPECT_NEAR(halved.x_arm, whole.x_arm / 2, 1e-9);
     EXPECT_NEAR(halved.x_uobj, whole.x_uobj / 2, 1e-9);
+  }
+}
+
+// The symmetry that stiffnesses rest on: springs, dampers and masses twice as
+// large double all forces and leave all motions.
+TEST(VaryTest, StiffnessIsASymmetryOfTheContactModel) {
+  const ContactScene scene = SlidingScene();
+  ContactScene twice = scene;
+  for (double* part :
+       {&twice.arm_mass_kg, &twice.actuator_stiffness, &twice.actuator_damping,
+        &twice.object_mass_kg, &twice.object_stiffness}) {
+    *part *= 2;
+  }
+  const auto run = IntegrateExact(scene, {});
+  const auto twice_run = IntegrateExact(twice, {});
+  ASSERT_TRUE(run.ok() && twice_run.ok());
+  ASSERT_TRUE(run->moved);
+  ASSERT_EQ(run->samples.size(), twice_run->samples.size());
+  for (size_t i = 0; i < run->samples.size(); i += 100) {
+    const TrajectorySample& one = run->samples[i];
+    const TrajectorySample& doubled = twice_run->samples[i];
+    EXPECT_NEAR(doubled.force, one.force * 2, 1e-6);
+    EXPECT_NEAR(doubled.x_arm, one.x_arm, 1e-9);
+    EXPECT_NEAR(doubled.x_uobj, one.x_uobj, 1e-9);
   }
 }
 
@@ -129,6 +159,28 @@ TEST(VaryTest, ScalesForcesAndMotionsButNotTheNoise) {
   }
 }
 
+TEST(VaryTest, OtherStiffnessesChangeForcesAlone) {
+  Random random(7);
+  Contact contact = NoisyPress(random);
+  contact.stiffness = 8;
+  for (double factor : {0.25, 2.0}) {
+    const Contact other = Vary(contact, {.stiffness = factor}, random);
+    EXPECT_EQ(other.stiffness, 8 * factor);
+    // Noise is never less than the sensor's.
+    const auto force = Column(other, Feature::kForce);
+    EXPECT_NEAR(NoiseOf(force), 0.1 * std::max(1.0, factor), 0.01);
+    for (size_t t = 0; t < force.size(); ++t) {
+      EXPECT_NEAR(force[t], factor * (20 + 0.02 * static_cast<double>(t)), 1.2);
+      const ContactSample& sample = other.frames[t].sample;
+      const ContactSample& before = contact.frames[t].sample;
+      EXPECT_EQ(sample.net_force, force[t]);
+      EXPECT_EQ(sample.features[1], before.features[1]);
+      EXPECT_EQ(sample.features[2], before.features[2]);
+      EXPECT_EQ(other.object_motion[t], contact.object_motion[t]);
+    }
+  }
+}
+
 TEST(VaryTest, FindsNoNoiseInWhatChangesEvenlyOrIsTooShort) {
   EXPECT_NEAR(NoiseOf({1, 3, 5, 7, 9}), 0, 1e-12);
   EXPECT_EQ(NoiseOf({1, 5}), 0);
@@ -161,6 +213,61 @@ TEST(DrawVariationsTest, DrawsFromTheWholeRangeAndTheSameFromTheSameSeed) {
             Column(drawn[7], Feature::kForce));
   EXPECT_NE(Column(other[7], Feature::kForce),
             Column(drawn[7], Feature::kForce));
+}
+
+// Contacts of a stiffness and label, with a frame each.
+std::vector<Contact> Objects(
+    const std::vector<std::pair<double, std::string>>& objects) {
+  std::vector<Contact> contacts;
+  for (const auto& [stiffness, label] : objects) {
+    contacts.push_back(Press(9));
+    contacts.back().stiffness = stiffness;
+    contacts.back().label = label;
+  }
+  return contacts;
+}
+
+std::vector<Contact> DrawStiffnesses(const std::vector<Contact>& contacts) {
+  std::vector<const Contact*> pointers;
+  for (const Contact& contact : contacts) pointers.push_back(&contact);
+  return DrawVariations(pointers, {.copies = 400, .stiffness = 5}, 1);
+}
+
+TEST(DrawVariationsTest, SoftStaysSoftAndHardStaysHard) {
+  const auto contacts =
+      Objects({{1, "SU"}, {10, "SU"}, {20, "HU"}, {300, "HU"}});
+  const auto drawn = DrawStiffnesses(contacts);
+  // What the border and a factor of five leave.
+  const double least[] = {0.2, 2, 20, 60};
+  const double most[] = {5, 10, 100, 1500};
+  double softest[] = {1e9, 1e9, 1e9, 1e9};
+  double stiffest[] = {0, 0, 0, 0};
+  for (size_t i = 0; i < drawn.size(); ++i) {
+    const double k = drawn[i].stiffness;
+    softest[i % 4] = std::min(softest[i % 4], k);
+    stiffest[i % 4] = std::max(stiffest[i % 4], k);
+    // Every other copy keeps its own.
+    if (i / 4 % 2 == 0) {
+      EXPECT_EQ(k, contacts[i % 4].stiffness);
+    }
+  }
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_GE(softest[i], least[i] * (1 - 1e-12)) << i;
+    EXPECT_LT(softest[i], least[i] * 1.1) << i;
+    EXPECT_LE(stiffest[i], most[i] * (1 + 1e-12)) << i;
+    EXPECT_GT(stiffest[i], most[i] / 1.1) << i;
+  }
+}
+
+TEST(DrawVariationsTest, StiffnessRestsWhereClassesAreNotOfIt) {
+  for (const auto& contacts :
+       {Objects({{1, "A"}, {10, "A"}, {5, "B"}, {20, "B"}}),
+        Objects({{1, "SU"}, {10, "HU"}, {0, "HU"}})}) {
+    const auto drawn = DrawStiffnesses(contacts);
+    for (size_t i = 0; i < drawn.size(); ++i) {
+      EXPECT_EQ(drawn[i].stiffness, contacts[i % contacts.size()].stiffness);
+    }
+  }
 }
 
 }  // namespace
