@@ -73,8 +73,8 @@ struct FitOptions {
   // HMMs on copies of the same stiffness.
   VariationRange variations;
   // A calibration is fitted on inner folds that leave out one condition each
-  // where there are a few, or a few groups of materials; else on this many
-  // even ones.
+  // where there are a few, or a material or two each; else on this many even
+  // ones.
   InnerFolds inner_folds = InnerFolds::kConditions;
   int calibration_folds = 3;
   // Without, scores are probabilities as they are: the best class is the same

@@ -89,6 +89,32 @@ TEST(FitModelTest, LstmsAloneLearnOtherStiffnesses) {
   EXPECT_NE(with->lstms[0].dense_kernel, without->lstms[0].dense_kernel);
 }
 
+// How many inner folds a calibration for new materials takes.
+int InnerFoldsOf(int materials) {
+  auto contacts = testing::SyntheticContacts(2 * materials, 20, 0.1, 1);
+  for (size_t i = 0; i < contacts.size(); ++i) {
+    contacts[i].material = std::to_string(static_cast<int>(i) / 4 % materials);
+  }
+  FitOptions options = QuickOptions();
+  options.lstm.networks = 0;
+  options.variations.copies = 0;
+  options.inner_folds = InnerFolds::kMaterials;
+  int folds = 0;
+  const auto model = FitModel(testing::PointersTo(contacts), options,
+                              [&](int count, const auto& body) {
+                                folds += count;
+                                RunSerially(count, body);
+                              });
+  EXPECT_TRUE(model.ok()) << model.status();
+  return folds;
+}
+
+TEST(FitModelTest, InnerFoldsLeaveFewMaterialsOutTogether) {
+  EXPECT_EQ(InnerFoldsOf(2), 2);
+  EXPECT_EQ(InnerFoldsOf(3), 3);
+  EXPECT_EQ(InnerFoldsOf(12), 6);
+}
+
 TEST(FitModelTest, TheSameSeedGivesTheSameBitsInAnyOrderOfWork) {
   const auto contacts = testing::SyntheticContacts(6, 30, 0.2, 2);
   const auto pointers = testing::PointersTo(contacts);
