@@ -5,7 +5,7 @@
 #   docs/make-results.sh              all pages
 #   docs/make-results.sh PAGE...      these alone
 #
-# Pages, with minutes on two quiet cores: signals (6), materials (15), taxels
+# Pages, with minutes on two quiet cores: signals (6), materials (26), taxels
 # (6), grid (4), unknown (3), default-bundle (1), cody (1), recordings (1),
 # paper-tables (15), simulator (12). Needs a release build. Real recordings are evaluated when
 # TACTUS_DATA_DIR, or ../shared/data beside the project, has them.
