@@ -74,22 +74,23 @@ class Trainer {
         options_(options),
         model_(model),
         initial_(model),
-        moments_(ComputeFrameMoments(sequences)),
         frames_(static_cast<double>(TotalFrames(sequences))),
         random_(options.seed),
-        reseeds_(model.states, 0) {}
+        reseeds_(model.states, 0),
+        expectation_(sequences),
+        counts_(model.states, model.dimensions) {}
 
   absl::StatusOr<BaumWelchReport> Run() {
     double last_objective = 0;
     for (;; ++report_.iterations) {
       TACTUS_RETURN_IF_ERROR(Expect());
-      const double objective = expectation_.log_likelihood() + LogPrior();
+      const double objective = counts_.log_likelihood + LogPrior();
       if (!std::isfinite(objective)) {
         return NumericalFailure(absl::StrCat(
             "log-likelihood became ", objective, " after ", report_.iterations,
             " updates; finite would be right"));
       }
-      report_.log_likelihood.push_back(expectation_.log_likelihood());
+      report_.log_likelihood.push_back(counts_.log_likelihood);
       if (report_.iterations > 0) {
         const double gain = objective - last_objective;
         if (gain < -kRounding * (1 + std::abs(objective)) && !excused_) {
@@ -111,10 +112,10 @@ class Trainer {
   absl::Status Expect() {
     TACTUS_RETURN_IF_ERROR(Validate(model_));
     // The last model is not improved any more.
-    expectation_.Compute(model_, sequences_,
-                         report_.iterations < options_.max_iterations
-                             ? Expectation::Sums::kAll
-                             : Expectation::Sums::kLogLikelihood);
+    counts_ = expectation_.Compute(model_,
+                                   report_.iterations < options_.max_iterations
+                                       ? Sums::kAll
+                                       : Sums::kLogLikelihood);
     return absl::OkStatus();
   }
 
@@ -132,19 +133,19 @@ class Trainer {
     excused_ = false;
     reseeded_ = false;
     UpdateStart();
-    const std::vector<double> transitions = expectation_.transitions();
-    const std::vector<double> occupancy = expectation_.occupancy();
-    const std::vector<double> first = expectation_.first_moment();
-    const std::vector<double> second = expectation_.second_moment();
     const size_t n = model_.states;
     const size_t d = model_.dimensions;
-    for (size_t i = 0; i < n; ++i) UpdateTransitions(i, &transitions[i * n]);
+    for (size_t i = 0; i < n; ++i) {
+      UpdateTransitions(i, &counts_.transitions[i * n]);
+    }
     // A state is dead when it explains less than a hundredth of its even
     // share, and less than one frame.
     const double dead = std::min(1.0, 0.01 * frames_ / model_.states);
     for (size_t i = 0; i < n; ++i) {
-      if (occupancy[i] >= dead) {
-        UpdateEmission(i, 1 / occupancy[i], &first[i * d], &second[i * d * d]);
+      if (counts_.occupancy[i] >= dead) {
+        UpdateEmission(i, 1 / counts_.occupancy[i],
+                       &counts_.first_moment[i * d],
+                       &counts_.second_moment[i * d * d]);
       } else if (reseeds_[i] < kMaxReseedsPerState &&
                  report_.iterations + kUpdatesAfterReseed <
                      options_.max_iterations) {
@@ -155,7 +156,7 @@ class Trainer {
 
   void UpdateStart() {
     if (!options_.update_start) return;
-    model_.start = expectation_.starts();
+    model_.start = counts_.starts;
     ScaleToOne(model_.start.data(), model_.states);
   }
 
@@ -177,8 +178,8 @@ class Trainer {
     for (int j = 0; j < n; ++j) model_.transition[offset + j] = row[j] / sum;
   }
 
-  // weight: one over the expected number of frames; moments as Expectation
-  // gives them, of this state.
+  // weight: one over the expected number of frames; moments of this state,
+  // see ExpectedCounts.
   void UpdateEmission(size_t state, double weight, const double* first,
                       const double* second) {
     const int d = model_.dimensions;
@@ -213,7 +214,8 @@ class Trainer {
     std::ranges::copy(sequence.frame(t),
                       model_.means.begin() + static_cast<size_t>(state) * d);
     std::vector<double> covariance(static_cast<size_t>(d) * d, 0.0);
-    for (int k = 0; k < d; ++k) covariance[k * d + k] = moments_.variance[k];
+    const FrameMoments moments = ComputeFrameMoments(sequences_);
+    for (int k = 0; k < d; ++k) covariance[k * d + k] = moments.variance[k];
     StoreCovariance(state, covariance);
     std::copy_n(&initial_.transition[static_cast<size_t>(state) * n], n,
                 &model_.transition[static_cast<size_t>(state) * n]);
@@ -241,11 +243,11 @@ class Trainer {
   const BaumWelchOptions& options_;
   GaussianHmm& model_;
   const GaussianHmm initial_;
-  const FrameMoments moments_;
   const double frames_;
   Random random_;
   std::vector<int> reseeds_;  // [N]
   Expectation expectation_;
+  ExpectedCounts counts_;  // given model_
   BaumWelchReport report_;
   // Of the last update: a state was re-seeded; a loss of likelihood would be
   // explained by that or by the floor.

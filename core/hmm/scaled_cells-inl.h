@@ -29,34 +29,65 @@ struct Cells {
   hn::Vec<Vector<T>> exponent;
 };
 
-// The cells from j on. kJumps 0: any number of them.
+// The ways into the cells from j on, jump by jump. kJumps 0: any number.
+template <typename T, int kJumps>
+class Sources {
+ public:
+  using V = hn::Vec<Vector<T>>;
+
+  HWY_INLINE Sources(const PredictStep<T>& step, int j)
+      : count_(kJumps > 0 ? kJumps : step.jumps),
+        stride_(step.stride),
+        parameters_(step.transitions +
+                    static_cast<size_t>(j / kBlock) * count_ * 2 * kBlock +
+                    j % kBlock),
+        mantissa_(step.from.mantissa + Start(step, j)),
+        exponent_(step.from.exponent + Start(step, j)) {}
+
+  HWY_INLINE int count() const { return count_; }
+  // Share of the state that is left times the transition: its exponent, ..
+  HWY_INLINE V Exponent(int q) const {
+    return hn::Add(hn::LoadU(d_, exponent_ - q * stride_),
+                   hn::Load(d_, parameters_ + (2 * q + 1) * ptrdiff_t{kBlock}));
+  }
+  HWY_INLINE V LargestExponent() const {
+    V largest = Exponent(0);
+    for (int q = 1; q < count_; ++q) largest = hn::Max(largest, Exponent(q));
+    return largest;
+  }
+  // .. and the factors of its mantissa over 2^exponent.
+  HWY_INLINE V From(int q) const {
+    return hn::LoadU(d_, mantissa_ - q * stride_);
+  }
+  HWY_INLINE V Weight(int q, V exponent) const {
+    return hn::Mul(hn::Load(d_, parameters_ + 2 * q * ptrdiff_t{kBlock}),
+                   PowerOfTwo(d_, hn::Sub(Exponent(q), exponent)));
+  }
+
+ private:
+  static HWY_INLINE ptrdiff_t Start(const PredictStep<T>& step, int j) {
+    return j - static_cast<ptrdiff_t>(step.first_jump) * step.stride;
+  }
+
+  static constexpr Vector<T> d_{};
+  const int count_;
+  const ptrdiff_t stride_;
+  const T* const parameters_;
+  const T* const mantissa_;
+  const T* const exponent_;
+};
+
+// The cells from j on. kJumps 0: any number of jumps.
 template <typename T, bool kBest, int kJumps>
 HWY_INLINE Cells<T> PredictVector(const PredictStep<T>& step, int j) {
   const Vector<T> d;
   using V = hn::Vec<decltype(d)>;
-  const int jumps = kJumps > 0 ? kJumps : step.jumps;
-  const T* parameters = step.transitions +
-                        static_cast<size_t>(j / kBlock) * jumps * 2 * kBlock +
-                        j % kBlock;
-  const ptrdiff_t source =
-      j - static_cast<ptrdiff_t>(step.first_jump) * step.stride;
-  V exponent = hn::Set(d, 2 * Scaled<T>::kNothing);
-  for (int q = 0; q < jumps; ++q) {
-    const ptrdiff_t i = source - static_cast<ptrdiff_t>(q) * step.stride;
-    exponent = hn::Max(exponent,
-                       hn::Add(hn::LoadU(d, step.from.exponent + i),
-                               hn::Load(d, parameters + (2 * q + 1) * kBlock)));
-  }
+  const Sources<T, kJumps> sources(step, j);
+  V exponent = sources.LargestExponent();
   V mantissa = hn::Zero(d);
-  for (int q = 0; q < jumps; ++q) {
-    const ptrdiff_t i = source - static_cast<ptrdiff_t>(q) * step.stride;
-    const V behind =
-        hn::Sub(hn::Add(hn::LoadU(d, step.from.exponent + i),
-                        hn::Load(d, parameters + (2 * q + 1) * kBlock)),
-                exponent);
-    const V weight = hn::Mul(hn::Load(d, parameters + 2 * q * kBlock),
-                             PowerOfTwo(d, behind));
-    const V from = hn::LoadU(d, step.from.mantissa + i);
+  for (int q = 0; q < sources.count(); ++q) {
+    const V weight = sources.Weight(q, exponent);
+    const V from = sources.From(q);
     mantissa = kBest ? hn::Max(mantissa, hn::Mul(from, weight))
                      : hn::MulAdd(from, weight, mantissa);
   }
@@ -102,20 +133,26 @@ HWY_INLINE hn::Vec<Vector<T>> Distance(const WeighStep<T>& step,
   return hn::IfThenElse(hn::Lt(distance, farthest), distance, farthest);
 }
 
-// The densities of the cells from j on, at place p in the patterns.
+// log2 of the densities of the cells from j on, at place p in the patterns.
 // kDimensions 0: any number of them.
 template <typename T, int kDimensions, bool kFull>
-HWY_INLINE Cells<T> DensityVector(const WeighStep<T>& step, int j, int p) {
+HWY_INLINE hn::Vec<Vector<T>> DensityBits(const WeighStep<T>& step, int j,
+                                          int p) {
   const Vector<T> d;
-  using V = hn::Vec<decltype(d)>;
   const int dimensions = kDimensions > 0 ? kDimensions : step.dimensions;
   const int rows = (sizeof(T) == sizeof(float) ? 2 : 1) * dimensions +
                    (kFull ? dimensions * (dimensions + 1) / 2 : dimensions) + 1;
   const T* row = step.emissions +
                  static_cast<size_t>(j / kBlock) * rows * kBlock + j % kBlock;
-  const V distance = Distance<T, kDimensions, kFull>(step, p, row);
-  const V bits = hn::Sub(hn::Load(d, row), distance);
-  const V whole = hn::Round(bits);
+  const auto distance = Distance<T, kDimensions, kFull>(step, p, row);
+  return hn::Sub(hn::Load(d, row), distance);
+}
+
+// 2^bits; its mantissa is in [0.7, 1.5).
+template <typename T>
+HWY_INLINE Cells<T> PowerOfBits(hn::Vec<Vector<T>> bits) {
+  const Vector<T> d;
+  const auto whole = hn::Round(bits);
   return {PowerOfFraction(d, hn::Sub(bits, whole)), whole};
 }
 

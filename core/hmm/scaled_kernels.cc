@@ -74,7 +74,8 @@ template <typename T, int kDimensions, bool kFull>
 void WeighCells(const WeighStep<T>& step) {
   const Vector<T> d;
   WeighEach(step, [&](int j, int p) {
-    const Cells<T> density = DensityVector<T, kDimensions, kFull>(step, j, p);
+    const Cells<T> density =
+        PowerOfBits<T>(DensityBits<T, kDimensions, kFull>(step, j, p));
     return Cells<T>{
         hn::Mul(hn::Load(d, step.from.mantissa + j), density.mantissa),
         hn::Add(hn::Load(d, step.from.exponent + j),
@@ -125,10 +126,20 @@ bool KeptDigits(const WeighStep<T>& step) {
 
 template <typename T, bool kBest, int kJumps, int kDimensions, bool kFull>
 bool AdvanceCells(const AdvanceStep<T>& step) {
-  WeighEach(step.weigh, [&](int j, int p) {
-    const Cells<T> density =
-        DensityVector<T, kDimensions, kFull>(step.weigh, j, p);
+  const Vector<T> d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  // Two short loops, as the steps of one long one wait for each other: the bits
+  // lie where the exponents come to.
+  T* bits = step.weigh.to.exponent;
+  int place = 0;
+  for (int j = 0; j < step.weigh.cells; j += lanes) {
+    hn::Store(DensityBits<T, kDimensions, kFull>(step.weigh, j, place), d,
+              bits + j);
+    place = place + lanes < step.weigh.period ? place + lanes : 0;
+  }
+  WeighEach(step.weigh, [&](int j, int) {
     const Cells<T> before = PredictVector<T, kBest, kJumps>(step.predict, j);
+    const Cells<T> density = PowerOfBits<T>(hn::Load(d, bits + j));
     return Cells<T>{hn::Mul(before.mantissa, density.mantissa),
                     hn::Add(before.exponent, density.exponent)};
   });

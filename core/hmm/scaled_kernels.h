@@ -7,8 +7,8 @@
 // Every share of a state is mantissa * 2^exponent, the exponent a whole number
 // held in the same floating-point type. So nothing underflows, a state may lag
 // any distance and win again, and a frame costs no logarithm and no exponential
-// but that of a fraction of a bit. In a sum, terms 2^-100 (double: 2^-1000)
-// below the largest are taken for that; rounding is 2^-24 (2^-53).
+// but that of a fraction of a bit. In a sum, terms 2^-127 (double: 2^-1023)
+// below the largest are left out; rounding is 2^-24 (2^-53).
 //
 // Cells: state s of component k lies in cell s * stride + k; arrays of cells
 // are padded as ScaledModel says, to kBlock cells and aligned to 64 bytes.

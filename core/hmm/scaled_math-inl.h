@@ -37,8 +37,6 @@ struct Format<float> {
   static constexpr uint32_t kWhole = 0x4B000000;
   static constexpr uint32_t kOne = 0x3F800000;
   static constexpr float kWholeValue = 0x1p23F;
-  // Products of such powers and mantissas are no denormal numbers.
-  static constexpr float kSmallest = -100;
   // Of the exponential series; the rest is below half of the rounding error.
   static constexpr int kTerms = 8;
 };
@@ -50,17 +48,16 @@ struct Format<double> {
   static constexpr uint64_t kWhole = 0x4330000000000000;
   static constexpr uint64_t kOne = 0x3FF0000000000000;
   static constexpr double kWholeValue = 0x1p52;
-  static constexpr double kSmallest = -1000;
   static constexpr int kTerms = 14;
 };
 
-// 2^n for whole n <= 127 (1023); for n below kSmallest, 2 to that.
+// 2^n for whole n <= 127 (1023), but 0 where that would be denormal.
 template <class D, class V>
 HWY_INLINE V PowerOfTwo(D d, V n) {
   using T = hn::TFromD<D>;
   using F = Format<T>;
   const hn::RebindToUnsigned<D> du;
-  const V held = hn::Max(n, hn::Set(d, F::kSmallest));
+  const V held = hn::Max(n, hn::Set(d, static_cast<T>(-F::kBias)));
   // The lowest bits of 2^23 + m, m a small whole number, are m.
   const V shifted =
       hn::Add(held, hn::Set(d, F::kWholeValue + static_cast<T>(F::kBias)));

@@ -346,16 +346,6 @@ void ScaledModel<T>::Observe(std::span<const double> observation, T* x) const {
   }
 }
 
-template <typename T>
-void ScaledModel<T>::Observe(int component, std::span<const double> observation,
-                             T* x) const {
-  for (int k = 0; k < shape_.dimensions; ++k) {
-    for (int p = component; p < period_; p += stride_) {
-      x[k * period_ + p] = static_cast<T>(observation[k] * scale_[k]);
-    }
-  }
-}
-
 template class ScaledModel<float>;
 template class ScaledModel<double>;
 template void SplitProbability(double, float&, float&);

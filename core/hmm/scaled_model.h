@@ -74,6 +74,7 @@ class ScaledModel {
   const AlignedVector<T>& start_exponent() const { return start_exponent_; }
 
   // See scaled_kernels.h; shares are padded arrays.
+  PredictStep<T> Prediction(bool best, Shares<T> from, Shares<T> to) const;
   void Predict(bool best, Shares<T> from, Shares<T> to) const;
   // Weighs with x, as Observe writes it. Patterns hold the same number for
   // all entries of a component. `to` is not `from`. True if no component fell
@@ -96,8 +97,6 @@ class ScaledModel {
   // Scales an observation for all components into x: float [2 D], rounded and
   // what rounding left; double [D x period].
   void Observe(std::span<const double> observation, T* x) const;
-  // Of double: for one component alone.
-  void Observe(int component, std::span<const double> observation, T* x) const;
   size_t observed_size() const;  // entries of x
 
  private:
@@ -111,7 +110,6 @@ class ScaledModel {
     if constexpr (kHalf > 1) FoldHalves<kHalf / 2>(pattern, combine);
     for (int p = 0; p < kHalf; ++p) pattern[p + kHalf] = pattern[p];
   }
-  PredictStep<T> Prediction(bool best, Shares<T> from, Shares<T> to) const;
   WeighStep<T> Weighing(const T* x, const T* lowered, T* largest_exponent,
                         Shares<T> from, Shares<T> to) const;
   void WeighOnce(const T* x, const T* lowered, T* largest_exponent,

@@ -90,26 +90,20 @@ TEST(ExpectationTest, SequencesAddUp) {
       for (const std::vector<double>& x : data) {
         views.push_back({x.data(), static_cast<int>(x.size()) / 3, 3});
       }
-      Expectation together;
-      together.Compute(model, views);
       std::vector<double> want, got;
-      const auto collect = [](const Expectation& from,
-                              std::vector<double>& sums) {
-        std::vector<double> all = {from.log_likelihood()};
-        for (const auto& part :
-             {from.starts(), from.transitions(), from.occupancy(),
-              from.first_moment(), from.second_moment()}) {
+      const auto collect = [&model](const std::vector<SequenceView>& some,
+                                    std::vector<double>& sums) {
+        const ExpectedCounts from = Expectation(some).Compute(model);
+        std::vector<double> all = {from.log_likelihood};
+        for (const auto& part : {from.starts, from.transitions, from.occupancy,
+                                 from.first_moment, from.second_moment}) {
           all.insert(all.end(), part.begin(), part.end());
         }
         sums.resize(all.size());
         for (size_t k = 0; k < all.size(); ++k) sums[k] += all[k];
       };
-      collect(together, got);
-      Expectation alone;
-      for (const SequenceView& view : views) {
-        alone.Compute(model, {view});
-        collect(alone, want);
-      }
+      collect(views, got);
+      for (const SequenceView& view : views) collect({view}, want);
       for (size_t k = 0; k < want.size(); ++k) {
         EXPECT_NEAR(got[k], want[k], 1e-9 * (1 + std::abs(want[k]))) << k;
       }
@@ -125,8 +119,7 @@ TEST(ExpectationTest, MatchesTheSumOverAllPaths) {
         RandomModel(3, 2, CovarianceType::kFull, left_right, random);
     const std::vector<double> x = RandomObservations(model, 6, random);
     const CompiledHmm hmm = *CompiledHmm::Create(model);
-    Expectation got;
-    got.Compute(model, {{x.data(), 6, 2}});
+    const ExpectedCounts got = Expectation({{x.data(), 6, 2}}).Compute(model);
 
     std::vector<double> starts(3), transitions(9), occupancy(3), first(6),
         second(12);
@@ -157,7 +150,7 @@ TEST(ExpectationTest, MatchesTheSumOverAllPaths) {
         }
       }
     }
-    EXPECT_NEAR(got.log_likelihood(), std::log(total), 1e-11);
+    EXPECT_NEAR(got.log_likelihood, std::log(total), 1e-11);
     const auto expect_near = [total](const std::vector<double>& sums,
                                      const std::vector<double>& want) {
       for (size_t k = 0; k < want.size(); ++k) {
@@ -165,11 +158,11 @@ TEST(ExpectationTest, MatchesTheSumOverAllPaths) {
                     1e-10 * (1 + std::abs(want[k] / total)));
       }
     };
-    expect_near(got.starts(), starts);
-    expect_near(got.transitions(), transitions);
-    expect_near(got.occupancy(), occupancy);
-    expect_near(got.first_moment(), first);
-    expect_near(got.second_moment(), second);
+    expect_near(got.starts, starts);
+    expect_near(got.transitions, transitions);
+    expect_near(got.occupancy, occupancy);
+    expect_near(got.first_moment, first);
+    expect_near(got.second_moment, second);
   }
 }
 
@@ -279,6 +272,24 @@ TEST(BaumWelchTest, LeftRightStaysUpperTriangular) {
   const auto refused = BaumWelch(trials.views(), {.left_right = true}, model);
   EXPECT_EQ(ReasonOf(refused.status()), "INVALID_MODEL");
   EXPECT_EQ(model.transition, before.transition);
+}
+
+// Even where others of the same length are allowed.
+TEST(BaumWelchTest, ForbiddenTransitionsStayForbidden) {
+  Random random(71);
+  const Trials trials = RandomTrials(2, random);
+  GaussianHmm model = RandomModel(5, 2, CovarianceType::kFull, false, random);
+  model.transition = {0.5, 0.5, 0,   0,   0,    //
+                      0,   0,   0.5, 0.5, 0,    //
+                      0,   0,   0.5, 0,   0.5,  //
+                      0,   0.5, 0,   0,   0.5,  //
+                      0.5, 0,   0,   0,   0.5};
+  const GaussianHmm initial = model;
+  ASSERT_TRUE(BaumWelch(trials.views(), {.left_right = false}, model).ok());
+  for (int k = 0; k < 25; ++k) {
+    if (initial.transition[k] > 0) continue;
+    EXPECT_EQ(model.transition[k], 0) << k;
+  }
 }
 
 // A constant feature has no variance; the floor keeps the model valid.
