@@ -7,6 +7,7 @@
 #include "absl/strings/str_format.h"
 #include "client/bench/frontier_variants.h"
 #include "client/bench/sim_check.h"
+#include "client/bench/thread_seconds.h"
 #include "client/stream/percentile.h"
 #include "client/trainctl/command.h"
 #include "core/base/errors.h"

@@ -14,6 +14,7 @@
 #include "client/bench/frontier_rungs.h"
 #include "client/bench/hmm_models.h"
 #include "client/bench/sim_check.h"
+#include "client/bench/thread_seconds.h"
 #include "client/stream/percentile.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"

@@ -9,6 +9,7 @@
 #include "client/bench/frontier_classifier.h"
 #include "client/bench/frontier_data.h"
 #include "client/bench/sim_check.h"
+#include "client/bench/thread_seconds.h"
 #include "client/stream/percentile.h"
 #include "client/trainctl/command.h"
 #include "core/base/errors.h"

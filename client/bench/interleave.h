@@ -6,33 +6,43 @@
 //   const Timing timing = Interleave(15, [&] { Ours(); }, [&] { Theirs(); });
 //   row.ours = timing.ours / frames * 1e9;
 //
-// Elapsed time of a steady clock. A first round of each warms caches and does
-// not count.
+// Processor time: of the time elapsed, the longer work loses more to other
+// processes, however they take turns. A first round of each warms caches and
+// does not count.
 #pragma once
 
 #include <chrono>
 #include <type_traits>
 #include <vector>
 
+#include "client/bench/thread_seconds.h"
 #include "client/stream/percentile.h"
 
 namespace tactus::client {
 
-// Seconds of one call, or those it returns as measured by another process.
+// Seconds that pass during one call, for work that waits for others.
 template <typename Work>
 double SecondsOf(Work&& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
+      .count();
+}
+
+// Seconds that the processor works on one call, or those it returns as measured
+// by another process.
+template <typename Work>
+double ProcessorSecondsOf(Work&& work) {
   if constexpr (std::is_same_v<decltype(work()), double>) {
     return work();
   } else {
-    const auto start = std::chrono::steady_clock::now();
+    const double start = ThreadSeconds();
     work();
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() -
-                                         start)
-        .count();
+    return ThreadSeconds() - start;
   }
 }
 
-// Medians, s.
+// Medians of processor time, s.
 struct Timing {
   double ours = 0;
   double peer = 0;
@@ -45,8 +55,8 @@ Timing Interleave(int repetitions, Ours&& ours, Peer&& peer) {
   peer();
   std::vector<double> our_seconds, peer_seconds;
   for (int i = 0; i < repetitions; ++i) {
-    our_seconds.push_back(SecondsOf(ours));
-    peer_seconds.push_back(SecondsOf(peer));
+    our_seconds.push_back(ProcessorSecondsOf(ours));
+    peer_seconds.push_back(ProcessorSecondsOf(peer));
   }
   return {Percentile(our_seconds, 0.5), Percentile(peer_seconds, 0.5)};
 }

@@ -9,6 +9,7 @@
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_format.h"
 #include "client/bench/sim_check.h"
+#include "client/bench/thread_seconds.h"
 #include "client/bench/work_precision.h"
 #include "core/base/errors.h"
 #include "core/base/random.h"

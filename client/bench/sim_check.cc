@@ -2,9 +2,9 @@
 
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 
 #include "absl/strings/str_format.h"
+#include "client/bench/thread_seconds.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/sim/reference.h"
@@ -25,12 +25,6 @@ std::string Describe(const SimulatedContact& contact) {
 }
 
 }  // namespace
-
-double ThreadSeconds() {
-  timespec time;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * time.tv_nsec;
-}
 
 SimulateOptions CvodeAt(double tolerance) {
   SimulateOptions options;

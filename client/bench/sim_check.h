@@ -25,9 +25,6 @@
 
 namespace tactus::client {
 
-// Processor time of this thread, s.
-double ThreadSeconds();
-
 // The methods as they are compared: CVODE at a relative tolerance, all others
 // in the proportion of its defaults; the exact one at what it may skip.
 SimulateOptions CvodeAt(double tolerance);

@@ -53,8 +53,8 @@ class TorchPeer {
 
   absl::Status Load(const TorchCase& work);
 
-  // Seconds of one repetition, by the process's own clock; NaN if it has
-  // ended.
+  // Processor time of one repetition, s, by the process's own clock; NaN if it
+  // has ended.
   double Repeat();
 
   // Stepped: the probabilities, steps x batch x classes. Trained: the gradient
