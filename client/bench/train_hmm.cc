@@ -54,7 +54,7 @@ absl::StatusOr<BenchRow> Measure(bool quick) {
   const GaussianHmm source = DrawLeftRightModel(10, 3, random);
   std::vector<std::vector<double>> data;
   std::vector<SequenceView> trials;
-  for (int s = 0; s < (quick ? 4 : 20); ++s) {
+  for (int s = 0; s < 20; ++s) {
     data.push_back(DrawTrial(source, 200 + 5 * s, random));
   }
   for (const std::vector<double>& trial : data) {
@@ -65,11 +65,11 @@ absl::StatusOr<BenchRow> Measure(bool quick) {
       .name = "train-hmm/iteration", .unit = "ns", .peer_name = "libghmm"};
 
   GaussianHmm ours = start;
-  const int converged = quick ? 50 : kConvergedIterations;
-  TACTUS_RETURN_IF_ERROR(BaumWelch(trials, Options(converged), ours).status());
+  TACTUS_RETURN_IF_ERROR(
+      BaumWelch(trials, Options(kConvergedIterations), ours).status());
   const auto converged_peer = MakeGhmmPeer(start);
   if (converged_peer != nullptr) {
-    TACTUS_RETURN_IF_ERROR(converged_peer->Train(trials, converged));
+    TACTUS_RETURN_IF_ERROR(converged_peer->Train(trials, kConvergedIterations));
     TACTUS_ASSIGN_OR_RETURN(const double our_optimum,
                             LogLikelihood(trials, ours));
     TACTUS_ASSIGN_OR_RETURN(const double peer_optimum,
@@ -84,24 +84,24 @@ absl::StatusOr<BenchRow> Measure(bool quick) {
   }
 
   // libghmm stops by itself a few updates later.
-  const int iterations = quick ? 2 : 3;
+  constexpr int kIterations = 3;
   absl::Status failure;
   if (converged_peer != nullptr) {
-    TACTUS_RETURN_IF_ERROR(CheckUpdates(trials, start, iterations));
+    TACTUS_RETURN_IF_ERROR(CheckUpdates(trials, start, kIterations));
   }
   const Timing timing = Interleave(
       quick ? 3 : 15,
       [&] {
         GaussianHmm model = start;
-        failure.Update(BaumWelch(trials, Options(iterations), model).status());
+        failure.Update(BaumWelch(trials, Options(kIterations), model).status());
       },
       [&] {
         const auto peer = MakeGhmmPeer(start);
-        if (peer != nullptr) failure.Update(peer->Train(trials, iterations));
+        if (peer != nullptr) failure.Update(peer->Train(trials, kIterations));
       });
   TACTUS_RETURN_IF_ERROR(failure);
   const double unit =
-      1e9 / (static_cast<double>(TotalFrames(trials)) * iterations);
+      1e9 / (static_cast<double>(TotalFrames(trials)) * kIterations);
   row.ours = timing.ours * unit;
   if (converged_peer != nullptr) row.peer = timing.peer * unit;
   return row;
