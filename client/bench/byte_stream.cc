@@ -1,6 +1,7 @@
 #include "client/bench/byte_stream.h"
 
 #include <chrono>
+#include <cmath>
 
 #include "client/stream/status.h"
 #include "core/base/errors.h"
@@ -56,8 +57,15 @@ absl::Status ByteStream::End() {
   return status.ok() ? StreamFinished() : status;
 }
 
-double ByteStream::answer_bytes() const {
-  return static_cast<double>(bytes_) / static_cast<double>(answered_);
+void ByteStream::KeepTypicalAnswer() {
+  const double mean =
+      static_cast<double>(bytes_) / static_cast<double>(answered_);
+  const auto distance = [mean](size_t size) {
+    return std::abs(static_cast<double>(size) - mean);
+  };
+  if (distance(response_.ByteSizeLong()) < distance(typical_answer_.size())) {
+    typical_answer_ = response_.SerializeAsString();
+  }
 }
 
 absl::Status ByteStream::Send() {
@@ -83,6 +91,7 @@ absl::Status ByteStream::Receive() {
     ++settled_;
     return absl::OkStatus();
   }
+  KeepTypicalAnswer();
   superseded_ = posterior.superseded();
   if (posterior.sequence() <= settled_ || posterior.sequence() > sent_) {
     return NumericalFailure(absl::StrCat("frame ", posterior.sequence(),

@@ -46,8 +46,8 @@ class ByteStream {
 
   uint64_t answered() const { return answered_; }
   uint64_t superseded() const { return superseded_; }
-  // Mean size of an answer.
-  double answer_bytes() const;
+  // One answer, as it was on the wire, of about the mean size.
+  const std::string& typical_answer() const { return typical_answer_; }
 
  private:
   ByteStream(const std::shared_ptr<grpc::Channel>& channel,
@@ -56,6 +56,8 @@ class ByteStream {
   absl::Status End();
   absl::Status Send();
   absl::Status Receive();
+  // Keeps the answer that was read if it is nearer to the mean size.
+  void KeepTypicalAnswer();
 
   const FrameScript* const script_;
   const Options options_;
@@ -71,6 +73,7 @@ class ByteStream {
   uint64_t answered_ = 0;
   uint64_t superseded_ = 0;
   uint64_t bytes_ = 0;
+  std::string typical_answer_;
 };
 
 }  // namespace tactus::client

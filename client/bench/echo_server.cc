@@ -6,27 +6,16 @@
 #include <thread>
 
 #include "CLI/CLI.hpp"
+#include "absl/strings/escaping.h"
 #include "core/base/call_event.h"
 #include "core/base/errors.h"
 #include "grpcpp/alarm.h"
 #include "grpcpp/generic/async_generic_service.h"
 #include "grpcpp/server.h"
 #include "grpcpp/server_builder.h"
-#include "tactus/v1/contact.pb.h"
 
 namespace tactus::client {
 namespace {
-
-grpc::ByteBuffer MakeAnswer(int bytes) {
-  v1::ClassifyContactResponse response;
-  v1::Posterior* posterior = response.mutable_posterior();
-  posterior->set_sequence(1);
-  while (response.ByteSizeLong() < static_cast<size_t>(bytes)) {
-    posterior->add_log_likelihood(-1);
-  }
-  const grpc::Slice slice(response.SerializeAsString());
-  return grpc::ByteBuffer(&slice, 1);
-}
 
 class EchoReactor : public grpc::ServerGenericBidiReactor {
  public:
@@ -127,13 +116,15 @@ void ServeQueue(grpc::ServerCompletionQueue* queue) {
 void AddEchoFlags(EchoOptions& options, CLI::App& command) {
   command.add_option("--port-file", options.port_file,
                      "Where to tell the port");
-  command.add_option("--answer-bytes", options.answer_bytes, "Size of answers");
+  command.add_option("--answer", options.answer, "Every answer, hexadecimal")
+      ->required();
   command.add_flag("--callbacks", options.callbacks,
                    "In place of a completion queue and its thread");
 }
 
 absl::Status RunEchoServer(const EchoOptions& options) {
-  const grpc::ByteBuffer answer = MakeAnswer(options.answer_bytes);
+  const grpc::Slice bytes(absl::HexStringToBytes(options.answer));
+  const grpc::ByteBuffer answer(&bytes, 1);
   CallbackEcho callback(&answer);
   grpc::AsyncGenericService async;
   grpc::ServerBuilder builder;

@@ -18,9 +18,9 @@ namespace tactus::client {
 
 struct EchoOptions {
   std::string port_file;
-  // Bytes of an answer, about; answers parse as ClassifyContactResponse.
-  int answer_bytes = 300;
-  // One completion queue served by two threads, in place of callbacks.
+  // What every message is answered with, in hexadecimal.
+  std::string answer;
+  // In place of a completion queue and its thread.
   bool callbacks = false;
 };
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
+#include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "client/bench/byte_stream.h"
 #include "client/bench/child_server.h"
@@ -88,8 +89,8 @@ absl::StatusOr<std::vector<BenchRow>> MeasureStream(
   TACTUS_RETURN_IF_ERROR(ours->Round(options));
   const std::vector<std::string> echo = {
       "echo-server",
-      absl::StrCat("--answer-bytes=",
-                   static_cast<int>(ours->stream().answer_bytes()))};
+      absl::StrCat("--answer=",
+                   absl::BytesToHexString(ours->stream().typical_answer()))};
   std::vector<std::string> callback_echo = echo;
   callback_echo.push_back("--callbacks");
   TACTUS_ASSIGN_OR_RETURN(auto queue,
