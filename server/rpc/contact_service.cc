@@ -16,7 +16,7 @@ ContactService::ContactService(const ModelSource* models, Options options)
       gate_(options_.max_streams) {}
 
 void ContactService::Serve(CallQueue* queue) {
-  streams_.try_emplace(queue);
+  lanes_.try_emplace(queue);
   // Deletes itself.
   new ContactStream(this, queue, this);
 }
@@ -26,7 +26,7 @@ absl::StatusOr<StreamSession::Options> ContactService::Admit(
   new ContactStream(this, stream->queue(), this);
   if (draining_) return Draining();
   if (!gate_.TryEnter()) return StreamLimit(gate_.limit());
-  streams_.at(stream->queue()).insert(stream);
+  lanes_.at(stream->queue()).streams.insert(stream);
   return StreamSession::Options{
       .stream_id = absl::StrCat(next_stream_.fetch_add(1)),
       .server_version = options_.server_version,
@@ -38,7 +38,7 @@ void ContactService::Release(ContactStream* stream) {
   spdlog::debug("stream ended after {} frames, {} left", frames,
                 gate_.live() - 1);
   skipped_.Add(stream->skipped());
-  streams_.at(stream->queue()).erase(stream);
+  lanes_.at(stream->queue()).streams.erase(stream);
   const std::lock_guard lock(mutex_);
   gate_.Leave(frames);
   stream_done_.notify_all();
@@ -67,8 +67,8 @@ bool ContactService::WaitUntilEmpty(std::chrono::milliseconds timeout) {
 }
 
 void ContactService::ForEachStream(std::function<void(ContactStream*)> visit) {
-  for (auto& [queue, streams] : streams_) {
-    queue->Post([&streams = streams, visit] {
+  for (auto& [queue, lane] : lanes_) {
+    queue->Post([&streams = lane.streams, visit] {
       // A visit may end a stream, but never deletes it.
       for (ContactStream* stream : streams) visit(stream);
     });

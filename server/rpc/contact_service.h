@@ -59,11 +59,18 @@ class ContactService final : public RawContactService,
   const SkipTotals& skipped() const { return skipped_; }
 
  private:
-  using Streams = std::unordered_set<ContactStream*>;
+  // What belongs to the thread of a queue.
+  struct Lane {
+    std::unordered_set<ContactStream*> streams;
+    v1::ClassifyContactRequest request;
+  };
 
   absl::StatusOr<StreamSession::Options> Admit(ContactStream* stream) override;
   void Release(ContactStream* stream) override;
   const ModelSource* models() const override { return models_; }
+  v1::ClassifyContactRequest* request(CallQueue* queue) override {
+    return &lanes_.at(queue).request;
+  }
 
   // On the thread of each queue.
   void ForEachStream(std::function<void(ContactStream*)> visit);
@@ -74,9 +81,8 @@ class ContactService final : public RawContactService,
   SkipTotals skipped_;
   std::atomic<uint64_t> next_stream_ = 1;
   std::atomic<bool> draining_ = false;
-  // Which queues there are is fixed once they start; the streams of each
-  // belong to its thread.
-  std::unordered_map<CallQueue*, Streams> streams_;
+  // Which queues there are is fixed once they start.
+  std::unordered_map<CallQueue*, Lane> lanes_;
 
   std::mutex mutex_;
   std::condition_variable stream_done_;

@@ -47,6 +47,7 @@ void ContactStream::OnCalled(bool ok) {
     return;
   }
   options_ = *std::move(options);
+  request_ = keeper_->request(queue_);
   session_.emplace(keeper_->models(), options_);
   last_read_ns_ = MonotonicNs();
   if (options_.idle_timeout_ms > 0) SetIdleAlarm(TimeoutNs(options_));
@@ -89,7 +90,7 @@ void ContactStream::TakeMessage() {
   last_read_ns_ = start_ns;
   const size_t size = read_.Length();
   grpc::ProtoBufferReader bytes(&read_);
-  const absl::Status status = session_->OnMessage(&bytes, size);
+  const absl::Status status = session_->OnMessage(&bytes, size, request_);
   session_->EndRequest(start_ns, MonotonicNs());
   if (!status.ok()) {
     spdlog::debug("stream {}: {}", options_.stream_id, status.ToString());

@@ -43,6 +43,8 @@ class ContactStream {
     // A stream that was admitted is over.
     virtual void Release(ContactStream* stream) = 0;
     virtual const ModelSource* models() const = 0;
+    // Where the streams of a queue parse their messages to.
+    virtual v1::ClassifyContactRequest* request(CallQueue* queue) = 0;
 
    protected:
     ~Keeper() = default;
@@ -104,6 +106,7 @@ class ContactStream {
   // From admission on.
   std::optional<StreamSession> session_;
   StreamSession::Options options_;
+  v1::ClassifyContactRequest* request_ = nullptr;
   grpc::ByteBuffer read_;
   grpc::ByteBuffer write_;
   // Operations whose events have not come yet.

@@ -20,15 +20,16 @@ StreamSession::State StreamSession::state() const {
 }
 
 absl::Status StreamSession::OnMessage(
-    google::protobuf::io::ZeroCopyInputStream* bytes, size_t size) {
+    google::protobuf::io::ZeroCopyInputStream* bytes, size_t size,
+    v1::ClassifyContactRequest* request) {
   // Too large is refused before it is parsed.
   if (!finishing_ && size > limits::kMaxMessageBytes) {
     return EndIfError(MessageTooLarge(size, limits::kMaxMessageBytes));
   }
-  if (!finishing_ && !ParseRequest(bytes, &request_)) {
+  if (!finishing_ && !ParseRequest(bytes, request)) {
     return EndIfError(MalformedRequest(size));
   }
-  return Take(request_);
+  return Take(*request);
 }
 
 absl::Status StreamSession::OnRequest(

@@ -4,7 +4,7 @@
 // go in, answers wait in responses(), and a status says how it ends.
 //
 //   StreamSession session(models, {.stream_id = "7"});
-//   session.OnMessage(&bytes, size);
+//   session.OnMessage(&bytes, size, &request);
 //   session.EndRequest(start_ns, now_ns);
 //   while (auto* answer = session.responses().StartWrite(now_ns)) {
 //     Write(*answer);
@@ -51,9 +51,10 @@ class StreamSession {
   StreamSession(const ModelSource* models, Options options);
 
   // Takes the next message, `size` bytes from the wire. On error the stream is
-  // FINISHING with it.
+  // FINISHING with it. `request` is where it is parsed to and keeps what it has
+  // grown to; sessions of one thread may share it, so that it stays in cache.
   absl::Status OnMessage(google::protobuf::io::ZeroCopyInputStream* bytes,
-                         size_t size);
+                         size_t size, v1::ClassifyContactRequest* request);
   // The same for a message already parsed.
   absl::Status OnRequest(const v1::ClassifyContactRequest& request);
   // Tells how long the last message took, for the answers it brought.
@@ -97,8 +98,6 @@ class StreamSession {
   const ModelSource* models_;
   Options options_;
   ResponseQueue responses_;
-  // The message being taken; keeps what it has grown to.
-  v1::ClassifyContactRequest request_;
   bool finishing_ = false;
   absl::Status final_status_;
 

@@ -116,6 +116,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
   FuzzedDataProvider data(bytes, size);
   StreamSession session(models, {});
   if (data.ConsumeBool()) REQUIRE(session.OnRequest(Config(data)).ok());
+  tactus::v1::ClassifyContactRequest parsed;
   uint64_t sequence = 1;
   while (data.remaining_bytes() > 0) {
     absl::Status status;
@@ -124,7 +125,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
         const std::string message = data.ConsumeRandomLengthString();
         google::protobuf::io::ArrayInputStream stream(
             message.data(), static_cast<int>(message.size()));
-        status = session.OnMessage(&stream, message.size());
+        status = session.OnMessage(&stream, message.size(), &parsed);
         break;
       }
       case 1: {

@@ -217,11 +217,13 @@ TEST_F(SessionSkippingTest, NoEncodingAllocates) {
         messages.push_back(request.SerializeAsString());
       }
       int64_t allocations = 0;
+      v1::ClassifyContactRequest parsed;
       for (size_t t = 0; t < messages.size(); ++t) {
         const testing::AllocationCounter counter;
         google::protobuf::io::ArrayInputStream bytes(
             messages[t].data(), static_cast<int>(messages[t].size()));
-        ASSERT_TRUE(session.OnMessage(&bytes, messages[t].size()).ok());
+        ASSERT_TRUE(
+            session.OnMessage(&bytes, messages[t].size(), &parsed).ok());
         session.EndRequest(0, 1000);
         while (session.responses().StartWrite(0) != nullptr) {
           session.responses().FinishWrite();
