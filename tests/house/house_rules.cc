@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <regex>
 #include <sstream>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "absl/strings/string_view.h"
 #include "absl/strings/strip.h"
 
 namespace tactus {
@@ -16,6 +17,10 @@ namespace {
 
 constexpr int kMaxLines = 600;
 constexpr int kMaxAdapterLines = 300;
+
+// Where files lie that pages name.
+constexpr std::array<absl::string_view, 7> kNamedFolders = {
+    "core", "server", "client", "tests", "proto", "docs", "deploy"};
 
 // Plain types that any room of core may use, wherever they live.
 constexpr std::array<absl::string_view, 1> kPlainHeaders = {
@@ -30,6 +35,43 @@ constexpr std::array<absl::string_view, 1> kFileRooms = {"data"};
 
 constexpr std::array<absl::string_view, 6> kNotForComputing = {
     "thread", "mutex", "chrono", "fstream", "filesystem", "iostream"};
+
+// What stands between `open` and the next `close`, within lines.
+std::vector<absl::string_view> PartsBetween(absl::string_view text,
+                                            absl::string_view open,
+                                            absl::string_view close) {
+  std::vector<absl::string_view> parts;
+  for (const absl::string_view line : absl::StrSplit(text, '\n')) {
+    size_t from = line.find(open);
+    while (from != line.npos) {
+      from += open.size();
+      const size_t to = line.find(close, from);
+      if (to == line.npos) break;
+      parts.push_back(line.substr(from, to - from));
+      from = line.find(open, to + close.size());
+    }
+  }
+  return parts;
+}
+
+// A path with a known first folder and a name with an ending.
+bool LooksLikeFile(absl::string_view text) {
+  const auto is_part_of_path = [](char c) {
+    return absl::ascii_isalnum(c) ||
+           absl::string_view("_./-").find(c) != absl::string_view::npos;
+  };
+  const size_t slash = text.find('/');
+  const size_t dot = text.rfind('.');
+  if (slash == text.npos || dot == text.npos || dot + 1 == text.size()) {
+    return false;
+  }
+  return std::ranges::all_of(text, is_part_of_path) &&
+         std::ranges::all_of(
+             text.substr(dot + 1),
+             [](char c) { return absl::ascii_isalnum(c) || c == '_'; }) &&
+         std::ranges::find(kNamedFolders, text.substr(0, slash)) !=
+             kNamedFolders.end();
+}
 
 template <typename Range, typename Value>
 bool Holds(const Range& range, const Value& value) {
@@ -175,17 +217,18 @@ std::vector<std::string> StyleViolations(const std::string& path,
 
 std::vector<std::string> FilesNamed(const std::string& path,
                                     const std::string& text) {
-  static const std::regex named(
-      R"(\]\(([^)#:\s]+)[)#])"
-      R"(|`((core|server|client|tests|proto|docs|deploy)/[\w./-]*\.\w+)`)");
   const std::filesystem::path folder =
       std::filesystem::path(path).parent_path();
   std::vector<std::string> files;
-  for (std::sregex_iterator it(text.begin(), text.end(), named), end; it != end;
-       ++it) {
-    files.push_back((*it)[1].matched
-                        ? (folder / (*it)[1].str()).lexically_normal().string()
-                        : (*it)[2].str());
+  // Links: ](target) or ](target#place), but for other sites' and places of
+  // the page itself.
+  for (const absl::string_view part : PartsBetween(text, "](", ")")) {
+    const absl::string_view target = part.substr(0, part.find('#'));
+    if (target.empty() || absl::StrContains(target, ":")) continue;
+    files.push_back((folder / std::string(target)).lexically_normal().string());
+  }
+  for (const absl::string_view part : PartsBetween(text, "`", "`")) {
+    if (LooksLikeFile(part)) files.emplace_back(part);
   }
   return files;
 }
