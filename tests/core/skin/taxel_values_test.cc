@@ -47,7 +47,7 @@ void ExpectEachAsAlone(const std::vector<Number>& numbers, double scale) {
 
 TEST(TaxelValuesTest, EveryLengthAndNumber) {
   std::mt19937 random(1);
-  for (size_t count = 0; count <= 70; ++count) {
+  for (size_t count = 1; count <= 70; ++count) {
     std::vector<uint16_t> integers(count);
     std::vector<float> floats(count);
     for (size_t i = 0; i < count; ++i) {
