@@ -5,7 +5,7 @@
 #   docs/make-results.sh              all pages
 #   docs/make-results.sh PAGE...      these alone
 #
-# Pages, with minutes on two quiet cores: signals (6), materials (26), taxels
+# Pages, with minutes on two quiet cores: signals (6), materials (20), taxels
 # (6), grid (4), unknown (3), default-bundle (1), cody (1), recordings (1),
 # paper-tables (15), simulator (12). Needs a release build. Real recordings are evaluated when
 # TACTUS_DATA_DIR, or ../shared/data beside the project, has them.
@@ -45,12 +45,12 @@ signals() {
   printf '\n![Accuracy over time](signals/anytime.png)\n\n![Reliability](signals/reliability.png)\n'
 }
 
-# One network and half the epochs: thirteen folds take long.
+# One network and three epochs: thirteen folds of seven fits take long.
 materials() {
   title "Ideal signals, one material left out"
   show simulate --protocol=paper --goal=0.019 --sensor=signals --seed=1 --out=signals.h5
   show evaluate --data=signals.h5 --protocol=leave-one-material-out --algorithm=fused \
-    --preset=tuned --seed=1 --no-estimates --networks=1 --epochs=6
+    --preset=tuned --seed=1 --no-estimates --networks=1 --epochs=3
 }
 
 unknown() {
