@@ -9,8 +9,8 @@
 //   stream.Close();                // then serve until shared.ended
 //
 // A message that comes due while the one before is still being written waits
-// its turn; its delay counts from when it was due. Must live
-// until it ended and its EventLoop is gone. Not thread-safe.
+// its turn; its delay counts from when it was due. Must live until it ended and
+// its EventLoop is gone. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -98,8 +98,7 @@ class LoadStream {
   Event half_closed_{this, &LoadStream::OnHalfClosed};
   Event finished_{this, &LoadStream::OnFinished};
 
-  // Messages that are due and not written yet.
-  // The configuration is the first.
+  // Messages that are due and not written yet; the configuration is the first.
   uint32_t pending_ = 1;
   bool closing_ = false;
   uint64_t offered_ = 0;

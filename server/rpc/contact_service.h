@@ -4,7 +4,7 @@
 //
 //   builder.RegisterService(&service);
 //   ...
-//   queue.Post([&] { service.Await(&queue); });
+//   service.Serve(&queue);
 //
 // Thread-safe, but for what the keeper of streams does: that belongs to the
 // thread of each stream's queue. Must outlive the gRPC server it is registered

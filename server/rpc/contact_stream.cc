@@ -202,7 +202,7 @@ void ContactStream::OnIdle(bool ok) {
     return;
   }
   SetIdleAlarm(TimeoutNs(options_));
-  session_->Finish(StreamIdle(static_cast<int64_t>(options_.idle_timeout_ms)));
+  session_->Finish(StreamIdle(static_cast<int>(options_.idle_timeout_ms)));
   Advance();
 }
 

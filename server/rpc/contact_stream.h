@@ -80,7 +80,7 @@ class ContactStream {
   void TakeMessage();
   void Advance();
   void StartNextRead();
-  // Puts the next answer into write_, if one waits.
+  // Puts the next answer, which must be waiting, into write_.
   void StageNextWrite();
   void StartStagedWrite();
   // Holds the answer that waits until nothing else is at hand.

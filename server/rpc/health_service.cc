@@ -57,10 +57,9 @@ class HealthWatch {
     Advance();
   }
   void OnEnded(bool) {
-    --in_flight_;
     over_ = true;
     service_->watches_.at(queue_).erase(this);
-    ++in_flight_;
+    // In flight in place of this event.
     writer_.Finish(grpc::Status::CANCELLED, finished_.tag());
   }
   void OnFinished(bool) {
