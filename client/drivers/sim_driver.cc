@@ -4,8 +4,8 @@
 #include "core/base/errors.h"
 #include "core/base/random.h"
 #include "core/base/status_macros.h"
-#include "core/sim/materials.h"
-#include "core/sim/paper_set.h"
+#include "core/sim/experiments/paper_set.h"
+#include "core/sim/model/materials.h"
 
 namespace tactus::client {
 namespace {

@@ -15,7 +15,7 @@
 #include <cstdint>
 
 #include "client/drivers/trial_driver.h"
-#include "core/sim/render.h"
+#include "core/sim/skin/render.h"
 
 namespace tactus::client {
 

@@ -19,7 +19,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/classify/contact_classifier.h"
-#include "core/features/contact_features.h"
+#include "core/features/contact_tracker.h"
 #include "core/skin/frame.h"
 
 namespace tactus {

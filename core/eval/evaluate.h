@@ -16,11 +16,11 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "core/classify/compiled_model.h"
-#include "core/eval/contact.h"
-#include "core/eval/fit.h"
-#include "core/eval/folds.h"
-#include "core/eval/metrics.h"
-#include "core/eval/parallel.h"
+#include "core/train/contact.h"
+#include "core/train/fit.h"
+#include "core/train/folds.h"
+#include "core/train/metrics.h"
+#include "core/train/parallel.h"
 
 namespace tactus {
 

@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/eval/contact.h"
-#include "core/eval/fit.h"
-#include "core/eval/parallel.h"
+#include "core/train/contact.h"
+#include "core/train/fit.h"
+#include "core/train/parallel.h"
 
 namespace tactus {
 

@@ -18,12 +18,12 @@ ContactService::ContactService(const ModelSource* models, Options options)
 void ContactService::Serve(CallQueue* queue) {
   lanes_.try_emplace(queue);
   // Deletes itself.
-  new ContactStream(this, queue, this);
+  new ContactCall(this, queue, this);
 }
 
 absl::StatusOr<StreamSession::Options> ContactService::Admit(
-    ContactStream* stream) {
-  new ContactStream(this, stream->queue(), this);
+    ContactCall* stream) {
+  new ContactCall(this, stream->queue(), this);
   if (draining_) return Draining();
   if (!gate_.TryEnter()) return StreamLimit(gate_.limit());
   lanes_.at(stream->queue()).streams.insert(stream);
@@ -33,7 +33,7 @@ absl::StatusOr<StreamSession::Options> ContactService::Admit(
       .idle_timeout_ms = static_cast<uint32_t>(options_.idle_timeout_ms)};
 }
 
-void ContactService::Release(ContactStream* stream) {
+void ContactService::Release(ContactCall* stream) {
   const uint64_t frames = stream->frames();
   spdlog::debug("stream ended after {} frames, {} left", frames,
                 gate_.live() - 1);
@@ -52,12 +52,11 @@ grpc::Status ContactService::ClassifyTrial(grpc::ServerContext*,
 
 void ContactService::StartDraining(std::chrono::milliseconds grace) {
   draining_ = true;
-  ForEachStream(
-      [grace](ContactStream* stream) { stream->Drain(grace.count()); });
+  ForEachStream([grace](ContactCall* stream) { stream->Drain(grace.count()); });
 }
 
 void ContactService::EndStreams() {
-  ForEachStream([](ContactStream* stream) { stream->End(Draining()); });
+  ForEachStream([](ContactCall* stream) { stream->End(Draining()); });
 }
 
 bool ContactService::WaitUntilEmpty(std::chrono::milliseconds timeout) {
@@ -66,11 +65,11 @@ bool ContactService::WaitUntilEmpty(std::chrono::milliseconds timeout) {
                                [this] { return gate_.live() == 0; });
 }
 
-void ContactService::ForEachStream(std::function<void(ContactStream*)> visit) {
+void ContactService::ForEachStream(std::function<void(ContactCall*)> visit) {
   for (auto& [queue, lane] : lanes_) {
     queue->Post([&streams = lane.streams, visit] {
       // A visit may end a stream, but never deletes it.
-      for (ContactStream* stream : streams) visit(stream);
+      for (ContactCall* stream : streams) visit(stream);
     });
   }
 }

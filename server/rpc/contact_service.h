@@ -23,12 +23,12 @@
 #include "server/ops/skip_totals.h"
 #include "server/ops/stream_gate.h"
 #include "server/rpc/call_queue.h"
-#include "server/rpc/contact_stream.h"
+#include "server/rpc/contact_call.h"
 
 namespace tactus::server {
 
 class ContactService final : public RawContactService,
-                             private ContactStream::Keeper {
+                             private ContactCall::Keeper {
  public:
   struct Options {
     int max_streams = 0;
@@ -61,19 +61,19 @@ class ContactService final : public RawContactService,
  private:
   // What belongs to the thread of a queue.
   struct Lane {
-    std::unordered_set<ContactStream*> streams;
+    std::unordered_set<ContactCall*> streams;
     v1::ClassifyContactRequest request;
   };
 
-  absl::StatusOr<StreamSession::Options> Admit(ContactStream* stream) override;
-  void Release(ContactStream* stream) override;
+  absl::StatusOr<StreamSession::Options> Admit(ContactCall* stream) override;
+  void Release(ContactCall* stream) override;
   const ModelSource* models() const override { return models_; }
   v1::ClassifyContactRequest* request(CallQueue* queue) override {
     return &lanes_.at(queue).request;
   }
 
   // On the thread of each queue.
-  void ForEachStream(std::function<void(ContactStream*)> visit);
+  void ForEachStream(std::function<void(ContactCall*)> visit);
 
   const ModelSource* const models_;
   const Options options_;

@@ -1,4 +1,4 @@
-#include "client/trainctl/evaluate_figures.h"
+#include "client/tools/trainctl/evaluate_figures.h"
 
 #include <cmath>
 

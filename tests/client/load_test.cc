@@ -1,15 +1,15 @@
 // The load generator: its histogram against sorting, its messages against the
 // encoder's, and whole tests against an in-process server.
-#include "client/load/load.h"
+#include "client/tools/load/load.h"
 
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <vector>
 
-#include "client/load/find_max.h"
-#include "client/load/latency_histogram.h"
-#include "client/load/schedule.h"
+#include "client/tools/load/find_max.h"
+#include "client/tools/load/latency_histogram.h"
+#include "client/tools/load/schedule.h"
 #include "core/base/random.h"
 #include "google/protobuf/util/message_differencer.h"
 #include "grpcpp/support/proto_buffer_reader.h"

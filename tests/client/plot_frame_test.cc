@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "client/plot/frame.h"
+#include "client/tools/plot/frame.h"
 #include "gtest/gtest.h"
 
 namespace tactus::client {

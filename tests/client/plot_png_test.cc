@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <limits>
 
-#include "client/plot/canvas.h"
-#include "client/plot/figure.h"
+#include "client/tools/plot/canvas.h"
+#include "client/tools/plot/figure.h"
 #include "core/base/errors.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"

@@ -1,7 +1,7 @@
 #include <limits>
 
-#include "client/plot/pareto.h"
-#include "client/plot/ticks.h"
+#include "client/tools/plot/pareto.h"
+#include "client/tools/plot/ticks.h"
 #include "core/base/errors.h"
 #include "core/base/random.h"
 #include "gmock/gmock.h"

@@ -1,4 +1,4 @@
-#include "client/trainctl/reproduce_report.h"
+#include "client/tools/trainctl/reproduce_report.h"
 
 #include <filesystem>
 

@@ -1,5 +1,5 @@
 // Drivers and the robot against an in-process server.
-#include "client/robot/robot.h"
+#include "client/tools/stream/robot.h"
 
 #include <cmath>
 #include <cstdio>
@@ -9,8 +9,8 @@
 
 #include "client/drivers/replay_driver.h"
 #include "client/drivers/sim_driver.h"
-#include "client/robot/report.h"
 #include "client/stream/percentile.h"
+#include "client/tools/stream/report.h"
 #include "core/base/errors.h"
 #include "core/base/random.h"
 #include "core/data/trial_file.h"

@@ -1,4 +1,4 @@
-#include "client/trainctl/simulate_one.h"
+#include "client/tools/trainctl/simulate_one.h"
 
 #include <fstream>
 #include <sstream>

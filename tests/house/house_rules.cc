@@ -26,10 +26,6 @@ constexpr std::array<absl::string_view, 7> kNamedFolders = {
 constexpr std::array<absl::string_view, 1> kPlainHeaders = {
     "core/data/trial.h"};
 
-// Benchmarks run the model that the server has built in.
-constexpr absl::string_view kBenchmarkedBundle =
-    "server/registry/default_bundle.h";
-
 // Rooms that read and write files; all others only compute.
 constexpr std::array<absl::string_view, 1> kFileRooms = {"data"};
 
@@ -138,11 +134,11 @@ std::string WhyNot(const std::string& path, const std::string& header,
     return "core knows neither server nor client";
   }
   if (from("server/") && to("client/")) return "server does not know client";
-  if (from("client/") && to("server/") &&
-      !(from("client/bench/") && header == kBenchmarkedBundle)) {
-    return "client does not know server";
-  }
+  if (from("client/") && to("server/")) return "client does not know server";
   if (!from("tests/") && to("tests/")) return "only tests know tests";
+  if (!from("client/tools/") && !from("tests/") && to("client/tools/")) {
+    return "the client's library does not know its tools";
+  }
   if (from("server/session/") && IsGrpc(header)) {
     return "server/session knows no gRPC";
   }

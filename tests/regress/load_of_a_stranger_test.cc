@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "client/load/load.h"
+#include "client/tools/load/load.h"
 #include "grpcpp/server.h"
 #include "grpcpp/server_builder.h"
 #include "gtest/gtest.h"

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/base/random.h"
-#include "core/eval/contact.h"
+#include "core/train/contact.h"
 
 namespace tactus::testing {
 

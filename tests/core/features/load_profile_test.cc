@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/random.h"
-#include "core/features/contact_features.h"
+#include "core/features/contact_tracker.h"
 #include "gtest/gtest.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/flat_layout.h"

@@ -1,12 +1,12 @@
 // File: segmentation_reference.h
 //
 // Slow, plain segmentations of a frame that share no code and no method with
-// core/features/components.h: flood fill, taxel by taxel, and OpenCV.
+// core/features/segmenter.h: flood fill, taxel by taxel, and OpenCV.
 #pragma once
 
 #include <vector>
 
-#include "core/features/components.h"
+#include "core/features/segmenter.h"
 
 namespace tactus {
 

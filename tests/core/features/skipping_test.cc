@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "core/base/random.h"
-#include "core/features/contact_features.h"
+#include "core/features/contact_tracker.h"
 #include "core/features/cues.h"
 #include "gtest/gtest.h"
 

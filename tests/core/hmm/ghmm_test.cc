@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "client/bench/ghmm_peer.h"
 #include "core/hmm/baum_welch.h"
 #include "core/hmm/forward.h"
 #include "gtest/gtest.h"
+#include "tests/bench/ghmm_peer.h"
 #include "tests/core/hmm/random_model.h"
 
 namespace tactus {

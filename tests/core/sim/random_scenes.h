@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/base/random.h"
-#include "core/sim/scene.h"
+#include "core/sim/model/scene.h"
 
 namespace tactus {
 

@@ -1,0 +1,131 @@
+// trainctl classify: the answer of a bundle to every trial of a file.
+#include <algorithm>
+#include <iostream>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/tools/trainctl/command.h"
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+#include "core/classify/contact_pipeline.h"
+#include "core/classify/feature_input.h"
+#include "core/data/trial_file.h"
+
+namespace tactus::client {
+namespace {
+
+struct Flags {
+  std::string data;
+  std::string model;
+  std::string layout;
+  bool json = false;
+};
+
+// Runs the trial as tactusd would and leaves the classifier at its end.
+Json Answer(const Trial& trial, const Model& model,
+            const ContactClassifier& classifier, bool detected) {
+  Json json = {{"trial", trial.id}, {"label", trial.label}};
+  json["detected"] = detected;
+  const auto probability = classifier.probability();
+  json["answer"] =
+      detected ? Json(model.class_names[std::max_element(probability.begin(),
+                                                         probability.end()) -
+                                        probability.begin()])
+               : Json(nullptr);
+  json["probability"] = probability;
+  json["log_likelihood"] = classifier.log_likelihood();
+  json["unknown"] = classifier.unknown();
+  json["decision_s"] =
+      classifier.decision()
+          ? Json(static_cast<double>(classifier.decision()->frame) /
+                 trial.sample_rate_hz)
+          : Json(nullptr);
+  return json;
+}
+
+absl::StatusOr<Json> ClassifyTaxels(
+    const Trial& trial, const SkinLayout& given,
+    const std::shared_ptr<const CompiledModel>& model) {
+  TACTUS_ASSIGN_OR_RETURN(const SkinLayout layout,
+                          LayoutOfTrial(trial, &given));
+  ContactPipeline::Options options;
+  options.sample_rate_hz = trial.sample_rate_hz;
+  options.release_after_s = -1;
+  TACTUS_ASSIGN_OR_RETURN(auto pipeline,
+                          ContactPipeline::Create(layout, model, options));
+  std::vector<float> taxels(layout.taxels());
+  for (size_t t = 0; t < trial.taxels.frames(); ++t) {
+    trial.taxels.Decode(t, taxels.data());
+    FrameView frame{.taxels = taxels};
+    if (!trial.poses.empty()) frame.pose = &trial.poses[t];
+    pipeline->Step(frame);
+  }
+  return Answer(trial, model->model(), pipeline->classifier(),
+                pipeline->report().contact_id > 0);
+}
+
+absl::StatusOr<Json> ClassifySignals(
+    const Trial& trial, const std::shared_ptr<const CompiledModel>& model) {
+  if (UsesProfile(model->model().features)) {
+    return InvalidConfig(absl::StrCat("trial ", trial.id), "ideal signals",
+                         "taxels: the model sees the load profile of a skin");
+  }
+  ContactClassifier classifier(model, {});
+  for (const FeatureVector& signals : trial.signals) {
+    classifier.Step(IdealSample(signals), 0);
+  }
+  return Answer(trial, model->model(), classifier, !trial.signals.empty());
+}
+
+absl::Status Run(const Flags& flags) {
+  SkinLayout layout;
+  if (!flags.layout.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(layout, LoadLayout(flags.layout));
+  }
+  TACTUS_ASSIGN_OR_RETURN(Model loaded, LoadModel(flags.model));
+  TACTUS_ASSIGN_OR_RETURN(auto model, CompiledModel::Create(std::move(loaded)));
+  TACTUS_ASSIGN_OR_RETURN(auto reader, TrialFileReader::Open(flags.data));
+  Json trials = Json::array();
+  for (size_t i = 0; i < reader.size(); ++i) {
+    TACTUS_ASSIGN_OR_RETURN(const Trial trial, reader.Read(i));
+    Json answer;
+    if (trial.taxels.empty()) {
+      TACTUS_ASSIGN_OR_RETURN(answer, ClassifySignals(trial, model));
+    } else {
+      TACTUS_ASSIGN_OR_RETURN(answer, ClassifyTaxels(trial, layout, model));
+    }
+    if (!flags.json) {
+      std::cout << absl::StrFormat(
+          "%s  %-4s -> %-4s", trial.id, trial.label,
+          answer["detected"] ? answer["answer"].get<std::string>() : "-");
+      for (double p : answer["probability"]) {
+        std::cout << absl::StrFormat("  %.3f", p);
+      }
+      std::cout << "\n";
+    }
+    trials.push_back(std::move(answer));
+  }
+  if (flags.json) {
+    std::cout << Json{{"classes", model->model().class_names},
+                      {"trials", std::move(trials)}}
+                     .dump()
+              << "\n";
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddClassify(CLI::App& app, const SelectCommand& select) {
+  auto flags = std::make_shared<Flags>();
+  CLI::App* command = app.add_subcommand(
+      "classify", "Answer every trial of a file with a bundle");
+  command->add_option("--model", flags->model, "Bundle")->required();
+  command->add_option("--data", flags->data, "Trial file")->required();
+  command->add_option("--layout", flags->layout,
+                      "JSON file with the skin, for layouts without preset");
+  command->add_flag("--json", flags->json, "One JSON object on stdout");
+  command->callback([=] { select([=] { return Run(*flags); }); });
+}
+
+}  // namespace tactus::client

@@ -1,0 +1,130 @@
+#include "client/tools/trainctl/command.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+#include "core/bundle/bundle.h"
+#include "core/bundle/layout_proto.h"
+#include "core/data/file_bytes.h"
+#include "core/data/trial_file.h"
+#include "google/protobuf/util/json_util.h"
+
+namespace tactus::client {
+namespace {
+
+std::string& MutableCommandLine() {
+  static std::string line;
+  return line;
+}
+
+const auto kStart = std::chrono::steady_clock::now();
+
+}  // namespace
+
+void SetCommandLine(int argc, char** argv) {
+  std::string& line = MutableCommandLine();
+  // The program's name without its folder: what a reader would type.
+  line = std::filesystem::path(argv[0]).filename().string();
+  for (int i = 1; i < argc; ++i) absl::StrAppend(&line, " ", argv[i]);
+}
+
+const std::string& CommandLine() { return MutableCommandLine(); }
+
+void RunOnThreads(int count, const std::function<void(int)>& body) {
+  std::atomic<int> next = 0;
+  auto work = [&] {
+    for (int i = next++; i < count; i = next++) body(i);
+  };
+  const int processors =
+      std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  std::vector<std::jthread> threads;
+  for (int t = 1; t < std::min(processors, count); ++t) {
+    threads.emplace_back(work);
+  }
+  work();
+}
+
+double SecondsSinceStart() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() -
+                                       kStart)
+      .count();
+}
+
+std::vector<const Contact*> LoadedContacts::Pointers() const {
+  std::vector<const Contact*> pointers;
+  pointers.reserve(contacts.size());
+  for (const Contact& contact : contacts) pointers.push_back(&contact);
+  return pointers;
+}
+
+absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
+                                            const std::string& layout_path) {
+  SkinLayout layout;
+  if (!layout_path.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(layout, LoadLayout(layout_path));
+  }
+  TACTUS_ASSIGN_OR_RETURN(auto reader, TrialFileReader::Open(path));
+  LoadedContacts loaded;
+  for (size_t i = 0; i < reader.size(); ++i) {
+    TACTUS_ASSIGN_OR_RETURN(const Trial trial, reader.Read(i));
+    TACTUS_ASSIGN_OR_RETURN(auto contact, ExtractContact(trial, &layout));
+    ++loaded.trials;
+    if (contact) {
+      loaded.contacts.push_back(*std::move(contact));
+    } else {
+      ++loaded.undetectable;
+    }
+  }
+  return loaded;
+}
+
+absl::StatusOr<Model> LoadModel(const std::string& path) {
+  TACTUS_ASSIGN_OR_RETURN(const std::string bytes,
+                          ReadFileBytes(path, limits::kMaxBundleBytes));
+  auto model = DecodeBundle(bytes);
+  if (!model.ok()) return Annotate(model.status(), path);
+  return model;
+}
+
+absl::StatusOr<SkinLayout> LoadLayout(const std::string& path) {
+  TACTUS_ASSIGN_OR_RETURN(const std::string text,
+                          ReadFileBytes(path, limits::kMaxMessageBytes));
+  v1::SensorGeometry geometry;
+  const auto parsed =
+      google::protobuf::util::JsonStringToMessage(text, &geometry);
+  if (!parsed.ok()) {
+    return IoError(path, absl::StrCat("not a SensorGeometry in JSON: ",
+                                      std::string(parsed.message())));
+  }
+  return LayoutFromProto(geometry);
+}
+
+absl::Status WriteFile(const std::string& path, const std::string& bytes) {
+  const std::string draft = path + ".partial";
+  {
+    std::ofstream file(draft, std::ios::binary);
+    file << bytes;
+    file.flush();
+    if (!file) return IoError(draft, "cannot be written");
+  }
+  std::error_code error;
+  std::filesystem::rename(draft, path, error);
+  if (error) return IoError(path, error.message());
+  return absl::OkStatus();
+}
+
+std::string Percent(double share) {
+  return absl::StrFormat("%.2f %%", 100 * share);
+}
+
+}  // namespace tactus::client

@@ -1,0 +1,73 @@
+// trainctl fit: trial file in, model bundle out.
+#include <iostream>
+
+#include "absl/strings/str_format.h"
+#include "client/tools/trainctl/command.h"
+#include "client/tools/trainctl/fit_flags.h"
+#include "core/base/status_macros.h"
+#include "core/base/version.h"
+#include "core/bundle/bundle.h"
+
+namespace tactus::client {
+namespace {
+
+struct Flags {
+  std::string data;
+  std::string out;
+  std::string layout;
+  std::string note;
+  bool json = false;
+  FitFlags fit;
+};
+
+absl::Status Run(const Flags& flags) {
+  TACTUS_ASSIGN_OR_RETURN(const FitOptions options, flags.fit.Options());
+  TACTUS_ASSIGN_OR_RETURN(const LoadedContacts loaded,
+                          LoadContacts(flags.data, flags.layout));
+  TACTUS_ASSIGN_OR_RETURN(Model model,
+                          FitModel(loaded.Pointers(), options, RunOnThreads));
+  model.provenance.command = CommandLine();
+  model.provenance.version = kVersion;
+  model.provenance.data = flags.data;
+  model.provenance.note = flags.note;
+  TACTUS_ASSIGN_OR_RETURN(const std::string bytes, EncodeBundle(model));
+  TACTUS_RETURN_IF_ERROR(WriteFile(flags.out, bytes));
+  if (flags.json) {
+    std::cout << Json{{"bundle", flags.out},
+                      {"sha256", BundleSha256(bytes)},
+                      {"bytes", bytes.size()},
+                      {"trials", loaded.trials},
+                      {"undetectable", loaded.undetectable},
+                      {"classes", model.class_names},
+                      {"features", FeaturesToString(options.features)},
+                      {"seed", options.seed},
+                      {"seconds", SecondsSinceStart()}}
+                     .dump()
+              << "\n";
+  } else {
+    std::cout << absl::StrFormat(
+        "%s: %d bytes, %d trials, %d undetectable, seed %d, %.1f s\n"
+        "sha256 %s\n",
+        flags.out, bytes.size(), loaded.trials, loaded.undetectable,
+        options.seed, SecondsSinceStart(), BundleSha256(bytes));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddFit(CLI::App& app, const SelectCommand& select) {
+  auto flags = std::make_shared<Flags>();
+  CLI::App* command =
+      app.add_subcommand("fit", "Fit a model bundle to the trials of a file");
+  command->add_option("--data", flags->data, "Trial file")->required();
+  command->add_option("--out", flags->out, "Bundle to write")->required();
+  command->add_option("--layout", flags->layout,
+                      "JSON file with the skin, for layouts without preset");
+  command->add_option("--note", flags->note, "Free text for the provenance");
+  command->add_flag("--json", flags->json, "One JSON object on stdout");
+  flags->fit.Add(*command);
+  command->callback([=] { select([=] { return Run(*flags); }); });
+}
+
+}  // namespace tactus::client

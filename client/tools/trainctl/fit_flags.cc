@@ -1,0 +1,87 @@
+#include "client/tools/trainctl/fit_flags.h"
+
+#include <optional>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+
+namespace tactus::client {
+
+void FitFlags::Add(CLI::App& command) {
+  command.add_option("--preset", preset, "tuned, paper or profile");
+  command.add_option("--features", features,
+                     "Any of f (force), m (motion), a (area), like f,m");
+  command.add_option("--seed", seed, "Seed of every random choice");
+  command.add_option("--states", states,
+                     "States per HMM instead of the preset's");
+  command.add_option("--mixtures", mixtures,
+                     "HMMs per category instead of the preset's");
+  command.add_option("--networks", networks,
+                     "LSTMs instead of the preset's; 0 for none");
+  command.add_option("--epochs", epochs,
+                     "Epochs of LSTM training instead of the preset's");
+  command.add_flag("--no-estimates", no_estimates,
+                   "Train no estimator of stiffness and motion");
+  command.add_option("--stretches", stretches,
+                     "Stretches of each stretched cue instead of the preset's");
+  command.add_option("--hmm-cues", hmm_cues,
+                     "What the HMMs see, like log_force,log_spring");
+  command.add_option("--lstm-cues", lstm_cues, "What the LSTMs see");
+}
+
+namespace {
+
+absl::StatusOr<std::vector<Cue>> ParseCues(absl::string_view flag,
+                                           absl::string_view text) {
+  std::vector<Cue> cues;
+  for (absl::string_view name : absl::StrSplit(text, ',')) {
+    const std::optional<Cue> cue = ParseCue(name);
+    if (!cue) return InvalidConfig(flag, name, "names of docs/cues.md");
+    cues.push_back(*cue);
+  }
+  return cues;
+}
+
+}  // namespace
+
+absl::StatusOr<FitOptions> FitFlags::Options() const {
+  TACTUS_ASSIGN_OR_RETURN(FitOptions options, FitPreset(preset));
+  TACTUS_ASSIGN_OR_RETURN(options.features, ParseFeatures(features));
+  options.seed = seed;
+  if (states < 0 || states > limits::kMaxHmmStates) {
+    return InvalidConfig("--states", states,
+                         absl::StrCat("1 to ", limits::kMaxHmmStates));
+  }
+  if (mixtures < 0 || mixtures > limits::kMaxHmmsPerClass) {
+    return InvalidConfig("--mixtures", mixtures,
+                         absl::StrCat("1 to ", limits::kMaxHmmsPerClass));
+  }
+  if (states > 0) options.states = states;
+  if (mixtures > 0) options.hmms_per_class = mixtures;
+  if (networks && (*networks < 0 || *networks > limits::kMaxLstms)) {
+    return InvalidConfig("--networks", *networks,
+                         absl::StrCat("0 to ", limits::kMaxLstms));
+  }
+  if (stretches && *stretches < 0) {
+    return InvalidConfig("--stretches", *stretches, "0 or more");
+  }
+  if (epochs < 0) return InvalidConfig("--epochs", epochs, "1 or more");
+  if (networks) options.lstm.networks = *networks;
+  if (no_estimates) options.lstm.estimates = false;
+  if (stretches) options.lstm.stretches = *stretches;
+  if (epochs > 0) options.lstm.training.epochs = epochs;
+  if (!hmm_cues.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(options.hmm_cues,
+                            ParseCues("--hmm-cues", hmm_cues));
+  }
+  if (!lstm_cues.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(options.lstm.cues,
+                            ParseCues("--lstm-cues", lstm_cues));
+  }
+  return options;
+}
+
+}  // namespace tactus::client

@@ -1,0 +1,33 @@
+// File: fit_flags.h
+//
+// Flags that say how models are fitted; shared by fit and evaluate.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "CLI/CLI.hpp"
+#include "absl/status/statusor.h"
+#include "core/train/fit.h"
+
+namespace tactus::client {
+
+struct FitFlags {
+  std::string preset = "tuned";
+  std::string features = "f,m,a";
+  uint64_t seed = 1;
+  int states = 0;
+  int mixtures = 0;
+  std::optional<int> networks;
+  int epochs = 0;
+  std::optional<int> stretches;
+  bool no_estimates = false;
+  std::string hmm_cues;
+  std::string lstm_cues;
+
+  void Add(CLI::App& command);
+  // The preset with what the other flags change.
+  absl::StatusOr<FitOptions> Options() const;
+};
+
+}  // namespace tactus::client

@@ -1,0 +1,152 @@
+// trainctl reproduce: the paper's result tables, ours beside theirs.
+#include <algorithm>
+#include <iostream>
+
+#include "absl/strings/str_format.h"
+#include "client/tools/trainctl/command.h"
+#include "client/tools/trainctl/reproduce_data.h"
+#include "client/tools/trainctl/reproduce_report.h"
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+#include "core/eval/evaluate.h"
+
+namespace tactus::client {
+namespace {
+
+struct Flags {
+  std::vector<std::string> only = {"hmm", "lstm", "1nn"};
+  std::vector<std::string> experiments = {"simulation", "cody"};
+  std::string figures;
+  uint64_t seed = 1;
+  bool json = false;
+};
+
+// What of the tables is asked for.
+struct Selection {
+  std::vector<Algorithm> algorithms;
+  std::vector<Experiment> experiments;
+};
+
+absl::StatusOr<Selection> Select(const Flags& flags) {
+  Selection selection;
+  for (const std::string& name : flags.only) {
+    TACTUS_ASSIGN_OR_RETURN(const Algorithm algorithm, ParseAlgorithm(name));
+    if (algorithm == Algorithm::kFused) {
+      return InvalidConfig("--only", name, "hmm, lstm or 1nn");
+    }
+    selection.algorithms.push_back(algorithm);
+  }
+  for (const std::string& name : flags.experiments) {
+    if (name == SourceOf(Experiment::kSimulation).name) {
+      selection.experiments.push_back(Experiment::kSimulation);
+    } else if (name == SourceOf(Experiment::kCody).name) {
+      selection.experiments.push_back(Experiment::kCody);
+    } else {
+      return InvalidConfig("--experiment", name, "simulation or cody");
+    }
+  }
+  return selection;
+}
+
+// A row that fails says why and leaves the others standing.
+ReproducedRow Reproduce(Experiment experiment, const PaperRow& paper,
+                        const absl::StatusOr<LoadedContacts>& data,
+                        uint64_t seed) {
+  ReproducedRow row;
+  row.experiment = experiment;
+  row.paper = paper;
+  const double begin = SecondsSinceStart();
+  const auto result = [&]() -> absl::StatusOr<Evaluation> {
+    TACTUS_RETURN_IF_ERROR(data.status());
+    TACTUS_ASSIGN_OR_RETURN(FitOptions options, FitPreset("paper"));
+    options.features = PaperFeatures(paper.features);
+    options.seed = seed;
+    // The table counts answers, which calibration leaves as they are.
+    options.calibrate = false;
+    return EvaluateProtocol(data->Pointers(), Protocol::kLeaveOneConditionOut,
+                            paper.algorithm, options, RunOnThreads);
+  }();
+  row.seconds = SecondsSinceStart() - begin;
+  if (!result.ok()) {
+    row.reason = std::string(result.status().message());
+    return row;
+  }
+  row.trials = data->trials;
+  row.undetectable = data->undetectable;
+  row.ours_percent = 100 * Accuracy(result->final);
+  row.class_names = result->class_names;
+  row.confusion = CountConfusion(result->final,
+                                 static_cast<int>(result->class_names.size()));
+  return row;
+}
+
+absl::Status RunExperiment(const Flags& flags, const Selection& selection,
+                           Experiment experiment, Json& rows_json) {
+  const auto data = SimulateExperiment(experiment, flags.seed);
+  if (!flags.json) std::cout << TableHeading(experiment) << std::flush;
+  std::vector<ReproducedRow> rows;
+  for (const PaperRow& paper : PaperTable(experiment)) {
+    if (std::find(selection.algorithms.begin(), selection.algorithms.end(),
+                  paper.algorithm) == selection.algorithms.end()) {
+      continue;
+    }
+    rows.push_back(Reproduce(experiment, paper, data, flags.seed));
+    rows_json.push_back(RowToJson(rows.back()));
+    if (!flags.json) std::cout << TableLine(rows.back()) << std::flush;
+  }
+  if (!flags.json) {
+    if (data.ok()) {
+      std::cout << absl::StrFormat(
+          "Here %d trials; %d undetectable, not counted\n", data->trials,
+          data->undetectable);
+    }
+    std::cout << ConfusionBlocks(rows) << "\n";
+  }
+  if (flags.figures.empty()) return absl::OkStatus();
+  return WriteFigures(rows, flags.figures);
+}
+
+absl::Status Run(const Flags& flags) {
+  TACTUS_ASSIGN_OR_RETURN(const Selection selection, Select(flags));
+  if (!flags.figures.empty()) {
+    TACTUS_RETURN_IF_ERROR(MakeFolder(flags.figures));
+  }
+  Json rows = Json::array();
+  for (Experiment experiment : selection.experiments) {
+    TACTUS_RETURN_IF_ERROR(RunExperiment(flags, selection, experiment, rows));
+  }
+  if (flags.json) {
+    std::cout << Json{{"rows", rows},
+                      {"seed", flags.seed},
+                      {"seconds", SecondsSinceStart()}}
+                     .dump()
+              << "\n";
+  } else {
+    std::cout << absl::StrFormat("seed %d, %.1f s\n", flags.seed,
+                                 SecondsSinceStart());
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddReproduce(CLI::App& app, const SelectCommand& select) {
+  auto flags = std::make_shared<Flags>();
+  CLI::App* command = app.add_subcommand(
+      "reproduce", "The paper's result tables, ours beside theirs");
+  command
+      ->add_option("--only", flags->only,
+                   "Algorithms: hmm, lstm, 1nn; all if not given")
+      ->delimiter(',');
+  command
+      ->add_option("--experiment", flags->experiments,
+                   "simulation, cody; both if not given")
+      ->delimiter(',');
+  command->add_option("--figures", flags->figures,
+                      "Folder to write figures into");
+  command->add_option("--seed", flags->seed, "Seed of noise and training");
+  command->add_flag("--json", flags->json, "One JSON object on stdout");
+  command->callback([=] { select([=] { return Run(*flags); }); });
+}
+
+}  // namespace tactus::client

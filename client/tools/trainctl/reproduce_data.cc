@@ -1,0 +1,64 @@
+#include "client/tools/trainctl/reproduce_data.h"
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "client/tools/trainctl/simulate_jobs.h"
+#include "core/base/status_macros.h"
+#include "core/skin/layout.h"
+
+namespace tactus::client {
+namespace {
+
+using Extracted = std::vector<std::optional<Contact>>;
+
+// What `trainctl simulate` would be told.
+SimulateFlags FlagsOf(Experiment experiment, uint64_t seed) {
+  SimulateFlags flags;
+  flags.seed = seed;
+  if (experiment == Experiment::kCody) {
+    flags.protocol = "cody";
+    flags.sensor = "taxels";
+  }
+  return flags;
+}
+
+absl::StatusOr<Extracted> Extract(const SimulateJob& job) {
+  TACTUS_ASSIGN_OR_RETURN(const std::vector<SensedContact> sensed, job());
+  Extracted extracted;
+  for (const SensedContact& each : sensed) {
+    TACTUS_ASSIGN_OR_RETURN(auto contact, ExtractContact(each.trial));
+    extracted.push_back(std::move(contact));
+  }
+  return extracted;
+}
+
+}  // namespace
+
+absl::StatusOr<LoadedContacts> SimulateExperiment(Experiment experiment,
+                                                  uint64_t seed) {
+  const SimulateFlags flags = FlagsOf(experiment, seed);
+  TACTUS_ASSIGN_OR_RETURN(const SkinLayout layout,
+                          LayoutPreset("cody-forearm"));
+  TACTUS_ASSIGN_OR_RETURN(const std::vector<SimulateJob> jobs,
+                          MakeJobs(flags, layout));
+  std::vector<absl::StatusOr<Extracted>> results(jobs.size());
+  RunOnThreads(static_cast<int>(jobs.size()),
+               [&](int i) { results[i] = Extract(jobs[i]); });
+  LoadedContacts data;
+  for (auto& result : results) {
+    TACTUS_RETURN_IF_ERROR(result.status());
+    for (std::optional<Contact>& contact : *result) {
+      ++data.trials;
+      if (contact) {
+        data.contacts.push_back(*std::move(contact));
+      } else {
+        ++data.undetectable;
+      }
+    }
+  }
+  return data;
+}
+
+}  // namespace tactus::client

@@ -1,0 +1,193 @@
+#include "client/tools/trainctl/reproduce_report.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_replace.h"
+#include "client/tools/plot/figure.h"
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+
+namespace tactus::client {
+namespace {
+
+// Columns of a matrix in text.
+constexpr int kNameWidth = 6;
+constexpr int kCountWidth = 5;
+
+const char* TitleOf(Experiment experiment) {
+  return experiment == Experiment::kSimulation ? "Simulation" : "Virtual Cody";
+}
+
+std::string RowName(const ReproducedRow& row) {
+  return absl::StrCat(PaperName(row.paper.algorithm), " ", row.paper.features);
+}
+
+// Lines of one matrix, all of one width.
+std::vector<std::string> MatrixLines(const ReproducedRow& row) {
+  const int width =
+      kNameWidth + kCountWidth * static_cast<int>(row.class_names.size());
+  std::vector<std::string> lines = {
+      absl::StrFormat("%-*s", width, RowName(row)),
+      absl::StrFormat("%*s", kNameWidth, "")};
+  for (const std::string& name : row.class_names) {
+    absl::StrAppendFormat(&lines[1], "%*.*s", kCountWidth, kCountWidth - 1,
+                          name);
+  }
+  for (size_t i = 0; i < row.class_names.size(); ++i) {
+    std::string line =
+        absl::StrFormat("%*.*s", kNameWidth, kNameWidth, row.class_names[i]);
+    for (int count : row.confusion[i]) {
+      absl::StrAppendFormat(&line, "%*d", kCountWidth, count);
+    }
+    lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
+std::string SideBySide(const std::vector<std::vector<std::string>>& blocks) {
+  size_t height = 0;
+  for (const auto& block : blocks) height = std::max(height, block.size());
+  std::string text;
+  for (size_t i = 0; i < height; ++i) {
+    std::string line;
+    for (const auto& block : blocks) {
+      if (!line.empty()) line += "  ";
+      line +=
+          i < block.size() ? block[i] : std::string(block.front().size(), ' ');
+    }
+    absl::StrAppend(&text, absl::StripTrailingAsciiWhitespace(line), "\n");
+  }
+  return text;
+}
+
+BarChart AccuracyChart(const std::vector<ReproducedRow>& rows) {
+  const Experiment experiment = rows.front().experiment;
+  const PaperSource source = SourceOf(experiment);
+  BarChart chart;
+  chart.title = absl::StrCat(TitleOf(experiment),
+                             ": accuracy on the robot condition left out");
+  chart.y = {.title = "accuracy (%)", .low = 0, .high = 100};
+  chart.series = {{.name = "here"}, {.name = "paper"}};
+  chart.references = {
+      {.name = "majority class (paper)", .y = source.majority_percent}};
+  for (const ReproducedRow& row : rows) {
+    const std::string algorithm(PaperName(row.paper.algorithm));
+    if (chart.sections.empty() || chart.sections.back().name != algorithm) {
+      chart.sections.push_back({.name = algorithm});
+    }
+    chart.sections.back().groups.emplace_back(row.paper.features);
+    chart.series[0].values.push_back(row.ours_percent);
+    chart.series[1].values.push_back(row.paper.accuracy_percent);
+  }
+  return chart;
+}
+
+// "simulation-confusion-1nn-f-m-a.png".
+std::string ConfusionFile(const ReproducedRow& row) {
+  const std::string algorithm = absl::AsciiStrToLower(
+      absl::StrReplaceAll(PaperName(row.paper.algorithm), {{"-", ""}}));
+  const std::string features =
+      absl::StrReplaceAll(row.paper.features, {{"+", "-"}});
+  return absl::StrCat(SourceOf(row.experiment).name, "-confusion-", algorithm,
+                      "-", features, ".png");
+}
+
+}  // namespace
+
+std::optional<double> ReproducedRow::Difference() const {
+  if (!ours_percent) return std::nullopt;
+  return *ours_percent - paper.accuracy_percent;
+}
+
+std::string TableHeading(Experiment experiment) {
+  const PaperSource source = SourceOf(experiment);
+  return absl::StrFormat(
+      "%s: %d trials of %g s, leave-one-condition-out, paper's %s\n"
+      "%-9s %-8s %8s %8s %11s %9s\n",
+      TitleOf(experiment), source.trials, source.seconds, source.table,
+      "algorithm", "features", "ours, %", "paper, %", "difference", "seconds");
+}
+
+std::string TableLine(const ReproducedRow& row) {
+  const std::string ours =
+      row.ours_percent ? absl::StrFormat("%.2f", *row.ours_percent) : "-";
+  const std::string difference =
+      row.ours_percent ? absl::StrFormat("%+.2f", *row.Difference()) : "-";
+  std::string line =
+      absl::StrFormat("%-9s %-8s %8s %8.2f %11s %9.1f",
+                      PaperName(row.paper.algorithm), row.paper.features, ours,
+                      row.paper.accuracy_percent, difference, row.seconds);
+  if (!row.ours_percent) absl::StrAppend(&line, "  ", row.reason);
+  return line + "\n";
+}
+
+std::string ConfusionBlocks(const std::vector<ReproducedRow>& rows) {
+  std::string text;
+  std::vector<absl::string_view> done;
+  for (const ReproducedRow& first : rows) {
+    const absl::string_view features = first.paper.features;
+    if (std::find(done.begin(), done.end(), features) != done.end()) continue;
+    done.push_back(features);
+    std::vector<std::vector<std::string>> blocks;
+    for (const ReproducedRow& row : rows) {
+      if (row.paper.features == features && !row.confusion.empty()) {
+        blocks.push_back(MatrixLines(row));
+      }
+    }
+    if (!blocks.empty()) absl::StrAppend(&text, "\n", SideBySide(blocks));
+  }
+  if (text.empty()) return text;
+  return absl::StrCat("\nRows are labels, columns answers:\n", text);
+}
+
+Json RowToJson(const ReproducedRow& row) {
+  Json json = {{"experiment", std::string(SourceOf(row.experiment).name)},
+               {"algorithm", std::string(PaperName(row.paper.algorithm))},
+               {"features", std::string(row.paper.features)},
+               {"ours", nullptr},
+               {"paper", row.paper.accuracy_percent},
+               {"difference", nullptr},
+               {"trials", row.trials},
+               {"undetectable", row.undetectable},
+               {"classes", row.class_names},
+               {"confusion", row.confusion},
+               {"seconds", row.seconds}};
+  if (row.ours_percent) {
+    json["ours"] = *row.ours_percent;
+    json["difference"] = *row.Difference();
+  } else {
+    json["reason"] = row.reason;
+  }
+  return json;
+}
+
+absl::Status MakeFolder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return IoError(folder, error.message());
+  return absl::OkStatus();
+}
+
+absl::Status WriteFigures(const std::vector<ReproducedRow>& rows,
+                          const std::string& folder) {
+  const std::filesystem::path base(folder);
+  const std::string name(SourceOf(rows.front().experiment).name);
+  TACTUS_RETURN_IF_ERROR(WritePng(AccuracyChart(rows),
+                                  (base / (name + "-accuracy.png")).string()));
+  for (const ReproducedRow& row : rows) {
+    if (row.confusion.empty()) continue;
+    const ConfusionMatrix matrix = {
+        .title = absl::StrCat(TitleOf(row.experiment), ": ", RowName(row)),
+        .labels = row.class_names,
+        .counts = row.confusion};
+    TACTUS_RETURN_IF_ERROR(
+        WritePng(matrix, (base / ConfusionFile(row)).string()));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace tactus::client

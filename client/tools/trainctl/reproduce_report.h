@@ -1,0 +1,65 @@
+// File: reproduce_report.h
+//
+// What `trainctl reproduce` found, beside the paper's numbers: as aligned
+// text, as JSON, as figures.
+//
+//   std::cout << TableHeading(experiment) << TableLine(row);
+//   std::cout << ConfusionBlocks(rows);
+//   TACTUS_RETURN_IF_ERROR(WriteFigures(rows, "figures"));
+//
+// Plain data and free functions without state; thread-safe.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "client/tools/trainctl/command.h"
+#include "core/eval/paper_tables.h"
+#include "core/train/metrics.h"
+
+namespace tactus::client {
+
+// One row of a table of the paper with what came out here.
+struct ReproducedRow {
+  Experiment experiment = Experiment::kSimulation;
+  PaperRow paper;
+  // Absent if the row could not be computed; `reason` then says why.
+  std::optional<double> ours_percent;
+  std::string reason;
+  // Trials simulated, and those of them that are undetectable and not counted.
+  int trials = 0;
+  int undetectable = 0;
+  // Of the contacts classified; empty without an answer.
+  std::vector<std::string> class_names;
+  Confusion confusion;
+  double seconds = 0;
+
+  // Ours minus the paper's, percentage points.
+  std::optional<double> Difference() const;
+};
+
+// Two lines: what the table is, and the names of its columns.
+std::string TableHeading(Experiment experiment);
+
+// One line, aligned with the heading's columns.
+std::string TableLine(const ReproducedRow& row);
+
+// The confusion matrices of the rows of one experiment that have one, those of
+// one feature set side by side.
+std::string ConfusionBlocks(const std::vector<ReproducedRow>& rows);
+
+Json RowToJson(const ReproducedRow& row);
+
+// Makes the folder of figures unless it is there: before hours are spent on
+// what would go into it.
+absl::Status MakeFolder(const std::string& folder);
+
+// Writes into `folder` EXPERIMENT-accuracy.png and, for each confusion matrix,
+// EXPERIMENT-confusion-ALGORITHM-FEATURES.png. `rows`, at least one, are of
+// one experiment.
+absl::Status WriteFigures(const std::vector<ReproducedRow>& rows,
+                          const std::string& folder);
+
+}  // namespace tactus::client

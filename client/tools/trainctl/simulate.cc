@@ -1,0 +1,189 @@
+// trainctl simulate: contacts of a simulated arm, as trials in a file.
+#include <algorithm>
+#include <iostream>
+#include <limits>
+#include <optional>
+
+#include "absl/strings/str_format.h"
+#include "client/tools/trainctl/command.h"
+#include "client/tools/trainctl/simulate_jobs.h"
+#include "client/tools/trainctl/simulate_one.h"
+#include "core/base/status_macros.h"
+#include "core/data/trial_file.h"
+#include "core/sim/experiments/paper_set.h"
+
+namespace tactus::client {
+namespace {
+
+constexpr const char* kLabels[] = {"HU", "HM", "SU", "SM"};
+// Contacts simulated before they are written, which bounds the memory.
+constexpr size_t kBlock = 64;
+
+// What the paper counted, where it did the same.
+struct PaperCounts {
+  const char* protocol;
+  int counts[4];
+};
+constexpr PaperCounts kPaperCounts[] = {
+    // Section "Data Collection" of the simulated experiment.
+    {"paper", {544, 365, 496, 430}},
+    // The same of the robot experiment: "Each object category had 60 trials".
+    {"cody", {60, 60, 60, 60}},
+};
+
+int Sum(const int (&counts)[4]) {
+  return counts[0] + counts[1] + counts[2] + counts[3];
+}
+
+struct Tally {
+  int counts[4] = {};
+  int undetectable = 0;
+  int clamped = 0;
+};
+
+void Count(const SensedContact& contact, const SimulateFlags& flags,
+           const SkinLayout& layout, Tally& tally) {
+  const auto* found = std::find(kLabels, kLabels + 4, contact.trial.label);
+  ++tally.counts[found - kLabels];
+  tally.clamped += contact.clamped;
+  tally.undetectable += flags.taxels() && !Detectable(contact.trial, layout);
+}
+
+const int (*CountsOfPaper(const std::string& protocol))[4] {
+  for (const PaperCounts& paper : kPaperCounts) {
+    if (protocol == paper.protocol) return &paper.counts;
+  }
+  return nullptr;
+}
+
+Json ToJson(const int (&counts)[4]) {
+  Json json;
+  for (int k = 0; k < 4; ++k) json[kLabels[k]] = counts[k];
+  return json;
+}
+
+std::string Row(const char* name, const int (&counts)[4]) {
+  return absl::StrFormat("%-6s %5d %5d %5d %5d   %5d\n", name, counts[0],
+                         counts[1], counts[2], counts[3], Sum(counts));
+}
+
+// The goal that all of the paper's trials have in common, if they do.
+std::optional<double> CommonGoal(const SimulateFlags& flags) {
+  if (flags.protocol != "paper" || flags.goals.size() > 1) return {};
+  return flags.goals.empty() ? kPaperGoal : flags.goals[0];
+}
+
+void Print(const SimulateFlags& flags, const Tally& tally) {
+  const std::optional<double> goal = CommonGoal(flags);
+  const int(*paper)[4] = CountsOfPaper(flags.protocol);
+  if (flags.json) {
+    Json json = {{"protocol", flags.protocol},
+                 {"trials", Sum(tally.counts)},
+                 {"counts", ToJson(tally.counts)}};
+    if (paper != nullptr) json["paper_counts"] = ToJson(*paper);
+    json["undetectable"] = tally.undetectable;
+    json["strain_clamped"] = tally.clamped;
+    if (goal) json["goal_m"] = *goal;
+    json["sensor"] = flags.sensor;
+    json["seed"] = flags.seed;
+    json["seconds"] = SecondsSinceStart();
+    std::cout << json.dump() << "\n";
+    return;
+  }
+  std::cout << "          HU    HM    SU    SM   total\n"
+            << Row("here", tally.counts);
+  if (paper != nullptr) std::cout << Row("paper", *paper);
+  std::cout << absl::StrFormat("%d undetectable, %d with clamped strain, ",
+                               tally.undetectable, tally.clamped);
+  if (goal) std::cout << absl::StrFormat("goal %g m, ", *goal);
+  std::cout << absl::StrFormat("sensor %s, seed %d, %.1f s\n", flags.sensor,
+                               flags.seed, SecondsSinceStart());
+}
+
+absl::Status Run(const SimulateFlags& flags) {
+  TACTUS_ASSIGN_OR_RETURN(const SkinLayout layout,
+                          LayoutPreset("cody-forearm"));
+  TACTUS_RETURN_IF_ERROR(Validate(flags.render, layout));
+  TACTUS_ASSIGN_OR_RETURN(const auto jobs, MakeJobs(flags, layout));
+  std::optional<TrialFileWriter> writer;
+  if (!flags.out.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(
+        auto created, TrialFileWriter::Create(flags.out, {.overwrite = true}));
+    writer.emplace(std::move(created));
+  }
+  const int limit =
+      flags.protocol == "grid" ? flags.sample : std::numeric_limits<int>::max();
+  Tally tally;
+  for (size_t begin = 0; begin < jobs.size(); begin += kBlock) {
+    const size_t size = std::min(kBlock, jobs.size() - begin);
+    std::vector<absl::StatusOr<std::vector<SensedContact>>> block(size);
+    RunOnThreads(static_cast<int>(size),
+                 [&](int i) { block[i] = jobs[begin + i](); });
+    for (auto& contacts : block) {
+      TACTUS_RETURN_IF_ERROR(contacts.status());
+      for (const SensedContact& contact : *contacts) {
+        if (Sum(tally.counts) == limit) break;
+        Count(contact, flags, layout, tally);
+        if (writer) TACTUS_RETURN_IF_ERROR(writer->Append(contact.trial));
+      }
+    }
+    if (Sum(tally.counts) == limit) break;
+  }
+  if (writer) TACTUS_RETURN_IF_ERROR(writer->Close());
+  Print(flags, tally);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddSimulate(CLI::App& app, const SelectCommand& select) {
+  auto flags = std::make_shared<SimulateFlags>();
+  CLI::App* command = app.add_subcommand(
+      "simulate", "Simulate an arm's contacts into a trial file");
+  command->add_option(
+      "--protocol", flags->protocol,
+      "paper (its 1,835 trials), grid (other robot conditions) or cody (its "
+      "robot experiment)");
+  command
+      ->add_option("--goal", flags->goals,
+                   "Goals of the equilibrium point, m, instead of the "
+                   "protocol's")
+      ->delimiter(',');
+  command->add_option("--sensor", flags->sensor,
+                      "signals (ideal) or taxels (rendered frames)");
+  command->add_option("--seed", flags->seed,
+                      "Seed of place and noise, and of what is drawn");
+  command->add_option("--out", flags->out, "Trial file to write");
+  command
+      ->add_option("--stiffness", flags->stiffnesses,
+                   "Arm stiffnesses, N/m, instead of the protocol's")
+      ->delimiter(',');
+  command
+      ->add_option("--velocity", flags->velocities,
+                   "Arm speeds, m/s, instead of the protocol's")
+      ->delimiter(',');
+  command->add_option(
+      "--materials", flags->materials,
+      "CSV table of materials (as core/sim/model/materials.csv) "
+      "instead of the paper's");
+  command->add_option("--sample", flags->sample,
+                      "Trials of the grid, spread evenly over conditions");
+  command->add_option("--taxel-noise", flags->render.taxel_noise,
+                      "Noise of a taxel, N");
+  command->add_option("--taxel-step", flags->render.taxel_step,
+                      "Quantisation of a taxel, N");
+  command->add_option("--encoder-noise", flags->render.encoder_noise_m,
+                      "Noise of the arm's position, m");
+  command->add_option("--dead-taxels", flags->render.dead_count,
+                      "Number of dead taxels");
+  command->add_flag("--json", flags->json, "One JSON object on stdout");
+  auto one = std::make_shared<OneContactFlags>();
+  AddOneContactFlags(*command, *one);
+  command->callback([=] {
+    select([=] {
+      return one->scene.empty() ? Run(*flags) : SimulateOne(*one, std::cout);
+    });
+  });
+}
+
+}  // namespace tactus::client

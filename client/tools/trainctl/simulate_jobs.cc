@@ -1,0 +1,146 @@
+#include "client/tools/trainctl/simulate_jobs.h"
+
+#include <span>
+#include <utility>
+
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+#include "core/data/file_bytes.h"
+#include "core/sim/experiments/cody_set.h"
+#include "core/sim/experiments/grid_set.h"
+
+namespace tactus::client {
+namespace {
+
+// The values given on the command line, or else those of the protocol.
+std::vector<double> GivenOr(const std::vector<double>& given,
+                            const std::vector<double>& otherwise) {
+  return given.empty() ? otherwise : given;
+}
+
+absl::StatusOr<std::vector<Material>> ReadMaterials(const std::string& path) {
+  if (path.empty()) return std::vector(Materials().begin(), Materials().end());
+  TACTUS_ASSIGN_OR_RETURN(const std::string text,
+                          ReadFileBytes(path, limits::kMaxCsvBytes));
+  auto materials = ParseMaterials(text);
+  if (!materials.ok()) return Annotate(materials.status(), path);
+  return materials;
+}
+
+absl::StatusOr<SensedContact> Sense(const SimulatedContact& contact,
+                                    const SimulateFlags& flags,
+                                    const SkinLayout& layout) {
+  SensedContact sensed;
+  sensed.clamped = contact.signals.clamped > 0;
+  if (flags.taxels()) {
+    TACTUS_ASSIGN_OR_RETURN(
+        sensed.trial, TaxelTrial(contact, layout, flags.render, flags.seed));
+  } else {
+    sensed.trial = SignalTrial(contact, SignalNoise(), flags.seed);
+  }
+  return sensed;
+}
+
+// A contact and the twin of one that moved. The condition names the goal if
+// it differs between trials.
+SimulateJob PairJob(const TrialSpec& spec, bool name_goal,
+                    const SimulateFlags& flags, const SkinLayout& layout) {
+  return [&flags, &layout, spec,
+          name_goal]() -> absl::StatusOr<std::vector<SensedContact>> {
+    std::vector<SensedContact> sensed;
+    for (const TrialSpec& each : {spec, FixedTwin(spec)}) {
+      TACTUS_ASSIGN_OR_RETURN(const SimulatedContact contact,
+                              SimulateContact(each));
+      TACTUS_ASSIGN_OR_RETURN(SensedContact one, Sense(contact, flags, layout));
+      if (name_goal) one.trial.condition = ConditionName(each.robot);
+      sensed.push_back(std::move(one));
+      if (!contact.moved) break;
+    }
+    return sensed;
+  };
+}
+
+SimulateJob CodyJob(const CodySpec& spec, const SimulateFlags& flags,
+                    const SkinLayout& layout) {
+  return
+      [&flags, &layout, spec]() -> absl::StatusOr<std::vector<SensedContact>> {
+        TACTUS_ASSIGN_OR_RETURN(const SimulatedContact contact,
+                                SimulateContact(spec.contact));
+        SensedContact sensed;
+        sensed.clamped = contact.signals.clamped > 0;
+        if (flags.taxels()) {
+          TACTUS_ASSIGN_OR_RETURN(
+              sensed.trial,
+              CodyTaxelTrial(spec, contact, layout, flags.render, flags.seed));
+        } else {
+          TACTUS_ASSIGN_OR_RETURN(
+              sensed.trial,
+              CodySignalTrial(spec, contact, SignalNoise(), flags.seed));
+        }
+        return std::vector<SensedContact>{std::move(sensed)};
+      };
+}
+
+std::vector<SimulateJob> PaperJobs(const SimulateFlags& flags,
+                                   const SkinLayout& layout,
+                                   std::span<const Material> materials) {
+  const auto goals = GivenOr(flags.goals, {kPaperGoal});
+  std::vector<SimulateJob> jobs;
+  for (const TrialSpec& spec : TrialSpecs(
+           GridConditions(GivenOr(flags.stiffnesses, {543, 2050}),
+                          GivenOr(flags.velocities, {0.005, 0.02}), goals),
+           materials)) {
+    jobs.push_back(PairJob(spec, goals.size() > 1, flags, layout));
+  }
+  return jobs;
+}
+
+std::vector<SimulateJob> GridJobs(const SimulateFlags& flags,
+                                  const SkinLayout& layout,
+                                  std::span<const Material> materials) {
+  const Grid grid;
+  std::vector<SimulateJob> jobs;
+  for (const TrialSpec& spec :
+       DrawSpecs(GridConditions(GivenOr(flags.stiffnesses, grid.stiffnesses),
+                                GivenOr(flags.velocities, grid.velocities),
+                                GivenOr(flags.goals, grid.goals)),
+                 flags.seed, materials)) {
+    jobs.push_back(PairJob(spec, /*name_goal=*/true, flags, layout));
+  }
+  return jobs;
+}
+
+absl::StatusOr<std::vector<SimulateJob>> CodyJobs(const SimulateFlags& flags,
+                                                  const SkinLayout& layout) {
+  if (!flags.stiffnesses.empty() || !flags.velocities.empty() ||
+      !flags.goals.empty() || !flags.materials.empty()) {
+    return InvalidConfig("--protocol with other conditions or materials",
+                         "cody", "paper or grid");
+  }
+  std::vector<SimulateJob> jobs;
+  for (const CodySpec& spec : CodySpecs(layout, flags.seed)) {
+    jobs.push_back(CodyJob(spec, flags, layout));
+  }
+  return jobs;
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<SimulateJob>> MakeJobs(const SimulateFlags& flags,
+                                                  const SkinLayout& layout) {
+  if (flags.sensor != "signals" && flags.sensor != "taxels") {
+    return InvalidConfig("--sensor", flags.sensor, "signals or taxels");
+  }
+  if (flags.sample < 1) {
+    return InvalidConfig("--sample", flags.sample, "at least 1");
+  }
+  if (flags.protocol == "cody") return CodyJobs(flags, layout);
+  TACTUS_ASSIGN_OR_RETURN(const std::vector<Material> materials,
+                          ReadMaterials(flags.materials));
+  if (flags.protocol == "paper") return PaperJobs(flags, layout, materials);
+  if (flags.protocol == "grid") return GridJobs(flags, layout, materials);
+  return InvalidConfig("--protocol", flags.protocol, "paper, grid or cody");
+}
+
+}  // namespace tactus::client

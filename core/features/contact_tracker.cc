@@ -1,0 +1,162 @@
+#include "core/features/contact_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numbers>
+
+#include "core/features/load_profile.h"
+
+namespace tactus {
+namespace {
+
+constexpr uint64_t kNever = std::numeric_limits<uint64_t>::max();
+// Longer than any stream, and exact in a double.
+constexpr double kMaxReleaseFrames = 0x1p53;
+
+uint64_t ReleaseFrames(const ContactTracker::Options& options) {
+  if (options.release_after_s < 0) return kNever;
+  const double frames = options.release_after_s * options.sample_rate_hz;
+  // 0.07 s at 100 Hz is 7 frames, though the product is 7.000000000000001.
+  const double whole = std::ceil(frames * (1 - 1e-12));
+  return static_cast<uint64_t>(std::clamp(whole, 1.0, kMaxReleaseFrames));
+}
+
+Eigen::Vector3d WorldPosition(const Eigen::Vector3d& link_position,
+                              const Pose& pose) {
+  return pose.position + pose.orientation * link_position;
+}
+
+// True if a region as large and round as `region` around its centroid holds
+// `point`.
+bool Covers(const SkinLayout& layout, const Region& region,
+            const SkinPoint& point) {
+  const double area =
+      region.taxels * layout.row_pitch_m * layout.column_pitch_m;
+  const double radius = std::sqrt(area / std::numbers::pi);
+  return SkinDistance(layout, {region.centroid_row, region.centroid_column},
+                      point) <= radius;
+}
+
+}  // namespace
+
+ContactTracker::ContactTracker(const SkinLayout& layout, const Options& options)
+    : layout_(layout),
+      segmenter_(layout, options.skip_untouched),
+      onset_threshold_(TaxelThreshold(layout.onset_threshold)),
+      release_frames_(ReleaseFrames(options)),
+      measured_taxels_(options.reuse_unchanged ? layout.taxels() : 0),
+      row_loads_(options.load_profile ? layout.rows : 0),
+      column_loads_(options.load_profile ? layout.columns : 0) {}
+
+void ContactTracker::Reset() {
+  state_ = ContactState::kNoContact;
+  onset_ = false;
+  released_ = false;
+  reused_ = false;
+  measured_ = false;
+  features_ = FrameFeatures();
+}
+
+bool ContactTracker::Unchanged(std::span<const float> taxels) const {
+  return measured_ && std::memcmp(taxels.data(), measured_taxels_.data(),
+                                  taxels.size_bytes()) == 0;
+}
+
+const FrameFeatures& ContactTracker::Step(const FrameView& frame) {
+  onset_ = false;
+  released_ = false;
+  reused_ = Unchanged(frame.taxels);
+  if (!reused_) {
+    features_.region_count = segmenter_.Segment(frame.taxels);
+    features_.touched = features_.region_count > 0;
+  }
+  if (state_ == ContactState::kInContact) {
+    if (Lost(frame)) {
+      state_ = ContactState::kReleased;
+      released_ = true;
+    }
+  } else if (features_.touched && segmenter_.peak() >= onset_threshold_) {
+    Begin(frame);
+  }
+  measured_ = false;
+  if (state_ != ContactState::kInContact) {
+    features_ = {.touched = features_.touched,
+                 .region_count = features_.region_count};
+    return features_;
+  }
+  if (!reused_) Measure(frame);
+  features_.motion_m = Motion(frame.pose);
+  measured_ = features_.touched && !measured_taxels_.empty();
+  if (measured_ && !reused_) {
+    std::ranges::copy(frame.taxels, measured_taxels_.begin());
+  }
+  return features_;
+}
+
+void ContactTracker::Begin(const FrameView& frame) {
+  state_ = ContactState::kInContact;
+  onset_ = true;
+  lost_frames_ = 0;
+  const Region& region = segmenter_.largest();
+  onset_point_ = {region.centroid_row, region.centroid_column};
+  travelled_ = false;
+  has_pose_ = frame.pose != nullptr;
+  if (has_pose_) {
+    pose_ = *frame.pose;
+    onset_link_position_ = LinkPosition(layout_, onset_point_);
+    onset_position_ = WorldPosition(onset_link_position_, pose_);
+  }
+}
+
+bool ContactTracker::Lost(const FrameView& frame) {
+  // The frames that went missing belong to a loss that goes on.
+  const bool going_on = lost_frames_ > 0;
+  if (going_on || !features_.touched) {
+    const uint64_t room = release_frames_ - lost_frames_;
+    lost_frames_ += std::min(frame.missing_before, room);
+    if (lost_frames_ < release_frames_ && !features_.touched) ++lost_frames_;
+    if (lost_frames_ == release_frames_ && release_frames_ != kNever) {
+      return true;
+    }
+  }
+  if (features_.touched) lost_frames_ = 0;
+  return false;
+}
+
+void ContactTracker::Measure(const FrameView& frame) {
+  if (features_.touched) {
+    const Region& region = segmenter_.largest();
+    features_.max_force = region.max_value;
+    features_.net_force = region.total;
+    features_.area_taxels = region.taxels;
+    features_.area_m2 = region.taxels * layout_.taxel_area_m2;
+    if (!row_loads_.empty()) {
+      segmenter_.SumLoads(frame.taxels, row_loads_, column_loads_);
+      features_.profile = MakeLoadProfile(row_loads_, column_loads_);
+    }
+    features_.centroid = {region.centroid_row, region.centroid_column};
+    travelled_ = !Covers(layout_, region, onset_point_);
+  } else {
+    features_.max_force = 0;
+    features_.net_force = 0;
+    features_.area_taxels = 0;
+    features_.area_m2 = 0;
+    features_.profile = {};
+  }
+}
+
+double ContactTracker::Motion(const Pose* pose) {
+  if (!has_pose_) {
+    return SkinDistance(layout_, features_.centroid, onset_point_);
+  }
+  if (pose != nullptr) pose_ = *pose;
+  const Eigen::Vector3d position =
+      WorldPosition(travelled_ ? LinkPosition(layout_, features_.centroid)
+                               : onset_link_position_,
+                    pose_);
+  return (position - onset_position_).norm();
+}
+
+}  // namespace tactus

@@ -1,0 +1,292 @@
+#include "core/features/segmenter.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <limits>
+
+#include "core/features/touched.h"
+
+namespace tactus {
+namespace {
+
+// Bits begin .. end-1; 0 <= begin < end <= 64.
+uint64_t BitRange(int begin, int end) {
+  return (~uint64_t{0} >> (64 - (end - begin))) << begin;
+}
+
+}  // namespace
+
+float TaxelThreshold(double value) {
+  using Limits = std::numeric_limits<float>;
+  return static_cast<float>(
+      std::clamp<double>(value, Limits::denorm_min(), Limits::max()));
+}
+
+Segmenter::Segmenter(const SkinLayout& layout, bool skip_untouched)
+    : rows_(layout.rows),
+      columns_(layout.columns),
+      wrap_(layout.wrap_columns),
+      reach_(layout.connectivity == Connectivity::kEight ? 1 : 0),
+      threshold_(TaxelThreshold(layout.contact_threshold)),
+      skip_untouched_(skip_untouched),
+      valid_(TouchedWords(layout.taxels()), ~uint64_t{0}),
+      touched_(valid_.size() + 1),
+      selected_(valid_.size()),
+      row_columns_(rows_) {
+  for (size_t i = 0; i < layout.mask.size(); ++i) {
+    if (layout.mask[i] == 0) valid_[i / 64] &= ~(uint64_t{1} << (i % 64));
+  }
+  runs_.reserve(rows_ * ((columns_ + 1) / 2));
+}
+
+int Segmenter::Segment(std::span<const float> taxels) {
+  runs_.clear();
+  largest_ = Region();
+  peak_ = 0;
+  regions_ = 0;
+  const bool touched = FindRows(taxels);
+  if (!touched && skip_untouched_) return 0;
+  TouchedSum sum = SumTouched(taxels, touched_);
+  peak_ = sum.max_value;
+  if (touched && LocateBlob()) {
+    regions_ = 1;
+  } else {
+    const int root = FindRegions(taxels);
+    if (regions_ > 1) {
+      SelectRegion(root);
+      sum = SumTouched(taxels, selected_);
+    }
+    if (regions_ > 0) Locate(root);
+  }
+  largest_.max_value = sum.max_value;
+  largest_.total = sum.total;
+  return regions_;
+}
+
+bool Segmenter::FindRows(std::span<const float> taxels) {
+  if (!FindTouched(taxels, threshold_, touched_) && skip_untouched_) {
+    return false;
+  }
+  for (size_t i = 0; i < valid_.size(); ++i) touched_[i] &= valid_[i];
+  const uint64_t all = BitRange(0, columns_);
+  // Bit r is set if row r is touched.
+  uint64_t rows = 0;
+  for (int row = 0; row < rows_; ++row) {
+    const int bit = row * columns_;
+    const uint64_t* word = &touched_[bit / 64];
+    const int shift = bit % 64;
+    // Two shifts, as one by 64 means nothing.
+    row_columns_[row] = (word[0] >> shift | word[1] << 1 << (63 - shift)) & all;
+    rows |= uint64_t{row_columns_[row] != 0} << row;
+  }
+  first_row_ = std::countr_zero(rows);
+  end_row_ = std::bit_width(rows);
+  return rows != 0;
+}
+
+bool Segmenter::LocateBlob() {
+  uint64_t columns = 0;
+  for (int row = first_row_; row < end_row_; ++row) {
+    columns |= row_columns_[row];
+  }
+  // Turned so that a blob across the seam is in one piece.
+  const int turn = Crosses(columns) ? std::countr_one(columns) : 0;
+  const uint64_t all = BitRange(0, columns_);
+  int taxels = 0;
+  int64_t row_sum = 0;
+  // Twice the sum.
+  int64_t column_sum = 0;
+  bool is_blob = true;
+  uint64_t reached = all;
+  for (int row = first_row_; row < end_row_; ++row) {
+    uint64_t run = row_columns_[row];
+    if (turn > 0) run = (run >> turn | run << (columns_ - turn)) & all;
+    // Its lowest bit carries past the end of its first stretch.
+    const uint64_t past = run + (run & -run);
+    is_blob &= (run & reached) != 0 && (run & past) == 0;
+    reached = reach_ == 0 ? run : run | run << 1 | run >> 1;
+    const int begin = std::countr_zero(run);
+    const int end = std::countr_zero(past);
+    taxels += end - begin;
+    row_sum += int64_t{row} * (end - begin);
+    column_sum += int64_t{2 * turn + begin + end - 1} * (end - begin);
+  }
+  if (!is_blob) return false;
+  largest_.taxels = taxels;
+  largest_.first_taxel =
+      first_row_ * columns_ + std::countr_zero(row_columns_[first_row_]);
+  largest_.centroid_row = static_cast<double>(row_sum) / taxels;
+  largest_.centroid_column = CentroidColumn(column_sum / 2);
+  return true;
+}
+
+bool Segmenter::Crosses(uint64_t columns) const {
+  return wrap_ && columns != BitRange(0, columns_) && (columns & 1) != 0 &&
+         (columns >> (columns_ - 1)) != 0;
+}
+
+double Segmenter::CentroidColumn(int64_t column_sum) const {
+  const int64_t round = int64_t{columns_} * largest_.taxels;
+  if (column_sum >= round) column_sum -= round;
+  return static_cast<double>(column_sum) / largest_.taxels;
+}
+
+int Segmenter::FindRegions(std::span<const float> taxels) {
+  int previous = 0;
+  for (int row = first_row_; row < end_row_; ++row) {
+    const int first = static_cast<int>(runs_.size());
+    AppendRuns(row, row_columns_[row]);
+    JoinRow(previous, first, static_cast<int>(runs_.size()));
+    previous = first;
+  }
+  return MeasureRegions(taxels);
+}
+
+void Segmenter::AppendRuns(int row, uint64_t touched) {
+  while (touched != 0) {
+    const int begin = std::countr_zero(touched);
+    const int end = begin + std::countr_one(touched >> begin);
+    runs_.push_back({.row = row,
+                     .begin = begin,
+                     .end = end,
+                     .parent = static_cast<int>(runs_.size())});
+    touched &= ~BitRange(begin, end);
+  }
+}
+
+void Segmenter::JoinRow(int previous, int first, int end) {
+  // Both rows are sorted by column: of two runs the one that ends first can
+  // touch nothing further on.
+  for (int above = previous, here = first; above < first && here < end;) {
+    const Run& a = runs_[above];
+    const Run& b = runs_[here];
+    if (a.begin < b.end + reach_ && b.begin < a.end + reach_) Join(above, here);
+    if (a.end < b.end) {
+      ++above;
+    } else {
+      ++here;
+    }
+  }
+  if (!wrap_ || first == end) return;
+  const auto opens = [this](int run) { return runs_[run].begin == 0; };
+  const auto closes = [this](int run) { return runs_[run].end == columns_; };
+  if (opens(first) && closes(end - 1)) Join(first, end - 1);
+  if (reach_ == 0 || previous == first) return;
+  if (opens(previous) && closes(end - 1)) Join(previous, end - 1);
+  if (opens(first) && closes(first - 1)) Join(first - 1, first);
+}
+
+// The earliest run of a region is its root, so labels follow raster order.
+void Segmenter::Join(int a, int b) {
+  const auto [low, high] = std::minmax({Root(a), Root(b)});
+  runs_[high].parent = low;
+}
+
+int Segmenter::Root(int run) {
+  while (runs_[run].parent != run) {
+    runs_[run].parent = runs_[runs_[run].parent].parent;
+    run = runs_[run].parent;
+  }
+  return run;
+}
+
+int Segmenter::MeasureRegions(std::span<const float> taxels) {
+  for (int i = 0; i < static_cast<int>(runs_.size()); ++i) {
+    Run& run = runs_[i];
+    // Its parent comes earlier and knows its first run by now.
+    run.parent = runs_[run.parent].parent;
+    regions_ += run.parent == i;
+    runs_[run.parent].taxels += run.end - run.begin;
+  }
+  int best = 0;
+  if (regions_ == 1) return best;
+  for (int i = 1; i < static_cast<int>(runs_.size()); ++i) {
+    const int taxels_here = runs_[i].taxels;
+    const int most = runs_[best].taxels;
+    if (taxels_here > most ||
+        (taxels_here == most && Peak(taxels, i) > Peak(taxels, best))) {
+      best = i;
+    }
+  }
+  return best;
+}
+
+float Segmenter::Peak(std::span<const float> taxels, int root) {
+  SelectRegion(root);
+  return SumTouched(taxels, selected_).max_value;
+}
+
+void Segmenter::SelectRegion(int root) {
+  std::fill(selected_.begin(), selected_.end(), 0);
+  for (const Run& run : runs_) {
+    if (run.parent != root) continue;
+    const int bit = run.row * columns_ + run.begin;
+    const uint64_t columns = BitRange(0, run.end - run.begin);
+    selected_[bit / 64] |= columns << (bit % 64);
+    const uint64_t rest = columns >> 1 >> (63 - bit % 64);
+    if (rest != 0) selected_[bit / 64 + 1] |= rest;
+  }
+}
+
+void Segmenter::Locate(int root) {
+  uint64_t columns = 0;
+  for (const Run& run : runs_) {
+    if (run.parent == root) columns |= BitRange(run.begin, run.end);
+  }
+  // Across the seam its columns form one arc of the cylinder: those of its
+  // end, next to column 0, are counted beyond the last one.
+  const int tail = Crosses(columns) ? std::countr_one(columns) : 0;
+  int64_t row_sum = 0;
+  int64_t column_sum = 0;
+  for (const Run& run : runs_) {
+    if (run.parent != root) continue;
+    const int length = run.end - run.begin;
+    row_sum += int64_t{run.row} * length;
+    column_sum += int64_t{run.begin + run.end - 1} * length / 2;
+    if (run.begin < tail) column_sum += int64_t{columns_} * length;
+  }
+  const Run& first = runs_[root];
+  largest_.taxels = first.taxels;
+  largest_.first_taxel = first.row * columns_ + first.begin;
+  largest_.centroid_row = static_cast<double>(row_sum) / first.taxels;
+  largest_.centroid_column = CentroidColumn(column_sum);
+}
+
+void Segmenter::SumLoads(std::span<const float> taxels,
+                         std::span<double> row_loads,
+                         std::span<double> column_loads) const {
+  std::fill(row_loads.begin(), row_loads.end(), 0.0);
+  std::fill(column_loads.begin(), column_loads.end(), 0.0);
+  if (regions_ == 0) return;
+  for (int row = first_row_; row < end_row_; ++row) {
+    const float* values = &taxels[ptrdiff_t{row} * columns_];
+    for (uint64_t rest = row_columns_[row]; rest != 0; rest &= rest - 1) {
+      const int column = std::countr_zero(rest);
+      row_loads[row] += values[column];
+      column_loads[column] += values[column];
+    }
+  }
+}
+
+void Segmenter::CopyLabels(std::span<uint16_t> labels) const {
+  std::fill(labels.begin(), labels.end(), 0);
+  if (regions_ == 1) {
+    for (size_t i = 0; i < labels.size(); ++i) {
+      labels[i] = touched_[i / 64] >> (i % 64) & 1;
+    }
+    return;
+  }
+  uint16_t last = 0;
+  for (const Run& run : runs_) {
+    const Run& root = runs_[run.parent];
+    const bool is_first = &root == &run;
+    if (is_first) ++last;
+    const int first_taxel = run.row * columns_ + run.begin;
+    const uint16_t label =
+        is_first ? last : labels[root.row * columns_ + root.begin];
+    std::fill_n(labels.begin() + first_taxel, run.end - run.begin, label);
+  }
+}
+
+}  // namespace tactus

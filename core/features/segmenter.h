@@ -1,0 +1,141 @@
+// File: segmenter.h
+//
+// Segments one skin frame: threshold, binary image, connected components
+// (paper, Section "Preprocessing and Feature Selection" of the robot
+// experiment). Columns may wrap, dead taxels are masked out.
+//
+//   Segmenter segmenter(layout);
+//   if (segmenter.Segment(frame.taxels) > 0) {
+//     const Region& region = segmenter.largest();
+//     ... region.max_value, region.taxels, region.centroid_row ...
+//   }
+//
+// Owns its workspace: nothing is allocated per frame. Not thread-safe; one per
+// stream.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/skin/layout.h"
+
+namespace tactus {
+
+// One connected component.
+struct Region {
+  int taxels = 0;
+  // Largest value and sum of the values, in the layout's unit.
+  float max_value = 0;
+  double total = 0;
+  // Mean row and column of the taxels, not weighted by their values. On a
+  // skin that wraps, the column is counted along the region from its first
+  // column on (from column 0 if it goes all the way round) and given modulo
+  // `columns`, in [0, columns).
+  double centroid_row = 0;
+  double centroid_column = 0;
+  // Smallest row-major index.
+  int first_taxel = 0;
+};
+
+// `value` as taxels are compared with it: in float, so that a reading that was
+// rounded to the threshold counts, and above 0, so that an empty taxel never
+// does.
+float TaxelThreshold(double value);
+
+class Segmenter {
+ public:
+  // `layout` must be valid. `skip_untouched`: a frame without a touched taxel
+  // costs a scan and no more; the results are the same.
+  explicit Segmenter(const SkinLayout& layout, bool skip_untouched = true);
+
+  // Finds the regions of taxels >= contact_threshold that are not masked out
+  // and returns how many there are. `taxels` holds rows x columns values,
+  // row-major; a NaN is not touched.
+  int Segment(std::span<const float> taxels);
+
+  // The results of the last Segment():
+
+  // The region of most taxels; on a tie that of the larger max_value, then of
+  // the smaller first_taxel. A zero Region if there is none.
+  const Region& largest() const { return largest_; }
+
+  // Largest value in any region; 0 if there is none.
+  float peak() const { return peak_; }
+
+  // Writes the sums of the touched taxels in each row and in each column;
+  // `taxels` are those last segmented.
+  void SumLoads(std::span<const float> taxels, std::span<double> row_loads,
+                std::span<double> column_loads) const;
+
+  // Writes rows x columns labels, row-major: 0 is background, regions are
+  // numbered from 1 in the order of their first taxels.
+  void CopyLabels(std::span<uint16_t> labels) const;
+
+ private:
+  // A maximal stretch of touched taxels in one row: columns begin .. end-1.
+  struct Run {
+    int row = 0;
+    int begin = 0;
+    int end = 0;
+    // Index of an earlier run of the same region, or its own; once all rows
+    // are known, of the region's first run.
+    int parent = 0;
+    // Of the region, in its first run.
+    int taxels = 0;
+  };
+
+  // Finds the touched taxels, row by row; false if there are none, and then
+  // leaves the rows alone if it may skip them.
+  bool FindRows(std::span<const float> taxels);
+  // Most contacts are one region with one run in each of its rows: tells if
+  // this is one, and if so where it lies.
+  bool LocateBlob();
+  // Finds the regions of any other frame. Returns the first run of the largest.
+  int FindRegions(std::span<const float> taxels);
+  void AppendRuns(int row, uint64_t touched);
+  // Joins runs first .. end-1 of one row with each other across the seam and
+  // with the runs previous .. first-1 of the row above.
+  void JoinRow(int previous, int first, int end);
+  void Join(int a, int b);
+  int Root(int run);
+  // Finds each run's region and its size. Returns the first run of the
+  // largest.
+  int MeasureRegions(std::span<const float> taxels);
+  // Largest value in a region.
+  float Peak(std::span<const float> taxels, int root);
+  // Sets the bits of a region alone.
+  void SelectRegion(int root);
+  // Finds where the largest region lies.
+  void Locate(int root);
+  // True if a region with taxels in `columns` crosses the seam.
+  bool Crosses(uint64_t columns) const;
+  // Of the columns' sum of a region as counted along it.
+  double CentroidColumn(int64_t column_sum) const;
+
+  int rows_;
+  int columns_;
+  bool wrap_;
+  // How many columns apart two taxels in neighbouring rows may be: 1 if
+  // 8-connected, else 0.
+  int reach_;
+  float threshold_;
+  bool skip_untouched_;
+  // One bit a taxel, row-major: whether it is valid; touched, and a word more;
+  // of one region.
+  std::vector<uint64_t> valid_;
+  std::vector<uint64_t> touched_;
+  std::vector<uint64_t> selected_;
+  // One word a row: bit c is set if column c is touched. Rows before
+  // first_row_ and from end_row_ on are untouched.
+  std::vector<uint64_t> row_columns_;
+  int first_row_ = 0;
+  int end_row_ = 0;
+  // Empty if the frame is one blob.
+  std::vector<Run> runs_;
+  int regions_ = 0;
+  Region largest_;
+  float peak_ = 0;
+};
+
+}  // namespace tactus

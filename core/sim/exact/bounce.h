@@ -1,0 +1,92 @@
+// File: bounce.h
+//
+// The quick way through a train of bounces: a light hard object that slides
+// rings faster than the arm moves and may leave it and come back hundreds of
+// thousands of times. Flights and contacts so short that the slow motion is a
+// few terms of its Taylor series need neither exponentials nor a search for
+// their end; Newton's method finds it next to that of the bounce before.
+//
+//   BounceTrain train(scene, modes, ramping);
+//   BounceMoment moment = train.MomentOf(phase, time, state);
+//   while (train.Next(until, moment) > 0) ++changes_of_contact;
+//
+// The same equations as contact_piece.h, to double precision: a bounce that is
+// not certainly of this simple kind is left to the general way. Keeps a pointer
+// to `modes`. Not thread-safe.
+#pragma once
+
+#include "core/sim/exact/contact_modes.h"
+#include "core/sim/exact/contact_piece.h"
+#include "core/sim/model/phases.h"
+#include "core/sim/model/scene.h"
+
+namespace tactus {
+
+// A change of contact: the arm in the frame of its equilibrium point, and its
+// approach to the object, which it just touches.
+struct BounceMoment {
+  double time = 0;
+  double lag = 0;
+  double rate = 0;
+  double approach = 0;
+  // From now on.
+  bool touching = false;
+};
+
+class BounceTrain {
+ public:
+  BounceTrain(const ContactScene& scene, const ContactModes& modes,
+              bool ramping);
+
+  // `phase` is kSliding or kCoasting and `state` its start, touching.
+  BounceMoment MomentOf(ContactPhase phase, double time,
+                        const PieceState& state) const;
+  PieceState StateOf(const BounceMoment& moment) const;
+  static ContactPhase PhaseOf(const BounceMoment& moment) {
+    return moment.touching ? ContactPhase::kSliding : ContactPhase::kCoasting;
+  }
+
+  // Moves `moment` to the next change of contact and returns its distance in
+  // seconds. 0, and nothing moved, if the next piece is not certainly an
+  // undisturbed flight or contact that ends before `until`.
+  double Next(double until, BounceMoment& moment);
+
+ private:
+  // Each moves `moment` to the end of a flight or contact and returns its
+  // span; 0 or less if it is not certainly a simple one.
+  double Fly(BounceMoment& moment) const;
+  double Press(BounceMoment& moment);
+  // The same by so many terms of the slow motion's series, the flight from a
+  // guess of its span.
+  template <int kTerms>
+  double FlyBy(BounceMoment& moment, double span) const;
+  template <int kTerms>
+  double PressBy(BounceMoment& moment);
+  // Turns the remembered angle of the ringing.
+  void Turn(double angle);
+
+  const ContactModes* modes_;
+  double equilibrium_speed_;
+  double equilibrium_start_;
+  // Constants of the scene, folded.
+  double friction_;    // acceleration, m/s^2
+  double compliance_;  // m_obj / k_obj
+  double rigidity_;    // its inverse
+  double offset_;      // of the object's rest from the arm's
+  double fast_[2][2];  // fast pair from what the slow operator leaves
+  double softness_;    // of the fast pair, 1 / stiffness
+  double frequency_;
+  double period_;  // 1 / frequency
+  double decay_;
+  // Longest pieces that few and many terms of the series may span, s.
+  double short_span_;
+  double long_span_;
+  // Of the last contact: angle of the ringing at its end, cosine and sine,
+  // and by how much it differed from the one before.
+  double angle_ = 0;
+  double drift_ = 0;
+  double cosine_ = 1;
+  double sine_ = 0;
+};
+
+}  // namespace tactus

@@ -1,0 +1,48 @@
+#include "core/sim/model/scene.h"
+
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+
+namespace tactus {
+namespace {
+
+absl::Status CheckRange(absl::string_view field, double value, double low,
+                        double high) {
+  if (value >= low && value <= high) return absl::OkStatus();
+  return InvalidScene(field, value, absl::StrCat(low, " to ", high));
+}
+
+}  // namespace
+
+double CriticalDamping(double actuator_stiffness, double arm_mass_kg) {
+  return 2 * std::sqrt(actuator_stiffness * arm_mass_kg);
+}
+
+absl::Status Validate(const ContactScene& scene) {
+  using limits::kMaxSceneDurationS;
+  TACTUS_RETURN_IF_ERROR(
+      CheckRange("scene.arm_mass_kg", scene.arm_mass_kg, 1e-3, 1e3));
+  TACTUS_RETURN_IF_ERROR(
+      CheckRange("scene.actuator_stiffness", scene.actuator_stiffness, 1, 1e6));
+  TACTUS_RETURN_IF_ERROR(
+      CheckRange("scene.actuator_damping", scene.actuator_damping, 0, 1e6));
+  TACTUS_RETURN_IF_ERROR(
+      CheckRange("scene.velocity_m_s", scene.velocity_m_s, 1e-5, 10));
+  TACTUS_RETURN_IF_ERROR(CheckRange("scene.goal_m", scene.goal_m, 1e-6, 10));
+  TACTUS_RETURN_IF_ERROR(
+      CheckRange("scene.object_mass_kg", scene.object_mass_kg, 1e-6, 1e6));
+  TACTUS_RETURN_IF_ERROR(
+      CheckRange("scene.object_stiffness", scene.object_stiffness, 1, 1e15));
+  TACTUS_RETURN_IF_ERROR(
+      CheckRange("scene.mu_static", scene.mu_static, 1e-3, 10));
+  TACTUS_RETURN_IF_ERROR(
+      CheckRange("scene.mu_kinetic", scene.mu_kinetic, 1e-3, scene.mu_static));
+  return CheckRange("scene.duration_s", scene.duration_s, 0.01,
+                    kMaxSceneDurationS);
+}
+
+}  // namespace tactus

@@ -1,0 +1,88 @@
+#include "core/train/contact.h"
+
+#include "absl/strings/str_cat.h"
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+#include "core/features/contact_tracker.h"
+
+namespace tactus {
+namespace {
+
+// Only the end of the trial ends its contact.
+constexpr double kNeverReleased = -1;
+
+void TakeTaxels(const Trial& trial, const SkinLayout& layout,
+                Contact& contact) {
+  ContactTracker tracker(layout, {trial.sample_rate_hz, kNeverReleased});
+  std::vector<float> taxels(layout.taxels());
+  for (size_t t = 0; t < trial.taxels.frames(); ++t) {
+    trial.taxels.Decode(t, taxels.data());
+    FrameView frame{.taxels = taxels};
+    if (!trial.poses.empty()) frame.pose = &trial.poses[t];
+    const FrameFeatures& features = tracker.Step(frame);
+    if (tracker.state() == ContactState::kInContact) {
+      contact.frames.push_back({features.sample(), features.touched});
+      if (!trial.object_motion.empty()) {
+        contact.object_motion.push_back(trial.object_motion[t]);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+ContactSample IdealSample(const FeatureVector& signals) {
+  return {signals, signals[static_cast<int>(Feature::kForce)]};
+}
+
+void StepClassifier(const ContactFrame& frame, ContactClassifier& classifier) {
+  if (frame.touched) {
+    classifier.Step(frame.sample, 0);
+  } else {
+    classifier.Hold(0);
+  }
+}
+
+absl::StatusOr<SkinLayout> LayoutOfTrial(const Trial& trial,
+                                         const SkinLayout* layout) {
+  SkinLayout found;
+  if (layout != nullptr && layout->name == trial.layout) {
+    found = *layout;
+  } else {
+    TACTUS_ASSIGN_OR_RETURN(found, LayoutPreset(trial.layout));
+  }
+  if (found.rows != trial.taxels.rows ||
+      found.columns != trial.taxels.columns) {
+    return InvalidConfig(
+        absl::StrCat("shape of trial ", trial.id),
+        absl::StrCat(trial.taxels.rows, "x", trial.taxels.columns),
+        absl::StrCat(found.rows, "x", found.columns, ", as layout ",
+                     found.name));
+  }
+  TACTUS_RETURN_IF_ERROR(Validate(found));
+  return found;
+}
+
+absl::StatusOr<std::optional<Contact>> ExtractContact(
+    const Trial& trial, const SkinLayout* layout) {
+  Contact contact;
+  contact.id = trial.id;
+  contact.label = trial.label;
+  contact.condition = trial.condition;
+  contact.material = trial.material;
+  contact.sample_rate_hz = trial.sample_rate_hz;
+  contact.stiffness = trial.stiffness;
+  if (trial.taxels.empty()) {
+    for (const FeatureVector& signals : trial.signals) {
+      contact.frames.push_back({IdealSample(signals), true});
+    }
+    contact.object_motion = trial.object_motion;
+  } else {
+    TACTUS_ASSIGN_OR_RETURN(contact.layout, LayoutOfTrial(trial, layout));
+    TakeTaxels(trial, contact.layout, contact);
+  }
+  if (contact.frames.empty()) return std::optional<Contact>();
+  return std::optional<Contact>(std::move(contact));
+}
+
+}  // namespace tactus

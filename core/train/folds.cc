@@ -1,0 +1,88 @@
+#include "core/train/folds.h"
+
+#include <algorithm>
+#include <map>
+#include <string>
+
+#include "core/base/errors.h"
+
+namespace tactus {
+namespace {
+
+template <typename Key>
+std::vector<std::vector<int>> GroupBy(
+    const std::vector<const Contact*>& contacts, Key key) {
+  std::map<std::string, std::vector<int>> groups;
+  for (size_t i = 0; i < contacts.size(); ++i) {
+    groups[key(*contacts[i])].push_back(static_cast<int>(i));
+  }
+  std::vector<std::vector<int>> folds;
+  for (auto& [name, members] : groups) folds.push_back(std::move(members));
+  return folds;
+}
+
+}  // namespace
+
+absl::StatusOr<Protocol> ParseProtocol(absl::string_view name, int folds) {
+  if (folds < 2) return InvalidConfig("folds", folds, "at least 2");
+  if (name == "loco") return Protocol::kLeaveOneConditionOut;
+  if (name == "leave-one-out") return Protocol::kLeaveOneOut;
+  if (name == "leave-one-material-out") return Protocol::kLeaveOneMaterialOut;
+  if (name == "k-fold") return Protocol(Protocol::kKFold, folds);
+  return InvalidConfig("protocol", name,
+                       "loco, leave-one-out, leave-one-material-out or k-fold");
+}
+
+std::vector<std::vector<int>> StratifiedFolds(
+    const std::vector<const Contact*>& contacts, int count) {
+  std::vector<std::vector<int>> folds(count);
+  std::map<std::string, int> seen;
+  for (size_t i = 0; i < contacts.size(); ++i) {
+    const int turn = seen[contacts[i]->label]++;
+    folds[turn % count].push_back(static_cast<int>(i));
+  }
+  std::erase_if(folds, [](const auto& fold) { return fold.empty(); });
+  return folds;
+}
+
+absl::StatusOr<std::vector<std::vector<int>>> MakeFolds(
+    const std::vector<const Contact*>& contacts, Protocol protocol) {
+  std::vector<std::vector<int>> folds;
+  switch (protocol.kind) {
+    case Protocol::kLeaveOneConditionOut:
+      folds = GroupBy(contacts, [](const Contact& c) { return c.condition; });
+      break;
+    case Protocol::kLeaveOneMaterialOut:
+      folds = GroupBy(contacts, [](const Contact& c) { return c.material; });
+      break;
+    case Protocol::kLeaveOneOut:
+      for (size_t i = 0; i < contacts.size(); ++i) {
+        folds.push_back({static_cast<int>(i)});
+      }
+      break;
+    case Protocol::kKFold:
+      folds = StratifiedFolds(contacts, protocol.folds);
+      break;
+  }
+  if (folds.size() < 2) {
+    return InvalidTrainingData(
+        "the contacts form fewer than two folds of this protocol");
+  }
+  return folds;
+}
+
+std::vector<int> Complement(const std::vector<int>& fold, int count) {
+  std::vector<int> rest;
+  rest.reserve(count - fold.size());
+  auto next = fold.begin();
+  for (int i = 0; i < count; ++i) {
+    if (next != fold.end() && *next == i) {
+      ++next;
+    } else {
+      rest.push_back(i);
+    }
+  }
+  return rest;
+}
+
+}  // namespace tactus

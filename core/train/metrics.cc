@@ -1,0 +1,81 @@
+#include "core/train/metrics.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace tactus {
+
+int Outcome::answer() const {
+  return static_cast<int>(
+      std::max_element(probability.begin(), probability.end()) -
+      probability.begin());
+}
+
+Confusion CountConfusion(std::span<const Outcome> outcomes, int classes) {
+  Confusion confusion(classes, std::vector<int>(classes));
+  for (const Outcome& outcome : outcomes) {
+    ++confusion[outcome.label][outcome.answer()];
+  }
+  return confusion;
+}
+
+double Accuracy(std::span<const Outcome> outcomes) {
+  if (outcomes.empty()) return 0;
+  const auto right =
+      std::count_if(outcomes.begin(), outcomes.end(),
+                    [](const Outcome& o) { return o.answer() == o.label; });
+  return static_cast<double>(right) / static_cast<double>(outcomes.size());
+}
+
+double ExpectedCalibrationError(std::span<const Outcome> outcomes) {
+  constexpr int kBins = 15;
+  struct Bin {
+    int count = 0;
+    int right = 0;
+    double probability = 0;
+  };
+  std::array<Bin, kBins> bins;
+  for (const Outcome& outcome : outcomes) {
+    const double top = outcome.probability[outcome.answer()];
+    Bin& bin = bins[std::clamp(static_cast<int>(top * kBins), 0, kBins - 1)];
+    ++bin.count;
+    bin.right += outcome.answer() == outcome.label;
+    bin.probability += top;
+  }
+  double error = 0;
+  for (const Bin& bin : bins) error += std::abs(bin.right - bin.probability);
+  return outcomes.empty() ? 0 : error / static_cast<double>(outcomes.size());
+}
+
+EstimateErrors SummariseErrors(std::span<const EstimateError> errors) {
+  EstimateErrors summary;
+  summary.count = static_cast<int>(errors.size());
+  if (errors.empty()) return summary;
+  std::vector<double> sizes;
+  double squares = 0;
+  int covered = 0;
+  for (const EstimateError& e : errors) {
+    sizes.push_back(std::abs(e.error));
+    squares += e.error * e.error;
+    covered += std::abs(e.error) <= e.deviation;
+  }
+  const auto middle = sizes.begin() + static_cast<ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  const double count = static_cast<double>(errors.size());
+  summary.median = *middle;
+  summary.root_mean_square = std::sqrt(squares / count);
+  summary.covered = covered / count;
+  return summary;
+}
+
+double NegativeLogLikelihood(std::span<const Outcome> outcomes) {
+  if (outcomes.empty()) return 0;
+  double sum = 0;
+  for (const Outcome& outcome : outcomes) {
+    sum -= std::log(std::max(outcome.probability[outcome.label], 1e-12));
+  }
+  return sum / static_cast<double>(outcomes.size());
+}
+
+}  // namespace tactus

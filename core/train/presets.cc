@@ -1,0 +1,101 @@
+#include <algorithm>
+#include <vector>
+
+#include "core/base/errors.h"
+#include "core/train/fit.h"
+
+namespace tactus {
+namespace {
+
+// Section "Algorithm Parameters".
+FitOptions PaperPreset() {
+  FitOptions options;
+  options.log_features = false;
+  options.score = Score::kViterbi;
+  LstmFit& lstm = options.lstm;
+  lstm.networks = 1;
+  lstm.scaling = Scaling::kMinMax;
+  lstm.activation = Activation::kSoftsign;
+  lstm.gate_activation = GateActivation::kHardSigmoid;
+  return options;
+}
+
+FitOptions TunedPreset() {
+  FitOptions options;
+  options.hmm_cues = {Cue::kLogDrag,          Cue::kLogMotion,
+                      Cue::kLogArea,          Cue::kLogSlope,
+                      Cue::kLogSlopeMisfit,   Cue::kForceRippleLong,
+                      Cue::kMotionRippleLong, Cue::kLogSpring,
+                      Cue::kLogSpringMisfit,  Cue::kForceDrop};
+  options.hmm_steps = {5, 20};
+  options.hmms_per_class = 20;
+  options.states = 6;
+  options.covariance_floor = 0.1;
+  options.variations = {.copies = 4, .pace = 3, .load = 2, .stiffness = 5};
+  LstmFit& lstm = options.lstm;
+  lstm.networks = 3;
+  lstm.cues = DerivedCues();
+  lstm.limit = 5;
+  lstm.stretched_cues = {Cue::kLogSpring, Cue::kLogStiffestSpring,
+                         Cue::kLogSlope, Cue::kLogStiffness, Cue::kLogDrag};
+  lstm.stretches = 8;
+  lstm.steps = {5, 20};
+  lstm.estimates = true;
+  LstmTrainOptions& training = lstm.training;
+  training.epochs = 10;
+  training.batch_size = 16;
+  training.optimizer.optimizer = Optimizer::kAdam;
+  training.optimizer.learning_rate = 3e-3;
+  training.optimizer.weight_decay = 1e-3;
+  training.optimizer.gradient_clip = 1;
+  training.cosine_decay = true;
+  training.loss.steps = LstmLoss::kEveryStep;
+  training.loss.regression_weight = 1;
+  training.noise = {.dropout = 0.2, .input = 0.05};
+  return options;
+}
+
+// Where on the skin the load is, by HMMs alone (docs/recordings.md).
+FitOptions ProfilePreset() {
+  FitOptions options;
+  options.hmm_cues = ProfileCues();
+  options.log_features = false;
+  options.states = 3;
+  options.hmms_per_class = 8;
+  options.max_iterations = 10;
+  options.covariance_floor = 0.03;
+  return options;
+}
+
+}  // namespace
+
+absl::StatusOr<FitOptions> FitPreset(absl::string_view name) {
+  if (name == "tuned") return TunedPreset();
+  if (name == "paper") return PaperPreset();
+  if (name == "profile") return ProfilePreset();
+  return InvalidConfig("preset", name, "tuned, paper or profile");
+}
+
+std::vector<Cue> CuesFor(const std::vector<Cue>& cues,
+                         const std::vector<Feature>& features) {
+  std::vector<Cue> usable;
+  if (cues.empty()) {
+    for (Feature feature : features) usable.push_back(RawCue(feature));
+    return usable;
+  }
+  auto known = [&](Cue cue) {
+    for (int f = 0; f < kFeatureCount; ++f) {
+      const Feature feature = static_cast<Feature>(f);
+      if (NeedsFeature(cue, feature) &&
+          std::find(features.begin(), features.end(), feature) ==
+              features.end()) {
+        return false;
+      }
+    }
+    return true;
+  };
+  std::copy_if(cues.begin(), cues.end(), std::back_inserter(usable), known);
+  return usable;
+}
+
+}  // namespace tactus

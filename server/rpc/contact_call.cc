@@ -1,0 +1,227 @@
+#include "server/rpc/contact_call.h"
+
+#include <chrono>
+#include <utility>
+
+#include "core/base/errors.h"
+#include "grpcpp/impl/codegen/proto_utils.h"
+#include "grpcpp/support/proto_buffer_reader.h"
+#include "server/ops/clock.h"
+#include "server/rpc/status.h"
+#include "spdlog/spdlog.h"
+
+namespace tactus::server {
+namespace {
+
+// Of a client that is ahead. Few enough that it need not wait for answers
+// while there are messages of it to be answered.
+constexpr int kAnswersPerFlush = 4;
+// How often it is looked whether a client is ahead.
+constexpr uint32_t kReadsPerProbe = 16;
+
+int64_t TimeoutNs(const StreamSession::Options& options) {
+  return options.idle_timeout_ms * int64_t{1'000'000};
+}
+
+}  // namespace
+
+ContactCall::ContactCall(RawContactService* service, CallQueue* queue,
+                         Keeper* keeper)
+    : service_(service), queue_(queue), keeper_(keeper) {
+  queue_->Enter();
+  service_->RequestClassifyContact(&context_, &stream_, queue_->queue(),
+                                   queue_->queue(), called_.tag());
+}
+
+ContactCall::~ContactCall() { queue_->Leave(); }
+
+void ContactCall::OnCalled(bool ok) {
+  if (!ok) {
+    // The server takes no more calls.
+    delete this;
+    return;
+  }
+  auto options = keeper_->Admit(this);
+  if (!options.ok()) {
+    Finish(ToGrpcStatus(options.status()));
+    return;
+  }
+  options_ = *std::move(options);
+  request_ = keeper_->request(queue_);
+  session_.emplace(keeper_->models(), options_);
+  last_read_ns_ = MonotonicNs();
+  if (options_.idle_timeout_ms > 0) SetIdleAlarm(TimeoutNs(options_));
+  Advance();
+}
+
+void ContactCall::Drain(uint32_t grace_ms) {
+  session_->OnDraining(grace_ms);
+  Advance();
+}
+
+void ContactCall::End(const absl::Status& status) {
+  session_->Finish(status);
+  Advance();
+}
+
+void ContactCall::OnRead(bool ok) {
+  --in_flight_;
+  reading_ = false;
+  if (!finished_) {
+    // A call that was cancelled looks like a half-close here; its writes fail.
+    // Read first, as it is now and then, a message comes before the write's
+    // end only if it was here already.
+    ahead_ = ok && (writing_ || held_);
+    if (ok) {
+      // Before it would give way to the answer of this message.
+      if (held_ && !writing_ && session_->responses().size() > 0) {
+        StageNextWrite();
+      }
+      TakeMessage();
+    } else {
+      session_->OnHalfClose();
+    }
+  }
+  Advance();
+}
+
+void ContactCall::TakeMessage() {
+  const int64_t start_ns = MonotonicNs();
+  last_read_ns_ = start_ns;
+  const size_t size = read_.Length();
+  grpc::ProtoBufferReader bytes(&read_);
+  const absl::Status status = session_->OnMessage(&bytes, size, request_);
+  session_->EndRequest(start_ns, MonotonicNs());
+  if (!status.ok()) {
+    spdlog::debug("stream {}: {}", options_.stream_id, status.ToString());
+  }
+}
+
+void ContactCall::OnNothingMore(bool idle) {
+  --in_flight_;
+  held_ = false;
+  if (idle) ahead_ = false;
+  Advance();
+}
+
+void ContactCall::OnWritten(bool ok) {
+  --in_flight_;
+  writing_ = false;
+  session_->responses().FinishWrite();
+  if (!ok) broken_ = true;
+  Advance();
+}
+
+void ContactCall::Advance() {
+  if (finished_) {
+    DeleteIfOver();
+    return;
+  }
+  if (!broken_) {
+    if (!ahead_ && reads_ % kReadsPerProbe == 0) StartNextRead();
+    if (staged_) StartStagedWrite();
+    if (!writing_ && session_->responses().size() > 0) {
+      if (ahead_ && reading_) {
+        Hold();
+      } else {
+        StageNextWrite();
+        StartStagedWrite();
+      }
+    }
+    StartNextRead();
+  }
+  if (broken_) {
+    Finish(grpc::Status::CANCELLED);
+  } else if (session_->state() == StreamSession::State::kDone) {
+    Finish(ToGrpcStatus(session_->final_status()));
+  }
+}
+
+void ContactCall::StartNextRead() {
+  if (reading_ || !session_->wants_request()) return;
+  reading_ = true;
+  ++reads_;
+  ++in_flight_;
+  stream_.Read(&read_, read_done_.tag());
+}
+
+void ContactCall::StageNextWrite() {
+  const v1::ClassifyContactResponse& response =
+      *session_->responses().StartWrite(MonotonicNs());
+  grpc::Slice bytes(response.ByteSizeLong());
+  // Slices are const only once they are shared.
+  response.SerializeWithCachedSizesToArray(const_cast<uint8_t*>(bytes.begin()));
+  grpc::ByteBuffer message(&bytes, 1);
+  write_.Swap(&message);
+  staged_ = true;
+}
+
+void ContactCall::StartStagedWrite() {
+  staged_ = false;
+  writing_ = true;
+  ++in_flight_;
+  grpc::WriteOptions options;
+  if (session_->responses().size() > 0 && ++unflushed_ < kAnswersPerFlush) {
+    // Another follows, which flushes both.
+    options.set_buffer_hint();
+  } else {
+    unflushed_ = 0;
+  }
+  stream_.Write(write_, options, written_.tag());
+}
+
+void ContactCall::Hold() {
+  if (held_) return;
+  held_ = true;
+  ++in_flight_;
+  queue_->Defer(&nothing_more_);
+}
+
+void ContactCall::SetIdleAlarm(int64_t delay_ns) {
+  ++in_flight_;
+  idle_alarm_.Set(
+      queue_->queue(),
+      std::chrono::system_clock::now() + std::chrono::nanoseconds(delay_ns),
+      idle_.tag());
+}
+
+void ContactCall::OnIdle(bool ok) {
+  --in_flight_;
+  if (!ok || finished_) {
+    DeleteIfOver();
+    return;
+  }
+  const int64_t left_ns = last_read_ns_ + TimeoutNs(options_) - MonotonicNs();
+  if (left_ns > 0) {
+    SetIdleAlarm(left_ns);
+    return;
+  }
+  if (session_->state() == StreamSession::State::kFinishing) {
+    // The peer takes not even what it is owed.
+    context_.TryCancel();
+    return;
+  }
+  SetIdleAlarm(TimeoutNs(options_));
+  session_->Finish(StreamIdle(static_cast<int>(options_.idle_timeout_ms)));
+  Advance();
+}
+
+void ContactCall::Finish(const grpc::Status& status) {
+  finished_ = true;
+  ++in_flight_;
+  stream_.Finish(status, finish_done_.tag());
+  idle_alarm_.Cancel();
+}
+
+void ContactCall::OnFinished(bool) {
+  --in_flight_;
+  DeleteIfOver();
+}
+
+void ContactCall::DeleteIfOver() {
+  if (!finished_ || in_flight_ > 0) return;
+  if (session_) keeper_->Release(this);
+  delete this;
+}
+
+}  // namespace tactus::server

@@ -1,0 +1,134 @@
+// File: contact_call.h
+//
+// ContactCall: carries one ClassifyContact RPC between gRPC and a
+// StreamSession. At most one read and one write are in flight; every event
+// ends in Advance(), which starts what may be started next.
+//
+//   new ContactCall(service, queue, keeper);  // awaits a call
+//
+// Deletes itself when nothing of it is in flight any more. Belongs to its
+// queue's thread, on which everything runs, construction and the keeper's
+// functions too.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "grpcpp/alarm.h"
+#include "grpcpp/server_context.h"
+#include "grpcpp/support/async_stream.h"
+#include "server/rpc/call_queue.h"
+#include "server/session/stream_session.h"
+#include "tactus/v1/contact.grpc.pb.h"
+
+namespace tactus::server {
+
+// Streams move raw bytes, so that a message is measured before it is parsed
+// and one that cannot be parsed is told from a half-close.
+using RawContactService = v1::ContactService::WithRawMethod_ClassifyContact<
+    v1::ContactService::Service>;
+
+class ContactCall {
+ public:
+  // Who admits streams and keeps them.
+  class Keeper {
+   public:
+    // A call has come: awaits the next one on `stream`'s queue, and admits
+    // this one or says why not.
+    virtual absl::StatusOr<StreamSession::Options> Admit(
+        ContactCall* stream) = 0;
+    // A stream that was admitted is over.
+    virtual void Release(ContactCall* stream) = 0;
+    virtual const ModelSource* models() const = 0;
+    // Where the streams of a queue parse their messages to.
+    virtual v1::ClassifyContactRequest* request(CallQueue* queue) = 0;
+
+   protected:
+    ~Keeper() = default;
+  };
+
+  // All three must outlive it. The session's option tells the idle timeout.
+  ContactCall(RawContactService* service, CallQueue* queue, Keeper* keeper);
+
+  ContactCall(const ContactCall&) = delete;
+  ContactCall& operator=(const ContactCall&) = delete;
+
+  // Tells the client that the server will stop.
+  void Drain(uint32_t grace_ms);
+  // Ends the stream with `status`, after what is owed.
+  void End(const absl::Status& status);
+
+  CallQueue* queue() const { return queue_; }
+  uint64_t frames() const { return session_->frames(); }
+  SkipCounters skipped() const { return session_->skipped(); }
+
+ private:
+  using Event = MemberEvent<ContactCall>;
+
+  ~ContactCall();
+
+  void OnCalled(bool ok);
+  void OnRead(bool ok);
+  void OnWritten(bool ok);
+  void OnIdle(bool ok);
+  void OnNothingMore(bool ok);
+  void OnFinished(bool ok);
+
+  void TakeMessage();
+  void Advance();
+  void StartNextRead();
+  // Puts the next answer, which must be waiting, into write_.
+  void StageNextWrite();
+  void StartStagedWrite();
+  // Holds the answer that waits until nothing else is at hand.
+  void Hold();
+  void SetIdleAlarm(int64_t delay_ns);
+  void Finish(const grpc::Status& status);
+  void DeleteIfOver();
+
+  RawContactService* const service_;
+  CallQueue* const queue_;
+  Keeper* const keeper_;
+
+  grpc::ServerContext context_;
+  grpc::ServerAsyncReaderWriter<grpc::ByteBuffer, grpc::ByteBuffer> stream_{
+      &context_};
+  Event called_{this, &ContactCall::OnCalled};
+  Event read_done_{this, &ContactCall::OnRead};
+  Event written_{this, &ContactCall::OnWritten};
+  Event idle_{this, &ContactCall::OnIdle};
+  Event nothing_more_{this, &ContactCall::OnNothingMore};
+  Event finish_done_{this, &ContactCall::OnFinished};
+
+  // From admission on.
+  std::optional<StreamSession> session_;
+  StreamSession::Options options_;
+  v1::ClassifyContactRequest* request_ = nullptr;
+  grpc::ByteBuffer read_;
+  grpc::ByteBuffer write_;
+  // Operations whose events have not come yet.
+  int in_flight_ = 0;
+  bool reading_ = false;
+  // write_ holds an answer that is to be written next; it is on its way.
+  bool staged_ = false;
+  bool writing_ = false;
+  // The client sends faster than it is answered: its next message is here
+  // before this one's answer is out. Such answers are held back until it is
+  // known whether another goes with them, as each flush of its own costs as
+  // much as all the rest of a message.
+  bool ahead_ = false;
+  bool held_ = false;
+  uint32_t reads_ = 0;
+  int unflushed_ = 0;
+  // The peer is gone: nothing more can be written.
+  bool broken_ = false;
+  // Finish was called.
+  bool finished_ = false;
+  int64_t last_read_ns_ = 0;
+  grpc::Alarm idle_alarm_;
+};
+
+}  // namespace tactus::server

@@ -1,0 +1,165 @@
+#include "tests/bench/frontier_classifier.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "absl/strings/str_format.h"
+#include "client/stream/percentile.h"
+#include "client/tools/trainctl/command.h"
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+#include "core/eval/evaluate.h"
+#include "core/train/metrics.h"
+#include "tests/bench/frontier_variants.h"
+#include "tests/bench/sim_check.h"
+#include "tests/bench/thread_seconds.h"
+
+namespace tactus::client {
+namespace {
+
+constexpr int kTimedContacts = 48;
+constexpr int kRounds = 15;
+// A share of right answers that guesses do not reach, of four classes.
+constexpr double kGuesses = 0.35;
+constexpr double kServed = 0.9;
+
+int FrontierTime() {
+  return static_cast<int>(std::ranges::find(kAnytimeSeconds, kFrontierSeconds) -
+                          std::begin(kAnytimeSeconds));
+}
+
+absl::StatusOr<Evaluation> Evaluate(
+    const std::shared_ptr<const CompiledModel>& model,
+    const std::vector<Contact>& contacts) {
+  return EvaluateModel(model, Pointers(contacts), Algorithm::kFused,
+                       RunOnThreads);
+}
+
+// Steps each model through the first frames of some contacts; ns a frame,
+// medians of rounds in which the models take turns.
+std::vector<double> TimeVariants(const std::vector<ClassifierVariant>& variants,
+                                 const std::vector<Contact>& contacts,
+                                 int rounds) {
+  const int sample = std::min<int>(kTimedContacts, std::ssize(contacts));
+  std::vector<ContactClassifier> classifiers;
+  for (const ClassifierVariant& variant : variants) {
+    classifiers.emplace_back(variant.model, ContactClassifier::Options(),
+                             variant.skip);
+  }
+  int64_t frames = 0;
+  const auto run = [&](ContactClassifier& classifier) {
+    frames = 0;
+    for (int c = 0; c < sample; ++c) {
+      const Contact& contact = contacts[c];
+      const int count = std::min<int>(
+          static_cast<int>(kFrontierSeconds * contact.sample_rate_hz),
+          std::ssize(contact.frames));
+      classifier.Reset();
+      for (int t = 0; t < count; ++t) {
+        StepClassifier(contact.frames[t], classifier);
+      }
+      frames += count;
+    }
+  };
+  std::vector<std::vector<double>> seconds(variants.size());
+  for (int round = 0; round <= rounds; ++round) {
+    for (size_t v = 0; v < variants.size(); ++v) {
+      const double start = ThreadSeconds();
+      run(classifiers[v]);
+      const double once = ThreadSeconds() - start;
+      // The first round warms caches.
+      if (round > 0) seconds[v].push_back(once);
+    }
+  }
+  std::vector<double> nanoseconds;
+  for (std::vector<double>& each : seconds) {
+    nanoseconds.push_back(Percentile(each, 0.5) / static_cast<double>(frames) *
+                          1e9);
+  }
+  return nanoseconds;
+}
+
+// A part alone must answer as it does within the whole.
+absl::Status CheckPart(const ClassifierVariant& part,
+                       const std::vector<Outcome>& alone,
+                       const std::vector<Outcome>& within) {
+  for (size_t i = 0; i < alone.size(); ++i) {
+    if (alone[i].answer() == within[i].answer()) continue;
+    return NumericalFailure(absl::StrFormat(
+        "%s alone answer otherwise than within the whole for test contact %d",
+        part.name, i));
+  }
+  return absl::OkStatus();
+}
+
+// Accuracies are taken with the skip rules on: no bit may depend on them.
+absl::Status CheckUnskipped(const ClassifierVariant& served,
+                            const ClassifierVariant& unskipped,
+                            const std::vector<Contact>& contacts) {
+  ContactClassifier a(served.model, {}, served.skip);
+  ContactClassifier b(unskipped.model, {}, unskipped.skip);
+  for (const Contact& contact : contacts) {
+    a.Reset();
+    b.Reset();
+    for (const ContactFrame& frame : contact.frames) {
+      StepClassifier(frame, a);
+      StepClassifier(frame, b);
+      if (std::ranges::equal(a.probability(), b.probability())) continue;
+      return NumericalFailure(absl::StrFormat(
+          "skip rules change the probabilities of test contact %s",
+          contact.id));
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<double> AccuracyOf(
+    const std::shared_ptr<const CompiledModel>& model,
+    const std::vector<Contact>& contacts) {
+  TACTUS_ASSIGN_OR_RETURN(const Evaluation evaluation,
+                          Evaluate(model, contacts));
+  return Accuracy(evaluation.anytime[FrontierTime()]);
+}
+
+absl::StatusOr<ClassifierLadder> MeasureClassifiers(const FrontierData& data,
+                                                    bool quick) {
+  TACTUS_ASSIGN_OR_RETURN(const std::vector<ClassifierVariant> variants,
+                          FitVariants(data.training, quick));
+  ClassifierLadder ladder;
+  ladder.served = variants[kServedVariant].model;
+  const std::vector<double> nanoseconds =
+      TimeVariants(variants, data.test, quick ? 2 : kRounds);
+  std::vector<Evaluation> evaluations;
+  for (size_t v = 0; v < variants.size(); ++v) {
+    TACTUS_ASSIGN_OR_RETURN(evaluations.emplace_back(),
+                            Evaluate(variants[v].model, data.test));
+    const Evaluation& evaluation = evaluations.back();
+    ladder.points.push_back(
+        {.ladder = Ladder::kClassifier,
+         .family = variants[v].family,
+         .variant = variants[v].name,
+         .nanoseconds = nanoseconds[v],
+         .accuracy = Accuracy(evaluation.anytime[FrontierTime()]),
+         .final_accuracy = Accuracy(evaluation.final)});
+  }
+  TACTUS_RETURN_IF_ERROR(CheckUnskipped(
+      variants[kServedVariant], variants[kUnskippedVariant], data.test));
+  const Evaluation& whole = evaluations[kServedVariant];
+  TACTUS_RETURN_IF_ERROR(CheckPart(
+      variants[kHmmVariant], evaluations[kHmmVariant].anytime[FrontierTime()],
+      whole.anytime_hmm[FrontierTime()]));
+  TACTUS_RETURN_IF_ERROR(CheckPart(
+      variants[kLstmVariant], evaluations[kLstmVariant].anytime[FrontierTime()],
+      whole.anytime_lstm[FrontierTime()]));
+  const double right = ladder.points[kServedVariant].accuracy;
+  if (right < (quick ? kGuesses : kServed)) {
+    return NumericalFailure(absl::StrFormat(
+        "only %.1f %% of the test contacts are told right", 100 * right));
+  }
+  return ladder;
+}
+
+}  // namespace tactus::client

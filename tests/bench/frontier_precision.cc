@@ -1,0 +1,180 @@
+#include "tests/bench/frontier_precision.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_format.h"
+#include "client/stream/percentile.h"
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+#include "core/train/fit.h"
+#include "core/train/inputs.h"
+#include "tests/bench/frontier_classifier.h"
+#include "tests/bench/frontier_pruned.h"
+#include "tests/bench/frontier_rungs.h"
+#include "tests/bench/hmm_models.h"
+#include "tests/bench/sim_check.h"
+#include "tests/bench/thread_seconds.h"
+
+namespace tactus::client {
+namespace {
+
+constexpr int kContacts = 100;
+constexpr int kQuickContacts = 4;
+constexpr int kRounds = 15;
+// Nothing tells beforehand what states left out would have come to.
+constexpr double kNoTolerance = std::numeric_limits<double>::infinity();
+
+// What the HMMs see of a contact until kFrontierSeconds after onset, and what
+// is true of it.
+struct Sequence {
+  std::vector<double> observations;
+  int label = 0;
+  std::vector<long double> truth;  // one per category
+};
+
+std::vector<Sequence> MakeSequences(const Model& model,
+                                    const std::vector<Contact>& contacts,
+                                    int count) {
+  std::vector<Sequence> sequences;
+  for (int i = 0; i < count; ++i) {
+    Contact contact = contacts[i];
+    const auto frames =
+        static_cast<size_t>(kFrontierSeconds * contact.sample_rate_hz);
+    contact.frames.resize(std::min(frames, contact.frames.size()));
+    Sequence sequence;
+    sequence.observations =
+        MakeSequence(contact, model.features.hmm, model.features.hmm_steps);
+    sequence.label =
+        static_cast<int>(std::ranges::find(model.class_names, contact.label) -
+                         model.class_names.begin());
+    for (const HmmMixture& mixture : model.hmms) {
+      std::vector<long double> scores;
+      for (size_t k = 0; k < mixture.components.size(); ++k) {
+        scores.push_back(mixture.log_weight[k] +
+                         ReferenceScore(mixture.components[k], Score::kForward,
+                                        sequence.observations));
+      }
+      sequence.truth.push_back(LogSumExp(std::span<const long double>(scores)));
+    }
+    sequences.push_back(std::move(sequence));
+  }
+  return sequences;
+}
+
+void ScoreSequence(const Sequence& sequence, size_t dimensions, Rung& rung,
+                   std::vector<double>& scores) {
+  rung.Reset();
+  const std::span<const double> all(sequence.observations);
+  for (size_t t = 0; t < all.size(); t += dimensions) {
+    rung.Step(all.subspan(t, dimensions));
+    rung.Scores(scores);
+  }
+}
+
+struct NamedRung {
+  const char* family;
+  const char* name;
+  // Largest error of a right answer, relative to the log-likelihood.
+  double tolerance;
+  std::unique_ptr<Rung> rung;
+};
+
+absl::StatusOr<std::vector<NamedRung>> MakeRungs(
+    const std::vector<HmmMixture>& mixtures) {
+  TACTUS_ASSIGN_OR_RETURN(auto served, MakeServedRung(mixtures));
+  TACTUS_ASSIGN_OR_RETURN(auto logarithms, MakeLogarithmRung(mixtures));
+  std::vector<NamedRung> rungs;
+  rungs.push_back({"scaled", "float as served", 1e-6, std::move(served)});
+  rungs.push_back({"scaled", "double", 1e-12, MakeDoubleRung(mixtures)});
+  rungs.push_back({"logarithms", "double", 1e-12, std::move(logarithms)});
+  constexpr std::pair<const char*, double> kBounds[] = {{"bound 0", 0},
+                                                        {"bound 1e-12", 1e-12},
+                                                        {"bound 1e-8", 1e-8},
+                                                        {"bound 1e-4", 1e-4}};
+  for (const auto& [name, bound] : kBounds) {
+    rungs.push_back(
+        {"pruned", name, kNoTolerance, MakePrunedRung(mixtures, bound)});
+  }
+  return rungs;
+}
+
+// Error and accuracy; NUMERICAL_FAILURE beyond the tolerance.
+absl::StatusOr<FrontierPoint> Check(const NamedRung& named,
+                                    const std::vector<Sequence>& sequences,
+                                    size_t dimensions) {
+  double worst = 0;
+  int right = 0;
+  for (const Sequence& sequence : sequences) {
+    std::vector<double> scores(sequence.truth.size());
+    ScoreSequence(sequence, dimensions, *named.rung, scores);
+    const double steps = static_cast<double>(sequence.observations.size()) /
+                         static_cast<double>(dimensions);
+    for (size_t c = 0; c < scores.size(); ++c) {
+      const auto off =
+          static_cast<double>(std::abs(scores[c] - sequence.truth[c]));
+      const auto scale =
+          static_cast<double>(std::abs(sequence.truth[c])) + steps;
+      if (!(off <= named.tolerance * scale)) {
+        return NumericalFailure(absl::StrFormat(
+            "%s, %s: a log-likelihood is off by %g of %g; %g of it would be "
+            "right",
+            named.family, named.name, off, scale, named.tolerance));
+      }
+      worst = std::max(worst, off / steps);
+    }
+    right +=
+        std::ranges::max_element(scores) - scores.begin() == sequence.label;
+  }
+  return FrontierPoint{
+      .ladder = Ladder::kPrecision,
+      .family = named.family,
+      .variant = named.name,
+      .error = worst,
+      .error_reference = "logarithms in long double, nats per scored frame",
+      .accuracy =
+          static_cast<double>(right) / static_cast<double>(sequences.size())};
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<FrontierPoint>> MeasurePrecision(
+    const Model& model, const std::vector<Contact>& contacts, bool quick) {
+  const std::vector<Sequence> sequences =
+      MakeSequences(model, contacts, quick ? kQuickContacts : kContacts);
+  const size_t dimensions = model.features.hmm.size();
+  TACTUS_ASSIGN_OR_RETURN(const std::vector<NamedRung> rungs,
+                          MakeRungs(model.hmms));
+  std::vector<FrontierPoint> points;
+  for (const NamedRung& named : rungs) {
+    TACTUS_ASSIGN_OR_RETURN(points.emplace_back(),
+                            Check(named, sequences, dimensions));
+  }
+  size_t steps = 0;
+  for (const Sequence& sequence : sequences) {
+    steps += sequence.observations.size() / dimensions;
+  }
+  std::vector<double> scores(model.hmms.size());
+  std::vector<std::vector<double>> seconds(rungs.size());
+  for (int round = 0; round < (quick ? 2 : kRounds); ++round) {
+    for (size_t r = 0; r < rungs.size(); ++r) {
+      const double start = ThreadSeconds();
+      for (const Sequence& sequence : sequences) {
+        ScoreSequence(sequence, dimensions, *rungs[r].rung, scores);
+      }
+      seconds[r].push_back(ThreadSeconds() - start);
+    }
+  }
+  for (size_t r = 0; r < rungs.size(); ++r) {
+    points[r].nanoseconds =
+        Percentile(seconds[r], 0.5) / static_cast<double>(steps) * 1e9;
+  }
+  return points;
+}
+
+}  // namespace tactus::client

@@ -1,0 +1,174 @@
+#include "tests/bench/frontier_variants.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client/tools/trainctl/command.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+#include "core/train/fit.h"
+#include "tests/bench/frontier_data.h"
+
+namespace tactus::client {
+namespace {
+
+constexpr char kFused[] = "fused";
+constexpr char kHmms[] = "HMMs";
+constexpr char kLstms[] = "LSTMs";
+
+// A fit of its own and the part of it that counts.
+struct FitJob {
+  std::string family;
+  std::string name;
+  FitOptions options;
+};
+
+Model HmmsAlone(Model model) {
+  model.lstms.clear();
+  model.estimator.reset();
+  model.features.lstm.clear();
+  model.calibration.lstm_temperature.clear();
+  model.calibration.lstm_weight.clear();
+  return model;
+}
+
+Model WithNetworks(Model model, size_t networks) {
+  model.lstms.resize(networks);
+  model.estimator.reset();
+  return model;
+}
+
+// A model has HMMs: one state that says the same of every class, asked as
+// rarely as can be.
+Model LstmsAlone(Model model) {
+  const GaussianHmm indifferent = {.states = 1,
+                                   .dimensions = 1,
+                                   .start = {1},
+                                   .transition = {1},
+                                   .means = {0},
+                                   .covariances = {1}};
+  for (HmmMixture& mixture : model.hmms) {
+    mixture = {.log_weight = {0}, .components = {indifferent}};
+  }
+  model.features.hmm.resize(1);
+  model.features.hmm_steps = {limits::kMaxBridgedFrames,
+                              limits::kMaxBridgedFrames};
+  std::ranges::fill(model.calibration.lstm_weight, 1.0);
+  return model;
+}
+
+absl::StatusOr<FitOptions> ServedOptions(bool quick) {
+  TACTUS_ASSIGN_OR_RETURN(FitOptions options, FitPreset("tuned"));
+  options.seed = kTrainingSeed;
+  if (quick) {
+    options.hmms_per_class = 2;
+    options.max_iterations = 2;
+    options.variations.copies = 0;
+    options.lstm.networks = 2;
+    options.lstm.cells = {8};
+    options.lstm.training.epochs = 1;
+  }
+  return options;
+}
+
+FitOptions OnlyHmms(FitOptions options, int hmms, StepIntervals steps) {
+  options.calibrate = false;
+  options.lstm.networks = 0;
+  options.hmms_per_class = hmms;
+  options.hmm_steps = steps;
+  return options;
+}
+
+FitOptions OneLstm(FitOptions options, StepIntervals steps) {
+  options.calibrate = false;
+  options.hmms_per_class = 1;
+  options.states = 1;
+  options.lstm.networks = 1;
+  options.lstm.estimates = false;
+  options.lstm.steps = steps;
+  return options;
+}
+
+FitOptions FusedAt(FitOptions options, StepIntervals steps) {
+  options.lstm.networks = 1;
+  options.lstm.estimates = false;
+  options.hmm_steps = steps;
+  options.lstm.steps = steps;
+  return options;
+}
+
+std::string Hmms(int count) {
+  return absl::StrCat(count, count == 1 ? " HMM" : " HMMs");
+}
+
+std::vector<FitJob> FitJobs(const FitOptions& served) {
+  constexpr StepIntervals kEvery = {1, 1};
+  constexpr StepIntervals kSlow = {10, 40};
+  std::vector<FitJob> jobs;
+  const int most = served.hmms_per_class;
+  std::vector<int> numbers = {most / 2, most / 4, 1};
+  numbers.erase(std::ranges::find_if(numbers, [](int n) { return n < 2; }),
+                numbers.end() - 1);
+  for (const int hmms : numbers) {
+    jobs.push_back(
+        {kHmms, Hmms(hmms), OnlyHmms(served, hmms, served.hmm_steps)});
+  }
+  jobs.push_back(
+      {kHmms, Hmms(1) + " every frame", OnlyHmms(served, 1, kEvery)});
+  jobs.push_back(
+      {kHmms, Hmms(most) + " at 10-40", OnlyHmms(served, most, kSlow)});
+  jobs.push_back({kLstms, "1 network at 10-40", OneLstm(served, kSlow)});
+  jobs.push_back({kFused, "1 network at 10-40", FusedAt(served, kSlow)});
+  return jobs;
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<ClassifierVariant>> FitVariants(
+    const std::vector<Contact>& contacts, bool quick) {
+  const std::vector<const Contact*> pointers = Pointers(contacts);
+  TACTUS_ASSIGN_OR_RETURN(const FitOptions options, ServedOptions(quick));
+  TACTUS_ASSIGN_OR_RETURN(const Model served,
+                          FitModel(pointers, options, RunOnThreads));
+  std::vector<ClassifierVariant> variants;
+  const auto add = [&](const std::string& family, const std::string& name,
+                       Model model) -> absl::Status {
+    TACTUS_ASSIGN_OR_RETURN(auto compiled,
+                            CompiledModel::Create(std::move(model)));
+    variants.push_back(
+        {.family = family, .name = name, .model = std::move(compiled)});
+    return absl::OkStatus();
+  };
+  const int networks = static_cast<int>(served.lstms.size());
+  const std::string all = absl::StrCat(networks, " networks");
+  TACTUS_RETURN_IF_ERROR(add(kFused, "as served", served));
+  variants.push_back({.family = kFused,
+                      .name = "nothing skipped",
+                      .model = variants[kServedVariant].model});
+  for (bool& on : variants[kUnskippedVariant].skip) on = false;
+  TACTUS_RETURN_IF_ERROR(
+      add(kHmms, Hmms(options.hmms_per_class), HmmsAlone(served)));
+  TACTUS_RETURN_IF_ERROR(
+      add(kLstms, all, LstmsAlone(WithNetworks(served, networks))));
+  TACTUS_RETURN_IF_ERROR(
+      add(kLstms, "1 network", LstmsAlone(WithNetworks(served, 1))));
+  TACTUS_RETURN_IF_ERROR(
+      add(kFused, "no estimate", WithNetworks(served, networks)));
+  TACTUS_RETURN_IF_ERROR(add(kFused, "1 network", WithNetworks(served, 1)));
+
+  const std::vector<FitJob> jobs = FitJobs(options);
+  std::vector<absl::StatusOr<Model>> fitted(jobs.size());
+  RunOnThreads(static_cast<int>(jobs.size()), [&](int i) {
+    fitted[i] = FitModel(pointers, jobs[i].options, RunSerially);
+  });
+  for (size_t i = 0; i < jobs.size(); ++i) {
+    TACTUS_RETURN_IF_ERROR(fitted[i].status());
+    TACTUS_RETURN_IF_ERROR(
+        add(jobs[i].family, jobs[i].name,
+            jobs[i].family == kLstms ? LstmsAlone(*fitted[i]) : *fitted[i]));
+  }
+  return variants;
+}
+
+}  // namespace tactus::client

@@ -1,0 +1,34 @@
+#include "tests/bench/rendered_frames.h"
+
+#include "core/base/status_macros.h"
+#include "core/sim/experiments/paper_set.h"
+#include "core/sim/skin/render.h"
+
+namespace tactus::client {
+
+absl::StatusOr<std::vector<RenderedTrial>> RenderTrials(
+    const SkinLayout& layout, int count) {
+  RenderOptions options;
+  const std::vector<TrialSpec> specs = TrialSpecs(PaperConditions());
+  std::vector<RenderedTrial> trials;
+  // Prime, so that steps meet every material and size.
+  constexpr size_t kStride = 101;
+  for (size_t i = kStride; static_cast<int>(trials.size()) < count;
+       i = (i + kStride) % specs.size()) {
+    TACTUS_ASSIGN_OR_RETURN(const auto contact, SimulateContact(specs[i]));
+    TACTUS_ASSIGN_OR_RETURN(const Trial trial,
+                            TaxelTrial(contact, layout, options, /*seed=*/1));
+    if (!Detectable(trial, layout)) continue;
+    RenderedTrial& to = trials.emplace_back();
+    to.taxels = layout.taxels();
+    to.lead_in = options.lead_in_frames;
+    to.poses = trial.poses;
+    to.values.resize(trial.taxels.frames() * to.taxels);
+    for (size_t t = 0; t < trial.taxels.frames(); ++t) {
+      trial.taxels.Decode(t, &to.values[t * to.taxels]);
+    }
+  }
+  return trials;
+}
+
+}  // namespace tactus::client

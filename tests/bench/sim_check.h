@@ -1,0 +1,78 @@
+// File: sim_check.h
+//
+// How far the exact contacts (core/sim/exact/exact.h) are from the reference
+// (core/sim/model/reference.h): the largest error of any feature and sample, as
+// a share of the feature's peak.
+//
+//   WorstErrors worst;
+//   TACTUS_ASSIGN_OR_RETURN(const auto truth, ReferenceFeatures(spec));
+//   worst.Take(contact, truth);
+//   TACTUS_RETURN_IF_ERROR(worst.Check());
+//
+// Not thread-safe.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "absl/functional/function_ref.h"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/base/random.h"
+#include "core/sim/experiments/paper_set.h"
+
+namespace tactus::client {
+
+// The methods as they are compared: CVODE at a relative tolerance, all others
+// in the proportion of its defaults; the exact one at what it may skip.
+SimulateOptions CvodeAt(double tolerance);
+SimulateOptions ExactAt(double skip_tolerance);
+
+double FeatureError(const std::vector<FeatureVector>& got,
+                    const std::vector<FeatureVector>& want);
+
+// Noiseless features of the reference, sampled as the exact method's;
+// `step_share` as there.
+absl::StatusOr<std::vector<FeatureVector>> ReferenceFeatures(
+    const TrialSpec& spec, double step_share = 0.7);
+
+// A scene far from the paper's, ringing slower than 2 10^4 rad/s, so that the
+// reference resolves it soon.
+TrialSpec RandomSpec(Random& random);
+
+// The worst errors and where they were, apart for scenes with and without
+// skipped bounces.
+class WorstErrors {
+ public:
+  void Take(const SimulatedContact& contact,
+            const std::vector<FeatureVector>& truth);
+
+  int compared() const { return compared_; }
+  double error() const { return std::max(error_[0], error_[1]); }
+  void Print(const char* what) const;
+  // NUMERICAL_FAILURE if an error exceeds its bound: 1e-6 where every bounce
+  // was solved, 1e-3 where some were leapt over.
+  absl::Status Check() const;
+
+ private:
+  int compared_ = 0;
+  // By whether bounces were skipped.
+  std::array<int, 2> count_ = {};
+  std::array<double, 2> error_ = {};
+  std::array<std::string, 2> where_;
+};
+
+struct Comparison {
+  WorstErrors worst;
+  double seconds = 0;  // processor time of the exact method
+};
+
+// Compares `count` scenes with the reference, as far as `budget` seconds of
+// processor time go, and tells of it on stderr. Fails as WorstErrors::Check().
+absl::StatusOr<Comparison> CompareScenes(
+    const char* what, int count, double budget,
+    absl::FunctionRef<TrialSpec(int)> spec_of);
+
+}  // namespace tactus::client

@@ -1,0 +1,81 @@
+#include "core/sim/model/scene.h"
+
+#include <cmath>
+#include <limits>
+
+#include "core/base/errors.h"
+#include "core/sim/model/cvode.h"
+#include "core/sim/model/materials.h"
+#include "gtest/gtest.h"
+
+namespace tactus {
+namespace {
+
+ContactScene GoodScene() {
+  ContactScene scene;
+  scene.actuator_damping = CriticalDamping(543, kCodyArmMass);
+  scene.object_mass_kg = 0.1;
+  scene.object_stiffness = 1e4;
+  scene.mu_static = 0.5;
+  scene.mu_kinetic = 0.4;
+  return scene;
+}
+
+TEST(ValidateSceneTest, EachBadFieldIsNamed) {
+  ASSERT_TRUE(Validate(GoodScene()).ok());
+  struct Case {
+    const char* field;
+    void (*spoil)(ContactScene&);
+  };
+  const Case cases[] = {
+      {"scene.arm_mass_kg", [](ContactScene& s) { s.arm_mass_kg = 0; }},
+      {"scene.arm_mass_kg",
+       [](ContactScene& s) { s.arm_mass_kg = std::nan(""); }},
+      {"scene.actuator_stiffness",
+       [](ContactScene& s) { s.actuator_stiffness = -543; }},
+      {"scene.actuator_damping",
+       [](ContactScene& s) { s.actuator_damping = -1; }},
+      {"scene.velocity_m_s", [](ContactScene& s) { s.velocity_m_s = 0; }},
+      {"scene.goal_m", [](ContactScene& s) { s.goal_m = -0.019; }},
+      {"scene.object_mass_kg", [](ContactScene& s) { s.object_mass_kg = 0; }},
+      {"scene.object_stiffness",
+       [](ContactScene& s) {
+         s.object_stiffness = std::numeric_limits<double>::infinity();
+       }},
+      {"scene.mu_static", [](ContactScene& s) { s.mu_static = 0; }},
+      {"scene.mu_kinetic", [](ContactScene& s) { s.mu_kinetic = 0.6; }},
+      {"scene.duration_s", [](ContactScene& s) { s.duration_s = 1e9; }},
+  };
+  for (const Case& c : cases) {
+    ContactScene scene = GoodScene();
+    c.spoil(scene);
+    const absl::Status status = Validate(scene);
+    EXPECT_EQ(ReasonOf(status), "INVALID_SCENE") << c.field;
+    EXPECT_EQ(InfoOf(status).metadata().at("field"), c.field);
+    EXPECT_EQ(IntegrateCvode(scene, {}).status().message(), status.message());
+  }
+}
+
+TEST(MaterialsTest, TheTableHasThirteenFindableMaterials) {
+  EXPECT_EQ(Materials().size(), 13);
+  ASSERT_NE(FindMaterial("steel"), nullptr);
+  EXPECT_EQ(FindMaterial("steel")->youngs_modulus, 2e11);
+  EXPECT_EQ(FindMaterial("glass")->glass.mu_static, 0.95);
+  EXPECT_EQ(FindMaterial("cheese"), nullptr);
+  for (const Material& m : Materials()) {
+    EXPECT_GE(m.wood.mu_static, m.wood.mu_kinetic) << m.name;
+    EXPECT_GE(m.glass.mu_static, m.glass.mu_kinetic) << m.name;
+    EXPECT_LE(m.poisson_ratio, 0.5) << m.name;
+  }
+}
+
+// Equations 8 and 8a of the paper by hand.
+TEST(MaterialsTest, CubeMassAndStiffness) {
+  const Cube cube = {*FindMaterial("steel"), 0.1, Surface::kGlass};
+  EXPECT_NEAR(cube.Mass(), 7.85, 1e-12);
+  EXPECT_NEAR(cube.Stiffness(), 4e10, 1);
+  EXPECT_EQ(cube.TableFriction().mu_kinetic, 0.12);
+}
+
+}  // namespace
+}  // namespace tactus

@@ -1,0 +1,83 @@
+#include "core/sim/skin/signals.h"
+
+#include <cmath>
+
+#include "core/sim/model/cvode.h"
+#include "gtest/gtest.h"
+
+namespace tactus {
+namespace {
+
+// k = 2 * 0.1 * 2e6 = 4e5 N/m; 4000 N press 0.01 m, a strain of 0.1;
+// A' = 0.01 * 0.9^-1 with Poisson's ratio 0.5.
+TEST(ContactAreaTest, MatchesHandComputedValues) {
+  const Cube rubber = {*FindMaterial("natural-rubber"), 0.1, Surface::kWood};
+  EXPECT_NEAR(Strain(rubber, 4000), 0.1, 1e-15);
+  EXPECT_NEAR(ContactArea(rubber, 4000), 0.01 / 0.9, 1e-15);
+  EXPECT_NEAR(ContactArea(rubber, 0), 0.01, 1e-15);
+  // Fat of 0.01 m: k = 38 N/m, so 10 N would press it to 26 times its edge.
+  const Cube fat = {*FindMaterial("fat"), 0.01, Surface::kWood};
+  EXPECT_EQ(Strain(fat, 10), kMaxStrain);
+  EXPECT_NEAR(ContactArea(fat, 10), 1e-4 * std::pow(0.05, -0.82), 1e-12);
+}
+
+Trajectory ConstantPress(double force, double seconds_apart) {
+  Trajectory trajectory;
+  trajectory.sample_rate_hz = 2000;
+  for (int i = 0; i <= 2000; ++i) {
+    TrajectorySample sample;
+    const double pressed = std::min(i / 2000.0, 1 - seconds_apart);
+    sample.x_arm = 0.004;
+    sample.impulse = force * pressed;
+    sample.contact_time = pressed;
+    trajectory.samples.push_back(sample);
+  }
+  return trajectory;
+}
+
+TEST(ReadSignalsTest, SettlesOnForceAreaAndMotion) {
+  const Cube rubber = {*FindMaterial("natural-rubber"), 0.1, Surface::kWood};
+  const IdealSignals signals = ReadSignals(rubber, ConstantPress(4000, 0));
+  ASSERT_EQ(signals.samples.size(), 100);
+  EXPECT_NEAR(signals.samples[50][0], 4000, 1e-3);
+  EXPECT_NEAR(signals.samples[50][1], 0.01 / 0.9, 1e-8);
+  EXPECT_NEAR(signals.samples[50][2], 0.004, 1e-9);
+  EXPECT_EQ(signals.clamped, 0);
+}
+
+TEST(ReadSignalsTest, AreaAndForceAreZeroOnceContactIsLost) {
+  const Cube rubber = {*FindMaterial("natural-rubber"), 0.1, Surface::kWood};
+  const IdealSignals signals = ReadSignals(rubber, ConstantPress(4000, 0.5));
+  EXPECT_GT(signals.samples[40][1], 0.01);
+  EXPECT_NEAR(signals.samples[80][0], 0, 1e-6);
+  EXPECT_NEAR(signals.samples[80][1], 0, 1e-12);
+}
+
+TEST(ReadSignalsTest, CountsClampedSamples) {
+  const Cube fat = {*FindMaterial("fat"), 0.01, Surface::kWood};
+  EXPECT_EQ(ReadSignals(fat, ConstantPress(10, 0)).clamped, 100);
+  EXPECT_EQ(ReadSignals(fat, ConstantPress(10, 0.5)).clamped, 50);
+}
+
+TEST(AddNoiseTest, VarianceIsAShareOfTheSignals) {
+  std::vector<FeatureVector> clean(20000);
+  for (size_t i = 0; i < clean.size(); ++i) {
+    // Variance 1, 4 and 0.
+    clean[i] = {i % 2 ? 1.0 : -1.0, i % 2 ? 2.0 : -2.0, 7};
+  }
+  std::vector<FeatureVector> noisy = clean;
+  Random random(3);
+  AddNoise({0.005, 0.0005, 0.0005}, random, noisy);
+  FeatureVector variance = {};
+  for (size_t i = 0; i < clean.size(); ++i) {
+    for (int f = 0; f < 3; ++f) {
+      variance[f] += std::pow(noisy[i][f] - clean[i][f], 2) / clean.size();
+    }
+  }
+  EXPECT_NEAR(variance[0], 0.005, 0.0002);
+  EXPECT_NEAR(variance[1], 0.002, 0.0001);
+  EXPECT_EQ(variance[2], 0);
+}
+
+}  // namespace
+}  // namespace tactus

@@ -1,0 +1,228 @@
+#include "core/train/fit.h"
+
+#include "core/base/errors.h"
+#include "core/bundle/model_proto.h"
+#include "core/classify/compiled_model.h"
+#include "core/eval/evaluate.h"
+#include "gtest/gtest.h"
+#include "tests/core/eval/synthetic_contacts.h"
+
+namespace tactus {
+namespace {
+
+FitOptions QuickOptions() {
+  FitOptions options = *FitPreset("tuned");
+  options.states = 3;
+  options.hmms_per_class = 2;
+  options.max_iterations = 4;
+  options.lstm.networks = 2;
+  options.lstm.cells = {5};
+  options.lstm.training.epochs = 2;
+  return options;
+}
+
+TEST(FitModelTest, GivesACompleteModelThatPassesItsOwnWarmUp) {
+  const auto contacts = testing::SyntheticContacts(8, 40, 0.1, 1);
+  auto model =
+      FitModel(testing::PointersTo(contacts), QuickOptions(), RunSerially);
+  ASSERT_TRUE(model.ok()) << model.status();
+  EXPECT_EQ(model->class_names,
+            (std::vector<std::string>{"HU", "HM", "SU", "SM"}));
+  EXPECT_EQ(model->provenance.trials, 32u);
+  EXPECT_EQ(model->calibration.frames.size(), 6u);
+  EXPECT_EQ(model->calibration.lstm_weight.size(), 6u);
+  EXPECT_EQ(model->lstms.size(), 2u);
+  EXPECT_NE(model->lstms[0].dense_kernel, model->lstms[1].dense_kernel);
+  auto compiled = CompiledModel::Create(*model);
+  ASSERT_TRUE(compiled.ok()) << compiled.status();
+  EXPECT_FALSE(model->warm_up.samples.empty());
+  EXPECT_TRUE(RunWarmUp(**compiled).ok());
+}
+
+TEST(FitModelTest, EstimatesTheObjectWhereTheTruthIsKnown) {
+  auto contacts = testing::SyntheticContacts(8, 40, 0.1, 1);
+  FitOptions options = QuickOptions();
+  options.lstm.training.epochs = 30;
+  // Of which there is none either without the truth.
+  options.variations.stiffness = 1;
+  const auto without =
+      FitModel(testing::PointersTo(contacts), options, RunSerially);
+  ASSERT_TRUE(without.ok()) << without.status();
+  EXPECT_FALSE(without->estimator.has_value());
+  for (Contact& contact : contacts) {
+    contact.stiffness = contact.label[0] == 'H' ? 1e6 : 1e3;
+    contact.object_motion.assign(contact.frames.size(), 0.0);
+  }
+  const auto pointers = testing::PointersTo(contacts);
+  auto model = FitModel(pointers, options, RunSerially);
+  ASSERT_TRUE(model.ok()) << model.status();
+  ASSERT_TRUE(model->estimator.has_value());
+  // The estimator takes nothing from the networks that classify.
+  EXPECT_EQ(model->lstms[0].dense_kernel, without->lstms[0].dense_kernel);
+  const auto result = EvaluateModel(*CompiledModel::Create(*model), pointers,
+                                    Algorithm::kFused, RunSerially);
+  ASSERT_TRUE(result.ok()) << result.status();
+  double hard = 0;
+  double soft = 0;
+  for (const auto& estimate : result->final_estimates) {
+    ASSERT_TRUE(estimate.has_value());
+    EXPECT_GT(estimate->said.log10_stiffness_deviation, 0);
+    (estimate->log10_stiffness > 5 ? hard : soft) +=
+        estimate->said.log10_stiffness / 16;
+  }
+  EXPECT_GT(hard, soft + 1);
+}
+
+TEST(FitModelTest, LstmsAloneLearnOtherStiffnesses) {
+  auto contacts = testing::SyntheticContacts(8, 40, 0.1, 1);
+  for (Contact& contact : contacts) {
+    contact.stiffness = contact.label[0] == 'H' ? 1e6 : 1e3;
+  }
+  FitOptions options = QuickOptions();
+  options.calibrate = false;
+  const auto pointers = testing::PointersTo(contacts);
+  const auto with = FitModel(pointers, options, RunSerially);
+  options.variations.stiffness = 1;
+  const auto without = FitModel(pointers, options, RunSerially);
+  ASSERT_TRUE(with.ok() && without.ok());
+  EXPECT_EQ(with->warm_up.log_likelihood, without->warm_up.log_likelihood);
+  EXPECT_NE(with->lstms[0].dense_kernel, without->lstms[0].dense_kernel);
+}
+
+// How many inner folds a calibration for new materials takes.
+int InnerFoldsOf(int materials) {
+  auto contacts = testing::SyntheticContacts(2 * materials, 20, 0.1, 1);
+  for (size_t i = 0; i < contacts.size(); ++i) {
+    contacts[i].material = std::to_string(static_cast<int>(i) / 4 % materials);
+  }
+  FitOptions options = QuickOptions();
+  options.lstm.networks = 0;
+  options.variations.copies = 0;
+  options.inner_folds = InnerFolds::kMaterials;
+  int folds = 0;
+  const auto model = FitModel(testing::PointersTo(contacts), options,
+                              [&](int count, const auto& body) {
+                                folds += count;
+                                RunSerially(count, body);
+                              });
+  EXPECT_TRUE(model.ok()) << model.status();
+  return folds;
+}
+
+TEST(FitModelTest, InnerFoldsLeaveFewMaterialsOutTogether) {
+  EXPECT_EQ(InnerFoldsOf(2), 2);
+  EXPECT_EQ(InnerFoldsOf(3), 3);
+  EXPECT_EQ(InnerFoldsOf(12), 6);
+}
+
+TEST(FitModelTest, TheSameSeedGivesTheSameBitsInAnyOrderOfWork) {
+  const auto contacts = testing::SyntheticContacts(6, 30, 0.2, 2);
+  const auto pointers = testing::PointersTo(contacts);
+  const ParallelFor backwards = [](int count,
+                                   const std::function<void(int)>& body) {
+    for (int i = count; i-- > 0;) body(i);
+  };
+  auto a = FitModel(pointers, QuickOptions(), RunSerially);
+  auto b = FitModel(pointers, QuickOptions(), backwards);
+  ASSERT_TRUE(a.ok() && b.ok());
+  EXPECT_EQ(ModelToProto(*a).SerializeAsString(),
+            ModelToProto(*b).SerializeAsString());
+}
+
+TEST(FitModelTest, BadTrainingDataIsRefused) {
+  const auto contacts = testing::SyntheticContacts(3, 10, 0.1, 3);
+  auto reason = [](std::vector<Contact> spoilt) {
+    return ReasonOf(
+        FitModel(testing::PointersTo(spoilt), QuickOptions(), RunSerially)
+            .status());
+  };
+  EXPECT_EQ(reason({}), "INVALID_TRAINING_DATA");
+  auto one_class = contacts;
+  for (auto& contact : one_class) contact.label = "HU";
+  EXPECT_EQ(reason(one_class), "INVALID_TRAINING_DATA");
+  auto lonely = contacts;
+  lonely[0].label = "other";
+  EXPECT_EQ(reason(lonely), "INVALID_TRAINING_DATA");
+  auto rates = contacts;
+  rates[0].sample_rate_hz = 50;
+  EXPECT_EQ(reason(rates), "INVALID_TRAINING_DATA");
+  auto skins = contacts;
+  skins[0].layout = *LayoutPreset("cody-forearm");
+  EXPECT_EQ(reason(skins), "INVALID_TRAINING_DATA");
+}
+
+// Classes that differ in nothing but the half of the skin they load.
+std::vector<Contact> ContactsByPlace() {
+  auto contacts = testing::SyntheticContacts(6, 12, 0.1, 4);
+  Random random(4);
+  for (auto& contact : contacts) {
+    contact.layout = *LayoutPreset("icub-6x10");
+    const bool hard = contact.label[0] == 'H';
+    contact.label = hard ? "near" : "far";
+    for (ContactFrame& frame : contact.frames) {
+      frame.sample = IdealSample({1, 1e-4, 0.001});
+      frame.sample.profile[hard ? 0 : 15] = 3 + 0.1 * random.Gaussian();
+    }
+  }
+  return contacts;
+}
+
+TEST(FitModelTest, ThePresetProfileTellsPlacesApart) {
+  const auto contacts = ContactsByPlace();
+  auto model = FitModel(testing::PointersTo(contacts), *FitPreset("profile"),
+                        RunSerially);
+  ASSERT_TRUE(model.ok()) << model.status();
+  EXPECT_TRUE(model->lstms.empty());
+  // Through the file's form, which must keep what the warm-up needs.
+  auto back = ModelFromProto(ModelToProto(*model));
+  ASSERT_TRUE(back.ok()) << back.status();
+  auto compiled = CompiledModel::Create(*back);
+  ASSERT_TRUE(compiled.ok()) << compiled.status();
+  EXPECT_TRUE(RunWarmUp(**compiled).ok());
+  for (const Contact& contact : contacts) {
+    ContactClassifier classifier(*compiled, {});
+    for (const auto& frame : contact.frames) StepClassifier(frame, classifier);
+    const int label = contact.label == model->class_names[0] ? 0 : 1;
+    EXPECT_GT(classifier.probability()[label], 0.5) << contact.id;
+  }
+}
+
+TEST(FitModelTest, CuesThatSayNothingAreRefused) {
+  const auto contacts = ContactsByPlace();
+  auto reason = [](const std::vector<Contact>& given,
+                   const FitOptions& options) {
+    return ReasonOf(
+        FitModel(testing::PointersTo(given), options, RunSerially).status());
+  };
+  FitOptions options = *FitPreset("profile");
+  auto ideal = contacts;
+  ideal.back().layout = {};
+  EXPECT_EQ(reason(ideal, options), "INVALID_TRAINING_DATA");
+  options.hmm_cues.clear();
+  options.lstm.networks = 1;
+  options.lstm.cues = {Cue::kLogTime, Cue::kRowLoad3};
+  EXPECT_EQ(reason(ideal, options), "INVALID_TRAINING_DATA");
+  options = *FitPreset("profile");
+  options.features = {Feature::kMotion, Feature::kArea};
+  EXPECT_EQ(reason(contacts, options), "INVALID_CONFIG");
+}
+
+TEST(FitPresetTest, KnowsItsNames) {
+  EXPECT_EQ(FitPreset("paper")->score, Score::kViterbi);
+  EXPECT_FALSE(FitPreset("paper")->log_features);
+  EXPECT_EQ(FitPreset("paper")->lstm.steps.last, 1u);
+  EXPECT_GT(FitPreset("tuned")->lstm.networks, 1);
+  EXPECT_EQ(FitPreset("profile")->hmm_cues, ProfileCues());
+  EXPECT_EQ(ReasonOf(FitPreset("magic").status()), "INVALID_CONFIG");
+}
+
+TEST(ClassNamesTest, ThePapersFourComeFirst) {
+  auto contacts = testing::SyntheticContacts(1, 2, 0, 1);
+  contacts[0].label = "felt";
+  contacts[1].label = "cork";
+  EXPECT_EQ(ClassNames(testing::PointersTo(contacts)),
+            (std::vector<std::string>{"SU", "SM", "cork", "felt"}));
+}
+
+}  // namespace
+}  // namespace tactus

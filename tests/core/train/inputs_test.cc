@@ -1,0 +1,64 @@
+#include "core/train/inputs.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gtest/gtest.h"
+
+namespace tactus {
+namespace {
+
+// Force rises by 1 a frame from `first`.
+Contact Ramp(double first, int frames) {
+  Contact contact;
+  for (int t = 0; t < frames; ++t) {
+    contact.frames.push_back({IdealSample({first + t, 0, 0})});
+  }
+  return contact;
+}
+
+constexpr Cue kForceCue[] = {Cue::kForce};
+
+TEST(FitInputsTest, ScalesToZeroMeanAndUnitDeviationOrToZeroAndOne) {
+  const Contact contact = Ramp(3, 9);  // 3 .. 11: mean 7, variance 60 / 9
+  const auto standard = FitInputs({&contact}, kForceCue, {});
+  EXPECT_DOUBLE_EQ(standard[0].offset, 7);
+  EXPECT_DOUBLE_EQ(standard[0].gain, 1 / std::sqrt(60.0 / 9));
+  const auto span =
+      FitInputs({&contact}, kForceCue, {.scaling = Scaling::kMinMax});
+  const auto rows = MakeSequence(contact, span, {});
+  EXPECT_DOUBLE_EQ(rows.front(), 0);
+  EXPECT_DOUBLE_EQ(rows.back(), 1);
+}
+
+TEST(FitStretchesTest, EachRisesOverItsOwnPartAndRestsElsewhere) {
+  const Contact contact = Ramp(0, 101);
+  const auto stretches = FitStretches({&contact}, kForceCue, 4, {});
+  ASSERT_EQ(stretches.size(), 4u);
+  const auto rows = MakeSequence(contact, stretches, {});
+  for (int t = 0; t <= 100; ++t) {
+    for (int n = 0; n < 4; ++n) {
+      const double want = std::clamp((t - 25.0 * n) / 12.5 - 1, -1.0, 1.0);
+      EXPECT_NEAR(rows[4 * t + n], want, 1e-12) << t << " " << n;
+    }
+  }
+}
+
+TEST(FitStretchesTest, ACueThatNeverChangesHasNone) {
+  const Contact contact = Ramp(0, 30);
+  const Cue still[] = {Cue::kArea};
+  EXPECT_TRUE(FitStretches({&contact}, still, 4, {}).empty());
+}
+
+TEST(WalkCuesTest, VisitsTouchedFramesThatAreDue) {
+  Contact contact = Ramp(1, 60);
+  contact.frames[9].touched = false;
+  std::vector<size_t> visited;
+  WalkCues(contact, {5, 20},
+           [&](CueTracker&, size_t frame) { visited.push_back(frame + 1); });
+  EXPECT_EQ(visited,
+            (std::vector<size_t>{5, 11, 16, 21, 26, 31, 36, 41, 46, 51, 56}));
+}
+
+}  // namespace
+}  // namespace tactus

@@ -1,0 +1,46 @@
+#include "core/train/metrics.h"
+
+#include <cmath>
+
+#include "gtest/gtest.h"
+
+namespace tactus {
+namespace {
+
+TEST(MetricsTest, ConfusionAndAccuracyCount) {
+  const Outcome outcomes[] = {
+      {0, {0.9, 0.1}}, {0, {0.2, 0.8}}, {1, {0.1, 0.9}}, {1, {0.4, 0.6}}};
+  EXPECT_EQ(CountConfusion(outcomes, 2), (Confusion{{1, 1}, {0, 2}}));
+  EXPECT_DOUBLE_EQ(Accuracy(outcomes), 0.75);
+  EXPECT_DOUBLE_EQ(Accuracy({}), 0);
+}
+
+// Worked by hand: bin of 0.9 holds 2 (1 right), bin of 0.6 holds 2 (2 right).
+TEST(MetricsTest, CalibrationErrorIsTheWeightedGap) {
+  const Outcome outcomes[] = {
+      {0, {0.9, 0.1}}, {1, {0.9, 0.1}}, {0, {0.6, 0.4}}, {0, {0.6, 0.4}}};
+  EXPECT_NEAR(ExpectedCalibrationError(outcomes),
+              0.5 * std::abs(0.5 - 0.9) + 0.5 * std::abs(1.0 - 0.6), 1e-12);
+  const Outcome certain[] = {{1, {0, 1}}};
+  EXPECT_DOUBLE_EQ(ExpectedCalibrationError(certain), 0);
+}
+
+TEST(MetricsTest, ErrorsOfEstimatesAreSummedUp) {
+  // By hand: sizes 1, 2, 2, 5; squares 34; the first and the last covered.
+  const EstimateError errors[] = {{-1, 1}, {2, 1.9}, {-2, 0.1}, {5, 6}};
+  const EstimateErrors summary = SummariseErrors(errors);
+  EXPECT_EQ(summary.count, 4);
+  EXPECT_DOUBLE_EQ(summary.median, 2);
+  EXPECT_DOUBLE_EQ(summary.root_mean_square, std::sqrt(34.0 / 4));
+  EXPECT_DOUBLE_EQ(summary.covered, 0.5);
+  EXPECT_EQ(SummariseErrors({}).count, 0);
+}
+
+TEST(MetricsTest, LogLossIsFlooredNotInfinite) {
+  const Outcome outcomes[] = {{0, {0, 1}}, {1, {0.5, 0.5}}};
+  EXPECT_NEAR(NegativeLogLikelihood(outcomes),
+              (-std::log(1e-12) + std::log(2)) / 2, 1e-9);
+}
+
+}  // namespace
+}  // namespace tactus
