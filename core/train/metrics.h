@@ -26,6 +26,14 @@ Confusion CountConfusion(std::span<const Outcome> outcomes, int classes);
 // Share of outcomes whose answer is their label; 0 for none.
 double Accuracy(std::span<const Outcome> outcomes);
 
+// The 95 % interval of a fraction of which `successes` out of `count` were
+// seen: Wilson's score interval (JASA 22, 1927). [0, 1] for a count of 0.
+struct Interval {
+  double low = 0;
+  double high = 1;
+};
+Interval WilsonInterval(int successes, int count);
+
 // Expected calibration error: mean over 15 equal-width bins of the top
 // probability, weighted by size, of |accuracy - mean probability|
 // (Guo et al., ICML 2017, eq. 3). 0 for none.

@@ -15,6 +15,26 @@ TEST(MetricsTest, ConfusionAndAccuracyCount) {
   EXPECT_DOUBLE_EQ(Accuracy({}), 0);
 }
 
+// Published examples: Newcombe, Statistics in Medicine 17 (1998), table I,
+// method 3.
+TEST(MetricsTest, WilsonIntervalsAreThoseOfNewcombe) {
+  const struct {
+    int successes, count;
+    double low, high;
+  } examples[] = {{81, 263, 0.2553, 0.3662},
+                  {15, 148, 0.0624, 0.1605},
+                  {0, 20, 0.0000, 0.1611},
+                  {1, 29, 0.0061, 0.1718}};
+  for (const auto& example : examples) {
+    const Interval interval = WilsonInterval(example.successes, example.count);
+    EXPECT_NEAR(interval.low, example.low, 5e-5) << example.successes;
+    EXPECT_NEAR(interval.high, example.high, 5e-5) << example.successes;
+  }
+  EXPECT_EQ(WilsonInterval(0, 0).low, 0);
+  EXPECT_EQ(WilsonInterval(0, 0).high, 1);
+  EXPECT_EQ(WilsonInterval(20, 20).high, 1);
+}
+
 // Worked by hand: bin of 0.9 holds 2 (1 right), bin of 0.6 holds 2 (2 right).
 TEST(MetricsTest, CalibrationErrorIsTheWeightedGap) {
   const Outcome outcomes[] = {
