@@ -2,12 +2,12 @@
 //
 // A hidden Markov model with one multivariate Gaussian emission per state, as
 // plain data (Rabiner, Proc. IEEE 1989, Sections III and IV.A; the paper's
-// Section "Hidden Markov Models"). Training writes it, bundles store it,
-// CompiledHmm makes it fast.
+// Section "Hidden Markov Models"). BaumWelch trains it, bundles store it, and
+// HmmBank scores observations with it.
 //
-//   GaussianHmm model = ...;
+//   GaussianHmm model = *InitPaper(sequences, {});
 //   TACTUS_RETURN_IF_ERROR(Validate(model));
-//   TACTUS_ASSIGN_OR_RETURN(CompiledHmm hmm, CompiledHmm::Create(model));
+//   TACTUS_ASSIGN_OR_RETURN(HmmBank bank, HmmBank::Create(mixtures));
 //
 // Thread-safe while nobody writes to it, like any plain data.
 #pragma once

@@ -9,7 +9,6 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
-#include "core/hmm/forward.h"
 #include "core/hmm/init.h"
 #include "core/hmm/kmeans.h"
 
@@ -30,10 +29,6 @@ absl::Status CheckOptions(const TrainMixtureOptions& options) {
       options.summary_points > kMaxSummaryPoints) {
     return InvalidConfig("summary_points", options.summary_points,
                          absl::StrCat("1 to ", kMaxSummaryPoints));
-  }
-  if (options.reassignment_rounds < 0) {
-    return InvalidConfig("reassignment_rounds", options.reassignment_rounds,
-                         "0 or more");
   }
   return absl::OkStatus();
 }
@@ -66,11 +61,16 @@ Eigen::MatrixXd Summarise(const std::vector<SequenceView>& trials, int points) {
   return summary;
 }
 
-// Dissolves the smallest group until all hold `min_trials` or one is left.
-// cost(trial, group) tells how badly a trial fits; -1 marks removed groups.
-template <typename Cost>
-void DissolveSmallGroups(int groups, int min_trials, Cost cost,
+// Dissolves the smallest group until every group holds `min_trials` or one
+// group is left. Each trial of a dissolved group joins the group with the
+// nearest centre.
+void DissolveSmallGroups(const Eigen::MatrixXd& summary,
+                         const Eigen::MatrixXd& centres, int min_trials,
                          std::vector<int>& group_of) {
+  const int groups = static_cast<int>(centres.rows());
+  const auto cost = [&](size_t s, int g) {
+    return (summary.row(s) - centres.row(g)).squaredNorm();
+  };
   std::vector<bool> alive(groups, true);
   for (int left = groups; left > 1; --left) {
     std::vector<int> sizes(groups, 0);
@@ -96,9 +96,8 @@ void DissolveSmallGroups(int groups, int min_trials, Cost cost,
   }
 }
 
-// Renames the groups in use to 0 .. K-1, keeping their order; returns the old
-// names.
-std::vector<int> Compact(std::vector<int>& group_of) {
+// Renumbers the groups in use to 0 .. K-1, keeping their order; returns K.
+int Compact(std::vector<int>& group_of) {
   std::vector<int> names = group_of;
   std::ranges::sort(names);
   names.erase(std::unique(names.begin(), names.end()), names.end());
@@ -106,7 +105,7 @@ std::vector<int> Compact(std::vector<int>& group_of) {
     group = static_cast<int>(std::ranges::lower_bound(names, group) -
                              names.begin());
   }
-  return names;
+  return static_cast<int>(names.size());
 }
 
 std::vector<SequenceView> Members(const std::vector<SequenceView>& trials,
@@ -118,12 +117,10 @@ std::vector<SequenceView> Members(const std::vector<SequenceView>& trials,
   return members;
 }
 
-// Trains the components, which hold a model each, on their members.
+// Trains each component on its members, starting from the model it holds.
 absl::Status TrainComponents(const std::vector<SequenceView>& trials,
                              const BaumWelchOptions& options,
                              TrainedMixture& trained) {
-  trained.reports.clear();
-  trained.mixture.log_weight.clear();
   for (size_t k = 0; k < trained.mixture.components.size(); ++k) {
     const std::vector<SequenceView> members =
         Members(trials, trained.component_of, static_cast<int>(k));
@@ -135,52 +132,6 @@ absl::Status TrainComponents(const std::vector<SequenceView>& trials,
         std::log(static_cast<double>(members.size()) / trials.size()));
   }
   return absl::OkStatus();
-}
-
-// Minus log of weight times likelihood per trial and component: [trials x K].
-absl::StatusOr<Eigen::MatrixXd> ComponentCosts(
-    const std::vector<SequenceView>& trials, const HmmMixture& mixture) {
-  const size_t components = mixture.components.size();
-  Eigen::MatrixXd costs(trials.size(), components);
-  for (size_t k = 0; k < components; ++k) {
-    TACTUS_ASSIGN_OR_RETURN(CompiledHmm hmm,
-                            CompiledHmm::Create(mixture.components[k]));
-    ForwardFilter filter(hmm);
-    for (size_t s = 0; s < trials.size(); ++s) {
-      filter.Reset();
-      for (int t = 0; t < trials[s].frames; ++t) {
-        filter.Step(trials[s].frame(t));
-      }
-      costs(s, k) = -(mixture.log_weight[k] + filter.log_likelihood());
-    }
-  }
-  return costs;
-}
-
-// One round of reassignment; false if no trial moved.
-absl::StatusOr<bool> Reassign(const std::vector<SequenceView>& trials,
-                              const TrainMixtureOptions& options,
-                              TrainedMixture& trained) {
-  TACTUS_ASSIGN_OR_RETURN(const Eigen::MatrixXd costs,
-                          ComponentCosts(trials, trained.mixture));
-  std::vector<int> moved(trials.size());
-  for (size_t s = 0; s < trials.size(); ++s) {
-    Eigen::Index best = 0;
-    costs.row(s).minCoeff(&best);
-    moved[s] = static_cast<int>(best);
-  }
-  DissolveSmallGroups(
-      static_cast<int>(costs.cols()), options.min_trials,
-      [&costs](size_t s, int g) { return costs(s, g); }, moved);
-  if (moved == trained.component_of) return false;
-  std::vector<GaussianHmm> components;
-  for (const int old : Compact(moved)) {
-    components.push_back(std::move(trained.mixture.components[old]));
-  }
-  trained.mixture.components = std::move(components);
-  trained.component_of = std::move(moved);
-  TACTUS_RETURN_IF_ERROR(TrainComponents(trials, options.baum_welch, trained));
-  return true;
 }
 
 }  // namespace
@@ -195,32 +146,22 @@ absl::StatusOr<TrainedMixture> TrainMixture(
       KMeans(summary, options.components, options.baum_welch.seed);
   TrainedMixture trained;
   trained.component_of = std::move(clusters.cluster_of);
-  DissolveSmallGroups(
-      static_cast<int>(clusters.centres.rows()), options.min_trials,
-      [&](size_t s, int g) {
-        return (summary.row(s) - clusters.centres.row(g)).squaredNorm();
-      },
-      trained.component_of);
-  const size_t components = Compact(trained.component_of).size();
+  DissolveSmallGroups(summary, clusters.centres, options.min_trials,
+                      trained.component_of);
+  const int components = Compact(trained.component_of);
   const InitOptions init = {
       .states = options.states,
       .left_right = options.baum_welch.left_right,
       .max_jump = options.max_jump,
       .covariance_type = options.baum_welch.covariance_type,
       .covariance_floor = options.baum_welch.covariance_floor};
-  for (size_t k = 0; k < components; ++k) {
+  for (int k = 0; k < components; ++k) {
     TACTUS_ASSIGN_OR_RETURN(
         GaussianHmm model,
-        InitPaper(Members(trials, trained.component_of, static_cast<int>(k)),
-                  init));
+        InitPaper(Members(trials, trained.component_of, k), init));
     trained.mixture.components.push_back(std::move(model));
   }
   TACTUS_RETURN_IF_ERROR(TrainComponents(trials, options.baum_welch, trained));
-  for (int round = 0; round < options.reassignment_rounds; ++round) {
-    TACTUS_ASSIGN_OR_RETURN(const bool moved,
-                            Reassign(trials, options, trained));
-    if (!moved) break;
-  }
   return trained;
 }
 

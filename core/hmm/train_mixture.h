@@ -1,8 +1,8 @@
 // File: train_mixture.h
 //
-// Trains the mixture of HMMs of one category: trials are grouped by the shape
-// of their trajectories, each group gets an HMM by Baum-Welch, and its share
-// of the trials is its weight.
+// Trains the mixture of HMMs of one category: k-means groups the trials by the
+// shape of their trajectories, Baum-Welch trains one HMM per group, and the
+// weight of an HMM is the fraction of the trials in its group.
 //
 //   TrainMixtureOptions options;
 //   options.components = 10;
@@ -25,21 +25,19 @@ struct TrainMixtureOptions {
   int components = 10;  // K at most; 1 is the paper's model
   int states = 10;      // N of each component
   int max_jump = 1;     // see InitOptions
-  // A group with fewer trials is dissolved, its trials join the nearest other.
+  // A group with fewer trials is dissolved: its trials join the nearest group.
   int min_trials = 4;
-  // Trials are compared by their values at this many moments, evenly spread
-  // from first to last frame, each value standardised over the trials.
+  // Trials are compared by their values at this many instants, evenly spaced
+  // from the first to the last frame. Each value is standardised over the
+  // trials.
   int summary_points = 16;
-  // After training, trials move to the component that explains them best and
-  // the components are trained on; this many times at most.
-  int reassignment_rounds = 0;
   BaumWelchOptions baum_welch = {};
 };
 
 struct TrainedMixture {
   HmmMixture mixture;
   std::vector<int> component_of;         // [trials]
-  std::vector<BaumWelchReport> reports;  // [K], of the last training
+  std::vector<BaumWelchReport> reports;  // [K]
 };
 
 // Fails as InitPaper and BaumWelch do.

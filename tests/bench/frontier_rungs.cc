@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "core/base/status_macros.h"
-#include "core/hmm/forward.h"
 #include "core/hmm/hmm_bank.h"
 #include "core/hmm/scaled_filter.h"
+#include "tests/reference/hmm/forward_filter.h"
 
 namespace tactus::client {
 namespace {

@@ -74,7 +74,7 @@ bool Holds(const Range& range, const Value& value) {
   return std::find(range.begin(), range.end(), value) != range.end();
 }
 
-// "core/hmm/forward.h" -> "hmm"; empty elsewhere.
+// "core/hmm/hmm_bank.h" -> "hmm"; empty elsewhere.
 std::string RoomOf(const std::string& path) {
   const std::vector<std::string> parts = absl::StrSplit(path, '/');
   return parts.size() > 2 && parts[0] == "core" ? parts[1] : "";

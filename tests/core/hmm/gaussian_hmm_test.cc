@@ -5,9 +5,9 @@
 #include <string>
 
 #include "core/base/errors.h"
-#include "core/hmm/compiled_hmm.h"
 #include "gtest/gtest.h"
 #include "tests/core/hmm/random_model.h"
+#include "tests/reference/hmm/compiled_hmm.h"
 
 namespace tactus {
 namespace {

@@ -6,10 +6,11 @@
 #include <vector>
 
 #include "core/hmm/baum_welch.h"
-#include "core/hmm/forward.h"
 #include "gtest/gtest.h"
 #include "tests/bench/ghmm_peer.h"
 #include "tests/core/hmm/random_model.h"
+#include "tests/reference/hmm/forward_filter.h"
+#include "tests/reference/hmm/viterbi_filter.h"
 
 namespace tactus {
 namespace {

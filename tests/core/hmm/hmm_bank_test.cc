@@ -7,10 +7,11 @@
 #include <vector>
 
 #include "core/base/errors.h"
-#include "core/hmm/forward.h"
 #include "gtest/gtest.h"
 #include "hwy/targets.h"
 #include "tests/core/hmm/random_model.h"
+#include "tests/reference/hmm/forward_filter.h"
+#include "tests/reference/hmm/viterbi_filter.h"
 
 namespace tactus {
 namespace {

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
-#include "core/hmm/forward.h"
 #include "core/hmm/hmm_bank.h"
 #include "core/hmm/scaled_filter.h"
 #include "gtest/gtest.h"
+#include "tests/reference/hmm/forward_filter.h"
 
 namespace tactus {
 namespace {

@@ -8,12 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "core/hmm/forward.h"
 #include "core/hmm/hmm_bank.h"
 #include "core/hmm/scaled_filter.h"
 #include "gtest/gtest.h"
 #include "tests/core/hmm/quad_reference.h"
 #include "tests/core/hmm/random_model.h"
+#include "tests/reference/hmm/forward_filter.h"
+#include "tests/reference/hmm/viterbi_filter.h"
 
 namespace tactus {
 namespace {

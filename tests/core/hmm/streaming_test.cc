@@ -5,10 +5,11 @@
 #include <cmath>
 #include <vector>
 
-#include "core/hmm/forward.h"
 #include "core/hmm/hmm_bank.h"
 #include "gtest/gtest.h"
 #include "tests/core/hmm/random_model.h"
+#include "tests/reference/hmm/forward_filter.h"
+#include "tests/reference/hmm/viterbi_filter.h"
 #include "tests/support/allocation_counter.h"
 
 namespace tactus {

@@ -68,23 +68,19 @@ TwoKinds MakeTwoKinds(int rising, int falling) {
 
 TEST(TrainMixtureTest, EachKindGetsItsComponent) {
   const TwoKinds kinds = MakeTwoKinds(30, 10);
-  for (const int rounds : {0, 3}) {
-    const auto trained = TrainMixture(
-        kinds.views,
-        {.components = 2, .states = 5, .reassignment_rounds = rounds});
-    ASSERT_TRUE(trained.ok()) << trained.status();
-    ASSERT_EQ(trained->mixture.components.size(), 2u);
-    EXPECT_TRUE(Validate(trained->mixture).ok());
-    for (int s = 0; s < 40; ++s) {
-      EXPECT_EQ(trained->component_of[s],
-                trained->component_of[s < 30 ? 0 : 39]);
-    }
-    EXPECT_NE(trained->component_of[0], trained->component_of[39]);
-    EXPECT_NEAR(trained->mixture.log_weight[trained->component_of[0]],
-                std::log(0.75), 1e-12);
-    for (const BaumWelchReport& report : trained->reports) {
-      EXPECT_TRUE(report.monotone);
-    }
+  const auto trained =
+      TrainMixture(kinds.views, {.components = 2, .states = 5});
+  ASSERT_TRUE(trained.ok()) << trained.status();
+  ASSERT_EQ(trained->mixture.components.size(), 2u);
+  EXPECT_TRUE(Validate(trained->mixture).ok());
+  for (int s = 0; s < 40; ++s) {
+    EXPECT_EQ(trained->component_of[s], trained->component_of[s < 30 ? 0 : 39]);
+  }
+  EXPECT_NE(trained->component_of[0], trained->component_of[39]);
+  EXPECT_NEAR(trained->mixture.log_weight[trained->component_of[0]],
+              std::log(0.75), 1e-12);
+  for (const BaumWelchReport& report : trained->reports) {
+    EXPECT_TRUE(report.monotone);
   }
 }
 
@@ -100,25 +96,19 @@ TEST(TrainMixtureTest, SmallGroupsAreMerged) {
 
 TEST(TrainMixtureTest, EveryGroupHoldsEnoughTrials) {
   const TwoKinds kinds = MakeTwoKinds(25, 25);
-  for (const int rounds : {0, 4}) {
-    const auto trained =
-        TrainMixture(kinds.views, {.components = 12,
-                                   .states = 4,
-                                   .min_trials = 5,
-                                   .reassignment_rounds = rounds});
-    ASSERT_TRUE(trained.ok());
-    std::vector<int> sizes(trained->mixture.components.size(), 0);
-    for (const int component : trained->component_of) ++sizes.at(component);
-    for (const int size : sizes) EXPECT_GE(size, 5);
-    EXPECT_TRUE(Validate(trained->mixture).ok());
-    EXPECT_EQ(trained->reports.size(), sizes.size());
-  }
+  const auto trained = TrainMixture(
+      kinds.views, {.components = 12, .states = 4, .min_trials = 5});
+  ASSERT_TRUE(trained.ok());
+  std::vector<int> sizes(trained->mixture.components.size(), 0);
+  for (const int component : trained->component_of) ++sizes.at(component);
+  for (const int size : sizes) EXPECT_GE(size, 5);
+  EXPECT_TRUE(Validate(trained->mixture).ok());
+  EXPECT_EQ(trained->reports.size(), sizes.size());
 }
 
 TEST(TrainMixtureTest, SameSeedSameBits) {
   const TwoKinds kinds = MakeTwoKinds(12, 12);
-  const TrainMixtureOptions options = {
-      .components = 4, .states = 4, .reassignment_rounds = 2};
+  const TrainMixtureOptions options = {.components = 4, .states = 4};
   const auto first = TrainMixture(kinds.views, options);
   const auto second = TrainMixture(kinds.views, options);
   ASSERT_TRUE(first.ok() && second.ok());
@@ -138,7 +128,6 @@ TEST(TrainMixtureTest, BadOptionsAreRefused) {
         TrainMixtureOptions{.states = 0}, TrainMixtureOptions{.max_jump = 0},
         TrainMixtureOptions{.min_trials = 0},
         TrainMixtureOptions{.summary_points = 0},
-        TrainMixtureOptions{.reassignment_rounds = -1},
         TrainMixtureOptions{.baum_welch = {.covariance_floor = -1}}}) {
     EXPECT_EQ(ReasonOf(TrainMixture(kinds.views, options).status()),
               "INVALID_CONFIG");

@@ -8,10 +8,10 @@
 #include "core/base/errors.h"
 #include "core/hmm/baum_welch.h"
 #include "core/hmm/expectation.h"
-#include "core/hmm/forward.h"
 #include "core/hmm/init.h"
 #include "gtest/gtest.h"
 #include "tests/core/hmm/random_model.h"
+#include "tests/reference/hmm/forward_filter.h"
 
 namespace tactus {
 namespace {

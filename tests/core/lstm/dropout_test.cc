@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "core/base/random.h"
-#include "core/lstm/gradient.h"
 #include "gtest/gtest.h"
-#include "tests/core/lstm/plain_lstm.h"
 #include "tests/core/lstm/training_cases.h"
+#include "tests/reference/lstm/gradient.h"
+#include "tests/reference/lstm/plain_lstm.h"
 
 namespace tactus {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/lstm/gradient.h"
+#include "tests/reference/lstm/gradient.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 
 #include "core/base/errors.h"
 #include "gtest/gtest.h"
-#include "tests/core/lstm/plain_lstm.h"
 #include "tests/core/lstm/training_cases.h"
+#include "tests/reference/lstm/plain_lstm.h"
 #include "tests/support/allocation_counter.h"
 
 namespace tactus {

@@ -8,7 +8,7 @@
 
 #include "gtest/gtest.h"
 #include "tests/core/lstm/lstm_cases.h"
-#include "tests/core/lstm/plain_lstm.h"
+#include "tests/reference/lstm/plain_lstm.h"
 #include "tests/support/allocation_counter.h"
 
 namespace tactus {

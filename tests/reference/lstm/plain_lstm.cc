@@ -1,4 +1,4 @@
-#include "tests/core/lstm/plain_lstm.h"
+#include "tests/reference/lstm/plain_lstm.h"
 
 #include <algorithm>
 #include <cmath>

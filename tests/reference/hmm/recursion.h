@@ -12,7 +12,7 @@
 // Thread-safe: free functions. They allocate nothing.
 #pragma once
 
-#include "core/hmm/compiled_hmm.h"
+#include "tests/reference/hmm/compiled_hmm.h"
 
 namespace tactus {
 

@@ -1,4 +1,4 @@
-// File: emission.h
+// File: emission_table.h
 //
 // The Gaussian emissions of a model, compiled: Cholesky factors and constants
 // are computed once, so that a frame costs a few multiplications per state.
