@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/errors.h"
+#include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/base/version.h"
 #include "grpcpp/ext/proto_server_reflection_plugin.h"
@@ -36,6 +37,14 @@ void SetChannelArguments(int max_streams, grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,
                              max_streams + 100);
   builder.AddChannelArgument(GRPC_ARG_MAX_METADATA_SIZE, 16 * 1024);
+  // Only identity: a message of 600 kB can inflate to 600 MB, and gRPC compares
+  // a message's size before it inflates it. A call in another encoding ends
+  // with UNIMPLEMENTED, and there is no filter that could inflate.
+  for (const auto algorithm : {GRPC_COMPRESS_DEFLATE, GRPC_COMPRESS_GZIP}) {
+    builder.SetCompressionAlgorithmSupportStatus(algorithm, false);
+  }
+  builder.AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
+  builder.SetMaxReceiveMessageSize(limits::kMaxReceiveBytes);
   // A second server on the same port is a mistake and must fail.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   builder.SetResourceQuota(

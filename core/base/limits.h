@@ -42,6 +42,10 @@ inline constexpr int64_t kMaxCaptureTimeNs = 4'000'000'000'000'000'000;
 // models; it is counted in full.
 inline constexpr uint64_t kMaxBridgedFrames = 100;
 
+// One message to any service, compared before it is parsed. gRPC has one such
+// limit per server; each service compares its own, smaller limit as well.
+inline constexpr int kMaxReceiveBytes = 128 * 1024;
+
 // Server.
 inline constexpr int kMaxStreams = 2'000;
 inline constexpr int kIdleTimeoutMs = 300'000;
