@@ -45,6 +45,7 @@ readonly IMAGE=(
 readonly TOOLS_AND_TESTS=(
   ccache
   clang-format
+  gnuplot-nox
   libghmm-dev
   libgmock-dev
   libgtest-dev

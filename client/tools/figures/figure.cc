@@ -1,0 +1,15 @@
+#include "client/tools/figures/figure.h"
+
+#include "client/tools/figures/gnuplot.h"
+#include "core/base/status_macros.h"
+
+namespace tactus::client {
+
+absl::Status DrawFigure(const Figure& figure, const std::string& path) {
+  TACTUS_ASSIGN_OR_RETURN(
+      const std::string script,
+      std::visit([](const auto& chart) { return ScriptOf(chart); }, figure));
+  return DrawToFile(script, path);
+}
+
+}  // namespace tactus::client
