@@ -26,7 +26,7 @@ std::span<const double> ProbabilityOf(const ContactClassifier& classifier,
 }
 
 absl::StatusOr<int> LabelIndex(const std::vector<std::string>& class_names,
-                               const Contact& contact) {
+                               const LabelledContact& contact) {
   const auto found =
       std::find(class_names.begin(), class_names.end(), contact.label);
   if (found == class_names.end()) {
@@ -38,7 +38,7 @@ absl::StatusOr<int> LabelIndex(const std::vector<std::string>& class_names,
 
 // Room for one outcome per contact, labels filled in.
 absl::StatusOr<Evaluation> PrepareEvaluation(
-    const std::vector<const Contact*>& contacts,
+    const std::vector<const LabelledContact*>& contacts,
     std::vector<std::string> class_names) {
   Evaluation result;
   result.class_names = std::move(class_names);
@@ -57,8 +57,8 @@ absl::StatusOr<Evaluation> PrepareEvaluation(
 
 // Runs one contact and writes its outcomes at place `index`.
 void EvaluateContact(const std::shared_ptr<const CompiledModel>& model,
-                     const Contact& contact, Algorithm algorithm, int index,
-                     Evaluation& result) {
+                     const LabelledContact& contact, Algorithm algorithm,
+                     int index, Evaluation& result) {
   ContactClassifier classifier(model, {});
   auto record = [&](Outcome& outcome,
                     std::optional<EstimateOutcome>& estimate) {
@@ -102,11 +102,11 @@ void EvaluateContact(const std::shared_ptr<const CompiledModel>& model,
   result.unknown[index] = classifier.unknown();
 }
 
-absl::Status EvaluateFold(const std::vector<const Contact*>& contacts,
+absl::Status EvaluateFold(const std::vector<const LabelledContact*>& contacts,
                           const std::vector<int>& fold,
                           const FitOptions& options, Algorithm algorithm,
                           Evaluation& result) {
-  std::vector<const Contact*> rest;
+  std::vector<const LabelledContact*> rest;
   for (int i : Complement(fold, static_cast<int>(contacts.size()))) {
     rest.push_back(contacts[i]);
   }
@@ -135,7 +135,7 @@ absl::StatusOr<Algorithm> ParseAlgorithm(absl::string_view name) {
 
 absl::StatusOr<Evaluation> EvaluateModel(
     const std::shared_ptr<const CompiledModel>& model,
-    const std::vector<const Contact*>& contacts, Algorithm algorithm,
+    const std::vector<const LabelledContact*>& contacts, Algorithm algorithm,
     const ParallelFor& parallel) {
   if (algorithm == Algorithm::kNearest) {
     return InvalidConfig("algorithm", "1nn",
@@ -146,8 +146,9 @@ absl::StatusOr<Evaluation> EvaluateModel(
                          "hmm or fused: the bundle holds no LSTM");
   }
   if (UsesProfile(model->model().features) &&
-      std::any_of(contacts.begin(), contacts.end(),
-                  [](const Contact* contact) { return IsIdeal(*contact); })) {
+      std::any_of(
+          contacts.begin(), contacts.end(),
+          [](const LabelledContact* contact) { return IsIdeal(*contact); })) {
     return InvalidConfig("data", "ideal signals",
                          "taxels: the model sees the load profile of a skin");
   }
@@ -165,7 +166,7 @@ absl::StatusOr<Evaluation> EvaluateModel(
 }
 
 absl::StatusOr<Evaluation> EvaluateProtocol(
-    const std::vector<const Contact*>& contacts, Protocol protocol,
+    const std::vector<const LabelledContact*>& contacts, Protocol protocol,
     Algorithm algorithm, const FitOptions& options,
     const ParallelFor& parallel) {
   if (algorithm == Algorithm::kLstm && options.lstm.networks == 0) {

@@ -16,10 +16,10 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "core/classify/compiled_model.h"
-#include "core/train/contact.h"
+#include "core/eval/metrics.h"
 #include "core/train/fit.h"
 #include "core/train/folds.h"
-#include "core/train/metrics.h"
+#include "core/train/labelled_contact.h"
 #include "core/train/parallel.h"
 
 namespace tactus {
@@ -68,13 +68,13 @@ struct Evaluation {
 // model sees the load profile.
 absl::StatusOr<Evaluation> EvaluateModel(
     const std::shared_ptr<const CompiledModel>& model,
-    const std::vector<const Contact*>& contacts, Algorithm algorithm,
+    const std::vector<const LabelledContact*>& contacts, Algorithm algorithm,
     const ParallelFor& parallel);
 
 // Every contact by models fitted to the other folds. LSTMs are trained only
 // where they are asked for; fused is hmm if options.lstm.networks is 0.
 absl::StatusOr<Evaluation> EvaluateProtocol(
-    const std::vector<const Contact*>& contacts, Protocol protocol,
+    const std::vector<const LabelledContact*>& contacts, Protocol protocol,
     Algorithm algorithm, const FitOptions& options,
     const ParallelFor& parallel);
 

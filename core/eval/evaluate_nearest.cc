@@ -14,7 +14,7 @@ constexpr double kVarianceShare = 0.95;
 
 // The first `frames` frames of a contact as one row, feature after feature; a
 // shorter contact keeps its last frame.
-Eigen::VectorXd Flatten(const Contact& contact,
+Eigen::VectorXd Flatten(const LabelledContact& contact,
                         const std::vector<Feature>& features, int frames) {
   Eigen::VectorXd row(static_cast<Eigen::Index>(features.size()) * frames);
   Eigen::Index place = 0;
@@ -43,7 +43,7 @@ void Standardise(int features, int frames, Eigen::MatrixXd& train,
   }
 }
 
-Eigen::MatrixXd Stack(const std::vector<const Contact*>& contacts,
+Eigen::MatrixXd Stack(const std::vector<const LabelledContact*>& contacts,
                       const std::vector<int>& indices,
                       const std::vector<Feature>& features, int frames) {
   Eigen::MatrixXd rows(indices.size(), features.size() * frames);
@@ -55,7 +55,7 @@ Eigen::MatrixXd Stack(const std::vector<const Contact*>& contacts,
 }
 
 // Answers `fold` from the first `frames` frames alone.
-absl::Status AnswerAt(const std::vector<const Contact*>& contacts,
+absl::Status AnswerAt(const std::vector<const LabelledContact*>& contacts,
                       const std::vector<int>& fold,
                       const std::vector<int>& rest,
                       const std::vector<Feature>& features, int frames,
@@ -80,10 +80,10 @@ absl::Status AnswerAt(const std::vector<const Contact*>& contacts,
 
 }  // namespace
 
-absl::Status EvaluateNearestFold(const std::vector<const Contact*>& contacts,
-                                 const std::vector<int>& fold,
-                                 const std::vector<Feature>& features,
-                                 Evaluation& result) {
+absl::Status EvaluateNearestFold(
+    const std::vector<const LabelledContact*>& contacts,
+    const std::vector<int>& fold, const std::vector<Feature>& features,
+    Evaluation& result) {
   const auto rest = Complement(fold, static_cast<int>(contacts.size()));
   const int classes = static_cast<int>(result.class_names.size());
   const double rate = contacts.front()->sample_rate_hz;

@@ -15,9 +15,9 @@ namespace tactus {
 
 // Fits to the contacts outside `fold` and writes outcomes of those in it. The
 // probability of the neighbour's class is 1, for lack of better.
-absl::Status EvaluateNearestFold(const std::vector<const Contact*>& contacts,
-                                 const std::vector<int>& fold,
-                                 const std::vector<Feature>& features,
-                                 Evaluation& result);
+absl::Status EvaluateNearestFold(
+    const std::vector<const LabelledContact*>& contacts,
+    const std::vector<int>& fold, const std::vector<Feature>& features,
+    Evaluation& result);
 
 }  // namespace tactus

@@ -17,9 +17,10 @@ constexpr double kUnknown = 0.5;
 // The probability of being unknown of every contact of `fold`, by a model
 // fitted to what is neither of it nor of `category`.
 absl::StatusOr<std::vector<double>> ScoreFold(
-    const std::vector<const Contact*>& contacts, const std::vector<int>& fold,
-    const std::string& category, const FitOptions& options) {
-  std::vector<const Contact*> rest;
+    const std::vector<const LabelledContact*>& contacts,
+    const std::vector<int>& fold, const std::string& category,
+    const FitOptions& options) {
+  std::vector<const LabelledContact*> rest;
   for (int i : Complement(fold, static_cast<int>(contacts.size()))) {
     if (contacts[i]->label != category) rest.push_back(contacts[i]);
   }
@@ -63,8 +64,8 @@ double AreaUnderRoc(std::span<const double> positive,
 }
 
 absl::StatusOr<std::vector<UnknownResult>> EvaluateUnknown(
-    const std::vector<const Contact*>& contacts, const FitOptions& options,
-    const ParallelFor& parallel) {
+    const std::vector<const LabelledContact*>& contacts,
+    const FitOptions& options, const ParallelFor& parallel) {
   const std::vector<std::string> categories = ClassNames(contacts);
   if (categories.size() < kMinCategories) {
     return InvalidTrainingData(

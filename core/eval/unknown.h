@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/train/contact.h"
 #include "core/train/fit.h"
+#include "core/train/labelled_contact.h"
 #include "core/train/parallel.h"
 
 namespace tactus {
@@ -38,8 +38,8 @@ struct UnknownResult {
 // trained. INVALID_TRAINING_DATA if there are fewer than three categories, or
 // as FitModel fails.
 absl::StatusOr<std::vector<UnknownResult>> EvaluateUnknown(
-    const std::vector<const Contact*>& contacts, const FitOptions& options,
-    const ParallelFor& parallel);
+    const std::vector<const LabelledContact*>& contacts,
+    const FitOptions& options, const ParallelFor& parallel);
 
 // Probability that a value of `positive` is above one of `negative`, ties
 // counted half; 0.5 if either is empty.

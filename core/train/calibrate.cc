@@ -6,7 +6,6 @@
 
 #include "core/classify/calibration.h"
 #include "core/classify/contact_classifier.h"
-#include "core/train/metrics.h"
 
 namespace tactus {
 namespace {
@@ -28,20 +27,40 @@ constexpr double kMinEvidenceDeviation = 0.1;
 // Share of known contacts that may be called unknown.
 constexpr double kFalseAlarms = 0.05;
 
-// Probabilities of the classes of every contact under a temperature.
-std::vector<Outcome> Temper(std::span<const ScoredContact> contacts,
-                            Scores ScoredContact::*scores, size_t time,
-                            std::span<const double> log_prior,
-                            double temperature) {
-  std::vector<Outcome> outcomes;
-  outcomes.reserve(contacts.size());
-  for (const ScoredContact& contact : contacts) {
-    Outcome outcome{contact.label, std::vector<double>(log_prior.size())};
-    TemperedPosterior(log_prior, (contact.*scores)[time], temperature,
-                      outcome.probability);
-    outcomes.push_back(std::move(outcome));
+// The probabilities that one held-out contact is given.
+struct LabelledPosterior {
+  int label = 0;
+  std::vector<double> probability;
+};
+
+// Mean of -log(probability of the label). The floor keeps one contact whose
+// label has probability 0 from deciding everything.
+double LogLoss(std::span<const LabelledPosterior> posteriors) {
+  constexpr double kLeastProbability = 1e-12;
+  double sum = 0;
+  for (const LabelledPosterior& posterior : posteriors) {
+    sum -= std::log(
+        std::max(posterior.probability[posterior.label], kLeastProbability));
   }
-  return outcomes;
+  return sum / static_cast<double>(posteriors.size());
+}
+
+// Probabilities of the classes of every contact under a temperature.
+std::vector<LabelledPosterior> Temper(std::span<const ScoredContact> contacts,
+                                      Scores ScoredContact::*scores,
+                                      size_t time,
+                                      std::span<const double> log_prior,
+                                      double temperature) {
+  std::vector<LabelledPosterior> posteriors;
+  posteriors.reserve(contacts.size());
+  for (const ScoredContact& contact : contacts) {
+    LabelledPosterior posterior{contact.label,
+                                std::vector<double>(log_prior.size())};
+    TemperedPosterior(log_prior, (contact.*scores)[time], temperature,
+                      posterior.probability);
+    posteriors.push_back(std::move(posterior));
+  }
+  return posteriors;
 }
 
 // Golden-section search for the logarithm of the temperature at which the
@@ -52,8 +71,7 @@ double BestTemperature(std::span<const ScoredContact> contacts,
   constexpr double kGolden = 0.6180339887498949;
   constexpr int kSteps = 40;
   auto loss = [&](double x) {
-    return NegativeLogLikelihood(
-        Temper(contacts, scores, time, log_prior, std::exp(x)));
+    return LogLoss(Temper(contacts, scores, time, log_prior, std::exp(x)));
   };
   double low = std::log(kMinTemperature);
   double high = std::log(most);
@@ -80,17 +98,18 @@ double BestTemperature(std::span<const ScoredContact> contacts,
 }
 
 // The LSTM's share at which the fused labels are most likely.
-double BestWeight(std::span<const Outcome> hmm, std::span<const Outcome> lstm) {
+double BestWeight(std::span<const LabelledPosterior> hmm,
+                  std::span<const LabelledPosterior> lstm) {
   double best_weight = 0;
   double best_loss = std::numeric_limits<double>::infinity();
-  std::vector<Outcome> fused(hmm.begin(), hmm.end());
+  std::vector<LabelledPosterior> fused(hmm.begin(), hmm.end());
   for (int step = 0; step <= kWeightSteps; ++step) {
     const double weight = static_cast<double>(step) / kWeightSteps;
     for (size_t i = 0; i < fused.size(); ++i) {
       FusePosteriors(hmm[i].probability, lstm[i].probability, weight,
                      fused[i].probability);
     }
-    const double loss = NegativeLogLikelihood(fused);
+    const double loss = LogLoss(fused);
     if (loss < best_loss) {
       best_loss = loss;
       best_weight = weight;
@@ -162,7 +181,7 @@ std::vector<double> CalibrationFrames(double rate) {
 }
 
 ScoredContact ScoreContact(const std::shared_ptr<const CompiledModel>& model,
-                           const Contact& contact, int label) {
+                           const LabelledContact& contact, int label) {
   ScoredContact scored;
   scored.label = label;
   ContactClassifier classifier(model, {});

@@ -17,7 +17,7 @@
 
 #include "core/classify/compiled_model.h"
 #include "core/classify/object_estimate.h"
-#include "core/train/contact.h"
+#include "core/train/labelled_contact.h"
 
 namespace tactus {
 
@@ -46,7 +46,7 @@ struct ScoredContact {
 
 // Scores one contact by a model that has not seen it.
 ScoredContact ScoreContact(const std::shared_ptr<const CompiledModel>& model,
-                           const Contact& contact, int label);
+                           const LabelledContact& contact, int label);
 
 // Fills frames, temperatures, the LSTM's weight, evidence and the scales of the
 // estimates' deviations; leaves prior and decision rule.

@@ -11,8 +11,7 @@
 #include "core/base/status_macros.h"
 #include "core/classify/contact_classifier.h"
 #include "core/train/calibrate.h"
-#include "core/train/fit_hmms.h"
-#include "core/train/fit_lstms.h"
+#include "core/train/fit_models.h"
 #include "core/train/folds.h"
 
 namespace tactus {
@@ -25,9 +24,9 @@ constexpr size_t kMaxConditions = 8;
 // errs more, and makes that one too modest: few are left out together.
 constexpr size_t kMaterialGroups = 6;
 
-absl::Status CheckUniform(const std::vector<const Contact*>& contacts) {
-  const Contact& first = *contacts.front();
-  for (const Contact* contact : contacts) {
+absl::Status CheckUniform(const std::vector<const LabelledContact*>& contacts) {
+  const LabelledContact& first = *contacts.front();
+  for (const LabelledContact* contact : contacts) {
     if (contact->layout.name != first.layout.name ||
         contact->layout.rows != first.layout.rows ||
         contact->layout.columns != first.layout.columns) {
@@ -46,7 +45,7 @@ absl::Status CheckUniform(const std::vector<const Contact*>& contacts) {
   return absl::OkStatus();
 }
 
-absl::Status CheckContacts(const std::vector<const Contact*>& contacts,
+absl::Status CheckContacts(const std::vector<const LabelledContact*>& contacts,
                            const std::vector<std::string>& class_names) {
   if (class_names.size() < 2 || class_names.size() > limits::kMaxClasses) {
     return InvalidTrainingData(
@@ -54,9 +53,9 @@ absl::Status CheckContacts(const std::vector<const Contact*>& contacts,
                      " classes; it takes 2 to ", limits::kMaxClasses));
   }
   for (const std::string& name : class_names) {
-    const auto count =
-        std::count_if(contacts.begin(), contacts.end(),
-                      [&](const Contact* c) { return c->label == name; });
+    const auto count = std::count_if(
+        contacts.begin(), contacts.end(),
+        [&](const LabelledContact* c) { return c->label == name; });
     if (count < kMinContactsPerClass) {
       return InvalidTrainingData(absl::StrCat("class ", name, " has ", count,
                                               " contacts; it takes ",
@@ -67,7 +66,7 @@ absl::Status CheckContacts(const std::vector<const Contact*>& contacts,
 }
 
 // An ideal signal knows no place on a skin: its profile says nothing.
-absl::Status CheckCues(const std::vector<const Contact*>& contacts,
+absl::Status CheckCues(const std::vector<const LabelledContact*>& contacts,
                        const std::vector<Cue>& wanted,
                        const std::vector<Feature>& features) {
   const std::vector<Cue> cues = CuesFor(wanted, features);
@@ -78,7 +77,7 @@ absl::Status CheckCues(const std::vector<const Contact*>& contacts,
   if (std::none_of(cues.begin(), cues.end(), IsProfileCue)) {
     return absl::OkStatus();
   }
-  for (const Contact* contact : contacts) {
+  for (const LabelledContact* contact : contacts) {
     if (IsIdeal(*contact)) {
       return InvalidTrainingData(absl::StrCat(
           "contact ", contact->id,
@@ -91,7 +90,8 @@ absl::Status CheckCues(const std::vector<const Contact*>& contacts,
 // Robot conditions or materials where there are a few of them, so that the
 // calibration knows what a new one costs; else an even split.
 std::vector<std::vector<int>> MakeInnerFolds(
-    const std::vector<const Contact*>& contacts, const FitOptions& options) {
+    const std::vector<const LabelledContact*>& contacts,
+    const FitOptions& options) {
   if (options.inner_folds == InnerFolds::kMaterials) {
     auto by_material = MakeFolds(contacts, Protocol::kLeaveOneMaterialOut);
     if (by_material.ok()) {
@@ -112,9 +112,10 @@ std::vector<std::vector<int>> MakeInnerFolds(
   return StratifiedFolds(contacts, options.calibration_folds);
 }
 
-std::vector<const Contact*> Select(const std::vector<const Contact*>& contacts,
-                                   const std::vector<int>& indices) {
-  std::vector<const Contact*> selected;
+std::vector<const LabelledContact*> Select(
+    const std::vector<const LabelledContact*>& contacts,
+    const std::vector<int>& indices) {
+  std::vector<const LabelledContact*> selected;
   selected.reserve(indices.size());
   for (int i : indices) selected.push_back(contacts[i]);
   return selected;
@@ -122,21 +123,21 @@ std::vector<const Contact*> Select(const std::vector<const Contact*>& contacts,
 
 // Contacts and their copies, which `all` points to.
 struct Varied {
-  std::vector<Contact> copies;
-  std::vector<const Contact*> all;
+  std::vector<LabelledContact> copies;
+  std::vector<const LabelledContact*> all;
 };
 
-Varied WithVariations(const std::vector<const Contact*>& contacts,
+Varied WithVariations(const std::vector<const LabelledContact*>& contacts,
                       const VariationRange& range, uint64_t seed) {
   Varied varied = {DrawVariations(contacts, range, seed), contacts};
-  for (const Contact& copy : varied.copies) varied.all.push_back(&copy);
+  for (const LabelledContact& copy : varied.copies) varied.all.push_back(&copy);
   return varied;
 }
 
 // HMMs learn no other stiffnesses: their few components would have to cover
 // them too, at the cost of what they cover now.
 absl::StatusOr<Model> FitUncalibrated(
-    const std::vector<const Contact*>& contacts,
+    const std::vector<const LabelledContact*>& contacts,
     const std::vector<std::string>& class_names, const FitOptions& options,
     int networks, const ParallelFor& parallel) {
   VariationRange range = options.variations;
@@ -154,7 +155,7 @@ absl::StatusOr<Model> FitUncalibrated(
 
 // A calibration from scores of each inner fold by models of the others. A
 // fold whose complement lacks a class is not used.
-absl::Status Calibrate(const std::vector<const Contact*>& contacts,
+absl::Status Calibrate(const std::vector<const LabelledContact*>& contacts,
                        const FitOptions& options, const ParallelFor& parallel,
                        Model& model) {
   const auto folds = MakeInnerFolds(contacts, options);
@@ -198,9 +199,9 @@ absl::Status Calibrate(const std::vector<const Contact*>& contacts,
 }
 
 // The self-test: the contact of middle length and the answer it gets.
-absl::Status AddWarmUp(const std::vector<const Contact*>& contacts,
+absl::Status AddWarmUp(const std::vector<const LabelledContact*>& contacts,
                        Model& model) {
-  std::vector<const Contact*> sorted = contacts;
+  std::vector<const LabelledContact*> sorted = contacts;
   std::stable_sort(sorted.begin(), sorted.end(), [](auto* a, auto* b) {
     return a->frames.size() < b->frames.size();
   });
@@ -226,10 +227,10 @@ absl::Status AddWarmUp(const std::vector<const Contact*>& contacts,
 }  // namespace
 
 std::vector<std::string> ClassNames(
-    const std::vector<const Contact*>& contacts) {
+    const std::vector<const LabelledContact*>& contacts) {
   constexpr std::array<const char*, 4> kFirst = {"HU", "HM", "SU", "SM"};
   std::map<std::string, bool> seen;
-  for (const Contact* contact : contacts) seen[contact->label] = true;
+  for (const LabelledContact* contact : contacts) seen[contact->label] = true;
   std::vector<std::string> names;
   for (const char* name : kFirst) {
     if (seen.erase(name) > 0) names.emplace_back(name);
@@ -238,9 +239,9 @@ std::vector<std::string> ClassNames(
   return names;
 }
 
-absl::StatusOr<Model> FitModel(const std::vector<const Contact*>& contacts,
-                               const FitOptions& options,
-                               const ParallelFor& parallel) {
+absl::StatusOr<Model> FitModel(
+    const std::vector<const LabelledContact*>& contacts,
+    const FitOptions& options, const ParallelFor& parallel) {
   if (contacts.empty()) {
     return InvalidTrainingData("there is no contact to fit to");
   }

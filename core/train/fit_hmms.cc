@@ -1,18 +1,17 @@
-#include "core/train/fit_hmms.h"
-
 #include "core/base/status_macros.h"
 #include "core/hmm/train_mixture.h"
+#include "core/train/fit_models.h"
 #include "core/train/inputs.h"
 
 namespace tactus {
 namespace {
 
-absl::StatusOr<HmmMixture> FitClass(const std::vector<const Contact*>& contacts,
-                                    const std::string& name,
-                                    const FeatureSpec& spec,
-                                    const FitOptions& options) {
+absl::StatusOr<HmmMixture> FitClass(
+    const std::vector<const LabelledContact*>& contacts,
+    const std::string& name, const FeatureSpec& spec,
+    const FitOptions& options) {
   std::vector<std::vector<double>> sequences;
-  for (const Contact* contact : contacts) {
+  for (const LabelledContact* contact : contacts) {
     if (contact->label == name) {
       sequences.push_back(MakeSequence(*contact, spec.hmm, spec.hmm_steps));
     }
@@ -37,9 +36,9 @@ absl::StatusOr<HmmMixture> FitClass(const std::vector<const Contact*>& contacts,
 
 }  // namespace
 
-absl::StatusOr<Model> FitHmms(const std::vector<const Contact*>& contacts,
-                              const std::vector<std::string>& class_names,
-                              const FitOptions& options) {
+absl::StatusOr<Model> FitHmms(
+    const std::vector<const LabelledContact*>& contacts,
+    const std::vector<std::string>& class_names, const FitOptions& options) {
   Model model;
   model.class_names = class_names;
   model.features.hmm_steps = options.hmm_steps;

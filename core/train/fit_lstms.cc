@@ -1,16 +1,15 @@
-#include "core/train/fit_lstms.h"
-
 #include <algorithm>
 
 #include "core/base/status_macros.h"
 #include "core/classify/object_estimate.h"
+#include "core/train/fit_models.h"
 #include "core/train/inputs.h"
 
 namespace tactus {
 namespace {
 
 // What object_estimate.h asks for, at every step.
-std::vector<float> MakeTargets(const Contact& contact,
+std::vector<float> MakeTargets(const LabelledContact& contact,
                                const StepIntervals& steps) {
   std::vector<float> targets;
   WalkCues(contact, steps, [&](CueTracker& cues, size_t frame) {
@@ -37,7 +36,7 @@ absl::StatusOr<LstmNetwork> Train(const LstmFit& fit, uint64_t seed, int inputs,
 
 }  // namespace
 
-absl::Status FitLstms(const std::vector<const Contact*>& contacts,
+absl::Status FitLstms(const std::vector<const LabelledContact*>& contacts,
                       const FitOptions& options, int networks,
                       const ParallelFor& parallel, Model& model) {
   const LstmFit& fit = options.lstm;
@@ -56,15 +55,16 @@ absl::Status FitLstms(const std::vector<const Contact*>& contacts,
 
   // The estimator is trained where the truth is known.
   const bool estimate =
-      fit.estimates &&
-      std::all_of(contacts.begin(), contacts.end(), [](const Contact* c) {
-        return c->stiffness > 0 && !c->object_motion.empty();
-      });
+      fit.estimates && std::all_of(contacts.begin(), contacts.end(),
+                                   [](const LabelledContact* c) {
+                                     return c->stiffness > 0 &&
+                                            !c->object_motion.empty();
+                                   });
   std::vector<std::vector<float>> rows;
   std::vector<std::vector<float>> targets;
   std::vector<LstmSequence> sequences;
   std::vector<LstmSequence> with_targets;
-  for (const Contact* contact : contacts) {
+  for (const LabelledContact* contact : contacts) {
     rows.push_back(MakeLstmSequence(*contact, spec.lstm, fit.steps));
     if (rows.back().empty()) continue;
     const auto label = std::find(model.class_names.begin(),

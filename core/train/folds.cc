@@ -11,7 +11,7 @@ namespace {
 
 template <typename Key>
 std::vector<std::vector<int>> GroupBy(
-    const std::vector<const Contact*>& contacts, Key key) {
+    const std::vector<const LabelledContact*>& contacts, Key key) {
   std::map<std::string, std::vector<int>> groups;
   for (size_t i = 0; i < contacts.size(); ++i) {
     groups[key(*contacts[i])].push_back(static_cast<int>(i));
@@ -34,7 +34,7 @@ absl::StatusOr<Protocol> ParseProtocol(absl::string_view name, int folds) {
 }
 
 std::vector<std::vector<int>> StratifiedFolds(
-    const std::vector<const Contact*>& contacts, int count) {
+    const std::vector<const LabelledContact*>& contacts, int count) {
   std::vector<std::vector<int>> folds(count);
   std::map<std::string, int> seen;
   for (size_t i = 0; i < contacts.size(); ++i) {
@@ -46,14 +46,16 @@ std::vector<std::vector<int>> StratifiedFolds(
 }
 
 absl::StatusOr<std::vector<std::vector<int>>> MakeFolds(
-    const std::vector<const Contact*>& contacts, Protocol protocol) {
+    const std::vector<const LabelledContact*>& contacts, Protocol protocol) {
   std::vector<std::vector<int>> folds;
   switch (protocol.kind) {
     case Protocol::kLeaveOneConditionOut:
-      folds = GroupBy(contacts, [](const Contact& c) { return c.condition; });
+      folds = GroupBy(contacts,
+                      [](const LabelledContact& c) { return c.condition; });
       break;
     case Protocol::kLeaveOneMaterialOut:
-      folds = GroupBy(contacts, [](const Contact& c) { return c.material; });
+      folds = GroupBy(contacts,
+                      [](const LabelledContact& c) { return c.material; });
       break;
     case Protocol::kLeaveOneOut:
       for (size_t i = 0; i < contacts.size(); ++i) {

@@ -10,7 +10,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "core/train/contact.h"
+#include "core/train/labelled_contact.h"
 
 namespace tactus {
 
@@ -40,11 +40,11 @@ absl::StatusOr<Protocol> ParseProtocol(absl::string_view name,
 // Indices of the test contacts of each fold. INVALID_TRAINING_DATA if there
 // are fewer than two folds.
 absl::StatusOr<std::vector<std::vector<int>>> MakeFolds(
-    const std::vector<const Contact*>& contacts, Protocol protocol);
+    const std::vector<const LabelledContact*>& contacts, Protocol protocol);
 
 // Every `count`-th contact of each class, for inner splits.
 std::vector<std::vector<int>> StratifiedFolds(
-    const std::vector<const Contact*>& contacts, int count);
+    const std::vector<const LabelledContact*>& contacts, int count);
 
 // All indices below `count` that are not in `fold`, in order.
 std::vector<int> Complement(const std::vector<int>& fold, int count);

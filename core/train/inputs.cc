@@ -10,9 +10,10 @@ namespace {
 constexpr double kLogOffsetShare = 0.02;
 
 // Median of the positive values of one feature; 1 if there is none.
-double TypicalValue(const std::vector<const Contact*>& contacts, Cue cue) {
+double TypicalValue(const std::vector<const LabelledContact*>& contacts,
+                    Cue cue) {
   std::vector<double> values;
-  for (const Contact* contact : contacts) {
+  for (const LabelledContact* contact : contacts) {
     for (const ContactFrame& frame : contact->frames) {
       const double value = frame.sample.features[static_cast<int>(cue)];
       if (frame.touched && value > 0) values.push_back(value);
@@ -46,7 +47,7 @@ double Inverse(double spread) { return spread > 0 ? 1 / spread : 1; }
 
 }  // namespace
 
-void WalkCues(const Contact& contact, const StepIntervals& steps,
+void WalkCues(const LabelledContact& contact, const StepIntervals& steps,
               absl::FunctionRef<void(CueTracker& cues, size_t frame)> visit) {
   CueTracker cues(contact.sample_rate_hz);
   uint64_t due = steps.first;
@@ -60,9 +61,9 @@ void WalkCues(const Contact& contact, const StepIntervals& steps,
   }
 }
 
-std::vector<ModelInput> FitInputs(const std::vector<const Contact*>& contacts,
-                                  std::span<const Cue> cues,
-                                  const InputOptions& options) {
+std::vector<ModelInput> FitInputs(
+    const std::vector<const LabelledContact*>& contacts,
+    std::span<const Cue> cues, const InputOptions& options) {
   std::vector<ModelInput> inputs;
   for (Cue cue : cues) {
     const bool raw = static_cast<int>(cue) < kFeatureCount;
@@ -74,7 +75,7 @@ std::vector<ModelInput> FitInputs(const std::vector<const Contact*>& contacts,
         {.cue = cue, .log_offset = log_offset, .limit = options.limit});
   }
   std::vector<Range> ranges(inputs.size());
-  for (const Contact* contact : contacts) {
+  for (const LabelledContact* contact : contacts) {
     WalkCues(*contact, options.steps, [&](CueTracker& tracker, size_t) {
       for (size_t i = 0; i < inputs.size(); ++i) {
         ranges[i].Add(
@@ -96,10 +97,10 @@ std::vector<ModelInput> FitInputs(const std::vector<const Contact*>& contacts,
 }
 
 std::vector<ModelInput> FitStretches(
-    const std::vector<const Contact*>& contacts, std::span<const Cue> cues,
-    int stretches, const StepIntervals& steps) {
+    const std::vector<const LabelledContact*>& contacts,
+    std::span<const Cue> cues, int stretches, const StepIntervals& steps) {
   std::vector<std::vector<double>> values(cues.size());
-  for (const Contact* contact : contacts) {
+  for (const LabelledContact* contact : contacts) {
     WalkCues(*contact, steps, [&](CueTracker& tracker, size_t) {
       for (size_t i = 0; i < cues.size(); ++i) {
         values[i].push_back(tracker.value(cues[i]));
@@ -126,7 +127,7 @@ std::vector<ModelInput> FitStretches(
   return inputs;
 }
 
-std::vector<double> MakeSequence(const Contact& contact,
+std::vector<double> MakeSequence(const LabelledContact& contact,
                                  std::span<const ModelInput> inputs,
                                  const StepIntervals& steps) {
   std::vector<double> sequence;
@@ -138,7 +139,7 @@ std::vector<double> MakeSequence(const Contact& contact,
   return sequence;
 }
 
-std::vector<float> MakeLstmSequence(const Contact& contact,
+std::vector<float> MakeLstmSequence(const LabelledContact& contact,
                                     std::span<const ModelInput> inputs,
                                     const StepIntervals& steps) {
   std::vector<float> sequence;

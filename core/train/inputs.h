@@ -15,7 +15,7 @@
 
 #include "absl/functional/function_ref.h"
 #include "core/classify/feature_input.h"
-#include "core/train/contact.h"
+#include "core/train/labelled_contact.h"
 
 namespace tactus {
 
@@ -41,26 +41,26 @@ struct InputOptions {
 // the whole range is a large one on its stretch (piecewise linear encoding,
 // Gorishniy et al., NeurIPS 2022).
 std::vector<ModelInput> FitStretches(
-    const std::vector<const Contact*>& contacts, std::span<const Cue> cues,
-    int stretches, const StepIntervals& steps);
+    const std::vector<const LabelledContact*>& contacts,
+    std::span<const Cue> cues, int stretches, const StepIntervals& steps);
 
 // Calls `visit` with the cues at every touched frame that is due by `steps`,
 // and the frames since onset.
-void WalkCues(const Contact& contact, const StepIntervals& steps,
+void WalkCues(const LabelledContact& contact, const StepIntervals& steps,
               absl::FunctionRef<void(CueTracker& cues, size_t frame)> visit);
 
 // One input a cue, scaled over all contacts, each of the same rate.
-std::vector<ModelInput> FitInputs(const std::vector<const Contact*>& contacts,
-                                  std::span<const Cue> cues,
-                                  const InputOptions& options);
+std::vector<ModelInput> FitInputs(
+    const std::vector<const LabelledContact*>& contacts,
+    std::span<const Cue> cues, const InputOptions& options);
 
 // Scaled inputs of the touched frames due by `steps`, frames x inputs,
 // row-major.
-std::vector<double> MakeSequence(const Contact& contact,
+std::vector<double> MakeSequence(const LabelledContact& contact,
                                  std::span<const ModelInput> inputs,
                                  const StepIntervals& steps);
 // The same as LSTMs are trained on them.
-std::vector<float> MakeLstmSequence(const Contact& contact,
+std::vector<float> MakeLstmSequence(const LabelledContact& contact,
                                     std::span<const ModelInput> inputs,
                                     const StepIntervals& steps);
 

@@ -26,8 +26,8 @@ ContactFrame Between(const ContactFrame& before, const ContactFrame& after,
   return frame;
 }
 
-Contact AtPace(const Contact& contact, double pace) {
-  Contact warped = contact;
+LabelledContact AtPace(const LabelledContact& contact, double pace) {
+  LabelledContact warped = contact;
   warped.frames.clear();
   warped.object_motion.clear();
   for (size_t k = 0; k < contact.frames.size(); ++k) {
@@ -51,7 +51,7 @@ constexpr int kMotionAt = static_cast<int>(Feature::kMotion);
 
 // Of one of a sample's numbers in a contact's touched frames.
 template <typename Number>
-double NoiseIn(const Contact& contact, Number number) {
+double NoiseIn(const LabelledContact& contact, Number number) {
   std::vector<double> values;
   values.reserve(contact.frames.size());
   for (const ContactFrame& frame : contact.frames) {
@@ -76,9 +76,9 @@ struct Span {
 // may be as soft as they like, and as stiff as the stiffest of it. A hard one
 // the other way round.
 std::map<std::string, Span> SpansOf(
-    const std::vector<const Contact*>& contacts) {
+    const std::vector<const LabelledContact*>& contacts) {
   std::map<std::string, Span> seen;
-  for (const Contact* contact : contacts) {
+  for (const LabelledContact* contact : contacts) {
     const double k = contact->stiffness;
     if (k <= 0) return {};
     Span& span = seen.try_emplace(contact->label, Span{k, k}).first->second;
@@ -122,9 +122,9 @@ double NoiseOf(const std::vector<double>& values) {
   return *middle / (0.6745 * std::sqrt(6.0));
 }
 
-Contact Vary(const Contact& contact, const Variation& variation,
-             Random& random) {
-  Contact varied = AtPace(contact, variation.pace);
+LabelledContact Vary(const LabelledContact& contact, const Variation& variation,
+                     Random& random) {
+  LabelledContact varied = AtPace(contact, variation.pace);
   const double load = variation.load;
   const double force = load * variation.stiffness;
   varied.stiffness *= variation.stiffness;
@@ -154,10 +154,10 @@ Contact Vary(const Contact& contact, const Variation& variation,
   return varied;
 }
 
-std::vector<Contact> DrawVariations(const std::vector<const Contact*>& contacts,
-                                    const VariationRange& range,
-                                    uint64_t seed) {
-  std::vector<Contact> drawn;
+std::vector<LabelledContact> DrawVariations(
+    const std::vector<const LabelledContact*>& contacts,
+    const VariationRange& range, uint64_t seed) {
+  std::vector<LabelledContact> drawn;
   drawn.reserve(contacts.size() * static_cast<size_t>(range.copies));
   const auto spans = SpansOf(contacts);
   for (int copy = 0; copy < range.copies; ++copy) {

@@ -16,7 +16,7 @@
 // the border between hard and soft it stays.
 //
 //   Random random(seed);
-//   Contact other = Vary(contact, {.pace = 1.4, .load = 0.5}, random);
+//   LabelledContact other = Vary(contact, {.pace = 1.4, .load = 0.5}, random);
 //
 // Thread-safe: free functions.
 #pragma once
@@ -25,7 +25,7 @@
 #include <vector>
 
 #include "core/base/random.h"
-#include "core/train/contact.h"
+#include "core/train/labelled_contact.h"
 
 namespace tactus {
 
@@ -39,8 +39,8 @@ struct Variation {
 // after it, between frames interpolated, at first the first; as long as the
 // contact lasts and no longer than its frames are many. Where touch is lost on
 // either side, and for the load profile, the frame before counts.
-Contact Vary(const Contact& contact, const Variation& variation,
-             Random& random);
+LabelledContact Vary(const LabelledContact& contact, const Variation& variation,
+                     Random& random);
 
 // How many copies to draw of each contact, from what: the logarithm of the pace
 // evenly between 1 / pace and pace, that of the load between 1 / load and 1. In
@@ -58,8 +58,9 @@ struct VariationRange {
 
 // All copies of all contacts; the same contacts, range and seed give the same
 // copies.
-std::vector<Contact> DrawVariations(const std::vector<const Contact*>& contacts,
-                                    const VariationRange& range, uint64_t seed);
+std::vector<LabelledContact> DrawVariations(
+    const std::vector<const LabelledContact*>& contacts,
+    const VariationRange& range, uint64_t seed);
 
 // Standard deviation of the noise on values[t], from the median of their second
 // differences: a signal that changes evenly, however fast, has none. 0 for

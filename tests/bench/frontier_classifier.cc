@@ -10,7 +10,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/eval/evaluate.h"
-#include "core/train/metrics.h"
+#include "core/eval/metrics.h"
 #include "tests/bench/frontier_variants.h"
 #include "tests/bench/sim_check.h"
 #include "tests/bench/thread_seconds.h"
@@ -31,7 +31,7 @@ int FrontierTime() {
 
 absl::StatusOr<Evaluation> Evaluate(
     const std::shared_ptr<const CompiledModel>& model,
-    const std::vector<Contact>& contacts) {
+    const std::vector<LabelledContact>& contacts) {
   return EvaluateModel(model, Pointers(contacts), Algorithm::kFused,
                        RunOnThreads);
 }
@@ -39,7 +39,7 @@ absl::StatusOr<Evaluation> Evaluate(
 // Steps each model through the first frames of some contacts; ns a frame,
 // medians of rounds in which the models take turns.
 std::vector<double> TimeVariants(const std::vector<ClassifierVariant>& variants,
-                                 const std::vector<Contact>& contacts,
+                                 const std::vector<LabelledContact>& contacts,
                                  int rounds) {
   const int sample = std::min<int>(kTimedContacts, std::ssize(contacts));
   std::vector<ContactClassifier> classifiers;
@@ -51,7 +51,7 @@ std::vector<double> TimeVariants(const std::vector<ClassifierVariant>& variants,
   const auto run = [&](ContactClassifier& classifier) {
     frames = 0;
     for (int c = 0; c < sample; ++c) {
-      const Contact& contact = contacts[c];
+      const LabelledContact& contact = contacts[c];
       const int count = std::min<int>(
           static_cast<int>(kFrontierSeconds * contact.sample_rate_hz),
           std::ssize(contact.frames));
@@ -96,10 +96,10 @@ absl::Status CheckPart(const ClassifierVariant& part,
 // Accuracies are taken with the skip rules on: no bit may depend on them.
 absl::Status CheckUnskipped(const ClassifierVariant& served,
                             const ClassifierVariant& unskipped,
-                            const std::vector<Contact>& contacts) {
+                            const std::vector<LabelledContact>& contacts) {
   ContactClassifier a(served.model, {}, served.skip);
   ContactClassifier b(unskipped.model, {}, unskipped.skip);
-  for (const Contact& contact : contacts) {
+  for (const LabelledContact& contact : contacts) {
     a.Reset();
     b.Reset();
     for (const ContactFrame& frame : contact.frames) {
@@ -118,7 +118,7 @@ absl::Status CheckUnskipped(const ClassifierVariant& served,
 
 absl::StatusOr<double> AccuracyOf(
     const std::shared_ptr<const CompiledModel>& model,
-    const std::vector<Contact>& contacts) {
+    const std::vector<LabelledContact>& contacts) {
   TACTUS_ASSIGN_OR_RETURN(const Evaluation evaluation,
                           Evaluate(model, contacts));
   return Accuracy(evaluation.anytime[FrontierTime()]);

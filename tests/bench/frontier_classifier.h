@@ -31,7 +31,7 @@ struct ClassifierLadder {
 // Of `contacts`, `model` tells so many right kFrontierSeconds after onset.
 absl::StatusOr<double> AccuracyOf(
     const std::shared_ptr<const CompiledModel>& model,
-    const std::vector<Contact>& contacts);
+    const std::vector<LabelledContact>& contacts);
 
 absl::StatusOr<ClassifierLadder> MeasureClassifiers(const FrontierData& data,
                                                     bool quick);

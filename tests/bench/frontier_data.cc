@@ -25,7 +25,7 @@ std::vector<TrialSpec> AllGridSpecs() {
       GridConditions(grid.stiffnesses, grid.velocities, grid.goals), kTestSeed);
 }
 
-using Pair = std::vector<Contact>;
+using Pair = std::vector<LabelledContact>;
 
 // A contact and the twin of one that moved.
 absl::StatusOr<Pair> SimulatePair(const TrialSpec& spec, uint64_t seed) {
@@ -39,12 +39,12 @@ absl::StatusOr<Pair> SimulatePair(const TrialSpec& spec, uint64_t seed) {
   return pair;
 }
 
-absl::StatusOr<std::vector<Contact>> Simulate(std::span<const TrialSpec> specs,
-                                              uint64_t seed) {
+absl::StatusOr<std::vector<LabelledContact>> Simulate(
+    std::span<const TrialSpec> specs, uint64_t seed) {
   std::vector<absl::StatusOr<Pair>> pairs(specs.size());
   RunOnThreads(static_cast<int>(specs.size()),
                [&](int i) { pairs[i] = SimulatePair(specs[i], seed); });
-  std::vector<Contact> contacts;
+  std::vector<LabelledContact> contacts;
   for (absl::StatusOr<Pair>& pair : pairs) {
     TACTUS_RETURN_IF_ERROR(pair.status());
     std::ranges::move(*pair, std::back_inserter(contacts));
@@ -54,16 +54,17 @@ absl::StatusOr<std::vector<Contact>> Simulate(std::span<const TrialSpec> specs,
 
 }  // namespace
 
-std::vector<const Contact*> Pointers(const std::vector<Contact>& contacts) {
-  std::vector<const Contact*> pointers;
-  for (const Contact& contact : contacts) pointers.push_back(&contact);
+std::vector<const LabelledContact*> Pointers(
+    const std::vector<LabelledContact>& contacts) {
+  std::vector<const LabelledContact*> pointers;
+  for (const LabelledContact& contact : contacts) pointers.push_back(&contact);
   return pointers;
 }
 
-absl::StatusOr<Contact> ContactOf(const SimulatedContact& simulated,
-                                  uint64_t seed) {
+absl::StatusOr<LabelledContact> ContactOf(const SimulatedContact& simulated,
+                                          uint64_t seed) {
   TACTUS_ASSIGN_OR_RETURN(
-      std::optional<Contact> contact,
+      std::optional<LabelledContact> contact,
       ExtractContact(SignalTrial(simulated, SignalNoise(), seed)));
   if (!contact) return NumericalFailure("a simulated contact touches nothing");
   return *std::move(contact);

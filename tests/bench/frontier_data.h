@@ -13,7 +13,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/sim/experiments/paper_set.h"
-#include "core/train/contact.h"
+#include "core/train/labelled_contact.h"
 
 namespace tactus::client {
 
@@ -22,15 +22,16 @@ inline constexpr uint64_t kTrainingSeed = 1;
 inline constexpr uint64_t kTestSeed = 7;
 
 struct FrontierData {
-  std::vector<Contact> training;
-  std::vector<Contact> test;
+  std::vector<LabelledContact> training;
+  std::vector<LabelledContact> test;
 };
 
-std::vector<const Contact*> Pointers(const std::vector<Contact>& contacts);
+std::vector<const LabelledContact*> Pointers(
+    const std::vector<LabelledContact>& contacts);
 
 // What the features are noisy with is drawn from `seed`.
-absl::StatusOr<Contact> ContactOf(const SimulatedContact& simulated,
-                                  uint64_t seed);
+absl::StatusOr<LabelledContact> ContactOf(const SimulatedContact& simulated,
+                                          uint64_t seed);
 
 // Ideal signals: the paper's 1,835 trials and 400 of the grid; `quick`: about
 // 60 of each.

@@ -38,12 +38,12 @@ struct Sequence {
   std::vector<long double> truth;  // one per category
 };
 
-std::vector<Sequence> MakeSequences(const Model& model,
-                                    const std::vector<Contact>& contacts,
-                                    int count) {
+std::vector<Sequence> MakeSequences(
+    const Model& model, const std::vector<LabelledContact>& contacts,
+    int count) {
   std::vector<Sequence> sequences;
   for (int i = 0; i < count; ++i) {
-    Contact contact = contacts[i];
+    LabelledContact contact = contacts[i];
     const auto frames =
         static_cast<size_t>(kFrontierSeconds * contact.sample_rate_hz);
     contact.frames.resize(std::min(frames, contact.frames.size()));
@@ -144,7 +144,8 @@ absl::StatusOr<FrontierPoint> Check(const NamedRung& named,
 }  // namespace
 
 absl::StatusOr<std::vector<FrontierPoint>> MeasurePrecision(
-    const Model& model, const std::vector<Contact>& contacts, bool quick) {
+    const Model& model, const std::vector<LabelledContact>& contacts,
+    bool quick) {
   const std::vector<Sequence> sequences =
       MakeSequences(model, contacts, quick ? kQuickContacts : kContacts);
   const size_t dimensions = model.features.hmm.size();

@@ -14,7 +14,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/classify/model.h"
-#include "core/train/contact.h"
+#include "core/train/labelled_contact.h"
 #include "tests/bench/frontier_point.h"
 
 namespace tactus::client {
@@ -23,6 +23,7 @@ namespace tactus::client {
 // logarithms in long double. NUMERICAL_FAILURE if a precision is off by more
 // than it states; leaving out states states nothing.
 absl::StatusOr<std::vector<FrontierPoint>> MeasurePrecision(
-    const Model& model, const std::vector<Contact>& contacts, bool quick);
+    const Model& model, const std::vector<LabelledContact>& contacts,
+    bool quick);
 
 }  // namespace tactus::client

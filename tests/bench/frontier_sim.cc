@@ -42,7 +42,7 @@ struct Method {
 struct Work {
   double seconds = 0;
   double error = 0;
-  std::vector<Contact> contacts;
+  std::vector<LabelledContact> contacts;
 };
 
 std::vector<Method> Methods(bool quick) {

@@ -126,8 +126,8 @@ std::vector<FitJob> FitJobs(const FitOptions& served) {
 }  // namespace
 
 absl::StatusOr<std::vector<ClassifierVariant>> FitVariants(
-    const std::vector<Contact>& contacts, bool quick) {
-  const std::vector<const Contact*> pointers = Pointers(contacts);
+    const std::vector<LabelledContact>& contacts, bool quick) {
+  const std::vector<const LabelledContact*> pointers = Pointers(contacts);
   TACTUS_ASSIGN_OR_RETURN(const FitOptions options, ServedOptions(quick));
   TACTUS_ASSIGN_OR_RETURN(const Model served,
                           FitModel(pointers, options, RunOnThreads));

@@ -15,7 +15,7 @@
 #include "absl/status/statusor.h"
 #include "core/classify/compiled_model.h"
 #include "core/classify/skip_rules.h"
-#include "core/train/contact.h"
+#include "core/train/labelled_contact.h"
 
 namespace tactus::client {
 
@@ -36,6 +36,6 @@ inline constexpr int kLstmVariant = 3;
 // These, less of them, and others, which are not calibrated where that leaves
 // the answers as they are. `quick`: tiny ones.
 absl::StatusOr<std::vector<ClassifierVariant>> FitVariants(
-    const std::vector<Contact>& contacts, bool quick);
+    const std::vector<LabelledContact>& contacts, bool quick);
 
 }  // namespace tactus::client

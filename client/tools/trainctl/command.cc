@@ -60,10 +60,10 @@ double SecondsSinceStart() {
       .count();
 }
 
-std::vector<const Contact*> LoadedContacts::Pointers() const {
-  std::vector<const Contact*> pointers;
+std::vector<const LabelledContact*> LoadedContacts::Pointers() const {
+  std::vector<const LabelledContact*> pointers;
   pointers.reserve(contacts.size());
-  for (const Contact& contact : contacts) pointers.push_back(&contact);
+  for (const LabelledContact& contact : contacts) pointers.push_back(&contact);
   return pointers;
 }
 

@@ -12,7 +12,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/classify/compiled_model.h"
-#include "core/train/contact.h"
+#include "core/train/labelled_contact.h"
 #include "core/train/parallel.h"
 #include "nlohmann/json.hpp"
 
@@ -47,11 +47,11 @@ double SecondsSinceStart();
 
 // Contacts of a trial file, and how many trials were undetectable.
 struct LoadedContacts {
-  std::vector<Contact> contacts;
+  std::vector<LabelledContact> contacts;
   int trials = 0;
   int undetectable = 0;
 
-  std::vector<const Contact*> Pointers() const;
+  std::vector<const LabelledContact*> Pointers() const;
 };
 
 // Reads `path`; `layout_path`, if not empty, names a SensorGeometry in JSON

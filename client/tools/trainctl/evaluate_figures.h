@@ -19,8 +19,8 @@
 #include "absl/status/status.h"
 #include "client/tools/plot/figure.h"
 #include "core/eval/evaluate.h"
+#include "core/eval/metrics.h"
 #include "core/eval/paper_tables.h"
-#include "core/train/metrics.h"
 
 namespace tactus::client {
 

@@ -11,7 +11,7 @@
 namespace tactus::client {
 namespace {
 
-using Extracted = std::vector<std::optional<Contact>>;
+using Extracted = std::vector<std::optional<LabelledContact>>;
 
 // What `trainctl simulate` would be told.
 SimulateFlags FlagsOf(Experiment experiment, uint64_t seed) {
@@ -49,7 +49,7 @@ absl::StatusOr<LoadedContacts> SimulateExperiment(Experiment experiment,
   LoadedContacts data;
   for (auto& result : results) {
     TACTUS_RETURN_IF_ERROR(result.status());
-    for (std::optional<Contact>& contact : *result) {
+    for (std::optional<LabelledContact>& contact : *result) {
       ++data.trials;
       if (contact) {
         data.contacts.push_back(*std::move(contact));

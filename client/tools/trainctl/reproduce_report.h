@@ -16,8 +16,8 @@
 
 #include "absl/status/status.h"
 #include "client/tools/trainctl/command.h"
+#include "core/eval/metrics.h"
 #include "core/eval/paper_tables.h"
-#include "core/train/metrics.h"
 
 namespace tactus::client {
 

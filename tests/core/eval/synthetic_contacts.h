@@ -10,23 +10,24 @@
 #include <vector>
 
 #include "core/base/random.h"
-#include "core/train/contact.h"
+#include "core/train/labelled_contact.h"
 
 namespace tactus::testing {
 
 // `per_class` contacts of each of HU, HM, SU, SM in two conditions and three
 // materials, `frames` frames at 100 Hz. Larger `noise` makes classes overlap.
-inline std::vector<Contact> SyntheticContacts(int per_class, int frames,
-                                              double noise, uint64_t seed) {
+inline std::vector<LabelledContact> SyntheticContacts(int per_class, int frames,
+                                                      double noise,
+                                                      uint64_t seed) {
   const char* labels[] = {"HU", "HM", "SU", "SM"};
   const double force[] = {4, 3, 0.8, 0.5};
   const double motion[] = {0.0005, 0.012, 0.006, 0.018};
-  std::vector<Contact> contacts;
+  std::vector<LabelledContact> contacts;
   for (int i = 0; i < 4 * per_class; ++i) {
     const int k = i % 4;
     const int n = i / 4;
     Random random = Random::ForStream(seed, i);
-    Contact contact;
+    LabelledContact contact;
     contact.id = std::to_string(i);
     contact.label = labels[k];
     contact.condition = n % 2 == 0 ? "slow" : "fast";
@@ -45,10 +46,10 @@ inline std::vector<Contact> SyntheticContacts(int per_class, int frames,
   return contacts;
 }
 
-inline std::vector<const Contact*> PointersTo(
-    const std::vector<Contact>& contacts) {
-  std::vector<const Contact*> pointers;
-  for (const Contact& contact : contacts) pointers.push_back(&contact);
+inline std::vector<const LabelledContact*> PointersTo(
+    const std::vector<LabelledContact>& contacts) {
+  std::vector<const LabelledContact*> pointers;
+  for (const LabelledContact& contact : contacts) pointers.push_back(&contact);
   return pointers;
 }
 

@@ -14,14 +14,14 @@ TEST(AreaUnderRocTest, CountsPairsInOrderAndTiesByHalves) {
 }
 
 // Three categories on three levels of force, at two conditions.
-std::vector<Contact> Levels() {
-  std::vector<Contact> contacts;
+std::vector<LabelledContact> Levels() {
+  std::vector<LabelledContact> contacts;
   Random random(1);
   const char* labels[] = {"a", "b", "c"};
   const double levels[] = {1, 2, 50};
   for (int c = 0; c < 3; ++c) {
     for (int i = 0; i < 20; ++i) {
-      Contact contact;
+      LabelledContact contact;
       contact.label = labels[c];
       contact.condition = i % 2 == 0 ? "slow" : "fast";
       for (int t = 0; t < 40; ++t) {
@@ -35,9 +35,9 @@ std::vector<Contact> Levels() {
 }
 
 TEST(EvaluateUnknownTest, FindsWhatIsFarFromAllThatWasFitted) {
-  const std::vector<Contact> contacts = Levels();
-  std::vector<const Contact*> pointers;
-  for (const Contact& contact : contacts) pointers.push_back(&contact);
+  const std::vector<LabelledContact> contacts = Levels();
+  std::vector<const LabelledContact*> pointers;
+  for (const LabelledContact& contact : contacts) pointers.push_back(&contact);
   FitOptions options;
   options.states = 2;
   const auto results = EvaluateUnknown(pointers, options, RunSerially);
@@ -51,8 +51,8 @@ TEST(EvaluateUnknownTest, FindsWhatIsFarFromAllThatWasFitted) {
 }
 
 TEST(EvaluateUnknownTest, RefusesTwoCategories) {
-  const std::vector<Contact> contacts = Levels();
-  std::vector<const Contact*> pointers;
+  const std::vector<LabelledContact> contacts = Levels();
+  std::vector<const LabelledContact*> pointers;
   for (int i = 0; i < 40; ++i) pointers.push_back(&contacts[i]);
   EXPECT_FALSE(EvaluateUnknown(pointers, FitOptions(), RunSerially).ok());
 }

@@ -4,7 +4,7 @@
 
 #include "core/base/random.h"
 #include "core/classify/calibration.h"
-#include "core/train/metrics.h"
+#include "core/eval/metrics.h"
 #include "gtest/gtest.h"
 
 namespace tactus {

@@ -49,7 +49,7 @@ TEST(FitModelTest, EstimatesTheObjectWhereTheTruthIsKnown) {
       FitModel(testing::PointersTo(contacts), options, RunSerially);
   ASSERT_TRUE(without.ok()) << without.status();
   EXPECT_FALSE(without->estimator.has_value());
-  for (Contact& contact : contacts) {
+  for (LabelledContact& contact : contacts) {
     contact.stiffness = contact.label[0] == 'H' ? 1e6 : 1e3;
     contact.object_motion.assign(contact.frames.size(), 0.0);
   }
@@ -75,7 +75,7 @@ TEST(FitModelTest, EstimatesTheObjectWhereTheTruthIsKnown) {
 
 TEST(FitModelTest, LstmsAloneLearnOtherStiffnesses) {
   auto contacts = testing::SyntheticContacts(8, 40, 0.1, 1);
-  for (Contact& contact : contacts) {
+  for (LabelledContact& contact : contacts) {
     contact.stiffness = contact.label[0] == 'H' ? 1e6 : 1e3;
   }
   FitOptions options = QuickOptions();
@@ -131,7 +131,7 @@ TEST(FitModelTest, TheSameSeedGivesTheSameBitsInAnyOrderOfWork) {
 
 TEST(FitModelTest, BadTrainingDataIsRefused) {
   const auto contacts = testing::SyntheticContacts(3, 10, 0.1, 3);
-  auto reason = [](std::vector<Contact> spoilt) {
+  auto reason = [](std::vector<LabelledContact> spoilt) {
     return ReasonOf(
         FitModel(testing::PointersTo(spoilt), QuickOptions(), RunSerially)
             .status());
@@ -152,7 +152,7 @@ TEST(FitModelTest, BadTrainingDataIsRefused) {
 }
 
 // Classes that differ in nothing but the half of the skin they load.
-std::vector<Contact> ContactsByPlace() {
+std::vector<LabelledContact> ContactsByPlace() {
   auto contacts = testing::SyntheticContacts(6, 12, 0.1, 4);
   Random random(4);
   for (auto& contact : contacts) {
@@ -179,7 +179,7 @@ TEST(FitModelTest, ThePresetProfileTellsPlacesApart) {
   auto compiled = CompiledModel::Create(*back);
   ASSERT_TRUE(compiled.ok()) << compiled.status();
   EXPECT_TRUE(RunWarmUp(**compiled).ok());
-  for (const Contact& contact : contacts) {
+  for (const LabelledContact& contact : contacts) {
     ContactClassifier classifier(*compiled, {});
     for (const auto& frame : contact.frames) StepClassifier(frame, classifier);
     const int label = contact.label == model->class_names[0] ? 0 : 1;
@@ -189,7 +189,7 @@ TEST(FitModelTest, ThePresetProfileTellsPlacesApart) {
 
 TEST(FitModelTest, CuesThatSayNothingAreRefused) {
   const auto contacts = ContactsByPlace();
-  auto reason = [](const std::vector<Contact>& given,
+  auto reason = [](const std::vector<LabelledContact>& given,
                    const FitOptions& options) {
     return ReasonOf(
         FitModel(testing::PointersTo(given), options, RunSerially).status());

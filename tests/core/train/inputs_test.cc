@@ -9,8 +9,8 @@ namespace tactus {
 namespace {
 
 // Force rises by 1 a frame from `first`.
-Contact Ramp(double first, int frames) {
-  Contact contact;
+LabelledContact Ramp(double first, int frames) {
+  LabelledContact contact;
   for (int t = 0; t < frames; ++t) {
     contact.frames.push_back({IdealSample({first + t, 0, 0})});
   }
@@ -20,7 +20,8 @@ Contact Ramp(double first, int frames) {
 constexpr Cue kForceCue[] = {Cue::kForce};
 
 TEST(FitInputsTest, ScalesToZeroMeanAndUnitDeviationOrToZeroAndOne) {
-  const Contact contact = Ramp(3, 9);  // 3 .. 11: mean 7, variance 60 / 9
+  const LabelledContact contact =
+      Ramp(3, 9);  // 3 .. 11: mean 7, variance 60 / 9
   const auto standard = FitInputs({&contact}, kForceCue, {});
   EXPECT_DOUBLE_EQ(standard[0].offset, 7);
   EXPECT_DOUBLE_EQ(standard[0].gain, 1 / std::sqrt(60.0 / 9));
@@ -32,7 +33,7 @@ TEST(FitInputsTest, ScalesToZeroMeanAndUnitDeviationOrToZeroAndOne) {
 }
 
 TEST(FitStretchesTest, EachRisesOverItsOwnPartAndRestsElsewhere) {
-  const Contact contact = Ramp(0, 101);
+  const LabelledContact contact = Ramp(0, 101);
   const auto stretches = FitStretches({&contact}, kForceCue, 4, {});
   ASSERT_EQ(stretches.size(), 4u);
   const auto rows = MakeSequence(contact, stretches, {});
@@ -45,13 +46,13 @@ TEST(FitStretchesTest, EachRisesOverItsOwnPartAndRestsElsewhere) {
 }
 
 TEST(FitStretchesTest, ACueThatNeverChangesHasNone) {
-  const Contact contact = Ramp(0, 30);
+  const LabelledContact contact = Ramp(0, 30);
   const Cue still[] = {Cue::kArea};
   EXPECT_TRUE(FitStretches({&contact}, still, 4, {}).empty());
 }
 
 TEST(WalkCuesTest, VisitsTouchedFramesThatAreDue) {
-  Contact contact = Ramp(1, 60);
+  LabelledContact contact = Ramp(1, 60);
   contact.frames[9].touched = false;
   std::vector<size_t> visited;
   WalkCues(contact, {5, 20},

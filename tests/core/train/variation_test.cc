@@ -9,8 +9,8 @@ namespace tactus {
 namespace {
 
 // Motion is the place in the contact, force its square.
-Contact Press(int frames) {
-  Contact contact;
+LabelledContact Press(int frames) {
+  LabelledContact contact;
   contact.label = "HM";
   for (int t = 0; t < frames; ++t) {
     const double x = t;
@@ -26,9 +26,9 @@ double Motion(const ContactFrame& frame) {
 
 TEST(VaryTest, PlaysTheSameSignalsFasterOrSlower) {
   Random random(1);
-  const Contact contact = Press(101);
+  const LabelledContact contact = Press(101);
   for (double pace : {0.7, 1.4, 2.0}) {
-    const Contact warped = Vary(contact, {.pace = pace}, random);
+    const LabelledContact warped = Vary(contact, {.pace = pace}, random);
     EXPECT_EQ(warped.label, "HM");
     for (size_t t = 0; t < warped.frames.size(); ++t) {
       // The first frame is one after the touch.
@@ -43,7 +43,7 @@ TEST(VaryTest, PlaysTheSameSignalsFasterOrSlower) {
 
 TEST(VaryTest, LastsAsLongAsThereIsSomethingToPlay) {
   Random random(1);
-  const Contact contact = Press(101);
+  const LabelledContact contact = Press(101);
   EXPECT_EQ(Vary(contact, {.pace = 2}, random).frames.size(), 50u);
   EXPECT_EQ(Vary(contact, {.pace = 0.5}, random).frames.size(), 101u);
   EXPECT_TRUE(Vary(Press(1), {.pace = 2}, random).frames.empty());
@@ -51,9 +51,9 @@ TEST(VaryTest, LastsAsLongAsThereIsSomethingToPlay) {
 
 TEST(VaryTest, MixesNothingIntoLostTouch) {
   Random random(1);
-  Contact contact = Press(9);
+  LabelledContact contact = Press(9);
   contact.frames[2] = {.sample = {}, .touched = false};
-  const Contact warped = Vary(contact, {.pace = 0.5}, random);
+  const LabelledContact warped = Vary(contact, {.pace = 0.5}, random);
   EXPECT_TRUE(warped.frames[4].touched);
   EXPECT_EQ(Motion(warped.frames[4]), 1);
   EXPECT_FALSE(warped.frames[5].touched);
@@ -121,8 +121,8 @@ TEST(VaryTest, StiffnessIsASymmetryOfTheContactModel) {
 }
 
 // Motion and force rise evenly, under noise of 0.01 and 0.1.
-Contact NoisyPress(Random& random) {
-  Contact contact;
+LabelledContact NoisyPress(Random& random) {
+  LabelledContact contact;
   for (int t = 0; t < 5000; ++t) {
     const double motion = 1 + 0.01 * t + 0.01 * random.Gaussian();
     const double force = 20 + 0.02 * t + 0.1 * random.Gaussian();
@@ -132,7 +132,7 @@ Contact NoisyPress(Random& random) {
   return contact;
 }
 
-std::vector<double> Column(const Contact& contact, Feature feature) {
+std::vector<double> Column(const LabelledContact& contact, Feature feature) {
   std::vector<double> column;
   for (const ContactFrame& frame : contact.frames) {
     column.push_back(frame.sample.features[static_cast<int>(feature)]);
@@ -142,8 +142,8 @@ std::vector<double> Column(const Contact& contact, Feature feature) {
 
 TEST(VaryTest, ScalesForcesAndMotionsButNotTheNoise) {
   Random random(7);
-  const Contact contact = NoisyPress(random);
-  const Contact light = Vary(contact, {.load = 0.25}, random);
+  const LabelledContact contact = NoisyPress(random);
+  const LabelledContact light = Vary(contact, {.load = 0.25}, random);
   const auto force = Column(light, Feature::kForce);
   const auto motion = Column(light, Feature::kMotion);
   EXPECT_NEAR(NoiseOf(force), 0.1, 0.005);
@@ -161,10 +161,10 @@ TEST(VaryTest, ScalesForcesAndMotionsButNotTheNoise) {
 
 TEST(VaryTest, OtherStiffnessesChangeForcesAlone) {
   Random random(7);
-  Contact contact = NoisyPress(random);
+  LabelledContact contact = NoisyPress(random);
   contact.stiffness = 8;
   for (double factor : {0.25, 2.0}) {
-    const Contact other = Vary(contact, {.stiffness = factor}, random);
+    const LabelledContact other = Vary(contact, {.stiffness = factor}, random);
     EXPECT_EQ(other.stiffness, 8 * factor);
     // Noise is never less than the sensor's.
     const auto force = Column(other, Feature::kForce);
@@ -188,13 +188,13 @@ TEST(VaryTest, FindsNoNoiseInWhatChangesEvenlyOrIsTooShort) {
 
 TEST(DrawVariationsTest, DrawsFromTheWholeRangeAndTheSameFromTheSameSeed) {
   Random random(3);
-  const Contact contact = NoisyPress(random);
+  const LabelledContact contact = NoisyPress(random);
   const VariationRange range = {.copies = 40, .pace = 2, .load = 4};
   const auto drawn = DrawVariations({&contact}, range, 5);
   ASSERT_EQ(drawn.size(), 40u);
   size_t shortest = contact.frames.size(), whole = 0;
   double lightest = 1;
-  for (const Contact& copy : drawn) {
+  for (const LabelledContact& copy : drawn) {
     shortest = std::min(shortest, copy.frames.size());
     if (copy.frames.size() == contact.frames.size()) ++whole;
     // Paces of at least 1/2 and loads of at least 1/4.
@@ -216,9 +216,9 @@ TEST(DrawVariationsTest, DrawsFromTheWholeRangeAndTheSameFromTheSameSeed) {
 }
 
 // Contacts of a stiffness and label, with a frame each.
-std::vector<Contact> Objects(
+std::vector<LabelledContact> Objects(
     const std::vector<std::pair<double, std::string>>& objects) {
-  std::vector<Contact> contacts;
+  std::vector<LabelledContact> contacts;
   for (const auto& [stiffness, label] : objects) {
     contacts.push_back(Press(9));
     contacts.back().stiffness = stiffness;
@@ -227,9 +227,10 @@ std::vector<Contact> Objects(
   return contacts;
 }
 
-std::vector<Contact> DrawStiffnesses(const std::vector<Contact>& contacts) {
-  std::vector<const Contact*> pointers;
-  for (const Contact& contact : contacts) pointers.push_back(&contact);
+std::vector<LabelledContact> DrawStiffnesses(
+    const std::vector<LabelledContact>& contacts) {
+  std::vector<const LabelledContact*> pointers;
+  for (const LabelledContact& contact : contacts) pointers.push_back(&contact);
   return DrawVariations(pointers, {.copies = 400, .stiffness = 5}, 1);
 }
 

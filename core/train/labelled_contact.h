@@ -1,12 +1,12 @@
-// File: contact.h
+// File: labelled_contact.h
 //
-// Contact: one labelled contact as the models see it, feature frames from
-// onset on. Fitting and evaluating work on these.
+// LabelledContact: one contact of a labelled trial, as the frames from its
+// onset to the end of the trial. Models are fitted and evaluated on these.
 //
-//   auto contact = ExtractContact(trial);
-//   if (!contact->has_value()) ++undetectable;
+//   TACTUS_ASSIGN_OR_RETURN(auto contact, ExtractContact(trial));
+//   if (!contact.has_value()) ++undetectable;
 //
-// Thread-safe: free functions without state.
+// Plain data and free functions without state; thread-safe.
 #pragma once
 
 #include <optional>
@@ -28,7 +28,7 @@ struct ContactFrame {
   bool touched = true;
 };
 
-struct Contact {
+struct LabelledContact {
   std::string id;
   std::string label;
   std::string condition;
@@ -48,7 +48,7 @@ struct Contact {
 ContactSample IdealSample(const FeatureVector& signals);
 
 // True if the contact has no skin, only signals.
-inline bool IsIdeal(const Contact& contact) {
+inline bool IsIdeal(const LabelledContact& contact) {
   return contact.layout.name.empty();
 }
 
@@ -61,7 +61,7 @@ void StepClassifier(const ContactFrame& frame, ContactClassifier& classifier);
 //
 // `layout` is the skin of trials whose layout class has this name; other
 // trials' classes must be presets. Null for none.
-absl::StatusOr<std::optional<Contact>> ExtractContact(
+absl::StatusOr<std::optional<LabelledContact>> ExtractContact(
     const Trial& trial, const SkinLayout* layout = nullptr);
 
 // The skin of a trial with taxels, chosen as above; INVALID_CONFIG if its

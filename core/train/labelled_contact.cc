@@ -1,4 +1,4 @@
-#include "core/train/contact.h"
+#include "core/train/labelled_contact.h"
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
@@ -12,7 +12,7 @@ namespace {
 constexpr double kNeverReleased = -1;
 
 void TakeTaxels(const Trial& trial, const SkinLayout& layout,
-                Contact& contact) {
+                LabelledContact& contact) {
   ContactTracker tracker(layout, {trial.sample_rate_hz, kNeverReleased});
   std::vector<float> taxels(layout.taxels());
   for (size_t t = 0; t < trial.taxels.frames(); ++t) {
@@ -63,9 +63,9 @@ absl::StatusOr<SkinLayout> LayoutOfTrial(const Trial& trial,
   return found;
 }
 
-absl::StatusOr<std::optional<Contact>> ExtractContact(
+absl::StatusOr<std::optional<LabelledContact>> ExtractContact(
     const Trial& trial, const SkinLayout* layout) {
-  Contact contact;
+  LabelledContact contact;
   contact.id = trial.id;
   contact.label = trial.label;
   contact.condition = trial.condition;
@@ -81,8 +81,8 @@ absl::StatusOr<std::optional<Contact>> ExtractContact(
     TACTUS_ASSIGN_OR_RETURN(contact.layout, LayoutOfTrial(trial, layout));
     TakeTaxels(trial, contact.layout, contact);
   }
-  if (contact.frames.empty()) return std::optional<Contact>();
-  return std::optional<Contact>(std::move(contact));
+  if (contact.frames.empty()) return std::optional<LabelledContact>();
+  return std::optional<LabelledContact>(std::move(contact));
 }
 
 }  // namespace tactus

@@ -1,4 +1,4 @@
-#include "core/train/metrics.h"
+#include "core/eval/metrics.h"
 
 #include <cmath>
 
@@ -54,12 +54,6 @@ TEST(MetricsTest, ErrorsOfEstimatesAreSummedUp) {
   EXPECT_DOUBLE_EQ(summary.root_mean_square, std::sqrt(34.0 / 4));
   EXPECT_DOUBLE_EQ(summary.covered, 0.5);
   EXPECT_EQ(SummariseErrors({}).count, 0);
-}
-
-TEST(MetricsTest, LogLossIsFlooredNotInfinite) {
-  const Outcome outcomes[] = {{0, {0, 1}}, {1, {0.5, 0.5}}};
-  EXPECT_NEAR(NegativeLogLikelihood(outcomes),
-              (-std::log(1e-12) + std::log(2)) / 2, 1e-9);
 }
 
 }  // namespace

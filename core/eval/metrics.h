@@ -1,6 +1,10 @@
 // File: metrics.h
 //
-// What an evaluation counts: confusion, accuracy, calibration error.
+// Numbers that sum up an evaluation: confusion, accuracy with its interval,
+// calibration error, errors of estimates.
+//
+//   const int right = CountRight(outcomes);
+//   const Interval interval = WilsonInterval(right, outcomes.size());
 //
 // Plain data and free functions without state; thread-safe.
 #pragma once
@@ -23,7 +27,10 @@ struct Outcome {
 using Confusion = std::vector<std::vector<int>>;
 Confusion CountConfusion(std::span<const Outcome> outcomes, int classes);
 
-// Share of outcomes whose answer is their label; 0 for none.
+// Number of outcomes whose answer is their label.
+int CountRight(std::span<const Outcome> outcomes);
+
+// Fraction of outcomes whose answer is their label; 0 without outcomes.
 double Accuracy(std::span<const Outcome> outcomes);
 
 // The 95 % interval of a fraction of which `successes` out of `count` were
@@ -52,8 +59,5 @@ struct EstimateError {
   double deviation = 0;
 };
 EstimateErrors SummariseErrors(std::span<const EstimateError> errors);
-
-// Mean of -log(probability of the label), probabilities floored at 1e-12.
-double NegativeLogLikelihood(std::span<const Outcome> outcomes);
 
 }  // namespace tactus

@@ -1,8 +1,9 @@
+#include "core/train/fit_options.h"
+
 #include <algorithm>
 #include <vector>
 
 #include "core/base/errors.h"
-#include "core/train/fit.h"
 
 namespace tactus {
 namespace {

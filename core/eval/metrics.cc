@@ -1,4 +1,4 @@
-#include "core/train/metrics.h"
+#include "core/eval/metrics.h"
 
 #include <algorithm>
 #include <array>
@@ -20,12 +20,16 @@ Confusion CountConfusion(std::span<const Outcome> outcomes, int classes) {
   return confusion;
 }
 
+int CountRight(std::span<const Outcome> outcomes) {
+  return static_cast<int>(
+      std::count_if(outcomes.begin(), outcomes.end(),
+                    [](const Outcome& o) { return o.answer() == o.label; }));
+}
+
 double Accuracy(std::span<const Outcome> outcomes) {
   if (outcomes.empty()) return 0;
-  const auto right =
-      std::count_if(outcomes.begin(), outcomes.end(),
-                    [](const Outcome& o) { return o.answer() == o.label; });
-  return static_cast<double>(right) / static_cast<double>(outcomes.size());
+  return static_cast<double>(CountRight(outcomes)) /
+         static_cast<double>(outcomes.size());
 }
 
 Interval WilsonInterval(int successes, int count) {
@@ -81,15 +85,6 @@ EstimateErrors SummariseErrors(std::span<const EstimateError> errors) {
   summary.root_mean_square = std::sqrt(squares / count);
   summary.covered = covered / count;
   return summary;
-}
-
-double NegativeLogLikelihood(std::span<const Outcome> outcomes) {
-  if (outcomes.empty()) return 0;
-  double sum = 0;
-  for (const Outcome& outcome : outcomes) {
-    sum -= std::log(std::max(outcome.probability[outcome.label], 1e-12));
-  }
-  return sum / static_cast<double>(outcomes.size());
 }
 
 }  // namespace tactus
