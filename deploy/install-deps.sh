@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
-# Installs the Debian 12 packages that Tactus is built and tested with.
+# Installs the Debian 12 packages that Tactus needs.
 #
-#   deploy/install-deps.sh            everything: server, tools and tests
-#   deploy/install-deps.sh --build    what tactusd alone needs to be built
-#   deploy/install-deps.sh --runtime  what a built tactusd needs to run
-#   deploy/install-deps.sh --image    what deploy/check-image.sh works with
-#   deploy/install-deps.sh --list     (with any of these) only name them
+#   deploy/install-deps.sh            to build and run all programs
+#   deploy/install-deps.sh --tests    and to build and run tests and benchmarks
+#   deploy/install-deps.sh --build    to build tactusd alone
+#   deploy/install-deps.sh --runtime  to run a tactusd that is already built
+#   deploy/install-deps.sh --image    to run deploy/check-image.sh
+#   deploy/install-deps.sh --list     (with any of these) only prints the names
 #
-# Runs as root, or as a user who may use sudo. Does nothing, and asks the
-# network nothing, when all of them are there already.
+# Runs as root, or as a user who may use sudo. Does nothing, and does not use the
+# network, when all packages are installed already.
 set -euo pipefail
 
 # The server: compiler, gRPC and protobuf, the numerics it links.
@@ -41,23 +42,26 @@ readonly IMAGE=(
   buildah
   mmdebstrap
 )
-# The tools (trial files, simulator), the tests and their references.
-readonly TOOLS_AND_TESTS=(
+# The client and the tools: trial files, JSON, pictures of skins.
+readonly PROGRAMS=(
+  libhdf5-dev
+  libopencv-core-dev
+  libopencv-imgcodecs-dev
+  libopencv-imgproc-dev
+  nlohmann-json3-dev
+  pkgconf
+)
+# The tests, the benchmarks, and the independent references of both.
+readonly TESTS=(
   ccache
   clang-format
   gnuplot-nox
   libghmm-dev
   libgmock-dev
   libgtest-dev
-  libhdf5-dev
-  libopencv-core-dev
-  libopencv-imgcodecs-dev
-  libopencv-imgproc-dev
   libprotoc-dev
   libsundials-dev
-  nlohmann-json3-dev
   openssl
-  pkgconf
   python3-h5py
 )
 
@@ -65,10 +69,11 @@ usage() {
   sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "$0"
 }
 
-packages=("${BUILD[@]}" "${TOOLS_AND_TESTS[@]}")
+packages=("${BUILD[@]}" "${PROGRAMS[@]}")
 list_only=no
 for arg in "$@"; do
   case "$arg" in
+    --tests) packages+=("${TESTS[@]}") ;;
     --build) packages=("${BUILD[@]}") ;;
     --runtime) packages=("${RUNTIME[@]}") ;;
     --image) packages=("${IMAGE[@]}") ;;

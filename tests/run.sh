@@ -78,7 +78,7 @@ quick=(--label-exclude '^long$')
 release_tests=("${quick[@]}")
 [[ $full == no ]] || release_tests=()
 
-step "packages" deploy/install-deps.sh
+step "packages" deploy/install-deps.sh --tests
 step "format" check_format
 build_and_test release "${release_tests[@]}"
 if [[ $full == yes ]]; then
