@@ -84,7 +84,6 @@ absl::Status TactusServer::Listen() {
   }
   builder.RegisterService(&contacts_);
   builder.RegisterService(&health_);
-  builder.RegisterAsyncGenericService(unimplemented_.service());
   for (int i = 0; i < Threads(options_.threads); ++i) {
     queues_.push_back(
         std::make_unique<CallQueue>(builder.AddCompletionQueue()));
@@ -108,7 +107,6 @@ void TactusServer::Serve() {
   for (const auto& queue : queues_) {
     contacts_.Serve(queue.get());
     health_.Serve(queue.get());
-    unimplemented_.Serve(queue.get());
   }
   SetServing(true);
   for (const auto& queue : queues_) queue->Start();

@@ -22,7 +22,6 @@
 #include "server/ops/tls.h"
 #include "server/rpc/contact_service.h"
 #include "server/rpc/health_service.h"
-#include "server/rpc/unimplemented_calls.h"
 
 namespace tactus::server {
 
@@ -72,7 +71,6 @@ class TactusServer {
   const Options options_;
   ContactService contacts_;
   HealthService health_;
-  UnimplementedCalls unimplemented_;
   std::vector<int> ports_;
   std::vector<std::unique_ptr<CallQueue>> queues_;
   std::unique_ptr<grpc::Server> server_;

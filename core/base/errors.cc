@@ -234,13 +234,6 @@ absl::Status ModelNotFound(absl::string_view name) {
                    {{"model", std::string(name)}});
 }
 
-absl::Status ModelNotReady(absl::string_view name, absl::string_view why) {
-  return MakeError(StatusCode::kFailedPrecondition,
-                   v1::ERROR_REASON_MODEL_NOT_READY,
-                   absl::StrCat("model \"", name, "\" cannot serve: ", why),
-                   {{"model", std::string(name)}});
-}
-
 absl::Status StreamLimit(int limit) {
   return MakeError(
       StatusCode::kResourceExhausted, v1::ERROR_REASON_STREAM_LIMIT,
@@ -257,12 +250,6 @@ absl::Status StreamIdle(int timeout_ms) {
   return MakeError(StatusCode::kDeadlineExceeded, v1::ERROR_REASON_STREAM_IDLE,
                    absl::StrCat("nothing arrived for ", timeout_ms, " ms"),
                    {{"limit", absl::StrCat(timeout_ms)}});
-}
-
-absl::Status Unimplemented(absl::string_view rpc) {
-  return MakeError(StatusCode::kUnimplemented, v1::ERROR_REASON_UNIMPLEMENTED,
-                   absl::StrCat(rpc, " is not available in this release"),
-                   {{"rpc", std::string(rpc)}});
 }
 
 }  // namespace tactus

@@ -97,10 +97,8 @@ absl::Status GeometryMismatch(absl::string_view got, absl::string_view want);
 
 // Server.
 absl::Status ModelNotFound(absl::string_view name);
-absl::Status ModelNotReady(absl::string_view name, absl::string_view why);
 absl::Status StreamLimit(int limit);
 absl::Status Draining();
 absl::Status StreamIdle(int timeout_ms);
-absl::Status Unimplemented(absl::string_view rpc);
 
 }  // namespace tactus

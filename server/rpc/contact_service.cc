@@ -5,7 +5,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
-#include "server/rpc/status.h"
 #include "spdlog/spdlog.h"
 
 namespace tactus::server {
@@ -42,12 +41,6 @@ void ContactService::Release(ContactCall* stream) {
   const std::lock_guard lock(mutex_);
   gate_.Leave(frames);
   stream_done_.notify_all();
-}
-
-grpc::Status ContactService::ClassifyTrial(grpc::ServerContext*,
-                                           const v1::ClassifyTrialRequest*,
-                                           v1::ClassifyTrialResponse*) {
-  return ToGrpcStatus(Unimplemented("/tactus.v1.ContactService/ClassifyTrial"));
 }
 
 void ContactService::StartDraining(std::chrono::milliseconds grace) {

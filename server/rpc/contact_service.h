@@ -43,10 +43,6 @@ class ContactService final : public RawContactService,
   // Takes streams on `queue`. Before any queue starts.
   void Serve(CallQueue* queue);
 
-  grpc::Status ClassifyTrial(grpc::ServerContext* context,
-                             const v1::ClassifyTrialRequest* request,
-                             v1::ClassifyTrialResponse* response) override;
-
   // Refuses new streams and tells those there are.
   void StartDraining(std::chrono::milliseconds grace);
   // Ends all streams with DRAINING, their finals delivered first.

@@ -1,0 +1,22 @@
+// A method that no service has gets gRPC's own UNIMPLEMENTED.
+#include "gtest/gtest.h"
+#include "tests/server/support/raw_call.h"
+#include "tests/server/support/test_server.h"
+
+namespace tactus {
+namespace {
+
+TEST(UnknownMethodTest, IsUnimplementedAndHarmsNobody) {
+  testing::TestServer server;
+  for (const char* method :
+       {"/some.Service/Method", "/tactus.v1.ContactService/ClassifyEverything",
+        "/tactus.v1.TrainingService/TrainModel"}) {
+    EXPECT_EQ(testing::RawCall(server.channel(), method, "x").status.code(),
+              absl::StatusCode::kUnimplemented)
+        << method;
+  }
+  testing::ExpectGoodStream(server.channel());
+}
+
+}  // namespace
+}  // namespace tactus
