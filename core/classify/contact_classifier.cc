@@ -23,7 +23,7 @@ CueNeeds NeedsOf(const FeatureSpec& spec,
                  const ContactClassifier::Options& options,
                  const SkipRules& skip) {
   if (!skip[SkipRule::kUnusedCues]) return {};
-  return CuesNeeded(spec, !options.hmm_only || !skip[SkipRule::kUnaskedLstms]);
+  return CuesNeeded(spec, !options.hmm_only || !skip[SkipRule::kUnusedLstms]);
 }
 
 }  // namespace
@@ -62,7 +62,7 @@ void ContactClassifier::MakeLstms() {
     if (model_->estimator() != nullptr) {
       estimator_.emplace(*model_->estimator());
     }
-  } else if (skip_[SkipRule::kUnaskedLstms]) {
+  } else if (skip_[SkipRule::kUnusedLstms]) {
     return;
   }
   lstm_input_.resize(m.features.lstm.size());
@@ -132,7 +132,7 @@ void ContactClassifier::StepLstmsIfDue() {
   if (m.lstms.empty() || frames_ < lstm_due_) return;
   lstm_due_ = m.features.lstm_steps.Next(frames_);
   if (lstms_.empty()) {
-    ++skipped_[SkipRule::kUnaskedLstms];
+    ++skipped_[SkipRule::kUnusedLstms];
   } else if (options_.decisions_only && decision_ &&
              skip_[SkipRule::kLstmsAfterDecision]) {
     ++skipped_[SkipRule::kLstmsAfterDecision];

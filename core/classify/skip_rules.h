@@ -1,8 +1,8 @@
 // File: skip_rules.h
 //
-// What a stream need not compute, and how often it did not: one switch and one
-// counter a rule. docs/skipping.md tells what each rule is worth and what it
-// may change; all but kLstmsAfterDecision change no bit of any answer.
+// Rules that skip work which the answers do not need. Each rule has a switch
+// and a counter. All rules except kLstmsAfterDecision change no bit of any
+// answer. docs/skipping.md states how much time each rule saves.
 //
 //   ContactPipeline::Options options;
 //   options.skip[SkipRule::kUnchangedFrames] = false;
@@ -18,26 +18,27 @@
 namespace tactus {
 
 enum class SkipRule {
-  // Frames outside a contact without a touched taxel: not segmented.
+  // Does not segment frames outside a contact without a touched taxel.
   kUntouchedFrames,
-  // Frames of a contact with the taxels of the frame before: features kept.
+  // Keeps the features when a contact's frame has the taxels of the frame
+  // before.
   kUnchangedFrames,
-  // Cues and load profiles that the stream's models do not look at. Counted
-  // once: how many cues.
+  // Does not compute cues and load profiles that the stream's models do not
+  // use. The counter is the number of cues, counted once.
   kUnusedCues,
-  // Steps of the LSTMs in a stream that asked for HMMs only.
-  kUnaskedLstms,
-  // Steps of the LSTMs after the decision in a stream that asked for decisions
-  // only.
+  // Does not step the LSTMs in a stream that asked for HMMs only.
+  kUnusedLstms,
+  // Does not step the LSTMs after the decision in a stream that asked for
+  // decisions only.
   kLstmsAfterDecision,
-  // Frames that left scores and calibration as they were: probabilities kept.
+  // Keeps the probabilities when neither scores nor calibration have changed.
   kUnchangedScores,
-  // Frames of which only the listed taxels were written and checked.
+  // Writes and checks only the listed taxels of sparse frames.
   kUnlistedTaxels,
 };
 inline constexpr int kSkipRuleCount = 7;
 
-// One Type a rule.
+// One value of Type per rule.
 template <typename Type>
 class PerSkipRule {
  public:
@@ -54,7 +55,7 @@ class PerSkipRule {
   std::array<Type, kSkipRuleCount> values_ = {};
 };
 
-// All on unless switched off.
+// Switches of the rules; all are on by default.
 class SkipRules : public PerSkipRule<bool> {
  public:
   constexpr SkipRules() {
@@ -62,6 +63,7 @@ class SkipRules : public PerSkipRule<bool> {
   }
 };
 
+// How often each rule skipped work.
 class SkipCounters : public PerSkipRule<uint64_t> {
  public:
   constexpr SkipCounters& operator+=(const SkipCounters& more) {

@@ -36,7 +36,7 @@ class SkipTotals {
         total(SkipRule::kUntouchedFrames), " untouched frames, ",
         total(SkipRule::kUnchangedFrames), " unchanged frames, ",
         total(SkipRule::kUnchangedScores), " unchanged scores, ",
-        total(SkipRule::kUnaskedLstms), " unasked LSTM steps, ",
+        total(SkipRule::kUnusedLstms), " unused LSTM steps, ",
         total(SkipRule::kLstmsAfterDecision), " LSTM steps after decisions, ",
         total(SkipRule::kUnlistedTaxels), " sparse frames");
   }

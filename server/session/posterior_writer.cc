@@ -47,16 +47,6 @@ void WriteFeatures(const FrameFeatures& features, v1::ContactFeatures* out) {
   out->set_centroid_column(features.centroid.column);
 }
 
-void WriteSkipped(const SkipCounters& skipped, v1::Skipped* out) {
-  out->set_untouched_frames(skipped[SkipRule::kUntouchedFrames]);
-  out->set_unchanged_frames(skipped[SkipRule::kUnchangedFrames]);
-  out->set_unused_cues(skipped[SkipRule::kUnusedCues]);
-  out->set_unasked_lstms(skipped[SkipRule::kUnaskedLstms]);
-  out->set_lstms_after_decision(skipped[SkipRule::kLstmsAfterDecision]);
-  out->set_unchanged_scores(skipped[SkipRule::kUnchangedScores]);
-  out->set_unlisted_taxels(skipped[SkipRule::kUnlistedTaxels]);
-}
-
 }  // namespace
 
 void PosteriorWriter::OnFrame(const ContactReport& report, uint64_t sequence,
@@ -81,8 +71,7 @@ void PosteriorWriter::OnEndOfTrial() {
   frames_missing_ = 0;
 }
 
-void PosteriorWriter::Write(const ContactPipeline& pipeline,
-                            const SkipCounters& skipped, bool is_final,
+void PosteriorWriter::Write(const ContactPipeline& pipeline, bool is_final,
                             v1::Posterior* posterior) const {
   const ContactReport& report = pipeline.report();
   const ContactClassifier& classifier = pipeline.classifier();
@@ -107,11 +96,6 @@ void PosteriorWriter::Write(const ContactPipeline& pipeline,
   posterior->set_frames_missing(frames_missing_);
   posterior->set_is_final(is_final);
   posterior->set_is_contact_end(!is_final && report.released);
-  if (is_final || report.released) {
-    WriteSkipped(skipped, posterior->mutable_skipped());
-  } else if (posterior->has_skipped()) {
-    posterior->clear_skipped();
-  }
 }
 
 void PosteriorWriter::WriteDecision(const ContactPipeline& pipeline,

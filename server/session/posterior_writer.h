@@ -27,9 +27,9 @@ class PosteriorWriter {
   void OnEndOfTrial();
 
   // Overwrites all of `posterior` but server_compute_ns, queue_ns and
-  // superseded. `skipped`: by the whole stream.
-  void Write(const ContactPipeline& pipeline, const SkipCounters& skipped,
-             bool is_final, v1::Posterior* posterior) const;
+  // superseded.
+  void Write(const ContactPipeline& pipeline, bool is_final,
+             v1::Posterior* posterior) const;
 
  private:
   void WriteDecision(const ContactPipeline& pipeline,

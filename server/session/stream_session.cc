@@ -147,7 +147,7 @@ void StreamSession::OnFrame(const v1::FrameBatch& batch, uint32_t index) {
 }
 
 void StreamSession::WritePosterior(bool is_final, v1::Posterior* posterior) {
-  writer_->Write(*pipeline_, skipped(), is_final, posterior);
+  writer_->Write(*pipeline_, is_final, posterior);
 }
 
 SkipCounters StreamSession::skipped() const {

@@ -11,11 +11,6 @@
 namespace tactus::server {
 namespace {
 
-// SkipRule on the wire begins with UNSPECIFIED.
-static_assert(v1::SKIP_RULE_UNTOUCHED_FRAMES ==
-                  static_cast<int>(SkipRule::kUntouchedFrames) + 1 &&
-              v1::SKIP_RULE_UNLISTED_TAXELS == kSkipRuleCount);
-
 constexpr double kDefaultSampleRateHz = 100;
 constexpr int32_t kDefaultReleaseAfterMs = 500;
 
@@ -102,8 +97,8 @@ absl::Status ParsePipeline(const v1::StreamConfig& config,
   return absl::OkStatus();
 }
 
-absl::Status ParseWork(const v1::StreamConfig& config,
-                       ContactPipeline::Options& options) {
+absl::Status ParseModelParts(const v1::StreamConfig& config,
+                             ContactPipeline::Options& options) {
   if (!v1::ModelParts_IsValid(config.model_parts())) {
     return InvalidConfig("model_parts", static_cast<int>(config.model_parts()),
                          "a value of ModelParts");
@@ -111,12 +106,6 @@ absl::Status ParseWork(const v1::StreamConfig& config,
   options.decision.hmm_only = config.model_parts() == v1::MODEL_PARTS_HMM;
   options.decision.decisions_only =
       config.cadence() == v1::RESULT_CADENCE_ON_DECISION;
-  for (const int value : config.skip_rules_off()) {
-    if (value == v1::SKIP_RULE_UNSPECIFIED || !v1::SkipRule_IsValid(value)) {
-      return InvalidConfig("skip_rules_off", value, "values of SkipRule");
-    }
-    options.skip[static_cast<SkipRule>(value - 1)] = false;
-  }
   return absl::OkStatus();
 }
 
@@ -139,7 +128,7 @@ absl::StatusOr<StreamSettings> ParseStreamConfig(
   TACTUS_RETURN_IF_ERROR(ParseTaxels(config, settings));
   TACTUS_RETURN_IF_ERROR(ParseCadence(config, settings));
   TACTUS_RETURN_IF_ERROR(ParsePipeline(config, settings.pipeline));
-  TACTUS_RETURN_IF_ERROR(ParseWork(config, settings.pipeline));
+  TACTUS_RETURN_IF_ERROR(ParseModelParts(config, settings.pipeline));
   settings.with_features = config.with_features();
   return settings;
 }

@@ -49,10 +49,6 @@ Request Config(FuzzedDataProvider& data) {
   config->set_result_interval_frames(data.ConsumeIntegralInRange(1, 4));
   config->set_model_parts(
       static_cast<tactus::v1::ModelParts>(data.ConsumeIntegralInRange(0, 2)));
-  if (data.ConsumeBool()) {
-    config->add_skip_rules_off(
-        static_cast<tactus::v1::SkipRule>(data.ConsumeIntegralInRange(1, 7)));
-  }
   return request;
 }
 

@@ -151,14 +151,14 @@ TEST_F(SkippingTest, UnusedCues) {
   EXPECT_EQ(Run({}).skipped[SkipRule::kUnusedCues], DerivedCues().size() - 5);
 }
 
-TEST_F(SkippingTest, UnaskedLstms) {
-  EXPECT_EQ(Run({}).skipped[SkipRule::kUnaskedLstms], 0u);
+TEST_F(SkippingTest, UnusedLstms) {
+  EXPECT_EQ(Run({}).skipped[SkipRule::kUnusedLstms], 0u);
   const Trace with_lstms = Run({});
   options_.decision.hmm_only = true;
   const Trace on = Run({});
-  const Trace off = RunWithout(SkipRule::kUnaskedLstms);
-  EXPECT_GT(on.skipped[SkipRule::kUnaskedLstms], 200u);
-  EXPECT_EQ(off.skipped[SkipRule::kUnaskedLstms], 0u);
+  const Trace off = RunWithout(SkipRule::kUnusedLstms);
+  EXPECT_GT(on.skipped[SkipRule::kUnusedLstms], 200u);
+  EXPECT_EQ(off.skipped[SkipRule::kUnusedLstms], 0u);
   EXPECT_TRUE(on.all == off.all);
   // The HMMs' own share is what it is beside the LSTMs.
   EXPECT_TRUE(on.hmm == with_lstms.hmm);

@@ -1,5 +1,6 @@
-// What a stream skips changes no bit of its answers, is told in its finals and
-// may be switched off; its frames allocate nothing in any encoding.
+// A stream counts what it skips, and its frames allocate nothing in any
+// encoding. tests/core/classify/skipping_test.cc checks that the rules change
+// no bit of the answers.
 #include "core/base/random.h"
 #include "google/protobuf/io/zero_copy_stream_impl_lite.h"
 #include "gtest/gtest.h"
@@ -28,7 +29,7 @@ v1::ClassifyContactRequest Config(bool f32) {
   return request;
 }
 
-// Untouched frames, a touch that rests, moves, and rests on, and its end.
+// Untouched frames, a touch whose force and size change in steps, and its end.
 std::vector<Counts> Scene() {
   std::vector<Counts> frames(10, Untouched());
   for (int t = 0; t < 60; ++t) {
@@ -38,77 +39,27 @@ std::vector<Counts> Scene() {
   return frames;
 }
 
-std::vector<v1::Posterior> Answers(const v1::ClassifyContactRequest& config,
-                                   const testing::TestModels& models,
-                                   Encode encode, int frames_per_message) {
-  StreamSession session(&models, {});
-  EXPECT_TRUE(session.OnRequest(config).ok());
-  std::vector<v1::Posterior> posteriors;
-  const auto collect = [&] {
-    while (const auto* response = session.responses().StartWrite(0)) {
-      if (response->has_posterior()) {
-        posteriors.push_back(response->posterior());
-      }
-      session.responses().FinishWrite();
-    }
-  };
-  const std::vector<Counts> frames = Scene();
-  for (size_t t = 0; t < frames.size(); t += frames_per_message) {
-    const auto first = frames.begin() + static_cast<ptrdiff_t>(t);
-    EXPECT_TRUE(
-        session.OnRequest(encode(1 + t, {first, first + frames_per_message}))
-            .ok());
-    collect();
-  }
-  session.OnHalfClose();
-  collect();
-  return posteriors;
-}
-
 class SessionSkippingTest : public ::testing::Test {
  protected:
   testing::TestModels models_;
 };
 
-TEST_F(SessionSkippingTest, FinalsAndEndsTellWhatWasSkipped) {
-  const auto posteriors =
-      Answers(Config(false), models_, testing::SparseU16, 10);
-  int told = 0;
-  for (const v1::Posterior& posterior : posteriors) {
-    EXPECT_EQ(posterior.has_skipped(),
-              posterior.is_final() || posterior.is_contact_end());
-    told += posterior.has_skipped();
+TEST_F(SessionSkippingTest, AStreamCountsWhatItSkips) {
+  StreamSession session(&models_, {});
+  EXPECT_EQ(session.skipped()[SkipRule::kUntouchedFrames], 0u);
+  ASSERT_TRUE(session.OnRequest(Config(false)).ok());
+  const std::vector<Counts> frames = Scene();
+  for (size_t t = 0; t < frames.size(); ++t) {
+    ASSERT_TRUE(session.OnRequest(testing::SparseU16(1 + t, {frames[t]})).ok());
   }
-  EXPECT_EQ(told, 2);
-  const v1::Skipped& skipped = posteriors.back().skipped();
+  const SkipCounters skipped = session.skipped();
   // Ten before the touch; of those after it the third ends the contact.
-  EXPECT_EQ(skipped.untouched_frames(), 18u);
-  EXPECT_EQ(skipped.unchanged_frames(), 54u);
-  EXPECT_EQ(skipped.unused_cues(), DerivedCues().size() + kProfileSize);
-  EXPECT_EQ(skipped.unasked_lstms(), 0u);
-  EXPECT_EQ(skipped.unlisted_taxels(), 80u);
-}
-
-TEST_F(SessionSkippingTest, EachRuleMayBeSwitchedOffAndChangesNothing) {
-  for (const Encode encode : {testing::SparseU16, testing::DenseU16}) {
-    auto on = Answers(Config(false), models_, encode, 1);
-    for (v1::Posterior& posterior : on) posterior.clear_skipped();
-    for (int rule = 1; rule <= kSkipRuleCount; ++rule) {
-      auto config = Config(false);
-      config.mutable_config()->add_skip_rules_off(
-          static_cast<v1::SkipRule>(rule));
-      auto off = Answers(config, models_, encode, 1);
-      const v1::Skipped& skipped = off.back().skipped();
-      const auto* field = v1::Skipped::descriptor()->FindFieldByNumber(rule);
-      EXPECT_EQ(skipped.GetReflection()->GetUInt64(skipped, field), 0u)
-          << field->name();
-      ASSERT_EQ(off.size(), on.size());
-      for (size_t i = 0; i < off.size(); ++i) {
-        off[i].clear_skipped();
-        EXPECT_EQ(off[i].SerializeAsString(), on[i].SerializeAsString());
-      }
-    }
-  }
+  EXPECT_EQ(skipped[SkipRule::kUntouchedFrames], 18u);
+  EXPECT_EQ(skipped[SkipRule::kUnchangedFrames], 54u);
+  EXPECT_EQ(skipped[SkipRule::kUnusedCues],
+            DerivedCues().size() + kProfileSize);
+  EXPECT_EQ(skipped[SkipRule::kUnusedLstms], 0u);
+  EXPECT_EQ(skipped[SkipRule::kUnlistedTaxels], 80u);
 }
 
 // Many frames a message, dense and sparse by turns, taxels masked out.
@@ -116,12 +67,9 @@ TEST_F(SessionSkippingTest, SparseFramesLeaveNothingBehind) {
   for (const bool skip : {true, false}) {
     auto config = Config(false);
     config.mutable_config()->mutable_geometry()->add_masked_taxels(5 * 24 + 8);
-    if (!skip) {
-      config.mutable_config()->add_skip_rules_off(
-          v1::SKIP_RULE_UNLISTED_TAXELS);
-    }
-    const auto parsed = *ParseStreamConfig(config.config());
-    FrameDecoder decoder(parsed);
+    StreamSettings settings = *ParseStreamConfig(config.config());
+    settings.pipeline.skip[SkipRule::kUnlistedTaxels] = skip;
+    FrameDecoder decoder(settings);
     Random random(4);
     uint64_t sequence = 1;
     uint64_t sparse_frames = 0;
@@ -175,7 +123,7 @@ TEST_F(SessionSkippingTest, HmmOnlyLeavesOutTheLstms) {
   ASSERT_TRUE(
       session.OnRequest(testing::DenseU16(1, std::vector(9, Touch(2)))).ok());
   session.OnHalfClose();
-  EXPECT_EQ(session.skipped()[SkipRule::kUnaskedLstms], 9u);
+  EXPECT_EQ(session.skipped()[SkipRule::kUnusedLstms], 9u);
   int posteriors = 0;
   while (const auto* response = session.responses().StartWrite(0)) {
     if (response->has_posterior()) {

@@ -186,10 +186,6 @@ void AddConfigRows(Table& t) {
   bad("DecisionFramesTooMany", [](auto* c) { c->set_decision_frames(10'001); });
   bad("UnknownParts",
       [](auto* c) { c->set_model_parts(static_cast<v1::ModelParts>(9)); });
-  bad("RuleWithoutName",
-      [](auto* c) { c->add_skip_rules_off(v1::SKIP_RULE_UNSPECIFIED); });
-  bad("UnknownRule",
-      [](auto* c) { c->add_skip_rules_off(static_cast<v1::SkipRule>(99)); });
   bad("ReleaseTooLate", [](auto* c) { c->set_release_after_ms(60'001); });
   bad("ClientIdTooLong",
       [](auto* c) { c->set_client_id(std::string(129, 'x')); });
