@@ -45,6 +45,8 @@ inline constexpr uint64_t kMaxBridgedFrames = 100;
 // One message to any service, compared before it is parsed. gRPC has one such
 // limit per server; each service compares its own, smaller limit as well.
 inline constexpr int kMaxReceiveBytes = 128 * 1024;
+// One request of ClassifyTrial.
+inline constexpr size_t kMaxTrialBytes = kMaxReceiveBytes;
 
 // Server.
 inline constexpr int kMaxStreams = 2'000;

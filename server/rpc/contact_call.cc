@@ -26,8 +26,8 @@ int64_t TimeoutNs(const StreamSession::Options& options) {
 }  // namespace
 
 ContactCall::ContactCall(RawContactService* service, CallQueue* queue,
-                         Keeper* keeper)
-    : service_(service), queue_(queue), keeper_(keeper) {
+                         Delegate* delegate)
+    : service_(service), queue_(queue), delegate_(delegate) {
   queue_->Enter();
   service_->RequestClassifyContact(&context_, &stream_, queue_->queue(),
                                    queue_->queue(), called_.tag());
@@ -41,14 +41,14 @@ void ContactCall::OnCalled(bool ok) {
     delete this;
     return;
   }
-  auto options = keeper_->Admit(this);
+  auto options = delegate_->Admit(this);
   if (!options.ok()) {
     Finish(ToGrpcStatus(options.status()));
     return;
   }
   options_ = *std::move(options);
-  request_ = keeper_->request(queue_);
-  session_.emplace(keeper_->models(), options_);
+  request_ = delegate_->request(queue_);
+  session_.emplace(delegate_->models(), options_);
   last_read_ns_ = MonotonicNs();
   if (options_.idle_timeout_ms > 0) SetIdleAlarm(TimeoutNs(options_));
   Advance();
@@ -220,7 +220,7 @@ void ContactCall::OnFinished(bool) {
 
 void ContactCall::DeleteIfOver() {
   if (!finished_ || in_flight_ > 0) return;
-  if (session_) keeper_->Release(this);
+  if (session_) delegate_->Release(this);
   delete this;
 }
 

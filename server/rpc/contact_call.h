@@ -4,11 +4,10 @@
 // StreamSession. At most one read and one write are in flight; every event
 // ends in Advance(), which starts what may be started next.
 //
-//   new ContactCall(service, queue, keeper);  // awaits a call
+//   new ContactCall(service, queue, delegate);  // awaits a call
 //
-// Deletes itself when nothing of it is in flight any more. Belongs to its
-// queue's thread, on which everything runs, construction and the keeper's
-// functions too.
+// Deletes itself once it has no operation in flight. Everything, including the
+// constructor and the delegate's functions, runs on the queue's thread.
 #pragma once
 
 #include <cstdint>
@@ -26,32 +25,33 @@
 
 namespace tactus::server {
 
-// Streams move raw bytes, so that a message is measured before it is parsed
-// and one that cannot be parsed is told from a half-close.
+// Calls move raw bytes: a message is measured before it is parsed, and one that
+// cannot be parsed is not mistaken for a half-close.
 using RawContactService = v1::ContactService::WithRawMethod_ClassifyContact<
-    v1::ContactService::Service>;
+    v1::ContactService::WithRawMethod_ClassifyTrial<
+        v1::ContactService::Service>>;
 
 class ContactCall {
  public:
-  // Who admits streams and keeps them.
-  class Keeper {
+  // Admits streams and provides what they share.
+  class Delegate {
    public:
-    // A call has come: awaits the next one on `stream`'s queue, and admits
-    // this one or says why not.
+    // A call has come: awaits the next one on `stream`'s queue, and returns the
+    // options of this one or why it is refused.
     virtual absl::StatusOr<StreamSession::Options> Admit(
         ContactCall* stream) = 0;
-    // A stream that was admitted is over.
+    // A stream that was admitted has ended.
     virtual void Release(ContactCall* stream) = 0;
     virtual const ModelSource* models() const = 0;
-    // Where the streams of a queue parse their messages to.
+    // The message that streams of a queue parse into.
     virtual v1::ClassifyContactRequest* request(CallQueue* queue) = 0;
 
    protected:
-    ~Keeper() = default;
+    ~Delegate() = default;
   };
 
   // All three must outlive it. The session's option tells the idle timeout.
-  ContactCall(RawContactService* service, CallQueue* queue, Keeper* keeper);
+  ContactCall(RawContactService* service, CallQueue* queue, Delegate* delegate);
 
   ContactCall(const ContactCall&) = delete;
   ContactCall& operator=(const ContactCall&) = delete;
@@ -62,8 +62,8 @@ class ContactCall {
   void End(const absl::Status& status);
 
   CallQueue* queue() const { return queue_; }
-  uint64_t frames() const { return session_->frames(); }
-  SkipCounters skipped() const { return session_->skipped(); }
+  // Of a stream that was admitted.
+  const StreamSession& session() const { return *session_; }
 
  private:
   using Event = MemberEvent<ContactCall>;
@@ -91,7 +91,7 @@ class ContactCall {
 
   RawContactService* const service_;
   CallQueue* const queue_;
-  Keeper* const keeper_;
+  Delegate* const delegate_;
 
   grpc::ServerContext context_;
   grpc::ServerAsyncReaderWriter<grpc::ByteBuffer, grpc::ByteBuffer> stream_{

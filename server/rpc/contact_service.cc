@@ -18,14 +18,25 @@ void ContactService::Serve(CallQueue* queue) {
   lanes_.try_emplace(queue);
   // Deletes itself.
   new ContactCall(this, queue, this);
+  new TrialCall(this, queue, this);
 }
 
 absl::StatusOr<StreamSession::Options> ContactService::Admit(
     ContactCall* stream) {
   new ContactCall(this, stream->queue(), this);
+  auto options = Enter();
+  if (options.ok()) lanes_.at(stream->queue()).streams.insert(stream);
+  return options;
+}
+
+absl::StatusOr<StreamSession::Options> ContactService::Admit(TrialCall* call) {
+  new TrialCall(this, call->queue(), this);
+  return Enter();
+}
+
+absl::StatusOr<StreamSession::Options> ContactService::Enter() {
   if (draining_) return Draining();
   if (!gate_.TryEnter()) return StreamLimit(gate_.limit());
-  lanes_.at(stream->queue()).streams.insert(stream);
   return StreamSession::Options{
       .stream_id = absl::StrCat(next_stream_.fetch_add(1)),
       .server_version = options_.server_version,
@@ -33,11 +44,17 @@ absl::StatusOr<StreamSession::Options> ContactService::Admit(
 }
 
 void ContactService::Release(ContactCall* stream) {
-  const uint64_t frames = stream->frames();
+  lanes_.at(stream->queue()).streams.erase(stream);
+  Leave(stream->session());
+}
+
+void ContactService::Release(TrialCall* call) { Leave(call->session()); }
+
+void ContactService::Leave(const StreamSession& session) {
+  const uint64_t frames = session.frames();
   spdlog::debug("stream ended after {} frames, {} left", frames,
                 gate_.live() - 1);
-  skipped_.Add(stream->skipped());
-  lanes_.at(stream->queue()).streams.erase(stream);
+  skipped_.Add(session.skipped());
   const std::lock_guard lock(mutex_);
   gate_.Leave(frames);
   stream_done_.notify_all();

@@ -1,14 +1,14 @@
 // File: contact_service.h
 //
-// ContactService: admits streams, keeps count of them and drains them.
+// ContactService: admits streams and trials, counts them and drains the
+// streams.
 //
 //   builder.RegisterService(&service);
 //   ...
 //   service.Serve(&queue);
 //
-// Thread-safe, but for what the keeper of streams does: that belongs to the
-// thread of each stream's queue. Must outlive the gRPC server it is registered
-// with, and its queues.
+// Thread-safe. The delegates' functions are called on the thread of each call's
+// queue. Must outlive the gRPC server it is registered with, and its queues.
 #pragma once
 
 #include <atomic>
@@ -24,11 +24,13 @@
 #include "server/ops/stream_gate.h"
 #include "server/rpc/call_queue.h"
 #include "server/rpc/contact_call.h"
+#include "server/rpc/trial_call.h"
 
 namespace tactus::server {
 
 class ContactService final : public RawContactService,
-                             private ContactCall::Keeper {
+                             private ContactCall::Delegate,
+                             private TrialCall::Delegate {
  public:
   struct Options {
     int max_streams = 0;
@@ -62,7 +64,12 @@ class ContactService final : public RawContactService,
   };
 
   absl::StatusOr<StreamSession::Options> Admit(ContactCall* stream) override;
+  absl::StatusOr<StreamSession::Options> Admit(TrialCall* call) override;
   void Release(ContactCall* stream) override;
+  void Release(TrialCall* call) override;
+  // The options of a call that may run, or why it may not.
+  absl::StatusOr<StreamSession::Options> Enter();
+  void Leave(const StreamSession& session);
   const ModelSource* models() const override { return models_; }
   v1::ClassifyContactRequest* request(CallQueue* queue) override {
     return &lanes_.at(queue).request;

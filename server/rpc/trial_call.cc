@@ -1,0 +1,78 @@
+#include "server/rpc/trial_call.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "server/rpc/status.h"
+
+namespace tactus::server {
+namespace {
+
+std::string Flatten(const grpc::ByteBuffer& buffer) {
+  std::vector<grpc::Slice> slices;
+  if (!buffer.Dump(&slices).ok()) return "";
+  std::string bytes;
+  bytes.reserve(buffer.Length());
+  for (const grpc::Slice& slice : slices) {
+    bytes.append(reinterpret_cast<const char*>(slice.begin()), slice.size());
+  }
+  return bytes;
+}
+
+}  // namespace
+
+TrialCall::TrialCall(RawContactService* service, CallQueue* queue,
+                     Delegate* delegate)
+    : service_(service), queue_(queue), delegate_(delegate) {
+  queue_->Enter();
+  service_->RequestClassifyTrial(&context_, &request_, &writer_,
+                                 queue_->queue(), queue_->queue(),
+                                 called_.tag());
+}
+
+TrialCall::~TrialCall() { queue_->Leave(); }
+
+void TrialCall::OnCalled(bool ok) {
+  if (!ok) {
+    // The server takes no more calls.
+    delete this;
+    return;
+  }
+  auto options = delegate_->Admit(this);
+  if (!options.ok()) {
+    Finish(options.status());
+    return;
+  }
+  trial_.emplace(delegate_->models(), *std::move(options), Flatten(request_));
+  request_.Clear();
+  queue_->Defer(&turn_);
+}
+
+void TrialCall::OnTurn(bool) {
+  trial_->Step(delegate_->request(queue_));
+  if (trial_->done()) {
+    Finish(trial_->status());
+  } else {
+    queue_->Defer(&turn_);
+  }
+}
+
+void TrialCall::Finish(const absl::Status& status) {
+  if (!status.ok()) {
+    writer_.FinishWithError(ToGrpcStatus(status), finished_.tag());
+    return;
+  }
+  grpc::Slice bytes(trial_->response().SerializeAsString());
+  writer_.Finish(grpc::ByteBuffer(&bytes, 1), grpc::Status::OK,
+                 finished_.tag());
+}
+
+void TrialCall::OnFinished(bool) {
+  if (trial_) delegate_->Release(this);
+  delete this;
+}
+
+}  // namespace tactus::server

@@ -1,0 +1,78 @@
+// File: trial_call.h
+//
+// TrialCall: carries one ClassifyTrial RPC between gRPC and a TrialSession. A
+// trial is taken part by part while its queue has no other event to handle, so
+// that streams do not wait for it.
+//
+//   new TrialCall(service, queue, delegate);  // awaits a call
+//
+// Deletes itself after the answer. Everything, including the constructor and
+// the delegate's functions, runs on the queue's thread.
+#pragma once
+
+#include <optional>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "grpcpp/server_context.h"
+#include "grpcpp/support/async_unary_call.h"
+#include "server/rpc/call_queue.h"
+#include "server/rpc/contact_call.h"
+#include "server/session/trial_session.h"
+
+namespace tactus::server {
+
+class TrialCall {
+ public:
+  // Admits calls and provides what they share.
+  class Delegate {
+   public:
+    // A call has come: awaits the next one on `call`'s queue, and returns the
+    // options of this one or why it is refused.
+    virtual absl::StatusOr<StreamSession::Options> Admit(TrialCall* call) = 0;
+    // A call that was admitted has ended.
+    virtual void Release(TrialCall* call) = 0;
+    virtual const ModelSource* models() const = 0;
+    // The message that calls of a queue parse into.
+    virtual v1::ClassifyContactRequest* request(CallQueue* queue) = 0;
+
+   protected:
+    ~Delegate() = default;
+  };
+
+  // All three must outlive it.
+  TrialCall(RawContactService* service, CallQueue* queue, Delegate* delegate);
+
+  TrialCall(const TrialCall&) = delete;
+  TrialCall& operator=(const TrialCall&) = delete;
+
+  CallQueue* queue() const { return queue_; }
+  const StreamSession& session() const { return trial_->session(); }
+
+ private:
+  using Event = MemberEvent<TrialCall>;
+
+  ~TrialCall();
+
+  void OnCalled(bool ok);
+  void OnTurn(bool idle);
+  void OnFinished(bool ok);
+  // Sends the response if `status` is OK, else the error.
+  void Finish(const absl::Status& status);
+
+  RawContactService* const service_;
+  CallQueue* const queue_;
+  Delegate* const delegate_;
+
+  grpc::ServerContext context_;
+  grpc::ByteBuffer request_;
+  grpc::ServerAsyncResponseWriter<grpc::ByteBuffer> writer_{&context_};
+  Event called_{this, &TrialCall::OnCalled};
+  Event turn_{this, &TrialCall::OnTurn};
+  Event finished_{this, &TrialCall::OnFinished};
+
+  // Set when the call is admitted.
+  std::optional<TrialSession> trial_;
+};
+
+}  // namespace tactus::server

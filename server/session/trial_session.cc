@@ -1,0 +1,83 @@
+#include "server/session/trial_session.h"
+
+#include <cstdint>
+#include <utility>
+
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "google/protobuf/io/coded_stream.h"
+#include "google/protobuf/io/zero_copy_stream_impl_lite.h"
+#include "google/protobuf/wire_format_lite.h"
+
+namespace tactus::server {
+namespace {
+
+using google::protobuf::internal::WireFormatLite;
+
+constexpr uint32_t Tag(int field) {
+  return WireFormatLite::MakeTag(field,
+                                 WireFormatLite::WIRETYPE_LENGTH_DELIMITED);
+}
+
+constexpr uint32_t kConfigTag =
+    Tag(v1::ClassifyTrialRequest::kConfigFieldNumber);
+constexpr uint32_t kFramesTag =
+    Tag(v1::ClassifyTrialRequest::kFramesFieldNumber);
+
+// A part's bytes are also a ClassifyContactRequest with this one field.
+static_assert(kConfigTag ==
+                  Tag(v1::ClassifyContactRequest::kConfigFieldNumber) &&
+              kFramesTag ==
+                  Tag(v1::ClassifyContactRequest::kFramesFieldNumber));
+
+}  // namespace
+
+TrialSession::TrialSession(const ModelSource* models,
+                           StreamSession::Options options, std::string bytes)
+    : session_(models, std::move(options)), bytes_(std::move(bytes)) {}
+
+void TrialSession::Step(v1::ClassifyContactRequest* request) {
+  if (bytes_.size() > limits::kMaxTrialBytes) {
+    session_.Finish(MessageTooLarge(bytes_.size(), limits::kMaxTrialBytes));
+  } else if (position_ < bytes_.size()) {
+    TakePart(request);
+  } else {
+    request->mutable_end_of_trial();
+    session_.OnRequest(*request).IgnoreError();
+    session_.OnHalfClose();
+  }
+  KeepAnswers();
+  done_ = session_.state() == StreamSession::State::kDone;
+}
+
+void TrialSession::TakePart(v1::ClassifyContactRequest* request) {
+  const char* begin = bytes_.data() + position_;
+  google::protobuf::io::CodedInputStream rest(
+      reinterpret_cast<const uint8_t*>(begin),
+      static_cast<int>(bytes_.size() - position_));
+  const uint32_t tag = rest.ReadTag();
+  if (tag == 0 || !WireFormatLite::SkipField(&rest, tag)) {
+    session_.Finish(MalformedRequest(bytes_.size()));
+    return;
+  }
+  const int size = rest.CurrentPosition();
+  position_ += size;
+  // Fields of a newer contract are ignored, as protobuf does.
+  if (tag != kConfigTag && tag != kFramesTag) return;
+  google::protobuf::io::ArrayInputStream part(begin, size);
+  session_.OnMessage(&part, size, request).IgnoreError();
+}
+
+void TrialSession::KeepAnswers() {
+  ResponseQueue& answers = session_.responses();
+  while (const v1::ClassifyContactResponse* answer = answers.StartWrite(0)) {
+    if (answer->has_started()) {
+      *response_.mutable_started() = answer->started();
+    } else if (answer->posterior().is_final()) {
+      *response_.mutable_posterior() = answer->posterior();
+    }
+    answers.FinishWrite();
+  }
+}
+
+}  // namespace tactus::server
