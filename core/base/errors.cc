@@ -126,13 +126,14 @@ absl::Status StreamFinished() {
                    "the stream has ended; open a new one");
 }
 
-absl::Status UnknownLayout(absl::string_view name) {
+absl::Status UnknownLayout(absl::string_view name, absl::string_view presets) {
   return MakeError(
       StatusCode::kInvalidArgument, v1::ERROR_REASON_UNKNOWN_LAYOUT,
-      absl::StrCat("layout \"", name,
-                   "\" is not a preset; use cody-forearm or "
-                   "vitac-12x32, or give rows and columns"),
-      {{"field", "geometry.layout"}, {"value", std::string(name)}});
+      absl::StrCat("layout \"", name, "\" is not a preset (", presets,
+                   "); describe it in full, with rows and columns"),
+      {{"field", "geometry.layout"},
+       {"value", std::string(name)},
+       {"expected", std::string(presets)}});
 }
 
 absl::Status MessageTooLarge(size_t got, size_t limit) {
@@ -250,6 +251,24 @@ absl::Status StreamIdle(int timeout_ms) {
   return MakeError(StatusCode::kDeadlineExceeded, v1::ERROR_REASON_STREAM_IDLE,
                    absl::StrCat("nothing arrived for ", timeout_ms, " ms"),
                    {{"limit", absl::StrCat(timeout_ms)}});
+}
+
+absl::Status InvalidResponse(absl::string_view what, absl::string_view got,
+                             absl::string_view want) {
+  return MakeError(StatusCode::kInternal, v1::ERROR_REASON_INVALID_RESPONSE,
+                   absl::StrCat("the server sent an invalid response: ", what,
+                                " is ", got, "; it must be ", want),
+                   {{"field", std::string(what)},
+                    {"value", std::string(got)},
+                    {"expected", std::string(want)}});
+}
+
+absl::Status NoResponse(absl::string_view request, int64_t timeout_ms) {
+  return MakeError(
+      StatusCode::kDeadlineExceeded, v1::ERROR_REASON_NO_RESPONSE,
+      absl::StrCat("the server did not respond to ", request, " within ",
+                   timeout_ms, " ms"),
+      {{"value", std::string(request)}, {"limit", absl::StrCat(timeout_ms)}});
 }
 
 }  // namespace tactus

@@ -80,7 +80,8 @@ absl::Status ConfigRepeated();
 absl::Status EmptyRequest();
 absl::Status MalformedRequest(size_t bytes);
 absl::Status StreamFinished();
-absl::Status UnknownLayout(absl::string_view name);
+// `presets`: the names of all presets, for the text.
+absl::Status UnknownLayout(absl::string_view name, absl::string_view presets);
 absl::Status MessageTooLarge(size_t got, size_t limit);
 absl::Status FrameCountOutOfRange(uint64_t got, uint64_t limit);
 absl::Status FrameSizeMismatch(uint64_t sequence, absl::string_view field,
@@ -100,5 +101,18 @@ absl::Status ModelNotFound(absl::string_view name);
 absl::Status StreamLimit(int limit);
 absl::Status Draining();
 absl::Status StreamIdle(int timeout_ms);
+
+// Client. INTERNAL: a response breaks the contract.
+absl::Status InvalidResponse(absl::string_view what, absl::string_view got,
+                             absl::string_view want);
+
+template <typename Value>
+absl::Status InvalidResponse(absl::string_view what, const Value& got,
+                             absl::string_view want) {
+  return InvalidResponse(what, absl::string_view(absl::StrCat(got)), want);
+}
+
+// DEADLINE_EXCEEDED: the server did not respond to `request` in time.
+absl::Status NoResponse(absl::string_view request, int64_t timeout_ms);
 
 }  // namespace tactus

@@ -8,8 +8,8 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
-#include "core/bundle/layout_proto.h"
 #include "core/classify/feature_input.h"
+#include "core/skin/layout_proto.h"
 
 namespace tactus {
 namespace {

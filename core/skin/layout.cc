@@ -2,8 +2,10 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
@@ -19,6 +21,55 @@ absl::Status CheckPositive(absl::string_view field, double value) {
 absl::Status CheckSide(absl::string_view field, int value, int limit) {
   if (value >= 1 && value <= limit) return absl::OkStatus();
   return InvalidConfig(field, value, absl::StrCat("1 to ", limit));
+}
+
+SkinLayout CodyForearm() {
+  SkinLayout layout;
+  layout.name = "cody-forearm";
+  layout.rows = 16;
+  layout.columns = 24;
+  // Rings 10.8 mm apart around a cylinder of radius 46.04 mm; the taxels
+  // themselves are 9 mm x 9 mm (paper, Section "Experimental Setup").
+  layout.row_pitch_m = 0.0108;
+  layout.column_pitch_m = 2 * std::numbers::pi * 0.04604 / 24;
+  layout.taxel_area_m2 = 0.009 * 0.009;
+  layout.wrap_columns = true;
+  layout.unit = TaxelUnit::kNewton;
+  layout.contact_threshold = 0.01;
+  layout.onset_threshold = 0.02;
+  return layout;
+}
+
+SkinLayout Vitac() {
+  SkinLayout layout;
+  layout.name = "vitac-12x32";
+  layout.rows = 12;
+  layout.columns = 32;
+  layout.row_pitch_m = 0.002;
+  layout.column_pitch_m = 0.002;
+  layout.taxel_area_m2 = 0.002 * 0.002;
+  layout.unit = TaxelUnit::kCounts;
+  layout.contact_threshold = 20;
+  layout.onset_threshold = 40;
+  return layout;
+}
+
+SkinLayout Icub() {
+  SkinLayout layout;
+  layout.name = "icub-6x10";
+  layout.rows = 6;
+  layout.columns = 10;
+  // Nominal: triangles of 30 mm side, the taxels of 4 mm diameter in one
+  // some 6.5 mm apart.
+  layout.row_pitch_m = 0.026;
+  layout.column_pitch_m = 0.0065;
+  layout.taxel_area_m2 = std::numbers::pi * 0.002 * 0.002;
+  layout.unit = TaxelUnit::kCounts;
+  // In 680 recorded slides the triangle that is least touched reaches 4 in
+  // one reading of 200; the lightest slide presses some taxel to 6.3.
+  layout.contact_threshold = 4;
+  layout.onset_threshold = 5;
+  return layout;
 }
 
 }  // namespace
@@ -55,49 +106,13 @@ absl::Status Validate(const SkinLayout& layout) {
 }
 
 absl::StatusOr<SkinLayout> LayoutPreset(absl::string_view name) {
-  SkinLayout layout;
-  layout.name = std::string(name);
-  if (name == "cody-forearm") {
-    layout.rows = 16;
-    layout.columns = 24;
-    // Rings 10.8 mm apart around a cylinder of radius 46.04 mm; the taxels
-    // themselves are 9 mm x 9 mm (paper, Section "Experimental Setup").
-    layout.row_pitch_m = 0.0108;
-    layout.column_pitch_m = 2 * std::numbers::pi * 0.04604 / 24;
-    layout.taxel_area_m2 = 0.009 * 0.009;
-    layout.wrap_columns = true;
-    layout.unit = TaxelUnit::kNewton;
-    layout.contact_threshold = 0.01;
-    layout.onset_threshold = 0.02;
-    return layout;
+  std::vector<std::string> names;
+  for (const auto make : {CodyForearm, Vitac, Icub}) {
+    SkinLayout layout = make();
+    if (layout.name == name) return layout;
+    names.push_back(std::move(layout.name));
   }
-  if (name == "vitac-12x32") {
-    layout.rows = 12;
-    layout.columns = 32;
-    layout.row_pitch_m = 0.002;
-    layout.column_pitch_m = 0.002;
-    layout.taxel_area_m2 = 0.002 * 0.002;
-    layout.unit = TaxelUnit::kCounts;
-    layout.contact_threshold = 20;
-    layout.onset_threshold = 40;
-    return layout;
-  }
-  if (name == "icub-6x10") {
-    layout.rows = 6;
-    layout.columns = 10;
-    // Nominal: triangles of 30 mm side, the taxels of 4 mm diameter in one
-    // some 6.5 mm apart.
-    layout.row_pitch_m = 0.026;
-    layout.column_pitch_m = 0.0065;
-    layout.taxel_area_m2 = std::numbers::pi * 0.002 * 0.002;
-    layout.unit = TaxelUnit::kCounts;
-    // In 680 recorded slides the triangle that is least touched reaches 4 in
-    // one reading of 200; the lightest slide presses some taxel to 6.3.
-    layout.contact_threshold = 4;
-    layout.onset_threshold = 5;
-    return layout;
-  }
-  return UnknownLayout(name);
+  return UnknownLayout(name, absl::StrJoin(names, ", "));
 }
 
 }  // namespace tactus

@@ -21,7 +21,7 @@ enum class Connectivity { kFour, kEight };
 
 struct SkinLayout {
   // Layout class, e.g. "cody-forearm"; models are tied to it.
-  std::string name;
+  std::string name = {};
   int rows = 0;
   int columns = 0;
   // Metres between neighbours; columns are measured along the circumference
@@ -39,21 +39,25 @@ struct SkinLayout {
   double onset_threshold = 0;
   Connectivity connectivity = Connectivity::kEight;
   // One byte a taxel, 0 = ignore; empty = all valid.
-  std::vector<uint8_t> mask;
+  std::vector<uint8_t> mask = {};
 
   int taxels() const { return rows * columns; }
   // Radius of the cylinder formed by wrapping columns, in metres.
   double CylinderRadius() const;
+
+  bool operator==(const SkinLayout&) const = default;
 };
 
 // OK if every field is in range; else INVALID_CONFIG naming the field.
 absl::Status Validate(const SkinLayout& layout);
 
-// "cody-forearm": 16 x 24, wraps, newton, thresholds of the paper's Section
-// "Preprocessing and Feature Selection" of the robot experiment.
-// "vitac-12x32": counts.
-// "icub-6x10": six triangles of ten taxels of the iCub's skin, as if flat, one
-// a row; counts (capacitance units). Otherwise UNKNOWN_LAYOUT.
+// The preset of this name:
+// - "cody-forearm": 16 x 24, columns wrap, newtons; thresholds of the paper,
+//   Section "Preprocessing and Feature Selection" of the robot experiment.
+// - "vitac-12x32": counts.
+// - "icub-6x10": six triangles of ten taxels of the iCub's skin, as if flat,
+//   one per row; counts (capacitance units).
+// Any other name is UNKNOWN_LAYOUT, whose text lists the presets.
 absl::StatusOr<SkinLayout> LayoutPreset(absl::string_view name);
 
 }  // namespace tactus

@@ -3,6 +3,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
+#include "core/data/trial_layout.h"
 #include "core/features/contact_tracker.h"
 
 namespace tactus {
@@ -41,26 +42,6 @@ void StepClassifier(const ContactFrame& frame, ContactClassifier& classifier) {
   } else {
     classifier.Hold(0);
   }
-}
-
-absl::StatusOr<SkinLayout> LayoutOfTrial(const Trial& trial,
-                                         const SkinLayout* layout) {
-  SkinLayout found;
-  if (layout != nullptr && layout->name == trial.layout) {
-    found = *layout;
-  } else {
-    TACTUS_ASSIGN_OR_RETURN(found, LayoutPreset(trial.layout));
-  }
-  if (found.rows != trial.taxels.rows ||
-      found.columns != trial.taxels.columns) {
-    return InvalidConfig(
-        absl::StrCat("shape of trial ", trial.id),
-        absl::StrCat(trial.taxels.rows, "x", trial.taxels.columns),
-        absl::StrCat(found.rows, "x", found.columns, ", as layout ",
-                     found.name));
-  }
-  TACTUS_RETURN_IF_ERROR(Validate(found));
-  return found;
 }
 
 absl::StatusOr<std::optional<LabelledContact>> ExtractContact(

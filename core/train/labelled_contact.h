@@ -64,9 +64,4 @@ void StepClassifier(const ContactFrame& frame, ContactClassifier& classifier);
 absl::StatusOr<std::optional<LabelledContact>> ExtractContact(
     const Trial& trial, const SkinLayout* layout = nullptr);
 
-// The skin of a trial with taxels, chosen as above; INVALID_CONFIG if its
-// shape is not that of the taxels.
-absl::StatusOr<SkinLayout> LayoutOfTrial(const Trial& trial,
-                                         const SkinLayout* layout = nullptr);
-
 }  // namespace tactus

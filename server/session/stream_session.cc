@@ -5,8 +5,8 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
-#include "core/bundle/layout_proto.h"
 #include "core/classify/feature_input.h"
+#include "core/skin/layout_proto.h"
 #include "server/session/request_parser.h"
 
 namespace tactus::server {

@@ -6,7 +6,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
-#include "core/bundle/layout_proto.h"
+#include "core/skin/layout_proto.h"
 
 namespace tactus::server {
 namespace {

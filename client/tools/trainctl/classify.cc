@@ -10,6 +10,7 @@
 #include "core/classify/contact_pipeline.h"
 #include "core/classify/feature_input.h"
 #include "core/data/trial_file.h"
+#include "core/data/trial_layout.h"
 
 namespace tactus::client {
 namespace {
@@ -80,7 +81,7 @@ absl::StatusOr<Json> ClassifySignals(
 absl::Status Run(const Flags& flags) {
   SkinLayout layout;
   if (!flags.layout.empty()) {
-    TACTUS_ASSIGN_OR_RETURN(layout, LoadLayout(flags.layout));
+    TACTUS_ASSIGN_OR_RETURN(layout, ReadLayoutFile(flags.layout));
   }
   TACTUS_ASSIGN_OR_RETURN(Model loaded, LoadModel(flags.model));
   TACTUS_ASSIGN_OR_RETURN(auto model, CompiledModel::Create(std::move(loaded)));

@@ -14,10 +14,9 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/bundle/bundle.h"
-#include "core/bundle/layout_proto.h"
 #include "core/data/file_bytes.h"
 #include "core/data/trial_file.h"
-#include "google/protobuf/util/json_util.h"
+#include "core/data/trial_layout.h"
 
 namespace tactus::client {
 namespace {
@@ -71,7 +70,7 @@ absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
                                             const std::string& layout_path) {
   SkinLayout layout;
   if (!layout_path.empty()) {
-    TACTUS_ASSIGN_OR_RETURN(layout, LoadLayout(layout_path));
+    TACTUS_ASSIGN_OR_RETURN(layout, ReadLayoutFile(layout_path));
   }
   TACTUS_ASSIGN_OR_RETURN(auto reader, TrialFileReader::Open(path));
   LoadedContacts loaded;
@@ -94,19 +93,6 @@ absl::StatusOr<Model> LoadModel(const std::string& path) {
   auto model = DecodeBundle(bytes);
   if (!model.ok()) return Annotate(model.status(), path);
   return model;
-}
-
-absl::StatusOr<SkinLayout> LoadLayout(const std::string& path) {
-  TACTUS_ASSIGN_OR_RETURN(const std::string text,
-                          ReadFileBytes(path, limits::kMaxMessageBytes));
-  v1::SensorGeometry geometry;
-  const auto parsed =
-      google::protobuf::util::JsonStringToMessage(text, &geometry);
-  if (!parsed.ok()) {
-    return IoError(path, absl::StrCat("not a SensorGeometry in JSON: ",
-                                      std::string(parsed.message())));
-  }
-  return LayoutFromProto(geometry);
 }
 
 absl::Status WriteFile(const std::string& path, const std::string& bytes) {

@@ -62,9 +62,6 @@ absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
 // Reads the bundle at `path`.
 absl::StatusOr<Model> LoadModel(const std::string& path);
 
-// The layout in a JSON file, by the field names of tactus.v1.SensorGeometry.
-absl::StatusOr<SkinLayout> LoadLayout(const std::string& path);
-
 // Writes beside the target and renames.
 absl::Status WriteFile(const std::string& path, const std::string& bytes);
 

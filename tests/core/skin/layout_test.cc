@@ -26,6 +26,9 @@ TEST(LayoutPresetTest, UnknownNameIsRefusedWithReason) {
   auto layout = LayoutPreset("moon");
   EXPECT_EQ(layout.status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(ReasonOf(layout.status()), "UNKNOWN_LAYOUT");
+  EXPECT_EQ(layout.status().message(),
+            "layout \"moon\" is not a preset (cody-forearm, vitac-12x32, "
+            "icub-6x10); describe it in full, with rows and columns");
 }
 
 // The paper's forearm: radius 46.04 mm (shared geometry of the Meka skin).

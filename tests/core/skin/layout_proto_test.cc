@@ -1,4 +1,4 @@
-#include "core/bundle/layout_proto.h"
+#include "core/skin/layout_proto.h"
 
 #include "core/base/errors.h"
 #include "gtest/gtest.h"
