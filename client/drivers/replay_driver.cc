@@ -18,8 +18,10 @@ std::mutex& Hdf5Mutex() {
 }  // namespace
 
 ReplayDriver::ReplayDriver(std::string path, const Shard& shard,
-                           size_t max_trials)
-    : TrialDriver(shard, 0), path_(std::move(path)), max_trials_(max_trials) {}
+                           const Options& options)
+    : TrialDriver(shard, 0, options.layout),
+      path_(std::move(path)),
+      max_trials_(options.max_trials) {}
 
 ReplayDriver::~ReplayDriver() {
   const std::lock_guard lock(Hdf5Mutex());

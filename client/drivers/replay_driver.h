@@ -2,10 +2,10 @@
 //
 // ReplayDriver: plays the trials of a trial file (docs/formats.md).
 //
-//   ReplayDriver driver("vitac.h5", {});
+//   ReplayDriver driver("vitac.h5", {}, {.max_trials = 10});
 //
-// One thread a driver; drivers of different threads take turns at the HDF5
-// library.
+// Each driver belongs to one thread. Drivers of different threads take turns
+// at the HDF5 library.
 #pragma once
 
 #include <optional>
@@ -18,8 +18,14 @@ namespace tactus::client {
 
 class ReplayDriver : public TrialDriver {
  public:
-  // Plays at most `max_trials` trials of the file; 0 for all.
-  ReplayDriver(std::string path, const Shard& shard, size_t max_trials = 0);
+  struct Options {
+    // 0: all trials of the file.
+    size_t max_trials = 0;
+    // For files whose layout class is no preset.
+    std::optional<SkinLayout> layout = std::nullopt;
+  };
+
+  ReplayDriver(std::string path, const Shard& shard, const Options& options);
   ~ReplayDriver() override;
 
  protected:

@@ -1,8 +1,8 @@
 // File: skin_driver.h
 //
 // SkinDriver: where skin frames come from, be it hardware, a simulation or a
-// recording. A driver lives through three states, as ros2_control's hardware
-// components do:
+// recording. A driver has three states, like ros2_control's hardware
+// components:
 //
 //   UNCONFIGURED --Configure--> INACTIVE --Activate--> ACTIVE
 //                               INACTIVE <-Deactivate- ACTIVE
@@ -16,44 +16,17 @@
 //     ...
 //   }
 //
-// A call in the wrong state fails and changes nothing; so does a driver's own
-// failure. Not thread-safe: one thread a driver.
+// A call in the wrong state fails and changes nothing. So does a call in which
+// the driver itself fails. Not thread-safe: each driver belongs to one thread.
 #pragma once
-
-#include <cstdint>
-#include <string>
-#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "core/skin/frame.h"
-#include "tactus/v1/common.pb.h"
+#include "client/stream/skin_frame.h"
 
 namespace tactus::client {
 
 enum class DriverState { kUnconfigured, kInactive, kActive };
-
-// What frames of a driver look like; fixed from Configure on.
-struct SkinInfo {
-  // Name of a preset layout.
-  std::string layout;
-  v1::TaxelType taxel_type = v1::TAXEL_TYPE_UINT16;
-  // From values to the layout's unit.
-  double scale = 1;
-  double sample_rate_hz = 100;
-  bool with_poses = false;
-
-  bool operator==(const SkinInfo&) const = default;
-};
-
-struct SkinFrame {
-  int64_t capture_time_ns = 0;
-  // rows x columns values, row-major; the one of the driver's taxel type.
-  std::vector<uint16_t> u16;
-  std::vector<float> f32;
-  // Of the skin's link, if the driver has poses.
-  Pose pose;
-};
 
 enum class ReadResult {
   // A frame was read.
@@ -68,6 +41,7 @@ class SkinDriver {
  public:
   virtual ~SkinDriver() = default;
 
+  // What all frames of this driver are like.
   absl::StatusOr<SkinInfo> Configure();
   absl::Status Activate();
   absl::Status Deactivate();

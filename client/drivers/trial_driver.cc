@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
+#include "core/data/trial_layout.h"
 
 namespace tactus::client {
 namespace {
@@ -12,13 +13,21 @@ namespace {
 // Between the last frame of a trial and the first of the next.
 constexpr int64_t kPauseNs = 1'000'000'000;
 
-absl::StatusOr<SkinInfo> InfoOf(const Trial& trial) {
+// From the trial's first frame to frame `index`.
+int64_t ElapsedNs(const Trial& trial, size_t index) {
+  return std::llround((trial.time[index] - trial.time[0]) * 1e9);
+}
+
+}  // namespace
+
+absl::StatusOr<SkinInfo> TrialDriver::InfoOf(const Trial& trial) const {
   if (trial.taxels.empty()) {
     return InvalidTrainingData(
         absl::StrCat("trial ", trial.id, " has signals but no taxel frames"));
   }
   SkinInfo info;
-  info.layout = trial.layout;
+  TACTUS_ASSIGN_OR_RETURN(info.layout,
+                          LayoutOfTrial(trial, layout_ ? &*layout_ : nullptr));
   info.taxel_type =
       trial.taxels.u16.empty() ? v1::TAXEL_TYPE_FLOAT32 : v1::TAXEL_TYPE_UINT16;
   info.scale = trial.taxels.scale;
@@ -26,13 +35,6 @@ absl::StatusOr<SkinInfo> InfoOf(const Trial& trial) {
   info.with_poses = !trial.poses.empty();
   return info;
 }
-
-// From the trial's first frame to frame `index`.
-int64_t ElapsedNs(const Trial& trial, size_t index) {
-  return std::llround((trial.time[index] - trial.time[0]) * 1e9);
-}
-
-}  // namespace
 
 absl::StatusOr<SkinInfo> TrialDriver::OnConfigure() {
   index_ = shard_.shard;

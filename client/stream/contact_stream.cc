@@ -7,32 +7,62 @@
 #include "core/base/status_macros.h"
 
 namespace tactus::client {
+namespace {
+
+// Bounds the calls of one scope.
+class Watch {
+ public:
+  Watch(Watchdog* watchdog, const char* what, std::chrono::milliseconds timeout)
+      : watchdog_(watchdog) {
+    watchdog_->Start(what, timeout);
+  }
+  ~Watch() { watchdog_->Stop(); }
+
+  Watch(const Watch&) = delete;
+  Watch& operator=(const Watch&) = delete;
+
+ private:
+  Watchdog* const watchdog_;
+};
+
+}  // namespace
 
 absl::StatusOr<std::unique_ptr<ContactStream>> ContactStream::Open(
     const std::shared_ptr<grpc::Channel>& channel,
-    const v1::StreamConfig& config, OnResponse on_response) {
+    const v1::StreamConfig& config, OnResponse on_response,
+    const StreamTimeouts& timeouts) {
   std::unique_ptr<ContactStream> stream(
-      new ContactStream(std::move(on_response)));
+      new ContactStream(std::move(on_response), timeouts));
   TACTUS_RETURN_IF_ERROR(stream->Begin(channel, config));
   return stream;
 }
 
+ContactStream::ContactStream(OnResponse on_response,
+                             const StreamTimeouts& timeouts)
+    : on_response_(std::move(on_response)), timeouts_(timeouts) {
+  end_of_trial_.mutable_end_of_trial();
+}
+
 absl::Status ContactStream::Begin(const std::shared_ptr<grpc::Channel>& channel,
                                   const v1::StreamConfig& config) {
-  end_of_trial_.mutable_end_of_trial();
+  const Watch watch(&watchdog_, "config", timeouts_.open);
   stub_ = v1::ContactService::NewStub(channel);
+  // Waits for the connection.
   rpc_ = stub_->ClassifyContact(&context_);
   reader_ = std::thread([this] { ReadAll(); });
   v1::ClassifyContactRequest request;
   *request.mutable_config() = config;
-  // If this fails the reader learns why.
+  // If this fails, the reading thread learns why.
   rpc_->Write(request);
   {
     std::unique_lock lock(mutex_);
     answered_.wait(lock, [this] { return has_started_ || ended_; });
     if (has_started_) return absl::OkStatus();
   }
-  return Join();
+  const absl::Status status = Join();
+  if (!status.ok()) return status;
+  return InvalidResponse("end of the stream", "OK before `started`",
+                         "`started` or an error");
 }
 
 ContactStream::~ContactStream() {
@@ -43,34 +73,71 @@ ContactStream::~ContactStream() {
 
 void ContactStream::ReadAll() {
   v1::ClassifyContactResponse response;
+  absl::Status invalid;
   while (rpc_->Read(&response)) {
-    if (response.has_started()) {
-      const std::lock_guard lock(mutex_);
-      started_ = response.started();
-      has_started_ = true;
-      answered_.notify_all();
+    // After an invalid response the rest is read and dropped.
+    if (!invalid.ok()) continue;
+    invalid = checker_.Check(response);
+    if (invalid.ok()) {
+      OnChecked(response);
     } else {
-      on_response_(response);
+      Cancel();
     }
   }
   final_status_ = FromGrpcStatus(rpc_->Finish());
+  if (!invalid.ok()) final_status_ = invalid;
   const std::lock_guard lock(mutex_);
   ended_ = true;
   answered_.notify_all();
 }
 
+void ContactStream::OnChecked(const v1::ClassifyContactResponse& response) {
+  if (response.has_started()) {
+    const std::lock_guard lock(mutex_);
+    started_ = response.started();
+    has_started_ = true;
+    answered_.notify_all();
+    return;
+  }
+  on_response_(response);
+  if (!response.posterior().is_final()) return;
+  const std::lock_guard lock(mutex_);
+  final_ = response.posterior();
+  ++finals_;
+  answered_.notify_all();
+}
+
 absl::Status ContactStream::Send(const v1::ClassifyContactRequest& request) {
-  if (!reader_.joinable()) return StreamFinished();
-  // gRPC may go on taking messages for a stream that the server has ended.
-  if (!ended() && rpc_->Write(request)) return absl::OkStatus();
+  const Watch watch(&watchdog_, "a request", timeouts_.send);
+  return Write(request);
+}
+
+absl::Status ContactStream::Write(const v1::ClassifyContactRequest& request) {
+  // gRPC may accept messages for a stream that the server has ended.
+  if (reader_.joinable() && !ended()) {
+    if (request.has_end_of_trial()) ++trials_ended_;
+    checker_.OnSent(request);
+    if (rpc_->Write(request)) return absl::OkStatus();
+  }
   const absl::Status status = Join();
   return status.ok() ? StreamFinished() : status;
 }
 
-absl::Status ContactStream::EndTrial() { return Send(end_of_trial_); }
+absl::StatusOr<v1::Posterior> ContactStream::EndTrial() {
+  const Watch watch(&watchdog_, "end_of_trial", timeouts_.final_posterior);
+  TACTUS_RETURN_IF_ERROR(Write(end_of_trial_));
+  {
+    std::unique_lock lock(mutex_);
+    answered_.wait(lock, [this] { return finals_ >= trials_ended_ || ended_; });
+    if (finals_ >= trials_ended_) return final_;
+  }
+  const absl::Status status = Join();
+  return status.ok() ? StreamFinished() : status;
+}
 
 absl::Status ContactStream::Close() {
-  if (!reader_.joinable()) return StreamFinished();
+  if (!reader_.joinable()) return final_status_;
+  const Watch watch(&watchdog_, "the end of the stream", timeouts_.close);
   rpc_->WritesDone();
   return Join();
 }
@@ -81,7 +148,12 @@ bool ContactStream::ended() {
 }
 
 absl::Status ContactStream::Join() {
+  if (!reader_.joinable()) return final_status_;
   reader_.join();
+  if (absl::IsCancelled(final_status_)) {
+    const absl::Status expiry = watchdog_.status();
+    if (!expiry.ok()) final_status_ = expiry;
+  }
   return final_status_;
 }
 

@@ -3,86 +3,122 @@
 // ContactStream: one ClassifyContact stream as a robot uses it.
 //
 //   TACTUS_ASSIGN_OR_RETURN(
-//       auto stream, ContactStream::Open(channel, config, [](const auto& r) {
-//         if (r.has_posterior()) Use(r.posterior());
-//       }));
-//   FrameEncoder encoder(...);
-//   ...
+//       auto stream,
+//       ContactStream::Open(MakeChannel("127.0.0.1:50051"), MakeConfig(info),
+//                           [](const auto& response) {
+//                             if (response.has_posterior()) {
+//                               Use(response.posterior());
+//                             }
+//                           }));
+//   FrameEncoder encoder(info, {});
+//   encoder.Add(frame);
 //   TACTUS_RETURN_IF_ERROR(stream->Send(encoder.request()));
-//   TACTUS_RETURN_IF_ERROR(stream->EndTrial());
+//   TACTUS_ASSIGN_OR_RETURN(const v1::Posterior answer, stream->EndTrial());
 //   TACTUS_RETURN_IF_ERROR(stream->Close());
 //
-// Answers are read by a thread of the stream's own with gRPC's blocking
-// interface: its callback interface may sleep 100 ms when a silence ends.
+// Every response is checked before the callback sees it (response_checker.h),
+// and no call waits longer than its timeout: a server that is silent or breaks
+// the contract ends the stream with an error.
 //
-// Open, Send, EndTrial and Close belong to one thread; the callback runs on
-// the reading thread and must not call them. Cancel may come from anywhere.
+// The final status is kept. Once the stream has ended, every call returns the
+// error that it ended with. After an end without error, Close returns OK and
+// all other calls return STREAM_FINISHED.
+//
+// One thread reads the responses with gRPC's blocking interface, because its
+// callback interface may sleep 100 ms when a silence ends. A second thread
+// bounds the waits; it sleeps while the server responds.
+//
+// Open, Send, EndTrial and Close belong to one thread. The callback runs on
+// the reading thread and must not call them. Cancel and ended may be called
+// from any thread.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <thread>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "client/stream/channel.h"
+#include "client/stream/response_checker.h"
+#include "client/stream/watchdog.h"
 #include "grpcpp/channel.h"
 #include "grpcpp/client_context.h"
 #include "tactus/v1/contact.grpc.pb.h"
 
 namespace tactus::client {
 
+// How long a server may take. 0 is no limit.
+struct StreamTimeouts {
+  // From Open to the server's `started`, with the time to connect.
+  std::chrono::milliseconds open{10'000};
+  // For one message to leave. Send waits if the server stops reading.
+  std::chrono::milliseconds send{10'000};
+  // From EndTrial to the trial's final posterior.
+  std::chrono::milliseconds final_posterior{10'000};
+  // From Close to the stream's status.
+  std::chrono::milliseconds close{10'000};
+};
+
 class ContactStream {
  public:
-  // Called for every answer after `started`.
+  // Called for every response after `started`.
   using OnResponse = std::function<void(const v1::ClassifyContactResponse&)>;
 
-  // Returns once the server accepted the configuration; its error otherwise.
+  // Returns the stream once the server has accepted the configuration, or the
+  // server's error. NO_RESPONSE after the timeout.
   static absl::StatusOr<std::unique_ptr<ContactStream>> Open(
       const std::shared_ptr<grpc::Channel>& channel,
-      const v1::StreamConfig& config, OnResponse on_response);
+      const v1::StreamConfig& config, OnResponse on_response,
+      const StreamTimeouts& timeouts = {});
 
-  // Cancels the stream unless it was closed.
+  // Cancels the stream unless it has ended.
   ~ContactStream();
 
   ContactStream(const ContactStream&) = delete;
   ContactStream& operator=(const ContactStream&) = delete;
 
-  // What the stream runs on.
+  // What the server runs for this stream.
   const v1::StreamStarted& started() const { return started_; }
 
-  // Sends frames (or any other request). If the stream has ended, the error
-  // it ended with.
+  // Sends frames (or any other request).
   absl::Status Send(const v1::ClassifyContactRequest& request);
-  // Asks for the final posterior of the trial.
-  absl::Status EndTrial();
-  // Ends an open trial, waits for the last answer and for the status.
+  // Ends the trial and returns its final posterior.
+  absl::StatusOr<v1::Posterior> EndTrial();
+  // Ends the stream: the server first sends what it still owes, with the final
+  // posterior of an open trial.
   absl::Status Close();
 
-  // True once no further answer can come. From any thread.
+  // True once no further response can come.
   bool ended();
   void Cancel() { context_.TryCancel(); }
 
  private:
-  explicit ContactStream(OnResponse on_response)
-      : on_response_(std::move(on_response)) {}
+  ContactStream(OnResponse on_response, const StreamTimeouts& timeouts);
 
   absl::Status Begin(const std::shared_ptr<grpc::Channel>& channel,
                      const v1::StreamConfig& config);
   void ReadAll();
-  // Joins the reading thread; how the stream ended.
+  void OnChecked(const v1::ClassifyContactResponse& response);
+  // Writes without a timeout.
+  absl::Status Write(const v1::ClassifyContactRequest& request);
+  // Joins the reading thread and returns how the stream ended.
   absl::Status Join();
 
   const OnResponse on_response_;
+  const StreamTimeouts timeouts_;
   grpc::ClientContext context_;
+  Watchdog watchdog_{[this] { Cancel(); }};
+  ResponseChecker checker_;
   std::unique_ptr<v1::ContactService::Stub> stub_;
   std::unique_ptr<grpc::ClientReaderWriter<v1::ClassifyContactRequest,
                                            v1::ClassifyContactResponse>>
       rpc_;
   v1::ClassifyContactRequest end_of_trial_;
+  uint64_t trials_ended_ = 0;
   std::thread reader_;
   // Written by the reading thread before it ends.
   absl::Status final_status_;
@@ -92,6 +128,9 @@ class ContactStream {
   bool has_started_ = false;
   bool ended_ = false;
   v1::StreamStarted started_;
+  // Number of final posteriors, and the last one.
+  uint64_t finals_ = 0;
+  v1::Posterior final_;
 };
 
 }  // namespace tactus::client

@@ -2,6 +2,8 @@
 
 #include <bit>
 
+#include "core/skin/layout_proto.h"
+
 namespace tactus::client {
 namespace {
 
@@ -78,7 +80,7 @@ size_t FrameEncoder::bytes() const { return request_.ByteSizeLong(); }
 
 v1::StreamConfig MakeConfig(const SkinInfo& info) {
   v1::StreamConfig config;
-  config.mutable_geometry()->set_layout(info.layout);
+  *config.mutable_geometry() = LayoutToProto(info.layout);
   config.set_taxel_type(info.taxel_type);
   config.set_scale(info.scale);
   config.set_sample_rate_hz(info.sample_rate_hz);

@@ -13,7 +13,7 @@
 
 #include <cstdint>
 
-#include "client/drivers/skin_driver.h"
+#include "client/stream/skin_frame.h"
 #include "tactus/v1/contact.pb.h"
 
 namespace tactus::client {

@@ -75,9 +75,8 @@ absl::StatusOr<std::vector<double>> MeasureIdle(const IdleOptions& options) {
     address = child->address();
   }
   SkinInfo info;
-  info.layout = "cody-forearm";
+  TACTUS_ASSIGN_OR_RETURN(info.layout, LayoutPreset("cody-forearm"));
   info.scale = 0.001;
-  TACTUS_ASSIGN_OR_RETURN(const SkinLayout layout, LayoutPreset(info.layout));
   AnswerClock clock;
   TACTUS_ASSIGN_OR_RETURN(
       const auto stream,
@@ -92,7 +91,7 @@ absl::StatusOr<std::vector<double>> MeasureIdle(const IdleOptions& options) {
           std::chrono::milliseconds(options.silence_ms));
     }
     encoder.Clear();
-    encoder.Add(TouchFrame(layout, 1'000'000 * (i + 1)));
+    encoder.Add(TouchFrame(info.layout, 1'000'000 * (i + 1)));
     const auto sent = steady_clock::now();
     TACTUS_RETURN_IF_ERROR(stream->Send(encoder.request()));
     TACTUS_ASSIGN_OR_RETURN(const auto answered,

@@ -33,8 +33,9 @@ TEST(ContactStreamTest, CarriesAContactFromStartToClose) {
   ASSERT_GE(posteriors.size(), 1u);
   EXPECT_TRUE(posteriors.back().is_final());
   EXPECT_EQ(posteriors.back().sequence(), 2u);
-  EXPECT_EQ(ReasonOf((*stream)->Close()), "STREAM_FINISHED");
-  EXPECT_EQ(ReasonOf((*stream)->EndTrial()), "STREAM_FINISHED");
+  EXPECT_TRUE((*stream)->Close().ok());
+  EXPECT_EQ(ReasonOf((*stream)->EndTrial().status()), "STREAM_FINISHED");
+  EXPECT_TRUE((*stream)->Close().ok());
 }
 
 TEST(ContactStreamTest, OpenGivesTheServersReason) {
@@ -56,6 +57,67 @@ TEST(ContactStreamTest, SendGivesTheReasonTheStreamEndedWith) {
     return !status.ok();
   }));
   EXPECT_EQ(ReasonOf(status), "SEQUENCE_REGRESSION") << status;
+  // The status stays.
+  EXPECT_EQ(stream->Send(DenseU16(6, {Touch(1)})), status);
+  EXPECT_EQ(stream->EndTrial().status(), status);
+  EXPECT_EQ(stream->Close(), status);
+  EXPECT_EQ(stream->Close(), status);
+}
+
+TEST(ContactStreamTest, EndTrialReturnsTheFinalPosteriorOfEachTrial) {
+  TestServer server;
+  int finals = 0;
+  auto stream = *ContactStream::Open(
+      server.channel(), GoodConfig(),
+      [&](const auto& r) { finals += r.posterior().is_final(); });
+  ASSERT_TRUE(stream->Send(DenseU16(1, {Touch(1), Touch(2)})).ok());
+  const auto first = stream->EndTrial();
+  ASSERT_TRUE(first.ok()) << first.status();
+  EXPECT_TRUE(first->is_final());
+  EXPECT_EQ(first->sequence(), 2u);
+  EXPECT_EQ(first->contact_state(), v1::CONTACT_STATE_IN_CONTACT);
+  ASSERT_TRUE(stream->Send(DenseU16(3, {testing::Untouched()})).ok());
+  const auto second = stream->EndTrial();
+  ASSERT_TRUE(second.ok()) << second.status();
+  EXPECT_EQ(second->sequence(), 3u);
+  EXPECT_EQ(second->contact_state(), v1::CONTACT_STATE_NO_CONTACT);
+  EXPECT_EQ(finals, 2);
+  EXPECT_TRUE(stream->Close().ok());
+}
+
+TEST(ContactStreamTest, ARobotGivesItsOwnGeometry) {
+  TestServer server;
+  SkinInfo info;
+  info.layout = *LayoutPreset("cody-forearm");
+  info.layout.contact_threshold = 0.5;
+  info.layout.onset_threshold = 1.5;
+  info.layout.mask.assign(info.layout.taxels(), 1);
+  info.layout.mask[7] = 0;
+  info.scale = testing::kStep;
+  auto stream =
+      *ContactStream::Open(server.channel(), MakeConfig(info), Ignore);
+  const v1::SensorGeometry& geometry = stream->started().geometry();
+  EXPECT_EQ(geometry.onset_threshold(), 1.5);
+  ASSERT_EQ(geometry.masked_taxels_size(), 1);
+  EXPECT_EQ(geometry.masked_taxels(0), 7u);
+  FrameEncoder encoder(info, {});
+  SkinFrame frame;
+  for (const double newton : {1.0, 1.4}) {
+    frame.u16 = Touch(newton);
+    frame.capture_time_ns += 10'000'000;
+    encoder.Add(frame);
+  }
+  ASSERT_TRUE(stream->Send(encoder.request()).ok());
+  // Below the onset's threshold.
+  EXPECT_EQ(stream->EndTrial()->contact_state(), v1::CONTACT_STATE_NO_CONTACT);
+
+  // No preset at all.
+  info.layout.name = "my-palm";
+  info.layout.rows = 8;
+  info.layout.mask.clear();
+  stream = *ContactStream::Open(server.channel(), MakeConfig(info), Ignore);
+  EXPECT_EQ(stream->started().geometry().layout(), "my-palm");
+  EXPECT_EQ(stream->started().geometry().rows(), 8u);
 }
 
 TEST(ContactStreamTest, NobodyListens) {
@@ -98,7 +160,7 @@ TEST(ContactStreamTest, ASecondServerOnThePortIsRefused) {
 
 TEST(FrameEncoderTest, PacksWhatTheServerExpects) {
   SkinInfo info;
-  info.layout = "cody-forearm";
+  info.layout = *LayoutPreset("cody-forearm");
   info.scale = testing::kStep;
   info.with_poses = true;
   const auto contact = testing::Contact(6, 5);

@@ -1,9 +1,11 @@
-// tactus-stream: the robot process. Streams simulated or recorded contacts to
-// a server and reports what it answers.
-#include <algorithm>
+// tactus-stream: streams simulated or recorded contacts to a server, as a robot
+// would, and reports the answers.
+#include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -12,10 +14,11 @@
 #include "client/drivers/replay_driver.h"
 #include "client/drivers/sim_driver.h"
 #include "client/tools/stream/report.h"
-#include "client/tools/stream/robot.h"
+#include "client/tools/stream/trial_player.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/base/version.h"
+#include "core/data/trial_layout.h"
 
 namespace tactus::client {
 namespace {
@@ -31,15 +34,18 @@ struct Flags {
   int parallel = 1;
   bool json = false;
   std::string posteriors;
-  Robot::Options robot;
+  TrialPlayer::Options player;
 };
 
 constexpr size_t kDefaultSimTrials = 40;
 
-std::unique_ptr<TrialDriver> MakeDriver(const Flags& flags, size_t shard) {
+std::unique_ptr<TrialDriver> MakeDriver(
+    const Flags& flags, size_t shard, const std::optional<SkinLayout>& layout) {
   const Shard share{shard, static_cast<size_t>(flags.parallel)};
   if (flags.driver == "replay") {
-    return std::make_unique<ReplayDriver>(flags.data, share, flags.trials);
+    return std::make_unique<ReplayDriver>(
+        flags.data, share,
+        ReplayDriver::Options{.max_trials = flags.trials, .layout = layout});
   }
   return std::make_unique<SimDriver>(
       SimDriver::Options{.seed = flags.seed, .render = {}},
@@ -51,26 +57,30 @@ absl::Status Run(const Flags& flags) {
   Report report(flags.json ? stderr : stdout);
   TACTUS_ASSIGN_OR_RETURN(const std::string roots,
                           ReadRootCertificates(flags.tls_ca));
+  std::optional<SkinLayout> layout;
+  if (!flags.layout.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(layout, ReadLayoutFile(flags.layout));
+  }
   const auto channel = MakeChannel(flags.server, {.tls_roots = roots});
   std::mutex mutex;
   std::vector<absl::Status> statuses(flags.parallel);
   std::vector<std::thread> threads;
   for (int i = 0; i < flags.parallel; ++i) {
     threads.emplace_back([&, i] {
-      const auto driver = MakeDriver(flags, i);
-      Robot* self = nullptr;
-      Robot robot(channel, driver.get(), flags.robot,
-                  [&](const TrialResult& result) {
-                    const std::lock_guard lock(mutex);
-                    report.Add(result);
-                    report.PrintLive(result, self->class_names());
-                  });
-      self = &robot;
-      statuses[i] = robot.Run();
+      const auto driver = MakeDriver(flags, i, layout);
+      TrialPlayer* self = nullptr;
+      TrialPlayer player(channel, driver.get(), flags.player,
+                         [&](const TrialResult& result) {
+                           const std::lock_guard lock(mutex);
+                           report.Add(result);
+                           report.PrintLive(result, self->class_names());
+                         });
+      self = &player;
+      statuses[i] = player.Run();
       const std::lock_guard lock(mutex);
-      report.AddTotals(robot.totals());
-      if (!robot.class_names().empty()) {
-        report.SetClassNames(robot.class_names());
+      report.AddTotals(player.totals());
+      if (!player.class_names().empty()) {
+        report.SetClassNames(player.class_names());
       }
     });
   }
@@ -91,27 +101,34 @@ int Main(int argc, char** argv) {
   app.add_option("--server", flags.server, "host:port or unix:path")
       ->capture_default_str();
   app.add_option("--tls-ca", flags.tls_ca,
-                 "PEM file of who may vouch for the server: use TLS");
+                 "PEM file with the root certificates: use TLS");
   app.add_option("--driver", flags.driver, "sim or replay")
       ->check(CLI::IsMember({"sim", "replay"}))
       ->capture_default_str();
   app.add_option("--data", flags.data, "Trial file for --driver=replay")
       ->check(CLI::ExistingFile);
+  app.add_option("--layout", flags.layout,
+                 "JSON file with the skin of --data, if it is no preset")
+      ->check(CLI::ExistingFile);
   app.add_option("--trials", flags.trials,
                  "Contacts to stream; 0: 40 simulated ones, or all recorded");
-  app.add_option("--seed", flags.seed, "Of the simulated contacts")
+  app.add_option("--seed", flags.seed, "Seed of the simulated contacts")
       ->capture_default_str();
   app.add_option("--rate", flags.rate,
                  "real: by capture time; max: as fast as answers come")
       ->check(CLI::IsMember({"real", "max"}))
       ->capture_default_str();
-  app.add_option("--parallel", flags.parallel, "Robots at once")
+  app.add_option("--parallel", flags.parallel, "Streams at once")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  app.add_option("--model", flags.robot.model, "Model to classify with");
-  app.add_flag("--sparse", flags.robot.sparse, "Send touched taxels only");
-  app.add_option("--batch", flags.robot.batch, "Frames a message")
+  app.add_option("--model", flags.player.model, "Model to classify with");
+  app.add_flag("--sparse", flags.player.sparse, "Send touched taxels only");
+  app.add_option("--batch", flags.player.batch, "Frames per message")
       ->check(CLI::Range(uint32_t{1}, limits::kMaxFramesPerMessage))
+      ->capture_default_str();
+  app.add_option("--timeout", flags.timeout_s,
+                 "Seconds that the server may take to respond; 0: no limit")
+      ->check(CLI::Range(0.0, 86'400.0))
       ->capture_default_str();
   app.add_flag("--json", flags.json, "Print one JSON object");
   app.add_option("--posteriors", flags.posteriors,
@@ -121,7 +138,13 @@ int Main(int argc, char** argv) {
     std::fprintf(stderr, "tactus-stream: --driver=replay needs --data\n");
     return 2;
   }
-  flags.robot.real_time = flags.rate == "real";
+  if (flags.driver == "sim" && !flags.layout.empty()) {
+    std::fprintf(stderr, "tactus-stream: --layout needs --driver=replay\n");
+    return 2;
+  }
+  flags.player.real_time = flags.rate == "real";
+  const std::chrono::milliseconds timeout(std::llround(1e3 * flags.timeout_s));
+  flags.player.timeouts = {timeout, timeout, timeout, timeout};
   const absl::Status status = Run(flags);
   if (status.ok()) return 0;
   std::fprintf(stderr, "tactus-stream: %s\n",

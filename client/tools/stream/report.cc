@@ -35,7 +35,7 @@ std::string ExactList(const std::vector<double>& values) {
 
 void Report::Add(const TrialResult& result) { results_[result.index] = result; }
 
-void Report::AddTotals(const Robot::Totals& totals) {
+void Report::AddTotals(const TrialPlayer::Totals& totals) {
   totals_.frames += totals.frames;
   totals_.lost += totals.lost;
   totals_.rtt_us.insert(totals_.rtt_us.end(), totals.rtt_us.begin(),

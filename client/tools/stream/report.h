@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "client/tools/stream/robot.h"
+#include "client/tools/stream/trial_player.h"
 #include "nlohmann/json.hpp"
 
 namespace tactus::client {
@@ -28,7 +28,7 @@ class Report {
   // Class names are known with the first stream.
   void SetClassNames(const std::vector<std::string>& names) { names_ = names; }
   void Add(const TrialResult& result);
-  void AddTotals(const Robot::Totals& totals);
+  void AddTotals(const TrialPlayer::Totals& totals);
 
   void PrintLive(const TrialResult& result,
                  const std::vector<std::string>& names) const;
@@ -48,7 +48,7 @@ class Report {
   std::vector<std::string> names_;
   // By place in the driver's list.
   std::map<size_t, TrialResult> results_;
-  Robot::Totals totals_;
+  TrialPlayer::Totals totals_;
 };
 
 }  // namespace tactus::client

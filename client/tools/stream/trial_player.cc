@@ -1,4 +1,4 @@
-#include "client/tools/stream/robot.h"
+#include "client/tools/stream/trial_player.h"
 
 #include <algorithm>
 #include <chrono>
@@ -23,22 +23,26 @@ int64_t NowNs() {
 
 }  // namespace
 
-Robot::Robot(std::shared_ptr<grpc::Channel> channel, TrialDriver* driver,
-             const Options& options, OnTrial on_trial)
+TrialPlayer::TrialPlayer(std::shared_ptr<grpc::Channel> channel,
+                         TrialDriver* driver, const Options& options,
+                         OnTrial on_trial)
     : channel_(std::move(channel)),
       driver_(driver),
       options_(options),
       on_trial_(std::move(on_trial)) {}
 
-absl::Status Robot::Run() {
+absl::Status TrialPlayer::Run() {
   TACTUS_ASSIGN_OR_RETURN(const SkinInfo info, driver_->Configure());
   TACTUS_RETURN_IF_ERROR(driver_->Activate());
+  // Without trials there is no skin.
+  if (info.layout.taxels() == 0) return driver_->Deactivate();
   encoder_.emplace(info, FrameEncoder::Options{.sparse = options_.sparse});
   v1::StreamConfig config = MakeConfig(info);
   config.set_model(options_.model);
   TACTUS_ASSIGN_OR_RETURN(
-      stream_, ContactStream::Open(channel_, config,
-                                   [this](const auto& r) { OnResponse(r); }));
+      stream_, ContactStream::Open(
+                   channel_, config, [this](const auto& r) { OnResponse(r); },
+                   options_.timeouts));
   const auto& names = stream_->started().class_names();
   class_names_.assign(names.begin(), names.end());
   const absl::Status played = Play();
@@ -48,7 +52,7 @@ absl::Status Robot::Run() {
   return driver_->Deactivate();
 }
 
-absl::Status Robot::Play() {
+absl::Status TrialPlayer::Play() {
   SkinFrame frame;
   while (true) {
     TACTUS_ASSIGN_OR_RETURN(const ReadResult result, driver_->Read(frame));
@@ -65,7 +69,7 @@ absl::Status Robot::Play() {
   }
 }
 
-absl::Status Robot::PlayFrame(const SkinFrame& frame) {
+absl::Status TrialPlayer::PlayFrame(const SkinFrame& frame) {
   if (!in_trial_) {
     in_trial_ = true;
     trial_start_ns_ = NowNs();
@@ -77,7 +81,7 @@ absl::Status Robot::PlayFrame(const SkinFrame& frame) {
   }
   encoder_->Add(frame);
   ++totals_.frames;
-  // The next frame is about as large as those before it.
+  // Assumes that the next frame is about as large as those before it.
   const size_t frames = encoder_->frames();
   const size_t with_next = encoder_->bytes() * (frames + 1) / frames;
   const bool full =
@@ -86,7 +90,7 @@ absl::Status Robot::PlayFrame(const SkinFrame& frame) {
   return full ? SendBatch() : absl::OkStatus();
 }
 
-absl::Status Robot::SendBatch() {
+absl::Status TrialPlayer::SendBatch() {
   if (encoder_->frames() == 0) return absl::OkStatus();
   const uint64_t sequence = encoder_->last_sequence();
   {
@@ -97,26 +101,25 @@ absl::Status Robot::SendBatch() {
   TACTUS_RETURN_IF_ERROR(stream_->Send(encoder_->request()));
   encoder_->Clear();
   if (options_.real_time) return absl::OkStatus();
-  return Await([&] { return last_answer_ >= sequence; });
+  return AwaitAnswer(sequence);
 }
 
-absl::Status Robot::EndTrial() {
+absl::Status TrialPlayer::EndTrial() {
   TACTUS_RETURN_IF_ERROR(SendBatch());
-  TACTUS_RETURN_IF_ERROR(stream_->EndTrial());
-  TACTUS_RETURN_IF_ERROR(Await([this] { return final_.has_value(); }));
+  TACTUS_ASSIGN_OR_RETURN(const v1::Posterior posterior, stream_->EndTrial());
   in_trial_ = false;
-  v1::Posterior posterior;
   {
     const std::lock_guard lock(mutex_);
-    posterior = *std::exchange(final_, std::nullopt);
-    totals_.lost = totals_.frames - answers_ - posterior.superseded();
+    const uint64_t accounted =
+        std::min(totals_.frames, answers_ + posterior.superseded());
+    totals_.lost = totals_.frames - accounted;
   }
   TACTUS_ASSIGN_OR_RETURN(const TrialResult result, Result(posterior));
   on_trial_(result);
   return absl::OkStatus();
 }
 
-absl::StatusOr<TrialResult> Robot::Result(
+absl::StatusOr<TrialResult> TrialPlayer::Result(
     const v1::Posterior& posterior) const {
   const Trial& trial = driver_->trial();
   TrialResult result;
@@ -144,31 +147,37 @@ absl::StatusOr<TrialResult> Robot::Result(
   return result;
 }
 
-void Robot::OnResponse(const v1::ClassifyContactResponse& response) {
+void TrialPlayer::OnResponse(const v1::ClassifyContactResponse& response) {
   const int64_t now_ns = NowNs();
   if (!response.has_posterior()) return;
   const v1::Posterior& posterior = response.posterior();
+  if (posterior.is_final()) return;
   const std::lock_guard lock(mutex_);
-  if (posterior.is_final()) {
-    final_ = posterior;
-  } else {
-    ++answers_;
-    last_answer_ = posterior.sequence();
-    if (last_answer_ == sent_sequence_) {
-      rtt_us_.push_back(static_cast<double>(now_ns - sent_ns_) / 1e3);
-    }
+  ++answers_;
+  last_answer_ = posterior.sequence();
+  if (last_answer_ == sent_sequence_) {
+    rtt_us_.push_back(static_cast<double>(now_ns - sent_ns_) / 1e3);
   }
   answered_.notify_one();
 }
 
-absl::Status Robot::Await(const std::function<bool()>& condition) {
+absl::Status TrialPlayer::AwaitAnswer(uint64_t sequence) {
+  const auto limit = options_.timeouts.final_posterior;
+  const auto deadline = steady_clock::now() + limit;
+  const auto is_answered = [&] { return last_answer_ >= sequence; };
   std::unique_lock lock(mutex_);
-  while (!answered_.wait_for(lock, std::chrono::milliseconds(100), condition)) {
-    if (!stream_->ended()) continue;
-    if (condition()) break;
-    lock.unlock();
-    const absl::Status status = stream_->Close();
-    return status.ok() ? StreamFinished() : status;
+  while (
+      !answered_.wait_for(lock, std::chrono::milliseconds(100), is_answered)) {
+    if (stream_->ended()) {
+      if (is_answered()) break;
+      lock.unlock();
+      const absl::Status status = stream_->Close();
+      return status.ok() ? StreamFinished() : status;
+    }
+    if (limit.count() > 0 && steady_clock::now() > deadline) {
+      stream_->Cancel();
+      return NoResponse("frames", limit.count());
+    }
   }
   return absl::OkStatus();
 }

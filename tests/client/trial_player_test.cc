@@ -1,5 +1,5 @@
-// Drivers and the robot against an in-process server.
-#include "client/tools/stream/robot.h"
+// Drivers and TrialPlayer against an in-process server.
+#include "client/tools/stream/trial_player.h"
 
 #include <cmath>
 #include <cstdio>
@@ -85,7 +85,7 @@ std::vector<double> Offline(const TestServer& server, const Trial& trial) {
   return {likelihood.begin(), likelihood.end()};
 }
 
-TEST(RobotTest, AnswersAreTheOfflineOnesBitForBit) {
+TEST(TrialPlayerTest, AnswersAreTheOfflineOnesBitForBit) {
   TestServer server;
   for (const bool u16 : {false, true}) {
     for (const bool poses : {false, true}) {
@@ -97,22 +97,22 @@ TEST(RobotTest, AnswersAreTheOfflineOnesBitForBit) {
           }
           MemoryDriver driver(trials);
           size_t seen = 0;
-          Robot robot(server.channel(), &driver,
-                      {.model = "", .sparse = sparse, .batch = batch},
-                      [&](const TrialResult& result) {
-                        EXPECT_EQ(result.index, seen);
-                        EXPECT_TRUE(result.detected);
-                        EXPECT_EQ(result.label, 2);
-                        EXPECT_EQ(result.log_likelihood,
-                                  Offline(server, trials[seen]));
-                        ++seen;
-                      });
-          const absl::Status status = robot.Run();
+          TrialPlayer player(server.channel(), &driver,
+                             {.model = "", .sparse = sparse, .batch = batch},
+                             [&](const TrialResult& result) {
+                               EXPECT_EQ(result.index, seen);
+                               EXPECT_TRUE(result.detected);
+                               EXPECT_EQ(result.label, 2);
+                               EXPECT_EQ(result.log_likelihood,
+                                         Offline(server, trials[seen]));
+                               ++seen;
+                             });
+          const absl::Status status = player.Run();
           EXPECT_TRUE(status.ok()) << status;
           EXPECT_EQ(seen, 3u);
-          EXPECT_EQ(robot.totals().frames, 180u);
-          EXPECT_EQ(robot.totals().lost, 0u);
-          EXPECT_FALSE(robot.totals().rtt_us.empty());
+          EXPECT_EQ(player.totals().frames, 180u);
+          EXPECT_EQ(player.totals().lost, 0u);
+          EXPECT_FALSE(player.totals().rtt_us.empty());
           EXPECT_EQ(driver.state(), DriverState::kInactive);
         }
       }
@@ -120,41 +120,43 @@ TEST(RobotTest, AnswersAreTheOfflineOnesBitForBit) {
   }
 }
 
-TEST(RobotTest, RealTimeLosesNothing) {
+TEST(TrialPlayerTest, RealTimeLosesNothing) {
   TestServer server;
   Trial trial = MakeTrial(1, true, false);
   // A hundredth of the time.
   for (double& time : trial.time) time /= 100;
   MemoryDriver driver({trial, trial});
   int seen = 0;
-  Robot robot(server.channel(), &driver, {.model = "", .real_time = true},
-              [&](const TrialResult&) { ++seen; });
-  ASSERT_TRUE(robot.Run().ok());
+  TrialPlayer player(server.channel(), &driver,
+                     {.model = "", .real_time = true},
+                     [&](const TrialResult&) { ++seen; });
+  ASSERT_TRUE(player.Run().ok());
   EXPECT_EQ(seen, 2);
-  EXPECT_EQ(robot.totals().lost, 0u);
+  EXPECT_EQ(player.totals().lost, 0u);
 }
 
-TEST(RobotTest, ALabelTheModelDoesNotKnowIsAnError) {
+TEST(TrialPlayerTest, ALabelTheModelDoesNotKnowIsAnError) {
   TestServer server;
   Trial trial = MakeTrial(1, true, false);
   trial.label = "wet";
   MemoryDriver driver({trial});
-  Robot robot(server.channel(), &driver, {}, [](const TrialResult&) {});
-  const absl::Status status = robot.Run();
+  TrialPlayer player(server.channel(), &driver, {}, [](const TrialResult&) {});
+  const absl::Status status = player.Run();
   EXPECT_EQ(ReasonOf(status), "INVALID_CONFIG") << status;
 }
 
-TEST(RobotTest, TheServersEndIsReportedWithItsReason) {
+TEST(TrialPlayerTest, TheServersEndIsReportedWithItsReason) {
   TestServer server(TestServer::OnLoopback(0));
   std::vector<Trial> trials(200, MakeTrial(1, true, false));
   MemoryDriver driver(std::move(trials));
   std::thread stop;
-  Robot robot(server.channel(), &driver, {}, [&](const TrialResult& result) {
-    if (result.index == 2) {
-      stop = std::thread([&] { server.server().Stop(); });
-    }
-  });
-  const absl::Status status = robot.Run();
+  TrialPlayer player(server.channel(), &driver, {},
+                     [&](const TrialResult& result) {
+                       if (result.index == 2) {
+                         stop = std::thread([&] { server.server().Stop(); });
+                       }
+                     });
+  const absl::Status status = player.Run();
   stop.join();
   EXPECT_EQ(ReasonOf(status), "DRAINING") << status;
 }
@@ -216,11 +218,12 @@ TEST(ReplayDriverTest, PlaysAFileInShards) {
   TestServer server;
   std::map<size_t, std::vector<double>> got;
   for (size_t shard = 0; shard < 2; ++shard) {
-    ReplayDriver driver(path, {shard, 2});
-    Robot robot(server.channel(), &driver, {}, [&](const TrialResult& result) {
-      got[result.index] = result.log_likelihood;
-    });
-    const absl::Status status = robot.Run();
+    ReplayDriver driver(path, {shard, 2}, {});
+    TrialPlayer player(server.channel(), &driver, {},
+                       [&](const TrialResult& result) {
+                         got[result.index] = result.log_likelihood;
+                       });
+    const absl::Status status = player.Run();
     ASSERT_TRUE(status.ok()) << status;
   }
   ASSERT_EQ(got.size(), 5u);
@@ -228,8 +231,41 @@ TEST(ReplayDriverTest, PlaysAFileInShards) {
     EXPECT_EQ(got[seed - 1], Offline(server, MakeTrial(seed, true, true)));
   }
   std::remove(path.c_str());
-  ReplayDriver gone(path, {});
+  ReplayDriver gone(path, {}, {});
   EXPECT_FALSE(gone.Configure().ok());
+}
+
+TEST(ReplayDriverTest, PlaysASkinThatIsNoPreset) {
+  const std::string path = ::testing::TempDir() + "replay_own_skin.h5";
+  Trial trial = MakeTrial(1, true, false);
+  trial.layout = "my-palm";
+  {
+    auto writer = *TrialFileWriter::Create(path, {.overwrite = true});
+    ASSERT_TRUE(writer.Append(trial).ok());
+    ASSERT_TRUE(writer.Close().ok());
+  }
+  ReplayDriver without(path, {}, {});
+  const absl::Status status = without.Configure().status();
+  EXPECT_EQ(ReasonOf(status), "UNKNOWN_LAYOUT") << status;
+  SkinLayout layout = *LayoutPreset("cody-forearm");
+  layout.name = "my-palm";
+  ReplayDriver with(path, {}, {.layout = layout});
+  const auto info = with.Configure();
+  ASSERT_TRUE(info.ok()) << info.status();
+  EXPECT_EQ(info->layout, layout);
+  layout.rows = 8;
+  ReplayDriver wrong(path, {}, {.layout = layout});
+  EXPECT_EQ(ReasonOf(wrong.Configure().status()), "INVALID_CONFIG");
+  std::remove(path.c_str());
+}
+
+TEST(TrialPlayerTest, ADriverWithoutTrialsIsNoError) {
+  TestServer server;
+  MemoryDriver driver({});
+  TrialPlayer player(server.channel(), &driver, {}, [](const TrialResult&) {});
+  const absl::Status status = player.Run();
+  EXPECT_TRUE(status.ok()) << status;
+  EXPECT_EQ(player.totals().frames, 0u);
 }
 
 TEST(SimDriverTest, MakesAllClassesTheSameHoweverShared) {

@@ -1,14 +1,15 @@
-// File: robot.h
+// File: trial_player.h
 //
-// Robot: plays the trials of a driver over one stream and notes the answers,
-// their delays and what got lost.
+// TrialPlayer: plays the trials of a driver over one stream, as a robot would,
+// and records the answers, their delays and lost frames.
 //
-//   Robot robot(channel, &driver, {.real_time = true}, on_trial);
-//   TACTUS_RETURN_IF_ERROR(robot.Run());
-//   robot.totals().rtt_us;
+//   TrialPlayer player(channel, &driver, {.real_time = true},
+//                      [](const TrialResult& result) { Print(result); });
+//   TACTUS_RETURN_IF_ERROR(player.Run());
+//   Print(player.totals());
 //
-// Each robot belongs to one thread; robots on several threads may share a
-// channel. `on_trial` is called on the robot's thread.
+// Each player belongs to one thread, on which `on_trial` is called. Players on
+// several threads may share a channel.
 #pragma once
 
 #include <condition_variable>
@@ -28,51 +29,56 @@
 
 namespace tactus::client {
 
-// The final answer to one trial.
+// The final answer for one trial.
 struct TrialResult {
   size_t index = 0;
   std::string id;
   // Indices into the class names.
   int label = 0;
   int answer = 0;
-  // False if the skin never reported a contact; the rest says nothing then.
+  // False if the skin never reported a contact. The other fields mean nothing
+  // then.
   bool detected = false;
   std::vector<double> probability;
   std::vector<double> log_likelihood;
-  // If a decision was reached: its class and when, since onset.
+  // The decision's class and time since onset, if a decision was reached.
   std::optional<int> decision;
   double decision_ms = 0;
 };
 
-class Robot {
+class TrialPlayer {
  public:
   struct Options {
-    std::string model;
+    std::string model = {};
     bool sparse = false;
-    // Frames a message.
+    // Frames per message.
     uint32_t batch = 1;
     // True: frames leave at their capture times. False: each message leaves
     // as soon as the one before is answered.
     bool real_time = false;
+    // `final_posterior` also bounds the wait for the answer to a message.
+    StreamTimeouts timeouts = {};
   };
   struct Totals {
     uint64_t frames = 0;
     // Frames that were neither answered nor superseded by newer answers.
     uint64_t lost = 0;
-    // Of each message, from sending it to the answer to its last frame.
+    // For each message, the time from sending it to the answer to its last
+    // frame.
     std::vector<double> rtt_us;
   };
   using OnTrial = std::function<void(const TrialResult&)>;
 
-  // `driver` is unconfigured and outlives the robot.
-  Robot(std::shared_ptr<grpc::Channel> channel, TrialDriver* driver,
-        const Options& options, OnTrial on_trial);
+  // `driver` is unconfigured and outlives the player.
+  TrialPlayer(std::shared_ptr<grpc::Channel> channel, TrialDriver* driver,
+              const Options& options, OnTrial on_trial);
 
-  // Plays all trials. INVALID_CONFIG for a label the model does not know.
+  // Plays all trials; opens no stream if there are none. INVALID_CONFIG for a
+  // label that is no class of the model.
   absl::Status Run();
 
   const Totals& totals() const { return totals_; }
-  // Once Run returned.
+  // Valid after Run.
   const std::vector<std::string>& class_names() const { return class_names_; }
 
  private:
@@ -82,8 +88,8 @@ class Robot {
   absl::Status EndTrial();
   absl::StatusOr<TrialResult> Result(const v1::Posterior& posterior) const;
   void OnResponse(const v1::ClassifyContactResponse& response);
-  // Waits until `condition` holds under mutex_, or the stream's end.
-  absl::Status Await(const std::function<bool()>& condition);
+  // Waits for the answer to frame `sequence`, or the stream's end.
+  absl::Status AwaitAnswer(uint64_t sequence);
 
   const std::shared_ptr<grpc::Channel> channel_;
   TrialDriver* const driver_;
@@ -106,7 +112,6 @@ class Robot {
   uint64_t last_answer_ = 0;
   uint64_t answers_ = 0;
   std::vector<double> rtt_us_;
-  std::optional<v1::Posterior> final_;
 };
 
 }  // namespace tactus::client
