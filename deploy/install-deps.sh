@@ -62,6 +62,7 @@ readonly TESTS=(
   libprotoc-dev
   libsundials-dev
   openssl
+  python3-grpcio
   python3-h5py
 )
 

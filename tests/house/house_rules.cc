@@ -19,8 +19,8 @@ constexpr int kMaxLines = 600;
 constexpr int kMaxAdapterLines = 300;
 
 // Where files lie that pages name.
-constexpr std::array<absl::string_view, 7> kNamedFolders = {
-    "core", "server", "client", "tests", "proto", "docs", "deploy"};
+constexpr std::array<absl::string_view, 8> kNamedFolders = {
+    "core", "server", "client", "tests", "proto", "docs", "deploy", "examples"};
 
 // Plain types that any room of core may use, wherever they live.
 constexpr std::array<absl::string_view, 1> kPlainHeaders = {

@@ -32,7 +32,7 @@ std::string ReadText(const fs::path& path) {
 int ForEachSource(
     const std::function<void(const std::string&, const std::string&)>& check) {
   int files = 0;
-  for (const char* top : {"core", "server", "client", "tests"}) {
+  for (const char* top : {"core", "server", "client", "tests", "examples"}) {
     if (!fs::exists(fs::path(Root()) / top)) continue;
     for (const auto& entry :
          fs::recursive_directory_iterator(fs::path(Root()) / top)) {
@@ -78,6 +78,22 @@ TEST(HouseTest, PagesNameFilesThatExist) {
     for (const std::string& file : FilesNamed(path, ReadText(page))) {
       EXPECT_TRUE(fs::exists(fs::path(Root()) / file)) << path << ": " << file;
     }
+  }
+}
+
+TEST(HouseTest, TheFirstClientIsPrintedAsItIsBuilt) {
+  const std::string page =
+      ReadText(fs::path(Root()) / "docs/your-first-client.md");
+  const std::pair<const char*, const char*> files[] = {
+      {"cmake", "CMakeLists.txt"},
+      {"cpp", "first_client.cc"},
+      {"python", "first_client.py"}};
+  for (const auto& [language, name] : files) {
+    const std::string text =
+        ReadText(fs::path(Root()) / "examples/first_client" / name);
+    EXPECT_THAT(page,
+                HasSubstr(std::string("```") + language + "\n" + text + "```"))
+        << name;
   }
 }
 
