@@ -102,6 +102,11 @@ void LoadStream::OnPosterior(const v1::Posterior& posterior, int64_t now_ns) {
   superseded_ = posterior.superseded();
   const uint64_t frames = shared_->frames_per_message;
   const uint64_t sequence = posterior.sequence();
+  if (sequence > written_ * frames) {
+    // No Tactus server answers frames that were never sent.
+    Cancel();
+    return;
+  }
   // Decisions and ends of contacts may come in between.
   if (posterior.is_final() || sequence <= last_sequence_ ||
       sequence % frames != 0) {
