@@ -34,6 +34,8 @@ struct Flags {
   int parallel = 1;
   bool json = false;
   std::string posteriors;
+  std::string layout;
+  double timeout_s = 10;
   TrialPlayer::Options player;
 };
 
