@@ -106,10 +106,10 @@ void ToProto(const FeatureSpec& spec, v1::FeatureSpec* out) {
   ToProto(spec.lstm, out->mutable_lstm_names(), out->mutable_lstm_log_offset(),
           out->mutable_lstm_scaling());
   for (const ModelInput& input : spec.lstm) out->add_lstm_limit(input.limit);
-  out->set_hmm_first_interval(spec.hmm_steps.first);
-  out->set_hmm_last_interval(spec.hmm_steps.last);
-  out->set_lstm_first_interval(spec.lstm_steps.first);
-  out->set_lstm_last_interval(spec.lstm_steps.last);
+  out->set_hmm_first_interval(spec.hmm_steps.min);
+  out->set_hmm_last_interval(spec.hmm_steps.max);
+  out->set_lstm_first_interval(spec.lstm_steps.min);
+  out->set_lstm_last_interval(spec.lstm_steps.max);
   out->set_sample_rate_hz(spec.sample_rate_hz);
 }
 

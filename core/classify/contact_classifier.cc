@@ -23,7 +23,8 @@ CueNeeds NeedsOf(const FeatureSpec& spec,
                  const ContactClassifier::Options& options,
                  const SkipRules& skip) {
   if (!skip[SkipRule::kUnusedCues]) return {};
-  return CuesNeeded(spec, !options.hmm_only || !skip[SkipRule::kUnusedLstms]);
+  return CuesNeeded(spec, options.scorers != Scorers::kHmms ||
+                              !skip[SkipRule::kUnusedLstms]);
 }
 
 }  // namespace
@@ -36,7 +37,9 @@ ContactClassifier::ContactClassifier(std::shared_ptr<const CompiledModel> model,
       skip_(skip),
       cue_needs_(NeedsOf(model_->model().features, options, skip)),
       cues_(model_->model().features.sample_rate_hz, cue_needs_.groups),
-      hmms_(model_->hmms(), model_->model().hmm_score) {
+      hmms_(model_->hmms(), model_->model().hmm_score),
+      hmm_clock_(model_->model().features.hmm_steps),
+      lstm_clock_(model_->model().features.lstm_steps) {
   const Model& m = model_->model();
   const Calibration& c = m.calibration;
   skipped_[SkipRule::kUnusedCues] = CountUnused(cue_needs_);
@@ -56,7 +59,7 @@ ContactClassifier::ContactClassifier(std::shared_ptr<const CompiledModel> model,
 void ContactClassifier::MakeLstms() {
   const Model& m = model_->model();
   if (m.lstms.empty()) return;
-  if (!options_.hmm_only) {
+  if (options_.scorers != Scorers::kHmms) {
     lstm_score_.resize(m.class_names.size());
     lstm_probability_.resize(m.class_names.size());
     if (model_->estimator() != nullptr) {
@@ -84,8 +87,8 @@ void ContactClassifier::Reset() {
     std::fill(lstm_score_.begin(), lstm_score_.end(), 0.0);
   }
   scores_changed_ = true;
-  hmm_due_ = m.features.hmm_steps.first;
-  lstm_due_ = m.features.lstm_steps.first;
+  hmm_clock_.Reset();
+  lstm_clock_.Reset();
   object_.reset();
   unknown_ = 0;
   frames_ = 0;
@@ -109,18 +112,11 @@ void ContactClassifier::Step(const ContactSample& sample,
 }
 
 void ContactClassifier::StepHmms(uint64_t missing_before) {
-  const FeatureSpec& spec = model_->model().features;
-  // Steps that were due while frames were missing.
-  uint64_t bridged = 0;
-  hmm_due_ = std::max(hmm_due_, frames_ - missing_before);
-  while (hmm_due_ < frames_ && bridged < uint64_t{limits::kMaxBridgedFrames}) {
-    hmm_due_ = spec.hmm_steps.Next(hmm_due_);
-    ++bridged;
-  }
-  hmms_.Skip(static_cast<int>(bridged));
-  if (frames_ < hmm_due_) return;
-  MakeInput(spec.hmm, cues_, hmm_input_);
-  hmm_due_ = spec.hmm_steps.Next(frames_);
+  if (options_.scorers == Scorers::kLstms) return;
+  hmms_.Skip(hmm_clock_.SkipMissing(frames_, missing_before,
+                                    limits::kMaxBridgedFrames));
+  if (!hmm_clock_.Tick(frames_)) return;
+  MakeInput(model_->model().features.hmm, cues_, hmm_input_);
   ++hmm_steps_;
   scores_changed_ = true;
   hmms_.Step(hmm_input_);
@@ -129,8 +125,7 @@ void ContactClassifier::StepHmms(uint64_t missing_before) {
 
 void ContactClassifier::StepLstmsIfDue() {
   const Model& m = model_->model();
-  if (m.lstms.empty() || frames_ < lstm_due_) return;
-  lstm_due_ = m.features.lstm_steps.Next(frames_);
+  if (m.lstms.empty() || !lstm_clock_.Tick(frames_)) return;
   if (lstms_.empty()) {
     ++skipped_[SkipRule::kUnusedLstms];
   } else if (options_.decisions_only && decision_ &&
@@ -180,14 +175,17 @@ void ContactClassifier::UpdateProbabilities() {
   calibration_point_ = point;
   TemperedPosterior(log_prior_, log_likelihood_, point.hmm_temperature,
                     hmm_probability_);
-  if (!lstm_score_.empty()) {
+  if (lstm_score_.empty()) {
+    std::ranges::copy(hmm_probability_, probability_.begin());
+  } else {
     TemperedPosterior(log_prior_, lstm_score_, point.lstm_temperature,
                       lstm_probability_);
-    FusePosteriors(hmm_probability_, lstm_probability_, point.lstm_weight,
-                   probability_);
-  } else {
-    std::copy(hmm_probability_.begin(), hmm_probability_.end(),
-              probability_.begin());
+    if (options_.scorers == Scorers::kLstms) {
+      std::ranges::copy(lstm_probability_, probability_.begin());
+    } else {
+      FusePosteriors(hmm_probability_, lstm_probability_, point.lstm_weight,
+                     probability_);
+    }
   }
   if (hmm_steps_ == 0) return;
   const double best =

@@ -35,16 +35,25 @@ struct Decision {
   uint64_t frame = 0;
 };
 
+// Models that take part in the answer.
+enum class Scorers {
+  // HMMs and LSTMs fused; the HMMs alone if there is no LSTM.
+  kAll,
+  kHmms,
+  // Needs LSTMs. Without HMMs no contact is unknown.
+  kLstms,
+};
+
 class ContactClassifier {
  public:
   struct Options {
     // Zero means the model's own.
     double decision_threshold = 0;
     uint32_t decision_frames = 0;
-    // Answer as if the model had no LSTMs.
-    bool hmm_only = false;
-    // Nobody looks at a contact's scores between its decision and its end: the
-    // LSTMs and the object estimate may rest from the decision on.
+    // Which models answer; as if the model had no others.
+    Scorers scorers = Scorers::kAll;
+    // The caller reads nothing between a contact's decision and its end, so
+    // the LSTMs and the object estimate may stop at the decision.
     bool decisions_only = false;
   };
 
@@ -59,8 +68,18 @@ class ContactClassifier {
   // most limits::kMaxBridgedFrames), the LSTMs miss them.
   void Step(const ContactSample& sample, uint64_t missing_before);
 
-  // Takes a frame in which touch was lost: time passes, scores rest.
+  // Takes a frame in which touch was lost: time passes, scores stay as they
+  // are.
   void Hold(uint64_t missing_before) { frames_ += missing_before + 1; }
+
+  // Step() if the frame is touched, else Hold().
+  void StepOrHold(const ContactFrame& frame, uint64_t missing_before) {
+    if (frame.touched) {
+      Step(frame.sample, missing_before);
+    } else {
+      Hold(missing_before);
+    }
+  }
 
   // Frames since onset, lost and untouched ones included.
   uint64_t frames() const { return frames_; }
@@ -88,7 +107,7 @@ class ContactClassifier {
   bool uses_profile() const { return cue_needs_.profile; }
   // Of all contacts; never reset.
   const SkipCounters& skipped() const { return skipped_; }
-  // Reached once per contact, then kept.
+  // Set once per contact; unchanged until Reset().
   const std::optional<Decision>& decision() const { return decision_; }
 
   static constexpr int kStabilityWindow = 16;
@@ -96,7 +115,7 @@ class ContactClassifier {
  private:
   void MakeLstms();
   void StepHmms(uint64_t missing_before);
-  // Takes what is due, or counts why not.
+  // Steps the LSTMs if a step is due, or counts why the step was skipped.
   void StepLstmsIfDue();
   void StepLstms();
   void EstimateObject();
@@ -130,12 +149,11 @@ class ContactClassifier {
   std::optional<ObjectEstimate> object_;
   double unknown_ = 0;
 
+  StepClock hmm_clock_;
+  StepClock lstm_clock_;
   uint64_t frames_ = 0;
   uint64_t scored_frames_ = 0;
   uint64_t hmm_steps_ = 0;
-  // The next steps are due at these frames.
-  uint64_t hmm_due_ = 0;
-  uint64_t lstm_due_ = 0;
   int best_class_ = 0;
   // Best classes of the last frames, a ring.
   std::vector<int> recent_best_;

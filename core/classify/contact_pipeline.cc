@@ -81,11 +81,8 @@ const ContactReport& ContactPipeline::Step(const FrameView& frame) {
     // Frames lost before the onset belong to no contact.
     const uint64_t missing = report_.onset ? 0 : frame.missing_before;
     const bool decided_before = classifier_.decision().has_value();
-    if (report_.features.touched) {
-      classifier_.Step(report_.features.sample(), missing);
-    } else {
-      classifier_.Hold(missing);
-    }
+    classifier_.StepOrHold(
+        {report_.features.sample(), report_.features.touched}, missing);
     report_.decided = !decided_before && classifier_.decision().has_value();
   }
   return report_;

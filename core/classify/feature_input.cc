@@ -34,11 +34,11 @@ absl::Status CheckInputs(absl::string_view name,
 }
 
 absl::Status CheckSteps(absl::string_view name, const StepIntervals& steps) {
-  if (steps.first < 1 || steps.last < steps.first ||
-      steps.last > limits::kMaxBridgedFrames) {
+  if (steps.min < 1 || steps.max < steps.min ||
+      steps.max > limits::kMaxBridgedFrames) {
     return InvalidModel(
-        name, absl::StrCat(steps.first, ", ", steps.last),
-        absl::StrCat("1 <= first <= last <= ", limits::kMaxBridgedFrames));
+        name, absl::StrCat(steps.min, ", ", steps.max),
+        absl::StrCat("1 <= min <= max <= ", limits::kMaxBridgedFrames));
   }
   return absl::OkStatus();
 }

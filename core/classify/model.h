@@ -1,19 +1,19 @@
 // File: model.h
 //
 // Model: everything needed to classify contacts, as plain data. It is what a
-// bundle file holds (core/bundle) and what fitting produces (core/eval);
+// bundle file holds (core/bundle) and what fitting produces (core/train);
 // CompiledModel makes it runnable.
 //
 // Copyable; safe to share between threads once built.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "core/classify/step_clock.h"
 #include "core/features/cues.h"
 #include "core/features/feature.h"
 #include "core/hmm/mixture.h"
@@ -32,19 +32,6 @@ struct ModelInput {
   double offset = 0;
   double gain = 1;
   double limit = std::numeric_limits<double>::infinity();
-};
-
-// When a model is stepped: a contact changes fast at first and slowly later.
-// The interval between steps is a tenth of the frames since onset, but at least
-// `first` and at most `last` frames. 1 and 1 step it on every
-// frame.
-struct StepIntervals {
-  uint32_t first = 1;
-  uint32_t last = 1;
-
-  uint64_t Next(uint64_t frames) const {
-    return frames + std::clamp<uint64_t>(frames / 10, first, last);
-  }
 };
 
 // How the frames of a contact become model inputs.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
@@ -13,16 +14,10 @@
 namespace tactus {
 namespace {
 
-std::span<const double> ProbabilityOf(const ContactClassifier& classifier,
-                                      Algorithm algorithm) {
-  switch (algorithm) {
-    case Algorithm::kHmm:
-      return classifier.hmm_probability();
-    case Algorithm::kLstm:
-      return classifier.lstm_probability();
-    default:
-      return classifier.probability();
-  }
+Scorers ScorersOf(Algorithm algorithm) {
+  if (algorithm == Algorithm::kHmm) return Scorers::kHmms;
+  if (algorithm == Algorithm::kLstm) return Scorers::kLstms;
+  return Scorers::kAll;
 }
 
 absl::StatusOr<int> LabelIndex(const std::vector<std::string>& class_names,
@@ -36,11 +31,12 @@ absl::StatusOr<int> LabelIndex(const std::vector<std::string>& class_names,
   return static_cast<int>(found - class_names.begin());
 }
 
-// Room for one outcome per contact, labels filled in.
+// An evaluation with room for all outcomes, and with their labels.
 absl::StatusOr<Evaluation> PrepareEvaluation(
     const std::vector<const LabelledContact*>& contacts,
-    std::vector<std::string> class_names) {
+    std::vector<std::string> class_names, Algorithm algorithm) {
   Evaluation result;
+  result.algorithm = algorithm;
   result.class_names = std::move(class_names);
   result.final.resize(contacts.size());
   for (size_t i = 0; i < contacts.size(); ++i) {
@@ -48,6 +44,10 @@ absl::StatusOr<Evaluation> PrepareEvaluation(
                             LabelIndex(result.class_names, *contacts[i]));
   }
   result.anytime.assign(kAnytimeCount, result.final);
+  if (algorithm == Algorithm::kFused) {
+    result.anytime_hmm = result.anytime;
+    result.anytime_lstm = result.anytime;
+  }
   result.final_estimates.resize(contacts.size());
   result.anytime_estimates.assign(kAnytimeCount, result.final_estimates);
   result.decisions.resize(contacts.size());
@@ -55,44 +55,29 @@ absl::StatusOr<Evaluation> PrepareEvaluation(
   return result;
 }
 
-// Runs one contact and writes its outcomes at place `index`.
+void Copy(std::span<const double> probability, Outcome& outcome) {
+  outcome.probability.assign(probability.begin(), probability.end());
+}
+
+// Classifies one contact and writes its outcomes at place `index`.
 void EvaluateContact(const std::shared_ptr<const CompiledModel>& model,
-                     const LabelledContact& contact, Algorithm algorithm,
-                     int index, Evaluation& result) {
-  ContactClassifier classifier(model, {});
-  auto record = [&](Outcome& outcome,
-                    std::optional<EstimateOutcome>& estimate) {
-    const auto probability = ProbabilityOf(classifier, algorithm);
-    outcome.probability.assign(probability.begin(), probability.end());
+                     const LabelledContact& contact, int index,
+                     Evaluation& result) {
+  ContactClassifier classifier(model, {.scorers = ScorersOf(result.algorithm)});
+  const auto record = [&](Outcome& outcome,
+                          std::optional<EstimateOutcome>& estimate) {
+    Copy(classifier.probability(), outcome);
     if (classifier.object() && !contact.object_motion.empty()) {
       estimate = {*classifier.object(), std::log10(contact.stiffness),
                   contact.object_motion[classifier.frames() - 1]};
     }
   };
-  const bool parts = !result.anytime_hmm.empty();
-  auto record_parts = [&](int time) {
-    auto copy = [](std::span<const double> from, Outcome& to) {
-      to.probability.assign(from.begin(), from.end());
-    };
-    copy(classifier.hmm_probability(), result.anytime_hmm[time][index]);
-    copy(classifier.lstm_probability(), result.anytime_lstm[time][index]);
-  };
-  int next = 0;
-  for (const ContactFrame& frame : contact.frames) {
-    StepClassifier(frame, classifier);
-    while (next < kAnytimeCount &&
-           static_cast<double>(classifier.frames()) >=
-               std::round(kAnytimeSeconds[next] * contact.sample_rate_hz)) {
-      record(result.anytime[next][index],
-             result.anytime_estimates[next][index]);
-      if (parts) record_parts(next);
-      ++next;
-    }
-  }
-  for (; next < kAnytimeCount; ++next) {
-    record(result.anytime[next][index], result.anytime_estimates[next][index]);
-    if (parts) record_parts(next);
-  }
+  WalkContact(contact, classifier, [&](int time) {
+    record(result.anytime[time][index], result.anytime_estimates[time][index]);
+    if (result.algorithm != Algorithm::kFused) return;
+    Copy(classifier.hmm_probability(), result.anytime_hmm[time][index]);
+    Copy(classifier.lstm_probability(), result.anytime_lstm[time][index]);
+  });
   record(result.final[index], result.final_estimates[index]);
   if (const auto& decision = classifier.decision()) {
     result.decisions[index] = {
@@ -104,8 +89,7 @@ void EvaluateContact(const std::shared_ptr<const CompiledModel>& model,
 
 absl::Status EvaluateFold(const std::vector<const LabelledContact*>& contacts,
                           const std::vector<int>& fold,
-                          const FitOptions& options, Algorithm algorithm,
-                          Evaluation& result) {
+                          const FitOptions& options, Evaluation& result) {
   std::vector<const LabelledContact*> rest;
   for (int i : Complement(fold, static_cast<int>(contacts.size()))) {
     rest.push_back(contacts[i]);
@@ -118,20 +102,12 @@ absl::Status EvaluateFold(const std::vector<const LabelledContact*>& contacts,
   TACTUS_ASSIGN_OR_RETURN(auto compiled,
                           CompiledModel::Create(std::move(model)));
   for (int i : fold) {
-    EvaluateContact(compiled, *contacts[i], algorithm, i, result);
+    EvaluateContact(compiled, *contacts[i], i, result);
   }
   return absl::OkStatus();
 }
 
 }  // namespace
-
-absl::StatusOr<Algorithm> ParseAlgorithm(absl::string_view name) {
-  if (name == "hmm") return Algorithm::kHmm;
-  if (name == "lstm") return Algorithm::kLstm;
-  if (name == "1nn") return Algorithm::kNearest;
-  if (name == "fused") return Algorithm::kFused;
-  return InvalidConfig("algorithm", name, "hmm, lstm, 1nn or fused");
-}
 
 absl::StatusOr<Evaluation> EvaluateModel(
     const std::shared_ptr<const CompiledModel>& model,
@@ -152,16 +128,12 @@ absl::StatusOr<Evaluation> EvaluateModel(
     return InvalidConfig("data", "ideal signals",
                          "taxels: the model sees the load profile of a skin");
   }
+  if (model->lstms().empty()) algorithm = Algorithm::kHmm;
   TACTUS_ASSIGN_OR_RETURN(
       Evaluation result,
-      PrepareEvaluation(contacts, model->model().class_names));
-  if (algorithm == Algorithm::kFused && !model->lstms().empty()) {
-    result.anytime_hmm = result.anytime;
-    result.anytime_lstm = result.anytime;
-  }
-  parallel(static_cast<int>(contacts.size()), [&](int i) {
-    EvaluateContact(model, *contacts[i], algorithm, i, result);
-  });
+      PrepareEvaluation(contacts, model->model().class_names, algorithm));
+  parallel(static_cast<int>(contacts.size()),
+           [&](int i) { EvaluateContact(model, *contacts[i], i, result); });
   return result;
 }
 
@@ -173,24 +145,24 @@ absl::StatusOr<Evaluation> EvaluateProtocol(
     return InvalidConfig("algorithm", "lstm",
                          "hmm or 1nn where no LSTM is trained");
   }
+  if (algorithm == Algorithm::kFused) {
+    algorithm = ServedAlgorithm(options.lstm.networks > 0);
+  }
   FitOptions fit = options;
   if (algorithm == Algorithm::kHmm) fit.lstm.networks = 0;
   if (protocol.kind == Protocol::kLeaveOneMaterialOut) {
     fit.inner_folds = InnerFolds::kMaterials;
   }
   TACTUS_ASSIGN_OR_RETURN(const auto folds, MakeFolds(contacts, protocol));
-  TACTUS_ASSIGN_OR_RETURN(Evaluation result,
-                          PrepareEvaluation(contacts, ClassNames(contacts)));
-  if (algorithm == Algorithm::kFused && fit.lstm.networks > 0) {
-    result.anytime_hmm = result.anytime;
-    result.anytime_lstm = result.anytime;
-  }
+  TACTUS_ASSIGN_OR_RETURN(
+      Evaluation result,
+      PrepareEvaluation(contacts, ClassNames(contacts), algorithm));
   std::vector<absl::Status> failures(folds.size());
   parallel(static_cast<int>(folds.size()), [&](int f) {
     failures[f] =
         algorithm == Algorithm::kNearest
             ? EvaluateNearestFold(contacts, folds[f], fit.features, result)
-            : EvaluateFold(contacts, folds[f], fit, algorithm, result);
+            : EvaluateFold(contacts, folds[f], fit, result);
   });
   for (const absl::Status& failure : failures) {
     TACTUS_RETURN_IF_ERROR(failure);

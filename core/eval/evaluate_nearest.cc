@@ -6,6 +6,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/nearest/pca_nearest.h"
+#include "core/train/folds.h"
 
 namespace tactus {
 namespace {
@@ -86,12 +87,11 @@ absl::Status EvaluateNearestFold(
     Evaluation& result) {
   const auto rest = Complement(fold, static_cast<int>(contacts.size()));
   const int classes = static_cast<int>(result.class_names.size());
-  const double rate = contacts.front()->sample_rate_hz;
+  const auto frames = AnytimeFrames(contacts.front()->sample_rate_hz);
   for (int t = 0; t < kAnytimeCount; ++t) {
-    const int frames =
-        std::max(1, static_cast<int>(std::round(kAnytimeSeconds[t] * rate)));
-    TACTUS_RETURN_IF_ERROR(AnswerAt(contacts, fold, rest, features, frames,
-                                    classes, result.anytime[t]));
+    TACTUS_RETURN_IF_ERROR(AnswerAt(contacts, fold, rest, features,
+                                    static_cast<int>(frames[t]), classes,
+                                    result.anytime[t]));
   }
   // The window ends with the longest of the times, as in the paper.
   for (int i : fold) result.final[i] = result.anytime.back()[i];

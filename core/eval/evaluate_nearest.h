@@ -1,20 +1,30 @@
 // File: evaluate_nearest.h
 //
-// The paper's baseline: features of the first frames, concatenated, PCA to
-// 95 % of the variance, one nearest neighbour (Section "Implementation").
+// The paper's baseline within a protocol: principal components and one nearest
+// neighbour, on fixed windows of the raw features (core/nearest). Each of
+// kAnytimeSeconds has its own window, so an early answer uses early frames
+// only.
 //
-// Thread-safe: folds write to different places of the result.
+//   TACTUS_RETURN_IF_ERROR(
+//       EvaluateNearestFold(contacts, folds[f], features, result));
+//
+// EvaluateProtocol calls this once per fold. Writes only the outcomes of the
+// fold's contacts, so folds may run on several threads at once.
 #pragma once
 
 #include <vector>
 
 #include "absl/status/status.h"
-#include "core/eval/evaluate.h"
+#include "core/eval/evaluation.h"
+#include "core/features/feature.h"
+#include "core/train/labelled_contact.h"
 
 namespace tactus {
 
-// Fits to the contacts outside `fold` and writes outcomes of those in it. The
-// probability of the neighbour's class is 1, for lack of better.
+// Writes result.final and result.anytime of the contacts in `fold`, as answered
+// by all contacts that are not in it. `result` holds the labels of all
+// contacts. The class of the neighbour has probability 1, because one neighbour
+// gives no better estimate.
 absl::Status EvaluateNearestFold(
     const std::vector<const LabelledContact*>& contacts,
     const std::vector<int>& fold, const std::vector<Feature>& features,

@@ -22,7 +22,7 @@
 #include <vector>
 
 #include "absl/strings/string_view.h"
-#include "core/eval/evaluate.h"
+#include "core/eval/evaluation.h"
 #include "core/features/feature.h"
 
 namespace tactus {

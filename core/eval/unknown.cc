@@ -31,7 +31,7 @@ absl::StatusOr<std::vector<double>> ScoreFold(
   for (int i : fold) {
     ContactClassifier classifier(compiled, {});
     for (const ContactFrame& frame : contacts[i]->frames) {
-      StepClassifier(frame, classifier);
+      classifier.StepOrHold(frame, /*missing_before=*/0);
     }
     unknown.push_back(classifier.unknown());
   }
@@ -98,6 +98,8 @@ absl::StatusOr<std::vector<UnknownResult>> EvaluateUnknown(
       }
     }
     results.push_back({.category = categories[c],
+                       .contacts = static_cast<int>(left_out.size()),
+                       .other_contacts = static_cast<int>(known.size()),
                        .detected = ShareAbove(left_out, kUnknown),
                        .false_alarms = ShareAbove(known, kUnknown),
                        .area_under_roc = AreaUnderRoc(left_out, known)});

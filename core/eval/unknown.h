@@ -25,6 +25,9 @@ namespace tactus {
 struct UnknownResult {
   // The category left out of fitting.
   std::string category;
+  // Number of contacts of that category, and of the others.
+  int contacts = 0;
+  int other_contacts = 0;
   // After a contact's last frame, its probability of being unknown was above
   // one half: share of the contacts of that category, and of the others.
   double detected = 0;

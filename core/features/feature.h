@@ -37,6 +37,14 @@ struct ContactSample {
   LoadProfile profile = {};
 };
 
+// One frame of a contact.
+struct ContactFrame {
+  ContactSample sample = {};
+  // False while touch is lost. Such a frame takes time, but models do not see
+  // its sample.
+  bool touched = true;
+};
+
 // "force", "area" or "motion".
 absl::string_view FeatureName(Feature feature);
 

@@ -6,6 +6,7 @@
 
 #include "core/classify/calibration.h"
 #include "core/classify/contact_classifier.h"
+#include "core/train/anytime.h"
 
 namespace tactus {
 namespace {
@@ -172,12 +173,10 @@ void FitEstimateScales(std::span<const ScoredContact> contacts,
 }  // namespace
 
 std::vector<double> CalibrationFrames(double rate) {
-  std::vector<double> frames;
-  for (double seconds : {0.1, 0.25, 0.5, 1.2, 2.5, 5.0}) {
-    const double count = std::max(1.0, std::round(seconds * rate));
-    if (frames.empty() || count > frames.back()) frames.push_back(count);
-  }
-  return frames;
+  const auto frames = AnytimeFrames(rate);
+  std::vector<double> distinct(frames.begin(), frames.end());
+  distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+  return distinct;
 }
 
 ScoredContact ScoreContact(const std::shared_ptr<const CompiledModel>& model,
@@ -197,16 +196,10 @@ ScoredContact ScoreContact(const std::shared_ptr<const CompiledModel>& model,
     }
     scored.hmm_steps.push_back(static_cast<double>(classifier.hmm_steps()));
   };
-  const auto times = CalibrationFrames(contact.sample_rate_hz);
-  for (const ContactFrame& frame : contact.frames) {
-    StepClassifier(frame, classifier);
-    const size_t next = scored.hmm_steps.size();
-    if (next < times.size() &&
-        static_cast<double>(classifier.frames()) == times[next]) {
-      record();
-    }
-  }
-  while (scored.hmm_steps.size() < times.size()) record();
+  const auto frames = AnytimeFrames(contact.sample_rate_hz);
+  WalkContact(contact, classifier, [&](int time) {
+    if (time == 0 || frames[time] > frames[time - 1]) record();
+  });
   return scored;
 }
 

@@ -21,8 +21,8 @@
 
 namespace tactus {
 
-// Frames since onset at which calibrations are fitted, at `rate` frames per
-// second: 0.1, 0.25, 0.5, 1.2, 2.5 and 5 s.
+// Frames since onset at which calibrations are fitted: those of AnytimeFrames
+// that differ.
 std::vector<double> CalibrationFrames(double rate);
 
 // A held-out contact's scores at each calibration time.

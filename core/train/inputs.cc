@@ -50,14 +50,12 @@ double Inverse(double spread) { return spread > 0 ? 1 / spread : 1; }
 void WalkCues(const LabelledContact& contact, const StepIntervals& steps,
               absl::FunctionRef<void(CueTracker& cues, size_t frame)> visit) {
   CueTracker cues(contact.sample_rate_hz);
-  uint64_t due = steps.first;
+  StepClock clock(steps);
   for (size_t i = 0; i < contact.frames.size(); ++i) {
     if (!contact.frames[i].touched) continue;
     const uint64_t frames = i + 1;
     cues.Step(contact.frames[i].sample, frames);
-    if (frames < due) continue;
-    due = steps.Next(frames);
-    visit(cues, i);
+    if (clock.Tick(frames)) visit(cues, i);
   }
 }
 

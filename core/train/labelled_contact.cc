@@ -36,14 +36,6 @@ ContactSample IdealSample(const FeatureVector& signals) {
   return {signals, signals[static_cast<int>(Feature::kForce)]};
 }
 
-void StepClassifier(const ContactFrame& frame, ContactClassifier& classifier) {
-  if (frame.touched) {
-    classifier.Step(frame.sample, 0);
-  } else {
-    classifier.Hold(0);
-  }
-}
-
 absl::StatusOr<std::optional<LabelledContact>> ExtractContact(
     const Trial& trial, const SkinLayout* layout) {
   LabelledContact contact;

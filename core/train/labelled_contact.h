@@ -14,19 +14,11 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/classify/contact_classifier.h"
 #include "core/data/trial.h"
 #include "core/features/feature.h"
 #include "core/skin/layout.h"
 
 namespace tactus {
-
-// What one frame of a contact says.
-struct ContactFrame {
-  ContactSample sample = {};
-  // False while touch is lost; such frames take time but say nothing.
-  bool touched = true;
-};
 
 struct LabelledContact {
   std::string id;
@@ -51,9 +43,6 @@ ContactSample IdealSample(const FeatureVector& signals);
 inline bool IsIdeal(const LabelledContact& contact) {
   return contact.layout.name.empty();
 }
-
-// One frame into a classifier, as ContactPipeline does it.
-void StepClassifier(const ContactFrame& frame, ContactClassifier& classifier);
 
 // Takes the taxels, if there are any, through the feature path (the contact
 // ends with the trial), else the stored signals. Nothing if no taxel ever

@@ -103,7 +103,9 @@ absl::Status ParseModelParts(const v1::StreamConfig& config,
     return InvalidConfig("model_parts", static_cast<int>(config.model_parts()),
                          "a value of ModelParts");
   }
-  options.decision.hmm_only = config.model_parts() == v1::MODEL_PARTS_HMM;
+  options.decision.scorers = config.model_parts() == v1::MODEL_PARTS_HMM
+                                 ? Scorers::kHmms
+                                 : Scorers::kAll;
   options.decision.decisions_only =
       config.cadence() == v1::RESULT_CADENCE_ON_DECISION;
   return absl::OkStatus();

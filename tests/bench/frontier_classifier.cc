@@ -57,7 +57,7 @@ std::vector<double> TimeVariants(const std::vector<ClassifierVariant>& variants,
           std::ssize(contact.frames));
       classifier.Reset();
       for (int t = 0; t < count; ++t) {
-        StepClassifier(contact.frames[t], classifier);
+        classifier.StepOrHold(contact.frames[t], 0);
       }
       frames += count;
     }
@@ -103,8 +103,8 @@ absl::Status CheckUnskipped(const ClassifierVariant& served,
     a.Reset();
     b.Reset();
     for (const ContactFrame& frame : contact.frames) {
-      StepClassifier(frame, a);
-      StepClassifier(frame, b);
+      a.StepOrHold(frame, 0);
+      b.StepOrHold(frame, 0);
       if (std::ranges::equal(a.probability(), b.probability())) continue;
       return NumericalFailure(absl::StrFormat(
           "skip rules change the probabilities of test contact %s",

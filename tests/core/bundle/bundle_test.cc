@@ -54,8 +54,8 @@ TEST(BundleTest, RoundTripKeepsEveryField) {
   EXPECT_EQ(back->calibration.stiffness_deviation_scale, 1.5);
   EXPECT_EQ(back->lstms[0].classes(), 4);
   EXPECT_EQ(back->features.lstm[1].cue, Cue::kArea);
-  EXPECT_EQ(back->features.lstm_steps.last, 20u);
-  EXPECT_EQ(back->features.hmm_steps.first, 4u);
+  EXPECT_EQ(back->features.lstm_steps.max, 20u);
+  EXPECT_EQ(back->features.hmm_steps.min, 4u);
   EXPECT_EQ(back->warm_up.samples[1].features, (FeatureVector{5, 6, 7}));
   EXPECT_EQ(back->warm_up.samples[1].net_force, 8);
 }

@@ -67,8 +67,8 @@ TEST(ValidateFeatureSpecTest, EachSpoiltFieldIsRefused) {
       [](FeatureSpec& s) { s.hmm[0].gain = 0; },
       [](FeatureSpec& s) { s.hmm[0].offset = std::nan(""); },
       [](FeatureSpec& s) { s.lstm = s.hmm; },
-      [](FeatureSpec& s) { s.lstm_steps.first = 0; },
-      [](FeatureSpec& s) { s.hmm_steps.first = 0; },
+      [](FeatureSpec& s) { s.lstm_steps.min = 0; },
+      [](FeatureSpec& s) { s.hmm_steps.min = 0; },
       [](FeatureSpec& s) {
         s.lstm_steps = {5, 4};
       },

@@ -154,7 +154,7 @@ TEST_F(SkippingTest, UnusedCues) {
 TEST_F(SkippingTest, UnusedLstms) {
   EXPECT_EQ(Run({}).skipped[SkipRule::kUnusedLstms], 0u);
   const Trace with_lstms = Run({});
-  options_.decision.hmm_only = true;
+  options_.decision.scorers = Scorers::kHmms;
   const Trace on = Run({});
   const Trace off = RunWithout(SkipRule::kUnusedLstms);
   EXPECT_GT(on.skipped[SkipRule::kUnusedLstms], 200u);
@@ -170,12 +170,12 @@ TEST_F(SkippingTest, UnusedLstms) {
 
 // Without LSTMs the probabilities are the HMMs' own.
 TEST_F(SkippingTest, HmmOnlyAnswersLikeAModelWithoutLstms) {
-  options_.decision.hmm_only = true;
+  options_.decision.scorers = Scorers::kHmms;
   const Trace asked = Run({});
   Model model = testing::SmallModel();
   model.features.hmm_steps = {2, 5};
   model_ = *CompiledModel::Create(model);
-  options_.decision.hmm_only = false;
+  options_.decision.scorers = Scorers::kAll;
   EXPECT_TRUE(asked.all == Run({}).all);
 }
 

@@ -181,7 +181,7 @@ TEST(FitModelTest, ThePresetProfileTellsPlacesApart) {
   EXPECT_TRUE(RunWarmUp(**compiled).ok());
   for (const LabelledContact& contact : contacts) {
     ContactClassifier classifier(*compiled, {});
-    for (const auto& frame : contact.frames) StepClassifier(frame, classifier);
+    for (const auto& frame : contact.frames) classifier.StepOrHold(frame, 0);
     const int label = contact.label == model->class_names[0] ? 0 : 1;
     EXPECT_GT(classifier.probability()[label], 0.5) << contact.id;
   }
@@ -210,7 +210,7 @@ TEST(FitModelTest, CuesThatSayNothingAreRefused) {
 TEST(FitPresetTest, KnowsItsNames) {
   EXPECT_EQ(FitPreset("paper")->score, Score::kViterbi);
   EXPECT_FALSE(FitPreset("paper")->log_features);
-  EXPECT_EQ(FitPreset("paper")->lstm.steps.last, 1u);
+  EXPECT_EQ(FitPreset("paper")->lstm.steps.max, 1u);
   EXPECT_GT(FitPreset("tuned")->lstm.networks, 1);
   EXPECT_EQ(FitPreset("profile")->hmm_cues, ProfileCues());
   EXPECT_EQ(ReasonOf(FitPreset("magic").status()), "INVALID_CONFIG");
