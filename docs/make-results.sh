@@ -40,7 +40,7 @@ title() {
 signals() {
   title "Ideal signals, one robot condition left out"
   show simulate --protocol=paper --goal=0.019 --sensor=signals --seed=1 --out=signals.h5
-  show evaluate --data=signals.h5 --protocol=loco --algorithm=fused --preset=tuned --seed=1 \
+  show evaluate --data=signals.h5 --protocol=loco --preset=tuned --seed=1 \
     --no-estimates --figures="$out/signals"
   printf '\n![Accuracy over time](signals/anytime.png)\n\n![Reliability](signals/reliability.png)\n'
 }
@@ -49,7 +49,7 @@ signals() {
 materials() {
   title "Ideal signals, one material left out"
   show simulate --protocol=paper --goal=0.019 --sensor=signals --seed=1 --out=signals.h5
-  show evaluate --data=signals.h5 --protocol=leave-one-material-out --algorithm=fused \
+  show evaluate --data=signals.h5 --protocol=leave-one-material-out \
     --preset=tuned --seed=1 --no-estimates --networks=1 --epochs=3
 }
 
@@ -62,7 +62,7 @@ unknown() {
 taxels() {
   title "Through taxel frames, one robot condition left out"
   show simulate --protocol=paper --goal=0.019 --sensor=taxels --seed=1 --out=taxels.h5
-  show evaluate --data=taxels.h5 --protocol=loco --algorithm=fused --preset=tuned --seed=1
+  show evaluate --data=taxels.h5 --protocol=loco --preset=tuned --seed=1
 }
 
 grid() {
@@ -70,19 +70,19 @@ grid() {
   show simulate --protocol=paper --goal=0.019 --sensor=signals --seed=1 --out=signals.h5
   show fit --data=signals.h5 --preset=tuned --seed=1 --out=signals.tactus
   show simulate --protocol=grid --sensor=signals --seed=7 --out=grid.h5
-  show evaluate --data=grid.h5 --model=signals.tactus --algorithm=fused
+  show evaluate --data=grid.h5 --model=signals.tactus
 }
 
 default-bundle() {
   title "The default bundle at a robot condition it never saw"
   show simulate --protocol=paper --sensor=taxels --stiffness=900 --velocity=0.012 --seed=7 --out=unseen.h5
-  show evaluate --data=unseen.h5 --model=default.tactus --algorithm=fused
+  show evaluate --data=unseen.h5 --model=default.tactus
 }
 
 cody() {
   title "Virtual Cody, one robot condition left out"
   show simulate --protocol=cody --sensor=taxels --seed=1 --out=cody.h5
-  show evaluate --data=cody.h5 --protocol=loco --algorithm=fused --preset=tuned --seed=1 --no-estimates
+  show evaluate --data=cody.h5 --protocol=loco --preset=tuned --seed=1 --no-estimates
 }
 
 recordings() {

@@ -42,17 +42,19 @@ std::vector<std::string> Words(const std::string& line) {
 
 TEST(ReproduceReportTest, ALineSetsOursBesideThePapers) {
   EXPECT_THAT(Words(TableLine(Known(Algorithm::kHmm, "f+m+a"))),
-              ElementsAre("HMM", "f+m+a", "80.00", "83.75", "-3.75", "2.5"));
+              ElementsAre("HMM", "f+m+a", "80.00", "71.96", "to", "86.18",
+                          "83.75", "-3.75", "2.5"));
   ReproducedRow better = Known(Algorithm::kNearest, "a");
   better.ours_percent = 90;
   EXPECT_THAT(Words(TableLine(better)),
-              ElementsAre("1-NN", "a", "90.00", "83.75", "+6.25", "2.5"));
+              ElementsAre("1-NN", "a", "90.00", "71.96", "to", "86.18", "83.75",
+                          "+6.25", "2.5"));
 }
 
 TEST(ReproduceReportTest, ALineWithoutAnswerSaysWhy) {
   EXPECT_THAT(
       Words(TableLine(Failed())),
-      ElementsAre("LSTM", "f", "-", "40.42", "-", "0.0", "no", "network"));
+      ElementsAre("LSTM", "f", "-", "-", "40.42", "-", "0.0", "no", "network"));
 }
 
 TEST(ReproduceReportTest, ColumnsStandBelowTheirNames) {
@@ -98,6 +100,9 @@ TEST(ReproduceReportTest, JsonHasTheNumbersOrNullAndTheReason) {
   EXPECT_EQ(known["difference"], -3.75);
   EXPECT_EQ(known["confusion"][1][0], 14);
   EXPECT_EQ(known["trials"], 121);
+  EXPECT_EQ(known["felt"], 120);
+  EXPECT_EQ(known["right"], 96);
+  EXPECT_NEAR(known["ours_interval"][0].get<double>(), 71.96, 0.005);
   EXPECT_EQ(known["undetectable"], 1);
   EXPECT_FALSE(known.contains("reason"));
   const Json failed = RowToJson(Failed());

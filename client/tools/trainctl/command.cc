@@ -9,7 +9,6 @@
 #include <thread>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
@@ -107,10 +106,6 @@ absl::Status WriteFile(const std::string& path, const std::string& bytes) {
   std::filesystem::rename(draft, path, error);
   if (error) return IoError(path, error.message());
   return absl::OkStatus();
-}
-
-std::string Percent(double share) {
-  return absl::StrFormat("%.2f %%", 100 * share);
 }
 
 }  // namespace tactus::client

@@ -65,7 +65,4 @@ absl::StatusOr<Model> LoadModel(const std::string& path);
 // Writes beside the target and renames.
 absl::Status WriteFile(const std::string& path, const std::string& bytes);
 
-// "89.65 %".
-std::string Percent(double share);
-
 }  // namespace tactus::client

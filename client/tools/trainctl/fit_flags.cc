@@ -11,25 +11,39 @@
 namespace tactus::client {
 
 void FitFlags::Add(CLI::App& command) {
-  command.add_option("--preset", preset, "tuned, paper or profile");
-  command.add_option("--features", features,
-                     "Any of f (force), m (motion), a (area), like f,m");
-  command.add_option("--seed", seed, "Seed of every random choice");
-  command.add_option("--states", states,
-                     "States per HMM instead of the preset's");
-  command.add_option("--mixtures", mixtures,
-                     "HMMs per category instead of the preset's");
-  command.add_option("--networks", networks,
-                     "LSTMs instead of the preset's; 0 for none");
-  command.add_option("--epochs", epochs,
-                     "Epochs of LSTM training instead of the preset's");
-  command.add_flag("--no-estimates", no_estimates,
-                   "Train no estimator of stiffness and motion");
-  command.add_option("--stretches", stretches,
-                     "Stretches of each stretched cue instead of the preset's");
-  command.add_option("--hmm-cues", hmm_cues,
-                     "What the HMMs see, like log_force,log_spring");
-  command.add_option("--lstm-cues", lstm_cues, "What the LSTMs see");
+  options_ = {
+      command.add_option("--preset", preset, "tuned, paper or profile"),
+      command.add_option("--features", features,
+                         "Features that models may use: any of f (force), m "
+                         "(motion), a (area), like f,m"),
+      command.add_option("--seed", seed, "Seed of every random choice"),
+      command.add_option("--states", states,
+                         "States per HMM, instead of the preset's"),
+      command.add_option("--mixtures", mixtures,
+                         "HMMs per category, instead of the preset's"),
+      command.add_option(
+          "--networks", networks,
+          "Number of LSTMs, instead of the preset's; 0 for none"),
+      command.add_option("--epochs", epochs,
+                         "Epochs of LSTM training, instead of the preset's"),
+      command.add_flag("--no-estimates", no_estimates,
+                       "Train no estimator of stiffness and motion"),
+      command.add_option("--stretches", stretches,
+                         "Stretches of each stretched cue, instead of the "
+                         "preset's"),
+      command.add_option("--hmm-cues", hmm_cues,
+                         "Cues that the HMMs take as inputs, like "
+                         "log_force,log_spring"),
+      command.add_option("--lstm-cues", lstm_cues,
+                         "Cues that the LSTMs take as inputs"),
+  };
+}
+
+std::string FitFlags::FirstGiven() const {
+  for (const CLI::Option* option : options_) {
+    if (option->count() > 0) return option->get_name();
+  }
+  return "";
 }
 
 namespace {

@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "CLI/CLI.hpp"
 #include "absl/status/statusor.h"
@@ -26,8 +27,15 @@ struct FitFlags {
   std::string lstm_cues;
 
   void Add(CLI::App& command);
+  // The name of a flag on the command line, like "--preset"; empty if there is
+  // none.
+  std::string FirstGiven() const;
   // The preset with what the other flags change.
   absl::StatusOr<FitOptions> Options() const;
+
+ private:
+  // Those that Add() made; the command owns them.
+  std::vector<const CLI::Option*> options_;
 };
 
 }  // namespace tactus::client

@@ -6,6 +6,7 @@
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/reproduce_data.h"
 #include "client/tools/trainctl/reproduce_report.h"
+#include "client/tools/trainctl/text.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/eval/evaluate.h"
@@ -97,8 +98,8 @@ absl::Status RunExperiment(const Flags& flags, const Selection& selection,
   if (!flags.json) {
     if (data.ok()) {
       std::cout << absl::StrFormat(
-          "Here %d trials; %d undetectable, not counted\n", data->trials,
-          data->undetectable);
+          "Accuracies are of %s\n",
+          FeltContacts(data->trials - data->undetectable, data->trials));
     }
     std::cout << ConfusionBlocks(rows) << "\n";
   }

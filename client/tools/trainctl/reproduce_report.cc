@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <numeric>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
@@ -103,13 +104,28 @@ std::optional<double> ReproducedRow::Difference() const {
   return *ours_percent - paper.accuracy_percent;
 }
 
+int ReproducedRow::felt() const {
+  int sum = 0;
+  for (const auto& row : confusion) {
+    sum = std::accumulate(row.begin(), row.end(), sum);
+  }
+  return sum;
+}
+
+int ReproducedRow::right() const {
+  int sum = 0;
+  for (size_t i = 0; i < confusion.size(); ++i) sum += confusion[i][i];
+  return sum;
+}
+
 std::string TableHeading(Experiment experiment) {
   const PaperSource source = SourceOf(experiment);
   return absl::StrFormat(
       "%s: %d trials of %g s, leave-one-condition-out, paper's %s\n"
-      "%-9s %-8s %8s %8s %11s %9s\n",
+      "%-9s %-8s %8s %16s %8s %11s %9s\n",
       TitleOf(experiment), source.trials, source.seconds, source.table,
-      "algorithm", "features", "ours, %", "paper, %", "difference", "seconds");
+      "algorithm", "features", "ours, %", "95 % interval", "paper, %",
+      "difference", "seconds");
 }
 
 std::string TableLine(const ReproducedRow& row) {
@@ -117,10 +133,15 @@ std::string TableLine(const ReproducedRow& row) {
       row.ours_percent ? absl::StrFormat("%.2f", *row.ours_percent) : "-";
   const std::string difference =
       row.ours_percent ? absl::StrFormat("%+.2f", *row.Difference()) : "-";
-  std::string line =
-      absl::StrFormat("%-9s %-8s %8s %8.2f %11s %9.1f",
-                      PaperName(row.paper.algorithm), row.paper.features, ours,
-                      row.paper.accuracy_percent, difference, row.seconds);
+  const Interval interval = WilsonInterval(row.right(), row.felt());
+  const std::string between =
+      row.ours_percent ? absl::StrFormat("%.2f to %.2f", 100 * interval.low,
+                                         100 * interval.high)
+                       : "-";
+  std::string line = absl::StrFormat(
+      "%-9s %-8s %8s %16s %8.2f %11s %9.1f", PaperName(row.paper.algorithm),
+      row.paper.features, ours, between, row.paper.accuracy_percent, difference,
+      row.seconds);
   if (!row.ours_percent) absl::StrAppend(&line, "  ", row.reason);
   return line + "\n";
 }
@@ -153,11 +174,16 @@ Json RowToJson(const ReproducedRow& row) {
                {"difference", nullptr},
                {"trials", row.trials},
                {"undetectable", row.undetectable},
+               {"felt", row.felt()},
+               {"right", row.right()},
+               {"ours_interval", nullptr},
                {"classes", row.class_names},
                {"confusion", row.confusion},
                {"seconds", row.seconds}};
   if (row.ours_percent) {
+    const Interval interval = WilsonInterval(row.right(), row.felt());
     json["ours"] = *row.ours_percent;
+    json["ours_interval"] = {100 * interval.low, 100 * interval.high};
     json["difference"] = *row.Difference();
   } else {
     json["reason"] = row.reason;

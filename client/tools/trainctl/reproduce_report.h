@@ -28,7 +28,7 @@ struct ReproducedRow {
   // Absent if the row could not be computed; `reason` then says why.
   std::optional<double> ours_percent;
   std::string reason;
-  // Trials simulated, and those of them that are undetectable and not counted.
+  // Trials simulated; those of them that the skin never felt are not counted.
   int trials = 0;
   int undetectable = 0;
   // Of the contacts classified; empty without an answer.
@@ -38,6 +38,10 @@ struct ReproducedRow {
 
   // Ours minus the paper's, percentage points.
   std::optional<double> Difference() const;
+  // The contacts classified and those classified rightly, by the confusion
+  // matrix.
+  int felt() const;
+  int right() const;
 };
 
 // Two lines: what the table is, and the names of its columns.

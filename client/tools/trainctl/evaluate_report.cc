@@ -1,0 +1,210 @@
+#include "client/tools/trainctl/evaluate_report.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/tools/trainctl/text.h"
+
+namespace tactus::client {
+namespace {
+
+Json ToJson(const EstimateErrors& errors) {
+  return {{"contacts", errors.count},
+          {"median_error", errors.median},
+          {"rms_error", errors.root_mean_square},
+          {"covered_by_deviation", errors.covered}};
+}
+
+// Null if nothing was estimated or the truth is unknown.
+Json ToJson(const std::vector<std::optional<EstimateOutcome>>& outcomes) {
+  std::vector<EstimateError> stiffness;
+  std::vector<EstimateError> moved;
+  for (const auto& o : outcomes) {
+    if (!o) continue;
+    stiffness.push_back({o->estimate.log10_stiffness - o->log10_stiffness,
+                         o->estimate.log10_stiffness_deviation});
+    moved.push_back(
+        {o->estimate.moved_m - o->moved_m, o->estimate.moved_deviation_m});
+  }
+  if (stiffness.empty()) return nullptr;
+  return {{"log10_stiffness", ToJson(SummariseErrors(stiffness))},
+          {"moved_m", ToJson(SummariseErrors(moved))}};
+}
+
+// How many contacts were decided, how many of them rightly, and how soon.
+Json ToJson(const std::vector<std::optional<DecisionOutcome>>& decisions) {
+  std::vector<double> seconds;
+  int right = 0;
+  for (const auto& decision : decisions) {
+    if (!decision) continue;
+    seconds.push_back(decision->seconds);
+    right += decision->right;
+  }
+  if (seconds.empty()) return nullptr;
+  const auto middle =
+      seconds.begin() + static_cast<ptrdiff_t>(seconds.size() / 2);
+  std::nth_element(seconds.begin(), middle, seconds.end());
+  const int count = static_cast<int>(seconds.size());
+  return {{"contacts", count},
+          {"decided", count / static_cast<double>(decisions.size())},
+          {"right", right},
+          {"accuracy", right / static_cast<double>(count)},
+          {"accuracy_interval", IntervalToJson(WilsonInterval(right, count))},
+          {"median_seconds", *middle}};
+}
+
+std::string ErrorLine(absl::string_view what, const Json& errors,
+                      double scale) {
+  return absl::StrFormat(
+      "Error of %s: median %.3f, rms %.3f; %s of %s contacts within one "
+      "estimated deviation\n",
+      what, scale * errors["median_error"].get<double>(),
+      scale * errors["rms_error"].get<double>(),
+      Percent(errors["covered_by_deviation"]),
+      WithCommas(errors["contacts"].get<int>()));
+}
+
+std::string AnytimeLines(const Json& r) {
+  std::string text;
+  const Json& parts = r["parts_accuracy_at"];
+  for (const auto& [seconds, accuracy] : r["accuracy_at"].items()) {
+    const Json& interval = r["accuracy_interval_at"][seconds];
+    absl::StrAppendFormat(
+        &text,
+        "  after %4s s  %s (%.2f to %.2f %%)  calibration "
+        "error %.3f",
+        seconds, Percent(accuracy), 100 * interval[0].get<double>(),
+        100 * interval[1].get<double>(), r["ece_at"][seconds].get<double>());
+    if (!parts.is_null()) {
+      absl::StrAppendFormat(&text, "  (HMM alone %s, LSTM alone %s)",
+                            Percent(parts["hmm"][seconds]),
+                            Percent(parts["lstm"][seconds]));
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::string DecisionLine(const Json& d, int felt) {
+  return absl::StrFormat(
+      "Decided %s of %s felt contacts (%s), %s of them rightly: %s; after "
+      "%.2f s (median)\n",
+      WithCommas(d["contacts"].get<int>()), WithCommas(felt),
+      Percent(d["decided"]), WithCommas(d["right"].get<int>()),
+      PercentOf(d["right"].get<int>(), d["contacts"].get<int>()),
+      d["median_seconds"].get<double>());
+}
+
+std::string ConfusionTable(const Json& classes, const Json& confusion) {
+  constexpr size_t kMinWidth = 8;
+  size_t width = kMinWidth;
+  for (const auto& name : classes) {
+    width = std::max(width, name.get<std::string>().size() + 1);
+  }
+  const int columns = static_cast<int>(width);
+  std::string text = absl::StrFormat("%*s", columns, "");
+  for (const auto& name : classes) {
+    absl::StrAppendFormat(&text, "%*s", columns, name.get<std::string>());
+  }
+  text += "\n";
+  for (size_t i = 0; i < classes.size(); ++i) {
+    absl::StrAppendFormat(&text, "%*s", columns, classes[i].get<std::string>());
+    for (const auto& count : confusion[i]) {
+      absl::StrAppendFormat(&text, "%*d", columns, count.get<int>());
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+Json EvaluationToJson(const Evaluation& result, int trials) {
+  const int felt = static_cast<int>(result.final.size());
+  const int right = CountRight(result.final);
+  Json accuracy_at = Json::object();
+  Json interval_at = Json::object();
+  Json ece_at = Json::object();
+  Json parts = nullptr;
+  for (int i = 0; i < kAnytimeCount; ++i) {
+    const std::string key = absl::StrFormat("%g", kAnytimeSeconds[i]);
+    const std::vector<Outcome>& outcomes = result.anytime[i];
+    accuracy_at[key] = Accuracy(outcomes);
+    interval_at[key] =
+        IntervalToJson(WilsonInterval(CountRight(outcomes), felt));
+    ece_at[key] = ExpectedCalibrationError(outcomes);
+    if (!result.anytime_hmm.empty()) {
+      parts["hmm"][key] = Accuracy(result.anytime_hmm[i]);
+      parts["lstm"][key] = Accuracy(result.anytime_lstm[i]);
+    }
+  }
+  return {{"algorithm", std::string(AlgorithmName(result.algorithm))},
+          {"trials", trials},
+          {"undetectable", trials - felt},
+          {"felt", felt},
+          {"right", right},
+          {"accuracy", Accuracy(result.final)},
+          {"accuracy_interval", IntervalToJson(WilsonInterval(right, felt))},
+          {"accuracy_at", accuracy_at},
+          {"accuracy_interval_at", interval_at},
+          {"parts_accuracy_at", parts},
+          {"classes", result.class_names},
+          {"confusion",
+           CountConfusion(result.final,
+                          static_cast<int>(result.class_names.size()))},
+          {"ece", ExpectedCalibrationError(result.final)},
+          {"ece_at", ece_at},
+          {"decision", ToJson(result.decisions)},
+          {"estimate", ToJson(result.final_estimates)},
+          {"estimate_at_1.2", ToJson(result.anytime_estimates[3])}};
+}
+
+std::string EvaluationText(const Json& r) {
+  const int felt = r["felt"].get<int>();
+  std::string text =
+      absl::StrFormat("%s of %s\n", PercentOf(r["right"].get<int>(), felt),
+                      FeltContacts(felt, r["trials"].get<int>()));
+  text += AnytimeLines(r);
+  absl::StrAppendFormat(&text, "Expected calibration error %.3f\n",
+                        r["ece"].get<double>());
+  if (const Json& d = r["decision"]; !d.is_null()) {
+    text += DecisionLine(d, felt);
+  }
+  if (const Json& e = r["estimate"]; !e.is_null()) {
+    text += ErrorLine("log10 of stiffness (N/m)", e["log10_stiffness"], 1);
+    text += ErrorLine("distance moved (mm)", e["moved_m"], 1000);
+  }
+  return absl::StrCat(text, "Rows are labels, columns are answers:\n",
+                      ConfusionTable(r["classes"], r["confusion"]));
+}
+
+Json UnknownToJson(const std::vector<UnknownResult>& results) {
+  Json categories = Json::array();
+  for (const UnknownResult& r : results) {
+    categories.push_back({{"category", r.category},
+                          {"contacts", r.contacts},
+                          {"detected", r.detected},
+                          {"other_contacts", r.other_contacts},
+                          {"false_alarms", r.false_alarms},
+                          {"area_under_roc", r.area_under_roc}});
+  }
+  return categories;
+}
+
+std::string UnknownText(const std::vector<UnknownResult>& results) {
+  std::string text;
+  for (const UnknownResult& r : results) {
+    absl::StrAppendFormat(
+        &text,
+        "without %s: unknown are %s of its %s contacts and %s of the %s "
+        "others; area under the ROC curve %.3f\n",
+        r.category, Percent(r.detected), WithCommas(r.contacts),
+        Percent(r.false_alarms), WithCommas(r.other_contacts),
+        r.area_under_roc);
+  }
+  return text;
+}
+
+}  // namespace tactus::client

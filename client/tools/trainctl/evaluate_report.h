@@ -1,0 +1,34 @@
+// File: evaluate_report.h
+//
+// The result of `trainctl evaluate`, as JSON and as text. The text is made from
+// the JSON, so both hold the same numbers.
+//
+//   const Json json = EvaluationToJson(result, loaded.trials);
+//   std::cout << EvaluationText(json);
+//
+// Every accuracy comes with its denominator and its 95 % interval. Thread-safe:
+// free functions without state.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "client/tools/trainctl/command.h"
+#include "core/eval/evaluation.h"
+#include "core/eval/unknown.h"
+
+namespace tactus::client {
+
+// `trials` counts the trials of the file; those without an outcome were never
+// felt. Absent estimates and decisions are null.
+Json EvaluationToJson(const Evaluation& result, int trials);
+
+// Several lines, from the accuracy to the confusion matrix. Ends with a
+// newline.
+std::string EvaluationText(const Json& evaluation);
+
+// The results for contacts of left-out categories.
+Json UnknownToJson(const std::vector<UnknownResult>& results);
+std::string UnknownText(const std::vector<UnknownResult>& results);
+
+}  // namespace tactus::client

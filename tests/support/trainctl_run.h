@@ -1,0 +1,47 @@
+// File: trainctl_run.h
+//
+// Runs trainctl inside the test: the same commands as the program, without a
+// process. Test-only.
+//
+//   const TrainctlRun run = RunTrainctl("inspect " + path + " --json");
+//   EXPECT_TRUE(run.status.ok()) << run.status;
+//   Json::parse(run.out)["trials"];
+//
+// Captures stdout, so only one run at a time.
+#pragma once
+
+#include <string>
+
+#include "absl/status/status.h"
+#include "client/tools/trainctl/command.h"
+#include "gtest/gtest.h"
+
+namespace tactus::testing {
+
+struct TrainctlRun {
+  absl::Status status;
+  std::string out;
+};
+
+// `arguments` as on the command line, without the program's name. Arguments
+// that do not parse end the test with the parser's exception.
+inline TrainctlRun RunTrainctl(const std::string& arguments) {
+  CLI::App app;
+  client::Command command;
+  const client::SelectCommand select = [&](client::Command chosen) {
+    command = std::move(chosen);
+  };
+  for (auto add : {client::AddSimulate, client::AddImport, client::AddFit,
+                   client::AddEvaluate, client::AddInspect, client::AddClassify,
+                   client::AddReproduce}) {
+    add(app, select);
+  }
+  app.parse(arguments);
+  ::testing::internal::CaptureStdout();
+  TrainctlRun run;
+  run.status = command();
+  run.out = ::testing::internal::GetCapturedStdout();
+  return run;
+}
+
+}  // namespace tactus::testing
