@@ -89,12 +89,14 @@ void EvaluateContact(const std::shared_ptr<const CompiledModel>& model,
 
 absl::Status EvaluateFold(const std::vector<const LabelledContact*>& contacts,
                           const std::vector<int>& fold,
-                          const FitOptions& options, Evaluation& result) {
+                          const FitOptions& options, const Progress& progress,
+                          Evaluation& result) {
   std::vector<const LabelledContact*> rest;
   for (int i : Complement(fold, static_cast<int>(contacts.size()))) {
     rest.push_back(contacts[i]);
   }
-  TACTUS_ASSIGN_OR_RETURN(Model model, FitModel(rest, options, RunSerially));
+  TACTUS_ASSIGN_OR_RETURN(Model model,
+                          FitModel(rest, options, RunSerially, progress));
   if (model.class_names != result.class_names) {
     return InvalidTrainingData(
         "a fold holds all contacts of some class; use another protocol");
@@ -112,7 +114,7 @@ absl::Status EvaluateFold(const std::vector<const LabelledContact*>& contacts,
 absl::StatusOr<Evaluation> EvaluateModel(
     const std::shared_ptr<const CompiledModel>& model,
     const std::vector<const LabelledContact*>& contacts, Algorithm algorithm,
-    const ParallelFor& parallel) {
+    const ParallelFor& parallel, const Progress& progress) {
   if (algorithm == Algorithm::kNearest) {
     return InvalidConfig("algorithm", "1nn",
                          "hmm, lstm or fused with a model bundle");
@@ -132,15 +134,18 @@ absl::StatusOr<Evaluation> EvaluateModel(
   TACTUS_ASSIGN_OR_RETURN(
       Evaluation result,
       PrepareEvaluation(contacts, model->model().class_names, algorithm));
-  parallel(static_cast<int>(contacts.size()),
-           [&](int i) { EvaluateContact(model, *contacts[i], i, result); });
+  const Progress walk = progress.Part("classify contacts", 1);
+  parallel(static_cast<int>(contacts.size()), [&](int i) {
+    EvaluateContact(model, *contacts[i], i, result);
+    walk.Add(1 / static_cast<double>(contacts.size()));
+  });
   return result;
 }
 
 absl::StatusOr<Evaluation> EvaluateProtocol(
     const std::vector<const LabelledContact*>& contacts, Protocol protocol,
-    Algorithm algorithm, const FitOptions& options,
-    const ParallelFor& parallel) {
+    Algorithm algorithm, const FitOptions& options, const ParallelFor& parallel,
+    const Progress& progress) {
   if (algorithm == Algorithm::kLstm && options.lstm.networks == 0) {
     return InvalidConfig("algorithm", "lstm",
                          "hmm or 1nn where no LSTM is trained");
@@ -158,11 +163,18 @@ absl::StatusOr<Evaluation> EvaluateProtocol(
       Evaluation result,
       PrepareEvaluation(contacts, ClassNames(contacts), algorithm));
   std::vector<absl::Status> failures(folds.size());
+  const Progress fold_progress =
+      progress.Part("fit and test folds", 1)
+          .Part("", 1 / static_cast<double>(folds.size()));
   parallel(static_cast<int>(folds.size()), [&](int f) {
-    failures[f] =
-        algorithm == Algorithm::kNearest
-            ? EvaluateNearestFold(contacts, folds[f], fit.features, result)
-            : EvaluateFold(contacts, folds[f], fit, result);
+    if (algorithm == Algorithm::kNearest) {
+      failures[f] =
+          EvaluateNearestFold(contacts, folds[f], fit.features, result);
+      fold_progress.Add(1);
+    } else {
+      failures[f] =
+          EvaluateFold(contacts, folds[f], fit, fold_progress, result);
+    }
   });
   for (const absl::Status& failure : failures) {
     TACTUS_RETURN_IF_ERROR(failure);

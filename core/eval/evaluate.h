@@ -19,7 +19,7 @@
 #include "core/train/fit.h"
 #include "core/train/folds.h"
 #include "core/train/labelled_contact.h"
-#include "core/train/parallel.h"
+#include "core/train/work.h"
 
 namespace tactus {
 
@@ -35,13 +35,13 @@ inline Algorithm ServedAlgorithm(bool has_lstms) {
 absl::StatusOr<Evaluation> EvaluateModel(
     const std::shared_ptr<const CompiledModel>& model,
     const std::vector<const LabelledContact*>& contacts, Algorithm algorithm,
-    const ParallelFor& parallel);
+    const ParallelFor& parallel, const Progress& progress = {});
 
 // Classifies every contact with a model fitted to the other folds. kFused runs
 // kHmm if options.lstm.networks is 0. kHmm trains no LSTMs.
 absl::StatusOr<Evaluation> EvaluateProtocol(
     const std::vector<const LabelledContact*>& contacts, Protocol protocol,
-    Algorithm algorithm, const FitOptions& options,
-    const ParallelFor& parallel);
+    Algorithm algorithm, const FitOptions& options, const ParallelFor& parallel,
+    const Progress& progress = {});
 
 }  // namespace tactus

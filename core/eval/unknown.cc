@@ -19,12 +19,13 @@ constexpr double kUnknown = 0.5;
 absl::StatusOr<std::vector<double>> ScoreFold(
     const std::vector<const LabelledContact*>& contacts,
     const std::vector<int>& fold, const std::string& category,
-    const FitOptions& options) {
+    const FitOptions& options, const Progress& progress) {
   std::vector<const LabelledContact*> rest;
   for (int i : Complement(fold, static_cast<int>(contacts.size()))) {
     if (contacts[i]->label != category) rest.push_back(contacts[i]);
   }
-  TACTUS_ASSIGN_OR_RETURN(Model model, FitModel(rest, options, RunSerially));
+  TACTUS_ASSIGN_OR_RETURN(Model model,
+                          FitModel(rest, options, RunSerially, progress));
   TACTUS_ASSIGN_OR_RETURN(const auto compiled,
                           CompiledModel::Create(std::move(model)));
   std::vector<double> unknown;
@@ -65,7 +66,8 @@ double AreaUnderRoc(std::span<const double> positive,
 
 absl::StatusOr<std::vector<UnknownResult>> EvaluateUnknown(
     const std::vector<const LabelledContact*>& contacts,
-    const FitOptions& options, const ParallelFor& parallel) {
+    const FitOptions& options, const ParallelFor& parallel,
+    const Progress& progress) {
   const std::vector<std::string> categories = ClassNames(contacts);
   if (categories.size() < kMinCategories) {
     return InvalidTrainingData(
@@ -80,9 +82,12 @@ absl::StatusOr<std::vector<UnknownResult>> EvaluateUnknown(
   const size_t jobs = categories.size() * folds.size();
   std::vector<absl::StatusOr<std::vector<double>>> unknown(
       jobs, std::vector<double>());
+  const Progress job_progress = progress.Part("fit and test folds", 1)
+                                    .Part("", 1 / static_cast<double>(jobs));
   parallel(static_cast<int>(jobs), [&](int job) {
-    unknown[job] = ScoreFold(contacts, folds[job % folds.size()],
-                             categories[job / folds.size()], hmms_only);
+    unknown[job] =
+        ScoreFold(contacts, folds[job % folds.size()],
+                  categories[job / folds.size()], hmms_only, job_progress);
   });
 
   std::vector<UnknownResult> results;

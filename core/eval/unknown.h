@@ -18,7 +18,7 @@
 #include "absl/status/statusor.h"
 #include "core/train/fit.h"
 #include "core/train/labelled_contact.h"
-#include "core/train/parallel.h"
+#include "core/train/work.h"
 
 namespace tactus {
 
@@ -42,7 +42,8 @@ struct UnknownResult {
 // as FitModel fails.
 absl::StatusOr<std::vector<UnknownResult>> EvaluateUnknown(
     const std::vector<const LabelledContact*>& contacts,
-    const FitOptions& options, const ParallelFor& parallel);
+    const FitOptions& options, const ParallelFor& parallel,
+    const Progress& progress = {});
 
 // Probability that a value of `positive` is above one of `negative`, ties
 // counted half; 0.5 if either is empty.

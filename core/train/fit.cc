@@ -23,6 +23,9 @@ constexpr size_t kMaxConditions = 8;
 // A model that misses several materials more than the one it is to calibrate
 // errs more, and makes that one too modest: few are left out together.
 constexpr size_t kMaterialGroups = 6;
+// Fraction of a fit's time that the HMMs take where there are LSTMs too, for
+// the progress.
+constexpr double kHmmWeight = 0.3;
 
 absl::Status CheckUniform(const std::vector<const LabelledContact*>& contacts) {
   const LabelledContact& first = *contacts.front();
@@ -139,16 +142,20 @@ Varied WithVariations(const std::vector<const LabelledContact*>& contacts,
 absl::StatusOr<Model> FitUncalibrated(
     const std::vector<const LabelledContact*>& contacts,
     const std::vector<std::string>& class_names, const FitOptions& options,
-    int networks, const ParallelFor& parallel) {
+    const ParallelFor& parallel, const Progress& progress) {
+  const int networks = options.lstm.networks;
   VariationRange range = options.variations;
   range.stiffness = 1;
   TACTUS_ASSIGN_OR_RETURN(
-      Model model, FitHmms(WithVariations(contacts, range, options.seed).all,
-                           class_names, options));
+      Model model,
+      FitHmms(WithVariations(contacts, range, options.seed).all, class_names,
+              options,
+              progress.Part("fit HMMs", networks > 0 ? kHmmWeight : 1)));
   if (networks > 0) {
     TACTUS_RETURN_IF_ERROR(
         FitLstms(WithVariations(contacts, options.variations, options.seed).all,
-                 options, networks, parallel, model));
+                 options, networks, parallel,
+                 progress.Part("train LSTMs", 1 - kHmmWeight), model));
   }
   return model;
 }
@@ -156,17 +163,18 @@ absl::StatusOr<Model> FitUncalibrated(
 // A calibration from scores of each inner fold by models of the others. A
 // fold whose complement lacks a class is not used.
 absl::Status Calibrate(const std::vector<const LabelledContact*>& contacts,
+                       const std::vector<std::vector<int>>& folds,
                        const FitOptions& options, const ParallelFor& parallel,
-                       Model& model) {
-  const auto folds = MakeInnerFolds(contacts, options);
+                       const Progress& progress, Model& model) {
   std::vector<std::vector<ScoredContact>> scored(folds.size());
   std::vector<absl::Status> failures(folds.size());
   parallel(static_cast<int>(folds.size()), [&](int f) {
     const auto rest = Select(
         contacts, Complement(folds[f], static_cast<int>(contacts.size())));
     if (ClassNames(rest) != model.class_names) return;
-    auto fitted = FitUncalibrated(rest, model.class_names, options,
-                                  options.lstm.networks, RunSerially);
+    auto fitted = FitUncalibrated(
+        rest, model.class_names, options, RunSerially,
+        progress.Part("", 1 / static_cast<double>(folds.size())));
     if (!fitted.ok()) {
       failures[f] = fitted.status();
       return;
@@ -241,7 +249,8 @@ std::vector<std::string> ClassNames(
 
 absl::StatusOr<Model> FitModel(
     const std::vector<const LabelledContact*>& contacts,
-    const FitOptions& options, const ParallelFor& parallel) {
+    const FitOptions& options, const ParallelFor& parallel,
+    const Progress& progress) {
   if (contacts.empty()) {
     return InvalidTrainingData("there is no contact to fit to");
   }
@@ -253,11 +262,17 @@ absl::StatusOr<Model> FitModel(
     TACTUS_RETURN_IF_ERROR(
         CheckCues(contacts, options.lstm.cues, options.features));
   }
-  TACTUS_ASSIGN_OR_RETURN(Model model,
-                          FitUncalibrated(contacts, class_names, options,
-                                          options.lstm.networks, parallel));
+  std::vector<std::vector<int>> folds;
+  if (options.calibrate) folds = MakeInnerFolds(contacts, options);
+  // The fits to n - 1 of n inner folds take as long as n - 1 fits to all.
+  const double weight = 1 / std::max(1.0, static_cast<double>(folds.size()));
+  TACTUS_ASSIGN_OR_RETURN(
+      Model model, FitUncalibrated(contacts, class_names, options, parallel,
+                                   progress.Part("", weight)));
   if (options.calibrate) {
-    TACTUS_RETURN_IF_ERROR(Calibrate(contacts, options, parallel, model));
+    TACTUS_RETURN_IF_ERROR(Calibrate(
+        contacts, folds, options, parallel,
+        progress.Part("calibrate on left-out folds", 1 - weight), model));
   }
   TACTUS_RETURN_IF_ERROR(AddWarmUp(contacts, model));
   model.provenance.trials = static_cast<uint32_t>(contacts.size());

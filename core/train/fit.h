@@ -4,8 +4,8 @@
 // per category, calibration on inner folds.
 //
 //   TACTUS_ASSIGN_OR_RETURN(FitOptions options, FitPreset("tuned"));
-//   TACTUS_ASSIGN_OR_RETURN(Model model, FitModel(contacts, options,
-//   parallel));
+//   TACTUS_ASSIGN_OR_RETURN(Model model,
+//                           FitModel(contacts, options, RunSerially));
 //
 // Deterministic: the same contacts, options and seed give the same model,
 // however `parallel` spreads the work. Thread-safe.
@@ -18,7 +18,7 @@
 #include "core/classify/model.h"
 #include "core/train/fit_options.h"
 #include "core/train/labelled_contact.h"
-#include "core/train/parallel.h"
+#include "core/train/work.h"
 
 namespace tactus {
 
@@ -33,6 +33,7 @@ std::vector<std::string> ClassNames(
 // The provenance is left to the caller, but for trials and seed.
 absl::StatusOr<Model> FitModel(
     const std::vector<const LabelledContact*>& contacts,
-    const FitOptions& options, const ParallelFor& parallel);
+    const FitOptions& options, const ParallelFor& parallel,
+    const Progress& progress = {});
 
 }  // namespace tactus

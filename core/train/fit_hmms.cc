@@ -38,7 +38,8 @@ absl::StatusOr<HmmMixture> FitClass(
 
 absl::StatusOr<Model> FitHmms(
     const std::vector<const LabelledContact*>& contacts,
-    const std::vector<std::string>& class_names, const FitOptions& options) {
+    const std::vector<std::string>& class_names, const FitOptions& options,
+    const Progress& progress) {
   Model model;
   model.class_names = class_names;
   model.features.hmm_steps = options.hmm_steps;
@@ -52,6 +53,7 @@ absl::StatusOr<Model> FitHmms(
     TACTUS_ASSIGN_OR_RETURN(HmmMixture mixture,
                             FitClass(contacts, name, model.features, options));
     model.hmms.push_back(std::move(mixture));
+    progress.Add(1 / static_cast<double>(class_names.size()));
   }
   Calibration& c = model.calibration;
   c.frames = {1};

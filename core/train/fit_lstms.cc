@@ -22,7 +22,8 @@ std::vector<float> MakeTargets(const LabelledContact& contact,
 
 absl::StatusOr<LstmNetwork> Train(const LstmFit& fit, uint64_t seed, int inputs,
                                   int classes, int regressions,
-                                  std::span<const LstmSequence> sequences) {
+                                  std::span<const LstmSequence> sequences,
+                                  const Progress& progress) {
   LstmTrainOptions training = fit.training;
   training.seed = seed;
   const LstmNetwork start =
@@ -30,7 +31,11 @@ absl::StatusOr<LstmNetwork> Train(const LstmFit& fit, uint64_t seed, int inputs,
                     fit.gate_activation, seed, /*forget_bias=*/1, regressions);
   TACTUS_ASSIGN_OR_RETURN(
       LstmTrained trained,
-      TrainLstm({.network = start}, sequences, {}, training));
+      TrainLstm({.network = start}, sequences, {}, training,
+                [&](const LstmEpoch&, const LstmCheckpoint&) {
+                  progress.Add(1.0 / training.epochs);
+                  return absl::OkStatus();
+                }));
   return std::move(trained.network);
 }
 
@@ -38,7 +43,8 @@ absl::StatusOr<LstmNetwork> Train(const LstmFit& fit, uint64_t seed, int inputs,
 
 absl::Status FitLstms(const std::vector<const LabelledContact*>& contacts,
                       const FitOptions& options, int networks,
-                      const ParallelFor& parallel, Model& model) {
+                      const ParallelFor& parallel, const Progress& progress,
+                      Model& model) {
   const LstmFit& fit = options.lstm;
   FeatureSpec& spec = model.features;
   spec.lstm_steps = fit.steps;
@@ -83,9 +89,11 @@ absl::Status FitLstms(const std::vector<const LabelledContact*>& contacts,
       absl::StatusOr<LstmNetwork>(LstmNetwork()));
   parallel(static_cast<int>(trained.size()), [&](int n) {
     const bool estimator = n == networks;
-    trained[n] = Train(fit, options.seed + static_cast<uint64_t>(n), inputs,
-                       model.classes(), estimator ? kEstimateRegressions : 0,
-                       estimator ? with_targets : sequences);
+    trained[n] =
+        Train(fit, options.seed + static_cast<uint64_t>(n), inputs,
+              model.classes(), estimator ? kEstimateRegressions : 0,
+              estimator ? with_targets : sequences,
+              progress.Part("", 1 / static_cast<double>(trained.size())));
   });
   for (const auto& network : trained) {
     TACTUS_RETURN_IF_ERROR(network.status());

@@ -3,9 +3,10 @@
 // The uncalibrated parts of a fit: HMMs and LSTMs, each with the scaling of
 // its inputs, from the contacts alone. FitModel (fit.h) puts them together.
 //
-//   TACTUS_ASSIGN_OR_RETURN(Model model, FitHmms(contacts, names, options));
-//   TACTUS_RETURN_IF_ERROR(
-//       FitLstms(contacts, options, /*networks=*/3, RunSerially, model));
+//   TACTUS_ASSIGN_OR_RETURN(
+//       Model model, FitHmms(contacts, names, options, Progress()));
+//   TACTUS_RETURN_IF_ERROR(FitLstms(contacts, options, /*networks=*/3,
+//                                   RunSerially, Progress(), model));
 //
 // Contacts must outlive the call. Thread-safe: free functions without state.
 #pragma once
@@ -18,7 +19,7 @@
 #include "core/classify/model.h"
 #include "core/train/fit_options.h"
 #include "core/train/labelled_contact.h"
-#include "core/train/parallel.h"
+#include "core/train/work.h"
 
 namespace tactus {
 
@@ -27,13 +28,15 @@ namespace tactus {
 // class must have a contact.
 absl::StatusOr<Model> FitHmms(
     const std::vector<const LabelledContact*>& contacts,
-    const std::vector<std::string>& class_names, const FitOptions& options);
+    const std::vector<std::string>& class_names, const FitOptions& options,
+    const Progress& progress);
 
 // Adds `networks` LSTMs, trained as `options.lstm` says, to `model`, which
 // FitHmms returned. Adds an estimator if the options ask for one and the truth
 // is known. The calibration leaves the networks' probabilities unchanged.
 absl::Status FitLstms(const std::vector<const LabelledContact*>& contacts,
                       const FitOptions& options, int networks,
-                      const ParallelFor& parallel, Model& model);
+                      const ParallelFor& parallel, const Progress& progress,
+                      Model& model);
 
 }  // namespace tactus

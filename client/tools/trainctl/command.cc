@@ -66,13 +66,15 @@ std::vector<const LabelledContact*> LoadedContacts::Pointers() const {
 }
 
 absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
-                                            const std::string& layout_path) {
+                                            const std::string& layout_path,
+                                            const Progress& progress) {
   SkinLayout layout;
   if (!layout_path.empty()) {
     TACTUS_ASSIGN_OR_RETURN(layout, ReadLayoutFile(layout_path));
   }
   TACTUS_ASSIGN_OR_RETURN(auto reader, TrialFileReader::Open(path));
   LoadedContacts loaded;
+  const Progress reading = progress.Part("read trials", 1);
   for (size_t i = 0; i < reader.size(); ++i) {
     TACTUS_ASSIGN_OR_RETURN(const Trial trial, reader.Read(i));
     TACTUS_ASSIGN_OR_RETURN(auto contact, ExtractContact(trial, &layout));
@@ -82,6 +84,7 @@ absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
     } else {
       ++loaded.undetectable;
     }
+    reading.Add(1 / static_cast<double>(reader.size()));
   }
   return loaded;
 }

@@ -13,7 +13,7 @@
 #include "absl/status/statusor.h"
 #include "core/classify/compiled_model.h"
 #include "core/train/labelled_contact.h"
-#include "core/train/parallel.h"
+#include "core/train/work.h"
 #include "nlohmann/json.hpp"
 
 namespace tactus::client {
@@ -57,7 +57,8 @@ struct LoadedContacts {
 // Reads `path`; `layout_path`, if not empty, names a SensorGeometry in JSON
 // for skins that are no preset.
 absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
-                                            const std::string& layout_path);
+                                            const std::string& layout_path,
+                                            const Progress& progress);
 
 // Reads the bundle at `path`.
 absl::StatusOr<Model> LoadModel(const std::string& path);

@@ -11,6 +11,8 @@
 #include "client/tools/trainctl/evaluate_figures.h"
 #include "client/tools/trainctl/evaluate_report.h"
 #include "client/tools/trainctl/fit_flags.h"
+#include "client/tools/trainctl/progress_display.h"
+#include "client/tools/trainctl/text.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/eval/unknown.h"
@@ -77,11 +79,14 @@ absl::Status Draw(const Flags& flags, const Evaluation& result) {
 // of training.
 absl::Status RunUnknown(const Flags& flags) {
   TACTUS_ASSIGN_OR_RETURN(const FitOptions options, flags.fit.Options());
-  TACTUS_ASSIGN_OR_RETURN(const LoadedContacts loaded,
-                          LoadContacts(flags.data, flags.layout));
+  ProgressDisplay display;
   TACTUS_ASSIGN_OR_RETURN(
-      const auto results,
-      EvaluateUnknown(loaded.Pointers(), options, RunOnThreads));
+      const LoadedContacts loaded,
+      LoadContacts(flags.data, flags.layout, display.progress()));
+  TACTUS_ASSIGN_OR_RETURN(const auto results,
+                          EvaluateUnknown(loaded.Pointers(), options,
+                                          RunOnThreads, display.progress()));
+  display.Clear();
   if (flags.json) {
     std::cout << Json({{"protocol", flags.protocol},
                        {"seed", flags.fit.seed},
@@ -104,7 +109,8 @@ struct Run {
 };
 
 absl::StatusOr<Run> RunProtocol(const Flags& flags,
-                                const LoadedContacts& loaded) {
+                                const LoadedContacts& loaded,
+                                const Progress& progress) {
   TACTUS_ASSIGN_OR_RETURN(const FitOptions options, flags.fit.Options());
   TACTUS_ASSIGN_OR_RETURN(const Algorithm algorithm,
                           ChosenAlgorithm(flags, options.lstm.networks > 0));
@@ -112,21 +118,23 @@ absl::StatusOr<Run> RunProtocol(const Flags& flags,
       const Protocol protocol,
       ParseProtocol(flags.protocol,
                     flags.folds.value_or(Protocol::kDefaultFolds)));
-  TACTUS_ASSIGN_OR_RETURN(Evaluation result,
-                          EvaluateProtocol(loaded.Pointers(), protocol,
-                                           algorithm, options, RunOnThreads));
+  TACTUS_ASSIGN_OR_RETURN(
+      Evaluation result,
+      EvaluateProtocol(loaded.Pointers(), protocol, algorithm, options,
+                       RunOnThreads, progress));
   return Run{std::move(result), FeaturesToString(options.features)};
 }
 
-absl::StatusOr<Run> RunModel(const Flags& flags, const LoadedContacts& loaded) {
+absl::StatusOr<Run> RunModel(const Flags& flags, const LoadedContacts& loaded,
+                             const Progress& progress) {
   TACTUS_ASSIGN_OR_RETURN(Model model, LoadModel(flags.model));
   TACTUS_ASSIGN_OR_RETURN(auto compiled,
                           CompiledModel::Create(std::move(model)));
   TACTUS_ASSIGN_OR_RETURN(const Algorithm algorithm,
                           ChosenAlgorithm(flags, !compiled->lstms().empty()));
-  TACTUS_ASSIGN_OR_RETURN(
-      Evaluation result,
-      EvaluateModel(compiled, loaded.Pointers(), algorithm, RunOnThreads));
+  TACTUS_ASSIGN_OR_RETURN(Evaluation result,
+                          EvaluateModel(compiled, loaded.Pointers(), algorithm,
+                                        RunOnThreads, progress));
   return Run{std::move(result),
              FeaturesToString(FeaturesUsed(compiled->model().features))};
 }
@@ -161,11 +169,15 @@ void Print(const Flags& flags, const Run& run, int trials) {
 absl::Status RunEvaluate(const Flags& flags) {
   TACTUS_RETURN_IF_ERROR(Check(flags));
   if (flags.protocol == kLeaveOneCategoryOut) return RunUnknown(flags);
-  TACTUS_ASSIGN_OR_RETURN(const LoadedContacts loaded,
-                          LoadContacts(flags.data, flags.layout));
-  TACTUS_ASSIGN_OR_RETURN(const Run run, flags.model.empty()
-                                             ? RunProtocol(flags, loaded)
-                                             : RunModel(flags, loaded));
+  ProgressDisplay display;
+  TACTUS_ASSIGN_OR_RETURN(
+      const LoadedContacts loaded,
+      LoadContacts(flags.data, flags.layout, display.progress()));
+  TACTUS_ASSIGN_OR_RETURN(const Run run,
+                          flags.model.empty()
+                              ? RunProtocol(flags, loaded, display.progress())
+                              : RunModel(flags, loaded, display.progress()));
+  display.Clear();
   if (!flags.figures.empty()) {
     TACTUS_RETURN_IF_ERROR(Draw(flags, run.result));
   }

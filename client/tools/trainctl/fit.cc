@@ -4,6 +4,7 @@
 #include "absl/strings/str_format.h"
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/fit_flags.h"
+#include "client/tools/trainctl/progress_display.h"
 #include "core/base/status_macros.h"
 #include "core/base/version.h"
 #include "core/bundle/bundle.h"
@@ -22,10 +23,14 @@ struct Flags {
 
 absl::Status Run(const Flags& flags) {
   TACTUS_ASSIGN_OR_RETURN(const FitOptions options, flags.fit.Options());
-  TACTUS_ASSIGN_OR_RETURN(const LoadedContacts loaded,
-                          LoadContacts(flags.data, flags.layout));
-  TACTUS_ASSIGN_OR_RETURN(Model model,
-                          FitModel(loaded.Pointers(), options, RunOnThreads));
+  ProgressDisplay display;
+  TACTUS_ASSIGN_OR_RETURN(
+      const LoadedContacts loaded,
+      LoadContacts(flags.data, flags.layout, display.progress()));
+  TACTUS_ASSIGN_OR_RETURN(
+      Model model,
+      FitModel(loaded.Pointers(), options, RunOnThreads, display.progress()));
+  display.Clear();
   model.provenance.command = CommandLine();
   model.provenance.version = kVersion;
   model.provenance.data = flags.data;

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_format.h"
 #include "client/tools/trainctl/command.h"
+#include "client/tools/trainctl/progress_display.h"
 #include "core/base/status_macros.h"
 #include "core/data/trial_file.h"
 
@@ -21,15 +22,19 @@ struct Flags {
 absl::Status Run(const Flags& flags) {
   TACTUS_ASSIGN_OR_RETURN(
       auto writer, TrialFileWriter::Create(flags.out, {.overwrite = true}));
+  ProgressDisplay display;
   std::map<std::string, int> counts;
+  int64_t imported = 0;
   size_t frames = 0;
   TACTUS_ASSIGN_OR_RETURN(const size_t trials,
                           ImportTrials(flags.path, [&](Trial trial) {
                             ++counts[trial.label];
                             frames += trial.time.size();
+                            display.Count("import trials", ++imported);
                             return writer.Append(trial);
                           }));
   TACTUS_RETURN_IF_ERROR(writer.Close());
+  display.Clear();
   if (flags.json) {
     std::cout << Json{{"trials", trials},
                       {"frames", frames},

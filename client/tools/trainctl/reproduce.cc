@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <iostream>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/tools/trainctl/command.h"
+#include "client/tools/trainctl/progress_display.h"
 #include "client/tools/trainctl/reproduce_data.h"
 #include "client/tools/trainctl/reproduce_report.h"
 #include "client/tools/trainctl/text.h"
@@ -52,7 +54,7 @@ absl::StatusOr<Selection> Select(const Flags& flags) {
 // A row that fails says why and leaves the others standing.
 ReproducedRow Reproduce(Experiment experiment, const PaperRow& paper,
                         const absl::StatusOr<LoadedContacts>& data,
-                        uint64_t seed) {
+                        uint64_t seed, const Progress& progress) {
   ReproducedRow row;
   row.experiment = experiment;
   row.paper = paper;
@@ -65,7 +67,7 @@ ReproducedRow Reproduce(Experiment experiment, const PaperRow& paper,
     // The table counts answers, which calibration leaves as they are.
     options.calibrate = false;
     return EvaluateProtocol(data->Pointers(), Protocol::kLeaveOneConditionOut,
-                            paper.algorithm, options, RunOnThreads);
+                            paper.algorithm, options, RunOnThreads, progress);
   }();
   row.seconds = SecondsSinceStart() - begin;
   if (!result.ok()) {
@@ -83,7 +85,12 @@ ReproducedRow Reproduce(Experiment experiment, const PaperRow& paper,
 
 absl::Status RunExperiment(const Flags& flags, const Selection& selection,
                            Experiment experiment, Json& rows_json) {
-  const auto data = SimulateExperiment(experiment, flags.seed);
+  ProgressDisplay display;
+  const std::string name(SourceOf(experiment).name);
+  const auto data = SimulateExperiment(
+      experiment, flags.seed,
+      display.progress().Part(absl::StrCat(name, ": simulate contacts"), 1));
+  display.Clear();
   if (!flags.json) std::cout << TableHeading(experiment) << std::flush;
   std::vector<ReproducedRow> rows;
   for (const PaperRow& paper : PaperTable(experiment)) {
@@ -91,7 +98,11 @@ absl::Status RunExperiment(const Flags& flags, const Selection& selection,
                   paper.algorithm) == selection.algorithms.end()) {
       continue;
     }
-    rows.push_back(Reproduce(experiment, paper, data, flags.seed));
+    const std::string phase = absl::StrCat(
+        name, ": ", PaperName(paper.algorithm), " ", paper.features);
+    rows.push_back(Reproduce(experiment, paper, data, flags.seed,
+                             display.progress().Part(phase, 1)));
+    display.Clear();
     rows_json.push_back(RowToJson(rows.back()));
     if (!flags.json) std::cout << TableLine(rows.back()) << std::flush;
   }

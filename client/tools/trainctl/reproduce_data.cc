@@ -37,15 +37,18 @@ absl::StatusOr<Extracted> Extract(const SimulateJob& job) {
 }  // namespace
 
 absl::StatusOr<LoadedContacts> SimulateExperiment(Experiment experiment,
-                                                  uint64_t seed) {
+                                                  uint64_t seed,
+                                                  const Progress& progress) {
   const SimulateFlags flags = FlagsOf(experiment, seed);
   TACTUS_ASSIGN_OR_RETURN(const SkinLayout layout,
                           LayoutPreset("cody-forearm"));
   TACTUS_ASSIGN_OR_RETURN(const std::vector<SimulateJob> jobs,
                           MakeJobs(flags, layout));
   std::vector<absl::StatusOr<Extracted>> results(jobs.size());
-  RunOnThreads(static_cast<int>(jobs.size()),
-               [&](int i) { results[i] = Extract(jobs[i]); });
+  RunOnThreads(static_cast<int>(jobs.size()), [&](int i) {
+    results[i] = Extract(jobs[i]);
+    progress.Add(1 / static_cast<double>(jobs.size()));
+  });
   LoadedContacts data;
   for (auto& result : results) {
     TACTUS_RETURN_IF_ERROR(result.status());

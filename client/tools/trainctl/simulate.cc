@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_format.h"
 #include "client/tools/trainctl/command.h"
+#include "client/tools/trainctl/progress_display.h"
 #include "client/tools/trainctl/simulate_jobs.h"
 #include "client/tools/trainctl/simulate_one.h"
 #include "core/base/status_macros.h"
@@ -113,6 +114,11 @@ absl::Status Run(const SimulateFlags& flags) {
   }
   const int limit =
       flags.protocol == "grid" ? flags.sample : std::numeric_limits<int>::max();
+  ProgressDisplay display;
+  const Progress simulating = display.progress().Part("simulate contacts", 1);
+  // The grid stops at a number of trials, the others with their last job.
+  const bool grid = flags.protocol == "grid";
+  const double all = grid ? flags.sample : static_cast<double>(jobs.size());
   Tally tally;
   for (size_t begin = 0; begin < jobs.size(); begin += kBlock) {
     const size_t size = std::min(kBlock, jobs.size() - begin);
@@ -121,6 +127,7 @@ absl::Status Run(const SimulateFlags& flags) {
                  [&](int i) { block[i] = jobs[begin + i](); });
     for (auto& contacts : block) {
       TACTUS_RETURN_IF_ERROR(contacts.status());
+      simulating.Add((grid ? static_cast<double>(contacts->size()) : 1) / all);
       for (const SensedContact& contact : *contacts) {
         if (Sum(tally.counts) == limit) break;
         Count(contact, flags, layout, tally);
@@ -130,6 +137,7 @@ absl::Status Run(const SimulateFlags& flags) {
     if (Sum(tally.counts) == limit) break;
   }
   if (writer) TACTUS_RETURN_IF_ERROR(writer->Close());
+  display.Clear();
   Print(flags, tally);
   return absl::OkStatus();
 }

@@ -1,0 +1,99 @@
+#include "client/tools/trainctl/progress_display.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/tools/trainctl/command.h"
+
+namespace tactus::client {
+namespace {
+
+constexpr double kQuietSeconds = 1;
+constexpr double kRefreshSeconds = 0.2;
+// Below this a time left is a guess.
+constexpr double kLeastFraction = 0.02;
+
+// "1:05" or "2:03:00".
+std::string Clock(double seconds) {
+  const auto all = static_cast<int64_t>(std::ceil(seconds));
+  const int64_t hours = all / 3600;
+  const int64_t minutes = all / 60 % 60;
+  if (hours == 0) return absl::StrFormat("%d:%02d", minutes, all % 60);
+  return absl::StrFormat("%d:%02d:%02d", hours, minutes, all % 60);
+}
+
+}  // namespace
+
+ProgressDisplay::ProgressDisplay()
+    : ProgressDisplay(std::cerr, isatty(STDERR_FILENO) == 1,
+                      SecondsSinceStart) {}
+
+ProgressDisplay::ProgressDisplay(std::ostream& out, bool terminal,
+                                 std::function<double()> seconds)
+    : out_(out), terminal_(terminal), seconds_(std::move(seconds)) {}
+
+Progress ProgressDisplay::progress() {
+  return Progress([this](absl::string_view phase, double fraction) {
+    Add(phase, fraction);
+  });
+}
+
+void ProgressDisplay::Add(absl::string_view phase, double fraction) {
+  std::lock_guard lock(mutex_);
+  Enter(phase);
+  fraction_ = std::min(1.0, fraction_ + fraction);
+  std::string detail = absl::StrFormat("%3.0f %%", std::floor(100 * fraction_));
+  if (fraction_ >= kLeastFraction) {
+    const double spent = seconds_() - phase_start_;
+    absl::StrAppend(&detail, ", ", Clock(spent * (1 - fraction_) / fraction_),
+                    " left");
+  }
+  Show(detail);
+}
+
+void ProgressDisplay::Count(absl::string_view phase, int64_t count) {
+  std::lock_guard lock(mutex_);
+  Enter(phase);
+  Show(absl::StrCat(count));
+}
+
+void ProgressDisplay::Clear() {
+  std::lock_guard lock(mutex_);
+  if (shown_width_ == 0) return;
+  out_ << "\r" << std::string(shown_width_, ' ') << "\r" << std::flush;
+  shown_width_ = 0;
+}
+
+void ProgressDisplay::Enter(absl::string_view phase) {
+  if (phase == phase_) return;
+  phase_ = std::string(phase);
+  phase_start_ = seconds_();
+  fraction_ = 0;
+  announced_ = false;
+  // The first line of a phase does not wait for the refresh.
+  shown_at_ = 0;
+}
+
+void ProgressDisplay::Show(const std::string& detail) {
+  const double now = seconds_();
+  if (now < kQuietSeconds) return;
+  if (!terminal_) {
+    if (!announced_) out_ << "trainctl: " << phase_ << "\n" << std::flush;
+    announced_ = true;
+    return;
+  }
+  if (now - shown_at_ < kRefreshSeconds) return;
+  const std::string line = absl::StrCat(phase_, "  ", detail);
+  const size_t blank = shown_width_ - std::min(shown_width_, line.size());
+  out_ << "\r" << line << std::string(blank, ' ') << std::flush;
+  shown_at_ = now;
+  shown_width_ = line.size();
+}
+
+}  // namespace tactus::client
