@@ -1,7 +1,7 @@
 // File: aligned_vector.h
 //
-// A vector whose numbers start on a cache line, so that no load of the
-// vectorised kernels straddles two.
+// AlignedVector: a std::vector whose memory starts on a cache line, so that
+// aligned vector loads never cross two lines.
 //
 //   AlignedVector<float> cells(160);
 //

@@ -1,6 +1,6 @@
 // File: call_event.h
 //
-// CallEvent: what a completion queue hands back when an operation is over. The
+// CallEvent: a completion queue returns it when an operation is complete. The
 // operation carries its tag():
 //
 //   class Call {
@@ -10,14 +10,14 @@
 //   stream.Read(&message, read_done_.tag());
 //   static_cast<CallEvent*>(tag)->OnEvent(ok);
 //
-// Must live until it is handed back. Not thread-safe.
+// Must live until the queue has returned it. Not thread-safe.
 #pragma once
 
 namespace tactus {
 
 class CallEvent {
  public:
-  // `ok` as the queue tells it: false if the operation failed.
+  // `ok` comes from the queue: false if the operation failed.
   virtual void OnEvent(bool ok) = 0;
   void* tag() { return this; }
 

@@ -1,14 +1,14 @@
 // File: gaussian.h
 //
-// Many Gaussian random numbers at once, two at a time in the processor's
-// vectors: what Random::Gaussian() would have drawn, up to rounding.
+// Draws many Gaussian random numbers at once, with vector instructions. They
+// equal those of Random::Gaussian() up to rounding.
 //
 //   std::vector<double> noise(1500);
 //   FillGaussian(random, noise);
 //
-// Arithmetic and square roots alone, so the same bits on every platform.
-// Stateless; the generator is the caller's. Source: Box and Muller, "A note on
-// the generation of random normal deviates" (1958).
+// Uses only arithmetic and square roots, so every platform gives the same bits.
+// Thread-safe as long as each thread has its generator. Source: Box and Muller,
+// "A note on the generation of random normal deviates" (1958).
 #pragma once
 
 #include <span>
@@ -17,8 +17,8 @@
 
 namespace tactus {
 
-// Zero mean, unit variance. Takes two uniform numbers for each two deviates,
-// and for an odd one at the end.
+// Fills `deviates` with numbers of zero mean and unit variance. Takes two
+// uniform numbers for each pair of deviates, and two for an odd last one.
 void FillGaussian(Random& random, std::span<double> deviates);
 
 }  // namespace tactus

@@ -1,7 +1,7 @@
 // File: limits.h
 //
-// Every limit Tactus enforces, in one place. Tests assert on these names;
-// docs and StreamStarted quote them.
+// All limits that Tactus enforces. Tests assert on these names; docs and
+// StreamStarted quote them.
 #pragma once
 
 #include <cstddef>
@@ -26,8 +26,8 @@ inline constexpr uint32_t kMaxDecisionFrames = 10'000;
 inline constexpr size_t kMaxNameBytes = 128;
 inline constexpr int32_t kMaxReleaseAfterMs = 60'000;
 
-// Largest accepted taxel value, in the layout's unit: beyond any skin, and
-// small enough that no square overflows.
+// Largest accepted taxel value, in the layout's unit. It is larger than any
+// skin reports, and its square does not overflow.
 inline constexpr float kMaxTaxelValue = 1e12F;
 // Largest accepted distance of a link from the origin in metres.
 inline constexpr double kMaxPositionM = 1e6;
@@ -38,8 +38,8 @@ inline constexpr double kQuaternionTolerance = 1e-3;
 // years, so that no difference of two overflows.
 inline constexpr int64_t kMaxCaptureTimeNs = 4'000'000'000'000'000'000;
 
-// A sequence gap beyond this many frames is treated as this many by the
-// models; it is counted in full.
+// Models treat a longer sequence gap as this many frames. Counters count the
+// whole gap.
 inline constexpr uint64_t kMaxBridgedFrames = 100;
 
 // One message to any service, compared before it is parsed. gRPC has one such

@@ -1,7 +1,7 @@
 // File: serialize.h
 //
-// Protobuf messages as bytes that depend on their contents alone: map entries
-// are written in order of their keys. Equal messages give equal bytes.
+// Serialises protobuf messages so that equal messages give equal bytes: map
+// entries are written in the order of their keys.
 //
 // Thread-safe: a free function without state.
 #pragma once

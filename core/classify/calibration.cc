@@ -46,12 +46,12 @@ CalibrationPoint CalibrationAt(const Calibration& c, double frames) {
   size_t high = after - c.frames.begin();
   size_t low = high == 0 ? 0 : high - 1;
   if (high == c.frames.size()) high = low;
-  const double share = low == high
-                           ? 0
-                           : std::log(frames / c.frames[low]) /
-                                 std::log(c.frames[high] / c.frames[low]);
+  const double fraction = low == high
+                              ? 0
+                              : std::log(frames / c.frames[low]) /
+                                    std::log(c.frames[high] / c.frames[low]);
   auto read = [&](const std::vector<double>& table) {
-    return table[low] + share * (table[high] - table[low]);
+    return table[low] + fraction * (table[high] - table[low]);
   };
   CalibrationPoint point;
   point.hmm_temperature = read(c.hmm_temperature);
@@ -65,13 +65,15 @@ CalibrationPoint CalibrationAt(const Calibration& c, double frames) {
 }
 
 void TemperedPosterior(std::span<const double> log_prior,
-                       std::span<const double> log_score, double temperature,
+                       std::span<const double> log_score,
+                       double inverse_temperature,
                        std::span<double> probability) {
   const double top = *std::max_element(log_score.begin(), log_score.end());
   const bool scored = top > -std::numeric_limits<double>::infinity();
   for (size_t k = 0; k < probability.size(); ++k) {
     // Relative to the best score first: the sums of many frames are large.
-    const double score = scored ? temperature * (log_score[k] - top) : 0.0;
+    const double score =
+        scored ? inverse_temperature * (log_score[k] - top) : 0.0;
     probability[k] = log_prior[k] + score;
   }
   if (!NormaliseLogs(probability)) {
@@ -82,11 +84,11 @@ void TemperedPosterior(std::span<const double> log_prior,
 
 void FusePosteriors(std::span<const double> hmm, std::span<const double> lstm,
                     double weight, std::span<double> fused) {
-  // Either model may give an exact zero; it must not veto the other.
-  constexpr double kLeast = 1e-300;
+  // Either model may give an exact zero, which must not overrule the other.
+  constexpr double kMinProbability = 1e-300;
   for (size_t k = 0; k < fused.size(); ++k) {
-    fused[k] = (1 - weight) * std::log(std::max(hmm[k], kLeast)) +
-               weight * std::log(std::max(lstm[k], kLeast));
+    fused[k] = (1 - weight) * std::log(std::max(hmm[k], kMinProbability)) +
+               weight * std::log(std::max(lstm[k], kMinProbability));
   }
   NormaliseLogs(fused);
 }

@@ -1,7 +1,11 @@
 // File: calibration.h
 //
-// Reading a Calibration at some number of frames since onset, and the steps
-// from log-scores to probabilities.
+// Reads a Calibration at some number of frames since onset, and makes
+// probabilities from log-scores.
+//
+//   const CalibrationPoint point = CalibrationAt(calibration, frames);
+//   TemperedPosterior(log_prior, log_likelihood, point.hmm_temperature, hmm);
+//   FusePosteriors(hmm, lstm, point.lstm_weight, fused);
 //
 // Thread-safe: free functions without state. Nothing allocates.
 #pragma once
@@ -12,7 +16,7 @@
 
 namespace tactus {
 
-// The tables' values at one number of frames.
+// The values of the tables at one number of frames.
 struct CalibrationPoint {
   double hmm_temperature = 1;
   double lstm_temperature = 1;
@@ -23,30 +27,34 @@ struct CalibrationPoint {
   bool operator==(const CalibrationPoint&) const = default;
 };
 
-// Linear in log(frames) between entries, held outside. The calibration must
-// be valid and frames >= 1.
+// Interpolates linearly in log(frames) between entries. Before the first entry
+// and after the last one their values hold. The calibration must be valid and
+// frames >= 1.
 CalibrationPoint CalibrationAt(const Calibration& calibration, double frames);
 
-// probability = softmax(log_prior + temperature * log_score). Log-scores of
-// -infinity get probability 0; if all are, the prior.
+// probability = softmax(log_prior + inverse_temperature * log_score). Classes
+// with a log-score of -infinity get probability 0. If all classes have one, the
+// result is the prior.
 void TemperedPosterior(std::span<const double> log_prior,
-                       std::span<const double> log_score, double temperature,
+                       std::span<const double> log_score,
+                       double inverse_temperature,
                        std::span<double> probability);
 
 // fused ~ hmm^(1 - weight) * lstm^weight, normalised.
 void FusePosteriors(std::span<const double> hmm, std::span<const double> lstm,
                     double weight, std::span<double> fused);
 
-// A contact is as likely unknown as not when its evidence lies this many
-// deviations below what is typical; one deviation is e-fold.
+// `unknown` is one half if the evidence lies this many deviations below the
+// median. One deviation changes the odds by a factor of e.
 inline constexpr double kUnknownDeviations = 6;
 
-// Probability that the contact is of no known kind, from how far its best
-// log-likelihood per HMM step lies below that of training contacts.
+// Returns the probability that no class explains the contact. `evidence` is the
+// log-likelihood of the best class per HMM step; the calibration holds its
+// median over training contacts.
 double UnknownShare(const CalibrationPoint& point, double evidence);
 
-// INVALID_MODEL unless all tables have one finite entry per frame count and
-// the prior has `classes` entries that sum to 1.
+// Returns INVALID_MODEL unless all tables have one finite entry per entry of
+// `frames` and the prior has `classes` entries that sum to 1.
 absl::Status Validate(const Calibration& calibration, int classes,
                       bool has_lstm);
 

@@ -120,7 +120,7 @@ absl::StatusOr<std::shared_ptr<const CompiledModel>> CompiledModel::Create(
 absl::Status RunWarmUp(const CompiledModel& model) {
   constexpr double kTolerance = 1e-4;
   const WarmUpTrial& trial = model.model().warm_up;
-  // The classifier only needs the model for this call: a non-owning share.
+  // A pointer without ownership: the model outlives this call.
   ContactClassifier classifier(
       std::shared_ptr<const CompiledModel>(std::shared_ptr<void>(), &model),
       {});

@@ -1,8 +1,13 @@
 // File: compiled_model.h
 //
-// CompiledModel: a validated Model with its HMMs and LSTM packed for scoring.
-// Immutable; share it as shared_ptr<const CompiledModel> between any number
-// of streams and threads. A stream keeps the one it started with.
+// CompiledModel: a validated Model with its HMMs and LSTMs packed for scoring.
+//
+//   TACTUS_ASSIGN_OR_RETURN(auto model,
+//   CompiledModel::Create(std::move(plain))); ContactClassifier
+//   classifier(model, {});
+//
+// Immutable. Any number of streams and threads may share it as
+// shared_ptr<const CompiledModel>. A stream keeps the model it started with.
 #pragma once
 
 #include <memory>
@@ -23,7 +28,7 @@ class CompiledModel {
       Model model);
 
   const Model& model() const { return model_; }
-  // Of all classes.
+  // The HMMs of all classes.
   const HmmBank& hmms() const { return *hmms_; }
   // Empty without an LSTM.
   const std::vector<CompiledLstm>& lstms() const { return lstms_; }

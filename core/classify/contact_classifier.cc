@@ -141,11 +141,11 @@ void ContactClassifier::StepLstms() {
   scores_changed_ = true;
   MakeInput(spec.lstm, cues_, lstm_input_);
   for (LstmStepper& lstm : lstms_) lstm.Step(lstm_input_);
-  const double share = 1 / static_cast<double>(lstms_.size());
+  const double weight = 1 / static_cast<double>(lstms_.size());
   for (size_t k = 0; k < lstm_score_.size(); ++k) {
     double mean = 0;
     for (const LstmStepper& lstm : lstms_) {
-      mean += share * lstm.probability()[k];
+      mean += weight * lstm.probability()[k];
     }
     lstm_score_[k] = std::log(mean);
   }
@@ -197,7 +197,7 @@ void ContactClassifier::UpdateDecision() {
   const auto best = std::max_element(probability_.begin(), probability_.end());
   const int best_class = static_cast<int>(best - probability_.begin());
   recent_best_[(scored_frames_ - 1) % kStabilityWindow] = best_class;
-  // The class that no model explains is not a decision for any other.
+  // A contact that no class explains is not decided.
   const bool above = *best >= options_.decision_threshold && unknown_ < 0.5;
   const bool same = best_class == best_class_ && frames_above_ > 0;
   frames_above_ = above ? (same ? frames_above_ + 1 : 1) : 0;

@@ -6,11 +6,11 @@
 //   for (const ContactSample& sample : contact) classifier.Step(sample, 0);
 //   classifier.probability();
 //
-// Scores every category's HMMs by the incremental forward algorithm (or
-// Viterbi) and steps the LSTMs, each at the model's intervals; constant memory,
-// no allocation. Leaves out what the rules of skip_rules.h allow.
+// Scores the HMMs of every category with the incremental forward algorithm (or
+// Viterbi) and steps the LSTMs, both at the model's intervals (step_clock.h).
+// Memory is constant; nothing allocates. Skips what skip_rules.h allows.
 //
-// Holds a share of the model. Not thread-safe: one per stream.
+// Shares ownership of the model. Not thread-safe: one per stream.
 #pragma once
 
 #include <cstdint>
@@ -28,10 +28,10 @@
 
 namespace tactus {
 
-// A class whose probability stayed above the threshold long enough.
+// A class whose probability stayed above the threshold for long enough.
 struct Decision {
   int class_index = 0;
-  // Frames since onset at which it was reached, from 1.
+  // Frames since onset at which it was made, from 1.
   uint64_t frame = 0;
 };
 
@@ -47,7 +47,7 @@ enum class Scorers {
 class ContactClassifier {
  public:
   struct Options {
-    // Zero means the model's own.
+    // Zero selects the model's value.
     double decision_threshold = 0;
     uint32_t decision_frames = 0;
     // Which models answer; as if the model had no others.
@@ -63,9 +63,9 @@ class ContactClassifier {
   // Forgets the contact.
   void Reset();
 
-  // Takes the next frame's features; `missing_before` frames were lost
-  // directly before it: the HMMs predict across the steps that were due (at
-  // most limits::kMaxBridgedFrames), the LSTMs miss them.
+  // Takes the features of the next frame. `missing_before` frames were lost
+  // directly before it. The HMMs predict across the steps that were due in them
+  // (at most limits::kMaxBridgedFrames); the LSTMs do not take those steps.
   void Step(const ContactSample& sample, uint64_t missing_before);
 
   // Takes a frame in which touch was lost: time passes, scores stay as they
@@ -85,27 +85,27 @@ class ContactClassifier {
   uint64_t frames() const { return frames_; }
   // Steps of the HMMs so far.
   uint64_t hmm_steps() const { return hmm_steps_; }
-  // log p(HMM inputs | class), one per class.
+  // One log p(HMM inputs | class) per class.
   std::span<const double> log_likelihood() const { return log_likelihood_; }
   // Log of the LSTMs' mean probability before calibration, one per class;
-  // empty without an LSTM that was asked for.
+  // empty unless LSTMs take part.
   std::span<const double> lstm_score() const { return lstm_score_; }
-  // Sum to 1 over the classes; the prior before the first frame.
+  // One probability per class; they sum to 1. The prior before the first frame.
   std::span<const double> probability() const { return probability_; }
   std::span<const double> hmm_probability() const { return hmm_probability_; }
-  // Empty without an LSTM that was asked for.
+  // Empty unless LSTMs take part.
   std::span<const double> lstm_probability() const { return lstm_probability_; }
-  // Of the object, as of the LSTMs' last step; nothing before their first, or
-  // without an estimator.
+  // The estimate of the object at the last step of the LSTMs. Nothing before
+  // their first step, or without an estimator.
   const std::optional<ObjectEstimate>& object() const { return object_; }
-  // Probability that no model explains this contact.
+  // Probability that no class explains this contact.
   double unknown() const { return unknown_; }
   // Fraction of the last kStabilityWindow frames with the same best class.
   double stability() const;
   int best_class() const { return best_class_; }
-  // False if nothing looks at ContactSample::profile.
+  // False if no input is made from ContactSample::profile.
   bool uses_profile() const { return cue_needs_.profile; }
-  // Of all contacts; never reset.
+  // Counts over all contacts; never reset.
   const SkipCounters& skipped() const { return skipped_; }
   // Set once per contact; unchanged until Reset().
   const std::optional<Decision>& decision() const { return decision_; }
@@ -130,7 +130,7 @@ class ContactClassifier {
 
   CueTracker cues_;
   BankFilter hmms_;
-  // Empty if they are never stepped.
+  // Empty if the LSTMs are never stepped.
   std::vector<LstmStepper> lstms_;
   std::optional<LstmStepper> estimator_;
 
@@ -143,7 +143,7 @@ class ContactClassifier {
   std::vector<double> lstm_score_;
   std::vector<double> lstm_probability_;
   std::vector<double> probability_;
-  // What the probabilities were made with, unless scores have changed since.
+  // The calibration that the probabilities were computed with.
   CalibrationPoint calibration_point_;
   bool scores_changed_ = true;
   std::optional<ObjectEstimate> object_;
@@ -155,7 +155,7 @@ class ContactClassifier {
   uint64_t scored_frames_ = 0;
   uint64_t hmm_steps_ = 0;
   int best_class_ = 0;
-  // Best classes of the last frames, a ring.
+  // Ring of the best classes of the last frames.
   std::vector<int> recent_best_;
   uint32_t frames_above_ = 0;
   std::optional<Decision> decision_;

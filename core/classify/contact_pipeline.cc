@@ -10,7 +10,8 @@
 namespace tactus {
 namespace {
 
-// Rates this far apart would shift what a frame means to the models.
+// A larger difference of rates would change the meaning of a frame for the
+// models.
 constexpr double kRateTolerance = 0.05;
 
 std::string Describe(const SkinLayout& layout) {

@@ -1,8 +1,8 @@
 // File: contact_pipeline.h
 //
-// ContactPipeline: skin frames in, running contact classes out. The whole
-// per-frame path of Tactus; the server's streams, trainctl and the tests all
-// run this one class, so their numbers are equal bit for bit.
+// ContactPipeline: takes skin frames and returns running contact classes. It is
+// the whole per-frame path of Tactus. The server's streams, trainctl and the
+// tests all run this class, so their numbers are equal bit for bit.
 //
 //   auto pipeline = ContactPipeline::Create(layout, model, {});
 //   for (const FrameView& frame : frames) {
@@ -10,8 +10,8 @@
 //   }
 //   (*pipeline)->EndTrial();
 //
-// What a frame does not need is skipped (skip_rules.h). Step allocates nothing,
-// locks nothing. Not thread-safe: one per stream.
+// Work that a frame does not need is skipped (skip_rules.h). Step() allocates
+// nothing and locks nothing. Not thread-safe: one per stream.
 #pragma once
 
 #include <cstdint>
@@ -24,12 +24,12 @@
 
 namespace tactus {
 
-// What is known after a frame. Class scores are in the classifier.
+// The state after a frame. The class scores are in the classifier.
 struct ContactReport {
   ContactState state = ContactState::kNoContact;
   // Counts contacts from 1; 0 before the first.
   uint64_t contact_id = 0;
-  // This frame began or ended a contact, or brought the decision.
+  // True if this frame began a contact, ended it, or led to the decision.
   bool onset = false;
   bool released = false;
   bool decided = false;
@@ -40,27 +40,29 @@ class ContactPipeline {
  public:
   struct Options {
     double sample_rate_hz = 100;
-    // Seconds without touch that end a contact; negative: only EndTrial does.
+    // Seconds without touch that end a contact. If negative, only EndTrial()
+    // ends it.
     double release_after_s = 0.5;
     ContactClassifier::Options decision;
     SkipRules skip;
   };
 
-  // INVALID_CONFIG for a layout or rate out of range or a rate more than 5 %
-  // off the model's; GEOMETRY_MISMATCH if the model is of another skin.
+  // INVALID_CONFIG for a layout or rate out of range, or a rate that differs
+  // from the model's by more than 5 %. GEOMETRY_MISMATCH if the model is for
+  // another skin.
   static absl::StatusOr<std::unique_ptr<ContactPipeline>> Create(
       const SkinLayout& layout, std::shared_ptr<const CompiledModel> model,
       const Options& options);
 
   const ContactReport& Step(const FrameView& frame);
 
-  // Forgets the trial; contact ids go on counting.
+  // Forgets the trial. Contact ids continue.
   void EndTrial();
 
   const ContactReport& report() const { return report_; }
-  // What was left out so far, in all trials.
+  // Counts of skipped work over all trials.
   SkipCounters skipped() const;
-  // Scores of the current contact; of the last one after its release.
+  // Scores of the current contact; after its release, of the last one.
   const ContactClassifier& classifier() const { return classifier_; }
 
  private:
@@ -73,7 +75,7 @@ class ContactPipeline {
   ContactTracker tracker_;
   ContactReport report_;
   SkipRules skip_;
-  // Of the tracker.
+  // Counters of the tracker.
   SkipCounters skipped_;
 };
 

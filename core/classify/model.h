@@ -1,10 +1,17 @@
 // File: model.h
 //
-// Model: everything needed to classify contacts, as plain data. It is what a
-// bundle file holds (core/bundle) and what fitting produces (core/train);
-// CompiledModel makes it runnable.
+// Model: everything that is needed to classify contacts, as plain data. A
+// bundle file holds a Model (core/bundle), fitting returns one (core/train),
+// and CompiledModel makes it runnable.
 //
-// Copyable; safe to share between threads once built.
+//   TACTUS_ASSIGN_OR_RETURN(Model model, DecodeBundle(bytes));
+//   TACTUS_ASSIGN_OR_RETURN(auto compiled, CompiledModel::Create(model));
+//
+// Words used throughout: a feature is force, area or motion of a contact; a cue
+// is a number derived from the features so far (core/features/cues.h), or a
+// feature itself; an input is a scaled cue as a model takes it.
+//
+// Copyable. Threads may share a Model that no longer changes.
 #pragma once
 
 #include <cstdint>
@@ -22,10 +29,10 @@
 
 namespace tactus {
 
-// One input of a model: cue x -> (g(x) - offset) * gain, held within `limit`
-// either way, where g(x) is x if log_offset is 0, else
-// log(max(x, 0) + log_offset). Several inputs may look at one cue, each at
-// another stretch of it.
+// One input of a model: cue x -> (g(x) - offset) * gain, clamped to plus and
+// minus `limit`. g(x) is x if log_offset is 0, else log(max(x, 0) +
+// log_offset). Several inputs may be made from one cue, each from another
+// stretch of it.
 struct ModelInput {
   Cue cue = Cue::kForce;
   double log_offset = 0;
@@ -46,23 +53,23 @@ struct FeatureSpec {
   double sample_rate_hz = 100;
 };
 
-// Maps scores to probabilities. The tables run over frames since onset;
-// between entries they are interpolated in log(frames), outside held.
+// Maps scores to probabilities. The tables are functions of the frames since
+// onset (CalibrationAt).
 struct Calibration {
   std::vector<double> frames;
-  // Factors on the log-scores before the softmax, > 0.
+  // Factors on the log-scores before the softmax, above 0.
   std::vector<double> hmm_temperature;
   std::vector<double> lstm_temperature;
-  // Share of the LSTM in the fused log-probability, 0 to 1.
+  // Weight of the LSTMs in the fused log-probability, 0 to 1.
   std::vector<double> lstm_weight;
-  // Best class's log-likelihood per HMM step: the median of training contacts,
-  // and the deviation that the share of unknown is reckoned with.
+  // Log-likelihood of the best class per HMM step: its median over training
+  // contacts, and the deviation that UnknownProbability() divides by.
   std::vector<double> evidence_mean;
   std::vector<double> evidence_deviation;
   // Factors on the standard deviations of the object estimate.
   double stiffness_deviation_scale = 1;
   double moved_deviation_scale = 1;
-  // Per class; sums to 1.
+  // One probability per class; they sum to 1.
   std::vector<double> prior;
   // A decision is a probability >= threshold for this many frames.
   double decision_threshold = 0.9;
@@ -78,7 +85,7 @@ struct Provenance {
   std::string note;
 };
 
-// Touched frames of one contact and the answers they must give.
+// Touched frames of one contact and the answers that they must give.
 struct WarmUpTrial {
   std::vector<ContactSample> samples;
   std::vector<double> probability;
@@ -91,11 +98,11 @@ struct Model {
   // One mixture per class.
   std::vector<HmmMixture> hmms;
   Score hmm_score = Score::kForward;
-  // Networks of one shape whose mean probability is the LSTM's answer; empty
+  // Networks of one shape. Their mean probability is the LSTMs' answer. Empty
   // for HMMs alone.
   std::vector<LstmNetwork> lstms;
-  // A network of its own for the object estimate (object_estimate.h), which
-  // would cost the others accuracy; sees the same inputs.
+  // A separate network for the object estimate (object_estimate.h), because a
+  // network that does both classifies less well. It takes the same inputs.
   std::optional<LstmNetwork> estimator;
   Calibration calibration;
   // Skin of the training data; an empty name fits any skin.

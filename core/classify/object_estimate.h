@@ -1,9 +1,13 @@
 // File: object_estimate.h
 //
-// What a planner wants beside the class: how stiff the object is and how far
-// it has been pushed, each with its uncertainty. A network regresses both: the
-// stiffness on a log scale, and the share of the arm's motion that moved the
-// object instead of deforming it, which holds at any speed.
+// Estimates of the object for a planner: its stiffness and how far it has been
+// pushed, each with its uncertainty. A network regresses the stiffness on a log
+// scale, and the fraction of the arm's motion that moved the object instead of
+// deforming it. That fraction does not depend on the speed.
+//
+//   const ObjectEstimate estimate =
+//       DecodeEstimate(mean, deviation, motion_m);
+//   estimate.moved_m;
 //
 // Plain data and free functions without state; thread-safe.
 #pragma once
@@ -24,25 +28,25 @@ struct ObjectEstimate {
   double moved_deviation_m = 0;
 };
 
-// What the first output should say of an object of `stiffness` > 0 N/m: about
-// -2 to 3 over the paper's objects.
+// The target of the first output for an object of `stiffness` > 0 N/m: about -2
+// to 3 over the paper's objects.
 inline double EncodeStiffness(double stiffness) {
   return (std::log10(stiffness) - 5) / 2;
 }
 
-// Motion below this tells nothing of shares, m.
-inline constexpr double kLeastMotion = 1e-4;
+// Below this motion, m, the fraction cannot be measured.
+inline constexpr double kMinMotion = 1e-4;
 
-// What the second output should say when the arm has moved by `motion_m` since
+// The target of the second output if the arm has moved by `motion_m` since
 // onset and the object by `moved_m`: 0 to about 1.
 inline double EncodeMoved(double moved_m, double motion_m) {
-  return std::min(moved_m / std::max(motion_m, kLeastMotion), 2.0);
+  return std::min(moved_m / std::max(motion_m, kMinMotion), 2.0);
 }
 
-// Reads the two outputs; `motion_m` as measured.
+// Makes an estimate from the two outputs. `motion_m` is the measured motion.
 inline ObjectEstimate DecodeEstimate(const double* mean,
                                      const double* deviation, double motion_m) {
-  const double motion = std::max(motion_m, kLeastMotion);
+  const double motion = std::max(motion_m, kMinMotion);
   return {5 + 2 * mean[0], 2 * deviation[0], std::max(mean[1], 0.0) * motion,
           deviation[1] * motion};
 }

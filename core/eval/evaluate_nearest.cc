@@ -11,10 +11,10 @@
 namespace tactus {
 namespace {
 
-constexpr double kVarianceShare = 0.95;
+constexpr double kVarianceFraction = 0.95;
 
-// The first `frames` frames of a contact as one row, feature after feature; a
-// shorter contact keeps its last frame.
+// Returns the first `frames` frames of a contact as one row, feature after
+// feature. A shorter contact repeats its last frame.
 Eigen::VectorXd Flatten(const LabelledContact& contact,
                         const std::vector<Feature>& features, int frames) {
   Eigen::VectorXd row(static_cast<Eigen::Index>(features.size()) * frames);
@@ -29,8 +29,8 @@ Eigen::VectorXd Flatten(const LabelledContact& contact,
   return row;
 }
 
-// Standard scores per feature over all samples and frames (paper, S_f), in
-// place; the same map is applied to `test`.
+// Standardises each feature of `train` in place, over all samples and frames
+// (paper, S_f), and applies the same map to `test`.
 void Standardise(int features, int frames, Eigen::MatrixXd& train,
                  Eigen::MatrixXd& test) {
   for (int f = 0; f < features; ++f) {
@@ -55,7 +55,7 @@ Eigen::MatrixXd Stack(const std::vector<const LabelledContact*>& contacts,
   return rows;
 }
 
-// Answers `fold` from the first `frames` frames alone.
+// Classifies `fold` from its first `frames` frames.
 absl::Status AnswerAt(const std::vector<const LabelledContact*>& contacts,
                       const std::vector<int>& fold,
                       const std::vector<int>& rest,
@@ -67,7 +67,7 @@ absl::Status AnswerAt(const std::vector<const LabelledContact*>& contacts,
   std::vector<int> labels;
   for (int i : rest) labels.push_back(outcomes[i].label);
   TACTUS_ASSIGN_OR_RETURN(const PcaNearest nearest,
-                          PcaNearest::Fit(train, labels, kVarianceShare));
+                          PcaNearest::Fit(train, labels, kVarianceFraction));
   for (size_t i = 0; i < fold.size(); ++i) {
     TACTUS_ASSIGN_OR_RETURN(
         const PcaNearest::Match match,

@@ -46,12 +46,13 @@ Interval WilsonInterval(int successes, int count);
 // (Guo et al., ICML 2017, eq. 3). 0 for none.
 double ExpectedCalibrationError(std::span<const Outcome> outcomes);
 
-// What an estimate with a Gaussian uncertainty missed by.
+// A summary of the errors of estimates with a Gaussian uncertainty.
 struct EstimateErrors {
   int count = 0;
   double median = 0;  // of the absolute errors
   double root_mean_square = 0;
-  // Share of errors within one standard deviation as said; 0.68 if honest.
+  // Fraction of errors within one estimated standard deviation; 0.68 if the
+  // deviations are right.
   double covered = 0;
 };
 struct EstimateError {

@@ -14,8 +14,8 @@ namespace {
 constexpr size_t kMinCategories = 3;
 constexpr double kUnknown = 0.5;
 
-// The probability of being unknown of every contact of `fold`, by a model
-// fitted to what is neither of it nor of `category`.
+// Returns `unknown` of every contact of `fold`, by a model that is fitted to
+// the contacts outside of `fold` and of `category`.
 absl::StatusOr<std::vector<double>> ScoreFold(
     const std::vector<const LabelledContact*>& contacts,
     const std::vector<int>& fold, const std::string& category,
@@ -39,7 +39,7 @@ absl::StatusOr<std::vector<double>> ScoreFold(
   return unknown;
 }
 
-double ShareAbove(std::span<const double> values, double limit) {
+double FractionAbove(std::span<const double> values, double limit) {
   if (values.empty()) return 0;
   const auto above = std::count_if(values.begin(), values.end(),
                                    [&](double v) { return v > limit; });
@@ -105,8 +105,8 @@ absl::StatusOr<std::vector<UnknownResult>> EvaluateUnknown(
     results.push_back({.category = categories[c],
                        .contacts = static_cast<int>(left_out.size()),
                        .other_contacts = static_cast<int>(known.size()),
-                       .detected = ShareAbove(left_out, kUnknown),
-                       .false_alarms = ShareAbove(known, kUnknown),
+                       .detected = FractionAbove(left_out, kUnknown),
+                       .false_alarms = FractionAbove(known, kUnknown),
                        .area_under_roc = AreaUnderRoc(left_out, known)});
   }
   return results;

@@ -1,8 +1,8 @@
 // File: unknown.h
 //
-// Whether contacts of a category that no model knows are told to be unknown.
-// Models of all categories but one meet contacts of that one, and of the
-// others, from a robot condition that they were not fitted at.
+// Measures how well `unknown` detects contacts of a category that was left out
+// of training. A model of all other categories classifies contacts of that
+// category and of the others, all from a robot condition that was left out too.
 //
 //   TACTUS_ASSIGN_OR_RETURN(auto result,
 //                           EvaluateUnknown(contacts, options, RunSerially));
@@ -28,25 +28,25 @@ struct UnknownResult {
   // Number of contacts of that category, and of the others.
   int contacts = 0;
   int other_contacts = 0;
-  // After a contact's last frame, its probability of being unknown was above
-  // one half: share of the contacts of that category, and of the others.
+  // Fraction of those contacts, and of the others, whose `unknown` is above one
+  // half after the last frame.
   double detected = 0;
   double false_alarms = 0;
-  // Probability that a contact of the category was given a larger one than a
+  // Probability that a contact of the category has a larger `unknown` than a
   // contact of the others; 0.5 is chance.
   double area_under_roc = 0;
 };
 
-// One entry a category. The probability comes from the HMMs, so no LSTM is
-// trained. INVALID_TRAINING_DATA if there are fewer than three categories, or
-// as FitModel fails.
+// Returns one entry per category. `unknown` comes from the HMMs, so no LSTM is
+// trained. INVALID_TRAINING_DATA if there are fewer than three categories; else
+// the errors of FitModel.
 absl::StatusOr<std::vector<UnknownResult>> EvaluateUnknown(
     const std::vector<const LabelledContact*>& contacts,
     const FitOptions& options, const ParallelFor& parallel,
     const Progress& progress = {});
 
-// Probability that a value of `positive` is above one of `negative`, ties
-// counted half; 0.5 if either is empty.
+// The probability that a value of `positive` is above a value of `negative`;
+// ties count one half. 0.5 if either is empty.
 double AreaUnderRoc(std::span<const double> positive,
                     std::span<const double> negative);
 

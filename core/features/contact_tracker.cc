@@ -111,7 +111,7 @@ void ContactTracker::Begin(const FrameView& frame) {
 }
 
 bool ContactTracker::Lost(const FrameView& frame) {
-  // The frames that went missing belong to a loss that goes on.
+  // Missing frames belong to the loss if it began before them.
   const bool going_on = lost_frames_ > 0;
   if (going_on || !features_.touched) {
     const uint64_t room = release_frames_ - lost_frames_;

@@ -29,8 +29,8 @@
 
 namespace tactus {
 
-// What one frame says about the contact. Outside a contact all is zero but
-// `touched` and `region_count`.
+// The features of one frame. Outside of a contact all are zero except `touched`
+// and `region_count`.
 struct FrameFeatures {
   // True if some taxel reached contact_threshold.
   bool touched = false;
@@ -44,11 +44,12 @@ struct FrameFeatures {
   // Distance of the contact from where it was at onset, in metres: in the world
   // frame if frames come with poses, else of the centroid along the skin.
   double motion_m = 0;
-  // Of the whole skin; zero if untouched, or if the tracker leaves it out.
+  // Load profile of the whole skin; zero if untouched, or if the tracker does
+  // not compute it.
   LoadProfile profile = {};
-  // Regions on the skin.
+  // Number of regions on the skin.
   int region_count = 0;
-  // Of the largest region; while touch is lost, where it was last.
+  // Centroid of the largest region; while touch is lost, the last one.
   SkinPoint centroid = {};
 
   ContactSample sample() const {
@@ -60,22 +61,22 @@ enum class ContactState { kNoContact, kInContact, kReleased };
 
 // Follows one contact after another on one skin.
 //
-// A contact begins (onset) once some taxel reaches onset_threshold. It goes on
-// while any taxel is at or above contact_threshold and through losses of touch
-// shorter than release_after_s. Then it is released, and the next onset begins
-// a new one, on a later frame.
+// A contact begins (onset) when a taxel reaches onset_threshold. It continues
+// while any taxel is at or above contact_threshold, and through losses of touch
+// shorter than release_after_s. Then it is released. The next onset begins a
+// new contact, on a later frame.
 //
-// A loss counts frames from its first untouched one on, with those that went
-// missing since the last frame. Frames that go missing between two touched
-// ones do not end a contact.
+// The length of a loss counts its untouched frames and the frames that went
+// missing in it. Frames that go missing between two touched frames do not end a
+// contact.
 //
-// With poses, a region that still covers the place where the contact began has
-// grown, not travelled: its motion is that of this place. Centroids move by
-// whole taxels as a region grows, poses are a hundred times finer. Once the
-// region has left the place, its centroid counts.
+// With poses: as long as the region still covers the place where the contact
+// began, the motion is the motion of that place. A growing region moves its
+// centroid by whole taxels, and poses are a hundred times finer. After the
+// region has left the place, the motion is that of its centroid.
 //
-// While touch is lost, force and area are 0 and the point last touched stays
-// fixed to the skin: it moves with the pose, and without poses rests.
+// While touch is lost, force and area are 0. The last touched point stays fixed
+// to the skin: it moves with the pose, and does not move without poses.
 class ContactTracker {
  public:
   struct Options {
@@ -83,11 +84,11 @@ class ContactTracker {
     double sample_rate_hz = 100;
     // Seconds; below 0 a contact is never released.
     double release_after_s = 0.5;
-    // Without it, the load profile stays 0, for models that do not look at it.
+    // If false, the load profile stays 0. For models that do not use it.
     bool load_profile = true;
-    // What may be skipped; neither changes a bit. A frame without a touched
-    // taxel is not segmented; one whose taxels are those of the touched frame
-    // before keeps its features, but for the motion, which poses change.
+    // Skips that change no bit. skip_untouched: frames without a touched taxel
+    // are not segmented. reuse_unchanged: a frame whose taxels equal those of
+    // the touched frame before it keeps the features, except for the motion.
     bool skip_untouched = true;
     bool reuse_unchanged = true;
   };
@@ -95,7 +96,7 @@ class ContactTracker {
   // `layout` must be valid.
   ContactTracker(const SkinLayout& layout, const Options& options);
 
-  // Forgets everything seen, as if new.
+  // Forgets everything, as if new.
   void Reset();
 
   // Takes the next frame of rows x columns taxels. The result lives until the
@@ -109,26 +110,26 @@ class ContactTracker {
   bool onset() const { return onset_; }
   // True on the frame at which a contact ended.
   bool released() const { return released_; }
-  // True if the frame's taxels were those of the frame before.
+  // True if the last frame's taxels equalled those of the frame before.
   bool reused() const { return reused_; }
 
-  // How the last frame was segmented.
+  // The segmentation of the last frame.
   const Segmenter& segmenter() const { return segmenter_; }
 
  private:
   void Begin(const FrameView& frame);
-  // True if these are the taxels that features_ were read off.
+  // True if features_ were measured from equal taxels.
   bool Unchanged(std::span<const float> taxels) const;
   // Counts a loss of touch; true once it is too long.
   bool Lost(const FrameView& frame);
-  // Reads the features off the segmented frame, all but the motion.
+  // Measures all features of the segmented frame but the motion.
   void Measure(const FrameView& frame);
   double Motion(const Pose* pose);
 
   SkinLayout layout_;
   Segmenter segmenter_;
   float onset_threshold_;
-  // Frames of lost touch that release a contact; the largest value is never.
+  // Frames of lost touch that release a contact; the largest value means never.
   uint64_t release_frames_;
 
   ContactState state_ = ContactState::kNoContact;
@@ -136,13 +137,13 @@ class ContactTracker {
   bool released_ = false;
   bool reused_ = false;
   FrameFeatures features_;
-  // The taxels of the last frame, if it was touched and of a contact; empty if
-  // frames are never compared.
+  // The taxels of the last frame, if it was touched and part of a contact.
+  // Empty if frames are never compared.
   std::vector<float> measured_taxels_;
   bool measured_ = false;
   // Frames since the last touched one, up to release_frames_.
   uint64_t lost_frames_ = 0;
-  // Of the current contact: where it began, on the skin, in the link's frame
+  // The place where the current contact began: on the skin, in the link's frame
   // and in the world.
   SkinPoint onset_point_;
   Eigen::Vector3d onset_link_position_;

@@ -75,23 +75,23 @@ constexpr int kF = static_cast<int>(Feature::kForce);
 constexpr int kA = static_cast<int>(Feature::kArea);
 constexpr int kM = static_cast<int>(Feature::kMotion);
 
-// Seconds.
+// Windows, seconds.
 constexpr double kSmooth = 0.05;
 constexpr double kShort = 0.1;
 constexpr double kLong = 0.4;
-// Below these a logarithm says nothing: N, m^2, m, and shares of a mean.
+// Floors of the logarithms: N, m^2, m, and fractions of a mean.
 constexpr double kForceFloor = 1e-6;
 constexpr double kAreaFloor = 1e-7;
 constexpr double kMotionFloor = 1e-7;
 constexpr double kRippleFloor = 1e-6;
-// Shares of unexplained variance below this look alike.
+// Floor of the fraction of variance that is not explained.
 constexpr double kMisfitFloor = 1e-4;
-// Where signed logarithms turn from linear: N/m, shares.
+// Below these, signed logarithms are nearly linear: N/m, fractions.
 constexpr double kStiffnessKnee = 1e3;
 constexpr double kAreaKnee = 1e-5;
-// Samples are held within this, so that no product overflows.
+// Samples are clamped to plus and minus this, so that no product overflows.
 constexpr double kLargest = 1e30;
-// The anti-aliasing filter has settled after these frames at 100 Hz (s).
+// The anti-aliasing filter has settled after these seconds.
 constexpr double kSettled = 0.03;
 
 double Log(double x, double floor) { return std::log(std::max(x, floor)); }
@@ -100,7 +100,7 @@ double SignedLog(double x, double knee) {
   return std::copysign(std::log1p(std::abs(x) / knee), x);
 }
 
-// 0 / 0 = 0; a sum of squares may have vanished.
+// Returns 0 for 0 / 0, because a sum of squares may be 0.
 double Ratio(double x, double y) { return y > 0 ? x / y : 0; }
 
 std::vector<Cue> CueRange(int first, int end) {
@@ -109,7 +109,7 @@ std::vector<Cue> CueRange(int first, int end) {
   return cues;
 }
 
-// Log of the share of variance left when `product` explains it.
+// Log of the fraction of variance that `product` does not explain.
 double Misfit(double product, double x, double y) {
   const double explained = Ratio(product, x) * Ratio(product, y);
   return std::log(1 + kMisfitFloor - std::clamp(explained, 0.0, 1.0));
@@ -141,18 +141,18 @@ std::vector<Cue> DerivedCues() {
 
 std::vector<Cue> ProfileCues() { return CueRange(kFirstProfileCue, kCueCount); }
 
-void CueTracker::Moments::Step(const FeatureVector& x, double share) {
+void CueTracker::Moments::Step(const FeatureVector& x, double weight) {
   FeatureVector change;
   for (int i = 0; i < kFeatureCount; ++i) {
     change[i] = x[i] - mean[i];
-    mean[i] += share * change[i];
+    mean[i] += weight * change[i];
   }
-  const double keep = 1 - share;
+  const double keep = 1 - weight;
   for (int i = 0; i < kFeatureCount; ++i) {
-    variance[i] = keep * (variance[i] + share * change[i] * change[i]);
+    variance[i] = keep * (variance[i] + weight * change[i] * change[i]);
   }
-  force_motion = keep * (force_motion + share * change[kF] * change[kM]);
-  force_area = keep * (force_area + share * change[kF] * change[kA]);
+  force_motion = keep * (force_motion + weight * change[kF] * change[kM]);
+  force_area = keep * (force_area + weight * change[kF] * change[kA]);
 }
 
 CueGroups GroupOf(Cue cue) {
@@ -172,7 +172,7 @@ CueTracker::CueTracker(double sample_rate_hz, CueGroups groups)
       long_window_(std::max(1.0, kLong * sample_rate_hz)),
       settled_frames_(kSettled * sample_rate_hz) {}
 
-double CueTracker::Share(double window) const {
+double CueTracker::Weight(double window) const {
   return 1 / std::min(static_cast<double>(state_.frames), window);
 }
 
@@ -191,36 +191,36 @@ void CueTracker::Step(const ContactSample& sample,
     state_.values[kFirstProfileCue + i] =
         std::clamp(sample.profile[i], -kLargest, kLargest);
   }
-  const double share = 1 / static_cast<double>(state_.frames);
-  if (Has(kShortWindowCues)) state_.short_window.Step(x, Share(short_window_));
-  if (Has(kLongWindowCues)) state_.long_window.Step(x, Share(long_window_));
+  const double weight = 1 / static_cast<double>(state_.frames);
+  if (Has(kShortWindowCues)) state_.short_window.Step(x, Weight(short_window_));
+  if (Has(kLongWindowCues)) state_.long_window.Step(x, Weight(long_window_));
   if (Has(kLevelCues)) StepLevels(x, state_.values[kF]);
-  if (Has(kSpringCues)) StepSprings(x, share);
-  if (Has(kRoughnessCues)) StepRoughness(x, share);
+  if (Has(kSpringCues)) StepSprings(x, weight);
+  if (Has(kRoughnessCues)) StepRoughness(x, weight);
 }
 
 void CueTracker::StepLevels(const FeatureVector& x, double peak_force) {
   State& s = state_;
-  const double share = Share(smooth_window_);
-  for (int i = 0; i < kFeatureCount; ++i) s.smooth[i].Step(x[i], share);
-  s.peak.Step(peak_force, share);
+  const double weight = Weight(smooth_window_);
+  for (int i = 0; i < kFeatureCount; ++i) s.smooth[i].Step(x[i], weight);
+  s.peak.Step(peak_force, weight);
   const double area = s.smooth[kA].value;
   const bool settled = static_cast<double>(s.frames) > settled_frames_;
   s.first_area = settled ? std::min(s.first_area, area) : area;
   s.largest_force = std::max(s.largest_force, s.smooth[kF].value);
 }
 
-void CueTracker::StepSprings(const FeatureVector& x, double share) {
+void CueTracker::StepSprings(const FeatureVector& x, double weight) {
   State& s = state_;
-  s.contact.Step(x, share);
-  s.force_motion.Step(x[kF] * x[kM], share);
-  s.motion_motion.Step(x[kM] * x[kM], share);
-  s.force_force.Step(x[kF] * x[kF], share);
+  s.contact.Step(x, weight);
+  s.force_motion.Step(x[kF] * x[kM], weight);
+  s.motion_motion.Step(x[kM] * x[kM], weight);
+  s.force_force.Step(x[kF] * x[kF], weight);
   const double force_motion =
       std::max(s.force_motion.value, kForceFloor * kMotionFloor);
   const double motion_motion =
       std::max(s.motion_motion.value, kMotionFloor * kMotionFloor);
-  // Compares the ratios.
+  // Compares the ratios without a division.
   if (s.frames == 1 || force_motion * s.stiffest_motion_motion >
                            s.stiffest_force_motion * motion_motion) {
     s.stiffest_force_motion = force_motion;
@@ -228,11 +228,11 @@ void CueTracker::StepSprings(const FeatureVector& x, double share) {
   }
 }
 
-void CueTracker::StepRoughness(const FeatureVector& x, double share) {
+void CueTracker::StepRoughness(const FeatureVector& x, double weight) {
   State& s = state_;
   for (int i = 0; i < kFeatureCount; ++i) {
     const double change = s.frames == 1 ? 0 : x[i] - s.last[i];
-    s.roughness[i].Step(change * change, share);
+    s.roughness[i].Step(change * change, weight);
   }
   s.last = x;
 }
@@ -299,8 +299,8 @@ void CueTracker::DeriveWindow(const Moments& window, Cue stiffness) {
   };
   auto ripple = [&](int feature, double floor) {
     const double mean = std::max(std::abs(window.mean[feature]), floor);
-    const double share = window.variance[feature] / (mean * mean);
-    return 0.5 * std::log(share + kRippleFloor * kRippleFloor);
+    const double relative = window.variance[feature] / (mean * mean);
+    return 0.5 * std::log(relative + kRippleFloor * kRippleFloor);
   };
   set(0, SignedLog(Ratio(window.force_motion, window.variance[kM]),
                    kStiffnessKnee));

@@ -1,19 +1,20 @@
 // File: cues.h
 //
-// Cues: numbers that sequence models see, computed causally from the contact
-// samples so far. The raw features are cues; the others put into one number
-// what the lumped element model (paper, eqs. 1 to 7) says about an object:
-// pressed without sliding, force over motion is its stiffness; once it slides,
-// force stays and motion goes on; area grows with strain. Ratios and
-// logarithms of them hold at arm stiffnesses and speeds never trained on.
+// Cues: numbers that the inputs of sequence models are made from. They are
+// computed causally from the samples of a contact so far. The raw features are
+// cues. The derived cues combine them as the lumped element model (paper, eqs.
+// 1 to 7) suggests: while an object does not slide, force over motion is its
+// stiffness; once it slides, the force is constant and the motion continues;
+// the area grows with the strain. Ratios and logarithms of features also hold
+// at arm stiffnesses and speeds that were never trained.
 //
 //   CueTracker tracker(/*sample_rate_hz=*/100);
 //   tracker.Step(sample, /*frames_since_onset=*/1);
 //   double cue = tracker.value(Cue::kLogSpring);
 //
-// Step keeps sums; the derived cues, some thirty logarithms, are computed when
-// one of them is first read, and only those of the groups that the tracker was
-// asked for. Constant memory; nothing allocates. Not thread-safe: one per
+// Step() only updates means. The derived cues, about thirty logarithms, are
+// computed when one of them is first read, and only in the groups given to the
+// constructor. Memory is constant; nothing allocates. Not thread-safe: one per
 // stream.
 #pragma once
 
@@ -27,7 +28,8 @@
 
 namespace tactus {
 
-// "Net" is the force on the whole region; "smooth" a running mean over 50 ms.
+// "Net" is the force on the whole region. "Smooth" is a running mean over 50
+// ms.
 enum class Cue {
   kForce,   // the feature itself
   kArea,    // the feature itself
@@ -37,20 +39,22 @@ enum class Cue {
   kLogForce,  // net
   kLogArea,
   kLogMotion,
-  // Of the time since onset, of motion over it, of force over motion.
+  // Logarithms of the time since onset, of motion over time, of force over
+  // motion.
   kLogTime,
   kLogSpeed,
   kLogStiffness,
-  // One spring through the origin, fitted to all of the contact (log N/m), the
-  // stiffest it has been, and the share of force it does not explain (log).
+  // Stiffness of one spring through the origin, fitted to the whole contact
+  // (log N/m); its largest value so far; the fraction of force that the spring
+  // does not explain (log).
   kLogSpring,
   kLogStiffestSpring,
   kLogSpringMisfit,
-  // The same with a free origin, motion on force.
+  // The same with a free origin, by regression of motion on force.
   kLogSlope,
   kLogSlopeMisfit,
-  // In the last 0.1 s: change of force over that of motion; deviation over mean
-  // (log); relative change of area over that of force.
+  // In the last 0.1 s: change of force over change of motion; deviation over
+  // mean (log); relative change of area over relative change of force.
   kStiffnessShort,
   kForceRippleShort,
   kMotionRippleShort,
@@ -62,16 +66,16 @@ enum class Cue {
   kMotionRippleLong,
   kAreaRippleLong,
   kAreaResponseLong,
-  // Smallest smooth area so far, and how much the area has grown from it.
+  // Smallest smooth area so far, and the growth of the area since then.
   kLogFirstArea,
   kAreaGrowth,
   // Largest smooth force so far, and force relative to it.
   kLogLargestForce,
   kForceDrop,
-  // Smooth force over area^1.5 (log): once it slides, the object's friction
-  // times its density, whatever its size.
+  // Smooth force over area^1.5 (log). Once the object slides, this is friction
+  // times density and does not depend on the size.
   kLogDrag,
-  // Root mean square of the changes from frame to frame (log).
+  // Root mean square of the change from frame to frame (log).
   kForceRoughness,
   kAreaRoughness,
   kMotionRoughness,
@@ -98,16 +102,16 @@ inline constexpr int kCueCount = static_cast<int>(Cue::kColumnLoad9) + 1;
 // "log_spring".
 absl::string_view CueName(Cue cue);
 
-// Nothing if there is none of that name.
+// Returns nothing if no cue has that name.
 std::optional<Cue> ParseCue(absl::string_view name);
 
-// The raw feature as a cue.
+// Returns the raw feature as a cue.
 Cue RawCue(Feature feature);
 
 // True if the cue is computed from this feature.
 bool NeedsFeature(Cue cue, Feature feature);
 
-// True for the cues of the load profile, which an ideal signal leaves at 0.
+// True for the cues of the load profile. They are 0 for ideal signals.
 constexpr bool IsProfileCue(Cue cue) { return cue >= Cue::kRowLoad0; }
 
 // True for all cues but the raw features and the load profile.
@@ -115,13 +119,13 @@ constexpr bool IsDerived(Cue cue) {
   return cue > Cue::kMotion && !IsProfileCue(cue);
 }
 
-// Those.
+// Returns all derived cues.
 std::vector<Cue> DerivedCues();
 
-// The load profile.
+// Returns all cues of the load profile.
 std::vector<Cue> ProfileCues();
 
-// Derived cues are computed by groups; sets of groups are sums of these.
+// Derived cues are computed by groups. A set of groups is a sum of these.
 using CueGroups = unsigned;
 inline constexpr CueGroups kLevelCues = 1;        // kLogPeak and others
 inline constexpr CueGroups kSpringCues = 2;       // kLogSpring to misfits
@@ -130,45 +134,45 @@ inline constexpr CueGroups kLongWindowCues = 8;   // of the last 0.4 s
 inline constexpr CueGroups kRoughnessCues = 16;
 inline constexpr CueGroups kAllCueGroups = 31;
 
-// The group of a derived cue; none for others.
+// Returns the group of a derived cue; 0 for other cues.
 CueGroups GroupOf(Cue cue);
 
 class CueTracker {
  public:
-  // `sample_rate_hz` > 0. Cues of other groups than `groups` stay 0.
+  // `sample_rate_hz` must be above 0. Derived cues outside of `groups` stay 0.
   explicit CueTracker(double sample_rate_hz, CueGroups groups = kAllCueGroups);
 
   // Forgets the contact.
   void Reset() { state_ = {}; }
 
-  // Takes the next touched frame; `frames_since_onset` counts lost and
-  // untouched ones too, from 1. Values of any finite size are safe.
+  // Takes the next touched frame. `frames_since_onset` counts from 1 and
+  // includes lost and untouched frames. Any finite values are safe.
   void Step(const ContactSample& sample, uint64_t frames_since_onset);
 
-  // After the last Step(); 0 before the first.
+  // Returns the cue after the last Step(); 0 before the first.
   double value(Cue cue) {
     if (!state_.derived && IsDerived(cue)) Derive();
     return state_.values[static_cast<int>(cue)];
   }
 
  private:
-  // Mean of all samples, or a running one once they are more than a window.
+  // Mean of all samples; a running mean once they are more than a window.
   struct Mean {
     double value = 0;
-    void Step(double x, double share) { value += share * (x - value); }
+    void Step(double x, double weight) { value += weight * (x - value); }
   };
-  // Means, variances and covariances, as Mean.
+  // Means, variances and covariances, updated as Mean.
   struct Moments {
     FeatureVector mean = {};
     FeatureVector variance = {};
     double force_motion = 0;
     double force_area = 0;
-    void Step(const FeatureVector& x, double share);
+    void Step(const FeatureVector& x, double weight);
   };
-  // Net force, area, motion are the three features here.
+  // The force here is the net force.
   struct State {
     std::array<double, kCueCount> values = {};
-    // The derived ones are those of the last Step().
+    // True if the derived cues are those of the last Step().
     bool derived = true;
     uint64_t frames = 0;
     uint64_t frames_since_onset = 0;
@@ -181,7 +185,7 @@ class CueTracker {
     Mean force_motion;
     Mean motion_motion;
     Mean force_force;
-    // Mean products at the frame at which their ratio was largest.
+    // The mean products at the frame where their ratio was largest.
     double stiffest_force_motion = 0;
     double stiffest_motion_motion = 0;
     double first_area = 0;
@@ -192,25 +196,25 @@ class CueTracker {
   };
 
   // Weight of the newest sample in a running mean over `window` samples.
-  double Share(double window) const;
+  double Weight(double window) const;
   void Set(Cue cue, double value) {
     state_.values[static_cast<int>(cue)] = value;
   }
   void StepLevels(const FeatureVector& x, double peak_force);
-  void StepSprings(const FeatureVector& x, double share);
-  void StepRoughness(const FeatureVector& x, double share);
+  void StepSprings(const FeatureVector& x, double weight);
+  void StepRoughness(const FeatureVector& x, double weight);
   bool Has(CueGroups group) const { return (groups_ & group) != 0; }
-  // Computes the derived cues from the sums.
+  // Computes the derived cues from the means.
   void Derive();
   void DeriveLevels();
   void DeriveSprings();
-  // The five cues of a window, from `stiffness` on.
+  // Computes the five cues of a window; `stiffness` is the first of them.
   void DeriveWindow(const Moments& window, Cue stiffness);
   void DeriveRoughness();
 
   double sample_rate_hz_;
   CueGroups groups_;
-  // In samples, at least 1.
+  // Lengths in samples, at least 1.
   double smooth_window_;
   double short_window_;
   double long_window_;

@@ -1,7 +1,12 @@
 // File: feature.h
 //
 // The three contact features of the paper (Section "Preprocessing and Feature
-// Selection"), in natural units, subsets of them, and what else a frame says.
+// Selection") in SI units, subsets of them, and the other numbers of a frame.
+//
+//   TACTUS_ASSIGN_OR_RETURN(auto features, ParseFeatures("f,m"));
+//   sample.features[static_cast<int>(Feature::kForce)];
+//
+// Plain data and free functions without state; thread-safe.
 #pragma once
 
 #include <array>
@@ -19,21 +24,20 @@ inline constexpr int kFeatureCount = 3;
 // Force (layout's unit), area (m^2), motion (m); indexed by Feature.
 using FeatureVector = std::array<double, kFeatureCount>;
 
-// Load on the whole skin by place, in the square root of the layout's unit:
-// kRowBands bands of rows, then kColumnBands bands of columns; see
-// load_profile.h.
+// Load on bands of the whole skin, in the square root of the layout's unit:
+// kRowBands bands of rows, then kColumnBands bands of columns (load_profile.h).
 inline constexpr int kRowBands = 6;
 inline constexpr int kColumnBands = 10;
 inline constexpr int kProfileSize = kRowBands + kColumnBands;
 using LoadProfile = std::array<double, kProfileSize>;
 
-// What one touched frame of a contact says.
+// The numbers of one touched frame of a contact.
 struct ContactSample {
   FeatureVector features = {};
-  // Force on the whole region, in the layout's unit: the three features know
-  // only its largest taxel. An ideal signal's force is both.
+  // Force on the whole region, in the layout's unit; the feature kForce is that
+  // of its largest taxel. For ideal signals they are equal.
   double net_force = 0;
-  // Zero for an ideal signal, which knows no place.
+  // Zero for ideal signals, which have no place on a skin.
   LoadProfile profile = {};
 };
 

@@ -1,11 +1,12 @@
 // File: load_profile.h
 //
-// Where the skin is loaded, in few numbers: square roots of the loads on bands
-// of rows and on bands of columns. Of n rows band i of k has rows i n / k to
-// (i + 1) n / k, less one; a skin of fewer rows than bands has one band a row,
-// and bands of load 0 beyond. Columns likewise. Sums over the whole skin do
-// not jump when a contact breaks into regions, and a root steadies the spread
-// of a load that varies more the larger it is.
+// Describes in few numbers where the skin is loaded: the square roots of the
+// loads on bands of rows and on bands of columns. Band i of k bands has the
+// rows from i n / k to (i + 1) n / k - 1 of n rows. A skin with fewer rows than
+// bands has one band per row and further bands of load 0. Columns are treated
+// alike. Sums over the whole skin do not jump when a contact breaks into
+// regions. The square root makes the spread independent of the load, because
+// larger loads vary more.
 //
 //   segmenter.Segment(frame.taxels);
 //   segmenter.SumLoads(frame.taxels, row_loads, column_loads);

@@ -38,15 +38,15 @@ struct Region {
   int first_taxel = 0;
 };
 
-// `value` as taxels are compared with it: in float, so that a reading that was
-// rounded to the threshold counts, and above 0, so that an empty taxel never
-// does.
+// Returns `value` as taxels are compared with it: as a float, so that a reading
+// that was rounded to the threshold counts, and above 0, so that a taxel of 0
+// never counts.
 float TaxelThreshold(double value);
 
 class Segmenter {
  public:
-  // `layout` must be valid. `skip_untouched`: a frame without a touched taxel
-  // costs a scan and no more; the results are the same.
+  // `layout` must be valid. With `skip_untouched`, a frame without a touched
+  // taxel costs one scan; the results are the same.
   explicit Segmenter(const SkinLayout& layout, bool skip_untouched = true);
 
   // Finds the regions of taxels >= contact_threshold that are not masked out
@@ -56,7 +56,7 @@ class Segmenter {
 
   // The results of the last Segment():
 
-  // The region of most taxels; on a tie that of the larger max_value, then of
+  // The region with the most taxels. Ties go to the larger max_value, then to
   // the smaller first_taxel. A zero Region if there is none.
   const Region& largest() const { return largest_; }
 
@@ -81,15 +81,15 @@ class Segmenter {
     // Index of an earlier run of the same region, or its own; once all rows
     // are known, of the region's first run.
     int parent = 0;
-    // Of the region, in its first run.
+    // Taxels of the region, in its first run.
     int taxels = 0;
   };
 
-  // Finds the touched taxels, row by row; false if there are none, and then
-  // leaves the rows alone if it may skip them.
+  // Finds the touched taxels, row by row. Returns false if there are none; then
+  // the rows are unchanged if they may be skipped.
   bool FindRows(std::span<const float> taxels);
-  // Most contacts are one region with one run in each of its rows: tells if
-  // this is one, and if so where it lies.
+  // Most contacts are one region with one run in each of its rows. Returns
+  // whether this frame is such a contact, and if so finds its place.
   bool LocateBlob();
   // Finds the regions of any other frame. Returns the first run of the largest.
   int FindRegions(std::span<const float> taxels);
@@ -106,11 +106,12 @@ class Segmenter {
   float Peak(std::span<const float> taxels, int root);
   // Sets the bits of a region alone.
   void SelectRegion(int root);
-  // Finds where the largest region lies.
+  // Finds the place of the largest region.
   void Locate(int root);
   // True if a region with taxels in `columns` crosses the seam.
   bool Crosses(uint64_t columns) const;
-  // Of the columns' sum of a region as counted along it.
+  // Returns the mean column of a region from the sum of its columns, counted
+  // along the region.
   double CentroidColumn(int64_t column_sum) const;
 
   int rows_;
@@ -121,12 +122,12 @@ class Segmenter {
   int reach_;
   float threshold_;
   bool skip_untouched_;
-  // One bit a taxel, row-major: whether it is valid; touched, and a word more;
-  // of one region.
+  // One bit per taxel, row-major: valid taxels; touched taxels, and one word
+  // more; taxels of one region.
   std::vector<uint64_t> valid_;
   std::vector<uint64_t> touched_;
   std::vector<uint64_t> selected_;
-  // One word a row: bit c is set if column c is touched. Rows before
+  // One word per row: bit c is set if column c is touched. Rows before
   // first_row_ and from end_row_ on are untouched.
   std::vector<uint64_t> row_columns_;
   int first_row_ = 0;

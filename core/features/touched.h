@@ -1,7 +1,8 @@
 // File: touched.h
 //
-// The taxels of a frame that reach a threshold, one bit each, found for the
-// whole frame at once; and the largest value and the sum of such taxels.
+// Finds the taxels of a frame that reach a threshold, one bit per taxel, and
+// the largest value and the sum of such taxels. Works on the whole frame at
+// once.
 //
 //   std::vector<uint64_t> bits(TouchedWords(taxels.size()));
 //   if (FindTouched(taxels, threshold, bits)) {
@@ -34,7 +35,8 @@ struct TouchedSum {
   double total = 0;
 };
 
-// Over the taxels whose bits are set; their values are above 0.
+// Returns maximum and sum over the taxels whose bits are set. Their values must
+// be above 0.
 TouchedSum SumTouched(std::span<const float> taxels,
                       std::span<const uint64_t> bits);
 

@@ -1,7 +1,12 @@
 // File: frame.h
 //
-// One skin frame as the pipeline sees it: values in the layout's unit, and
-// the pose of the skin's link where the robot sends one.
+// One skin frame as the pipeline takes it: values in the layout's unit, and the
+// pose of the skin's link if the robot sends one.
+//
+//   FrameView frame{.taxels = taxels, .pose = &pose};
+//   pipeline->Step(frame);
+//
+// Plain data; thread-safe.
 #pragma once
 
 #include <cstdint>

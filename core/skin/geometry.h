@@ -1,6 +1,10 @@
 // File: geometry.h
 //
-// Where taxels are on the link that carries the skin.
+// Positions of taxels on the link that carries the skin.
+//
+//   const Eigen::Vector3d position = LinkPosition(layout, {.row = 3.5});
+//
+// `layout` must be valid. Thread-safe: free functions without state.
 #pragma once
 
 #include "Eigen/Core"
@@ -22,8 +26,8 @@ Eigen::Vector3d LinkPosition(const SkinLayout& layout, const SkinPoint& point);
 // Outward unit normal of the skin at `point` in the link frame.
 Eigen::Vector3d LinkNormal(const SkinLayout& layout, const SkinPoint& point);
 
-// Distance along the skin between two points in metres, the short way round
-// if columns wrap.
+// Distance along the skin between two points in metres; the shorter way if
+// columns wrap.
 double SkinDistance(const SkinLayout& layout, const SkinPoint& a,
                     const SkinPoint& b);
 

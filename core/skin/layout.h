@@ -1,9 +1,11 @@
 // File: layout.h
 //
-// SkinLayout: the shape of one skin patch and how to read its numbers. Sent
-// once per stream; frames carry values only.
+// SkinLayout: the shape of one skin patch and the meaning of its numbers. A
+// stream sends it once; frames carry values only.
 //
-// Plain data, copyable; safe to share between threads once built.
+//   TACTUS_ASSIGN_OR_RETURN(SkinLayout layout, LayoutPreset("cody-forearm"));
+//
+// Plain data, copyable. Threads may share a layout that no longer changes.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +22,7 @@ enum class TaxelUnit { kNewton, kCounts };
 enum class Connectivity { kFour, kEight };
 
 struct SkinLayout {
-  // Layout class, e.g. "cody-forearm"; models are tied to it.
+  // Layout class, e.g. "cody-forearm". A model accepts one class.
   std::string name = {};
   int rows = 0;
   int columns = 0;
@@ -38,7 +40,7 @@ struct SkinLayout {
   double contact_threshold = 0;
   double onset_threshold = 0;
   Connectivity connectivity = Connectivity::kEight;
-  // One byte a taxel, 0 = ignore; empty = all valid.
+  // One byte per taxel, 0 = ignore; empty = all valid.
   std::vector<uint8_t> mask = {};
 
   int taxels() const { return rows * columns; }

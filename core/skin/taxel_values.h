@@ -1,6 +1,6 @@
 // File: taxel_values.h
 //
-// Taxel values from the numbers a skin sends: whole frames at once.
+// Makes taxel values from the numbers that a skin sends, a whole frame at once.
 //
 //   if (!ScaleTaxels<uint16_t>(wire, scale, limit, taxels)) FindTheBadOne();
 //
@@ -14,15 +14,15 @@
 
 namespace tactus {
 
-// One number times `scale`, in double.
+// Returns one number times `scale`, computed in double.
 template <typename Number>
 float ScaledTaxel(Number number, double scale) {
   return static_cast<float>(number * scale);
 }
 
-// Writes `taxels.size()` numbers, little-endian and of any alignment, each as
-// ScaledTaxel() has it. True if every value lies within 0 and `limit`, which a
-// NaN does not. `Number` is uint16_t or float.
+// Writes ScaledTaxel() of `taxels.size()` numbers to `taxels`. `wire` holds
+// little-endian numbers of any alignment. Returns true if every value lies
+// within 0 and `limit`; a NaN does not. `Number` is uint16_t or float.
 template <typename Number>
 bool ScaleTaxels(const char* wire, double scale, float limit,
                  std::span<float> taxels);

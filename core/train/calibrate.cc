@@ -11,21 +11,22 @@
 namespace tactus {
 namespace {
 
-// Keep a division finite, and a scale within reason.
-constexpr double kLeastDeviation = 1e-12;
-constexpr double kLeastScale = 0.01;
+// Keeps divisions finite.
+constexpr double kMinDeviation = 1e-12;
+// Scales of deviations are at least this, and at most its inverse.
+constexpr double kMinScale = 0.01;
 
 using Scores = std::vector<std::vector<double>>;
 
-constexpr double kMinTemperature = 1e-4;
-// HMMs are never sharpened: the frames of a contact say less than they claim.
-constexpr double kMaxHmmTemperature = 1;
-constexpr double kMaxLstmTemperature = 4;
-// Weights tried are multiples of one over this.
+constexpr double kMinInverseTemperature = 1e-4;
+// HMMs are never made more confident, because frames are not independent.
+constexpr double kMaxHmmInverseTemperature = 1;
+constexpr double kMaxLstmInverseTemperature = 4;
+// The weights tried are multiples of 1 / kWeightSteps.
 constexpr int kWeightSteps = 20;
-// Keeps a constant score from making everything else unknown.
+// Otherwise a constant score would make every other contact unknown.
 constexpr double kMinEvidenceDeviation = 0.1;
-// Share of known contacts that may be called unknown.
+// Fraction of known contacts that may be called unknown.
 constexpr double kFalseAlarms = 0.05;
 
 // The probabilities that one held-out contact is given.
@@ -46,35 +47,35 @@ double LogLoss(std::span<const LabelledPosterior> posteriors) {
   return sum / static_cast<double>(posteriors.size());
 }
 
-// Probabilities of the classes of every contact under a temperature.
+// Returns the class probabilities of every contact.
 std::vector<LabelledPosterior> Temper(std::span<const ScoredContact> contacts,
                                       Scores ScoredContact::*scores,
                                       size_t time,
                                       std::span<const double> log_prior,
-                                      double temperature) {
+                                      double inverse_temperature) {
   std::vector<LabelledPosterior> posteriors;
   posteriors.reserve(contacts.size());
   for (const ScoredContact& contact : contacts) {
     LabelledPosterior posterior{contact.label,
                                 std::vector<double>(log_prior.size())};
-    TemperedPosterior(log_prior, (contact.*scores)[time], temperature,
+    TemperedPosterior(log_prior, (contact.*scores)[time], inverse_temperature,
                       posterior.probability);
     posteriors.push_back(std::move(posterior));
   }
   return posteriors;
 }
 
-// Golden-section search for the logarithm of the temperature at which the
-// labels are most likely.
-double BestTemperature(std::span<const ScoredContact> contacts,
-                       Scores ScoredContact::*scores, size_t time,
-                       std::span<const double> log_prior, double most) {
+// Finds the inverse temperature at which the labels are most likely, by
+// golden-section search over its logarithm.
+double BestInverseTemperature(std::span<const ScoredContact> contacts,
+                              Scores ScoredContact::*scores, size_t time,
+                              std::span<const double> log_prior, double most) {
   constexpr double kGolden = 0.6180339887498949;
   constexpr int kSteps = 40;
   auto loss = [&](double x) {
     return LogLoss(Temper(contacts, scores, time, log_prior, std::exp(x)));
   };
-  double low = std::log(kMinTemperature);
+  double low = std::log(kMinInverseTemperature);
   double high = std::log(most);
   double a = high - kGolden * (high - low);
   double b = low + kGolden * (high - low);
@@ -98,7 +99,7 @@ double BestTemperature(std::span<const ScoredContact> contacts,
   return std::exp(0.5 * (low + high));
 }
 
-// The LSTM's share at which the fused labels are most likely.
+// Finds the weight of the LSTMs at which the labels are most likely.
 double BestWeight(std::span<const LabelledPosterior> hmm,
                   std::span<const LabelledPosterior> lstm) {
   double best_weight = 0;
@@ -119,9 +120,9 @@ double BestWeight(std::span<const LabelledPosterior> hmm,
   return best_weight;
 }
 
-// What the best class's log-likelihood per step is like. The deviation is such
-// that kFalseAlarms of the contacts are rather unknown: the tail towards the
-// unlikely is heavy, and a variance says little of it.
+// Fits median and deviation of the best class's log-likelihood per step. The
+// deviation makes `unknown` larger than one half for kFalseAlarms of the
+// contacts. It is not the standard deviation, because the lower tail is heavy.
 void FitEvidence(std::span<const ScoredContact> contacts, size_t time,
                  Calibration& calibration) {
   std::vector<double> evidence;
@@ -131,9 +132,9 @@ void FitEvidence(std::span<const ScoredContact> contacts, size_t time,
                        std::max(contact.hmm_steps[time], 1.0));
   }
   std::sort(evidence.begin(), evidence.end());
-  const auto quantile = [&](double share) {
+  const auto quantile = [&](double fraction) {
     return evidence[static_cast<size_t>(
-        share * static_cast<double>(evidence.size() - 1))];
+        fraction * static_cast<double>(evidence.size() - 1))];
   };
   const double median = quantile(0.5);
   calibration.evidence_mean.push_back(median);
@@ -142,21 +143,21 @@ void FitEvidence(std::span<const ScoredContact> contacts, size_t time,
                kMinEvidenceDeviation));
 }
 
-// Scales deviations so that they cover two thirds of the errors: robust
-// against the few that are far off.
+// Scales the estimated deviations so that 68.3 % of the errors lie within one
+// of them. A few large errors do not change the scales much.
 void FitEstimateScales(std::span<const ScoredContact> contacts,
                        Calibration& calibration) {
   constexpr double kCovered = 0.683;
   std::vector<double> stiffness;
   std::vector<double> moved;
   for (const ScoredContact& contact : contacts) {
-    for (const ScoredContact::Estimate& estimate : contact.estimates) {
-      const ObjectEstimate& said = estimate.said;
+    for (const ScoredContact::Estimate& truth : contact.estimates) {
+      const ObjectEstimate& found = truth.estimate;
       stiffness.push_back(
-          std::abs(said.log10_stiffness - estimate.log10_stiffness) /
-          std::max(said.log10_stiffness_deviation, kLeastDeviation));
-      moved.push_back(std::abs(said.moved_m - estimate.moved_m) /
-                      std::max(said.moved_deviation_m, kLeastDeviation));
+          std::abs(found.log10_stiffness - truth.log10_stiffness) /
+          std::max(found.log10_stiffness_deviation, kMinDeviation));
+      moved.push_back(std::abs(found.moved_m - truth.moved_m) /
+                      std::max(found.moved_deviation_m, kMinDeviation));
     }
   }
   auto scale = [&](std::vector<double>& errors) {
@@ -164,7 +165,7 @@ void FitEstimateScales(std::span<const ScoredContact> contacts,
     const auto place =
         errors.begin() + static_cast<ptrdiff_t>(kCovered * (errors.size() - 1));
     std::nth_element(errors.begin(), place, errors.end());
-    return std::clamp(*place, kLeastScale, 1 / kLeastScale);
+    return std::clamp(*place, kMinScale, 1 / kMinScale);
   };
   calibration.stiffness_deviation_scale = scale(stiffness);
   calibration.moved_deviation_scale = scale(moved);
@@ -215,13 +216,13 @@ void FitCalibration(std::span<const ScoredContact> contacts, double rate,
   for (double p : c.prior) log_prior.push_back(std::log(p));
   for (size_t time = 0; time < c.frames.size(); ++time) {
     c.hmm_temperature.push_back(
-        BestTemperature(contacts, &ScoredContact::log_likelihood, time,
-                        log_prior, kMaxHmmTemperature));
+        BestInverseTemperature(contacts, &ScoredContact::log_likelihood, time,
+                               log_prior, kMaxHmmInverseTemperature));
     FitEvidence(contacts, time, c);
     if (contacts.front().lstm_score.empty()) continue;
     c.lstm_temperature.push_back(
-        BestTemperature(contacts, &ScoredContact::lstm_score, time, log_prior,
-                        kMaxLstmTemperature));
+        BestInverseTemperature(contacts, &ScoredContact::lstm_score, time,
+                               log_prior, kMaxLstmInverseTemperature));
     c.lstm_weight.push_back(
         BestWeight(Temper(contacts, &ScoredContact::log_likelihood, time,
                           log_prior, c.hmm_temperature.back()),

@@ -3,11 +3,16 @@
 // Fitting a Calibration to scores of held-out contacts, so that a probability
 // of 0.8 is right eight times in ten, at any time since onset.
 //
-// The frames of a contact are far from independent given the state, so raw
-// HMM likelihoods are overconfident, more so the longer the contact. One
-// factor on the log-scores per time ("temperature") mends it (Guo et al.,
-// ICML 2017, Section 4.2, on log-likelihoods). The LSTM has its own, and its
-// weight is the one at which HMMs and LSTM together lose least.
+// The frames of a contact are not independent given the state, so raw HMM
+// likelihoods are overconfident, and more so the longer the contact lasts. One
+// factor on the log-scores per time, an inverse temperature, corrects this (Guo
+// et al., ICML 2017, Section 4.2, applied to log-likelihoods). The LSTMs have
+// their own factor. Their weight minimises the log loss of HMMs and LSTMs
+// together.
+//
+//   std::vector<ScoredContact> scored;
+//   scored.push_back(ScoreContact(model_without_it, contact, label));
+//   FitCalibration(scored, /*rate=*/100, model.calibration);
 //
 // Thread-safe: free functions without state.
 #pragma once
@@ -32,24 +37,24 @@ struct ScoredContact {
   std::vector<std::vector<double>> log_likelihood;
   // [times][classes], the LSTMs' log-probabilities; empty without an LSTM.
   std::vector<std::vector<double>> lstm_score;
-  // What the LSTMs say of the object and what is true, at
-  // each calibration time; empty without.
+  // Estimates of the object and the truth, at each calibration time; empty
+  // without an estimator.
   struct Estimate {
-    ObjectEstimate said;
+    ObjectEstimate estimate;
     double log10_stiffness = 0;
     double moved_m = 0;
   };
   std::vector<Estimate> estimates;
-  // Steps of the HMMs up to each time.
+  // Number of steps of the HMMs up to each time.
   std::vector<double> hmm_steps;
 };
 
-// Scores one contact by a model that has not seen it.
+// Scores one contact with a model that was not fitted to it.
 ScoredContact ScoreContact(const std::shared_ptr<const CompiledModel>& model,
                            const LabelledContact& contact, int label);
 
-// Fills frames, temperatures, the LSTM's weight, evidence and the scales of the
-// estimates' deviations; leaves prior and decision rule.
+// Sets frames, inverse temperatures, the LSTMs' weight, the evidence and the
+// scales of the estimates' deviations. Keeps prior and decision rule.
 void FitCalibration(std::span<const ScoredContact> contacts, double rate,
                     Calibration& calibration);
 

@@ -18,10 +18,12 @@ namespace tactus {
 namespace {
 
 constexpr int kMinContactsPerClass = 2;
-// More conditions than this are individuals rather than conditions.
+// With more conditions than this, the contacts of a condition are too few to be
+// left out together.
 constexpr size_t kMaxConditions = 8;
-// A model that misses several materials more than the one it is to calibrate
-// errs more, and makes that one too modest: few are left out together.
+// The models of the inner folds miss more materials than the model that is
+// calibrated. The more they miss, the more they err, and the lower its
+// probabilities become. Six groups leave out few materials at once.
 constexpr size_t kMaterialGroups = 6;
 // Fraction of a fit's time that the HMMs take where there are LSTMs too, for
 // the progress.
@@ -68,7 +70,7 @@ absl::Status CheckContacts(const std::vector<const LabelledContact*>& contacts,
   return CheckUniform(contacts);
 }
 
-// An ideal signal knows no place on a skin: its profile says nothing.
+// Ideal signals have no place on a skin, so they have no load profile.
 absl::Status CheckCues(const std::vector<const LabelledContact*>& contacts,
                        const std::vector<Cue>& wanted,
                        const std::vector<Feature>& features) {
@@ -90,8 +92,9 @@ absl::Status CheckCues(const std::vector<const LabelledContact*>& contacts,
   return absl::OkStatus();
 }
 
-// Robot conditions or materials where there are a few of them, so that the
-// calibration knows what a new one costs; else an even split.
+// Folds by robot condition or by material if there are several but not too
+// many, so that the calibration includes the cost of a new one; else stratified
+// folds.
 std::vector<std::vector<int>> MakeInnerFolds(
     const std::vector<const LabelledContact*>& contacts,
     const FitOptions& options) {
@@ -137,8 +140,8 @@ Varied WithVariations(const std::vector<const LabelledContact*>& contacts,
   return varied;
 }
 
-// HMMs learn no other stiffnesses: their few components would have to cover
-// them too, at the cost of what they cover now.
+// The HMMs are trained without other stiffnesses. Their few components would
+// have to cover them too and would fit known materials less well.
 absl::StatusOr<Model> FitUncalibrated(
     const std::vector<const LabelledContact*>& contacts,
     const std::vector<std::string>& class_names, const FitOptions& options,
@@ -160,8 +163,8 @@ absl::StatusOr<Model> FitUncalibrated(
   return model;
 }
 
-// A calibration from scores of each inner fold by models of the others. A
-// fold whose complement lacks a class is not used.
+// Fits the calibration to the scores that each inner fold gets from a model of
+// the other folds. A fold is not used if the others lack a class.
 absl::Status Calibrate(const std::vector<const LabelledContact*>& contacts,
                        const std::vector<std::vector<int>>& folds,
                        const FitOptions& options, const ParallelFor& parallel,
@@ -206,7 +209,7 @@ absl::Status Calibrate(const std::vector<const LabelledContact*>& contacts,
   return absl::OkStatus();
 }
 
-// The self-test: the contact of middle length and the answer it gets.
+// Adds the self-test: the contact of median length and its answers.
 absl::Status AddWarmUp(const std::vector<const LabelledContact*>& contacts,
                        Model& model) {
   std::vector<const LabelledContact*> sorted = contacts;

@@ -22,15 +22,16 @@
 
 namespace tactus {
 
-// Class names in `contacts`: HU, HM, SU, SM first where present, others in
-// alphabetical order.
+// Returns the labels of `contacts`: HU, HM, SU, SM first if present, then the
+// others in alphabetical order.
 std::vector<std::string> ClassNames(
     const std::vector<const LabelledContact*>& contacts);
 
-// INVALID_TRAINING_DATA if there are fewer than two classes or fewer than two
-// contacts of some class, if skins or sampling rates are mixed, if cues of the
-// load profile meet ideal signals; INVALID_CONFIG if the features allow no cue.
-// The provenance is left to the caller, but for trials and seed.
+// Fits a model. INVALID_TRAINING_DATA if there are fewer than two classes or
+// fewer than two contacts of some class, if skins or sampling rates are mixed,
+// or if cues of the load profile are asked of ideal signals. INVALID_CONFIG if
+// the features allow no cue. Of the provenance, the caller fills in everything
+// but trials and seed.
 absl::StatusOr<Model> FitModel(
     const std::vector<const LabelledContact*>& contacts,
     const FitOptions& options, const ParallelFor& parallel,

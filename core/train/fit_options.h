@@ -25,14 +25,14 @@ namespace tactus {
 
 // How LSTMs are trained.
 struct LstmFit {
-  // Networks of the model, which differ by their seeds; 0 for HMMs alone.
+  // Number of networks. They differ by their seeds. 0 for HMMs alone.
   int networks = 0;
-  // What they see, as FitOptions::hmm_cues.
+  // The cues that their inputs are made from, as FitOptions::hmm_cues.
   std::vector<Cue> cues;
   Scaling scaling = Scaling::kStandard;
-  // Of the scaled inputs.
+  // The scaled inputs are clamped to plus and minus this.
   double limit = std::numeric_limits<double>::infinity();
-  // Cues of which they see this many stretches too.
+  // Cues that also give `stretches` inputs each (FitStretches).
   std::vector<Cue> stretched_cues;
   int stretches = 0;
   StepIntervals steps;
@@ -42,18 +42,19 @@ struct LstmFit {
   bool estimates = false;
   Activation activation = Activation::kTanh;
   GateActivation gate_activation = GateActivation::kSigmoid;
-  // Its seed is FitOptions::seed and those after it.
+  // Network n is trained with the seed FitOptions::seed + n.
   LstmTrainOptions training;
 };
 
-// What the inner folds of a calibration leave out.
+// What each inner fold of a calibration leaves out.
 enum class InnerFolds { kConditions, kMaterials };
 
 struct FitOptions {
-  // What may be known of a contact; cues that need others are left out.
+  // Features that models may use. Cues that need others are left out.
   std::vector<Feature> features = {Feature::kForce, Feature::kMotion,
                                    Feature::kArea};
-  // What the HMMs see; empty for the features themselves.
+  // The cues that the HMMs' inputs are made from; empty for the features
+  // themselves.
   std::vector<Cue> hmm_cues;
   // Logarithms of the features instead of the features.
   bool log_features = true;
@@ -66,21 +67,21 @@ struct FitOptions {
   // Smallest variance of a scaled input in any state.
   double covariance_floor = 1e-3;
   LstmFit lstm;
-  // Models are trained on every contact as it is, and on such copies of it;
-  // HMMs on copies of the same stiffness.
+  // Models are trained on every contact and on its copies drawn from this
+  // range. HMMs are trained on copies of the same stiffness.
   VariationRange variations;
-  // A calibration is fitted on inner folds that leave out one condition each
-  // where there are a few, or a material or two each; else on this many even
-  // ones.
+  // The calibration is fitted on inner folds. Each leaves out one condition, or
+  // a group of materials. If the contacts have one condition or very many,
+  // there are `calibration_folds` stratified folds instead.
   InnerFolds inner_folds = InnerFolds::kConditions;
   int calibration_folds = 3;
-  // Without, scores are probabilities as they are: the best class is the same
-  // where HMMs or LSTMs are asked alone.
+  // Without calibration the scores become probabilities unchanged. The best
+  // class of the HMMs alone or of the LSTMs alone stays the same.
   bool calibrate = true;
   uint64_t seed = 1;
 };
 
-// `cues` without those that need other features; for an empty list, the
+// Returns `cues` without those that need other features; for an empty list, the
 // features themselves.
 std::vector<Cue> CuesFor(const std::vector<Cue>& cues,
                          const std::vector<Feature>& features);

@@ -1,7 +1,13 @@
 // File: folds.h
 //
-// How contacts are split into folds: each is tested once by models that saw
-// none of its fold.
+// How contacts are split into folds. Each contact is tested once, by a model
+// that was fitted to the contacts of the other folds.
+//
+//   TACTUS_ASSIGN_OR_RETURN(
+//       auto folds, MakeFolds(contacts, Protocol::kLeaveOneConditionOut));
+//   for (const std::vector<int>& fold : folds) {
+//     std::vector<int> training = Complement(fold, contacts.size());
+//   }
 //
 // Thread-safe: free functions without state.
 #pragma once
@@ -16,11 +22,11 @@ namespace tactus {
 
 struct Protocol {
   enum Kind {
-    // Leave one robot condition out (the paper's).
+    // Leave one robot condition out, as in the paper.
     kLeaveOneConditionOut,
     kLeaveOneOut,
     kLeaveOneMaterialOut,
-    // `folds` folds, to which the contacts of each class go in turn.
+    // `folds` folds; the contacts of each class are dealt to them in turn.
     kKFold,
   };
   static constexpr int kDefaultFolds = 10;
@@ -32,21 +38,22 @@ struct Protocol {
   int folds;
 };
 
-// "loco", "leave-one-out", "leave-one-material-out" or "k-fold", which makes
-// `folds`, at least 2; else INVALID_CONFIG.
+// Parses "loco", "leave-one-out", "leave-one-material-out" or "k-fold". `folds`
+// is the number of k-fold's folds, at least 2. INVALID_CONFIG for other values.
 absl::StatusOr<Protocol> ParseProtocol(absl::string_view name,
                                        int folds = Protocol::kDefaultFolds);
 
-// Indices of the test contacts of each fold. INVALID_TRAINING_DATA if there
-// are fewer than two folds.
+// Returns the indices of the test contacts of each fold. INVALID_TRAINING_DATA
+// if there are fewer than two folds.
 absl::StatusOr<std::vector<std::vector<int>>> MakeFolds(
     const std::vector<const LabelledContact*>& contacts, Protocol protocol);
 
-// Every `count`-th contact of each class, for inner splits.
+// Deals the contacts of each class to `count` folds in turn. Leaves out folds
+// that stay empty.
 std::vector<std::vector<int>> StratifiedFolds(
     const std::vector<const LabelledContact*>& contacts, int count);
 
-// All indices below `count` that are not in `fold`, in order.
+// Returns all indices below `count` that are not in `fold`, in order.
 std::vector<int> Complement(const std::vector<int>& fold, int count);
 
 }  // namespace tactus

@@ -7,7 +7,7 @@
 namespace tactus {
 namespace {
 
-constexpr double kLogOffsetShare = 0.02;
+constexpr double kLogOffsetFraction = 0.02;
 
 // Median of the positive values of one feature; 1 if there is none.
 double TypicalValue(const std::vector<const LabelledContact*>& contacts,
@@ -30,16 +30,16 @@ struct Range {
   double count = 0;
   double mean = 0;
   double squares = 0;
-  double least = std::numeric_limits<double>::infinity();
-  double most = -std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
+  double max = -std::numeric_limits<double>::infinity();
 
   void Add(double value) {
     const double step = value - mean;
     count += 1;
     mean += step / count;
     squares += step * (value - mean);
-    least = std::min(least, value);
-    most = std::max(most, value);
+    min = std::min(min, value);
+    max = std::max(max, value);
   }
 };
 
@@ -67,7 +67,7 @@ std::vector<ModelInput> FitInputs(
     const bool raw = static_cast<int>(cue) < kFeatureCount;
     const double log_offset =
         options.log_features && raw
-            ? kLogOffsetShare * TypicalValue(contacts, cue)
+            ? kLogOffsetFraction * TypicalValue(contacts, cue)
             : 0;
     inputs.push_back(
         {.cue = cue, .log_offset = log_offset, .limit = options.limit});
@@ -87,8 +87,8 @@ std::vector<ModelInput> FitInputs(
       inputs[i].offset = range.mean;
       inputs[i].gain = Inverse(std::sqrt(range.squares / range.count));
     } else {
-      inputs[i].offset = range.least;
-      inputs[i].gain = Inverse(range.most - range.least);
+      inputs[i].offset = range.min;
+      inputs[i].gain = Inverse(range.max - range.min);
     }
   }
   return inputs;

@@ -1,10 +1,10 @@
 // File: inputs.h
 //
-// Model inputs of whole contacts, for fitting: cues as ContactClassifier
-// computes them frame by frame, their scaling, and the sequences they make.
+// Model inputs of whole contacts, for fitting: the cues that ContactClassifier
+// computes frame by frame, their scaling, and the resulting sequences.
 //
 //   auto inputs = FitInputs(contacts, cues, {});
-//   std::vector<double> rows = MakeSequence(contact, inputs);
+//   std::vector<double> rows = MakeSequence(contact, inputs, steps);
 //
 // Thread-safe: free functions without state.
 #pragma once
@@ -26,40 +26,41 @@ enum class Scaling {
 
 struct InputOptions {
   Scaling scaling = Scaling::kStandard;
-  // Logarithms of the raw features: of x and 2 % of its typical value, so that
-  // sensor noise around zero stays small.
+  // Takes the logarithm of raw features. Before that it adds 2 % of the
+  // feature's typical value, so that sensor noise around zero stays small.
   bool log_features = false;
-  // Frames that count.
+  // The frames that are used.
   StepIntervals steps = {};
-  // Scaled inputs are held within this: beyond, a cue is out of what was
-  // trained on, and how far does not matter.
+  // Scaled inputs are clamped to plus and minus this. Beyond it a cue is
+  // outside of the training range, and its distance does not matter.
   double limit = std::numeric_limits<double>::infinity();
 };
 
-// Inputs that each rise from -1 to 1 over one stretch of a cue and rest
-// elsewhere, `stretches` of them between its quantiles: what is a small step on
-// the whole range is a large one on its stretch (piecewise linear encoding,
-// Gorishniy et al., NeurIPS 2022).
+// Returns inputs that each rise from -1 to 1 over one stretch of a cue and are
+// constant elsewhere. Each cue has `stretches` of them, between its quantiles.
+// A step that is small on the whole range is large on its stretch (piecewise
+// linear encoding, Gorishniy et al., NeurIPS 2022).
 std::vector<ModelInput> FitStretches(
     const std::vector<const LabelledContact*>& contacts,
     std::span<const Cue> cues, int stretches, const StepIntervals& steps);
 
-// Calls `visit` with the cues at every touched frame that is due by `steps`,
-// and the frames since onset.
+// Calls `visit` for every touched frame at which `steps` makes a step due, with
+// the cues and the index of the frame in the contact.
 void WalkCues(const LabelledContact& contact, const StepIntervals& steps,
               absl::FunctionRef<void(CueTracker& cues, size_t frame)> visit);
 
-// One input a cue, scaled over all contacts, each of the same rate.
+// Returns one input per cue, scaled over all contacts. All contacts must have
+// the same rate.
 std::vector<ModelInput> FitInputs(
     const std::vector<const LabelledContact*>& contacts,
     std::span<const Cue> cues, const InputOptions& options);
 
-// Scaled inputs of the touched frames due by `steps`, frames x inputs,
-// row-major.
+// Returns the scaled inputs of the frames that WalkCues visits, frames x
+// inputs, row-major.
 std::vector<double> MakeSequence(const LabelledContact& contact,
                                  std::span<const ModelInput> inputs,
                                  const StepIntervals& steps);
-// The same as LSTMs are trained on them.
+// The same in the number format of LSTM training.
 std::vector<float> MakeLstmSequence(const LabelledContact& contact,
                                     std::span<const ModelInput> inputs,
                                     const StepIntervals& steps);

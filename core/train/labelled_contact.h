@@ -26,30 +26,31 @@ struct LabelledContact {
   std::string condition;
   std::string material;
   double sample_rate_hz = 100;
-  // Of the object, N/m; 0 if unknown.
+  // Stiffness of the object, N/m; 0 if unknown.
   double stiffness = 0;
   // Name, rows and columns of the skin; an empty name for ideal signals.
   SkinLayout layout;
-  // How far the object has moved, m, one a frame; empty if unknown.
+  // Distance that the object has moved at each frame, m; empty if unknown.
   std::vector<double> object_motion;
   // From onset to the end of the trial; the first is touched.
   std::vector<ContactFrame> frames;
 };
 
-// An ideal signal as a frame: its force is both peak and net force.
+// Makes a sample from an ideal signal. Its force is both peak and net force.
 ContactSample IdealSample(const FeatureVector& signals);
 
-// True if the contact has no skin, only signals.
+// True if the contact comes from ideal signals and not from a skin.
 inline bool IsIdeal(const LabelledContact& contact) {
   return contact.layout.name.empty();
 }
 
-// Takes the taxels, if there are any, through the feature path (the contact
-// ends with the trial), else the stored signals. Nothing if no taxel ever
-// reaches the onset threshold: the trial is undetectable.
+// Extracts the contact of a trial. Taxels, if the trial has them, go through
+// the feature path; else the stored signals are taken. The contact ends with
+// the trial. Returns nothing if no taxel reaches the onset threshold: the trial
+// is undetectable.
 //
-// `layout` is the skin of trials whose layout class has this name; other
-// trials' classes must be presets. Null for none.
+// `layout` is the skin of trials whose layout has this name. The layouts of
+// other trials must be presets. May be null.
 absl::StatusOr<std::optional<LabelledContact>> ExtractContact(
     const Trial& trial, const SkinLayout* layout = nullptr);
 

@@ -9,20 +9,20 @@
 namespace tactus {
 namespace {
 
-double Between(double before, double after, double share) {
-  return before + share * (after - before);
+double Between(double before, double after, double fraction) {
+  return before + fraction * (after - before);
 }
 
 ContactFrame Between(const ContactFrame& before, const ContactFrame& after,
-                     double share) {
+                     double fraction) {
   ContactFrame frame = before;
   if (!before.touched || !after.touched) return frame;
   for (int f = 0; f < kFeatureCount; ++f) {
     frame.sample.features[f] =
-        Between(before.sample.features[f], after.sample.features[f], share);
+        Between(before.sample.features[f], after.sample.features[f], fraction);
   }
   frame.sample.net_force =
-      Between(before.sample.net_force, after.sample.net_force, share);
+      Between(before.sample.net_force, after.sample.net_force, fraction);
   return frame;
 }
 
@@ -31,17 +31,17 @@ LabelledContact AtPace(const LabelledContact& contact, double pace) {
   warped.frames.clear();
   warped.object_motion.clear();
   for (size_t k = 0; k < contact.frames.size(); ++k) {
-    // The touch was one frame before the first.
+    // The first frame is one frame after the touch.
     const double place = std::max(0.0, static_cast<double>(k + 1) * pace - 1);
     const auto before = static_cast<size_t>(place);
     if (before + 1 >= contact.frames.size()) break;
-    const double share = place - static_cast<double>(before);
+    const double fraction = place - static_cast<double>(before);
     warped.frames.push_back(
-        Between(contact.frames[before], contact.frames[before + 1], share));
+        Between(contact.frames[before], contact.frames[before + 1], fraction));
     if (contact.object_motion.empty()) continue;
     warped.object_motion.push_back(Between(contact.object_motion[before],
                                            contact.object_motion[before + 1],
-                                           share));
+                                           fraction));
   }
   return warped;
 }
@@ -49,7 +49,7 @@ LabelledContact AtPace(const LabelledContact& contact, double pace) {
 constexpr int kForceAt = static_cast<int>(Feature::kForce);
 constexpr int kMotionAt = static_cast<int>(Feature::kMotion);
 
-// Of one of a sample's numbers in a contact's touched frames.
+// The noise of one number of the samples, over a contact's touched frames.
 template <typename Number>
 double NoiseIn(const LabelledContact& contact, Number number) {
   std::vector<double> values;
@@ -60,21 +60,21 @@ double NoiseIn(const LabelledContact& contact, Number number) {
   return NoiseOf(values);
 }
 
-// How much of the noise a factor on a signal takes away.
+// The fraction of the noise that is missing after a signal was multiplied by
+// `factor`.
 double MissingNoise(double factor) {
   return std::sqrt(std::max(0.0, 1 - factor * factor));
 }
 
-// A stretch of the axis of stiffness, N/m.
+// A range of stiffness, N/m.
 struct Span {
-  double least = 0;
-  double most = std::numeric_limits<double>::infinity();
+  double min = 0;
+  double max = std::numeric_limits<double>::infinity();
 };
 
-// The stiffnesses that leave a contact in its class, by class; nothing where it
-// cannot be told. A class that another is all stiffer than is soft: its objects
-// may be as soft as they like, and as stiff as the stiffest of it. A hard one
-// the other way round.
+// The stiffnesses that keep a contact in its class, by class. Classes without
+// an entry keep their stiffness; the result is empty if a stiffness is unknown.
+// Soft and hard classes are those of VariationRange.
 std::map<std::string, Span> SpansOf(
     const std::vector<const LabelledContact*>& contacts) {
   std::map<std::string, Span> seen;
@@ -82,29 +82,29 @@ std::map<std::string, Span> SpansOf(
     const double k = contact->stiffness;
     if (k <= 0) return {};
     Span& span = seen.try_emplace(contact->label, Span{k, k}).first->second;
-    span.least = std::min(span.least, k);
-    span.most = std::max(span.most, k);
+    span.min = std::min(span.min, k);
+    span.max = std::max(span.max, k);
   }
   std::map<std::string, Span> spans;
   for (const auto& [label, own] : seen) {
     bool soft = false;
     bool hard = false;
     for (const auto& [other, others] : seen) {
-      soft |= own.most < others.least;
-      hard |= own.least > others.most;
+      soft |= own.max < others.min;
+      hard |= own.min > others.max;
     }
     if (soft == hard) continue;
-    spans[label] = soft ? Span{.most = own.most} : Span{.least = own.least};
+    spans[label] = soft ? Span{.max = own.max} : Span{.min = own.min};
   }
   return spans;
 }
 
-// A factor on the stiffness, its logarithm even over the part of 1 / range to
-// range that stays within `span`.
+// Draws a factor on the stiffness, uniform in its logarithm, from the part of
+// 1 / range to range that keeps the stiffness within `span`.
 double DrawStiffness(double stiffness, const Span& span, double range,
                      Random& random) {
-  const double low = std::max(1 / range, span.least / stiffness);
-  const double high = std::min(range, span.most / stiffness);
+  const double low = std::max(1 / range, span.min / stiffness);
+  const double high = std::min(range, span.max / stiffness);
   return low * std::pow(high / low, random.Uniform());
 }
 

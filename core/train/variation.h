@@ -1,19 +1,21 @@
 // File: variation.h
 //
-// A contact as other arms and objects would have made it, so that models hold
-// at speeds, stiffnesses and materials that were never recorded. But for its
-// ringing the lumped element model (paper, eqs. 1 to 7) has three symmetries:
+// Copies of a contact as other arms and objects would have made it. Models that
+// are trained on them hold at speeds, stiffnesses and materials that were never
+// recorded. Apart from its ringing, the lumped element model (paper, eqs. 1 to
+// 7) has three symmetries:
 //
-// - Pace. Force, area and motion follow how far the equilibrium point has come;
-//   an arm of another speed plays the same signals at another pace.
-// - Load. The pieces are linear: a softer arm on a lighter object makes all
-//   forces and motions smaller by one factor. The sensor's noise stays, so what
-//   was scaled away of it is drawn anew.
-// - Stiffness. With all springs and masses, the object's among them, larger by
-//   one factor, forces are too, and motions stay; ringing as well.
+// - Pace. Force, area and motion depend on how far the equilibrium point has
+//   come. An arm of another speed plays the same signals at another pace.
+// - Load. The pieces of the model are linear. A softer arm on a lighter object
+//   makes all forces and motions smaller by one factor. The sensor's noise does
+//   not shrink, so the noise that the factor removed is drawn again.
+// - Stiffness. If all springs and masses, including the object's, are larger by
+//   one factor, forces are larger by that factor and motions do not change. The
+//   ringing keeps this symmetry too.
 //
-// Pace and load leave every category alone, stiffness those on whose side of
-// the border between hard and soft it stays.
+// Changing pace or load never changes the category. Changing stiffness is
+// allowed only if the object stays on its side of the hard/soft border.
 //
 //   Random random(seed);
 //   LabelledContact other = Vary(contact, {.pace = 1.4, .load = 0.5}, random);
@@ -35,20 +37,22 @@ struct Variation {
   double stiffness = 1;  // > 0
 };
 
-// Frame k, (k + 1) frames after the touch, is `contact` (k + 1) x pace frames
-// after it, between frames interpolated, at first the first; as long as the
-// contact lasts and no longer than its frames are many. Where touch is lost on
-// either side, and for the load profile, the frame before counts.
+// Frame k of the copy is `contact` at (k + 1) x pace frames after the touch,
+// interpolated between two frames; before the first frame it is the first. The
+// copy ends where `contact` ends and has at most as many frames. The load
+// profile, and frames with a loss of touch on either side, are not interpolated
+// but taken from the earlier frame.
 LabelledContact Vary(const LabelledContact& contact, const Variation& variation,
                      Random& random);
 
-// How many copies to draw of each contact, from what: the logarithm of the pace
-// evenly between 1 / pace and pace, that of the load between 1 / load and 1. In
-// every other copy also that of the stiffness, between 1 / stiffness and
-// stiffness: objects of classes that others are all stiffer than stay as soft
-// as the stiffest known of their class, those that are stiffer than all of
-// another as hard as its softest. Others, and all where a stiffness is unknown,
-// keep theirs.
+// How many copies of each contact are drawn, and from which ranges. The factors
+// are uniform in their logarithm: pace from 1 / pace to pace, load from
+// 1 / load to 1, and in every second copy stiffness from 1 / stiffness to
+// stiffness. A class is soft if all objects of another class are stiffer; its
+// copies get no stiffer than its stiffest object. A class is hard if all
+// objects of another class are softer; its copies get no softer than its
+// softest object. Other classes keep their stiffness, and so do all if the
+// stiffness of any contact is unknown.
 struct VariationRange {
   int copies = 0;
   double pace = 1;       // >= 1
@@ -56,16 +60,16 @@ struct VariationRange {
   double stiffness = 1;  // >= 1
 };
 
-// All copies of all contacts; the same contacts, range and seed give the same
-// copies.
+// Returns all copies of all contacts. The same contacts, range and seed give
+// the same copies.
 std::vector<LabelledContact> DrawVariations(
     const std::vector<const LabelledContact*>& contacts,
     const VariationRange& range, uint64_t seed);
 
-// Standard deviation of the noise on values[t], from the median of their second
-// differences: a signal that changes evenly, however fast, has none. 0 for
-// fewer than 3 values. (The median of |normal| is 0.6745; a second difference
-// of noise has 6 times its variance.)
+// Estimates the standard deviation of the noise on values[t] from the median of
+// their second differences. A signal with a constant slope has none. Returns 0
+// for fewer than 3 values. (The median of |normal| is 0.6745; a second
+// difference of noise has 6 times its variance.)
 double NoiseOf(const std::vector<double>& values);
 
 }  // namespace tactus
