@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
-#include "core/classify/feature_input.h"
+#include "core/classify/input_spec.h"
 #include "core/skin/layout_proto.h"
 
 namespace tactus {
@@ -86,50 +86,51 @@ absl::StatusOr<std::vector<ModelInput>> FromProto(const Names& names,
                                                   const Offsets& log_offsets,
                                                   const Scalings& scalings) {
   if (log_offsets.size() != names.size() || scalings.size() != names.size()) {
-    return InvalidModel("features sizes",
+    return InvalidModel("inputs sizes",
                         absl::StrCat(log_offsets.size(), ", ", scalings.size()),
-                        absl::StrCat(names.size(), ", one a name"));
+                        absl::StrCat(names.size(), ", one per cue"));
   }
   std::vector<ModelInput> inputs;
   for (int i = 0; i < names.size(); ++i) {
     const std::optional<Cue> cue = ParseCue(names[i]);
-    if (!cue) return InvalidModel("features name", names[i], "a known cue");
+    if (!cue) return InvalidModel("inputs cue", names[i], "a known cue");
     inputs.push_back(
         {*cue, log_offsets[i], scalings[i].offset(), scalings[i].gain()});
   }
   return inputs;
 }
 
-void ToProto(const FeatureSpec& spec, v1::FeatureSpec* out) {
-  ToProto(spec.hmm, out->mutable_names(), out->mutable_log_offset(),
+void ToProto(const InputSpec& spec, v1::InputSpec* out) {
+  ToProto(spec.hmm, out->mutable_hmm_cues(), out->mutable_hmm_log_offset(),
           out->mutable_hmm_scaling());
-  ToProto(spec.lstm, out->mutable_lstm_names(), out->mutable_lstm_log_offset(),
+  ToProto(spec.lstm, out->mutable_lstm_cues(), out->mutable_lstm_log_offset(),
           out->mutable_lstm_scaling());
   for (const ModelInput& input : spec.lstm) out->add_lstm_limit(input.limit);
-  out->set_hmm_first_interval(spec.hmm_steps.min);
-  out->set_hmm_last_interval(spec.hmm_steps.max);
-  out->set_lstm_first_interval(spec.lstm_steps.min);
-  out->set_lstm_last_interval(spec.lstm_steps.max);
+  out->set_hmm_min_interval(spec.hmm_steps.min);
+  out->set_hmm_max_interval(spec.hmm_steps.max);
+  out->set_lstm_min_interval(spec.lstm_steps.min);
+  out->set_lstm_max_interval(spec.lstm_steps.max);
   out->set_sample_rate_hz(spec.sample_rate_hz);
 }
 
-absl::StatusOr<FeatureSpec> FromProto(const v1::FeatureSpec& in) {
-  FeatureSpec spec;
+absl::StatusOr<InputSpec> FromProto(const v1::InputSpec& in) {
+  InputSpec spec;
   TACTUS_ASSIGN_OR_RETURN(
-      spec.hmm, FromProto(in.names(), in.log_offset(), in.hmm_scaling()));
+      spec.hmm,
+      FromProto(in.hmm_cues(), in.hmm_log_offset(), in.hmm_scaling()));
   TACTUS_ASSIGN_OR_RETURN(
       spec.lstm,
-      FromProto(in.lstm_names(), in.lstm_log_offset(), in.lstm_scaling()));
+      FromProto(in.lstm_cues(), in.lstm_log_offset(), in.lstm_scaling()));
   if (in.lstm_limit_size() != static_cast<int>(spec.lstm.size())) {
-    return InvalidModel("features.lstm_limit size", in.lstm_limit_size(),
-                        absl::StrCat(spec.lstm.size(), ", one an LSTM name"));
+    return InvalidModel("inputs.lstm_limit size", in.lstm_limit_size(),
+                        absl::StrCat(spec.lstm.size(), ", one per LSTM cue"));
   }
   for (size_t i = 0; i < spec.lstm.size(); ++i) {
     spec.lstm[i].limit = in.lstm_limit(static_cast<int>(i));
   }
-  spec.hmm_steps = {std::max(in.hmm_first_interval(), 1U),
-                    std::max(in.hmm_last_interval(), 1U)};
-  spec.lstm_steps = {in.lstm_first_interval(), in.lstm_last_interval()};
+  spec.hmm_steps = {std::max(in.hmm_min_interval(), 1U),
+                    std::max(in.hmm_max_interval(), 1U)};
+  spec.lstm_steps = {in.lstm_min_interval(), in.lstm_max_interval()};
   spec.sample_rate_hz = in.sample_rate_hz();
   return spec;
 }
@@ -195,10 +196,10 @@ absl::StatusOr<LstmNetwork> FromProto(const v1::LstmNetwork& in) {
 
 void ToProto(const Calibration& c, v1::Calibration* out) {
   Assign(c.frames, out->mutable_frames());
-  Assign(c.hmm_temperature, out->mutable_hmm_temperature());
-  Assign(c.lstm_temperature, out->mutable_lstm_temperature());
+  Assign(c.hmm_inverse_temperature, out->mutable_hmm_inverse_temperature());
+  Assign(c.lstm_inverse_temperature, out->mutable_lstm_inverse_temperature());
   Assign(c.lstm_weight, out->mutable_lstm_weight());
-  Assign(c.evidence_mean, out->mutable_evidence_mean());
+  Assign(c.evidence_median, out->mutable_evidence_median());
   Assign(c.evidence_deviation, out->mutable_evidence_deviation());
   Assign(c.prior, out->mutable_prior());
   out->set_decision_threshold(c.decision_threshold);
@@ -210,10 +211,10 @@ void ToProto(const Calibration& c, v1::Calibration* out) {
 Calibration FromProto(const v1::Calibration& in) {
   Calibration c;
   c.frames = ToVector(in.frames());
-  c.hmm_temperature = ToVector(in.hmm_temperature());
-  c.lstm_temperature = ToVector(in.lstm_temperature());
+  c.hmm_inverse_temperature = ToVector(in.hmm_inverse_temperature());
+  c.lstm_inverse_temperature = ToVector(in.lstm_inverse_temperature());
   c.lstm_weight = ToVector(in.lstm_weight());
-  c.evidence_mean = ToVector(in.evidence_mean());
+  c.evidence_median = ToVector(in.evidence_median());
   c.evidence_deviation = ToVector(in.evidence_deviation());
   c.prior = ToVector(in.prior());
   c.decision_threshold = in.decision_threshold();
@@ -283,7 +284,7 @@ v1::ModelBundle ModelToProto(const Model& model) {
   for (const std::string& name : model.class_names) {
     bundle.add_class_names(name);
   }
-  ToProto(model.features, bundle.mutable_features());
+  ToProto(model.inputs, bundle.mutable_inputs());
   for (const HmmMixture& mixture : model.hmms) {
     v1::HmmMixture* row = bundle.add_hmms();
     Assign(mixture.log_weight, row->mutable_log_weight());
@@ -304,7 +305,7 @@ v1::ModelBundle ModelToProto(const Model& model) {
     *bundle.mutable_geometry() = LayoutToProto(model.layout);
   }
   ToProto(model.provenance, bundle.mutable_provenance());
-  ToProto(model.warm_up, UsesProfile(model.features), bundle.mutable_warm_up());
+  ToProto(model.warm_up, UsesProfile(model.inputs), bundle.mutable_warm_up());
   return bundle;
 }
 
@@ -312,7 +313,7 @@ absl::StatusOr<Model> ModelFromProto(const v1::ModelBundle& bundle) {
   Model model;
   model.class_names.assign(bundle.class_names().begin(),
                            bundle.class_names().end());
-  TACTUS_ASSIGN_OR_RETURN(model.features, FromProto(bundle.features()));
+  TACTUS_ASSIGN_OR_RETURN(model.inputs, FromProto(bundle.inputs()));
   for (const v1::HmmMixture& row : bundle.hmms()) {
     HmmMixture& mixture = model.hmms.emplace_back();
     mixture.log_weight = ToVector(row.log_weight());
@@ -337,7 +338,7 @@ absl::StatusOr<Model> ModelFromProto(const v1::ModelBundle& bundle) {
   }
   model.provenance = FromProto(bundle.provenance());
   TACTUS_ASSIGN_OR_RETURN(
-      model.warm_up, FromProto(bundle.warm_up(), UsesProfile(model.features)));
+      model.warm_up, FromProto(bundle.warm_up(), UsesProfile(model.inputs)));
   return model;
 }
 

@@ -54,12 +54,12 @@ CalibrationPoint CalibrationAt(const Calibration& c, double frames) {
     return table[low] + fraction * (table[high] - table[low]);
   };
   CalibrationPoint point;
-  point.hmm_temperature = read(c.hmm_temperature);
-  if (!c.lstm_temperature.empty()) {
-    point.lstm_temperature = read(c.lstm_temperature);
+  point.hmm_inverse_temperature = read(c.hmm_inverse_temperature);
+  if (!c.lstm_inverse_temperature.empty()) {
+    point.lstm_inverse_temperature = read(c.lstm_inverse_temperature);
     point.lstm_weight = read(c.lstm_weight);
   }
-  point.evidence_mean = read(c.evidence_mean);
+  point.evidence_median = read(c.evidence_median);
   point.evidence_deviation = read(c.evidence_deviation);
   return point;
 }
@@ -93,9 +93,9 @@ void FusePosteriors(std::span<const double> hmm, std::span<const double> lstm,
   NormaliseLogs(fused);
 }
 
-double UnknownShare(const CalibrationPoint& point, double evidence) {
+double UnknownProbability(const CalibrationPoint& point, double evidence) {
   const double deviations =
-      (evidence - point.evidence_mean) / point.evidence_deviation;
+      (evidence - point.evidence_median) / point.evidence_deviation;
   return 1 / (1 + std::exp(deviations + kUnknownDeviations));
 }
 
@@ -111,15 +111,17 @@ absl::Status Validate(const Calibration& c, int classes, bool has_lstm) {
                          std::greater_equal<>()) != c.frames.end()) {
     return InvalidModel("calibration.frames", "not increasing", "increasing");
   }
-  TACTUS_RETURN_IF_ERROR(
-      CheckTable("hmm_temperature", c.hmm_temperature, entries, kTiny, kHuge));
+  TACTUS_RETURN_IF_ERROR(CheckTable("hmm_inverse_temperature",
+                                    c.hmm_inverse_temperature, entries, kTiny,
+                                    kHuge));
   const size_t lstm_entries = has_lstm ? entries : 0;
-  TACTUS_RETURN_IF_ERROR(CheckTable("lstm_temperature", c.lstm_temperature,
-                                    lstm_entries, kTiny, kHuge));
+  TACTUS_RETURN_IF_ERROR(CheckTable("lstm_inverse_temperature",
+                                    c.lstm_inverse_temperature, lstm_entries,
+                                    kTiny, kHuge));
   TACTUS_RETURN_IF_ERROR(
       CheckTable("lstm_weight", c.lstm_weight, lstm_entries, 0, 1));
   TACTUS_RETURN_IF_ERROR(
-      CheckTable("evidence_mean", c.evidence_mean, entries, -kHuge, kHuge));
+      CheckTable("evidence_median", c.evidence_median, entries, -kHuge, kHuge));
   TACTUS_RETURN_IF_ERROR(CheckTable("evidence_deviation", c.evidence_deviation,
                                     entries, kTiny, kHuge));
   TACTUS_RETURN_IF_ERROR(CheckTable("prior", c.prior, classes, 0, 1));

@@ -4,8 +4,8 @@
 // probabilities from log-scores.
 //
 //   const CalibrationPoint point = CalibrationAt(calibration, frames);
-//   TemperedPosterior(log_prior, log_likelihood, point.hmm_temperature, hmm);
-//   FusePosteriors(hmm, lstm, point.lstm_weight, fused);
+//   TemperedPosterior(log_prior, log_likelihood, point.hmm_inverse_temperature,
+//   hmm); FusePosteriors(hmm, lstm, point.lstm_weight, fused);
 //
 // Thread-safe: free functions without state. Nothing allocates.
 #pragma once
@@ -18,10 +18,10 @@ namespace tactus {
 
 // The values of the tables at one number of frames.
 struct CalibrationPoint {
-  double hmm_temperature = 1;
-  double lstm_temperature = 1;
+  double hmm_inverse_temperature = 1;
+  double lstm_inverse_temperature = 1;
   double lstm_weight = 0;
-  double evidence_mean = 0;
+  double evidence_median = 0;
   double evidence_deviation = 1;
 
   bool operator==(const CalibrationPoint&) const = default;
@@ -51,7 +51,7 @@ inline constexpr double kUnknownDeviations = 6;
 // Returns the probability that no class explains the contact. `evidence` is the
 // log-likelihood of the best class per HMM step; the calibration holds its
 // median over training contacts.
-double UnknownShare(const CalibrationPoint& point, double evidence);
+double UnknownProbability(const CalibrationPoint& point, double evidence);
 
 // Returns INVALID_MODEL unless all tables have one finite entry per entry of
 // `frames` and the prior has `classes` entries that sum to 1.

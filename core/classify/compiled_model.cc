@@ -10,7 +10,7 @@
 #include "core/base/status_macros.h"
 #include "core/classify/calibration.h"
 #include "core/classify/contact_classifier.h"
-#include "core/classify/feature_input.h"
+#include "core/classify/input_spec.h"
 #include "core/classify/object_estimate.h"
 
 namespace tactus {
@@ -79,7 +79,7 @@ absl::StatusOr<std::shared_ptr<const CompiledModel>> CompiledModel::Create(
     return InvalidModel("estimator", "alone", "beside LSTMs");
   }
   TACTUS_RETURN_IF_ERROR(CheckClassNames(model.class_names));
-  TACTUS_RETURN_IF_ERROR(Validate(model.features, has_lstm));
+  TACTUS_RETURN_IF_ERROR(Validate(model.inputs, has_lstm));
   TACTUS_RETURN_IF_ERROR(
       Validate(model.calibration, model.classes(), has_lstm));
   TACTUS_RETURN_IF_ERROR(CheckWarmUp(model));
@@ -93,7 +93,7 @@ absl::StatusOr<std::shared_ptr<const CompiledModel>> CompiledModel::Create(
 
   std::shared_ptr<CompiledModel> compiled(new CompiledModel(std::move(model)));
   const Model& m = compiled->model_;
-  const int inputs = static_cast<int>(m.features.hmm.size());
+  const int inputs = static_cast<int>(m.inputs.hmm.size());
   TACTUS_ASSIGN_OR_RETURN(compiled->hmms_, HmmBank::Create(m.hmms));
   if (compiled->hmms_->dimensions() != inputs) {
     return InvalidModel("HMM dimensions", compiled->hmms_->dimensions(),
@@ -103,7 +103,7 @@ absl::StatusOr<std::shared_ptr<const CompiledModel>> CompiledModel::Create(
     return InvalidModel("number of LSTMs", m.lstms.size(),
                         absl::StrCat("at most ", limits::kMaxLstms));
   }
-  const int lstm_inputs = static_cast<int>(m.features.lstm.size());
+  const int lstm_inputs = static_cast<int>(m.inputs.lstm.size());
   for (const LstmNetwork& network : m.lstms) {
     TACTUS_ASSIGN_OR_RETURN(
         auto lstm, CompileNetwork(network, lstm_inputs, m.classes(), 0));

@@ -19,12 +19,12 @@ ContactClassifier::Options FillIn(ContactClassifier::Options options,
   return options;
 }
 
-CueNeeds NeedsOf(const FeatureSpec& spec,
+CueNeeds NeedsOf(const InputSpec& spec,
                  const ContactClassifier::Options& options,
                  const SkipRules& skip) {
   if (!skip[SkipRule::kUnusedCues]) return {};
-  return CuesNeeded(spec, options.scorers != Scorers::kHmms ||
-                              !skip[SkipRule::kUnusedLstms]);
+  return CuesNeeded(
+      spec, options.scorers != Scorers::kHmms || !skip[SkipRule::kUnusedLstms]);
 }
 
 }  // namespace
@@ -35,15 +35,15 @@ ContactClassifier::ContactClassifier(std::shared_ptr<const CompiledModel> model,
     : model_(std::move(model)),
       options_(FillIn(options, model_->model().calibration)),
       skip_(skip),
-      cue_needs_(NeedsOf(model_->model().features, options, skip)),
-      cues_(model_->model().features.sample_rate_hz, cue_needs_.groups),
+      cue_needs_(NeedsOf(model_->model().inputs, options, skip)),
+      cues_(model_->model().inputs.sample_rate_hz, cue_needs_.groups),
       hmms_(model_->hmms(), model_->model().hmm_score),
-      hmm_clock_(model_->model().features.hmm_steps),
-      lstm_clock_(model_->model().features.lstm_steps) {
+      hmm_clock_(model_->model().inputs.hmm_steps),
+      lstm_clock_(model_->model().inputs.lstm_steps) {
   const Model& m = model_->model();
   const Calibration& c = m.calibration;
   skipped_[SkipRule::kUnusedCues] = CountUnused(cue_needs_);
-  hmm_input_.resize(m.features.hmm.size());
+  hmm_input_.resize(m.inputs.hmm.size());
   const size_t classes = m.class_names.size();
   log_likelihood_.resize(classes);
   hmm_probability_.resize(classes);
@@ -68,7 +68,7 @@ void ContactClassifier::MakeLstms() {
   } else if (skip_[SkipRule::kUnusedLstms]) {
     return;
   }
-  lstm_input_.resize(m.features.lstm.size());
+  lstm_input_.resize(m.inputs.lstm.size());
   for (const CompiledLstm& lstm : model_->lstms()) lstms_.emplace_back(lstm);
 }
 
@@ -116,7 +116,7 @@ void ContactClassifier::StepHmms(uint64_t missing_before) {
   hmms_.Skip(hmm_clock_.SkipMissing(frames_, missing_before,
                                     limits::kMaxBridgedFrames));
   if (!hmm_clock_.Tick(frames_)) return;
-  MakeInput(model_->model().features.hmm, cues_, hmm_input_);
+  MakeInput(model_->model().inputs.hmm, cues_, hmm_input_);
   ++hmm_steps_;
   scores_changed_ = true;
   hmms_.Step(hmm_input_);
@@ -137,7 +137,7 @@ void ContactClassifier::StepLstmsIfDue() {
 }
 
 void ContactClassifier::StepLstms() {
-  const FeatureSpec& spec = model_->model().features;
+  const InputSpec& spec = model_->model().inputs;
   scores_changed_ = true;
   MakeInput(spec.lstm, cues_, lstm_input_);
   for (LstmStepper& lstm : lstms_) lstm.Step(lstm_input_);
@@ -173,12 +173,12 @@ void ContactClassifier::UpdateProbabilities() {
   }
   scores_changed_ = false;
   calibration_point_ = point;
-  TemperedPosterior(log_prior_, log_likelihood_, point.hmm_temperature,
+  TemperedPosterior(log_prior_, log_likelihood_, point.hmm_inverse_temperature,
                     hmm_probability_);
   if (lstm_score_.empty()) {
     std::ranges::copy(hmm_probability_, probability_.begin());
   } else {
-    TemperedPosterior(log_prior_, lstm_score_, point.lstm_temperature,
+    TemperedPosterior(log_prior_, lstm_score_, point.lstm_inverse_temperature,
                       lstm_probability_);
     if (options_.scorers == Scorers::kLstms) {
       std::ranges::copy(lstm_probability_, probability_.begin());
@@ -190,7 +190,7 @@ void ContactClassifier::UpdateProbabilities() {
   if (hmm_steps_ == 0) return;
   const double best =
       *std::max_element(log_likelihood_.begin(), log_likelihood_.end());
-  unknown_ = UnknownShare(point, best / static_cast<double>(hmm_steps_));
+  unknown_ = UnknownProbability(point, best / static_cast<double>(hmm_steps_));
 }
 
 void ContactClassifier::UpdateDecision() {

@@ -21,7 +21,7 @@
 
 #include "core/classify/calibration.h"
 #include "core/classify/compiled_model.h"
-#include "core/classify/feature_input.h"
+#include "core/classify/input_spec.h"
 #include "core/classify/object_estimate.h"
 #include "core/classify/skip_rules.h"
 #include "core/features/cues.h"

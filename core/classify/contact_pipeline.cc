@@ -49,7 +49,7 @@ absl::StatusOr<std::unique_ptr<ContactPipeline>> ContactPipeline::Create(
   TACTUS_RETURN_IF_ERROR(Validate(layout));
   const Model& m = model->model();
   TACTUS_RETURN_IF_ERROR(
-      CheckRate(options.sample_rate_hz, m.features.sample_rate_hz));
+      CheckRate(options.sample_rate_hz, m.inputs.sample_rate_hz));
   TACTUS_RETURN_IF_ERROR(CheckSkin(layout, m.layout));
   return std::unique_ptr<ContactPipeline>(
       new ContactPipeline(layout, std::move(model), options));

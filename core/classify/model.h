@@ -42,7 +42,7 @@ struct ModelInput {
 };
 
 // How the frames of a contact become model inputs.
-struct FeatureSpec {
+struct InputSpec {
   // At least one.
   std::vector<ModelInput> hmm;
   StepIntervals hmm_steps;
@@ -58,13 +58,13 @@ struct FeatureSpec {
 struct Calibration {
   std::vector<double> frames;
   // Factors on the log-scores before the softmax, above 0.
-  std::vector<double> hmm_temperature;
-  std::vector<double> lstm_temperature;
+  std::vector<double> hmm_inverse_temperature;
+  std::vector<double> lstm_inverse_temperature;
   // Weight of the LSTMs in the fused log-probability, 0 to 1.
   std::vector<double> lstm_weight;
   // Log-likelihood of the best class per HMM step: its median over training
   // contacts, and the deviation that UnknownProbability() divides by.
-  std::vector<double> evidence_mean;
+  std::vector<double> evidence_median;
   std::vector<double> evidence_deviation;
   // Factors on the standard deviations of the object estimate.
   double stiffness_deviation_scale = 1;
@@ -94,7 +94,7 @@ struct WarmUpTrial {
 
 struct Model {
   std::vector<std::string> class_names;
-  FeatureSpec features;
+  InputSpec inputs;
   // One mixture per class.
   std::vector<HmmMixture> hmms;
   Score hmm_score = Score::kForward;

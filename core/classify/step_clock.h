@@ -4,7 +4,7 @@
 // Classifying, training and evaluating use this one class, so that a model
 // sees the same frames in all three.
 //
-//   StepClock clock(model.features.hmm_steps);
+//   StepClock clock(model.inputs.hmm_steps);
 //   for (uint64_t frames = 1; in_contact; ++frames) {
 //     if (clock.Tick(frames)) hmms.Step(input);
 //   }

@@ -8,7 +8,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/classify/contact_classifier.h"
-#include "core/classify/feature_input.h"
+#include "core/classify/input_spec.h"
 #include "core/eval/evaluate_nearest.h"
 
 namespace tactus {
@@ -123,7 +123,7 @@ absl::StatusOr<Evaluation> EvaluateModel(
     return InvalidConfig("algorithm", "lstm",
                          "hmm or fused: the bundle holds no LSTM");
   }
-  if (UsesProfile(model->model().features) &&
+  if (UsesProfile(model->model().inputs) &&
       std::any_of(
           contacts.begin(), contacts.end(),
           [](const LabelledContact* contact) { return IsIdeal(*contact); })) {

@@ -38,11 +38,11 @@ struct LabelledPosterior {
 // Mean of -log(probability of the label). The floor keeps one contact whose
 // label has probability 0 from deciding everything.
 double LogLoss(std::span<const LabelledPosterior> posteriors) {
-  constexpr double kLeastProbability = 1e-12;
+  constexpr double kMinProbability = 1e-12;
   double sum = 0;
   for (const LabelledPosterior& posterior : posteriors) {
     sum -= std::log(
-        std::max(posterior.probability[posterior.label], kLeastProbability));
+        std::max(posterior.probability[posterior.label], kMinProbability));
   }
   return sum / static_cast<double>(posteriors.size());
 }
@@ -137,7 +137,7 @@ void FitEvidence(std::span<const ScoredContact> contacts, size_t time,
         fraction * static_cast<double>(evidence.size() - 1))];
   };
   const double median = quantile(0.5);
-  calibration.evidence_mean.push_back(median);
+  calibration.evidence_median.push_back(median);
   calibration.evidence_deviation.push_back(
       std::max((median - quantile(kFalseAlarms)) / kUnknownDeviations,
                kMinEvidenceDeviation));
@@ -208,26 +208,27 @@ void FitCalibration(std::span<const ScoredContact> contacts, double rate,
                     Calibration& calibration) {
   Calibration& c = calibration;
   c.frames = CalibrationFrames(rate);
-  for (auto* table : {&c.hmm_temperature, &c.lstm_temperature, &c.lstm_weight,
-                      &c.evidence_mean, &c.evidence_deviation}) {
+  for (auto* table :
+       {&c.hmm_inverse_temperature, &c.lstm_inverse_temperature, &c.lstm_weight,
+        &c.evidence_median, &c.evidence_deviation}) {
     table->clear();
   }
   std::vector<double> log_prior;
   for (double p : c.prior) log_prior.push_back(std::log(p));
   for (size_t time = 0; time < c.frames.size(); ++time) {
-    c.hmm_temperature.push_back(
+    c.hmm_inverse_temperature.push_back(
         BestInverseTemperature(contacts, &ScoredContact::log_likelihood, time,
                                log_prior, kMaxHmmInverseTemperature));
     FitEvidence(contacts, time, c);
     if (contacts.front().lstm_score.empty()) continue;
-    c.lstm_temperature.push_back(
+    c.lstm_inverse_temperature.push_back(
         BestInverseTemperature(contacts, &ScoredContact::lstm_score, time,
                                log_prior, kMaxLstmInverseTemperature));
     c.lstm_weight.push_back(
         BestWeight(Temper(contacts, &ScoredContact::log_likelihood, time,
-                          log_prior, c.hmm_temperature.back()),
+                          log_prior, c.hmm_inverse_temperature.back()),
                    Temper(contacts, &ScoredContact::lstm_score, time, log_prior,
-                          c.lstm_temperature.back())));
+                          c.lstm_inverse_temperature.back())));
   }
   FitEstimateScales(contacts, c);
 }

@@ -8,8 +8,7 @@ namespace {
 
 absl::StatusOr<HmmMixture> FitClass(
     const std::vector<const LabelledContact*>& contacts,
-    const std::string& name, const FeatureSpec& spec,
-    const FitOptions& options) {
+    const std::string& name, const InputSpec& spec, const FitOptions& options) {
   std::vector<std::vector<double>> sequences;
   for (const LabelledContact* contact : contacts) {
     if (contact->label == name) {
@@ -42,23 +41,23 @@ absl::StatusOr<Model> FitHmms(
     const Progress& progress) {
   Model model;
   model.class_names = class_names;
-  model.features.hmm_steps = options.hmm_steps;
-  model.features.hmm = FitInputs(
+  model.inputs.hmm_steps = options.hmm_steps;
+  model.inputs.hmm = FitInputs(
       contacts, CuesFor(options.hmm_cues, options.features),
       {.log_features = options.log_features, .steps = options.hmm_steps});
-  model.features.sample_rate_hz = contacts.front()->sample_rate_hz;
+  model.inputs.sample_rate_hz = contacts.front()->sample_rate_hz;
   model.hmm_score = options.score;
   model.layout = contacts.front()->layout;
   for (const std::string& name : class_names) {
     TACTUS_ASSIGN_OR_RETURN(HmmMixture mixture,
-                            FitClass(contacts, name, model.features, options));
+                            FitClass(contacts, name, model.inputs, options));
     model.hmms.push_back(std::move(mixture));
     progress.Add(1 / static_cast<double>(class_names.size()));
   }
   Calibration& c = model.calibration;
   c.frames = {1};
-  c.hmm_temperature = {1};
-  c.evidence_mean = {0};
+  c.hmm_inverse_temperature = {1};
+  c.evidence_median = {0};
   c.evidence_deviation = {1};
   c.prior.assign(class_names.size(),
                  1.0 / static_cast<double>(class_names.size()));

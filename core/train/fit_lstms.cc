@@ -46,7 +46,7 @@ absl::Status FitLstms(const std::vector<const LabelledContact*>& contacts,
                       const ParallelFor& parallel, const Progress& progress,
                       Model& model) {
   const LstmFit& fit = options.lstm;
-  FeatureSpec& spec = model.features;
+  InputSpec& spec = model.inputs;
   spec.lstm_steps = fit.steps;
   spec.lstm = FitInputs(
       contacts, CuesFor(fit.cues, options.features),
@@ -103,7 +103,8 @@ absl::Status FitLstms(const std::vector<const LabelledContact*>& contacts,
     trained.pop_back();
   }
   for (auto& network : trained) model.lstms.push_back(*std::move(network));
-  model.calibration.lstm_temperature.assign(model.calibration.frames.size(), 1);
+  model.calibration.lstm_inverse_temperature.assign(
+      model.calibration.frames.size(), 1);
   model.calibration.lstm_weight.assign(model.calibration.frames.size(), 0.5);
   return absl::OkStatus();
 }

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "absl/functional/function_ref.h"
-#include "core/classify/feature_input.h"
+#include "core/classify/input_spec.h"
 #include "core/train/labelled_contact.h"
 
 namespace tactus {

@@ -5,7 +5,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
-#include "core/classify/feature_input.h"
+#include "core/classify/input_spec.h"
 #include "core/skin/layout_proto.h"
 #include "server/session/request_parser.h"
 
@@ -105,7 +105,7 @@ void StreamSession::WriteStarted() {
   for (const std::string& name : model.class_names) {
     started->add_class_names(name);
   }
-  for (const Feature feature : FeaturesUsed(model.features)) {
+  for (const Feature feature : FeaturesUsed(model.inputs)) {
     started->add_features(std::string(FeatureName(feature)));
   }
   started->set_has_lstm(!model.lstms.empty());

@@ -49,7 +49,7 @@ std::vector<Sequence> MakeSequences(
     contact.frames.resize(std::min(frames, contact.frames.size()));
     Sequence sequence;
     sequence.observations =
-        MakeSequence(contact, model.features.hmm, model.features.hmm_steps);
+        MakeSequence(contact, model.inputs.hmm, model.inputs.hmm_steps);
     sequence.label =
         static_cast<int>(std::ranges::find(model.class_names, contact.label) -
                          model.class_names.begin());
@@ -148,7 +148,7 @@ absl::StatusOr<std::vector<FrontierPoint>> MeasurePrecision(
     bool quick) {
   const std::vector<Sequence> sequences =
       MakeSequences(model, contacts, quick ? kQuickContacts : kContacts);
-  const size_t dimensions = model.features.hmm.size();
+  const size_t dimensions = model.inputs.hmm.size();
   TACTUS_ASSIGN_OR_RETURN(const std::vector<NamedRung> rungs,
                           MakeRungs(model.hmms));
   std::vector<FrontierPoint> points;

@@ -27,8 +27,8 @@ struct FitJob {
 Model HmmsAlone(Model model) {
   model.lstms.clear();
   model.estimator.reset();
-  model.features.lstm.clear();
-  model.calibration.lstm_temperature.clear();
+  model.inputs.lstm.clear();
+  model.calibration.lstm_inverse_temperature.clear();
   model.calibration.lstm_weight.clear();
   return model;
 }
@@ -51,9 +51,9 @@ Model LstmsAlone(Model model) {
   for (HmmMixture& mixture : model.hmms) {
     mixture = {.log_weight = {0}, .components = {indifferent}};
   }
-  model.features.hmm.resize(1);
-  model.features.hmm_steps = {limits::kMaxBridgedFrames,
-                              limits::kMaxBridgedFrames};
+  model.inputs.hmm.resize(1);
+  model.inputs.hmm_steps = {limits::kMaxBridgedFrames,
+                            limits::kMaxBridgedFrames};
   std::ranges::fill(model.calibration.lstm_weight, 1.0);
   return model;
 }

@@ -27,7 +27,7 @@ class DecisionOfAnotherAlgorithmTest : public ::testing::Test {
   // Untrained networks that are sure of themselves.
   DecisionOfAnotherAlgorithmTest() : both_(hmms_) {
     testing::AddLstms(2, both_);
-    both_.calibration.lstm_temperature = {40, 40};
+    both_.calibration.lstm_inverse_temperature = {40, 40};
   }
 
   const Model hmms_ = testing::SmallModel();
@@ -45,7 +45,7 @@ TEST_F(DecisionOfAnotherAlgorithmTest, HmmsDecideAsIfThereWereNoLstms) {
 TEST_F(DecisionOfAnotherAlgorithmTest, LstmsDecideAsIfTheyHadAllWeight) {
   Model heavy = both_;
   heavy.calibration.lstm_weight = {1, 1};
-  heavy.calibration.evidence_mean = {-1e6, -1e6};
+  heavy.calibration.evidence_median = {-1e6, -1e6};
   const auto expected = Decisions(heavy, Algorithm::kFused);
   EXPECT_EQ(Decisions(both_, Algorithm::kLstm), expected);
   EXPECT_NE(Decisions(both_, Algorithm::kFused), expected);

@@ -16,7 +16,7 @@ namespace tactus::testing {
 inline Model SmallModel() {
   Model model;
   model.class_names = {"HU", "HM", "SU", "SM"};
-  model.features.hmm = {{Cue::kForce, 0.01}, {Cue::kMotion, 0, 0, 100}};
+  model.inputs.hmm = {{Cue::kForce, 0.01}, {Cue::kMotion, 0, 0, 100}};
   const double force[] = {1, 0, -1, -2};
   const double motion[] = {0, 1, 0.3, 1.5};
   for (int k = 0; k < 4; ++k) {
@@ -32,8 +32,8 @@ inline Model SmallModel() {
   }
   Calibration& c = model.calibration;
   c.frames = {10, 100};
-  c.hmm_temperature = {0.5, 0.1};
-  c.evidence_mean = {-2, -2};
+  c.hmm_inverse_temperature = {0.5, 0.1};
+  c.evidence_median = {-2, -2};
   c.evidence_deviation = {1, 1};
   c.prior = {0.25, 0.25, 0.25, 0.25};
   c.decision_threshold = 0.8;
@@ -48,9 +48,9 @@ inline void AddLstms(int count, Model& model) {
     model.lstms.push_back(RandomNetwork(2, {50, 50}, 4, Activation::kSoftsign,
                                         GateActivation::kHardSigmoid, 3 + n));
   }
-  model.features.lstm = model.features.hmm;
+  model.inputs.lstm = model.inputs.hmm;
   model.calibration.lstm_weight = {0.5, 0.5};
-  model.calibration.lstm_temperature = {1, 1};
+  model.calibration.lstm_inverse_temperature = {1, 1};
 }
 
 }  // namespace tactus::testing

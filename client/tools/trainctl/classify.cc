@@ -8,7 +8,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/classify/contact_pipeline.h"
-#include "core/classify/feature_input.h"
+#include "core/classify/input_spec.h"
 #include "core/data/trial_file.h"
 #include "core/data/trial_layout.h"
 
@@ -67,7 +67,7 @@ absl::StatusOr<Json> ClassifyTaxels(
 
 absl::StatusOr<Json> ClassifySignals(
     const Trial& trial, const std::shared_ptr<const CompiledModel>& model) {
-  if (UsesProfile(model->model().features)) {
+  if (UsesProfile(model->model().inputs)) {
     return InvalidConfig(absl::StrCat("trial ", trial.id), "ideal signals",
                          "taxels: the model sees the load profile of a skin");
   }

@@ -136,7 +136,7 @@ absl::StatusOr<Run> RunModel(const Flags& flags, const LoadedContacts& loaded,
                           EvaluateModel(compiled, loaded.Pointers(), algorithm,
                                         RunOnThreads, progress));
   return Run{std::move(result),
-             FeaturesToString(FeaturesUsed(compiled->model().features))};
+             FeaturesToString(FeaturesUsed(compiled->model().inputs))};
 }
 
 void Print(const Flags& flags, const Run& run, int trials) {

@@ -8,7 +8,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/bundle/bundle.h"
-#include "core/classify/feature_input.h"
+#include "core/classify/input_spec.h"
 #include "core/data/file_bytes.h"
 #include "core/data/trial_file.h"
 
@@ -44,8 +44,8 @@ absl::StatusOr<Json> InspectBundle(const std::string& path) {
               {"bytes", bytes.size()},
               {"sha256", BundleSha256(bytes)},
               {"classes", model.class_names},
-              {"features", FeaturesToString(FeaturesUsed(model.features))},
-              {"sample_rate_hz", model.features.sample_rate_hz},
+              {"features", FeaturesToString(FeaturesUsed(model.inputs))},
+              {"sample_rate_hz", model.inputs.sample_rate_hz},
               {"hmms", hmms},
               {"lstms", model.lstms.size()},
               {"lstm_parameters", model.lstms.empty()

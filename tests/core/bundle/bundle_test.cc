@@ -24,12 +24,12 @@ Model FullModel() {
                                   GateActivation::kHardSigmoid, 5,
                                   /*forget_bias=*/1, /*regressions=*/2);
   model.calibration.stiffness_deviation_scale = 1.5;
-  model.features.lstm = {
+  model.inputs.lstm = {
       {Cue::kLogSpring, 0, 1, 2}, {Cue::kArea, 0.5, 3, 4}, {Cue::kLogTime}};
-  model.features.lstm_steps = {5, 20};
-  model.features.hmm_steps = {4, 30};
+  model.inputs.lstm_steps = {5, 20};
+  model.inputs.hmm_steps = {4, 30};
   model.calibration.lstm_weight = {0.25, 0.5};
-  model.calibration.lstm_temperature = {1, 0.75};
+  model.calibration.lstm_inverse_temperature = {1, 0.75};
   model.provenance = {"command", "0.1.0", 12, 34, "data.h5", "note"};
   model.warm_up.samples = {{{1, 2, 3}, 4}, {{5, 6, 7}, 8}};
   model.warm_up.probability = {0.1, 0.2, 0.3, 0.4};
@@ -53,9 +53,9 @@ TEST(BundleTest, RoundTripKeepsEveryField) {
   EXPECT_EQ(back->estimator->regressions, 2);
   EXPECT_EQ(back->calibration.stiffness_deviation_scale, 1.5);
   EXPECT_EQ(back->lstms[0].classes(), 4);
-  EXPECT_EQ(back->features.lstm[1].cue, Cue::kArea);
-  EXPECT_EQ(back->features.lstm_steps.max, 20u);
-  EXPECT_EQ(back->features.hmm_steps.min, 4u);
+  EXPECT_EQ(back->inputs.lstm[1].cue, Cue::kArea);
+  EXPECT_EQ(back->inputs.lstm_steps.max, 20u);
+  EXPECT_EQ(back->inputs.hmm_steps.min, 4u);
   EXPECT_EQ(back->warm_up.samples[1].features, (FeatureVector{5, 6, 7}));
   EXPECT_EQ(back->warm_up.samples[1].net_force, 8);
 }
@@ -65,7 +65,7 @@ TEST(BundleTest, TheLoadProfileOfTheWarmUpIsKeptIfTheModelSeesIt) {
   model.warm_up.samples[1].profile[15] = 7;
   v1::ModelBundle without = ModelToProto(model);
   EXPECT_EQ(without.warm_up().profile_size(), 0);
-  model.features.lstm[2].cue = Cue::kColumnLoad9;
+  model.inputs.lstm[2].cue = Cue::kColumnLoad9;
   v1::ModelBundle bundle = ModelToProto(model);
   auto back = ModelFromProto(bundle);
   ASSERT_TRUE(back.ok()) << back.status();
@@ -121,7 +121,7 @@ TEST(ModelFromProtoTest, UnknownEnumeratorsAndNamesAreRefused) {
   using Spoil = void (*)(v1::ModelBundle&);
   const Spoil spoils[] = {
       [](v1::ModelBundle& b) { b.clear_hmm_score(); },
-      [](v1::ModelBundle& b) { b.mutable_features()->set_names(0, "smell"); },
+      [](v1::ModelBundle& b) { b.mutable_inputs()->set_hmm_cues(0, "smell"); },
       [](v1::ModelBundle& b) { b.mutable_lstm(0)->clear_activation(); },
       [](v1::ModelBundle& b) { b.mutable_warm_up()->add_signals(1); },
       [](v1::ModelBundle& b) {

@@ -15,12 +15,13 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 TEST(CalibrationAtTest, HoldsOutsideAndInterpolatesInLogFrames) {
   const Calibration c = testing::SmallModel().calibration;
-  EXPECT_DOUBLE_EQ(CalibrationAt(c, 1).hmm_temperature, 0.5);
-  EXPECT_DOUBLE_EQ(CalibrationAt(c, 10).hmm_temperature, 0.5);
+  EXPECT_DOUBLE_EQ(CalibrationAt(c, 1).hmm_inverse_temperature, 0.5);
+  EXPECT_DOUBLE_EQ(CalibrationAt(c, 10).hmm_inverse_temperature, 0.5);
   // 10^1.5 lies half way between 10 and 100 in the logarithm.
-  EXPECT_NEAR(CalibrationAt(c, std::pow(10, 1.5)).hmm_temperature, 0.3, 1e-12);
-  EXPECT_DOUBLE_EQ(CalibrationAt(c, 100).hmm_temperature, 0.1);
-  EXPECT_DOUBLE_EQ(CalibrationAt(c, 1e9).hmm_temperature, 0.1);
+  EXPECT_NEAR(CalibrationAt(c, std::pow(10, 1.5)).hmm_inverse_temperature, 0.3,
+              1e-12);
+  EXPECT_DOUBLE_EQ(CalibrationAt(c, 100).hmm_inverse_temperature, 0.1);
+  EXPECT_DOUBLE_EQ(CalibrationAt(c, 1e9).hmm_inverse_temperature, 0.1);
 }
 
 TEST(TemperedPosteriorTest, IsBayesRuleAtTemperatureOne) {
@@ -65,14 +66,14 @@ TEST(FusePosteriorsTest, WeightPicksOneAndZeroDoesNotVeto) {
   EXPECT_NEAR(fused[0] / fused[1], std::sqrt(0.18 / 0.03), 1e-9);
 }
 
-TEST(UnknownShareTest, GrowsAsEvidenceFallsBelowTraining) {
+TEST(UnknownProbabilityTest, GrowsAsEvidenceFallsBelowTraining) {
   CalibrationPoint point;
-  point.evidence_mean = -2;
+  point.evidence_median = -2;
   point.evidence_deviation = 2;
-  EXPECT_LT(UnknownShare(point, -2), 0.01);
-  EXPECT_NEAR(UnknownShare(point, -14), 0.5, 1e-12);
-  EXPECT_GT(UnknownShare(point, -100), 0.999);
-  EXPECT_EQ(UnknownShare(point, -kInfinity), 1);
+  EXPECT_LT(UnknownProbability(point, -2), 0.01);
+  EXPECT_NEAR(UnknownProbability(point, -14), 0.5, 1e-12);
+  EXPECT_GT(UnknownProbability(point, -100), 0.999);
+  EXPECT_EQ(UnknownProbability(point, -kInfinity), 1);
 }
 
 TEST(ValidateCalibrationTest, EachSpoiltTableIsRefused) {
@@ -85,10 +86,10 @@ TEST(ValidateCalibrationTest, EachSpoiltTableIsRefused) {
         c.frames = {100, 10};
       },
       [](Calibration& c) { c.frames[0] = 0; },
-      [](Calibration& c) { c.hmm_temperature[1] = -1; },
-      [](Calibration& c) { c.hmm_temperature.pop_back(); },
+      [](Calibration& c) { c.hmm_inverse_temperature[1] = -1; },
+      [](Calibration& c) { c.hmm_inverse_temperature.pop_back(); },
       [](Calibration& c) { c.evidence_deviation[0] = 0; },
-      [](Calibration& c) { c.evidence_mean[0] = std::nan(""); },
+      [](Calibration& c) { c.evidence_median[0] = std::nan(""); },
       [](Calibration& c) { c.prior[0] = 0.5; },
       [](Calibration& c) { c.prior.pop_back(); },
       [](Calibration& c) { c.decision_threshold = 0.5; },

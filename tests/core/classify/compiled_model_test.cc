@@ -21,7 +21,7 @@ TEST(CompiledModelTest, EachInconsistencyIsRefused) {
       [](Model& m) { m.hmms[2].components.clear(); },
       [](Model& m) { m.hmms[2].components[0].transition[0] = 0.5; },
       [](Model& m) { m.hmms[2].components[0].covariances[0] = -1; },
-      [](Model& m) { m.features.hmm.pop_back(); },
+      [](Model& m) { m.inputs.hmm.pop_back(); },
       [](Model& m) { m.calibration.prior = {1}; },
       [](Model& m) {
         m.warm_up.samples = {{{1, 1, 1}, 1}};
@@ -34,9 +34,9 @@ TEST(CompiledModelTest, EachInconsistencyIsRefused) {
       [](Model& m) {
         m.lstms = {RandomNetwork(3, {4}, 4, Activation::kTanh,
                                  GateActivation::kSigmoid, 1)};
-        m.features.lstm = m.features.hmm;
+        m.inputs.lstm = m.inputs.hmm;
         m.calibration.lstm_weight = {0.5, 0.5};
-        m.calibration.lstm_temperature = {1, 1};
+        m.calibration.lstm_inverse_temperature = {1, 1};
       },
   };
   for (size_t i = 0; i < std::size(spoils); ++i) {

@@ -159,7 +159,7 @@ TEST(ContactClassifierTest, LstmsAnswerWithTheirMeanProbability) {
 TEST(ContactClassifierTest, LstmsRestBetweenTheirIntervals) {
   Model model = testing::SmallModel();
   testing::AddLstms(1, model);
-  model.features.lstm_steps = {5, 20};
+  model.inputs.lstm_steps = {5, 20};
   ContactClassifier classifier(*CompiledModel::Create(model), {});
   std::vector<int> stepped;
   std::vector<double> last(4, 0.0);
@@ -182,7 +182,7 @@ TEST(ContactClassifierTest, LstmsRestBetweenTheirIntervals) {
 TEST(ContactClassifierTest, HmmsRestBetweenTheirIntervals) {
   Model model = testing::SmallModel();
   ContactClassifier every_frame(*CompiledModel::Create(model), {});
-  model.features.hmm_steps = {3, 3};
+  model.inputs.hmm_steps = {3, 3};
   ContactClassifier every_third(*CompiledModel::Create(model), {});
   Random random(3);
   for (int t = 1; t <= 30; ++t) {
@@ -201,7 +201,7 @@ TEST(ContactClassifierTest, HmmsRestBetweenTheirIntervals) {
 TEST(ContactClassifierTest, HmmsPredictAcrossTheStepsThatWereDue) {
   Model model = testing::SmallModel();
   ContactClassifier every_frame(*CompiledModel::Create(model), {});
-  model.features.hmm_steps = {3, 3};
+  model.inputs.hmm_steps = {3, 3};
   ContactClassifier every_third(*CompiledModel::Create(model), {});
   for (int t = 1; t <= 4; ++t) every_third.Step(kHard, 0);
   every_frame.Step(kHard, 0);

@@ -72,9 +72,9 @@ class SkippingTest : public ::testing::Test {
   SkippingTest() {
     Model model = testing::SmallModel();
     testing::AddLstms(2, model);
-    model.features.lstm = {{Cue::kLogSpring}, {Cue::kRowLoad1}};
-    model.features.hmm_steps = {2, 5};
-    model.features.lstm_steps = {3, 10};
+    model.inputs.lstm = {{Cue::kLogSpring}, {Cue::kRowLoad1}};
+    model.inputs.hmm_steps = {2, 5};
+    model.inputs.lstm_steps = {3, 10};
     model.estimator = RandomNetwork(2, {5}, 4, Activation::kSoftsign,
                                     GateActivation::kHardSigmoid, 9, 1, 2);
     model_ = *CompiledModel::Create(model);
@@ -173,7 +173,7 @@ TEST_F(SkippingTest, HmmOnlyAnswersLikeAModelWithoutLstms) {
   options_.decision.scorers = Scorers::kHmms;
   const Trace asked = Run({});
   Model model = testing::SmallModel();
-  model.features.hmm_steps = {2, 5};
+  model.inputs.hmm_steps = {2, 5};
   model_ = *CompiledModel::Create(model);
   options_.decision.scorers = Scorers::kAll;
   EXPECT_TRUE(asked.all == Run({}).all);

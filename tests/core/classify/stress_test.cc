@@ -44,7 +44,7 @@ void ExpectSound(const ContactClassifier& c) {
 Model FullModel() {
   Model model = testing::SmallModel();
   testing::AddLstms(1, model);
-  model.features.lstm = {{Cue::kLogSpring}, {Cue::kAreaResponseLong}};
+  model.inputs.lstm = {{Cue::kLogSpring}, {Cue::kAreaResponseLong}};
   model.estimator = RandomNetwork(2, {5}, 4, Activation::kSoftsign,
                                   GateActivation::kHardSigmoid, 9, 1, 2);
   return model;
@@ -172,7 +172,7 @@ TEST(StressTest, TenMillionFramesInOneContact) {
     std::copy_n(hmm.means.begin() + 2, 2, hmm.means.begin());
     std::copy_n(hmm.covariances.begin() + 2, 2, hmm.covariances.begin());
   }
-  model.features.hmm_steps = {5, 20};
+  model.inputs.hmm_steps = {5, 20};
   const auto classifier = Make(model);
   const ContactSample sample = {{2.7, 1e-3, 0.01}, 2.7};
   constexpr uint64_t kFrames = 10'000'000;

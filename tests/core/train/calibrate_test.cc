@@ -34,16 +34,16 @@ TEST(FitCalibrationTest, FindsTheFactorThatMakesScoresHonest) {
   Calibration c;
   c.prior = {0.5, 0.5};
   FitCalibration(contacts, 100, c);
-  ASSERT_EQ(c.hmm_temperature.size(), 6u);
+  ASSERT_EQ(c.hmm_inverse_temperature.size(), 6u);
   std::vector<Outcome> outcomes;
   const double log_prior[] = {std::log(0.5), std::log(0.5)};
   for (const auto& contact : contacts) {
     Outcome outcome{contact.label, {0, 0}};
     TemperedPosterior(log_prior, contact.log_likelihood[3],
-                      c.hmm_temperature[3], outcome.probability);
+                      c.hmm_inverse_temperature[3], outcome.probability);
     outcomes.push_back(outcome);
   }
-  EXPECT_NEAR(c.hmm_temperature[3] * kOverconfidence, 1, 0.1);
+  EXPECT_NEAR(c.hmm_inverse_temperature[3] * kOverconfidence, 1, 0.1);
   EXPECT_LT(ExpectedCalibrationError(outcomes), 0.03);
   EXPECT_TRUE(Validate(c, 2, false).ok());
 }
@@ -59,10 +59,10 @@ TEST(FitCalibrationTest, FewKnownContactsAreCalledUnknown) {
   Calibration c;
   c.prior = {0.5, 0.5};
   FitCalibration(contacts, 100, c);
-  EXPECT_NEAR(c.evidence_mean[0], -50, 1e-12);
+  EXPECT_NEAR(c.evidence_median[0], -50, 1e-12);
   const CalibrationPoint point = CalibrationAt(c, c.frames[0]);
-  EXPECT_NEAR(UnknownShare(point, -95), 0.5, 1e-12);
-  EXPECT_LT(UnknownShare(point, -50), 0.01);
+  EXPECT_NEAR(UnknownProbability(point, -95), 0.5, 1e-12);
+  EXPECT_LT(UnknownProbability(point, -50), 0.01);
 }
 
 }  // namespace

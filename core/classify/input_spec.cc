@@ -1,4 +1,4 @@
-#include "core/classify/feature_input.h"
+#include "core/classify/input_spec.h"
 
 #include <algorithm>
 #include <cmath>
@@ -60,7 +60,7 @@ void MakeInput(std::span<const ModelInput> inputs, CueTracker& cues,
   }
 }
 
-std::vector<Feature> FeaturesUsed(const FeatureSpec& spec) {
+std::vector<Feature> FeaturesUsed(const InputSpec& spec) {
   std::vector<Feature> used;
   for (int f = 0; f < kFeatureCount; ++f) {
     const Feature feature = static_cast<Feature>(f);
@@ -75,11 +75,11 @@ std::vector<Feature> FeaturesUsed(const FeatureSpec& spec) {
   return used;
 }
 
-bool UsesProfile(const FeatureSpec& spec) {
+bool UsesProfile(const InputSpec& spec) {
   return CuesNeeded(spec, /*with_lstms=*/true).profile;
 }
 
-CueNeeds CuesNeeded(const FeatureSpec& spec, bool with_lstms) {
+CueNeeds CuesNeeded(const InputSpec& spec, bool with_lstms) {
   CueNeeds needs = {.groups = 0, .profile = false};
   auto add = [&needs](const ModelInput& input) {
     needs.groups |= GroupOf(input.cue);
@@ -98,7 +98,7 @@ int CountUnused(const CueNeeds& needs) {
   return count;
 }
 
-absl::Status Validate(const FeatureSpec& spec, bool has_lstm) {
+absl::Status Validate(const InputSpec& spec, bool has_lstm) {
   if (spec.hmm.empty()) {
     return InvalidModel("number of HMM inputs", 0, "at least 1");
   }
@@ -113,7 +113,7 @@ absl::Status Validate(const FeatureSpec& spec, bool has_lstm) {
   if (!(spec.sample_rate_hz > 0 &&
         spec.sample_rate_hz <= limits::kMaxSampleRateHz)) {
     return InvalidModel(
-        "features.sample_rate_hz", spec.sample_rate_hz,
+        "inputs.sample_rate_hz", spec.sample_rate_hz,
         absl::StrCat("above 0 and at most ", limits::kMaxSampleRateHz));
   }
   return absl::OkStatus();

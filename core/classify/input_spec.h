@@ -1,9 +1,9 @@
-// File: feature_input.h
+// File: input_spec.h
 //
-// Makes the inputs of the models from cues, as the FeatureSpec of a model says.
+// Makes the inputs of the models from cues, as the InputSpec of a model says.
 // Classifying uses it on every frame, and fitting uses it too.
 //
-//   MakeInput(model.features.hmm, cues, input);
+//   MakeInput(model.inputs.hmm, cues, input);
 //   hmms.Step(input);
 //
 // Thread-safe: free functions without state. Nothing allocates.
@@ -23,23 +23,23 @@ void MakeInput(std::span<const ModelInput> inputs, CueTracker& cues,
                std::span<double> out);
 
 // Returns the features that the inputs of HMMs and LSTMs are computed from.
-std::vector<Feature> FeaturesUsed(const FeatureSpec& spec);
+std::vector<Feature> FeaturesUsed(const InputSpec& spec);
 
 // True if an input is made from the load profile, so that the model needs a
 // skin.
-bool UsesProfile(const FeatureSpec& spec);
+bool UsesProfile(const InputSpec& spec);
 
 // The cues that inputs are made from, besides the raw features.
 struct CueNeeds {
   CueGroups groups = kAllCueGroups;
   bool profile = true;
 };
-CueNeeds CuesNeeded(const FeatureSpec& spec, bool with_lstms);
+CueNeeds CuesNeeded(const InputSpec& spec, bool with_lstms);
 
 // Returns the number of cues that are not needed.
 int CountUnused(const CueNeeds& needs);
 
 // Returns INVALID_MODEL that names what is wrong.
-absl::Status Validate(const FeatureSpec& spec, bool has_lstm);
+absl::Status Validate(const InputSpec& spec, bool has_lstm);
 
 }  // namespace tactus

@@ -1,4 +1,4 @@
-#include "core/classify/feature_input.h"
+#include "core/classify/input_spec.h"
 
 #include <cmath>
 #include <utility>
@@ -39,7 +39,7 @@ TEST(MakeInputTest, NegativeNoiseIsClampedBeforeTheLogarithm) {
 }
 
 TEST(FeaturesUsedTest, NamesWhatTheCuesAreComputedFrom) {
-  FeatureSpec spec;
+  InputSpec spec;
   spec.hmm = {{Cue::kLogTime}, {Cue::kLogArea}};
   EXPECT_EQ(FeaturesUsed(spec), std::vector<Feature>{Feature::kArea});
   spec.lstm = {{Cue::kLogSpring}};
@@ -47,7 +47,7 @@ TEST(FeaturesUsedTest, NamesWhatTheCuesAreComputedFrom) {
 }
 
 TEST(UsesProfileTest, LooksAtBothModels) {
-  FeatureSpec spec;
+  InputSpec spec;
   spec.hmm = {{Cue::kLogArea}};
   EXPECT_FALSE(UsesProfile(spec));
   spec.lstm = {{Cue::kRowLoad0}};
@@ -56,26 +56,26 @@ TEST(UsesProfileTest, LooksAtBothModels) {
   EXPECT_TRUE(UsesProfile(spec));
 }
 
-TEST(ValidateFeatureSpecTest, EachSpoiltFieldIsRefused) {
-  const FeatureSpec good = testing::SmallModel().features;
+TEST(ValidateInputSpecTest, EachSpoiltFieldIsRefused) {
+  const InputSpec good = testing::SmallModel().features;
   EXPECT_TRUE(Validate(good, false).ok());
-  using Spoil = void (*)(FeatureSpec&);
+  using Spoil = void (*)(InputSpec&);
   const Spoil spoils[] = {
-      [](FeatureSpec& s) { s.hmm.clear(); },
-      [](FeatureSpec& s) { s.hmm[1].limit = 0; },
-      [](FeatureSpec& s) { s.hmm[0].log_offset = -1; },
-      [](FeatureSpec& s) { s.hmm[0].gain = 0; },
-      [](FeatureSpec& s) { s.hmm[0].offset = std::nan(""); },
-      [](FeatureSpec& s) { s.lstm = s.hmm; },
-      [](FeatureSpec& s) { s.lstm_steps.min = 0; },
-      [](FeatureSpec& s) { s.hmm_steps.min = 0; },
-      [](FeatureSpec& s) {
+      [](InputSpec& s) { s.hmm.clear(); },
+      [](InputSpec& s) { s.hmm[1].limit = 0; },
+      [](InputSpec& s) { s.hmm[0].log_offset = -1; },
+      [](InputSpec& s) { s.hmm[0].gain = 0; },
+      [](InputSpec& s) { s.hmm[0].offset = std::nan(""); },
+      [](InputSpec& s) { s.lstm = s.hmm; },
+      [](InputSpec& s) { s.lstm_steps.min = 0; },
+      [](InputSpec& s) { s.hmm_steps.min = 0; },
+      [](InputSpec& s) {
         s.lstm_steps = {5, 4};
       },
-      [](FeatureSpec& s) { s.sample_rate_hz = 0; },
+      [](InputSpec& s) { s.sample_rate_hz = 0; },
   };
   for (size_t i = 0; i < std::size(spoils); ++i) {
-    FeatureSpec spec = good;
+    InputSpec spec = good;
     spoils[i](spec);
     EXPECT_EQ(ReasonOf(Validate(spec, false)), "INVALID_MODEL") << i;
   }
