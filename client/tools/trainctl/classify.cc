@@ -1,4 +1,4 @@
-// trainctl classify: the answer of a bundle to every trial of a file.
+// trainctl classify: prints the answer of a bundle to every trial of a file.
 #include <algorithm>
 #include <iostream>
 
@@ -22,7 +22,7 @@ struct Flags {
   bool json = false;
 };
 
-// Runs the trial as tactusd would and leaves the classifier at its end.
+// Makes the answer from the classifier at the end of a trial.
 Json Answer(const Trial& trial, const Model& model,
             const ContactClassifier& classifier, bool detected) {
   Json json = {{"trial", trial.id}, {"label", trial.label}};
@@ -120,12 +120,12 @@ absl::Status Run(const Flags& flags) {
 void AddClassify(CLI::App& app, const SelectCommand& select) {
   auto flags = std::make_shared<Flags>();
   CLI::App* command = app.add_subcommand(
-      "classify", "Answer every trial of a file with a bundle");
+      "classify", "Classify every trial of a file with a bundle");
   command->add_option("--model", flags->model, "Bundle")->required();
   command->add_option("--data", flags->data, "Trial file")->required();
   command->add_option("--layout", flags->layout,
-                      "JSON file with the skin, for layouts without preset");
-  command->add_flag("--json", flags->json, "One JSON object on stdout");
+                      "JSON file with a skin that is no preset");
+  command->add_flag("--json", flags->json, "Print one JSON object on stdout");
   command->callback([=] { select([=] { return Run(*flags); }); });
 }
 

@@ -31,7 +31,7 @@ const auto kStart = std::chrono::steady_clock::now();
 
 void SetCommandLine(int argc, char** argv) {
   std::string& line = MutableCommandLine();
-  // The program's name without its folder: what a reader would type.
+  // The program's name without its folder, as a user types it.
   line = std::filesystem::path(argv[0]).filename().string();
   for (int i = 1; i < argc; ++i) absl::StrAppend(&line, " ", argv[i]);
 }

@@ -1,7 +1,12 @@
 // File: command.h
 //
-// What the sub-commands of trainctl share: how one is registered, how results
-// are printed, and threads for the parts of core that can use them.
+// The common parts of trainctl's sub-commands: registration, loading and
+// writing of files, and threads for the parts of core that can use them.
+//
+//   RunOnThreads(count, [&](int i) { results[i] = Compute(i); });
+//   TACTUS_ASSIGN_OR_RETURN(Model model, LoadModel(path));
+//
+// Thread-safe except for SetCommandLine(), which main() calls once.
 #pragma once
 
 #include <functional>
@@ -21,11 +26,11 @@ namespace tactus::client {
 // JSON objects keep the order in which keys were set.
 using Json = nlohmann::ordered_json;
 
-// A sub-command's work, run after parsing.
+// The work of a sub-command. It runs after the command line is parsed.
 using Command = std::function<absl::Status()>;
 
-// Each adds its sub-command to `app` and calls `select` with its work if it is
-// the one given.
+// Each function adds its sub-command to `app`. Parsing calls `select` with the
+// work of the sub-command that was given.
 using SelectCommand = std::function<void(Command)>;
 void AddSimulate(CLI::App& app, const SelectCommand& select);
 void AddImport(CLI::App& app, const SelectCommand& select);
@@ -35,7 +40,7 @@ void AddInspect(CLI::App& app, const SelectCommand& select);
 void AddClassify(CLI::App& app, const SelectCommand& select);
 void AddReproduce(CLI::App& app, const SelectCommand& select);
 
-// The command line, as it goes into a bundle's provenance.
+// The command line for the provenance of a bundle.
 void SetCommandLine(int argc, char** argv);
 const std::string& CommandLine();
 
@@ -45,7 +50,7 @@ void RunOnThreads(int count, const std::function<void(int)>& body);
 // Seconds since the process started.
 double SecondsSinceStart();
 
-// Contacts of a trial file, and how many trials were undetectable.
+// The contacts of a trial file. Undetectable trials have none.
 struct LoadedContacts {
   std::vector<LabelledContact> contacts;
   int trials = 0;
@@ -54,8 +59,8 @@ struct LoadedContacts {
   std::vector<const LabelledContact*> Pointers() const;
 };
 
-// Reads `path`; `layout_path`, if not empty, names a SensorGeometry in JSON
-// for skins that are no preset.
+// Reads the trial file at `path`. `layout_path`, if not empty, is a JSON file
+// with the layout of a skin that is no preset.
 absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
                                             const std::string& layout_path,
                                             const Progress& progress);

@@ -1,4 +1,4 @@
-// trainctl evaluate: how well the trials of a file are classified.
+// trainctl evaluate: measures how well the trials of a file are classified.
 #include "core/eval/evaluate.h"
 
 #include <filesystem>
@@ -202,7 +202,7 @@ void AddEvaluate(CLI::App& app, const SelectCommand& select) {
                       "fused, hmm, lstm or 1nn; default: what a server would "
                       "answer with, which is fused if there are LSTMs");
   command->add_option("--layout", flags->layout,
-                      "JSON file with the skin, for layouts without preset");
+                      "JSON file with a skin that is no preset");
   command->add_option("--figures", flags->figures,
                       "Folder for figures of accuracy and reliability");
   command->add_flag("--json", flags->json, "Print one JSON object on stdout");

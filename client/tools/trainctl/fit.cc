@@ -1,4 +1,4 @@
-// trainctl fit: trial file in, model bundle out.
+// trainctl fit: fits a model bundle to the trials of a file.
 #include <iostream>
 
 #include "absl/strings/str_format.h"
@@ -68,9 +68,9 @@ void AddFit(CLI::App& app, const SelectCommand& select) {
   command->add_option("--data", flags->data, "Trial file")->required();
   command->add_option("--out", flags->out, "Bundle to write")->required();
   command->add_option("--layout", flags->layout,
-                      "JSON file with the skin, for layouts without preset");
+                      "JSON file with a skin that is no preset");
   command->add_option("--note", flags->note, "Free text for the provenance");
-  command->add_flag("--json", flags->json, "One JSON object on stdout");
+  command->add_flag("--json", flags->json, "Print one JSON object on stdout");
   flags->fit.Add(*command);
   command->callback([=] { select([=] { return Run(*flags); }); });
 }

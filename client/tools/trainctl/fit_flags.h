@@ -1,6 +1,13 @@
 // File: fit_flags.h
 //
-// Flags that say how models are fitted; shared by fit and evaluate.
+// FitFlags: the flags that decide how models are fitted, for fit and evaluate.
+//
+//   FitFlags flags;
+//   flags.Add(*command);
+//   TACTUS_ASSIGN_OR_RETURN(FitOptions options, flags.Options());
+//
+// The command line writes to the FitFlags, which must not move after Add(). Not
+// thread-safe.
 #pragma once
 
 #include <optional>
@@ -27,10 +34,10 @@ struct FitFlags {
   std::string lstm_cues;
 
   void Add(CLI::App& command);
-  // The name of a flag on the command line, like "--preset"; empty if there is
-  // none.
+  // Returns the first of these flags that was given, like "--preset"; empty if
+  // none was.
   std::string FirstGiven() const;
-  // The preset with what the other flags change.
+  // Returns the preset, changed as the other flags say.
   absl::StatusOr<FitOptions> Options() const;
 
  private:

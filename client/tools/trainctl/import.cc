@@ -1,4 +1,4 @@
-// trainctl import: recordings of other programs, as trials in a file.
+// trainctl import: writes recordings of other programs to a trial file.
 #include "core/data/import.h"
 
 #include <iostream>
@@ -60,7 +60,7 @@ void AddImport(CLI::App& app, const SelectCommand& select) {
       "import", "Read recordings (folder of .npy or .csv, or one .csv)");
   command->add_option("source", flags->path, "Folder or CSV file")->required();
   command->add_option("--out", flags->out, "Trial file to write")->required();
-  command->add_flag("--json", flags->json, "One JSON object on stdout");
+  command->add_flag("--json", flags->json, "Print one JSON object on stdout");
   command->callback([=] { select([=] { return Run(*flags); }); });
 }
 

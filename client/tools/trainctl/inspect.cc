@@ -1,4 +1,4 @@
-// trainctl inspect: what a trial file or a bundle holds.
+// trainctl inspect: prints the contents of a trial file or a bundle.
 #include <fstream>
 #include <iostream>
 #include <map>
@@ -104,7 +104,7 @@ void AddInspect(CLI::App& app, const SelectCommand& select) {
   CLI::App* command =
       app.add_subcommand("inspect", "Tell what a trial file or bundle holds");
   command->add_option("file", flags->path, "Trial file or bundle")->required();
-  command->add_flag("--json", flags->json, "One JSON object on stdout");
+  command->add_flag("--json", flags->json, "Print one JSON object on stdout");
   command->callback([=] { select([=] { return Run(*flags); }); });
 }
 

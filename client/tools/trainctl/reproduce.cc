@@ -1,4 +1,4 @@
-// trainctl reproduce: the paper's result tables, ours beside theirs.
+// trainctl reproduce: computes the paper's result tables and compares them.
 #include <algorithm>
 #include <iostream>
 
@@ -24,7 +24,7 @@ struct Flags {
   bool json = false;
 };
 
-// What of the tables is asked for.
+// The rows that are asked for.
 struct Selection {
   std::vector<Algorithm> algorithms;
   std::vector<Experiment> experiments;
@@ -51,7 +51,7 @@ absl::StatusOr<Selection> Select(const Flags& flags) {
   return selection;
 }
 
-// A row that fails says why and leaves the others standing.
+// Computes one row. A row that fails holds the reason; the others continue.
 ReproducedRow Reproduce(Experiment experiment, const PaperRow& paper,
                         const absl::StatusOr<LoadedContacts>& data,
                         uint64_t seed, const Progress& progress) {
@@ -64,7 +64,7 @@ ReproducedRow Reproduce(Experiment experiment, const PaperRow& paper,
     TACTUS_ASSIGN_OR_RETURN(FitOptions options, FitPreset("paper"));
     options.features = PaperFeatures(paper.features);
     options.seed = seed;
-    // The table counts answers, which calibration leaves as they are.
+    // Calibration does not change the answers that the table counts.
     options.calibrate = false;
     return EvaluateProtocol(data->Pointers(), Protocol::kLeaveOneConditionOut,
                             paper.algorithm, options, RunOnThreads, progress);
@@ -145,19 +145,19 @@ absl::Status Run(const Flags& flags) {
 void AddReproduce(CLI::App& app, const SelectCommand& select) {
   auto flags = std::make_shared<Flags>();
   CLI::App* command = app.add_subcommand(
-      "reproduce", "The paper's result tables, ours beside theirs");
+      "reproduce",
+      "Compute the paper's result tables and compare them with its figures");
   command
       ->add_option("--only", flags->only,
-                   "Algorithms: hmm, lstm, 1nn; all if not given")
+                   "Algorithms: hmm, lstm, 1nn; default: all")
       ->delimiter(',');
   command
       ->add_option("--experiment", flags->experiments,
-                   "simulation, cody; both if not given")
+                   "simulation, cody; default: both")
       ->delimiter(',');
-  command->add_option("--figures", flags->figures,
-                      "Folder to write figures into");
+  command->add_option("--figures", flags->figures, "Folder for figures");
   command->add_option("--seed", flags->seed, "Seed of noise and training");
-  command->add_flag("--json", flags->json, "One JSON object on stdout");
+  command->add_flag("--json", flags->json, "Print one JSON object on stdout");
   command->callback([=] { select([=] { return Run(*flags); }); });
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 using Extracted = std::vector<std::optional<LabelledContact>>;
 
-// What `trainctl simulate` would be told.
+// The flags of `trainctl simulate` for an experiment.
 SimulateFlags FlagsOf(Experiment experiment, uint64_t seed) {
   SimulateFlags flags;
   flags.seed = seed;

@@ -1,12 +1,13 @@
 // File: reproduce_data.h
 //
-// The paper's two experiments as labelled contacts, simulated on the spot.
+// Simulates the paper's two experiments as labelled contacts.
 //
 //   TACTUS_ASSIGN_OR_RETURN(LoadedContacts data,
 //                           SimulateExperiment(Experiment::kSimulation, 1,
 //                                              Progress()));
 //
-// Uses all processors; same experiment and seed, same bits. Thread-safe.
+// Uses all processors. The same experiment and seed give the same bits.
+// Thread-safe.
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,7 @@
 // File: reproduce_report.h
 //
-// What `trainctl reproduce` found, beside the paper's numbers: as aligned
-// text, as JSON, as figures.
+// The results of `trainctl reproduce` beside the paper's: as aligned text, as
+// JSON and as figures.
 //
 //   std::cout << TableHeading(experiment) << TableLine(row);
 //   std::cout << ConfusionBlocks(rows);
@@ -21,11 +21,11 @@
 
 namespace tactus::client {
 
-// One row of a table of the paper with what came out here.
+// One row of a table of the paper and its result here.
 struct ReproducedRow {
   Experiment experiment = Experiment::kSimulation;
   PaperRow paper;
-  // Absent if the row could not be computed; `reason` then says why.
+  // Absent if the row could not be computed; `reason` is then the error.
   std::optional<double> ours_percent;
   std::string reason;
   // Trials simulated; those of them that the skin never felt are not counted.
@@ -44,7 +44,7 @@ struct ReproducedRow {
   int right() const;
 };
 
-// Two lines: what the table is, and the names of its columns.
+// Two lines: the title of the table and the names of its columns.
 std::string TableHeading(Experiment experiment);
 
 // One line, aligned with the heading's columns.
@@ -56,8 +56,8 @@ std::string ConfusionBlocks(const std::vector<ReproducedRow>& rows);
 
 Json RowToJson(const ReproducedRow& row);
 
-// Makes the folder of figures unless it is there: before hours are spent on
-// what would go into it.
+// Makes the folder of figures if it does not exist. Called before the long
+// computation, so that a bad path fails early.
 absl::Status MakeFolder(const std::string& folder);
 
 // Writes into `folder` EXPERIMENT-accuracy.png and, for each confusion matrix,

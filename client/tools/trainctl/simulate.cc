@@ -1,4 +1,4 @@
-// trainctl simulate: contacts of a simulated arm, as trials in a file.
+// trainctl simulate: writes contacts of a simulated arm to a trial file.
 #include <algorithm>
 #include <iostream>
 #include <limits>
@@ -17,10 +17,10 @@ namespace tactus::client {
 namespace {
 
 constexpr const char* kLabels[] = {"HU", "HM", "SU", "SM"};
-// Contacts simulated before they are written, which bounds the memory.
+// Jobs that are simulated before their contacts are written. Bounds the memory.
 constexpr size_t kBlock = 64;
 
-// What the paper counted, where it did the same.
+// The counts of the paper, for the protocols that it has too.
 struct PaperCounts {
   const char* protocol;
   int counts[4];
@@ -68,7 +68,7 @@ std::string Row(const char* name, const int (&counts)[4]) {
                          counts[1], counts[2], counts[3], Sum(counts));
 }
 
-// The goal that all of the paper's trials have in common, if they do.
+// The goal of all trials of the paper's protocol; nothing if there are several.
 std::optional<double> CommonGoal(const SimulateFlags& flags) {
   if (flags.protocol != "paper" || flags.goals.size() > 1) return {};
   return flags.goals.empty() ? kPaperGoal : flags.goals[0];
@@ -116,7 +116,7 @@ absl::Status Run(const SimulateFlags& flags) {
       flags.protocol == "grid" ? flags.sample : std::numeric_limits<int>::max();
   ProgressDisplay display;
   const Progress simulating = display.progress().Part("simulate contacts", 1);
-  // The grid stops at a number of trials, the others with their last job.
+  // The grid ends after `sample` trials, the other protocols after all jobs.
   const bool grid = flags.protocol == "grid";
   const double all = grid ? flags.sample : static_cast<double>(jobs.size());
   Tally tally;
@@ -159,8 +159,7 @@ void AddSimulate(CLI::App& app, const SelectCommand& select) {
       ->delimiter(',');
   command->add_option("--sensor", flags->sensor,
                       "signals (ideal) or taxels (rendered frames)");
-  command->add_option("--seed", flags->seed,
-                      "Seed of place and noise, and of what is drawn");
+  command->add_option("--seed", flags->seed, "Seed of every random choice");
   command->add_option("--out", flags->out, "Trial file to write");
   command
       ->add_option("--stiffness", flags->stiffnesses,
@@ -174,8 +173,9 @@ void AddSimulate(CLI::App& app, const SelectCommand& select) {
       "--materials", flags->materials,
       "CSV table of materials (as core/sim/model/materials.csv) "
       "instead of the paper's");
-  command->add_option("--sample", flags->sample,
-                      "Trials of the grid, spread evenly over conditions");
+  command->add_option(
+      "--sample", flags->sample,
+      "Number of trials of the grid, evenly over its conditions");
   command->add_option("--taxel-noise", flags->render.taxel_noise,
                       "Noise of a taxel, N");
   command->add_option("--taxel-step", flags->render.taxel_step,
@@ -184,7 +184,7 @@ void AddSimulate(CLI::App& app, const SelectCommand& select) {
                       "Noise of the arm's position, m");
   command->add_option("--dead-taxels", flags->render.dead_count,
                       "Number of dead taxels");
-  command->add_flag("--json", flags->json, "One JSON object on stdout");
+  command->add_flag("--json", flags->json, "Print one JSON object on stdout");
   auto one = std::make_shared<OneContactFlags>();
   AddOneContactFlags(*command, *one);
   command->callback([=] {

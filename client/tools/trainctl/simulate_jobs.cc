@@ -13,7 +13,7 @@
 namespace tactus::client {
 namespace {
 
-// The values given on the command line, or else those of the protocol.
+// Returns the values of the command line if there are any, else the protocol's.
 std::vector<double> GivenOr(const std::vector<double>& given,
                             const std::vector<double>& otherwise) {
   return given.empty() ? otherwise : given;
@@ -42,8 +42,8 @@ absl::StatusOr<SensedContact> Sense(const SimulatedContact& contact,
   return sensed;
 }
 
-// A contact and the twin of one that moved. The condition names the goal if
-// it differs between trials.
+// Simulates a contact and, if its object moved, its twin with a fixed object.
+// With `name_goal` the condition contains the goal.
 SimulateJob PairJob(const TrialSpec& spec, bool name_goal,
                     const SimulateFlags& flags, const SkinLayout& layout) {
   return [&flags, &layout, spec,

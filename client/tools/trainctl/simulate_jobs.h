@@ -1,8 +1,8 @@
 // File: simulate_jobs.h
 //
-// What `trainctl simulate` simulates, as jobs that run in any order, each on
-// its own: the paper's contacts, a grid of other robot conditions, or the
-// robot Cody's.
+// The contacts of `trainctl simulate` as independent jobs, which may run in any
+// order: the paper's contacts, a grid of other robot conditions, or the
+// contacts of the robot Cody.
 //
 //   TACTUS_ASSIGN_OR_RETURN(auto jobs, MakeJobs(flags, layout));
 //   TACTUS_ASSIGN_OR_RETURN(std::vector<SensedContact> contacts, jobs[0]());
@@ -28,11 +28,11 @@ struct SimulateFlags {
   std::string sensor = "signals";
   uint64_t seed = 1;
   std::string out;
-  // Empty: those of the protocol.
+  // Empty for those of the protocol.
   std::vector<double> stiffnesses;
   std::vector<double> velocities;
   std::vector<double> goals;
-  // Table of materials (ParseMaterials); empty: the paper's.
+  // Table of materials (ParseMaterials); empty for the paper's.
   std::string materials;
   // Trials of the grid; the others run in full.
   int sample = 2000;
@@ -42,19 +42,19 @@ struct SimulateFlags {
   bool taxels() const { return sensor == "taxels"; }
 };
 
-// One contact as the sensor gives it.
+// One contact as the sensor measures it.
 struct SensedContact {
   Trial trial;
   // Some sample's strain had to be clamped.
   bool clamped = false;
 };
 
-// One contact and, where the protocol says so, the same with the object fixed
-// if it moved.
+// Simulates one contact. If the object moved and the protocol asks for it, the
+// job also simulates the same contact with a fixed object.
 using SimulateJob = std::function<absl::StatusOr<std::vector<SensedContact>>()>;
 
-// INVALID_CONFIG naming the flag if flags are unknown or do not go together;
-// IO or INVALID_SCENE for the table of materials.
+// Returns INVALID_CONFIG that names the flag if a value is unknown or flags
+// exclude each other; IO or INVALID_SCENE for the table of materials.
 absl::StatusOr<std::vector<SimulateJob>> MakeJobs(const SimulateFlags& flags,
                                                   const SkinLayout& layout);
 
