@@ -1,6 +1,12 @@
 // File: status_macros.h
 //
-// Early return on error, as in `TACTUS_ASSIGN_OR_RETURN(auto x, MakeX());`.
+// Early return on error.
+//
+//   TACTUS_RETURN_IF_ERROR(Validate(layout));
+//   TACTUS_ASSIGN_OR_RETURN(Model model, LoadModel(path));
+//
+// Both evaluate their expression once. The function that uses them must return
+// absl::Status or absl::StatusOr.
 #pragma once
 
 #include "absl/status/status.h"

@@ -69,14 +69,15 @@ std::vector<LabelledPosterior> Temper(std::span<const ScoredContact> contacts,
 // golden-section search over its logarithm.
 double BestInverseTemperature(std::span<const ScoredContact> contacts,
                               Scores ScoredContact::*scores, size_t time,
-                              std::span<const double> log_prior, double most) {
+                              std::span<const double> log_prior,
+                              double max_inverse_temperature) {
   constexpr double kGolden = 0.6180339887498949;
   constexpr int kSteps = 40;
   auto loss = [&](double x) {
     return LogLoss(Temper(contacts, scores, time, log_prior, std::exp(x)));
   };
   double low = std::log(kMinInverseTemperature);
-  double high = std::log(most);
+  double high = std::log(max_inverse_temperature);
   double a = high - kGolden * (high - low);
   double b = low + kGolden * (high - low);
   double loss_a = loss(a);

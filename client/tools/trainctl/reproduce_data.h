@@ -18,6 +18,8 @@
 
 namespace tactus::client {
 
+// Simulates one experiment and reports to `progress`.
+//
 // kSimulation: the 1,835 trials with ideal signals of 5 s. kCody: the 240
 // trials of 1.2 s with taxel frames, through the feature path.
 absl::StatusOr<LoadedContacts> SimulateExperiment(Experiment experiment,
