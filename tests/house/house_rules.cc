@@ -50,6 +50,20 @@ std::vector<absl::string_view> PartsBetween(absl::string_view text,
   return parts;
 }
 
+// `page` without its blocks of code.
+std::string WithoutCode(const std::string& page) {
+  std::string text;
+  bool in_code = false;
+  for (const absl::string_view line : absl::StrSplit(page, '\n')) {
+    if (absl::StartsWith(line, "```")) {
+      in_code = !in_code;
+    } else if (!in_code) {
+      absl::StrAppend(&text, line, "\n");
+    }
+  }
+  return text;
+}
+
 // A path with a known first folder and a name with an ending.
 bool LooksLikeFile(absl::string_view text) {
   const auto is_part_of_path = [](char c) {
@@ -212,7 +226,8 @@ std::vector<std::string> StyleViolations(const std::string& path,
 }
 
 std::vector<std::string> FilesNamed(const std::string& path,
-                                    const std::string& text) {
+                                    const std::string& page) {
+  const std::string text = WithoutCode(page);
   const std::filesystem::path folder =
       std::filesystem::path(path).parent_path();
   std::vector<std::string> files;

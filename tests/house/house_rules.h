@@ -26,9 +26,10 @@ std::vector<std::string> IncludeViolations(
 std::vector<std::string> StyleViolations(const std::string& path,
                                          const std::string& text);
 
-// The files that a Markdown page at `path` links to, or names between backticks
-// with their path from the project's root; by that path.
+// The files that the Markdown page at `path` links to, or names between
+// backticks with their path from the project's root; by that path. Blocks of
+// code are left out.
 std::vector<std::string> FilesNamed(const std::string& path,
-                                    const std::string& text);
+                                    const std::string& page);
 
 }  // namespace tactus

@@ -101,7 +101,8 @@ TEST(PageRuleTest, LinksAndPathsAreFound) {
   EXPECT_THAT(FilesNamed("docs/a.md",
                          "[b](b.md#there) ![c](pictures/c.png) [d](../D.md)\n"
                          "[e](https://e.org/e.md) [f](#here)\n"
-                         "`core/g.h` `core/` `g.h` `docs/h.sh`"),
+                         "`core/g.h` `core/` `g.h` `docs/h.sh`\n"
+                         "```cpp\n[](int x) { return x; }\n```\n"),
               ElementsAre("docs/b.md", "docs/pictures/c.png", "D.md",
                           "core/g.h", "docs/h.sh"));
 }
