@@ -13,12 +13,6 @@
 namespace tactus::server {
 namespace {
 
-// Of a client that is ahead. Few enough that it need not wait for answers
-// while there are messages of it to be answered.
-constexpr int kAnswersPerFlush = 4;
-// How often it is looked whether a client is ahead.
-constexpr uint32_t kReadsPerProbe = 16;
-
 int64_t TimeoutNs(const StreamSession::Options& options) {
   return options.idle_timeout_ms * int64_t{1'000'000};
 }
@@ -69,12 +63,10 @@ void ContactCall::OnRead(bool ok) {
   reading_ = false;
   if (!finished_) {
     // A call that was cancelled looks like a half-close here; its writes fail.
-    // Read first, as it is now and then, a message comes before the write's
-    // end only if it was here already.
-    ahead_ = ok && (writing_ || held_);
+    pacing_.OnReadEnded(ok, writing_);
     if (ok) {
       // Before it would give way to the answer of this message.
-      if (held_ && !writing_ && session_->responses().size() > 0) {
+      if (pacing_.held() && !writing_ && session_->responses().size() > 0) {
         StageNextWrite();
       }
       TakeMessage();
@@ -99,8 +91,7 @@ void ContactCall::TakeMessage() {
 
 void ContactCall::OnNothingMore(bool idle) {
   --in_flight_;
-  held_ = false;
-  if (idle) ahead_ = false;
+  pacing_.EndHold(idle);
   Advance();
 }
 
@@ -118,10 +109,10 @@ void ContactCall::Advance() {
     return;
   }
   if (!broken_) {
-    if (!ahead_ && reads_ % kReadsPerProbe == 0) StartNextRead();
+    if (pacing_.ReadsFirst()) StartNextRead();
     if (staged_) StartStagedWrite();
     if (!writing_ && session_->responses().size() > 0) {
-      if (ahead_ && reading_) {
+      if (pacing_.Holds(reading_)) {
         Hold();
       } else {
         StageNextWrite();
@@ -140,7 +131,7 @@ void ContactCall::Advance() {
 void ContactCall::StartNextRead() {
   if (reading_ || !session_->wants_request()) return;
   reading_ = true;
-  ++reads_;
+  pacing_.OnReadStarted();
   ++in_flight_;
   stream_.Read(&read_, read_done_.tag());
 }
@@ -161,18 +152,13 @@ void ContactCall::StartStagedWrite() {
   writing_ = true;
   ++in_flight_;
   grpc::WriteOptions options;
-  if (session_->responses().size() > 0 && ++unflushed_ < kAnswersPerFlush) {
-    // Another follows, which flushes both.
-    options.set_buffer_hint();
-  } else {
-    unflushed_ = 0;
-  }
+  const bool more = session_->responses().size() > 0;
+  if (!pacing_.Flushes(more)) options.set_buffer_hint();
   stream_.Write(write_, options, written_.tag());
 }
 
 void ContactCall::Hold() {
-  if (held_) return;
-  held_ = true;
+  if (!pacing_.BeginHold()) return;
   ++in_flight_;
   queue_->Defer(&nothing_more_);
 }

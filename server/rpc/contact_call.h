@@ -19,6 +19,7 @@
 #include "grpcpp/alarm.h"
 #include "grpcpp/server_context.h"
 #include "grpcpp/support/async_stream.h"
+#include "server/rpc/answer_pacing.h"
 #include "server/rpc/call_queue.h"
 #include "server/session/stream_session.h"
 #include "tactus/v1/contact.grpc.pb.h"
@@ -112,17 +113,10 @@ class ContactCall {
   // Operations whose events have not come yet.
   int in_flight_ = 0;
   bool reading_ = false;
-  // write_ holds an answer that is to be written next; it is on its way.
+  // write_ holds an answer that is to be written next; it is being written.
   bool staged_ = false;
   bool writing_ = false;
-  // The client sends faster than it is answered: its next message is here
-  // before this one's answer is out. Such answers are held back until it is
-  // known whether another goes with them, as each flush of its own costs as
-  // much as all the rest of a message.
-  bool ahead_ = false;
-  bool held_ = false;
-  uint32_t reads_ = 0;
-  int unflushed_ = 0;
+  AnswerPacing pacing_;
   // The peer is gone: nothing more can be written.
   bool broken_ = false;
   // Finish was called.
