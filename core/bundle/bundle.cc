@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <utility>
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/match.h"
@@ -14,7 +15,6 @@
 #include "core/base/serialize.h"
 #include "core/base/status_macros.h"
 #include "core/bundle/model_proto.h"
-#include "core/classify/compiled_model.h"
 
 namespace tactus {
 namespace {
@@ -91,7 +91,8 @@ absl::StatusOr<std::string> EncodeBundle(const Model& model) {
   return bytes;
 }
 
-absl::StatusOr<Model> DecodeBundle(absl::string_view bytes) {
+absl::StatusOr<std::shared_ptr<const CompiledModel>> DecodeBundle(
+    absl::string_view bytes) {
   TACTUS_ASSIGN_OR_RETURN(const absl::string_view payload, OpenEnvelope(bytes));
   v1::ModelBundle message;
   if (!message.ParseFromArray(payload.data(),
@@ -99,8 +100,7 @@ absl::StatusOr<Model> DecodeBundle(absl::string_view bytes) {
     return BundleCorrupt("its payload is not a tactus.v1.ModelBundle");
   }
   TACTUS_ASSIGN_OR_RETURN(Model model, ModelFromProto(message));
-  TACTUS_RETURN_IF_ERROR(CompiledModel::Create(model).status());
-  return model;
+  return CompiledModel::Create(std::move(model));
 }
 
 std::string BundleSha256(absl::string_view bytes) {

@@ -1,19 +1,20 @@
 // File: bundle.h
 //
 // Model bundles as bytes: one file that holds everything needed to classify.
-// docs/formats.md tells the format byte by byte.
+// docs/formats.md describes the format byte by byte.
 //
-//   auto model = DecodeBundle(bytes);      // a byte flipped anywhere: error
-//   auto compiled = CompiledModel::Create(*std::move(model));
+//   auto model = DecodeBundle(bytes);  // a flipped byte anywhere is an error
+//   ContactClassifier classifier(*model, {});
 //
-// Thread-safe: free functions without state. No files are touched here.
+// Thread-safe: free functions without state. They touch no files.
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "core/classify/model.h"
+#include "core/classify/compiled_model.h"
 
 namespace tactus {
 
@@ -23,9 +24,12 @@ inline constexpr uint32_t kBundleFormatVersion = 1;
 // gives the same bytes.
 absl::StatusOr<std::string> EncodeBundle(const Model& model);
 
-// BUNDLE_CORRUPT if the envelope or the checksum is wrong, BUNDLE_VERSION if
-// the format is another, INVALID_MODEL if the contents are inconsistent.
-absl::StatusOr<Model> DecodeBundle(absl::string_view bytes);
+// The model of a bundle, compiled and ready to serve; RunWarmUp is left to the
+// caller. BUNDLE_CORRUPT if the envelope or the checksum is wrong,
+// BUNDLE_VERSION if the format version differs, INVALID_MODEL if the contents
+// are inconsistent.
+absl::StatusOr<std::shared_ptr<const CompiledModel>> DecodeBundle(
+    absl::string_view bytes);
 
 // The checksum at the end of a bundle, 64 hexadecimal digits; empty if
 // `bytes` is too short to be one.

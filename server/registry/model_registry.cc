@@ -36,10 +36,8 @@ absl::Status ModelRegistry::Add(absl::string_view model,
     return InvalidConfig("model name", absl::StrCat("\"", model, "\""),
                          "1 to 64 of a-z, 0-9 and -");
   }
-  TACTUS_ASSIGN_OR_RETURN(Model decoded, DecodeBundle(bundle));
   PinnedModel pinned;
-  TACTUS_ASSIGN_OR_RETURN(pinned.model,
-                          CompiledModel::Create(std::move(decoded)));
+  TACTUS_ASSIGN_OR_RETURN(pinned.model, DecodeBundle(bundle));
   TACTUS_RETURN_IF_ERROR(RunWarmUp(*pinned.model));
   pinned.sha256 = BundleSha256(bundle);
 

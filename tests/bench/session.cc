@@ -23,9 +23,8 @@ class SessionBenchmark : public Benchmark {
   }
 
   absl::StatusOr<std::vector<BenchRow>> Run(bool quick) override {
-    TACTUS_ASSIGN_OR_RETURN(Model model, DecodeBundle(server::DefaultBundle()));
     TACTUS_ASSIGN_OR_RETURN(const auto compiled,
-                            CompiledModel::Create(std::move(model)));
+                            DecodeBundle(server::DefaultBundle()));
     TACTUS_RETURN_IF_ERROR(RunWarmUp(*compiled));
     TACTUS_ASSIGN_OR_RETURN(const SkinLayout layout,
                             LayoutPreset("cody-forearm"));

@@ -83,8 +83,7 @@ absl::Status Run(const Flags& flags) {
   if (!flags.layout.empty()) {
     TACTUS_ASSIGN_OR_RETURN(layout, ReadLayoutFile(flags.layout));
   }
-  TACTUS_ASSIGN_OR_RETURN(Model loaded, LoadModel(flags.model));
-  TACTUS_ASSIGN_OR_RETURN(auto model, CompiledModel::Create(std::move(loaded)));
+  TACTUS_ASSIGN_OR_RETURN(const auto model, LoadModel(flags.model));
   TACTUS_ASSIGN_OR_RETURN(auto reader, TrialFileReader::Open(flags.data));
   Json trials = Json::array();
   for (size_t i = 0; i < reader.size(); ++i) {

@@ -89,7 +89,8 @@ absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
   return loaded;
 }
 
-absl::StatusOr<Model> LoadModel(const std::string& path) {
+absl::StatusOr<std::shared_ptr<const CompiledModel>> LoadModel(
+    const std::string& path) {
   TACTUS_ASSIGN_OR_RETURN(const std::string bytes,
                           ReadFileBytes(path, limits::kMaxBundleBytes));
   auto model = DecodeBundle(bytes);

@@ -65,8 +65,9 @@ absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
                                             const std::string& layout_path,
                                             const Progress& progress);
 
-// Reads the bundle at `path`.
-absl::StatusOr<Model> LoadModel(const std::string& path);
+// The model in the bundle at `path`.
+absl::StatusOr<std::shared_ptr<const CompiledModel>> LoadModel(
+    const std::string& path);
 
 // Writes beside the target and renames.
 absl::Status WriteFile(const std::string& path, const std::string& bytes);

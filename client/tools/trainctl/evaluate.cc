@@ -127,16 +127,14 @@ absl::StatusOr<Run> RunProtocol(const Flags& flags,
 
 absl::StatusOr<Run> RunModel(const Flags& flags, const LoadedContacts& loaded,
                              const Progress& progress) {
-  TACTUS_ASSIGN_OR_RETURN(Model model, LoadModel(flags.model));
-  TACTUS_ASSIGN_OR_RETURN(auto compiled,
-                          CompiledModel::Create(std::move(model)));
+  TACTUS_ASSIGN_OR_RETURN(const auto model, LoadModel(flags.model));
   TACTUS_ASSIGN_OR_RETURN(const Algorithm algorithm,
-                          ChosenAlgorithm(flags, !compiled->lstms().empty()));
+                          ChosenAlgorithm(flags, !model->lstms().empty()));
   TACTUS_ASSIGN_OR_RETURN(Evaluation result,
-                          EvaluateModel(compiled, loaded.Pointers(), algorithm,
+                          EvaluateModel(model, loaded.Pointers(), algorithm,
                                         RunOnThreads, progress));
   return Run{std::move(result),
-             FeaturesToString(FeaturesUsed(compiled->model().inputs))};
+             FeaturesToString(FeaturesUsed(model->model().inputs))};
 }
 
 void Print(const Flags& flags, const Run& run, int trials) {

@@ -30,9 +30,9 @@ bool IsBundle(const std::string& path) {
 absl::StatusOr<Json> InspectBundle(const std::string& path) {
   TACTUS_ASSIGN_OR_RETURN(const std::string bytes,
                           ReadFileBytes(path, limits::kMaxBundleBytes));
-  TACTUS_ASSIGN_OR_RETURN(const Model model, LoadModel(path));
-  TACTUS_ASSIGN_OR_RETURN(auto compiled, CompiledModel::Create(model));
+  TACTUS_ASSIGN_OR_RETURN(const auto compiled, LoadModel(path));
   TACTUS_RETURN_IF_ERROR(RunWarmUp(*compiled));
+  const Model& model = compiled->model();
   Json hmms = Json::object();
   for (int k = 0; k < model.classes(); ++k) {
     hmms[model.class_names[k]] = {

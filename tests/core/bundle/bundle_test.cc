@@ -41,8 +41,9 @@ TEST(BundleTest, RoundTripKeepsEveryField) {
   const Model model = FullModel();
   auto bytes = EncodeBundle(model);
   ASSERT_TRUE(bytes.ok()) << bytes.status();
-  auto back = DecodeBundle(*bytes);
-  ASSERT_TRUE(back.ok()) << back.status();
+  const auto compiled = DecodeBundle(*bytes);
+  ASSERT_TRUE(compiled.ok()) << compiled.status();
+  const Model* back = &(*compiled)->model();
   EXPECT_TRUE(google::protobuf::util::MessageDifferencer::Equals(
       ModelToProto(model), ModelToProto(*back)));
   EXPECT_EQ(back->layout.mask, model.layout.mask);
