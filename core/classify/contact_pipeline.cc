@@ -43,14 +43,20 @@ absl::Status CheckSkin(const SkinLayout& layout, const SkinLayout& trained) {
 
 }  // namespace
 
+absl::Status ContactPipeline::Check(const SkinLayout& layout,
+                                    const CompiledModel& model,
+                                    const Options& options) {
+  TACTUS_RETURN_IF_ERROR(Validate(layout));
+  const Model& m = model.model();
+  TACTUS_RETURN_IF_ERROR(
+      CheckRate(options.sample_rate_hz, m.inputs.sample_rate_hz));
+  return CheckSkin(layout, m.layout);
+}
+
 absl::StatusOr<std::unique_ptr<ContactPipeline>> ContactPipeline::Create(
     const SkinLayout& layout, std::shared_ptr<const CompiledModel> model,
     const Options& options) {
-  TACTUS_RETURN_IF_ERROR(Validate(layout));
-  const Model& m = model->model();
-  TACTUS_RETURN_IF_ERROR(
-      CheckRate(options.sample_rate_hz, m.inputs.sample_rate_hz));
-  TACTUS_RETURN_IF_ERROR(CheckSkin(layout, m.layout));
+  TACTUS_RETURN_IF_ERROR(Check(layout, *model, options));
   return std::unique_ptr<ContactPipeline>(
       new ContactPipeline(layout, std::move(model), options));
 }

@@ -47,9 +47,13 @@ class ContactPipeline {
     SkipRules skip;
   };
 
-  // INVALID_CONFIG for a layout or rate out of range, or a rate that differs
-  // from the model's by more than 5 %. GEOMETRY_MISMATCH if the model is for
-  // another skin.
+  // OK if Create would succeed. INVALID_CONFIG if the layout or the rate is out
+  // of range, or if the rate differs from the model's by more than 5 %;
+  // GEOMETRY_MISMATCH if the model was trained on another skin.
+  static absl::Status Check(const SkinLayout& layout,
+                            const CompiledModel& model, const Options& options);
+
+  // The errors are those of Check.
   static absl::StatusOr<std::unique_ptr<ContactPipeline>> Create(
       const SkinLayout& layout, std::shared_ptr<const CompiledModel> model,
       const Options& options);

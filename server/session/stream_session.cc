@@ -22,7 +22,7 @@ StreamSession::State StreamSession::state() const {
 absl::Status StreamSession::OnMessage(
     google::protobuf::io::ZeroCopyInputStream* bytes, size_t size,
     v1::ClassifyContactRequest* request) {
-  // Too large is refused before it is parsed.
+  // A message that is too large is refused before it is parsed.
   if (!finishing_ && size > limits::kMaxMessageBytes) {
     return EndIfError(MessageTooLarge(size, limits::kMaxMessageBytes));
   }
@@ -57,16 +57,12 @@ absl::Status StreamSession::EndIfError(absl::Status status) {
 
 absl::Status StreamSession::Dispatch(
     const v1::ClassifyContactRequest& request) {
-  const size_t size = request.ByteSizeLong();
-  if (size > limits::kMaxMessageBytes) {
-    return MessageTooLarge(size, limits::kMaxMessageBytes);
-  }
   if (request.request_case() == v1::ClassifyContactRequest::REQUEST_NOT_SET) {
     return EmptyRequest();
   }
   if (request.has_config()) return OnConfig(request.config());
   if (!pinned_) return ConfigRequired();
-  if (pipeline_ == nullptr) WakePipeline();
+  if (pipeline_ == nullptr) MakePipeline();
   if (request.has_frames()) return OnFrames(request.frames());
   OnEndOfTrial();
   return absl::OkStatus();
@@ -80,21 +76,19 @@ absl::Status StreamSession::OnConfig(const v1::StreamConfig& config) {
   if (pinned_) return ConfigRepeated();
   TACTUS_ASSIGN_OR_RETURN(settings_, ParseStreamConfig(config));
   TACTUS_ASSIGN_OR_RETURN(PinnedModel pinned, models_->Find(settings_.model));
-  TACTUS_ASSIGN_OR_RETURN(
-      const auto pipeline,
-      ContactPipeline::Create(settings_.layout, pinned.model,
-                              settings_.pipeline));
+  TACTUS_RETURN_IF_ERROR(ContactPipeline::Check(settings_.layout, *pinned.model,
+                                                settings_.pipeline));
   pinned_ = std::move(pinned);
   decoder_.emplace(settings_);
   writer_.emplace(settings_.with_features);
-  last_best_class_ = pipeline->classifier().best_class();
   WriteStarted();
   return absl::OkStatus();
 }
 
-void StreamSession::WakePipeline() {
+void StreamSession::MakePipeline() {
   pipeline_ = *ContactPipeline::Create(settings_.layout, pinned_->model,
                                        settings_.pipeline);
+  last_best_class_ = pipeline_->classifier().best_class();
 }
 
 void StreamSession::WriteStarted() {
@@ -128,7 +122,7 @@ absl::Status StreamSession::OnFrames(const v1::FrameBatch& batch) {
 
 void StreamSession::OnFrame(const v1::FrameBatch& batch, uint32_t index) {
   FrameView frame = decoder_->Frame(batch, index);
-  // A trial may begin at any sequence number; gaps lie within trials.
+  // A trial may begin at any sequence number; only gaps within a trial count.
   if (index == 0 && trial_frames_ > 0) {
     frame.missing_before =
         batch.first_sequence() - decoder_->last_sequence() - 1;

@@ -1,7 +1,7 @@
 // File: stream_session.h
 //
-// StreamSession: one ClassifyContact stream without its transport. Requests
-// go in, answers wait in responses(), and a status says how it ends.
+// StreamSession: one ClassifyContact stream without its transport. It takes
+// requests, puts answers into responses(), and ends with a status.
 //
 //   StreamSession session(models, {.stream_id = "7"});
 //   session.OnMessage(&bytes, size, &request);
@@ -15,9 +15,9 @@
 //   WAIT_CONFIG --config--> STREAMING --half-close, error, Finish--> FINISHING
 //   FINISHING --all answers written--> DONE
 //
-// A message is checked whole before any of its frames is used. The model is
-// held from `config` to the end of this object. No threads, no clock: the
-// caller serialises calls and brings the time.
+// A message is checked whole before any of its frames is used. The session
+// keeps its model from `config` until it is destroyed. No threads, no clock:
+// the caller serialises calls and passes the time.
 #pragma once
 
 #include <cstdint>
@@ -42,7 +42,7 @@ class StreamSession {
   struct Options {
     std::string stream_id;
     std::string server_version;
-    // Only reported to the client; 0 means none.
+    // Only reported to the client; 0 means no timeout.
     uint32_t idle_timeout_ms = 0;
   };
   enum class State { kWaitConfig, kStreaming, kFinishing, kDone };
@@ -50,19 +50,19 @@ class StreamSession {
   // `models` must outlive the session.
   StreamSession(const ModelSource* models, Options options);
 
-  // Takes the next message, `size` bytes from the wire. On error the stream is
-  // FINISHING with it. `request` is where it is parsed to and keeps what it has
-  // grown to; sessions of one thread may share it, so that it stays in cache.
+  // Takes the next message, `size` bytes from the wire. An error ends the
+  // stream: the state is then FINISHING. The message is parsed into `request`,
+  // which keeps its memory; sessions of one thread may share it.
   absl::Status OnMessage(google::protobuf::io::ZeroCopyInputStream* bytes,
                          size_t size, v1::ClassifyContactRequest* request);
   // The same for a message already parsed.
   absl::Status OnRequest(const v1::ClassifyContactRequest& request);
-  // Tells how long the last message took, for the answers it brought.
+  // Sets the computing time of the last message in its answers.
   void EndRequest(int64_t start_ns, int64_t now_ns);
 
-  // The client will send no more: an open trial gets its final.
+  // The client sends no more messages: an open trial gets its final.
   void OnHalfClose();
-  // The server will stop within `grace_ms`; the client is told.
+  // The server will stop within `grace_ms`: adds a notice for the client.
   void OnDraining(uint32_t grace_ms);
   // Ends the stream from the server's side with `status`, after the final of
   // an open trial.
@@ -71,11 +71,11 @@ class StreamSession {
   State state() const;
   // How the stream ends; meaningful in FINISHING and DONE.
   const absl::Status& final_status() const { return final_status_; }
-  // False while too many finals wait, and after the end.
+  // False while too many finals wait, and once the stream is finishing.
   bool wants_request() const { return !finishing_ && !responses_.full(); }
   ResponseQueue& responses() { return responses_; }
   uint64_t frames() const { return frames_; }
-  // What was left out so far.
+  // What was skipped so far.
   SkipCounters skipped() const;
 
  private:
@@ -91,9 +91,9 @@ class StreamSession {
   // True if the cadence asks for an interim posterior after this frame.
   bool IsDue(const ContactReport& report);
   void WriteStarted();
-  // Makes the pipeline of a stream that was configured; config checked that
-  // this cannot fail.
-  void WakePipeline();
+  // Makes the pipeline of a configured stream; OnConfig has checked that this
+  // cannot fail.
+  void MakePipeline();
 
   const ModelSource* models_;
   Options options_;
@@ -104,15 +104,15 @@ class StreamSession {
   // Set by config.
   StreamSettings settings_;
   std::optional<PinnedModel> pinned_;
-  // From the first frame on: most of a stream's memory.
+  // Made for the first frame, because it is most of a stream's memory.
   std::unique_ptr<ContactPipeline> pipeline_;
   std::optional<FrameDecoder> decoder_;
   std::optional<PosteriorWriter> writer_;
 
   uint64_t frames_ = 0;
-  // Of the trial that is open; 0 if none is.
+  // Frames of the open trial; 0 if none is open.
   uint64_t trial_frames_ = 0;
-  // As of the frame before, for RESULT_CADENCE_ON_CHANGE.
+  // Values after the frame before, for RESULT_CADENCE_ON_CHANGE.
   ContactState last_state_ = ContactState::kNoContact;
   int last_best_class_ = 0;
 };
