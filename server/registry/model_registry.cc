@@ -46,6 +46,7 @@ absl::Status ModelRegistry::Add(absl::string_view model,
   std::vector<PinnedModel>& versions = models_[name];
   pinned.version_name = absl::StrCat(name, kVersions, versions.size() + 1);
   versions.push_back(std::move(pinned));
+  generation_.fetch_add(1);
   return absl::OkStatus();
 }
 
@@ -84,7 +85,7 @@ absl::StatusOr<std::string> ReadBundleFile(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return IoError(path, std::strerror(errno));
   std::string bytes;
-  // A byte more than allowed tells the file that is too large.
+  // One byte more than the limit shows that the file is too large.
   bytes.resize(limits::kMaxBundleBytes + 1);
   file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   if (file.bad()) return IoError(path, "read failed");

@@ -1,12 +1,15 @@
 // File: model_source.h
 //
-// ModelSource: where a stream finds the model it will use until its end. The
-// registry implements it; tests bring their own.
+// ModelSource: finds the model that a stream uses until its end. The registry
+// implements it; tests have implementations of their own.
 //
-// Find may be called from any thread. The returned share keeps the model
-// alive, whatever the source does later.
+//   auto pinned = models.Find("default");
+//
+// Thread-safe. The returned pointer keeps the model alive, whatever the source
+// does later.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -16,7 +19,7 @@
 
 namespace tactus::server {
 
-// One version of a model, held for as long as this is.
+// One version of a model; keeps it in memory.
 struct PinnedModel {
   std::shared_ptr<const CompiledModel> model;
   // "models/M/versions/V".
@@ -32,6 +35,10 @@ class ModelSource {
   // `name` is "default", "M", "models/M" or "models/M/versions/V"; empty
   // means "default". MODEL_NOT_FOUND otherwise.
   virtual absl::StatusOr<PinnedModel> Find(absl::string_view name) const = 0;
+
+  // Changes whenever a later Find may return another version for a name.
+  // Lock-free: streams compare it with each message.
+  virtual uint64_t generation() const { return 0; }
 };
 
 }  // namespace tactus::server

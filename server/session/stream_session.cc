@@ -44,6 +44,7 @@ absl::Status StreamSession::OnRequest(
 absl::Status StreamSession::Take(const v1::ClassifyContactRequest& request) {
   if (finishing_) return StreamFinished();
   responses_.BeginRequest();
+  if (pinned_ && models_->generation() != generation_) CheckForNewerModel();
   return EndIfError(Dispatch(request));
 }
 
@@ -75,6 +76,8 @@ void StreamSession::EndRequest(int64_t start_ns, int64_t now_ns) {
 absl::Status StreamSession::OnConfig(const v1::StreamConfig& config) {
   if (pinned_) return ConfigRepeated();
   TACTUS_ASSIGN_OR_RETURN(settings_, ParseStreamConfig(config));
+  // Before Find: a version added in between is then found by the next message.
+  generation_ = models_->generation();
   TACTUS_ASSIGN_OR_RETURN(PinnedModel pinned, models_->Find(settings_.model));
   TACTUS_RETURN_IF_ERROR(ContactPipeline::Check(settings_.layout, *pinned.model,
                                                 settings_.pipeline));
@@ -89,6 +92,17 @@ void StreamSession::MakePipeline() {
   pipeline_ = *ContactPipeline::Create(settings_.layout, pinned_->model,
                                        settings_.pipeline);
   last_best_class_ = pipeline_->classifier().best_class();
+}
+
+void StreamSession::CheckForNewerModel() {
+  generation_ = models_->generation();
+  if (superseded_) return;
+  const auto newest = models_->Find(settings_.model);
+  superseded_ = newest.ok() && newest->version_name != pinned_->version_name;
+  if (superseded_) {
+    responses_.AddMessage()->mutable_notice()->set_kind(
+        v1::StreamNotice::KIND_MODEL_SUPERSEDED);
+  }
 }
 
 void StreamSession::WriteStarted() {

@@ -94,6 +94,9 @@ class StreamSession {
   // Makes the pipeline of a configured stream; OnConfig has checked that this
   // cannot fail.
   void MakePipeline();
+  // Adds a notice, once per stream, if the name in the config now stands for
+  // another version.
+  void CheckForNewerModel();
 
   const ModelSource* models_;
   Options options_;
@@ -104,6 +107,10 @@ class StreamSession {
   // Set by config.
   StreamSettings settings_;
   std::optional<PinnedModel> pinned_;
+  // Of models_ when it was asked last.
+  uint64_t generation_ = 0;
+  // The client was sent KIND_MODEL_SUPERSEDED.
+  bool superseded_ = false;
   // Made for the first frame, because it is most of a stream's memory.
   std::unique_ptr<ContactPipeline> pipeline_;
   std::optional<FrameDecoder> decoder_;
