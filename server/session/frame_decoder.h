@@ -1,7 +1,7 @@
 // File: frame_decoder.h
 //
-// FrameDecoder: turns FrameBatch messages into frames of floats, after
-// checking everything in them.
+// FrameDecoder: checks FrameBatch messages and turns them into frames of
+// floats.
 //
 //   FrameDecoder decoder(settings);
 //   TACTUS_RETURN_IF_ERROR(decoder.Check(batch));   // all or nothing
@@ -10,9 +10,9 @@
 //   }
 //   decoder.Accept(batch);
 //
-// Of a sparse frame it writes and checks only the listed taxels, and clears
-// those that the frame decoded before it had set. Allocates at construction
-// only. Not thread-safe: one per stream.
+// For a sparse frame it writes and checks only the listed taxels, and clears
+// the taxels that the frame decoded before had set. Allocates only in the
+// constructor. Not thread-safe: one per stream.
 #pragma once
 
 #include <cstdint>
@@ -30,20 +30,19 @@ class FrameDecoder {
  public:
   explicit FrameDecoder(const StreamSettings& settings);
 
-  // OK if every frame of `batch` may be used after those accepted so far;
-  // else the stream's error. Changes nothing that Frame depends on.
+  // OK if every frame of `batch` may follow the frames accepted so far; else
+  // the stream's error.
   absl::Status Check(const v1::FrameBatch& batch);
 
-  // Frame `index` of the batch that passed Check last; valid until the next
-  // call.
-  // `missing_before` is left at 0: what counts as a gap is the session's.
+  // Frame `index` of the batch that passed Check last, in order from 0; valid
+  // until the next call. `missing_before` is 0: the session counts gaps.
   FrameView Frame(const v1::FrameBatch& batch, uint32_t index);
 
-  // Remembers the order of a batch that was used.
+  // Sets the sequence number and time that the next batch must follow.
   void Accept(const v1::FrameBatch& batch);
 
   uint64_t last_sequence() const { return last_sequence_.value_or(0); }
-  // Frames accepted so far of which only listed taxels were looked at.
+  // Accepted frames of which only the listed taxels were written and checked.
   uint64_t sparse_frames() const { return sparse_frames_; }
   int64_t CaptureTime(const v1::FrameBatch& batch, uint32_t index) const;
 
@@ -55,9 +54,9 @@ class FrameDecoder {
   absl::Status CheckValues(const v1::FrameBatch& batch);
   absl::Status CheckListedValues(const v1::FrameBatch& batch) const;
 
-  // Fill taxels_ with the values in the layout's unit. Sparse frames are read
-  // one after another: `sparse_entry_` runs along. True if all values are
-  // known to be good.
+  // Fill taxels_ with values in the layout's unit. Sparse frames are read in
+  // order; `sparse_entry_` is the next entry. True if all values are known to
+  // be good.
   bool DecodeFrame(const v1::FrameBatch& batch, uint32_t index);
   bool DecodeDense(const v1::FrameBatch& batch, uint32_t index);
   void DecodeSparse(const v1::FrameBatch& batch, uint32_t index);
@@ -73,14 +72,14 @@ class FrameDecoder {
   double scale_;
   bool with_poses_;
   double frame_period_ns_;
-  // Empty if no taxel is masked, else one byte a taxel, 0 = ignore.
+  // Empty if no taxel is masked, else one byte per taxel, 0 = ignore.
   std::vector<uint8_t> mask_;
 
   // The frame decoded last.
   std::vector<float> taxels_;
   Pose pose_;
   size_t sparse_entry_ = 0;
-  // If it was sparse, the taxels it listed, and no other is set.
+  // If it was sparse: only the taxels in `listed_` are set.
   bool skip_unlisted_;
   bool listed_only_ = false;
   std::vector<uint16_t> listed_;

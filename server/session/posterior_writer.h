@@ -1,10 +1,14 @@
 // File: posterior_writer.h
 //
-// PosteriorWriter: writes what the pipeline knows after a frame into a
-// Posterior, and remembers what the pipeline does not: sequence numbers and
-// capture times of onset and decision.
+// PosteriorWriter: writes the pipeline's results after a frame into a
+// Posterior. It keeps the sequence numbers and capture times of onset and
+// decision, which the pipeline does not know.
 //
-// Allocates nothing once its messages have grown. Not thread-safe.
+//   writer.OnFrame(pipeline.Step(frame), sequence, time_ns, missing_before);
+//   writer.Write(pipeline, false, posterior);
+//
+// Allocates nothing once the posteriors have grown to their size. Not
+// thread-safe: one per stream.
 #pragma once
 
 #include <cstdint>
@@ -19,14 +23,14 @@ class PosteriorWriter {
   explicit PosteriorWriter(bool with_features)
       : with_features_(with_features) {}
 
-  // Takes note of the frame that gave `report`; `missing_before` frames were
+  // Records the frame that `report` belongs to; `missing_before` frames were
   // lost directly before it.
   void OnFrame(const ContactReport& report, uint64_t sequence,
                int64_t capture_time_ns, uint64_t missing_before);
-  // Forgets the trial.
+  // Resets what belongs to a trial.
   void OnEndOfTrial();
 
-  // Overwrites all of `posterior` but server_compute_ns, queue_ns and
+  // Overwrites all fields of `posterior` except server_compute_ns, queue_ns and
   // superseded.
   void Write(const ContactPipeline& pipeline, bool is_final,
              v1::Posterior* posterior) const;

@@ -21,13 +21,13 @@ constexpr uint8_t kSparseTag =
     WireFormatLite::MakeTag(v1::FrameBatch::kSparseFieldNumber,
                             WireFormatLite::WIRETYPE_LENGTH_DELIMITED);
 
-// What the first block of a message shows of it.
-struct Glance {
+// Fields that the first block of a message contains.
+struct FirstBlock {
   bool frames = false;
   bool sparse = false;
 };
 
-Glance LookAhead(google::protobuf::io::ZeroCopyInputStream* bytes) {
+FirstBlock ReadFirstBlock(google::protobuf::io::ZeroCopyInputStream* bytes) {
   const void* data = nullptr;
   int size = 0;
   do {
@@ -36,25 +36,26 @@ Glance LookAhead(google::protobuf::io::ZeroCopyInputStream* bytes) {
   bytes->BackUp(size);
   CodedInputStream block(static_cast<const uint8_t*>(data), size);
   uint32_t batch_size = 0;
-  Glance glance;
-  glance.frames = block.ReadTag() == kFramesTag;
-  if (!glance.frames || !block.ReadVarint32(&batch_size)) return glance;
+  FirstBlock first;
+  first.frames = block.ReadTag() == kFramesTag;
+  if (!first.frames || !block.ReadVarint32(&batch_size)) return first;
   const auto limit = block.PushLimit(static_cast<int>(batch_size));
   for (uint32_t tag = block.ReadTag(); tag != 0; tag = block.ReadTag()) {
-    if (tag == kSparseTag) glance.sparse = true;
-    if (glance.sparse || !WireFormatLite::SkipField(&block, tag)) break;
+    if (tag == kSparseTag) first.sparse = true;
+    if (first.sparse || !WireFormatLite::SkipField(&block, tag)) break;
   }
   block.PopLimit(limit);
-  return glance;
+  return first;
 }
 
-void ForgetUnknownFields(google::protobuf::Message* message) {
+void ClearUnknownFields(google::protobuf::Message* message) {
   const google::protobuf::Reflection& reflection = *message->GetReflection();
   if (reflection.GetUnknownFields(*message).empty()) return;
   reflection.MutableUnknownFields(message)->Clear();
 }
 
-// As if new, with its memory; `sparse`: an empty field of that name will do.
+// Clears the batch but keeps its memory. With `sparse`, the field `sparse`
+// stays set and empty, because the next message has it too.
 void Reuse(bool sparse, v1::FrameBatch* batch) {
   batch->set_first_sequence(0);
   batch->set_first_capture_time_ns(0);
@@ -66,23 +67,22 @@ void Reuse(bool sparse, v1::FrameBatch* batch) {
     frames->mutable_counts()->Clear();
     if (!frames->indices().empty()) frames->mutable_indices()->clear();
     if (!frames->values().empty()) frames->mutable_values()->clear();
-    ForgetUnknownFields(frames);
+    ClearUnknownFields(frames);
   } else {
     batch->clear_sparse();
   }
   batch->mutable_poses()->Clear();
-  ForgetUnknownFields(batch);
+  ClearUnknownFields(batch);
 }
 
 }  // namespace
 
 bool ParseRequest(google::protobuf::io::ZeroCopyInputStream* bytes,
                   v1::ClassifyContactRequest* request) {
-  const Glance glance = LookAhead(bytes);
-  if (request->has_frames() && glance.frames) {
-    // What is merged into it now was sent.
-    Reuse(glance.sparse, request->mutable_frames());
-    ForgetUnknownFields(request);
+  const FirstBlock first = ReadFirstBlock(bytes);
+  if (request->has_frames() && first.frames) {
+    Reuse(first.sparse, request->mutable_frames());
+    ClearUnknownFields(request);
   } else {
     request->Clear();
   }

@@ -1,13 +1,13 @@
 // File: request_parser.h
 //
-// Parses request messages into one that is used again: frames after frames
-// allocate nothing, where protobuf's own parsing gives the memory of a oneof
-// back and takes it anew each time.
+// Parses request messages into one message that is reused. Protobuf's own
+// parsing frees and allocates the fields of a oneof for each message; this one
+// allocates nothing when frames follow frames.
 //
 //   if (!ParseRequest(&bytes, &request)) return MalformedRequest(size);
 //
-// The result is what ParseFromZeroCopyStream would give. A free function
-// without state.
+// The result equals that of ParseFromZeroCopyStream. Thread-safe: a free
+// function without state.
 #pragma once
 
 #include "google/protobuf/io/zero_copy_stream.h"
@@ -15,7 +15,7 @@
 
 namespace tactus::server {
 
-// False if the bytes are no request; `request` holds anything then.
+// False if the bytes are not a request; `request` is then unspecified.
 bool ParseRequest(google::protobuf::io::ZeroCopyInputStream* bytes,
                   v1::ClassifyContactRequest* request);
 

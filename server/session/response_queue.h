@@ -1,8 +1,9 @@
 // File: response_queue.h
 //
-// ResponseQueue: answers of one stream that wait to be written, in order and
-// bounded. Interim posteriors that a slow reader left waiting give way to
-// those of the next request message; everything else stays until written.
+// ResponseQueue: the answers of one stream that wait to be written, in order.
+// Its size is bounded: interim posteriors that still wait are dropped when a
+// later request message adds its own. All other answers stay until they are
+// written.
 //
 //   queue.BeginRequest();
 //   WriteInto(queue.AddInterim());
@@ -10,8 +11,8 @@
 //   if (const auto* response = queue.StartWrite(now_ns)) { ... }
 //   queue.FinishWrite();
 //
-// Messages are kept and used again, so that a stream in its stride allocates
-// nothing here. Not thread-safe: one per stream.
+// Messages are reused, so a running stream allocates nothing here. Not
+// thread-safe: one per stream.
 #pragma once
 
 #include <cstdint>
@@ -24,32 +25,33 @@ namespace tactus::server {
 
 class ResponseQueue {
  public:
-  // Opens a request message: interim posteriors added now supersede those
-  // that wait from messages before.
+  // Starts a request message: interim posteriors added from now on replace
+  // those of earlier messages that still wait.
   void BeginRequest();
 
-  // Places to write to. The posterior holds old values: overwrite every field
-  // but server_compute_ns, queue_ns and superseded. Valid until written out.
+  // Add an answer and return it for writing. A posterior holds old values:
+  // overwrite every field except server_compute_ns, queue_ns and superseded.
+  // The pointer is valid until FinishWrite.
   v1::Posterior* AddInterim();
   v1::Posterior* AddFinal();
   v1::ClassifyContactResponse* AddMessage();
 
-  // Closes a request message that took `elapsed_ns` to compute and ended at
-  // `now_ns`; shares the time among the posteriors it brought.
+  // Ends a request message that took `elapsed_ns` to compute and ended at
+  // `now_ns`. Divides the time among its posteriors.
   void EndRequest(int64_t elapsed_ns, int64_t now_ns);
 
-  // The next answer, which stays in place until FinishWrite; null if none
-  // waits or one is being written.
+  // The next answer, valid until FinishWrite; null if none waits or one is
+  // being written.
   const v1::ClassifyContactResponse* StartWrite(int64_t now_ns);
   void FinishWrite();
 
-  // Nothing waits and nothing is being written.
+  // True if nothing waits and nothing is being written.
   bool empty() const { return waiting_.empty() && writing_ == nullptr; }
-  // As many finals wait as a stream may owe: read no further request.
+  // True if the maximum number of finals waits: read no further request.
   bool full() const;
   // Interim posteriors dropped so far.
   uint64_t superseded() const { return superseded_; }
-  // Answers that wait; for tests of the bound.
+  // Number of answers that wait.
   size_t size() const { return waiting_.size(); }
 
  private:
@@ -67,12 +69,12 @@ class ResponseQueue {
   // In the order of writing.
   std::vector<std::unique_ptr<Entry>> waiting_;
   std::unique_ptr<Entry> writing_;
-  // Written posteriors, for use again.
+  // Written posteriors, for reuse.
   std::vector<std::unique_ptr<Entry>> spare_;
   size_t waiting_finals_ = 0;
   uint64_t request_ = 0;
   uint64_t superseded_ = 0;
-  // Compute time of requests that brought no posterior.
+  // Compute time of earlier requests without a posterior.
   int64_t carried_ns_ = 0;
 };
 

@@ -1,7 +1,7 @@
 // File: stream_settings.h
 //
-// StreamSettings: a StreamConfig after every field was checked and every
-// default filled in.
+// StreamSettings: a StreamConfig with every field checked and every default
+// filled in.
 //
 //   auto settings = ParseStreamConfig(config);
 //
