@@ -3,7 +3,7 @@
 // TactusServer: all services on their addresses, from start to drained stop.
 //
 //   TACTUS_ASSIGN_OR_RETURN(auto server, TactusServer::Start(&registry, {}));
-//   ...
+//   // ... until the process is to end ...
 //   server->Stop();
 //
 // Thread-safe but for Stop, which is called once. `models` must outlive it.

@@ -23,7 +23,7 @@ class SimDriver : public TrialDriver {
  public:
   struct Options {
     uint64_t seed = 1;
-    RenderOptions render;
+    RenderOptions render = {};
   };
 
   SimDriver(const Options& options, size_t trials, const Shard& shard)

@@ -13,7 +13,7 @@
 //   while (true) {
 //     TACTUS_ASSIGN_OR_RETURN(ReadResult result, driver.Read(frame));
 //     if (result == ReadResult::kEndOfData) break;
-//     ...
+//     Use(frame);
 //   }
 //
 // A call in the wrong state fails and changes nothing. So does a call in which

@@ -4,7 +4,7 @@
 //
 //   FrameEncoder encoder(info, {.sparse = true});
 //   encoder.Add(frame);
-//   stream->Send(encoder.request());
+//   TACTUS_RETURN_IF_ERROR(stream->Send(encoder.request()));
 //   encoder.Clear();
 //
 // Sequence numbers count the frames added, from 1. Keeps its message's

@@ -4,10 +4,11 @@
 // operation carries its tag():
 //
 //   class Call {
+//     void Start() { stream.Read(&message, read_done_.tag()); }
 //     void OnRead(bool ok);
 //     MemberEvent<Call> read_done_{this, &Call::OnRead};
 //   };
-//   stream.Read(&message, read_done_.tag());
+//
 //   static_cast<CallEvent*>(tag)->OnEvent(ok);
 //
 // Must live until the queue has returned it. Not thread-safe.

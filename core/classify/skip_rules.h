@@ -6,7 +6,8 @@
 //
 //   ContactPipeline::Options options;
 //   options.skip[SkipRule::kUnchangedFrames] = false;
-//   ...
+//   TACTUS_ASSIGN_OR_RETURN(auto pipeline,
+//                           ContactPipeline::Create(layout, model, options));
 //   pipeline->skipped()[SkipRule::kUntouchedFrames];
 //
 // Plain data; thread-safe.

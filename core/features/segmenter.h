@@ -7,7 +7,7 @@
 //   Segmenter segmenter(layout);
 //   if (segmenter.Segment(frame.taxels) > 0) {
 //     const Region& region = segmenter.largest();
-//     ... region.max_value, region.taxels, region.centroid_row ...
+//     Use(region.max_value, region.taxels, region.centroid_row);
 //   }
 //
 // Owns its workspace: nothing is allocated per frame. Not thread-safe; one per

@@ -5,7 +5,7 @@
 // cannot hold.
 //
 //   const ScaledModel<float> packed({&model_a, &model_b}, UnitScale(3));
-//   ScaledFilter<float> filter(packed, Score::kForward);
+//   ScaledFilter<float> filter(packed, {}, Score::kForward);
 //
 // Thread-safe: immutable.
 #pragma once

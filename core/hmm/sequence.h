@@ -2,7 +2,7 @@
 //
 // The observations of one trial, as training sees them.
 //
-//   std::vector<double> data = ...;  // [T x D] row-major
+//   std::vector<double> data(frames * dimensions);  // [T x D] row-major
 //   SequenceView view{data.data(), frames, dimensions};
 //
 // Owns nothing; the data must outlive the view.

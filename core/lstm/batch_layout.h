@@ -4,8 +4,9 @@
 // sequence first, a row each for step 0, then as many rows for step 1 as
 // sequences reach it, and so on. Products over all steps take no padding.
 //
+//   const int steps[] = {4, 9, 9};
 //   BatchLayout layout;
-//   layout.Arrange({4, 9, 9});  // 9 + 9 + 4 rows, in the order 1, 2, 0
+//   layout.Arrange(steps);  // 9 + 9 + 4 rows, in the order 1, 2, 0
 //
 // Not thread-safe.
 #pragma once

@@ -7,7 +7,15 @@
 // order at any width, so every CPU gives the same bits.
 //
 //   LstmBuffer c(5 * Padded(200));
-//   BestLstmKernels().product({.rows = 5, .inner = 50, .columns = 208, ...});
+//   BestLstmKernels().product({.rows = 5,
+//                              .inner = 50,
+//                              .columns = Padded(200),
+//                              .a = input,
+//                              .a_row = 50,
+//                              .b = weights,
+//                              .b_row = Padded(200),
+//                              .c = c.data(),
+//                              .c_row = Padded(200)});
 //
 // All rows of c, of b and of one number per cell are as long as Padded() makes
 // them; what lies in the padding is finite and counts for nothing. Kernels

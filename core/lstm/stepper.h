@@ -8,7 +8,7 @@
 //   LstmStepper stepper(lstm);
 //   for (const auto& features : scaled_features) {
 //     stepper.Step(features);
-//     ... stepper.probability() ...
+//     Use(stepper.probability());
 //   }
 //
 // A stepper may run several streams in step, each with its own state: weights

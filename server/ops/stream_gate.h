@@ -3,7 +3,7 @@
 // StreamGate: how many streams there are, and whether another may come.
 //
 //   if (!gate.TryEnter()) return StreamLimit(gate.limit());
-//   ...
+//   // ... serve the stream ...
 //   gate.Leave(frames);
 //
 // Thread-safe, lock-free.

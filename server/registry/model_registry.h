@@ -5,7 +5,7 @@
 // it. A bad bundle changes nothing.
 //
 //   ModelRegistry registry;
-//   registry.Add("default", DefaultBundle());
+//   TACTUS_RETURN_IF_ERROR(registry.Add("default", DefaultBundle()));
 //   auto pinned = registry.Find("default");
 //
 // Thread-safe. Streams lock it for a look-up when they start and after a

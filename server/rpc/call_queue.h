@@ -7,7 +7,7 @@
 //   CallQueue queue(builder.AddCompletionQueue());
 //   const auto server = builder.BuildAndStart();
 //   queue.Start();
-//   queue.Post([] { ... });
+//   queue.Post([] { Use(); });
 //   server->Shutdown(deadline);
 //   queue.Stop();
 //

@@ -4,7 +4,7 @@
 // streams.
 //
 //   builder.RegisterService(&service);
-//   ...
+//   const auto server = builder.BuildAndStart();
 //   service.Serve(&queue);
 //
 // Thread-safe. The delegates' functions are called on the thread of each call's

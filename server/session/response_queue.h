@@ -8,7 +8,7 @@
 //   queue.BeginRequest();
 //   WriteInto(queue.AddInterim());
 //   queue.EndRequest(elapsed_ns, now_ns);
-//   if (const auto* response = queue.StartWrite(now_ns)) { ... }
+//   if (const auto* response = queue.StartWrite(now_ns)) Write(*response);
 //   queue.FinishWrite();
 //
 // Messages are reused, so a running stream allocates nothing here. Not

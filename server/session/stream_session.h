@@ -4,13 +4,15 @@
 // requests, puts answers into responses(), and ends with a status.
 //
 //   StreamSession session(models, {.stream_id = "7"});
-//   session.OnMessage(&bytes, size, &request);
+//   session.OnMessage(&bytes, size, &request).IgnoreError();
 //   session.EndRequest(start_ns, now_ns);
 //   while (auto* answer = session.responses().StartWrite(now_ns)) {
 //     Write(*answer);
 //     session.responses().FinishWrite();
 //   }
-//   if (session.state() == StreamSession::State::kDone) Finish(...);
+//   if (session.state() == StreamSession::State::kDone) {
+//     Finish(session.final_status());
+//   }
 //
 //   WAIT_CONFIG --config--> STREAMING --half-close, error, Finish--> FINISHING
 //   FINISHING --all answers written--> DONE
@@ -40,8 +42,8 @@ namespace tactus::server {
 class StreamSession {
  public:
   struct Options {
-    std::string stream_id;
-    std::string server_version;
+    std::string stream_id = {};
+    std::string server_version = {};
     // Only reported to the client; 0 means no timeout.
     uint32_t idle_timeout_ms = 0;
   };

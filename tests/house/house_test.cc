@@ -4,6 +4,7 @@
 #include <functional>
 #include <iterator>
 
+#include "absl/strings/match.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/house/house_rules.h"
@@ -95,6 +96,41 @@ TEST(HouseTest, TheFirstClientIsPrintedAsItIsBuilt) {
                 HasSubstr(std::string("```") + language + "\n" + text + "```"))
         << name;
   }
+}
+
+// tests/examples compiles them; a "-inl.h" has no meaning without Highway.
+TEST(HouseTest, ExamplesAreCompiled) {
+  std::string compiled;
+  for (const auto& entry :
+       fs::directory_iterator(fs::path(Root()) / "tests/examples")) {
+    if (entry.path().extension() != ".cc") continue;
+    compiled += Condensed(ReadText(entry.path()));
+  }
+  int headers = 0;
+  ForEachSource([&](const std::string& path, const std::string& text) {
+    if (!absl::EndsWith(path, ".h") || absl::EndsWith(path, "-inl.h") ||
+        absl::StartsWith(path, "tests/") ||
+        absl::StartsWith(path, "client/tools/")) {
+      return;
+    }
+    ++headers;
+    for (const std::string& example : Examples(text)) {
+      EXPECT_TRUE(absl::StrContains(compiled, example))
+          << path << ": tests/examples does not hold its example\n"
+          << example;
+    }
+  });
+  EXPECT_GE(headers, 100);
+}
+
+TEST(ExampleRuleTest, CodeIsFoundWhateverItsLayout) {
+  EXPECT_THAT(Examples("// File: a.h\n//\n// A class:\n//\n"
+                       "//   A a(1,\n//       2);  // two\n//   a.Run();\n//\n"
+                       "//   a.Stop();\n//\n"
+                       "// - a list;\n//   its second line;\n//\n"
+                       "//   y = f(x)\n//\n// The end.\n"
+                       "#pragma once\n//\n//   int not_this;\n//\n"),
+              ElementsAre("Aa(1,2);a.Run();", "a.Stop();"));
 }
 
 TEST(PageRuleTest, LinksAndPathsAreFound) {

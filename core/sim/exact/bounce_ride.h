@@ -6,7 +6,7 @@
 // bounce is the error's estimate and sets the stride. Where a sink takes a
 // sample, the one bounce under way is solved.
 //
-//   time = RideBounces(ride, sink, next, summary);
+//   time = RideBounces(ride, time, sink, next, summary);
 //
 // Bounces too small to be felt are passed at their mean instead, see
 // SkippedBounceBound(). Stateless; thread-safe.

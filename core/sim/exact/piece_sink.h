@@ -3,7 +3,6 @@
 // What takes an exact contact (exact.h) as it is solved: in order and without
 // gaps from 0 to the scene's end.
 //
-//   class Sampler : public PieceSink { ... };
 //   TACTUS_RETURN_IF_ERROR(SolvePieces(scene, {}, sampler).status());
 //
 // Not thread-safe: one a contact.

@@ -1,0 +1,83 @@
+// The examples of public headers, as their comments show them. They only have
+// to compile; HouseTest.ExamplesAreCompiled compares the texts.
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/aligned_vector.h"
+#include "core/base/call_event.h"
+#include "core/base/errors.h"
+#include "core/base/gaussian.h"
+#include "core/base/random.h"
+#include "core/base/serialize.h"
+#include "core/base/status_macros.h"
+#include "core/bundle/model_proto.h"
+#include "core/classify/contact_pipeline.h"
+#include "core/skin/frame.h"
+#include "core/skin/geometry.h"
+#include "core/skin/layout.h"
+#include "gtest/gtest.h"
+
+namespace tactus::examples {
+
+void AlignedVectorExample() { AlignedVector<float> cells(160); }
+
+absl::StatusOr<Model> LoadModel(const std::string& path);
+
+struct SomeStream {
+  void Read(std::string* message, void* tag);
+} stream;
+std::string message;
+
+class Call {
+  void Start() { stream.Read(&message, read_done_.tag()); }
+  void OnRead(bool ok);
+  MemberEvent<Call> read_done_{this, &Call::OnRead};
+};
+
+void CallEventExample(void* tag, bool ok) {
+  static_cast<CallEvent*>(tag)->OnEvent(ok);
+}
+
+absl::Status ErrorsExample(double rate) {
+  return InvalidConfig("sample_rate_hz", rate, "above 0 and at most 10000");
+}
+
+void GaussianExample(Random& random) {
+  std::vector<double> noise(1500);
+  FillGaussian(random, noise);
+}
+
+void RandomExample(uint64_t seed) {
+  Random random(seed);
+  double noise = 0.002 * random.Gaussian();
+}
+
+absl::Status StatusMacrosExample(const SkinLayout& layout,
+                                 const std::string& path) {
+  TACTUS_RETURN_IF_ERROR(Validate(layout));
+  TACTUS_ASSIGN_OR_RETURN(Model model, LoadModel(path));
+  return absl::OkStatus();
+}
+
+void SerializeExample(const Model& model, const v1::ModelBundle& bundle) {
+  const std::string payload = SerializeDeterministic(bundle);
+  EXPECT_EQ(payload, SerializeDeterministic(ModelToProto(model)));
+}
+
+void FrameExample(std::span<const float> taxels, const Pose& pose,
+                  ContactPipeline* pipeline) {
+  FrameView frame{.taxels = taxels, .pose = &pose};
+  pipeline->Step(frame);
+}
+
+void GeometryExample(const SkinLayout& layout) {
+  const Eigen::Vector3d position = LinkPosition(layout, {.row = 3.5});
+}
+
+absl::Status LayoutExample() {
+  TACTUS_ASSIGN_OR_RETURN(SkinLayout layout, LayoutPreset("cody-forearm"));
+  return absl::OkStatus();
+}
+
+}  // namespace tactus::examples

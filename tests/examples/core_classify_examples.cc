@@ -1,0 +1,99 @@
+// The examples of public headers, as their comments show them. They only have
+// to compile; HouseTest.ExamplesAreCompiled compares the texts.
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "core/base/status_macros.h"
+#include "core/bundle/bundle.h"
+#include "core/classify/calibration.h"
+#include "core/classify/compiled_model.h"
+#include "core/classify/contact_classifier.h"
+#include "core/classify/contact_pipeline.h"
+#include "core/classify/input_spec.h"
+#include "core/classify/model.h"
+#include "core/classify/object_estimate.h"
+#include "core/classify/skip_rules.h"
+#include "core/classify/step_clock.h"
+#include "core/hmm/hmm_bank.h"
+
+namespace tactus::examples {
+
+void BundleExample(const std::string& bytes) {
+  auto model = DecodeBundle(bytes);  // a byte flipped anywhere: error
+  auto compiled = CompiledModel::Create(*std::move(model));
+}
+
+void ContactClassifierExample(std::shared_ptr<const CompiledModel> model,
+                              std::span<const ContactSample> contact) {
+  ContactClassifier classifier(model, {});
+  for (const ContactSample& sample : contact) classifier.Step(sample, 0);
+  classifier.probability();
+}
+
+void ContactPipelineExample(const SkinLayout& layout,
+                            std::shared_ptr<const CompiledModel> model,
+                            std::span<const FrameView> frames) {
+  auto pipeline = ContactPipeline::Create(layout, model, {});
+  for (const FrameView& frame : frames) {
+    const ContactReport& report = (*pipeline)->Step(frame);
+  }
+  (*pipeline)->EndTrial();
+}
+
+absl::Status SkipRulesExample(const SkinLayout& layout,
+                              std::shared_ptr<const CompiledModel> model) {
+  ContactPipeline::Options options;
+  options.skip[SkipRule::kUnchangedFrames] = false;
+  TACTUS_ASSIGN_OR_RETURN(auto pipeline,
+                          ContactPipeline::Create(layout, model, options));
+  pipeline->skipped()[SkipRule::kUntouchedFrames];
+  return absl::OkStatus();
+}
+
+void CalibrationExample(const Calibration& calibration, double frames,
+                        std::span<const double> log_prior,
+                        std::span<const double> log_likelihood,
+                        std::span<double> hmm, std::span<const double> lstm,
+                        std::span<double> fused) {
+  const CalibrationPoint point = CalibrationAt(calibration, frames);
+  TemperedPosterior(log_prior, log_likelihood, point.hmm_inverse_temperature,
+                    hmm);
+  FusePosteriors(hmm, lstm, point.lstm_weight, fused);
+}
+
+absl::Status CompiledModelExample(Model plain) {
+  TACTUS_ASSIGN_OR_RETURN(auto model, CompiledModel::Create(std::move(plain)));
+  ContactClassifier classifier(model, {});
+  return absl::OkStatus();
+}
+
+void InputSpecExample(const Model& model, CueTracker& cues,
+                      std::span<double> input, BankFilter& hmms) {
+  MakeInput(model.inputs.hmm, cues, input);
+  hmms.Step(input);
+}
+
+absl::Status ModelExample(const std::string& bytes) {
+  TACTUS_ASSIGN_OR_RETURN(Model model, DecodeBundle(bytes));
+  TACTUS_ASSIGN_OR_RETURN(auto compiled, CompiledModel::Create(model));
+  return absl::OkStatus();
+}
+
+void ObjectEstimateExample(const double* mean, const double* deviation,
+                           double motion_m) {
+  const ObjectEstimate estimate = DecodeEstimate(mean, deviation, motion_m);
+  estimate.moved_m;
+}
+
+void StepClockExample(const Model& model, bool in_contact, BankFilter& hmms,
+                      std::span<const double> input) {
+  StepClock clock(model.inputs.hmm_steps);
+  for (uint64_t frames = 1; in_contact; ++frames) {
+    if (clock.Tick(frames)) hmms.Step(input);
+  }
+  clock.Reset();  // before the next contact
+}
+
+}  // namespace tactus::examples

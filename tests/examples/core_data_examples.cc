@@ -1,0 +1,93 @@
+// The examples of public headers, as their comments show them. They only have
+// to compile; HouseTest.ExamplesAreCompiled compares the texts.
+#include <string>
+#include <vector>
+
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+#include "core/data/csv.h"
+#include "core/data/file_bytes.h"
+#include "core/data/hdf5_handle.h"
+#include "core/data/hdf5_probe.h"
+#include "core/data/hdf5_read.h"
+#include "core/data/import.h"
+#include "core/data/npy.h"
+#include "core/data/trial.h"
+#include "core/data/trial_file.h"
+#include "core/data/trial_layout.h"
+
+namespace tactus::examples {
+
+absl::Status CsvExample() {
+  TACTUS_ASSIGN_OR_RETURN(CsvTable table, CsvTable::Read("index.csv"));
+  TACTUS_ASSIGN_OR_RETURN(size_t object, table.Column("object"));
+  table.text(0, object);
+  return absl::OkStatus();
+}
+
+absl::Status FileBytesExample(const std::string& path) {
+  TACTUS_ASSIGN_OR_RETURN(std::string text, ReadFileBytes(path, 1 << 20));
+  return absl::OkStatus();
+}
+
+absl::Status Hdf5HandleExample(const char* path) {
+  const Hdf5Quiet quiet;
+  Hdf5Handle file(H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  if (!file.ok()) return TrialFileInvalid(path, Hdf5LastError());
+  return absl::OkStatus();
+}
+
+void ReadItAll(const std::string& path);
+
+absl::Status Hdf5ProbeExample(const std::string& path) {
+  TACTUS_RETURN_IF_ERROR(ProbeInChild(path, [&] { ReadItAll(path); }));
+  return absl::OkStatus();
+}
+
+absl::Status Hdf5ReadExample(const std::string& path, hid_t group) {
+  const Hdf5Complaint complain(path, "000007");
+  double rate = 100;
+  TACTUS_RETURN_IF_ERROR(ReadNumber(group, "sample_rate_hz", complain, &rate));
+  return absl::OkStatus();
+}
+
+absl::Status ImportExample(const std::string& dir, const std::string& out) {
+  TACTUS_ASSIGN_OR_RETURN(auto writer, TrialFileWriter::Create(out, {}));
+  TACTUS_RETURN_IF_ERROR(ImportTrials(dir, [&](Trial trial) {
+                           return writer.Append(trial);
+                         }).status());
+  return absl::OkStatus();
+}
+
+absl::Status NpyExample() {
+  TACTUS_ASSIGN_OR_RETURN(NpyArray array, ReadNpy("trials/0000.npy"));
+  return absl::OkStatus();
+}
+
+void TrialExample(const Trial& trial) {
+  std::vector<float> frame(trial.taxels.rows * trial.taxels.columns);
+  for (size_t t = 0; t < trial.taxels.frames(); ++t) {
+    trial.taxels.Decode(t, frame.data());
+  }
+}
+
+absl::Status TrialFileExample(const std::string& path, const Trial& trial) {
+  {
+    TACTUS_ASSIGN_OR_RETURN(auto writer, TrialFileWriter::Create(path, {}));
+    TACTUS_RETURN_IF_ERROR(writer.Append(trial));
+    TACTUS_RETURN_IF_ERROR(writer.Close());
+  }
+  TACTUS_ASSIGN_OR_RETURN(auto reader, TrialFileReader::Open(path));
+  for (size_t i = 0; i < reader.size(); ++i) {
+    TACTUS_ASSIGN_OR_RETURN(Trial trial, reader.Read(i));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status TrialLayoutExample(const Trial& trial) {
+  TACTUS_ASSIGN_OR_RETURN(SkinLayout given, ReadLayoutFile("palm.json"));
+  TACTUS_ASSIGN_OR_RETURN(SkinLayout skin, LayoutOfTrial(trial, &given));
+  return absl::OkStatus();
+}
+
+}  // namespace tactus::examples

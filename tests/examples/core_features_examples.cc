@@ -1,0 +1,80 @@
+// The examples of public headers, as their comments show them. They only have
+// to compile; HouseTest.ExamplesAreCompiled compares the texts.
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/status_macros.h"
+#include "core/features/contact_tracker.h"
+#include "core/features/cues.h"
+#include "core/features/feature.h"
+#include "core/features/load_profile.h"
+#include "core/features/segmenter.h"
+#include "core/features/touched.h"
+#include "core/skin/taxel_values.h"
+
+namespace tactus::examples {
+
+void Use(float force, int taxels, double row);
+
+struct SomeModel {
+  void Reset();
+  void Step(const ContactSample& sample);
+};
+
+void ContactTrackerExample(const SkinLayout& layout,
+                           std::span<const FrameView> frames,
+                           SomeModel& model) {
+  ContactTracker tracker(layout, {.sample_rate_hz = 100});
+  for (const FrameView& frame : frames) {
+    const FrameFeatures& features = tracker.Step(frame);
+    if (tracker.onset()) model.Reset();
+    if (tracker.state() == ContactState::kInContact) {
+      model.Step(features.sample());
+    }
+  }
+}
+
+void CuesExample(const ContactSample& sample) {
+  CueTracker tracker(/*sample_rate_hz=*/100);
+  tracker.Step(sample, /*frames_since_onset=*/1);
+  double cue = tracker.value(Cue::kLogSpring);
+}
+
+void LoadProfileExample(Segmenter& segmenter, const FrameView& frame,
+                        std::span<double> row_loads,
+                        std::span<double> column_loads) {
+  segmenter.Segment(frame.taxels);
+  segmenter.SumLoads(frame.taxels, row_loads, column_loads);
+  const LoadProfile profile = MakeLoadProfile(row_loads, column_loads);
+}
+
+void SegmenterExample(const SkinLayout& layout, const FrameView& frame) {
+  Segmenter segmenter(layout);
+  if (segmenter.Segment(frame.taxels) > 0) {
+    const Region& region = segmenter.largest();
+    Use(region.max_value, region.taxels, region.centroid_row);
+  }
+}
+
+void TouchedExample(std::span<const float> taxels, float threshold) {
+  std::vector<uint64_t> bits(TouchedWords(taxels.size()));
+  if (FindTouched(taxels, threshold, bits)) {
+    const TouchedSum sum = SumTouched(taxels, bits);
+  }
+}
+
+void FindTheBadOne();
+
+void TaxelValuesExample(const char* wire, double scale, float limit,
+                        std::span<float> taxels) {
+  if (!ScaleTaxels<uint16_t>(wire, scale, limit, taxels)) FindTheBadOne();
+}
+
+absl::Status FeatureExample(const ContactSample& sample) {
+  TACTUS_ASSIGN_OR_RETURN(auto features, ParseFeatures("f,m"));
+  sample.features[static_cast<int>(Feature::kForce)];
+  return absl::OkStatus();
+}
+
+}  // namespace tactus::examples

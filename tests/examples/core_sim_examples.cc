@@ -1,0 +1,174 @@
+// The examples of public headers, as their comments show them. They only have
+// to compile; HouseTest.ExamplesAreCompiled compares the texts.
+#include <string>
+#include <vector>
+
+#include "core/base/status_macros.h"
+#include "core/sim/exact/bounce.h"
+#include "core/sim/exact/bounce_ride.h"
+#include "core/sim/exact/bounce_series.h"
+#include "core/sim/exact/contact_modes.h"
+#include "core/sim/exact/contact_piece.h"
+#include "core/sim/exact/damped_pair.h"
+#include "core/sim/exact/exact.h"
+#include "core/sim/exact/first_crossing.h"
+#include "core/sim/exact/piece_signals.h"
+#include "core/sim/exact/piece_sink.h"
+#include "core/sim/experiments/cody_set.h"
+#include "core/sim/experiments/grid_set.h"
+#include "core/sim/experiments/paper_set.h"
+#include "core/sim/model/cvode.h"
+#include "core/sim/model/materials.h"
+#include "core/sim/model/reference.h"
+#include "core/sim/model/scene.h"
+#include "core/sim/skin/block_filter.h"
+#include "core/sim/skin/butterworth.h"
+#include "core/sim/skin/patch.h"
+#include "core/sim/skin/render.h"
+#include "core/sim/skin/signals.h"
+
+namespace tactus::examples {
+
+void BounceExample(const ContactScene& scene, const ContactModes& modes,
+                   bool ramping, ContactPhase phase, double time, double until,
+                   const PieceState& state) {
+  int changes_of_contact = 0;
+  BounceTrain train(scene, modes, ramping);
+  BounceMoment moment = train.MomentOf(phase, time, state);
+  while (train.Next(until, moment) > 0) ++changes_of_contact;
+}
+
+void BounceRideExample(const BounceRide& ride, PieceSink& sink,
+                       PhaseStart& next, PieceSummary& summary, double time) {
+  time = RideBounces(ride, time, sink, next, summary);
+}
+
+void BounceSeriesExample(
+    const BounceChange& first_change,
+    const BounceChange& change_of_the_bounce_after_the_stride) {
+  BounceSeries series(first_change);
+  BounceChange change = series.Sum(0.5);  // of the next stride / 2 bounces
+  series.Add(change_of_the_bounce_after_the_stride);
+}
+
+void ContactModesExample(const ContactScene& scene) {
+  ContactModes modes(scene);
+  modes.fast.fastest();
+}
+
+void ContactPieceExample(const ContactScene& scene, const ContactModes& modes) {
+  ContactPiece piece(scene, modes, ContactPhase::kStuck, /*ramping=*/true,
+                     /*begin=*/0, {});
+  PieceState later = piece.At(0.01);
+}
+
+void DampedPairExample() {
+  DampedPair pair(/*damping=*/2 * 21.6, /*stiffness=*/465);
+  PairState later = pair.After({0.001, 0}, 0.02);
+}
+
+absl::Status ExactExample(const ContactScene& scene) {
+  TACTUS_ASSIGN_OR_RETURN(Trajectory run, IntegrateExact(scene, {}));
+  return absl::OkStatus();
+}
+
+void FirstCrossingExample(const ContactPiece& piece) {
+  ModalFunction deformation = piece.Deformation();
+  double lost = FirstCrossing(deformation, /*horizon=*/0.5);
+}
+
+absl::Status PieceSignalsExample(const Cube& cube, const ContactScene& scene) {
+  PieceSignals reader(cube, scene, /*area=*/true);
+  TACTUS_RETURN_IF_ERROR(SolvePieces(scene, {}, reader).status());
+  IdealSignals signals = reader.Finish();
+  return absl::OkStatus();
+}
+
+absl::Status PieceSinkExample(const ContactScene& scene, PieceSink& sampler) {
+  TACTUS_RETURN_IF_ERROR(SolvePieces(scene, {}, sampler).status());
+  return absl::OkStatus();
+}
+
+absl::Status CodySetExample(const SkinLayout& layout, uint64_t seed) {
+  for (const CodySpec& spec : CodySpecs(layout, seed)) {
+    TACTUS_ASSIGN_OR_RETURN(auto contact, SimulateContact(spec.contact));
+    TACTUS_ASSIGN_OR_RETURN(Trial trial,
+                            CodyTaxelTrial(spec, contact, layout, {}, seed));
+  }
+  return absl::OkStatus();
+}
+
+void GridSetExample(uint64_t seed, const SimulatedContact& contact) {
+  const auto specs =
+      DrawSpecs(GridConditions({250, 4000}, {0.04}, {0.01, 0.02}), seed);
+  Trial trial = contact.Metadata();
+  trial.condition = ConditionName(contact.spec.robot);
+}
+
+absl::Status PaperSetExample(uint64_t seed) {
+  std::vector<Trial> trials;
+  auto specs = TrialSpecs(PaperConditions());
+  TACTUS_RETURN_IF_ERROR(
+      ForEachContact(specs, {}, [&](const SimulatedContact& contact) {
+        trials.push_back(SignalTrial(contact, {}, seed));
+        return absl::OkStatus();
+      }));
+  return absl::OkStatus();
+}
+
+absl::Status CvodeExample(const ContactScene& scene) {
+  TACTUS_ASSIGN_OR_RETURN(Trajectory run, IntegrateCvode(scene, {}));
+  return absl::OkStatus();
+}
+
+absl::Status ReferenceExample(const ContactScene& scene) {
+  TACTUS_ASSIGN_OR_RETURN(Trajectory run, IntegrateReference(scene, 2000));
+  return absl::OkStatus();
+}
+
+absl::Status MaterialsExample(const std::string& csv_text) {
+  TACTUS_ASSIGN_OR_RETURN(auto more, ParseMaterials(csv_text));
+  Cube cube = {more[0], /*edge_m=*/0.05, Surface::kGlass};
+  return absl::OkStatus();
+}
+
+absl::Status SceneExample() {
+  ContactScene scene;
+  scene.goal_m = 0.019;
+  TACTUS_RETURN_IF_ERROR(Validate(scene));
+  return absl::OkStatus();
+}
+
+void BlockFilterExample(const BlockFilter::Inputs& inputs) {
+  const BlockFilter& filter = BlockFilter::AntiAlias();
+  BlockFilter::Column state = {};
+  state = filter.Step(state, inputs);  // 20 inputs
+  double output = BlockFilter::Output(state);
+}
+
+void ButterworthExample(const std::vector<double>& samples) {
+  std::vector<double> filtered;
+  Butterworth6 filter(200, 2000);
+  for (double sample : samples) filtered.push_back(filter.Step(sample));
+}
+
+void PatchExample(const SkinLayout& layout, double force, int row, int column) {
+  PatchShares shares;
+  SpreadPatch(layout, {7.5, 3}, /*side_m=*/0.02, shares);
+  float newton = force * shares.Of(row, column);
+}
+
+absl::Status RenderExample(const SimulatedContact& contact,
+                           const SkinLayout& layout, uint64_t seed) {
+  int undetectable = 0;
+  TACTUS_ASSIGN_OR_RETURN(Trial trial,
+                          TaxelTrial(contact, layout, RenderOptions(), seed));
+  if (!Detectable(trial, layout)) ++undetectable;
+  return absl::OkStatus();
+}
+
+void SignalsExample(const Cube& cube, const Trajectory& trajectory) {
+  IdealSignals signals = ReadSignals(cube, trajectory);
+}
+
+}  // namespace tactus::examples

@@ -1,0 +1,172 @@
+// The examples of public headers, as their comments show them. They only have
+// to compile; HouseTest.ExamplesAreCompiled compares the texts.
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+#include "grpcpp/server_builder.h"
+#include "server/ops/health_probe.h"
+#include "server/ops/signals.h"
+#include "server/ops/skip_totals.h"
+#include "server/ops/stream_gate.h"
+#include "server/ops/tls.h"
+#include "server/registry/default_bundle.h"
+#include "server/registry/model_registry.h"
+#include "server/rpc/answer_pacing.h"
+#include "server/rpc/call_queue.h"
+#include "server/rpc/contact_call.h"
+#include "server/rpc/contact_service.h"
+#include "server/rpc/health_service.h"
+#include "server/rpc/trial_call.h"
+#include "server/server.h"
+#include "server/session/frame_decoder.h"
+#include "server/session/request_parser.h"
+#include "server/session/response_queue.h"
+#include "server/session/stream_session.h"
+#include "server/session/stream_settings.h"
+#include "server/session/trial_session.h"
+#include "spdlog/spdlog.h"
+
+namespace tactus::server::examples {
+
+using Bytes = google::protobuf::io::ZeroCopyInputStream;
+
+void Use();
+void Write(const v1::ClassifyContactResponse& response);
+
+void HealthProbeExample(const std::shared_ptr<grpc::Channel>& channel) {
+  auto serving = ProbeHealth(channel, "", std::chrono::seconds(2));
+}
+
+void SignalsExample() {
+  StopSignals signals;  // in main, before any thread starts
+  // ... start the server ...
+  signals.Wait();  // the first signal
+}
+
+void SkipTotalsExample(SkipTotals& totals, const StreamSession& session) {
+  totals.Add(session.skipped());
+  spdlog::info("skipped {}", totals.ToString());
+}
+
+absl::Status StreamGateExample(StreamGate& gate, uint64_t frames) {
+  if (!gate.TryEnter()) return StreamLimit(gate.limit());
+  // ... serve the stream ...
+  gate.Leave(frames);
+  return absl::OkStatus();
+}
+
+absl::Status TlsExample(TactusServer::Options& options) {
+  TACTUS_ASSIGN_OR_RETURN(options.tls, ReadTlsIdentity("s.crt", "s.key"));
+  return absl::OkStatus();
+}
+
+absl::Status ModelRegistryExample() {
+  ModelRegistry registry;
+  TACTUS_RETURN_IF_ERROR(registry.Add("default", DefaultBundle()));
+  auto pinned = registry.Find("default");
+  return absl::OkStatus();
+}
+
+void CallQueueExample(grpc::ServerBuilder& builder,
+                      std::chrono::system_clock::time_point deadline) {
+  CallQueue queue(builder.AddCompletionQueue());
+  const auto server = builder.BuildAndStart();
+  queue.Start();
+  queue.Post([] { Use(); });
+  server->Shutdown(deadline);
+  queue.Stop();
+}
+
+void ContactCallExample(RawContactService* service, CallQueue* queue,
+                        ContactCall::Delegate* delegate) {
+  new ContactCall(service, queue, delegate);  // awaits a call
+}
+
+void TrialCallExample(RawContactService* service, CallQueue* queue,
+                      TrialCall::Delegate* delegate) {
+  new TrialCall(service, queue, delegate);  // awaits a call
+}
+
+void ContactServiceExample(grpc::ServerBuilder& builder,
+                           ContactService& service, CallQueue& queue) {
+  builder.RegisterService(&service);
+  const auto server = builder.BuildAndStart();
+  service.Serve(&queue);
+}
+
+void HealthServiceExample(grpc::ServerBuilder& builder, HealthService& health,
+                          CallQueue& queue) {
+  health.SetServing("tactus.v1.ContactService", true);
+  builder.RegisterService(&health);
+  health.Serve(&queue);
+}
+
+absl::Status ServerExample(const ModelRegistry& registry) {
+  TACTUS_ASSIGN_OR_RETURN(auto server, TactusServer::Start(&registry, {}));
+  server->Stop();
+  return absl::OkStatus();
+}
+
+absl::Status FrameDecoderExample(const StreamSettings& settings,
+                                 const v1::FrameBatch& batch,
+                                 ContactPipeline& pipeline) {
+  FrameDecoder decoder(settings);
+  TACTUS_RETURN_IF_ERROR(decoder.Check(batch));  // all or nothing
+  for (uint32_t i = 0; i < batch.frame_count(); ++i) {
+    pipeline.Step(decoder.Frame(batch, i));
+  }
+  decoder.Accept(batch);
+  return absl::OkStatus();
+}
+
+absl::Status RequestParserExample(Bytes& bytes, size_t size) {
+  v1::ClassifyContactRequest request;
+  if (!ParseRequest(&bytes, &request)) return MalformedRequest(size);
+  return absl::OkStatus();
+}
+
+void WriteInto(v1::Posterior* posterior);
+
+void ResponseQueueExample(ResponseQueue& queue, int64_t elapsed_ns,
+                          int64_t now_ns) {
+  queue.BeginRequest();
+  WriteInto(queue.AddInterim());
+  queue.EndRequest(elapsed_ns, now_ns);
+  if (const auto* response = queue.StartWrite(now_ns)) Write(*response);
+  queue.FinishWrite();
+}
+
+void Finish(const absl::Status& status);
+
+void StreamSessionExample(const ModelSource* models, Bytes& bytes, size_t size,
+                          int64_t start_ns, int64_t now_ns) {
+  v1::ClassifyContactRequest request;
+  StreamSession session(models, {.stream_id = "7"});
+  session.OnMessage(&bytes, size, &request).IgnoreError();
+  session.EndRequest(start_ns, now_ns);
+  while (auto* answer = session.responses().StartWrite(now_ns)) {
+    Write(*answer);
+    session.responses().FinishWrite();
+  }
+  if (session.state() == StreamSession::State::kDone) {
+    Finish(session.final_status());
+  }
+}
+
+void StreamSettingsExample(const v1::StreamConfig& config) {
+  auto settings = ParseStreamConfig(config);
+}
+
+void Send(const v1::ClassifyTrialResponse& response);
+
+void TrialSessionExample(const ModelSource* models, const std::string& bytes) {
+  v1::ClassifyContactRequest request;
+  TrialSession trial(models, {.stream_id = "7"}, bytes);
+  while (!trial.done()) trial.Step(&request);
+  if (trial.status().ok()) Send(trial.response());
+}
+
+}  // namespace tactus::server::examples
