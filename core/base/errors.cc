@@ -2,6 +2,7 @@
 
 #include "absl/strings/cord.h"
 #include "core/base/serialize.h"
+#include "core/base/text.h"
 
 namespace tactus {
 namespace {
@@ -21,9 +22,9 @@ absl::Status MakeError(StatusCode code, v1::ErrorReason reason,
   info.set_reason(v1::ErrorReason_Name(reason).substr(kPrefix.size()));
   info.set_domain("tactus");
   for (const auto& [key, value] : metadata) {
-    (*info.mutable_metadata())[key] = value;
+    (*info.mutable_metadata())[key] = Printable(value);
   }
-  absl::Status status(code, message);
+  absl::Status status(code, Printable(message));
   status.SetPayload(kTypeUrl, absl::Cord(SerializeDeterministic(info)));
   return status;
 }

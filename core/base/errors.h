@@ -24,7 +24,8 @@ namespace tactus {
 using ErrorMetadata = std::vector<std::pair<std::string, std::string>>;
 
 // Makes a status of `code` whose payload is ErrorInfo{reason, "tactus",
-// metadata}.
+// metadata}. Message and metadata become one line of UTF-8 each (text.h), so
+// that values from files and messages can be quoted in them.
 absl::Status MakeError(absl::StatusCode code, v1::ErrorReason reason,
                        absl::string_view message,
                        const ErrorMetadata& metadata = {});

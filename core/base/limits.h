@@ -13,12 +13,19 @@ namespace tactus::limits {
 inline constexpr int kMaxRows = 64;
 inline constexpr int kMaxColumns = 64;
 inline constexpr int kMaxTaxels = kMaxRows * kMaxColumns;
+// Distance of neighbouring taxels in metres, and the area of one in square
+// metres: no taxel is smaller than a micrometre or larger than a metre.
+inline constexpr double kMinTaxelPitchM = 1e-6;
+inline constexpr double kMaxTaxelPitchM = 1;
+inline constexpr double kMinTaxelAreaM2 = 1e-12;
+inline constexpr double kMaxTaxelAreaM2 = 1;
 
 // One request message on a stream.
 inline constexpr uint32_t kMaxFramesPerMessage = 64;
 inline constexpr size_t kMaxMessageBytes = 64 * 1024;
 
 // Stream configuration.
+inline constexpr double kMinSampleRateHz = 0.01;
 inline constexpr double kMaxSampleRateHz = 10'000.0;
 inline constexpr uint32_t kMaxResultIntervalFrames = 10'000;
 inline constexpr uint32_t kMaxDecisionFrames = 10'000;
@@ -29,6 +36,8 @@ inline constexpr int32_t kMaxReleaseAfterMs = 60'000;
 // Largest accepted taxel value, in the layout's unit. It is larger than any
 // skin reports, and its square does not overflow.
 inline constexpr float kMaxTaxelValue = 1e12F;
+// Smallest accepted threshold of a contact, in the same unit.
+inline constexpr double kMinThreshold = 1e-38;
 // Largest accepted distance of a link from the origin in metres.
 inline constexpr double kMaxPositionM = 1e6;
 // How far a pose's quaternion may be from unit length.
@@ -65,6 +74,19 @@ inline constexpr int kMaxLstmLayers = 8;
 inline constexpr int kMaxLstmCells = 1'024;
 inline constexpr float kMaxLstmWeight = 1e6F;
 inline constexpr size_t kMaxBundleBytes = 64UL * 1024 * 1024;
+// Fields in a bundle's payload, those of nested messages included; a packed
+// list counts as one. Bounds what a small file can grow to in memory.
+inline constexpr int kMaxBundleFields = 200'000;
+// Offsets and gains of model inputs.
+inline constexpr double kMaxInputScale = 1e12;
+inline constexpr size_t kMaxCalibrationEntries = 1'000;
+inline constexpr size_t kMaxWarmUpFrames = 1'000;
+// Largest accepted signal of a warm-up trial or a trial file: a skin full of
+// the largest taxels, with room.
+inline constexpr double kMaxSignal = 1e16;
+inline constexpr size_t kMaxProvenanceBytes = 64 * 1024;
+// Largest accepted logarithm of a variance that a network regresses.
+inline constexpr double kMaxLogVariance = 200;
 
 // Simulated contacts.
 inline constexpr double kMaxSceneDurationS = 60;
@@ -76,8 +98,15 @@ inline constexpr size_t kMaxFramesPerTrial = 10'000'000;
 // One array of a trial in memory: four hours of 384 u16 taxels at 100 Hz.
 inline constexpr size_t kMaxTrialArrayBytes = 1024UL * 1024 * 1024;
 inline constexpr size_t kMaxTrialTextBytes = 256;
+// Largest accepted time of a trial in seconds, as kMaxCaptureTimeNs.
+inline constexpr double kMaxTrialTimeS = 4e9;
+// Memory of the process that reads a trial file first, beyond what it has.
+inline constexpr size_t kMaxProbeBytes = 4096UL * 1024 * 1024;
 inline constexpr size_t kMaxTrialsPerFile = 1'000'000;
 // Text files that are imported.
 inline constexpr size_t kMaxCsvBytes = 256UL * 1024 * 1024;
+inline constexpr size_t kMaxCsvColumns = 1'000;
+inline constexpr size_t kMaxCsvMetadata = 100;
+inline constexpr size_t kMaxCsvCells = 20'000'000;
 
 }  // namespace tactus::limits

@@ -19,10 +19,10 @@ std::string Describe(const SkinLayout& layout) {
 }
 
 absl::Status CheckRate(double rate, double model_rate) {
-  if (!(rate > 0 && rate <= limits::kMaxSampleRateHz)) {
-    return InvalidConfig(
-        "sample_rate_hz", rate,
-        absl::StrCat("above 0 and at most ", limits::kMaxSampleRateHz));
+  if (!(rate >= limits::kMinSampleRateHz && rate <= limits::kMaxSampleRateHz)) {
+    return InvalidConfig("sample_rate_hz", rate,
+                         absl::StrCat(limits::kMinSampleRateHz, " to ",
+                                      limits::kMaxSampleRateHz));
   }
   if (std::abs(rate / model_rate - 1) > kRateTolerance) {
     return InvalidConfig(

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
@@ -11,18 +12,20 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/base/text.h"
 #include "core/data/file_bytes.h"
 
 namespace tactus {
 namespace {
 
-// Quotes an excerpt that is safe to print.
 std::string Quoted(absl::string_view text) {
-  std::string excerpt(text.substr(0, 40));
-  for (char& c : excerpt) {
-    if (!absl::ascii_isprint(static_cast<unsigned char>(c))) c = '?';
-  }
-  return absl::StrCat("\"", excerpt, "\"");
+  return absl::StrCat("\"", Printable(text.substr(0, 40)), "\"");
+}
+
+// What is wrong with the text of a line, empty if nothing is.
+absl::string_view LineFault(absl::string_view line) {
+  if (line.find('\0') != absl::string_view::npos) return "holds a zero byte";
+  return IsUtf8(line) ? "" : "is not UTF-8";
 }
 
 }  // namespace
@@ -54,6 +57,8 @@ absl::StatusOr<CsvTable> CsvTable::Parse(const std::string& path,
     absl::string_view line = rest.substr(0, end);
     rest.remove_prefix(std::min(end + 1, rest.size()));
     absl::ConsumeSuffix(&line, "\r");
+    const absl::string_view fault = LineFault(line);
+    if (!fault.empty()) return table.LineError(number, fault);
     if (!table.header_.empty()) {
       TACTUS_RETURN_IF_ERROR(table.ParseRow(line, number));
     } else if (absl::StartsWith(line, "#")) {
@@ -76,6 +81,11 @@ absl::Status CsvTable::ParseMetadata(absl::string_view line, size_t number) {
     return LineError(number, absl::StrCat("# is followed by ", Quoted(line),
                                           "; it must be key=value"));
   }
+  if (metadata_.size() == limits::kMaxCsvMetadata) {
+    return LineError(number, absl::StrCat("is one # line too many; a file has "
+                                          "at most ",
+                                          limits::kMaxCsvMetadata));
+  }
   const std::string key(absl::StripAsciiWhitespace(parts[0]));
   for (const auto& [earlier, value] : metadata_) {
     if (earlier == key) {
@@ -87,9 +97,17 @@ absl::Status CsvTable::ParseMetadata(absl::string_view line, size_t number) {
 }
 
 absl::Status CsvTable::ParseHeader(absl::string_view line, size_t number) {
+  const auto commas =
+      static_cast<size_t>(std::count(line.begin(), line.end(), ','));
+  if (commas >= limits::kMaxCsvColumns) {
+    return LineError(number,
+                     absl::StrCat("has ", commas + 1, " columns; at most ",
+                                  limits::kMaxCsvColumns, " are read"));
+  }
   header_ = absl::StrSplit(line, ',');
+  std::set<absl::string_view> seen;
   for (const absl::string_view name : header_) {
-    if (name.empty() || std::count(header_.begin(), header_.end(), name) > 1) {
+    if (name.empty() || !seen.insert(name).second) {
       return LineError(number, absl::StrCat("column name ", Quoted(name),
                                             " is empty or repeated"));
     }
@@ -102,6 +120,11 @@ absl::Status CsvTable::ParseRow(absl::string_view line, size_t number) {
   for (const absl::string_view cell : absl::StrSplit(line, ',')) {
     if (absl::StrContains(cell, '"')) {
       return LineError(number, "quoted cells are not supported");
+    }
+    if (cells_.size() == limits::kMaxCsvCells) {
+      return LineError(number,
+                       absl::StrCat("is beyond the ", limits::kMaxCsvCells,
+                                    " cells that are read of a file"));
     }
     cells_.push_back(cell);
   }

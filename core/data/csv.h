@@ -2,7 +2,7 @@
 //
 // A plain comma-separated table: optional `# key=value` lines at the top, one
 // header line, then one line a row. No quoting, numbers with a decimal point
-// whatever the locale; LF or CRLF.
+// whatever the locale; LF or CRLF. The text is UTF-8 without zero bytes.
 //
 //   TACTUS_ASSIGN_OR_RETURN(CsvTable table, CsvTable::Read("index.csv"));
 //   TACTUS_ASSIGN_OR_RETURN(size_t object, table.Column("object"));

@@ -6,6 +6,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/base/text.h"
 
 namespace tactus {
 namespace {
@@ -34,8 +35,11 @@ absl::Status ValidateTime(const Trial& trial, const Complaint& complain) {
                     limits::kMaxFramesPerTrial);
   }
   for (size_t i = 0; i < frames; ++i) {
-    if (!std::isfinite(trial.time[i])) {
-      return complain("time", "entry ", i, " is not finite");
+    // Written so that a NaN fails.
+    if (!(std::abs(trial.time[i]) <= limits::kMaxTrialTimeS)) {
+      return complain("time", "entry ", i, " is ", trial.time[i],
+                      " s; it must be finite and at most ",
+                      limits::kMaxTrialTimeS, " s from 0");
     }
     if (i > 0 && !(trial.time[i] > trial.time[i - 1])) {
       return complain("time", "entry ", i, " is ", trial.time[i],
@@ -54,9 +58,11 @@ absl::Status ValidateSignals(const Trial& trial, const Complaint& complain) {
   }
   for (size_t i = 0; i < trial.signals.size(); ++i) {
     for (int f = 0; f < kFeatureCount; ++f) {
-      if (!std::isfinite(trial.signals[i][f])) {
+      if (!(std::abs(trial.signals[i][f]) <= limits::kMaxSignal)) {
         return complain("signals", FeatureName(static_cast<Feature>(f)),
-                        " of row ", i, " is not finite");
+                        " of row ", i, " is ", trial.signals[i][f],
+                        "; it must be finite and at most ", limits::kMaxSignal,
+                        " from 0");
       }
     }
   }
@@ -147,20 +153,15 @@ absl::Status ValidateAttributes(const Trial& trial, const Complaint& complain) {
     absl::string_view name;
     absl::string_view value;
   };
-  const Text texts[] = {{"label", trial.label},
+  const Text texts[] = {{"id", trial.id},
+                        {"label", trial.label},
                         {"condition", trial.condition},
                         {"object", trial.object},
                         {"material", trial.material},
                         {"layout", trial.layout}};
   for (const Text& text : texts) {
-    if (text.value.size() > limits::kMaxTrialTextBytes) {
-      return complain(text.name, "has ", text.value.size(),
-                      " bytes; it must have at most ",
-                      limits::kMaxTrialTextBytes);
-    }
-    if (text.value.find('\0') != absl::string_view::npos) {
-      return complain(text.name, "holds a zero byte");
-    }
+    const std::string fault = TextFault(text.value, limits::kMaxTrialTextBytes);
+    if (!fault.empty()) return complain(text.name, fault);
   }
   if (trial.unit != "newton" && trial.unit != "counts") {
     return complain("unit", "is \"", trial.unit,
@@ -174,10 +175,10 @@ absl::Status ValidateAttributes(const Trial& trial, const Complaint& complain) {
     return complain("velocity", "is ", trial.velocity,
                     " m/s; it must be finite and at least 0");
   }
-  if (!(trial.sample_rate_hz > 0 &&
+  if (!(trial.sample_rate_hz >= limits::kMinSampleRateHz &&
         trial.sample_rate_hz <= limits::kMaxSampleRateHz)) {
     return complain("sample_rate_hz", "is ", trial.sample_rate_hz,
-                    "; it must be above 0 and at most ",
+                    "; it must be ", limits::kMinSampleRateHz, " to ",
                     limits::kMaxSampleRateHz);
   }
   return absl::OkStatus();

@@ -1,6 +1,5 @@
 #include "core/skin/layout.h"
 
-#include <cmath>
 #include <numbers>
 #include <utility>
 
@@ -13,9 +12,11 @@
 namespace tactus {
 namespace {
 
-absl::Status CheckPositive(absl::string_view field, double value) {
-  if (std::isfinite(value) && value > 0) return absl::OkStatus();
-  return InvalidConfig(field, value, "finite and above 0");
+absl::Status CheckRange(absl::string_view field, double value, double low,
+                        double high) {
+  // Written so that a NaN fails.
+  if (value >= low && value <= high) return absl::OkStatus();
+  return InvalidConfig(field, value, absl::StrCat(low, " to ", high));
 }
 
 absl::Status CheckSide(absl::string_view field, int value, int limit) {
@@ -83,20 +84,22 @@ absl::Status Validate(const SkinLayout& layout) {
       CheckSide("geometry.rows", layout.rows, limits::kMaxRows));
   TACTUS_RETURN_IF_ERROR(
       CheckSide("geometry.columns", layout.columns, limits::kMaxColumns));
+  TACTUS_RETURN_IF_ERROR(CheckRange("geometry.row_pitch_m", layout.row_pitch_m,
+                                    limits::kMinTaxelPitchM,
+                                    limits::kMaxTaxelPitchM));
   TACTUS_RETURN_IF_ERROR(
-      CheckPositive("geometry.row_pitch_m", layout.row_pitch_m));
+      CheckRange("geometry.column_pitch_m", layout.column_pitch_m,
+                 limits::kMinTaxelPitchM, limits::kMaxTaxelPitchM));
   TACTUS_RETURN_IF_ERROR(
-      CheckPositive("geometry.column_pitch_m", layout.column_pitch_m));
+      CheckRange("geometry.taxel_area_m2", layout.taxel_area_m2,
+                 limits::kMinTaxelAreaM2, limits::kMaxTaxelAreaM2));
   TACTUS_RETURN_IF_ERROR(
-      CheckPositive("geometry.taxel_area_m2", layout.taxel_area_m2));
+      CheckRange("geometry.contact_threshold", layout.contact_threshold,
+                 limits::kMinThreshold, limits::kMaxTaxelValue));
+  // At least contact_threshold.
   TACTUS_RETURN_IF_ERROR(
-      CheckPositive("geometry.contact_threshold", layout.contact_threshold));
-  if (!std::isfinite(layout.onset_threshold) ||
-      layout.onset_threshold < layout.contact_threshold) {
-    return InvalidConfig("geometry.onset_threshold", layout.onset_threshold,
-                         absl::StrCat("finite and at least contact_threshold, ",
-                                      layout.contact_threshold));
-  }
+      CheckRange("geometry.onset_threshold", layout.onset_threshold,
+                 layout.contact_threshold, limits::kMaxTaxelValue));
   if (!layout.mask.empty() &&
       layout.mask.size() != static_cast<size_t>(layout.taxels())) {
     return InvalidConfig("geometry.mask size", layout.mask.size(),

@@ -26,17 +26,19 @@ struct SkinLayout {
   std::string name = {};
   int rows = 0;
   int columns = 0;
-  // Metres between neighbours; columns are measured along the circumference
-  // when they wrap.
+  // Metres between neighbours, limits::kMinTaxelPitchM to kMaxTaxelPitchM;
+  // columns are measured along the circumference when they wrap.
   double row_pitch_m = 0;
   double column_pitch_m = 0;
-  // Square metres that one touched taxel stands for.
+  // Square metres that one touched taxel stands for, limits::kMinTaxelAreaM2
+  // to kMaxTaxelAreaM2.
   double taxel_area_m2 = 0;
   // True if column columns-1 is the neighbour of column 0.
   bool wrap_columns = false;
   TaxelUnit unit = TaxelUnit::kNewton;
   // A taxel >= contact_threshold is in contact; a contact begins once some
-  // taxel >= onset_threshold. Both in `unit`, onset >= contact > 0.
+  // taxel >= onset_threshold. Both in `unit`, limits::kMinThreshold to
+  // kMaxTaxelValue, onset >= contact.
   double contact_threshold = 0;
   double onset_threshold = 0;
   Connectivity connectivity = Connectivity::kEight;

@@ -6,6 +6,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/base/text.h"
 #include "core/skin/layout_proto.h"
 
 namespace tactus::server {
@@ -14,10 +15,14 @@ namespace {
 constexpr double kDefaultSampleRateHz = 100;
 constexpr int32_t kDefaultReleaseAfterMs = 500;
 
-absl::Status CheckNameSize(absl::string_view field, size_t size) {
-  if (size <= limits::kMaxNameBytes) return absl::OkStatus();
-  return InvalidConfig(absl::StrCat(field, " length"), size,
-                       absl::StrCat("at most ", limits::kMaxNameBytes));
+absl::Status CheckName(absl::string_view field, absl::string_view name) {
+  if (name.size() > limits::kMaxNameBytes) {
+    return InvalidConfig(absl::StrCat(field, " length"), name.size(),
+                         absl::StrCat("at most ", limits::kMaxNameBytes));
+  }
+  if (TextFault(name, limits::kMaxNameBytes).empty()) return absl::OkStatus();
+  return InvalidConfig(field, absl::StrCat("\"", name, "\""),
+                       "UTF-8 without control characters");
 }
 
 absl::Status ParseTaxels(const v1::StreamConfig& config,
@@ -67,10 +72,10 @@ absl::Status ParsePipeline(const v1::StreamConfig& config,
                            ContactPipeline::Options& options) {
   const double rate = config.sample_rate_hz() == 0 ? kDefaultSampleRateHz
                                                    : config.sample_rate_hz();
-  if (!(rate > 0 && rate <= limits::kMaxSampleRateHz)) {
-    return InvalidConfig(
-        "sample_rate_hz", rate,
-        absl::StrCat("above 0 and at most ", limits::kMaxSampleRateHz));
+  if (!(rate >= limits::kMinSampleRateHz && rate <= limits::kMaxSampleRateHz)) {
+    return InvalidConfig("sample_rate_hz", rate,
+                         absl::StrCat(limits::kMinSampleRateHz, " to ",
+                                      limits::kMaxSampleRateHz));
   }
   options.sample_rate_hz = rate;
 
@@ -116,8 +121,8 @@ absl::Status ParseModelParts(const v1::StreamConfig& config,
 absl::StatusOr<StreamSettings> ParseStreamConfig(
     const v1::StreamConfig& config) {
   StreamSettings settings;
-  TACTUS_RETURN_IF_ERROR(CheckNameSize("model", config.model().size()));
-  TACTUS_RETURN_IF_ERROR(CheckNameSize("client_id", config.client_id().size()));
+  TACTUS_RETURN_IF_ERROR(CheckName("model", config.model()));
+  TACTUS_RETURN_IF_ERROR(CheckName("client_id", config.client_id()));
   settings.model = config.model();
   settings.client_id = config.client_id();
   if (!config.has_geometry()) {
@@ -125,7 +130,7 @@ absl::StatusOr<StreamSettings> ParseStreamConfig(
                          "the skin's layout, at least its name");
   }
   TACTUS_RETURN_IF_ERROR(
-      CheckNameSize("geometry.layout", config.geometry().layout().size()));
+      CheckName("geometry.layout", config.geometry().layout()));
   TACTUS_ASSIGN_OR_RETURN(settings.layout, LayoutFromProto(config.geometry()));
   TACTUS_RETURN_IF_ERROR(ParseTaxels(config, settings));
   TACTUS_RETURN_IF_ERROR(ParseCadence(config, settings));

@@ -129,7 +129,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadTrial{"unit", "\"psi\"", [](Trial& t) { t.unit = "psi"; }},
         BadTrial{"label", "300 bytes",
                  [](Trial& t) { t.label = std::string(300, 'x'); }},
-        BadTrial{"object", "zero byte",
+        BadTrial{"object", "control character",
                  [](Trial& t) { t.object = std::string("a\0b", 3); }},
         BadTrial{"stiffness", "is -1", [](Trial& t) { t.stiffness = -1; }},
         BadTrial{"object_motion", "has 3 entries",
