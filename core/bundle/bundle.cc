@@ -14,6 +14,7 @@
 #include "core/base/limits.h"
 #include "core/base/serialize.h"
 #include "core/base/status_macros.h"
+#include "core/bundle/field_count.h"
 #include "core/bundle/model_proto.h"
 
 namespace tactus {
@@ -95,6 +96,12 @@ absl::StatusOr<std::shared_ptr<const CompiledModel>> DecodeBundle(
     absl::string_view bytes) {
   TACTUS_ASSIGN_OR_RETURN(const absl::string_view payload, OpenEnvelope(bytes));
   v1::ModelBundle message;
+  if (!HasAtMostFields(*message.GetDescriptor(), payload,
+                       limits::kMaxBundleFields)) {
+    return BundleCorrupt(absl::StrCat("its payload has more than ",
+                                      limits::kMaxBundleFields,
+                                      " fields or is cut short"));
+  }
   if (!message.ParseFromArray(payload.data(),
                               static_cast<int>(payload.size()))) {
     return BundleCorrupt("its payload is not a tactus.v1.ModelBundle");

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
+#include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/classify/input_spec.h"
 #include "core/skin/layout_proto.h"
@@ -252,6 +253,11 @@ void ToProto(const WarmUpTrial& trial, bool has_profile, v1::WarmUpTrial* out) {
 
 absl::StatusOr<WarmUpTrial> FromProto(const v1::WarmUpTrial& in,
                                       bool has_profile) {
+  // A frame takes more memory than it takes bytes in the file.
+  if (in.net_force_size() > static_cast<int>(limits::kMaxWarmUpFrames)) {
+    return InvalidModel("warm_up frames", in.net_force_size(),
+                        absl::StrCat("at most ", limits::kMaxWarmUpFrames));
+  }
   if (in.signals_size() != kFeatureCount * in.net_force_size()) {
     return InvalidModel("warm_up.signals size", in.signals_size(),
                         absl::StrCat(kFeatureCount * in.net_force_size(),

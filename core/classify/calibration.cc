@@ -103,8 +103,9 @@ absl::Status Validate(const Calibration& c, int classes, bool has_lstm) {
   constexpr double kTiny = 1e-12;
   constexpr double kHuge = 1e12;
   const size_t entries = c.frames.size();
-  if (entries == 0) {
-    return InvalidModel("calibration.frames size", 0, "at least 1");
+  if (entries == 0 || entries > limits::kMaxCalibrationEntries) {
+    return InvalidModel("calibration.frames size", entries,
+                        absl::StrCat("1 to ", limits::kMaxCalibrationEntries));
   }
   TACTUS_RETURN_IF_ERROR(CheckTable("frames", c.frames, entries, 1, kHuge));
   if (std::adjacent_find(c.frames.begin(), c.frames.end(),

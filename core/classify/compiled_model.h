@@ -23,7 +23,7 @@ namespace tactus {
 
 class CompiledModel {
  public:
-  // INVALID_MODEL if any part is inconsistent. Does not run the warm-up trial.
+  // Fails as Validate(model) does. Does not run the warm-up trial.
   static absl::StatusOr<std::shared_ptr<const CompiledModel>> Create(
       Model model);
 

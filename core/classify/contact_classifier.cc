@@ -156,9 +156,14 @@ void ContactClassifier::EstimateObject() {
   estimator_->Step(lstm_input_);
   const Calibration& c = model_->model().calibration;
   const auto log_variance = estimator_->regression_log_variance();
+  // Limited, so that no weights make it infinite.
+  const auto deviation_of = [](double log_variance) {
+    return std::exp(0.5 * std::clamp(log_variance, -limits::kMaxLogVariance,
+                                     limits::kMaxLogVariance));
+  };
   const double deviation[] = {
-      c.stiffness_deviation_scale * std::exp(0.5 * log_variance[0]),
-      c.moved_deviation_scale * std::exp(0.5 * log_variance[1])};
+      c.stiffness_deviation_scale * deviation_of(log_variance[0]),
+      c.moved_deviation_scale * deviation_of(log_variance[1])};
   object_ = DecodeEstimate(estimator_->regression_mean().data(), deviation,
                            cues_.value(Cue::kMotion));
 }

@@ -12,18 +12,24 @@ namespace tactus {
 namespace {
 
 absl::Status CheckInputs(absl::string_view name,
-                         std::span<const ModelInput> inputs) {
+                         std::span<const ModelInput> inputs, int limit) {
+  if (inputs.size() > static_cast<size_t>(limit)) {
+    return InvalidModel(absl::StrCat("number of ", name, "s"), inputs.size(),
+                        absl::StrCat("at most ", limit));
+  }
+  constexpr double kLargest = limits::kMaxInputScale;
   for (const ModelInput& input : inputs) {
     const absl::string_view cue = CueName(input.cue);
-    if (!(input.log_offset >= 0 && std::isfinite(input.log_offset))) {
+    if (!(input.log_offset >= 0 && input.log_offset <= kLargest)) {
       return InvalidModel(absl::StrCat("log_offset of ", name, " ", cue),
-                          input.log_offset, "finite, at least 0");
+                          input.log_offset, absl::StrCat("0 to ", kLargest));
     }
-    if (!std::isfinite(input.offset) || !std::isfinite(input.gain) ||
-        input.gain == 0) {
-      return InvalidModel(absl::StrCat("scaling of ", name, " ", cue),
-                          absl::StrCat(input.offset, ", ", input.gain),
-                          "finite with a gain other than 0");
+    if (!(std::abs(input.offset) <= kLargest &&
+          std::abs(input.gain) <= kLargest && input.gain != 0)) {
+      return InvalidModel(
+          absl::StrCat("scaling of ", name, " ", cue),
+          absl::StrCat(input.offset, ", ", input.gain),
+          absl::StrCat("within ", kLargest, " with a gain other than 0"));
     }
     if (!(input.limit > 0)) {
       return InvalidModel(absl::StrCat("limit of ", name, " ", cue),
@@ -106,15 +112,17 @@ absl::Status Validate(const InputSpec& spec, bool has_lstm) {
     return InvalidModel("number of LSTM inputs", spec.lstm.size(),
                         has_lstm ? "at least 1" : "0 without an LSTM");
   }
-  TACTUS_RETURN_IF_ERROR(CheckInputs("HMM input", spec.hmm));
-  TACTUS_RETURN_IF_ERROR(CheckInputs("LSTM input", spec.lstm));
+  TACTUS_RETURN_IF_ERROR(
+      CheckInputs("HMM input", spec.hmm, limits::kMaxHmmDimensions));
+  TACTUS_RETURN_IF_ERROR(
+      CheckInputs("LSTM input", spec.lstm, limits::kMaxLstmCells));
   TACTUS_RETURN_IF_ERROR(CheckSteps("hmm_steps", spec.hmm_steps));
   TACTUS_RETURN_IF_ERROR(CheckSteps("lstm_steps", spec.lstm_steps));
-  if (!(spec.sample_rate_hz > 0 &&
+  if (!(spec.sample_rate_hz >= limits::kMinSampleRateHz &&
         spec.sample_rate_hz <= limits::kMaxSampleRateHz)) {
-    return InvalidModel(
-        "inputs.sample_rate_hz", spec.sample_rate_hz,
-        absl::StrCat("above 0 and at most ", limits::kMaxSampleRateHz));
+    return InvalidModel("inputs.sample_rate_hz", spec.sample_rate_hz,
+                        absl::StrCat(limits::kMinSampleRateHz, " to ",
+                                     limits::kMaxSampleRateHz));
   }
   return absl::OkStatus();
 }

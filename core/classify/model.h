@@ -20,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "core/classify/step_clock.h"
 #include "core/features/cues.h"
 #include "core/features/feature.h"
@@ -112,5 +113,10 @@ struct Model {
 
   int classes() const { return static_cast<int>(class_names.size()); }
 };
+
+// OK if every part is valid and every size agrees with every other: the one
+// place where the parts of a model are compared. INVALID_MODEL naming what is
+// wrong, or INVALID_CONFIG for the layout.
+absl::Status Validate(const Model& model);
 
 }  // namespace tactus

@@ -1,0 +1,169 @@
+#include "core/classify/model.h"
+
+#include <cmath>
+#include <set>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+#include "core/base/text.h"
+#include "core/classify/calibration.h"
+#include "core/classify/input_spec.h"
+#include "core/classify/object_estimate.h"
+
+namespace tactus {
+namespace {
+
+absl::Status CheckClassNames(const std::vector<std::string>& names) {
+  if (names.size() < 2 || names.size() > limits::kMaxClasses) {
+    return InvalidModel("number of classes", names.size(),
+                        absl::StrCat("2 to ", limits::kMaxClasses));
+  }
+  std::set<std::string> seen;
+  for (const std::string& name : names) {
+    if (name.empty() || !seen.insert(name).second) {
+      return InvalidModel("class name", absl::StrCat("\"", name, "\""),
+                          "not empty and unique");
+    }
+    if (!TextFault(name, limits::kMaxTrialTextBytes).empty()) {
+      return InvalidModel("class name", absl::StrCat("\"", name, "\""),
+                          absl::StrCat("UTF-8 without control characters, at "
+                                       "most ",
+                                       limits::kMaxTrialTextBytes, " bytes"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckHmms(const Model& model) {
+  if (model.hmms.size() != model.class_names.size()) {
+    return InvalidModel("number of HMM mixtures", model.hmms.size(),
+                        absl::StrCat(model.classes(), ", one a class"));
+  }
+  const size_t inputs = model.inputs.hmm.size();
+  for (const HmmMixture& mixture : model.hmms) {
+    TACTUS_RETURN_IF_ERROR(Validate(mixture));
+    const int dimensions = mixture.components.front().dimensions;
+    if (static_cast<size_t>(dimensions) != inputs) {
+      return InvalidModel("HMM dimensions", dimensions,
+                          absl::StrCat(inputs, ", the number of HMM inputs"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckNetwork(const LstmNetwork& network, const Model& model,
+                          int regressions) {
+  TACTUS_RETURN_IF_ERROR(Validate(network));
+  const int inputs = static_cast<int>(model.inputs.lstm.size());
+  if (network.inputs() != inputs || network.classes() != model.classes() ||
+      network.regressions != regressions) {
+    return InvalidModel(
+        "LSTM inputs, classes and regressions",
+        absl::StrCat(network.inputs(), ", ", network.classes(), " and ",
+                     network.regressions),
+        absl::StrCat(inputs, ", ", model.classes(), " and ", regressions));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckLstms(const Model& model) {
+  if (model.estimator && model.lstms.empty()) {
+    return InvalidModel("estimator", "alone", "beside LSTMs");
+  }
+  if (model.lstms.size() > limits::kMaxLstms) {
+    return InvalidModel("number of LSTMs", model.lstms.size(),
+                        absl::StrCat("at most ", limits::kMaxLstms));
+  }
+  for (const LstmNetwork& network : model.lstms) {
+    TACTUS_RETURN_IF_ERROR(CheckNetwork(network, model, 0));
+  }
+  if (!model.estimator) return absl::OkStatus();
+  return CheckNetwork(*model.estimator, model, kEstimateRegressions);
+}
+
+absl::Status CheckLayout(const SkinLayout& layout) {
+  if (layout.name.empty()) return absl::OkStatus();
+  const std::string fault = TextFault(layout.name, limits::kMaxNameBytes);
+  if (!fault.empty()) {
+    return InvalidModel("layout name", layout.name,
+                        absl::StrCat("plain text: it ", fault));
+  }
+  return Validate(layout);
+}
+
+absl::Status CheckProvenance(const Provenance& provenance) {
+  for (const std::string* text : {&provenance.command, &provenance.version,
+                                  &provenance.data, &provenance.note}) {
+    if (text->size() > limits::kMaxProvenanceBytes || !IsUtf8(*text)) {
+      return InvalidModel("provenance",
+                          absl::StrCat(text->size(), " bytes of text"),
+                          absl::StrCat("UTF-8 of at most ",
+                                       limits::kMaxProvenanceBytes, " bytes"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckWarmUpAnswer(absl::string_view name,
+                               const std::vector<double>& answer,
+                               const Model& model) {
+  // A trial without frames may leave its answers out.
+  const bool absent = answer.empty() && model.warm_up.samples.empty();
+  if (!absent && answer.size() != model.class_names.size()) {
+    return InvalidModel(absl::StrCat("warm_up.", name, " size"), answer.size(),
+                        absl::StrCat(model.classes(), ", one a class"));
+  }
+  for (const double value : answer) {
+    if (!std::isfinite(value)) {
+      return InvalidModel(absl::StrCat("warm_up.", name), value, "finite");
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckWarmUp(const Model& model) {
+  const WarmUpTrial& trial = model.warm_up;
+  TACTUS_RETURN_IF_ERROR(
+      CheckWarmUpAnswer("probability", trial.probability, model));
+  TACTUS_RETURN_IF_ERROR(
+      CheckWarmUpAnswer("log_likelihood", trial.log_likelihood, model));
+  if (trial.samples.size() > limits::kMaxWarmUpFrames) {
+    return InvalidModel("warm_up frames", trial.samples.size(),
+                        absl::StrCat("at most ", limits::kMaxWarmUpFrames));
+  }
+  const auto check = [](absl::string_view name, double value) {
+    // Written so that a NaN fails.
+    if (std::abs(value) <= limits::kMaxSignal) return absl::OkStatus();
+    return InvalidModel(name, value,
+                        absl::StrCat("within ", limits::kMaxSignal, " of 0"));
+  };
+  for (const ContactSample& sample : trial.samples) {
+    for (const double value : sample.features) {
+      TACTUS_RETURN_IF_ERROR(check("warm_up.signals", value));
+    }
+    TACTUS_RETURN_IF_ERROR(check("warm_up.net_force", sample.net_force));
+    for (const double value : sample.profile) {
+      TACTUS_RETURN_IF_ERROR(check("warm_up.profile", value));
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status Validate(const Model& model) {
+  const bool has_lstm = !model.lstms.empty();
+  TACTUS_RETURN_IF_ERROR(CheckClassNames(model.class_names));
+  TACTUS_RETURN_IF_ERROR(Validate(model.inputs, has_lstm));
+  TACTUS_RETURN_IF_ERROR(CheckHmms(model));
+  TACTUS_RETURN_IF_ERROR(CheckLstms(model));
+  TACTUS_RETURN_IF_ERROR(
+      Validate(model.calibration, model.classes(), has_lstm));
+  TACTUS_RETURN_IF_ERROR(CheckLayout(model.layout));
+  TACTUS_RETURN_IF_ERROR(CheckProvenance(model.provenance));
+  return CheckWarmUp(model);
+}
+
+}  // namespace tactus
