@@ -223,7 +223,7 @@ FrameView FrameDecoder::Frame(const v1::FrameBatch& batch, uint32_t index) {
 
 void FrameDecoder::Accept(const v1::FrameBatch& batch) {
   last_sequence_ = batch.first_sequence() + batch.frame_count() - 1;
-  last_capture_time_ns_ = batch.first_capture_time_ns();
+  last_capture_time_ns_ = CaptureTime(batch, batch.frame_count() - 1);
   if (listed_only_) sparse_frames_ += batch.frame_count();
 }
 
