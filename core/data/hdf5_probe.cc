@@ -1,67 +1,130 @@
 #include "core/data/hdf5_probe.h"
 
+#include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <fstream>
+#include <new>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
 #include "core/base/errors.h"
+#include "core/base/limits.h"
 
 namespace tactus {
 namespace {
 
 // Seconds of processor time granted: a floor, and more for large files.
 constexpr rlim_t kBaseSeconds = 10;
-constexpr off_t kBytesPerSecond = 5'000'000;
+constexpr rlim_t kBytesPerSecond = 5'000'000;
+// Bytes of memory granted beyond what the process has: a floor, and for each
+// byte of the file twice what deflate can make of it.
+constexpr rlim_t kBaseBytes = 256UL * 1024 * 1024;
+constexpr rlim_t kBytesPerFileByte = 2200;
 
-[[noreturn]] void RunChild(absl::FunctionRef<void()> read, off_t file_bytes) {
+// How the child exits.
+constexpr int kRead = 0;
+constexpr int kRefused = 1;
+constexpr int kOutOfMemory = 2;
+
+// At most this much of an error's text: a pipe takes it without waiting.
+constexpr size_t kMaxMessageBytes = 4096;
+
+void Limit(__rlimit_resource resource, rlim_t value) {
+  rlimit limit = {};
+  getrlimit(resource, &limit);
+  limit.rlim_cur = std::min(value, limit.rlim_max);
+  limit.rlim_max = limit.rlim_cur;
+  setrlimit(resource, &limit);
+}
+
+// Address space in use, in bytes.
+rlim_t AddressSpace() {
+  rlim_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+}
+
+[[noreturn]] void RunChild(absl::FunctionRef<absl::Status()> read,
+                           rlim_t file_bytes, int report) {
   for (const int number : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) {
     signal(number, SIG_DFL);
   }
-  const rlimit no_core = {0, 0};
-  setrlimit(RLIMIT_CORE, &no_core);
-  const rlim_t seconds = kBaseSeconds + file_bytes / kBytesPerSecond;
-  const rlimit time = {seconds, seconds};
-  setrlimit(RLIMIT_CPU, &time);
-  read();
-  _exit(0);
+  Limit(RLIMIT_CORE, 0);
+  Limit(RLIMIT_CPU, kBaseSeconds + file_bytes / kBytesPerSecond);
+  const rlim_t most = limits::kMaxProbeBytes;
+  Limit(RLIMIT_AS,
+        AddressSpace() +
+            (file_bytes < most / kBytesPerFileByte
+                 ? std::min(most, kBaseBytes + file_bytes * kBytesPerFileByte)
+                 : most));
+  std::set_new_handler([] { _exit(kOutOfMemory); });
+  const absl::Status status = read();
+  if (status.ok()) _exit(kRead);
+  const absl::string_view text = status.message().substr(0, kMaxMessageBytes);
+  const ssize_t written = write(report, text.data(), text.size());
+  _exit(written < 0 ? kOutOfMemory : kRefused);
+}
+
+// What arrives until all writers have closed.
+std::string ReadAll(int fd) {
+  std::string text;
+  char buffer[kMaxMessageBytes];
+  while (true) {
+    const ssize_t got = read(fd, buffer, sizeof(buffer));
+    if (got > 0) text.append(buffer, static_cast<size_t>(got));
+    if (got == 0 || (got < 0 && errno != EINTR)) return text;
+  }
+}
+
+std::string WhyItDied(int outcome) {
+  if (WIFSIGNALED(outcome)) return strsignal(WTERMSIG(outcome));
+  if (WEXITSTATUS(outcome) == kOutOfMemory) return "out of memory";
+  return "unexpected exit";
 }
 
 }  // namespace
 
-bool HasChecksums(const std::string& path) {
-  constexpr char kSignature[] = "\x89HDF\r\n\x1a\n";
-  char head[9] = {};
-  std::ifstream(path, std::ios::binary).read(head, sizeof(head));
-  return std::memcmp(head, kSignature, 8) == 0 && head[8] >= 2;
-}
-
 absl::Status ProbeInChild(const std::string& path,
-                          absl::FunctionRef<void()> read) {
+                          absl::FunctionRef<absl::Status()> read) {
   struct stat info;
-  // Whoever opens the file next reports why it cannot be read.
-  if (stat(path.c_str(), &info) != 0 || !S_ISREG(info.st_mode)) {
-    return absl::OkStatus();
+  if (stat(path.c_str(), &info) != 0) {
+    return IoError(path, std::strerror(errno));
   }
+  if (!S_ISREG(info.st_mode)) {
+    return TrialFileInvalid(path, "is not a regular file");
+  }
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) return IoError(path, std::strerror(errno));
   const pid_t child = fork();
-  if (child < 0) return IoError(path, std::strerror(errno));
-  if (child == 0) RunChild(read, info.st_size);
+  const std::string error = std::strerror(errno);
+  if (child == 0) RunChild(read, static_cast<rlim_t>(info.st_size), ends[1]);
+  close(ends[1]);
+  const std::string message = child < 0 ? "" : ReadAll(ends[0]);
+  close(ends[0]);
+  if (child < 0) return IoError(path, error);
   int outcome = 0;
   while (waitpid(child, &outcome, 0) < 0) {
     if (errno != EINTR) return IoError(path, std::strerror(errno));
   }
-  if (WIFEXITED(outcome) && WEXITSTATUS(outcome) == 0) return absl::OkStatus();
+  if (WIFEXITED(outcome) && WEXITSTATUS(outcome) == kRead) {
+    return absl::OkStatus();
+  }
+  if (WIFEXITED(outcome) && WEXITSTATUS(outcome) == kRefused) {
+    absl::string_view text = message;
+    absl::ConsumePrefix(&text, absl::StrCat(path, ": "));
+    return TrialFileInvalid(path, text);
+  }
   return TrialFileInvalid(
       path, absl::StrCat("is damaged: the HDF5 library fails on it (",
-                         WIFSIGNALED(outcome) ? strsignal(WTERMSIG(outcome))
-                                              : "unexpected exit",
-                         ")"));
+                         WhyItDied(outcome), ")"));
 }
 
 }  // namespace tactus

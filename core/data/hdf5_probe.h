@@ -1,11 +1,10 @@
 // File: hdf5_probe.h
 //
-// HDF5 files that others write (h5py's and MATLAB's defaults) have no
-// checksums on most of their metadata, and the HDF5 library can crash or loop
-// on a damaged one. Such a file is first read in a child process; only if that
-// survives is it read here.
+// Reads a file in a child process before this process opens it: the HDF5
+// library can crash, loop or take all memory on a damaged or hostile file.
 //
-//   TACTUS_RETURN_IF_ERROR(ProbeInChild(path, [&] { ReadItAll(path); }));
+//   TACTUS_RETURN_IF_ERROR(ProbeInChild(path, [&] { return ReadItAll(path);
+//   }));
 //
 // Not thread-safe, like HDF5 itself.
 #pragma once
@@ -17,13 +16,12 @@
 
 namespace tactus {
 
-// True if all metadata of the file reachable without a global heap (where
-// text of variable length lies) has checksums: superblock 2 and up.
-bool HasChecksums(const std::string& path);
-
-// Runs `read` in a child process. TRIAL_FILE_INVALID if the child died or used
-// far more time than such a file can need; OK otherwise, whatever `read` found.
+// Runs `read` in a child process whose processor time and memory are limited,
+// both by the size of the file (limits::kMaxProbeBytes at most). OK if `read`
+// returns OK. TRIAL_FILE_INVALID with the message of `read` if it returns an
+// error, if the child dies or reaches a limit, or if `path` is no regular file.
+// IO if there is no such file or no child can be started.
 absl::Status ProbeInChild(const std::string& path,
-                          absl::FunctionRef<void()> read);
+                          absl::FunctionRef<absl::Status()> read);
 
 }  // namespace tactus

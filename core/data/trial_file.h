@@ -56,11 +56,12 @@ class TrialFileWriter {
 };
 
 // Reads one trial at a time, in the order of their ids. Whatever the file
-// holds, the outcome is a valid trial or TRIAL_FILE_INVALID. Open() reads
-// files that TrialFileWriter did not make twice, the first time in a child
-// process: see hdf5_probe.h.
+// holds, the outcome is a valid trial or TRIAL_FILE_INVALID.
 class TrialFileReader {
  public:
+  // Opens the file in a child process first (hdf5_probe.h), and unless
+  // TrialFileWriter made it, reads all of it there: such a file is refused as
+  // a whole if one of its trials cannot be read.
   static absl::StatusOr<TrialFileReader> Open(const std::string& path);
   TrialFileReader(TrialFileReader&&) noexcept;
   TrialFileReader& operator=(TrialFileReader&&) noexcept;

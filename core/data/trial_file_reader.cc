@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <utility>
@@ -106,23 +105,28 @@ absl::Status ReadAttributes(hid_t group, const Hdf5Complaint& complain,
   return absl::OkStatus();
 }
 
+// True if the superblock says version 2 or above: all metadata of the file
+// reachable without a global heap (where text of variable length lies) has
+// checksums.
+bool HasChecksums(const std::string& path) {
+  constexpr char kSignature[] = "\x89HDF\r\n\x1a\n";
+  char head[9] = {};
+  std::ifstream(path, std::ios::binary).read(head, sizeof(head));
+  return std::memcmp(head, kSignature, 8) == 0 && head[8] >= 2;
+}
+
 // True if TrialFileWriter made the file: all its metadata has checksums and
 // none of its text has variable length.
-bool IsOwnFile(const std::string& path) {
-  if (!HasChecksums(path)) return false;
-  const Hdf5Quiet quiet;
-  const Hdf5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT),
-                        H5Fclose);
-  // A damaged superblock or root: safe to report in this process.
-  if (!file.ok()) return true;
+bool IsOwnFile(const std::string& path, hid_t file) {
   const Hdf5Complaint complain(path, "");
   Hdf5Handle attribute;
   Hdf5Handle type;
   std::string creator;
-  return OpenScalarAttribute(file.get(), "creator", complain, &attribute, &type)
+  return HasChecksums(path) &&
+         OpenScalarAttribute(file, "creator", complain, &attribute, &type)
              .ok() &&
          H5Tis_variable_str(type.get()) == 0 &&
-         ReadText(file.get(), "creator", complain, &creator).ok() &&
+         ReadText(file, "creator", complain, &creator).ok() &&
          creator == "tactus";
 }
 
@@ -156,15 +160,15 @@ TrialFileReader& TrialFileReader::operator=(TrialFileReader&&) noexcept =
 TrialFileReader::~TrialFileReader() = default;
 
 absl::StatusOr<TrialFileReader> TrialFileReader::Open(const std::string& path) {
-  if (!std::ifstream(path)) return IoError(path, std::strerror(errno));
-  if (!IsOwnFile(path)) {
-    TACTUS_RETURN_IF_ERROR(ProbeInChild(path, [&path] {
-      auto reader = OpenUnprobed(path);
-      for (size_t i = 0; reader.ok() && i < reader->size(); ++i) {
-        reader->Read(i).IgnoreError();
-      }
-    }));
-  }
+  TACTUS_RETURN_IF_ERROR(ProbeInChild(path, [&path] {
+    TACTUS_ASSIGN_OR_RETURN(const auto reader, OpenUnprobed(path));
+    const Hdf5Quiet quiet;
+    if (IsOwnFile(path, reader.state_->file.get())) return absl::OkStatus();
+    for (size_t i = 0; i < reader.size(); ++i) {
+      TACTUS_RETURN_IF_ERROR(reader.Read(i).status());
+    }
+    return absl::OkStatus();
+  }));
   return OpenUnprobed(path);
 }
 

@@ -1,9 +1,6 @@
-#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <set>
 #include <utility>
 
@@ -13,6 +10,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/data/draft_file.h"
 #include "core/data/hdf5_handle.h"
 #include "core/data/trial_file.h"
 
@@ -20,8 +18,6 @@ namespace tactus {
 namespace {
 
 constexpr hsize_t kChunkBytes = 1024 * 1024;
-
-std::string Errno() { return std::strerror(errno); }
 
 // One array to write. Owns nothing.
 struct Array {
@@ -177,21 +173,6 @@ bool GoodId(const std::string& id) {
          });
 }
 
-absl::Status SyncPath(const std::string& path, int flags) {
-  const int fd = open(path.c_str(), flags | O_CLOEXEC);
-  if (fd < 0) return IoError(path, Errno());
-  const bool ok = fsync(fd) == 0;
-  const std::string error = Errno();
-  close(fd);
-  return ok ? absl::OkStatus() : IoError(path, error);
-}
-
-std::string DirectoryOf(const std::string& path) {
-  const size_t slash = path.rfind('/');
-  if (slash == std::string::npos) return ".";
-  return slash == 0 ? "/" : path.substr(0, slash);
-}
-
 absl::Status RefuseExisting(const std::string& path) {
   if (access(path.c_str(), F_OK) == 0) {
     return IoError(path, "exists already; remove it or allow overwriting");
@@ -203,18 +184,18 @@ absl::Status RefuseExisting(const std::string& path) {
 
 struct TrialFileWriter::State {
   std::string path;
-  std::string temporary;
+  DraftFile draft;
   bool overwrite = false;
   bool broken = false;
   std::set<std::string> ids;
   Hdf5Handle file;
   Hdf5Handle trials;
 
+  explicit State(DraftFile new_draft) : draft(std::move(new_draft)) {}
   ~State() {
     const Hdf5Quiet quiet;
     trials.Close();
     file.Close();
-    if (!temporary.empty()) unlink(temporary.c_str());
   }
 
   absl::Status Break(absl::string_view what) {
@@ -242,22 +223,19 @@ TrialFileWriter::~TrialFileWriter() = default;
 absl::StatusOr<TrialFileWriter> TrialFileWriter::Create(
     const std::string& path, const TrialFileOptions& options) {
   if (!options.overwrite) TACTUS_RETURN_IF_ERROR(RefuseExisting(path));
-  auto state = std::make_unique<State>();
+  TACTUS_ASSIGN_OR_RETURN(DraftFile draft, DraftFile::Create(path));
+  auto state = std::make_unique<State>(std::move(draft));
   state->path = path;
   state->overwrite = options.overwrite;
-  static unsigned writers = 0;
-  const std::string temporary =
-      absl::StrCat(path, ".", getpid(), "-", writers++, ".tmp");
 
   const Hdf5Quiet quiet;
   // This range of versions gives every piece of metadata a checksum.
   const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110);
-  state->file = {
-      H5Fcreate(temporary.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()),
-      H5Fclose};
+  state->file = {H5Fcreate(state->draft.path().c_str(), H5F_ACC_TRUNC,
+                           H5P_DEFAULT, access.get()),
+                 H5Fclose};
   if (!state->file.ok()) return state->Break("cannot be created");
-  state->temporary = temporary;
   const hid_t file = state->file.get();
   const int version = 1;
   state->trials = {
@@ -314,13 +292,8 @@ absl::Status TrialFileWriter::Close() {
   if (!state->trials.Close() || !state->file.Close()) {
     return state->Break("cannot be finished");
   }
-  TACTUS_RETURN_IF_ERROR(SyncPath(state->temporary, O_RDONLY));
   if (!state->overwrite) TACTUS_RETURN_IF_ERROR(RefuseExisting(state->path));
-  if (rename(state->temporary.c_str(), state->path.c_str()) != 0) {
-    return IoError(state->path, Errno());
-  }
-  state->temporary.clear();
-  return SyncPath(DirectoryOf(state->path), O_RDONLY | O_DIRECTORY);
+  return state->draft.Publish();
 }
 
 }  // namespace tactus
