@@ -5,6 +5,7 @@
 
 #include "CLI/CLI.hpp"
 #include "absl/synchronization/mutex.h"
+#include "core/base/arguments.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/base/version.h"
@@ -151,6 +152,11 @@ int Main(int argc, char** argv) {
                  "Ask the server at this address and exit 0 if it serves");
   app.add_option("--tls-ca", flags.tls_roots,
                  "PEM file of who may vouch for the server of --health-check");
+  if (const absl::Status status = CheckArguments(argc, argv); !status.ok()) {
+    std::fprintf(stderr, "tactusd: %s\n",
+                 std::string(status.message()).c_str());
+    return 1;
+  }
   CLI11_PARSE(app, argc, argv);
   if (!flags.health_check.empty()) {
     return CheckHealth(flags.health_check, flags.tls_roots);

@@ -4,12 +4,10 @@
 
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "nlohmann/json.hpp"
+#include "client/tools/json.h"
 
 namespace tactus::client {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 template <typename T>
 Json OrNull(const std::optional<T>& value) {
@@ -40,7 +38,7 @@ std::string RowsToJson(const std::vector<BenchRow>& rows) {
                     {"error_reference", OrNull(row.error_reference)},
                     {"accuracy", OrNull(row.accuracy)}});
   }
-  return json.dump(1);
+  return JsonText(json, 1);
 }
 
 std::string RowsToText(const std::vector<BenchRow>& rows) {

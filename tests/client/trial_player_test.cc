@@ -317,7 +317,7 @@ TEST(ReportTest, CountsUndetectableTrialsApart) {
   add(3, 1, 0, false, 0);
   report.AddTotals({.frames = 10, .lost = 1, .rtt_us = {5, 1, 3}});
   const auto json = report.ToJson();
-  EXPECT_EQ(json.dump(),
+  EXPECT_EQ(JsonText(json),
             "{\"trials\":4,\"accuracy\":0.6666666666666666,\"confusion\":"
             "[[1,1],[0,1]],\"decision_ms\":{\"p50\":100.0,\"p90\":300.0},"
             "\"rtt_us\":{\"p50\":3.0,\"p99\":5.0},\"frames\":10,\"lost\":1,"

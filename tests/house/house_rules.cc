@@ -210,6 +210,12 @@ std::vector<std::string> StyleViolations(const std::string& path,
       if (!absl::StrContains(line, word)) continue;
       violations.push_back(absl::StrCat(path, ":", number, ": ", word));
     }
+    // It throws on text that is not UTF-8.
+    if (absl::StrContains(line, ".dump(") &&
+        absl::StartsWith(path, "client/") && path != "client/tools/json.h") {
+      violations.push_back(
+          absl::StrCat(path, ":", number, ": JSON is written by JsonText()"));
+    }
   }
   if (absl::EndsWith(path, ".h")) {
     const std::string name = path.substr(path.rfind('/') + 1);

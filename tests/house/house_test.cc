@@ -231,6 +231,8 @@ TEST(StyleRuleTest, EachRuleCanFail) {
               ElementsAre(HasSubstr("core/a.cc:2")));
   EXPECT_THAT(StyleViolations("core/a.cc", std::string("// FIX") + "ME\n"),
               ElementsAre(HasSubstr("core/a.cc:1")));
+  EXPECT_THAT(StyleViolations("client/a.cc", "out << json.dump();\n"),
+              ElementsAre(HasSubstr("JsonText()")));
   EXPECT_THAT(StyleViolations("core/hmm/b.h", header),
               Contains(HasSubstr("must begin with // File: b.h")));
   EXPECT_THAT(StyleViolations("core/hmm/a.h", ""),

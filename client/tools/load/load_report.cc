@@ -1,6 +1,6 @@
 #include "absl/strings/str_format.h"
+#include "client/tools/json.h"
 #include "client/tools/load/load.h"
-#include "nlohmann/json.hpp"
 
 namespace tactus::client {
 
@@ -22,23 +22,23 @@ std::string LoadToText(const LoadReport& report) {
 }
 
 std::string LoadToJson(const LoadReport& report) {
-  const nlohmann::ordered_json json = {{"robots", report.robots},
-                                       {"sent", report.sent},
-                                       {"answered", report.answered},
-                                       {"lost", report.lost()},
-                                       {"superseded", report.superseded},
-                                       {"refused", report.refused},
-                                       {"failed", report.failed},
-                                       {"first_error", report.first_error},
-                                       {"p50_ms", report.p50_ms},
-                                       {"p90_ms", report.p90_ms},
-                                       {"p99_ms", report.p99_ms},
-                                       {"p999_ms", report.p999_ms},
-                                       {"max_ms", report.max_ms},
-                                       {"send_p99_ms", report.send_p99_ms},
-                                       {"answers_per_s", report.answers_per_s},
-                                       {"cpu_share", report.cpu_share}};
-  return json.dump(1);
+  const Json json = {{"robots", report.robots},
+                     {"sent", report.sent},
+                     {"answered", report.answered},
+                     {"lost", report.lost()},
+                     {"superseded", report.superseded},
+                     {"refused", report.refused},
+                     {"failed", report.failed},
+                     {"first_error", report.first_error},
+                     {"p50_ms", report.p50_ms},
+                     {"p90_ms", report.p90_ms},
+                     {"p99_ms", report.p99_ms},
+                     {"p999_ms", report.p999_ms},
+                     {"max_ms", report.max_ms},
+                     {"send_p99_ms", report.send_p99_ms},
+                     {"answers_per_s", report.answers_per_s},
+                     {"cpu_share", report.cpu_share}};
+  return JsonText(json, 1);
 }
 
 }  // namespace tactus::client

@@ -6,6 +6,7 @@
 #include "absl/synchronization/mutex.h"
 #include "client/tools/load/find_max.h"
 #include "client/tools/load/load.h"
+#include "core/base/arguments.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/base/version.h"
@@ -81,6 +82,11 @@ int Main(int argc, char** argv) {
       ->check(CLI::Range(0.01, 1e6))
       ->capture_default_str();
   app.add_flag("--json", flags.json, "Print one JSON object");
+  if (const absl::Status status = CheckArguments(argc, argv); !status.ok()) {
+    std::fprintf(stderr, "tactus-load: %s\n",
+                 std::string(status.message()).c_str());
+    return 2;
+  }
   CLI11_PARSE(app, argc, argv);
 
   const auto report = Measure(flags);

@@ -15,6 +15,7 @@
 #include "client/drivers/sim_driver.h"
 #include "client/tools/stream/report.h"
 #include "client/tools/stream/trial_player.h"
+#include "core/base/arguments.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/base/version.h"
@@ -90,7 +91,7 @@ absl::Status Run(const Flags& flags) {
   for (const absl::Status& status : statuses) TACTUS_RETURN_IF_ERROR(status);
 
   report.PrintTables();
-  if (flags.json) std::printf("%s\n", report.ToJson().dump().c_str());
+  if (flags.json) std::printf("%s\n", JsonText(report.ToJson()).c_str());
   if (flags.posteriors.empty()) return absl::OkStatus();
   return report.WritePosteriors(flags.posteriors);
 }
@@ -135,6 +136,11 @@ int Main(int argc, char** argv) {
   app.add_flag("--json", flags.json, "Print one JSON object");
   app.add_option("--posteriors", flags.posteriors,
                  "File for each trial's final scores, JSON lines");
+  if (const absl::Status status = CheckArguments(argc, argv); !status.ok()) {
+    std::fprintf(stderr, "tactus-stream: %s\n",
+                 std::string(status.message()).c_str());
+    return 2;
+  }
   CLI11_PARSE(app, argc, argv);
   if (flags.driver == "replay" && flags.data.empty()) {
     std::fprintf(stderr, "tactus-stream: --driver=replay needs --data\n");

@@ -14,8 +14,6 @@
 namespace tactus::client {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 // JSON has no NaN.
 Json NumberOrNull(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
@@ -87,7 +85,7 @@ void Report::PrintTables() const {
                static_cast<unsigned long long>(totals_.lost));
 }
 
-nlohmann::ordered_json Report::ToJson() const {
+Json Report::ToJson() const {
   const auto times = DecisionTimes();
   Json json;
   json["trials"] = results_.size();
@@ -109,8 +107,8 @@ absl::Status Report::WritePosteriors(const std::string& path) const {
   bool good = true;
   for (const auto& [index, result] : results_) {
     const std::string line = absl::StrFormat(
-        "{\"trial\":\"%s\",\"probability\":%s,\"log_likelihood\":%s}\n",
-        result.id, ExactList(result.probability),
+        "{\"trial\":%s,\"probability\":%s,\"log_likelihood\":%s}\n",
+        JsonText(result.id), ExactList(result.probability),
         ExactList(result.log_likelihood));
     good &= std::fputs(line.c_str(), file) >= 0;
   }

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "client/tools/json.h"
 #include "client/tools/stream/trial_player.h"
-#include "nlohmann/json.hpp"
 
 namespace tactus::client {
 
@@ -33,7 +33,7 @@ class Report {
   void PrintLive(const TrialResult& result,
                  const std::vector<std::string>& names) const;
   void PrintTables() const;
-  nlohmann::ordered_json ToJson() const;
+  Json ToJson() const;
   // One JSON object a line and trial, numbers with 17 significant digits. IO
   // if the file cannot be written.
   absl::Status WritePosteriors(const std::string& path) const;

@@ -106,9 +106,8 @@ absl::Status Run(const Flags& flags) {
     trials.push_back(std::move(answer));
   }
   if (flags.json) {
-    std::cout << Json{{"classes", model->model().class_names},
-                      {"trials", std::move(trials)}}
-                     .dump()
+    std::cout << JsonText(Json{{"classes", model->model().class_names},
+                               {"trials", std::move(trials)}})
               << "\n";
   }
   return absl::OkStatus();

@@ -5,13 +5,13 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <thread>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/base/text.h"
 #include "core/bundle/bundle.h"
 #include "core/data/file_bytes.h"
 #include "core/data/trial_file.h"
@@ -33,7 +33,9 @@ void SetCommandLine(int argc, char** argv) {
   std::string& line = MutableCommandLine();
   // The program's name without its folder, as a user types it.
   line = std::filesystem::path(argv[0]).filename().string();
-  for (int i = 1; i < argc; ++i) absl::StrAppend(&line, " ", argv[i]);
+  for (int i = 1; i < argc; ++i) {
+    absl::StrAppend(&line, " ", Printable(argv[i]));
+  }
 }
 
 const std::string& CommandLine() { return MutableCommandLine(); }
@@ -96,20 +98,6 @@ absl::StatusOr<std::shared_ptr<const CompiledModel>> LoadModel(
   auto model = DecodeBundle(bytes);
   if (!model.ok()) return Annotate(model.status(), path);
   return model;
-}
-
-absl::Status WriteFile(const std::string& path, const std::string& bytes) {
-  const std::string draft = path + ".partial";
-  {
-    std::ofstream file(draft, std::ios::binary);
-    file << bytes;
-    file.flush();
-    if (!file) return IoError(draft, "cannot be written");
-  }
-  std::error_code error;
-  std::filesystem::rename(draft, path, error);
-  if (error) return IoError(path, error.message());
-  return absl::OkStatus();
 }
 
 }  // namespace tactus::client

@@ -16,15 +16,12 @@
 #include "CLI/CLI.hpp"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/tools/json.h"
 #include "core/classify/compiled_model.h"
 #include "core/train/labelled_contact.h"
 #include "core/train/work.h"
-#include "nlohmann/json.hpp"
 
 namespace tactus::client {
-
-// JSON objects keep the order in which keys were set.
-using Json = nlohmann::ordered_json;
 
 // The work of a sub-command. It runs after the command line is parsed.
 using Command = std::function<absl::Status()>;
@@ -40,7 +37,7 @@ void AddInspect(CLI::App& app, const SelectCommand& select);
 void AddClassify(CLI::App& app, const SelectCommand& select);
 void AddReproduce(CLI::App& app, const SelectCommand& select);
 
-// The command line for the provenance of a bundle.
+// The command line, on one line, for the provenance of a bundle.
 void SetCommandLine(int argc, char** argv);
 const std::string& CommandLine();
 
@@ -68,8 +65,5 @@ absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
 // The model in the bundle at `path`.
 absl::StatusOr<std::shared_ptr<const CompiledModel>> LoadModel(
     const std::string& path);
-
-// Writes beside the target and renames.
-absl::Status WriteFile(const std::string& path, const std::string& bytes);
 
 }  // namespace tactus::client

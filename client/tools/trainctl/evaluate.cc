@@ -88,11 +88,10 @@ absl::Status RunUnknown(const Flags& flags) {
                                           RunOnThreads, display.progress()));
   display.Clear();
   if (flags.json) {
-    std::cout << Json({{"protocol", flags.protocol},
-                       {"seed", flags.fit.seed},
-                       {"categories", UnknownToJson(results)},
-                       {"seconds", SecondsSinceStart()}})
-                     .dump()
+    std::cout << JsonText(Json({{"protocol", flags.protocol},
+                                {"seed", flags.fit.seed},
+                                {"categories", UnknownToJson(results)},
+                                {"seconds", SecondsSinceStart()}}))
               << "\n";
   } else {
     std::cout << UnknownText(results)
@@ -146,7 +145,7 @@ void Print(const Flags& flags, const Run& run, int trials) {
     json.update(evaluation);
     if (fitted) json["seed"] = flags.fit.seed;
     json["seconds"] = SecondsSinceStart();
-    std::cout << json.dump() << "\n";
+    std::cout << JsonText(json) << "\n";
     return;
   }
   const bool reduced =

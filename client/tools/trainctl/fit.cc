@@ -8,6 +8,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/version.h"
 #include "core/bundle/bundle.h"
+#include "core/data/draft_file.h"
 
 namespace tactus::client {
 namespace {
@@ -36,18 +37,17 @@ absl::Status Run(const Flags& flags) {
   model.provenance.data = flags.data;
   model.provenance.note = flags.note;
   TACTUS_ASSIGN_OR_RETURN(const std::string bytes, EncodeBundle(model));
-  TACTUS_RETURN_IF_ERROR(WriteFile(flags.out, bytes));
+  TACTUS_RETURN_IF_ERROR(WriteFileBytes(flags.out, bytes));
   if (flags.json) {
-    std::cout << Json{{"bundle", flags.out},
-                      {"sha256", BundleSha256(bytes)},
-                      {"bytes", bytes.size()},
-                      {"trials", loaded.trials},
-                      {"undetectable", loaded.undetectable},
-                      {"classes", model.class_names},
-                      {"features", FeaturesToString(options.features)},
-                      {"seed", options.seed},
-                      {"seconds", SecondsSinceStart()}}
-                     .dump()
+    std::cout << JsonText(Json{{"bundle", flags.out},
+                               {"sha256", BundleSha256(bytes)},
+                               {"bytes", bytes.size()},
+                               {"trials", loaded.trials},
+                               {"undetectable", loaded.undetectable},
+                               {"classes", model.class_names},
+                               {"features", FeaturesToString(options.features)},
+                               {"seed", options.seed},
+                               {"seconds", SecondsSinceStart()}})
               << "\n";
   } else {
     std::cout << absl::StrFormat(

@@ -36,11 +36,10 @@ absl::Status Run(const Flags& flags) {
   TACTUS_RETURN_IF_ERROR(writer.Close());
   display.Clear();
   if (flags.json) {
-    std::cout << Json{{"trials", trials},
-                      {"frames", frames},
-                      {"counts", counts},
-                      {"seconds", SecondsSinceStart()}}
-                     .dump()
+    std::cout << JsonText(Json{{"trials", trials},
+                               {"frames", frames},
+                               {"counts", counts},
+                               {"seconds", SecondsSinceStart()}})
               << "\n";
     return absl::OkStatus();
   }

@@ -93,7 +93,7 @@ absl::Status Run(const Flags& flags) {
   } else {
     TACTUS_ASSIGN_OR_RETURN(json, InspectTrials(flags.path));
   }
-  std::cout << json.dump(flags.json ? -1 : 2) << "\n";
+  std::cout << JsonText(json, flags.json ? -1 : 2) << "\n";
   return absl::OkStatus();
 }
 

@@ -3,10 +3,16 @@
 #include <iostream>
 
 #include "client/tools/trainctl/command.h"
+#include "core/base/arguments.h"
 #include "core/base/errors.h"
 
 int main(int argc, char** argv) {
   using namespace tactus::client;
+  if (const absl::Status status = tactus::CheckArguments(argc, argv);
+      !status.ok()) {
+    std::cerr << "trainctl: " << status.message() << "\n";
+    return EXIT_FAILURE;
+  }
   SetCommandLine(argc, argv);
   CLI::App app("Simulate, import, fit, evaluate, inspect and classify trials.");
   app.name("trainctl");

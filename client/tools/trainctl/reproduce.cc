@@ -128,10 +128,9 @@ absl::Status Run(const Flags& flags) {
     TACTUS_RETURN_IF_ERROR(RunExperiment(flags, selection, experiment, rows));
   }
   if (flags.json) {
-    std::cout << Json{{"rows", rows},
-                      {"seed", flags.seed},
-                      {"seconds", SecondsSinceStart()}}
-                     .dump()
+    std::cout << JsonText(Json{{"rows", rows},
+                               {"seed", flags.seed},
+                               {"seconds", SecondsSinceStart()}})
               << "\n";
   } else {
     std::cout << absl::StrFormat("seed %d, %.1f s\n", flags.seed,

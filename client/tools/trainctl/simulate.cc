@@ -88,7 +88,7 @@ void Print(const SimulateFlags& flags, const Tally& tally) {
     json["sensor"] = flags.sensor;
     json["seed"] = flags.seed;
     json["seconds"] = SecondsSinceStart();
-    std::cout << json.dump() << "\n";
+    std::cout << JsonText(json) << "\n";
     return;
   }
   std::cout << "          HU    HM    SU    SM   total\n"

@@ -68,7 +68,7 @@ absl::StatusOr<ContactScene> ParseScene(absl::string_view json) {
   for (const auto& [key, value] : object.items()) {
     if (key == "fixed") {
       if (!value.is_boolean()) {
-        return InvalidScene(key, value.dump(), "true or false");
+        return InvalidScene(key, JsonText(value), "true or false");
       }
       scene.fixed = value.get<bool>();
       continue;
@@ -78,7 +78,7 @@ absl::StatusOr<ContactScene> ParseScene(absl::string_view json) {
       return InvalidScene("key", key, kKeys);
     }
     if (!value.is_number()) {
-      return InvalidScene(key, value.dump(), "a number");
+      return InvalidScene(key, JsonText(value), "a number");
     }
     *found->second = value.get<double>();
   }

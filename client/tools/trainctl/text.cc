@@ -31,7 +31,7 @@ std::string FeltContacts(int felt, int trials) {
                          WithCommas(trials));
 }
 
-nlohmann::ordered_json IntervalToJson(const Interval& interval) {
+Json IntervalToJson(const Interval& interval) {
   return {interval.low, interval.high};
 }
 

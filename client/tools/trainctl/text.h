@@ -14,8 +14,8 @@
 
 #include <string>
 
+#include "client/tools/json.h"
 #include "core/eval/metrics.h"
-#include "nlohmann/json.hpp"
 
 namespace tactus::client {
 
@@ -32,6 +32,6 @@ std::string PercentOf(int right, int count);
 std::string FeltContacts(int felt, int trials);
 
 // [low, high], as JSON.
-nlohmann::ordered_json IntervalToJson(const Interval& interval);
+Json IntervalToJson(const Interval& interval);
 
 }  // namespace tactus::client
