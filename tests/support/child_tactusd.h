@@ -11,6 +11,9 @@
 //   ...attack server.port()...
 //   EXPECT_LT(server.PeakMib(), 100);
 //
+//   ChildTactusd few({.flags = {"--max-streams=10"}, .max_open_files = 128});
+//   EXPECT_EQ(ChildTactusd::Run({"--no-such-flag"}), 1);
+//
 // Owns the process and kills it at the end. Not thread-safe, except for the
 // reading functions.
 #pragma once
@@ -25,6 +28,7 @@
 #include <chrono>
 #include <cstdio>
 #include <fstream>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -34,40 +38,45 @@ namespace tactus::testing {
 
 class ChildTactusd {
  public:
+  struct Options {
+    std::vector<std::string> flags = {};
+    // "NAME=value", in addition to the variables of this process.
+    std::vector<std::string> environment = {};
+    // Soft and hard limit of open files; 0 leaves both as they are.
+    int max_open_files = 0;
+    // Becomes its standard error; -1 for the file that Log() reads.
+    int standard_error = -1;
+  };
+
   // Starts tactusd with `flags` and waits until it serves.
-  explicit ChildTactusd(std::vector<std::string> flags = {}) {
-    static std::atomic<int> count = 0;
-    const std::string port_file = "/tmp/tactusd-child-" +
-                                  std::to_string(getpid()) + "-" +
-                                  std::to_string(++count);
-    std::remove(port_file.c_str());
-    log_ = port_file + ".log";
-    flags.insert(flags.begin(),
-                 {TACTUSD, "--listen=127.0.0.1:0", "--port-file=" + port_file});
-    std::vector<char*> argv;
-    for (std::string& flag : flags) argv.push_back(flag.data());
-    argv.push_back(nullptr);
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, log_.c_str(),
-                                     O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    if (posix_spawn(&pid_, TACTUSD, &actions, nullptr, argv.data(), environ)) {
-      pid_ = -1;
-    }
-    posix_spawn_file_actions_destroy(&actions);
+  explicit ChildTactusd(const std::vector<std::string>& flags = {})
+      : ChildTactusd(Options{.flags = flags}) {}
+  explicit ChildTactusd(Options options) {
+    const std::string port_file = base_ + ".port";
+    options.flags.push_back("--listen=127.0.0.1:0");
+    options.flags.push_back("--port-file=" + port_file);
+    Spawn(options);
     for (int i = 0; i < 2000 && pid_ > 0 && port_ == 0; ++i) {
       if (!(std::ifstream(port_file) >> port_)) {
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        if (waitpid(pid_, nullptr, WNOHANG) == pid_) pid_ = -1;
       }
     }
     std::remove(port_file.c_str());
+  }
+  // Runs tactusd with these flags alone to its end; returns what Wait does.
+  static int Run(const std::vector<std::string>& flags,
+                 const std::vector<std::string>& environment = {}) {
+    ChildTactusd child(NotServing{});
+    child.Spawn({.flags = flags, .environment = environment});
+    return child.Wait();
   }
   ~ChildTactusd() {
     if (pid_ > 0) {
       kill(pid_, SIGKILL);
       waitpid(pid_, nullptr, 0);
     }
-    std::remove(log_.c_str());
+    std::remove(LogFile().c_str());
   }
 
   ChildTactusd(const ChildTactusd&) = delete;
@@ -86,6 +95,20 @@ class ChildTactusd {
     pid_ = -1;
     return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
   }
+  // The same, or nothing if it still runs after `timeout`.
+  std::optional<int> WaitFor(std::chrono::milliseconds timeout) {
+    const auto end = std::chrono::steady_clock::now() + timeout;
+    siginfo_t info = {};
+    do {
+      // Looks without taking the exit code away from Wait.
+      if (waitid(P_PID, pid_, &info, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+          info.si_pid == pid_) {
+        return Wait();
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    } while (std::chrono::steady_clock::now() < end);
+    return std::nullopt;
+  }
 
   // Resident memory now and the most since the start or ResetPeak, MiB.
   double ResidentMib() const { return StatusField("VmRSS:") / 1024.0; }
@@ -97,11 +120,59 @@ class ChildTactusd {
   // Standard error so far.
   std::string Log() const {
     std::ostringstream text;
-    text << std::ifstream(log_).rdbuf();
+    text << std::ifstream(LogFile()).rdbuf();
     return text.str();
   }
 
  private:
+  struct NotServing {};
+  explicit ChildTactusd(NotServing) {}
+
+  static std::vector<char*> Pointers(std::vector<std::string>& texts) {
+    std::vector<char*> pointers;
+    for (std::string& text : texts) pointers.push_back(text.data());
+    pointers.push_back(nullptr);
+    return pointers;
+  }
+
+  void Spawn(const Options& options) {
+    std::vector<std::string> words;
+    if (options.max_open_files > 0) {
+      words = {"/bin/sh", "-c",
+               "ulimit -n " + std::to_string(options.max_open_files) +
+                   " && exec \"$@\"",
+               "sh"};
+    }
+    words.push_back(TACTUSD);
+    words.insert(words.end(), options.flags.begin(), options.flags.end());
+    std::vector<std::string> variables = options.environment;
+    for (char** variable = environ; *variable != nullptr; ++variable) {
+      variables.push_back(*variable);
+    }
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    if (options.standard_error >= 0) {
+      posix_spawn_file_actions_adddup2(&actions, options.standard_error,
+                                       STDERR_FILENO);
+    } else {
+      posix_spawn_file_actions_addopen(&actions, STDERR_FILENO,
+                                       LogFile().c_str(),
+                                       O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    }
+    if (posix_spawn(&pid_, words[0].c_str(), &actions, nullptr,
+                    Pointers(words).data(), Pointers(variables).data())) {
+      pid_ = -1;
+    }
+    posix_spawn_file_actions_destroy(&actions);
+  }
+
+  static std::string NextBase() {
+    static std::atomic<int> count = 0;
+    return "/tmp/tactusd-child-" + std::to_string(getpid()) + "-" +
+           std::to_string(++count);
+  }
+  std::string LogFile() const { return base_ + ".log"; }
+
   long StatusField(const std::string& name) const {
     std::ifstream file("/proc/" + std::to_string(pid_) + "/status");
     std::string word;
@@ -114,7 +185,8 @@ class ChildTactusd {
 
   pid_t pid_ = -1;
   int port_ = 0;
-  std::string log_;
+  // Its files begin with this path.
+  const std::string base_ = NextBase();
 };
 
 }  // namespace tactus::testing
