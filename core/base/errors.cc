@@ -1,6 +1,7 @@
 #include "core/base/errors.h"
 
 #include "absl/strings/cord.h"
+#include "core/base/quoted.h"
 #include "core/base/serialize.h"
 #include "core/base/text.h"
 
@@ -130,7 +131,7 @@ absl::Status StreamFinished() {
 absl::Status UnknownLayout(absl::string_view name, absl::string_view presets) {
   return MakeError(
       StatusCode::kInvalidArgument, v1::ERROR_REASON_UNKNOWN_LAYOUT,
-      absl::StrCat("layout \"", name, "\" is not a preset (", presets,
+      absl::StrCat("layout ", Quoted(name), " is not a preset (", presets,
                    "); describe it in full, with rows and columns"),
       {{"field", "geometry.layout"},
        {"value", std::string(name)},
@@ -232,7 +233,7 @@ absl::Status GeometryMismatch(absl::string_view got, absl::string_view want) {
 
 absl::Status ModelNotFound(absl::string_view name) {
   return MakeError(StatusCode::kNotFound, v1::ERROR_REASON_MODEL_NOT_FOUND,
-                   absl::StrCat("model \"", name, "\" does not exist"),
+                   absl::StrCat("model ", Quoted(name), " does not exist"),
                    {{"model", std::string(name)}});
 }
 

@@ -60,6 +60,16 @@ inline constexpr size_t kMaxTrialBytes = kMaxReceiveBytes;
 // Server.
 inline constexpr int kMaxStreams = 2'000;
 inline constexpr int kIdleTimeoutMs = 300'000;
+// Connections, open at once: in all, and from one IPv4 address or IPv6 /64.
+// Each robot may have its own; half is left to others.
+inline constexpr int kMaxConnections = 4'096;
+inline constexpr int kMaxConnectionsPerPeer = 2'048;
+// A connection must finish TLS and begin HTTP/2 within the first, and is closed
+// when it has had no call for the second.
+inline constexpr int kHandshakeTimeoutMs = 10'000;
+inline constexpr int kConnectionIdleMs = 300'000;
+// How long a listening socket may fail to answer the server's own check.
+inline constexpr int kSelfCheckMs = 10'000;
 inline constexpr int kDrainGraceMs = 5'000;
 // Posteriors that must not be dropped and wait for a slow reader.
 inline constexpr size_t kMaxQueuedFinals = 64;

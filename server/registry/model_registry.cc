@@ -10,6 +10,7 @@
 #include "absl/strings/strip.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
+#include "core/base/quoted.h"
 #include "core/base/status_macros.h"
 #include "core/bundle/bundle.h"
 
@@ -33,7 +34,7 @@ bool IsModelName(absl::string_view name) {
 absl::Status ModelRegistry::Add(absl::string_view model,
                                 absl::string_view bundle) {
   if (!IsModelName(model)) {
-    return InvalidConfig("model name", absl::StrCat("\"", model, "\""),
+    return InvalidConfig("model name", Quoted(model),
                          "1 to 64 of a-z, 0-9 and -");
   }
   PinnedModel pinned;
