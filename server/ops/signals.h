@@ -1,11 +1,15 @@
 // File: signals.h
 //
-// StopSignals: SIGTERM and SIGINT as something to wait for.
+// StopSignals: SIGTERM, SIGINT and SIGHUP as something to wait for.
 //
 //   StopSignals signals;      // in main, before any thread starts
 //   // ... start the server ...
 //   signals.Wait();           // the first signal
 //   // ... stop in good order; a second signal ends the process at once ...
+//
+// SIGHUP stops the server too: a terminal or a session that closes sends it,
+// and there is nothing to reload. SIGPIPE is ignored, so that a write to a
+// closed connection or to a log that nobody reads any more is only an error.
 //
 // Use from the main thread only.
 #pragma once
