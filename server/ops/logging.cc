@@ -1,21 +1,69 @@
 #include "server/ops/logging.h"
 
+#include <memory>
+
 #include "core/base/errors.h"
+#include "core/base/quoted.h"
+#include "grpc/support/log.h"
+#include "server/ops/clock.h"
+#include "server/ops/log_limiter.h"
+#include "spdlog/pattern_formatter.h"
 #include "spdlog/sinks/stdout_sinks.h"
 #include "spdlog/spdlog.h"
 
 namespace tactus::server {
+namespace {
+
+constexpr size_t kMaxTextBytes = 2'000;
+
+// The message as one line of printable ASCII.
+class OneLine final : public spdlog::custom_flag_formatter {
+ public:
+  void format(const spdlog::details::log_msg& message, const std::tm&,
+              spdlog::memory_buf_t& line) override {
+    constexpr char kHex[] = "0123456789abcdef";
+    size_t left = kMaxTextBytes;
+    for (const char c : message.payload) {
+      if (left-- == 0) break;
+      if (c >= 0x20 && c < 0x7f) {
+        line.push_back(c);
+        continue;
+      }
+      const auto byte = static_cast<unsigned char>(c);
+      const char escaped[] = {'\\', 'x', kHex[byte >> 4], kHex[byte & 15]};
+      line.append(escaped, escaped + sizeof(escaped));
+    }
+  }
+  std::unique_ptr<custom_flag_formatter> clone() const override {
+    return std::make_unique<OneLine>();
+  }
+};
+
+// gRPC reports errors of single connections, which strangers can cause.
+void LogForGrpc(gpr_log_func_args* entry) {
+  static LogLimiter limiter({.lines_per_second = 10, .burst = 100});
+  if (entry->severity != GPR_LOG_SEVERITY_ERROR) {
+    spdlog::debug("gRPC: {}", entry->message);
+  } else if (const auto left_out = limiter.Admit(MonotonicNs())) {
+    spdlog::warn("gRPC: {}{}", entry->message, LeftOut(*left_out));
+  }
+}
+
+}  // namespace
 
 absl::Status StartLogging(const std::string& level) {
   const spdlog::level::level_enum parsed = spdlog::level::from_str(level);
-  // from_str answers off for words it does not know.
+  // from_str returns off for words that it does not know.
   if (parsed == spdlog::level::off && level != "off") {
-    return InvalidConfig("log level", level,
+    return InvalidConfig("log level", Quoted(level),
                          "trace, debug, info, warn, error or off");
   }
+  auto formatter = std::make_unique<spdlog::pattern_formatter>();
+  formatter->add_flag<OneLine>('*').set_pattern("%Y-%m-%dT%H:%M:%S.%e %L %*");
   spdlog::set_default_logger(spdlog::stderr_logger_mt("tactusd"));
-  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e %L %v");
+  spdlog::set_formatter(std::move(formatter));
   spdlog::set_level(parsed);
+  gpr_set_log_function(LogForGrpc);
   return absl::OkStatus();
 }
 

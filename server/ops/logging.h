@@ -1,7 +1,15 @@
 // File: logging.h
 //
-// Logging of the process: one line an event on standard error. Nothing is
+// Logging of the process: one line per event on standard error. Nothing is
 // logged per frame.
+//
+//   TACTUS_RETURN_IF_ERROR(StartLogging("info"));
+//   spdlog::info("listening on {}", address);
+//
+// Whatever a message contains, it stays one line of printable ASCII: control
+// characters and bytes above 0x7e become \xNN, and text beyond 2,000 bytes is
+// cut off. A client can therefore not forge lines through a name that is
+// logged. gRPC's own errors become lines of this log too, at most ten a second.
 #pragma once
 
 #include <string>
