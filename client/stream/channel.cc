@@ -6,7 +6,9 @@
 #include <sstream>
 
 #include "absl/strings/match.h"
+#include "core/base/address.h"
 #include "core/base/errors.h"
+#include "core/base/quoted.h"
 #include "grpcpp/create_channel.h"
 #include "grpcpp/security/credentials.h"
 
@@ -23,23 +25,30 @@ std::shared_ptr<grpc::Channel> MakeChannel(const std::string& address,
   if (!options.share_connection) {
     arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   }
-  const bool plain =
-      options.tls_roots.empty() || absl::StartsWith(address, "unix");
+  if (!options.tls_roots || IsUnixAddress(address)) {
+    return grpc::CreateCustomChannel(
+        address, grpc::InsecureChannelCredentials(), arguments);
+  }
+  // gRPC takes an empty text for the system's authorities; ours holds none.
   return grpc::CreateCustomChannel(
       address,
-      plain ? grpc::InsecureChannelCredentials()
-            : grpc::SslCredentials({.pem_root_certs = options.tls_roots,
-                                    .pem_private_key = "",
-                                    .pem_cert_chain = ""}),
+      grpc::SslCredentials({.pem_root_certs = options.tls_roots->empty()
+                                                  ? "no certificate"
+                                                  : *options.tls_roots,
+                            .pem_private_key = "",
+                            .pem_cert_chain = ""}),
       arguments);
 }
 
 absl::StatusOr<std::string> ReadRootCertificates(const std::string& path) {
-  if (path.empty()) return std::string();
   std::ifstream file(path);
   std::ostringstream text;
-  if (!file || !(text << file.rdbuf())) {
-    return IoError(path, std::strerror(errno));
+  // An empty file leaves nothing to insert, which sets the fail bit of `text`.
+  if (!file || (file.peek() != EOF && !(text << file.rdbuf()))) {
+    return IoError(Quoted(path), std::strerror(errno));
+  }
+  if (!absl::StrContains(text.str(), "-----BEGIN CERTIFICATE-----")) {
+    return IoError(Quoted(path), "holds no PEM certificate");
   }
   return text.str();
 }

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -20,19 +21,21 @@
 namespace tactus::client {
 
 struct ChannelOptions {
-  // PEM of the authorities that may vouch for the server; empty: no TLS. Unix
-  // sockets are always plain.
-  std::string tls_roots;
-  // False: a connection of its own, shared with no other channel.
+  // PEM of the authorities that may vouch for the server. If set, every
+  // host:port is spoken to in TLS, whatever the text: no connection is made if
+  // it holds no certificate. Unix sockets are always plain.
+  std::optional<std::string> tls_roots = {};
+  // False: this channel has a separate connection, which no other one uses.
   bool share_connection = true;
 };
 
-// `address` is "host:port" or "unix:path". Never fails: what is wrong shows
-// with the first call.
+// `address` is "host:port" or "unix:path". Never fails: a wrong address or
+// certificate makes the first call fail.
 std::shared_ptr<grpc::Channel> MakeChannel(const std::string& address,
                                            const ChannelOptions& options = {});
 
-// The text of a PEM file; empty for an empty path. IO if it cannot be read.
+// The text of a PEM file of certificates. IO if it cannot be read or holds
+// none.
 absl::StatusOr<std::string> ReadRootCertificates(const std::string& path);
 
 }  // namespace tactus::client

@@ -85,11 +85,10 @@ absl::StatusOr<double> TimeStart() {
       const pid_t pid,
       SpawnBeside("tactusd", {"--listen=unix:" + path, "--log-level=error",
                               "--drain-grace-ms=0"}));
-  absl::Status status =
-      Await(path, milliseconds(10'000))
-          ? CheckServing(MakeChannel(
-                "unix:" + path, {.tls_roots = "", .share_connection = false}))
-          : IoError(path, "nobody listens after 10 s");
+  absl::Status status = Await(path, milliseconds(10'000))
+                            ? CheckServing(MakeChannel(
+                                  "unix:" + path, {.share_connection = false}))
+                            : IoError(path, "nobody listens after 10 s");
   const std::chrono::duration<double, std::milli> elapsed =
       steady_clock::now() - start;
   EndProcess(pid);
@@ -166,8 +165,8 @@ absl::StatusOr<Memory> StreamMemory(const FrameScript& script, int count,
   const auto channels = [&](int wanted) {
     std::vector<std::shared_ptr<grpc::Channel>> made;
     for (int i = 0; i < wanted; ++i) {
-      made.push_back(MakeChannel(server->address(),
-                                 {.tls_roots = "", .share_connection = false}));
+      made.push_back(
+          MakeChannel(server->address(), {.share_connection = false}));
     }
     return made;
   };

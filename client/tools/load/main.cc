@@ -1,5 +1,6 @@
 // tactus-load: an open-loop load generator for a Tactus server.
 #include <cstdio>
+#include <optional>
 #include <string>
 
 #include "CLI/CLI.hpp"
@@ -17,15 +18,17 @@ namespace {
 struct Flags {
   LoadOptions load = {.address = "127.0.0.1:50051"};
   FindMaxOptions search;
-  std::string tls_ca;
+  std::optional<std::string> tls_ca;
   bool find_max = false;
   bool json = false;
 };
 
 absl::StatusOr<LoadReport> Measure(const Flags& flags) {
   LoadOptions load = flags.load;
-  TACTUS_ASSIGN_OR_RETURN(load.channel.tls_roots,
-                          ReadRootCertificates(flags.tls_ca));
+  if (flags.tls_ca) {
+    TACTUS_ASSIGN_OR_RETURN(load.channel.tls_roots,
+                            ReadRootCertificates(*flags.tls_ca));
+  }
   if (!flags.find_max) return RunLoad(load);
   return FindMaxRobots(load, flags.search, [](const LoadReport& test) {
     std::fprintf(stderr, "%d robots: p99 %.3f ms, %llu lost, %d refused\n",
@@ -46,7 +49,9 @@ int Main(int argc, char** argv) {
   app.add_option("--server", load.address, "host:port or unix:path")
       ->capture_default_str();
   app.add_option("--tls-ca", flags.tls_ca,
-                 "PEM file of who may vouch for the server: use TLS");
+                 "PEM file of the authorities that may vouch for the server; "
+                 "with it, the connection uses TLS")
+      ->check(CLI::ExistingFile);
   app.add_option("--robots", load.robots, "Streams at once")
       ->check(CLI::Range(1, 100'000))
       ->capture_default_str();

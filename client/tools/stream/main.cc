@@ -26,7 +26,7 @@ namespace {
 
 struct Flags {
   std::string server = "127.0.0.1:50051";
-  std::string tls_ca;
+  std::optional<std::string> tls_ca;
   std::string driver = "sim";
   std::string data;
   size_t trials = 0;
@@ -58,13 +58,16 @@ std::unique_ptr<TrialDriver> MakeDriver(
 absl::Status Run(const Flags& flags) {
   // Standard output is for the one JSON object.
   Report report(flags.json ? stderr : stdout);
-  TACTUS_ASSIGN_OR_RETURN(const std::string roots,
-                          ReadRootCertificates(flags.tls_ca));
   std::optional<SkinLayout> layout;
   if (!flags.layout.empty()) {
     TACTUS_ASSIGN_OR_RETURN(layout, ReadLayoutFile(flags.layout));
   }
-  const auto channel = MakeChannel(flags.server, {.tls_roots = roots});
+  ChannelOptions options;
+  if (flags.tls_ca) {
+    TACTUS_ASSIGN_OR_RETURN(options.tls_roots,
+                            ReadRootCertificates(*flags.tls_ca));
+  }
+  const auto channel = MakeChannel(flags.server, options);
   std::mutex mutex;
   std::vector<absl::Status> statuses(flags.parallel);
   std::vector<std::thread> threads;
@@ -104,7 +107,16 @@ int Main(int argc, char** argv) {
   app.add_option("--server", flags.server, "host:port or unix:path")
       ->capture_default_str();
   app.add_option("--tls-ca", flags.tls_ca,
-                 "PEM file with the root certificates: use TLS");
+  std::optional<SkinLayout> layout;
+  if (!flags.layout.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(layout, ReadLayoutFile(flags.layout));
+  }
+  ChannelOptions options;
+  if (flags.tls_ca) {
+    TACTUS_ASSIGN_OR_RETURN(options.tls_roots,
+                            ReadRootCertificates(*flags.tls_ca));
+  }
+  const auto channel = MakeChannel(flags.server, options);
   app.add_option("--driver", flags.driver, "sim or replay")
       ->check(CLI::IsMember({"sim", "replay"}))
       ->capture_default_str();
