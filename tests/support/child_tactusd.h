@@ -53,8 +53,9 @@ class ChildTactusd {
       : ChildTactusd(Options{.flags = flags}) {}
   explicit ChildTactusd(Options options) {
     const std::string port_file = base_ + ".port";
-    options.flags.push_back("--listen=127.0.0.1:0");
-    options.flags.push_back("--port-file=" + port_file);
+    // The first address is the one whose port the file holds.
+    options.flags.insert(options.flags.begin(),
+                         {"--listen=127.0.0.1:0", "--port-file=" + port_file});
     Spawn(options);
     for (int i = 0; i < 2000 && pid_ > 0 && port_ == 0; ++i) {
       if (!(std::ifstream(port_file) >> port_)) {
