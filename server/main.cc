@@ -1,18 +1,26 @@
 // tactusd: the server program.
+#include <algorithm>
 #include <cstdio>
+#include <cstdlib>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "CLI/CLI.hpp"
 #include "absl/synchronization/mutex.h"
+#include "core/base/address.h"
 #include "core/base/arguments.h"
 #include "core/base/errors.h"
+#include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/base/version.h"
 #include "grpcpp/create_channel.h"
+#include "server/listen/descriptor_limit.h"
+#include "server/listen/self_check.h"
 #include "server/ops/health_probe.h"
 #include "server/ops/logging.h"
 #include "server/ops/port_file.h"
+#include "server/ops/service_notify.h"
 #include "server/ops/signals.h"
 #include "server/registry/default_bundle.h"
 #include "server/registry/model_registry.h"
@@ -28,14 +36,26 @@ struct Flags {
   std::string port_file;
   std::string log_level = "info";
   std::string health_check;
-  std::string tls_certificate;
-  std::string tls_key;
-  std::string tls_roots;
+  std::optional<std::string> tls_certificate;
+  std::optional<std::string> tls_key;
+  std::optional<std::string> tls_roots;
+  int self_check_ms = limits::kSelfCheckMs;
 };
 
-// 0 if the server at `address` says SERVING.
-int CheckHealth(const std::string& address, const std::string& tls_roots) {
-  const auto credentials = ReadTlsRoots(tls_roots);
+absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> HealthCredentials(
+    const Flags& flags) {
+  if (IsUnixAddress(flags.health_check)) {
+    return grpc::InsecureChannelCredentials();
+  }
+  if (flags.tls_roots) return ReadTlsRoots(*flags.tls_roots);
+  if (flags.tls_certificate) return ReadOwnCertificate(*flags.tls_certificate);
+  return grpc::InsecureChannelCredentials();
+}
+
+// 0 if the server at flags.health_check reports SERVING.
+int CheckHealth(const Flags& flags) {
+  const std::string& address = flags.health_check;
+  const auto credentials = HealthCredentials(flags);
   if (!credentials.ok()) {
     std::fprintf(stderr, "tactusd: %s\n",
                  std::string(credentials.status().message()).c_str());
@@ -69,31 +89,90 @@ absl::Status LoadModels(const std::vector<std::string>& flags,
   return absl::OkStatus();
 }
 
+// Lowers the limits of connections to what the limit of open files allows.
+void FitConnections(TactusServer::Options& options) {
+  const int descriptors = RaiseDescriptorLimit();
+  const int fit = ConnectionsThatFit(descriptors);
+  if (options.max_connections > fit) {
+    spdlog::warn(
+        "serving at most {} connections, because at most {} files may "
+        "be open (ulimit -n)",
+        fit, descriptors);
+    options.max_connections = fit;
+  }
+  // One peer never takes all, so that others can still connect.
+  options.max_connections_per_peer =
+      std::min(options.max_connections_per_peer,
+               std::max(1, options.max_connections / 2));
+}
+
+void LogListeners(const TactusServer::Options& options,
+                  const TactusServer& server) {
+  for (size_t i = 0; i < options.listen.size(); ++i) {
+    const std::string& address = options.listen[i];
+    if (IsUnixAddress(address)) {
+      spdlog::info("listening on {}, plaintext", address);
+    } else {
+      spdlog::info("listening on {}, port {}, {}", address, server.ports()[i],
+                   options.tls ? "TLS" : "plaintext");
+    }
+  }
+}
+
+void Notify(absl::string_view state) {
+  const absl::Status status = NotifyService(state);
+  if (!status.ok()) spdlog::warn("systemd: {}", std::string(status.message()));
+}
+
+[[noreturn]] void EndAsUnreachable(const std::string& address,
+                                   const absl::Status& error, int patience_ms) {
+  spdlog::critical("{} has not answered its own server for {} ms ({}); ending",
+                   address, patience_ms, std::string(error.message()));
+  spdlog::default_logger()->flush();
+  // Without a drain: what is broken may not let it end.
+  std::_Exit(EXIT_FAILURE);
+}
+
 absl::Status Serve(const Flags& flags, StopSignals& signals) {
   TACTUS_RETURN_IF_ERROR(StartLogging(flags.log_level));
   ModelRegistry registry;
   TACTUS_RETURN_IF_ERROR(LoadModels(flags.models, registry));
   TactusServer::Options options = flags.server;
-  if (!flags.tls_key.empty()) {
+  FitConnections(options);
+  if (flags.tls_certificate) {
     TACTUS_ASSIGN_OR_RETURN(
-        options.tls, ReadTlsIdentity(flags.tls_certificate, flags.tls_key));
+        options.tls, ReadTlsIdentity(*flags.tls_certificate, *flags.tls_key));
   }
   TACTUS_ASSIGN_OR_RETURN(auto server, TactusServer::Start(&registry, options));
-  for (size_t i = 0; i < flags.server.listen.size(); ++i) {
-    spdlog::info("listening on {}, port {}", flags.server.listen[i],
-                 server->ports()[i]);
-  }
+  LogListeners(options, *server);
   if (!flags.port_file.empty()) {
     TACTUS_RETURN_IF_ERROR(WritePortFile(flags.port_file, server->ports()[0]));
   }
+  Notify("READY=1");
+  std::optional<SelfCheck> self_check(
+      std::in_place, server->listener(),
+      SelfCheck::Options{
+          .patience = std::chrono::milliseconds(flags.self_check_ms),
+          .on_pass = [] { Notify("WATCHDOG=1"); },
+          .on_failure =
+              [&flags](const std::string& address, const absl::Status& error) {
+                EndAsUnreachable(address, error, flags.self_check_ms);
+              }});
   const int signal = signals.Wait();
+  Notify("STOPPING=1");
   spdlog::info("signal {}: draining {} streams", signal, server->gate().live());
+  self_check.reset();
   server->Stop();
   const StreamGate& gate = server->gate();
   spdlog::info("stopped after {} streams, {} refused, {} frames", gate.opened(),
                gate.refused(), gate.frames());
   spdlog::info("skipped {}", server->skipped().ToString());
   return absl::OkStatus();
+}
+
+bool IsSetButEmpty(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value != nullptr && *value == '\0';
 }
 
 int Main(int argc, char** argv) {
@@ -110,14 +189,14 @@ int Main(int argc, char** argv) {
       ->default_str("127.0.0.1:50051");
   app.add_option("--port-file", flags.port_file,
                  "File to write the first address's port to once serving");
-  CLI::Option* certificate =
-      app.add_option("--tls-cert", flags.tls_certificate,
-                     "PEM file of the server's certificate chain: speak TLS on "
-                     "every host:port");
-  CLI::Option* key =
-      app.add_option("--tls-key", flags.tls_key, "PEM file of its private key");
-  certificate->needs(key);
-  key->needs(certificate);
+  app.add_option("--tls-cert", flags.tls_certificate,
+                 "PEM file of the server's certificate chain: speak TLS on "
+                 "every host:port")
+      ->envname("TACTUSD_TLS_CERT")
+      ->check(CLI::ExistingFile);
+  app.add_option("--tls-key", flags.tls_key, "PEM file of its private key")
+      ->envname("TACTUSD_TLS_KEY")
+      ->check(CLI::ExistingFile);
   app.add_option("--model", flags.models,
                  "NAME=PATH of a bundle to serve as models/NAME; may be "
                  "repeated")
@@ -129,7 +208,7 @@ int Main(int argc, char** argv) {
           },
           "NAME=PATH"));
   app.add_option("--drain-grace-ms", flags.server.drain_grace_ms,
-                 "Time streams have to finish after SIGTERM")
+                 "Time streams have to finish after SIGTERM, SIGINT or SIGHUP")
       ->check(CLI::Range(0, 3'600'000))
       ->capture_default_str();
   app.add_option("--threads", flags.server.threads,
@@ -141,6 +220,26 @@ int Main(int argc, char** argv) {
                  "Streams admitted at once")
       ->check(CLI::Range(1, 100'000))
       ->capture_default_str();
+  app.add_option("--max-connections", flags.server.max_connections,
+                 "Connections open at once; fewer if the limit of open files "
+                 "is lower")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--max-connections-per-peer",
+                 flags.server.max_connections_per_peer,
+                 "Connections from one IPv4 address or IPv6 /64; at most half "
+                 "of all")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--connection-idle-ms", flags.server.connection_idle_ms,
+                 "Closes a connection that has had no call for this long")
+      ->check(CLI::Range(1'000, 86'400'000))
+      ->capture_default_str();
+  app.add_option("--self-check-ms", flags.self_check_ms,
+                 "Ends the process when one of its own addresses has not "
+                 "answered for this long")
+      ->check(CLI::Range(100, 3'600'000))
+      ->capture_default_str();
   app.add_option("--idle-timeout-ms", flags.server.idle_timeout_ms,
                  "Silence that ends a stream; 0 for none")
       ->check(CLI::Range(0, 86'400'000))
@@ -151,15 +250,24 @@ int Main(int argc, char** argv) {
   app.add_option("--health-check", flags.health_check,
                  "Ask the server at this address and exit 0 if it serves");
   app.add_option("--tls-ca", flags.tls_roots,
-                 "PEM file of who may vouch for the server of --health-check");
+                 "PEM file of the authorities that may vouch for the server of "
+                 "--health-check; without it, --tls-cert is the server's own "
+                 "certificate, accepted under any name")
+      ->check(CLI::ExistingFile);
   if (const absl::Status status = CheckArguments(argc, argv); !status.ok()) {
     std::fprintf(stderr, "tactusd: %s\n",
                  std::string(status.message()).c_str());
     return 1;
   }
   CLI11_PARSE(app, argc, argv);
-  if (!flags.health_check.empty()) {
-    return CheckHealth(flags.health_check, flags.tls_roots);
+  if (!flags.health_check.empty()) return CheckHealth(flags);
+  // An empty variable must not mean plaintext.
+  if (flags.tls_certificate.has_value() != flags.tls_key.has_value() ||
+      IsSetButEmpty("TACTUSD_TLS_CERT") || IsSetButEmpty("TACTUSD_TLS_KEY")) {
+    std::fprintf(stderr,
+                 "tactusd: --tls-cert and --tls-key (or TACTUSD_TLS_CERT and "
+                 "TACTUSD_TLS_KEY) must both be given, not empty\n");
+    return 1;
   }
   if (flags.server.listen.empty()) flags.server.listen = {"127.0.0.1:50051"};
 

@@ -45,8 +45,6 @@ void SetChannelArguments(int max_streams, grpc::ServerBuilder& builder) {
   }
   builder.AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
   builder.SetMaxReceiveMessageSize(limits::kMaxReceiveBytes);
-  // A second server on the same port is a mistake and must fail.
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   builder.SetResourceQuota(
       grpc::ResourceQuota("tactusd").Resize(kMemoryQuotaBytes));
 }
@@ -75,13 +73,15 @@ absl::Status TactusServer::Listen() {
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
   SetChannelArguments(options_.max_streams, builder);
-  ports_.resize(options_.listen.size());
-  const TlsIdentity* tls = options_.tls ? &*options_.tls : nullptr;
-  for (size_t i = 0; i < options_.listen.size(); ++i) {
-    builder.AddListeningPort(options_.listen[i],
-                             CredentialsFor(options_.listen[i], tls),
-                             &ports_[i]);
-  }
+  TACTUS_ASSIGN_OR_RETURN(
+      listener_, GrpcListener::Open(
+                     {.addresses = options_.listen,
+                      .tls = options_.tls,
+                      .limits = {.connections = options_.max_connections,
+                                 .per_peer = options_.max_connections_per_peer},
+                      .handshake_timeout_ms = options_.handshake_timeout_ms,
+                      .connection_idle_ms = options_.connection_idle_ms}));
+  listener_->AddTo(builder);
   builder.RegisterService(&contacts_);
   builder.RegisterService(&health_);
   for (int i = 0; i < Threads(options_.threads); ++i) {
@@ -89,15 +89,9 @@ absl::Status TactusServer::Listen() {
         std::make_unique<CallQueue>(builder.AddCompletionQueue()));
   }
   server_ = builder.BuildAndStart();
+  // The sockets are open already: what is left to fail is the certificate.
   if (server_ == nullptr) {
-    std::string addresses;
-    for (const std::string& address : options_.listen) {
-      absl::StrAppend(&addresses, addresses.empty() ? "" : ", ", address);
-    }
-    return IoError(addresses, tls == nullptr
-                                  ? "cannot listen there"
-                                  : "cannot listen there, or the certificate "
-                                    "and the key are no pair");
+    return IoError("TLS", "the certificate and the key do not make a pair");
   }
   Serve();
   return absl::OkStatus();
@@ -110,6 +104,7 @@ void TactusServer::Serve() {
   }
   SetServing(true);
   for (const auto& queue : queues_) queue->Start();
+  listener_->Start();
 }
 
 TactusServer::~TactusServer() {
@@ -128,6 +123,7 @@ void TactusServer::Stop() {
 }
 
 void TactusServer::Shutdown(std::chrono::system_clock::time_point deadline) {
+  listener_->Stop();
   server_->Shutdown(deadline);
   server_->Wait();
   for (const auto& queue : queues_) queue->Stop();

@@ -19,6 +19,7 @@
 #include "core/base/limits.h"
 #include "grpcpp/channel.h"
 #include "grpcpp/server.h"
+#include "server/listen/grpc_listener.h"
 #include "server/ops/tls.h"
 #include "server/rpc/contact_service.h"
 #include "server/rpc/health_service.h"
@@ -28,21 +29,27 @@ namespace tactus::server {
 class TactusServer {
  public:
   struct Options {
-    // "host:port" (port 0: any free one) or "unix:path"; may be empty, the
-    // in-process channel is always there.
+    // "host:port" (port 0: any free one) or "unix:path"; may be empty, because
+    // the in-process channel is always there.
     std::vector<std::string> listen = {};
     // TLS on every host:port; unix sockets stay plain.
     std::optional<TlsIdentity> tls = {};
     // That serve calls; 0: half as many as there are processors.
     int threads = 0;
     int max_streams = limits::kMaxStreams;
+    int max_connections = limits::kMaxConnections;
+    // From one IPv4 address or IPv6 /64; unix sockets have no limit per peer.
+    int max_connections_per_peer = limits::kMaxConnectionsPerPeer;
+    int handshake_timeout_ms = limits::kHandshakeTimeoutMs;
+    // Closes a connection without calls after this time.
+    int connection_idle_ms = limits::kConnectionIdleMs;
     // 0 means none.
     int idle_timeout_ms = limits::kIdleTimeoutMs;
     int drain_grace_ms = limits::kDrainGraceMs;
   };
 
-  // Serving when it returns. IO if an address cannot be listened on, also
-  // because certificate and key do not make a pair.
+  // Serving when it returns. INVALID_CONFIG or IO if an address is wrong or
+  // cannot be listened on, or if certificate and key do not make a pair.
   static absl::StatusOr<std::unique_ptr<TactusServer>> Start(
       const ModelSource* models, const Options& options);
 
@@ -54,8 +61,10 @@ class TactusServer {
   // and a second.
   void Stop();
 
-  // One per address; without meaning for unix sockets.
-  const std::vector<int>& ports() const { return ports_; }
+  // One per address; 0 for unix sockets.
+  const std::vector<int>& ports() const { return listener_->ports(); }
+  // For the self-check, which must end before Stop is called.
+  GrpcListener* listener() { return listener_.get(); }
   std::shared_ptr<grpc::Channel> InProcessChannel();
   const StreamGate& gate() const { return contacts_.gate(); }
   const SkipTotals& skipped() const { return contacts_.skipped(); }
@@ -71,8 +80,8 @@ class TactusServer {
   const Options options_;
   ContactService contacts_;
   HealthService health_;
-  std::vector<int> ports_;
   std::vector<std::unique_ptr<CallQueue>> queues_;
+  std::unique_ptr<GrpcListener> listener_;
   std::unique_ptr<grpc::Server> server_;
 };
 

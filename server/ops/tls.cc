@@ -6,17 +6,28 @@
 #include <sstream>
 
 #include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
+#include "core/base/quoted.h"
 #include "core/base/status_macros.h"
+#include "grpcpp/security/tls_certificate_provider.h"
+#include "grpcpp/security/tls_certificate_verifier.h"
+#include "grpcpp/security/tls_credentials_options.h"
 
 namespace tactus::server {
 namespace {
 
-absl::StatusOr<std::string> ReadText(const std::string& path) {
+// The text of a PEM file whose blocks are labelled `kind`.
+absl::StatusOr<std::string> ReadPem(const std::string& path,
+                                    absl::string_view kind) {
   std::ifstream file(path);
   std::ostringstream text;
-  if (!file || !(text << file.rdbuf())) {
-    return IoError(path, std::strerror(errno));
+  // An empty file leaves nothing to insert, which sets the fail bit of `text`.
+  if (!file || (file.peek() != EOF && !(text << file.rdbuf()))) {
+    return IoError(Quoted(path), std::strerror(errno));
+  }
+  if (!absl::StrContains(text.str(), absl::StrCat(kind, "-----"))) {
+    return IoError(Quoted(path), absl::StrCat("holds no PEM block ", kind));
   }
   return text.str();
 }
@@ -27,28 +38,42 @@ absl::StatusOr<TlsIdentity> ReadTlsIdentity(const std::string& certificate_path,
                                             const std::string& key_path) {
   TlsIdentity identity;
   TACTUS_ASSIGN_OR_RETURN(identity.certificate_chain,
-                          ReadText(certificate_path));
-  TACTUS_ASSIGN_OR_RETURN(identity.private_key, ReadText(key_path));
+                          ReadPem(certificate_path, "CERTIFICATE"));
+  TACTUS_ASSIGN_OR_RETURN(identity.private_key,
+                          ReadPem(key_path, "PRIVATE KEY"));
   return identity;
 }
 
-std::shared_ptr<grpc::ServerCredentials> CredentialsFor(
-    const std::string& address, const TlsIdentity* identity) {
-  if (identity == nullptr || absl::StartsWith(address, "unix")) {
-    return grpc::InsecureServerCredentials();
-  }
+std::shared_ptr<grpc::ServerCredentials> TlsCredentials(
+    const TlsIdentity& identity) {
   grpc::SslServerCredentialsOptions options;
   options.pem_key_cert_pairs.push_back(
-      {identity->private_key, identity->certificate_chain});
+      {identity.private_key, identity.certificate_chain});
   return grpc::SslServerCredentials(options);
 }
 
 absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> ReadTlsRoots(
     const std::string& roots_path) {
-  if (roots_path.empty()) return grpc::InsecureChannelCredentials();
   grpc::SslCredentialsOptions options;
-  TACTUS_ASSIGN_OR_RETURN(options.pem_root_certs, ReadText(roots_path));
+  TACTUS_ASSIGN_OR_RETURN(options.pem_root_certs,
+                          ReadPem(roots_path, "CERTIFICATE"));
   return grpc::SslCredentials(options);
+}
+
+absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> ReadOwnCertificate(
+    const std::string& certificate_path) {
+  TACTUS_ASSIGN_OR_RETURN(const std::string certificate,
+                          ReadPem(certificate_path, "CERTIFICATE"));
+  grpc::experimental::TlsChannelCredentialsOptions options;
+  options.set_certificate_provider(
+      std::make_shared<grpc::experimental::StaticDataCertificateProvider>(
+          certificate));
+  options.watch_root_certs();
+  options.set_verify_server_certs(true);
+  options.set_check_call_host(false);
+  options.set_certificate_verifier(
+      std::make_shared<grpc::experimental::NoOpCertificateVerifier>());
+  return grpc::experimental::TlsCredentials(options);
 }
 
 }  // namespace tactus::server

@@ -4,6 +4,7 @@
 //
 //   TACTUS_ASSIGN_OR_RETURN(options.tls, ReadTlsIdentity("s.crt", "s.key"));
 //
+// Nothing here falls back to plaintext: an empty path or file is an error.
 // Plain data and free functions; thread-safe.
 #pragma once
 
@@ -23,18 +24,23 @@ struct TlsIdentity {
   std::string private_key;
 };
 
-// IO if a file cannot be read.
+// IO if a file cannot be read or holds no PEM block of the right kind.
 absl::StatusOr<TlsIdentity> ReadTlsIdentity(const std::string& certificate_path,
                                             const std::string& key_path);
 
-// What an address is listened on with: TLS if there is an identity. Unix
-// sockets are always plain: the file's permissions guard them.
-std::shared_ptr<grpc::ServerCredentials> CredentialsFor(
-    const std::string& address, const TlsIdentity* identity);
+// What a server speaks TLS with.
+std::shared_ptr<grpc::ServerCredentials> TlsCredentials(
+    const TlsIdentity& identity);
 
-// What a client calls with: TLS checked against the PEM file of authorities at
-// `roots_path`, plain if that is empty. IO if it cannot be read.
+// What a client speaks TLS with, checked against the PEM file of authorities at
+// `roots_path`. IO as above.
 absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> ReadTlsRoots(
     const std::string& roots_path);
+
+// What the health check of a server on the same machine speaks TLS with: it
+// accepts the certificates in the server's own `certificate_path` under
+// whatever name it calls, for example localhost. IO as above.
+absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> ReadOwnCertificate(
+    const std::string& certificate_path);
 
 }  // namespace tactus::server

@@ -1,0 +1,63 @@
+#include "server/listen/connection_table.h"
+
+#include <sys/stat.h>
+
+#include <vector>
+
+#include "server/ops/clock.h"
+
+namespace tactus::server {
+namespace {
+
+constexpr int64_t kLookIntervalNs = 20'000'000;
+
+// 0 if `fd` is not open.
+uint64_t InodeOf(int fd) {
+  struct stat status;
+  return fstat(fd, &status) == 0 ? status.st_ino : 0;
+}
+
+}  // namespace
+
+Verdict ConnectionTable::Admit(int fd, const std::string& peer) {
+  // The kernel has given the number to a new connection: the old one is over.
+  Remove(fd);
+  Verdict verdict = Check(peer);
+  if (verdict != Verdict::kAdmitted &&
+      MonotonicNs() - last_look_ns_ >= kLookIntervalNs) {
+    RemoveEnded();
+    verdict = Check(peer);
+  }
+  if (verdict == Verdict::kAdmitted) {
+    connections_[fd] = {InodeOf(fd), peer};
+    if (!peer.empty()) ++per_peer_[peer];
+  }
+  return verdict;
+}
+
+Verdict ConnectionTable::Check(const std::string& peer) const {
+  if (size() >= limits_.connections) return Verdict::kTooMany;
+  const auto found = per_peer_.find(peer);
+  return found != per_peer_.end() && found->second >= limits_.per_peer
+             ? Verdict::kTooManyOfPeer
+             : Verdict::kAdmitted;
+}
+
+void ConnectionTable::Remove(int fd) {
+  const auto found = connections_.find(fd);
+  if (found == connections_.end()) return;
+  const auto peer = per_peer_.find(found->second.peer);
+  if (peer != per_peer_.end() && --peer->second == 0) per_peer_.erase(peer);
+  connections_.erase(found);
+}
+
+void ConnectionTable::RemoveEnded() {
+  std::vector<int> ended;
+  for (const auto& [fd, connection] : connections_) {
+    if (InodeOf(fd) != connection.inode) ended.push_back(fd);
+  }
+  for (const int fd : ended) Remove(fd);
+  last_look_ns_ = MonotonicNs();
+}
+
+}  // namespace tactus::server

@@ -1,0 +1,57 @@
+// File: connection_table.h
+//
+// ConnectionTable: how many connections there are, in all and from each peer,
+// and whether another one may come.
+//
+//   ConnectionTable table({.connections = 4096, .per_peer = 2048});
+//   if (table.Admit(fd, peer.PeerKey()) != Verdict::kAdmitted) close(fd);
+//
+// gRPC does not report when it closes a connection. The table therefore
+// remembers each descriptor with the inode of its socket; a connection is over
+// when its descriptor no longer refers to that inode. The table looks only when
+// a limit is reached, and at most every 20 ms, because it asks the kernel about
+// each connection. Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <unordered_map>
+
+namespace tactus::server {
+
+enum class Verdict { kAdmitted, kTooMany, kTooManyOfPeer };
+
+class ConnectionTable {
+ public:
+  struct Limits {
+    int connections = 0;
+    int per_peer = 0;
+  };
+
+  explicit ConnectionTable(const Limits& limits) : limits_(limits) {}
+
+  // Counts the connection on `fd`, an open socket, or says which limit is
+  // reached. An empty `peer` has no limit per peer.
+  Verdict Admit(int fd, const std::string& peer);
+
+  const Limits& limits() const { return limits_; }
+  // Includes connections that have ended since the table last looked.
+  int size() const { return static_cast<int>(connections_.size()); }
+
+ private:
+  struct Connection {
+    uint64_t inode = 0;
+    std::string peer;
+  };
+
+  Verdict Check(const std::string& peer) const;
+  void Remove(int fd);
+  void RemoveEnded();
+
+  const Limits limits_;
+  std::unordered_map<int, Connection> connections_;
+  std::unordered_map<std::string, int> per_peer_;
+  int64_t last_look_ns_ = 0;
+};
+
+}  // namespace tactus::server

@@ -1,0 +1,52 @@
+#include "server/listen/grpc_listener.h"
+
+#include <utility>
+
+#include "core/base/status_macros.h"
+#include "grpcpp/security/server_credentials.h"
+
+namespace tactus::server {
+
+absl::StatusOr<std::unique_ptr<GrpcListener>> GrpcListener::Open(
+    const Options& options) {
+  std::unique_ptr<GrpcListener> listener(new GrpcListener(options));
+  std::vector<ListeningSocket> sockets;
+  for (const std::string& address : options.addresses) {
+    TACTUS_ASSIGN_OR_RETURN(auto opened, ListenOn(address));
+    listener->ports_.push_back(opened.front().bound.port());
+    for (ListeningSocket& socket : opened) sockets.push_back(std::move(socket));
+  }
+  listener->acceptor_ = std::make_unique<Acceptor>(
+      std::move(sockets), options.limits,
+      [raw = listener.get()](const ListeningSocket& socket, int fd) {
+        raw->HandOver(socket, fd);
+      });
+  return listener;
+}
+
+void GrpcListener::AddTo(grpc::ServerBuilder& builder) {
+  using ConnectionType =
+      grpc::ServerBuilder::experimental_type::ExternalConnectionType;
+  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS,
+                             options_.handshake_timeout_ms);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS,
+                             options_.connection_idle_ms);
+  for (const ListeningSocket& socket : acceptor_->sockets()) {
+    if (UsesTls(socket) && tls_ == nullptr) {
+      tls_ = builder.experimental().AddExternalConnectionAcceptor(
+          ConnectionType::FROM_FD, TlsCredentials(*options_.tls));
+    } else if (!UsesTls(socket) && plain_ == nullptr) {
+      plain_ = builder.experimental().AddExternalConnectionAcceptor(
+          ConnectionType::FROM_FD, grpc::InsecureServerCredentials());
+    }
+  }
+}
+
+void GrpcListener::HandOver(const ListeningSocket& socket, int fd) {
+  GrpcAcceptor::NewConnectionParameters connection;
+  connection.listener_fd = socket.fd.get();
+  connection.fd = fd;
+  (UsesTls(socket) ? tls_ : plain_)->HandleNewConnection(&connection);
+}
+
+}  // namespace tactus::server
