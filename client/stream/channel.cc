@@ -8,6 +8,7 @@
 #include "absl/strings/match.h"
 #include "core/base/address.h"
 #include "core/base/errors.h"
+#include "core/base/limits.h"
 #include "core/base/quoted.h"
 #include "grpcpp/create_channel.h"
 #include "grpcpp/security/credentials.h"
@@ -22,6 +23,12 @@ std::shared_ptr<grpc::Channel> MakeChannel(const std::string& address,
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   // As the server: no pings to find more bandwidth than frames need.
   arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+  // As the server: no compression, because a small message can inflate to a
+  // thousand times its size before anything compares it with a limit.
+  arguments.SetInt(GRPC_COMPRESSION_CHANNEL_ENABLED_ALGORITHMS_BITSET,
+                   1 << GRPC_COMPRESS_NONE);
+  arguments.SetInt(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
+  arguments.SetMaxReceiveMessageSize(limits::kMaxReceiveBytes);
   if (!options.share_connection) {
     arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   }

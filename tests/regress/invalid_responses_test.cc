@@ -48,7 +48,7 @@ std::vector<Change> Changes() {
       {"size of posterior.probability",
        [](auto* p) { p->clear_probability(); }},
       {"size of posterior.probability",
-       [](auto* p) { p->mutable_probability()->Resize(100'000, 0); }},
+       [](auto* p) { p->mutable_probability()->Resize(10'000, 0); }},
       {"posterior.probability", [](auto* p) { p->set_probability(1, kNan); }},
       {"posterior.probability", [](auto* p) { p->set_probability(1, 1.5); }},
       {"posterior.probability", [](auto* p) { p->set_probability(1, -0.25); }},
@@ -215,6 +215,36 @@ TEST(InvalidResponsesOnTheWireTest, OpenReportsThem) {
                                             [](const auto&) { FAIL(); });
     EXPECT_EQ(ReasonOf(stream.status()), "INVALID_RESPONSE") << stream.status();
   }
+}
+
+TEST(InvalidResponsesOnTheWireTest, LargeResponsesAreRefused) {
+  ScriptedServer server([](grpc::ServerContext*, Stream* stream) {
+    v1::ClassifyContactResponse response = GoodStarted();
+    response.mutable_started()->set_stream_id(std::string(1'000'000, 'x'));
+    stream->Write(response);
+    return grpc::Status::OK;
+  });
+  const auto stream = ContactStream::Open(MakeChannel(server.address()),
+                                          testing::ConfigRequest().config(),
+                                          [](const auto&) { FAIL(); });
+  EXPECT_EQ(stream.status().code(), absl::StatusCode::kResourceExhausted)
+      << stream.status();
+}
+
+// 10 kB of gzip would inflate to 10 MB.
+TEST(InvalidResponsesOnTheWireTest, CompressedResponsesAreRefused) {
+  ScriptedServer server([](grpc::ServerContext* context, Stream* stream) {
+    context->set_compression_algorithm(GRPC_COMPRESS_GZIP);
+    v1::ClassifyContactResponse response = GoodStarted();
+    response.mutable_started()->set_stream_id(std::string(10'000'000, 'x'));
+    stream->Write(response);
+    return grpc::Status::OK;
+  });
+  const auto stream = ContactStream::Open(MakeChannel(server.address()),
+                                          testing::ConfigRequest().config(),
+                                          [](const auto&) { FAIL(); });
+  EXPECT_FALSE(stream.ok());
+  EXPECT_NE(ReasonOf(stream.status()), "NO_RESPONSE");
 }
 
 TEST(InvalidResponsesOnTheWireTest, TheTrialPlayerReportsThem) {
