@@ -4,7 +4,7 @@
 // message takes two bytes in a file and a hundred in memory, so a small file
 // may ask for more memory than there is.
 //
-//   if (!HasAtMostFields(*v1::ModelBundle::descriptor(), bytes, 1000)) ...
+//   if (!HasAtMostFields(*v1::ModelBundle::descriptor(), bytes, 1000)) return;
 //
 // Thread-safe: a free function without state. It allocates nothing.
 #pragma once

@@ -4,7 +4,7 @@
 // bundle file holds a Model (core/bundle), fitting returns one (core/train),
 // and CompiledModel makes it runnable.
 //
-//   TACTUS_ASSIGN_OR_RETURN(Model model, DecodeBundle(bytes));
+//   TACTUS_RETURN_IF_ERROR(Validate(model));
 //   TACTUS_ASSIGN_OR_RETURN(auto compiled, CompiledModel::Create(model));
 //
 // Words used throughout: a feature is force, area or motion of a contact; a cue

@@ -6,7 +6,7 @@
 //
 //   TACTUS_ASSIGN_OR_RETURN(DraftFile draft,
 //   DraftFile::Create("model.tactus"));
-//   ... write to draft.path() and close it ...
+//   std::ofstream(draft.path()) << bytes;
 //   TACTUS_RETURN_IF_ERROR(draft.Publish());
 //
 // Owns the draft and removes it unless Publish() succeeds. Not thread-safe;

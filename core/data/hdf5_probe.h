@@ -3,8 +3,8 @@
 // Reads a file in a child process before this process opens it: the HDF5
 // library can crash, loop or take all memory on a damaged or hostile file.
 //
-//   TACTUS_RETURN_IF_ERROR(ProbeInChild(path, [&] { return ReadItAll(path);
-//   }));
+//   TACTUS_RETURN_IF_ERROR(
+//       ProbeInChild(path, [&] { return ReadItAll(path); }));
 //
 // Not thread-safe, like HDF5 itself.
 #pragma once

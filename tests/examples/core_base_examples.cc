@@ -5,12 +5,15 @@
 #include <vector>
 
 #include "core/base/aligned_vector.h"
+#include "core/base/arguments.h"
 #include "core/base/call_event.h"
 #include "core/base/errors.h"
 #include "core/base/gaussian.h"
+#include "core/base/limits.h"
 #include "core/base/random.h"
 #include "core/base/serialize.h"
 #include "core/base/status_macros.h"
+#include "core/base/text.h"
 #include "core/bundle/model_proto.h"
 #include "core/classify/contact_pipeline.h"
 #include "core/skin/frame.h"
@@ -63,6 +66,19 @@ absl::Status StatusMacrosExample(const SkinLayout& layout,
 void SerializeExample(const Model& model, const v1::ModelBundle& bundle) {
   const std::string payload = SerializeDeterministic(bundle);
   EXPECT_EQ(payload, SerializeDeterministic(ModelToProto(model)));
+}
+
+void ArgumentsExample(int argc, char** argv) {
+  const absl::Status status = CheckArguments(argc, argv);
+}
+
+absl::Status TextExample(const std::string& label) {
+  const auto complain = [](const std::string& name, const std::string& fault) {
+    return InvalidTrainingData(name + " " + fault);
+  };
+  const std::string fault = TextFault(label, limits::kMaxTrialTextBytes);
+  if (!fault.empty()) return complain("label", fault);
+  return absl::OkStatus();
 }
 
 void FrameExample(std::span<const float> taxels, const Pose& pose,

@@ -7,6 +7,8 @@
 
 #include "core/base/status_macros.h"
 #include "core/bundle/bundle.h"
+#include "core/bundle/field_count.h"
+#include "core/bundle/model_proto.h"
 #include "core/classify/calibration.h"
 #include "core/classify/compiled_model.h"
 #include "core/classify/contact_classifier.h"
@@ -21,8 +23,12 @@
 namespace tactus::examples {
 
 void BundleExample(const std::string& bytes) {
-  auto model = DecodeBundle(bytes);  // a byte flipped anywhere: error
-  auto compiled = CompiledModel::Create(*std::move(model));
+  auto model = DecodeBundle(bytes);  // a flipped byte anywhere is an error
+  ContactClassifier classifier(*model, {});
+}
+
+void FieldCountExample(const std::string& bytes) {
+  if (!HasAtMostFields(*v1::ModelBundle::descriptor(), bytes, 1000)) return;
 }
 
 void ContactClassifierExample(std::shared_ptr<const CompiledModel> model,
@@ -75,8 +81,8 @@ void InputSpecExample(const Model& model, CueTracker& cues,
   hmms.Step(input);
 }
 
-absl::Status ModelExample(const std::string& bytes) {
-  TACTUS_ASSIGN_OR_RETURN(Model model, DecodeBundle(bytes));
+absl::Status ModelExample(const Model& model) {
+  TACTUS_RETURN_IF_ERROR(Validate(model));
   TACTUS_ASSIGN_OR_RETURN(auto compiled, CompiledModel::Create(model));
   return absl::OkStatus();
 }

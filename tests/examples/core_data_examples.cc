@@ -1,11 +1,13 @@
 // The examples of public headers, as their comments show them. They only have
 // to compile; HouseTest.ExamplesAreCompiled compares the texts.
+#include <fstream>
 #include <string>
 #include <vector>
 
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/data/csv.h"
+#include "core/data/draft_file.h"
 #include "core/data/file_bytes.h"
 #include "core/data/hdf5_handle.h"
 #include "core/data/hdf5_probe.h"
@@ -25,6 +27,13 @@ absl::Status CsvExample() {
   return absl::OkStatus();
 }
 
+absl::Status DraftFileExample(const std::string& bytes) {
+  TACTUS_ASSIGN_OR_RETURN(DraftFile draft, DraftFile::Create("model.tactus"));
+  std::ofstream(draft.path()) << bytes;
+  TACTUS_RETURN_IF_ERROR(draft.Publish());
+  return absl::OkStatus();
+}
+
 absl::Status FileBytesExample(const std::string& path) {
   TACTUS_ASSIGN_OR_RETURN(std::string text, ReadFileBytes(path, 1 << 20));
   return absl::OkStatus();
@@ -37,10 +46,10 @@ absl::Status Hdf5HandleExample(const char* path) {
   return absl::OkStatus();
 }
 
-void ReadItAll(const std::string& path);
+absl::Status ReadItAll(const std::string& path);
 
 absl::Status Hdf5ProbeExample(const std::string& path) {
-  TACTUS_RETURN_IF_ERROR(ProbeInChild(path, [&] { ReadItAll(path); }));
+  TACTUS_RETURN_IF_ERROR(ProbeInChild(path, [&] { return ReadItAll(path); }));
   return absl::OkStatus();
 }
 

@@ -196,7 +196,7 @@ void Classify(FuzzedDataProvider& data,
 
 tactus::v1::ModelBundle DefaultModel() {
   return tactus::ModelToProto(
-      *tactus::DecodeBundle(tactus::server::DefaultBundle()));
+      (*tactus::DecodeBundle(tactus::server::DefaultBundle()))->model());
 }
 
 tactus::v1::ModelBundle SmallModel() {
@@ -229,16 +229,14 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
   for (int n = data.ConsumeIntegralInRange(0, 6); n > 0; --n) {
     Mutate(data, &bundle);
   }
-  auto model = tactus::DecodeBundle(
+  const auto model = tactus::DecodeBundle(
       tactus::testing::SealedBundle(bundle.SerializeAsString()));
   if (!model.ok()) {
     REQUIRE(!tactus::ReasonOf(model.status()).empty());
     return 0;
   }
-  auto compiled = tactus::CompiledModel::Create(*std::move(model));
-  REQUIRE(compiled.ok());
   // A warm-up trial that other numbers answer is no reason not to go on.
-  tactus::RunWarmUp(**compiled).IgnoreError();
-  Classify(data, *compiled);
+  tactus::RunWarmUp(**model).IgnoreError();
+  Classify(data, *model);
   return 0;
 }
