@@ -8,7 +8,7 @@ import csv
 import json
 import sys
 
-LADDERS = {
+COMPARISONS = {
     "classifier": (
         "Classifiers",
         "Models fitted to the paper's 1,835 trials as ideal signals (seed 1), tested on "
@@ -76,14 +76,14 @@ def print_rows(rows):
         )
 
 
-def print_ladder(ladder, points):
-    title, text, wrong = LADDERS[ladder]
+def print_comparison(comparison, points):
+    title, text, wrong = COMPARISONS[comparison]
     print(f"\n### {title}\n\n{text}\n")
-    print(f"![{title}](performance/frontier-{ladder}.png)\n")
+    print(f"![{title}](performance/frontier-{comparison}.png)\n")
     print(f"| variant | ns | {wrong} | right after 1.2 s, % | right at the end, % | front |")
     print("|---|---|---|---|---|---|")
     for point in points:
-        if point["ladder"] != ladder:
+        if point["comparison"] != comparison:
             continue
         error = (
             number(point["error"])
@@ -129,8 +129,8 @@ def main():
         "Points on the front are those that no other point of their table beats on both "
         "time and error; rings mark them in the pictures."
     )
-    for ladder in LADDERS:
-        print_ladder(ladder, points)
+    for comparison in COMPARISONS:
+        print_comparison(comparison, points)
 
 
 main()

@@ -1,5 +1,3 @@
-#include "tests/bench/features.h"
-
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -9,9 +7,10 @@
 #include "core/base/random.h"
 #include "core/base/status_macros.h"
 #include "core/features/segmenter.h"
-#include "tests/bench/interleave.h"
+#include "tests/bench/benchmarks.h"
 #include "tests/bench/opencv_regions.h"
 #include "tests/bench/rendered_frames.h"
+#include "tests/bench/timing.h"
 
 namespace tactus::client {
 namespace {

@@ -1,24 +1,61 @@
 // File: frontier.h
 //
-// Run time against error: classifiers of one kind of model in several sizes
-// and paces, HMM scores in several precisions, and the simulator by several
-// methods and tolerances, each on the same contacts, with the Pareto front.
+// Points of run time against error, one per variant, as a table, as benchmark
+// rows and as pictures.
 //
-// Models are fitted on the spot to the paper's trials and tested at robot
-// conditions that were not trained at.
+//   std::vector<FrontierPoint> points = ...;
+//   MarkFronts(points);
+//   file << FrontierTable(points);
+//
+// Plain data and free functions without state; thread-safe.
 #pragma once
 
-#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
+#include "absl/status/status.h"
 #include "tests/bench/benchmark.h"
 
 namespace tactus::client {
 
-// Rows frontier/LADDER/VARIANT; --table and --figures (frontier_point.h) show
-// the same with the front. NUMERICAL_FAILURE if a precision or the exact
-// simulator is off by more than it states, if parts of a model answer
-// otherwise alone, if a skip rule changes an answer, or if answers are hardly
-// better than guesses.
-std::unique_ptr<Benchmark> MakeFrontierBenchmark();
+// Points of one comparison are compared with each other.
+enum class Comparison { kClassifier, kPrecision, kSimulator };
+
+struct FrontierPoint {
+  Comparison comparison = Comparison::kClassifier;
+  // Variants of one family differ in size or tolerance: "HMMs".
+  std::string family = {};
+  std::string variant = {};
+  // Time per contact frame; kPrecision: per scored frame.
+  double nanoseconds = 0;
+  // Largest difference from the reference; absent for classifiers.
+  std::optional<double> error = {};
+  std::string error_reference = {};
+  // Fraction of the test contacts that are classified correctly 1.2 s after
+  // onset.
+  double accuracy = 0;
+  // The same at the end of the contacts; absent if not measured.
+  std::optional<double> final_accuracy = {};
+  // True if no other point of the comparison is faster and at most as wrong, or
+  // as fast and less wrong.
+  bool front = false;
+
+  // The error axis of the comparison: `error`, or wrong answers in %.
+  double Wrong() const { return error ? *error : 100 * (1 - accuracy); }
+};
+
+void MarkFronts(std::vector<FrontierPoint>& points);
+
+// CSV with the columns comparison, family, variant, ns_per_frame, error,
+// accuracy, final_accuracy, front. Absent values are empty.
+std::string FrontierTable(const std::vector<FrontierPoint>& points);
+
+std::vector<BenchRow> FrontierRows(const std::vector<FrontierPoint>& points);
+
+// Writes frontier-COMPARISON.png for each comparison to `folder`, which is
+// created. IO if a file cannot be written.
+absl::Status DrawFrontiers(const std::vector<FrontierPoint>& points,
+                           const std::string& folder);
 
 }  // namespace tactus::client

@@ -5,22 +5,21 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
-#include "client/stream/percentile.h"
-#include "client/tools/trainctl/command.h"
+#include "client/tools/common/percentile.h"
+#include "client/tools/common/run_on_threads.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/eval/evaluate.h"
 #include "core/eval/metrics.h"
-#include "tests/bench/frontier_variants.h"
-#include "tests/bench/sim_check.h"
-#include "tests/bench/thread_seconds.h"
+#include "tests/bench/timing.h"
 
 namespace tactus::client {
 namespace {
 
 constexpr int kTimedContacts = 48;
 constexpr int kRounds = 15;
-// A share of right answers that guesses do not reach, of four classes.
+// Least accuracy. Guesses among four classes do not reach kGuesses; the preset
+// fitted in full reaches kServed.
 constexpr double kGuesses = 0.35;
 constexpr double kServed = 0.9;
 
@@ -87,13 +86,14 @@ absl::Status CheckPart(const ClassifierVariant& part,
   for (size_t i = 0; i < alone.size(); ++i) {
     if (alone[i].answer() == within[i].answer()) continue;
     return NumericalFailure(absl::StrFormat(
-        "%s alone answer otherwise than within the whole for test contact %d",
+        "%s alone answer test contact %d differently than within the whole "
+        "model",
         part.name, i));
   }
   return absl::OkStatus();
 }
 
-// Accuracies are taken with the skip rules on: no bit may depend on them.
+// Accuracies are measured with the skip rules on. No bit may depend on them.
 absl::Status CheckUnskipped(const ClassifierVariant& served,
                             const ClassifierVariant& unskipped,
                             const std::vector<LabelledContact>& contacts) {
@@ -124,21 +124,21 @@ absl::StatusOr<double> AccuracyOf(
   return Accuracy(evaluation.anytime[FrontierTime()]);
 }
 
-absl::StatusOr<ClassifierLadder> MeasureClassifiers(const FrontierData& data,
-                                                    bool quick) {
+absl::StatusOr<MeasuredClassifiers> MeasureClassifiers(
+    const FrontierContacts& contacts, bool quick) {
   TACTUS_ASSIGN_OR_RETURN(const std::vector<ClassifierVariant> variants,
-                          FitVariants(data.training, quick));
-  ClassifierLadder ladder;
-  ladder.served = variants[kServedVariant].model;
+                          FitVariants(contacts.training, quick));
+  MeasuredClassifiers measured;
+  measured.served = variants[kServedVariant].model;
   const std::vector<double> nanoseconds =
-      TimeVariants(variants, data.test, quick ? 2 : kRounds);
+      TimeVariants(variants, contacts.test, quick ? 2 : kRounds);
   std::vector<Evaluation> evaluations;
   for (size_t v = 0; v < variants.size(); ++v) {
     TACTUS_ASSIGN_OR_RETURN(evaluations.emplace_back(),
-                            Evaluate(variants[v].model, data.test));
+                            Evaluate(variants[v].model, contacts.test));
     const Evaluation& evaluation = evaluations.back();
-    ladder.points.push_back(
-        {.ladder = Ladder::kClassifier,
+    measured.points.push_back(
+        {.comparison = Comparison::kClassifier,
          .family = variants[v].family,
          .variant = variants[v].name,
          .nanoseconds = nanoseconds[v],
@@ -146,7 +146,7 @@ absl::StatusOr<ClassifierLadder> MeasureClassifiers(const FrontierData& data,
          .final_accuracy = Accuracy(evaluation.final)});
   }
   TACTUS_RETURN_IF_ERROR(CheckUnskipped(
-      variants[kServedVariant], variants[kUnskippedVariant], data.test));
+      variants[kServedVariant], variants[kUnskippedVariant], contacts.test));
   const Evaluation& whole = evaluations[kServedVariant];
   TACTUS_RETURN_IF_ERROR(CheckPart(
       variants[kHmmVariant], evaluations[kHmmVariant].anytime[FrontierTime()],
@@ -154,12 +154,13 @@ absl::StatusOr<ClassifierLadder> MeasureClassifiers(const FrontierData& data,
   TACTUS_RETURN_IF_ERROR(CheckPart(
       variants[kLstmVariant], evaluations[kLstmVariant].anytime[FrontierTime()],
       whole.anytime_lstm[FrontierTime()]));
-  const double right = ladder.points[kServedVariant].accuracy;
+  const double right = measured.points[kServedVariant].accuracy;
   if (right < (quick ? kGuesses : kServed)) {
     return NumericalFailure(absl::StrFormat(
-        "only %.1f %% of the test contacts are told right", 100 * right));
+        "only %.1f %% of the test contacts are classified correctly",
+        100 * right));
   }
-  return ladder;
+  return measured;
 }
 
 }  // namespace tactus::client

@@ -1,12 +1,15 @@
 // File: frontier_classifier.h
 //
-// What each part of a classifier costs on a frame and what it brings: HMMs and
-// LSTMs alone, in several numbers and paces, and together as they are served.
+// Time per frame and accuracy of the classifiers of frontier_models.h: HMMs and
+// LSTMs alone, in several sizes and with several step intervals, and together
+// as served.
 //
-//   TACTUS_ASSIGN_OR_RETURN(auto ladder, MeasureClassifiers(data, quick));
+//   TACTUS_ASSIGN_OR_RETURN(auto measured, MeasureClassifiers(contacts,
+//   quick));
 //
-// Every variant runs as the product does, through ContactClassifier; what is
-// timed are the frames up to 1.2 s after onset. Thread-safe.
+// Every variant runs through ContactClassifier, as in the server. The time is
+// that of the frames up to 1.2 s after onset. Thread-safe: functions without
+// state.
 #pragma once
 
 #include <memory>
@@ -14,26 +17,27 @@
 
 #include "absl/status/statusor.h"
 #include "core/classify/compiled_model.h"
-#include "tests/bench/frontier_data.h"
-#include "tests/bench/frontier_point.h"
+#include "tests/bench/frontier.h"
+#include "tests/bench/frontier_models.h"
 
 namespace tactus::client {
 
-// When accuracies are taken.
+// Accuracies are measured at this time after onset.
 inline constexpr double kFrontierSeconds = 1.2;
 
-struct ClassifierLadder {
+struct MeasuredClassifiers {
   std::vector<FrontierPoint> points;
-  // The whole model, as it is served.
+  // The whole model, as served.
   std::shared_ptr<const CompiledModel> served;
 };
 
-// Of `contacts`, `model` tells so many right kFrontierSeconds after onset.
+// The fraction of `contacts` that `model` classifies correctly kFrontierSeconds
+// after onset.
 absl::StatusOr<double> AccuracyOf(
     const std::shared_ptr<const CompiledModel>& model,
     const std::vector<LabelledContact>& contacts);
 
-absl::StatusOr<ClassifierLadder> MeasureClassifiers(const FrontierData& data,
-                                                    bool quick);
+absl::StatusOr<MeasuredClassifiers> MeasureClassifiers(
+    const FrontierContacts& contacts, bool quick);
 
 }  // namespace tactus::client

@@ -9,17 +9,15 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
-#include "client/stream/percentile.h"
+#include "client/tools/common/percentile.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/train/fit.h"
 #include "core/train/inputs.h"
 #include "tests/bench/frontier_classifier.h"
-#include "tests/bench/frontier_pruned.h"
-#include "tests/bench/frontier_rungs.h"
 #include "tests/bench/hmm_models.h"
-#include "tests/bench/sim_check.h"
-#include "tests/bench/thread_seconds.h"
+#include "tests/bench/hmm_scorers.h"
+#include "tests/bench/timing.h"
 
 namespace tactus::client {
 namespace {
@@ -27,15 +25,15 @@ namespace {
 constexpr int kContacts = 100;
 constexpr int kQuickContacts = 4;
 constexpr int kRounds = 15;
-// Nothing tells beforehand what states left out would have come to.
+// The error of dropped states has no bound that is known beforehand.
 constexpr double kNoTolerance = std::numeric_limits<double>::infinity();
 
-// What the HMMs see of a contact until kFrontierSeconds after onset, and what
-// is true of it.
+// The HMM inputs of a contact until kFrontierSeconds after onset, and their
+// reference scores.
 struct Sequence {
   std::vector<double> observations;
   int label = 0;
-  std::vector<long double> truth;  // one per category
+  std::vector<long double> truth;  // one score per category
 };
 
 std::vector<Sequence> MakeSequences(
@@ -67,52 +65,53 @@ std::vector<Sequence> MakeSequences(
   return sequences;
 }
 
-void ScoreSequence(const Sequence& sequence, size_t dimensions, Rung& rung,
-                   std::vector<double>& scores) {
-  rung.Reset();
+void ScoreSequence(const Sequence& sequence, size_t dimensions,
+                   HmmScorer& scorer, std::vector<double>& scores) {
+  scorer.Reset();
   const std::span<const double> all(sequence.observations);
   for (size_t t = 0; t < all.size(); t += dimensions) {
-    rung.Step(all.subspan(t, dimensions));
-    rung.Scores(scores);
+    scorer.Step(all.subspan(t, dimensions));
+    scorer.Scores(scores);
   }
 }
 
-struct NamedRung {
+struct NamedScorer {
   const char* family;
   const char* name;
-  // Largest error of a right answer, relative to the log-likelihood.
+  // Largest error allowed, relative to the log-likelihood.
   double tolerance;
-  std::unique_ptr<Rung> rung;
+  std::unique_ptr<HmmScorer> scorer;
 };
 
-absl::StatusOr<std::vector<NamedRung>> MakeRungs(
+absl::StatusOr<std::vector<NamedScorer>> MakeScorers(
     const std::vector<HmmMixture>& mixtures) {
-  TACTUS_ASSIGN_OR_RETURN(auto served, MakeServedRung(mixtures));
-  TACTUS_ASSIGN_OR_RETURN(auto logarithms, MakeLogarithmRung(mixtures));
-  std::vector<NamedRung> rungs;
-  rungs.push_back({"scaled", "float as served", 1e-6, std::move(served)});
-  rungs.push_back({"scaled", "double", 1e-12, MakeDoubleRung(mixtures)});
-  rungs.push_back({"logarithms", "double", 1e-12, std::move(logarithms)});
+  TACTUS_ASSIGN_OR_RETURN(auto served, MakeServedScorer(mixtures));
+  TACTUS_ASSIGN_OR_RETURN(auto logarithms, MakeLogarithmScorer(mixtures));
+  std::vector<NamedScorer> scorers;
+  scorers.push_back({"scaled", "float as served", 1e-6, std::move(served)});
+  scorers.push_back({"scaled", "double", 1e-12, MakeDoubleScorer(mixtures)});
+  scorers.push_back({"logarithms", "double", 1e-12, std::move(logarithms)});
   constexpr std::pair<const char*, double> kBounds[] = {{"bound 0", 0},
                                                         {"bound 1e-12", 1e-12},
                                                         {"bound 1e-8", 1e-8},
                                                         {"bound 1e-4", 1e-4}};
   for (const auto& [name, bound] : kBounds) {
-    rungs.push_back(
-        {"pruned", name, kNoTolerance, MakePrunedRung(mixtures, bound)});
+    scorers.push_back(
+        {"pruned", name, kNoTolerance, MakePrunedScorer(mixtures, bound)});
   }
-  return rungs;
+  return scorers;
 }
 
-// Error and accuracy; NUMERICAL_FAILURE beyond the tolerance.
-absl::StatusOr<FrontierPoint> Check(const NamedRung& named,
+// Returns error and accuracy, or NUMERICAL_FAILURE if an error exceeds the
+// tolerance.
+absl::StatusOr<FrontierPoint> Check(const NamedScorer& named,
                                     const std::vector<Sequence>& sequences,
                                     size_t dimensions) {
   double worst = 0;
   int right = 0;
   for (const Sequence& sequence : sequences) {
     std::vector<double> scores(sequence.truth.size());
-    ScoreSequence(sequence, dimensions, *named.rung, scores);
+    ScoreSequence(sequence, dimensions, *named.scorer, scores);
     const double steps = static_cast<double>(sequence.observations.size()) /
                          static_cast<double>(dimensions);
     for (size_t c = 0; c < scores.size(); ++c) {
@@ -122,9 +121,9 @@ absl::StatusOr<FrontierPoint> Check(const NamedRung& named,
           static_cast<double>(std::abs(sequence.truth[c])) + steps;
       if (!(off <= named.tolerance * scale)) {
         return NumericalFailure(absl::StrFormat(
-            "%s, %s: a log-likelihood is off by %g of %g; %g of it would be "
-            "right",
-            named.family, named.name, off, scale, named.tolerance));
+            "%s, %s: a log-likelihood of %g has an error of %g; at most a "
+            "fraction %g would be right",
+            named.family, named.name, scale, off, named.tolerance));
       }
       worst = std::max(worst, off / steps);
     }
@@ -132,7 +131,7 @@ absl::StatusOr<FrontierPoint> Check(const NamedRung& named,
         std::ranges::max_element(scores) - scores.begin() == sequence.label;
   }
   return FrontierPoint{
-      .ladder = Ladder::kPrecision,
+      .comparison = Comparison::kPrecision,
       .family = named.family,
       .variant = named.name,
       .error = worst,
@@ -149,10 +148,10 @@ absl::StatusOr<std::vector<FrontierPoint>> MeasurePrecision(
   const std::vector<Sequence> sequences =
       MakeSequences(model, contacts, quick ? kQuickContacts : kContacts);
   const size_t dimensions = model.inputs.hmm.size();
-  TACTUS_ASSIGN_OR_RETURN(const std::vector<NamedRung> rungs,
-                          MakeRungs(model.hmms));
+  TACTUS_ASSIGN_OR_RETURN(const std::vector<NamedScorer> scorers,
+                          MakeScorers(model.hmms));
   std::vector<FrontierPoint> points;
-  for (const NamedRung& named : rungs) {
+  for (const NamedScorer& named : scorers) {
     TACTUS_ASSIGN_OR_RETURN(points.emplace_back(),
                             Check(named, sequences, dimensions));
   }
@@ -161,17 +160,17 @@ absl::StatusOr<std::vector<FrontierPoint>> MeasurePrecision(
     steps += sequence.observations.size() / dimensions;
   }
   std::vector<double> scores(model.hmms.size());
-  std::vector<std::vector<double>> seconds(rungs.size());
+  std::vector<std::vector<double>> seconds(scorers.size());
   for (int round = 0; round < (quick ? 2 : kRounds); ++round) {
-    for (size_t r = 0; r < rungs.size(); ++r) {
+    for (size_t r = 0; r < scorers.size(); ++r) {
       const double start = ThreadSeconds();
       for (const Sequence& sequence : sequences) {
-        ScoreSequence(sequence, dimensions, *rungs[r].rung, scores);
+        ScoreSequence(sequence, dimensions, *scorers[r].scorer, scores);
       }
       seconds[r].push_back(ThreadSeconds() - start);
     }
   }
-  for (size_t r = 0; r < rungs.size(); ++r) {
+  for (size_t r = 0; r < scorers.size(); ++r) {
     points[r].nanoseconds =
         Percentile(seconds[r], 0.5) / static_cast<double>(steps) * 1e9;
   }

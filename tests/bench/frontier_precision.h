@@ -1,13 +1,11 @@
 // File: frontier_precision.h
 //
-// What digits of HMM scores cost: the forward algorithm of all categories'
-// HMMs scaled in float, as it is served, scaled in double, with logarithms in
-// double, and without states of little weight, on what the HMMs see of
-// contacts.
+// Time and error of the HMM scores in the precisions of hmm_scorers.h. The
+// observations are the HMM inputs of contacts.
 //
 //   TACTUS_ASSIGN_OR_RETURN(auto points, MeasurePrecision(model, test, quick));
 //
-// Thread-safe.
+// Thread-safe: a function without state.
 #pragma once
 
 #include <vector>
@@ -15,13 +13,13 @@
 #include "absl/status/statusor.h"
 #include "core/classify/model.h"
 #include "core/train/labelled_contact.h"
-#include "tests/bench/frontier_point.h"
+#include "tests/bench/frontier.h"
 
 namespace tactus::client {
 
-// Errors are of a category's log-likelihood, nats per scored frame, against
-// logarithms in long double. NUMERICAL_FAILURE if a precision is off by more
-// than it states; leaving out states states nothing.
+// An error is the largest of a category's log-likelihood, in nats per scored
+// frame, against logarithms in long double. Returns NUMERICAL_FAILURE if an
+// error exceeds the scorer's stated bound; pruned scorers state none.
 absl::StatusOr<std::vector<FrontierPoint>> MeasurePrecision(
     const Model& model, const std::vector<LabelledContact>& contacts,
     bool quick);

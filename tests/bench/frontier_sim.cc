@@ -6,14 +6,14 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
-#include "client/stream/percentile.h"
-#include "client/tools/trainctl/command.h"
+#include "client/tools/common/percentile.h"
+#include "client/tools/common/run_on_threads.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "tests/bench/frontier_classifier.h"
-#include "tests/bench/frontier_data.h"
+#include "tests/bench/frontier_models.h"
 #include "tests/bench/sim_check.h"
-#include "tests/bench/thread_seconds.h"
+#include "tests/bench/timing.h"
 
 namespace tactus::client {
 namespace {
@@ -23,7 +23,7 @@ constexpr int kQuickScenes = 3;
 constexpr int kRounds = 3;
 // Contacts with more events would take CVODE minutes at tight tolerances.
 constexpr int kMostEvents = 20'000;
-// What the exact method may be off by where every bounce was solved.
+// Largest error of the exact method if every bounce is solved.
 constexpr double kSolvedBound = 1e-6;
 
 struct Scene {
@@ -35,7 +35,7 @@ struct Method {
   std::string family;
   std::string name;
   SimulateOptions options;
-  // Largest error of a right answer; a peer's is told and not judged.
+  // Largest error allowed; absent for a peer, whose error is only reported.
   std::optional<double> bound;
 };
 
@@ -62,7 +62,7 @@ std::vector<Method> Methods(bool quick) {
   return methods;
 }
 
-// Scenes and the truth of them, without those of too many events.
+// Scenes and their reference features, without scenes of too many events.
 absl::StatusOr<std::vector<Scene>> MakeScenes(int count) {
   const std::vector<TrialSpec> specs = GridSpecs(count);
   std::vector<absl::StatusOr<Scene>> made(specs.size());
@@ -127,14 +127,14 @@ absl::StatusOr<std::vector<FrontierPoint>> MeasureSimulators(
   for (size_t m = 0; m < methods.size(); ++m) {
     const Method& method = methods[m];
     if (method.bound && !(total[m].error <= *method.bound)) {
-      return NumericalFailure(
-          absl::StrFormat("%s, %s is off by %.2g, more than %g", method.family,
-                          method.name, total[m].error, *method.bound));
+      return NumericalFailure(absl::StrFormat(
+          "%s, %s has an error of %.2g, above %g", method.family, method.name,
+          total[m].error, *method.bound));
     }
     TACTUS_ASSIGN_OR_RETURN(const double accuracy,
                             AccuracyOf(model, total[m].contacts));
     points.push_back(
-        {.ladder = Ladder::kSimulator,
+        {.comparison = Comparison::kSimulator,
          .family = method.family,
          .variant = method.name,
          .nanoseconds = total[m].seconds / static_cast<double>(frames) * 1e9,

@@ -1,12 +1,11 @@
 // File: frontier_sim.h
 //
-// What digits of the simulator cost, and whether a classifier minds: the exact
-// method at several tolerances of what it leaps over, and CVODE, on the same
-// scenes.
+// Time and error of the simulator, and a classifier's accuracy on its contacts:
+// the exact method at several skip tolerances, and CVODE, on the same scenes.
 //
 //   TACTUS_ASSIGN_OR_RETURN(auto points, MeasureSimulators(served, quick));
 //
-// Thread-safe.
+// Thread-safe: a function without state.
 #pragma once
 
 #include <memory>
@@ -14,14 +13,14 @@
 
 #include "absl/status/statusor.h"
 #include "core/classify/compiled_model.h"
-#include "tests/bench/frontier_point.h"
+#include "tests/bench/frontier.h"
 
 namespace tactus::client {
 
-// Scenes of the grid. Errors are of the noiseless features, shares of a
-// feature's peak, against the reference of core/sim/model/reference.h;
-// accuracies are of `model` on the method's contacts with noise.
-// NUMERICAL_FAILURE if the exact method is off by more than it states.
+// Simulates scenes of the grid. An error is the largest of a noiseless feature,
+// relative to the feature's peak, against core/sim/model/reference.h. An
+// accuracy is that of `model` on the method's contacts with noise. Returns
+// NUMERICAL_FAILURE if an error of the exact method exceeds its stated bound.
 absl::StatusOr<std::vector<FrontierPoint>> MeasureSimulators(
     const std::shared_ptr<const CompiledModel>& model, bool quick);
 

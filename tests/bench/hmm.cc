@@ -1,5 +1,3 @@
-#include "tests/bench/hmm.h"
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -10,9 +8,10 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/hmm/hmm_bank.h"
+#include "tests/bench/benchmarks.h"
 #include "tests/bench/ghmm_peer.h"
 #include "tests/bench/hmm_models.h"
-#include "tests/bench/interleave.h"
+#include "tests/bench/timing.h"
 
 namespace tactus::client {
 namespace {

@@ -1,5 +1,3 @@
-#include "tests/bench/idle.h"
-
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
@@ -10,10 +8,11 @@
 #include "CLI/CLI.hpp"
 #include "client/stream/contact_stream.h"
 #include "client/stream/frame_encoder.h"
-#include "client/stream/percentile.h"
+#include "client/tools/common/percentile.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/skin/layout.h"
+#include "tests/bench/benchmarks.h"
 #include "tests/bench/child_server.h"
 
 namespace tactus::client {

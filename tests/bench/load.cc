@@ -1,4 +1,4 @@
-#include "tests/bench/load.h"
+#include "client/tools/load/load.h"
 
 #include <algorithm>
 #include <string>
@@ -6,11 +6,11 @@
 
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
-#include "client/stream/percentile.h"
+#include "client/tools/common/percentile.h"
 #include "client/tools/load/find_max.h"
-#include "client/tools/load/load.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
+#include "tests/bench/benchmarks.h"
 #include "tests/bench/child_server.h"
 
 namespace tactus::client {

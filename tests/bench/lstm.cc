@@ -1,5 +1,3 @@
-#include "tests/bench/lstm.h"
-
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -10,7 +8,8 @@
 #include "core/base/random.h"
 #include "core/base/status_macros.h"
 #include "core/lstm/stepper.h"
-#include "tests/bench/interleave.h"
+#include "tests/bench/benchmarks.h"
+#include "tests/bench/timing.h"
 #include "tests/bench/torch_peer.h"
 
 namespace tactus::client {

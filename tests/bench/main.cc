@@ -8,20 +8,8 @@
 #include "CLI/CLI.hpp"
 #include "absl/synchronization/mutex.h"
 #include "core/base/version.h"
-#include "tests/bench/benchmark.h"
+#include "tests/bench/benchmarks.h"
 #include "tests/bench/echo_server.h"
-#include "tests/bench/features.h"
-#include "tests/bench/frontier.h"
-#include "tests/bench/hmm.h"
-#include "tests/bench/idle.h"
-#include "tests/bench/load.h"
-#include "tests/bench/lstm.h"
-#include "tests/bench/session.h"
-#include "tests/bench/sim.h"
-#include "tests/bench/startup.h"
-#include "tests/bench/stream.h"
-#include "tests/bench/train_hmm.h"
-#include "tests/bench/train_lstm.h"
 
 namespace tactus::client {
 namespace {

@@ -1,5 +1,3 @@
-#include "tests/bench/session.h"
-
 #include <vector>
 
 #include "core/base/status_macros.h"
@@ -7,8 +5,9 @@
 #include "core/classify/compiled_model.h"
 #include "core/classify/contact_pipeline.h"
 #include "server/registry/default_bundle.h"
-#include "tests/bench/interleave.h"
+#include "tests/bench/benchmarks.h"
 #include "tests/bench/rendered_frames.h"
+#include "tests/bench/timing.h"
 
 namespace tactus::client {
 namespace {

@@ -1,5 +1,3 @@
-#include "tests/bench/sim.h"
-
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -13,8 +11,9 @@
 #include "core/base/status_macros.h"
 #include "core/sim/exact/contact_modes.h"
 #include "core/sim/experiments/paper_set.h"
+#include "tests/bench/benchmarks.h"
 #include "tests/bench/sim_check.h"
-#include "tests/bench/thread_seconds.h"
+#include "tests/bench/timing.h"
 #include "tests/bench/work_precision.h"
 
 namespace tactus::client {
@@ -174,13 +173,13 @@ absl::StatusOr<SimReport> MeasureSim(const SimBenchOptions& options) {
   if (!options.all) return report;
 
   TACTUS_ASSIGN_OR_RETURN(
-      const Comparison set,
+      const SceneComparison set,
       CompareScenes("paper's set", trials.size(), options.budget,
                     // Mixed, so that what the time allows is a fair sample.
                     [&](int i) { return trials[i * 997 % trials.size()]; }));
   Random random(1);
   TACTUS_ASSIGN_OR_RETURN(
-      const Comparison scenes,
+      const SceneComparison scenes,
       CompareScenes("random scenes", options.random_scenes, options.budget,
                     [&](int) { return RandomSpec(random); }));
   report.rows.front().error = set.worst.error();

@@ -7,7 +7,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/sim/model/reference.h"
-#include "tests/bench/thread_seconds.h"
+#include "tests/bench/timing.h"
 
 namespace tactus::client {
 namespace {
@@ -126,10 +126,10 @@ absl::Status WorstErrors::Check() const {
   return absl::OkStatus();
 }
 
-absl::StatusOr<Comparison> CompareScenes(
+absl::StatusOr<SceneComparison> CompareScenes(
     const char* what, int count, double budget,
     absl::FunctionRef<TrialSpec(int)> spec_of) {
-  Comparison comparison;
+  SceneComparison comparison;
   const double deadline = ThreadSeconds() + budget;
   for (int i = 0; i < count; ++i) {
     if (ThreadSeconds() > deadline) {

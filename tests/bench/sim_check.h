@@ -64,14 +64,14 @@ class WorstErrors {
   std::array<std::string, 2> where_;
 };
 
-struct Comparison {
+struct SceneComparison {
   WorstErrors worst;
   double seconds = 0;  // processor time of the exact method
 };
 
 // Compares `count` scenes with the reference, as far as `budget` seconds of
 // processor time go, and tells of it on stderr. Fails as WorstErrors::Check().
-absl::StatusOr<Comparison> CompareScenes(
+absl::StatusOr<SceneComparison> CompareScenes(
     const char* what, int count, double budget,
     absl::FunctionRef<TrialSpec(int)> spec_of);
 

@@ -1,5 +1,3 @@
-#include "tests/bench/startup.h"
-
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -14,8 +12,8 @@
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
 #include "client/stream/channel.h"
-#include "client/stream/percentile.h"
 #include "client/stream/status.h"
+#include "client/tools/common/percentile.h"
 #include "client/tools/load/event_loop.h"
 #include "client/tools/load/load_stream.h"
 #include "core/base/errors.h"
@@ -23,6 +21,7 @@
 #include "grpcpp/impl/client_unary_call.h"
 #include "grpcpp/impl/codegen/proto_utils.h"
 #include "grpcpp/impl/rpc_method.h"
+#include "tests/bench/benchmarks.h"
 #include "tests/bench/child_server.h"
 
 namespace tactus::client {

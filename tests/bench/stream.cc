@@ -1,5 +1,3 @@
-#include "tests/bench/stream.h"
-
 #include <string>
 #include <vector>
 
@@ -8,9 +6,10 @@
 #include "absl/strings/str_cat.h"
 #include "client/stream/channel.h"
 #include "core/base/status_macros.h"
+#include "tests/bench/benchmarks.h"
 #include "tests/bench/byte_stream.h"
 #include "tests/bench/child_server.h"
-#include "tests/bench/interleave.h"
+#include "tests/bench/timing.h"
 
 namespace tactus::client {
 namespace {

@@ -1,5 +1,3 @@
-#include "tests/bench/train_hmm.h"
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -9,9 +7,10 @@
 #include "core/base/status_macros.h"
 #include "core/hmm/baum_welch.h"
 #include "core/hmm/init.h"
+#include "tests/bench/benchmarks.h"
 #include "tests/bench/ghmm_peer.h"
 #include "tests/bench/hmm_models.h"
-#include "tests/bench/interleave.h"
+#include "tests/bench/timing.h"
 
 namespace tactus::client {
 namespace {

@@ -1,5 +1,3 @@
-#include "tests/bench/train_lstm.h"
-
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -11,7 +9,8 @@
 #include "core/base/status_macros.h"
 #include "core/lstm/backprop.h"
 #include "core/lstm/optimizer.h"
-#include "tests/bench/interleave.h"
+#include "tests/bench/benchmarks.h"
+#include "tests/bench/timing.h"
 #include "tests/bench/torch_peer.h"
 
 namespace tactus::client {

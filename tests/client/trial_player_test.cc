@@ -9,7 +9,7 @@
 
 #include "client/drivers/replay_driver.h"
 #include "client/drivers/sim_driver.h"
-#include "client/stream/percentile.h"
+#include "client/tools/common/percentile.h"
 #include "client/tools/stream/report.h"
 #include "core/base/errors.h"
 #include "core/base/random.h"

@@ -8,7 +8,7 @@
 
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "client/stream/percentile.h"
+#include "client/tools/common/percentile.h"
 #include "core/base/errors.h"
 
 namespace tactus::client {

@@ -1,11 +1,8 @@
 #include "client/tools/trainctl/command.h"
 
-#include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <thread>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
@@ -39,20 +36,6 @@ void SetCommandLine(int argc, char** argv) {
 }
 
 const std::string& CommandLine() { return MutableCommandLine(); }
-
-void RunOnThreads(int count, const std::function<void(int)>& body) {
-  std::atomic<int> next = 0;
-  auto work = [&] {
-    for (int i = next++; i < count; i = next++) body(i);
-  };
-  const int processors =
-      std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  std::vector<std::jthread> threads;
-  for (int t = 1; t < std::min(processors, count); ++t) {
-    threads.emplace_back(work);
-  }
-  work();
-}
 
 double SecondsSinceStart() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() -

@@ -1,9 +1,8 @@
 // File: command.h
 //
-// The common parts of trainctl's sub-commands: registration, loading and
-// writing of files, and threads for the parts of core that can use them.
+// The common parts of trainctl's sub-commands: registration, and loading and
+// writing of files.
 //
-//   RunOnThreads(count, [&](int i) { results[i] = Compute(i); });
 //   TACTUS_ASSIGN_OR_RETURN(Model model, LoadModel(path));
 //
 // Thread-safe except for SetCommandLine(), which main() calls once.
@@ -40,9 +39,6 @@ void AddReproduce(CLI::App& app, const SelectCommand& select);
 // The command line, on one line, for the provenance of a bundle.
 void SetCommandLine(int argc, char** argv);
 const std::string& CommandLine();
-
-// Spreads work over all processors.
-void RunOnThreads(int count, const std::function<void(int)>& body);
 
 // Seconds since the process started.
 double SecondsSinceStart();

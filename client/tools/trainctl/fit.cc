@@ -2,6 +2,7 @@
 #include <iostream>
 
 #include "absl/strings/str_format.h"
+#include "client/tools/common/run_on_threads.h"
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/fit_flags.h"
 #include "client/tools/trainctl/progress_display.h"

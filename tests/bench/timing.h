@@ -1,26 +1,37 @@
-// File: interleave.h
+// File: timing.h
 //
-// Times two ways to do the same work in turns, so that what else the machine
-// does falls on both; medians of the repetitions count.
+// Clocks of the benchmarks, and a way to time our code and a peer in turns, so
+// that the machine's other load slows both. The medians of the repetitions
+// count.
 //
 //   const Timing timing = Interleave(15, [&] { Ours(); }, [&] { Theirs(); });
 //   row.ours = timing.ours / frames * 1e9;
 //
-// Processor time: of the time elapsed, the longer work loses more to other
-// processes, however they take turns. A first round of each warms caches and
-// does not count.
+// Benchmarks that compute use processor time: it stops while the machine runs
+// another process. Elapsed time would punish the longer work, which is
+// interrupted more often. A first round of each warms the caches and does not
+// count.
+//
+// Thread-safe: functions without state.
 #pragma once
 
 #include <chrono>
+#include <ctime>
 #include <type_traits>
 #include <vector>
 
-#include "client/stream/percentile.h"
-#include "tests/bench/thread_seconds.h"
+#include "client/tools/common/percentile.h"
 
 namespace tactus::client {
 
-// Seconds that pass during one call, for work that waits for others.
+// Processor time of this thread, s.
+inline double ThreadSeconds() {
+  timespec time;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * time.tv_nsec;
+}
+
+// Elapsed seconds of one call, for work that waits for other processes.
 template <typename Work>
 double SecondsOf(Work&& work) {
   const auto start = std::chrono::steady_clock::now();
@@ -29,8 +40,8 @@ double SecondsOf(Work&& work) {
       .count();
 }
 
-// Seconds that the processor works on one call, or those it returns as measured
-// by another process.
+// Processor seconds of one call. A call that returns a double returns the
+// seconds itself, measured in another process.
 template <typename Work>
 double ProcessorSecondsOf(Work&& work) {
   if constexpr (std::is_same_v<decltype(work()), double>) {
@@ -61,7 +72,7 @@ Timing Interleave(int repetitions, Ours&& ours, Peer&& peer) {
   return {Percentile(our_seconds, 0.5), Percentile(peer_seconds, 0.5)};
 }
 
-// Ours alone, where there is no peer to be had.
+// Median processor seconds of `ours` if there is no peer.
 template <typename Ours>
 double MedianSeconds(int repetitions, Ours&& ours) {
   return Interleave(repetitions, ours, [] {}).ours;

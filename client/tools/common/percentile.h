@@ -1,6 +1,12 @@
 // File: percentile.h
 //
-// Percentiles by nearest rank, for measurements. Thread-safe.
+// Quantiles of measured times, by nearest rank. An empty measurement has no
+// quantile, so the result is NaN and prints as such.
+//
+//   const double p99 = Percentile(milliseconds, 0.99);
+//   const double median = Percentile(seconds, 0.5);
+//
+// Thread-safe: a function without state. Takes a copy, which it sorts.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +16,8 @@
 
 namespace tactus::client {
 
-// The smallest of `values` that at least the share `p` of them do not exceed;
-// NaN if there are none.
+// The p-quantile (nearest rank): the smallest value v such that at least a
+// fraction p of `values` is <= v. NaN if there are no values.
 inline double Percentile(std::vector<double> values, double p) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   std::sort(values.begin(), values.end());

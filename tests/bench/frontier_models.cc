@@ -1,23 +1,66 @@
-#include "tests/bench/frontier_variants.h"
+#include "tests/bench/frontier_models.h"
 
 #include <algorithm>
+#include <iterator>
+#include <optional>
+#include <span>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "client/tools/trainctl/command.h"
+#include "client/tools/common/run_on_threads.h"
+#include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/sim/experiments/grid_set.h"
 #include "core/train/fit.h"
-#include "tests/bench/frontier_data.h"
 
 namespace tactus::client {
 namespace {
+
+constexpr size_t kTestContacts = 400;
+constexpr size_t kQuickTestContacts = 60;
+// `quick` takes every 27th of the paper's trials: evenly over the conditions,
+// and over the materials because 27 does not divide their number.
+constexpr size_t kQuickStride = 27;
+
+std::vector<TrialSpec> AllGridSpecs() {
+  const Grid grid;
+  return DrawSpecs(
+      GridConditions(grid.stiffnesses, grid.velocities, grid.goals), kTestSeed);
+}
+
+using Pair = std::vector<LabelledContact>;
+
+// A contact and, if its object moved, its twin with the object fixed.
+absl::StatusOr<Pair> SimulatePair(const TrialSpec& spec, uint64_t seed) {
+  Pair pair;
+  for (const TrialSpec& each : {spec, FixedTwin(spec)}) {
+    TACTUS_ASSIGN_OR_RETURN(const SimulatedContact simulated,
+                            SimulateContact(each));
+    TACTUS_ASSIGN_OR_RETURN(pair.emplace_back(), ContactOf(simulated, seed));
+    if (!simulated.moved) break;
+  }
+  return pair;
+}
+
+absl::StatusOr<std::vector<LabelledContact>> Simulate(
+    std::span<const TrialSpec> specs, uint64_t seed) {
+  std::vector<absl::StatusOr<Pair>> pairs(specs.size());
+  RunOnThreads(static_cast<int>(specs.size()),
+               [&](int i) { pairs[i] = SimulatePair(specs[i], seed); });
+  std::vector<LabelledContact> contacts;
+  for (absl::StatusOr<Pair>& pair : pairs) {
+    TACTUS_RETURN_IF_ERROR(pair.status());
+    std::ranges::move(*pair, std::back_inserter(contacts));
+  }
+  return contacts;
+}
 
 constexpr char kFused[] = "fused";
 constexpr char kHmms[] = "HMMs";
 constexpr char kLstms[] = "LSTMs";
 
-// A fit of its own and the part of it that counts.
+// A separate fit. Of a fit of the family kLstms, only the LSTMs are used.
 struct FitJob {
   std::string family;
   std::string name;
@@ -39,8 +82,8 @@ Model WithNetworks(Model model, size_t networks) {
   return model;
 }
 
-// A model has HMMs: one state that says the same of every class, asked as
-// rarely as can be.
+// Every model has HMMs. These have one state that scores every class equally,
+// and the longest step interval.
 Model LstmsAlone(Model model) {
   const GaussianHmm indifferent = {.states = 1,
                                    .dimensions = 1,
@@ -124,6 +167,48 @@ std::vector<FitJob> FitJobs(const FitOptions& served) {
 }
 
 }  // namespace
+
+std::vector<const LabelledContact*> Pointers(
+    const std::vector<LabelledContact>& contacts) {
+  std::vector<const LabelledContact*> pointers;
+  for (const LabelledContact& contact : contacts) pointers.push_back(&contact);
+  return pointers;
+}
+
+absl::StatusOr<LabelledContact> ContactOf(const SimulatedContact& simulated,
+                                          uint64_t seed) {
+  TACTUS_ASSIGN_OR_RETURN(
+      std::optional<LabelledContact> contact,
+      ExtractContact(SignalTrial(simulated, SignalNoise(), seed)));
+  if (!contact) return NumericalFailure("a simulated contact touches nothing");
+  return *std::move(contact);
+}
+
+absl::StatusOr<FrontierContacts> SimulateContacts(bool quick) {
+  std::vector<TrialSpec> training = TrialSpecs(PaperConditions());
+  if (quick) {
+    std::vector<TrialSpec> some;
+    for (size_t i = 0; i < training.size(); i += kQuickStride) {
+      some.push_back(training[i]);
+    }
+    training = some;
+  }
+  FrontierContacts contacts;
+  TACTUS_ASSIGN_OR_RETURN(contacts.training, Simulate(training, kTrainingSeed));
+  const size_t wanted = quick ? kQuickTestContacts : kTestContacts;
+  const std::vector<TrialSpec> test = AllGridSpecs();
+  TACTUS_ASSIGN_OR_RETURN(contacts.test,
+                          Simulate(std::span(test).first(wanted), kTestSeed));
+  contacts.test.resize(wanted);
+  return contacts;
+}
+
+std::vector<TrialSpec> GridSpecs(int count) {
+  std::vector<TrialSpec> specs = AllGridSpecs();
+  specs.resize(count);
+  for (size_t i = 1; i < specs.size(); i += 2) specs[i] = FixedTwin(specs[i]);
+  return specs;
+}
 
 absl::StatusOr<std::vector<ClassifierVariant>> FitVariants(
     const std::vector<LabelledContact>& contacts, bool quick) {

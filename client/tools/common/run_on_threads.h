@@ -1,0 +1,22 @@
+// File: run_on_threads.h
+//
+// Spreads independent work over all processors. The programs and benchmarks
+// lend their threads to core with it, because core starts none
+// (core/train/work.h).
+//
+//   RunOnThreads(jobs.size(), [&](int i) { results[i] = Run(jobs[i]); });
+//   FitModel(contacts, options, RunOnThreads);
+//
+// Thread-safe. `body` runs on several threads at once: calls with different
+// arguments must not write to the same object.
+#pragma once
+
+#include <functional>
+
+namespace tactus::client {
+
+// Calls body(0) .. body(count - 1), one thread per processor, in any order.
+// Returns when all calls have returned. The calling thread takes part.
+void RunOnThreads(int count, const std::function<void(int)>& body);
+
+}  // namespace tactus::client

@@ -1,0 +1,112 @@
+// File: benchmarks.h
+//
+// Every sub-benchmark of tactus-bench. Each function creates one; its comment
+// names the rows that it prints and what makes it fail.
+//
+//   std::unique_ptr<Benchmark> benchmark = MakeHmmBenchmark();
+//   TACTUS_ASSIGN_OR_RETURN(auto rows, benchmark->Run(/*quick=*/true));
+//
+// Thread-safe: functions without state. A benchmark belongs to one thread.
+#pragma once
+
+#include <memory>
+
+#include "tests/bench/benchmark.h"
+
+namespace tactus::client {
+
+// Segmentation of skin frames, compared with OpenCV's connected components.
+// Rows features/contact, features/contact_flat (columns do not wrap) and
+// features/idle (nothing touches the skin): ns per frame of 16 x 24 taxels,
+// threshold included. The peer's regions end at the seam where ours wrap;
+// joining them would cost the peer more. Fails unless both find the same
+// regions in a million random frames; there the peer's regions are joined
+// across the seam.
+std::unique_ptr<Benchmark> MakeFeaturesBenchmark();
+
+// LSTM networks stepped frame by frame, compared with PyTorch. Rows lstm/step
+// and lstm/step_tuned: ns per frame of one stream, two layers of 50 cells, with
+// the paper's three inputs and with the inputs of the preset `tuned`. Row
+// lstm/batch64: ns per frame of 64 streams in step. The error is that of the
+// probabilities; above 1e-5 the benchmark fails.
+std::unique_ptr<Benchmark> MakeLstmBenchmark();
+
+// One step of LSTM training, compared with PyTorch. Row train-lstm/step: ms for
+// one batch of five contacts of 500 frames through two layers of 50 cells:
+// forward, backward and RMSprop. There is no dropout because the random numbers
+// would differ. The error is that of the gradient, relative to its largest
+// entry; above 1e-4 the benchmark fails.
+std::unique_ptr<Benchmark> MakeTrainLstmBenchmark();
+
+// The whole per-frame path with the default bundle: the server's cost of a
+// stream without its messages. Rows session/contact (ns per frame of a contact
+// at 100 Hz, from the first touch on) and session/idle (ns per frame without
+// touch). Fails if the bundle does not give its stored answers.
+std::unique_ptr<Benchmark> MakeSessionBenchmark();
+
+// Work and precision of the contact simulator: processor time on one core and
+// the largest error of the noiseless features, for the exact method and for
+// CVODE at several tolerances, on the same trials. Errors are relative to the
+// feature's peak in the trial, against the independent integration of
+// tests/reference/sim. Rows sim/paper-set, sim/SAMPLE/exact,
+// sim/SAMPLE/CVODE-TOLERANCE and, with --all, sim/random-scenes. --table and
+// --figure (work_precision.h) show the same points. Fails with
+// NUMERICAL_FAILURE if an error of the exact method exceeds its stated bound.
+// The comparisons and the worst scenes go to stderr.
+std::unique_ptr<Benchmark> MakeSimBenchmark();
+
+// How long the first frame after a silence waits for its answer. On an idle
+// server this is the moment a touch begins. Rows idle/first_frame_p50, _p90,
+// _p99 and _max: ms from sending a frame to receiving its posterior.
+std::unique_ptr<Benchmark> MakeIdleBenchmark();
+
+// Scoring one frame with HMMs, compared with libghmm, and the error of a long
+// contact's score, compared with long double. Rows hmm/forward and hmm/viterbi:
+// ns per frame and model, 4 left-right models of 10 states and 3 features. Row
+// hmm/default-bundle: ns per frame of the default bundle's shape, 4 categories
+// of 20 such models.
+std::unique_ptr<Benchmark> MakeHmmBenchmark();
+
+// Baum-Welch on one core, compared with libghmm from the same start on the same
+// trials. Row train-hmm/iteration: ns per frame and iteration, a left-right
+// model of 10 states and 3 features. The error is the difference of the two
+// log-likelihoods after convergence.
+std::unique_ptr<Benchmark> MakeTrainHmmBenchmark();
+
+// The cost of a tactusd stream above gRPC itself: throughput and round trip of
+// one stream, compared with an echo server of messages of the same sizes. Both
+// servers are child processes and take turns. Rows stream/throughput,
+// _rtt_p50, _server_cpu and _superseded: frames of contacts and of untouched
+// skin alternate. Rows stream/untouched_throughput and _rtt_p50: no contacts,
+// so the models have little to do. Rows stream/echo_callback_vs_cq_throughput,
+// _rtt_p50 and _server_cpu compare an echo by callbacks with an echo by a
+// completion queue.
+std::unique_ptr<Benchmark> MakeStreamBenchmark();
+
+// How many robots one tactusd serves while the load generator of
+// client/tools/load runs on the same processors. Rows load/200x100_p50, _p99
+// and _lost. Rows load/max_robots_1_per_message and _4_per_message: the largest
+// number of robots at 100 Hz that lose no frame and keep the p99 from due time
+// to answer below 10 ms.
+std::unique_ptr<Benchmark> MakeLoadBenchmark();
+
+// Start-up time and memory of tactusd. Row startup/serving: time from the start
+// until the server reports SERVING. Row startup/stream_memory: memory per
+// configured stream that shares one of 8 connections; _played after each has
+// sent its first frame. Row startup/connection_memory: memory per configured
+// stream with its own connection.
+std::unique_ptr<Benchmark> MakeStartupBenchmark();
+
+// Run time and error of three kinds of variants, each kind on the same
+// contacts, with the Pareto front: classifiers of several sizes and step
+// intervals, HMM scores in several precisions, simulators of several methods
+// and tolerances. The models are fitted in the run to the paper's trials and
+// tested at robot conditions that were not trained at. Rows
+// frontier/COMPARISON/VARIANT; --table and --figures (frontier.h) show the same
+// points. Fails with NUMERICAL_FAILURE if an error of a precision or of the
+// exact simulator exceeds its stated bound, if a part of a model answers
+// differently alone, if a skip rule changes an answer, or if the answers are
+// hardly better than guesses.
+std::unique_ptr<Benchmark> MakeFrontierBenchmark();
+
+}  // namespace tactus::client
