@@ -4,8 +4,9 @@
 #include "core/base/errors.h"
 #include "core/base/random.h"
 #include "core/base/status_macros.h"
-#include "core/sim/experiments/paper_set.h"
+#include "core/sim/exact/simulate_contact.h"
 #include "core/sim/model/materials.h"
+#include "core/sim/model/trial_spec.h"
 
 namespace tactus::client {
 namespace {

@@ -11,7 +11,9 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/sim/exact/simulate_contact.h"
 #include "core/sim/experiments/grid_set.h"
+#include "core/sim/experiments/paper_set.h"
 #include "core/train/fit.h"
 
 namespace tactus::client {

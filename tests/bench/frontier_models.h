@@ -20,7 +20,8 @@
 #include "absl/status/statusor.h"
 #include "core/classify/compiled_model.h"
 #include "core/classify/skip_rules.h"
-#include "core/sim/experiments/paper_set.h"
+#include "core/sim/model/trial_spec.h"
+#include "core/sim/skin/simulated_contact.h"
 #include "core/train/labelled_contact.h"
 
 namespace tactus::client {

@@ -1,6 +1,7 @@
 #include "tests/bench/frontier_sim.h"
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -34,7 +35,7 @@ struct Scene {
 struct Method {
   std::string family;
   std::string name;
-  SimulateOptions options;
+  std::function<absl::StatusOr<SimulatedContact>(const TrialSpec&)> simulate;
   // Largest error allowed; absent for a peer, whose error is only reported.
   std::optional<double> bound;
 };
@@ -50,13 +51,18 @@ std::vector<Method> Methods(bool quick) {
   for (const double skip : {0.0, 1e-4, 1e-3, 1e-2}) {
     methods.push_back(
         {"exact", skip == 0 ? "all bounces" : absl::StrFormat("skip %g", skip),
-         ExactAt(skip), std::max(skip, kSolvedBound)});
+         [options = ExactAt(skip)](const TrialSpec& spec) {
+           return SimulateContact(spec, options);
+         },
+         std::max(skip, kSolvedBound)});
   }
   for (const double tolerance : {1e-4, 1e-6}) {
     if (quick && tolerance < 1e-4) continue;
     methods.push_back({"CVODE",
                        absl::StrFormat("tolerance %g", tolerance),
-                       CvodeAt(tolerance),
+                       [options = CvodeAt(tolerance)](const TrialSpec& spec) {
+                         return SimulateByCvode(spec, options);
+                       },
                        {}});
   }
   return methods;
@@ -93,7 +99,7 @@ absl::StatusOr<Work> Simulate(const Method& method, const Scene& scene,
   for (int round = 0; round < rounds; ++round) {
     const double start = ThreadSeconds();
     TACTUS_ASSIGN_OR_RETURN(const SimulatedContact contact,
-                            SimulateContact(scene.spec, method.options));
+                            method.simulate(scene.spec));
     seconds.push_back(ThreadSeconds() - start);
     if (round > 0) continue;
     work.error = FeatureError(contact.signals.samples, scene.truth);

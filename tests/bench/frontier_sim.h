@@ -18,7 +18,7 @@
 namespace tactus::client {
 
 // Simulates scenes of the grid. An error is the largest of a noiseless feature,
-// relative to the feature's peak, against core/sim/model/reference.h. An
+// relative to the feature's peak, against tests/reference/sim/long_double.h. An
 // accuracy is that of `model` on the method's contacts with noise. Returns
 // NUMERICAL_FAILURE if an error of the exact method exceeds its stated bound.
 absl::StatusOr<std::vector<FrontierPoint>> MeasureSimulators(

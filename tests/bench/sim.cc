@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
+#include "absl/functional/function_ref.h"
 #include "absl/strings/str_format.h"
 #include "core/base/errors.h"
 #include "core/base/random.h"
@@ -42,10 +43,10 @@ constexpr char kReference[] =
 constexpr size_t kStride = 13;
 constexpr size_t kQuickStride = 101;
 
-// The two samples on which CVODE is measured. Gentle contacts, without trains
-// of bounces and ringing so slowly that CVODE resolves it, it can follow to
-// tight tolerances; of the others it lets the ringing fade and misses bounces,
-// and at tight tolerances would take minutes each.
+// The two samples on which CVODE is measured. Gentle contacts have no trains of
+// bounces and ring so slowly that CVODE resolves it, down to tight tolerances.
+// In the others CVODE damps the ringing and misses bounces; at tight tolerances
+// each would take minutes.
 struct SampleLimits {
   const char* name;
   int64_t events;
@@ -68,14 +69,17 @@ struct Case {
   std::vector<FeatureVector> truth;
 };
 
+using Method =
+    absl::FunctionRef<absl::StatusOr<SimulatedContact>(const TrialSpec&)>;
+
 absl::StatusOr<WorkPoint> Measure(const std::vector<Case>& cases,
-                                  const SimulateOptions& options) {
+                                  Method simulate) {
   WorkPoint point;
   std::vector<double> errors;
   for (const Case& each : cases) {
     const double start = ThreadSeconds();
     TACTUS_ASSIGN_OR_RETURN(const SimulatedContact contact,
-                            SimulateContact(each.spec, options));
+                            simulate(each.spec));
     point.seconds += ThreadSeconds() - start;
     errors.push_back(FeatureError(contact.signals.samples, each.truth));
   }
@@ -127,7 +131,9 @@ absl::Status MeasureSample(const SampleLimits& limits,
   WorkPoint exact;  // at the default
   for (double tolerance : skips) {
     TACTUS_ASSIGN_OR_RETURN(WorkPoint point,
-                            Measure(sample, ExactAt(tolerance)));
+                            Measure(sample, [&](const TrialSpec& spec) {
+                              return SimulateContact(spec, ExactAt(tolerance));
+                            }));
     point.sample = limits.name;
     point.method = "exact";
     point.tolerance = tolerance;
@@ -141,7 +147,9 @@ absl::Status MeasureSample(const SampleLimits& limits,
                          .error_reference = kReference});
   for (double tolerance : quick ? limits.quick : limits.tolerances) {
     TACTUS_ASSIGN_OR_RETURN(WorkPoint point,
-                            Measure(sample, CvodeAt(tolerance)));
+                            Measure(sample, [&](const TrialSpec& spec) {
+                              return SimulateByCvode(spec, CvodeAt(tolerance));
+                            }));
     point.sample = limits.name;
     point.method = "CVODE";
     point.tolerance = tolerance;

@@ -6,14 +6,16 @@
 #include "absl/strings/str_format.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
-#include "core/sim/model/reference.h"
+#include "core/sim/skin/block_filter.h"
 #include "tests/bench/timing.h"
+#include "tests/reference/sim/long_double.h"
+#include "tests/reference/sim/read_signals.h"
 
 namespace tactus::client {
 namespace {
 
 constexpr std::array<double, 2> kBounds = {1e-6, 1e-3};
-// Of the reference where it is asked again.
+// Step of the reference when a scene is compared again.
 constexpr double kFineStepShare = 0.002;
 
 std::string Describe(const SimulatedContact& contact) {
@@ -28,18 +30,17 @@ std::string Describe(const SimulatedContact& contact) {
 
 }  // namespace
 
-SimulateOptions CvodeAt(double tolerance) {
-  SimulateOptions options;
-  options.method = SimMethod::kCvode;
-  // Relative and, in the default's proportion, absolute.
-  const double share = tolerance / options.cvode.relative_tolerance;
-  options.cvode.relative_tolerance = tolerance;
-  options.cvode.force_tolerance *= share;
-  options.cvode.velocity_tolerance *= share;
-  options.cvode.position_tolerance *= share;
-  options.cvode.max_steps = 1'000'000'000;
-  // What ringing order 2 cannot let fade, it resolves slowly.
-  if (tolerance < 1e-5) options.cvode.ringing_order = 5;
+SolverOptions CvodeAt(double tolerance) {
+  SolverOptions options;
+  const double scale = tolerance / options.relative_tolerance;
+  options.relative_tolerance = tolerance;
+  options.force_tolerance *= scale;
+  options.velocity_tolerance *= scale;
+  options.position_tolerance *= scale;
+  options.max_steps = 1'000'000'000;
+  // Order 2 cannot damp the ringing at these tolerances and would resolve it
+  // slowly.
+  if (tolerance < 1e-5) options.ringing_order = 5;
   return options;
 }
 
@@ -119,9 +120,9 @@ void WorstErrors::Print(const char* what) const {
 absl::Status WorstErrors::Check() const {
   for (int skipped = 0; skipped < 2; ++skipped) {
     if (error_[skipped] <= kBounds[skipped]) continue;
-    return NumericalFailure(
-        absl::StrFormat("the exact method is off by %.2g, more than %g, for %s",
-                        error_[skipped], kBounds[skipped], where_[skipped]));
+    return NumericalFailure(absl::StrFormat(
+        "the exact method has an error of %.2g, above %g, for %s",
+        error_[skipped], kBounds[skipped], where_[skipped]));
   }
   return absl::OkStatus();
 }
@@ -133,7 +134,8 @@ absl::StatusOr<SceneComparison> CompareScenes(
   const double deadline = ThreadSeconds() + budget;
   for (int i = 0; i < count; ++i) {
     if (ThreadSeconds() > deadline) {
-      std::fprintf(stderr, "%s: %d of %d left out, for want of time\n", what,
+      std::fprintf(stderr,
+                   "%s: %d of %d left out because the time is used up\n", what,
                    count - i, count);
       break;
     }

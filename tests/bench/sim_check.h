@@ -1,8 +1,8 @@
 // File: sim_check.h
 //
-// How far the exact contacts (core/sim/exact/exact.h) are from the reference
-// (core/sim/model/reference.h): the largest error of any feature and sample, as
-// a share of the feature's peak.
+// Errors of the exact contacts (core/sim/exact/exact.h) against the reference
+// (tests/reference/sim/long_double.h): the largest error of any feature and
+// sample, relative to the feature's peak.
 //
 //   WorstErrors worst;
 //   TACTUS_ASSIGN_OR_RETURN(const auto truth, ReferenceFeatures(spec));
@@ -21,13 +21,15 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/base/random.h"
-#include "core/sim/experiments/paper_set.h"
+#include "core/sim/exact/simulate_contact.h"
+#include "tests/reference/sim/cvode.h"
 
 namespace tactus::client {
 
-// The methods as they are compared: CVODE at a relative tolerance, all others
-// in the proportion of its defaults; the exact one at what it may skip.
-SimulateOptions CvodeAt(double tolerance);
+// Options of the compared methods: CVODE at a relative tolerance, with absolute
+// tolerances in proportion to its defaults, and the exact method at a skip
+// tolerance.
+SolverOptions CvodeAt(double tolerance);
 SimulateOptions ExactAt(double skip_tolerance);
 
 double FeatureError(const std::vector<FeatureVector>& got,
@@ -38,11 +40,11 @@ double FeatureError(const std::vector<FeatureVector>& got,
 absl::StatusOr<std::vector<FeatureVector>> ReferenceFeatures(
     const TrialSpec& spec, double step_share = 0.7);
 
-// A scene far from the paper's, ringing slower than 2 10^4 rad/s, so that the
-// reference resolves it soon.
+// A scene far from the paper's. It rings slower than 2 10^4 rad/s, so that the
+// reference resolves it quickly.
 TrialSpec RandomSpec(Random& random);
 
-// The worst errors and where they were, apart for scenes with and without
+// The worst errors and their scenes, separately for scenes with and without
 // skipped bounces.
 class WorstErrors {
  public:
@@ -52,8 +54,8 @@ class WorstErrors {
   int compared() const { return compared_; }
   double error() const { return std::max(error_[0], error_[1]); }
   void Print(const char* what) const;
-  // NUMERICAL_FAILURE if an error exceeds its bound: 1e-6 where every bounce
-  // was solved, 1e-3 where some were leapt over.
+  // NUMERICAL_FAILURE if an error exceeds its bound: 1e-6 if every bounce was
+  // solved, 1e-3 if some were skipped.
   absl::Status Check() const;
 
  private:
@@ -69,8 +71,9 @@ struct SceneComparison {
   double seconds = 0;  // processor time of the exact method
 };
 
-// Compares `count` scenes with the reference, as far as `budget` seconds of
-// processor time go, and tells of it on stderr. Fails as WorstErrors::Check().
+// Compares `count` scenes with the reference until `budget` seconds of
+// processor time are used up, and reports on stderr. Fails as
+// WorstErrors::Check().
 absl::StatusOr<SceneComparison> CompareScenes(
     const char* what, int count, double budget,
     absl::FunctionRef<TrialSpec(int)> spec_of);

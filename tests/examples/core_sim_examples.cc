@@ -14,18 +14,21 @@
 #include "core/sim/exact/first_crossing.h"
 #include "core/sim/exact/piece_signals.h"
 #include "core/sim/exact/piece_sink.h"
+#include "core/sim/exact/simulate_contact.h"
 #include "core/sim/experiments/cody_set.h"
 #include "core/sim/experiments/grid_set.h"
 #include "core/sim/experiments/paper_set.h"
-#include "core/sim/model/cvode.h"
+#include "core/sim/model/contact_phase.h"
 #include "core/sim/model/materials.h"
-#include "core/sim/model/reference.h"
 #include "core/sim/model/scene.h"
+#include "core/sim/model/trajectory.h"
+#include "core/sim/model/trial_spec.h"
 #include "core/sim/skin/block_filter.h"
 #include "core/sim/skin/butterworth.h"
 #include "core/sim/skin/patch.h"
 #include "core/sim/skin/render.h"
 #include "core/sim/skin/signals.h"
+#include "core/sim/skin/simulated_contact.h"
 
 namespace tactus::examples {
 
@@ -116,16 +119,6 @@ absl::Status PaperSetExample(uint64_t seed) {
   return absl::OkStatus();
 }
 
-absl::Status CvodeExample(const ContactScene& scene) {
-  TACTUS_ASSIGN_OR_RETURN(Trajectory run, IntegrateCvode(scene, {}));
-  return absl::OkStatus();
-}
-
-absl::Status ReferenceExample(const ContactScene& scene) {
-  TACTUS_ASSIGN_OR_RETURN(Trajectory run, IntegrateReference(scene, 2000));
-  return absl::OkStatus();
-}
-
 absl::Status MaterialsExample(const std::string& csv_text) {
   TACTUS_ASSIGN_OR_RETURN(auto more, ParseMaterials(csv_text));
   Cube cube = {more[0], /*edge_m=*/0.05, Surface::kGlass};
@@ -167,8 +160,40 @@ absl::Status RenderExample(const SimulatedContact& contact,
   return absl::OkStatus();
 }
 
-void SignalsExample(const Cube& cube, const Trajectory& trajectory) {
-  IdealSignals signals = ReadSignals(cube, trajectory);
+void SignalsExample(const Cube& cube, double force, IdealSignals& signals,
+                    Random& random) {
+  const double area = ContactArea(cube, force);
+  AddNoise(SignalNoise(), random, signals.samples);
+}
+
+absl::Status SimulateContactExample(const TrialSpec& spec, uint64_t seed) {
+  TACTUS_ASSIGN_OR_RETURN(const SimulatedContact contact,
+                          SimulateContact(spec));
+  Trial trial = SignalTrial(contact, SignalNoise(), seed);
+  return absl::OkStatus();
+}
+
+absl::Status SimulatedContactExample(const TrialSpec& spec, uint64_t seed) {
+  TACTUS_ASSIGN_OR_RETURN(auto contact, SimulateContact(spec));
+  Trial trial = SignalTrial(contact, SignalNoise(), seed);
+  return absl::OkStatus();
+}
+
+void TrialSpecExample() {
+  TrialSpec spec;
+  spec.object = {Materials()[0], 0.05, Surface::kWood};
+  spec.robot = {.stiffness = 543, .velocity = 0.005};
+  ContactScene scene = SceneOf(spec);
+}
+
+void TrajectoryExample(const Trajectory& trajectory, size_t i) {
+  const TrajectorySample& sample = trajectory.samples[i];
+  const double time = i / trajectory.sample_rate_hz;
+}
+
+void ContactPhaseExample(ContactPhase phase) {
+  const bool touching = Touching(phase);
+  if (touching && !Sliding(phase)) return;  // kStuck
 }
 
 }  // namespace tactus::examples

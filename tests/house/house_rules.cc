@@ -88,7 +88,17 @@ bool Holds(const Range& range, const Value& value) {
   return std::find(range.begin(), range.end(), value) != range.end();
 }
 
-// "core/hmm/hmm_bank.h" -> "hmm"; empty elsewhere.
+// "core/sim/exact/bounce.h" -> "sim/exact" if `rooms` lists that part of a
+// room, else "sim"; empty outside core.
+std::string PartOf(const std::string& path,
+                   const std::vector<std::string>& rooms) {
+  const std::vector<std::string> parts = absl::StrSplit(path, '/');
+  if (parts.size() <= 2 || parts[0] != "core") return "";
+  const std::string part = absl::StrCat(parts[1], "/", parts[2]);
+  return Holds(rooms, part) ? part : parts[1];
+}
+
+// "core/hmm/hmm_bank.h" -> "hmm"; empty outside core.
 std::string RoomOf(const std::string& path) {
   const std::vector<std::string> parts = absl::StrSplit(path, '/');
   return parts.size() > 2 && parts[0] == "core" ? parts[1] : "";
@@ -127,12 +137,15 @@ std::string WhyNotInCore(const std::string& path, const std::string& header,
   if (!Holds(kFileRooms, room) && Holds(kNotForComputing, header)) {
     return "rooms that compute use no threads, clocks or files";
   }
-  const std::string other = RoomOf(header);
-  if (other.empty() || other == room || Holds(kPlainHeaders, header)) return "";
-  const auto own = std::find(rooms.begin(), rooms.end(), room);
+  if (RoomOf(header).empty() || Holds(kPlainHeaders, header)) return "";
+  const bool same_room = RoomOf(header) == room;
+  const std::string here = same_room ? PartOf(path, rooms) : room;
+  const std::string other = same_room ? PartOf(header, rooms) : RoomOf(header);
+  if (other == here) return "";
+  const auto own = std::find(rooms.begin(), rooms.end(), here);
   if (own == rooms.end()) return "its room is not in core/CMakeLists.txt";
   return std::find(rooms.begin(), own, other) == own
-             ? absl::StrCat("room ", other, " is not below room ", room)
+             ? absl::StrCat("room ", other, " is not below room ", here)
              : "";
 }
 

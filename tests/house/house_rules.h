@@ -11,8 +11,8 @@
 
 namespace tactus {
 
-// The rooms of core in the order of core/CMakeLists.txt, lowest first, read
-// from its text.
+// The sub-folders that a CMakeLists.txt adds, in its order: in
+// core/CMakeLists.txt the rooms of core, lowest first.
 std::vector<std::string> CoreRooms(const std::string& cmake_text);
 
 // What `text`, the source at `path` from the project's root, includes though

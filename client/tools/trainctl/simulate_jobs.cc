@@ -7,8 +7,10 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/data/file_bytes.h"
+#include "core/sim/exact/simulate_contact.h"
 #include "core/sim/experiments/cody_set.h"
 #include "core/sim/experiments/grid_set.h"
+#include "core/sim/experiments/paper_set.h"
 
 namespace tactus::client {
 namespace {

@@ -10,7 +10,6 @@
 #include "core/base/status_macros.h"
 #include "core/data/file_bytes.h"
 #include "core/sim/exact/exact.h"
-#include "core/sim/model/cvode.h"
 
 namespace tactus::client {
 namespace {
@@ -18,26 +17,12 @@ namespace {
 constexpr char kKeys[] =
     "m_arm, k_act, b_act, v, goal, m_obj, k_obj, mu_s, mu_k, fixed or duration";
 
-absl::StatusOr<Trajectory> Integrate(const ContactScene& scene,
-                                     const OneContactFlags& flags) {
-  if (flags.method == "exact") {
-    ExactOptions options;
-    options.sample_rate_hz = flags.rate_hz;
-    return IntegrateExact(scene, options);
-  }
-  SolverOptions options;
-  options.sample_rate_hz = flags.rate_hz;
-  return IntegrateCvode(scene, options);
-}
-
 }  // namespace
 
 void AddOneContactFlags(CLI::App& command, OneContactFlags& flags) {
   CLI::Option* one = command.add_option(
       "--one", flags.scene,
       "Simulate one contact: a scene in JSON, or @ and a file that holds it");
-  command.add_option("--method", flags.method, "Of --one: exact or cvode")
-      ->needs(one);
   command.add_option("--rate", flags.rate_hz, "Of --one: samples a second")
       ->needs(one);
   command.add_flag("--csv", flags.csv, "Of --one: print CSV")->needs(one);
@@ -91,9 +76,6 @@ absl::StatusOr<ContactScene> ParseScene(absl::string_view json) {
 }
 
 absl::Status SimulateOne(const OneContactFlags& flags, std::ostream& out) {
-  if (flags.method != "exact" && flags.method != "cvode") {
-    return InvalidConfig("--method", flags.method, "exact or cvode");
-  }
   if (!flags.csv) return InvalidConfig("--one", "given", "given with --csv");
   std::string json = flags.scene;
   if (json[0] == '@') {
@@ -101,7 +83,9 @@ absl::Status SimulateOne(const OneContactFlags& flags, std::ostream& out) {
         json, ReadFileBytes(json.substr(1), limits::kMaxMessageBytes));
   }
   TACTUS_ASSIGN_OR_RETURN(const ContactScene scene, ParseScene(json));
-  TACTUS_ASSIGN_OR_RETURN(const Trajectory run, Integrate(scene, flags));
+  ExactOptions options;
+  options.sample_rate_hz = flags.rate_hz;
+  TACTUS_ASSIGN_OR_RETURN(const Trajectory run, IntegrateExact(scene, options));
   out << "t,x_arm,v_arm,x_uobj,v_uobj,F_surf\n";
   for (size_t i = 0; i < run.samples.size(); ++i) {
     const TrajectorySample& sample = run.samples[i];

@@ -28,7 +28,6 @@ struct OneContactFlags {
   // The JSON text, or @ and the name of a file that holds it; empty: the
   // command was given without --one.
   std::string scene;
-  std::string method = "exact";  // or "cvode"
   double rate_hz = 2000;
   bool csv = false;
 };

@@ -17,7 +17,7 @@
 
 #include "core/sim/exact/contact_modes.h"
 #include "core/sim/exact/contact_piece.h"
-#include "core/sim/model/phases.h"
+#include "core/sim/model/contact_phase.h"
 #include "core/sim/model/scene.h"
 
 namespace tactus {

@@ -1,8 +1,8 @@
 // File: contact_piece.h
 //
 // One piece of a contact in closed form: the motion within one phase
-// (phases.h) while the equilibrium point keeps its speed, from a known state
-// on. Polynomials plus damped pairs; no time steps.
+// (contact_phase.h) while the equilibrium point keeps its speed, from a known
+// state on. Polynomials plus damped pairs; no time steps.
 //
 //   ContactPiece piece(scene, modes, ContactPhase::kStuck, /*ramping=*/true,
 //                      /*begin=*/0, {});
@@ -16,7 +16,7 @@
 
 #include "core/sim/exact/contact_modes.h"
 #include "core/sim/exact/first_crossing.h"
-#include "core/sim/model/phases.h"
+#include "core/sim/model/contact_phase.h"
 #include "core/sim/model/scene.h"
 
 namespace tactus {

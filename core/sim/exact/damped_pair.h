@@ -2,7 +2,7 @@
 //
 // The closed-form solution of y'' + p y' + q y = 0 (p >= 0, q > 0): a damped
 // oscillation, a double decay or two decays. Every phase of the contact model
-// (phases.h) is a polynomial plus one or two of these.
+// (contact_phase.h) is a polynomial plus one or two of these.
 //
 //   DampedPair pair(/*damping=*/2 * 21.6, /*stiffness=*/465);
 //   PairState later = pair.After({0.001, 0}, 0.02);

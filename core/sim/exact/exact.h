@@ -1,9 +1,9 @@
 // File: exact.h
 //
-// The exact integration of a ContactScene: each phase (phases.h) is solved in
-// closed form and left at the event that ends it, so that there are no time
-// steps and no error to control. Ringing in contact costs nothing; trains of
-// bounces are passed in leaps (bounce_ride.h).
+// The exact integration of a ContactScene: each phase (contact_phase.h) is
+// solved in closed form and left at the event that ends it, so that there are
+// no time steps and no error to control. Ringing in contact costs nothing;
+// trains of bounces are passed in leaps (bounce_ride.h).
 //
 //   TACTUS_ASSIGN_OR_RETURN(Trajectory run, IntegrateExact(scene, {}));
 //

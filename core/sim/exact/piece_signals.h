@@ -2,9 +2,10 @@
 //
 // The ideal skin's signals (signals.h) straight from the pieces of an exact
 // contact, without a trajectory in between: within a piece, force and motion
-// are polynomials plus damped pairs, whose way through mean, filter and
-// decimation is linear and known in advance. Same definition as ReadSignals
-// at 2 kHz, equal up to rounding.
+// are polynomials plus damped pairs. Mean, filter and decimation are linear, so
+// their effect on each form is known in advance. The result equals that of a
+// trajectory sampled at 2 kHz (tests/reference/sim/read_signals.h) up to
+// rounding.
 //
 //   PieceSignals reader(cube, scene, /*area=*/true);
 //   TACTUS_RETURN_IF_ERROR(SolvePieces(scene, {}, reader).status());

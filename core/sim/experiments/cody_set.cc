@@ -9,6 +9,7 @@
 #include "absl/strings/str_format.h"
 #include "core/base/random.h"
 #include "core/base/status_macros.h"
+#include "core/sim/skin/block_filter.h"
 
 namespace tactus {
 namespace {

@@ -28,9 +28,10 @@
 
 #include "absl/status/statusor.h"
 #include "core/data/trial.h"
-#include "core/sim/experiments/paper_set.h"
+#include "core/sim/model/trial_spec.h"
 #include "core/sim/skin/render.h"
 #include "core/sim/skin/signals.h"
+#include "core/sim/skin/simulated_contact.h"
 #include "core/skin/geometry.h"
 #include "core/skin/layout.h"
 

@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/random.h"
+#include "core/sim/experiments/paper_set.h"
 
 namespace tactus {
 namespace {

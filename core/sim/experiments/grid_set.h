@@ -17,8 +17,8 @@
 #include <string>
 #include <vector>
 
-#include "core/sim/experiments/paper_set.h"
 #include "core/sim/model/materials.h"
+#include "core/sim/model/trial_spec.h"
 
 namespace tactus {
 

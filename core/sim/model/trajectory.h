@@ -1,7 +1,12 @@
 // File: trajectory.h
 //
-// What an integration method returns: the motion of arm and object, sampled
-// at a fixed rate, whichever method made it. Plain data; owns its arrays.
+// Trajectory: the motion of arm and object in one simulated contact, sampled at
+// a fixed rate. IntegrateExact (core/sim/exact/exact.h) returns it.
+//
+//   const TrajectorySample& sample = trajectory.samples[i];
+//   const double time = i / trajectory.sample_rate_hz;
+//
+// Plain data; owns its arrays.
 #pragma once
 
 #include <cstdint>
@@ -15,9 +20,9 @@ struct TrajectorySample {
   double x_uobj = 0;  // m, position of the undeformed object
   double v_uobj = 0;  // m/s
   double force = 0;   // N, F_surf at this instant
-  // Since the start: integral of F_surf (N s) and time spent in contact (s).
-  // Their differences give means between samples, in which an impact shorter
-  // than the sampling interval is not lost.
+  // Since the start: the integral of F_surf (N s) and the time in contact (s).
+  // Their differences give means between samples, which include impacts that
+  // are shorter than the sampling interval.
   double impulse = 0;
   double contact_time = 0;
 };
@@ -40,8 +45,6 @@ struct Trajectory {
   // True if x_uobj > 0 at the end.
   bool moved = false;
   EventCounts events;
-  // Steps the solver took; 0 if the method takes none.
-  int64_t steps = 0;
 };
 
 }  // namespace tactus

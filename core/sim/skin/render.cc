@@ -9,6 +9,7 @@
 #include "core/base/limits.h"
 #include "core/base/random.h"
 #include "core/base/status_macros.h"
+#include "core/sim/skin/block_filter.h"
 #include "core/sim/skin/patch.h"
 
 namespace tactus {

@@ -20,7 +20,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/data/trial.h"
-#include "core/sim/experiments/paper_set.h"
+#include "core/sim/skin/simulated_contact.h"
 #include "core/skin/geometry.h"
 #include "core/skin/layout.h"
 

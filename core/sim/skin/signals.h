@@ -4,9 +4,11 @@
 // area A' and motion x_arm at 100 Hz behind the anti-aliasing filter (paper,
 // Sections "Contact Area Model" and "Preprocessing and Feature Selection").
 //
-//   IdealSignals signals = ReadSignals(cube, trajectory);
+//   const double area = ContactArea(cube, force);
+//   AddNoise(SignalNoise(), random, signals.samples);
 //
-// Stateless; thread-safe. Results own their arrays.
+// piece_signals.h computes IdealSignals. Stateless; thread-safe. IdealSignals
+// owns its arrays.
 #pragma once
 
 #include <vector>
@@ -14,15 +16,15 @@
 #include "core/base/random.h"
 #include "core/features/feature.h"
 #include "core/sim/model/materials.h"
-#include "core/sim/model/trajectory.h"
-#include "core/sim/skin/block_filter.h"
 
 namespace tactus {
 
-// The smallest soft cubes would be pressed flat: strain stops here.
+// Largest strain. Without this limit, the smallest soft cubes would be pressed
+// flat.
 inline constexpr double kMaxStrain = 0.95;
 
-// Share of the cube's edge that `force` (N) takes, at most kMaxStrain.
+// The fraction of the cube's edge by which `force` (N) compresses it, at most
+// kMaxStrain.
 double Strain(const Cube& cube, double force);
 
 // A' in m^2 under `force` > 0 (eq. 19): edge^2 (1 - strain)^(-2 nu).
@@ -33,18 +35,11 @@ struct IdealSignals {
   std::vector<FeatureVector> samples;
   // x_uobj at the instant of each sample, m: neither filtered nor noisy.
   std::vector<double> object_motion;
-  // Samples in whose time the strain had to be clamped.
+  // Number of samples during which the strain was clamped.
   int clamped = 0;
 };
 
-// Force and area enter the filter as means over each interval of the
-// trajectory, 0 while apart, so that short impacts count with their impulse.
-// The trajectory's rate must be a multiple of 100 Hz above 400 Hz. Without
-// `area`, that signal stays 0.
-IdealSignals ReadSignals(const Cube& cube, const Trajectory& trajectory,
-                         bool area = true);
-
-// Noise variance as a share of the variance of the trial's own signal.
+// Noise variance, relative to the variance of the trial's own signal.
 struct SignalNoise {
   double force = 0.005;
   double area = 0.0005;

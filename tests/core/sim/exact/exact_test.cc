@@ -5,10 +5,11 @@
 #include <vector>
 
 #include "core/base/errors.h"
-#include "core/sim/experiments/paper_set.h"
-#include "core/sim/model/reference.h"
+#include "core/sim/exact/simulate_contact.h"
 #include "gtest/gtest.h"
 #include "tests/core/sim/random_scenes.h"
+#include "tests/reference/sim/long_double.h"
+#include "tests/reference/sim/read_signals.h"
 
 namespace tactus {
 namespace {

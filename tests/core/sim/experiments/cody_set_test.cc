@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "core/sim/exact/simulate_contact.h"
 #include "gtest/gtest.h"
 
 namespace tactus {

@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "core/sim/experiments/paper_set.h"
 #include "gtest/gtest.h"
 
 namespace tactus {

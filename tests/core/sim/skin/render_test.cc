@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "core/base/errors.h"
+#include "core/sim/exact/simulate_contact.h"
+#include "core/sim/experiments/paper_set.h"
 #include "gtest/gtest.h"
 
 namespace tactus {

@@ -1,4 +1,4 @@
-#include "core/sim/model/cvode.h"
+#include "tests/reference/sim/cvode.h"
 
 #include <algorithm>
 #include <cmath>

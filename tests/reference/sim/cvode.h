@@ -1,10 +1,10 @@
 // File: cvode.h
 //
-// The reference integration of a ContactScene: SUNDIALS CVODE, BDF of order
-// up to 5 with a dense Newton solver, as the paper used MATLAB's ode15s
-// (Section "Implementation"). Each phase (phases.h) is integrated up to the
-// event that root finding locates, where the solver starts afresh; the end
-// of the equilibrium point's ramp is a known time and ends a step exactly.
+// Integrates a ContactScene with SUNDIALS CVODE: BDF of order up to 5 with a
+// dense Newton solver, as the paper used MATLAB's ode15s (Section
+// "Implementation"). Each phase (contact_phase.h) is integrated up to the event
+// that root finding locates; there the solver restarts. The end of the
+// equilibrium point's ramp is a known time and ends a step exactly.
 //
 //   TACTUS_ASSIGN_OR_RETURN(Trajectory run, IntegrateCvode(scene, {}));
 //
@@ -17,6 +17,8 @@
 #include "absl/status/statusor.h"
 #include "core/sim/model/scene.h"
 #include "core/sim/model/trajectory.h"
+#include "core/sim/model/trial_spec.h"
+#include "core/sim/skin/simulated_contact.h"
 
 namespace tactus {
 
@@ -27,10 +29,10 @@ struct SolverOptions {
   double velocity_tolerance = 1e-7;  // m/s
   double position_tolerance = 1e-9;  // m, of the object
   // Highest order, 1 to 5, in contacts that ring faster than a 100 Hz skin can
-  // tell. BDF above order 2 is not stable on the imaginary axis: order 2 lets
-  // the ringing fade, 5 resolves it, in small steps to the end.
+  // resolve. BDF above order 2 is not stable on the imaginary axis: order 2
+  // damps the ringing; order 5 resolves it, in small steps to the end.
   int ringing_order = 2;
-  // Of the trajectory; whole samples at 100 Hz, so a multiple of that.
+  // Rate of the trajectory; a multiple of 100 Hz.
   double sample_rate_hz = 2000;
   // A run that needs more is an error, not a stall.
   int max_events = 200'000;
@@ -44,5 +46,11 @@ absl::Status Validate(const SolverOptions& options);
 // gives up.
 absl::StatusOr<Trajectory> IntegrateCvode(const ContactScene& scene,
                                           const SolverOptions& options);
+
+// SimulateContact (core/sim/exact/simulate_contact.h) by CVODE. Without `area`,
+// that signal stays 0. Errors as above.
+absl::StatusOr<SimulatedContact> SimulateByCvode(const TrialSpec& spec,
+                                                 const SolverOptions& options,
+                                                 bool area = true);
 
 }  // namespace tactus

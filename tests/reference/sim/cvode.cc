@@ -1,4 +1,4 @@
-#include "core/sim/model/cvode.h"
+#include "tests/reference/sim/cvode.h"
 
 #include <cvode/cvode.h>
 #include <nvector/nvector_serial.h>
@@ -13,7 +13,8 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
-#include "core/sim/model/phases.h"
+#include "tests/reference/sim/phase_equations.h"
+#include "tests/reference/sim/read_signals.h"
 
 namespace tactus {
 namespace {
@@ -105,6 +106,7 @@ class Run {
   // Where the object rests, if it does: the solver holds it to rounding only.
   double rest_position_ = 0;
   Trajectory trajectory_;
+  int64_t steps_ = 0;
   size_t samples_due_ = 0;
 
   std::unique_ptr<_SUNContext, ContextDelete> context_;
@@ -239,7 +241,7 @@ absl::StatusOr<bool> Run::Advance(double until) {
     if (flag < 0) return Failure("step", flag);
     TACTUS_RETURN_IF_ERROR(Sample(time_));
     AddImpulse(time_, state());
-    if (++trajectory_.steps > options_.max_steps) {
+    if (++steps_ > options_.max_steps) {
       return TooMany("solver steps", options_.max_steps);
     }
     if (flag == CV_ROOT_RETURN) return true;
@@ -343,6 +345,19 @@ absl::StatusOr<Trajectory> IntegrateCvode(const ContactScene& scene,
   TACTUS_RETURN_IF_ERROR(Validate(scene));
   TACTUS_RETURN_IF_ERROR(Validate(options));
   return Run(scene, options).Go();
+}
+
+absl::StatusOr<SimulatedContact> SimulateByCvode(const TrialSpec& spec,
+                                                 const SolverOptions& options,
+                                                 bool area) {
+  TACTUS_ASSIGN_OR_RETURN(const Trajectory trajectory,
+                          IntegrateCvode(SceneOf(spec), options));
+  SimulatedContact contact;
+  contact.spec = spec;
+  contact.signals = ReadSignals(spec.object, trajectory, area);
+  contact.moved = trajectory.moved;
+  contact.events = trajectory.events;
+  return contact;
 }
 
 }  // namespace tactus

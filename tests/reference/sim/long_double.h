@@ -1,9 +1,10 @@
-// File: reference.h
+// File: long_double.h
 //
-// A second, slow way through the contact model, to check the exact one
-// (exact.h) against: long double throughout, every phase stepped with its
-// matrix exponential at a small part of the ringing's period, events looked
-// for in every step. Shares no code with the exact method beyond the scene.
+// A second, slow integration of the contact model, to compare the exact one
+// (core/sim/exact/exact.h) with. It computes in long double, steps every phase
+// with its matrix exponential at a small fraction of the ringing's period, and
+// searches every step for events. It shares only the scene with the exact
+// method.
 //
 //   TACTUS_ASSIGN_OR_RETURN(Trajectory run, IntegrateReference(scene, 2000));
 //
@@ -19,8 +20,9 @@ namespace tactus {
 
 // INVALID_SCENE for a bad scene, NUMERICAL_FAILURE if it would need more than
 // 10^9 steps.
-// `step_share` is the length of a step as a share of the fastest motion's time
-// scale; a loss of contact that begins and ends within one step goes unseen.
+// `step_share` is the length of a step relative to the time scale of the
+// fastest motion. A loss of contact that begins and ends within one step is
+// missed.
 absl::StatusOr<Trajectory> IntegrateReference(const ContactScene& scene,
                                               double sample_rate_hz,
                                               double step_share = 0.7);

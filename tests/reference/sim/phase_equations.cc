@@ -1,4 +1,4 @@
-#include "core/sim/model/phases.h"
+#include "tests/reference/sim/phase_equations.h"
 
 #include <limits>
 

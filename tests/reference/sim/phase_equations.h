@@ -1,25 +1,21 @@
-// File: phases.h
+// File: phase_equations.h
 //
-// The contact model as a sequence of phases, in each of which the motion is a
-// linear differential equation, and the events that end them:
+// The differential equation of one contact phase
+// (core/sim/model/contact_phase.h) and the functions whose zeros end it, in the
+// form that a step-by-step solver takes.
 //
-//   kStuck    touching, object at rest    slip -> kSliding, lost -> kApart
-//   kSliding  touching, object slides     stop -> kStuck, lost -> kCoasting
-//   kCoasting apart, object slides        stop -> kApart, made -> kSliding
-//   kApart    apart, object at rest       made -> kStuck
+//   PhaseEquations equations(scene, ContactPhase::kStuck, /*ramping=*/true);
+//   equations.Derivative(time, state, derivative);
 //
-// The force only ever pushes (no adhesion), so the object never moves back.
-// Stateless; thread-safe.
+// Plain data; thread-safe once built.
 #pragma once
 
 #include <array>
 
+#include "core/sim/model/contact_phase.h"
 #include "core/sim/model/scene.h"
-#include "core/sim/model/trajectory.h"
 
 namespace tactus {
-
-enum class ContactPhase { kStuck, kSliding, kCoasting, kApart };
 
 // State: deformation x_arm - x_uobj (m; below 0 when apart), v_arm, x_uobj,
 // v_uobj. The deformation is a state of its own because a stiff
@@ -31,14 +27,6 @@ inline constexpr int kObjectVelocity = 3;
 inline constexpr int kSceneStates = 4;
 
 using SceneState = std::array<double, kSceneStates>;
-
-inline bool Touching(ContactPhase phase) {
-  return phase == ContactPhase::kStuck || phase == ContactPhase::kSliding;
-}
-
-inline bool Sliding(ContactPhase phase) {
-  return phase == ContactPhase::kSliding || phase == ContactPhase::kCoasting;
-}
 
 // The equations of one phase: scene constants, folded.
 struct PhaseEquations {

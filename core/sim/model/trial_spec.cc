@@ -1,0 +1,28 @@
+#include "core/sim/model/trial_spec.h"
+
+namespace tactus {
+
+ContactScene SceneOf(const TrialSpec& spec) {
+  ContactScene scene;
+  scene.actuator_stiffness = spec.robot.stiffness;
+  scene.actuator_damping =
+      CriticalDamping(spec.robot.stiffness, scene.arm_mass_kg);
+  scene.velocity_m_s = spec.robot.velocity;
+  scene.goal_m = spec.robot.goal_m;
+  scene.object_mass_kg = spec.object.Mass();
+  scene.object_stiffness = spec.object.Stiffness();
+  const Friction friction = spec.object.TableFriction();
+  scene.mu_static = friction.mu_static;
+  scene.mu_kinetic = friction.mu_kinetic;
+  scene.fixed = spec.fixed;
+  return scene;
+}
+
+TrialSpec FixedTwin(const TrialSpec& spec) {
+  TrialSpec twin = spec;
+  twin.fixed = true;
+  twin.number = spec.number + 1;
+  return twin;
+}
+
+}  // namespace tactus
