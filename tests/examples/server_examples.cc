@@ -22,6 +22,8 @@
 #include "server/rpc/trial_call.h"
 #include "server/server.h"
 #include "server/session/frame_decoder.h"
+#include "server/session/model_source.h"
+#include "server/session/posterior_writer.h"
 #include "server/session/request_parser.h"
 #include "server/session/response_queue.h"
 #include "server/session/stream_session.h"
@@ -61,6 +63,18 @@ absl::Status StreamGateExample(StreamGate& gate, uint64_t frames) {
 absl::Status TlsExample(TactusServer::Options& options) {
   TACTUS_ASSIGN_OR_RETURN(options.tls, ReadTlsIdentity("s.crt", "s.key"));
   return absl::OkStatus();
+}
+
+void ModelSourceExample(const ModelSource& models) {
+  auto pinned = models.Find("default");
+}
+
+void PosteriorWriterExample(PosteriorWriter& writer, ContactPipeline& pipeline,
+                            const FrameView& frame, uint64_t sequence,
+                            int64_t time_ns, uint64_t missing_before,
+                            v1::Posterior* posterior) {
+  writer.OnFrame(pipeline.Step(frame), sequence, time_ns, missing_before);
+  writer.Write(pipeline, false, posterior);
 }
 
 absl::Status ModelRegistryExample() {
