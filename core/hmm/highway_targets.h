@@ -1,10 +1,11 @@
 // File: highway_targets.h
 //
-// The instruction sets that kernels are compiled for: SSE4, AVX2 and AVX-512 on
-// x86-64, NEON on arm64, plain C++ elsewhere. More would gain little and each
-// costs compile time; scalable vectors have no size at compile time.
+// Selects the instruction sets that the kernels are compiled for: SSE4, AVX2
+// and AVX-512 on x86-64, NEON on arm64, plain C++ elsewhere. More sets would
+// gain little, and each costs compile time. Scalable vectors are left out
+// because their size is not known at compile time.
 //
-// Include it before any header of Highway.
+// It is a separate header because it must come before every header of Highway.
 #pragma once
 
 #define HWY_DISABLED_TARGETS \

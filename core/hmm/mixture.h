@@ -1,15 +1,14 @@
 // File: mixture.h
 //
 // A category modelled by several HMMs: log p(o | category) =
-// log sum_k weight_k p(o | hmm_k). One component is the paper's model; several
-// are clusters of trials (train_mixture.h).
-//
-// HmmBank scores the mixtures of all categories.
+// log sum_k weight_k p(o | hmm_k). The paper's model has one component. With
+// several, each models one cluster of trials (train_mixture.h). HmmBank scores
+// the mixtures of all categories.
 //
 //   HmmMixture mixture = {.log_weight = {0}, .components = {model}};
 //   TACTUS_RETURN_IF_ERROR(Validate(mixture));
 //
-// Thread-safe while nobody writes to it, like any plain data.
+// Plain data; thread-safe while no thread writes to it.
 #pragma once
 
 #include <vector>
@@ -25,13 +24,13 @@ struct HmmMixture {
   std::vector<GaussianHmm> components;  // [K]
 };
 
-// Refuses with INVALID_MODEL: no or too many components, sizes that differ,
-// weights that do not sum to 1 within 1e-9 (a weight of 0, log -infinity, is
-// refused too), a component that is not valid.
+// INVALID_MODEL if there are no or too many components, if sizes differ, if the
+// weights do not sum to 1 within 1e-9, if a weight is 0 (its logarithm is
+// -infinity), or if a component is not valid.
 absl::Status Validate(const HmmMixture& mixture);
 
-// What a component's share is: its likelihood summed over state paths, or that
-// of its best path, as the paper scored.
+// How a component is scored: by its likelihood summed over all state paths, or
+// by that of its best path, as in the paper.
 enum class Score { kForward = 0, kViterbi = 1 };
 
 }  // namespace tactus

@@ -1,8 +1,8 @@
 // File: scaled_cells-inl.h
 //
-// One vector of cells of the kernels in scaled_kernels.h: what its states are
-// predicted to hold, and what an observation says of them. Included once for
-// each instruction set by Highway, like scaled_math-inl.h.
+// One vector of cells of the kernels in scaled_kernels.h: the predicted shares
+// of its states, and their densities at an observation. Highway includes this
+// file once per instruction set, like scaled_math-inl.h.
 //
 //   Cells<float> share = PredictVector<float, false, 2>(step, j);
 //
@@ -29,7 +29,7 @@ struct Cells {
   hn::Vec<Vector<T>> exponent;
 };
 
-// The ways into the cells from j on, jump by jump. kJumps 0: any number.
+// The transitions into the cells from j on, by jump. kJumps 0: any number.
 template <typename T, int kJumps>
 class Sources {
  public:
@@ -45,7 +45,7 @@ class Sources {
         exponent_(step.from.exponent + Start(step, j)) {}
 
   HWY_INLINE int count() const { return count_; }
-  // Share of the state that is left times the transition: its exponent, ..
+  // The source state's share times the transition probability: its exponent, ..
   HWY_INLINE V Exponent(int q) const {
     return hn::Add(hn::LoadU(d_, exponent_ - q * stride_),
                    hn::Load(d_, parameters_ + (2 * q + 1) * ptrdiff_t{kBlock}));
@@ -113,7 +113,7 @@ HWY_INLINE hn::Vec<Vector<T>> Distance(const WeighStep<T>& step,
   for (int i = 0; i < dimensions; ++i) {
     V z;
     if constexpr (sizeof(T) == sizeof(float)) {
-      // With what rounding x and the mean to float has left.
+      // Adds the rounding errors of x and of the mean.
       difference[i] = hn::Add(hn::Sub(hn::Set(d, step.x[i]), next()),
                               hn::Set(d, step.x[dimensions + i]));
       const V mean_rest = next();
@@ -128,7 +128,7 @@ HWY_INLINE hn::Vec<Vector<T>> Distance(const WeighStep<T>& step,
     }
     distance = hn::MulAdd(z, z, distance);
   }
-  // Written so that what is not a number takes the ceiling too.
+  // The comparison is written so that NaN takes the ceiling too.
   const V farthest = hn::Set(d, Scaled<T>::kFarthest);
   return hn::IfThenElse(hn::Lt(distance, farthest), distance, farthest);
 }

@@ -1,23 +1,26 @@
 // File: scaled_filter.h
 //
-// The incremental forward algorithm or Viterbi of all HMMs of a ScaledModel:
-// one call per frame, constant memory. HmmBank puts categories together.
+// The incremental forward algorithm, or Viterbi algorithm, of all HMMs of a
+// ScaledModel: one call per frame, constant memory. HmmBank combines the
+// results into categories.
 //
 //   ScaledFilter<float> filter(packed, {}, Score::kForward);
 //   filter.Step(observation);
 //   filter.UpdateTotals();
 //   filter.log_likelihood(component);
 //
-// Numerics: shares never underflow (scaled_kernels.h); the bits taken out of
-// them are added up in double, exactly while below 2^53. What float rounds is
-// below 1e-6 of the sum of the frames' absolute log-densities. A frame that is
-// 2^20 bits from every state of a component is redone for it in double; in
-// double a frame that is 2^40 bits away is weighed relative to its best state,
-// so that outliers of any size leave the order of the states alone. An
-// observation that is not finite, refused upstream, costs as much as the
-// farthest one there is, -7e299 nats, and leaves the belief at the prediction.
+// Numerics: the states' shares never underflow (scaled_kernels.h). Their common
+// exponent is summed up in double, exactly up to 2^53 bits. The rounding error
+// of float is below 1e-6 of the sum of the frames' absolute log-densities. If a
+// frame is 2^20 bits from every state of a component, it is computed again in
+// double for that component. In double, a frame that is 2^40 bits away is
+// weighed relative to its best state, so that an outlier of any size does not
+// change the order of the states. An observation that is not finite (the server
+// refuses those) costs -7e299 nats, like the farthest finite one, and leaves
+// the belief at the prediction.
 //
-// Not thread-safe: one per stream. Refers to the models, which must outlive it.
+// Not thread-safe: one filter per stream. Refers to the models, which must
+// outlive it.
 // Step, Skip, Reset and UpdateTotals allocate nothing.
 #pragma once
 
@@ -34,27 +37,28 @@ namespace tactus {
 template <typename T>
 class ScaledFilter {
  public:
-  // exact: for float, a double model of every component (K of them, each
-  // alone); for double none.
+  // exact: for float, K models in double with one component each; for double,
+  // empty.
   ScaledFilter(const ScaledModel<T>& model,
                std::span<const ScaledModel<double>> exact, Score score);
 
-  // Forgets all frames.
+  // Starts again before the first frame.
   void Reset();
-  // Takes in the next frame. observation: [D].
+  // Processes the next frame. observation: [D].
   void Step(std::span<const double> observation);
-  // Passes over `missing` lost frames, as if summed over every value they
-  // could have had.
+  // Passes over `missing` lost frames: sums over all values that they could
+  // have had.
   void Skip(int missing);
 
-  // Makes what follows true of the frames so far.
+  // Brings the three results below up to date with the frames so far.
   void UpdateTotals();
-  // The component's likelihood or best path's is total * 2^exponent.
+  // The likelihood of the component, or of its best path, is total *
+  // 2^exponent.
   double total(int component) const { return total_[component]; }
   double exponent(int component) const {
     return taken_out_[component] + static_cast<double>(largest_[component]);
   }
-  // log p(o_1 .. o_t) or the best path's, nats.
+  // log p(o_1 .. o_t), or that of the best path, in nats.
   double log_likelihood(int component) const;
 
  private:
@@ -67,18 +71,18 @@ class ScaledFilter {
   }
   // Writes the distribution of the next frame's state to buffer `to`.
   void Predict(int to);
-  // The frames that Advance leaves; takes out what the shares have gathered.
+  // A frame that Advance refused. Lowers the exponents of the shares first.
   void StepLowered(std::span<const double> observation);
   void FindLargestShares();
-  // Of T float; `started`: as before the frame.
+  // Only for T = float. `started`: the value before this frame.
   void RedoExactly(int component, std::span<const double> observation,
                    bool started);
   const ScaledModel<T>* model_;
   std::span<const ScaledModel<double>> exact_;
   Score score_;
   bool started_ = false;
-  // Three buffers of padded cells: 0 and 1 in turn this frame (now_) and the
-  // frame before, 2 what that one predicts.
+  // Three buffers of padded cells. 0 and 1 alternate between this frame (now_)
+  // and the frame before; 2 holds the prediction.
   AlignedVector<T> mantissa_, exponent_;
   int now_ = 0;
   AlignedVector<T> largest_, lowered_, total_;  // [period]

@@ -1,7 +1,7 @@
 // File: scaled_math-inl.h
 //
-// Powers of two in vectors, for the kernels of every instruction set: included
-// once for each by Highway, after its foreach_target.h.
+// Powers of two in vectors, for the kernels. Highway includes this file once
+// per instruction set, after its foreach_target.h.
 //
 //   const auto factor = PowerOfTwo(d, exponent);
 //
@@ -37,7 +37,8 @@ struct Format<float> {
   static constexpr uint32_t kWhole = 0x4B000000;
   static constexpr uint32_t kOne = 0x3F800000;
   static constexpr float kWholeValue = 0x1p23F;
-  // Of the exponential series; the rest is below half of the rounding error.
+  // Terms of the exponential series. Further terms add less than half of the
+  // rounding error.
   static constexpr int kTerms = 8;
 };
 template <>
@@ -51,7 +52,7 @@ struct Format<double> {
   static constexpr int kTerms = 14;
 };
 
-// 2^n for whole n <= 127 (1023), but 0 where that would be denormal.
+// 2^n for whole n <= 127 (1023); 0 if the result would be denormal.
 template <class D, class V>
 HWY_INLINE V PowerOfTwo(D d, V n) {
   using T = hn::TFromD<D>;
@@ -79,8 +80,9 @@ struct ExponentialSeries {
   }
 };
 
-// The series from term kFirst on over f^kFirst, kCount terms of it, by halves
-// (Estrin), which waits less than Horner; power: f, f^2, f^4 ..
+// kCount terms of the series from term kFirst on, divided by f^kFirst. Splits
+// the sum in halves (Estrin), which has shorter dependency chains than Horner.
+// power: f, f^2, f^4 ..
 template <int kFirst, int kCount, class D, class V>
 HWY_INLINE V PartOfSeries(D d, const V* power) {
   using T = hn::TFromD<D>;
@@ -104,8 +106,8 @@ HWY_INLINE V PowerOfFraction(D d, V f) {
   return PartOfSeries<0, Format<hn::TFromD<D>>::kTerms>(d, power);
 }
 
-// mantissa -> [1, 2), its power of two added to `exponent`, which is held
-// above that of nothing.
+// Brings the mantissa into [1, 2) and adds its power of two to `exponent`,
+// which does not fall below kNothing.
 template <class D, class V>
 HWY_INLINE void Renormalise(D d, V& mantissa, V& exponent) {
   using T = hn::TFromD<D>;

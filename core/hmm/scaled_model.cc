@@ -86,9 +86,9 @@ std::vector<double> BalancedScale(
 }
 
 bool FitsFloat(const GaussianHmm& model, const std::vector<double>& scale) {
-  // Numbers whose squares and products stay well within float.
+  // The squares and products of such numbers are well within float's range.
   constexpr double kLargest = 1e12;
-  // How much a row of the inverse factor may amplify rounding errors.
+  // Largest factor by which a row of the inverse may amplify rounding errors.
   constexpr double kMaxAmplification = 256;
   const int d = model.dimensions;
   const Eigen::Map<const Eigen::VectorXd> factors(scale.data(), d);
@@ -144,7 +144,8 @@ ScaledModel<T>::ScaledModel(const std::vector<const GaussianHmm*>& models,
   const int jumps = shape_.last_jump - shape_.first_jump + 1;
   emissions_.assign(static_cast<size_t>(in_blocks) * rows_, T{0});
   transitions_.assign(static_cast<size_t>(in_blocks) * jumps * 2, T{1});
-  // Transitions are nothing but for padding components, which stay.
+  // Transitions have probability 0, except that padding components stay in
+  // their state.
   for (int cell = 0; cell < in_blocks; ++cell) {
     const bool padding = cell < cells() && cell % stride_ >= components_;
     for (int q = 0; q < jumps; ++q) {
@@ -312,7 +313,7 @@ bool ScaledModel<T>::Weigh(const T* x, T* lowered, T* largest_exponent,
     return true;
   }
   if constexpr (std::is_same_v<T, double>) {
-    // The densities alone, of shares of 1; `to` is only room for them.
+    // Computes the densities alone, with shares of 1; `to` serves as a buffer.
     Clear(to.mantissa, to.exponent, 1);
     for (int s = 0; s < shape_.states; ++s) {
       std::fill_n(to.exponent + Cell(s, 0), stride_, T{0});

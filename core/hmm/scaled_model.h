@@ -1,8 +1,8 @@
 // File: scaled_model.h
 //
 // HMMs of one shape packed side by side, for the kernels of scaled_kernels.h:
-// in float for scoring streams, in double for training and for what float
-// cannot hold.
+// in float to score streams, in double for training and for models that float
+// cannot represent.
 //
 //   const ScaledModel<float> packed({&model_a, &model_b}, UnitScale(3));
 //   ScaledFilter<float> filter(packed, {}, Score::kForward);
@@ -21,13 +21,13 @@
 
 namespace tactus {
 
-// What HMMs share that lie side by side.
+// The properties that HMMs side by side have in common.
 struct HmmShape {
   int states = 0;
   int dimensions = 0;
   bool full = false;  // off-diagonal covariances
-  // Every transition from i to j > 0 has first_jump <= j - i <= last_jump; the
-  // range holds 0.
+  // Every transition from i to j with a probability above 0 has
+  // first_jump <= j - i <= last_jump. The range contains 0.
   int first_jump = 0;
   int last_jump = 0;
 
@@ -35,20 +35,20 @@ struct HmmShape {
 };
 HmmShape ShapeOf(const GaussianHmm& model);
 
-// Factors on the observations, powers of two, [D]: those that bring the models'
-// deviations to about 1, so that float can hold their squares.
+// Factors for the observations, [D]. BalancedScale: powers of two that bring
+// the models' deviations to about 1, so that float can represent their squares.
 std::vector<double> UnitScale(int dimensions);
 std::vector<double> BalancedScale(
     const std::vector<const GaussianHmm*>& models);
 
-// False if float would lose more of the model than the bound of hmm_bank.h
-// grants: it is far from the scale, or nearly singular.
+// False if scores in float would exceed the error bound of hmm_bank.h: the
+// model is far from the scale, or nearly singular.
 bool FitsFloat(const GaussianHmm& model, const std::vector<double>& scale);
 
 template <typename T>
 class ScaledModel {
  public:
-  // models: at least one, valid, of one shape; not referred to later.
+  // models: at least one, valid, all of one shape; not referred to later.
   ScaledModel(const std::vector<const GaussianHmm*>& models,
               std::vector<double> scale);
 
@@ -58,7 +58,7 @@ class ScaledModel {
   int stride() const { return stride_; }
   int period() const { return period_; }  // of patterns
   int cells() const { return shape_.states * stride_; }
-  // Cells of a padded array, and how many of them come before the first.
+  // Number of cells of a padded array, and of padding cells before the first.
   size_t padded() const { return padded_; }
   size_t front() const { return front_; }
   size_t Cell(int state, int component) const {
@@ -66,8 +66,7 @@ class ScaledModel {
   }
   const std::vector<double>& scale() const { return scale_; }
 
-  // Writes `count` padded arrays of shares that are nothing, of padding
-  // components 1.
+  // Fills `count` padded arrays with shares of zero (padding components: 1).
   void Clear(T* mantissa, T* exponent, size_t count) const;
   // The start distribution. [padded]
   const AlignedVector<T>& start_mantissa() const { return start_mantissa_; }
@@ -76,31 +75,32 @@ class ScaledModel {
   // See scaled_kernels.h; shares are padded arrays.
   PredictStep<T> Prediction(bool best, Shares<T> from, Shares<T> to) const;
   void Predict(bool best, Shares<T> from, Shares<T> to) const;
-  // Weighs with x, as Observe writes it. Patterns hold the same number for
-  // all entries of a component. `to` is not `from`. True if no component fell
-  // by more than 2^20 bits (double: 2^40), else float has lost digits; double
-  // weighs again, relative to each component's largest density, which adds to
-  // `lowered` and leaves the order of the states alone.
+  // Weighs with x as written by Observe. Patterns hold the same number for all
+  // entries of a component. `to` is not `from`. Returns true if no component
+  // fell by more than 2^20 bits (double: 2^40). Otherwise float has lost
+  // digits. Double then weighs again, relative to each component's largest
+  // density; this adds to `lowered` and does not change the order of the
+  // states.
   bool Weigh(const T* x, T* lowered, T* largest_exponent, Shares<T> from,
              Shares<T> to) const;
-  // Predicts and weighs at once, nothing lowered, for the frames between which
-  // no digits are lost: false if a component's largest exponent has come to
-  // 2^20 (double: 2^40) or fallen below minus that; Weigh is for those frames.
-  // largest_exponent is not folded yet.
+  // Predicts and weighs one frame at once, without lowering. Returns false if a
+  // component's largest exponent has reached 2^20 (double: 2^40) or fallen
+  // below minus that; use Predict and Weigh for such a frame. largest_exponent
+  // is not folded yet.
   bool Advance(bool best, const T* x, T* largest_exponent, Shares<T> from,
                Shares<T> to) const;
-  // Makes one value of the pattern entries that belong to a component.
+  // Combines the pattern entries of each component into one value.
   template <typename Combine>
   void Fold(T* pattern, Combine combine) const {
     FoldHalves<kPattern<T> / 2>(pattern, combine);
   }
-  // Scales an observation for all components into x: float [2 D], rounded and
-  // what rounding left; double [D x period].
+  // Writes the scaled observation for all components to x: float [2 D], rounded
+  // values and rounding errors; double [D x period].
   void Observe(std::span<const double> observation, T* x) const;
   size_t observed_size() const;  // entries of x
 
  private:
-  // Sizes known to the compiler, as patterns are short.
+  // The sizes are template parameters because patterns are short.
   template <int kHalf, typename Combine>
   void FoldHalves(T* pattern, Combine combine) const {
     if (stride_ > kHalf) return;
@@ -114,7 +114,7 @@ class ScaledModel {
                         Shares<T> from, Shares<T> to) const;
   void WeighOnce(const T* x, const T* lowered, T* largest_exponent,
                  Shares<T> from, Shares<T> to) const;
-  // The same model again.
+  // Fills a padding component with the model before it.
   void CopyPrevious(int component);
   void PackEmissions(const GaussianHmm& model, int component);
   void PackTransitions(const GaussianHmm& model, int component);
@@ -128,9 +128,10 @@ class ScaledModel {
   size_t padded_;
   int rows_;  // of emission parameters
   // [blocks][rows][kBlock]: per dimension the mean and a row of the inverse
-  // Cholesky factor, diagonal first, in float between them the row's product
-  // with what rounding left of the means; then the logarithm of the normalising
-  // constant. Squares of what the factor gives are in bits.
+  // Cholesky factor, diagonal first; in float, between the two, the row's
+  // product with the rounding errors of the means. Then the logarithm of the
+  // normalising constant. The factor is scaled so that squared distances are in
+  // bits.
   AlignedVector<T> emissions_;
   AlignedVector<T> transitions_;  // [blocks][jumps][2][kBlock]
   AlignedVector<T> zeros_;        // [period]
@@ -138,7 +139,8 @@ class ScaledModel {
   AlignedVector<T> start_exponent_;
 };
 
-// p = mantissa 2^exponent with mantissa in [1, 2); a p of 0 is nothing.
+// p = mantissa 2^exponent with mantissa in [1, 2). For p = 0, the exponent is
+// kNothing.
 template <typename T>
 void SplitProbability(double p, T& mantissa, T& exponent);
 

@@ -1,11 +1,11 @@
 // File: sequence.h
 //
-// The observations of one trial, as training sees them.
+// SequenceView: the observations of one training trial.
 //
 //   std::vector<double> data(frames * dimensions);  // [T x D] row-major
 //   SequenceView view{data.data(), frames, dimensions};
 //
-// Owns nothing; the data must outlive the view.
+// Owns nothing; the data must outlive the view. Thread-safe to read.
 #pragma once
 
 #include <cstddef>
@@ -27,12 +27,12 @@ struct SequenceView {
   }
 };
 
-// Refuses with INVALID_TRAINING_DATA, naming the sequence: no sequences, one
-// without frames, dimensions out of limits or not equal, numbers that are not
-// finite.
+// INVALID_TRAINING_DATA, with the sequence's index, if there are no sequences,
+// a sequence has no frames, dimensions are out of limits or differ, or a number
+// is not finite.
 absl::Status Validate(const std::vector<SequenceView>& sequences);
 
-// Frames of all sequences together.
+// The number of frames of all sequences.
 size_t TotalFrames(const std::vector<SequenceView>& sequences);
 
 // Mean and variance per dimension, [D] each, over all frames.

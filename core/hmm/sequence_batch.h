@@ -1,13 +1,13 @@
 // File: sequence_batch.h
 //
-// Sequences side by side, so that training fills vectors however few states a
-// model has: sequence k of a batch is lane k, all begin together.
+// Sequences side by side, so that training fills vector registers even for
+// models of few states. Sequence k of a batch is lane k; all begin at frame 0.
 //
 //   for (const SequenceBatch& batch : MakeBatches(sequences)) {
 //     batch.frame(t);
 //   }
 //
-// Thread-safe: values. Observations are copied.
+// Plain data; copies the observations. Thread-safe to read.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +23,7 @@ struct SequenceBatch {
   int dimensions = 0;
   std::vector<int> lengths;  // frames of each lane, longest first
   // Patterns (scaled_kernels.h): [frames][D][kPattern]. A lane that has ended
-  // repeats its last frame, which counts for nothing.
+  // repeats its last frame; these repetitions are not counted.
   AlignedVector<double> observations;
 
   int lanes() const { return static_cast<int>(lengths.size()); }
@@ -34,8 +34,9 @@ struct SequenceBatch {
   }
 };
 
-// Sequences of like lengths together; lanes are powers of two, at most a
-// vector of them, most first. sequences: valid.
+// Groups sequences of similar lengths. The number of lanes is a power of two
+// and at most that of a vector; batches with more lanes come first. sequences:
+// valid.
 std::vector<SequenceBatch> MakeBatches(
     const std::vector<SequenceView>& sequences);
 

@@ -15,7 +15,7 @@ HWY_BEFORE_NAMESPACE();
 namespace tactus {
 namespace HWY_NAMESPACE {
 
-// Shares of a state below this add nothing to any sum.
+// Shares below this change no sum.
 constexpr double kNegligibleShare = 1e-30;
 
 template <class D, class V>
@@ -23,7 +23,8 @@ HWY_INLINE V Flush(D d, V share) {
   return hn::IfThenZeroElse(hn::Lt(share, hn::Set(d, kNegligibleShare)), share);
 }
 
-// kJumps 0: any number of them. The step is a copy, which no store can change.
+// kJumps 0: any number. The step is a copy, so the compiler knows that no store
+// changes it.
 template <int kJumps>
 void SmoothOf(const SmoothStep step) {
   const Vector<double> d;
@@ -109,7 +110,7 @@ void AddMomentsOf(const MomentStep& step) {
       sum[k] = hn::Add(sum[k], share);
       V difference[kMost];
       for (int a = 0; a < dimensions; ++a) {
-        // What a state has no share in may be infinitely far away.
+        // A state with a share of zero may be infinitely far away.
         difference[a] = hn::IfThenZeroElse(
             none, hn::Sub(hn::Load(d, x + a * kPattern<double>), mean[a]));
         const V weighted = hn::Mul(share, difference[a]);

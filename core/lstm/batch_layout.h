@@ -1,8 +1,9 @@
 // File: batch_layout.h
 //
-// Where the steps of a batch of sequences lie in one array of rows: longest
-// sequence first, a row each for step 0, then as many rows for step 1 as
-// sequences reach it, and so on. Products over all steps take no padding.
+// The order of a batch's steps in one array of rows. Sequences are sorted by
+// length, longest first. First come the rows of step 0, one per sequence, then
+// those of step 1 of every sequence that has one, and so on. So products over
+// all steps need no padding.
 //
 //   const int steps[] = {4, 9, 9};
 //   BatchLayout layout;
@@ -43,10 +44,10 @@ struct BatchLayout {
   int sequences() const { return static_cast<int>(order.size()); }
   ptrdiff_t Row(int t, int position) const { return first[t] + position; }
 
-  // Per position: which sequence, and its steps.
+  // Per position: the index of the sequence, and its number of steps.
   std::vector<int> order;
   std::vector<int> steps;
-  // Per step: how many sequences reach it, and the row of the first.
+  // Per step: the number of sequences that reach it, and the row of the first.
   std::vector<int> active;
   std::vector<int> first;
   int rows = 0;

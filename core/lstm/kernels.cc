@@ -15,7 +15,8 @@ constexpr int kTileRows = 6;
 template <int kLanes>
 constexpr int kTileVectors = kLanes == 16 ? 4 : 2;
 constexpr int kMaxRowVectors = 8;
-// Terms summed before the next tile, so that their rows of b stay in cache.
+// Number of terms summed before the next tile, so that their rows of b stay in
+// the cache.
 constexpr int kTileInner = 256;
 
 template <int kLanes, int kRows, int kVectors>
@@ -79,7 +80,8 @@ TACTUS_INLINE void TileRows(LstmProduct p) {
   }
 }
 
-// A single row, in tiles of 5 to 8 vectors: fewer would wait for their sums.
+// A single row, in tiles of 5 to 8 vectors: with fewer, additions would wait
+// for each other.
 template <int kLanes>
 TACTUS_INLINE void TileOneRow(LstmProduct p) {
   static_assert(kMaxRowVectors == 8);
@@ -178,7 +180,7 @@ TACTUS_INLINE void CellForward(const LstmCellForward& f) {
       StoreFirst(c, count, gates + 2 * s.cells + j);
       StoreFirst(o, count, gates + 3 * s.cells + j);
     }
-    // Apart, as these wait for the cells.
+    // A separate loop, because these values depend on the cells.
     for (int j = 0; j < s.cells; j += kLanes) {
       const ptrdiff_t at = row * s.cell_row + j;
       Floats squashed, o;

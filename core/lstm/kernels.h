@@ -2,9 +2,9 @@
 //
 // The inner loops of LSTM inference and training: matrix products, and one time
 // step of the cells of a layer forward and backward. Activations are within
-// 2e-7 of the exact ones. Written once and compiled for several
-// vector widths; each number is computed by the same operations in the same
-// order at any width, so every CPU gives the same bits.
+// 2e-7 of the exact ones. The code is compiled for several vector widths. Each
+// number results from the same operations in the same order at any width, so
+// every CPU gives the same bits.
 //
 //   LstmBuffer c(5 * Padded(200));
 //   BestLstmKernels().product({.rows = 5,
@@ -17,9 +17,9 @@
 //                              .c = c.data(),
 //                              .c_row = Padded(200)});
 //
-// All rows of c, of b and of one number per cell are as long as Padded() makes
-// them; what lies in the padding is finite and counts for nothing. Kernels
-// read up to kLstmLanes floats past the last row of gates.
+// All rows of c, of b and of one number per cell have Padded() entries. The
+// padding is finite and has no effect. Kernels read up to kLstmLanes floats
+// past the last row of gates.
 //
 // Owns nothing. Thread-safe: free functions.
 #pragma once
@@ -63,8 +63,8 @@ struct LstmProduct {
   ptrdiff_t c_row = 0;
 };
 
-// What the cells of one layer do at one time, for `rows` sequences. Gates lie
-// in blocks of `cells`: i, f, c, o.
+// The cells of one layer at one time step, for `rows` sequences. Gates lie in
+// blocks of `cells`: i, f, c, o.
 struct LstmCellShape {
   int rows = 0;
   int cells = 0;
@@ -83,19 +83,20 @@ struct LstmCellForward {
   float* output = nullptr;          // out: h[t]
 };
 
-// Gradients smaller than 1e-30 count as 0: long sequences would drag them into
-// the denormal numbers, which are slow.
+// Gradients smaller than 1e-30 become 0. In long sequences they would become
+// denormal numbers, which are slow.
 struct LstmCellBackward {
   LstmCellShape shape;
   const float* gates = nullptr;
   const float* previous = nullptr;  // c[t-1]
   const float* squashed = nullptr;
-  // The loss by h[t], from above and from t+1.
+  // Gradient of the loss with respect to h[t]: from the layer above and from
+  // t+1.
   const float* from_above = nullptr;
   const float* from_next = nullptr;
-  // The loss by c[t] through t+1; out: by c[t-1] through t.
+  // In: gradient with respect to c[t], from t+1. Out: with respect to c[t-1].
   float* carry = nullptr;
-  float* deltas = nullptr;  // out: the loss by the gates' sums
+  float* deltas = nullptr;  // out: gradient with respect to the gates' sums
 };
 
 struct LstmKernels {
@@ -105,10 +106,10 @@ struct LstmKernels {
   void (*cell_backward)(const LstmCellBackward&);
 };
 
-// Those this CPU can run, narrowest first; never empty.
+// The kernels that this CPU can run, narrowest first; never empty.
 std::span<const LstmKernels> SupportedLstmKernels();
 
-// The widest of them.
+// The widest kernels that this CPU can run.
 const LstmKernels& BestLstmKernels();
 
 }  // namespace tactus

@@ -1,11 +1,11 @@
 // File: loss.h
 //
-// What an LSTM is trained to make small. At every step that counts: the cross
-// entropy of the class, plus regression_weight times the sum over regressions
-// of their negative log-likelihood, (s + (y - m)^2 exp(-s)) / 2 for target y,
-// mean m and log-variance s (the constant log(2 pi) / 2 left out). The loss of
-// a sequence is its weight times the mean over its steps that count; that of a
-// batch is the mean over its sequences.
+// The training loss of an LSTM. The loss of a step is the cross entropy of the
+// class, plus regression_weight times the sum over regressions of their
+// negative log-likelihood: (s + (y - m)^2 exp(-s)) / 2 for target y, mean m and
+// log-variance s (without the constant log(2 pi) / 2). The loss of a sequence
+// is its weight times the mean over its steps that count. The loss of a batch
+// is the mean over its sequences.
 //
 //   loss += StepLoss(options, 4, 0, outputs, label, {}, 1.0 / steps, gradient);
 //
@@ -23,11 +23,11 @@ enum class LstmLoss { kLastStep, kEveryStep };
 
 struct LstmLossOptions {
   LstmLoss steps = LstmLoss::kLastStep;
-  // With kEveryStep: the first step that counts, from 0, and the distance of
-  // those after it. The last step always counts.
+  // With kEveryStep: the first step that counts (from 0) and the distance to
+  // each next one. The last step always counts.
   int first_step = 0;
   int stride = 1;
-  // Share of the label that is spread evenly over all classes.
+  // Fraction of the label that is spread evenly over all classes.
   double label_smoothing = 0;
   double regression_weight = 1;
 };
@@ -38,9 +38,10 @@ absl::Status Validate(const LstmLossOptions& options);
 // Whether step `t` of `steps` counts.
 bool Counts(const LstmLossOptions& options, int t, int steps);
 
-// `scale` times the loss of one step, and the same of its gradient by the
-// outputs. `outputs` and `gradient` are rows of the dense layer: classes,
-// means, log-variances. `targets` is R or empty.
+// Returns `scale` times the loss of one step and writes `scale` times its
+// gradient with respect to the outputs. `outputs` and `gradient` are rows of
+// the dense layer: classes, means, log-variances. `targets` has R entries or
+// none.
 double StepLoss(const LstmLossOptions& options, int classes, int regressions,
                 const float* outputs, int label, std::span<const float> targets,
                 double scale, float* gradient);

@@ -1,10 +1,10 @@
 // File: network.h
 //
-// A classifier of sequences as plain numbers: stacked LSTM layers and a dense
+// LstmNetwork: a classifier of sequences, with stacked LSTM layers and a dense
 // softmax (paper, Section "Long Short-Term Memory Networks"). With two
 // features, two layers of 50 cells and four classes it has the paper's 31,004
-// parameters. It may also regress R quantities: the dense layer then gives a
-// Gaussian for each, by its mean and the log of its variance.
+// parameters. It may also regress R quantities: for each, the dense layer then
+// outputs mean and log-variance of a Gaussian.
 //
 //   LstmNetwork network = RandomNetwork(2, {50, 50}, 4, Activation::kSoftsign,
 //                                       GateActivation::kHardSigmoid, seed);

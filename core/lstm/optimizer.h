@@ -1,8 +1,9 @@
 // File: optimizer.h
 //
-// One step downhill: RMSprop (Tieleman and Hinton, lecture 6.5, 2012; the
-// paper's, with Keras's constants) or Adam (Kingma and Ba, ICLR 2015), with
-// weight decay decoupled from the gradient (Loshchilov and Hutter, ICLR 2019).
+// One optimizer step: RMSprop (Tieleman and Hinton, lecture 6.5, 2012; used in
+// the paper, here with Keras's constants) or Adam (Kingma and Ba, ICLR 2015),
+// with weight decay decoupled from the gradient (Loshchilov and Hutter, ICLR
+// 2019).
 //
 //   OptimizerState state;
 //   const double norm = ClipGradient(1.0, gradient);
@@ -28,13 +29,15 @@ struct OptimizerOptions {
   double first_decay = 0.9;     // Adam: of the mean
   double second_decay = 0.999;  // Adam: of the mean square
   double epsilon = 1e-7;        // added to the root of the mean square
-  // Share of a kernel, not of a bias, lost per step at learning rate 1.
+  // Fraction by which a step at learning rate 1 shrinks each kernel. Biases do
+  // not shrink.
   double weight_decay = 0;
-  // Longest gradient, over all weights; longer ones are shortened. 0 = any.
+  // Largest norm of the gradient over all weights; larger ones are scaled down.
+  // 0: no limit.
   double gradient_clip = 0;
 };
 
-// Empty before the first step; the caller does not look inside.
+// Empty before the first step. Internal to OptimizerStep.
 struct OptimizerState {
   std::vector<float> mean;
   std::vector<float> mean_square;
@@ -44,8 +47,8 @@ struct OptimizerState {
 // OK, or INVALID_CONFIG.
 absl::Status Validate(const OptimizerOptions& options);
 
-// Shortens `gradient`, one number per weight, to a norm of `longest` unless
-// that is 0; returns the norm it had.
+// Scales `gradient`, one number per weight, down to a norm of at most
+// `longest`; 0: no limit. Returns the norm before.
 double ClipGradient(double longest, LstmNetwork& gradient);
 
 // Moves the weights of `network` against `gradient`, of the same shape.

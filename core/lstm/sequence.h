@@ -1,12 +1,13 @@
 // File: sequence.h
 //
-// One trial to train an LSTM with, as a view of numbers someone else holds.
+// LstmSequence: one training trial of an LSTM, as a view of the caller's
+// numbers.
 //
 //   LstmSequence sequence;
 //   sequence.inputs = frames;  // T x I
 //   sequence.label = 2;
 //
-// Plain data. Owns nothing: what it views must outlive it.
+// Plain data. Owns nothing: the viewed arrays must outlive it.
 #pragma once
 
 #include <span>
@@ -21,10 +22,10 @@ struct LstmSequence {
   std::span<const float> inputs = {};
   // The class, from 0.
   int label = 0;
-  // T x R, row-major: what the regressions should say after each step; empty
-  // if the sequence has nothing to say of them.
+  // T x R, row-major: the targets of the regressions after each step. Empty if
+  // the sequence has no targets.
   std::span<const float> targets = {};
-  // Of its loss.
+  // Weight of the sequence's loss.
   float weight = 1;
 };
 

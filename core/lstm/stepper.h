@@ -1,8 +1,8 @@
 // File: stepper.h
 //
-// Runs an LSTM network one frame at a time: probability per class, and mean and
-// variance of what it regresses, after each step, given all frames since the
-// last Reset().
+// Runs an LSTM network one frame at a time. After each step it has the
+// probability of each class, and mean and variance of each regression, given
+// all frames since the last Reset().
 //
 //   TACTUS_ASSIGN_OR_RETURN(CompiledLstm lstm, CompiledLstm::Create(network));
 //   LstmStepper stepper(lstm);
@@ -11,8 +11,8 @@
 //     Use(stepper.probability());
 //   }
 //
-// A stepper may run several streams in step, each with its own state: weights
-// are then read once for all of them.
+// A stepper may run several streams in lockstep, each with a separate state.
+// The weights are then read once for all of them.
 //
 // Weights and state are float, the softmax is double. The same inputs give the
 // same bits, whatever the number of streams and however wide the CPU's vectors
@@ -29,8 +29,8 @@
 
 namespace tactus {
 
-// A network laid out for stepping. Immutable: one serves any number of
-// steppers in any number of threads.
+// A network laid out for stepping. Immutable and thread-safe: any number of
+// steppers may use it.
 class CompiledLstm {
  public:
   // INVALID_MODEL if `network` is not valid.
@@ -49,7 +49,7 @@ class CompiledLstm {
     int inputs = 0;
     int cells = 0;
     // (I + H) x Padded(4H): kernel above recurrent weights, so that one product
-    // makes all gates of what a layer sees.
+    // of input and last output computes all gates.
     LstmBuffer weights;
     LstmBuffer bias;  // Padded(4H)
   };
@@ -65,7 +65,7 @@ class CompiledLstm {
   Eigen::VectorXd dense_bias_;
 };
 
-// The state of one sequence a stream. Step() allocates nothing. Not
+// The state of one sequence per stream. Step() allocates nothing. Not
 // thread-safe.
 class LstmStepper {
  public:
@@ -75,12 +75,12 @@ class LstmStepper {
 
   // Begins a new sequence in every stream.
   void Reset();
-  // In one of them.
+  // Begins a new sequence in one stream.
   void Reset(int stream);
 
-  // Takes the next frame of every stream, one after another: lstm.inputs()
-  // finite numbers each, scaled as in training. Any magnitude is safe; beyond
-  // 1e20 it counts as 1e20.
+  // Processes the next frame of every stream. input: the streams' frames one
+  // after another, lstm.inputs() finite numbers each, scaled as in training.
+  // Magnitudes above 1e20 are clamped to 1e20.
   void Step(std::span<const double> input);
 
   // After the last Step(), one per class; uniform before the first.
@@ -99,12 +99,12 @@ class LstmStepper {
   }
 
  private:
-  // One row a stream.
+  // One row per stream.
   struct State {
-    // I + Padded(H): this layer's input and its last output, as `weights` takes
-    // them.
+    // I + Padded(H): this layer's input and its last output, in the order of
+    // `weights`.
     LstmBuffer input_output;
-    // As long, H used: c and act(c).
+    // The same length, H used: c and act(c).
     LstmBuffer cell;
     LstmBuffer squashed;
     // Padded(4H).
@@ -122,7 +122,7 @@ class LstmStepper {
   const LstmKernels* kernels_;
   int streams_;
   std::vector<State> states_;
-  // One column a stream: output of the last layer, H, and of the dense layer,
+  // One column per stream: output of the last layer, H, and of the dense layer,
   // classes + 2R.
   Eigen::MatrixXd output_;
   Eigen::MatrixXd dense_;

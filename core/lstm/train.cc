@@ -15,10 +15,10 @@
 namespace tactus {
 namespace {
 
-// Sequences run together where nothing is learnt.
+// Number of sequences that run together during validation.
 constexpr size_t kValidationBatch = 32;
 
-// Streams of random numbers: even ones order epochs, odd ones disturb batches.
+// Streams of random numbers: even ones shuffle epochs, odd ones draw the noise.
 Random RandomOfEpoch(uint64_t seed, uint64_t epoch) {
   return Random::ForStream(seed, 2 * epoch);
 }
@@ -44,7 +44,7 @@ absl::Status CheckOptions(const LstmTrainOptions& options,
   return absl::OkStatus();
 }
 
-// That `from` is a network to start from, or was made with such options.
+// Checks that `from` is an initial network, or a checkpoint of these options.
 absl::Status CheckStart(const LstmCheckpoint& from,
                         const LstmTrainOptions& options) {
   TACTUS_RETURN_IF_ERROR(Validate(from.network));

@@ -11,9 +11,9 @@
 //       LstmTrained trained,
 //       TrainLstm({.network = network}, training, validation, options));
 //
-// A checkpoint, given after every epoch, holds all there is to go on from:
-// TrainLstm(checkpoint, ...) with the same data and options gives the bits of
-// the training that was not interrupted.
+// A checkpoint is passed on after every epoch and holds the complete state:
+// TrainLstm(checkpoint, ...) with the same data and options gives the same bits
+// as the training without interruption.
 //
 // The same seed gives the same bits, however wide the CPU's vectors are.
 // Thread-safe: a free function that starts no thread.
@@ -42,17 +42,17 @@ struct LstmTrainOptions {
   bool cosine_decay = false;
   LstmLossOptions loss = {};
   LstmNoise noise = {.dropout = 0.2, .input = 0};
-  // Of the order of the sequences and of the noise.
+  // Seeds the order of the sequences and the noise.
   uint64_t seed = 1;
-  // Stops after this many epochs in which the validation loss was no lower
-  // than before, and gives the network of the epoch at which it was lowest. 0
-  // = trains all epochs and gives the last network.
+  // Stops after this many epochs without a lower validation loss and returns
+  // the network of the epoch with the lowest. 0: trains all epochs and returns
+  // the last network.
   int patience = 0;
 };
 
 struct LstmEpoch {
   int epoch = 0;  // from 1
-  // As trained with, noise included, while the weights moved.
+  // Mean over the epoch's batches, with noise, while the weights changed.
   double train_loss = 0;
   double train_accuracy = 0;  // after the last step
   // After the epoch, without noise; 0 without validation sequences.
@@ -71,11 +71,11 @@ struct LstmCheckpoint {
 
 struct LstmTrained {
   LstmNetwork network;
-  int epoch = 0;  // the network's
+  int epoch = 0;  // of the network
   std::vector<LstmEpoch> history;
 };
 
-// Given after every epoch; an error ends the training with it.
+// Called after every epoch. An error ends the training and is returned.
 using LstmEpochSink =
     absl::FunctionRef<absl::Status(const LstmEpoch&, const LstmCheckpoint&)>;
 
@@ -83,10 +83,10 @@ inline absl::Status IgnoreEpoch(const LstmEpoch&, const LstmCheckpoint&) {
   return absl::OkStatus();
 }
 
-// Starts from `from.network`, or goes on from a checkpoint. `validation` may be
-// empty without patience. INVALID_MODEL, INVALID_TRAINING_DATA or
+// Starts from `from.network`, or continues from a checkpoint. `validation` may
+// be empty if patience is 0. INVALID_MODEL, INVALID_TRAINING_DATA or
 // INVALID_CONFIG for a bad argument; NUMERICAL_FAILURE if the loss or a weight
-// outgrows its numbers.
+// overflows.
 absl::StatusOr<LstmTrained> TrainLstm(LstmCheckpoint from,
                                       std::span<const LstmSequence> training,
                                       std::span<const LstmSequence> validation,

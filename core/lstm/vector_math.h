@@ -1,16 +1,16 @@
 // File: vector_math.h
 //
-// What kernels.cc computes on vectors of any width: loads, stores, and the
-// activations of LSTM cells with their slopes. Only additions, products,
-// divisions and choices, lane by lane, so that every width and every CPU gives
-// the same bits.
+// Functions on vectors of any width, for kernels.cc: loads, stores, and the
+// activations of LSTM cells with their slopes. They use only additions,
+// products, divisions and selections, lane by lane, so every width and every
+// CPU gives the same bits.
 //
 //   Lanes<8>::Floats x;
 //   Load(from, x);
 //   Activate(Activation::kTanh, x);
 //
-// What is inlined into a function for one kind of CPU must be inlined whole,
-// and takes vectors by reference, as their ABI differs between CPUs.
+// All functions are always inlined and take vectors by reference, because the
+// ABI of vectors differs between CPUs. Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +37,7 @@ TACTUS_INLINE void Store(const Floats& from, float* to) {
   __builtin_memcpy(to, &from, sizeof(Floats));
 }
 
-// The first `count` lanes at most.
+// Stores the first `count` lanes, or all if there are fewer.
 template <typename Floats>
 TACTUS_INLINE void StoreFirst(const Floats& from, int count, float* to) {
   constexpr int kLanes = sizeof(Floats) / sizeof(float);

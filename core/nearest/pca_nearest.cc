@@ -31,17 +31,17 @@ absl::Status CheckInput(const Eigen::MatrixXd& samples,
   return absl::OkStatus();
 }
 
-// The leading principal axes of `centred` [samples x features] that hold
-// `share` of its variance: [features x components].
+// The leading principal axes of `centred` [samples x features] that hold a
+// fraction `share` of its variance: [features x components].
 Eigen::MatrixXd PrincipalAxes(const Eigen::MatrixXd& centred, double share) {
   // The products of samples and those of features have the same eigenvalues;
-  // the smaller matrix is taken apart.
+  // the smaller matrix is decomposed.
   const bool by_samples = centred.rows() < centred.cols();
   const Eigen::MatrixXd products =
       by_samples ? Eigen::MatrixXd(centred * centred.transpose())
                  : Eigen::MatrixXd(centred.transpose() * centred);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(products);
-  // In rising order; rounding may leave the smallest below zero.
+  // Ascending order. Rounding may make the smallest negative.
   const Eigen::VectorXd values = solver.eigenvalues().cwiseMax(0.0);
   const double total = values.sum();
   Eigen::Index components = 0;

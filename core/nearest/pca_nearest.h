@@ -1,8 +1,8 @@
 // File: pca_nearest.h
 //
-// The paper's baseline: principal component analysis that keeps a share of
+// The paper's baseline: principal component analysis that keeps a fraction of
 // the variance (95 %), then the label of the nearest training sample (1-NN).
-// Samples are finished trials as vectors of fixed length; it does not stream.
+// Samples are complete trials as vectors of fixed length; it does not stream.
 //
 //   TACTUS_ASSIGN_OR_RETURN(PcaNearest nearest,
 //                           PcaNearest::Fit(samples, labels, 0.95));
@@ -22,13 +22,13 @@ class PcaNearest {
  public:
   struct Match {
     int label = 0;        // of the nearest sample
-    int sample = 0;       // its row; the first of several as near
-    double distance = 0;  // Euclidean, among the components kept
+    int sample = 0;       // its row; the first of several equally near ones
+    double distance = 0;  // Euclidean, in the components kept
   };
 
   // samples: [samples x features], finite; labels: [samples]; variance_share
-  // in (0, 1]. Keeps the fewest leading components that hold that share of the
-  // samples' variance, none if all samples are equal. Fails with
+  // in (0, 1]. Keeps the fewest leading components that hold that fraction of
+  // the samples' variance; none if all samples are equal. Fails with
   // INVALID_TRAINING_DATA or INVALID_CONFIG.
   static absl::StatusOr<PcaNearest> Fit(const Eigen::MatrixXd& samples,
                                         const std::vector<int>& labels,

@@ -1,13 +1,13 @@
 // File: benchmark.h
 //
-// What every sub-benchmark of tactus-bench is: flags of its own, and rows of
-// one form. A row measures ours and, in the same run, a peer.
+// The interface of the sub-benchmarks of tactus-bench (benchmarks.h), and the
+// rows that they print. A row measures our code and, in the same run, a peer.
 //
 //   class HmmBenchmark : public Benchmark { ... };
 //   app.Add(std::make_unique<HmmBenchmark>());
 //
-// A benchmark fails on a wrong answer, never on a slow machine; what is not
-// installed is absent from its row, never invented. Not thread-safe.
+// A benchmark fails on a wrong answer, never on a slow machine. If a peer is
+// not installed, its columns are empty. Not thread-safe.
 #pragma once
 
 #include <optional>
@@ -26,20 +26,20 @@ namespace tactus::client {
 struct BenchRow {
   // "hmm/forward".
   std::string name;
-  // Of `ours` and `peer`: "ns", "s", "ms", "1/s", "KiB".
+  // Unit of `ours` and `peer`: "ns", "s", "ms", "1/s", "KiB".
   std::string unit;
   double ours = 0;
-  // Absent where there is none, or where it is not installed.
+  // Absent if there is no peer, or if it is not installed.
   std::optional<double> peer = {};
   std::string peer_name = {};
-  // Largest difference from the reference, in the reference's own terms.
+  // Largest difference from the reference; error_reference says in which terms.
   std::optional<double> error = {};
   std::string error_reference = {};
-  // Share of answers that are right, where the row is of a classifier.
+  // Fraction of right answers, for rows of classifiers.
   std::optional<double> accuracy = {};
 
-  // How many times better ours is: peer over ours for times and sizes, ours
-  // over peer for rates. Nothing without a peer.
+  // How many times better our value is: peer over ours for times and sizes,
+  // ours over peer for rates. Absent without a peer.
   std::optional<double> Ratio() const;
 };
 
@@ -51,7 +51,7 @@ class Benchmark {
   virtual const char* name() const = 0;
   virtual const char* description() const = 0;
   virtual void AddFlags(CLI::App& /*command*/) {}
-  // `quick`: so little that it only shows that the benchmark works.
+  // `quick`: a short run that only shows that the benchmark works.
   virtual absl::StatusOr<std::vector<BenchRow>> Run(bool quick) = 0;
 };
 

@@ -1,12 +1,13 @@
 // File: byte_stream.h
 //
-// ByteStream: one stream that plays a FrameScript as fast as answers come, to
-// tactusd or to an echo server, with the same code and so at the same cost.
+// ByteStream: one stream that plays a FrameScript as fast as answers arrive. It
+// uses the same code for tactusd and for an echo server, so its own cost is
+// equal for both.
 //
 //   TACTUS_ASSIGN_OR_RETURN(auto stream, ByteStream::Open(channel, &script));
 //   TACTUS_RETURN_IF_ERROR(stream->Play(1000, 16));
 //
-// gRPC's blocking interface, all on the caller's thread. Not thread-safe.
+// Uses gRPC's blocking interface on the caller's thread. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -25,34 +26,35 @@ namespace tactus::client {
 class ByteStream {
  public:
   struct Options {
-    // The answers are an echo's: all the same.
+    // The server is an echo server: all answers are equal.
     bool echo = false;
     // Play only the script's untouched frames, over and over.
     bool untouched = false;
   };
 
-  // Sends the configuration and takes the answer to it. `script` must outlive
+  // Sends the configuration and reads the answer to it. `script` must outlive
   // the stream.
   static absl::StatusOr<std::unique_ptr<ByteStream>> Open(
       const std::shared_ptr<grpc::Channel>& channel, const FrameScript* script,
       const Options& options);
   ~ByteStream();
 
-  // One message at a time: adds the microseconds of each to `rtt_us`.
+  // Sends one message at a time and appends the microseconds of each round trip
+  // to `rtt_us`.
   absl::Status PingPong(int messages, std::vector<double>* rtt_us);
-  // Up to `window` messages unanswered. Answers superseded by newer ones count
-  // as such, not as answered. Sums both since Open below.
+  // Keeps up to `window` messages unanswered. answered() and superseded() count
+  // since Open. An answer that a newer one replaced counts as superseded only.
   absl::Status Play(int messages, int window);
 
   uint64_t answered() const { return answered_; }
   uint64_t superseded() const { return superseded_; }
-  // One answer, as it was on the wire, of about the mean size.
+  // One answer of about the mean size, as received.
   const std::string& typical_answer() const { return typical_answer_; }
 
  private:
   ByteStream(const std::shared_ptr<grpc::Channel>& channel,
              const FrameScript* script, const Options& options);
-  // How the stream ended; nothing may follow.
+  // Ends the stream and returns its status. No call may follow.
   absl::Status End();
   absl::Status Send();
   absl::Status Receive();
@@ -68,7 +70,7 @@ class ByteStream {
   grpc::ByteBuffer read_;
   v1::ClassifyContactResponse response_;
   uint64_t sent_ = 0;
-  // Messages that need no more waiting for.
+  // Number of messages that are answered or superseded.
   uint64_t settled_ = 0;
   uint64_t answered_ = 0;
   uint64_t superseded_ = 0;

@@ -1,7 +1,8 @@
 // File: child_server.h
 //
-// ChildServer: a server of our own, one of the programs beside this one, on a
-// free port; ended with the object.
+// ChildServer: one of our servers as a child process, on a free port. The
+// program lies in the same folder as this one. The process ends with the
+// object.
 //
 //   TACTUS_ASSIGN_OR_RETURN(auto server, ChildServer::Start("tactusd"));
 //   MakeChannel(server->address());
@@ -21,8 +22,8 @@ namespace tactus::client {
 
 class ChildServer {
  public:
-  // Starts `program` with `arguments` and --port-file, to which it writes its
-  // port once it serves. Returns then; IO if that takes over ten seconds.
+  // Starts `program` with `arguments` and --port-file. Returns when the server
+  // has written its port to that file, or IO after ten seconds.
   static absl::StatusOr<std::unique_ptr<ChildServer>> Start(
       const std::string& program,
       const std::vector<std::string>& arguments = {});
@@ -47,10 +48,10 @@ class ChildServer {
 
 // The path of a program in this program's directory.
 std::string ProgramBeside(const std::string& name);
-// Starts it; its process, or IO.
+// Starts a program of this program's directory. Returns its process id, or IO.
 absl::StatusOr<pid_t> SpawnBeside(const std::string& name,
                                   const std::vector<std::string>& arguments);
-// Sends SIGTERM and waits for its end.
+// Sends SIGTERM and waits until the process has ended.
 void EndProcess(pid_t pid);
 
 }  // namespace tactus::client

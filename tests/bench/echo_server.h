@@ -1,9 +1,13 @@
 // File: echo_server.h
 //
-// What gRPC alone costs: a server whose every method answers each message of a
-// stream with one of a given size, by the callback interface, as tactusd's
-// adapter is built, or by a completion queue. Run as a child process,
+// A server that measures the cost of gRPC alone: every method answers each
+// message of a stream with a fixed message. It uses a completion queue, as
+// tactusd does, or the callback interface. It runs as a child process,
 // `tactus-bench echo-server`.
+//
+//   EchoOptions options;
+//   AddEchoFlags(options, *command);
+//   absl::Status ended = RunEchoServer(options);
 #pragma once
 
 #include <string>
@@ -18,15 +22,15 @@ namespace tactus::client {
 
 struct EchoOptions {
   std::string port_file;
-  // What every message is answered with, in hexadecimal.
+  // The answer to every message, in hexadecimal.
   std::string answer;
-  // In place of a completion queue and its thread.
+  // Use the callback interface instead of a completion queue.
   bool callbacks = false;
 };
 
 void AddEchoFlags(EchoOptions& options, CLI::App& command);
 
-// Serves on a free port until the process is ended. IO if it cannot listen.
+// Serves on a free port until the process ends. IO if it cannot listen.
 absl::Status RunEchoServer(const EchoOptions& options);
 
 }  // namespace tactus::client

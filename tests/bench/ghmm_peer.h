@@ -1,11 +1,11 @@
 // File: ghmm_peer.h
 //
-// A GaussianHmm in libghmm, the General Hidden Markov Model library, which the
-// paper used: the peer that core/hmm is timed against, and the independent
-// reference of its tests.
+// A GaussianHmm in libghmm, the General Hidden Markov Model library that the
+// paper used. Benchmarks time core/hmm against it, and tests compare results
+// with it.
 //
 //   std::unique_ptr<GhmmPeer> peer = MakeGhmmPeer(model);
-//   if (peer == nullptr) ...  // libghmm was not there at build time
+//   if (peer == nullptr) ...  // libghmm was not installed at build time
 //   TACTUS_ASSIGN_OR_RETURN(double log_likelihood, peer->LogLikelihood(x));
 //
 // Not thread-safe: libghmm keeps global state.
@@ -25,15 +25,15 @@ class GhmmPeer {
  public:
   virtual ~GhmmPeer() = default;
 
-  // Of `observations` [frames x D], which libghmm only reads, in nats. Errors
-  // are libghmm's: it refuses what underflows in every state.
+  // Scores of `observations` [frames x D], in nats; libghmm only reads them.
+  // The errors are libghmm's: it refuses frames that underflow in every state.
   virtual absl::StatusOr<double> LogLikelihood(
       std::span<double> observations) = 0;
   virtual absl::StatusOr<double> ViterbiScore(
       std::span<double> observations) = 0;
 
-  // Baum-Welch updates of the model in place, `iterations` of them or fewer
-  // when one gains nothing. libghmm takes moments about the old means.
+  // Updates the model in place by Baum-Welch, `iterations` times or until an
+  // update gains nothing. libghmm computes moments about the old means.
   virtual absl::Status Train(const std::vector<SequenceView>& sequences,
                              int iterations) = 0;
 

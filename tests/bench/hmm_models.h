@@ -7,7 +7,7 @@
 //   const GaussianHmm model = DrawLeftRightModel(10, 3, random);
 //   const std::vector<double> trial = DrawTrial(model, 1000, random);
 //
-// Thread-safe but for the caller's Random.
+// Thread-safe, except for the caller's Random.
 #pragma once
 
 #include <vector>
@@ -18,16 +18,17 @@
 
 namespace tactus::client {
 
-// A state stays or steps to the next. Features are of order 1, correlated.
+// A model in which a state stays or moves to the next. Features are of order 1
+// and correlated.
 GaussianHmm DrawLeftRightModel(int states, int dimensions, Random& random);
 
-// `frames` observations of the model [frames x D], each state held equally
+// `frames` observations of the model [frames x D]. Each state lasts equally
 // long.
 std::vector<double> DrawTrial(const GaussianHmm& model, int frames,
                               Random& random);
 
-// log p(observations) of the model, or the score of its best path, with every
-// sum in logarithms of long double.
+// log p(observations) of the model, or the score of its best path, computed in
+// logarithms of long double.
 long double ReferenceScore(const GaussianHmm& model, Score score,
                            const std::vector<double>& observations);
 

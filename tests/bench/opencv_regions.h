@@ -1,7 +1,7 @@
 // File: opencv_regions.h
 //
-// Regions of a frame as OpenCV finds them, and joined across the seam of a skin
-// that wraps.
+// OpenCvRegions: the regions of a frame by OpenCV, and the same joined across
+// the seam of a skin whose columns wrap.
 //
 //   OpenCvRegions regions(layout);
 //   regions.Segment(taxels);
@@ -28,11 +28,11 @@ class OpenCvRegions {
   // the number of regions.
   int Segment(std::span<const float> taxels);
 
-  // Numbers the regions in the order of their first taxels, those that meet
-  // across the seam as one; 0 is background. Slow: to check with.
+  // Labels per taxel, 0 for the background. Regions are numbered by their first
+  // taxels; regions that meet across the seam are one. Slow: for checks only.
   std::span<const uint16_t> JoinSeam();
 
-  // Of the regions of JoinSeam(), from label 1 on.
+  // Number of taxels of the regions of JoinSeam(), from label 1 on.
   std::span<const int> areas() const { return areas_; }
 
  private:
@@ -43,7 +43,7 @@ class OpenCvRegions {
   cv::Mat region_of_;
   cv::Mat stats_;
   cv::Mat centroids_;
-  // What OpenCV's labels have become.
+  // OpenCV's label -> joined label.
   std::vector<int> merged_;
   std::vector<uint16_t> labels_;
   std::vector<int> areas_;

@@ -1,7 +1,7 @@
 // File: rendered_frames.h
 //
-// Frames as the robot's skin would send them, for benchmarks: one simulated
-// contact in each of a few places, rendered with the skin's noise.
+// Frames for benchmarks, as the robot's skin would send them: one simulated
+// contact at each of several places, rendered with the skin's noise.
 //
 //   TACTUS_ASSIGN_OR_RETURN(const auto trials, RenderTrials(layout, 8));
 //   for (const RenderedTrial& trial : trials) { ... trial.frame(t) ... }
@@ -19,11 +19,11 @@
 namespace tactus::client {
 
 struct RenderedTrial {
-  int taxels = 0;  // a frame
-  // One frame after another, in the layout's unit, and one pose each.
+  int taxels = 0;  // per frame
+  // One frame after another, in the layout's unit, and one pose per frame.
   std::vector<float> values;
   std::vector<Pose> poses;
-  // Those before the touch, with noise alone.
+  // Number of frames before the touch, which hold noise only.
   int lead_in = 0;
 
   int frames() const { return static_cast<int>(poses.size()); }
@@ -35,8 +35,8 @@ struct RenderedTrial {
   }
 };
 
-// `count` trials of the paper's set, of hard and soft objects by turns, at
-// places drawn over the skin.
+// `count` trials of the paper's set, with hard and soft objects in turns, at
+// places drawn evenly over the skin.
 absl::StatusOr<std::vector<RenderedTrial>> RenderTrials(
     const SkinLayout& layout, int count);
 

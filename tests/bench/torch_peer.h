@@ -1,7 +1,8 @@
 // File: torch_peer.h
 //
-// PyTorch's nn.LSTM on one CPU thread, in a Python process of its own that does
-// one repetition whenever asked: so ours and its can take turns.
+// PyTorch's nn.LSTM on one CPU thread, in a separate Python process. The
+// process runs one repetition on request, so our code and PyTorch can take
+// turns.
 //
 //   TACTUS_ASSIGN_OR_RETURN(auto peer, TorchPeer::Start());
 //   if (peer == nullptr) { ... PyTorch is not installed ... }
@@ -27,24 +28,24 @@ namespace tactus::client {
 
 inline constexpr char kTorch[] = "PyTorch nn.LSTM, one thread";
 
-// What one repetition does: steps a batch of streams through all inputs, one
-// frame at a time, or makes one training step (last step's cross entropy,
+// The work of one repetition: step a batch of streams through all inputs, one
+// frame at a time, or make one training step (cross entropy of the last step,
 // RMSprop) with them as sequences.
 struct TorchCase {
-  // Of tanh and sigmoid.
+  // A network with tanh and sigmoid.
   const LstmNetwork* network = nullptr;
   int steps = 0;
   int batch = 0;
   // steps x batch x I.
   std::vector<float> inputs = {};
   bool train = false;
-  // To train with: one label a sequence.
+  // For training: one label per sequence.
   std::vector<int> labels = {};
 };
 
 class TorchPeer {
  public:
-  // Null where no Python can import torch.
+  // Null if no Python can import torch.
   static absl::StatusOr<std::unique_ptr<TorchPeer>> Start();
   ~TorchPeer();
 
@@ -53,13 +54,13 @@ class TorchPeer {
 
   absl::Status Load(const TorchCase& work);
 
-  // Processor time of one repetition, s, by the process's own clock; NaN if it
-  // has ended.
+  // Processor time of one repetition in the Python process, s; NaN if the
+  // process has ended.
   double Repeat();
 
-  // Stepped: the probabilities, steps x batch x classes. Trained: the gradient
-  // by the weights before any step, layer by layer kernel, recurrent weights
-  // and bias, then those of the dense layer.
+  // After stepping: the probabilities, steps x batch x classes. After training:
+  // the gradient with respect to the weights before the first step. Its order:
+  // per layer kernel, recurrent weights and bias, then the dense layer.
   absl::StatusOr<std::vector<double>> Answer();
 
  private:

@@ -1,7 +1,8 @@
 // File: percentile.h
 //
-// Quantiles of measured times, by nearest rank. An empty measurement has no
-// quantile, so the result is NaN and prints as such.
+// Quantiles of measured times, by nearest rank. The result is one of the
+// measured values, never an interpolation. An empty measurement has no
+// quantile; the result is NaN.
 //
 //   const double p99 = Percentile(milliseconds, 0.99);
 //   const double median = Percentile(seconds, 0.5);

@@ -7,6 +7,10 @@
 //   RunOnThreads(jobs.size(), [&](int i) { results[i] = Run(jobs[i]); });
 //   FitModel(contacts, options, RunOnThreads);
 //
+// Threads exist only during the call. The order of the calls varies between
+// runs, so results should go to places that depend on the argument alone; then
+// the same input gives the same bits on any number of processors.
+//
 // Thread-safe. `body` runs on several threads at once: calls with different
 // arguments must not write to the same object.
 #pragma once

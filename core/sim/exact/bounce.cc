@@ -10,13 +10,13 @@ namespace {
 
 using std::numbers::pi;
 
-// Slow motion spans at most a share of its own time scale in one piece: for
-// each share, so many terms of its series are exact to double precision.
+// A piece may span at most this fraction of the slow motion's time scale. Then
+// the given number of terms of its series is exact to double precision.
 constexpr double kShortSpan = 2e-3;
 constexpr int kShortTerms = 4;
 constexpr double kLongSpan = 0.125;
 constexpr int kLongTerms = 10;
-// The ringing loses at most this share in one contact.
+// The ringing loses at most this fraction of its amplitude in one contact.
 constexpr double kRingLoss = 5e-3;
 // Turns of the ringing's angle by more than this are computed afresh.
 constexpr double kSmallTurn = 0.03;

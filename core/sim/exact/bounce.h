@@ -1,17 +1,17 @@
 // File: bounce.h
 //
-// The quick way through a train of bounces: a light hard object that slides
-// rings faster than the arm moves and may leave it and come back hundreds of
-// thousands of times. Flights and contacts so short that the slow motion is a
-// few terms of its Taylor series need neither exponentials nor a search for
-// their end; Newton's method finds it next to that of the bounce before.
+// Solves a train of bounces fast. A light hard object that slides rings faster
+// than the arm moves; it may leave the arm and return hundreds of thousands of
+// times. If flights and contacts are so short that a few terms of a Taylor
+// series describe the slow motion, they need no exponentials and no search for
+// their end: Newton's method starts at the end of the bounce before.
 //
 //   BounceTrain train(scene, modes, ramping);
 //   BounceMoment moment = train.MomentOf(phase, time, state);
 //   while (train.Next(until, moment) > 0) ++changes_of_contact;
 //
-// The same equations as contact_piece.h, to double precision: a bounce that is
-// not certainly of this simple kind is left to the general way. Keeps a pointer
+// The equations are those of contact_piece.h, to double precision. A bounce
+// that is not certainly simple is left to the general method. Keeps a pointer
 // to `modes`. Not thread-safe.
 #pragma once
 
@@ -22,14 +22,14 @@
 
 namespace tactus {
 
-// A change of contact: the arm in the frame of its equilibrium point, and its
-// approach to the object, which it just touches.
+// An instant at which contact is made or lost: the arm's motion relative to its
+// equilibrium point, and its approach to the object.
 struct BounceMoment {
   double time = 0;
   double lag = 0;
   double rate = 0;
   double approach = 0;
-  // From now on.
+  // True if they touch from now on.
   bool touching = false;
 };
 
@@ -56,8 +56,8 @@ class BounceTrain {
   // span; 0 or less if it is not certainly a simple one.
   double Fly(BounceMoment& moment) const;
   double Press(BounceMoment& moment);
-  // The same by so many terms of the slow motion's series, the flight from a
-  // guess of its span.
+  // The same with kTerms terms of the slow motion's series. `span` is a first
+  // guess of the flight's duration.
   template <int kTerms>
   double FlyBy(BounceMoment& moment, double span) const;
   template <int kTerms>
@@ -68,7 +68,7 @@ class BounceTrain {
   const ContactModes* modes_;
   double equilibrium_speed_;
   double equilibrium_start_;
-  // Constants of the scene, folded.
+  // Constants derived from the scene.
   double friction_;    // acceleration, m/s^2
   double compliance_;  // m_obj / k_obj
   double rigidity_;    // its inverse
@@ -78,11 +78,11 @@ class BounceTrain {
   double frequency_;
   double period_;  // 1 / frequency
   double decay_;
-  // Longest pieces that few and many terms of the series may span, s.
+  // Longest pieces, s, for the short and for the long series.
   double short_span_;
   double long_span_;
-  // Of the last contact: angle of the ringing at its end, cosine and sine,
-  // and by how much it differed from the one before.
+  // Angle of the ringing at the end of the last contact, its difference from
+  // the contact before, and its cosine and sine.
   double angle_ = 0;
   double drift_ = 0;
   double cosine_ = 1;

@@ -20,7 +20,7 @@ constexpr double kDriveMiss = 1e-9;
 constexpr double kTimeMiss = 1e-7;
 // Rounding of high differences, which is no miss.
 constexpr double kRounding = 5e-14;
-// A leap spans at most this share of the slow motion's time scale.
+// A leap spans at most this fraction of the slow motion's time scale.
 constexpr double kLeapShare = 0.1;
 // A stride twice as long multiplies the miss by up to this.
 constexpr double kDoubled = 2 << BounceSeries::kTerms;

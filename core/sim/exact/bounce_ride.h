@@ -1,14 +1,14 @@
 // File: bounce_ride.h
 //
-// Rides through a train of bounces, up to 10^9 in one contact, in leaps: one
-// bounce in `stride` is solved (bounce.h), the others follow from a polynomial
-// through these (bounce_series.h). What the polynomial misses of the next
-// bounce is the error's estimate and sets the stride. Where a sink takes a
-// sample, the one bounce under way is solved.
+// Follows a train of bounces, up to 10^9 in one contact, in leaps: it solves
+// one bounce in `stride` (bounce.h) and extrapolates the others by a polynomial
+// through the solved ones (bounce_series.h). The polynomial's error at the next
+// solved bounce is the error estimate and sets the stride. At a sample, it
+// solves the bounce that is under way.
 //
 //   time = RideBounces(ride, time, sink, next, summary);
 //
-// Bounces too small to be felt are passed at their mean instead, see
+// Bounces that are too small for the skin are replaced by their mean, see
 // SkippedBounceBound(). Stateless; thread-safe.
 #pragma once
 
@@ -21,37 +21,37 @@
 
 namespace tactus {
 
-// What the filtered force, as a share of the friction, and the filtered area,
-// as a share of the face, may change by at most if bounces take so long in
-// flight and contact (s), move arm and object against each other at up to
-// `speed` (m/s), and each sample takes their mean.
+// A bound on the change of the filtered force (relative to the friction) and of
+// the filtered area (relative to the face) if each sample takes the mean of the
+// bounces. Each bounce takes `flight` and `contact` seconds; arm and object
+// move against each other at up to `speed` (m/s).
 //
-// The skin's filter (signals.h) sees means over intervals of its input, that
-// is differences e[n] - e[n-1] of what impulse and time in contact have summed
-// up to. Of the impulse, |e| <= m_obj speed, the momentum against the arm; of
-// the time in contact, |e| <= flight contact / (flight + contact), as within
-// one bounce. Summed by parts, the filtered difference is at most
-// V max |e| rate, where V is the sum of |h[n] - h[n-1]| over the filter's
-// impulse response. Objects that bounce are so hard that strain leaves the
-// area alone.
+// The input of the skin's filter (signals.h) is a mean over an interval. Its
+// change is e[n] - e[n-1], where e is the change of the impulse, or of the time
+// in contact, since the start. For the impulse, |e| <= m_obj speed, the
+// momentum against the arm. For the time in contact, |e| <= flight contact /
+// (flight + contact), as within one bounce. Summation by parts bounds the
+// filtered change by V max |e| rate, where V is the sum of |h[n] - h[n-1]| over
+// the filter's impulse response. Objects that bounce are so hard that strain
+// does not change the area.
 double SkippedBounceBound(const ContactScene& scene, double speed,
                           double flight, double contact);
 
 struct BounceRide {
   const ContactScene* scene;
   const ContactModes* modes;
-  // The equilibrium point keeps its speed until then.
+  // The equilibrium point keeps its speed until `until`.
   bool ramping = true;
   double until = 0;
-  // Limits what a leap may miss, and SkippedBounceBound() of bounces that are
-  // passed at their mean. At 0 every bounce is solved.
+  // Limits the error estimate of a leap, and SkippedBounceBound() of bounces
+  // that are replaced by their mean. At 0 every bounce is solved.
   double skip_tolerance = 0;
   int64_t max_solved = 0;
 };
 
-// Follows a train of bounces that starts at `time` with `next` for as long as
-// they are simple, and returns when that ends; `next` is then the start of
-// what follows.
+// Follows a train of bounces that starts at `time` with `next` as long as they
+// are simple (bounce.h). Returns the time at which that ends; `next` is then
+// the start of the next phase.
 double RideBounces(const BounceRide& ride, double time, PieceSink& sink,
                    PhaseStart& next, PieceSummary& summary);
 

@@ -8,7 +8,7 @@
 //   ContactModes modes(scene);
 //   modes.fast.fastest();  // rad/s of the ringing while sliding
 //
-// Immutable once built; safe to share. Source: paper, eqs. 1 to 6; their
+// Immutable once built; thread-safe. Source: paper, eqs. 1 to 6; their
 // characteristic polynomial is (m s^2 + b s + k + K)(M s^2 + K) - K^2.
 #pragma once
 
@@ -21,9 +21,9 @@ struct ContactModes {
   // `scene` is valid.
   explicit ContactModes(const ContactScene& scene);
 
-  // Contact stiffness used, N/m. Where the slow and the fast pair coincide,
-  // as with equal masses on equal springs, it is moved by about 1e-11 of
-  // itself, so that they can be told apart.
+  // Contact stiffness used, N/m. If the slow and the fast pair coincide, as
+  // with equal masses on equal springs, it is changed by about 1e-11 of its
+  // value, so that the pairs differ.
   double stiffness;
   DampedPair arm;
   DampedPair stuck;

@@ -1,15 +1,15 @@
 // File: contact_piece.h
 //
-// One piece of a contact in closed form: the motion within one phase
-// (contact_phase.h) while the equilibrium point keeps its speed, from a known
-// state on. Polynomials plus damped pairs; no time steps.
+// One piece of a contact in closed form: the motion from a known state on,
+// within one phase (contact_phase.h) and at constant speed of the equilibrium
+// point. It consists of polynomials and damped pairs; there are no time steps.
 //
 //   ContactPiece piece(scene, modes, ContactPhase::kStuck, /*ramping=*/true,
 //                      /*begin=*/0, {});
 //   PieceState later = piece.At(0.01);
 //
-// Keeps pointers to `scene` and `modes`, which must outlive it. Safe to share
-// between threads. SI units. Source: paper, eqs. 1 to 7.
+// Keeps pointers to `scene` and `modes`, which must outlive it. Immutable;
+// thread-safe. SI units. Source: paper, eqs. 1 to 7.
 #pragma once
 
 #include <array>
@@ -21,8 +21,9 @@
 
 namespace tactus {
 
-// The deformation and its rate are kept, not the arm's position and velocity,
-// in which a stiff contact would drown.
+// Holds the deformation and its rate instead of the arm's position and
+// velocity: the small deformation of a stiff contact would be lost in the
+// difference of two positions.
 struct PieceState {
   double deformation = 0;  // x_arm - x_uobj, m; below 0 when apart
   double approach = 0;     // its rate, m/s
@@ -56,18 +57,18 @@ class ContactPiece {
 
   // The state `t` >= 0 seconds into the piece.
   PieceState At(double t) const;
-  // The state at its start less the fast part, if the object slides.
+  // The state at its start, without the fast part if the object slides.
   PieceState WithoutRinging() const;
   // Integral of the contact force over its first `t` seconds, N s.
   double Impulse(double t) const;
 
-  // As functions of the time into the piece.
+  // Functions of the time since the start of the piece.
   ModalFunction Deformation() const;
   ModalFunction ObjectSpeed() const;
 
-  // The damped pairs of the piece (null if unused) and their states at its
-  // start, and contact force, x_arm and x_uobj in terms of them. x_uobj has
-  // no such form while the object coasts.
+  // The damped pairs of the piece (null if unused), their states at its start,
+  // and contact force, x_arm and x_uobj in terms of them. x_uobj has no such
+  // form while the object coasts.
   std::array<const DampedPair*, 2> pairs() const;
   std::array<PairState, 2> states() const { return {main_, ringing_}; }
   PieceForm Force() const;
@@ -88,8 +89,8 @@ class ContactPiece {
   double equilibrium_speed_;
   double drift_ = 0;  // speed of the particular solution of the deformation
   double compliance_ = 0;  // m_obj / k_obj while sliding
-  // Stuck: the deformation. Sliding: the slow part of x_uobj. Apart: x_arm.
-  // Each less its particular solution.
+  // Stuck: the deformation. Sliding: the slow part of x_uobj. Apart: x_arm. In
+  // each case without the particular solution.
   const DampedPair* pair_;
   PairState main_;
   // Sliding: the fast part of x_uobj.

@@ -8,8 +8,8 @@
 //   PairState later = pair.After({0.001, 0}, 0.02);
 //
 // Short times use the power series, which keeps the difference to the start
-// exact; near-equal roots need no case of their own. Immutable once built;
-// safe to share between threads. Source: paper, eqs. 9 to 11.
+// exact, so nearly equal roots need no special case. Immutable once built;
+// thread-safe. Source: paper, eqs. 9 to 11.
 #pragma once
 
 namespace tactus {
@@ -29,14 +29,15 @@ class DampedPair {
     const PairState change = Change(start, t);
     return {start.value + change.value, start.rate + change.rate};
   }
-  // The state after `t` less the state at the start.
+  // The state after `t` minus the state at the start.
   PairState Change(const PairState& start, double t) const;
   // Integral of the value over the first `t` seconds.
   double Integral(const PairState& start, double t) const;
   // A bound on |value| from the start up to `span` seconds.
   double Bound(const PairState& start, double span) const;
 
-  // The pair that the rate of this one is: value y', rate y''.
+  // The state of the derivative, which is a pair of the same kind: value y',
+  // rate y''.
   PairState Derivative(const PairState& state) const {
     return {state.rate, -damping_ * state.rate - stiffness_ * state.value};
   }
@@ -64,7 +65,7 @@ class DampedPair {
   double split_;      // half the distance of two real roots; 0 if complex
   double slowest_;    // the smaller real root, if real
   double fastest_;
-  double reach_;  // the most the sine over its frequency gets to, s
+  double reach_;  // largest value of the sine over its frequency, s
 };
 
 }  // namespace tactus

@@ -1,9 +1,9 @@
 // File: exact.h
 //
 // The exact integration of a ContactScene: each phase (contact_phase.h) is
-// solved in closed form and left at the event that ends it, so that there are
-// no time steps and no error to control. Ringing in contact costs nothing;
-// trains of bounces are passed in leaps (bounce_ride.h).
+// solved in closed form up to the event that ends it. There are no time steps
+// and no step error. Ringing in contact costs no extra time. Trains of bounces
+// are extrapolated (bounce_ride.h).
 //
 //   TACTUS_ASSIGN_OR_RETURN(Trajectory run, IntegrateExact(scene, {}));
 //
@@ -22,13 +22,13 @@
 namespace tactus {
 
 struct ExactOptions {
-  // Of the trajectory; a multiple of 100 Hz.
+  // Rate of the trajectory; a multiple of 100 Hz.
   double sample_rate_hz = 2000;
-  // What skipping bounces may change in the signals, as a share of the friction
-  // of the sliding object and of the area of its face (bounce_ride.h); 0 to
-  // 0.1. At 0 every bounce is solved, one by one.
+  // Largest change of the signals by skipped bounces, relative to the friction
+  // of the sliding object and to the area of its face (bounce_ride.h); 0 to
+  // 0.1. At 0 every bounce is solved.
   double skip_tolerance = 1e-3;
-  // Bounces to solve; a contact that needs more is an error, not a stall.
+  // Largest number of solved bounces. A contact with more is an error.
   int64_t max_events = 5'000'000;
 };
 

@@ -1,10 +1,11 @@
 // File: first_crossing.h
 //
 // The first time at which a polynomial plus damped oscillations falls below
-// zero: the events that end a phase of the contact model. No crossing is
-// skipped: a stretch is passed only when a bound proves that the function
-// stays above zero on it, by its Taylor series at the start, by its chord and
-// curvature, or by the envelopes of its oscillations.
+// zero. These are the events that end a phase of the contact model. No crossing
+// is missed: the search leaves out an interval only if a bound proves that the
+// function stays above zero on it. The bounds come from the Taylor series at
+// the start, from chord and curvature, or from the envelopes of the
+// oscillations.
 //
 //   ModalFunction deformation = piece.Deformation();
 //   double lost = FirstCrossing(deformation, /*horizon=*/0.5);
@@ -18,7 +19,8 @@
 
 namespace tactus {
 
-// f(t) = start + slope t + curvature t^2 / 2 + changes of the pairs since 0.
+// f(t) = start + slope t + curvature t^2 / 2 + the changes of the pairs since
+// 0.
 struct ModalFunction {
   double start = 0;  // f(0), exactly
   double slope = 0;
@@ -30,8 +32,8 @@ struct ModalFunction {
   ModalFunction Negated() const;
 };
 
-// The first t in (0, horizon] at which `f` turns negative; `horizon` + 1 or
-// more if there is none. f(0) >= 0; where f(0) = 0 and f falls at once, 0.
+// The first t in (0, horizon] at which `f` becomes negative; at least `horizon`
+// + 1 if there is none. f(0) >= 0; if f(0) = 0 and f falls at once, returns 0.
 double FirstCrossing(const ModalFunction& f, double horizon);
 
 }  // namespace tactus

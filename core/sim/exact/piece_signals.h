@@ -11,7 +11,7 @@
 //   TACTUS_RETURN_IF_ERROR(SolvePieces(scene, {}, reader).status());
 //   IdealSignals signals = reader.Finish();
 //
-// Not thread-safe: one a contact.
+// Not thread-safe: one reader per contact.
 #pragma once
 
 #include <array>
@@ -45,25 +45,25 @@ class PieceSignals : public PieceSink {
  private:
   static constexpr double kNever = 1e300;  // s
 
-  // What force and motion put into the filter in a frame, by the state of a
-  // pair before: [from].
+  // Contribution of force and motion to the filter in a frame, by the pair's
+  // state before the frame: [from].
   struct PairColumns {
     std::array<BlockFilter::Column, 2> force = {};
     std::array<BlockFilter::Column, 2> motion = {};
   };
-  // How the pairs of one phase pass through a frame.
+  // Effect of the pairs of one phase on a frame.
   struct PairTable {
     // State after a frame, by its state before: [of][from].
     std::array<std::array<double, 2>, 2> frame;
     // Force of each interval, by the state before: [from].
     std::array<BlockFilter::Inputs, 2> force;
     PairColumns drive;
-    // The filter's states themselves, once it has forgotten all else.
+    // The filter's states once earlier inputs have decayed.
     PairColumns steady;
   };
   struct PhaseTable {
     bool ready = false;
-    // False if a pair fades too fast for a steady state.
+    // False if a pair decays too fast for a steady state.
     bool steady = true;
     std::array<PairTable, 2> pairs;
   };
@@ -79,20 +79,20 @@ class PieceSignals : public PieceSink {
 
   double Boundary(int interval) const { return interval / kSignalRateHz; }
   void FillTable(const ContactPiece& piece, PhaseTable& table);
-  // Takes as many whole frames as the piece still holds.
+  // Processes the whole frames that remain in the piece.
   void TakeFrames(const ContactPiece& piece, double end);
-  // True if `form` is as good as constant from here on.
+  // True if `form` is constant from here on, up to rounding.
   static bool Settled(const PieceForm& form, const FrameStart& start);
   void FillSteady(const DampedPair& pair, PairTable& table, bool& steady) const;
-  // Takes a frame in contact throughout into the area's filter, given what its
-  // pairs add to the force's or, once steady, what they are in it.
+  // Adds a frame that is in contact throughout to the area's filter. `pairs`:
+  // the pairs' contribution to the force's filter, or its state once steady.
   void TakeArea(const PieceForm& force, const FrameStart& start,
                 const PhaseTable& table, const BlockFilter::Column& pairs,
                 bool steady);
-  // Closes the current interval with its impulse (N s), the time in contact
-  // (s) and where arm and object are at its end.
+  // Closes the current interval with its impulse (N s), the time in contact (s)
+  // and the positions of arm and object at its end.
   void CloseInterval(double impulse, double contact, double arm, double object);
-  // Takes the filters' outputs.
+  // Stores the filters' outputs as a sample.
   void CloseFrame(double object);
   double Area(double share, double force);
   // Areas under `forces`, in contact throughout.
@@ -105,7 +105,7 @@ class PieceSignals : public PieceSink {
   double strain_per_newton_;
   int intervals_;  // in the whole contact
   int closed_ = 0;
-  // Of the current interval, up to now.
+  // Sums of the current interval, up to now.
   double impulse_ = 0;
   double contact_ = 0;
   bool clamped_ = false;

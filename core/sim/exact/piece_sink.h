@@ -1,11 +1,11 @@
 // File: piece_sink.h
 //
-// What takes an exact contact (exact.h) as it is solved: in order and without
-// gaps from 0 to the scene's end.
+// PieceSink: receives an exact contact (exact.h) while it is solved, in order
+// and without gaps from 0 to the end of the scene.
 //
 //   TACTUS_RETURN_IF_ERROR(SolvePieces(scene, {}, sampler).status());
 //
-// Not thread-safe: one a contact.
+// Not thread-safe: one sink per contact.
 #pragma once
 
 #include <cstdint>
@@ -15,10 +15,10 @@
 
 namespace tactus {
 
-// How a sink sees a train of bounces.
+// How a sink receives a train of bounces.
 enum class BounceDetail {
-  kMean,     // samples; bounces too small to be felt at their mean
-  kInstant,  // samples, each at its instant
+  kMean,     // samples; bounces too small for the skin by their mean
+  kInstant,  // samples, each at its exact time
   kPieces,   // every flight and contact
 };
 
@@ -28,9 +28,9 @@ class PieceSink {
   virtual BounceDetail detail() const = 0;
   // The next piece and its duration, s.
   virtual void Take(const ContactPiece& piece, double duration) = 0;
-  // Bounces come as samples and totals instead, unless pieces are asked for:
-  // the time of the next sample, the state there, and the impulse (N s) and
-  // the time in contact (s) since what was taken last.
+  // Unless detail() is kPieces, bounces arrive as samples and totals instead:
+  // the time of the next sample, the state at that time, and the impulse (N s)
+  // and the time in contact (s) since the last call.
   virtual double NextSample() const = 0;
   virtual void TakeSample(const PieceState& state, double impulse,
                           double contact_time) = 0;
@@ -45,7 +45,7 @@ struct PhaseStart {
 
 struct PieceSummary {
   EventCounts events;
-  // Bounces that were solved, and that were leapt over.
+  // Number of bounces that were solved, and that were skipped.
   int64_t solved = 0;
   int64_t skipped = 0;
   bool moved = false;

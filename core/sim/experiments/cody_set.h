@@ -1,10 +1,10 @@
 // File: cody_set.h
 //
 // The paper's experiment with the robot Cody (Section "Experiments with a Real
-// Robot") in simulation: the forearm pushes eight objects under two joint
-// stiffnesses and two joint velocities, four times each, seven of the objects
-// both free and held: 7 x 2 x 2 x 2 x 4 + 1 x 2 x 2 x 4 = 240 trials. What is
-// kept of each are the first 1.2 s after onset.
+// Robot") in simulation. The forearm pushes eight objects under two joint
+// stiffnesses and two joint velocities, four times each; seven of the objects
+// both free and held: 7 x 2 x 2 x 2 x 4 + 1 x 2 x 2 x 4 = 240 trials. Each
+// trial holds the first 1.2 s after onset.
 //
 //   for (const CodySpec& spec : CodySpecs(layout, seed)) {
 //     TACTUS_ASSIGN_OR_RETURN(auto contact, SimulateContact(spec.contact));
@@ -14,9 +14,9 @@
 //
 // From the paper: the counts, 2.01 and 20.1 Nm/rad, 5 and 20 deg/s, hard
 // objects of 8,000 to 100,000 N/m and above, soft ones of 630 to 1,500 N/m, a
-// heavy iron bucket that is never moved. Ours, as the paper does not state
-// them: which objects they are, their masses, friction and faces, the lever
-// arm, the goal, and what differs between repetitions (docs/virtual-cody.md).
+// heavy iron bucket that is never moved. The paper does not state the rest, so
+// we chose it: the objects, their masses, friction and faces, the lever arm,
+// the goal, and the differences between repetitions (docs/virtual-cody.md).
 //
 // Stateless; thread-safe. Same arguments, same bits.
 #pragma once
@@ -39,19 +39,19 @@ namespace tactus {
 
 inline constexpr double kCodyWindowS = 1.2;
 inline constexpr int kCodyRepetitions = 4;
-// An object that went less far than this by the end of the window is unmoved:
-// too little for anyone beside the robot to call it moved.
+// An object that moved less than this by the end of the window is labelled
+// unmoved: an observer would not notice so small a motion.
 inline constexpr double kCodyMovedM = 0.001;
 
 struct CodyObject {
   const char* name;
   bool hard;
-  // False for the one that is tried held only.
+  // False for the object that is only tried held.
   bool movable;
   double stiffness;  // N/m, whole object
   double mass_kg;
   Friction table;
-  // Of the face that touches the forearm.
+  // Properties of the face that touches the forearm.
   double edge_m;
   double poisson_ratio;
 };
@@ -63,7 +63,7 @@ struct CodySpec {
   CodyObject object;
   double joint_stiffness = 0;  // Nm/rad
   double joint_velocity = 0;   // deg/s
-  // The contact of arm and object as these make it; `fixed` if held.
+  // The resulting contact of arm and object; `fixed` if held.
   TrialSpec contact;
   // Middle of the contact on the skin.
   SkinPoint centre;
@@ -76,13 +76,12 @@ double CodyLeverArm(const SkinLayout& layout, double row);
 // `layout` is the forearm's.
 std::vector<CodySpec> CodySpecs(const SkinLayout& layout, uint64_t seed);
 
-// The window's trial, with signals and with taxel frames. Its label is H or S
-// by the object and M or U by the object's motion at the end of the
-// window; condition,
-// object and material name what the paper varies, so that
-// leave-one-material-out leaves out one object. A contact that the skin does
-// not feel keeps 1.2 s from the touch on. INVALID_SCENE for options that do
-// not fit the layout.
+// The window's trial, with signals or with taxel frames. Its label is H or S by
+// the object, and M or U by the object's motion at the end of the window.
+// Condition, object and material name what the paper varies, so that
+// leave-one-material-out leaves out one object. If the skin does not detect the
+// contact, the window is 1.2 s from the touch on. INVALID_SCENE for options
+// that do not fit the layout.
 absl::StatusOr<Trial> CodySignalTrial(const CodySpec& spec,
                                       const SimulatedContact& contact,
                                       const SignalNoise& noise, uint64_t seed);

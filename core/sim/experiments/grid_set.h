@@ -1,7 +1,7 @@
 // File: grid_set.h
 //
-// Robot conditions that no model was trained at: a grid over arm stiffness,
-// speed and goal, and a draw of contacts spread evenly over it.
+// Robot conditions at which no model was trained: a grid over arm stiffness,
+// speed and goal, and contacts drawn evenly over it.
 //
 //   const auto specs =
 //       DrawSpecs(GridConditions({250, 4000}, {0.04}, {0.01, 0.02}), seed);
@@ -35,14 +35,14 @@ std::vector<RobotCondition> GridConditions(
     const std::vector<double>& stiffnesses,
     const std::vector<double>& velocities, const std::vector<double>& goals);
 
-// Cubes of `materials` (TrialSpecs) under `robots`, in an order that is even
-// from the start: round after round, one object of each condition, drawn
-// without return. Numbers are those of TrialSpecs.
+// The specs of TrialSpecs in another order: in each round one object of every
+// condition, drawn without replacement. So any first part of the list is spread
+// evenly over the conditions. The numbers are those of TrialSpecs.
 std::vector<TrialSpec> DrawSpecs(
     const std::vector<RobotCondition>& robots, uint64_t seed,
     std::span<const Material> materials = Materials());
 
-// "k630-v0.016-g0.02": names all that makes the condition.
+// "k630-v0.016-g0.02": stiffness, velocity and goal.
 std::string ConditionName(const RobotCondition& robot);
 
 }  // namespace tactus

@@ -1,8 +1,8 @@
 // File: scene.h
 //
-// ContactScene: one press of the arm against one object, as the lumped
-// element model of the paper sees it (Section "Robot and Object Model",
-// eqs. 1 to 7). The arm starts at rest, touching the undeformed object.
+// ContactScene: one press of the arm against one object in the paper's lumped
+// element model (Section "Robot and Object Model", eqs. 1 to 7). The arm starts
+// at rest and touches the undeformed object.
 //
 //   ContactScene scene;
 //   scene.goal_m = 0.019;
@@ -24,11 +24,11 @@ struct ContactScene {
   // Spring (N/m) and damper (N s/m) between the arm and its equilibrium point.
   double actuator_stiffness = 543;
   double actuator_damping = 0;
-  // The equilibrium point moves at `velocity_m_s` up to `goal_m`, then rests.
+  // The equilibrium point moves at `velocity_m_s` to `goal_m` and stays there.
   double velocity_m_s = 0.005;
   double goal_m = 0.019;
   double object_mass_kg = 0;
-  // Of the object, N/m, true value.
+  // Stiffness of the object, N/m.
   double object_stiffness = 0;
   // Coulomb friction between object and table; mu_static >= mu_kinetic.
   double mu_static = 0;

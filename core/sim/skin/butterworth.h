@@ -21,7 +21,7 @@ class Butterworth6 {
 
   double Step(double sample);
 
-  // What the filter remembers: two numbers a section, first section first.
+  // The filter's state: two numbers per section, first section first.
   std::array<double, 6> state() const;
   void set_state(const std::array<double, 6>& state);
 

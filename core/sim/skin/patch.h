@@ -1,17 +1,18 @@
 // File: patch.h
 //
-// How the force of a square contact patch spreads over taxels: a gentle
-// parabolic dome of pressure over the patch, each taxel taking what falls on
-// its cell (one pitch by one pitch; a partly covered taxel its covered part).
+// Spreads the force of a square contact patch over taxels. The pressure is a
+// flat parabolic dome over the patch. Each taxel gets the pressure on its cell
+// (one pitch by one pitch); a partly covered taxel gets that of its covered
+// part.
 //
 //   PatchShares shares;
 //   SpreadPatch(layout, {7.5, 3}, /*side_m=*/0.02, shares);
 //   float newton = force * shares.Of(row, column);
 //
-// The patch is clipped to the skin: rows at its ends, columns at its sides,
-// or on a wrapped skin at half the circumference, as a flat face cannot touch
-// the far side. What is left carries the whole force.
-// Not thread-safe: one PatchShares per thread; reused without allocating.
+// The patch is clipped to the skin: rows at its ends and columns at its sides.
+// On a wrapped skin, columns are clipped at half the circumference, because a
+// flat face cannot touch the far side. The rest carries the whole force. Not
+// thread-safe: one PatchShares per thread; reused without allocating.
 #pragma once
 
 #include <vector>
@@ -26,7 +27,7 @@ namespace tactus {
 inline constexpr double kDome = 0.5;
 
 struct PatchShares {
-  // Shares by row and by column; each sums to 1.
+  // Fractions of the force by row and by column; each sums to 1.
   std::vector<double> rows;
   std::vector<double> columns;
 

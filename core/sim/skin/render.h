@@ -1,15 +1,16 @@
 // File: render.h
 //
-// A simulated contact as a real skin would send it: taxel frames with sensor
-// noise, quantisation and dead taxels, and the arm's pose with encoder noise.
+// Renders a simulated contact as a real skin would send it: taxel frames with
+// sensor noise, quantisation and dead taxels, and the arm's pose with encoder
+// noise.
 //
 //   TACTUS_ASSIGN_OR_RETURN(
 //       Trial trial, TaxelTrial(contact, layout, RenderOptions(), seed));
 //   if (!Detectable(trial, layout)) ++undetectable;
 //
-// Noise is absolute, unlike that of SignalTrial, so a very light object may
-// never be felt. Frame `lead_in_frames - 1 + j` is read j / 100 s after the
-// touch; the frames before hold noise only. Same arguments, same bits.
+// The noise is absolute, unlike that of SignalTrial, so a very light object may
+// stay undetected. Frame `lead_in_frames - 1 + j` is read j / 100 s after the
+// touch; earlier frames hold noise only. Same arguments, same bits.
 // Stateless; thread-safe.
 #pragma once
 
@@ -29,14 +30,14 @@ namespace tactus {
 struct RenderOptions {
   // Middle of the contact patch; unset: drawn evenly over the skin.
   std::optional<SkinPoint> centre;
-  // What a taxel reads per newton, in the layout's unit.
+  // A taxel's reading per newton, in the layout's unit.
   double unit_per_newton = 1;
   // Standard deviation of each taxel's reading, and the step it is rounded
   // to, in the layout's unit. Readings end at 0 and at 65535 steps.
   double taxel_noise = 0.002;
   double taxel_step = 0.001;
-  // Taxels that always read 0: those named (row-major index), and `dead_count`
-  // more drawn from `dead_seed`, the same ones in every trial.
+  // Taxels that always read 0: these (row-major index), and `dead_count` more
+  // drawn from `dead_seed`. They are the same in every trial.
   std::vector<int> dead_taxels;
   int dead_count = 0;
   uint64_t dead_seed = 0;
@@ -50,15 +51,15 @@ struct RenderOptions {
 // INVALID_SCENE naming the field if an option does not fit the layout.
 absl::Status Validate(const RenderOptions& options, const SkinLayout& layout);
 
-// The contact as u16 frames of `layout` and one pose a frame. The link moves
+// The contact as u16 frames of `layout` with one pose per frame. The link moves
 // by x_arm along the skin's outward normal at the patch. Place and noise are
 // drawn from `seed` and the trial's number.
 absl::StatusOr<Trial> TaxelTrial(const SimulatedContact& contact,
                                  const SkinLayout& layout,
                                  const RenderOptions& options, uint64_t seed);
 
-// True if some valid taxel of some frame reaches the onset threshold, so that
-// a stream of these frames sees a contact. `trial` has u16 taxels of `layout`.
+// True if a valid taxel of any frame reaches the onset threshold, so that a
+// stream of these frames detects a contact. `trial` has u16 taxels of `layout`.
 bool Detectable(const Trial& trial, const SkinLayout& layout);
 
 }  // namespace tactus

@@ -1,8 +1,9 @@
 // File: signals.h
 //
-// What an ideal skin reads from a simulated contact: force F_surf, contact
-// area A' and motion x_arm at 100 Hz behind the anti-aliasing filter (paper,
-// Sections "Contact Area Model" and "Preprocessing and Feature Selection").
+// The signals that an ideal skin reads from a simulated contact: force F_surf,
+// contact area A' and motion x_arm at 100 Hz after the anti-aliasing filter
+// (paper, Sections "Contact Area Model" and "Preprocessing and Feature
+// Selection").
 //
 //   const double area = ContactArea(cube, force);
 //   AddNoise(SignalNoise(), random, signals.samples);

@@ -1,7 +1,11 @@
 // File: plain_lstm.h
 //
-// The LSTM of core/lstm in plain loops and double precision, straight from its
-// equations: the reference for the fast one.
+// The LSTM of core/lstm in plain loops and double precision, written directly
+// from its equations. The tests compare the fast one with it.
+//
+//   auto probability = PlainLstm(network, inputs);
+//
+// Thread-safe: free functions. Results own their arrays.
 #pragma once
 
 #include <span>

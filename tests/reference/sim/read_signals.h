@@ -4,9 +4,13 @@
 // the reference for core/sim/exact/piece_signals.h, which computes them in
 // closed form.
 //
-//   IdealSignals signals = ReadSignals(cube, trajectory);
+//   TACTUS_ASSIGN_OR_RETURN(Trajectory run, IntegrateCvode(scene, {}));
+//   IdealSignals signals = ReadSignals(cube, run);
 //
-// Thread-safe: a function without state.
+// Use a trajectory of 2 kHz to compare with piece_signals.h, which filters at
+// that rate.
+//
+// Thread-safe: a function without state. The result owns its arrays.
 #pragma once
 
 #include "core/sim/model/materials.h"
