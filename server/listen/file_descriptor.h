@@ -3,7 +3,7 @@
 // FileDescriptor: owns an open file or socket and closes it.
 //
 //   FileDescriptor socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-//   if (!socket.is_open()) return IoError(...);
+//   if (!socket.is_open()) return IoError("socket", "closed");
 //
 // Movable, not copyable. Not thread-safe.
 #pragma once

@@ -8,7 +8,7 @@
 //   listener->AddTo(builder);
 //   server = builder.BuildAndStart();
 //   listener->Start();
-//   ...
+//   // ... until the process is to end ...
 //   listener->Stop();        // before server->Shutdown()
 //
 // Thread-safety: as Acceptor.

@@ -12,8 +12,8 @@
 //   if (pacing.ReadsFirst()) StartRead();
 //   if (pacing.Holds(reading)) {
 //     if (pacing.BeginHold()) queue->Defer(&nothing_more);
-//   } else {
-//     options.set_buffer_hint(!pacing.Flushes(more_follow));
+//   } else if (!pacing.Flushes(more_follow)) {
+//     options.set_buffer_hint();
 //   }
 //
 // Not thread-safe: belongs to the thread of its stream.

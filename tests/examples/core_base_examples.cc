@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/address.h"
 #include "core/base/aligned_vector.h"
 #include "core/base/arguments.h"
 #include "core/base/call_event.h"
@@ -93,6 +94,13 @@ void GeometryExample(const SkinLayout& layout) {
 
 absl::Status LayoutExample() {
   TACTUS_ASSIGN_OR_RETURN(SkinLayout layout, LayoutPreset("cody-forearm"));
+  return absl::OkStatus();
+}
+
+absl::Status AddressExample(const std::string& address) {
+  std::string path;
+  if (IsUnixAddress(address)) path = UnixPath(address);
+  TACTUS_ASSIGN_OR_RETURN(const HostPort at, ParseHostPort("[::1]:50051"));
   return absl::OkStatus();
 }
 

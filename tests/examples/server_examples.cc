@@ -84,6 +84,19 @@ absl::Status ModelRegistryExample() {
   return absl::OkStatus();
 }
 
+void StartRead();
+
+void AnswerPacingExample(bool reading, bool more_follow, CallQueue* queue,
+                         CallEvent& nothing_more, grpc::WriteOptions& options) {
+  AnswerPacing pacing;
+  if (pacing.ReadsFirst()) StartRead();
+  if (pacing.Holds(reading)) {
+    if (pacing.BeginHold()) queue->Defer(&nothing_more);
+  } else if (!pacing.Flushes(more_follow)) {
+    options.set_buffer_hint();
+  }
+}
+
 void CallQueueExample(grpc::ServerBuilder& builder,
                       std::chrono::system_clock::time_point deadline) {
   CallQueue queue(builder.AddCompletionQueue());
