@@ -9,7 +9,7 @@
 #include "core/base/address.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
-#include "core/base/quoted.h"
+#include "core/base/text.h"
 #include "grpcpp/create_channel.h"
 #include "grpcpp/security/credentials.h"
 

@@ -4,7 +4,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/strip.h"
 #include "core/base/errors.h"
-#include "core/base/quoted.h"
+#include "core/base/text.h"
 
 namespace tactus {
 namespace {

@@ -1,7 +1,6 @@
 #include "core/base/errors.h"
 
 #include "absl/strings/cord.h"
-#include "core/base/quoted.h"
 #include "core/base/serialize.h"
 #include "core/base/text.h"
 

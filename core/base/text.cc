@@ -2,7 +2,9 @@
 
 #include <cstdint>
 
+#include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
+#include "core/base/limits.h"
 
 namespace tactus {
 namespace {
@@ -80,6 +82,12 @@ std::string Printable(absl::string_view text) {
     text.remove_prefix(character.bytes);
   }
   return line;
+}
+
+std::string Quoted(absl::string_view text) {
+  const absl::string_view shown = text.substr(0, limits::kMaxNameBytes);
+  return absl::StrCat("\"", absl::CHexEscape(shown), "\"",
+                      shown.size() < text.size() ? "..." : "");
 }
 
 }  // namespace tactus

@@ -30,4 +30,11 @@ std::string TextFault(absl::string_view text, size_t max_bytes);
 // each control character.
 std::string Printable(absl::string_view text);
 
+// `text` for an error text or a line of a log: printable ASCII between double
+// quotes. Quotes, backslashes, control characters and bytes above 0x7e are
+// escaped as in C, so `text` can neither end its quotes nor begin a new line.
+// At most limits::kMaxNameBytes bytes are shown; "..." follows if there are
+// more.
+std::string Quoted(absl::string_view text);
+
 }  // namespace tactus

@@ -18,10 +18,6 @@
 namespace tactus {
 namespace {
 
-std::string Quoted(absl::string_view text) {
-  return absl::StrCat("\"", Printable(text.substr(0, 40)), "\"");
-}
-
 // What is wrong with the text of a line, empty if nothing is.
 absl::string_view LineFault(absl::string_view line) {
   if (line.find('\0') != absl::string_view::npos) return "holds a zero byte";

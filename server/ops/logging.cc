@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "core/base/errors.h"
-#include "core/base/quoted.h"
+#include "core/base/text.h"
 #include "grpc/support/log.h"
 #include "server/ops/clock.h"
 #include "server/ops/log_limiter.h"

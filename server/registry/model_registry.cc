@@ -10,8 +10,8 @@
 #include "absl/strings/strip.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
-#include "core/base/quoted.h"
 #include "core/base/status_macros.h"
+#include "core/base/text.h"
 #include "core/bundle/bundle.h"
 
 namespace tactus::server {

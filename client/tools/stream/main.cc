@@ -107,16 +107,9 @@ int Main(int argc, char** argv) {
   app.add_option("--server", flags.server, "host:port or unix:path")
       ->capture_default_str();
   app.add_option("--tls-ca", flags.tls_ca,
-  std::optional<SkinLayout> layout;
-  if (!flags.layout.empty()) {
-    TACTUS_ASSIGN_OR_RETURN(layout, ReadLayoutFile(flags.layout));
-  }
-  ChannelOptions options;
-  if (flags.tls_ca) {
-    TACTUS_ASSIGN_OR_RETURN(options.tls_roots,
-                            ReadRootCertificates(*flags.tls_ca));
-  }
-  const auto channel = MakeChannel(flags.server, options);
+                 "PEM file of the authorities that may vouch for the server; "
+                 "with it, the connection uses TLS")
+      ->check(CLI::ExistingFile);
   app.add_option("--driver", flags.driver, "sim or replay")
       ->check(CLI::IsMember({"sim", "replay"}))
       ->capture_default_str();

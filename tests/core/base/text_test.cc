@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "core/base/limits.h"
 #include "gtest/gtest.h"
 
 namespace tactus {
@@ -90,6 +91,19 @@ TEST(TextTest, FaultsNameThePlace) {
 TEST(TextTest, PrintableIsOneLine) {
   EXPECT_EQ(Printable("a\nb\xFF\xC2\x85"s + "c"), "a?b??c");
   EXPECT_EQ(Printable("gr\xC3\xBCn\xC3"), "gr\xC3\xBCn?");
+}
+
+TEST(QuotedTest, NothingBreaksTheLineOrTheQuotes) {
+  EXPECT_EQ(Quoted("left-arm"), "\"left-arm\"");
+  EXPECT_EQ(Quoted("a\nb"), "\"a\\nb\"");
+  EXPECT_EQ(Quoted("a\" ok"), "\"a\\\" ok\"");
+  EXPECT_EQ(Quoted("\x1b[2J\xff"), "\"\\x1b[2J\\xff\"");
+}
+
+TEST(QuotedTest, LongTextIsCut) {
+  const std::string most(limits::kMaxNameBytes, 'x');
+  EXPECT_EQ(Quoted(most), "\"" + most + "\"");
+  EXPECT_EQ(Quoted(most + "y"), "\"" + most + "\"...");
 }
 
 }  // namespace
