@@ -240,6 +240,15 @@ int Main(int argc, char** argv) {
                  "answered for this long")
       ->check(CLI::Range(100, 3'600'000))
       ->capture_default_str();
+  app.add_option("--max-streams-per-peer", flags.server.max_streams_per_peer,
+                 "Streams admitted at once from one host (an IPv6 /64 network "
+                 "and all unix sockets count as one); 0 for no limit, as "
+                 "behind a proxy with more robots")
+      ->check(CLI::Range(0, 100'000))
+      ->capture_default_str();
+  app.add_flag("--reflection", flags.server.reflection,
+               "Serve gRPC reflection, so that tools such as grpcurl can list "
+               "the services");
   app.add_option("--idle-timeout-ms", flags.server.idle_timeout_ms,
                  "Silence that ends a stream; 0 for none")
       ->check(CLI::Range(0, 86'400'000))

@@ -10,6 +10,8 @@
 #include "core/base/status_macros.h"
 #include "core/base/version.h"
 #include "grpcpp/ext/proto_server_reflection_plugin.h"
+#include "grpcpp/impl/server_builder_option.h"
+#include "grpcpp/impl/server_builder_plugin.h"
 #include "grpcpp/server_builder.h"
 
 namespace tactus::server {
@@ -33,7 +35,7 @@ void SetChannelArguments(int max_streams, grpc::ServerBuilder& builder) {
   // Frames are small and few: probing for more bandwidth would only add pings
   // to them, a third of all writes.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
-  // Room above our own limit, which answers with a reason.
+  // Room above our own limits, which answer with a reason.
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,
                              max_streams + 100);
   builder.AddChannelArgument(GRPC_ARG_MAX_METADATA_SIZE, 16 * 1024);
@@ -45,8 +47,37 @@ void SetChannelArguments(int max_streams, grpc::ServerBuilder& builder) {
   }
   builder.AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
   builder.SetMaxReceiveMessageSize(limits::kMaxReceiveBytes);
-  builder.SetResourceQuota(
-      grpc::ResourceQuota("tactusd").Resize(kMemoryQuotaBytes));
+  // All calls of one read are made before any of them ends.
+  builder.AddChannelArgument(GRPC_ARG_TCP_MAX_READ_CHUNK_SIZE,
+                             limits::kMaxReadBytes);
+  builder.SetResourceQuota(grpc::ResourceQuota("tactusd")
+                               .Resize(kMemoryQuotaBytes)
+                               .SetMaxThreads(limits::kMaxSyncThreads));
+}
+
+// The library of reflection registers itself with every builder.
+class ReflectionOption final : public grpc::ServerBuilderOption {
+ public:
+  explicit ReflectionOption(bool on) : on_(on) {
+    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  }
+  void UpdateArguments(grpc::ChannelArguments*) override {}
+  void UpdatePlugins(std::vector<std::unique_ptr<grpc::ServerBuilderPlugin>>*
+                         plugins) override {
+    if (on_) return;
+    std::erase_if(*plugins, [](const auto& plugin) {
+      return plugin->name() == "proto_server_reflection";
+    });
+  }
+
+ private:
+  const bool on_;
+};
+
+// Streams of one connection, which is one peer's.
+int StreamsPerConnection(const TactusServer::Options& options) {
+  if (options.max_streams_per_peer == 0) return options.max_streams;
+  return std::min(options.max_streams, options.max_streams_per_peer);
 }
 
 int Threads(int wanted) {
@@ -65,18 +96,22 @@ absl::StatusOr<std::unique_ptr<TactusServer>> TactusServer::Start(
 
 TactusServer::TactusServer(const ModelSource* models, const Options& options)
     : options_(options),
-      contacts_(models, {.max_streams = options.max_streams,
-                         .idle_timeout_ms = options.idle_timeout_ms,
-                         .server_version = kVersion}) {}
+      contacts_(models,
+                {.max_streams = options.max_streams,
+                 .max_streams_per_peer = options.max_streams_per_peer,
+                 .idle_timeout_ms = options.idle_timeout_ms,
+                 .first_message_timeout_ms = options.first_message_timeout_ms,
+                 .server_version = kVersion}) {}
 
 absl::Status TactusServer::Listen() {
-  grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
-  SetChannelArguments(options_.max_streams, builder);
+  builder.SetOption(std::make_unique<ReflectionOption>(options_.reflection));
+  SetChannelArguments(StreamsPerConnection(options_), builder);
   TACTUS_ASSIGN_OR_RETURN(
       listener_, GrpcListener::Open(
                      {.addresses = options_.listen,
                       .tls = options_.tls,
+                      .guards = {&arrivals_, &refuser_, options_.reflection},
                       .limits = {.connections = options_.max_connections,
                                  .per_peer = options_.max_connections_per_peer},
                       .handshake_timeout_ms = options_.handshake_timeout_ms,
@@ -86,7 +121,7 @@ absl::Status TactusServer::Listen() {
   builder.RegisterService(&health_);
   for (int i = 0; i < Threads(options_.threads); ++i) {
     queues_.push_back(
-        std::make_unique<CallQueue>(builder.AddCompletionQueue()));
+        std::make_unique<CallQueue>(builder.AddCompletionQueue(), &arrivals_));
   }
   server_ = builder.BuildAndStart();
   // The sockets are open already: what is left to fail is the certificate.

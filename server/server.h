@@ -20,6 +20,7 @@
 #include "grpcpp/channel.h"
 #include "grpcpp/server.h"
 #include "server/listen/grpc_listener.h"
+#include "server/ops/guarded_credentials.h"
 #include "server/ops/tls.h"
 #include "server/rpc/contact_service.h"
 #include "server/rpc/health_service.h"
@@ -43,9 +44,13 @@ class TactusServer {
     int handshake_timeout_ms = limits::kHandshakeTimeoutMs;
     // Closes a connection without calls after this time.
     int connection_idle_ms = limits::kConnectionIdleMs;
-    // 0 means none.
+    // 0 means none, for each of these.
+    int max_streams_per_peer = limits::kMaxStreamsPerPeer;
+    int first_message_timeout_ms = limits::kFirstMessageTimeoutMs;
     int idle_timeout_ms = limits::kIdleTimeoutMs;
     int drain_grace_ms = limits::kDrainGraceMs;
+    // Serve grpc.reflection, from which tools learn the services.
+    bool reflection = false;
   };
 
   // Serving when it returns. INVALID_CONFIG or IO if an address is wrong or
@@ -67,6 +72,8 @@ class TactusServer {
   GrpcListener* listener() { return listener_.get(); }
   std::shared_ptr<grpc::Channel> InProcessChannel();
   const StreamGate& gate() const { return contacts_.gate(); }
+  const StreamGate& watch_gate() const { return health_.watch_gate(); }
+  const ArrivalGate& arrivals() const { return arrivals_; }
   const SkipTotals& skipped() const { return contacts_.skipped(); }
 
  private:
@@ -78,6 +85,8 @@ class TactusServer {
   void Shutdown(std::chrono::system_clock::time_point deadline);
 
   const Options options_;
+  ArrivalGate arrivals_{limits::kMaxWaitingCalls};
+  CallRefuser refuser_{&arrivals_};
   ContactService contacts_;
   HealthService health_;
   std::vector<std::unique_ptr<CallQueue>> queues_;

@@ -236,11 +236,21 @@ absl::Status ModelNotFound(absl::string_view name) {
                    {{"model", std::string(name)}});
 }
 
-absl::Status StreamLimit(int limit) {
+absl::Status StreamLimit(absl::string_view what, int limit) {
+  return MakeError(StatusCode::kResourceExhausted,
+                   v1::ERROR_REASON_STREAM_LIMIT,
+                   absl::StrCat("the server already serves ", limit, " ", what,
+                                ", its limit"),
+                   {{"limit", absl::StrCat(limit)}});
+}
+
+absl::Status PeerStreamLimit(absl::string_view what, absl::string_view peer,
+                             int limit) {
   return MakeError(
       StatusCode::kResourceExhausted, v1::ERROR_REASON_STREAM_LIMIT,
-      absl::StrCat("the server already serves ", limit, " streams, its limit"),
-      {{"limit", absl::StrCat(limit)}});
+      absl::StrCat("the server already serves ", limit, " ", what, " of ", peer,
+                   ", the limit of one peer"),
+      {{"limit", absl::StrCat(limit)}, {"peer", std::string(peer)}});
 }
 
 absl::Status Draining() {
@@ -251,6 +261,12 @@ absl::Status Draining() {
 absl::Status StreamIdle(int timeout_ms) {
   return MakeError(StatusCode::kDeadlineExceeded, v1::ERROR_REASON_STREAM_IDLE,
                    absl::StrCat("nothing arrived for ", timeout_ms, " ms"),
+                   {{"limit", absl::StrCat(timeout_ms)}});
+}
+
+absl::Status NoFirstMessage(int timeout_ms) {
+  return MakeError(StatusCode::kDeadlineExceeded, v1::ERROR_REASON_STREAM_IDLE,
+                   absl::StrCat("no config arrived within ", timeout_ms, " ms"),
                    {{"limit", absl::StrCat(timeout_ms)}});
 }
 

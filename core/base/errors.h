@@ -99,9 +99,13 @@ absl::Status GeometryMismatch(absl::string_view got, absl::string_view want);
 
 // Server.
 absl::Status ModelNotFound(absl::string_view name);
-absl::Status StreamLimit(int limit);
+// `what` names the calls that are limited, e.g. "streams".
+absl::Status StreamLimit(absl::string_view what, int limit);
+absl::Status PeerStreamLimit(absl::string_view what, absl::string_view peer,
+                             int limit);
 absl::Status Draining();
 absl::Status StreamIdle(int timeout_ms);
+absl::Status NoFirstMessage(int timeout_ms);
 
 // Client. INTERNAL: a response breaks the contract.
 absl::Status InvalidResponse(absl::string_view what, absl::string_view got,

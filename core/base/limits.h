@@ -59,7 +59,23 @@ inline constexpr size_t kMaxTrialBytes = kMaxReceiveBytes;
 
 // Server.
 inline constexpr int kMaxStreams = 2'000;
+// Streams of one peer: a host, an IPv6 /64 network, or all unix sockets. One
+// peer alone cannot take all streams, and a proxy in front of a laboratory's
+// robots has room for a thousand of them.
+inline constexpr int kMaxStreamsPerPeer = 1'000;
 inline constexpr int kIdleTimeoutMs = 300'000;
+// Time a new stream has for its first message.
+inline constexpr int kFirstMessageTimeoutMs = 5'000;
+// Health.Watch calls, of all peers and of one.
+inline constexpr int kMaxWatches = 1'000;
+inline constexpr int kMaxWatchesPerPeer = 100;
+// Calls that gRPC holds and that are not admitted yet; about 11 kB each.
+inline constexpr int kMaxWaitingCalls = 2'000;
+// Bytes that gRPC reads from a connection at once: a rapid reset fits some 400
+// calls into them.
+inline constexpr int kMaxReadBytes = 64 * 1024;
+// Threads of gRPC's synchronous services; reflection holds one per open call.
+inline constexpr int kMaxSyncThreads = 16;
 // Connections, open at once: in all, and from one IPv4 address or IPv6 /64.
 // Each robot may have its own; half is left to others.
 inline constexpr int kMaxConnections = 4'096;

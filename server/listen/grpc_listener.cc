@@ -34,10 +34,12 @@ void GrpcListener::AddTo(grpc::ServerBuilder& builder) {
   for (const ListeningSocket& socket : acceptor_->sockets()) {
     if (UsesTls(socket) && tls_ == nullptr) {
       tls_ = builder.experimental().AddExternalConnectionAcceptor(
-          ConnectionType::FROM_FD, TlsCredentials(*options_.tls));
+          ConnectionType::FROM_FD,
+          Guard(TlsCredentials(*options_.tls), options_.guards));
     } else if (!UsesTls(socket) && plain_ == nullptr) {
       plain_ = builder.experimental().AddExternalConnectionAcceptor(
-          ConnectionType::FROM_FD, grpc::InsecureServerCredentials());
+          ConnectionType::FROM_FD,
+          Guard(grpc::InsecureServerCredentials(), options_.guards));
     }
   }
 }

@@ -22,6 +22,7 @@
 #include "absl/status/statusor.h"
 #include "grpcpp/server_builder.h"
 #include "server/listen/acceptor.h"
+#include "server/ops/guarded_credentials.h"
 #include "server/ops/tls.h"
 
 namespace tactus::server {
@@ -34,6 +35,8 @@ class GrpcListener {
     // TLS on every host:port. Unix sockets are always plain: the permissions
     // of their file guard them.
     std::optional<TlsIdentity> tls;
+    // Bound the calls on all addresses.
+    Guards guards;
     ConnectionTable::Limits limits;
     int handshake_timeout_ms = 0;
     // Closes a connection that has had no call for this long.

@@ -29,8 +29,9 @@ class Task final : public CallEvent {
 
 }  // namespace
 
-CallQueue::CallQueue(std::unique_ptr<grpc::ServerCompletionQueue> queue)
-    : queue_(std::move(queue)) {}
+CallQueue::CallQueue(std::unique_ptr<grpc::ServerCompletionQueue> queue,
+                     ArrivalGate* arrivals)
+    : queue_(std::move(queue)), arrivals_(arrivals) {}
 
 CallQueue::~CallQueue() {
   if (served_) return;

@@ -4,7 +4,7 @@
 // it. Whatever happens to a call happens on the thread of its queue, one event
 // after another, so calls need no locks.
 //
-//   CallQueue queue(builder.AddCompletionQueue());
+//   CallQueue queue(builder.AddCompletionQueue(), &arrivals);
 //   const auto server = builder.BuildAndStart();
 //   queue.Start();
 //   queue.Post([] { Use(); });
@@ -26,12 +26,15 @@
 
 #include "core/base/call_event.h"
 #include "grpcpp/completion_queue.h"
+#include "server/ops/arrival_gate.h"
 
 namespace tactus::server {
 
 class CallQueue {
  public:
-  explicit CallQueue(std::unique_ptr<grpc::ServerCompletionQueue> queue);
+  // `arrivals` must outlive the queue.
+  CallQueue(std::unique_ptr<grpc::ServerCompletionQueue> queue,
+            ArrivalGate* arrivals);
   // After Stop, or without Start and any call.
   ~CallQueue();
 
@@ -45,6 +48,8 @@ class CallQueue {
   void Stop();
 
   void Enter() { ++calls_; }
+  // Where calls count themselves as arrived.
+  ArrivalGate* arrivals() const { return arrivals_; }
   void Leave();
   // Hands `event` back with `ok` once no other is at hand, or without if that
   // does not come about soon.
@@ -59,6 +64,7 @@ class CallQueue {
   void HandleDeferred(bool idle);
 
   const std::unique_ptr<grpc::ServerCompletionQueue> queue_;
+  ArrivalGate* const arrivals_;
   int calls_ = 0;
   bool stopping_ = false;
   bool served_ = false;

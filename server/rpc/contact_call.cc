@@ -1,5 +1,6 @@
 #include "server/rpc/contact_call.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -7,15 +8,14 @@
 #include "grpcpp/impl/codegen/proto_utils.h"
 #include "grpcpp/support/proto_buffer_reader.h"
 #include "server/ops/clock.h"
+#include "server/ops/peer.h"
 #include "server/rpc/status.h"
 #include "spdlog/spdlog.h"
 
 namespace tactus::server {
 namespace {
 
-int64_t TimeoutNs(const StreamSession::Options& options) {
-  return options.idle_timeout_ms * int64_t{1'000'000};
-}
+constexpr int64_t kNsPerMs = 1'000'000;
 
 }  // namespace
 
@@ -35,16 +35,19 @@ void ContactCall::OnCalled(bool ok) {
     delete this;
     return;
   }
+  arrival_.Arrive();
+  peer_ = PeerOf(context_.peer());
   auto options = delegate_->Admit(this);
   if (!options.ok()) {
     Finish(ToGrpcStatus(options.status()));
     return;
   }
+  arrival_.Admit();
   options_ = *std::move(options);
   request_ = delegate_->request(queue_);
   session_.emplace(delegate_->models(), options_);
   last_read_ns_ = MonotonicNs();
-  if (options_.idle_timeout_ms > 0) SetIdleAlarm(TimeoutNs(options_));
+  if (TimeoutMs() > 0) SetIdleAlarm(TimeoutMs() * kNsPerMs);
   Advance();
 }
 
@@ -163,6 +166,15 @@ void ContactCall::Hold() {
   queue_->Defer(&nothing_more_);
 }
 
+int ContactCall::TimeoutMs() const {
+  const int idle_ms = static_cast<int>(options_.idle_timeout_ms);
+  const int first_ms = delegate_->first_message_timeout_ms();
+  if (session_->state() != StreamSession::State::kWaitConfig || first_ms == 0) {
+    return idle_ms;
+  }
+  return idle_ms == 0 ? first_ms : std::min(first_ms, idle_ms);
+}
+
 void ContactCall::SetIdleAlarm(int64_t delay_ns) {
   ++in_flight_;
   idle_alarm_.Set(
@@ -177,7 +189,10 @@ void ContactCall::OnIdle(bool ok) {
     DeleteIfOver();
     return;
   }
-  const int64_t left_ns = last_read_ns_ + TimeoutNs(options_) - MonotonicNs();
+  const int timeout_ms = TimeoutMs();
+  // The first message came, and silence after it has no limit.
+  if (timeout_ms == 0) return;
+  const int64_t left_ns = last_read_ns_ + timeout_ms * kNsPerMs - MonotonicNs();
   if (left_ns > 0) {
     SetIdleAlarm(left_ns);
     return;
@@ -187,8 +202,11 @@ void ContactCall::OnIdle(bool ok) {
     context_.TryCancel();
     return;
   }
-  SetIdleAlarm(TimeoutNs(options_));
-  session_->Finish(StreamIdle(static_cast<int>(options_.idle_timeout_ms)));
+  const bool waits_for_config =
+      session_->state() == StreamSession::State::kWaitConfig;
+  SetIdleAlarm(timeout_ms * kNsPerMs);
+  session_->Finish(waits_for_config ? NoFirstMessage(timeout_ms)
+                                    : StreamIdle(timeout_ms));
   Advance();
 }
 

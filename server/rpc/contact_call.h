@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -44,6 +45,8 @@ class ContactCall {
     // A stream that was admitted has ended.
     virtual void Release(ContactCall* stream) = 0;
     virtual const ModelSource* models() const = 0;
+    // Time a stream has for its first message; 0 means no limit.
+    virtual int first_message_timeout_ms() const = 0;
     // The message that streams of a queue parse into.
     virtual v1::ClassifyContactRequest* request(CallQueue* queue) = 0;
 
@@ -51,7 +54,7 @@ class ContactCall {
     ~Delegate() = default;
   };
 
-  // All three must outlive it. The session's option tells the idle timeout.
+  // All three must outlive it. The idle timeout is in the session's options.
   ContactCall(RawContactService* service, CallQueue* queue, Delegate* delegate);
 
   ContactCall(const ContactCall&) = delete;
@@ -63,6 +66,8 @@ class ContactCall {
   void End(const absl::Status& status);
 
   CallQueue* queue() const { return queue_; }
+  // Who opened the stream, as PeerOf names it.
+  const std::string& peer() const { return peer_; }
   // Of a stream that was admitted.
   const StreamSession& session() const { return *session_; }
 
@@ -86,6 +91,8 @@ class ContactCall {
   void StartStagedWrite();
   // Holds the answer that waits until nothing else is at hand.
   void Hold();
+  // The silence that ends the stream in its present state; 0 for none.
+  int TimeoutMs() const;
   void SetIdleAlarm(int64_t delay_ns);
   void Finish(const grpc::Status& status);
   void DeleteIfOver();
@@ -93,6 +100,7 @@ class ContactCall {
   RawContactService* const service_;
   CallQueue* const queue_;
   Delegate* const delegate_;
+  ArrivalGate::Request arrival_{queue_->arrivals()};
 
   grpc::ServerContext context_;
   grpc::ServerAsyncReaderWriter<grpc::ByteBuffer, grpc::ByteBuffer> stream_{
@@ -104,6 +112,7 @@ class ContactCall {
   Event nothing_more_{this, &ContactCall::OnNothingMore};
   Event finish_done_{this, &ContactCall::OnFinished};
 
+  std::string peer_;
   // From admission on.
   std::optional<StreamSession> session_;
   StreamSession::Options options_;

@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
+#include "core/base/status_macros.h"
 #include "spdlog/spdlog.h"
 
 namespace tactus::server {
@@ -12,7 +13,8 @@ namespace tactus::server {
 ContactService::ContactService(const ModelSource* models, Options options)
     : models_(models),
       options_(std::move(options)),
-      gate_(options_.max_streams) {}
+      gate_("streams", {.all = options_.max_streams,
+                        .per_peer = options_.max_streams_per_peer}) {}
 
 void ContactService::Serve(CallQueue* queue) {
   lanes_.try_emplace(queue);
@@ -24,19 +26,20 @@ void ContactService::Serve(CallQueue* queue) {
 absl::StatusOr<StreamSession::Options> ContactService::Admit(
     ContactCall* stream) {
   new ContactCall(this, stream->queue(), this);
-  auto options = Enter();
+  auto options = Enter(stream->peer());
   if (options.ok()) lanes_.at(stream->queue()).streams.insert(stream);
   return options;
 }
 
 absl::StatusOr<StreamSession::Options> ContactService::Admit(TrialCall* call) {
   new TrialCall(this, call->queue(), this);
-  return Enter();
+  return Enter(call->peer());
 }
 
-absl::StatusOr<StreamSession::Options> ContactService::Enter() {
+absl::StatusOr<StreamSession::Options> ContactService::Enter(
+    const std::string& peer) {
   if (draining_) return Draining();
-  if (!gate_.TryEnter()) return StreamLimit(gate_.limit());
+  TACTUS_RETURN_IF_ERROR(gate_.Enter(peer));
   return StreamSession::Options{
       .stream_id = absl::StrCat(next_stream_.fetch_add(1)),
       .server_version = options_.server_version,
@@ -45,18 +48,21 @@ absl::StatusOr<StreamSession::Options> ContactService::Enter() {
 
 void ContactService::Release(ContactCall* stream) {
   lanes_.at(stream->queue()).streams.erase(stream);
-  Leave(stream->session());
+  Leave(stream->peer(), stream->session());
 }
 
-void ContactService::Release(TrialCall* call) { Leave(call->session()); }
+void ContactService::Release(TrialCall* call) {
+  Leave(call->peer(), call->session());
+}
 
-void ContactService::Leave(const StreamSession& session) {
+void ContactService::Leave(const std::string& peer,
+                           const StreamSession& session) {
   const uint64_t frames = session.frames();
   spdlog::debug("stream ended after {} frames, {} left", frames,
                 gate_.live() - 1);
   skipped_.Add(session.skipped());
   const std::lock_guard lock(mutex_);
-  gate_.Leave(frames);
+  gate_.Leave(peer, frames);
   stream_done_.notify_all();
 }
 

@@ -34,8 +34,10 @@ class ContactService final : public RawContactService,
  public:
   struct Options {
     int max_streams = 0;
-    // 0 means none.
+    // 0 means none, for each of these.
+    int max_streams_per_peer = 0;
     int idle_timeout_ms = 0;
+    int first_message_timeout_ms = 0;
     std::string server_version;
   };
 
@@ -68,9 +70,12 @@ class ContactService final : public RawContactService,
   void Release(ContactCall* stream) override;
   void Release(TrialCall* call) override;
   // The options of a call that may run, or why it may not.
-  absl::StatusOr<StreamSession::Options> Enter();
-  void Leave(const StreamSession& session);
+  absl::StatusOr<StreamSession::Options> Enter(const std::string& peer);
+  void Leave(const std::string& peer, const StreamSession& session);
   const ModelSource* models() const override { return models_; }
+  int first_message_timeout_ms() const override {
+    return options_.first_message_timeout_ms;
+  }
   v1::ClassifyContactRequest* request(CallQueue* queue) override {
     return &lanes_.at(queue).request;
   }

@@ -1,13 +1,67 @@
 #include "server/rpc/health_service.h"
 
 #include "absl/strings/str_cat.h"
+#include "core/base/errors.h"
 #include "grpcpp/server_context.h"
 #include "grpcpp/support/async_stream.h"
+#include "grpcpp/support/async_unary_call.h"
+#include "server/ops/peer.h"
+#include "server/rpc/status.h"
 
 namespace tactus::server {
 
 using grpc::health::v1::HealthCheckRequest;
 using grpc::health::v1::HealthCheckResponse;
+
+// One Check call; deletes itself when it was answered.
+class HealthCheck {
+ public:
+  HealthCheck(HealthService* service, CallQueue* queue)
+      : service_(service), queue_(queue) {
+    queue_->Enter();
+    service_->RequestCheck(&context_, &request_, &answer_, queue_->queue(),
+                           queue_->queue(), called_.tag());
+  }
+
+ private:
+  using Event = MemberEvent<HealthCheck>;
+
+  ~HealthCheck() { queue_->Leave(); }
+
+  void OnCalled(bool ok) {
+    if (!ok) {
+      delete this;
+      return;
+    }
+    arrival_.Arrive();
+    new HealthCheck(service_, queue_);
+    const HealthService::Status status = service_->status(request_.service());
+    HealthCheckResponse response;
+    response.set_status(status);
+    if (status == HealthCheckResponse::SERVICE_UNKNOWN) {
+      answer_.FinishWithError(
+          {grpc::StatusCode::NOT_FOUND,
+           absl::StrCat("no service '", Shortened(request_.service()), "'")},
+          finished_.tag());
+    } else {
+      answer_.Finish(response, grpc::Status::OK, finished_.tag());
+    }
+  }
+  void OnFinished(bool) { delete this; }
+
+  static std::string Shortened(const std::string& name) {
+    return name.substr(0, limits::kMaxNameBytes);
+  }
+
+  HealthService* const service_;
+  CallQueue* const queue_;
+  ArrivalGate::Request arrival_{queue_->arrivals()};
+  grpc::ServerContext context_;
+  HealthCheckRequest request_;
+  grpc::ServerAsyncResponseWriter<HealthCheckResponse> answer_{&context_};
+  Event called_{this, &HealthCheck::OnCalled};
+  Event finished_{this, &HealthCheck::OnFinished};
+};
 
 // One Watch call; deletes itself when its caller is gone.
 class HealthWatch {
@@ -21,12 +75,12 @@ class HealthWatch {
                            queue_->queue(), called_.tag());
   }
 
-  // Tells the status, if it is another than was told last.
+  // Sends the status if it differs from the one sent last.
   void Update() {
     if (over_ || writing_) return;
     const HealthService::Status status = service_->status(request_.service());
-    if (status == told_) return;
-    told_ = status;
+    if (status == sent_) return;
+    sent_ = status;
     HealthCheckResponse response;
     response.set_status(status);
     writing_ = true;
@@ -44,11 +98,20 @@ class HealthWatch {
       delete this;
       return;
     }
+    arrival_.Arrive();
     new HealthWatch(service_, queue_);
-    // That the call ended is still to come.
+    // The event OnEnded is still to come.
     in_flight_ = 1;
-    service_->watches_.at(queue_).insert(this);
-    Update();
+    peer_ = PeerOf(context_.peer());
+    const absl::Status status = service_->Admit(request_, peer_);
+    admitted_ = status.ok();
+    if (admitted_) {
+      arrival_.Admit();
+      service_->watches_.at(queue_).insert(this);
+      Update();
+    } else {
+      Finish(ToGrpcStatus(status));
+    }
   }
   void OnWritten(bool ok) {
     --in_flight_;
@@ -57,10 +120,18 @@ class HealthWatch {
     Advance();
   }
   void OnEnded(bool) {
+    --in_flight_;
     over_ = true;
-    service_->watches_.at(queue_).erase(this);
-    // In flight in place of this event.
-    writer_.Finish(grpc::Status::CANCELLED, finished_.tag());
+    if (admitted_) {
+      service_->watches_.at(queue_).erase(this);
+      service_->watch_gate_.Leave(peer_, 0);
+      Finish(grpc::Status::CANCELLED);
+    }
+    Advance();
+  }
+  void Finish(const grpc::Status& status) {
+    ++in_flight_;
+    writer_.Finish(status, finished_.tag());
   }
   void OnFinished(bool) {
     --in_flight_;
@@ -72,6 +143,7 @@ class HealthWatch {
 
   HealthService* const service_;
   CallQueue* const queue_;
+  ArrivalGate::Request arrival_{queue_->arrivals()};
   grpc::ServerContext context_;
   HealthCheckRequest request_;
   grpc::ServerAsyncWriter<HealthCheckResponse> writer_{&context_};
@@ -82,11 +154,15 @@ class HealthWatch {
   int in_flight_ = 0;
   bool writing_ = false;
   bool over_ = false;
-  HealthService::Status told_ = HealthCheckResponse::UNKNOWN;
+  bool admitted_ = false;
+  std::string peer_;
+  HealthService::Status sent_ = HealthCheckResponse::UNKNOWN;
 };
 
 void HealthService::Serve(CallQueue* queue) {
   watches_.try_emplace(queue);
+  // Both delete themselves.
+  new HealthCheck(this, queue);
   new HealthWatch(this, queue);
 }
 
@@ -110,16 +186,16 @@ HealthService::Status HealthService::status(const std::string& service) const {
                                   : found->second;
 }
 
-grpc::Status HealthService::Check(grpc::ServerContext*,
-                                  const HealthCheckRequest* request,
-                                  HealthCheckResponse* response) {
-  const Status found = status(request->service());
-  if (found == HealthCheckResponse::SERVICE_UNKNOWN) {
-    return {grpc::StatusCode::NOT_FOUND,
-            absl::StrCat("no service '", request->service(), "'")};
+absl::Status HealthService::Admit(const HealthCheckRequest& request,
+                                  const std::string& peer) {
+  // A watch keeps its request for as long as it is open.
+  const size_t size = request.service().size();
+  if (size > limits::kMaxNameBytes) {
+    return InvalidConfig(
+        "length of service", size,
+        absl::StrCat("at most ", limits::kMaxNameBytes, " bytes"));
   }
-  response->set_status(found);
-  return grpc::Status::OK;
+  return watch_gate_.Enter(peer);
 }
 
 }  // namespace tactus::server

@@ -9,6 +9,10 @@
 // gRPC's own would start threads of the callback API, which take part in
 // reading sockets and hand what they read to the threads of our queues.
 //
+// Check and Watch both run on our queues: a synchronous Check would wait for
+// the threads that calls of reflection may hold. Watch calls are bounded, for
+// each peer as well.
+//
 // Thread-safe. Must outlive the server it is registered with and its queues;
 // Serve comes before its queue starts.
 #pragma once
@@ -19,21 +23,24 @@
 #include <string>
 #include <unordered_set>
 
+#include "absl/status/status.h"
+#include "core/base/limits.h"
 #include "grpc/health/v1/health.grpc.pb.h"
+#include "server/ops/stream_gate.h"
 #include "server/rpc/call_queue.h"
 
 namespace tactus::server {
 
+class HealthCheck;
 class HealthWatch;
 
-using HealthServiceBase = grpc::health::v1::Health::WithAsyncMethod_Watch<
-    grpc::health::v1::Health::Service>;
+using HealthServiceBase = grpc::health::v1::Health::AsyncService;
 
 class HealthService final : public HealthServiceBase {
  public:
   using Status = grpc::health::v1::HealthCheckResponse::ServingStatus;
 
-  // Takes Watch calls on `queue`.
+  // Takes calls on `queue`.
   void Serve(CallQueue* queue);
 
   // Tells a service's status, and those who watch; "" is the whole server.
@@ -41,13 +48,20 @@ class HealthService final : public HealthServiceBase {
   // SERVICE_UNKNOWN if it was never told.
   Status status(const std::string& service) const;
 
-  grpc::Status Check(grpc::ServerContext* context,
-                     const grpc::health::v1::HealthCheckRequest* request,
-                     grpc::health::v1::HealthCheckResponse* response) override;
+  // Watch calls, and those that were refused.
+  const StreamGate& watch_gate() const { return watch_gate_; }
 
  private:
+  friend class HealthCheck;
   friend class HealthWatch;
 
+  // Whether a Watch call of `peer` may open.
+  absl::Status Admit(const grpc::health::v1::HealthCheckRequest& request,
+                     const std::string& peer);
+
+  StreamGate watch_gate_{
+      "health watches",
+      {.all = limits::kMaxWatches, .per_peer = limits::kMaxWatchesPerPeer}};
   mutable std::mutex mutex_;
   std::map<std::string, Status> statuses_;
   // Which queues there are is fixed once they start; the watches of each

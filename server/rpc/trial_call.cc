@@ -6,6 +6,7 @@
 
 #include "core/base/errors.h"
 #include "core/base/limits.h"
+#include "server/ops/peer.h"
 #include "server/rpc/status.h"
 
 namespace tactus::server {
@@ -41,6 +42,8 @@ void TrialCall::OnCalled(bool ok) {
     delete this;
     return;
   }
+  arrival_.Arrive();
+  peer_ = PeerOf(context_.peer());
   auto options = delegate_->Admit(this);
   if (!options.ok()) {
     Finish(options.status());

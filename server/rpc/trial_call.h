@@ -11,6 +11,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -47,6 +48,8 @@ class TrialCall {
   TrialCall& operator=(const TrialCall&) = delete;
 
   CallQueue* queue() const { return queue_; }
+  // Who made the call, as PeerOf names it.
+  const std::string& peer() const { return peer_; }
   const StreamSession& session() const { return trial_->session(); }
 
  private:
@@ -63,6 +66,7 @@ class TrialCall {
   RawContactService* const service_;
   CallQueue* const queue_;
   Delegate* const delegate_;
+  ArrivalGate::Request arrival_{queue_->arrivals()};
 
   grpc::ServerContext context_;
   grpc::ByteBuffer request_;
@@ -71,6 +75,7 @@ class TrialCall {
   Event turn_{this, &TrialCall::OnTurn};
   Event finished_{this, &TrialCall::OnFinished};
 
+  std::string peer_;
   // Set when the call is admitted.
   std::optional<TrialSession> trial_;
 };

@@ -86,6 +86,7 @@ class LoadBenchmark : public Benchmark {
         const auto server,
         ChildServer::Start(
             "tactusd", {"--listen=127.0.0.1:0", "--log-level=error",
+                        "--max-streams-per-peer=0",
                         absl::StrCat("--max-streams=",
                                      std::max(options.load.robots,
                                               options.search.max_robots))}));

@@ -160,7 +160,7 @@ absl::StatusOr<Memory> StreamMemory(const FrameScript& script, int count,
       const auto server,
       ChildServer::Start("tactusd",
                          {"--listen=127.0.0.1:0", "--log-level=error",
-                          "--max-streams=100000"}));
+                          "--max-streams=100000", "--max-streams-per-peer=0"}));
   const auto channels = [&](int wanted) {
     std::vector<std::shared_ptr<grpc::Channel>> made;
     for (int i = 0; i < wanted; ++i) {

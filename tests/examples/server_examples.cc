@@ -7,7 +7,10 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "grpcpp/server_builder.h"
+#include "server/ops/arrival_gate.h"
+#include "server/ops/guarded_credentials.h"
 #include "server/ops/health_probe.h"
+#include "server/ops/peer.h"
 #include "server/ops/signals.h"
 #include "server/ops/skip_totals.h"
 #include "server/ops/stream_gate.h"
@@ -53,10 +56,33 @@ void SkipTotalsExample(SkipTotals& totals, const StreamSession& session) {
   spdlog::info("skipped {}", totals.ToString());
 }
 
-absl::Status StreamGateExample(StreamGate& gate, uint64_t frames) {
-  if (!gate.TryEnter()) return StreamLimit(gate.limit());
+void Refuse();
+
+void ArrivalGateExample(ArrivalGate& gate) {
+  if (!gate.TryEnter(MonotonicNs())) Refuse();
+  ArrivalGate::Request request(&gate);  // asks gRPC for the next call
+  request.Arrive();                     // a call has come
+  request.Admit();                      // another limit counts it now
+}
+
+void GuardedCredentialsExample(ArrivalGate& gate, grpc::ServerBuilder& builder,
+                               const std::string& address) {
+  int port = 0;
+  CallRefuser refuser(&gate);
+  const Guards guards = {&gate, &refuser, false};
+  builder.AddListeningPort(
+      address, Guard(grpc::InsecureServerCredentials(), guards), &port);
+}
+
+void PeerExample(StreamGate& gate, const grpc::ServerContext& context) {
+  const absl::Status status = gate.Enter(PeerOf(context.peer()));
+}
+
+absl::Status StreamGateExample(const std::string& peer, uint64_t frames) {
+  StreamGate gate("streams", {.all = 2000, .per_peer = 1000});
+  TACTUS_RETURN_IF_ERROR(gate.Enter(peer));
   // ... serve the stream ...
-  gate.Leave(frames);
+  gate.Leave(peer, frames);
   return absl::OkStatus();
 }
 
@@ -97,9 +123,9 @@ void AnswerPacingExample(bool reading, bool more_follow, CallQueue* queue,
   }
 }
 
-void CallQueueExample(grpc::ServerBuilder& builder,
+void CallQueueExample(grpc::ServerBuilder& builder, ArrivalGate& arrivals,
                       std::chrono::system_clock::time_point deadline) {
-  CallQueue queue(builder.AddCompletionQueue());
+  CallQueue queue(builder.AddCompletionQueue(), &arrivals);
   const auto server = builder.BuildAndStart();
   queue.Start();
   queue.Post([] { Use(); });

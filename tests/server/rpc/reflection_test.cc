@@ -1,6 +1,8 @@
-// A tool that knows nothing of Tactus can ask what there is.
+// A tool that knows nothing of Tactus can ask for its services, if the server
+// was started with reflection.
 #include <string>
 
+#include "core/base/errors.h"
 #include "gtest/gtest.h"
 #include "tests/server/support/raw_call.h"
 #include "tests/server/support/test_server.h"
@@ -8,15 +10,22 @@
 namespace tactus {
 namespace {
 
-TEST(ReflectionTest, ListsTheContactService) {
-  testing::TestServer server;
+testing::RawAnswer ListServices(const testing::TestServer& server) {
   // ServerReflectionRequest{list_services: ""}: field 7, empty.
-  const std::string bytes =
-      testing::RawCall(
-          server.channel(),
-          "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo",
-          std::string("\x3a\x00", 2))
-          .bytes;
+  return testing::RawCall(
+      server.channel(),
+      "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo",
+      std::string("\x3a\x00", 2));
+}
+
+TEST(ReflectionTest, IsOffByDefault) {
+  const testing::TestServer server;
+  EXPECT_EQ(ReasonOf(ListServices(server).status), "UNIMPLEMENTED");
+}
+
+TEST(ReflectionTest, ListsTheContactService) {
+  const testing::TestServer server({.reflection = true});
+  const std::string bytes = ListServices(server).bytes;
   EXPECT_NE(bytes.find("tactus.v1.ContactService"), std::string::npos);
   EXPECT_NE(bytes.find("grpc.health.v1.Health"), std::string::npos);
 }
