@@ -1,6 +1,10 @@
 # tactusd in a small image. deploy/check-image.sh builds and tries it.
 #
 #   docker build -t tactusd . && docker run --rm -p 50051:50051 tactusd
+#
+# TLS: mount the PEM files and set TACTUSD_TLS_CERT and TACTUSD_TLS_KEY. The
+# server and the health check below both read these variables; the flags
+# --tls-cert and --tls-key would reach the server only.
 
 FROM debian:bookworm-slim AS build
 COPY deploy/install-deps.sh /deploy/
