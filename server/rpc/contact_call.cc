@@ -85,10 +85,12 @@ void ContactCall::TakeMessage() {
   last_read_ns_ = start_ns;
   const size_t size = read_.Length();
   grpc::ProtoBufferReader bytes(&read_);
-  const absl::Status status = session_->OnMessage(&bytes, size, request_);
+  const bool waited = session_->state() == StreamSession::State::kWaitConfig;
+  // An error ends the stream, and the line about its end shows it.
+  session_->OnMessage(&bytes, size, request_).IgnoreError();
   session_->EndRequest(start_ns, MonotonicNs());
-  if (!status.ok()) {
-    spdlog::debug("stream {}: {}", options_.stream_id, status.ToString());
+  if (waited && session_->state() == StreamSession::State::kStreaming) {
+    spdlog::debug("{} began", session_->LogName());
   }
 }
 

@@ -6,9 +6,18 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
+#include "server/ops/clock.h"
 #include "spdlog/spdlog.h"
 
 namespace tactus::server {
+namespace {
+
+std::string Outcome(const absl::Status& status) {
+  if (status.ok()) return "OK";
+  return absl::StrCat(ReasonOf(status), ": ", status.message());
+}
+
+}  // namespace
 
 ContactService::ContactService(const ModelSource* models, Options options)
     : models_(models),
@@ -58,8 +67,10 @@ void ContactService::Release(TrialCall* call) {
 void ContactService::Leave(const std::string& peer,
                            const StreamSession& session) {
   const uint64_t frames = session.frames();
-  spdlog::debug("stream ended after {} frames, {} left", frames,
-                gate_.live() - 1);
+  if (const auto left_out = stream_log_.Admit(MonotonicNs())) {
+    spdlog::info("{} ended after {} frames: {}{}", session.LogName(), frames,
+                 Outcome(session.final_status()), LeftOut(*left_out));
+  }
   skipped_.Add(session.skipped());
   const std::lock_guard lock(mutex_);
   gate_.Leave(peer, frames);

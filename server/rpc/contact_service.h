@@ -20,6 +20,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "server/ops/log_limiter.h"
 #include "server/ops/skip_totals.h"
 #include "server/ops/stream_gate.h"
 #include "server/rpc/call_queue.h"
@@ -87,6 +88,7 @@ class ContactService final : public RawContactService,
   const Options options_;
   StreamGate gate_;
   SkipTotals skipped_;
+  LogLimiter stream_log_{{.lines_per_second = 20, .burst = 200}};
   std::atomic<uint64_t> next_stream_ = 1;
   std::atomic<bool> draining_ = false;
   // Which queues there are is fixed once they start.

@@ -2,9 +2,11 @@
 
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/base/text.h"
 #include "core/classify/input_spec.h"
 #include "core/skin/layout_proto.h"
 #include "server/session/request_parser.h"
@@ -156,6 +158,11 @@ void StreamSession::OnFrame(const v1::FrameBatch& batch, uint32_t index) {
 
 void StreamSession::WritePosterior(bool is_final, v1::Posterior* posterior) {
   writer_->Write(*pipeline_, is_final, posterior);
+}
+
+std::string StreamSession::LogName() const {
+  return absl::StrCat("stream ", options_.stream_id, " of client ",
+                      Quoted(settings_.client_id));
 }
 
 SkipCounters StreamSession::skipped() const {

@@ -77,6 +77,8 @@ class StreamSession {
   bool wants_request() const { return !finishing_ && !responses_.full(); }
   ResponseQueue& responses() { return responses_; }
   uint64_t frames() const { return frames_; }
+  // Names the stream in logs, for example: stream 7 of client "left-arm".
+  std::string LogName() const;
   // What was skipped so far.
   SkipCounters skipped() const;
 

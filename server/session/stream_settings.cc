@@ -21,8 +21,7 @@ absl::Status CheckName(absl::string_view field, absl::string_view name) {
                          absl::StrCat("at most ", limits::kMaxNameBytes));
   }
   if (TextFault(name, limits::kMaxNameBytes).empty()) return absl::OkStatus();
-  return InvalidConfig(field, absl::StrCat("\"", name, "\""),
-                       "UTF-8 without control characters");
+  return InvalidConfig(field, Quoted(name), "UTF-8 without control characters");
 }
 
 absl::Status ParseTaxels(const v1::StreamConfig& config,
