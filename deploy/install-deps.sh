@@ -46,7 +46,6 @@ readonly IMAGE=(
 readonly PROGRAMS=(
   libhdf5-dev
   libopencv-core-dev
-  libopencv-imgcodecs-dev
   libopencv-imgproc-dev
   nlohmann-json3-dev
   pkgconf
@@ -64,6 +63,7 @@ readonly TESTS=(
   openssl
   python3-grpcio
   python3-h5py
+  zlib1g-dev
 )
 
 usage() {

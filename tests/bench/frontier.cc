@@ -13,8 +13,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
-#include "client/tools/plot/figure.h"
-#include "client/tools/plot/pareto.h"
+#include "client/tools/figures/figure.h"
+#include "client/tools/figures/pareto.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "tests/bench/benchmarks.h"
@@ -136,7 +136,7 @@ absl::Status DrawFrontiers(const std::vector<FrontierPoint>& points,
       series->points.push_back(
           {point.nanoseconds, point.Wrong(), point.variant});
     }
-    TACTUS_RETURN_IF_ERROR(WritePng(
+    TACTUS_RETURN_IF_ERROR(DrawFigure(
         plot, absl::StrCat(folder, "/frontier-", NameOf(comparison), ".png")));
   }
   return absl::OkStatus();

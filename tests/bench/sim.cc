@@ -7,6 +7,7 @@
 #include "CLI/CLI.hpp"
 #include "absl/functional/function_ref.h"
 #include "absl/strings/str_format.h"
+#include "client/tools/figures/figure.h"
 #include "core/base/errors.h"
 #include "core/base/random.h"
 #include "core/base/status_macros.h"
@@ -233,7 +234,7 @@ class SimBenchmark : public Benchmark {
       if (!file.flush()) return IoError(table_, "cannot be written");
     }
     if (!figure_.empty()) {
-      TACTUS_RETURN_IF_ERROR(WritePng(WorkFigure(report.points), figure_));
+      TACTUS_RETURN_IF_ERROR(DrawFigure(WorkFigure(report.points), figure_));
     }
     return report.rows;
   }

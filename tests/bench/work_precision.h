@@ -5,7 +5,7 @@
 //
 //   std::vector<WorkPoint> points = {
 //       {"gentle", "CVODE", 1e-4, 0.003, 1e-4, 5e-3}};
-//   TACTUS_RETURN_IF_ERROR(WritePng(WorkFigure(points), "sim.png"));
+//   TACTUS_RETURN_IF_ERROR(DrawFigure(WorkFigure(points), "sim.png"));
 //
 // Stateless; thread-safe.
 #pragma once
@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "client/tools/plot/figure.h"
+#include "client/tools/figures/line_plot.h"
 
 namespace tactus::client {
 

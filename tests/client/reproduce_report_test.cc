@@ -6,6 +6,7 @@
 #include "core/base/errors.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/client/text_boxes.h"
 
 namespace tactus::client {
 namespace {
@@ -13,6 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::SizeIs;
 using testing::UnorderedElementsAre;
 
 ReproducedRow Known(Algorithm algorithm, absl::string_view features) {
@@ -125,6 +127,42 @@ TEST(ReproduceReportTest, FiguresAreOneOfAllRowsAndOneAMatrix) {
   }
   EXPECT_THAT(names, UnorderedElementsAre("cody-accuracy.png",
                                           "cody-confusion-hmm-f-m-a.png"));
+}
+
+TEST(ReproduceReportTest, BarsHaveIntervalsOfTheContactsCounted) {
+  const BarChart chart =
+      AccuracyChart({Known(Algorithm::kHmm, "f+m+a"), Failed()});
+  ASSERT_THAT(chart.sections, SizeIs(2));
+  const auto& bars = chart.sections[0].groups[0].bars;
+  EXPECT_EQ(bars[0]->value, 80);
+  // Wilson's interval of 96 of the 120 contacts that were felt.
+  EXPECT_NEAR(*bars[0]->low, 71.97, 0.01);
+  EXPECT_NEAR(*bars[0]->high, 86.17, 0.01);
+  EXPECT_FALSE(chart.sections[1].groups[0].bars[0]);
+  EXPECT_EQ(chart.sections[1].groups[0].bars[1]->value, 40.42);
+}
+
+TEST(ReproduceReportTest, TheConfusionFigureNamesItsInterval) {
+  const ConfusionMatrix figure =
+      ConfusionFigure(Known(Algorithm::kHmm, "f+m+a"));
+  EXPECT_EQ(figure.subtitle, "96 of 120 right: 80.0 % (95 %: 72.0 to 86.2)");
+}
+
+// A chart of the size that `trainctl reproduce` draws.
+TEST(ReproduceReportTest, TextsOfTheChartDoNotOverlap) {
+  std::vector<ReproducedRow> rows;
+  for (const PaperRow& paper : PaperTable(Experiment::kCody)) {
+    ReproducedRow row = Known(paper.algorithm, paper.features);
+    row.paper = paper;
+    row.ours_percent = paper.accuracy_percent + 0.5;
+    rows.push_back(row);
+  }
+  const auto chart = ScriptOf(AccuracyChart(rows));
+  ASSERT_TRUE(chart.ok()) << chart.status();
+  EXPECT_EQ(CoveredTexts(*chart), "");
+  const auto matrix = ScriptOf(ConfusionFigure(rows[0]));
+  ASSERT_TRUE(matrix.ok()) << matrix.status();
+  EXPECT_EQ(CoveredTexts(*matrix), "");
 }
 
 TEST(ReproduceReportTest, AFolderThatCannotBeMadeIsAnIoError) {

@@ -120,7 +120,7 @@ void AddSection(const BarChart& chart, size_t index, const Range& y,
 
 }  // namespace
 
-absl::StatusOr<std::string> ScriptOf(const BarChart& chart) {
+absl::StatusOr<GnuplotScript> ScriptOf(const BarChart& chart) {
   TACTUS_RETURN_IF_ERROR(Check(chart));
   const std::vector<double> values = AllValues(chart);
   TACTUS_RETURN_IF_ERROR(CheckValues(chart.y, values));
@@ -157,7 +157,7 @@ absl::StatusOr<std::string> ScriptOf(const BarChart& chart) {
                script);
   }
   script.Add("unset multiplot");
-  return script.text();
+  return script;
 }
 
 }  // namespace tactus::client

@@ -59,6 +59,6 @@ struct BarChart {
 
 // The script that draws the chart. INVALID_CONFIG names what cannot be drawn:
 // nothing at all, too much, groups whose bars are not one per series.
-absl::StatusOr<std::string> ScriptOf(const BarChart& chart);
+absl::StatusOr<GnuplotScript> ScriptOf(const BarChart& chart);
 
 }  // namespace tactus::client

@@ -53,7 +53,7 @@ std::string CellColour(double fraction) {
 
 }  // namespace
 
-absl::StatusOr<std::string> ScriptOf(const ConfusionMatrix& matrix) {
+absl::StatusOr<GnuplotScript> ScriptOf(const ConfusionMatrix& matrix) {
   TACTUS_RETURN_IF_ERROR(Check(matrix));
   const int classes = static_cast<int>(matrix.labels.size());
   double widest = 0;
@@ -111,7 +111,7 @@ absl::StatusOr<std::string> ScriptOf(const ConfusionMatrix& matrix) {
   script.Add("set xlabel 'answer'");
   script.Add("set ylabel 'true class' offset -0.8,0");
   script.Add("plot NaN");
-  return script.text();
+  return script;
 }
 
 }  // namespace tactus::client

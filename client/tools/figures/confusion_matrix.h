@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "client/tools/figures/gnuplot_script.h"
 
 namespace tactus::client {
 
@@ -33,6 +34,6 @@ struct ConfusionMatrix {
 
 // The script that draws the matrix. INVALID_CONFIG names what cannot be drawn:
 // no class or too many, counts of another shape or below 0.
-absl::StatusOr<std::string> ScriptOf(const ConfusionMatrix& matrix);
+absl::StatusOr<GnuplotScript> ScriptOf(const ConfusionMatrix& matrix);
 
 }  // namespace tactus::client

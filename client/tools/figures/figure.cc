@@ -7,9 +7,9 @@ namespace tactus::client {
 
 absl::Status DrawFigure(const Figure& figure, const std::string& path) {
   TACTUS_ASSIGN_OR_RETURN(
-      const std::string script,
+      const GnuplotScript script,
       std::visit([](const auto& chart) { return ScriptOf(chart); }, figure));
-  return DrawToFile(script, path);
+  return DrawToFile(script.text(), path);
 }
 
 }  // namespace tactus::client

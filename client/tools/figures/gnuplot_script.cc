@@ -139,8 +139,19 @@ void GnuplotScript::PlotArea(const Box& area) {
 
 void GnuplotScript::Text(absl::string_view text, Point at,
                          const TextStyle& style) {
-  Add("set label %s at %s %s front font '%s%s,%g' textcolor rgb '%s'",
-      Quoted(text), At(at), NameOf(style.align), kFont,
+  const double width = TextWidth(text, style.size, style.bold);
+  const double before = style.align == Align::kLeft    ? 0
+                        : style.align == Align::kRight ? width
+                                                       : width / 2;
+  const double half = style.size / 2;
+  text_boxes_.push_back(style.vertical
+                            ? Box{at.x - half, at.y - (width - before),
+                                  at.x + half, at.y + before}
+                            : Box{at.x - before, at.y - half,
+                                  at.x - before + width, at.y + half});
+  Add("set label %s at %s %s %s front font '%s%s,%g' textcolor rgb '%s'",
+      Quoted(text), At(at), NameOf(style.align),
+      style.vertical ? "rotate by 90" : "norotate", kFont,
       style.bold ? ":Bold" : "", style.size * kPointsPerPixel, style.colour);
 }
 

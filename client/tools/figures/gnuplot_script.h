@@ -68,6 +68,8 @@ struct TextStyle {
   const char* colour = kInk;
   bool bold = false;
   Align align = Align::kLeft;
+  // Reads from bottom to top; `align` then is along y.
+  bool vertical = false;
 };
 
 // Width of `text` in pixels in DejaVu Sans, from its table of advance widths.
@@ -105,12 +107,15 @@ class GnuplotScript {
   // Where the axes of the next plot are.
   void PlotArea(const Box& area);
 
-  // Text that starts, is centred or ends at `at`, whose y is the middle of the
-  // letters. Belongs to the next plot; ClearText removes it afterwards.
+  // Text that starts, is centred or ends at `at`, whose other coordinate is the
+  // middle of the letters. Belongs to the next plot; ClearText removes it
+  // afterwards.
   void Text(absl::string_view text, Point at, const TextStyle& style);
   // A straight line with gnuplot's `style`, e.g. "lc rgb '#000000' lw 2".
   void Line(Point from, Point to, absl::string_view style);
   void ClearText();
+  // What the texts so far cover, in their order.
+  const std::vector<Box>& text_boxes() const { return text_boxes_; }
 
   // "screen 0.1,0.9" for a place in pixels.
   std::string At(Point at) const;
@@ -119,6 +124,7 @@ class GnuplotScript {
   int width_;
   int height_;
   std::string text_;
+  std::vector<Box> text_boxes_;
 };
 
 }  // namespace tactus::client

@@ -121,7 +121,7 @@ void AddCounts(const LinePlot& plot, const Range& x, const Box& area,
 
 }  // namespace
 
-absl::StatusOr<std::string> ScriptOf(const LinePlot& plot) {
+absl::StatusOr<GnuplotScript> ScriptOf(const LinePlot& plot) {
   TACTUS_RETURN_IF_ERROR(Check(plot));
   std::vector<double> all_x;
   std::vector<double> all_y;
@@ -173,7 +173,7 @@ absl::StatusOr<std::string> ScriptOf(const LinePlot& plot) {
     AddCounts(plot, x, count_area, script);
     script.Add("unset multiplot");
   }
-  return script.text();
+  return script;
 }
 
 }  // namespace tactus::client

@@ -65,6 +65,6 @@ struct LinePlot {
 
 // The script that draws the plot. INVALID_CONFIG names what cannot be drawn:
 // no series or too many, lengths that differ, numbers that do not fit the axis.
-absl::StatusOr<std::string> ScriptOf(const LinePlot& plot);
+absl::StatusOr<GnuplotScript> ScriptOf(const LinePlot& plot);
 
 }  // namespace tactus::client

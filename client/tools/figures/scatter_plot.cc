@@ -85,7 +85,7 @@ void AddLabels(const std::vector<ScatterPoint>& points,
 
 }  // namespace
 
-absl::StatusOr<std::string> ScriptOf(const ScatterPlot& plot) {
+absl::StatusOr<GnuplotScript> ScriptOf(const ScatterPlot& plot) {
   if (plot.series.empty() || plot.series.size() > kMaxSeries) {
     return InvalidConfig("series of a plot", plot.series.size(),
                          absl::StrCat("1 to ", kMaxSeries));
@@ -149,7 +149,7 @@ absl::StatusOr<std::string> ScriptOf(const ScatterPlot& plot) {
   SetAxis('x', plot.x, x, script);
   SetAxis('y', plot.y, y, script);
   script.Add("plot %s", absl::StrJoin(curves, ", \\\n  "));
-  return script.text();
+  return script;
 }
 
 }  // namespace tactus::client

@@ -52,6 +52,6 @@ struct ScatterPlot {
 
 // The script that draws the plot. INVALID_CONFIG names what cannot be drawn:
 // no series or too many, numbers that do not fit the axis.
-absl::StatusOr<std::string> ScriptOf(const ScatterPlot& plot);
+absl::StatusOr<GnuplotScript> ScriptOf(const ScatterPlot& plot);
 
 }  // namespace tactus::client

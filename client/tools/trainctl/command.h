@@ -35,6 +35,7 @@ void AddEvaluate(CLI::App& app, const SelectCommand& select);
 void AddInspect(CLI::App& app, const SelectCommand& select);
 void AddClassify(CLI::App& app, const SelectCommand& select);
 void AddReproduce(CLI::App& app, const SelectCommand& select);
+void AddShow(CLI::App& app, const SelectCommand& select);
 
 // The command line, on one line, for the provenance of a bundle.
 void SetCommandLine(int argc, char** argv);

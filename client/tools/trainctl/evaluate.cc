@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/tools/common/run_on_threads.h"
+#include "client/tools/figures/figure.h"
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/evaluate_figures.h"
 #include "client/tools/trainctl/evaluate_report.h"
@@ -71,9 +72,9 @@ absl::Status Draw(const Flags& flags, const Evaluation& result) {
   std::filesystem::create_directories(flags.figures);
   const NamedEvaluation named{std::string(AlgorithmName(result.algorithm)),
                               &result, 5};
-  TACTUS_RETURN_IF_ERROR(DrawAnytime({named}, Experiment::kSimulation,
-                                     flags.figures + "/anytime.png"));
-  return DrawReliability({named}, flags.figures + "/reliability.png");
+  TACTUS_RETURN_IF_ERROR(DrawFigure(AnytimePlot(named, Experiment::kSimulation),
+                                    flags.figures + "/anytime.png"));
+  return DrawFigure(ReliabilityPlot(named), flags.figures + "/reliability.png");
 }
 
 // Measures how well `unknown` detects contacts of a category that was left out

@@ -1,14 +1,15 @@
 // File: evaluate_figures.h
 //
-// Figures of what an evaluation found: accuracy while the touch lasts, and
-// whether probabilities mean what they say.
+// Figures of an evaluation: accuracy over the time since onset, and whether
+// probabilities mean what they promise. Every accuracy has its 95 % interval.
 //
-//   const std::vector<NamedEvaluation> shown = {{"HMM", &result, 5}};
-//   TACTUS_RETURN_IF_ERROR(DrawAnytime(shown, Experiment::kSimulation, path));
-//   TACTUS_RETURN_IF_ERROR(DrawReliability(shown, other_path));
+//   const NamedEvaluation shown = {"fused", &result, 5};
+//   TACTUS_RETURN_IF_ERROR(
+//       DrawFigure(AnytimePlot(shown, Experiment::kSimulation), path));
+//   TACTUS_RETURN_IF_ERROR(DrawFigure(ReliabilityPlot(shown), other_path));
 //
-// Nothing is owned: evaluations must outlive the call. Thread-safe: free
-// functions without state. Errors are those of WritePng.
+// Nothing is owned: the evaluation must outlive the call. Thread-safe: free
+// functions without state.
 #pragma once
 
 #include <optional>
@@ -16,8 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "absl/status/status.h"
-#include "client/tools/plot/figure.h"
+#include "client/tools/figures/line_plot.h"
 #include "core/eval/evaluate.h"
 #include "core/eval/metrics.h"
 #include "core/eval/paper_tables.h"
@@ -25,36 +25,37 @@
 namespace tactus::client {
 
 struct NamedEvaluation {
+  // Of the algorithm: "fused".
   std::string name;
   const Evaluation* evaluation = nullptr;
-  // Length of the longest contact; later times say nothing new and are left
-  // out.
+  // Length of the longest contact; there are no points at later times.
   double seconds = 5;
 };
 
 // Outcomes whose top probability falls into one of 15 equal-width bins, those
 // of ExpectedCalibrationError.
 struct ReliabilityBin {
+  // Of the top probability.
+  double low = 0;
+  double high = 0;
   double mean_probability = 0;
-  double accuracy = 0;
+  int right = 0;
   int count = 0;
 };
 
 // Bins that hold an outcome, by increasing probability.
 std::vector<ReliabilityBin> ReliabilityBins(std::span<const Outcome> outcomes);
 
-// Accuracy (%) at kAnytimeSeconds since onset, on a logarithmic axis; dashed,
-// the best row of the paper's table for `paper`.
-LinePlot AnytimePlot(const std::vector<NamedEvaluation>& evaluations,
+// Accuracy (%) at kAnytimeSeconds since onset, on a logarithmic axis, of the
+// evaluation and, where it has them, of its HMMs and its LSTMs alone; dashed,
+// the best row of the paper's table for `paper`. The y axis begins at 75, 50 or
+// 0 %, the highest of these below everything shown.
+LinePlot AnytimePlot(const NamedEvaluation& shown,
                      std::optional<Experiment> paper);
-absl::Status DrawAnytime(const std::vector<NamedEvaluation>& evaluations,
-                         std::optional<Experiment> paper,
-                         const std::string& path);
 
-// Share answered rightly against the probability claimed, after the last
-// frame; the diagonal is what the claim promises.
-LinePlot ReliabilityPlot(const std::vector<NamedEvaluation>& evaluations);
-absl::Status DrawReliability(const std::vector<NamedEvaluation>& evaluations,
-                             const std::string& path);
+// Percentage of right answers over the claimed probability, after the last
+// frame, with the number of contacts in each bin below; the diagonal is what
+// the claim promises.
+LinePlot ReliabilityPlot(const NamedEvaluation& shown);
 
 }  // namespace tactus::client

@@ -1,4 +1,4 @@
-// trainctl: simulate, import, fit, evaluate, inspect and classify trials.
+// trainctl: simulate, import, fit, evaluate, inspect, classify and show trials.
 #include <cstdlib>
 #include <iostream>
 
@@ -14,7 +14,8 @@ int main(int argc, char** argv) {
     return EXIT_FAILURE;
   }
   SetCommandLine(argc, argv);
-  CLI::App app("Simulate, import, fit, evaluate, inspect and classify trials.");
+  CLI::App app(
+      "Simulate, import, fit, evaluate, inspect, classify and show trials.");
   app.name("trainctl");
   app.require_subcommand(1);
   app.failure_message(CLI::FailureMessage::help);
@@ -24,7 +25,7 @@ int main(int argc, char** argv) {
     command = std::move(chosen);
   };
   for (auto add : {AddSimulate, AddImport, AddFit, AddEvaluate, AddInspect,
-                   AddClassify, AddReproduce}) {
+                   AddClassify, AddShow, AddReproduce}) {
     add(app, select);
   }
   CLI11_PARSE(app, argc, argv);

@@ -1,6 +1,7 @@
 #include "client/tools/trainctl/reproduce_report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <numeric>
 
@@ -8,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
-#include "client/tools/plot/figure.h"
+#include "client/tools/figures/figure.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
@@ -65,28 +66,6 @@ std::string SideBySide(const std::vector<std::vector<std::string>>& blocks) {
   return text;
 }
 
-BarChart AccuracyChart(const std::vector<ReproducedRow>& rows) {
-  const Experiment experiment = rows.front().experiment;
-  const PaperSource source = SourceOf(experiment);
-  BarChart chart;
-  chart.title = absl::StrCat(TitleOf(experiment),
-                             ": accuracy on the robot condition left out");
-  chart.y = {.title = "accuracy (%)", .low = 0, .high = 100};
-  chart.series = {{.name = "here"}, {.name = "paper"}};
-  chart.references = {
-      {.name = "majority class (paper)", .y = source.majority_percent}};
-  for (const ReproducedRow& row : rows) {
-    const std::string algorithm(PaperName(row.paper.algorithm));
-    if (chart.sections.empty() || chart.sections.back().name != algorithm) {
-      chart.sections.push_back({.name = algorithm});
-    }
-    chart.sections.back().groups.emplace_back(row.paper.features);
-    chart.series[0].values.push_back(row.ours_percent);
-    chart.series[1].values.push_back(row.paper.accuracy_percent);
-  }
-  return chart;
-}
-
 // "simulation-confusion-1nn-f-m-a.png".
 std::string ConfusionFile(const ReproducedRow& row) {
   const std::string algorithm = absl::AsciiStrToLower(
@@ -97,7 +76,58 @@ std::string ConfusionFile(const ReproducedRow& row) {
                       "-", features, ".png");
 }
 
+Bar BarOf(double percent, int trials) {
+  const Interval interval = WilsonInterval(
+      static_cast<int>(std::lround(percent / 100 * trials)), trials);
+  return {percent, 100 * interval.low, 100 * interval.high};
+}
+
 }  // namespace
+
+BarChart AccuracyChart(const std::vector<ReproducedRow>& rows) {
+  const Experiment experiment = rows.front().experiment;
+  const PaperSource source = SourceOf(experiment);
+  BarChart chart;
+  chart.title = absl::StrCat(TitleOf(experiment),
+                             ": accuracy on the robot condition left out");
+  chart.subtitle = "f force, m motion, a area; black bars are 95 % intervals";
+  chart.y = {.title = "accuracy (%)", .low = 0, .high = 100};
+  chart.series = {"here", "paper"};
+  chart.references = {
+      {.name = "majority class (paper)", .y = source.majority_percent}};
+  for (const ReproducedRow& row : rows) {
+    const std::string algorithm(PaperName(row.paper.algorithm));
+    if (chart.sections.empty() || chart.sections.back().name != algorithm) {
+      chart.sections.push_back({.name = algorithm});
+    }
+    std::optional<Bar> ours;
+    if (row.ours_percent) {
+      ours = BarOf(*row.ours_percent, row.trials - row.undetectable);
+    }
+    chart.sections.back().groups.push_back(
+        {std::string(row.paper.features),
+         {ours, BarOf(row.paper.accuracy_percent, source.trials)}});
+  }
+  return chart;
+}
+
+ConfusionMatrix ConfusionFigure(const ReproducedRow& row) {
+  int right = 0;
+  int count = 0;
+  for (size_t i = 0; i < row.confusion.size(); ++i) {
+    right += row.confusion[i][i];
+    count +=
+        std::accumulate(row.confusion[i].begin(), row.confusion[i].end(), 0);
+  }
+  const Interval interval = WilsonInterval(right, count);
+  return {.title = absl::StrCat(TitleOf(row.experiment), ": ", RowName(row)),
+          .subtitle = absl::StrFormat(
+              "%d of %d right: %.1f %% (95 %%: %.1f to %.1f)", right, count,
+              count == 0 ? 0 : 100. * right / count, 100 * interval.low,
+              100 * interval.high),
+          .labels = row.class_names,
+          .counts = row.confusion};
+}
 
 std::optional<double> ReproducedRow::Difference() const {
   if (!ours_percent) return std::nullopt;
@@ -202,16 +232,12 @@ absl::Status WriteFigures(const std::vector<ReproducedRow>& rows,
                           const std::string& folder) {
   const std::filesystem::path base(folder);
   const std::string name(SourceOf(rows.front().experiment).name);
-  TACTUS_RETURN_IF_ERROR(WritePng(AccuracyChart(rows),
-                                  (base / (name + "-accuracy.png")).string()));
+  TACTUS_RETURN_IF_ERROR(DrawFigure(
+      AccuracyChart(rows), (base / (name + "-accuracy.png")).string()));
   for (const ReproducedRow& row : rows) {
     if (row.confusion.empty()) continue;
-    const ConfusionMatrix matrix = {
-        .title = absl::StrCat(TitleOf(row.experiment), ": ", RowName(row)),
-        .labels = row.class_names,
-        .counts = row.confusion};
     TACTUS_RETURN_IF_ERROR(
-        WritePng(matrix, (base / ConfusionFile(row)).string()));
+        DrawFigure(ConfusionFigure(row), (base / ConfusionFile(row)).string()));
   }
   return absl::OkStatus();
 }

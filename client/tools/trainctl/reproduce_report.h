@@ -15,6 +15,8 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "client/tools/figures/bar_chart.h"
+#include "client/tools/figures/confusion_matrix.h"
 #include "client/tools/trainctl/command.h"
 #include "core/eval/metrics.h"
 #include "core/eval/paper_tables.h"
@@ -59,6 +61,14 @@ Json RowToJson(const ReproducedRow& row);
 // Makes the folder of figures if it does not exist. Called before the long
 // computation, so that a bad path fails early.
 absl::Status MakeFolder(const std::string& folder);
+
+// Ours and the paper's accuracies as bars, a section per algorithm. `rows`, at
+// least one, are of one experiment. The paper's intervals take its numbers of
+// trials.
+BarChart AccuracyChart(const std::vector<ReproducedRow>& rows);
+
+// The confusion matrix of a row that has one.
+ConfusionMatrix ConfusionFigure(const ReproducedRow& row);
 
 // Writes into `folder` EXPERIMENT-accuracy.png and, for each confusion matrix,
 // EXPERIMENT-confusion-ALGORITHM-FEATURES.png. `rows`, at least one, are of
