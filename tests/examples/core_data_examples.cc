@@ -99,13 +99,4 @@ absl::Status TrialLayoutExample(const Trial& trial) {
   return absl::OkStatus();
 }
 
-void WriteTo(const std::string& path);
-
-absl::Status DraftFileExample() {
-  TACTUS_ASSIGN_OR_RETURN(DraftFile draft, DraftFile::Create("model.tactus"));
-  WriteTo(draft.path());
-  TACTUS_RETURN_IF_ERROR(draft.Publish());
-  return absl::OkStatus();
-}
-
 }  // namespace tactus::examples
