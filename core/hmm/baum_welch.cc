@@ -8,18 +8,17 @@
 #include "core/base/errors.h"
 #include "core/base/random.h"
 #include "core/base/status_macros.h"
-#include "core/hmm/covariance_floor.h"
 #include "core/hmm/expectation.h"
 
 namespace tactus {
 namespace {
 
-// Share of every way into a re-seeded state.
+// Probability that is moved to a re-seeded state in each distribution.
 constexpr double kReseedShare = 0.1;
 constexpr int kMaxReseedsPerState = 3;
-// Updates that must follow a re-seeding for it to pay.
+// A re-seeding is worthwhile only if at least this many updates follow.
 constexpr int kUpdatesAfterReseed = 5;
-// Relative rounding error granted to a sum of log-likelihoods.
+// Relative rounding error that a sum of log-likelihoods may have.
 constexpr double kRounding = 1e-9;
 
 absl::Status CheckOptions(const BaumWelchOptions& options) {
@@ -111,15 +110,16 @@ class Trainer {
  private:
   absl::Status Expect() {
     TACTUS_RETURN_IF_ERROR(Validate(model_));
-    // The last model is not improved any more.
+    // The last model is scored but not updated.
     counts_ = expectation_.Compute(model_,
                                    report_.iterations < options_.max_iterations
-                                       ? Sums::kAll
-                                       : Sums::kLogLikelihood);
+                                       ? Counts::kAll
+                                       : Counts::kLogLikelihood);
     return absl::OkStatus();
   }
 
-  // Of the transitions the initial model allows, up to a constant.
+  // Log of the prior of the transitions that the initial model allows, up to a
+  // constant.
   double LogPrior() const {
     if (options_.transition_prior == 0) return 0;
     double sum = 0;
@@ -138,8 +138,8 @@ class Trainer {
     for (size_t i = 0; i < n; ++i) {
       UpdateTransitions(i, &counts_.transitions[i * n]);
     }
-    // A state is dead when it explains less than a hundredth of its even
-    // share, and less than one frame.
+    // A state is dead if it explains less than one frame, and less than 1 % of
+    // what it would explain if all states were equal.
     const double dead = std::min(1.0, 0.01 * frames_ / model_.states);
     for (size_t i = 0; i < n; ++i) {
       if (counts_.occupancy[i] >= dead) {
@@ -173,7 +173,7 @@ class Trainer {
       }
       sum += row[j];
     }
-    // A state that was never left keeps its row.
+    // A state without observed transitions keeps its row.
     if (sum < 1e-30) return;
     for (int j = 0; j < n; ++j) model_.transition[offset + j] = row[j] / sum;
   }
@@ -249,8 +249,8 @@ class Trainer {
   Expectation expectation_;
   ExpectedCounts counts_;  // given model_
   BaumWelchReport report_;
-  // Of the last update: a state was re-seeded; a loss of likelihood would be
-  // explained by that or by the floor.
+  // True if the last update re-seeded a state or raised a covariance to the
+  // floor. Either explains a lower likelihood.
   bool reseeded_ = false;
   bool excused_ = false;
 };

@@ -11,14 +11,14 @@ Expectation::Expectation(const std::vector<SequenceView>& sequences)
   }
 }
 
-ExpectedCounts Expectation::Compute(const GaussianHmm& model, Sums sums) {
+ExpectedCounts Expectation::Compute(const GaussianHmm& model, Counts wanted) {
   ExpectedCounts counts(model.states, model.dimensions);
   auto batch = batches_.begin();
   for (ForwardBackward& smoother : smoothers_) {
     smoother.SetModel(model);
     for (; batch != batches_.end() && batch->lanes() == smoother.lanes();
          ++batch) {
-      smoother.Add(*batch, sums);
+      smoother.Add(*batch, wanted);
     }
     smoother.AddTo(counts);
   }

@@ -1,15 +1,15 @@
 // File: expectation.h
 //
-// The expectation step of Baum-Welch over training sequences: their expected
-// counts, see forward_backward.h.
+// The expectation step of Baum-Welch: the expected counts of training sequences
+// (forward_backward.h).
 //
 //   Expectation expectation(sequences);
 //   const ExpectedCounts counts = expectation.Compute(model);
 //
-// The sequences are taken in side by side, so that short models fill vectors
-// too.
+// It processes several sequences side by side, so that models of few states
+// fill vector registers too.
 //
-// Not thread-safe. Copies the sequences; buffers are kept between models.
+// Not thread-safe. Copies the sequences; reuses its buffers between models.
 #pragma once
 
 #include <vector>
@@ -26,12 +26,13 @@ class Expectation {
   // sequences: valid.
   explicit Expectation(const std::vector<SequenceView>& sequences);
 
-  // model: valid, of the sequences' dimensions.
-  ExpectedCounts Compute(const GaussianHmm& model, Sums sums = Sums::kAll);
+  // model: valid, with the sequences' dimensions.
+  ExpectedCounts Compute(const GaussianHmm& model,
+                         Counts wanted = Counts::kAll);
 
  private:
   std::vector<SequenceBatch> batches_;
-  std::vector<ForwardBackward> smoothers_;  // one for each number of lanes
+  std::vector<ForwardBackward> smoothers_;  // one per number of lanes
 };
 
 }  // namespace tactus

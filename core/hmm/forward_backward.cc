@@ -10,14 +10,14 @@
 namespace tactus {
 namespace {
 
-// Frames whose moments are added at once; they and their shares stay in the
-// first-level cache.
+// Number of frames whose moments are added at once. They and their shares stay
+// in the first-level cache.
 constexpr int kMomentFrames = 16;
 
 }  // namespace
 
 void ForwardBackward::SetModel(const GaussianHmm& model) {
-  // Frames of another shape have their padding elsewhere.
+  // Frames of another shape have their padding at other places.
   if (model_ && model_->shape() != ShapeOf(model)) frames_.clear();
   model_.emplace(std::vector<const GaussianHmm*>(lanes_, &model),
                  UnitScale(model.dimensions));
@@ -55,8 +55,8 @@ Shares<double> ForwardBackward::Belief(int t) {
   return {frame, frame + model_->padded()};
 }
 
-void ForwardBackward::Add(const SequenceBatch& batch, Sums sums) {
-  // Cells that are nothing: padding stays so, as it is never written again.
+void ForwardBackward::Add(const SequenceBatch& batch, Counts wanted) {
+  // Shares of zero. The padding keeps them because nothing writes to it again.
   if (const size_t frames = batch.frames();
       frames_.size() < frames * cleared_.size()) {
     frames_.reserve(frames * cleared_.size());
@@ -65,7 +65,7 @@ void ForwardBackward::Add(const SequenceBatch& batch, Sums sums) {
     }
   }
   Forward(batch);
-  if (sums == Sums::kAll) Backward(batch);
+  if (wanted == Counts::kAll) Backward(batch);
 }
 
 void ForwardBackward::Forward(const SequenceBatch& batch) {

@@ -1,22 +1,23 @@
 // File: forward_backward.h
 //
-// The forward-backward algorithm for batches of sequences: how often, given the
-// observations, each state was visited and each transition taken, and what was
-// seen there (Rabiner 1989, equations 27, 37 and 38).
+// The forward-backward algorithm for batches of sequences. Given the
+// observations, it computes the expected number of visits of each state, of
+// uses of each transition, and the moments of the observations in each state
+// (Rabiner 1989, equations 27, 37 and 38).
 //
 //   ForwardBackward smoother(batch.lanes());
 //   smoother.SetModel(model);
-//   smoother.Add(batch, Sums::kAll);
+//   smoother.Add(batch, Counts::kAll);
 //   smoother.AddTo(counts);
 //
 // The backward pass smooths the filtered beliefs,
 //   p(i at t | j at t+1, o_1 .. o_t) = belief_t[i] transition[i][j]
 //                                      / predicted_t+1[j],
-// which is the textbook backward variable in a form whose every number is a
-// probability and which evaluates no density twice. Scaled in double
-// (scaled_kernels.h): no state is lost, however far behind.
+// This is equivalent to the textbook backward variable, but every number is a
+// probability and no density is evaluated twice. Scaled in double
+// (scaled_kernels.h), so no state underflows.
 //
-// Not thread-safe. Buffers grow to the longest batch and are kept.
+// Not thread-safe. Buffers grow to the longest batch and are reused.
 #pragma once
 
 #include <cstddef>
@@ -30,7 +31,7 @@
 
 namespace tactus {
 
-// Sums over sequences.
+// Expected counts, summed over sequences.
 struct ExpectedCounts {
   explicit ExpectedCounts(int states, int dimensions)
       : starts(states),
@@ -39,7 +40,7 @@ struct ExpectedCounts {
         first_moment(static_cast<size_t>(states) * dimensions),
         second_moment(first_moment.size() * dimensions) {}
 
-  // Of log p(sequence).
+  // Sum of log p(sequence).
   double log_likelihood = 0;
   // Expected number of sequences that start in each state, [N].
   std::vector<double> starts;
@@ -49,13 +50,14 @@ struct ExpectedCounts {
   std::vector<double> occupancy;
   // Expected sum of x - mean per state, [N x D], about the model's means.
   std::vector<double> first_moment;
-  // Expected sum of (x - mean)(x - mean)' per state, [N x D x D]; only the
-  // lower triangle is kept, without full covariances only the diagonal.
+  // Expected sum of (x - mean)(x - mean)' per state, [N x D x D]. Only the
+  // lower triangle is filled; for models without full covariances only the
+  // diagonal.
   std::vector<double> second_moment;
 };
 
-// What to compute; the log-likelihood costs half as much as all.
-enum class Sums { kAll, kLogLikelihood };
+// What to compute. The log-likelihood alone costs half as much as all counts.
+enum class Counts { kAll, kLogLikelihood };
 
 class ForwardBackward {
  public:
@@ -63,33 +65,34 @@ class ForwardBackward {
 
   int lanes() const { return lanes_; }
 
-  // Starts all sums anew. model: valid; not referred to later.
+  // Sets all sums to 0. model: valid; not referred to later.
   void SetModel(const GaussianHmm& model);
-  // batch: of as many lanes and the model's dimensions.
-  void Add(const SequenceBatch& batch, Sums sums);
+  // batch: has lanes() lanes and the model's dimensions.
+  void Add(const SequenceBatch& batch, Counts wanted);
   void AddTo(ExpectedCounts& counts) const;
 
  private:
   void Forward(const SequenceBatch& batch);
   void Backward(const SequenceBatch& batch);
-  // One frame, where what the shares have gathered must be taken out of them.
+  // One frame for which the exponents of the shares must be lowered first.
   void StepLowered(const double* x, int t);
   static bool EndsAt(const SequenceBatch& batch, int t);
   // Finds the largest exponent and the total of each lane's shares at t.
   void Reduce(int t);
-  // Of the lanes that end with frame t.
+  // Adds the log-likelihoods of the lanes that end with frame t.
   void AddLogLikelihoods(const SequenceBatch& batch, int t);
-  // The shares of lanes that end with frame t are its beliefs, normalised.
+  // For lanes that end with frame t, the smoothed share is the normalised
+  // belief.
   void NormaliseBelief(int t);
   void TakeLastShares(const SequenceBatch& batch, int t);
   void AddMoments(const SequenceBatch& batch, int first, int frames);
   // Padded arrays of frame t.
   Shares<double> Belief(int t);
-  // Its cells. They take the place of the belief's mantissas.
+  // Smoothed shares of frame t. They overwrite the mantissas of its belief.
   double* Share(int t) { return Belief(t).mantissa + model_->front(); }
-  // Planes of moments that come before those of dimension a.
+  // Number of planes of moments before those of dimension a.
   int MomentPlanes(int a) const;
-  // Over the lanes, of cells from `first` on.
+  // Sum over the lanes of the cells from `first` on.
   double Sum(const double* first) const;
 
   const int lanes_;
@@ -101,10 +104,11 @@ class ForwardBackward {
   AlignedVector<double> starts_;   // [plane]
   AlignedVector<double> taken_;    // [jumps][padded], by the state entered
   AlignedVector<double> moments_;  // as tactus::AddMoments keeps them
-  // Of the batch: mantissas and exponents of each frame, [T][2][padded].
+  // Mantissas and exponents of each frame of the batch, [T][2][padded].
   AlignedVector<double> frames_;
-  AlignedVector<double> cleared_;  // a frame of nothing
-  // Bits taken out of each lane's shares: whole numbers, so the sum is exact.
+  AlignedVector<double> cleared_;  // a frame whose shares are all zero
+  // Bits by which each lane's shares were lowered: whole numbers, so the sum is
+  // exact.
   std::vector<double> taken_out_;
   AlignedVector<double> lowered_, largest_, total_;  // patterns
   AlignedVector<double> predicted_;                  // [2][padded]

@@ -9,7 +9,7 @@
 //   TACTUS_RETURN_IF_ERROR(Validate(model));
 //   TACTUS_ASSIGN_OR_RETURN(HmmBank bank, HmmBank::Create(mixtures));
 //
-// Thread-safe while nobody writes to it, like any plain data.
+// Plain data; thread-safe while no thread writes to it.
 #pragma once
 
 #include <cstddef>
@@ -36,16 +36,26 @@ struct GaussianHmm {
 // Entries of one state's covariance: D * D, D or 1.
 size_t CovarianceSize(CovarianceType type, int dimensions);
 
-// Refuses with INVALID_MODEL, naming the field: sizes out of limits, entries
-// that are not finite, probabilities that are negative or do not sum to 1
-// within 1e-9, covariances that are not symmetric positive definite.
+// INVALID_MODEL, with the field's name, if a size is out of limits, an entry is
+// not finite, a probability is negative, probabilities do not sum to 1 within
+// 1e-9, or a covariance is not symmetric positive definite.
 absl::Status Validate(const GaussianHmm& model);
 
-// The same model with every covariance in the form `type`. Entries the form
-// cannot hold are dropped; spherical keeps the mean of the variances.
+// The same model with every covariance in the form `type`. Entries that the
+// form does not have are dropped; the spherical form has the mean of the
+// variances.
 GaussianHmm WithCovarianceType(const GaussianHmm& model, CovarianceType type);
 
 // Writes the covariance of `state` in full, row-major, to `out` [D x D].
 void FullCovariance(const GaussianHmm& model, int state, double* out);
+
+// Stores `covariance` [D x D, symmetric] as that of `state`, in the model's
+// form (spherical: the mean of the variances). Raises eigenvalues or variances
+// below `floor` to `floor`, and for full covariances also to 1e-10 of the
+// largest eigenvalue, so that a Cholesky factor exists in double precision.
+// This is the maximum-likelihood estimate under that constraint, so Baum-Welch
+// stays monotone. Returns true if any value was raised.
+bool SetFlooredCovariance(const std::vector<double>& covariance, double floor,
+                          int state, GaussianHmm& model);
 
 }  // namespace tactus

@@ -16,7 +16,7 @@
 namespace tactus {
 namespace {
 
-// Terms of a sum this many bits below the largest are beneath its rounding.
+// Terms of a sum that are this many bits below the largest do not change it.
 constexpr double kNegligibleBits = -100;
 
 // 2^n for whole n, -1022 <= n <= 0.
@@ -98,12 +98,6 @@ absl::StatusOr<HmmBank> HmmBank::Create(std::span<const HmmMixture> mixtures) {
         {component, ScaledModel<double>(Pick(models, component), unit)});
   }
   return bank;
-}
-
-int HmmBank::in_double() const {
-  size_t count = 0;
-  for (const DoubleGroup& group : doubles_) count += group.component.size();
-  return static_cast<int>(count);
 }
 
 BankFilter::BankFilter(const HmmBank& bank, Score score)

@@ -1,8 +1,8 @@
 // File: hmm_bank.h
 //
-// All categories' HMMs of one model, packed for scoring together: components of
-// one shape side by side, in float where that holds, else in double. The score
-// of a category is log sum_k weight_k p(o | hmm_k).
+// All categories' HMMs of one model, packed so that they are scored together:
+// components of one shape lie side by side, in float if its precision suffices,
+// else in double. The score of a category is log sum_k weight_k p(o | hmm_k).
 //
 //   TACTUS_ASSIGN_OR_RETURN(HmmBank bank, HmmBank::Create(mixtures));
 //   BankFilter filter(bank, Score::kForward);
@@ -10,11 +10,11 @@
 //   filter.Skip(3);                   // three frames were lost
 //   filter.LogLikelihood(scores);     // one per category
 //
-// Precision: relative to the sum of the frames' absolute log-densities, 1e-6 in
-// float and 1e-12 in double; see scaled_filter.h for what outliers do.
+// Precision, relative to the sum of the frames' absolute log-densities: 1e-6 in
+// float and 1e-12 in double. See scaled_filter.h for outliers.
 //
 // Thread-safety: HmmBank is immutable; a BankFilter belongs to one stream. The
-// bank must outlive its filters and stay where it is.
+// bank must outlive its filters and must not move.
 #pragma once
 
 #include <span>
@@ -35,13 +35,12 @@ class HmmBank {
 
   int dimensions() const { return dimensions_; }
   int categories() const { return static_cast<int>(first_.size()) - 1; }
-  // Components that float does not hold, scored in double.
-  int in_double() const;
 
  private:
   friend class BankFilter;
 
-  // Components of one shape; `component` numbers them through all categories.
+  // Components of one shape; `component` holds their indices, counted through
+  // all categories.
   struct FloatGroup {
     std::vector<int> component;
     ScaledModel<float> model;
@@ -57,17 +56,18 @@ class HmmBank {
   int dimensions_ = 0;
   std::vector<FloatGroup> floats_;
   std::vector<DoubleGroup> doubles_;
-  // Of all categories' components in turn: mantissa and exponent of weights.
+  // Mantissa and exponent of the weights of all categories' components in turn.
   std::vector<double> weight_mantissa_;
   std::vector<double> weight_exponent_;
-  std::vector<int> first_;  // component of each category, and their number
+  // Index of each category's first component, then the number of components.
+  std::vector<int> first_;
 };
 
 class BankFilter {
  public:
   BankFilter(const HmmBank& bank, Score score);
 
-  // As for ScaledFilter; nothing here allocates.
+  // As for ScaledFilter. None of them allocates.
   void Reset();
   void Step(std::span<const double> observation);
   void Skip(int missing);
@@ -80,7 +80,7 @@ class BankFilter {
   const HmmBank* bank_;
   std::vector<ScaledFilter<float>> floats_;
   std::vector<ScaledFilter<double>> doubles_;
-  // Of every component, weighted: mantissa 2^exponent.
+  // Weighted likelihood of every component: mantissa 2^exponent.
   std::vector<double> mantissa_;
   std::vector<double> exponent_;
   bool started_ = false;

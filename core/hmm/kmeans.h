@@ -1,11 +1,14 @@
 // File: kmeans.h
 //
-// k-means with k-means++ seeding (Arthur and Vassilvitskii, SODA 2007), the
-// best of several starts. Used to group trials before their HMMs are trained.
+// k-means with k-means++ seeding (Arthur and Vassilvitskii, SODA 2007). Runs
+// from several starts and keeps the result with the least inertia.
+// train_mixture.h groups trials with it before it trains their HMMs.
 //
 //   KMeansResult clusters = KMeans(points, 10, seed);
+//   clusters.cluster_of[i];  // the cluster of point i
 //
-// Thread-safe: a free function, deterministic given the seed.
+// Thread-safe: a free function. The same seed gives the same bits. The result
+// owns its arrays.
 #pragma once
 
 #include <cstdint>
@@ -21,8 +24,8 @@ struct KMeansResult {
   double inertia = 0;           // sum of squared distances to the centres
 };
 
-// points: [points x dimensions], finite, at least one. Gives `clusters`
-// clusters, or fewer when there are fewer distinct points; each holds a point.
+// points: [points x dimensions], finite, at least one. Returns `clusters`
+// clusters, or fewer if there are fewer distinct points. No cluster is empty.
 KMeansResult KMeans(const Eigen::MatrixXd& points, int clusters, uint64_t seed);
 
 }  // namespace tactus

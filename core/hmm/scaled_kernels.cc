@@ -39,7 +39,7 @@ void PredictAny(const PredictStep<T>& step) {
                    : PredictCells<T, false, 0>(step);
 }
 
-// Stores what `shares` gives for the cells from j on, at place p in the
+// Stores the result of `shares` for the cells from j on, at place p in the
 // patterns, and their largest exponents.
 template <typename T, class Function>
 HWY_INLINE void WeighEach(const WeighStep<T>& step, const Function& shares) {
@@ -100,7 +100,7 @@ void WeighAny(const WeighStep<T>& step) {
   }
 }
 
-// As Advance returns it.
+// The return value of Advance.
 template <typename T>
 bool KeptDigits(const WeighStep<T>& step) {
   const Vector<T> d;
@@ -128,8 +128,8 @@ template <typename T, bool kBest, int kJumps, int kDimensions, bool kFull>
 bool AdvanceCells(const AdvanceStep<T>& step) {
   const Vector<T> d;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  // Two short loops, as the steps of one long one wait for each other: the bits
-  // lie where the exponents come to.
+  // Two short loops, because the steps of one long loop would wait for each
+  // other.
   T* bits = step.weigh.to.exponent;
   int place = 0;
   for (int j = 0; j < step.weigh.cells; j += lanes) {
@@ -219,8 +219,6 @@ void FindLargestDouble(const Reduction<double>& step) { FindLargestAny(step); }
 void TotalFloat(const Reduction<float>& step) { TotalAny(step); }
 void TotalDouble(const Reduction<double>& step) { TotalAny(step); }
 
-const char* TargetName() { return hwy::TargetName(HWY_TARGET); }
-
 }  // namespace HWY_NAMESPACE
 }  // namespace tactus
 HWY_AFTER_NAMESPACE();
@@ -238,7 +236,6 @@ HWY_EXPORT(FindLargestFloat);
 HWY_EXPORT(FindLargestDouble);
 HWY_EXPORT(TotalFloat);
 HWY_EXPORT(TotalDouble);
-HWY_EXPORT(TargetName);
 
 void Predict(const PredictStep<float>& step) {
   HWY_DYNAMIC_DISPATCH(PredictFloat)(step);
@@ -270,8 +267,6 @@ void Total(const Reduction<float>& step) {
 void Total(const Reduction<double>& step) {
   HWY_DYNAMIC_DISPATCH(TotalDouble)(step);
 }
-
-const char* KernelTarget() { return HWY_DYNAMIC_DISPATCH(TargetName)(); }
 
 }  // namespace tactus
 #endif  // HWY_ONCE

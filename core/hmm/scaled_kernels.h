@@ -4,16 +4,17 @@
 // every CPU with run-time dispatch (Highway). Used through ScaledModel and
 // ScaledFilter.
 //
-// Every share of a state is mantissa * 2^exponent, the exponent a whole number
-// held in the same floating-point type. So nothing underflows, a state may lag
-// any distance and win again, and a frame costs no logarithm and no exponential
-// but that of a fraction of a bit. In a sum, terms 2^-127 (double: 2^-1023)
-// below the largest are left out; rounding is 2^-24 (2^-53).
+// The share of a state is its forward variable (Viterbi: that of the best path
+// to it). It is stored as mantissa * 2^exponent; the exponent is a whole number
+// in the same floating-point type. So no share underflows, a state may recover
+// from any distance, and a frame needs no logarithm and only the exponential of
+// a fraction of a bit. Sums leave out terms that are 2^-127 (double: 2^-1023)
+// of the largest; the rounding error is 2^-24 (2^-53).
 //
-// Cells: state s of component k lies in cell s * stride + k; arrays of cells
-// are padded as ScaledModel says, to kBlock cells and aligned to 64 bytes.
-// Patterns hold one number a component, repeated to fill a vector: [period], at
-// least kPattern.
+// Cells: state s of component k lies in cell s * stride + k. Arrays of cells
+// are padded to kBlock cells as ScaledModel describes, and aligned to 64 bytes.
+// Patterns hold one number per component, repeated to fill a vector: [period],
+// at least kPattern.
 //
 // Thread-safe: free functions on the caller's buffers; they allocate nothing.
 #pragma once
@@ -23,7 +24,8 @@
 
 namespace tactus {
 
-// Cells evaluated together at most; parameters are interleaved by it.
+// Largest number of cells evaluated together. Parameters are interleaved in
+// blocks of this size.
 inline constexpr int kBlock = 16;
 
 template <typename T>
@@ -33,22 +35,22 @@ template <typename T>
 struct Scaled;
 template <>
 struct Scaled<float> {
-  // Exponent of a share that is zero; sums of a few of them are finite.
+  // Exponent of a share of zero. Sums of a few of them are finite.
   static constexpr float kNothing = -1e36F;
-  // Ceiling of the squared distance, in bits; what is not finite takes it too.
+  // Largest squared distance, in bits. Also used for what is not finite.
   static constexpr float kFarthest = 1e34F;
-  // A frame that leaves no share above 2 to that has cost digits.
+  // If a frame leaves no share above 2 to the power of this, digits are lost.
   static constexpr float kTrusted = -0x1p20F;
 };
 template <>
 struct Scaled<double> {
   static constexpr double kNothing = -1e304;
-  // 1e7 frames of it still sum to a finite log-likelihood.
+  // 1e7 frames at this distance still have a finite log-likelihood.
   static constexpr double kFarthest = 1e300;
   static constexpr double kTrusted = -0x1p40;
 };
 
-// Shares of cells: mantissa and exponent, [cells] and padding either side.
+// Shares of cells: mantissa and exponent, [cells] with padding on both sides.
 template <typename T>
 struct Shares {
   T* mantissa;
@@ -72,8 +74,8 @@ struct PredictStep {
 void Predict(const PredictStep<float>& step);
 void Predict(const PredictStep<double>& step);
 
-// to[j] = from[j] times the density of state j at x, over 2^lowered of its
-// component; finds the largest exponent of each pattern entry. `to` may be
+// to[j] = from[j] times the density of state j at x, divided by 2^lowered of
+// its component. Finds the largest exponent of each pattern entry. `to` may be
 // `from`.
 template <typename T>
 struct WeighStep {
@@ -83,8 +85,8 @@ struct WeighStep {
   int dimensions;
   bool full;           // the inverse factors are triangular, not diagonal
   const T* emissions;  // [cells / kBlock][rows][kBlock], see ScaledModel
-  // float: one observation for all, rounded, then what rounding left, [2 D];
-  // double: one for each component, patterns [D][period].
+  // float: one observation for all components, [2 D]: rounded values, then the
+  // rounding errors. double: one per component, patterns [D][period].
   const T* x;
   const T* lowered;     // [period]
   T* largest_exponent;  // [period]
@@ -94,9 +96,9 @@ struct WeighStep {
 void Weigh(const WeighStep<float>& step);
 void Weigh(const WeighStep<double>& step);
 
-// Predicts and weighs at once, as a frame asks for, with lowered = 0 and
-// without keeping the prediction: predict.to, weigh.from and weigh.lowered are
-// not used. False if a component's largest exponent is not between kTrusted and
+// Predicts and weighs one frame at once, with lowered = 0 and without storing
+// the prediction: predict.to, weigh.from and weigh.lowered are not used.
+// Returns false if a component's largest exponent is not between kTrusted and
 // -kTrusted.
 template <typename T>
 struct AdvanceStep {
@@ -106,7 +108,7 @@ struct AdvanceStep {
 bool Advance(const AdvanceStep<float>& step);
 bool Advance(const AdvanceStep<double>& step);
 
-// Over the states of each component, by pattern entry.
+// A reduction over the states of each component, per pattern entry.
 template <typename T>
 struct Reduction {
   bool best;
@@ -119,12 +121,9 @@ struct Reduction {
 // Writes largest_exponent.
 void FindLargest(const Reduction<float>& step);
 void FindLargest(const Reduction<double>& step);
-// Writes total: the sum (best: largest) of the shares, over
-// 2^largest_exponent, which is read.
+// Writes total: the sum (best: largest) of the shares, divided by
+// 2^largest_exponent, which is an input.
 void Total(const Reduction<float>& step);
 void Total(const Reduction<double>& step);
-
-// The instruction set in use, such as "AVX3".
-const char* KernelTarget();
 
 }  // namespace tactus

@@ -5,7 +5,6 @@
 #include <cstddef>
 
 #include "core/base/errors.h"
-#include "core/lstm/dropout.h"
 
 namespace tactus {
 namespace {
@@ -81,16 +80,6 @@ void SumRows(const LstmKernels& kernels, int rows, const float* deltas,
 }
 
 }  // namespace
-
-absl::Status Validate(const LstmNoise& noise) {
-  if (!(noise.dropout >= 0 && noise.dropout < 1)) {
-    return InvalidConfig("dropout", noise.dropout, "at least 0 and below 1");
-  }
-  if (!(noise.input >= 0 && std::isfinite(noise.input))) {
-    return InvalidConfig("input noise", noise.input, "finite and at least 0");
-  }
-  return absl::OkStatus();
-}
 
 LstmBackprop::LstmBackprop(const LstmNetwork& network,
                            const LstmKernels& kernels)

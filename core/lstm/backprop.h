@@ -1,7 +1,7 @@
 // File: backprop.h
 //
-// Back-propagation through time over whole sequences: the loss of a batch and
-// its gradient by every weight.
+// Back-propagation through time over whole sequences: computes the loss of a
+// batch and its gradient with respect to every weight.
 //
 //   LstmBackprop backprop(network);
 //   backprop.SetWeights(network);
@@ -9,61 +9,52 @@
 //   const LstmBatchLoss loss = backprop.Loss(options);
 //   backprop.Backward(gradient);
 //
-// What is sequential, the products of the recurrent weights, runs step by
-// step; all other products run over all steps at once. Everything a step gives
-// is kept until Backward(): about 16 floats per cell, sequence and step.
+// The products of the recurrent weights depend on the step before and run step
+// by step. All other products run over all steps at once. The results of all
+// steps are stored until Backward(): about 16 floats per cell, sequence and
+// step.
 //
-// Buffers grow to the largest batch and stay. Not thread-safe.
+// Buffers grow to the largest batch and are reused. Not thread-safe.
 #pragma once
 
 #include <span>
 #include <vector>
 
-#include "absl/status/status.h"
 #include "core/base/random.h"
 #include "core/lstm/batch_layout.h"
 #include "core/lstm/kernels.h"
 #include "core/lstm/loss.h"
 #include "core/lstm/network.h"
+#include "core/lstm/noise.h"
 #include "core/lstm/packed_matrix.h"
 #include "core/lstm/sequence.h"
 
 namespace tactus {
 
-// What training disturbs, so that the network relies on no detail.
-struct LstmNoise {
-  // Probability of dropping a connection between two LSTM layers.
-  double dropout = 0;
-  // Standard deviation of what is added to every input.
-  double input = 0;
-};
-
-// OK, or INVALID_CONFIG.
-absl::Status Validate(const LstmNoise& noise);
-
 struct LstmBatchLoss {
-  // Over the sequences, each times its weight.
+  // Sum of the sequences' losses, each times its weight.
   double sum = 0;
-  // Sequences whose most likely class after the last step is their label.
+  // Number of sequences with the right label after the last step.
   int correct = 0;
 };
 
 class LstmBackprop {
  public:
-  // For networks of the shape of `network`, which is valid.
+  // network: valid. Later networks must have the same shape.
   explicit LstmBackprop(const LstmNetwork& network,
                         const LstmKernels& kernels = BestLstmKernels());
 
   void SetWeights(const LstmNetwork& network);
 
-  // Runs `batch`, which is valid for the network and not empty.
+  // Runs the network on `batch`: valid for the network, not empty, and alive
+  // until Backward() has returned.
   void Forward(std::span<const LstmSequence> batch, const LstmNoise& noise,
                Random& random);
 
-  // Of the batch last run, which must still be there.
+  // The loss of the last batch.
   LstmBatchLoss Loss(const LstmLossOptions& options);
 
-  // The gradient of the mean loss last computed; overwrites `gradient`, which
+  // Writes the gradient of the mean loss that Loss() computed last. `gradient`
   // has the network's shape.
   void Backward(LstmNetwork& gradient);
 
@@ -102,10 +93,10 @@ class LstmBackprop {
   LstmBuffer dense_bias_, dense_bias_gradient_;
   // One row of Padded(classes + 2R) per sequence and step.
   LstmBuffer outputs_, by_outputs_;
-  // What comes before the first step.
+  // Output and cell before the first step.
   LstmBuffer zeros_;
 
-  // Of the batch last run.
+  // The last batch.
   std::span<const LstmSequence> batch_;
   bool dropping_ = false;
   BatchLayout layout_;

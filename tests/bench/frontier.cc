@@ -18,10 +18,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "tests/bench/benchmarks.h"
-#include "tests/bench/frontier_classifier.h"
 #include "tests/bench/frontier_models.h"
-#include "tests/bench/frontier_precision.h"
-#include "tests/bench/frontier_sim.h"
 
 namespace tactus::client {
 namespace {

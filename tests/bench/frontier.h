@@ -10,12 +10,17 @@
 // Plain data and free functions without state; thread-safe.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/classify/compiled_model.h"
+#include "core/train/labelled_contact.h"
 #include "tests/bench/benchmark.h"
+#include "tests/bench/frontier_models.h"
 
 namespace tactus::client {
 
@@ -57,5 +62,41 @@ std::vector<BenchRow> FrontierRows(const std::vector<FrontierPoint>& points);
 // created. IO if a file cannot be written.
 absl::Status DrawFrontiers(const std::vector<FrontierPoint>& points,
                            const std::string& folder);
+
+// The three comparisons. Times are medians of rounds in which the variants take
+// turns. They fail with NUMERICAL_FAILURE if an error exceeds the variant's
+// stated bound.
+
+// Accuracies are measured at this time after onset.
+inline constexpr double kFrontierSeconds = 1.2;
+
+struct MeasuredClassifiers {
+  std::vector<FrontierPoint> points;
+  // The whole model, as served.
+  std::shared_ptr<const CompiledModel> served;
+};
+
+// The fraction of `contacts` that `model` classifies correctly kFrontierSeconds
+// after onset.
+absl::StatusOr<double> AccuracyOf(
+    const std::shared_ptr<const CompiledModel>& model,
+    const std::vector<LabelledContact>& contacts);
+
+absl::StatusOr<MeasuredClassifiers> MeasureClassifiers(
+    const FrontierContacts& contacts, bool quick);
+
+// An error is the largest of a category's log-likelihood, in nats per scored
+// frame, against logarithms in long double. Returns NUMERICAL_FAILURE if an
+// error exceeds the scorer's stated bound; pruned scorers state none.
+absl::StatusOr<std::vector<FrontierPoint>> MeasurePrecision(
+    const Model& model, const std::vector<LabelledContact>& contacts,
+    bool quick);
+
+// Simulates scenes of the grid. An error is the largest of a noiseless feature,
+// relative to the feature's peak, against tests/reference/sim/long_double.h. An
+// accuracy is that of `model` on the method's contacts with noise. Returns
+// NUMERICAL_FAILURE if an error of the exact method exceeds its stated bound.
+absl::StatusOr<std::vector<FrontierPoint>> MeasureSimulators(
+    const std::shared_ptr<const CompiledModel>& model, bool quick);
 
 }  // namespace tactus::client

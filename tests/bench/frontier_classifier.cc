@@ -1,5 +1,3 @@
-#include "tests/bench/frontier_classifier.h"
-
 #include <algorithm>
 #include <iterator>
 #include <utility>
@@ -11,6 +9,7 @@
 #include "core/base/status_macros.h"
 #include "core/eval/evaluate.h"
 #include "core/eval/metrics.h"
+#include "tests/bench/frontier.h"
 #include "tests/bench/timing.h"
 
 namespace tactus::client {

@@ -36,11 +36,9 @@ using Pair = std::vector<LabelledContact>;
 // A contact and, if its object moved, its twin with the object fixed.
 absl::StatusOr<Pair> SimulatePair(const TrialSpec& spec, uint64_t seed) {
   Pair pair;
-  for (const TrialSpec& each : {spec, FixedTwin(spec)}) {
-    TACTUS_ASSIGN_OR_RETURN(const SimulatedContact simulated,
-                            SimulateContact(each));
-    TACTUS_ASSIGN_OR_RETURN(pair.emplace_back(), ContactOf(simulated, seed));
-    if (!simulated.moved) break;
+  TACTUS_ASSIGN_OR_RETURN(const auto simulated, SimulateWithTwin(spec));
+  for (const SimulatedContact& each : simulated) {
+    TACTUS_ASSIGN_OR_RETURN(pair.emplace_back(), ContactOf(each, seed));
   }
   return pair;
 }

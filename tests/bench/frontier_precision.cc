@@ -1,5 +1,3 @@
-#include "tests/bench/frontier_precision.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,7 +12,7 @@
 #include "core/base/status_macros.h"
 #include "core/train/fit.h"
 #include "core/train/inputs.h"
-#include "tests/bench/frontier_classifier.h"
+#include "tests/bench/frontier.h"
 #include "tests/bench/hmm_models.h"
 #include "tests/bench/hmm_scorers.h"
 #include "tests/bench/timing.h"

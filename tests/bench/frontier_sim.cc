@@ -1,5 +1,3 @@
-#include "tests/bench/frontier_sim.h"
-
 #include <algorithm>
 #include <functional>
 #include <optional>
@@ -11,7 +9,7 @@
 #include "client/tools/common/run_on_threads.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
-#include "tests/bench/frontier_classifier.h"
+#include "tests/bench/frontier.h"
 #include "tests/bench/frontier_models.h"
 #include "tests/bench/sim_check.h"
 #include "tests/bench/timing.h"

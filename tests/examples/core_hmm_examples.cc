@@ -41,7 +41,7 @@ void ForwardBackwardExample(const SequenceBatch& batch,
                             const GaussianHmm& model, ExpectedCounts& counts) {
   ForwardBackward smoother(batch.lanes());
   smoother.SetModel(model);
-  smoother.Add(batch, Sums::kAll);
+  smoother.Add(batch, Counts::kAll);
   smoother.AddTo(counts);
 }
 
@@ -70,8 +70,9 @@ absl::Status InitExample(const Sequences& sequences,
   return absl::OkStatus();
 }
 
-void KMeansExample(const Eigen::MatrixXd& points, uint64_t seed) {
+void KMeansExample(const Eigen::MatrixXd& points, uint64_t seed, int i) {
   KMeansResult clusters = KMeans(points, 10, seed);
+  clusters.cluster_of[i];  // the cluster of point i
 }
 
 absl::Status MixtureExample(const GaussianHmm& model) {

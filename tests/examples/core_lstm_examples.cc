@@ -6,10 +6,10 @@
 #include "core/base/status_macros.h"
 #include "core/lstm/backprop.h"
 #include "core/lstm/batch_layout.h"
-#include "core/lstm/dropout.h"
 #include "core/lstm/kernels.h"
 #include "core/lstm/loss.h"
 #include "core/lstm/network.h"
+#include "core/lstm/noise.h"
 #include "core/lstm/optimizer.h"
 #include "core/lstm/packed_matrix.h"
 #include "core/lstm/sequence.h"
@@ -37,8 +37,11 @@ void BatchLayoutExample() {
   layout.Arrange(steps);
 }
 
-void DropoutExample(Random& random, std::span<float> mask) {
-  DropoutMask(0.2, random, mask);
+absl::Status NoiseExample(const LstmNoise& noise, Random& random,
+                          std::span<float> mask) {
+  TACTUS_RETURN_IF_ERROR(Validate(noise));
+  DropoutMask(noise.dropout, random, mask);  // at 0.2: 0 or 1.25
+  return absl::OkStatus();
 }
 
 void KernelsExample(const float* input, const float* weights) {

@@ -110,12 +110,12 @@ void GridSetExample(uint64_t seed, const SimulatedContact& contact) {
 
 absl::Status PaperSetExample(uint64_t seed) {
   std::vector<Trial> trials;
-  auto specs = TrialSpecs(PaperConditions());
-  TACTUS_RETURN_IF_ERROR(
-      ForEachContact(specs, {}, [&](const SimulatedContact& contact) {
-        trials.push_back(SignalTrial(contact, {}, seed));
-        return absl::OkStatus();
-      }));
+  for (const TrialSpec& spec : TrialSpecs(PaperConditions())) {
+    TACTUS_ASSIGN_OR_RETURN(const auto contacts, SimulateWithTwin(spec));
+    for (const SimulatedContact& contact : contacts) {
+      trials.push_back(SignalTrial(contact, {}, seed));
+    }
+  }
   return absl::OkStatus();
 }
 

@@ -51,13 +51,11 @@ SimulateJob PairJob(const TrialSpec& spec, bool name_goal,
   return [&flags, &layout, spec,
           name_goal]() -> absl::StatusOr<std::vector<SensedContact>> {
     std::vector<SensedContact> sensed;
-    for (const TrialSpec& each : {spec, FixedTwin(spec)}) {
-      TACTUS_ASSIGN_OR_RETURN(const SimulatedContact contact,
-                              SimulateContact(each));
+    TACTUS_ASSIGN_OR_RETURN(const auto contacts, SimulateWithTwin(spec));
+    for (const SimulatedContact& contact : contacts) {
       TACTUS_ASSIGN_OR_RETURN(SensedContact one, Sense(contact, flags, layout));
-      if (name_goal) one.trial.condition = ConditionName(each.robot);
+      if (name_goal) one.trial.condition = ConditionName(spec.robot);
       sensed.push_back(std::move(one));
-      if (!contact.moved) break;
     }
     return sensed;
   };

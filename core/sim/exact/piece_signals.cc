@@ -18,7 +18,8 @@ constexpr double kFaded = 1e-14;
 // before, beside what the filter has forgotten of it.
 constexpr double kSteadyFading = 1;
 constexpr int kSteadyFrames = 18;
-// Of the area: what the square of the pairs' share of the strain may add.
+// Limit of the area's error: the square of the part of the strain that comes
+// from the pairs.
 constexpr double kLinear = 1e-12;
 // Share by which the thickness may change in half a frame, for its powers
 // beyond kRampPowers to be lost beside 1.
@@ -237,7 +238,7 @@ void PieceSignals::TakeFrames(const ContactPiece& piece, double end) {
   bool last_clamped = false;
   while (closed_ + kFilterBlock <= intervals_ &&
          Boundary(closed_ + kFilterBlock) <= end) {
-    if (settled >= kForgetful) {
+    if (settled >= kSettlingBlocks) {
       signals_.samples.push_back(signals_.samples.back());
       signals_.object_motion.push_back(signals_.object_motion.back());
       signals_.clamped += last_clamped;
@@ -247,7 +248,7 @@ void PieceSignals::TakeFrames(const ContactPiece& piece, double end) {
     time = Boundary(closed_) - piece.begin();
     start.force = force.constant + force.slope * (time + kInterval / 2);
     // The filter knows nothing but this piece.
-    const bool steady = table.steady && taken >= kForgetful;
+    const bool steady = table.steady && taken >= kSettlingBlocks;
     BlockFilter::Column force_column = {};
     BlockFilter::Column motion_column = {};
     for (int i = 0; i < start.used; ++i) {

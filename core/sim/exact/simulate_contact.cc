@@ -21,4 +21,14 @@ absl::StatusOr<SimulatedContact> SimulateContact(
   return contact;
 }
 
+absl::StatusOr<std::vector<SimulatedContact>> SimulateWithTwin(
+    const TrialSpec& spec) {
+  std::vector<SimulatedContact> contacts;
+  for (const TrialSpec& each : {spec, FixedTwin(spec)}) {
+    TACTUS_ASSIGN_OR_RETURN(contacts.emplace_back(), SimulateContact(each));
+    if (!contacts.back().moved) break;
+  }
+  return contacts;
+}
+
 }  // namespace tactus

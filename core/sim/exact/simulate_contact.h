@@ -11,6 +11,8 @@
 // arguments, same bits.
 #pragma once
 
+#include <vector>
+
 #include "absl/status/statusor.h"
 #include "core/sim/exact/exact.h"
 #include "core/sim/model/trial_spec.h"
@@ -28,5 +30,9 @@ struct SimulateOptions {
 // many events.
 absl::StatusOr<SimulatedContact> SimulateContact(
     const TrialSpec& spec, const SimulateOptions& options = {});
+
+// The contact and, if its object moved, its twin with the object fixed.
+absl::StatusOr<std::vector<SimulatedContact>> SimulateWithTwin(
+    const TrialSpec& spec);
 
 }  // namespace tactus

@@ -45,7 +45,7 @@ constexpr double kFirstColumn = 4;
 constexpr double kLastColumn = 8;
 // Where the object stands: angle of first contact, +- deg.
 constexpr double kPlacementDeg = 2;
-// Shares, +-.
+// Relative differences, +-.
 constexpr double kMassShare = 0.02;
 constexpr double kFrictionShare = 0.15;
 constexpr double kEdgeShare = 0.15;
@@ -101,7 +101,7 @@ size_t WindowFrames() {
 }
 
 // The first frame some taxel of which reaches the onset threshold, as the
-// pipeline sees it (single precision), or `otherwise`.
+// pipeline computes it (single precision), or `otherwise`.
 size_t OnsetFrame(const Trial& trial, const SkinLayout& layout,
                   size_t otherwise) {
   const size_t taxels = layout.taxels();
@@ -137,7 +137,7 @@ std::vector<CodySpec> CodySpecs(const SkinLayout& layout, uint64_t seed) {
   std::vector<CodySpec> specs;
   for (double stiffness : kJointStiffnesses) {
     for (double velocity : kJointVelocities) {
-      for (const CodyObject& object : kObjects) {
+      for (const CodyObject& object : CodyObjects()) {
         for (bool held : {false, true}) {
           if (!held && !object.movable) continue;
           for (int i = 0; i < kCodyRepetitions; ++i) {

@@ -1,7 +1,5 @@
 #include "core/sim/experiments/paper_set.h"
 
-#include "core/base/status_macros.h"
-
 namespace tactus {
 namespace {
 
@@ -40,21 +38,6 @@ std::vector<TrialSpec> TrialSpecs(const std::vector<RobotCondition>& robots,
     }
   }
   return specs;
-}
-
-absl::Status ForEachContact(
-    std::span<const TrialSpec> specs, const SimulateOptions& options,
-    absl::FunctionRef<absl::Status(const SimulatedContact&)> take) {
-  for (const TrialSpec& spec : specs) {
-    TACTUS_ASSIGN_OR_RETURN(const SimulatedContact contact,
-                            SimulateContact(spec, options));
-    TACTUS_RETURN_IF_ERROR(take(contact));
-    if (!contact.moved) continue;
-    TACTUS_ASSIGN_OR_RETURN(const SimulatedContact twin,
-                            SimulateContact(FixedTwin(spec), options));
-    TACTUS_RETURN_IF_ERROR(take(twin));
-  }
-  return absl::OkStatus();
 }
 
 }  // namespace tactus

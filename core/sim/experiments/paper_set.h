@@ -5,24 +5,20 @@
 // condition, and for each trial whose object moved a twin with the object
 // fixed.
 //
-//   auto specs = TrialSpecs(PaperConditions());
-//   TACTUS_RETURN_IF_ERROR(ForEachContact(
-//       specs, {}, [&](const SimulatedContact& contact) {
-//         trials.push_back(SignalTrial(contact, {}, seed));
-//         return absl::OkStatus();
-//       }));
+//   for (const TrialSpec& spec : TrialSpecs(PaperConditions())) {
+//     TACTUS_ASSIGN_OR_RETURN(const auto contacts, SimulateWithTwin(spec));
+//     for (const SimulatedContact& contact : contacts) {
+//       trials.push_back(SignalTrial(contact, {}, seed));
+//     }
+//   }
 //
-// Stateless; thread-safe. Trials are independent: callers may run
-// SimulateContact for all specs in parallel, then for the twins of the trials
-// whose object moved.
+// Stateless; thread-safe. Trials are independent: callers may simulate the
+// specs in parallel.
 #pragma once
 
 #include <span>
 #include <vector>
 
-#include "absl/functional/function_ref.h"
-#include "absl/status/status.h"
-#include "core/sim/exact/simulate_contact.h"
 #include "core/sim/model/materials.h"
 #include "core/sim/model/trial_spec.h"
 
@@ -36,11 +32,5 @@ std::vector<RobotCondition> PaperConditions(double goal_m = kPaperGoal);
 std::vector<TrialSpec> TrialSpecs(
     const std::vector<RobotCondition>& robots,
     std::span<const Material> materials = Materials());
-
-// Simulates `specs` in order and passes each contact to `take`. If its object
-// moved, its twin follows directly. Stops at the first error.
-absl::Status ForEachContact(
-    std::span<const TrialSpec> specs, const SimulateOptions& options,
-    absl::FunctionRef<absl::Status(const SimulatedContact&)> take);
 
 }  // namespace tactus

@@ -139,10 +139,6 @@ std::span<const Material> Materials() {
   return materials;
 }
 
-const Material* FindMaterial(absl::string_view name) {
-  return Find(Materials(), name);
-}
-
 absl::string_view SurfaceName(Surface surface) {
   return surface == Surface::kWood ? "wood" : "glass";
 }

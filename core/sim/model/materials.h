@@ -1,7 +1,7 @@
 // File: materials.h
 //
-// What cubes are made of: the paper's 13 materials (Table "Material Selection
-// for Simulations"; materials.csv, built in) and tables like it.
+// Materials of cubes: the paper's 13 materials (Table "Material Selection for
+// Simulations"; materials.csv, built in) and tables of the same form.
 //
 //   TACTUS_ASSIGN_OR_RETURN(auto more, ParseMaterials(csv_text));
 //   Cube cube = {more[0], /*edge_m=*/0.05, Surface::kGlass};
@@ -37,15 +37,12 @@ struct Material {
 // All 13, in the table's order.
 std::span<const Material> Materials();
 
-// Null if there is none of that name among them.
-const Material* FindMaterial(absl::string_view name);
-
 // A table of at least one material as comma-separated text. The first line is
 // the header
 //   name,youngs_modulus_pa,density_kg_m3,wood_static,wood_kinetic,
 //   glass_static,glass_kinetic,poisson_ratio
-// (in one line); blank lines and those that begin with # are passed over.
-// INVALID_SCENE naming line and column of what is wrong.
+// (in one line). Blank lines and lines that begin with # are skipped.
+// INVALID_SCENE with line and column of the first error.
 absl::StatusOr<std::vector<Material>> ParseMaterials(absl::string_view csv);
 
 absl::string_view SurfaceName(Surface surface);  // "wood" or "glass"

@@ -49,7 +49,7 @@ BlockFilter::BlockFilter() {
     }
   }
   // From so long ago that powers of a ramp are forgotten too.
-  for (int block = -2 * kForgetful; block <= 0; ++block) {
+  for (int block = -2 * kSettlingBlocks; block <= 0; ++block) {
     Inputs ramp;
     for (int j = 0; j < kFilterBlock; ++j) ramp[j] = block * kFilterBlock + j;
     steady_constant_ = Advance(steady_constant_, constant_);

@@ -1,9 +1,9 @@
 // File: block_filter.h
 //
-// The anti-aliasing filter (butterworth.h) taken 20 samples at a time: from
-// 2 kHz to the skin's 100 Hz only every 20th output is wanted, so a block of
-// inputs is one product with constant columns. Exactly Butterworth6(200, 2000)
-// up to rounding.
+// The anti-aliasing filter (butterworth.h) in blocks of 20 samples. From 2 kHz
+// to the skin's 100 Hz only every 20th output is needed, so a block of inputs
+// is one product with constant columns. Equals Butterworth6(200, 2000) up to
+// rounding.
 //
 //   const BlockFilter& filter = BlockFilter::AntiAlias();
 //   BlockFilter::Column state = {};
@@ -20,18 +20,18 @@ namespace tactus {
 
 inline constexpr double kSkinRateHz = 100;
 inline constexpr double kAntiAliasHz = 200;
-// Rate at which a simulated contact enters the filter; a block is one frame.
+// Rate of a simulated contact at the filter's input. One block is one frame.
 inline constexpr double kSignalRateHz = 2000;
 inline constexpr int kFilterBlock = 20;
-// Blocks after which less than 1e-16 is left of what was in the filter: its
-// slowest mode fades by 25 in one.
-inline constexpr int kForgetful = 12;
-// Powers of a ramp that a block takes in closed form.
+// Number of blocks after which less than 1e-16 of the filter's earlier state is
+// left: its slowest mode decays by a factor of 25 per block.
+inline constexpr int kSettlingBlocks = 12;
+// Number of powers of a ramp that have a closed form.
 inline constexpr int kRampPowers = 8;
 
 class BlockFilter {
  public:
-  // Six states, then the last output; padded for the processor's vectors.
+  // Six states, then the last output; padded to a whole vector register.
   using Column = std::array<double, 8>;
   using Inputs = std::array<double, kFilterBlock>;
 
@@ -39,16 +39,16 @@ class BlockFilter {
 
   static double Output(const Column& state) { return state[6]; }
 
-  // What a block adds to the state: its inputs, or a constant and a ramp
-  // (0, 1, 2, ...) in closed form.
+  // The contribution of a block to the state: of its inputs, or in closed form
+  // of a constant and of a ramp (0, 1, 2, ...).
   Column Drive(const Inputs& inputs) const;
   const Column& constant() const { return constant_; }
   const Column& ramp() const { return ramp_; }
   // The n-th power of a ramp from -0.95 to 0.95.
   const Column& ramp_power(int n) const { return ramp_powers_[n]; }
 
-  // The state after a block of inputs that have always been such: what was in
-  // the filter before is forgotten after kForgetful blocks.
+  // The state after a block if all earlier inputs had the same form. Correct
+  // after kSettlingBlocks blocks of that form.
   const Column& steady_constant() const { return steady_constant_; }
   const Column& steady_ramp() const { return steady_ramp_; }
   const Column& steady_power(int n) const { return steady_powers_[n]; }

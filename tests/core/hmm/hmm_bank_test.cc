@@ -175,7 +175,7 @@ TEST(HmmBankTest, EveryInstructionSetAgrees) {
   }
   for (const int64_t target : targets) {
     hwy::SetSupportedTargetsForTest(target);
-    SCOPED_TRACE(KernelTarget());
+    SCOPED_TRACE(hwy::TargetName(target));
     ExpectAgreement(categories, x);
   }
   hwy::SetSupportedTargetsForTest(0);
@@ -185,12 +185,12 @@ TEST(HmmBankTest, EveryInstructionSetAgrees) {
 TEST(HmmBankTest, WhatFloatCannotHoldIsScoredInDouble) {
   Random random(64);
   auto categories = RandomCategories(2, CovarianceType::kFull, true, 2, random);
-  EXPECT_EQ(HmmBank::Create(categories)->in_double(), 0);
+  EXPECT_EQ(ScoredInDouble(categories), 0);
   // Nearly singular, and far from the scale of the others.
   const double tight[] = {1, 1 - 0x1p-40, 1 - 0x1p-40, 1};
   std::ranges::copy(tight, categories[0].components[0].covariances.begin());
   for (double& mean : categories[1].components[0].means) mean += 1e13;
-  EXPECT_EQ(HmmBank::Create(categories)->in_double(), 2);
+  EXPECT_EQ(ScoredInDouble(categories), 2);
   ExpectAgreement(categories,
                   RandomObservations(categories[2].components[0], 60, random));
 }

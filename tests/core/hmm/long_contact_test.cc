@@ -9,6 +9,7 @@
 #include "core/hmm/hmm_bank.h"
 #include "core/hmm/scaled_filter.h"
 #include "gtest/gtest.h"
+#include "tests/core/hmm/random_model.h"
 #include "tests/reference/hmm/forward_filter.h"
 
 namespace tactus {
@@ -85,7 +86,7 @@ void ExpectNear(double got, Quad want, double tolerance) {
 TEST(LongContactTest, FloatScaled) {
   const HmmMixture mixture = {.log_weight = {0}, .components = {TwoStates()}};
   const HmmBank bank = *HmmBank::Create({&mixture, 1});
-  ASSERT_EQ(bank.in_double(), 0);
+  ASSERT_EQ(ScoredInDouble({mixture}), 0);
   BankFilter filter(bank, Score::kForward);
   for (int t = 0; t < kFrames; ++t) filter.Step({&kValue, 1});
   double got = 0;

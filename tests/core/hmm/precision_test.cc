@@ -22,8 +22,8 @@ namespace {
 constexpr double kTolerance = 1e-12;
 constexpr double kFloatTolerance = 1e-6;
 
-// Scores of one model by each rung of the ladder.
-struct Rung {
+// Scores of one model by one implementation.
+struct Scored {
   const char* name;
   double tolerance;
   double log_likelihood = 0;
@@ -31,8 +31,8 @@ struct Rung {
 };
 
 // The log-domain filters.
-Rung ScoreInLogarithms(const GaussianHmm& model,
-                       const std::vector<double>& observations) {
+Scored ScoreInLogarithms(const GaussianHmm& model,
+                         const std::vector<double>& observations) {
   const CompiledHmm hmm = *CompiledHmm::Create(model);
   ForwardFilter forward(hmm);
   ViterbiFilter viterbi(hmm);
@@ -49,10 +49,10 @@ Rung ScoreInLogarithms(const GaussianHmm& model,
   return {"logarithms", kTolerance, forward.log_likelihood(), viterbi.score()};
 }
 
-Rung ScoreScaled(const GaussianHmm& model,
-                 const std::vector<double>& observations) {
+Scored ScoreScaled(const GaussianHmm& model,
+                   const std::vector<double>& observations) {
   const ScaledModel<double> scaled({&model}, UnitScale(model.dimensions));
-  Rung rung{"double", kTolerance};
+  Scored scored{"double", kTolerance};
   for (const Score score : {Score::kForward, Score::kViterbi}) {
     ScaledFilter<double> filter(scaled, {}, score);
     const int d = model.dimensions;
@@ -60,17 +60,17 @@ Rung ScoreScaled(const GaussianHmm& model,
       filter.Step(Frame(observations, d, t));
     }
     filter.UpdateTotals();
-    (score == Score::kForward ? rung.log_likelihood : rung.viterbi) =
+    (score == Score::kForward ? scored.log_likelihood : scored.viterbi) =
         filter.log_likelihood(0);
   }
-  return rung;
+  return scored;
 }
 
-Rung ScoreInBank(const GaussianHmm& model,
-                 const std::vector<double>& observations) {
+Scored ScoreInBank(const GaussianHmm& model,
+                   const std::vector<double>& observations) {
   const HmmMixture mixture = {.log_weight = {0}, .components = {model}};
   const HmmBank bank = *HmmBank::Create({&mixture, 1});
-  Rung rung{"bank", kFloatTolerance};
+  Scored scored{"bank", kFloatTolerance};
   for (const Score score : {Score::kForward, Score::kViterbi}) {
     BankFilter filter(bank, score);
     double got = 0;
@@ -80,29 +80,31 @@ Rung ScoreInBank(const GaussianHmm& model,
       filter.LogLikelihood({&got, 1});
       EXPECT_TRUE(std::isfinite(got)) << t;
     }
-    (score == Score::kForward ? rung.log_likelihood : rung.viterbi) = got;
+    (score == Score::kForward ? scored.log_likelihood : scored.viterbi) = got;
   }
-  return rung;
+  return scored;
 }
 
 void ExpectAgreement(const GaussianHmm& model,
                      const std::vector<double>& observations) {
   const QuadScores want = ScoreInQuad(model, observations);
-  for (const Rung& rung :
+  for (const Scored& scored :
        {ScoreInLogarithms(model, observations),
         ScoreScaled(model, observations), ScoreInBank(model, observations)}) {
-    SCOPED_TRACE(rung.name);
-    EXPECT_GE(rung.log_likelihood - rung.viterbi,
-              -rung.tolerance * std::abs(rung.viterbi));
+    SCOPED_TRACE(scored.name);
+    EXPECT_GE(scored.log_likelihood - scored.viterbi,
+              -scored.tolerance * std::abs(scored.viterbi));
     const double forward_error =
-        RelativeError(rung.log_likelihood, want.log_likelihood);
-    const double viterbi_error = RelativeError(rung.viterbi, want.viterbi);
-    EXPECT_LT(forward_error, rung.tolerance);
-    EXPECT_LT(viterbi_error, rung.tolerance);
-    testing::Test::RecordProperty(std::string(rung.name) + "_forward_error_e16",
-                                  std::to_string(forward_error * 1e16));
-    testing::Test::RecordProperty(std::string(rung.name) + "_viterbi_error_e16",
-                                  std::to_string(viterbi_error * 1e16));
+        RelativeError(scored.log_likelihood, want.log_likelihood);
+    const double viterbi_error = RelativeError(scored.viterbi, want.viterbi);
+    EXPECT_LT(forward_error, scored.tolerance);
+    EXPECT_LT(viterbi_error, scored.tolerance);
+    testing::Test::RecordProperty(
+        std::string(scored.name) + "_forward_error_e16",
+        std::to_string(forward_error * 1e16));
+    testing::Test::RecordProperty(
+        std::string(scored.name) + "_viterbi_error_e16",
+        std::to_string(viterbi_error * 1e16));
   }
 }
 
@@ -347,7 +349,7 @@ TEST(PrecisionTest, MillionEqualFrames) {
       categories.push_back({.log_weight = {0}, .components = {model}});
     }
     const HmmBank bank = *HmmBank::Create(categories);
-    EXPECT_EQ(bank.in_double(), 0);
+    EXPECT_EQ(ScoredInDouble(categories), 0);
     BankFilter filter(bank, Score::kForward);
     for (int t = 0; t < kFrames; ++t) filter.Step(x);
     std::vector<double> got(2);

@@ -11,6 +11,8 @@
 #include "Eigen/Core"
 #include "core/base/random.h"
 #include "core/hmm/gaussian_hmm.h"
+#include "core/hmm/mixture.h"
+#include "core/hmm/scaled_model.h"
 
 namespace tactus {
 
@@ -75,6 +77,21 @@ inline std::span<const double> Frame(const std::vector<double>& observations,
                                      int dimensions, int t) {
   return std::span<const double>(observations)
       .subspan(static_cast<size_t>(t) * dimensions, dimensions);
+}
+
+// The number of components that HmmBank scores in double because float is not
+// precise enough.
+inline int ScoredInDouble(const std::vector<HmmMixture>& categories) {
+  std::vector<const GaussianHmm*> models;
+  for (const HmmMixture& category : categories) {
+    for (const GaussianHmm& model : category.components) {
+      models.push_back(&model);
+    }
+  }
+  const std::vector<double> scale = BalancedScale(models);
+  return static_cast<int>(std::ranges::count_if(
+      models,
+      [&](const GaussianHmm* model) { return !FitsFloat(*model, scale); }));
 }
 
 }  // namespace tactus

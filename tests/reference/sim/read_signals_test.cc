@@ -4,6 +4,7 @@
 
 #include "core/sim/model/materials.h"
 #include "gtest/gtest.h"
+#include "tests/support/find_material.h"
 
 namespace tactus {
 namespace {

@@ -10,6 +10,7 @@
 #include "tests/core/sim/random_scenes.h"
 #include "tests/reference/sim/long_double.h"
 #include "tests/reference/sim/read_signals.h"
+#include "tests/support/find_material.h"
 
 namespace tactus {
 namespace {

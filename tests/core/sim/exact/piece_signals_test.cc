@@ -10,6 +10,7 @@
 #include "gtest/gtest.h"
 #include "tests/reference/sim/cvode.h"
 #include "tests/reference/sim/read_signals.h"
+#include "tests/support/find_material.h"
 
 namespace tactus {
 namespace {

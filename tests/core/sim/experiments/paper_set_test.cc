@@ -3,7 +3,9 @@
 #include <set>
 
 #include "core/base/errors.h"
+#include "core/sim/exact/simulate_contact.h"
 #include "gtest/gtest.h"
+#include "tests/support/find_material.h"
 
 namespace tactus {
 namespace {
@@ -56,16 +58,19 @@ TEST(SimulateContactTest, LabelsAndDescribesTheTrial) {
   EXPECT_NEAR(trial.time[499], 4.99, 1e-12);
 }
 
-// A small cut through the set; the whole of it is counted in counts_test.cc.
-TEST(ForEachContactTest, MovedTrialsAreFollowedByTheirFixedTwin) {
+// A few trials of the set; counts_test.cc counts all of them.
+TEST(SimulateWithTwinTest, MovedTrialsAreFollowedByTheirFixedTwin) {
   const TrialSpec specs[] = {Spec("fat", 0.2), Spec("light-foam", 0.2),
                              Spec("steel", 0.2), Spec("ceramic", 0.0522)};
   std::vector<std::string> seen;
-  ASSERT_TRUE(ForEachContact(specs, {}, [&](const SimulatedContact& contact) {
-                const Trial trial = contact.Metadata();
-                seen.push_back(trial.label + " " + trial.object);
-                return absl::OkStatus();
-              }).ok());
+  for (const TrialSpec& spec : specs) {
+    const auto contacts = SimulateWithTwin(spec);
+    ASSERT_TRUE(contacts.ok()) << contacts.status();
+    for (const SimulatedContact& contact : *contacts) {
+      const Trial trial = contact.Metadata();
+      seen.push_back(trial.label + " " + trial.object);
+    }
+  }
   EXPECT_EQ(seen,
             (std::vector<std::string>{
                 "SU fat-0.2000-wood", "SM light-foam-0.2000-wood",
@@ -73,23 +78,12 @@ TEST(ForEachContactTest, MovedTrialsAreFollowedByTheirFixedTwin) {
                 "HM ceramic-0.0522-wood", "HU ceramic-0.0522-wood-fixed"}));
 }
 
-TEST(ForEachContactTest, StopsAtTheFirstError) {
-  const TrialSpec specs[] = {Spec("fat", 0.2), Spec("fat", 0.1)};
-  int taken = 0;
-  const absl::Status status =
-      ForEachContact(specs, {}, [&](const SimulatedContact&) {
-        ++taken;
-        return InvalidTrainingData("enough");
-      });
-  EXPECT_EQ(ReasonOf(status), "INVALID_TRAINING_DATA");
-  EXPECT_EQ(taken, 1);
-}
-
 TEST(SimulateContactTest, BadRobotIsNamed) {
   TrialSpec spec = Spec("fat", 0.2);
   spec.robot.velocity = -1;
   const auto contact = SimulateContact(spec);
   EXPECT_EQ(ReasonOf(contact.status()), "INVALID_SCENE");
+  EXPECT_EQ(SimulateWithTwin(spec).status(), contact.status());
   EXPECT_EQ(InfoOf(contact.status()).metadata().at("field"),
             "scene.velocity_m_s");
 }

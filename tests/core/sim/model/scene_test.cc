@@ -6,6 +6,7 @@
 #include "core/base/errors.h"
 #include "core/sim/model/materials.h"
 #include "gtest/gtest.h"
+#include "tests/support/find_material.h"
 
 namespace tactus {
 namespace {

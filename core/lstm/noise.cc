@@ -1,4 +1,4 @@
-#include "core/lstm/dropout.h"
+#include "core/lstm/noise.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,19 @@
 #include <cstdint>
 #include <limits>
 
+#include "core/base/errors.h"
+
 namespace tactus {
+
+absl::Status Validate(const LstmNoise& noise) {
+  if (!(noise.dropout >= 0 && noise.dropout < 1)) {
+    return InvalidConfig("dropout", noise.dropout, "at least 0 and below 1");
+  }
+  if (!(noise.input >= 0 && std::isfinite(noise.input))) {
+    return InvalidConfig("input noise", noise.input, "finite and at least 0");
+  }
+  return absl::OkStatus();
+}
 
 void DropoutMask(double probability, Random& random, std::span<float> mask) {
   constexpr int kBits = 16;
@@ -19,7 +31,8 @@ void DropoutMask(double probability, Random& random, std::span<float> mask) {
   const auto draw = [&](size_t at, size_t count) {
     const uint64_t bits = random.Index(std::numeric_limits<uint64_t>::max());
     for (size_t j = 0; j < count; ++j) {
-      // A factor, as a branch would be guessed wrong one time in five.
+      // A multiplication, because a branch would be mispredicted one time in
+      // five.
       const bool keeps = (bits >> (kBits * j)) % kRange >= dropped;
       mask[at + j] = kept * static_cast<float>(keeps);
     }

@@ -1,4 +1,4 @@
-#include "core/lstm/dropout.h"
+#include "core/lstm/noise.h"
 
 #include <cmath>
 #include <vector>
