@@ -1,6 +1,7 @@
 #include "tests/bench/rendered_frames.h"
 
 #include "core/base/status_macros.h"
+#include "core/sim/exact/simulate_contact.h"
 #include "core/sim/experiments/paper_set.h"
 #include "core/sim/skin/render.h"
 

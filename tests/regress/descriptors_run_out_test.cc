@@ -54,7 +54,7 @@ int CountClosed(const std::vector<FileDescriptor>& connections) {
 }
 
 TEST(DescriptorsRunOutTest, ServerAcceptsAgainAfterIdleConnections) {
-  ChildTactusd server({.max_open_files = 128});
+  ChildTactusd server(ChildTactusd::Options{.max_open_files = 128});
   ASSERT_NE(server.port(), 0) << server.Log();
   Bystander robot(server.address());
   ASSERT_TRUE(robot.IsServed());
@@ -80,7 +80,7 @@ TEST(DescriptorsRunOutTest, ServerAcceptsAgainAfterIdleConnections) {
 }
 
 TEST(DescriptorsRunOutTest, ServerThatCannotAcceptEnds) {
-  ChildTactusd server({.flags = {"--self-check-ms=500"}});
+  ChildTactusd server(ChildTactusd::Options{.flags = {"--self-check-ms=500"}});
   ASSERT_NE(server.port(), 0) << server.Log();
   Bystander robot(server.address());
   ASSERT_TRUE(robot.IsServed());

@@ -32,7 +32,7 @@ void ExpectDrain(ChildTactusd& server, int signal) {
 TEST(LogReaderGoneTest, SigtermDrains) {
   int ends[2];
   ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
-  ChildTactusd server({.standard_error = ends[1]});
+  ChildTactusd server(ChildTactusd::Options{.standard_error = ends[1]});
   close(ends[0]);
   close(ends[1]);
   ASSERT_NE(server.port(), 0);

@@ -11,8 +11,9 @@
 //   ...attack server.port()...
 //   EXPECT_LT(server.PeakMib(), 100);
 //
-//   ChildTactusd few({.flags = {"--max-streams=10"}, .max_open_files = 128});
-//   EXPECT_EQ(ChildTactusd::Run({"--no-such-flag"}), 1);
+//   ChildTactusd few(ChildTactusd::Options{.flags = {"--max-streams=10"},
+//   .max_open_files = 128}); EXPECT_EQ(ChildTactusd::Run({"--no-such-flag"}),
+//   1);
 //
 // Owns the process and kills it at the end. Not thread-safe, except for the
 // reading functions.

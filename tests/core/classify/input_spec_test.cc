@@ -57,7 +57,7 @@ TEST(UsesProfileTest, LooksAtBothModels) {
 }
 
 TEST(ValidateInputSpecTest, EachSpoiltFieldIsRefused) {
-  const InputSpec good = testing::SmallModel().features;
+  const InputSpec good = testing::SmallModel().inputs;
   EXPECT_TRUE(Validate(good, false).ok());
   using Spoil = void (*)(InputSpec&);
   const Spoil spoils[] = {

@@ -66,9 +66,9 @@ TEST(FitModelTest, EstimatesTheObjectWhereTheTruthIsKnown) {
   double soft = 0;
   for (const auto& estimate : result->final_estimates) {
     ASSERT_TRUE(estimate.has_value());
-    EXPECT_GT(estimate->said.log10_stiffness_deviation, 0);
+    EXPECT_GT(estimate->estimate.log10_stiffness_deviation, 0);
     (estimate->log10_stiffness > 5 ? hard : soft) +=
-        estimate->said.log10_stiffness / 16;
+        estimate->estimate.log10_stiffness / 16;
   }
   EXPECT_GT(hard, soft + 1);
 }
