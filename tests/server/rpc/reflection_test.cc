@@ -2,7 +2,7 @@
 // was started with reflection.
 #include <string>
 
-#include "core/base/errors.h"
+#include "absl/status/status.h"
 #include "gtest/gtest.h"
 #include "tests/server/support/raw_call.h"
 #include "tests/server/support/test_server.h"
@@ -20,7 +20,8 @@ testing::RawAnswer ListServices(const testing::TestServer& server) {
 
 TEST(ReflectionTest, IsOffByDefault) {
   const testing::TestServer server;
-  EXPECT_EQ(ReasonOf(ListServices(server).status), "UNIMPLEMENTED");
+  EXPECT_EQ(ListServices(server).status.code(),
+            absl::StatusCode::kUnimplemented);
 }
 
 TEST(ReflectionTest, ListsTheContactService) {
