@@ -7,6 +7,7 @@ function(tactus_library name)
   target_include_directories(${name}
     PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
   target_link_libraries(${name} PUBLIC ${ARG_DEPS})
+  tactus_code_kind(${name} ${TACTUS_KIND})
 endfunction()
 
 # tactus_binary(NAME SOURCES a.cc ... DEPS target ...): lands in bin/.
@@ -15,6 +16,10 @@ function(tactus_binary name)
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${ARG_DEPS})
+  tactus_code_kind(${name} ${TACTUS_KIND})
+  # It reads flags; little optimisation halves its compile time.
+  set_source_files_properties(main.cc PROPERTIES
+    COMPILE_OPTIONS $<$<CONFIG:Release>:-O1> SKIP_PRECOMPILE_HEADERS ON)
 endfunction()
 
 # tactus_test(NAME SOURCES a_test.cc ... DEPS target ... [LABELS long]):
@@ -25,6 +30,7 @@ function(tactus_test name)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${ARG_DEPS} GTest::gmock
                                         GTest::gtest_main)
+  tactus_code_kind(${name} ${TACTUS_TEST_KIND})
   set_target_properties(${name} PROPERTIES
     RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   add_test(NAME ${name} COMMAND ${name})

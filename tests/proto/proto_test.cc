@@ -60,10 +60,11 @@ TEST(ProtoLintTest, TheContractIsClean) {
   EXPECT_THAT(SharedMessages(set), IsEmpty());
 }
 
-constexpr char kHead[] = "// File.\nsyntax = \"proto3\";\npackage tactus.v1;\n";
+const std::string kHead =
+    "// File.\nsyntax = \"proto3\";\npackage tactus.v1;\n";
 
 TEST(ProtoLintTest, ACleanSamplePasses) {
-  EXPECT_THAT(Lint(ParseProto(std::string(kHead) + R"(
+  EXPECT_THAT(Lint(ParseProto(kHead + R"(
 // A.
 service AService {
   // B.
@@ -122,7 +123,7 @@ TEST(ProtoLintTest, EachRuleCanFail) {
        "(Thing);\n}"},
   };
   for (const BadProto& bad : cases) {
-    EXPECT_THAT(Lint(ParseProto(std::string(kHead) + bad.text)),
+    EXPECT_THAT(Lint(ParseProto(kHead + bad.text)),
                 Contains(HasSubstr(bad.complaint)))
         << bad.text;
   }
@@ -133,8 +134,7 @@ TEST(ProtoLintTest, EachRuleCanFail) {
   EXPECT_THAT(elsewhere, Contains(HasSubstr("its folder is not that")));
   EXPECT_THAT(elsewhere, Contains(HasSubstr("must be tactus.v1")));
   FileDescriptorSet set;
-  *set.add_file() =
-      ParseProto(std::string(kHead) + "service A { rpc B(C) returns (C); }");
+  *set.add_file() = ParseProto(kHead + "service A { rpc B(C) returns (C); }");
   EXPECT_THAT(SharedMessages(set), Contains("C: is used by A.B and A.B"));
 }
 
