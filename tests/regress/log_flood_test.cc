@@ -49,7 +49,11 @@ TEST(LogFloodTest, MalformedHeadersDoNotFloodTheLog) {
   EXPECT_LT(log.size(), static_cast<size_t>(most) * 9'000);
   EXPECT_EQ(log.find('\x1b'), std::string::npos);
   EXPECT_EQ(log.find("\nforged"), std::string::npos);
-  testing::ExpectGoodStream(Bystander::OwnConnection(server.address()));
+  // While the server still ends the attacker's calls, it may refuse new ones.
+  EXPECT_TRUE(testing::Eventually([&] {
+    Bystander late(server.address());
+    return late.IsServed(1);
+  }));
   EXPECT_TRUE(robot.Finish().ok());
 }
 
