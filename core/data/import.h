@@ -7,7 +7,7 @@
 //       dir, [&](Trial trial) { return writer.Append(trial); }).status());
 //
 // `path` is one of
-//   - a folder with index.csv and trials/NNNN.npy, whose kind is told by the
+//   - a folder with index.csv and trials/NNNN.npy, whose kind follows from the
 //     columns of index.csv: "vitac384" has hardness and motion, "icub_slide20"
 //     has material_by_index;
 //   - a CSV file, one trial, header exactly `time,force,area,motion` (s, N or
@@ -15,7 +15,7 @@
 //     label, condition, object, material, stiffness, velocity, sample_rate_hz
 //     and unit;
 //   - a folder of such CSV files, taken in the order of their names.
-// docs/formats.md tells what becomes of each column. Thread-safe: free
+// docs/formats.md states how each column is used. Thread-safe: free
 // functions without state.
 #pragma once
 

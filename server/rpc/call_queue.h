@@ -44,15 +44,15 @@ class CallQueue {
   void Start();
   // Runs `task` on the queue's thread.
   void Post(std::function<void()> task);
-  // Once the server was shut down, so that all calls end: waits for them.
+  // Waits until all calls have ended. Call it after the server was shut down.
   void Stop();
 
   void Enter() { ++calls_; }
-  // Where calls count themselves as arrived.
+  // The gate at which calls count themselves as arrived.
   ArrivalGate* arrivals() const { return arrivals_; }
   void Leave();
-  // Hands `event` back with `ok` once no other is at hand, or without if that
-  // does not come about soon.
+  // Runs `event` with ok = true when the queue is empty, or with ok = false
+  // after a short time.
   void Defer(CallEvent* event) { deferred_.push_back(event); }
 
   grpc::ServerCompletionQueue* queue() { return queue_.get(); }

@@ -66,7 +66,7 @@ class ContactCall {
   void End(const absl::Status& status);
 
   CallQueue* queue() const { return queue_; }
-  // Who opened the stream, as PeerOf names it.
+  // The peer that opened the stream, as PeerOf names it.
   const std::string& peer() const { return peer_; }
   // Of a stream that was admitted.
   const StreamSession& session() const { return *session_; }
@@ -89,9 +89,9 @@ class ContactCall {
   // Puts the next answer, which must be waiting, into write_.
   void StageNextWrite();
   void StartStagedWrite();
-  // Holds the answer that waits until nothing else is at hand.
+  // Holds the waiting answer until the queue is empty.
   void Hold();
-  // The silence that ends the stream in its present state; 0 for none.
+  // The idle time that ends the stream in its present state; 0 for none.
   int TimeoutMs() const;
   void SetIdleAlarm(int64_t delay_ns);
   void Finish(const grpc::Status& status);

@@ -45,10 +45,10 @@ class ContactService final : public RawContactService,
   // `models` must outlive this object.
   ContactService(const ModelSource* models, Options options);
 
-  // Takes streams on `queue`. Before any queue starts.
+  // Accepts streams on `queue`. Call it before any queue starts.
   void Serve(CallQueue* queue);
 
-  // Refuses new streams and tells those there are.
+  // Refuses new streams and sends a notice to the open ones.
   void StartDraining(std::chrono::milliseconds grace);
   // Ends all streams with DRAINING, their finals delivered first.
   void EndStreams();

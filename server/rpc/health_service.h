@@ -43,9 +43,10 @@ class HealthService final : public HealthServiceBase {
   // Takes calls on `queue`.
   void Serve(CallQueue* queue);
 
-  // Tells a service's status, and those who watch; "" is the whole server.
+  // Sets the status of `service` and sends it to its watchers; "" is the whole
+  // server.
   void SetServing(const std::string& service, bool serving);
-  // SERVICE_UNKNOWN if it was never told.
+  // SERVICE_UNKNOWN if SetServing was never called for it.
   Status status(const std::string& service) const;
 
   // Watch calls, and those that were refused.

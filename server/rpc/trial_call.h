@@ -48,7 +48,7 @@ class TrialCall {
   TrialCall& operator=(const TrialCall&) = delete;
 
   CallQueue* queue() const { return queue_; }
-  // Who made the call, as PeerOf names it.
+  // The peer that made the call, as PeerOf names it.
   const std::string& peer() const { return peer_; }
   const StreamSession& session() const { return trial_->session(); }
 

@@ -68,14 +68,15 @@ struct LoadReport {
   bool ok() const { return lost() == 0 && refused == 0 && failed == 0; }
 };
 
-// INVALID_CONFIG for options out of range; that a server is slow, refuses or
-// is not there is told in the report. `script` is of the same options.
+// INVALID_CONFIG for options out of range. The report states whether the server
+// was slow, refused streams or was absent. `script` comes from the same
+// options.
 absl::StatusOr<LoadReport> RunLoad(const LoadOptions& options,
                                    const FrameScript& script);
 absl::StatusOr<LoadReport> RunLoad(const LoadOptions& options);
 
-// The frames `options` ask for; costs about a second of simulation, so that
-// who runs several tests makes it once.
+// Makes the frames that `options` ask for. This takes about a second of
+// simulation, so callers that run several tests make them once.
 absl::StatusOr<FrameScript> MakeScript(const LoadOptions& options);
 
 std::string LoadToText(const LoadReport& report);

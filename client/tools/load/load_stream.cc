@@ -41,7 +41,7 @@ void LoadStream::Open(const std::shared_ptr<grpc::Channel>& channel,
 }
 
 void LoadStream::OnStarted(bool ok) {
-  // A call that failed tells it to its reader.
+  // If the call failed, the read reports it.
   call_->Read(&read_, read_done_.tag());
   if (!ok) return;
   v1::ClassifyContactRequest request;

@@ -1,7 +1,7 @@
 // File: schedule.h
 //
 // Schedule: when each message of each robot is to be sent. Every robot sends
-// at the same period from a phase of its own; the times follow from the
+// at the same period with a separate phase. The times follow from the
 // numbers alone, so that a generator that falls behind cannot shift them.
 //
 //   schedule.DueNs(robot, message);

@@ -73,8 +73,8 @@ class Rider {
   // what is passed. False, and nothing done, if that is not possible.
   bool Step(BounceSeries& series, Bounce& bounce);
   bool Leap(BounceSeries& series, Bounce& bounce);
-  // What a leap to `after` that misses its change by `miss` has got wrong, as
-  // a share of what it may.
+  // The error of a leap to `after` that misses its change by `miss`, relative
+  // to the allowed error.
   double Wrong(const BounceChange& miss, double stride,
                const Bounce& after) const;
   void Lengthen(BounceSeries& series, double wrong, const Bounce& bounce);
