@@ -236,7 +236,7 @@ int Main(int argc, char** argv) {
       ->check(CLI::Range(1'000, 86'400'000))
       ->capture_default_str();
   app.add_option("--self-check-ms", flags.self_check_ms,
-                 "Ends the process when one of its own addresses has not "
+                 "Ends the process when one of its addresses has not "
                  "answered for this long")
       ->check(CLI::Range(100, 3'600'000))
       ->capture_default_str();

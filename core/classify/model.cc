@@ -39,7 +39,7 @@ absl::Status CheckClassNames(const std::vector<std::string>& names) {
 absl::Status CheckHmms(const Model& model) {
   if (model.hmms.size() != model.class_names.size()) {
     return InvalidModel("number of HMM mixtures", model.hmms.size(),
-                        absl::StrCat(model.classes(), ", one a class"));
+                        absl::StrCat(model.classes(), ", one per class"));
   }
   const size_t inputs = model.inputs.hmm.size();
   for (const HmmMixture& mixture : model.hmms) {
@@ -113,7 +113,7 @@ absl::Status CheckWarmUpAnswer(absl::string_view name,
   const bool absent = answer.empty() && model.warm_up.samples.empty();
   if (!absent && answer.size() != model.class_names.size()) {
     return InvalidModel(absl::StrCat("warm_up.", name, " size"), answer.size(),
-                        absl::StrCat(model.classes(), ", one a class"));
+                        absl::StrCat(model.classes(), ", one per class"));
   }
   for (const double value : answer) {
     if (!std::isfinite(value)) {

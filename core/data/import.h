@@ -35,7 +35,7 @@ using TrialSink = absl::FunctionRef<absl::Status(Trial)>;
 // Returns how many there were. IO or TRIAL_FILE_INVALID with file and line.
 absl::StatusOr<size_t> ImportTrials(const std::string& path, TrialSink sink);
 
-// The parts, one a format. `table` is the folder's index.csv.
+// The parts, one per format. `table` is the folder's index.csv.
 absl::StatusOr<size_t> ImportVitac(const std::string& folder,
                                    const CsvTable& table, TrialSink sink);
 absl::StatusOr<size_t> ImportIcub(const std::string& folder,

@@ -103,7 +103,7 @@ absl::Status Validate(const SkinLayout& layout) {
   if (!layout.mask.empty() &&
       layout.mask.size() != static_cast<size_t>(layout.taxels())) {
     return InvalidConfig("geometry.mask size", layout.mask.size(),
-                         absl::StrCat(layout.taxels(), ", one a taxel"));
+                         absl::StrCat(layout.taxels(), ", one per taxel"));
   }
   return absl::OkStatus();
 }

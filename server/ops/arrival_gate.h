@@ -42,7 +42,7 @@ class ArrivalGate {
       arrived_ = true;
       gate_->Take(requested_ns_, MonotonicNs());
     }
-    // The call is counted elsewhere from now on, by a limit of its own.
+    // From now on another limit counts the call.
     void Admit() {
       if (arrived_) --gate_->taken_;
       arrived_ = false;

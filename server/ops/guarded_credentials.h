@@ -12,7 +12,7 @@
 //
 // gRPC offers this hook as the processor of authentication metadata. The
 // refuser is a thread that ends some of the refused calls: gRPC then moves the
-// flooded connection to a thread of its own, and the thread that read it serves
+// flooded connection to a separate thread, and the thread that read it serves
 // its other streams again.
 //
 // What `guards` points to must outlive the server. Thread-safe.

@@ -1,6 +1,6 @@
 // File: peer.h
 //
-// Who is at the other end of a call, for limits that hold per peer.
+// Names the peer of a call, for limits that hold per peer.
 //
 //   const absl::Status status = gate.Enter(PeerOf(context.peer()));
 //

@@ -1,7 +1,7 @@
 // File: model_source.h
 //
 // ModelSource: finds the model that a stream uses until its end. The registry
-// implements it; tests have implementations of their own.
+// implements it; tests have separate implementations.
 //
 //   auto pinned = models.Find("default");
 //

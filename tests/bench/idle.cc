@@ -63,7 +63,7 @@ SkinFrame TouchFrame(const SkinLayout& layout, int64_t capture_time_ns) {
   return frame;
 }
 
-// Milliseconds from sending a frame to its posterior, one a repetition.
+// Milliseconds from sending a frame to its posterior, one per repetition.
 absl::StatusOr<std::vector<double>> MeasureIdle(const IdleOptions& options) {
   std::unique_ptr<ChildServer> child;
   std::string address = options.server;
@@ -111,7 +111,7 @@ class IdleBenchmark : public Benchmark {
 
   void AddFlags(CLI::App& command) override {
     command.add_option("--server", options_.server,
-                       "host:port or unix:path; else a server of its own");
+                       "host:port or unix:path; else a server that it starts");
     command.add_option("--repetitions", options_.repetitions, "How often")
         ->check(CLI::Range(1, 1'000'000))
         ->capture_default_str();

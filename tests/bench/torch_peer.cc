@@ -19,7 +19,7 @@
 namespace tactus::client {
 namespace {
 
-// Reads commands, one a line, and answers each with one line.
+// Reads commands, one per line, and answers each with one line.
 constexpr char kScript[] = R"py(
 import json, sys, time
 try:

@@ -91,7 +91,7 @@ void SetValue(FuzzedDataProvider& data, const FieldDescriptor* field,
 #undef SET
 }
 
-// Adds a copy of the first element, or an element of its own.
+// Adds a copy of the first element, or a new element.
 void Grow(FuzzedDataProvider& data, const FieldDescriptor* field,
           Message* message) {
   const Reflection& r = *message->GetReflection();

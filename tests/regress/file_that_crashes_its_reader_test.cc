@@ -18,7 +18,7 @@
 #include "tests/core/data/trial_samples.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-// Sanitizers take memory in ways that no limit sees.
+// A sanitizer reserves more address space than any RLIMIT_AS would allow.
 constexpr bool kMemoryIsLimited = false;
 #else
 constexpr bool kMemoryIsLimited = true;
@@ -78,7 +78,8 @@ TEST_F(FileThatCrashesItsReaderTest, IsRefusedAndNeverOpenedHere) {
 }
 
 TEST_F(FileThatCrashesItsReaderTest, SoIsOneThatAsksForAllMemory) {
-  if (!kMemoryIsLimited) GTEST_SKIP() << "sanitizers have their own memory";
+  if (!kMemoryIsLimited)
+    GTEST_SKIP() << "a limit of the address space stops sanitizers themselves";
   const std::string path = File("huge.h5");
   EXPECT_EQ(ReasonOf(TrialFileReader::Open(path).status()),
             "TRIAL_FILE_INVALID");

@@ -171,7 +171,7 @@ TEST(InvalidResponsesTest, MoreFinalsThanTrialsAreRefused) {
   ExpectInvalid(std::move(checker), response, "number of final posteriors");
 }
 
-// Through the whole client, each in a stream of its own.
+// Sends each change through the whole client, in a separate stream.
 TEST(InvalidResponsesOnTheWireTest, EndTheStreamWithAClearError) {
   for (const Change& change : Changes()) {
     ScriptedServer server([&](grpc::ServerContext* context, Stream* stream) {

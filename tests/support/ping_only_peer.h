@@ -7,7 +7,7 @@
 //   PingOnlyPeer peer;
 //   const auto channel = MakeChannel(peer.address());
 //
-// Serves one connection at a time on a thread of its own, until destruction.
+// Serves one connection at a time on a separate thread, until destruction.
 #pragma once
 
 #include <arpa/inet.h>

@@ -38,9 +38,9 @@ absl::Status Check(const BarChart& chart) {
     }
     for (const BarGroup& group : section.groups) {
       if (group.bars.size() == chart.series.size()) continue;
-      return InvalidConfig(absl::StrCat("bars of group ", group.name),
-                           group.bars.size(),
-                           absl::StrCat(chart.series.size(), ", one a series"));
+      return InvalidConfig(
+          absl::StrCat("bars of group ", group.name), group.bars.size(),
+          absl::StrCat(chart.series.size(), ", one per series"));
     }
   }
   return absl::OkStatus();

@@ -6,7 +6,7 @@
 //   script.Add("plot sin(x)");
 //   TACTUS_ASSIGN_OR_RETURN(std::string png, RunGnuplot(script.text()));
 //
-// gnuplot is a program of its own (Debian package gnuplot-nox), looked up in
+// gnuplot is a separate program (Debian package gnuplot-nox), looked up in
 // PATH. It reads the script from its standard input and writes the picture to
 // its standard output, so no temporary files are involved. User settings
 // (~/.gnuplot) are ignored: the same script draws the same picture.

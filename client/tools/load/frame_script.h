@@ -1,7 +1,7 @@
 // File: frame_script.h
 //
 // FrameScript: the messages of frames that all robots of a load test play,
-// each from a place of its own: simulated contacts of all classes in turn, some
+// each from a different place: simulated contacts of all classes in turn, some
 // untouched skin before each.
 //
 //   TACTUS_ASSIGN_OR_RETURN(auto script, FrameScript::Create({.seed = 1}));

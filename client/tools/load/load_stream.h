@@ -1,7 +1,7 @@
 // File: load_stream.h
 //
 // LoadStream: one robot of a load test, on a completion queue, so that
-// thousands need no thread of their own.
+// thousands need no separate threads.
 //
 //   LoadStream stream(&shared, robot);
 //   stream.Open(channel, loop.queue());  // then serve until shared.settled

@@ -77,7 +77,8 @@ std::map<std::string, std::string> ReadTable(const std::string& tex,
 TEST(PaperTablesTest, NumbersAreThoseOfThePapersSource) {
   const std::string path = SharedDataPath("../paper.tex");
   std::ifstream file(path);
-  if (!file) GTEST_SKIP() << path << " is absent";
+  if (!file)
+    GTEST_SKIP() << path << " is absent: it is not part of the project";
   std::stringstream tex;
   tex << file.rdbuf();
   for (Experiment experiment : kExperiments) {

@@ -16,7 +16,7 @@ namespace {
 // Exit status of the scripts where torch cannot be imported.
 constexpr int kNoTorch = 77;
 
-// A directory of its own that goes with the test.
+// A temporary directory that is removed with the test.
 class TempDir {
  public:
   TempDir() {

@@ -18,7 +18,7 @@
 namespace tactus {
 
 // State: deformation x_arm - x_uobj (m; below 0 when apart), v_arm, x_uobj,
-// v_uobj. The deformation is a state of its own because a stiff
+// v_uobj. The deformation is a separate state because a stiff
 // contact would lose it in the difference of two positions.
 inline constexpr int kDeformation = 0;
 inline constexpr int kArmVelocity = 1;
