@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "server/ops/clock.h"
+#include "server/ops/peer.h"
 #include "spdlog/spdlog.h"
 
 namespace tactus::server {
@@ -79,7 +80,10 @@ bool Acceptor::AcceptWaiting(const ListeningSocket& socket) {
       return false;
     }
     if (!IsSelfCheck(peer)) {
-      const Verdict verdict = table_.Admit(fd.get(), peer.PeerKey());
+      // The permissions of their file guard unix sockets.
+      const std::string name =
+          peer.is_unix() ? "" : PeerOfHost(peer.HostText());
+      const Verdict verdict = table_.Admit(fd.get(), name);
       if (verdict != Verdict::kAdmitted) {
         LogRefusal(verdict, peer);
         continue;

@@ -4,7 +4,8 @@
 // and whether another one may come.
 //
 //   ConnectionTable table({.connections = 4096, .per_peer = 2048});
-//   if (table.Admit(fd, peer.PeerKey()) != Verdict::kAdmitted) close(fd);
+//   const std::string peer = PeerOfHost(address.HostText());
+//   if (table.Admit(fd, peer) != Verdict::kAdmitted) close(fd);
 //
 // gRPC does not report when it closes a connection. The table therefore
 // remembers each descriptor with the inode of its socket; a connection is over
@@ -30,8 +31,8 @@ class ConnectionTable {
 
   explicit ConnectionTable(const Limits& limits) : limits_(limits) {}
 
-  // Counts the connection on `fd`, an open socket, or says which limit is
-  // reached. An empty `peer` has no limit per peer.
+  // Counts the connection on `fd`, an open socket, or returns which limit
+  // is reached. An empty `peer` has no limit per peer.
   Verdict Admit(int fd, const std::string& peer);
 
   const Limits& limits() const { return limits_; }

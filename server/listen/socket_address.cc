@@ -43,19 +43,6 @@ void SocketAddress::set_port(int port) {
   std::memcpy(&storage, &address, sizeof(address));
 }
 
-std::string SocketAddress::PeerKey() const {
-  if (family() == AF_INET) {
-    const in_addr host = As<sockaddr_in>(storage).sin_addr;
-    return {reinterpret_cast<const char*>(&host), sizeof(host)};
-  }
-  if (family() != AF_INET6) return "";
-  const in6_addr host = As<sockaddr_in6>(storage).sin6_addr;
-  const char* bytes = reinterpret_cast<const char*>(&host);
-  // A dual-stack socket shows IPv4 peers in the last four bytes.
-  if (IN6_IS_ADDR_V4MAPPED(&host)) return {bytes + 12, 4};
-  return {bytes, 8};
-}
-
 SocketAddress SocketAddress::Reachable() const {
   SocketAddress reachable = *this;
   if (family() == AF_INET) {

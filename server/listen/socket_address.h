@@ -3,7 +3,7 @@
 // SocketAddress: where one end of a connection is, as the kernel names it.
 //
 //   const SocketAddress peer = SocketAddress::OfPeer(fd);
-//   peer.PeerKey();   // what the limit per peer counts by
+//   spdlog::info("a connection from {}", peer.HostText());
 //
 // Plain data; thread-safe as such.
 #pragma once
@@ -30,10 +30,6 @@ struct SocketAddress {
   // 0 for unix sockets.
   int port() const;
   void set_port(int port);
-  // The IPv4 address, or the /64 network of the IPv6 address: one customer of
-  // a provider has a whole /64. Empty for unix sockets, which the permissions
-  // of their file guard.
-  std::string PeerKey() const;
   // Where a client on this machine connects to reach a socket that is bound
   // here: loopback in place of a wildcard.
   SocketAddress Reachable() const;

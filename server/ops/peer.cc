@@ -2,34 +2,31 @@
 
 #include <arpa/inet.h>
 
-#include <cstdint>
-
 #include "absl/strings/match.h"
-#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/strip.h"
 
 namespace tactus::server {
-namespace {
 
-// "[2001:db8::1]:50123" or "[fe80::1%eth0]:50123".
-std::string NetworkOf(const std::string& address) {
-  const size_t end = address.find_first_of("]%");
-  if (end == std::string::npos || address[0] != '[') return address;
-  const std::string host = address.substr(1, end - 1);
+std::string PeerOfHost(absl::string_view host) {
+  // "fe80::1%eth0": inet_pton takes no interface.
+  const std::string address(host.substr(0, host.find('%')));
   in6_addr bytes = {};
-  if (inet_pton(AF_INET6, host.c_str(), &bytes) != 1) return host;
-  // An IPv4 address in IPv6 form is one host.
-  if (IN6_IS_ADDR_V4MAPPED(&bytes)) return host;
-  const auto group = [&bytes](int i) {
-    return bytes.s6_addr[2 * i] << 8 | bytes.s6_addr[2 * i + 1];
+  if (inet_pton(AF_INET6, address.c_str(), &bytes) != 1) {
+    return std::string(host);
+  }
+  const uint8_t* octets = bytes.s6_addr;
+  if (IN6_IS_ADDR_V4MAPPED(&bytes)) {
+    return absl::StrFormat("%d.%d.%d.%d", octets[12], octets[13], octets[14],
+                           octets[15]);
+  }
+  const auto group = [octets](int i) {
+    return octets[2 * i] << 8 | octets[2 * i + 1];
   };
   return absl::StrFormat("%x:%x:%x:%x::/64", group(0), group(1), group(2),
                          group(3));
 }
-
-}  // namespace
 
 std::string PeerOf(absl::string_view address) {
   if (absl::StartsWith(address, "unix")) return "unix";
@@ -37,8 +34,12 @@ std::string PeerOf(absl::string_view address) {
     return std::string(address.substr(0, address.rfind(':')));
   }
   if (absl::ConsumePrefix(&address, "ipv6:")) {
-    return NetworkOf(absl::StrReplaceAll(
-        address, {{"%5B", "["}, {"%5D", "]"}, {"%25", "%"}}));
+    // "[2001:db8::1]:50123"
+    const std::string plain = absl::StrReplaceAll(
+        address, {{"%5B", "["}, {"%5D", "]"}, {"%25", "%"}});
+    const size_t end = plain.find(']');
+    if (end == std::string::npos || plain[0] != '[') return plain;
+    return PeerOfHost(plain.substr(1, end - 1));
   }
   return std::string(address);
 }

@@ -21,6 +21,7 @@
 #include "server/ops/clock.h"
 #include "server/ops/log_limiter.h"
 #include "server/ops/logging.h"
+#include "server/ops/peer.h"
 #include "server/ops/service_notify.h"
 #include "spdlog/spdlog.h"
 
@@ -35,9 +36,10 @@ void AcceptorExample(std::vector<ListeningSocket> sockets) {
   acceptor.Stop();
 }
 
-void ConnectionTableExample(int fd, const SocketAddress& peer) {
+void ConnectionTableExample(int fd, const SocketAddress& address) {
   ConnectionTable table({.connections = 4096, .per_peer = 2048});
-  if (table.Admit(fd, peer.PeerKey()) != Verdict::kAdmitted) close(fd);
+  const std::string peer = PeerOfHost(address.HostText());
+  if (table.Admit(fd, peer) != Verdict::kAdmitted) close(fd);
 }
 
 void DescriptorLimitExample() {
@@ -83,7 +85,7 @@ void SelfCheckExample(GrpcListener& listener) {
 
 void SocketAddressExample(int fd) {
   const SocketAddress peer = SocketAddress::OfPeer(fd);
-  peer.PeerKey();  // what the limit per peer counts by
+  spdlog::info("a connection from {}", peer.HostText());
 }
 
 void LogLimiterExample() {
