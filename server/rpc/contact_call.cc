@@ -8,7 +8,6 @@
 #include "grpcpp/impl/codegen/proto_utils.h"
 #include "grpcpp/support/proto_buffer_reader.h"
 #include "server/ops/clock.h"
-#include "server/ops/peer.h"
 #include "server/rpc/status.h"
 #include "spdlog/spdlog.h"
 
@@ -21,13 +20,10 @@ constexpr int64_t kNsPerMs = 1'000'000;
 
 ContactCall::ContactCall(RawContactService* service, CallQueue* queue,
                          Delegate* delegate)
-    : service_(service), queue_(queue), delegate_(delegate) {
-  queue_->Enter();
-  service_->RequestClassifyContact(&context_, &stream_, queue_->queue(),
-                                   queue_->queue(), called_.tag());
+    : service_(service), delegate_(delegate), call_(queue) {
+  service_->RequestClassifyContact(call_.context(), &stream_, queue->queue(),
+                                   queue->queue(), called_.tag());
 }
-
-ContactCall::~ContactCall() { queue_->Leave(); }
 
 void ContactCall::OnCalled(bool ok) {
   if (!ok) {
@@ -35,16 +31,13 @@ void ContactCall::OnCalled(bool ok) {
     delete this;
     return;
   }
-  arrival_.Arrive();
-  peer_ = PeerOf(context_.peer());
-  auto options = delegate_->Admit(this);
+  auto options = call_.Arrive([this] { return delegate_->Admit(this); });
   if (!options.ok()) {
     Finish(ToGrpcStatus(options.status()));
     return;
   }
-  arrival_.Admit();
   options_ = *std::move(options);
-  request_ = delegate_->request(queue_);
+  request_ = delegate_->request(queue());
   session_.emplace(delegate_->models(), options_);
   last_read_ns_ = MonotonicNs();
   if (TimeoutMs() > 0) SetIdleAlarm(TimeoutMs() * kNsPerMs);
@@ -165,7 +158,7 @@ void ContactCall::StartStagedWrite() {
 void ContactCall::Hold() {
   if (!pacing_.BeginHold()) return;
   ++in_flight_;
-  queue_->Defer(&nothing_more_);
+  queue()->Defer(&nothing_more_);
 }
 
 int ContactCall::TimeoutMs() const {
@@ -180,7 +173,7 @@ int ContactCall::TimeoutMs() const {
 void ContactCall::SetIdleAlarm(int64_t delay_ns) {
   ++in_flight_;
   idle_alarm_.Set(
-      queue_->queue(),
+      queue()->queue(),
       std::chrono::system_clock::now() + std::chrono::nanoseconds(delay_ns),
       idle_.tag());
 }
@@ -201,7 +194,7 @@ void ContactCall::OnIdle(bool ok) {
   }
   if (session_->state() == StreamSession::State::kFinishing) {
     // The peer takes not even what it is owed.
-    context_.TryCancel();
+    call_.context()->TryCancel();
     return;
   }
   const bool waits_for_config =

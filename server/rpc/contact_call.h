@@ -18,10 +18,10 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "grpcpp/alarm.h"
-#include "grpcpp/server_context.h"
 #include "grpcpp/support/async_stream.h"
 #include "server/rpc/answer_pacing.h"
 #include "server/rpc/call_queue.h"
+#include "server/rpc/incoming_call.h"
 #include "server/session/stream_session.h"
 #include "tactus/v1/contact.grpc.pb.h"
 
@@ -65,16 +65,16 @@ class ContactCall {
   // Ends the stream with `status`, after what is owed.
   void End(const absl::Status& status);
 
-  CallQueue* queue() const { return queue_; }
+  CallQueue* queue() const { return call_.queue(); }
   // The peer that opened the stream, as PeerOf names it.
-  const std::string& peer() const { return peer_; }
+  const std::string& peer() const { return call_.peer(); }
   // Of a stream that was admitted.
   const StreamSession& session() const { return *session_; }
 
  private:
   using Event = MemberEvent<ContactCall>;
 
-  ~ContactCall();
+  ~ContactCall() = default;
 
   void OnCalled(bool ok);
   void OnRead(bool ok);
@@ -98,13 +98,11 @@ class ContactCall {
   void DeleteIfOver();
 
   RawContactService* const service_;
-  CallQueue* const queue_;
   Delegate* const delegate_;
-  ArrivalGate::Request arrival_{queue_->arrivals()};
 
-  grpc::ServerContext context_;
+  IncomingCall call_;
   grpc::ServerAsyncReaderWriter<grpc::ByteBuffer, grpc::ByteBuffer> stream_{
-      &context_};
+      call_.context()};
   Event called_{this, &ContactCall::OnCalled};
   Event read_done_{this, &ContactCall::OnRead};
   Event written_{this, &ContactCall::OnWritten};
@@ -112,7 +110,6 @@ class ContactCall {
   Event nothing_more_{this, &ContactCall::OnNothingMore};
   Event finish_done_{this, &ContactCall::OnFinished};
 
-  std::string peer_;
   // From admission on.
   std::optional<StreamSession> session_;
   StreamSession::Options options_;

@@ -2,10 +2,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
-#include "grpcpp/server_context.h"
 #include "grpcpp/support/async_stream.h"
 #include "grpcpp/support/async_unary_call.h"
-#include "server/ops/peer.h"
+#include "server/rpc/incoming_call.h"
 #include "server/rpc/status.h"
 
 namespace tactus::server {
@@ -17,24 +16,23 @@ using grpc::health::v1::HealthCheckResponse;
 class HealthCheck {
  public:
   HealthCheck(HealthService* service, CallQueue* queue)
-      : service_(service), queue_(queue) {
-    queue_->Enter();
-    service_->RequestCheck(&context_, &request_, &answer_, queue_->queue(),
-                           queue_->queue(), called_.tag());
+      : service_(service), call_(queue) {
+    service_->RequestCheck(call_.context(), &request_, &answer_, queue->queue(),
+                           queue->queue(), called_.tag());
   }
 
  private:
   using Event = MemberEvent<HealthCheck>;
 
-  ~HealthCheck() { queue_->Leave(); }
+  ~HealthCheck() = default;
 
   void OnCalled(bool ok) {
     if (!ok) {
       delete this;
       return;
     }
-    arrival_.Arrive();
-    new HealthCheck(service_, queue_);
+    call_.Arrive();
+    new HealthCheck(service_, call_.queue());
     const HealthService::Status status = service_->status(request_.service());
     HealthCheckResponse response;
     response.set_status(status);
@@ -54,11 +52,9 @@ class HealthCheck {
   }
 
   HealthService* const service_;
-  CallQueue* const queue_;
-  ArrivalGate::Request arrival_{queue_->arrivals()};
-  grpc::ServerContext context_;
+  IncomingCall call_;
   HealthCheckRequest request_;
-  grpc::ServerAsyncResponseWriter<HealthCheckResponse> answer_{&context_};
+  grpc::ServerAsyncResponseWriter<HealthCheckResponse> answer_{call_.context()};
   Event called_{this, &HealthCheck::OnCalled};
   Event finished_{this, &HealthCheck::OnFinished};
 };
@@ -67,12 +63,11 @@ class HealthCheck {
 class HealthWatch {
  public:
   HealthWatch(HealthService* service, CallQueue* queue)
-      : service_(service), queue_(queue) {
-    queue_->Enter();
+      : service_(service), call_(queue) {
     // Its event comes only for a call that begins.
-    context_.AsyncNotifyWhenDone(ended_.tag());
-    service_->RequestWatch(&context_, &request_, &writer_, queue_->queue(),
-                           queue_->queue(), called_.tag());
+    call_.context()->AsyncNotifyWhenDone(ended_.tag());
+    service_->RequestWatch(call_.context(), &request_, &writer_, queue->queue(),
+                           queue->queue(), called_.tag());
   }
 
   // Sends the status if it differs from the one sent last.
@@ -91,23 +86,21 @@ class HealthWatch {
  private:
   using Event = MemberEvent<HealthWatch>;
 
-  ~HealthWatch() { queue_->Leave(); }
+  ~HealthWatch() = default;
 
   void OnCalled(bool ok) {
     if (!ok) {
       delete this;
       return;
     }
-    arrival_.Arrive();
-    new HealthWatch(service_, queue_);
+    new HealthWatch(service_, call_.queue());
     // The event OnEnded is still to come.
     in_flight_ = 1;
-    peer_ = PeerOf(context_.peer());
-    const absl::Status status = service_->Admit(request_, peer_);
+    const absl::Status status = call_.Arrive(
+        [this] { return service_->Admit(request_, call_.peer()); });
     admitted_ = status.ok();
     if (admitted_) {
-      arrival_.Admit();
-      service_->watches_.at(queue_).insert(this);
+      service_->watches_.at(call_.queue()).insert(this);
       Update();
     } else {
       Finish(ToGrpcStatus(status));
@@ -123,8 +116,8 @@ class HealthWatch {
     --in_flight_;
     over_ = true;
     if (admitted_) {
-      service_->watches_.at(queue_).erase(this);
-      service_->watch_gate_.Leave(peer_, 0);
+      service_->watches_.at(call_.queue()).erase(this);
+      service_->watch_gate_.Leave(call_.peer(), 0);
       Finish(grpc::Status::CANCELLED);
     }
     Advance();
@@ -142,11 +135,9 @@ class HealthWatch {
   }
 
   HealthService* const service_;
-  CallQueue* const queue_;
-  ArrivalGate::Request arrival_{queue_->arrivals()};
-  grpc::ServerContext context_;
+  IncomingCall call_;
   HealthCheckRequest request_;
-  grpc::ServerAsyncWriter<HealthCheckResponse> writer_{&context_};
+  grpc::ServerAsyncWriter<HealthCheckResponse> writer_{call_.context()};
   Event called_{this, &HealthWatch::OnCalled};
   Event written_{this, &HealthWatch::OnWritten};
   Event ended_{this, &HealthWatch::OnEnded};
@@ -155,7 +146,6 @@ class HealthWatch {
   bool writing_ = false;
   bool over_ = false;
   bool admitted_ = false;
-  std::string peer_;
   HealthService::Status sent_ = HealthCheckResponse::UNKNOWN;
 };
 

@@ -6,7 +6,6 @@
 
 #include "core/base/errors.h"
 #include "core/base/limits.h"
-#include "server/ops/peer.h"
 #include "server/rpc/status.h"
 
 namespace tactus::server {
@@ -27,14 +26,10 @@ std::string Flatten(const grpc::ByteBuffer& buffer) {
 
 TrialCall::TrialCall(RawContactService* service, CallQueue* queue,
                      Delegate* delegate)
-    : service_(service), queue_(queue), delegate_(delegate) {
-  queue_->Enter();
-  service_->RequestClassifyTrial(&context_, &request_, &writer_,
-                                 queue_->queue(), queue_->queue(),
-                                 called_.tag());
+    : service_(service), delegate_(delegate), call_(queue) {
+  service_->RequestClassifyTrial(call_.context(), &request_, &writer_,
+                                 queue->queue(), queue->queue(), called_.tag());
 }
-
-TrialCall::~TrialCall() { queue_->Leave(); }
 
 void TrialCall::OnCalled(bool ok) {
   if (!ok) {
@@ -42,24 +37,22 @@ void TrialCall::OnCalled(bool ok) {
     delete this;
     return;
   }
-  arrival_.Arrive();
-  peer_ = PeerOf(context_.peer());
-  auto options = delegate_->Admit(this);
+  auto options = call_.Arrive([this] { return delegate_->Admit(this); });
   if (!options.ok()) {
     Finish(options.status());
     return;
   }
   trial_.emplace(delegate_->models(), *std::move(options), Flatten(request_));
   request_.Clear();
-  queue_->Defer(&turn_);
+  queue()->Defer(&turn_);
 }
 
 void TrialCall::OnTurn(bool) {
-  trial_->Step(delegate_->request(queue_));
+  trial_->Step(delegate_->request(queue()));
   if (trial_->done()) {
     Finish(trial_->status());
   } else {
-    queue_->Defer(&turn_);
+    queue()->Defer(&turn_);
   }
 }
 

@@ -15,10 +15,10 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "grpcpp/server_context.h"
 #include "grpcpp/support/async_unary_call.h"
 #include "server/rpc/call_queue.h"
 #include "server/rpc/contact_call.h"
+#include "server/rpc/incoming_call.h"
 #include "server/session/trial_session.h"
 
 namespace tactus::server {
@@ -47,15 +47,15 @@ class TrialCall {
   TrialCall(const TrialCall&) = delete;
   TrialCall& operator=(const TrialCall&) = delete;
 
-  CallQueue* queue() const { return queue_; }
+  CallQueue* queue() const { return call_.queue(); }
   // The peer that made the call, as PeerOf names it.
-  const std::string& peer() const { return peer_; }
+  const std::string& peer() const { return call_.peer(); }
   const StreamSession& session() const { return trial_->session(); }
 
  private:
   using Event = MemberEvent<TrialCall>;
 
-  ~TrialCall();
+  ~TrialCall() = default;
 
   void OnCalled(bool ok);
   void OnTurn(bool idle);
@@ -64,18 +64,15 @@ class TrialCall {
   void Finish(const absl::Status& status);
 
   RawContactService* const service_;
-  CallQueue* const queue_;
   Delegate* const delegate_;
-  ArrivalGate::Request arrival_{queue_->arrivals()};
 
-  grpc::ServerContext context_;
+  IncomingCall call_;
   grpc::ByteBuffer request_;
-  grpc::ServerAsyncResponseWriter<grpc::ByteBuffer> writer_{&context_};
+  grpc::ServerAsyncResponseWriter<grpc::ByteBuffer> writer_{call_.context()};
   Event called_{this, &TrialCall::OnCalled};
   Event turn_{this, &TrialCall::OnTurn};
   Event finished_{this, &TrialCall::OnFinished};
 
-  std::string peer_;
   // Set when the call is admitted.
   std::optional<TrialSession> trial_;
 };

@@ -22,6 +22,7 @@
 #include "server/rpc/contact_call.h"
 #include "server/rpc/contact_service.h"
 #include "server/rpc/health_service.h"
+#include "server/rpc/incoming_call.h"
 #include "server/rpc/trial_call.h"
 #include "server/server.h"
 #include "server/session/frame_decoder.h"
@@ -76,6 +77,12 @@ void GuardedCredentialsExample(ArrivalGate& gate, grpc::ServerBuilder& builder,
 
 void PeerExample(StreamGate& gate, const grpc::ServerContext& context) {
   const absl::Status status = gate.Enter(PeerOf(context.peer()));
+}
+
+void IncomingCallExample(CallQueue* queue, StreamGate& gate) {
+  IncomingCall call(queue);  // before gRPC is asked for the next call
+  absl::Status status =      // a call has come
+      call.Arrive([&] { return gate.Enter(call.peer()); });
 }
 
 absl::Status StreamGateExample(const std::string& peer, uint64_t frames) {
