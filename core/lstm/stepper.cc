@@ -74,7 +74,6 @@ LstmStepper::LstmStepper(const CompiledLstm& lstm, int streams,
   }
   output_.resize(lstm.layers_.back().cells, streams);
   dense_.resize(lstm.dense_bias_.size(), streams);
-  log_probability_.resize(lstm.classes(), streams);
   probability_.resize(lstm.classes(), streams);
   Reset();
 }
@@ -92,7 +91,6 @@ void LstmStepper::Reset(int stream) {
     std::fill_n(&states_[i].cell[at], stride, 0.0F);
   }
   dense_.col(stream).setZero();
-  log_probability_.col(stream).setConstant(-std::log(double(lstm_->classes())));
   probability_.col(stream).setConstant(1.0 / lstm_->classes());
 }
 
@@ -156,11 +154,11 @@ void LstmStepper::Softmax() {
     auto dense = dense_.col(stream);
     dense = lstm_->dense_bias_;
     dense.noalias() += lstm_->dense_kernel_ * output_.col(stream);
-    auto log_probability = log_probability_.col(stream);
-    log_probability = dense.head(lstm_->classes());
-    log_probability.array() -= log_probability.maxCoeff();
-    log_probability.array() -= std::log(log_probability.array().exp().sum());
-    probability_.col(stream) = log_probability.array().exp();
+    auto probability = probability_.col(stream);
+    probability = dense.head(lstm_->classes());
+    probability.array() -= probability.maxCoeff();
+    probability.array() -= std::log(probability.array().exp().sum());
+    probability = probability.array().exp();
   }
 }
 

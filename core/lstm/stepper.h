@@ -84,9 +84,6 @@ class LstmStepper {
   void Step(std::span<const double> input);
 
   // After the last Step(), one per class; uniform before the first.
-  std::span<const double> log_probability(int stream = 0) const {
-    return {log_probability_.col(stream).data(), size_t(lstm_->classes())};
-  }
   std::span<const double> probability(int stream = 0) const {
     return {probability_.col(stream).data(), size_t(lstm_->classes())};
   }
@@ -126,7 +123,6 @@ class LstmStepper {
   // classes + 2R.
   Eigen::MatrixXd output_;
   Eigen::MatrixXd dense_;
-  Eigen::MatrixXd log_probability_;
   Eigen::MatrixXd probability_;
 };
 
