@@ -26,9 +26,7 @@ constexpr size_t kQuickTestContacts = 60;
 constexpr size_t kQuickStride = 27;
 
 std::vector<TrialSpec> AllGridSpecs() {
-  const Grid grid;
-  return DrawSpecs(
-      GridConditions(grid.stiffnesses, grid.velocities, grid.goals), kTestSeed);
+  return DrawSpecs(UntrainedGrid().Conditions(), kTestSeed);
 }
 
 using Pair = std::vector<LabelledContact>;
@@ -185,7 +183,7 @@ absl::StatusOr<LabelledContact> ContactOf(const SimulatedContact& simulated,
 }
 
 absl::StatusOr<FrontierContacts> SimulateContacts(bool quick) {
-  std::vector<TrialSpec> training = TrialSpecs(PaperConditions());
+  std::vector<TrialSpec> training = TrialSpecs(PaperGrid().Conditions());
   if (quick) {
     std::vector<TrialSpec> some;
     for (size_t i = 0; i < training.size(); i += kQuickStride) {

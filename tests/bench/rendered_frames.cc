@@ -10,7 +10,7 @@ namespace tactus::client {
 absl::StatusOr<std::vector<RenderedTrial>> RenderTrials(
     const SkinLayout& layout, int count) {
   RenderOptions options;
-  const std::vector<TrialSpec> specs = TrialSpecs(PaperConditions());
+  const std::vector<TrialSpec> specs = TrialSpecs(PaperGrid().Conditions());
   std::vector<RenderedTrial> trials;
   // Prime, so that steps meet every material and size.
   constexpr size_t kStride = 101;

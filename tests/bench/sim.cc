@@ -101,7 +101,7 @@ bool Within(const SampleLimits& limits, const SimulatedContact& contact) {
 // The whole set as it is used: filtered, with noise. Lists its trials.
 absl::StatusOr<double> SetSeconds(std::vector<TrialSpec>& trials) {
   const double start = ThreadSeconds();
-  for (const TrialSpec& spec : TrialSpecs(PaperConditions())) {
+  for (const TrialSpec& spec : TrialSpecs(PaperGrid().Conditions())) {
     TACTUS_ASSIGN_OR_RETURN(const auto contacts, SimulateWithTwin(spec));
     for (const SimulatedContact& contact : contacts) {
       const Trial trial = SignalTrial(contact, SignalNoise(), 1);

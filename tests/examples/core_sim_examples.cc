@@ -102,15 +102,14 @@ absl::Status CodySetExample(const SkinLayout& layout, uint64_t seed) {
 }
 
 void GridSetExample(uint64_t seed, const SimulatedContact& contact) {
-  const auto specs =
-      DrawSpecs(GridConditions({250, 4000}, {0.04}, {0.01, 0.02}), seed);
+  const auto specs = DrawSpecs(UntrainedGrid().Conditions(), seed);
   Trial trial = contact.Metadata();
   trial.condition = ConditionName(contact.spec.robot);
 }
 
 absl::Status PaperSetExample(uint64_t seed) {
   std::vector<Trial> trials;
-  for (const TrialSpec& spec : TrialSpecs(PaperConditions())) {
+  for (const TrialSpec& spec : TrialSpecs(PaperGrid().Conditions())) {
     TACTUS_ASSIGN_OR_RETURN(const auto contacts, SimulateWithTwin(spec));
     for (const SimulatedContact& contact : contacts) {
       trials.push_back(SignalTrial(contact, {}, seed));

@@ -15,10 +15,12 @@
 namespace tactus::client {
 namespace {
 
-// Returns the values of the command line if there are any, else the protocol's.
-std::vector<double> GivenOr(const std::vector<double>& given,
-                            const std::vector<double>& otherwise) {
-  return given.empty() ? otherwise : given;
+// The protocol's grid, with the values of the command line where there are any.
+RobotGrid WithFlags(RobotGrid grid, const SimulateFlags& flags) {
+  if (!flags.stiffnesses.empty()) grid.stiffnesses = flags.stiffnesses;
+  if (!flags.velocities.empty()) grid.velocities = flags.velocities;
+  if (!flags.goals.empty()) grid.goals = flags.goals;
+  return grid;
 }
 
 absl::StatusOr<std::vector<Material>> ReadMaterials(const std::string& path) {
@@ -85,13 +87,10 @@ SimulateJob CodyJob(const CodySpec& spec, const SimulateFlags& flags,
 std::vector<SimulateJob> PaperJobs(const SimulateFlags& flags,
                                    const SkinLayout& layout,
                                    std::span<const Material> materials) {
-  const auto goals = GivenOr(flags.goals, {kPaperGoal});
+  const RobotGrid grid = WithFlags(PaperGrid(), flags);
   std::vector<SimulateJob> jobs;
-  for (const TrialSpec& spec : TrialSpecs(
-           GridConditions(GivenOr(flags.stiffnesses, {543, 2050}),
-                          GivenOr(flags.velocities, {0.005, 0.02}), goals),
-           materials)) {
-    jobs.push_back(PairJob(spec, goals.size() > 1, flags, layout));
+  for (const TrialSpec& spec : TrialSpecs(grid.Conditions(), materials)) {
+    jobs.push_back(PairJob(spec, grid.goals.size() > 1, flags, layout));
   }
   return jobs;
 }
@@ -99,13 +98,10 @@ std::vector<SimulateJob> PaperJobs(const SimulateFlags& flags,
 std::vector<SimulateJob> GridJobs(const SimulateFlags& flags,
                                   const SkinLayout& layout,
                                   std::span<const Material> materials) {
-  const Grid grid;
+  const RobotGrid grid = WithFlags(UntrainedGrid(), flags);
   std::vector<SimulateJob> jobs;
   for (const TrialSpec& spec :
-       DrawSpecs(GridConditions(GivenOr(flags.stiffnesses, grid.stiffnesses),
-                                GivenOr(flags.velocities, grid.velocities),
-                                GivenOr(flags.goals, grid.goals)),
-                 flags.seed, materials)) {
+       DrawSpecs(grid.Conditions(), flags.seed, materials)) {
     jobs.push_back(PairJob(spec, /*name_goal=*/true, flags, layout));
   }
   return jobs;

@@ -4,7 +4,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/random.h"
-#include "core/sim/experiments/paper_set.h"
 
 namespace tactus {
 namespace {
@@ -14,18 +13,10 @@ constexpr uint64_t kDrawStream = uint64_t{1} << 34;
 
 }  // namespace
 
-std::vector<RobotCondition> GridConditions(
-    const std::vector<double>& stiffnesses,
-    const std::vector<double>& velocities, const std::vector<double>& goals) {
-  std::vector<RobotCondition> conditions;
-  for (double stiffness : stiffnesses) {
-    for (double velocity : velocities) {
-      for (double goal : goals) {
-        conditions.push_back({stiffness, velocity, goal});
-      }
-    }
-  }
-  return conditions;
+RobotGrid UntrainedGrid() {
+  return {.stiffnesses = {250, 630, 1600, 4000},
+          .velocities = {0.0025, 0.0063, 0.016, 0.04},
+          .goals = {0.01, 0.02, 0.04}};
 }
 
 std::vector<TrialSpec> DrawSpecs(const std::vector<RobotCondition>& robots,

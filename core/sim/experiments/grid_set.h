@@ -3,9 +3,8 @@
 // Robot conditions at which no model was trained: a grid over arm stiffness,
 // speed and goal, and contacts drawn evenly over it.
 //
-//   const auto specs =
-//       DrawSpecs(GridConditions({250, 4000}, {0.04}, {0.01, 0.02}), seed);
-//   // The first 4 n specs hold n contacts of each of the 4 conditions.
+//   const auto specs = DrawSpecs(UntrainedGrid().Conditions(), seed);
+//   // The first 48 n specs hold n contacts of each of the 48 conditions.
 //   Trial trial = contact.Metadata();
 //   trial.condition = ConditionName(contact.spec.robot);
 //
@@ -17,23 +16,16 @@
 #include <string>
 #include <vector>
 
+#include "core/sim/experiments/paper_set.h"
 #include "core/sim/model/materials.h"
 #include "core/sim/model/trial_spec.h"
 
 namespace tactus {
 
 // From half the paper's stiffnesses and speeds to twice, spaced evenly by
-// ratio; no value is one of the paper's.
-struct Grid {
-  std::vector<double> stiffnesses = {250, 630, 1600, 4000};        // N/m
-  std::vector<double> velocities = {0.0025, 0.0063, 0.016, 0.04};  // m/s
-  std::vector<double> goals = {0.01, 0.02, 0.04};                  // m
-};
-
-// Every combination, goals varying fastest.
-std::vector<RobotCondition> GridConditions(
-    const std::vector<double>& stiffnesses,
-    const std::vector<double>& velocities, const std::vector<double>& goals);
+// ratio: {250, 630, 1600, 4000} N/m x {0.0025, 0.0063, 0.016, 0.04} m/s x
+// {0.01, 0.02, 0.04} m. No value is one of the paper's.
+RobotGrid UntrainedGrid();
 
 // The specs of TrialSpecs in another order: in each round one object of every
 // condition, drawn without replacement. So any first part of the list is spread

@@ -9,14 +9,22 @@ constexpr double kLargestEdge = 0.2;
 
 }  // namespace
 
-std::vector<RobotCondition> PaperConditions(double goal_m) {
+std::vector<RobotCondition> RobotGrid::Conditions() const {
   std::vector<RobotCondition> conditions;
-  for (double stiffness : {543.0, 2050.0}) {
-    for (double velocity : {0.005, 0.02}) {
-      conditions.push_back({stiffness, velocity, goal_m});
+  for (double stiffness : stiffnesses) {
+    for (double velocity : velocities) {
+      for (double goal : goals) {
+        conditions.push_back({stiffness, velocity, goal});
+      }
     }
   }
   return conditions;
+}
+
+RobotGrid PaperGrid() {
+  return {.stiffnesses = {543, 2050},
+          .velocities = {0.005, 0.02},
+          .goals = {kPaperGoal}};
 }
 
 std::vector<TrialSpec> TrialSpecs(const std::vector<RobotCondition>& robots,

@@ -5,7 +5,7 @@
 // condition, and for each trial whose object moved a twin with the object
 // fixed.
 //
-//   for (const TrialSpec& spec : TrialSpecs(PaperConditions())) {
+//   for (const TrialSpec& spec : TrialSpecs(PaperGrid().Conditions())) {
 //     TACTUS_ASSIGN_OR_RETURN(const auto contacts, SimulateWithTwin(spec));
 //     for (const SimulatedContact& contact : contacts) {
 //       trials.push_back(SignalTrial(contact, {}, seed));
@@ -24,8 +24,18 @@
 
 namespace tactus {
 
+// Robot conditions: every combination of these values.
+struct RobotGrid {
+  std::vector<double> stiffnesses = {};  // N/m
+  std::vector<double> velocities = {};   // m/s
+  std::vector<double> goals = {};        // m
+
+  // Goals vary fastest, stiffnesses slowest.
+  std::vector<RobotCondition> Conditions() const;
+};
+
 // The paper's four conditions: {543, 2050} N/m x {0.005, 0.02} m/s.
-std::vector<RobotCondition> PaperConditions(double goal_m = kPaperGoal);
+RobotGrid PaperGrid();
 
 // Twenty specs per condition and material, none fixed. With the paper's
 // materials these are 260 per condition.

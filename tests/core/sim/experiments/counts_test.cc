@@ -11,7 +11,7 @@ namespace {
 // The paper's row: 544 / 365 / 496 / 430.
 TEST(PaperSetTest, ClassCountsAreThePapersWithinThree) {
   std::map<std::string, int> counts;
-  for (const TrialSpec& spec : TrialSpecs(PaperConditions())) {
+  for (const TrialSpec& spec : TrialSpecs(PaperGrid().Conditions())) {
     const auto contacts = SimulateWithTwin(spec);
     ASSERT_TRUE(contacts.ok()) << contacts.status();
     for (const SimulatedContact& contact : *contacts) {

@@ -11,9 +11,7 @@ namespace tactus {
 namespace {
 
 TEST(GridTest, HasNoConditionOfThePaper) {
-  const Grid grid;
-  const auto conditions =
-      GridConditions(grid.stiffnesses, grid.velocities, grid.goals);
+  const auto conditions = UntrainedGrid().Conditions();
   ASSERT_EQ(conditions.size(), 48u);
   std::set<std::string> names;
   for (const RobotCondition& robot : conditions) {
@@ -35,7 +33,8 @@ TEST(GridTest, HasNoConditionOfThePaper) {
 }
 
 TEST(DrawSpecsTest, IsEvenOverConditionsFromTheStart) {
-  const auto robots = GridConditions({250, 4000}, {0.04}, {0.01, 0.02});
+  const RobotGrid grid = {{250, 4000}, {0.04}, {0.01, 0.02}};
+  const auto robots = grid.Conditions();
   const auto specs = DrawSpecs(robots, 1);
   ASSERT_EQ(specs.size(), 4u * 260);
   std::map<std::string, int> seen;
@@ -45,7 +44,7 @@ TEST(DrawSpecsTest, IsEvenOverConditionsFromTheStart) {
 }
 
 TEST(DrawSpecsTest, DrawsEachContactOnce) {
-  const auto robots = PaperConditions();
+  const auto robots = PaperGrid().Conditions();
   const auto all = TrialSpecs(robots);
   const auto specs = DrawSpecs(robots, 1);
   ASSERT_EQ(specs.size(), all.size());
@@ -61,7 +60,7 @@ TEST(DrawSpecsTest, DrawsEachContactOnce) {
 }
 
 TEST(DrawSpecsTest, FollowsTheSeed) {
-  const auto robots = PaperConditions();
+  const auto robots = PaperGrid().Conditions();
   const auto numbers = [&](uint64_t seed) {
     std::vector<uint64_t> drawn;
     for (const TrialSpec& spec : DrawSpecs(robots, seed)) {

@@ -18,7 +18,7 @@ TrialSpec Spec(const char* material, double edge) {
 }
 
 TEST(TrialSpecsTest, EnumeratesThePapersBaseTrials) {
-  const auto specs = TrialSpecs(PaperConditions());
+  const auto specs = TrialSpecs(PaperGrid().Conditions());
   ASSERT_EQ(specs.size(), 1040);
   std::set<std::string> names;
   std::set<uint64_t> numbers;
