@@ -1,6 +1,6 @@
-// The ladder of precisions - scaled in float (the bank), scaled in double,
-// logarithms in double - against quadruple precision, and at their edges.
-
+// The scorers in their three arithmetics against quadruple precision, and at
+// the limits of each: scaled in float (the bank), scaled in double, logarithms
+// in double.
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -1,7 +1,7 @@
 // File: quad_reference.h
 //
 // Scores of a GaussianHmm in quadruple precision, every sum in logarithms: the
-// top rung that the precisions of core/hmm are compared with.
+// reference for the scorers of core/hmm, which use float and double.
 //
 //   const QuadScores want = ScoreInQuad(model, observations);
 //   RelativeError(got, want.log_likelihood);
