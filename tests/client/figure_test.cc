@@ -69,6 +69,55 @@ TEST(FigureTest, BarsAreAsLongAsTheirValues) {
   EXPECT_NEAR(1. * first[0].height() / second[0].height(), 4, 0.1);
 }
 
+TEST(FigureTest, IntervalsHideNoPartOfTheirBar) {
+  BarChart chart;
+  chart.series = {"a"};
+  chart.sections = {{"s", {{"g", {Bar{50, 45, 55}}}}}};
+  const PngImage image = Drawn(chart);
+  const auto bars = DataSpots(image, 0);
+  ASSERT_FALSE(bars.empty());
+  const int middle = static_cast<int>(bars[0].x());
+  // The line of the interval is above the bar's end and on it.
+  for (const int y : {bars[0].top - 12, bars[0].top + 2, bars[0].top + 6}) {
+    EXPECT_NE(image.At(middle, y), 0xffffffu) << y - bars[0].top;
+  }
+}
+
+TEST(FigureTest, PowersOfTenFitBesideTheAxis) {
+  LinePlot plot;
+  plot.y = {.title = "error", .scale = AxisScale::kLog};
+  plot.series = {{.name = "a", .x = {1, 2}, .y = {1e-14, 1}}};
+  const PngImage image = Drawn(plot);
+  EXPECT_EQ(Ink(image, 0, 0, 4, image.height).pixels, 0);
+  // The title is left of the labels.
+  EXPECT_GT(Ink(image, 4, 120, 50, image.height).pixels, 100);
+}
+
+TEST(FigureTest, MarkersOfManySeriesStaySmall) {
+  LinePlot plot;
+  for (int i = 0; i < 6; ++i) {
+    const double place = i;
+    plot.series.push_back({.name = "a", .x = {place}, .y = {place}});
+  }
+  const PngImage image = Drawn(plot);
+  const auto first = DataSpots(image, 0);
+  const auto last = DataSpots(image, 5);
+  ASSERT_EQ(first.size(), 1u);
+  ASSERT_EQ(last.size(), 1u);
+  EXPECT_LT(last[0].height(), 1.6 * first[0].height());
+}
+
+TEST(FigureTest, AMatrixIsAsWideAsItsSubtitle) {
+  const ConfusionMatrix matrix = {
+      .title = "t",
+      .subtitle = "1422 of 1835 right: 77.5 % (95 %: 75.5 to 79.3)",
+      .labels = {"HU", "HM"},
+      .counts = {{1, 0}, {0, 1}}};
+  const auto script = ScriptOf(matrix);
+  ASSERT_TRUE(script.ok()) << script.status();
+  EXPECT_THAT(script->text(), testing::HasSubstr(matrix.subtitle));
+}
+
 TEST(FigureTest, AnUnknownBarIsNotDrawn) {
   BarChart chart;
   chart.series = {"a"};

@@ -14,12 +14,24 @@ namespace {
 // Free stretch beyond the outermost values, as a fraction of their distance.
 constexpr double kPadding = 0.05;
 
+// "-12" in the superscript letters of Unicode.
+std::string Superscript(int number) {
+  static constexpr const char* kDigits[] = {"⁰", "¹", "²", "³", "⁴",
+                                            "⁵", "⁶", "⁷", "⁸", "⁹"};
+  std::string text;
+  for (const char c : absl::StrCat(number)) {
+    text += c == '-' ? "⁻" : kDigits[c - '0'];
+  }
+  return text;
+}
+
 // Powers of ten beyond four digits are written as such.
 std::string TickLabel(double value) {
   const double exponent = std::log10(value);
   if (std::abs(exponent - std::round(exponent)) < 1e-9 &&
       std::abs(exponent) > 3.5) {
-    return absl::StrFormat("10^{%d}", static_cast<int>(std::lround(exponent)));
+    return absl::StrCat("10",
+                        Superscript(static_cast<int>(std::lround(exponent))));
   }
   return absl::StrFormat("%g", value);
 }
@@ -107,7 +119,7 @@ void SetAxis(char which, const Axis& axis, const Range& range,
   if (ticks.size() < 2) {
     script.Add("set %ctics autofreq format '%%g'", which);
   } else {
-    script.Add("set %ctics enhanced (%s)", which, TickList(ticks));
+    script.Add("set %ctics (%s)", which, TickList(ticks));
   }
 }
 

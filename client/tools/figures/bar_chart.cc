@@ -98,10 +98,8 @@ void AddSection(const BarChart& chart, size_t index, const Range& y,
                         0.94 * bar_width, SeriesColour(s)));
     if (intervals.empty()) continue;
     script.Data(name + "_interval", intervals);
-    curves.push_back(absl::StrFormat(
-        "$%s_interval using 1:2:3:4 with yerrorbars lc rgb '%s' lw 2.5 "
-        "pt -1",
-        name, kInk));
+    curves.push_back(absl::StrFormat("$%s_interval %s lc rgb '%s' lw 2.5", name,
+                                     kIntervalBars, kInk));
   }
   for (const ReferenceLine& line : chart.references) {
     curves.push_back(absl::StrFormat("%.9g with lines lc rgb '%s' %s", line.y,

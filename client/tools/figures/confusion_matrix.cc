@@ -18,6 +18,8 @@ constexpr int kCellWidth = 140;
 constexpr int kCellHeight = 110;
 constexpr int kMinWidth = 4 * kCellWidth;
 constexpr double kMaxLabelWidth = 170;
+// The picture is as wide as its title and subtitle need, up to this.
+constexpr int kMaxTextWidth = 900;
 // Above this percentage a cell is dark and its text white.
 constexpr double kDarkFrom = 0.5;
 
@@ -64,10 +66,16 @@ absl::StatusOr<GnuplotScript> ScriptOf(const ConfusionMatrix& matrix) {
                            .right = 30,
                            .bottom = 106};
   const int heading_height = matrix.subtitle.empty() ? 92 : 130;
-  GnuplotScript script(static_cast<int>(margins.left + margins.right) +
-                           std::max(kMinWidth, classes * kCellWidth),
-                       static_cast<int>(margins.bottom) + heading_height +
-                           classes * kCellHeight);
+  const int text_width =
+      1 + static_cast<int>(
+              std::max(TextWidth(matrix.title, kTitleSize, /*bold=*/true),
+                       TextWidth(matrix.subtitle, kTextSize)));
+  GnuplotScript script(
+      static_cast<int>(std::ceil(margins.left + margins.right)) +
+          std::max({kMinWidth, classes * kCellWidth,
+                    std::min(text_width, kMaxTextWidth)}),
+      static_cast<int>(margins.bottom) + heading_height +
+          classes * kCellHeight);
   const Box area = AddHeading(
       {.title = matrix.title, .subtitle = matrix.subtitle}, script, margins);
   const double cell_width = area.width() / classes;

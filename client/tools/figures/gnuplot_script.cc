@@ -112,8 +112,6 @@ GnuplotScript::GnuplotScript(int width, int height)
   Add("set tics nomirror out scale 0.6 textcolor rgb '%s'", kInk);
   Add("set grid lc rgb '%s' lt 1 lw 1.5", kGridInk);
   Add("set style fill solid 1 noborder");
-  // No white box around the points of interval bars.
-  Add("set pointintervalbox 0");
 }
 
 void GnuplotScript::Data(absl::string_view name,

@@ -48,6 +48,11 @@ inline constexpr char kGridInk[] = "#e2e2e2";
 // Line style of reference lines.
 inline constexpr char kDashes[] = "lw 3 dt (14,10)";
 
+// Draws the columns 3 and 4 of rows {x, y, low, high} as bars with caps.
+// gnuplot's own style `yerrorbars` puts a white disc on each bar.
+inline constexpr char kIntervalBars[] =
+    "using 1:3:(0):($4-$3) with vectors heads size screen 0.006,90 fixed";
+
 // Series that the palette can tell apart.
 inline constexpr int kMaxSeries = 7;
 // Colour of the index-th series: the palette of Okabe and Ito (2008), which

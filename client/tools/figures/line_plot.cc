@@ -70,9 +70,8 @@ std::string Curves(const LinePlot& plot) {
                           "fs transparent solid 0.16 noborder",
                           i, colour));
     } else {
-      curves.push_back(absl::StrFormat(
-          "$series%d using 1:2:3:4 with yerrorbars lc rgb '%s' lw 3 pt -1", i,
-          colour));
+      curves.push_back(absl::StrFormat("$series%d %s lc rgb '%s' lw 3", i,
+                                       kIntervalBars, colour));
     }
   }
   for (const ReferenceLine& line : plot.references) {
@@ -83,10 +82,12 @@ std::string Curves(const LinePlot& plot) {
     curves.push_back(
         absl::StrFormat("x with lines lc rgb '%s' %s", kSoftInk, kDashes));
   }
-  for (int i = static_cast<int>(plot.series.size()) - 1; i >= 0; --i) {
+  const int last = static_cast<int>(plot.series.size()) - 1;
+  for (int i = last; i >= 0; --i) {
+    const double depth = i / std::max(2., static_cast<double>(last));
     curves.push_back(absl::StrFormat(
         "$series%d using 1:2 with linespoints lc rgb '%s' lw %g pt %d ps %g", i,
-        SeriesColour(i), 4 + 1.6 * i, SeriesMarker(i), 2.1 + 0.4 * i));
+        SeriesColour(i), 4 + 3.2 * depth, SeriesMarker(i), 2.1 + 0.8 * depth));
   }
   return absl::StrJoin(curves, ", \\\n  ");
 }
