@@ -24,7 +24,7 @@
 #include "server/ops/signals.h"
 #include "server/registry/default_bundle.h"
 #include "server/registry/model_registry.h"
-#include "server/server.h"
+#include "server/tactus_server.h"
 #include "spdlog/spdlog.h"
 
 namespace tactus::server {

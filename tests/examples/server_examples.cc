@@ -24,7 +24,6 @@
 #include "server/rpc/health_service.h"
 #include "server/rpc/incoming_call.h"
 #include "server/rpc/trial_call.h"
-#include "server/server.h"
 #include "server/session/frame_decoder.h"
 #include "server/session/model_source.h"
 #include "server/session/posterior_writer.h"
@@ -33,6 +32,7 @@
 #include "server/session/stream_session.h"
 #include "server/session/stream_settings.h"
 #include "server/session/trial_session.h"
+#include "server/tactus_server.h"
 #include "spdlog/spdlog.h"
 
 namespace tactus::server::examples {

@@ -13,7 +13,7 @@
 #include "client/stream/status.h"
 #include "grpcpp/grpcpp.h"
 #include "gtest/gtest.h"
-#include "server/server.h"
+#include "server/tactus_server.h"
 #include "tests/server/support/requests.h"
 #include "tests/server/support/test_models.h"
 

@@ -1,4 +1,4 @@
-#include "server/server.h"
+#include "server/tactus_server.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,4 +1,4 @@
-// File: server.h
+// File: tactus_server.h
 //
 // TactusServer: all services on their addresses, from start to drained stop.
 //
