@@ -1,6 +1,7 @@
 // File: version.h
 //
-// The release this program was built from, as CMakeLists.txt names it.
+// The release that this program was built from, as CMakeLists.txt names it. It
+// is a separate header so that a new release recompiles only its few users.
 #pragma once
 
 namespace tactus {

@@ -1,6 +1,7 @@
 // File: clock.h
 //
-// The server's clock, for durations only. Thread-safe.
+// The server's clock, for durations only. It is a separate header so that all
+// durations come from one clock. Thread-safe.
 #pragma once
 
 #include <chrono>
