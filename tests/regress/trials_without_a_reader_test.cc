@@ -31,7 +31,10 @@ v1::ClassifyTrialRequest Trial() {
 // streams counts these trials.
 TEST(TrialsWithoutAReaderTest, LeaveTheArrivalGate) {
   TestServer server(TestServer::OnLoopback(100));
-  RawHttp2 attacker(server.server().ports()[0]);
+  const int port = server.server().ports()[0];
+  testing::Bystander robot(absl::StrCat("127.0.0.1:", port));
+  ASSERT_TRUE(robot.IsServed());
+  RawHttp2 attacker(port);
   // SETTINGS_INITIAL_WINDOW_SIZE = 0: the server may send headers but no data.
   attacker.Frame(RawHttp2::kSettings, 0, 0, std::string("\0\4\0\0\0\0", 6));
   const std::string trial = Trial().SerializeAsString();
@@ -42,12 +45,15 @@ TEST(TrialsWithoutAReaderTest, LeaveTheArrivalGate) {
   }
   ASSERT_TRUE(attacker.Flush());
   const auto& gate = server.server().gate();
-  ASSERT_TRUE(attacker.ReadUntil([&] { return gate.live() == kTrials; },
+  // The trials and the robot's stream.
+  ASSERT_TRUE(attacker.ReadUntil([&] { return gate.live() == kTrials + 1; },
                                  milliseconds(30'000)));
   EXPECT_TRUE(
       Eventually([&] { return server.server().arrivals().taken() == 0; }));
-  EXPECT_EQ(gate.live(), kTrials);
+  EXPECT_EQ(gate.live(), kTrials + 1);
+  EXPECT_TRUE(robot.IsServed());
   testing::ExpectGoodStream(server.channel());
+  EXPECT_TRUE(robot.Finish().ok());
 }
 
 }  // namespace
