@@ -1,6 +1,6 @@
-// A message was accepted if its capture time lay above that of the first frame
-// of the message before, though below that of its last: time_since_onset ran
-// from 390 ms back to 1 ns.
+// A message was accepted if its capture time was later than that of the first
+// frame of the message before, even if it was earlier than that of the last
+// frame: time_since_onset went from 390 ms back to 1 ns.
 #include <algorithm>
 #include <vector>
 

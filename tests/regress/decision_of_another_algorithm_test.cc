@@ -24,7 +24,7 @@ std::vector<std::pair<double, bool>> Decisions(const Model& model,
 
 class DecisionOfAnotherAlgorithmTest : public ::testing::Test {
  protected:
-  // Untrained networks that are sure of themselves.
+  // Untrained networks whose probabilities are close to 0 and 1.
   DecisionOfAnotherAlgorithmTest() : both_(hmms_) {
     testing::AddLstms(2, both_);
     both_.calibration.lstm_inverse_temperature = {40, 40};

@@ -64,7 +64,7 @@ TEST(DescriptorsRunOutTest, ServerAcceptsAgainAfterIdleConnections) {
     // 64 connections fit, half of them for one peer.
     EXPECT_TRUE(Eventually([&] { return CountClosed(idle) >= 200 - 32; }));
     EXPECT_TRUE(robot.IsServed());
-    // Another peer still gets in.
+    // The server still accepts another peer.
     const FileDescriptor other = ConnectTo(server.port(), "127.0.0.2");
     char byte = 0;
     EXPECT_EQ(recv(other.get(), &byte, 1, 0), 1);

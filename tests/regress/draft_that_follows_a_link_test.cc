@@ -1,6 +1,6 @@
-// Results were written to FILE.partial, which two programs shared and which
-// could be a link to somewhere else, and were renamed before they were on disk:
-// after a power failure the bundle could be empty.
+// Results were written to FILE.partial. Two programs could write to it at once,
+// and it could be a link to another file. It was renamed before its contents
+// were on disk, so after a power failure the bundle could be empty.
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>

@@ -1,6 +1,6 @@
-// `trainctl evaluate` asked the HMMs alone unless told otherwise, also of a
-// bundle with LSTMs: it reported 88.1 % where the served answers had 93.1 %.
-// With --algorithm=fused and no LSTM it claimed to have fused.
+// `trainctl evaluate` used the HMMs alone by default, even with a bundle that
+// has LSTMs: it reported 88.1 % where the served answers had 93.1 %. With
+// --algorithm=fused and no LSTM it reported fused answers.
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/support/trainctl_run.h"
@@ -40,7 +40,7 @@ class EvaluationOfHalfABundleTest : public ::testing::Test {
   const std::string data_ = ::testing::TempDir() + "half.h5";
 };
 
-TEST_F(EvaluationOfHalfABundleTest, LstmsAnswerUnlessHmmsAreAskedAlone) {
+TEST_F(EvaluationOfHalfABundleTest, LstmsTakePartUnlessHmmsAreChosen) {
   const std::string model = " --model=" + Fit("--networks=1 --epochs=1");
   const Json served = Evaluate(model);
   EXPECT_EQ(served["algorithm"], "fused");

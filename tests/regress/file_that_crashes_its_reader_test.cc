@@ -1,6 +1,5 @@
-// A trial file from somewhere else was opened by the HDF5 library in this
-// process before the process that was to try it first, and that one had no
-// limit on its memory.
+// The HDF5 library opened a foreign trial file in this process before the child
+// process that should read it first, and the child had no limit on its memory.
 #include <dlfcn.h>
 #include <hdf5.h>
 #include <sys/stat.h>
@@ -32,8 +31,8 @@ constexpr size_t kTooMuch = 16UL * 1024 * 1024 * 1024;
 
 }  // namespace
 
-// Takes the place of the library's function in this program: it dies or asks
-// for too much memory on files of certain names.
+// Takes the place of the library's function in this program: it crashes or
+// allocates too much memory on files of certain names.
 extern "C" hid_t H5Fopen(const char* path, unsigned flags, hid_t access) {
   using Function = hid_t (*)(const char*, unsigned, hid_t);
   static const auto library =
@@ -77,7 +76,7 @@ TEST_F(FileThatCrashesItsReaderTest, IsRefusedAndNeverOpenedHere) {
   EXPECT_EQ(opened_here, 0);
 }
 
-TEST_F(FileThatCrashesItsReaderTest, SoIsOneThatAsksForAllMemory) {
+TEST_F(FileThatCrashesItsReaderTest, SoIsOneThatAllocatesAllMemory) {
   if (!kMemoryIsLimited)
     GTEST_SKIP() << "a limit of the address space stops sanitizers themselves";
   const std::string path = File("huge.h5");

@@ -1,5 +1,5 @@
-// A server that decided for class 200,000 crashed tactus-stream: nothing
-// checked what a server sends before it was used.
+// A server that decided for class 200,000 crashed tactus-stream, because the
+// client used responses without a check.
 #include <functional>
 #include <limits>
 #include <string>
@@ -199,7 +199,7 @@ TEST(InvalidResponsesOnTheWireTest, EndTheStreamWithAClearError) {
     EXPECT_EQ(ReasonOf(status), "INVALID_RESPONSE") << status;
     EXPECT_THAT(std::string(status.message()), HasSubstr(change.field));
     EXPECT_EQ((*stream)->Close(), status);
-    // The callback never saw it.
+    // The callback did not get it.
     EXPECT_EQ(last, 1u);
   }
 }

@@ -17,7 +17,8 @@ namespace {
 using testing::Bystander;
 using testing::ChildTactusd;
 
-// The stream must get its notice of the drain, and the server must end well.
+// The stream must get its notice of the drain, and the server must exit with
+// code 0.
 void ExpectDrain(ChildTactusd& server, int signal) {
   testing::RawStream stream(Bystander::OwnConnection(server.address()));
   ASSERT_TRUE(stream.Write(testing::ConfigRequest()));

@@ -1,6 +1,6 @@
 // A bundle with a right checksum, more warm-up answers than classes and no
 // warm-up frames was read beyond the end of a list: tactusd and trainctl
-// inspect died.
+// inspect crashed.
 #include <limits>
 
 #include "core/base/errors.h"

@@ -1,5 +1,5 @@
-// Reflection is a synchronous service: each open call held a thread, 1,500
-// half-open calls 1,511 threads. It is off unless asked for, and then the
+// Reflection is a synchronous service: each open call held a thread, so 1,500
+// half-open calls took 1,511 threads. Reflection is off by default, and the
 // number of its threads has a limit.
 #include "core/base/limits.h"
 #include "gtest/gtest.h"

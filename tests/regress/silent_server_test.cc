@@ -1,5 +1,5 @@
 // A server that kept its connection alive and sent nothing made tactus-stream
-// wait for ever: no call of the client had a deadline.
+// wait without end, because no call of the client had a deadline.
 #include <chrono>
 
 #include "client/drivers/sim_driver.h"

@@ -1,5 +1,5 @@
-// Empty TLS flags started a server that spoke plaintext without a word, and an
-// address that begins with "unix" was taken for an unencrypted unix socket.
+// With empty TLS flags the server used plaintext and logged nothing about it.
+// An address that begins with "unix" was taken for an unencrypted unix socket.
 #include "client/stream/channel.h"
 #include "core/base/errors.h"
 #include "gtest/gtest.h"

@@ -76,7 +76,7 @@ TEST(ModelRegistryTest, ABadBundleChangesNothing) {
   std::string flipped = Bundle(2);
   flipped[flipped.size() / 2] ^= 1;
   EXPECT_FALSE(registry.Add("default", flipped).ok());
-  // Its own self-test fails.
+  // Its self-test fails.
   Model wrong = testing::SmallModel();
   wrong.warm_up.samples = {{{1, 1, 1}, 1}};
   wrong.warm_up.probability = {1, 0, 0, 0};
@@ -100,7 +100,7 @@ TEST(ModelRegistryTest, AFileThatIsNotThere) {
   EXPECT_EQ(ReasonOf(ReadBundleFile("/no/such/file").status()), "IO");
 }
 
-// Look-ups go on while versions come: each finds a whole version.
+// Look-ups run while versions are added; each finds a whole version.
 TEST(ModelRegistryTest, SwapsUnderLookUps) {
   ModelRegistry registry;
   ASSERT_TRUE(registry.Add("default", Bundle(1)).ok());

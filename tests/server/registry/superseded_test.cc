@@ -1,4 +1,5 @@
-// A stream is told once that its model has a newer version, and keeps its own.
+// A stream gets one notice that its model has a newer version, and keeps the
+// version that it has.
 #include "core/bundle/bundle.h"
 #include "gtest/gtest.h"
 #include "server/registry/model_registry.h"
@@ -56,7 +57,7 @@ class SupersededTest : public ::testing::Test {
   ModelRegistry registry_;
 };
 
-TEST_F(SupersededTest, ANewerVersionIsToldOnce) {
+TEST_F(SupersededTest, ANewerVersionBringsOneNotice) {
   StreamSession session(&registry_, {});
   Start(session, "");
   EXPECT_EQ(Notices(session), 0);
@@ -67,7 +68,7 @@ TEST_F(SupersededTest, ANewerVersionIsToldOnce) {
   EXPECT_EQ(Notices(session), 0);
 }
 
-TEST_F(SupersededTest, EachStreamIsToldOfItsOwnModelOnly) {
+TEST_F(SupersededTest, EachStreamGetsNoticesOfItsModelOnly) {
   StreamSession by_name(&registry_, {});
   Start(by_name, "models/other");
   StreamSession by_version(&registry_, {});

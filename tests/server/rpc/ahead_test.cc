@@ -1,5 +1,5 @@
-// A client that sends faster than it is answered, whose answers are held back
-// to be sent together, gets each of them, in order, and none is held for good.
+// A client sends faster than the server answers, so the server holds answers
+// back and sends them together. The client gets all of them, in order.
 #include <random>
 
 #include "gtest/gtest.h"
@@ -22,7 +22,7 @@ class AheadTest : public ::testing::TestWithParam<bool> {
 };
 
 // Reads up to the answer of frame `last`; the server may skip some that the
-// client left waiting, and says how many.
+// client left waiting, and reports how many.
 void ReadUpTo(uint64_t last, RawStream& stream, uint64_t* answered,
               uint64_t* superseded) {
   uint64_t sequence = 0;
@@ -56,8 +56,8 @@ TEST_P(AheadTest, BurstsOfAnyLengthAreAnsweredToTheLast) {
   EXPECT_EQ(answered + superseded, sent);
 }
 
-// The last messages of a burst bring no answer that could take a held one with
-// it.
+// No answer follows the last messages of a burst, so none would flush a held
+// one.
 TEST_P(AheadTest, AnAnswerThatNoneFollowsIsNotHeld) {
   TestServer server = MakeServer();
   RawStream stream(server.channel());

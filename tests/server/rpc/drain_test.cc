@@ -1,4 +1,5 @@
-// Stopping in good order: health first, notices, finals, then the end.
+// A server that stops reports NOT_SERVING, then sends notices and finals, and
+// then ends the streams.
 #include <thread>
 
 #include "core/base/errors.h"
@@ -89,7 +90,7 @@ TEST(DrainTest, AReaderThatNeverReadsCannotHoldTheServer) {
   TestServer server(TestServer::OnLoopback(50));
   RawStream stream(server.channel());
   ASSERT_TRUE(stream.Write(ConfigRequest()));
-  // Fill the pipe until the server owes more than it can deliver.
+  // Send frames until the server has more answers than it can deliver.
   std::thread writer([&] {
     for (uint64_t sequence = 1; sequence < 40'000; sequence += 40) {
       if (!stream.Write(DenseU16(sequence, std::vector(40, Touch(1)))) ||

@@ -1,4 +1,4 @@
-// Probes and load balancers learn how the server is, and of changes.
+// Probes and load balancers get the server's health and its changes.
 #include <chrono>
 #include <thread>
 
@@ -42,7 +42,7 @@ class Watcher {
   std::unique_ptr<grpc::ClientReader<HealthCheckResponse>> reader_;
 };
 
-TEST(HealthTest, CheckKnowsTheServerAndItsService) {
+TEST(HealthTest, CheckAnswersForTheServerAndItsService) {
   TestServer server;
   const auto stub = Health::NewStub(server.channel());
   for (const char* service : {"", "tactus.v1.ContactService"}) {
@@ -62,7 +62,7 @@ TEST(HealthTest, CheckKnowsTheServerAndItsService) {
   EXPECT_NE(status.error_message().find("no.Service"), std::string::npos);
 }
 
-TEST(HealthTest, WatchTellsChangesAndDoesNotHoldTheServer) {
+TEST(HealthTest, WatchReportsChangesAndDoesNotDelayAStop) {
   TestServer server(TestServer::OnLoopback(300));
   testing::RawStream stream(server.channel());
   ASSERT_TRUE(stream.Write(testing::ConfigRequest()));

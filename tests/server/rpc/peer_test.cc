@@ -24,7 +24,7 @@ TEST(PeerTest, IsAHostOrANetwork) {
   EXPECT_EQ(PeerOf("unix:/run/a"), "unix");
   EXPECT_EQ(PeerOf("unix:"), "unix");
   EXPECT_EQ(PeerOf("inproc"), "inproc");
-  // Whatever gRPC may come to write is some peer, and no crash.
+  // Any other text is some peer, and nothing crashes.
   for (const char* text :
        {"", "ipv4:", "ipv6:", "ipv6:[", "ipv6:]", "ipv6:[]", "x"}) {
     PeerOf(text);

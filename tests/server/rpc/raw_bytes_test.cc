@@ -1,4 +1,5 @@
-// Bytes that are no message, and messages larger than any may be.
+// The server refuses bytes that are no message, and messages that are too
+// large.
 #include <string>
 
 #include "core/base/errors.h"
@@ -49,7 +50,7 @@ TEST_F(RawBytesTest, TooManyBytesAreNotEvenParsed) {
   EXPECT_EQ(ReasonOf(status), "MESSAGE_TOO_LARGE") << status;
 }
 
-TEST_F(RawBytesTest, BeyondGrpcsOwnLimit) {
+TEST_F(RawBytesTest, BeyondTheLimitOfGrpc) {
   const absl::Status status = Classify(std::string(5 << 20, '\xff'));
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
   testing::ExpectGoodStream(server_.channel());

@@ -1,5 +1,5 @@
-// A tool that knows nothing of Tactus can ask for its services, if the server
-// was started with reflection.
+// A tool without the protos of Tactus can list its services if the server was
+// started with reflection.
 #include <string>
 
 #include "absl/status/status.h"

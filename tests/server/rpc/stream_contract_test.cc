@@ -21,7 +21,7 @@ class StreamContractTest : public ::testing::TestWithParam<BadInput> {};
 TEST_P(StreamContractTest, BadInputMeetsItsReasonAndHarmsNobody) {
   const BadInput& bad = GetParam();
   const auto& channel = Server().channel();
-  // A stream that was there before lives on beside the bad one.
+  // A stream that was open before continues beside the bad one.
   RawStream bystander(channel);
   ASSERT_TRUE(bystander.Write(testing::ConfigRequest()));
   ASSERT_TRUE(bystander.Read().has_started());

@@ -1,5 +1,5 @@
-// Cancels, limits, silence, slow readers: whatever happens to streams, none
-// is lost and none stays.
+// Streams that are cancelled, refused, silent or read slowly: each of them
+// ends, and the server counts each end.
 #include <thread>
 
 #include "core/base/errors.h"
@@ -43,7 +43,7 @@ TEST(StreamLifecycleTest, CancelAtEveryState) {
       GoTo(state, stream);
       stream.Cancel();
       const absl::Status status = stream.Finish();
-      // After the half-close the end may have been quicker.
+      // After the half-close, the stream may end before it is cancelled.
       EXPECT_TRUE(status.code() == absl::StatusCode::kCancelled ||
                   (state == 5 && status.ok()))
           << "state " << state << ": " << status;
@@ -104,8 +104,8 @@ TEST(StreamLifecycleTest, ManyStreamsEndedAtRandomBalance) {
   EXPECT_TRUE(Eventually([&] { return IsBalanced(server); }));
   // A stream cancelled at once may never reach the server.
   EXPECT_GT(server.server().gate().opened(), 300u);
-  // No stream kept a share of its model; the last one lets go of it just after
-  // it was counted out.
+  // No stream still holds its model. The last one releases it just after the
+  // gate has counted its end.
   EXPECT_TRUE(
       Eventually([&] { return server.models().model().use_count() == 1; }));
 }
@@ -139,7 +139,7 @@ TEST(StreamLifecycleTest, WhatStreamsSkippedIsAddedUpAtTheirEnds) {
             std::string::npos);
 }
 
-TEST(StreamLifecycleTest, StreamsBeyondTheLimitAreToldSo) {
+TEST(StreamLifecycleTest, StreamsBeyondTheLimitAreRefused) {
   TestServer server({.max_streams = 2});
   auto first = std::make_unique<RawStream>(server.channel());
   GoTo(2, *first);
@@ -187,8 +187,8 @@ TEST(StreamLifecycleTest, FramesKeepAStreamFromBeingIdle) {
   EXPECT_TRUE(stream.Finish().ok());
 }
 
-// A client that does not read: interims give way, finals wait, the server
-// stops reading, and once the client reads again all finals are there.
+// A client that does not read: the server drops interim answers, keeps final
+// ones, and stops reading. When the client reads again, it gets all finals.
 TEST(StreamLifecycleTest, SlowReaderLosesInterimsOnly) {
   TestServer server;
   RawStream stream(server.channel());

@@ -1,4 +1,4 @@
-// A method that no service has gets gRPC's own UNIMPLEMENTED.
+// A call of a method that no service has ends with gRPC's UNIMPLEMENTED.
 #include "gtest/gtest.h"
 #include "tests/server/support/raw_call.h"
 #include "tests/server/support/test_server.h"
@@ -6,7 +6,7 @@
 namespace tactus {
 namespace {
 
-TEST(UnknownMethodTest, IsUnimplementedAndHarmsNobody) {
+TEST(UnknownMethodTest, IsUnimplementedAndOthersAreServed) {
   testing::TestServer server;
   for (const char* method :
        {"/some.Service/Method", "/tactus.v1.ContactService/ClassifyEverything",

@@ -1,5 +1,5 @@
-// However frames are packed into messages, the posteriors are those of the
-// pipeline itself, bit for bit.
+// The packing of frames into messages does not change the posteriors: they are
+// those of the pipeline, bit for bit.
 #include <cstring>
 
 #include "core/base/random.h"
@@ -13,7 +13,7 @@ namespace {
 
 using testing::Counts;
 
-// What must agree, as text of exact numbers.
+// The fields that must agree, as text of exact numbers.
 std::string Fingerprint(double unknown, std::span<const double> likelihood,
                         std::span<const double> probability) {
   std::string bytes(reinterpret_cast<const char*>(&unknown), sizeof(unknown));
@@ -101,7 +101,7 @@ v1::ClassifyContactRequest Config(Packing packing, bool with_poses) {
   return request;
 }
 
-// Takes what waits; returns how many finals were among it.
+// Takes the waiting answers; returns how many of them were finals.
 int Collect(StreamSession& session, std::vector<std::string>& prints) {
   int finals = 0;
   while (const auto* response = session.responses().StartWrite(0)) {

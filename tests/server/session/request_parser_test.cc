@@ -1,4 +1,4 @@
-// The parser that keeps its memory against protobuf's own.
+// Compares the parser that reuses its memory with the parser of protobuf.
 #include "server/session/request_parser.h"
 
 #include <string>

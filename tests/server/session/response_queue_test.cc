@@ -73,7 +73,7 @@ TEST(ResponseQueueTest, IsFullOfFinalsNotOfInterims) {
   EXPECT_FALSE(queue.full());
 }
 
-TEST(ResponseQueueTest, SharesComputeTimeAndTellsWaitingTime) {
+TEST(ResponseQueueTest, DividesComputeTimeAndReportsWaitingTime) {
   ResponseQueue queue;
   queue.BeginRequest();
   queue.EndRequest(100, 1000);  // Brought nothing.

@@ -62,7 +62,7 @@ TEST_F(SessionSkippingTest, AStreamCountsWhatItSkips) {
   EXPECT_EQ(skipped[SkipRule::kUnlistedTaxels], 80u);
 }
 
-// Many frames a message, dense and sparse by turns, taxels masked out.
+// Many frames per message, dense and sparse in turn, with masked taxels.
 TEST_F(SessionSkippingTest, SparseFramesLeaveNothingBehind) {
   for (const bool skip : {true, false}) {
     auto config = Config(false);

@@ -60,7 +60,7 @@ class StreamSessionTest : public ::testing::Test {
   v1::StreamStarted started_;
 };
 
-TEST_F(StreamSessionTest, StartedTellsModelLimitsAndGeometry) {
+TEST_F(StreamSessionTest, StartedHasModelLimitsAndGeometry) {
   Start();
   EXPECT_EQ(started_.model_version(), "models/default/versions/1");
   EXPECT_EQ(started_.bundle_sha256(), std::string(64, 'a'));
@@ -172,7 +172,7 @@ TEST_F(StreamSessionTest, DecisionStaysWithItsContactOnly) {
   EXPECT_FALSE(posteriors[0].has_decision());
 }
 
-TEST_F(StreamSessionTest, ContactEndIsToldOnItsFrameAtAnyCadence) {
+TEST_F(StreamSessionTest, ContactEndIsReportedOnItsFrameAtAnyCadence) {
   auto config = ConfigRequest();
   config.mutable_config()->set_release_after_ms(30);
   config.mutable_config()->set_cadence(v1::RESULT_CADENCE_ON_DECISION);
@@ -227,7 +227,7 @@ TEST_F(StreamSessionTest, GapsAreCountedPerTrialAndChangeTheScores) {
   EXPECT_EQ(posteriors.back().frames_missing(), 3u);
   const double with_gap = posteriors.back().log_likelihood(0);
   Send(EndOfTrialRequest());
-  // Between trials any jump will do.
+  // Between trials, sequences may jump by any amount.
   Send(DenseU16(1000, {Touch(1), Touch(1), Touch(1)}));
   posteriors = Posteriors();
   EXPECT_EQ(posteriors.back().frames_missing(), 0u);
@@ -264,7 +264,7 @@ TEST_F(StreamSessionTest, MaskedTaxelsMayHoldAnything) {
   }
 }
 
-TEST_F(StreamSessionTest, DrainingTellsThenEndsWithTheFinal) {
+TEST_F(StreamSessionTest, DrainingSendsANoticeThenTheFinal) {
   Start();
   Send(DenseU16(1, {Touch(1)}));
   Posteriors();
@@ -272,7 +272,7 @@ TEST_F(StreamSessionTest, DrainingTellsThenEndsWithTheFinal) {
   const v1::ClassifyContactResponse notice = Next();
   EXPECT_EQ(notice.notice().kind(), v1::StreamNotice::KIND_DRAINING);
   EXPECT_EQ(notice.notice().grace_ms(), 5000u);
-  // The grace is for finishing what was begun.
+  // Within the grace, the trial that was begun continues.
   Send(DenseU16(2, {Touch(1)}));
   Posteriors();
   session_.Finish(Draining());

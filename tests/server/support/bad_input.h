@@ -1,7 +1,8 @@
 // File: bad_input.h
 //
-// The table of what clients do wrong on a stream, each with the status code
-// and reason it must meet. Run against StreamSession and over gRPC.
+// A table of the errors that clients make on a stream, each with the status
+// code and the reason that must follow. Tests run it against StreamSession and
+// over gRPC.
 #pragma once
 
 #include <ostream>

@@ -13,7 +13,7 @@
 namespace tactus::testing {
 
 inline constexpr int kCodyTaxels = 16 * 24;
-// Newtons a step of the u16 encoding used here; a power of two, so that the
+// Newtons per step of the u16 encoding used here; a power of two, so that the
 // same values travel exactly as floats.
 inline constexpr double kStep = 1.0 / 1024;
 

@@ -58,7 +58,7 @@ class TestServer {
   std::shared_ptr<grpc::Channel> channel_;
 };
 
-// A client without opinions.
+// A client that checks nothing.
 class RawStream {
  public:
   explicit RawStream(const std::shared_ptr<grpc::Channel>& channel)

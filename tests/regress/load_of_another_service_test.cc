@@ -1,7 +1,7 @@
-// A server that answers posteriors before it has accepted the stream, such as
-// an echo, ended the load generator: it looked up when the answered message had
-// been due while nothing had been scheduled yet. So did one that answers frames
-// that were never sent.
+// A server that sends posteriors before it has accepted the stream crashed the
+// load generator: it looked up when the answered message had been due, although
+// no message had been scheduled yet. So did a server that answers frames that
+// were never sent.
 #include <limits>
 
 #include "client/tools/load/load.h"
@@ -25,7 +25,7 @@ LoadReport Load(const ScriptedServer& server) {
   return report.ok() ? *report : LoadReport();
 }
 
-TEST(LoadOfAStrangerTest, IsReportedAsRefused) {
+TEST(LoadOfAnotherServiceTest, IsReportedAsRefused) {
   ScriptedServer server([](grpc::ServerContext*, Stream* stream) {
     v1::ClassifyContactRequest request;
     while (stream->Read(&request)) stream->Write(testing::GoodPosterior(1));
@@ -37,7 +37,7 @@ TEST(LoadOfAStrangerTest, IsReportedAsRefused) {
   EXPECT_FALSE(report.first_error.empty());
 }
 
-TEST(LoadOfAStrangerTest, AnswersToFramesNeverSentEndTheStream) {
+TEST(LoadOfAnotherServiceTest, AnswersToFramesNeverSentEndTheStream) {
   ScriptedServer server([](grpc::ServerContext*, Stream* stream) {
     v1::ClassifyContactRequest request;
     stream->Read(&request);
