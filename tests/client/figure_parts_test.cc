@@ -47,7 +47,7 @@ TEST(AxisTest, LogarithmicLabelsAreRoundAndFew) {
 
 constexpr Box kArea = {140, 100, 1100, 760};
 
-TEST(LabelPlacesTest, ALonelyLabelStandsBesideItsPoint) {
+TEST(LabelPlacesTest, ASingleLabelStandsBesideItsPoint) {
   const auto places = PlaceLabels({{{500, 400}, "label"}}, {}, kArea, 20);
   ASSERT_EQ(places.size(), 1u);
   EXPECT_GT(places[0].box.left, 500);

@@ -53,7 +53,7 @@ TEST(ReproduceReportTest, ALineSetsOursBesideThePapers) {
                           "+6.25", "2.5"));
 }
 
-TEST(ReproduceReportTest, ALineWithoutAnswerSaysWhy) {
+TEST(ReproduceReportTest, ALineWithoutAnswerHasTheReason) {
   EXPECT_THAT(
       Words(TableLine(Failed())),
       ElementsAre("LSTM", "f", "-", "-", "40.42", "-", "0.0", "no", "network"));

@@ -1,7 +1,7 @@
 // File: touch_trial.h
 //
 // A trial whose frames are known: a square patch on the forearm's skin that is
-// touched, pressed harder, and perhaps let go. Test-only.
+// touched, pressed harder, and perhaps released. Test-only.
 //
 //   const Trial trial = TouchTrial(/*frames=*/80, /*touched_until=*/60);
 #pragma once

@@ -268,7 +268,7 @@ TEST(TrialPlayerTest, ADriverWithoutTrialsIsNoError) {
   EXPECT_EQ(player.totals().frames, 0u);
 }
 
-TEST(SimDriverTest, MakesAllClassesTheSameHoweverShared) {
+TEST(SimDriverTest, MakesTheSameClassesForAnyNumberOfShards) {
   std::map<size_t, Trial> whole;
   for (const size_t shards : {1, 2}) {
     for (size_t shard = 0; shard < shards; ++shard) {

@@ -39,7 +39,7 @@ const std::string kBad[] = {
     "\xC3(",  // no continuation
 };
 
-TEST(TextTest, TellsUtf8) {
+TEST(TextTest, RecognisesUtf8) {
   for (const std::string& text : kGood) {
     EXPECT_TRUE(IsUtf8(text)) << text;
     EXPECT_EQ(TextFault(text, 10), "");

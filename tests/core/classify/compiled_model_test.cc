@@ -48,7 +48,7 @@ TEST(CompiledModelTest, EachInconsistencyIsRefused) {
   }
 }
 
-TEST(RunWarmUpTest, PassesForItsOwnAnswerAndFailsForAnother) {
+TEST(RunWarmUpTest, PassesForItsAnswerAndFailsForAnother) {
   Model model = testing::SmallModel();
   model.warm_up.samples.assign(20, {{2.0, 0.0, 0.001}, 2.0});
   model.warm_up.probability.assign(4, 0);

@@ -37,7 +37,7 @@ class ContactPipelineTest : public ::testing::Test {
   std::shared_ptr<const CompiledModel> model_;
 };
 
-TEST_F(ContactPipelineTest, TellsOneContactAfterAnother) {
+TEST_F(ContactPipelineTest, ReportsOneContactAfterAnother) {
   auto pipeline = Make();
   EXPECT_EQ(Step(*pipeline, 0).state, ContactState::kNoContact);
   EXPECT_EQ(pipeline->report().contact_id, 0u);
@@ -69,7 +69,7 @@ TEST_F(ContactPipelineTest, ScoresRestWhileTouchIsLost) {
   EXPECT_NE(std::vector<double>(scores.begin(), scores.end()), before);
 }
 
-TEST_F(ContactPipelineTest, EndTrialForgetsTheContactButNotTheCount) {
+TEST_F(ContactPipelineTest, EndTrialResetsTheContactButNotTheCount) {
   auto pipeline = Make();
   Step(*pipeline, 1);
   pipeline->EndTrial();

@@ -1,5 +1,5 @@
-// Each rule of skip_rules.h on and off: what it may not change does not change
-// by a bit, and its counter moves.
+// Each rule of skip_rules.h on and off: the answers that it must keep have the
+// same bits, and its counter grows.
 #include <vector>
 
 #include "core/base/random.h"
@@ -16,7 +16,7 @@ void Append(std::span<const double> values, Numbers& out) {
   out.insert(out.end(), values.begin(), values.end());
 }
 
-// What the frame itself and the HMMs say.
+// The answers that follow from the frame and from the HMMs.
 Numbers HmmAnswers(const ContactPipeline& pipeline) {
   const ContactReport& r = pipeline.report();
   const ContactClassifier& c = pipeline.classifier();
@@ -40,7 +40,7 @@ Numbers HmmAnswers(const ContactPipeline& pipeline) {
   return out;
 }
 
-// Everything that a stream may tell.
+// All answers that a stream may send.
 Numbers AllAnswers(const ContactPipeline& pipeline) {
   const ContactClassifier& c = pipeline.classifier();
   Numbers out = HmmAnswers(pipeline);
@@ -160,15 +160,15 @@ TEST_F(SkippingTest, UnusedLstms) {
   EXPECT_GT(on.skipped[SkipRule::kUnusedLstms], 200u);
   EXPECT_EQ(off.skipped[SkipRule::kUnusedLstms], 0u);
   EXPECT_TRUE(on.all == off.all);
-  // The HMMs' own share is what it is beside the LSTMs.
+  // The scores of the HMMs are the same as beside the LSTMs.
   EXPECT_TRUE(on.hmm == with_lstms.hmm);
   EXPECT_FALSE(on.all == with_lstms.all);
-  // Cues that only the LSTMs look at go with them.
+  // Cues that only the LSTMs use are skipped with them.
   EXPECT_EQ(on.skipped[SkipRule::kUnusedCues],
             DerivedCues().size() + kProfileSize);
 }
 
-// Without LSTMs the probabilities are the HMMs' own.
+// Without LSTMs the probabilities are those of the HMMs.
 TEST_F(SkippingTest, HmmOnlyAnswersLikeAModelWithoutLstms) {
   options_.decision.scorers = Scorers::kHmms;
   const Trace asked = Run({});
@@ -183,7 +183,7 @@ TEST_F(SkippingTest, UnchangedScores) {
   ExpectExact(SkipRule::kUnchangedScores);
 }
 
-// The decision and all before it are exact, and all that the HMMs say.
+// The decision, all answers before it, and all scores of the HMMs are exact.
 TEST_F(SkippingTest, LstmsAfterDecision) {
   const SkipRule rule = SkipRule::kLstmsAfterDecision;
   EXPECT_EQ(Run({}).skipped[rule], 0u);

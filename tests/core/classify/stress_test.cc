@@ -1,7 +1,8 @@
-// The stress set: whatever scene, model or number comes, the classifier says
-// finite, normalised probabilities, or the model is refused. What StreamSession
-// refuses of frames is in tests/server/session/bad_input_test.cc; how exact the
-// scores are, in tests/core/hmm/precision_test.cc and long_contact_test.cc.
+// The stress set: for all scenes, models and numbers, either the model is
+// refused or the classifier returns finite, normalised probabilities. Frames
+// that StreamSession refuses are in tests/server/session/bad_input_test.cc. The
+// exactness of the scores is tested in tests/core/hmm/precision_test.cc and
+// long_contact_test.cc.
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -108,7 +109,7 @@ TEST(StressTest, StatesThatAreEqualOrCannotBeReached) {
     hmm.covariances = {1, 1, 1, 1};
   }
   ExpectSoundContact(model, Press);
-  // The second state has no way in, the first none out.
+  // No transition enters the second state, and none leaves the first.
   model = FullModel();
   for (HmmMixture& mixture : model.hmms) {
     mixture.components[0].transition = {1, 0, 0, 1};
@@ -154,7 +155,7 @@ TEST(StressTest, ModelsWithoutMeaningAreRefused) {
   }
 }
 
-// Values a filter must survive though no session lets them pass.
+// A filter must stay finite at these values, although no session accepts them.
 TEST(StressTest, NumbersThatAreNoneLeaveTheHmmsNormalised) {
   for (const double bad : {kNan, kInfinity, -kInfinity}) {
     ExpectSoundContact(testing::SmallModel(), [bad](int t) {
@@ -163,8 +164,8 @@ TEST(StressTest, NumbersThatAreNoneLeaveTheHmmsNormalised) {
   }
 }
 
-// Nothing grows with a contact but its counts; the score is the sum of equal
-// terms, so it is known.
+// Only the counts grow with a contact. The score is the sum of equal terms, so
+// its value is known.
 TEST(StressTest, TenMillionFramesInOneContact) {
   Model model = testing::SmallModel();
   for (HmmMixture& mixture : model.hmms) {

@@ -1,4 +1,4 @@
-// Trial files as others write them, and ours as others read them.
+// Trial files that other programs write, and other programs that read ours.
 #include <hdf5.h>
 
 #include <cstdlib>
@@ -257,8 +257,8 @@ TEST(ForeignTrialFileTest, AHugeShapeIsRefusedBeforeItIsAllocated) {
               HasSubstr("a.h5: trial 000007: time: its data is missing"));
 }
 
-// Without checksums a flip may change a value unseen, or send the HDF5
-// library astray; it must not take this process with it.
+// Without checksums a flipped bit may change a value unnoticed, or crash the
+// HDF5 library. It must not crash this process.
 TEST(ForeignTrialFileTest, NoFlippedBitCrashes) {
   const ScratchDir dir;
   {
@@ -284,8 +284,8 @@ TEST(ForeignTrialFileTest, NoFlippedBitCrashes) {
   EXPECT_GT(errors, 20);
 }
 
-// Debian's Python with h5py is an independent reader; the test says so and
-// passes where it is absent.
+// Debian's Python with h5py is an independent reader. Where it is absent, the
+// test prints that and passes.
 TEST(ForeignTrialFileTest, H5pyReadsWhatWeWrite) {
   if (std::system("/usr/bin/python3 -c 'import h5py' 2>/dev/null") != 0) {
     std::puts("h5py is absent (python3-h5py): not compared");

@@ -102,7 +102,7 @@ TEST(TrialFileTest, AnExistingFileIsSafe) {
   WriteBytes(dir / "b.h5", "mine");
   EXPECT_EQ(ReasonOf(late->Close()), "IO");
   EXPECT_EQ(ReadBytes(dir / "b.h5"), "mine");
-  // With leave, the old one stays until the new one is whole.
+  // With `overwrite`, the old file stays until the new one is complete.
   auto writer = TrialFileWriter::Create(dir / "a.h5", {.overwrite = true});
   ASSERT_TRUE(writer.ok());
   EXPECT_EQ(TrialFileReader::Open(dir / "a.h5")->size(), 1u);

@@ -49,7 +49,7 @@ TEST(ReadLayoutFileTest, ReadsTheDocumentedExample) {
   EXPECT_EQ(*layout, want);
 }
 
-TEST(ReadLayoutFileTest, SaysWhatIsWrong) {
+TEST(ReadLayoutFileTest, ErrorsNameWhatIsWrong) {
   EXPECT_EQ(ReasonOf(ReadLayoutFile("/no/such.json").status()), "IO");
   const std::pair<const char*, const char*> cases[] = {
       {"{", "IO"},

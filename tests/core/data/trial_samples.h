@@ -17,7 +17,7 @@
 
 namespace tactus {
 
-// A folder of the running test's own, removed at the end.
+// A separate folder for the running test, removed at the end.
 class ScratchDir {
  public:
   ScratchDir() {

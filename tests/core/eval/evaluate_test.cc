@@ -14,7 +14,7 @@ FitOptions QuickOptions() {
   return options;
 }
 
-TEST(EvaluateProtocolTest, TellsSeparateClassesApart) {
+TEST(EvaluateProtocolTest, DistinguishesSeparateClasses) {
   const auto contacts = testing::SyntheticContacts(10, 60, 0.02, 1);
   for (const char* algorithm : {"hmm", "fused", "1nn"}) {
     auto result = EvaluateProtocol(

@@ -1,7 +1,7 @@
 // File: synthetic_contacts.h
 //
-// Labelled contacts with known answers: each class has its own force and
-// motion, each condition its own gain. Seeded.
+// Labelled contacts with known answers: force and motion differ from class to
+// class, and the gain differs from condition to condition. Seeded.
 #pragma once
 
 #include <algorithm>

@@ -173,8 +173,8 @@ TEST(ContactTrackerTest, FramesMissingBetweenTouchedOnesDoNotRelease) {
   EXPECT_FALSE(script.tracker().onset());
 }
 
-// The release is told even if touch is back by then; the new contact begins
-// with the frame after.
+// The release is reported even if the skin is touched again by then; the new
+// contact begins with the next frame.
 TEST(ContactTrackerTest, LossThatEndsInMissingFramesReleases) {
   Script script(MakeLayout());
   script.Touch(5);
@@ -230,8 +230,8 @@ TEST(ContactTrackerTest, MotionWithPosesIsMeasuredInTheWorld) {
 }
 
 // A hard, fixed object: the region grows to one side while the link rests, so
-// its centroid shifts though nothing moved. Without poses only the centroid
-// tells, and it counts.
+// its centroid shifts although nothing moved. Without poses only the centroid
+// is known, so its shift counts as motion.
 TEST(ContactTrackerTest, WithPosesGrowthIsNotTravel) {
   const SkinLayout layout = MakeLayout();
   std::vector<float> taxels(layout.taxels());
@@ -296,7 +296,7 @@ TEST(ContactTrackerTest, TravelOnAWrappedSkinCrossesTheSeam) {
   EXPECT_NEAR(script.Touch(5, 0, 7).motion_m, 0.02, 1e-12);
   EXPECT_NEAR(script.Touch(5, 0, 0).motion_m, 0.04, 1e-12);
   EXPECT_NEAR(script.Touch(5, 0, 1).motion_m, 0.06, 1e-12);
-  // Half way round is as far as it goes.
+  // Half the circumference is the largest distance.
   EXPECT_NEAR(script.Touch(5, 0, 2).motion_m, 0.08, 1e-12);
   EXPECT_NEAR(script.Touch(5, 0, 3).motion_m, 0.06, 1e-12);
 }

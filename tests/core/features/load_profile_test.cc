@@ -16,7 +16,7 @@ namespace {
 
 using testing::FlatLayout;
 
-// The band of a line is the one whose range holds it, by the definition.
+// By definition, a line belongs to the band whose range contains it.
 int BandOf(int line, int lines, int bands) {
   const int k = std::min(lines, bands);
   for (int i = 0; i < k; ++i) {
@@ -61,7 +61,7 @@ TEST(LoadProfileTest, AgreesWithAPlainLoopOnRandomSkins) {
     }
     ContactTracker tracker(layout, {});
     std::vector<float> taxels(layout.taxels());
-    // The second frame must not remember the first.
+    // The first frame must not change the result of the second.
     for (int frame = 0; frame < 2; ++frame) {
       const double density = random.Uniform();
       for (float& taxel : taxels) {

@@ -25,7 +25,7 @@ ReferenceSegmentation FloodFill(const SkinLayout& layout,
 
 // cv::connectedComponentsWithStats. On a skin that wraps, labels that meet
 // across the seam are merged afterwards and centroids are left 0; else
-// centroids are OpenCV's own.
+// centroids are those of OpenCV.
 ReferenceSegmentation OpenCvSegmentation(const SkinLayout& layout,
                                          const std::vector<float>& taxels);
 

@@ -1,4 +1,4 @@
-// What may be skipped changes no bit of the features.
+// Skipping changes no bit of the features.
 #include <vector>
 
 #include "core/base/random.h"

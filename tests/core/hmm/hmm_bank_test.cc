@@ -142,8 +142,8 @@ TEST(HmmBankTest, ManyComponentsFillSeveralBlocks) {
                   RandomObservations(categories[2].components[4], 100, random));
 }
 
-// Bits gather in the shares until they cost digits: of every component after
-// another number of frames, of the last ones upwards.
+// The exponents of a component's shares grow until they cost digits. This
+// happens after a different number of frames for each component.
 TEST(HmmBankTest, ComponentsGatherBitsAtDifferentRates) {
   Random random(66);
   std::vector<HmmMixture> categories;
@@ -161,7 +161,7 @@ TEST(HmmBankTest, ComponentsGatherBitsAtDifferentRates) {
                   RandomObservations(categories[0].components[0], 400, random));
 }
 
-// The default of every CPU, and what an older one would do.
+// The instruction set that this CPU takes by default, and those of older CPUs.
 TEST(HmmBankTest, EveryInstructionSetAgrees) {
   Random random(63);
   const auto categories =

@@ -209,7 +209,7 @@ TEST(PrecisionTest, SingleFrameSingleState) {
   ExpectAgreement(model, {0.3});
 }
 
-// What no double can hold still leaves finite numbers behind.
+// After numbers beyond the range of double, all results are finite.
 TEST(PrecisionTest, NumbersBeyondRangeDoNotSpread) {
   Random random(49);
   for (const int d : {1, 2, 3, 5}) {
@@ -267,7 +267,7 @@ TEST(PrecisionTest, UnitsFarApart) {
   }
 }
 
-// A way that is taken once in 1e300 frames is taken when there is no other.
+// A transition of probability 1e-300 is taken when there is no other.
 TEST(PrecisionTest, TransitionsThatFloatCannotHold) {
   GaussianHmm model;
   model.states = 3;
@@ -283,7 +283,7 @@ TEST(PrecisionTest, TransitionsThatFloatCannotHold) {
   ExpectAgreement(model, x);
 }
 
-// A stream far from the origin: float alone could not tell its values apart.
+// A stream far from the origin: float alone could not distinguish its values.
 TEST(PrecisionTest, FeaturesFarFromZero) {
   Random random(51);
   GaussianHmm model = RandomModel(4, 2, CovarianceType::kFull, true, random);
@@ -300,8 +300,8 @@ TEST(PrecisionTest, HundredThousandFramesOfThreeFeatures) {
   ExpectAgreement(model, RandomObservations(model, 100'000, random));
 }
 
-// After what no double can hold, the bank believes what it predicted, as if the
-// frame had been lost.
+// After a number beyond the range of double, the bank keeps its prediction, as
+// if the frame had been lost.
 TEST(PrecisionTest, NumbersBeyondRangeLeaveTheBelief) {
   Random random(53);
   const HmmMixture mixture = {

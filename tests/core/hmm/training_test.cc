@@ -73,7 +73,7 @@ Trials RandomTrials(int d, Random& random) {
   return trials;
 }
 
-// However many lanes they share, and whatever their lengths.
+// For any number of lanes and any lengths.
 TEST(ExpectationTest, SequencesAddUp) {
   Random random(62);
   for (const bool left_right : {false, true}) {
@@ -265,7 +265,7 @@ TEST(BaumWelchTest, LeftRightStaysUpperTriangular) {
   for (int i = 0; i < 4; ++i) {
     for (int j = 0; j < i; ++j) EXPECT_EQ(model.transition[i * 4 + j], 0);
   }
-  // The last state has only the way back: there is nothing left for it.
+  // The last state has only a transition back. Without it, none is left.
   model.transition = {0.5, 0.5, 0,   0,   0, 0.5, 0.5, 0,
                       0,   0,   0.5, 0.5, 1, 0,   0,   0};
   const GaussianHmm before = model;
@@ -274,7 +274,7 @@ TEST(BaumWelchTest, LeftRightStaysUpperTriangular) {
   EXPECT_EQ(model.transition, before.transition);
 }
 
-// Even where others of the same length are allowed.
+// Also where other transitions of the same length are allowed.
 TEST(BaumWelchTest, ForbiddenTransitionsStayForbidden) {
   Random random(71);
   const Trials trials = RandomTrials(2, random);

@@ -22,7 +22,7 @@ LstmBuffer Numbers(size_t size, uint64_t seed, double spread = 1) {
   return values;
 }
 
-// As the header says: one sum per number, in order.
+// As the header defines it: one sum per number, in order.
 void PlainProduct(const LstmProduct& p) {
   for (int m = 0; m < p.rows; ++m) {
     for (int n = 0; n < p.columns; ++n) {

@@ -12,7 +12,7 @@
 namespace tactus {
 namespace {
 
-TEST(DropoutTest, DropsItsShareAndKeepsTheMean) {
+TEST(DropoutTest, DropsTheGivenFractionAndKeepsTheMean) {
   constexpr int kCount = 1'000'003;  // no multiple of anything
   for (const double probability : {0.001, 0.2, 0.5, 0.9}) {
     Random random(3);
@@ -57,8 +57,8 @@ TEST(DropoutTest, LiesBetweenLayersOnly) {
   EXPECT_EQ(LossOf(two, set, 0.5, 1), LossOf(two, set, 0.5, 1));
 }
 
-// The gradient of what was computed: along it the loss with the same noise
-// grows as it says.
+// The gradient belongs to the disturbed loss: along the gradient, the loss with
+// the same noise grows as the gradient predicts.
 TEST(DropoutTest, TheGradientIsThatOfTheDisturbedLoss) {
   const LstmNetwork network = Network({9, 8, 7});
   const TrainingSet set = RandomTrainingSet(network, {12, 7, 12}, 5);
@@ -66,7 +66,7 @@ TEST(DropoutTest, TheGradientIsThatOfTheDisturbedLoss) {
   auto at = LossAndGradient(network, set.views, {}, noise, 6);
   ASSERT_TRUE(at.ok()) << at.status();
   const auto slopes = Tensors(at->gradient);
-  // In every tensor on its own.
+  // In each tensor separately.
   for (size_t i = 0; i < slopes.size(); ++i) {
     double squares = 0;
     for (const float slope : *slopes[i].values) squares += slope * slope;

@@ -1,9 +1,9 @@
 // File: torch.h
 //
-// Asks PyTorch, through the scripts beside this file.
+// Computes answers with PyTorch, through the scripts beside this file.
 //
 //   const auto answers = AskTorch("torch_reference.py", cases);
-//   if (!answers) return;  // PyTorch is absent, and the test says so
+//   if (!answers) return;  // PyTorch is absent, and the test prints that
 #pragma once
 
 #include <optional>

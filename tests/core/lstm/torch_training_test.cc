@@ -1,5 +1,6 @@
 // Gradients and optimizers against PyTorch, which computes in double
-// precision: from a file it has written, and live where it is installed.
+// precision: from a file that it has written, and directly where it is
+// installed.
 #include <algorithm>
 #include <cmath>
 #include <fstream>

@@ -64,8 +64,8 @@ bool SameBits(const LstmNetwork& a, const LstmNetwork& b) {
                     });
 }
 
-// Share of `set` whose most likely class after the last step is right, by the
-// network as it is used, and the root mean square error of its regression.
+// The fraction of `set` whose most likely class after the last step is right,
+// and the root mean square error of the regression.
 struct Skill {
   double accuracy = 0;
   double error = 0;
@@ -152,7 +152,7 @@ TEST(TrainLstmTest, TheLearningRateFallsAlongACosine) {
   const auto constant = networks();
   options.cosine_decay = true;
   const auto falling = networks();
-  // One batch an epoch: the first step is whole, the second half as long.
+  // One batch per epoch: the first step has full length, the second half of it.
   EXPECT_TRUE(SameBits(falling[0], constant[0]));
   for (size_t k = 0; k < falling[0].dense_kernel.size(); ++k) {
     const double start = constant[0].dense_kernel[k];
@@ -227,7 +227,7 @@ TEST(TrainLstmTest, ACheckpointOfOtherOptionsIsRefused) {
 
 TEST(TrainLstmTest, PatienceEndsTrainingAndGivesTheBestEpoch) {
   const TrainingSet training = PulseOrder(20, 3);
-  // Labels turned round: the better it learns, the worse it does here.
+  // Exchanged labels: the better the fit, the larger the validation loss.
   TrainingSet validation = PulseOrder(40, 4);
   for (LstmSequence& sequence : validation.views) {
     sequence.label = 1 - sequence.label;

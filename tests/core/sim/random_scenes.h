@@ -1,6 +1,7 @@
 // File: random_scenes.h
 //
-// Random contacts, far beyond the paper's, for the tests of the simulator.
+// Random contacts for the tests of the simulator, from a much wider range than
+// those of the paper.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,5 @@
-// Whole frames at once give each taxel what it gives alone.
+// A whole frame gives each taxel the same value as a conversion of that taxel
+// alone.
 #include "core/skin/taxel_values.h"
 
 #include <bit>

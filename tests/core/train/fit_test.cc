@@ -43,7 +43,7 @@ TEST(FitModelTest, EstimatesTheObjectWhereTheTruthIsKnown) {
   auto contacts = testing::SyntheticContacts(8, 40, 0.1, 1);
   FitOptions options = QuickOptions();
   options.lstm.training.epochs = 30;
-  // Of which there is none either without the truth.
+  // Other stiffnesses also need the truth, which these contacts lack.
   options.variations.stiffness = 1;
   const auto without =
       FitModel(testing::PointersTo(contacts), options, RunSerially);
@@ -167,7 +167,7 @@ std::vector<LabelledContact> ContactsByPlace() {
   return contacts;
 }
 
-TEST(FitModelTest, ThePresetProfileTellsPlacesApart) {
+TEST(FitModelTest, ThePresetProfileDistinguishesPlaces) {
   const auto contacts = ContactsByPlace();
   auto model = FitModel(testing::PointersTo(contacts), *FitPreset("profile"),
                         RunSerially);
@@ -207,7 +207,7 @@ TEST(FitModelTest, CuesThatSayNothingAreRefused) {
   EXPECT_EQ(reason(contacts, options), "INVALID_CONFIG");
 }
 
-TEST(FitPresetTest, KnowsItsNames) {
+TEST(FitPresetTest, AcceptsItsNames) {
   EXPECT_EQ(FitPreset("paper")->score, Score::kViterbi);
   EXPECT_FALSE(FitPreset("paper")->log_features);
   EXPECT_EQ(FitPreset("paper")->lstm.steps.max, 1u);

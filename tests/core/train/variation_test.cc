@@ -238,7 +238,7 @@ TEST(DrawVariationsTest, SoftStaysSoftAndHardStaysHard) {
   const auto contacts =
       Objects({{1, "SU"}, {10, "SU"}, {20, "HU"}, {300, "HU"}});
   const auto drawn = DrawStiffnesses(contacts);
-  // What the border and a factor of five leave.
+  // The range that the border and a factor of five allow.
   const double least[] = {0.2, 2, 20, 60};
   const double most[] = {5, 10, 100, 1500};
   double softest[] = {1e9, 1e9, 1e9, 1e9};
@@ -247,7 +247,7 @@ TEST(DrawVariationsTest, SoftStaysSoftAndHardStaysHard) {
     const double k = drawn[i].stiffness;
     softest[i % 4] = std::min(softest[i % 4], k);
     stiffest[i % 4] = std::max(stiffest[i % 4], k);
-    // Every other copy keeps its own.
+    // Every other copy keeps its stiffness.
     if (i / 4 % 2 == 0) {
       EXPECT_EQ(k, contacts[i % 4].stiffness);
     }

@@ -79,8 +79,8 @@ TEST(DampedPairTest, NearEqualRootsNeedNoCare) {
   }
 }
 
-// What a short time changes is known to its own precision, not to that of the
-// value: a bounce may rise by 1e-10 of where it happens.
+// The change over a short time is exact relative to the change, not only to the
+// value: a bounce may rise by 1e-10 of its position.
 TEST(DampedPairTest, SmallChangesKeepTheirDigits) {
   const DampedPair pair(43, 465);
   const PairState change = pair.Change({1, 0}, 1e-7);

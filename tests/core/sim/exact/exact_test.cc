@@ -15,7 +15,7 @@
 namespace tactus {
 namespace {
 
-// Largest force, area or motion error, as a share of the reference's peak.
+// Largest force, area or motion error, as a fraction of the reference's peak.
 double FeatureError(const IdealSignals& got, const IdealSignals& want) {
   EXPECT_EQ(got.samples.size(), want.samples.size());
   double worst = 0;
@@ -96,7 +96,7 @@ TEST(IntegrateExactTest, RandomScenesFollowTheReference) {
   EXPECT_GT(moved, 25);
 }
 
-// Checks every piece of a contact as it comes.
+// Checks every piece of a contact when it is solved.
 class PieceChecker : public PieceSink {
  public:
   explicit PieceChecker(const ContactScene& scene) : s_(scene) {}
@@ -130,8 +130,9 @@ class PieceChecker : public PieceSink {
     EXPECT_NEAR(start.speed, end_.speed, 1e-9 * s_.velocity_m_s);
   }
 
-  // Force only pushes, nothing penetrates while apart, the object never moves
-  // back and never rests above the static limit.
+  // The force only pushes. Arm and object do not overlap while they are not in
+  // contact. The object never moves back and never rests above the static
+  // limit.
   void CheckSides(const ContactPiece& piece, double duration) const {
     const bool touching = Touching(piece.phase());
     double size = 0;
@@ -226,7 +227,7 @@ TEST(SolvePiecesTest, EveryPieceObeysTheModel) {
   int balanced = 0;
   for (int i = 0; i < 100; ++i) {
     ContactScene scene = RandomScene(random);
-    // Thousands of bounces are alike.
+    // Thousands of bounces would repeat the same check.
     scene.duration_s = RingingRate(scene) > 3e4 ? 0.01 : 1;
     PieceChecker checker(scene);
     const auto summary = SolvePieces(scene, {}, checker);
@@ -303,9 +304,10 @@ TEST(IntegrateExactTest, AFixedObjectStaysPutExactly) {
               1e-12);
 }
 
-// Each with every bounce solved: thousands of bounces, one that is driven hard
-// into rest by the end of the ramp, and a crumb that meets the arm a million
-// times a second. The last is passed at its mean where the bound allows.
+// In each scene every bounce is solved: thousands of bounces, a bounce that the
+// end of the ramp forces to rest, and a very light object that meets the arm a
+// million times per second. The last motion is replaced by its mean where the
+// error bound allows it.
 TEST(SkippedBouncesTest, ChangeTheSignalsByLessThanTolerated) {
   const TrialSpec specs[] = {
       Spec("pine-wood", 0.0733, Surface::kGlass, 543, 0.02),
@@ -335,8 +337,8 @@ TEST(SkippedBouncesTest, ChangeTheSignalsByLessThanTolerated) {
   }
 }
 
-// 631,473 events: what rounding does to one bounce must not add up. Leaps solve
-// a sixth of the bounces, so a bias would show in the difference.
+// 631,473 events: the rounding errors of the bounces must not add up. Leaps
+// solve a sixth of the bounces, so a bias would show in the difference.
 TEST(SkippedBouncesTest, RoundingDoesNotAddUpOverALongTrain) {
   const TrialSpec spec = Spec("glass", 0.01, Surface::kGlass, 543, 0.005);
   SimulateOptions options;

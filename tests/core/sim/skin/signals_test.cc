@@ -22,7 +22,7 @@ TEST(ContactAreaTest, MatchesHandComputedValues) {
   EXPECT_NEAR(ContactArea(fat, 10), 1e-4 * std::pow(0.05, -0.82), 1e-12);
 }
 
-TEST(AddNoiseTest, VarianceIsAShareOfTheSignals) {
+TEST(AddNoiseTest, VarianceIsAFractionOfTheSignals) {
   std::vector<FeatureVector> clean(20000);
   for (size_t i = 0; i < clean.size(); ++i) {
     // Variance 1, 4 and 0.
