@@ -1,5 +1,6 @@
 #include "server/rpc/trial_call.h"
 
+#include <chrono>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,6 +43,7 @@ void TrialCall::OnCalled(bool ok) {
     Finish(options.status());
     return;
   }
+  answer_timeout_ms_ = options->idle_timeout_ms;
   trial_.emplace(delegate_->models(), *std::move(options), Flatten(request_));
   request_.Clear();
   queue()->Defer(&turn_);
@@ -57,6 +59,14 @@ void TrialCall::OnTurn(bool) {
 }
 
 void TrialCall::Finish(const absl::Status& status) {
+  if (answer_timeout_ms_ > 0) {
+    ++in_flight_;
+    answer_alarm_.Set(queue()->queue(),
+                      std::chrono::system_clock::now() +
+                          std::chrono::milliseconds(answer_timeout_ms_),
+                      timeout_.tag());
+  }
+  ++in_flight_;
   if (!status.ok()) {
     writer_.FinishWithError(ToGrpcStatus(status), finished_.tag());
     return;
@@ -67,6 +77,20 @@ void TrialCall::Finish(const absl::Status& status) {
 }
 
 void TrialCall::OnFinished(bool) {
+  --in_flight_;
+  answer_alarm_.Cancel();
+  DeleteIfOver();
+}
+
+void TrialCall::OnTimeout(bool ok) {
+  --in_flight_;
+  // The client takes not even the answer.
+  if (ok) call_.context()->TryCancel();
+  DeleteIfOver();
+}
+
+void TrialCall::DeleteIfOver() {
+  if (in_flight_ > 0) return;
   if (trial_) delegate_->Release(this);
   delete this;
 }

@@ -2,19 +2,22 @@
 //
 // TrialCall: carries one ClassifyTrial RPC between gRPC and a TrialSession. A
 // trial is taken part by part while its queue has no other event to handle, so
-// that streams do not wait for it.
+// that streams do not wait for it. A client has the idle timeout of the
+// session's options to read the answer.
 //
 //   new TrialCall(service, queue, delegate);  // awaits a call
 //
-// Deletes itself after the answer. Everything, including the constructor and
-// the delegate's functions, runs on the queue's thread.
+// Deletes itself after the answer or the timeout. Everything, including the
+// constructor and the delegate's functions, runs on the queue's thread.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "grpcpp/alarm.h"
 #include "grpcpp/support/async_unary_call.h"
 #include "server/rpc/call_queue.h"
 #include "server/rpc/contact_call.h"
@@ -60,8 +63,10 @@ class TrialCall {
   void OnCalled(bool ok);
   void OnTurn(bool idle);
   void OnFinished(bool ok);
+  void OnTimeout(bool ok);
   // Sends the response if `status` is OK, else the error.
   void Finish(const absl::Status& status);
+  void DeleteIfOver();
 
   RawContactService* const service_;
   Delegate* const delegate_;
@@ -72,7 +77,13 @@ class TrialCall {
   Event called_{this, &TrialCall::OnCalled};
   Event turn_{this, &TrialCall::OnTurn};
   Event finished_{this, &TrialCall::OnFinished};
+  Event timeout_{this, &TrialCall::OnTimeout};
 
+  // 0 for none.
+  uint32_t answer_timeout_ms_ = 0;
+  grpc::Alarm answer_alarm_;
+  // Operations whose events have not come yet, from Finish on.
+  int in_flight_ = 0;
   // Set when the call is admitted.
   std::optional<TrialSession> trial_;
 };
