@@ -70,6 +70,18 @@ absl::Status NumericalFailure(absl::string_view message) {
                    message);
 }
 
+absl::Status WorkCancelled(absl::string_view work) {
+  return MakeError(StatusCode::kCancelled, v1::ERROR_REASON_CANCELLED,
+                   absl::StrCat(work, " was cancelled"));
+}
+
+absl::Status CheckpointInvalid(absl::string_view part,
+                               absl::string_view message) {
+  return MakeError(StatusCode::kDataLoss, v1::ERROR_REASON_CHECKPOINT_INVALID,
+                   absl::StrCat("saved part ", part, ": ", message),
+                   {{"part", std::string(part)}});
+}
+
 absl::Status IoError(absl::string_view path, absl::string_view message) {
   return MakeError(StatusCode::kUnavailable, v1::ERROR_REASON_IO,
                    absl::StrCat(path, ": ", message),

@@ -69,6 +69,11 @@ absl::Status InvalidScene(absl::string_view what, const Value& got,
 
 absl::Status InvalidTrainingData(absl::string_view message);
 absl::Status NumericalFailure(absl::string_view message);
+// CANCELLED: `work` names what was cancelled, e.g. "the fit".
+absl::Status WorkCancelled(absl::string_view work);
+// DATA_LOSS: `part` names the saved part of a training.
+absl::Status CheckpointInvalid(absl::string_view part,
+                               absl::string_view message);
 absl::Status IoError(absl::string_view path, absl::string_view message);
 absl::Status TrialFileInvalid(absl::string_view path,
                               absl::string_view message);
