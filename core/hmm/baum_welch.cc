@@ -79,7 +79,7 @@ class Trainer {
         expectation_(sequences),
         counts_(model.states, model.dimensions) {}
 
-  absl::StatusOr<BaumWelchReport> Run() {
+  absl::StatusOr<BaumWelchReport> Run(BaumWelchSink on_iteration) {
     double last_objective = 0;
     for (;; ++report_.iterations) {
       TACTUS_RETURN_IF_ERROR(Expect());
@@ -90,6 +90,7 @@ class Trainer {
             " updates; finite would be right"));
       }
       report_.log_likelihood.push_back(counts_.log_likelihood);
+      TACTUS_RETURN_IF_ERROR(on_iteration(report_));
       if (report_.iterations > 0) {
         const double gain = objective - last_objective;
         if (gain < -kRounding * (1 + std::abs(objective)) && !excused_) {
@@ -259,7 +260,7 @@ class Trainer {
 
 absl::StatusOr<BaumWelchReport> BaumWelch(
     const std::vector<SequenceView>& sequences, const BaumWelchOptions& options,
-    GaussianHmm& model) {
+    GaussianHmm& model, BaumWelchSink on_iteration) {
   TACTUS_RETURN_IF_ERROR(CheckOptions(options));
   TACTUS_RETURN_IF_ERROR(Validate(sequences));
   TACTUS_RETURN_IF_ERROR(Validate(model));
@@ -272,8 +273,9 @@ absl::StatusOr<BaumWelchReport> BaumWelch(
   if (options.left_right) {
     TACTUS_RETURN_IF_ERROR(RemoveBackwardTransitions(trained));
   }
-  TACTUS_ASSIGN_OR_RETURN(BaumWelchReport report,
-                          Trainer(sequences, options, trained).Run());
+  TACTUS_ASSIGN_OR_RETURN(
+      BaumWelchReport report,
+      Trainer(sequences, options, trained).Run(on_iteration));
   model = std::move(trained);
   return report;
 }

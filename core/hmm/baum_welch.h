@@ -14,6 +14,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "absl/functional/function_ref.h"
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/hmm/gaussian_hmm.h"
 #include "core/hmm/sequence.h"
@@ -54,10 +56,19 @@ struct BaumWelchReport {
   bool converged = false;
 };
 
+// Called with the report so far each time that the model has been scored. An
+// error ends the training and is returned.
+using BaumWelchSink = absl::FunctionRef<absl::Status(const BaumWelchReport&)>;
+
+inline absl::Status IgnoreIteration(const BaumWelchReport&) {
+  return absl::OkStatus();
+}
+
 // Improves `model` in place; on error it is left as it was. Fails with
-// INVALID_TRAINING_DATA, INVALID_MODEL or INVALID_CONFIG.
+// INVALID_TRAINING_DATA, INVALID_MODEL or INVALID_CONFIG, or as `on_iteration`
+// does.
 absl::StatusOr<BaumWelchReport> BaumWelch(
     const std::vector<SequenceView>& sequences, const BaumWelchOptions& options,
-    GaussianHmm& model);
+    GaussianHmm& model, BaumWelchSink on_iteration = IgnoreIteration);
 
 }  // namespace tactus

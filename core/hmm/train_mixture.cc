@@ -120,13 +120,18 @@ std::vector<SequenceView> Members(const std::vector<SequenceView>& trials,
 // Trains each component on its members, starting from the model it holds.
 absl::Status TrainComponents(const std::vector<SequenceView>& trials,
                              const BaumWelchOptions& options,
+                             MixtureSink on_iteration,
                              TrainedMixture& trained) {
   for (size_t k = 0; k < trained.mixture.components.size(); ++k) {
+    const int component = static_cast<int>(k);
     const std::vector<SequenceView> members =
-        Members(trials, trained.component_of, static_cast<int>(k));
+        Members(trials, trained.component_of, component);
     TACTUS_ASSIGN_OR_RETURN(
         BaumWelchReport report,
-        BaumWelch(members, options, trained.mixture.components[k]));
+        BaumWelch(members, options, trained.mixture.components[k],
+                  [&](const BaumWelchReport& so_far) {
+                    return on_iteration(component, so_far);
+                  }));
     trained.reports.push_back(std::move(report));
     trained.mixture.log_weight.push_back(
         std::log(static_cast<double>(members.size()) / trials.size()));
@@ -137,8 +142,8 @@ absl::Status TrainComponents(const std::vector<SequenceView>& trials,
 }  // namespace
 
 absl::StatusOr<TrainedMixture> TrainMixture(
-    const std::vector<SequenceView>& trials,
-    const TrainMixtureOptions& options) {
+    const std::vector<SequenceView>& trials, const TrainMixtureOptions& options,
+    MixtureSink on_iteration) {
   TACTUS_RETURN_IF_ERROR(CheckOptions(options));
   TACTUS_RETURN_IF_ERROR(Validate(trials));
   const Eigen::MatrixXd summary = Summarise(trials, options.summary_points);
@@ -161,7 +166,8 @@ absl::StatusOr<TrainedMixture> TrainMixture(
         InitPaper(Members(trials, trained.component_of, k), init));
     trained.mixture.components.push_back(std::move(model));
   }
-  TACTUS_RETURN_IF_ERROR(TrainComponents(trials, options.baum_welch, trained));
+  TACTUS_RETURN_IF_ERROR(
+      TrainComponents(trials, options.baum_welch, on_iteration, trained));
   return trained;
 }
 

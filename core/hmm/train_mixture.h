@@ -14,6 +14,8 @@
 
 #include <vector>
 
+#include "absl/functional/function_ref.h"
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/hmm/baum_welch.h"
 #include "core/hmm/mixture.h"
@@ -40,9 +42,17 @@ struct TrainedMixture {
   std::vector<BaumWelchReport> reports;  // [K]
 };
 
+// As BaumWelchSink, with the number of the component, from 0.
+using MixtureSink =
+    absl::FunctionRef<absl::Status(int component, const BaumWelchReport&)>;
+
+inline absl::Status IgnoreComponent(int, const BaumWelchReport&) {
+  return absl::OkStatus();
+}
+
 // Fails as InitPaper and BaumWelch do.
 absl::StatusOr<TrainedMixture> TrainMixture(
-    const std::vector<SequenceView>& trials,
-    const TrainMixtureOptions& options);
+    const std::vector<SequenceView>& trials, const TrainMixtureOptions& options,
+    MixtureSink on_iteration = IgnoreComponent);
 
 }  // namespace tactus

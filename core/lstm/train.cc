@@ -80,11 +80,12 @@ class Trainer {
         backprop_(state_.network),
         gradient_(state_.network) {}
 
-  absl::StatusOr<LstmTrained> Run(LstmEpochSink on_epoch) {
+  absl::StatusOr<LstmTrained> Run(LstmEpochSink on_epoch,
+                                  LstmBatchCheck before_batch) {
     while (epoch() < options_.epochs && !HasStalled()) {
       LstmEpoch done;
       done.epoch = epoch() + 1;
-      TACTUS_RETURN_IF_ERROR(TrainEpoch(done));
+      TACTUS_RETURN_IF_ERROR(TrainEpoch(before_batch, done));
       TACTUS_RETURN_IF_ERROR(ValidateEpoch(done));
       state_.history.push_back(done);
       if (options_.patience > 0) KeepBest();
@@ -126,11 +127,12 @@ class Trainer {
     }
   }
 
-  absl::Status TrainEpoch(LstmEpoch& done) {
+  absl::Status TrainEpoch(LstmBatchCheck before_batch, LstmEpoch& done) {
     Shuffle();
     const size_t batch_size = options_.batch_size;
     LstmBatchLoss total;
     for (size_t from = 0; from < order_.size(); from += batch_size) {
+      TACTUS_RETURN_IF_ERROR(before_batch());
       batch_.clear();
       for (size_t i = from; i < std::min(order_.size(), from + batch_size);
            ++i) {
@@ -218,7 +220,8 @@ absl::StatusOr<LstmTrained> TrainLstm(LstmCheckpoint from,
                                       std::span<const LstmSequence> training,
                                       std::span<const LstmSequence> validation,
                                       const LstmTrainOptions& options,
-                                      LstmEpochSink on_epoch) {
+                                      LstmEpochSink on_epoch,
+                                      LstmBatchCheck before_batch) {
   TACTUS_RETURN_IF_ERROR(CheckOptions(options, validation));
   TACTUS_RETURN_IF_ERROR(CheckStart(from, options));
   TACTUS_RETURN_IF_ERROR(
@@ -226,7 +229,8 @@ absl::StatusOr<LstmTrained> TrainLstm(LstmCheckpoint from,
   TACTUS_RETURN_IF_ERROR(
       Annotate(Validate(validation, from.network), "validation"));
   if (training.empty()) return InvalidTrainingData("no training sequences");
-  return Trainer(std::move(from), training, validation, options).Run(on_epoch);
+  return Trainer(std::move(from), training, validation, options)
+      .Run(on_epoch, before_batch);
 }
 
 }  // namespace tactus

@@ -83,6 +83,11 @@ inline absl::Status IgnoreEpoch(const LstmEpoch&, const LstmCheckpoint&) {
   return absl::OkStatus();
 }
 
+// Called before every batch. An error ends the training and is returned.
+using LstmBatchCheck = absl::FunctionRef<absl::Status()>;
+
+inline absl::Status GoOn() { return absl::OkStatus(); }
+
 // Starts from `from.network`, or continues from a checkpoint. `validation` may
 // be empty if patience is 0. INVALID_MODEL, INVALID_TRAINING_DATA or
 // INVALID_CONFIG for a bad argument; NUMERICAL_FAILURE if the loss or a weight
@@ -91,6 +96,7 @@ absl::StatusOr<LstmTrained> TrainLstm(LstmCheckpoint from,
                                       std::span<const LstmSequence> training,
                                       std::span<const LstmSequence> validation,
                                       const LstmTrainOptions& options,
-                                      LstmEpochSink on_epoch = IgnoreEpoch);
+                                      LstmEpochSink on_epoch = IgnoreEpoch,
+                                      LstmBatchCheck before_batch = GoOn);
 
 }  // namespace tactus
