@@ -1,8 +1,5 @@
 #include "core/bundle/bundle.h"
 
-#include <openssl/evp.h>
-
-#include <array>
 #include <bit>
 #include <cstring>
 #include <utility>
@@ -13,6 +10,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/serialize.h"
+#include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 #include "core/bundle/field_count.h"
 #include "core/bundle/model_proto.h"
@@ -27,7 +25,7 @@ constexpr absl::string_view kMagic = "TACTUSMB";
 constexpr size_t kVersionOffset = 8;
 constexpr size_t kLengthOffset = 12;
 constexpr size_t kPayloadOffset = 20;
-constexpr size_t kDigestBytes = 32;
+constexpr size_t kDigestBytes = Sha256::kBytes;
 
 template <typename Number>
 void AppendNumber(Number value, std::string& out) {
@@ -41,13 +39,6 @@ Number ReadNumber(absl::string_view bytes, size_t offset) {
   Number value;
   std::memcpy(&value, bytes.data() + offset, sizeof value);
   return value;
-}
-
-std::string Sha256(absl::string_view bytes) {
-  std::array<unsigned char, kDigestBytes> digest{};
-  EVP_Digest(bytes.data(), bytes.size(), digest.data(), nullptr, EVP_sha256(),
-             nullptr);
-  return std::string(digest.begin(), digest.end());
 }
 
 // The payload of a bundle whose envelope and checksum are right.
@@ -65,7 +56,7 @@ absl::StatusOr<absl::string_view> OpenEnvelope(absl::string_view bytes) {
     return BundleCorrupt("it does not begin with TACTUSMB");
   }
   const absl::string_view body = bytes.substr(0, bytes.size() - kDigestBytes);
-  if (Sha256(body) != bytes.substr(body.size())) {
+  if (Sha256Of(body) != bytes.substr(body.size())) {
     return BundleCorrupt("its SHA-256 checksum does not match");
   }
   const auto version = ReadNumber<uint32_t>(bytes, kVersionOffset);
@@ -88,7 +79,7 @@ absl::StatusOr<std::string> EncodeBundle(const Model& model) {
   AppendNumber<uint32_t>(kBundleFormatVersion, bytes);
   AppendNumber<uint64_t>(payload.size(), bytes);
   bytes += payload;
-  bytes += Sha256(bytes);
+  bytes += Sha256Of(bytes);
   return bytes;
 }
 

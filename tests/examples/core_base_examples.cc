@@ -13,6 +13,7 @@
 #include "core/base/limits.h"
 #include "core/base/random.h"
 #include "core/base/serialize.h"
+#include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 #include "core/bundle/model_proto.h"
@@ -55,6 +56,13 @@ void GaussianExample(Random& random) {
 void RandomExample(uint64_t seed) {
   Random random(seed);
   double noise = 0.002 * random.Gaussian();
+}
+
+void Sha256Example(const std::string& header, const std::string& payload) {
+  Sha256 hash;
+  hash.Add(header);
+  hash.Add(payload);
+  const std::string digest = hash.Finish();  // 32 bytes
 }
 
 absl::Status StatusMacrosExample(const SkinLayout& layout,
