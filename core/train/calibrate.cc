@@ -205,6 +205,26 @@ ScoredContact ScoreContact(const std::shared_ptr<const CompiledModel>& model,
   return scored;
 }
 
+HeldOutSkill SkillOf(std::span<const ScoredContact> contacts) {
+  std::vector<LabelledPosterior> posteriors;
+  double right = 0;
+  for (const ScoredContact& contact : contacts) {
+    const std::vector<double>& scores = contact.log_likelihood.back();
+    const std::vector<double> log_prior(scores.size(), 0.0);
+    std::vector<double> probability(scores.size());
+    TemperedPosterior(log_prior, scores, 1, probability);
+    if (!contact.lstm_score.empty()) {
+      std::vector<double> lstm(scores.size());
+      TemperedPosterior(log_prior, contact.lstm_score.back(), 1, lstm);
+      FusePosteriors(std::vector<double>(probability), lstm, 0.5, probability);
+    }
+    right += std::ranges::max_element(probability) - probability.begin() ==
+             contact.label;
+    posteriors.push_back({contact.label, std::move(probability)});
+  }
+  return {LogLoss(posteriors), right / static_cast<double>(contacts.size())};
+}
+
 void FitCalibration(std::span<const ScoredContact> contacts, double rate,
                     Calibration& calibration) {
   Calibration& c = calibration;

@@ -53,6 +53,14 @@ struct ScoredContact {
 ScoredContact ScoreContact(const std::shared_ptr<const CompiledModel>& model,
                            const LabelledContact& contact, int label);
 
+// How good the scores are after the last calibration time, without any
+// temperature, a uniform prior, and HMMs and LSTMs with equal weights.
+struct HeldOutSkill {
+  double loss = 0;  // mean of -log(probability of the label)
+  double accuracy = 0;
+};
+HeldOutSkill SkillOf(std::span<const ScoredContact> contacts);
+
 // Sets frames, inverse temperatures, the LSTMs' weight, the evidence and the
 // scales of the estimates' deviations. Keeps prior and decision rule.
 void FitCalibration(std::span<const ScoredContact> contacts, double rate,

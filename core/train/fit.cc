@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <iterator>
 #include <map>
+#include <memory>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
@@ -11,8 +13,8 @@
 #include "core/base/status_macros.h"
 #include "core/classify/contact_classifier.h"
 #include "core/train/calibrate.h"
-#include "core/train/fit_models.h"
 #include "core/train/folds.h"
+#include "core/train/model_fit.h"
 
 namespace tactus {
 namespace {
@@ -25,9 +27,10 @@ constexpr size_t kMaxConditions = 8;
 // calibrated. The more they miss, the more they err, and the lower its
 // probabilities become. Six groups leave out few materials at once.
 constexpr size_t kMaterialGroups = 6;
-// Fraction of a fit's time that the HMMs take where there are LSTMs too, for
-// the progress.
-constexpr double kHmmWeight = 0.3;
+// Fractions of a fit's time, for the progress.
+constexpr double kInputsWeight = 0.03;
+constexpr double kTrainingWeight = 0.94;
+constexpr double kScoringWeight = 0.03;
 
 absl::Status CheckUniform(const std::vector<const LabelledContact*>& contacts) {
   const LabelledContact& first = *contacts.front();
@@ -127,85 +130,138 @@ std::vector<const LabelledContact*> Select(
   return selected;
 }
 
-// Contacts and their copies, which `all` points to.
-struct Varied {
-  std::vector<LabelledContact> copies;
-  std::vector<const LabelledContact*> all;
+// An inner fold: the models of the other contacts, and the scores that they
+// give to its contacts.
+struct Fold {
+  std::string prefix;
+  std::vector<int> contacts;
+  // Empty once the scores are there, or if a class has no contact outside of
+  // the fold.
+  std::unique_ptr<ModelFit> fit;
+  std::shared_ptr<const CompiledModel> model;
+  std::vector<ScoredContact> scores;
 };
 
-Varied WithVariations(const std::vector<const LabelledContact*>& contacts,
-                      const VariationRange& range, uint64_t seed) {
-  Varied varied = {DrawVariations(contacts, range, seed), contacts};
-  for (const LabelledContact& copy : varied.copies) varied.all.push_back(&copy);
-  return varied;
-}
-
-// The HMMs are trained without other stiffnesses. Their few components would
-// have to cover them too and would fit known materials less well.
-absl::StatusOr<Model> FitUncalibrated(
-    const std::vector<const LabelledContact*>& contacts,
-    const std::vector<std::string>& class_names, const FitOptions& options,
-    const ParallelFor& parallel, const Progress& progress) {
-  const int networks = options.lstm.networks;
-  VariationRange range = options.variations;
-  range.stiffness = 1;
-  TACTUS_ASSIGN_OR_RETURN(
-      Model model,
-      FitHmms(WithVariations(contacts, range, options.seed).all, class_names,
-              options,
-              progress.Part("fit HMMs", networks > 0 ? kHmmWeight : 1)));
-  if (networks > 0) {
-    TACTUS_RETURN_IF_ERROR(
-        FitLstms(WithVariations(contacts, options.variations, options.seed).all,
-                 options, networks, parallel,
-                 progress.Part("train LSTMs", 1 - kHmmWeight), model));
+absl::StatusOr<std::vector<Fold>> MakeFoldFits(
+    const std::vector<const LabelledContact*>& contacts, const FitRun& run) {
+  std::vector<Fold> folds;
+  for (std::vector<int>& fold : MakeInnerFolds(contacts, run.options)) {
+    const std::vector<const LabelledContact*> rest =
+        Select(contacts, Complement(fold, static_cast<int>(contacts.size())));
+    const bool whole = ClassNames(rest) == run.class_names;
+    Fold& made = folds.emplace_back();
+    made.prefix = absl::StrCat("fold/", folds.size() - 1, "/");
+    made.contacts = std::move(fold);
+    if (!whole) continue;
+    TACTUS_ASSIGN_OR_RETURN(auto scores,
+                            run.saved.Find<std::vector<ScoredContact>>(
+                                absl::StrCat(made.prefix, "scores")));
+    if (scores) {
+      made.scores = *std::move(scores);
+    } else {
+      made.fit = std::make_unique<ModelFit>(run, made.prefix, rest);
+    }
   }
-  return model;
+  return folds;
 }
 
-// Fits the calibration to the scores that each inner fold gets from a model of
-// the other folds. A fold is not used if the others lack a class.
-absl::Status Calibrate(const std::vector<const LabelledContact*>& contacts,
-                       const std::vector<std::vector<int>>& folds,
-                       const FitOptions& options, const ParallelFor& parallel,
-                       const Progress& progress, Model& model) {
-  std::vector<std::vector<ScoredContact>> scored(folds.size());
-  std::vector<absl::Status> failures(folds.size());
-  parallel(static_cast<int>(folds.size()), [&](int f) {
-    const auto rest = Select(
-        contacts, Complement(folds[f], static_cast<int>(contacts.size())));
-    if (ClassNames(rest) != model.class_names) return;
-    auto fitted = FitUncalibrated(
-        rest, model.class_names, options, RunSerially,
-        progress.Part("", 1 / static_cast<double>(folds.size())));
-    if (!fitted.ok()) {
-      failures[f] = fitted.status();
-      return;
+// Runs all bodies and returns the first error in their order.
+absl::Status RunAll(const ParallelFor& parallel, size_t count,
+                    const std::function<absl::Status(int)>& body) {
+  std::vector<absl::Status> failures(count);
+  parallel(static_cast<int>(count), [&](int i) { failures[i] = body(i); });
+  for (const absl::Status& failure : failures) {
+    TACTUS_RETURN_IF_ERROR(failure);
+  }
+  return absl::OkStatus();
+}
+
+// Fits all models. Their tasks form one list, so that no thread waits for the
+// end of one model before the next begins.
+absl::Status FitAll(const std::vector<ModelFit*>& fits,
+                    const ParallelFor& parallel, const Progress& progress) {
+  const Progress inputs = progress.Part("fit inputs", kInputsWeight);
+  TACTUS_RETURN_IF_ERROR(RunAll(parallel, fits.size(), [&](int f) {
+    const absl::Status status = fits[f]->FitInputs();
+    inputs.Add(1 / static_cast<double>(fits.size()));
+    return status;
+  }));
+  std::vector<std::pair<ModelFit*, int>> tasks;
+  double work = 0;
+  for (ModelFit* fit : fits) {
+    for (int task = 0; task < fit->tasks(); ++task) {
+      tasks.emplace_back(fit, task);
+      work += fit->Weight(task);
     }
-    auto compiled = CompiledModel::Create(*std::move(fitted));
-    if (!compiled.ok()) {
-      failures[f] = compiled.status();
-      return;
-    }
-    for (int i : folds[f]) {
-      const auto label =
-          std::find(model.class_names.begin(), model.class_names.end(),
-                    contacts[i]->label) -
-          model.class_names.begin();
-      scored[f].push_back(
-          ScoreContact(*compiled, *contacts[i], static_cast<int>(label)));
-    }
+  }
+  const Progress training = progress.Part("train models", kTrainingWeight);
+  return RunAll(parallel, tasks.size(), [&](int i) {
+    const auto& [fit, task] = tasks[i];
+    return fit->FitTask(task, training.Part("", fit->Weight(task) / work));
   });
-  std::vector<ScoredContact> all;
+}
+
+// How well a fold's models do at the end of the contacts, before calibration.
+LearningPoint PointOf(const Fold& fold, int number, size_t folds) {
+  LearningPoint point = {.phase = "calibrate on left-out folds",
+                         .part = absl::StrCat("fold/", number),
+                         .iteration = number + 1,
+                         .max_iterations = static_cast<int>(folds)};
+  const HeldOutSkill skill = SkillOf(fold.scores);
+  point.validation_loss = skill.loss;
+  point.validation_accuracy = skill.accuracy;
+  return point;
+}
+
+// Scores the contacts of all folds that have no scores yet.
+absl::Status ScoreFolds(const std::vector<const LabelledContact*>& contacts,
+                        const ParallelFor& parallel, const Progress& progress,
+                        const FitRun& run, std::vector<Fold>& folds) {
+  std::vector<std::pair<Fold*, int>> tasks;
+  for (Fold& fold : folds) {
+    if (fold.fit == nullptr) continue;
+    TACTUS_ASSIGN_OR_RETURN(fold.model,
+                            CompiledModel::Create(fold.fit->TakeModel()));
+    fold.scores.resize(fold.contacts.size());
+    for (size_t i = 0; i < fold.contacts.size(); ++i) {
+      tasks.emplace_back(&fold, static_cast<int>(i));
+    }
+  }
+  const Progress scoring =
+      progress.Part("calibrate on left-out folds", kScoringWeight);
+  TACTUS_RETURN_IF_ERROR(RunAll(parallel, tasks.size(), [&](int t) {
+    TACTUS_RETURN_IF_ERROR(run.GoOn());
+    const auto [fold, i] = tasks[t];
+    const LabelledContact& contact = *contacts[fold->contacts[i]];
+    const auto label = std::find(run.class_names.begin(), run.class_names.end(),
+                                 contact.label);
+    fold->scores[i] =
+        ScoreContact(fold->model, contact,
+                     static_cast<int>(label - run.class_names.begin()));
+    scoring.Add(1 / static_cast<double>(tasks.size()));
+    return absl::OkStatus();
+  }));
   for (size_t f = 0; f < folds.size(); ++f) {
-    TACTUS_RETURN_IF_ERROR(failures[f]);
-    std::move(scored[f].begin(), scored[f].end(), std::back_inserter(all));
+    if (folds[f].fit == nullptr) continue;
+    TACTUS_RETURN_IF_ERROR(run.saved.Put(
+        absl::StrCat(folds[f].prefix, "scores"), folds[f].scores));
+    run.Report(PointOf(folds[f], static_cast<int>(f), folds.size()));
+  }
+  return absl::OkStatus();
+}
+
+// Fits the calibration to the scores that each inner fold gets from the models
+// of the other folds.
+absl::Status Calibrate(std::vector<Fold>& folds, Model& model) {
+  std::vector<ScoredContact> all;
+  for (Fold& fold : folds) {
+    std::ranges::move(fold.scores, std::back_inserter(all));
   }
   if (all.empty()) {
     return InvalidTrainingData(
         "no inner fold leaves contacts of every class to calibrate with");
   }
-  FitCalibration(all, contacts.front()->sample_rate_hz, model.calibration);
+  FitCalibration(all, model.inputs.sample_rate_hz, model.calibration);
   return absl::OkStatus();
 }
 
@@ -253,7 +309,7 @@ std::vector<std::string> ClassNames(
 absl::StatusOr<Model> FitModel(
     const std::vector<const LabelledContact*>& contacts,
     const FitOptions& options, const ParallelFor& parallel,
-    const Progress& progress) {
+    const Progress& progress, FitJournal* journal) {
   if (contacts.empty()) {
     return InvalidTrainingData("there is no contact to fit to");
   }
@@ -265,17 +321,22 @@ absl::StatusOr<Model> FitModel(
     TACTUS_RETURN_IF_ERROR(
         CheckCues(contacts, options.lstm.cues, options.features));
   }
-  std::vector<std::vector<int>> folds;
-  if (options.calibrate) folds = MakeInnerFolds(contacts, options);
-  // The fits to n - 1 of n inner folds take as long as n - 1 fits to all.
-  const double weight = 1 / std::max(1.0, static_cast<double>(folds.size()));
-  TACTUS_ASSIGN_OR_RETURN(
-      Model model, FitUncalibrated(contacts, class_names, options, parallel,
-                                   progress.Part("", weight)));
+  const SavedParts saved(journal, contacts, options);
+  const FitRun run = {options, class_names, journal, saved};
+  ModelFit whole(run, "", contacts);
+  std::vector<Fold> folds;
   if (options.calibrate) {
-    TACTUS_RETURN_IF_ERROR(Calibrate(
-        contacts, folds, options, parallel,
-        progress.Part("calibrate on left-out folds", 1 - weight), model));
+    TACTUS_ASSIGN_OR_RETURN(folds, MakeFoldFits(contacts, run));
+  }
+  std::vector<ModelFit*> fits = {&whole};
+  for (const Fold& fold : folds) {
+    if (fold.fit != nullptr) fits.push_back(fold.fit.get());
+  }
+  TACTUS_RETURN_IF_ERROR(FitAll(fits, parallel, progress));
+  TACTUS_RETURN_IF_ERROR(ScoreFolds(contacts, parallel, progress, run, folds));
+  Model model = whole.TakeModel();
+  if (options.calibrate) {
+    TACTUS_RETURN_IF_ERROR(Calibrate(folds, model));
   }
   TACTUS_RETURN_IF_ERROR(AddWarmUp(contacts, model));
   model.provenance.trials = static_cast<uint32_t>(contacts.size());

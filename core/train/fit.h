@@ -8,7 +8,8 @@
 //                           FitModel(contacts, options, RunSerially));
 //
 // Deterministic: the same contacts, options and seed give the same model,
-// however `parallel` spreads the work. Thread-safe.
+// however `parallel` spreads the work and wherever a journal interrupted it.
+// Thread-safe.
 #pragma once
 
 #include <string>
@@ -16,6 +17,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/classify/model.h"
+#include "core/train/fit_journal.h"
 #include "core/train/fit_options.h"
 #include "core/train/labelled_contact.h"
 #include "core/train/work.h"
@@ -30,11 +32,12 @@ std::vector<std::string> ClassNames(
 // Fits a model. INVALID_TRAINING_DATA if there are fewer than two classes or
 // fewer than two contacts of some class, if skins or sampling rates are mixed,
 // or if cues of the load profile are asked of ideal signals. INVALID_CONFIG if
-// the features allow no cue. Of the provenance, the caller fills in everything
-// but trials and seed.
+// the features allow no cue. CANCELLED or CHECKPOINT_INVALID as fit_journal.h
+// describes. Of the provenance, the caller fills in everything but trials and
+// seed. `journal` may be null and must outlive the call.
 absl::StatusOr<Model> FitModel(
     const std::vector<const LabelledContact*>& contacts,
     const FitOptions& options, const ParallelFor& parallel,
-    const Progress& progress = {});
+    const Progress& progress = {}, FitJournal* journal = nullptr);
 
 }  // namespace tactus

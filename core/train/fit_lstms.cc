@@ -20,93 +20,64 @@ std::vector<float> MakeTargets(const LabelledContact& contact,
   return targets;
 }
 
-absl::StatusOr<LstmNetwork> Train(const LstmFit& fit, uint64_t seed, int inputs,
-                                  int classes, int regressions,
-                                  std::span<const LstmSequence> sequences,
-                                  const Progress& progress) {
-  LstmTrainOptions training = fit.training;
-  training.seed = seed;
-  const LstmNetwork start =
-      RandomNetwork(inputs, fit.cells, classes, fit.activation,
-                    fit.gate_activation, seed, /*forget_bias=*/1, regressions);
-  TACTUS_ASSIGN_OR_RETURN(
-      LstmTrained trained,
-      TrainLstm({.network = start}, sequences, {}, training,
-                [&](const LstmEpoch&, const LstmCheckpoint&) {
-                  progress.Add(1.0 / training.epochs);
-                  return absl::OkStatus();
-                }));
-  return std::move(trained.network);
-}
-
 }  // namespace
 
-absl::Status FitLstms(const std::vector<const LabelledContact*>& contacts,
-                      const FitOptions& options, int networks,
-                      const ParallelFor& parallel, const Progress& progress,
-                      Model& model) {
-  const LstmFit& fit = options.lstm;
-  InputSpec& spec = model.inputs;
-  spec.lstm_steps = fit.steps;
-  spec.lstm = FitInputs(
-      contacts, CuesFor(fit.cues, options.features),
-      {.scaling = fit.scaling, .steps = fit.steps, .limit = fit.limit});
-  if (fit.stretches > 0) {
-    const auto stretches =
-        FitStretches(contacts, CuesFor(fit.stretched_cues, options.features),
-                     fit.stretches, fit.steps);
-    spec.lstm.insert(spec.lstm.end(), stretches.begin(), stretches.end());
+LstmInputs MakeLstmInputs(const FitRun& run, const VariedContacts& contacts,
+                          const InputSpec& spec, bool with_targets) {
+  LstmInputs inputs;
+  LabelledContact made;
+  for (size_t i = 0; i < contacts.size(); ++i) {
+    const LabelledContact& contact = contacts.Get(i, made);
+    inputs.rows.push_back(
+        MakeLstmSequence(contact, spec.lstm, spec.lstm_steps));
+    if (inputs.rows.back().empty()) continue;
+    const auto label = std::find(run.class_names.begin(), run.class_names.end(),
+                                 contact.label);
+    inputs.sequences.push_back(
+        {.inputs = inputs.rows.back(),
+         .label = static_cast<int>(label - run.class_names.begin())});
+    if (!with_targets) continue;
+    inputs.targets.push_back(MakeTargets(contact, spec.lstm_steps));
+    inputs.with_targets.push_back(inputs.sequences.back());
+    inputs.with_targets.back().targets = inputs.targets.back();
   }
-  const int inputs = static_cast<int>(spec.lstm.size());
+  return inputs;
+}
 
-  // The estimator is trained where the truth is known.
-  const bool estimate =
-      fit.estimates && std::all_of(contacts.begin(), contacts.end(),
-                                   [](const LabelledContact* c) {
-                                     return c->stiffness > 0 &&
-                                            !c->object_motion.empty();
-                                   });
-  std::vector<std::vector<float>> rows;
-  std::vector<std::vector<float>> targets;
-  std::vector<LstmSequence> sequences;
-  std::vector<LstmSequence> with_targets;
-  for (const LabelledContact* contact : contacts) {
-    rows.push_back(MakeLstmSequence(*contact, spec.lstm, fit.steps));
-    if (rows.back().empty()) continue;
-    const auto label = std::find(model.class_names.begin(),
-                                 model.class_names.end(), contact->label);
-    sequences.push_back(
-        {.inputs = rows.back(),
-         .label = static_cast<int>(label - model.class_names.begin())});
-    if (!estimate) continue;
-    targets.push_back(MakeTargets(*contact, fit.steps));
-    with_targets.push_back(sequences.back());
-    with_targets.back().targets = targets.back();
+absl::StatusOr<LstmNetwork> FitLstm(const FitRun& run, const std::string& part,
+                                    const LstmInputs& inputs,
+                                    const InputSpec& spec, int n,
+                                    bool estimates, const Progress& progress) {
+  const LstmFit& fit = run.options.lstm;
+  LstmTrainOptions training = fit.training;
+  training.seed = run.options.seed + static_cast<uint64_t>(n);
+  TACTUS_ASSIGN_OR_RETURN(auto from, run.saved.Find<LstmCheckpoint>(part));
+  if (!from) {
+    from = LstmCheckpoint{
+        .network = RandomNetwork(static_cast<int>(spec.lstm.size()), fit.cells,
+                                 static_cast<int>(run.class_names.size()),
+                                 fit.activation, fit.gate_activation,
+                                 training.seed, /*forget_bias=*/1,
+                                 estimates ? kEstimateRegressions : 0)};
   }
-
-  std::vector<absl::StatusOr<LstmNetwork>> trained(
-      networks + (estimate ? 1 : 0),
-      absl::StatusOr<LstmNetwork>(LstmNetwork()));
-  parallel(static_cast<int>(trained.size()), [&](int n) {
-    const bool estimator = n == networks;
-    trained[n] =
-        Train(fit, options.seed + static_cast<uint64_t>(n), inputs,
-              model.classes(), estimator ? kEstimateRegressions : 0,
-              estimator ? with_targets : sequences,
-              progress.Part("", 1 / static_cast<double>(trained.size())));
-  });
-  for (const auto& network : trained) {
-    TACTUS_RETURN_IF_ERROR(network.status());
-  }
-  if (estimate) {
-    model.estimator = *std::move(trained.back());
-    trained.pop_back();
-  }
-  for (auto& network : trained) model.lstms.push_back(*std::move(network));
-  model.calibration.lstm_inverse_temperature.assign(
-      model.calibration.frames.size(), 1);
-  model.calibration.lstm_weight.assign(model.calibration.frames.size(), 0.5);
-  return absl::OkStatus();
+  progress.Add(static_cast<double>(from->history.size()) / training.epochs);
+  TACTUS_ASSIGN_OR_RETURN(
+      LstmTrained trained,
+      TrainLstm(
+          *std::move(from), estimates ? inputs.with_targets : inputs.sequences,
+          {}, training,
+          [&](const LstmEpoch& epoch, const LstmCheckpoint& state) {
+            progress.Add(1.0 / training.epochs);
+            run.Report({.phase = "train LSTMs",
+                        .part = part,
+                        .iteration = epoch.epoch,
+                        .max_iterations = training.epochs,
+                        .loss = epoch.train_loss,
+                        .accuracy = epoch.train_accuracy});
+            return run.saved.Put(part, state);
+          },
+          [&] { return run.GoOn(); }));
+  return std::move(trained.network);
 }
 
 }  // namespace tactus

@@ -1,42 +1,57 @@
 // File: fit_models.h
 //
-// The uncalibrated parts of a fit: HMMs and LSTMs, each with the scaling of
-// its inputs, from the contacts alone. FitModel (fit.h) puts them together.
+// The parts of one uncalibrated model: the scaling of its inputs, the HMMs of
+// each class, each network. ModelFit (model_fit.h) puts them together.
 //
-//   TACTUS_ASSIGN_OR_RETURN(
-//       Model model, FitHmms(contacts, names, options, Progress()));
-//   TACTUS_RETURN_IF_ERROR(FitLstms(contacts, options, /*networks=*/3,
-//                                   RunSerially, Progress(), model));
+//   TACTUS_ASSIGN_OR_RETURN(HmmMixture mixture,
+//                           FitClassHmms(run, name, contacts, spec, c,
+//                                        Progress()));
 //
-// Contacts must outlive the call. Thread-safe: free functions without state.
+// `part` is the name of the part in the journal (fit_journal.h). Each function
+// returns a part that the journal has, and puts one that it made. Thread-safe:
+// free functions without state.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/classify/model.h"
-#include "core/train/fit_options.h"
-#include "core/train/labelled_contact.h"
+#include "core/lstm/sequence.h"
+#include "core/train/fit_run.h"
+#include "core/train/varied_contacts.h"
 #include "core/train/work.h"
 
 namespace tactus {
 
-// Returns a model with features, scaling and HMMs, a uniform prior and an
-// inverse temperature of 1. `class_names` sets the order of the classes. Each
-// class must have a contact.
-absl::StatusOr<Model> FitHmms(
-    const std::vector<const LabelledContact*>& contacts,
-    const std::vector<std::string>& class_names, const FitOptions& options,
-    const Progress& progress);
+// The inputs of HMMs and, if there are networks, of LSTMs.
+absl::StatusOr<InputSpec> FitInputSpec(const FitRun& run,
+                                       const std::string& part,
+                                       const VariedContacts& hmm_contacts,
+                                       const VariedContacts& lstm_contacts);
 
-// Adds `networks` LSTMs, trained as `options.lstm` says, to `model`, which
-// FitHmms returned. Adds an estimator if the options ask for one and the truth
-// is known. The calibration leaves the networks' probabilities unchanged.
-absl::Status FitLstms(const std::vector<const LabelledContact*>& contacts,
-                      const FitOptions& options, int networks,
-                      const ParallelFor& parallel, const Progress& progress,
-                      Model& model);
+// The HMMs of the class number `label`, which must have a contact.
+absl::StatusOr<HmmMixture> FitClassHmms(const FitRun& run,
+                                        const std::string& part,
+                                        const VariedContacts& contacts,
+                                        const InputSpec& spec, int label,
+                                        const Progress& progress);
+
+// What LSTMs are trained on. Contacts without a step are left out.
+struct LstmInputs {
+  std::vector<std::vector<float>> rows;
+  std::vector<std::vector<float>> targets;
+  std::vector<LstmSequence> sequences;
+  std::vector<LstmSequence> with_targets;  // empty unless asked for
+};
+LstmInputs MakeLstmInputs(const FitRun& run, const VariedContacts& contacts,
+                          const InputSpec& spec, bool with_targets);
+
+// Trains the network number `n`. One that estimates is trained on the sequences
+// with targets.
+absl::StatusOr<LstmNetwork> FitLstm(const FitRun& run, const std::string& part,
+                                    const LstmInputs& inputs,
+                                    const InputSpec& spec, int n,
+                                    bool estimates, const Progress& progress);
 
 }  // namespace tactus

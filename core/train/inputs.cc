@@ -10,11 +10,11 @@ namespace {
 constexpr double kLogOffsetFraction = 0.02;
 
 // Median of the positive values of one feature; 1 if there is none.
-double TypicalValue(const std::vector<const LabelledContact*>& contacts,
-                    Cue cue) {
+double TypicalValue(const VariedContacts& contacts, Cue cue) {
   std::vector<double> values;
-  for (const LabelledContact* contact : contacts) {
-    for (const ContactFrame& frame : contact->frames) {
+  LabelledContact made;
+  for (size_t i = 0; i < contacts.size(); ++i) {
+    for (const ContactFrame& frame : contacts.Get(i, made).frames) {
       const double value = frame.sample.features[static_cast<int>(cue)];
       if (frame.touched && value > 0) values.push_back(value);
     }
@@ -59,9 +59,9 @@ void WalkCues(const LabelledContact& contact, const StepIntervals& steps,
   }
 }
 
-std::vector<ModelInput> FitInputs(
-    const std::vector<const LabelledContact*>& contacts,
-    std::span<const Cue> cues, const InputOptions& options) {
+std::vector<ModelInput> FitInputs(const VariedContacts& contacts,
+                                  std::span<const Cue> cues,
+                                  const InputOptions& options) {
   std::vector<ModelInput> inputs;
   for (Cue cue : cues) {
     const bool raw = static_cast<int>(cue) < kFeatureCount;
@@ -73,13 +73,15 @@ std::vector<ModelInput> FitInputs(
         {.cue = cue, .log_offset = log_offset, .limit = options.limit});
   }
   std::vector<Range> ranges(inputs.size());
-  for (const LabelledContact* contact : contacts) {
-    WalkCues(*contact, options.steps, [&](CueTracker& tracker, size_t) {
-      for (size_t i = 0; i < inputs.size(); ++i) {
-        ranges[i].Add(
-            TransformCue(tracker.value(inputs[i].cue), inputs[i].log_offset));
-      }
-    });
+  LabelledContact made;
+  for (size_t c = 0; c < contacts.size(); ++c) {
+    WalkCues(contacts.Get(c, made), options.steps,
+             [&](CueTracker& tracker, size_t) {
+               for (size_t i = 0; i < inputs.size(); ++i) {
+                 ranges[i].Add(TransformCue(tracker.value(inputs[i].cue),
+                                            inputs[i].log_offset));
+               }
+             });
   }
   for (size_t i = 0; i < inputs.size(); ++i) {
     const Range& range = ranges[i];
@@ -94,12 +96,13 @@ std::vector<ModelInput> FitInputs(
   return inputs;
 }
 
-std::vector<ModelInput> FitStretches(
-    const std::vector<const LabelledContact*>& contacts,
-    std::span<const Cue> cues, int stretches, const StepIntervals& steps) {
+std::vector<ModelInput> FitStretches(const VariedContacts& contacts,
+                                     std::span<const Cue> cues, int stretches,
+                                     const StepIntervals& steps) {
   std::vector<std::vector<double>> values(cues.size());
-  for (const LabelledContact* contact : contacts) {
-    WalkCues(*contact, steps, [&](CueTracker& tracker, size_t) {
+  LabelledContact made;
+  for (size_t c = 0; c < contacts.size(); ++c) {
+    WalkCues(contacts.Get(c, made), steps, [&](CueTracker& tracker, size_t) {
       for (size_t i = 0; i < cues.size(); ++i) {
         values[i].push_back(tracker.value(cues[i]));
       }

@@ -3,7 +3,7 @@
 // Model inputs of whole contacts, for fitting: the cues that ContactClassifier
 // computes frame by frame, their scaling, and the resulting sequences.
 //
-//   auto inputs = FitInputs(contacts, cues, {});
+//   auto inputs = FitInputs(VariedContacts(contacts), cues, {});
 //   std::vector<double> rows = MakeSequence(contact, inputs, steps);
 //
 // Thread-safe: free functions without state.
@@ -16,6 +16,7 @@
 #include "absl/functional/function_ref.h"
 #include "core/classify/input_spec.h"
 #include "core/train/labelled_contact.h"
+#include "core/train/varied_contacts.h"
 
 namespace tactus {
 
@@ -40,9 +41,9 @@ struct InputOptions {
 // constant elsewhere. Each cue has `stretches` of them, between its quantiles.
 // A step that is small on the whole range is large on its stretch (piecewise
 // linear encoding, Gorishniy et al., NeurIPS 2022).
-std::vector<ModelInput> FitStretches(
-    const std::vector<const LabelledContact*>& contacts,
-    std::span<const Cue> cues, int stretches, const StepIntervals& steps);
+std::vector<ModelInput> FitStretches(const VariedContacts& contacts,
+                                     std::span<const Cue> cues, int stretches,
+                                     const StepIntervals& steps);
 
 // Calls `visit` for every touched frame at which `steps` makes a step due, with
 // the cues and the index of the frame in the contact.
@@ -51,9 +52,9 @@ void WalkCues(const LabelledContact& contact, const StepIntervals& steps,
 
 // Returns one input per cue, scaled over all contacts. All contacts must have
 // the same rate.
-std::vector<ModelInput> FitInputs(
-    const std::vector<const LabelledContact*>& contacts,
-    std::span<const Cue> cues, const InputOptions& options);
+std::vector<ModelInput> FitInputs(const VariedContacts& contacts,
+                                  std::span<const Cue> cues,
+                                  const InputOptions& options);
 
 // Returns the scaled inputs of the frames that WalkCues visits, frames x
 // inputs, row-major.

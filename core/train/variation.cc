@@ -26,8 +26,15 @@ ContactFrame Between(const ContactFrame& before, const ContactFrame& after,
   return frame;
 }
 
-LabelledContact AtPace(const LabelledContact& contact, double pace) {
-  LabelledContact warped = contact;
+void AtPace(const LabelledContact& contact, double pace,
+            LabelledContact& warped) {
+  warped.id = contact.id;
+  warped.label = contact.label;
+  warped.condition = contact.condition;
+  warped.material = contact.material;
+  warped.sample_rate_hz = contact.sample_rate_hz;
+  warped.stiffness = contact.stiffness;
+  warped.layout = contact.layout;
   warped.frames.clear();
   warped.object_motion.clear();
   for (size_t k = 0; k < contact.frames.size(); ++k) {
@@ -43,7 +50,6 @@ LabelledContact AtPace(const LabelledContact& contact, double pace) {
                                            contact.object_motion[before + 1],
                                            fraction));
   }
-  return warped;
 }
 
 constexpr int kForceAt = static_cast<int>(Feature::kForce);
@@ -66,48 +72,6 @@ double MissingNoise(double factor) {
   return std::sqrt(std::max(0.0, 1 - factor * factor));
 }
 
-// A range of stiffness, N/m.
-struct Span {
-  double min = 0;
-  double max = std::numeric_limits<double>::infinity();
-};
-
-// The stiffnesses that keep a contact in its class, by class. Classes without
-// an entry keep their stiffness; the result is empty if a stiffness is unknown.
-// Soft and hard classes are those of VariationRange.
-std::map<std::string, Span> SpansOf(
-    const std::vector<const LabelledContact*>& contacts) {
-  std::map<std::string, Span> seen;
-  for (const LabelledContact* contact : contacts) {
-    const double k = contact->stiffness;
-    if (k <= 0) return {};
-    Span& span = seen.try_emplace(contact->label, Span{k, k}).first->second;
-    span.min = std::min(span.min, k);
-    span.max = std::max(span.max, k);
-  }
-  std::map<std::string, Span> spans;
-  for (const auto& [label, own] : seen) {
-    bool soft = false;
-    bool hard = false;
-    for (const auto& [other, others] : seen) {
-      soft |= own.max < others.min;
-      hard |= own.min > others.max;
-    }
-    if (soft == hard) continue;
-    spans[label] = soft ? Span{.max = own.max} : Span{.min = own.min};
-  }
-  return spans;
-}
-
-// Draws a factor on the stiffness, uniform in its logarithm, from the part of
-// 1 / range to range that keeps the stiffness within `span`.
-double DrawStiffness(double stiffness, const Span& span, double range,
-                     Random& random) {
-  const double low = std::max(1 / range, span.min / stiffness);
-  const double high = std::min(range, span.max / stiffness);
-  return low * std::pow(high / low, random.Uniform());
-}
-
 }  // namespace
 
 double NoiseOf(const std::vector<double>& values) {
@@ -124,11 +88,18 @@ double NoiseOf(const std::vector<double>& values) {
 
 LabelledContact Vary(const LabelledContact& contact, const Variation& variation,
                      Random& random) {
-  LabelledContact varied = AtPace(contact, variation.pace);
+  LabelledContact varied;
+  Vary(contact, variation, random, varied);
+  return varied;
+}
+
+void Vary(const LabelledContact& contact, const Variation& variation,
+          Random& random, LabelledContact& varied) {
+  AtPace(contact, variation.pace, varied);
   const double load = variation.load;
   const double force = load * variation.stiffness;
   varied.stiffness *= variation.stiffness;
-  if (load == 1 && force == 1) return varied;
+  if (load == 1 && force == 1) return;
   const double of_forces = MissingNoise(force);
   const double peak_noise = of_forces * NoiseIn(contact, [](auto& s) {
                               return s.features[kForceAt];
@@ -151,30 +122,6 @@ LabelledContact Vary(const LabelledContact& contact, const Variation& variation,
     motion = std::abs(load * motion + motion_noise * random.Gaussian());
   }
   for (double& moved : varied.object_motion) moved *= load;
-  return varied;
-}
-
-std::vector<LabelledContact> DrawVariations(
-    const std::vector<const LabelledContact*>& contacts,
-    const VariationRange& range, uint64_t seed) {
-  std::vector<LabelledContact> drawn;
-  drawn.reserve(contacts.size() * static_cast<size_t>(range.copies));
-  const auto spans = SpansOf(contacts);
-  for (int copy = 0; copy < range.copies; ++copy) {
-    for (size_t i = 0; i < contacts.size(); ++i) {
-      Random random = Random::ForStream(seed, copy * contacts.size() + i);
-      const double pace = std::pow(range.pace, random.Uniform(-1, 1));
-      const double load = std::pow(range.load, random.Uniform(-1, 0));
-      double stiffness = 1;
-      const auto span = spans.find(contacts[i]->label);
-      if (copy % 2 == 1 && range.stiffness > 1 && span != spans.end()) {
-        stiffness = DrawStiffness(contacts[i]->stiffness, span->second,
-                                  range.stiffness, random);
-      }
-      drawn.push_back(Vary(*contacts[i], {pace, load, stiffness}, random));
-    }
-  }
-  return drawn;
 }
 
 }  // namespace tactus

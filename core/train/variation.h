@@ -23,7 +23,6 @@
 // Thread-safe: free functions.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "core/base/random.h"
@@ -44,27 +43,9 @@ struct Variation {
 // but taken from the earlier frame.
 LabelledContact Vary(const LabelledContact& contact, const Variation& variation,
                      Random& random);
-
-// How many copies of each contact are drawn, and from which ranges. The factors
-// are uniform in their logarithm: pace from 1 / pace to pace, load from
-// 1 / load to 1, and in every second copy stiffness from 1 / stiffness to
-// stiffness. A class is soft if all objects of another class are stiffer; its
-// copies get no stiffer than its stiffest object. A class is hard if all
-// objects of another class are softer; its copies get no softer than its
-// softest object. Other classes keep their stiffness, and so do all if the
-// stiffness of any contact is unknown.
-struct VariationRange {
-  int copies = 0;
-  double pace = 1;       // >= 1
-  double load = 1;       // >= 1
-  double stiffness = 1;  // >= 1
-};
-
-// Returns all copies of all contacts. The same contacts, range and seed give
-// the same copies.
-std::vector<LabelledContact> DrawVariations(
-    const std::vector<const LabelledContact*>& contacts,
-    const VariationRange& range, uint64_t seed);
+// The same into `varied`, whose memory is used again.
+void Vary(const LabelledContact& contact, const Variation& variation,
+          Random& random, LabelledContact& varied);
 
 // Estimates the standard deviation of the noise on values[t] from the median of
 // their second differences. A signal with a constant slope has none. Returns 0

@@ -2,6 +2,7 @@
 // to compile; HouseTest.ExamplesAreCompiled compares the texts.
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,14 +14,21 @@
 #include "core/eval/paper_tables.h"
 #include "core/eval/unknown.h"
 #include "core/train/anytime.h"
+#include "core/train/archive.h"
 #include "core/train/calibrate.h"
 #include "core/train/fit.h"
+#include "core/train/fit_fields.h"
+#include "core/train/fit_journal.h"
 #include "core/train/fit_models.h"
 #include "core/train/fit_options.h"
+#include "core/train/fit_run.h"
 #include "core/train/folds.h"
 #include "core/train/inputs.h"
 #include "core/train/labelled_contact.h"
+#include "core/train/model_fit.h"
+#include "core/train/saved_parts.h"
 #include "core/train/variation.h"
+#include "core/train/varied_contacts.h"
 #include "core/train/work.h"
 
 namespace tactus::examples {
@@ -122,14 +130,85 @@ void WorkExample(const Contacts& contacts, const FitOptions& options) {
   FitModel(contacts, options, RunSerially, progress);
 }
 
-absl::Status FitModelsExample(const Contacts& contacts,
-                              const std::vector<std::string>& names,
-                              const FitOptions& options) {
-  TACTUS_ASSIGN_OR_RETURN(Model model,
-                          FitHmms(contacts, names, options, Progress()));
-  TACTUS_RETURN_IF_ERROR(FitLstms(contacts, options, /*networks=*/3,
-                                  RunSerially, Progress(), model));
+absl::Status FitModelsExample(const FitRun& run, const std::string& name,
+                              const VariedContacts& contacts,
+                              const InputSpec& spec, int c) {
+  TACTUS_ASSIGN_OR_RETURN(
+      HmmMixture mixture,
+      FitClassHmms(run, name, contacts, spec, c, Progress()));
   return absl::OkStatus();
+}
+
+absl::Status ModelFitExample(const FitRun& run, const Contacts& contacts) {
+  ModelFit fit(run, "fold/2/", contacts);
+  TACTUS_RETURN_IF_ERROR(fit.FitInputs());
+  for (int task = 0; task < fit.tasks(); ++task) {
+    TACTUS_RETURN_IF_ERROR(fit.FitTask(task, Progress()));
+  }
+  const Model model = fit.TakeModel();
+  return absl::OkStatus();
+}
+
+absl::Status FitRunExample(const FitRun& run) {
+  TACTUS_RETURN_IF_ERROR(run.GoOn());
+  run.Report({.phase = "fit HMMs", .part = "hmm/SU/0", .iteration = 1});
+  return absl::OkStatus();
+}
+
+std::optional<std::string> Read(absl::string_view part);
+absl::Status Write(absl::string_view part, const std::string& bytes);
+
+void FitJournalExample(const Contacts& contacts, const FitOptions& options,
+                       const ParallelFor& RunOnThreads,
+                       const Progress& progress) {
+  class Files : public FitJournal {
+   public:
+    std::optional<std::string> Find(absl::string_view part) override {
+      return Read(part);
+    }
+    absl::Status Put(absl::string_view part, std::string bytes) override {
+      return Write(part, bytes);
+    }
+  };
+  Files files;
+  FitModel(contacts, options, RunOnThreads, progress, &files);
+}
+
+absl::Status ArchiveExample(LstmCheckpoint checkpoint, absl::string_view part) {
+  ByteWriter writer;
+  writer(checkpoint.network, checkpoint.history);
+  ByteReader reader(writer.bytes());
+  reader(checkpoint.network, checkpoint.history);
+  if (!reader.AtEnd()) return CheckpointInvalid(part, "it is cut off");
+  return absl::OkStatus();
+}
+
+void FitFieldsExample(const FitOptions& options) {
+  const auto model = std::make_unique<InputSpec>();
+  ByteWriter writer;
+  writer(options, *model);
+}
+
+absl::Status SavedPartsExample(FitJournal* journal, const Contacts& contacts,
+                               const FitOptions& options) {
+  const auto Train = [] { return HmmMixture(); };
+  const SavedParts saved(journal, contacts, options);
+  TACTUS_ASSIGN_OR_RETURN(auto mixture, saved.Find<HmmMixture>("hmm/SU"));
+  if (!mixture) {
+    mixture = Train();
+    TACTUS_RETURN_IF_ERROR(saved.Put("hmm/SU", *mixture));
+  }
+  return absl::OkStatus();
+}
+
+void VariedContactsExample(const Contacts& contacts,
+                           const std::vector<ModelInput>& inputs,
+                           const StepIntervals& steps, uint64_t seed) {
+  const VariedContacts varied(contacts, {.copies = 4, .pace = 3}, seed);
+  LabelledContact made;
+  for (size_t i = 0; i < varied.size(); ++i) {
+    MakeSequence(varied.Get(i, made), inputs, steps);
+  }
 }
 
 absl::Status FitOptionsExample(const Contacts& contacts) {
@@ -142,7 +221,7 @@ absl::Status FitOptionsExample(const Contacts& contacts) {
 
 void InputsExample(const Contacts& contacts, const LabelledContact& contact,
                    const std::vector<Cue>& cues, const StepIntervals& steps) {
-  auto inputs = FitInputs(contacts, cues, {});
+  auto inputs = FitInputs(VariedContacts(contacts), cues, {});
   std::vector<double> rows = MakeSequence(contact, inputs, steps);
 }
 

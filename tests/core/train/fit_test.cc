@@ -99,14 +99,17 @@ int InnerFoldsOf(int materials) {
   options.lstm.networks = 0;
   options.variations.copies = 0;
   options.inner_folds = InnerFolds::kMaterials;
-  int folds = 0;
-  const auto model = FitModel(testing::PointersTo(contacts), options,
-                              [&](int count, const auto& body) {
-                                folds += count;
-                                RunSerially(count, body);
-                              });
+  // Counts the folds that were scored.
+  struct Count : FitJournal {
+    void OnPoint(const LearningPoint& point) override {
+      folds += point.validation_accuracy.has_value();
+    }
+    int folds = 0;
+  } count;
+  const auto model =
+      FitModel(testing::PointersTo(contacts), options, RunSerially, {}, &count);
   EXPECT_TRUE(model.ok()) << model.status();
-  return folds;
+  return count.folds;
 }
 
 TEST(FitModelTest, InnerFoldsLeaveFewMaterialsOutTogether) {

@@ -17,16 +17,20 @@ LabelledContact Ramp(double first, int frames) {
   return contact;
 }
 
+VariedContacts Only(const LabelledContact& contact) {
+  return VariedContacts({&contact});
+}
+
 constexpr Cue kForceCue[] = {Cue::kForce};
 
 TEST(FitInputsTest, ScalesToZeroMeanAndUnitDeviationOrToZeroAndOne) {
   const LabelledContact contact =
       Ramp(3, 9);  // 3 .. 11: mean 7, variance 60 / 9
-  const auto standard = FitInputs({&contact}, kForceCue, {});
+  const auto standard = FitInputs(Only(contact), kForceCue, {});
   EXPECT_DOUBLE_EQ(standard[0].offset, 7);
   EXPECT_DOUBLE_EQ(standard[0].gain, 1 / std::sqrt(60.0 / 9));
   const auto span =
-      FitInputs({&contact}, kForceCue, {.scaling = Scaling::kMinMax});
+      FitInputs(Only(contact), kForceCue, {.scaling = Scaling::kMinMax});
   const auto rows = MakeSequence(contact, span, {});
   EXPECT_DOUBLE_EQ(rows.front(), 0);
   EXPECT_DOUBLE_EQ(rows.back(), 1);
@@ -34,7 +38,7 @@ TEST(FitInputsTest, ScalesToZeroMeanAndUnitDeviationOrToZeroAndOne) {
 
 TEST(FitStretchesTest, EachRisesOverItsOwnPartAndRestsElsewhere) {
   const LabelledContact contact = Ramp(0, 101);
-  const auto stretches = FitStretches({&contact}, kForceCue, 4, {});
+  const auto stretches = FitStretches(Only(contact), kForceCue, 4, {});
   ASSERT_EQ(stretches.size(), 4u);
   const auto rows = MakeSequence(contact, stretches, {});
   for (int t = 0; t <= 100; ++t) {
@@ -48,7 +52,7 @@ TEST(FitStretchesTest, EachRisesOverItsOwnPartAndRestsElsewhere) {
 TEST(FitStretchesTest, ACueThatNeverChangesHasNone) {
   const LabelledContact contact = Ramp(0, 30);
   const Cue still[] = {Cue::kArea};
-  EXPECT_TRUE(FitStretches({&contact}, still, 4, {}).empty());
+  EXPECT_TRUE(FitStretches(Only(contact), still, 4, {}).empty());
 }
 
 TEST(WalkCuesTest, VisitsTouchedFramesThatAreDue) {

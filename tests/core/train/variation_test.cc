@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/sim/exact/exact.h"
+#include "core/train/varied_contacts.h"
 #include "gtest/gtest.h"
 
 namespace tactus {
@@ -186,7 +187,20 @@ TEST(VaryTest, FindsNoNoiseInWhatChangesEvenlyOrIsTooShort) {
   EXPECT_EQ(NoiseOf({1, 5}), 0);
 }
 
-TEST(DrawVariationsTest, DrawsFromTheWholeRangeAndTheSameFromTheSameSeed) {
+// All copies of `contacts`.
+std::vector<LabelledContact> DrawVariations(
+    const std::vector<const LabelledContact*>& contacts,
+    const VariationRange& range, uint64_t seed) {
+  const VariedContacts varied(contacts, range, seed);
+  std::vector<LabelledContact> drawn;
+  for (size_t i = contacts.size(); i < varied.size(); ++i) {
+    LabelledContact made;
+    drawn.push_back(varied.Get(i, made));
+  }
+  return drawn;
+}
+
+TEST(VariedContactsTest, DrawsFromTheWholeRangeAndTheSameFromTheSameSeed) {
   Random random(3);
   const LabelledContact contact = NoisyPress(random);
   const VariationRange range = {.copies = 40, .pace = 2, .load = 4};
@@ -234,7 +248,7 @@ std::vector<LabelledContact> DrawStiffnesses(
   return DrawVariations(pointers, {.copies = 400, .stiffness = 5}, 1);
 }
 
-TEST(DrawVariationsTest, SoftStaysSoftAndHardStaysHard) {
+TEST(VariedContactsTest, SoftStaysSoftAndHardStaysHard) {
   const auto contacts =
       Objects({{1, "SU"}, {10, "SU"}, {20, "HU"}, {300, "HU"}});
   const auto drawn = DrawStiffnesses(contacts);
@@ -260,7 +274,7 @@ TEST(DrawVariationsTest, SoftStaysSoftAndHardStaysHard) {
   }
 }
 
-TEST(DrawVariationsTest, StiffnessRestsWhereClassesAreNotOfIt) {
+TEST(VariedContactsTest, StiffnessRestsWhereClassesAreNotOfIt) {
   for (const auto& contacts :
        {Objects({{1, "A"}, {10, "A"}, {5, "B"}, {20, "B"}}),
         Objects({{1, "SU"}, {10, "HU"}, {0, "HU"}})}) {

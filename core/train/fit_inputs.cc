@@ -1,0 +1,38 @@
+#include "core/base/status_macros.h"
+#include "core/train/fit_models.h"
+#include "core/train/inputs.h"
+
+namespace tactus {
+
+absl::StatusOr<InputSpec> FitInputSpec(const FitRun& run,
+                                       const std::string& part,
+                                       const VariedContacts& hmm_contacts,
+                                       const VariedContacts& lstm_contacts) {
+  TACTUS_ASSIGN_OR_RETURN(auto saved, run.saved.Find<InputSpec>(part));
+  if (saved) return *std::move(saved);
+  const FitOptions& options = run.options;
+  InputSpec spec;
+  spec.hmm_steps = options.hmm_steps;
+  spec.hmm = FitInputs(
+      hmm_contacts, CuesFor(options.hmm_cues, options.features),
+      {.log_features = options.log_features, .steps = options.hmm_steps});
+  spec.sample_rate_hz = hmm_contacts.Original(0).sample_rate_hz;
+  const LstmFit& fit = options.lstm;
+  if (fit.networks > 0) {
+    TACTUS_RETURN_IF_ERROR(run.GoOn());
+    spec.lstm_steps = fit.steps;
+    spec.lstm = FitInputs(
+        lstm_contacts, CuesFor(fit.cues, options.features),
+        {.scaling = fit.scaling, .steps = fit.steps, .limit = fit.limit});
+    if (fit.stretches > 0) {
+      const auto stretches = FitStretches(
+          lstm_contacts, CuesFor(fit.stretched_cues, options.features),
+          fit.stretches, fit.steps);
+      spec.lstm.insert(spec.lstm.end(), stretches.begin(), stretches.end());
+    }
+  }
+  TACTUS_RETURN_IF_ERROR(run.saved.Put(part, spec));
+  return spec;
+}
+
+}  // namespace tactus

@@ -1,0 +1,115 @@
+#include "core/train/model_fit.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
+
+namespace tactus {
+namespace {
+
+// Work of the HMMs of a class relative to that of a network.
+constexpr double kHmmWeight = 0.05;
+
+VariationRange WithoutStiffness(VariationRange range) {
+  range.stiffness = 1;
+  return range;
+}
+
+bool TruthIsKnown(const std::vector<const LabelledContact*>& contacts) {
+  return std::all_of(contacts.begin(), contacts.end(),
+                     [](const LabelledContact* c) {
+                       return c->stiffness > 0 && !c->object_motion.empty();
+                     });
+}
+
+}  // namespace
+
+ModelFit::ModelFit(const FitRun& run, std::string prefix,
+                   std::vector<const LabelledContact*> contacts)
+    : run_(run),
+      prefix_(std::move(prefix)),
+      hmm_contacts_(contacts, WithoutStiffness(run.options.variations),
+                    run.options.seed),
+      lstm_contacts_(contacts, run.options.variations, run.options.seed) {
+  const LstmFit& lstm = run.options.lstm;
+  estimates_ = lstm.networks > 0 && lstm.estimates && TruthIsKnown(contacts);
+  networks_ = lstm.networks + (estimates_ ? 1 : 0);
+  trained_.resize(networks_);
+  model_.class_names = run.class_names;
+  model_.hmm_score = run.options.score;
+  model_.layout = contacts.front()->layout;
+  model_.hmms.resize(run.class_names.size());
+}
+
+absl::Status ModelFit::FitInputs() {
+  TACTUS_ASSIGN_OR_RETURN(model_.inputs,
+                          FitInputSpec(run_, absl::StrCat(prefix_, "inputs"),
+                                       hmm_contacts_, lstm_contacts_));
+  if (networks_ > 0) {
+    lstm_inputs_ =
+        MakeLstmInputs(run_, lstm_contacts_, model_.inputs, estimates_);
+  }
+  return absl::OkStatus();
+}
+
+int ModelFit::NetworkOf(int task) const {
+  if (networks_ == 0) return -1;
+  const int classes = static_cast<int>(run_.class_names.size());
+  if (task == 0) return 0;
+  return task <= classes ? -1 : task - classes;
+}
+
+int ModelFit::ClassOf(int task) const {
+  return networks_ == 0 ? task : task - 1;
+}
+
+double ModelFit::Weight(int task) const {
+  return static_cast<double>(lstm_contacts_.size()) *
+         (NetworkOf(task) >= 0 ? 1 : kHmmWeight);
+}
+
+absl::Status ModelFit::FitTask(int task, const Progress& progress) {
+  if (const int n = NetworkOf(task); n >= 0) return FitNetwork(n, progress);
+  const int c = ClassOf(task);
+  TACTUS_ASSIGN_OR_RETURN(
+      model_.hmms[c],
+      FitClassHmms(run_, absl::StrCat(prefix_, "hmm/", run_.class_names[c]),
+                   hmm_contacts_, model_.inputs, c, progress));
+  return absl::OkStatus();
+}
+
+absl::Status ModelFit::FitNetwork(int n, const Progress& progress) {
+  const bool estimator = n == run_.options.lstm.networks;
+  TACTUS_ASSIGN_OR_RETURN(
+      trained_[n],
+      FitLstm(run_,
+              estimator ? absl::StrCat(prefix_, "estimator")
+                        : absl::StrCat(prefix_, "lstm/", n),
+              lstm_inputs_, model_.inputs, n, estimator, progress));
+  return absl::OkStatus();
+}
+
+Model ModelFit::TakeModel() {
+  Calibration& c = model_.calibration;
+  c.frames = {1};
+  c.hmm_inverse_temperature = {1};
+  c.evidence_median = {0};
+  c.evidence_deviation = {1};
+  const size_t classes = run_.class_names.size();
+  c.prior.assign(classes, 1.0 / static_cast<double>(classes));
+  if (networks_ > 0) {
+    c.lstm_inverse_temperature = {1};
+    c.lstm_weight = {0.5};
+  }
+  if (estimates_) {
+    model_.estimator = std::move(trained_.back());
+    trained_.pop_back();
+  }
+  model_.lstms = std::move(trained_);
+  lstm_inputs_ = {};
+  return std::move(model_);
+}
+
+}  // namespace tactus

@@ -1,0 +1,72 @@
+#include "core/train/saved_parts.h"
+
+#include "core/base/serialize.h"
+#include "core/base/sha256.h"
+#include "core/base/version.h"
+#include "core/skin/layout_proto.h"
+
+namespace tactus {
+namespace {
+
+void AddContact(const LabelledContact& contact, Sha256& hash) {
+  ByteWriter writer;
+  writer(contact.id, contact.label, contact.condition, contact.material,
+         contact.sample_rate_hz, contact.stiffness, contact.object_motion,
+         SerializeDeterministic(LayoutToProto(contact.layout)));
+  for (const ContactFrame& frame : contact.frames) {
+    const ContactSample& sample = frame.sample;
+    for (const double feature : sample.features) writer(feature);
+    for (const double load : sample.profile) writer(load);
+    writer(sample.net_force, frame.touched);
+  }
+  hash.Add(writer.bytes());
+}
+
+}  // namespace
+
+SavedParts::SavedParts(FitJournal* journal,
+                       const std::vector<const LabelledContact*>& contacts,
+                       const FitOptions& options)
+    : journal_(journal) {
+  if (journal_ == nullptr) return;
+  ByteWriter writer;
+  writer(std::string(kVersion), options, uint64_t{contacts.size()});
+  Sha256 hash;
+  hash.Add(writer.bytes());
+  for (const LabelledContact* contact : contacts) AddContact(*contact, hash);
+  fit_ = hash.Finish();
+}
+
+std::string SavedParts::OwnerOf(absl::string_view part) const {
+  return Sha256Of(fit_ + std::string(part));
+}
+
+absl::StatusOr<std::optional<std::string>> SavedParts::FindBytes(
+    absl::string_view part) const {
+  if (journal_ == nullptr) return std::optional<std::string>();
+  std::optional<std::string> bytes = journal_->Find(part);
+  if (!bytes) return bytes;
+  constexpr size_t kSealBytes = 2 * Sha256::kBytes;
+  if (bytes->size() < kSealBytes ||
+      Sha256Of(absl::string_view(*bytes).substr(
+          0, bytes->size() - Sha256::kBytes)) !=
+          bytes->substr(bytes->size() - Sha256::kBytes)) {
+    return CheckpointInvalid(part, "its checksum is wrong");
+  }
+  const size_t payload = bytes->size() - kSealBytes;
+  if (bytes->compare(payload, Sha256::kBytes, OwnerOf(part)) != 0) {
+    return CheckpointInvalid(
+        part, "it belongs to other contacts, options or another version");
+  }
+  bytes->resize(payload);
+  return bytes;
+}
+
+absl::Status SavedParts::PutBytes(absl::string_view part,
+                                  std::string payload) const {
+  payload += OwnerOf(part);
+  payload += Sha256Of(payload);
+  return journal_->Put(part, std::move(payload));
+}
+
+}  // namespace tactus
