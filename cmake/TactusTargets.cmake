@@ -32,6 +32,7 @@ function(tactus_test name)
                                         GTest::gtest_main)
   tactus_code_kind(${name} ${TACTUS_TEST_KIND})
   set_target_properties(${name} PROPERTIES
+    UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6
     RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   add_test(NAME ${name} COMMAND ${name})
   if(NOT ARG_TIMEOUT)

@@ -282,6 +282,138 @@ absl::Status NoFirstMessage(int timeout_ms) {
                    {{"limit", absl::StrCat(timeout_ms)}});
 }
 
+absl::Status NoDataDirectory() {
+  return MakeError(StatusCode::kFailedPrecondition,
+                   v1::ERROR_REASON_NO_DATA_DIRECTORY,
+                   "the server keeps no data; start it with --data-dir=FOLDER");
+}
+
+absl::Status InvalidName(absl::string_view name, absl::string_view want) {
+  return InvalidValue(v1::ERROR_REASON_INVALID_NAME, "name", Quoted(name),
+                      want);
+}
+
+absl::Status NoSuch(v1::ErrorReason reason, absl::string_view kind,
+                    absl::string_view name) {
+  return MakeError(StatusCode::kNotFound, reason,
+                   absl::StrCat(kind, " ", Quoted(name), " does not exist"),
+                   {{std::string(kind), std::string(name)}});
+}
+
+absl::Status DatasetExists(absl::string_view name) {
+  return MakeError(StatusCode::kAlreadyExists, v1::ERROR_REASON_DATASET_EXISTS,
+                   absl::StrCat(name, " exists already"),
+                   {{"dataset", std::string(name)}});
+}
+
+absl::Status DatasetInUse(absl::string_view name, absl::string_view user) {
+  return MakeError(
+      StatusCode::kFailedPrecondition, v1::ERROR_REASON_DATASET_IN_USE,
+      absl::StrCat(name, " cannot be deleted, because ", user, " refers to it"),
+      {{"dataset", std::string(name)}, {"user", std::string(user)}});
+}
+
+absl::Status ModelInUse(absl::string_view name, absl::string_view user) {
+  return MakeError(
+      StatusCode::kFailedPrecondition, v1::ERROR_REASON_MODEL_IN_USE,
+      absl::StrCat(name, " cannot be deleted, because ", user, " refers to it"),
+      {{"model", std::string(name)}, {"user", std::string(user)}});
+}
+
+absl::Status UploadBusy(absl::string_view name) {
+  return MakeError(StatusCode::kAborted, v1::ERROR_REASON_UPLOAD_BUSY,
+                   absl::StrCat("another call writes to ", name),
+                   {{"upload", std::string(name)}});
+}
+
+absl::Status OffsetMismatch(int64_t got, int64_t committed) {
+  return MakeError(
+      StatusCode::kFailedPrecondition, v1::ERROR_REASON_OFFSET_MISMATCH,
+      absl::StrCat("write_offset is ", got, "; the upload has ", committed,
+                   " bytes, so it must be ", committed),
+      {{"write_offset", absl::StrCat(got)},
+       {"committed_size", absl::StrCat(committed)}});
+}
+
+absl::Status ChecksumMismatch(absl::string_view what, absl::string_view got,
+                              absl::string_view want) {
+  return MakeError(StatusCode::kInvalidArgument,
+                   v1::ERROR_REASON_CHECKSUM_MISMATCH,
+                   absl::StrCat(what, " has checksum ", got, "; announced was ",
+                                want),
+                   {{"got", std::string(got)}, {"want", std::string(want)}});
+}
+
+absl::Status InvalidTrial(absl::string_view message) {
+  return MakeError(StatusCode::kInvalidArgument,
+                   v1::ERROR_REASON_INVALID_TRIAL, message);
+}
+
+absl::Status JobLimit(int limit) {
+  return MakeError(StatusCode::kResourceExhausted, v1::ERROR_REASON_JOB_LIMIT,
+                   absl::StrCat("the server already has ", limit,
+                                " queued jobs, its limit"),
+                   {{"limit", absl::StrCat(limit)}});
+}
+
+absl::Status JobCrashed(absl::string_view message) {
+  return MakeError(StatusCode::kInternal, v1::ERROR_REASON_JOB_CRASHED,
+                   message);
+}
+
+absl::Status Cancelled(absl::string_view what) {
+  return MakeError(StatusCode::kCancelled, v1::ERROR_REASON_CANCELLED,
+                   absl::StrCat(what, " was cancelled"));
+}
+
+absl::Status EtagMismatch(absl::string_view name, absl::string_view got,
+                          absl::string_view want) {
+  return MakeError(
+      StatusCode::kAborted, v1::ERROR_REASON_ETAG_MISMATCH,
+      absl::StrCat(name, " has changed: the request has etag ", Quoted(got),
+                   ", the alias has ", Quoted(want)),
+      {{"got", std::string(got)}, {"want", std::string(want)}});
+}
+
+absl::Status NothingToRollBack(absl::string_view alias) {
+  return MakeError(StatusCode::kFailedPrecondition,
+                   v1::ERROR_REASON_NOTHING_TO_ROLL_BACK,
+                   absl::StrCat(alias, " has named no other version before"),
+                   {{"alias", std::string(alias)}});
+}
+
+absl::Status GateNotPassed(absl::string_view message) {
+  return MakeError(StatusCode::kFailedPrecondition,
+                   v1::ERROR_REASON_GATE_NOT_PASSED, message);
+}
+
+absl::Status DataLost(absl::string_view path, absl::string_view message) {
+  return MakeError(StatusCode::kDataLoss, v1::ERROR_REASON_DATA_LOST,
+                   absl::StrCat(path, ": ", message),
+                   {{"path", std::string(path)}});
+}
+
+absl::Status StorageFull(absl::string_view path, absl::string_view message) {
+  return MakeError(StatusCode::kResourceExhausted,
+                   v1::ERROR_REASON_STORAGE_FULL,
+                   absl::StrCat(path, ": ", message),
+                   {{"path", std::string(path)}});
+}
+
+absl::Status Unauthenticated(absl::string_view message) {
+  return MakeError(StatusCode::kUnauthenticated,
+                   v1::ERROR_REASON_UNAUTHENTICATED, message);
+}
+
+absl::Status PermissionDenied(absl::string_view method, absl::string_view role,
+                              absl::string_view want) {
+  return MakeError(StatusCode::kPermissionDenied,
+                   v1::ERROR_REASON_PERMISSION_DENIED,
+                   absl::StrCat(method, " needs the role ", want,
+                                "; the caller has ", role),
+                   {{"role", std::string(role)}, {"want", std::string(want)}});
+}
+
 absl::Status InvalidResponse(absl::string_view what, absl::string_view got,
                              absl::string_view want) {
   return MakeError(StatusCode::kInternal, v1::ERROR_REASON_INVALID_RESPONSE,

@@ -112,6 +112,34 @@ absl::Status Draining();
 absl::Status StreamIdle(int timeout_ms);
 absl::Status NoFirstMessage(int timeout_ms);
 
+// Storage and jobs. `what` and `name` say which thing was wrong.
+absl::Status NoDataDirectory();
+absl::Status InvalidName(absl::string_view name, absl::string_view want);
+// NOT_FOUND with one of the reasons that end in _NOT_FOUND; `kind` is the word
+// for the thing, e.g. "dataset".
+absl::Status NoSuch(v1::ErrorReason reason, absl::string_view kind,
+                    absl::string_view name);
+absl::Status DatasetExists(absl::string_view name);
+absl::Status DatasetInUse(absl::string_view name, absl::string_view user);
+absl::Status ModelInUse(absl::string_view name, absl::string_view user);
+absl::Status UploadBusy(absl::string_view name);
+absl::Status OffsetMismatch(int64_t got, int64_t committed);
+absl::Status ChecksumMismatch(absl::string_view what, absl::string_view got,
+                              absl::string_view want);
+absl::Status InvalidTrial(absl::string_view message);
+absl::Status JobLimit(int limit);
+absl::Status JobCrashed(absl::string_view message);
+absl::Status Cancelled(absl::string_view what);
+absl::Status EtagMismatch(absl::string_view name, absl::string_view got,
+                          absl::string_view want);
+absl::Status NothingToRollBack(absl::string_view alias);
+absl::Status GateNotPassed(absl::string_view message);
+absl::Status DataLost(absl::string_view path, absl::string_view message);
+absl::Status StorageFull(absl::string_view path, absl::string_view message);
+absl::Status Unauthenticated(absl::string_view message);
+absl::Status PermissionDenied(absl::string_view method, absl::string_view role,
+                              absl::string_view want);
+
 // Client. INTERNAL: a response breaks the contract.
 absl::Status InvalidResponse(absl::string_view what, absl::string_view got,
                              absl::string_view want);

@@ -2,6 +2,10 @@
 
 #include <openssl/evp.h>
 
+#include <algorithm>
+
+#include "absl/strings/escaping.h"
+
 namespace tactus {
 
 struct Sha256::Context {
@@ -30,6 +34,17 @@ std::string Sha256Of(absl::string_view bytes) {
   Sha256 hash;
   hash.Add(bytes);
   return hash.Finish();
+}
+
+std::string Sha256Hex(absl::string_view bytes) {
+  return absl::BytesToHexString(Sha256Of(bytes));
+}
+
+bool IsSha256Hex(absl::string_view text) {
+  return text.size() == 2 * Sha256::kBytes &&
+         std::all_of(text.begin(), text.end(), [](char c) {
+           return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
+         });
 }
 
 }  // namespace tactus

@@ -37,4 +37,10 @@ class Sha256 {
 // The digest of `bytes`.
 std::string Sha256Of(absl::string_view bytes);
 
+// The same in 64 hexadecimal digits, lower case.
+std::string Sha256Hex(absl::string_view bytes);
+
+// True if `text` is 64 hexadecimal digits, lower case.
+bool IsSha256Hex(absl::string_view text);
+
 }  // namespace tactus

@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kScenes = 48;
 constexpr int kQuickScenes = 3;
-constexpr int kRounds = 3;
+constexpr int kSimRounds = 3;
 // Contacts with more events would take CVODE minutes at tight tolerances.
 constexpr int kMostEvents = 20'000;
 // Largest error of the exact method if every bounce is solved.
@@ -120,8 +120,8 @@ absl::StatusOr<std::vector<FrontierPoint>> MeasureSimulators(
   for (const Scene& scene : scenes) {
     frames += scene.truth.size();
     for (size_t m = 0; m < methods.size(); ++m) {
-      TACTUS_ASSIGN_OR_RETURN(Work work,
-                              Simulate(methods[m], scene, quick ? 1 : kRounds));
+      TACTUS_ASSIGN_OR_RETURN(
+          Work work, Simulate(methods[m], scene, quick ? 1 : kSimRounds));
       total[m].seconds += work.seconds;
       total[m].error = std::max(total[m].error, work.error);
       total[m].contacts.push_back(std::move(work.contacts[0]));

@@ -65,7 +65,7 @@ std::vector<SampleLimits> Samples() {
           {"mixed", 20'000, 1e300, {1e-2, 1e-3, 1e-4}, {1e-2}}};
 }
 
-struct Case {
+struct SimCase {
   TrialSpec spec;
   std::vector<FeatureVector> truth;
 };
@@ -73,11 +73,11 @@ struct Case {
 using Method =
     absl::FunctionRef<absl::StatusOr<SimulatedContact>(const TrialSpec&)>;
 
-absl::StatusOr<WorkPoint> Measure(const std::vector<Case>& cases,
+absl::StatusOr<WorkPoint> Measure(const std::vector<SimCase>& cases,
                                   Method simulate) {
   WorkPoint point;
   std::vector<double> errors;
-  for (const Case& each : cases) {
+  for (const SimCase& each : cases) {
     const double start = ThreadSeconds();
     TACTUS_ASSIGN_OR_RETURN(const SimulatedContact contact,
                             simulate(each.spec));
@@ -115,7 +115,7 @@ absl::StatusOr<double> SetSeconds(std::vector<TrialSpec>& trials) {
 absl::Status MeasureSample(const SampleLimits& limits,
                            const std::vector<TrialSpec>& trials, bool quick,
                            SimReport& report) {
-  std::vector<Case> sample;
+  std::vector<SimCase> sample;
   WorstErrors worst;
   for (size_t i = 0; i < trials.size(); i += quick ? kQuickStride : kStride) {
     TACTUS_ASSIGN_OR_RETURN(const SimulatedContact contact,

@@ -1,0 +1,92 @@
+// File: blob_store.h
+//
+// BlobStore: immutable bytes on disk, named by their SHA-256. The same bytes are
+// stored once.
+//
+//   TACTUS_ASSIGN_OR_RETURN(BlobStore blobs, BlobStore::Open(files, "blobs"));
+//   BlobStore::Batch batch = blobs.NewBatch();
+//   TACTUS_ASSIGN_OR_RETURN(std::string sha256, batch.Add(record));
+//   TACTUS_RETURN_IF_ERROR(batch.Commit());  // now on disk
+//
+// A blob becomes visible in one step, complete, on disk before its name. Drafts
+// that a crash left are removed by Open.
+//
+// Thread-safe, except that a Batch belongs to one thread. `files` must outlive
+// the store, and the store its batches.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "core/store/file_system.h"
+
+namespace tactus {
+
+class BlobStore {
+ public:
+  // Blobs that become durable together, which is much faster than one by one.
+  class Batch {
+   public:
+    Batch(Batch&&) = default;
+    // Removes the drafts unless Commit succeeded.
+    ~Batch();
+
+    // Writes `bytes` as a draft unless the blob exists. Returns its SHA-256, 64
+    // hexadecimal digits.
+    absl::StatusOr<std::string> Add(absl::string_view bytes);
+    // Makes all of them durable and visible. Call it once.
+    absl::Status Commit();
+    // Number of blobs that did not exist before.
+    size_t added() const { return drafts_.size(); }
+
+   private:
+    friend class BlobStore;
+    explicit Batch(BlobStore* store) : store_(store) {}
+
+    BlobStore* store_;
+    // SHA-256 of each blob that has a draft.
+    std::set<std::string> drafts_;
+    std::string prefix_;
+  };
+
+  // Creates the directory if it does not exist.
+  static absl::StatusOr<std::unique_ptr<BlobStore>> Open(FileSystem& files,
+                                                         std::string folder);
+
+  Batch NewBatch();
+
+  absl::StatusOr<bool> Has(const std::string& sha256) const;
+  // DATA_LOST if the blob does not exist or its bytes do not have this SHA-256.
+  absl::StatusOr<std::string> Read(const std::string& sha256,
+                                   int64_t limit) const;
+  // Removes a blob; OK if it does not exist.
+  absl::Status Remove(const std::string& sha256);
+  // The SHA-256 of all blobs, sorted.
+  absl::StatusOr<std::vector<std::string>> List() const;
+
+  // The file of a blob, for a process that reads blobs itself.
+  std::string PathOf(absl::string_view sha256) const;
+
+ private:
+  BlobStore(FileSystem& files, std::string folder)
+      : files_(files), folder_(std::move(folder)) {}
+
+  FileSystem& files_;
+  const std::string folder_;
+  std::atomic<uint64_t> batches_ = 0;
+};
+
+// Reads a blob from the file of BlobStore::PathOf.
+absl::StatusOr<std::string> ReadBlobFile(FileSystem& files,
+                                         const std::string& path,
+                                         absl::string_view sha256,
+                                         int64_t limit);
+
+}  // namespace tactus

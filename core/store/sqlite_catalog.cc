@@ -1,0 +1,223 @@
+#include "core/store/sqlite_catalog.h"
+
+#include <sqlite3.h>
+
+#include <array>
+#include <mutex>
+#include <utility>
+
+#include "SQLiteCpp/Database.h"
+#include "SQLiteCpp/Exception.h"
+#include "SQLiteCpp/Statement.h"
+#include "SQLiteCpp/Transaction.h"
+#include "absl/strings/str_cat.h"
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+
+namespace tactus {
+namespace {
+
+// Each entry changes the version before it into the next one: entry 0 makes
+// version 1 of an empty database. Entries are never changed, only appended.
+constexpr std::array<const char*, kCatalogVersion> kMigrations = {
+    "CREATE TABLE records ("
+    "  kind INTEGER NOT NULL,"
+    "  key BLOB NOT NULL,"
+    "  value BLOB NOT NULL,"
+    "  PRIMARY KEY (kind, key)) WITHOUT ROWID",
+};
+
+absl::Status ErrorOf(const std::string& path, const SQLite::Exception& error) {
+  const std::string text = error.what();
+  switch (error.getErrorCode()) {
+    case SQLITE_FULL:
+      return StorageFull(path, text);
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+      return DataLost(path, text);
+    default:
+      return IoError(path, text);
+  }
+}
+
+// Runs `body` and makes a status of what SQLite throws.
+template <typename Body>
+auto Guarded(const std::string& path, const Body& body) -> decltype(body()) {
+  try {
+    return body();
+  } catch (const SQLite::Exception& error) {
+    return ErrorOf(path, error);
+  }
+}
+
+void Bind(SQLite::Statement& statement, int index, absl::string_view bytes) {
+  // A null pointer would be SQL's NULL.
+  statement.bind(index, bytes.empty() ? "" : bytes.data(),
+                 static_cast<int>(bytes.size()));
+}
+
+std::string Text(const SQLite::Column& column) {
+  return std::string(static_cast<const char*>(column.getBlob()),
+                     static_cast<size_t>(column.getBytes()));
+}
+
+// The smallest text that is above all texts that begin with `prefix`; empty if
+// there is none.
+std::string EndOfPrefix(std::string prefix) {
+  while (!prefix.empty() && static_cast<unsigned char>(prefix.back()) == 0xff) {
+    prefix.pop_back();
+  }
+  if (!prefix.empty()) ++prefix.back();
+  return prefix;
+}
+
+class SqliteTransaction final : public Transaction {
+ public:
+  SqliteTransaction(SQLite::Database& database, const std::string& path)
+      : database_(database), path_(path) {}
+
+  absl::StatusOr<std::optional<std::string>> Get(
+      Table table, absl::string_view key) const override {
+    return Guarded(path_, [&]() -> absl::StatusOr<std::optional<std::string>> {
+      SQLite::Statement query(
+          database_, "SELECT value FROM records WHERE kind = ? AND key = ?");
+      query.bind(1, static_cast<int>(table));
+      Bind(query, 2, key);
+      if (!query.executeStep()) return std::nullopt;
+      return Text(query.getColumn(0));
+    });
+  }
+
+  absl::StatusOr<std::vector<CatalogEntry>> Scan(
+      Table table, const ScanOptions& options) const override {
+    return Guarded(path_, [&]() -> absl::StatusOr<std::vector<CatalogEntry>> {
+      const std::string end = EndOfPrefix(options.prefix);
+      const bool up = !options.backwards;
+      std::string sql = "SELECT key, value FROM records WHERE kind = ?1";
+      sql += " AND key >= ?2";
+      if (!end.empty()) sql += " AND key < ?3";
+      if (!options.after.empty()) sql += up ? " AND key > ?4" : " AND key < ?4";
+      absl::StrAppend(&sql, " ORDER BY key ", up ? "ASC" : "DESC", " LIMIT ",
+                      options.limit);
+      SQLite::Statement query(database_, sql);
+      query.bind(1, static_cast<int>(table));
+      Bind(query, 2, options.prefix);
+      if (!end.empty()) Bind(query, 3, end);
+      if (!options.after.empty()) Bind(query, 4, options.after);
+      std::vector<CatalogEntry> entries;
+      while (query.executeStep()) {
+        entries.push_back({Text(query.getColumn(0)), Text(query.getColumn(1))});
+      }
+      return entries;
+    });
+  }
+
+  absl::Status Put(Table table, absl::string_view key,
+                   absl::string_view value) override {
+    return Guarded(path_, [&] {
+      SQLite::Statement change(database_,
+                               "INSERT OR REPLACE INTO records VALUES (?,?,?)");
+      change.bind(1, static_cast<int>(table));
+      Bind(change, 2, key);
+      Bind(change, 3, value);
+      change.exec();
+      return absl::OkStatus();
+    });
+  }
+
+  absl::Status Erase(Table table, absl::string_view key) override {
+    return Guarded(path_, [&] {
+      SQLite::Statement change(database_,
+                               "DELETE FROM records WHERE kind = ? AND key = ?");
+      change.bind(1, static_cast<int>(table));
+      Bind(change, 2, key);
+      change.exec();
+      return absl::OkStatus();
+    });
+  }
+
+ private:
+  SQLite::Database& database_;
+  const std::string& path_;
+};
+
+class SqliteCatalog final : public Catalog {
+ public:
+  SqliteCatalog(const std::string& path, const std::string& vfs)
+      : path_(path),
+        database_(path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE, 0, vfs) {}
+
+  // Brings a new or older database to kCatalogVersion.
+  absl::Status Prepare() {
+    return Guarded(path_, [&] {
+      database_.exec("PRAGMA journal_mode = WAL");
+      // A commit is on disk when it returns.
+      database_.exec("PRAGMA synchronous = FULL");
+      const int version =
+          database_.execAndGet("PRAGMA user_version").getInt();
+      if (version > kCatalogVersion) {
+        return DataLost(path_, absl::StrCat("has version ", version,
+                                            "; this program reads up to ",
+                                            kCatalogVersion));
+      }
+      for (int next = version; next < kCatalogVersion; ++next) {
+        SQLite::Transaction migration(database_,
+                                      SQLite::TransactionBehavior::IMMEDIATE);
+        database_.exec(kMigrations[next]);
+        database_.exec(absl::StrCat("PRAGMA user_version = ", next + 1));
+        migration.commit();
+      }
+      return absl::OkStatus();
+    });
+  }
+
+  absl::Status Change(
+      absl::FunctionRef<absl::Status(Transaction&)> change) override {
+    const std::lock_guard lock(mutex_);
+    return Guarded(path_, [&] {
+      SQLite::Transaction guard(database_,
+                                SQLite::TransactionBehavior::IMMEDIATE);
+      SqliteTransaction transaction(database_, path_);
+      TACTUS_RETURN_IF_ERROR(change(transaction));
+      guard.commit();
+      return absl::OkStatus();
+    });
+  }
+
+  absl::Status Look(absl::FunctionRef<absl::Status(const Transaction&)> look)
+      const override {
+    const std::lock_guard lock(mutex_);
+    return Guarded(path_, [&] {
+      SQLite::Transaction guard(database_);
+      const SqliteTransaction transaction(database_, path_);
+      return look(transaction);
+    });
+  }
+
+  absl::Status Check() const override {
+    const std::lock_guard lock(mutex_);
+    return Guarded(path_, [&] {
+      const std::string answer =
+          database_.execAndGet("PRAGMA integrity_check").getString();
+      return answer == "ok" ? absl::OkStatus() : DataLost(path_, answer);
+    });
+  }
+
+ private:
+  const std::string path_;
+  mutable std::mutex mutex_;
+  mutable SQLite::Database database_;
+};
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<Catalog>> OpenSqliteCatalog(
+    const std::string& path, const std::string& vfs) {
+  return Guarded(path, [&]() -> absl::StatusOr<std::unique_ptr<Catalog>> {
+    auto catalog = std::make_unique<SqliteCatalog>(path, vfs);
+    TACTUS_RETURN_IF_ERROR(catalog->Prepare());
+    return catalog;
+  });
+}
+
+}  // namespace tactus

@@ -1,0 +1,28 @@
+// File: sqlite_catalog.h
+//
+// SqliteCatalog: a Catalog in one SQLite database with a write-ahead log.
+//
+//   TACTUS_ASSIGN_OR_RETURN(auto catalog, OpenSqliteCatalog("catalog.db"));
+//
+// The database may be copied while it is in use with `sqlite3 catalog.db
+// ".backup copy.db"`.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "core/store/catalog.h"
+
+namespace tactus {
+
+// The format that this program writes: SQLite's user_version.
+inline constexpr int kCatalogVersion = 1;
+
+// Opens a database, or creates it; migrates an older version. `vfs`: SQLite's
+// name of the file layer to use; empty means the default. IO; DATA_LOST if the
+// file is no catalogue, is damaged or has a newer version.
+absl::StatusOr<std::unique_ptr<Catalog>> OpenSqliteCatalog(
+    const std::string& path, const std::string& vfs = "");
+
+}  // namespace tactus
