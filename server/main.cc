@@ -74,14 +74,14 @@ int CheckHealth(const Flags& flags) {
 
 absl::Status LoadModels(const std::vector<std::string>& flags,
                         ModelRegistry& registry) {
-  TACTUS_RETURN_IF_ERROR(registry.Add("default", DefaultBundle()));
+  TACTUS_RETURN_IF_ERROR(registry.AddBuiltIn("default", DefaultBundle()));
   for (const std::string& flag : flags) {
     const size_t split = flag.find('=');
     const std::string path =
         split == std::string::npos ? "" : flag.substr(split + 1);
     TACTUS_ASSIGN_OR_RETURN(const std::string bundle, ReadBundleFile(path));
     TACTUS_RETURN_IF_ERROR(
-        Annotate(registry.Add(flag.substr(0, split), bundle), path));
+        Annotate(registry.AddBuiltIn(flag.substr(0, split), bundle), path));
   }
   for (const std::string& version : registry.versions()) {
     spdlog::info("serving {}", version);

@@ -361,11 +361,6 @@ absl::Status JobCrashed(absl::string_view message) {
                    message);
 }
 
-absl::Status Cancelled(absl::string_view what) {
-  return MakeError(StatusCode::kCancelled, v1::ERROR_REASON_CANCELLED,
-                   absl::StrCat(what, " was cancelled"));
-}
-
 absl::Status EtagMismatch(absl::string_view name, absl::string_view got,
                           absl::string_view want) {
   return MakeError(

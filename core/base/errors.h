@@ -129,7 +129,6 @@ absl::Status ChecksumMismatch(absl::string_view what, absl::string_view got,
 absl::Status InvalidTrial(absl::string_view message);
 absl::Status JobLimit(int limit);
 absl::Status JobCrashed(absl::string_view message);
-absl::Status Cancelled(absl::string_view what);
 absl::Status EtagMismatch(absl::string_view name, absl::string_view got,
                           absl::string_view want);
 absl::Status NothingToRollBack(absl::string_view alias);

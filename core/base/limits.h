@@ -119,6 +119,18 @@ inline constexpr double kMaxSceneDurationS = 60;
 inline constexpr double kMaxTrajectoryRateHz = 20'000;
 inline constexpr int kMaxLeadInFrames = 1'000;
 
+// Training service.
+inline constexpr size_t kMaxDescriptionBytes = 1'024;
+// One chunk of an upload.
+inline constexpr size_t kMaxChunkBytes = 1024 * 1024;
+// One trial of an upload, and one upload.
+inline constexpr int64_t kMaxTrialRecordBytes = 64L * 1024 * 1024;
+inline constexpr int64_t kMaxUploadBytes = 64L * 1024 * 1024 * 1024;
+// One message of a job to the server.
+inline constexpr size_t kMaxJobEventBytes = 64 * 1024;
+// Jobs that wait.
+inline constexpr int kMaxQueuedJobs = 200;
+
 // Trial files.
 inline constexpr size_t kMaxFramesPerTrial = 10'000'000;
 // One array of a trial in memory: four hours of 384 u16 taxels at 100 Hz.

@@ -1,6 +1,5 @@
 #include "server/registry/model_registry.h"
 
-#include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <utility>
@@ -8,78 +7,141 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
+#include "core/base/sha256.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
-#include "core/base/text.h"
 #include "core/bundle/bundle.h"
+#include "server/names/resource_names.h"
 
 namespace tactus::server {
 namespace {
 
 constexpr absl::string_view kModels = "models/";
+constexpr absl::string_view kAliases = "aliases/";
 constexpr absl::string_view kVersions = "/versions/";
-constexpr size_t kMaxModelName = 64;
 
-bool IsModelName(absl::string_view name) {
-  const auto allowed = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-';
-  };
-  return !name.empty() && name.size() <= kMaxModelName &&
-         std::all_of(name.begin(), name.end(), allowed);
+std::string VersionName(absl::string_view model, uint32_t version) {
+  return absl::StrCat(kModels, model, kVersions, version);
 }
 
 }  // namespace
 
-absl::Status ModelRegistry::Add(absl::string_view model,
-                                absl::string_view bundle) {
-  if (!IsModelName(model)) {
-    return InvalidConfig("model name", Quoted(model),
-                         "1 to 64 of a-z, 0-9 and -");
-  }
+absl::StatusOr<PinnedModel> ModelRegistry::Load(absl::string_view bundle) {
   PinnedModel pinned;
   TACTUS_ASSIGN_OR_RETURN(pinned.model, DecodeBundle(bundle));
   TACTUS_RETURN_IF_ERROR(RunWarmUp(*pinned.model));
   pinned.sha256 = BundleSha256(bundle);
+  return pinned;
+}
 
-  const std::string name = absl::StrCat(kModels, model);
-  const std::lock_guard lock(mutex_);
-  std::vector<PinnedModel>& versions = models_[name];
-  pinned.version_name = absl::StrCat(name, kVersions, versions.size() + 1);
-  versions.push_back(std::move(pinned));
-  generation_.fetch_add(1);
+absl::Status ModelRegistry::AddBuiltIn(absl::string_view model,
+                                       absl::string_view bundle) {
+  if (!IsResourceId(model)) {
+    return InvalidName(model, "1 to 64 of a-z, 0-9 and -");
+  }
+  TACTUS_ASSIGN_OR_RETURN(PinnedModel pinned, Load(bundle));
+  uint32_t version = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    Entry& entry = models_[std::string(model)];
+    entry.built_in = true;
+    version = static_cast<uint32_t>(entry.versions.size()) + 1;
+  }
+  Add(model, version, std::move(pinned));
   return absl::OkStatus();
 }
 
-absl::StatusOr<PinnedModel> ModelRegistry::Find(absl::string_view name) const {
-  absl::string_view model = name.empty() ? "default" : name;
-  absl::ConsumePrefix(&model, kModels);
-  uint64_t version = 0;
-  const size_t split = model.find(kVersions);
-  if (split != absl::string_view::npos) {
-    const absl::string_view digits = model.substr(split + kVersions.size());
-    if (!absl::SimpleAtoi(digits, &version) || version == 0) {
-      return ModelNotFound(name);
-    }
-    model = model.substr(0, split);
-  }
+void ModelRegistry::Add(absl::string_view model, uint32_t version,
+                        PinnedModel pinned) {
+  pinned.version_name = VersionName(model, version);
   const std::lock_guard lock(mutex_);
-  const auto found = models_.find(absl::StrCat(kModels, model));
-  if (found == models_.end() || version > found->second.size()) {
-    return ModelNotFound(name);
+  models_[std::string(model)].versions[version] = std::move(pinned);
+  generation_.fetch_add(1);
+}
+
+void ModelRegistry::Remove(absl::string_view model, uint32_t version) {
+  const std::lock_guard lock(mutex_);
+  const auto found = models_.find(model);
+  if (found == models_.end()) return;
+  found->second.versions.erase(version);
+  if (found->second.versions.empty()) models_.erase(found);
+  generation_.fetch_add(1);
+}
+
+void ModelRegistry::SetAlias(absl::string_view alias,
+                             const AliasTarget& target) {
+  const std::lock_guard lock(mutex_);
+  aliases_[std::string(alias)] = target;
+  generation_.fetch_add(1);
+}
+
+const PinnedModel* ModelRegistry::FindVersion(absl::string_view name) const {
+  uint32_t version = 0;
+  const size_t split = name.find(kVersions);
+  if (split != absl::string_view::npos) {
+    if (!absl::SimpleAtoi(name.substr(split + kVersions.size()), &version) ||
+        version == 0) {
+      return nullptr;
+    }
+    name = name.substr(0, split);
   }
-  return version == 0 ? found->second.back() : found->second[version - 1];
+  const auto model = models_.find(name);
+  if (model == models_.end()) return nullptr;
+  const auto& versions = model->second.versions;
+  if (version == 0) {
+    return versions.empty() ? nullptr : &versions.rbegin()->second;
+  }
+  const auto found = versions.find(version);
+  return found == versions.end() ? nullptr : &found->second;
+}
+
+absl::StatusOr<PinnedModel> ModelRegistry::Find(
+    absl::string_view name, absl::string_view client_id) const {
+  absl::string_view rest = name.empty() ? "default" : name;
+  const bool model_only = absl::ConsumePrefix(&rest, kModels);
+  const bool alias_only = !model_only && absl::ConsumePrefix(&rest, kAliases);
+  const std::lock_guard lock(mutex_);
+  const PinnedModel* found = nullptr;
+  const auto alias = model_only ? aliases_.end() : aliases_.find(rest);
+  if (alias != aliases_.end()) {
+    const AliasTarget& target = alias->second;
+    const bool canary = !target.canary_version.empty() &&
+                        IsCanary(rest, client_id, target.canary_per_mille);
+    absl::string_view version = canary ? target.canary_version : target.version;
+    absl::ConsumePrefix(&version, kModels);
+    found = FindVersion(version);
+  } else if (!alias_only) {
+    found = FindVersion(rest);
+  }
+  if (found == nullptr) return ModelNotFound(name);
+  return *found;
+}
+
+bool ModelRegistry::IsBuiltIn(absl::string_view model) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = models_.find(model);
+  return found != models_.end() && found->second.built_in;
 }
 
 std::vector<std::string> ModelRegistry::versions() const {
   const std::lock_guard lock(mutex_);
   std::vector<std::string> names;
-  for (const auto& [model, versions] : models_) {
-    for (const PinnedModel& pinned : versions) {
+  for (const auto& [model, entry] : models_) {
+    for (const auto& [number, pinned] : entry.versions) {
       names.push_back(pinned.version_name);
     }
   }
   return names;
+}
+
+bool IsCanary(absl::string_view alias, absl::string_view client_id,
+              uint32_t per_mille) {
+  // The alias takes part, so that two aliases do not pick the same robots.
+  const std::string digest = Sha256Of(absl::StrCat(alias, "/", client_id));
+  uint32_t hash = 0;
+  std::memcpy(&hash, digest.data(), sizeof hash);
+  return hash % 1000 < per_mille;
 }
 
 absl::StatusOr<std::string> ReadBundleFile(const std::string& path) {

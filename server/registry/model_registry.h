@@ -1,15 +1,15 @@
 // File: model_registry.h
 //
-// ModelRegistry: the models that this server classifies with. A bundle is
-// decoded, compiled and checked by its warm-up trial before any stream can find
-// it. A bad bundle changes nothing.
+// ModelRegistry: the model versions in memory, and the aliases under which
+// streams find them. A bundle is decoded, compiled and checked by its warm-up
+// trial before any stream can find it. A bad bundle changes nothing.
 //
 //   ModelRegistry registry;
-//   TACTUS_RETURN_IF_ERROR(registry.Add("default", DefaultBundle()));
-//   auto pinned = registry.Find("default");
+//   TACTUS_RETURN_IF_ERROR(registry.AddBuiltIn("default", DefaultBundle()));
+//   auto pinned = registry.Find("default", "robot-7");
 //
 // Thread-safe. Streams lock it for a look-up when they start and after a
-// version was added, never per frame.
+// change, never per frame. Nothing is decoded under the lock.
 #pragma once
 
 #include <atomic>
@@ -26,27 +26,62 @@
 
 namespace tactus::server {
 
+// What an alias names. Both are "models/M/versions/V".
+struct AliasTarget {
+  std::string version;
+  // Some robots get this one; empty for none.
+  std::string canary_version = {};
+  // Robots of 1,000 that get it.
+  uint32_t canary_per_mille = 0;
+};
+
 class ModelRegistry : public ModelSource {
  public:
-  // Adds the bundle as the next version of models/{model}. New streams find
-  // this version; streams that use an older one keep it and get a notice.
-  // INVALID_CONFIG if the name is not 1 to 64 characters of a-z, 0-9 and '-';
-  // otherwise the errors of DecodeBundle and RunWarmUp.
-  absl::Status Add(absl::string_view model, absl::string_view bundle);
+  // Decodes a bundle and compares its warm-up trial's answers. Takes
+  // milliseconds and changes nothing. The errors of DecodeBundle and RunWarmUp.
+  static absl::StatusOr<PinnedModel> Load(absl::string_view bundle);
 
-  absl::StatusOr<PinnedModel> Find(absl::string_view name) const override;
+  // Adds a bundle as the next version of models/{model}, which no stored model
+  // may have as its name. INVALID_NAME; the errors of Load.
+  absl::Status AddBuiltIn(absl::string_view model, absl::string_view bundle);
+  // Adds version `version` (from 1) of models/{model}.
+  void Add(absl::string_view model, uint32_t version, PinnedModel pinned);
+  // Streams that use the version keep it.
+  void Remove(absl::string_view model, uint32_t version);
+  // Lets aliases/{alias} name `target`, whose versions were added. New streams
+  // get the new version; the others keep theirs and get a notice.
+  void SetAlias(absl::string_view alias, const AliasTarget& target);
+
+  absl::StatusOr<PinnedModel> Find(absl::string_view name,
+                                   absl::string_view client_id) const override;
   uint64_t generation() const override { return generation_.load(); }
 
+  // True if AddBuiltIn was called for this model.
+  bool IsBuiltIn(absl::string_view model) const;
   // "models/M/versions/V" of all versions, the oldest of each model first.
   std::vector<std::string> versions() const;
 
  private:
+  struct Entry {
+    // By number.
+    std::map<uint32_t, PinnedModel> versions;
+    bool built_in = false;
+  };
+
+  // With the lock.
+  const PinnedModel* FindVersion(absl::string_view name) const;
+
   mutable std::mutex mutex_;
-  // By "models/M"; version V is at index V - 1.
-  std::map<std::string, std::vector<PinnedModel>> models_;
-  // Number of versions.
+  std::map<std::string, Entry, std::less<>> models_;
+  std::map<std::string, AliasTarget, std::less<>> aliases_;
+  // Number of changes.
   std::atomic<uint64_t> generation_ = 0;
 };
+
+// True if a robot is among `per_mille` of 1,000, by a hash of its id. Alias and
+// id decide alone, so each start of a stream gives the same answer.
+bool IsCanary(absl::string_view alias, absl::string_view client_id,
+              uint32_t per_mille);
 
 // The bytes of a bundle file. IO if it cannot be read, BUNDLE_CORRUPT if it is
 // larger than any bundle.

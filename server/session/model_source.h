@@ -3,7 +3,7 @@
 // ModelSource: finds the model that a stream uses until its end. The registry
 // implements it; tests have separate implementations.
 //
-//   auto pinned = models.Find("default");
+//   auto pinned = models.Find("default", client_id);
 //
 // Thread-safe. The returned pointer keeps the model alive, whatever the source
 // does later.
@@ -32,9 +32,12 @@ class ModelSource {
  public:
   virtual ~ModelSource() = default;
 
-  // `name` is "default", "M", "models/M" or "models/M/versions/V"; empty
-  // means "default". MODEL_NOT_FOUND otherwise.
-  virtual absl::StatusOr<PinnedModel> Find(absl::string_view name) const = 0;
+  // `name` is an alias ("A" or "aliases/A"), a model ("M" or "models/M": its
+  // newest version) or "models/M/versions/V"; empty means "default". An alias
+  // may give some robots, by their `client_id`, another version.
+  // MODEL_NOT_FOUND for any other name.
+  virtual absl::StatusOr<PinnedModel> Find(
+      absl::string_view name, absl::string_view client_id) const = 0;
 
   // Changes whenever a later Find may return another version for a name.
   // Lock-free: streams compare it with each message.

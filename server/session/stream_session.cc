@@ -80,7 +80,8 @@ absl::Status StreamSession::OnConfig(const v1::StreamConfig& config) {
   TACTUS_ASSIGN_OR_RETURN(settings_, ParseStreamConfig(config));
   // Before Find: a version added in between is then found by the next message.
   generation_ = models_->generation();
-  TACTUS_ASSIGN_OR_RETURN(PinnedModel pinned, models_->Find(settings_.model));
+  TACTUS_ASSIGN_OR_RETURN(PinnedModel pinned,
+                          models_->Find(settings_.model, settings_.client_id));
   TACTUS_RETURN_IF_ERROR(ContactPipeline::Check(settings_.layout, *pinned.model,
                                                 settings_.pipeline));
   pinned_ = std::move(pinned);
@@ -99,7 +100,7 @@ void StreamSession::MakePipeline() {
 void StreamSession::CheckForNewerModel() {
   generation_ = models_->generation();
   if (superseded_) return;
-  const auto newest = models_->Find(settings_.model);
+  const auto newest = models_->Find(settings_.model, settings_.client_id);
   superseded_ = newest.ok() && newest->version_name != pinned_->version_name;
   if (superseded_) {
     responses_.AddMessage()->mutable_notice()->set_kind(

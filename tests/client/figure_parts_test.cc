@@ -15,7 +15,7 @@
 namespace tactus::client {
 namespace {
 
-using testing::ElementsAre;
+using ::testing::ElementsAre;
 
 TEST(AxisTest, GivenEndsHoldUnlessTheyHideValues) {
   const Axis axis = {.title = "accuracy", .low = 75, .high = 100};

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 PngImage Drawn(const Figure& figure) {
   const std::string path =
-      (fs::path(testing::TempDir()) / "figure_test.png").string();
+      (fs::path(::testing::TempDir()) / "figure_test.png").string();
   const absl::Status status = DrawFigure(figure, path);
   EXPECT_TRUE(status.ok()) << status;
   std::ifstream file(path, std::ios::binary);

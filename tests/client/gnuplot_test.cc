@@ -14,7 +14,7 @@ namespace tactus::client {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 // What the script draws, and an empty image if it fails.
 PngImage Drawn(const GnuplotScript& script) {
@@ -84,7 +84,7 @@ TEST(GnuplotTest, LongScriptsAndLargePicturesPass) {
 }
 
 TEST(GnuplotScriptTest, TextCannotLeaveItsQuotes) {
-  const fs::path trap = fs::path(testing::TempDir()) / "gnuplot-trap";
+  const fs::path trap = fs::path(::testing::TempDir()) / "gnuplot-trap";
   fs::remove(trap);
   for (const std::string& text :
        {absl::StrCat("`touch ", trap.string(), "`"),

@@ -8,10 +8,10 @@
 namespace tactus::client {
 namespace {
 
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
-class ProgressDisplayTest : public testing::Test {
+class ProgressDisplayTest : public ::testing::Test {
  protected:
   std::ostringstream out_;
   double now_ = 0;
@@ -57,7 +57,7 @@ TEST_F(ProgressDisplayTest, ATerminalHasOneLineWithTheTimeLeft) {
   EXPECT_THAT(out_.str(), HasSubstr("\rfit   50 %, 0:40 left"));
   out_.str("");
   display.Clear();
-  EXPECT_THAT(out_.str(), testing::MatchesRegex("\r *\r"));
+  EXPECT_THAT(out_.str(), ::testing::MatchesRegex("\r *\r"));
 }
 
 TEST_F(ProgressDisplayTest, CountsWithoutTotalAreShown) {

@@ -12,10 +12,10 @@ namespace tactus::client {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::SizeIs;
-using testing::UnorderedElementsAre;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+using ::testing::UnorderedElementsAre;
 
 ReproducedRow Known(Algorithm algorithm, absl::string_view features) {
   ReproducedRow row;
@@ -115,7 +115,7 @@ TEST(ReproduceReportTest, JsonHasTheNumbersOrNullAndTheReason) {
 
 TEST(ReproduceReportTest, FiguresAreOneOfAllRowsAndOneAMatrix) {
   const fs::path folder =
-      fs::path(testing::TempDir()) / "reproduce" / "figures";
+      fs::path(::testing::TempDir()) / "reproduce" / "figures";
   fs::remove_all(folder);
   ASSERT_TRUE(MakeFolder(folder.string()).ok());
   const absl::Status status = WriteFigures(

@@ -84,7 +84,7 @@ std::vector<std::vector<double>> Rows(const std::string& text) {
 
 TEST(SimulateOneTest, PrintsTheContactOfCvode) {
   OneContactFlags flags;
-  const std::string path = testing::TempDir() + "/simulate_one_test.json";
+  const std::string path = ::testing::TempDir() + "/simulate_one_test.json";
   std::ofstream(path) << kScene;
   flags.scene = "@" + path;
   flags.rate_hz = 1000;

@@ -99,7 +99,7 @@ absl::Status TlsExample(TactusServer::Options& options) {
 }
 
 void ModelSourceExample(const ModelSource& models) {
-  auto pinned = models.Find("default");
+  auto pinned = models.Find("default", "");
 }
 
 void PosteriorWriterExample(PosteriorWriter& writer, ContactPipeline& pipeline,
@@ -112,8 +112,8 @@ void PosteriorWriterExample(PosteriorWriter& writer, ContactPipeline& pipeline,
 
 absl::Status ModelRegistryExample() {
   ModelRegistry registry;
-  TACTUS_RETURN_IF_ERROR(registry.Add("default", DefaultBundle()));
-  auto pinned = registry.Find("default");
+  TACTUS_RETURN_IF_ERROR(registry.AddBuiltIn("default", DefaultBundle()));
+  auto pinned = registry.Find("default", "");
   return absl::OkStatus();
 }
 

@@ -54,7 +54,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-class FileThatCrashesItsReaderTest : public testing::Test {
+class FileThatCrashesItsReaderTest : public ::testing::Test {
  protected:
   // A good file of the given name.
   std::string File(const std::string& name) {

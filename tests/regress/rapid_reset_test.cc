@@ -21,7 +21,7 @@ using testing::ChildTactusd;
 using testing::RawHttp2;
 
 constexpr int kCallsPerAttacker = 30'000;
-constexpr double kMostMib = 250;
+constexpr double kMostMibAfterResets = 250;
 
 // Opens and resets calls of all kinds, as fast as the server reads.
 void Attack(int port) {
@@ -50,7 +50,7 @@ TEST_P(RapidResetTest, LeavesMemoryAndOthersAlone) {
   EXPECT_TRUE(robot.IsServed());
   for (std::thread& attacker : attackers) attacker.join();
   EXPECT_TRUE(robot.IsServed());
-  EXPECT_TRUE(server.PeakIsBelow(kMostMib));
+  EXPECT_TRUE(server.PeakIsBelow(kMostMibAfterResets));
   EXPECT_TRUE(testing::Eventually(
       [&] { return bool{server.ResidentIsBelow(before + 50)}; }));
   // While the server still ends the attacker's calls, it may refuse new ones.

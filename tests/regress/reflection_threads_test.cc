@@ -16,9 +16,9 @@ using testing::Bystander;
 using testing::ChildTactusd;
 using testing::RawHttp2;
 
-constexpr char kMethod[] =
+constexpr char kReflectionMethod[] =
     "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo";
-constexpr int kCalls = 1'000;
+constexpr int kReflectionCalls = 1'000;
 
 class ReflectionThreadsTest : public ::testing::TestWithParam<bool> {};
 
@@ -31,10 +31,11 @@ TEST_P(ReflectionThreadsTest, AreBounded) {
   ASSERT_TRUE(robot.IsServed());
   const int threads = server.Threads();
   RawHttp2 attacker(server.port());
-  for (int i = 0; i < kCalls; ++i) attacker.Open(kMethod);
+  for (int i = 0; i < kReflectionCalls; ++i) attacker.Open(kReflectionMethod);
   ASSERT_TRUE(attacker.Flush());
   // Those that get no thread are refused, all of them without reflection.
-  const int refused = on ? kCalls - limits::kMaxSyncThreads : kCalls;
+  const int refused =
+      on ? kReflectionCalls - limits::kMaxSyncThreads : kReflectionCalls;
   EXPECT_TRUE(attacker.ReadUntil(
       [&] { return attacker.received(RawHttp2::kHeaders) >= refused; },
       milliseconds(30'000)));

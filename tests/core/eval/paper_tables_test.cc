@@ -31,10 +31,10 @@ TEST(PaperTablesTest, EveryFeatureSetOfEveryAlgorithmIsThereOnce) {
 }
 
 TEST(PaperTablesTest, FeaturesAreReadInOrder) {
-  EXPECT_THAT(
-      PaperFeatures("f+m+a"),
-      testing::ElementsAre(Feature::kForce, Feature::kMotion, Feature::kArea));
-  EXPECT_THAT(PaperFeatures("a"), testing::ElementsAre(Feature::kArea));
+  EXPECT_THAT(PaperFeatures("f+m+a"),
+              ::testing::ElementsAre(Feature::kForce, Feature::kMotion,
+                                     Feature::kArea));
+  EXPECT_THAT(PaperFeatures("a"), ::testing::ElementsAre(Feature::kArea));
 }
 
 // An accuracy over n trials is a whole number of trials; the paper cuts

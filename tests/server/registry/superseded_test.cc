@@ -20,7 +20,7 @@ class SupersededTest : public ::testing::Test {
   void Add(const std::string& name, uint64_t seed) {
     Model model = testing::SmallModel();
     model.provenance.seed = seed;
-    ASSERT_TRUE(registry_.Add(name, *EncodeBundle(model)).ok());
+    ASSERT_TRUE(registry_.AddBuiltIn(name, *EncodeBundle(model)).ok());
   }
 
   void Start(StreamSession& session, const std::string& model) {

@@ -109,7 +109,8 @@ TEST_F(SessionSkippingTest, HmmOnlyLeavesOutTheLstms) {
    public:
     explicit LstmModels(Model model)
         : model_(*CompiledModel::Create(std::move(model))) {}
-    absl::StatusOr<PinnedModel> Find(absl::string_view) const override {
+    absl::StatusOr<PinnedModel> Find(absl::string_view,
+                                     absl::string_view) const override {
       return PinnedModel{model_, "models/default/versions/1",
                          std::string(64, 'a')};
     }

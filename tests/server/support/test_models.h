@@ -21,8 +21,8 @@ class TestModels : public server::ModelSource {
     vitac_ = *CompiledModel::Create(model);
   }
 
-  absl::StatusOr<server::PinnedModel> Find(
-      absl::string_view name) const override {
+  absl::StatusOr<server::PinnedModel> Find(absl::string_view name,
+                                           absl::string_view) const override {
     if (name.empty() || name == "default") {
       return server::PinnedModel{default_, "models/default/versions/1",
                                  std::string(64, 'a')};

@@ -1,0 +1,60 @@
+// File: data_directory.h
+//
+// DataDirectory: the folder in which a server keeps its data.
+//
+//   catalog.db   the catalogue (catalog.h)
+//   blobs/       trials and bundles by their SHA-256 (blob_store.h)
+//   uploads/     bytes of uploads that are not finished
+//   jobs/        one folder for each job that has not ended
+//   lock         held by the process that uses the folder
+//
+//   TACTUS_ASSIGN_OR_RETURN(auto data,
+//                           DataDirectory::Open(PosixFileSystem(), "/data"));
+//   data->catalog().Look(...);
+//
+// Thread-safe. `files` must outlive it.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "core/store/blob_store.h"
+#include "core/store/catalog.h"
+#include "core/store/file_system.h"
+
+namespace tactus {
+
+class DataDirectory {
+ public:
+  // Creates what does not exist. IO if another process uses the folder;
+  // DATA_LOST if the catalogue is damaged. `vfs`: as OpenSqliteCatalog.
+  static absl::StatusOr<std::unique_ptr<DataDirectory>> Open(
+      FileSystem& files, const std::string& folder,
+      const std::string& vfs = "");
+  ~DataDirectory();
+
+  FileSystem& files() const { return files_; }
+  Catalog& catalog() const { return *catalog_; }
+  BlobStore& blobs() const { return *blobs_; }
+  const std::string& folder() const { return folder_; }
+  std::string BlobFolder() const;
+  std::string UploadFolder() const;
+  // `id`: the part of the upload's name behind the slash.
+  std::string UploadPath(absl::string_view id) const;
+  std::string JobFolder() const;
+  std::string JobPath(absl::string_view id) const;
+
+ private:
+  DataDirectory(FileSystem& files, std::string folder)
+      : files_(files), folder_(std::move(folder)) {}
+
+  FileSystem& files_;
+  const std::string folder_;
+  int lock_ = -1;
+  std::unique_ptr<Catalog> catalog_;
+  std::unique_ptr<BlobStore> blobs_;
+};
+
+}  // namespace tactus

@@ -1,0 +1,146 @@
+#include "server/jobs/job_process.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstring>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+
+namespace tactus::server {
+namespace {
+
+constexpr int kNiceness = 10;
+constexpr size_t kLengthBytes = 4;
+constexpr size_t kReadBytes = 64 * 1024;
+
+// In the child, between fork and exec: only calls that are safe there. Exits
+// with 127, as a shell does, if the program cannot be run.
+[[noreturn]] void RunProgram(const JobProcess::Options& options,
+                             const std::string& folder, int output, int log,
+                             pid_t parent) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  // The parent may have died before that.
+  if (getppid() != parent) _exit(127);
+  setpriority(PRIO_PROCESS, 0, kNiceness);
+  if (options.memory_bytes > 0) {
+    const rlimit limit = {static_cast<rlim_t>(options.memory_bytes),
+                          static_cast<rlim_t>(options.memory_bytes)};
+    setrlimit(RLIMIT_DATA, &limit);
+  }
+  const int null = open("/dev/null", O_RDONLY);
+  dup2(null, STDIN_FILENO);
+  dup2(output, STDOUT_FILENO);
+  dup2(log, STDERR_FILENO);
+  close_range(3, ~0U, 0);
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+  for (const int number : {SIGPIPE, SIGTERM, SIGINT, SIGHUP}) {
+    std::signal(number, SIG_DFL);
+  }
+  execl(options.program.c_str(), options.program.c_str(), folder.c_str(),
+        nullptr);
+  _exit(127);
+}
+
+std::string Describe(int status) {
+  if (WIFSIGNALED(status)) {
+    const char* name = sigabbrev_np(WTERMSIG(status));
+    return absl::StrCat("was ended by SIG", name == nullptr ? "?" : name);
+  }
+  return absl::StrCat("exited with status ", WEXITSTATUS(status));
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<JobProcess>> JobProcess::Start(
+    const Options& options, const std::string& folder) {
+  if (access(options.program.c_str(), X_OK) != 0) {
+    return IoError(options.program, std::strerror(errno));
+  }
+  const std::string log_path = folder + "/log";
+  const int log =
+      open(log_path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  if (log < 0) return IoError(log_path, std::strerror(errno));
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) {
+    const absl::Status status = IoError("pipe", std::strerror(errno));
+    close(log);
+    return status;
+  }
+  const pid_t parent = getpid();
+  const pid_t pid = fork();
+  if (pid == 0) RunProgram(options, folder, ends[1], log, parent);
+  const int error = errno;
+  close(log);
+  close(ends[1]);
+  if (pid < 0) {
+    close(ends[0]);
+    return IoError("fork", std::strerror(error));
+  }
+  return std::unique_ptr<JobProcess>(new JobProcess(pid, ends[0]));
+}
+
+JobProcess::~JobProcess() {
+  Terminate(true);
+  Wait();
+  close(output_);
+}
+
+JobProcess::News JobProcess::Next(std::chrono::milliseconds timeout,
+                                  v1::JobEvent* event) {
+  while (true) {
+    if (buffer_.size() >= kLengthBytes) {
+      uint32_t length = 0;
+      std::memcpy(&length, buffer_.data(), sizeof length);
+      if (length > limits::kMaxJobEventBytes) return News::kClosed;
+      if (buffer_.size() >= kLengthBytes + length) {
+        const bool parsed = event->ParseFromArray(buffer_.data() + kLengthBytes,
+                                                  static_cast<int>(length));
+        buffer_.erase(0, kLengthBytes + length);
+        return parsed ? News::kEvent : News::kClosed;
+      }
+    }
+    pollfd wait = {.fd = output_, .events = POLLIN, .revents = 0};
+    const int ready = poll(&wait, 1, static_cast<int>(timeout.count()));
+    if (ready == 0) return News::kNone;
+    if (ready < 0) {
+      if (errno == EINTR) continue;
+      return News::kClosed;
+    }
+    const size_t old_size = buffer_.size();
+    buffer_.resize(old_size + kReadBytes);
+    const ssize_t got = read(output_, buffer_.data() + old_size, kReadBytes);
+    buffer_.resize(old_size + static_cast<size_t>(got > 0 ? got : 0));
+    if (got == 0 || (got < 0 && errno != EINTR)) return News::kClosed;
+  }
+}
+
+void JobProcess::Terminate(bool kill_it) {
+  if (pid_ > 0) kill(pid_, kill_it ? SIGKILL : SIGTERM);
+}
+
+JobProcess::End JobProcess::Wait() {
+  if (pid_ <= 0) return {};
+  int status = 0;
+  while (waitpid(pid_, &status, 0) < 0) {
+    if (errno == EINTR) continue;
+    pid_ = -1;
+    return {.ok = false,
+            .text = absl::StrCat("is lost: ", std::strerror(errno))};
+  }
+  pid_ = -1;
+  return {.ok = WIFEXITED(status) && WEXITSTATUS(status) == 0,
+          .text = Describe(status)};
+}
+
+}  // namespace tactus::server

@@ -1,0 +1,364 @@
+#include "server/jobs/job_queue.h"
+
+#include <chrono>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/serialize.h"
+#include "core/base/status_macros.h"
+#include "core/base/version.h"
+#include "server/names/resource_names.h"
+#include "core/base/status_proto.h"
+#include "spdlog/spdlog.h"
+
+namespace tactus::server {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+using v1::Operation;
+
+constexpr milliseconds kPoll(100);
+// Between two writes of the learning curve.
+constexpr milliseconds kStore(500);
+// For a process that was asked to end.
+constexpr milliseconds kPatience(5'000);
+constexpr int64_t kMaxOutcomeBytes = 16L * 1024 * 1024;
+
+// The status of a process that ended without an outcome.
+bool IsCrash(const absl::Status& status) {
+  return ReasonOf(status) == "JOB_CRASHED";
+}
+
+}  // namespace
+
+JobQueue::JobQueue(DataDirectory* data, DatasetStore* datasets,
+                   ModelStore* models, OperationStore* operations,
+                   Options options, NowMs now)
+    : data_(data),
+      datasets_(datasets),
+      models_(models),
+      operations_(operations),
+      options_(std::move(options)),
+      now_(std::move(now)) {}
+
+JobQueue::~JobQueue() { Stop(); }
+
+void JobQueue::Start() {
+  training_ = std::thread([this] { Serve(true); });
+  others_ = std::thread([this] { Serve(false); });
+}
+
+void JobQueue::Stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+    wake_.notify_all();
+  }
+  if (training_.joinable()) training_.join();
+  if (others_.joinable()) others_.join();
+}
+
+void JobQueue::Wake() {
+  const std::lock_guard lock(mutex_);
+  ++wakes_;
+  wake_.notify_all();
+}
+
+absl::StatusOr<Operation> JobQueue::Cancel(absl::string_view name) {
+  const auto operation = operations_->Change(name, [&](Operation& job) {
+    if (job.state() == Operation::STATE_QUEUED) {
+      job.set_state(Operation::STATE_CANCELLED);
+      job.set_end_time_ms(now_());
+    } else if (job.state() == Operation::STATE_RUNNING) {
+      job.set_state(Operation::STATE_CANCELLING);
+    }
+    return absl::OkStatus();
+  });
+  if (operation.ok() && operation->state() == Operation::STATE_CANCELLING) {
+    const std::lock_guard lock(mutex_);
+    cancelled_.insert(operation->name());
+  }
+  return operation;
+}
+
+bool JobQueue::IsCancelled(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  return cancelled_.contains(name);
+}
+
+std::string JobQueue::NextJob(bool training) const {
+  const auto queued = operations_->InState(Operation::STATE_QUEUED);
+  if (!queued.ok()) {
+    spdlog::error("jobs: {}", queued.status().ToString());
+    return "";
+  }
+  for (const std::string& name : *queued) {
+    const auto operation = operations_->Get(name);
+    if (operation.ok() &&
+        (operation->kind() == Operation::KIND_TRAIN) == training) {
+      return name;
+    }
+  }
+  return "";
+}
+
+void JobQueue::Serve(bool training) {
+  uint64_t seen = 0;
+  while (!stopping_) {
+    {
+      const std::lock_guard lock(mutex_);
+      seen = wakes_;
+    }
+    const std::string name = NextJob(training);
+    if (!name.empty()) {
+      Run(name);
+      continue;
+    }
+    std::unique_lock lock(mutex_);
+    wake_.wait(lock, [&] { return stopping_ || wakes_ != seen; });
+  }
+}
+
+void JobQueue::Run(const std::string& name) {
+  auto operation = operations_->Change(name, [&](Operation& job) {
+    // It may have been cancelled in between.
+    if (job.state() != Operation::STATE_QUEUED) return WorkCancelled(job.name());
+    job.set_state(Operation::STATE_RUNNING);
+    job.set_attempts(job.attempts() + 1);
+    if (job.start_time_ms() == 0) job.set_start_time_ms(now_());
+    return absl::OkStatus();
+  });
+  if (!operation.ok()) return;
+  spdlog::info("{}: attempt {}", name, operation->attempts());
+  Operation done = *operation;
+  const absl::Status status = RunProcess(done);
+  if (stopping_ && IsCrash(status)) return;
+  const bool again = IsCrash(status) && !IsCancelled(name) &&
+                     static_cast<int>(done.attempts()) < options_.attempts;
+  const auto stored = operations_->Change(name, [&](Operation& job) {
+    if (again) {
+      job.set_state(Operation::STATE_QUEUED);
+      return absl::OkStatus();
+    }
+    job.set_end_time_ms(now_());
+    *job.mutable_progress() = done.progress();
+    if (status.ok()) {
+      job.set_state(Operation::STATE_SUCCEEDED);
+      *job.mutable_result() = done.result();
+    } else if (IsCancelled(name)) {
+      job.set_state(Operation::STATE_CANCELLED);
+      *job.mutable_error() = ToStatusProto(WorkCancelled(name));
+    } else {
+      job.set_state(Operation::STATE_FAILED);
+      *job.mutable_error() = ToStatusProto(status);
+      // The figures of a comparison that failed the gate.
+      if (done.has_result()) *job.mutable_result() = done.result();
+    }
+    return absl::OkStatus();
+  });
+  if (!stored.ok()) {
+    spdlog::error("{}: {}", name, stored.status().ToString());
+    return;
+  }
+  if (status.ok()) {
+    spdlog::info("{}: succeeded", name);
+  } else {
+    spdlog::warn("{}: {}{}", name, std::string(status.message()),
+                 again ? "; starting it again" : "");
+  }
+  if (again) return;
+  const auto id = ParseName(name, "operations");
+  data_->files().RemoveAll(data_->JobPath(id->id)).IgnoreError();
+  const std::lock_guard lock(mutex_);
+  cancelled_.erase(name);
+}
+
+absl::Status JobQueue::RunProcess(Operation& operation) {
+  TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
+                          ParseName(operation.name(), "operations"));
+  const std::string folder = data_->JobPath(name.id);
+  TACTUS_RETURN_IF_ERROR(WriteSpec(operation, folder));
+  TACTUS_ASSIGN_OR_RETURN(const auto process,
+                          JobProcess::Start(options_.process, folder));
+  TACTUS_RETURN_IF_ERROR(Follow(operation.name(), *process));
+  const JobProcess::End end = process->Wait();
+  if (const auto latest = operations_->Get(operation.name()); latest.ok()) {
+    *operation.mutable_progress() = latest->progress();
+  }
+  if (!end.ok) {
+    return JobCrashed(
+        absl::StrCat("the process of ", operation.name(), " ", end.text));
+  }
+  return TakeOutcome(folder, operation);
+}
+
+absl::Status JobQueue::WriteSpec(const Operation& operation,
+                                 const std::string& folder) const {
+  v1::JobSpec spec;
+  *spec.mutable_operation() = operation;
+  spec.set_blob_folder(data_->BlobFolder());
+  std::string dataset;
+  switch (operation.kind()) {
+    case Operation::KIND_TRAIN:
+      dataset = operation.train().dataset_version();
+      break;
+    case Operation::KIND_EVALUATE:
+      dataset = operation.evaluate().dataset_version();
+      if (!operation.evaluate().model_version().empty()) {
+        TACTUS_ASSIGN_OR_RETURN(
+            const v1::ModelVersion model,
+            models_->Get(operation.evaluate().model_version()));
+        TACTUS_ASSIGN_OR_RETURN(const std::string bundle,
+                                models_->Bundle(model));
+        TACTUS_RETURN_IF_ERROR(data_->files().MakeDirectory(folder));
+        TACTUS_RETURN_IF_ERROR(WriteAtomically(
+            data_->files(), folder + "/candidate.tactus", bundle));
+      }
+      break;
+    default: {
+      const v1::PromoteSpec& promote = operation.promote();
+      TACTUS_ASSIGN_OR_RETURN(const v1::Alias alias,
+                              models_->GetAlias(promote.alias()));
+      dataset = alias.gate().dataset_version();
+      spec.mutable_gate()->set_accuracy_margin(alias.gate().accuracy_margin());
+      spec.mutable_gate()->set_log_loss_margin(alias.gate().log_loss_margin());
+      spec.mutable_gate()->set_calibration_margin(
+          alias.gate().calibration_margin());
+      TACTUS_RETURN_IF_ERROR(data_->files().MakeDirectory(folder));
+      for (const auto& [file, version] :
+           {std::pair("/candidate.tactus", promote.model_version()),
+            std::pair("/current.tactus", alias.model_version())}) {
+        TACTUS_ASSIGN_OR_RETURN(const v1::ModelVersion model,
+                                models_->Get(version));
+        TACTUS_ASSIGN_OR_RETURN(const std::string bundle,
+                                models_->Bundle(model));
+        TACTUS_RETURN_IF_ERROR(
+            WriteAtomically(data_->files(), folder + file, bundle));
+      }
+    }
+  }
+  TACTUS_ASSIGN_OR_RETURN(const v1::DatasetVersion version,
+                          datasets_->Version(dataset));
+  spec.set_dataset_sha256(version.sha256());
+  TACTUS_ASSIGN_OR_RETURN(const auto trials, datasets_->Trials(version));
+  for (const v1::TrialInfo& trial : trials) spec.add_trials(trial.sha256());
+  TACTUS_RETURN_IF_ERROR(data_->files().MakeDirectory(folder));
+  return WriteAtomically(data_->files(), folder + "/job.pb",
+                         SerializeDeterministic(spec));
+}
+
+absl::Status JobQueue::Follow(const std::string& name, JobProcess& process) {
+  std::vector<v1::LearningPoint> points;
+  v1::OperationProgress progress;
+  auto stored = steady_clock::now();
+  auto phase_begin = stored;
+  std::optional<steady_clock::time_point> asked;
+  TACTUS_ASSIGN_OR_RETURN(const Operation operation, operations_->Get(name));
+  const auto store = [&]() -> absl::Status {
+    stored = steady_clock::now();
+    if (points.empty()) return absl::OkStatus();
+    TACTUS_RETURN_IF_ERROR(operations_->AddPoints(name, points));
+    points.clear();
+    return operations_
+        ->Change(name,
+                 [&](Operation& job) {
+                   *job.mutable_progress() = progress;
+                   return absl::OkStatus();
+                 })
+        .status();
+  };
+  while (true) {
+    v1::JobEvent event;
+    const JobProcess::News news = process.Next(kPoll, &event);
+    if (news == JobProcess::News::kClosed) break;
+    const auto now = steady_clock::now();
+    if (news == JobProcess::News::kEvent) {
+      const int64_t elapsed = now_() - operation.start_time_ms();
+      if (event.has_point()) {
+        points.push_back(event.point());
+        points.back().set_elapsed_ms(elapsed);
+      } else {
+        if (event.progress().phase() != progress.phase()) phase_begin = now;
+        progress = event.progress();
+        progress.set_elapsed_ms(elapsed);
+        const double fraction = progress.fraction();
+        const auto in_phase =
+            std::chrono::duration<double, std::milli>(now - phase_begin);
+        if (fraction > 0.01) {
+          progress.set_remaining_ms(static_cast<int64_t>(
+              in_phase.count() * (1 - fraction) / fraction));
+        }
+        operations_->ShowProgress(name, progress);
+      }
+    }
+    if (now - stored >= kStore) TACTUS_RETURN_IF_ERROR(store());
+    if (stopping_) process.Terminate(true);
+    if (IsCancelled(name)) {
+      if (!asked.has_value()) {
+        asked = now;
+        process.Terminate(false);
+      } else if (now - *asked >= kPatience) {
+        process.Terminate(true);
+      }
+    }
+  }
+  return store();
+}
+
+absl::Status JobQueue::TakeOutcome(const std::string& folder,
+                                   Operation& operation) {
+  TACTUS_ASSIGN_OR_RETURN(
+      const std::string bytes,
+      ReadWhole(data_->files(), folder + "/result.pb", kMaxOutcomeBytes));
+  v1::JobOutcome outcome;
+  if (!outcome.ParseFromString(bytes)) {
+    return DataLost(folder + "/result.pb", "it cannot be parsed");
+  }
+  if (outcome.has_error()) return FromStatusProto(outcome.error());
+  *operation.mutable_result() = outcome.result();
+  switch (operation.kind()) {
+    case Operation::KIND_TRAIN:
+      return Publish(folder, operation);
+    case Operation::KIND_PROMOTE:
+      return MoveAlias(operation);
+    default:
+      return absl::OkStatus();
+  }
+}
+
+absl::Status JobQueue::Publish(const std::string& folder,
+                               Operation& operation) {
+  TACTUS_ASSIGN_OR_RETURN(const std::string bundle,
+                          ReadWhole(data_->files(), folder + "/bundle.tactus",
+                                    limits::kMaxBundleBytes));
+  TACTUS_ASSIGN_OR_RETURN(
+      const v1::DatasetVersion dataset,
+      datasets_->Version(operation.train().dataset_version()));
+  v1::ModelVersion origin;
+  origin.set_operation(operation.name());
+  *origin.mutable_train() = operation.train();
+  origin.set_dataset_sha256(dataset.sha256());
+  origin.set_duration_ms(now_() - operation.start_time_ms());
+  origin.set_host(options_.host);
+  TACTUS_ASSIGN_OR_RETURN(
+      const v1::ModelVersion version,
+      models_->AddVersion(operation.train().model(), bundle, origin,
+                          {operation.requester(), ""}));
+  operation.mutable_result()->set_model_version(version.name());
+  return absl::OkStatus();
+}
+
+absl::Status JobQueue::MoveAlias(Operation& operation) {
+  const v1::Comparison& comparison = operation.result().comparison();
+  if (!comparison.passed()) return GateNotPassed(comparison.failure());
+  return models_
+      ->Promote(operation.promote(), /*forced=*/false,
+                {operation.requester(), ""})
+      .status();
+}
+
+}  // namespace tactus::server

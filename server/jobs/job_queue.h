@@ -1,0 +1,94 @@
+// File: job_queue.h
+//
+// JobQueue: runs queued operations, one after another, each in a process of the
+// program tactus-trainer, and stores what they make.
+//
+//   JobQueue jobs(data, &datasets, &models, &operations, options, now);
+//   jobs.Start();
+//   jobs.Wake();                     // after OperationStore::Create
+//   jobs.Cancel("operations/3", caller);
+//   jobs.Stop();
+//
+// A job whose process ends without a result starts again from its checkpoints,
+// at most Options::attempts times in all; then it fails with JOB_CRASHED. If
+// the server ends, its jobs go on when it starts again.
+//
+// Training has one thread, evaluation and promotion another, so that a
+// promotion never waits for a training. Thread-safe. What it is given must
+// outlive it.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "core/store/data_directory.h"
+#include "server/jobs/job_process.h"
+#include "server/records/caller.h"
+#include "server/records/dataset_store.h"
+#include "server/records/model_store.h"
+#include "server/records/operation_store.h"
+
+namespace tactus::server {
+
+class JobQueue {
+ public:
+  struct Options {
+    JobProcess::Options process;
+    int attempts = 3;
+    // Name of this machine, kept with the versions that are made.
+    std::string host;
+  };
+
+  JobQueue(DataDirectory* data, DatasetStore* datasets, ModelStore* models,
+           OperationStore* operations, Options options, NowMs now);
+  ~JobQueue();
+
+  void Start();
+  // Kills the running processes; their jobs go on after the next start.
+  void Stop();
+  // Looks for queued operations.
+  void Wake();
+  // A queued job is CANCELLED at once, a running one CANCELLING.
+  absl::StatusOr<v1::Operation> Cancel(absl::string_view name);
+
+ private:
+  void Serve(bool training);
+  // The oldest queued operation of this kind; empty if there is none.
+  std::string NextJob(bool training) const;
+  void Run(const std::string& name);
+  // Starts the process of a job, and returns how the operation ends: OK with
+  // the result in `operation`, or why it failed.
+  absl::Status RunProcess(v1::Operation& operation);
+  absl::Status WriteSpec(const v1::Operation& operation,
+                         const std::string& folder) const;
+  absl::Status Follow(const std::string& name, JobProcess& process);
+  absl::Status TakeOutcome(const std::string& folder, v1::Operation& operation);
+  absl::Status Publish(const std::string& folder, v1::Operation& operation);
+  absl::Status MoveAlias(v1::Operation& operation);
+  bool IsCancelled(const std::string& name) const;
+
+  DataDirectory* const data_;
+  DatasetStore* const datasets_;
+  ModelStore* const models_;
+  OperationStore* const operations_;
+  const Options options_;
+  const NowMs now_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  // Number of calls of Wake.
+  uint64_t wakes_ = 0;
+  std::set<std::string> cancelled_;
+  std::atomic<bool> stopping_ = false;
+  std::thread training_;
+  std::thread others_;
+};
+
+}  // namespace tactus::server

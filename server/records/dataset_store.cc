@@ -1,0 +1,334 @@
+#include "server/records/dataset_store.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+#include "core/base/text.h"
+#include "core/store/records.h"
+#include "server/records/audit_log.h"
+#include "server/records/operation_store.h"
+#include "server/names/resource_names.h"
+#include "tactus/v1/models.pb.h"
+#include "tactus/v1/operations.pb.h"
+
+namespace tactus::server {
+namespace {
+
+constexpr char kCollection[] = "datasets";
+// A manifest of a million trials.
+constexpr int64_t kMaxManifestBytes = 65L * 1'000'000;
+
+absl::Status NotFound(absl::string_view name) {
+  return NoSuch(v1::ERROR_REASON_DATASET_NOT_FOUND, "dataset", name);
+}
+
+absl::StatusOr<v1::Dataset> Find(const Transaction& look,
+                                 const ResourceName& name) {
+  TACTUS_ASSIGN_OR_RETURN(
+      auto found, GetRecord<v1::Dataset>(look, Table::kDatasets, name.id));
+  if (!found.has_value()) return NotFound(name.Parent());
+  return *std::move(found);
+}
+
+absl::StatusOr<v1::DatasetVersion> FindVersion(const Transaction& look,
+                                               ResourceName name) {
+  if (name.version == 0) {
+    TACTUS_ASSIGN_OR_RETURN(const v1::Dataset dataset, Find(look, name));
+    name.version = dataset.latest_version();
+    if (name.version == 0) {
+      return NoSuch(v1::ERROR_REASON_DATASET_NOT_FOUND, "dataset version",
+                    name.Parent() + "/versions/1");
+    }
+  }
+  TACTUS_ASSIGN_OR_RETURN(
+      auto found, GetRecord<v1::DatasetVersion>(look, Table::kDatasetVersions,
+                                                CatalogKey(name)));
+  if (!found.has_value()) return NotFound(name.ToString());
+  return *std::move(found);
+}
+
+// True if `name` is a version of the dataset `parent`, or the dataset.
+bool Refers(absl::string_view name, absl::string_view parent) {
+  return name == parent || absl::StartsWith(name, absl::StrCat(parent, "/"));
+}
+
+// DATASET_IN_USE if something refers to the dataset.
+absl::Status CheckUnused(const Transaction& look, const std::string& dataset) {
+  TACTUS_ASSIGN_OR_RETURN(
+      const auto operations,
+      ScanRecords<v1::Operation>(look, Table::kOperations, {}));
+  for (const v1::Operation& operation : operations) {
+    if (HasEnded(operation)) continue;
+    if (Refers(operation.train().dataset_version(), dataset) ||
+        Refers(operation.evaluate().dataset_version(), dataset)) {
+      return DatasetInUse(dataset, operation.name());
+    }
+  }
+  TACTUS_ASSIGN_OR_RETURN(
+      const auto versions,
+      ScanRecords<v1::ModelVersion>(look, Table::kModelVersions, {}));
+  for (const v1::ModelVersion& version : versions) {
+    if (Refers(version.train().dataset_version(), dataset)) {
+      return DatasetInUse(dataset, version.name());
+    }
+  }
+  TACTUS_ASSIGN_OR_RETURN(const auto aliases,
+                          ScanRecords<v1::Alias>(look, Table::kAliases, {}));
+  for (const v1::Alias& alias : aliases) {
+    if (Refers(alias.gate().dataset_version(), dataset)) {
+      return DatasetInUse(dataset, alias.name());
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<v1::Dataset> DatasetStore::Create(absl::string_view name,
+                                                 absl::string_view description,
+                                                 const Caller& caller) {
+  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
+                          ParseName(name, kCollection));
+  if (parsed.version != 0) return InvalidName(name, "datasets/ID");
+  if (const std::string fault =
+          TextFault(description, limits::kMaxDescriptionBytes);
+      !fault.empty()) {
+    return InvalidConfig("description", Quoted(description), fault);
+  }
+  v1::Dataset dataset;
+  dataset.set_name(parsed.Parent());
+  dataset.set_description(std::string(description));
+  dataset.set_create_time_ms(now_());
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Change([&](Transaction& change) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(const auto old,
+                                change.Get(Table::kDatasets, parsed.id));
+        if (old.has_value()) return DatasetExists(dataset.name());
+        TACTUS_RETURN_IF_ERROR(
+            PutRecord(change, Table::kDatasets, parsed.id, dataset));
+        return Audit(change, caller, now_(), "create", dataset.name());
+      }));
+  return dataset;
+}
+
+absl::StatusOr<v1::Dataset> DatasetStore::Get(absl::string_view name) const {
+  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
+                          ParseName(name, kCollection));
+  v1::Dataset dataset;
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Look([&](const Transaction& look) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(dataset, Find(look, parsed));
+        return absl::OkStatus();
+      }));
+  return dataset;
+}
+
+absl::StatusOr<Page<v1::Dataset>> DatasetStore::List(
+    int page_size, absl::string_view page_token) const {
+  Page<v1::Dataset> page;
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Look([&](const Transaction& look) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(
+            page.items,
+            ScanRecords<v1::Dataset>(
+                look, Table::kDatasets,
+                {.after = std::string(page_token), .limit = page_size + 1}));
+        return absl::OkStatus();
+      }));
+  if (static_cast<int>(page.items.size()) > page_size) {
+    page.items.pop_back();
+    page.next_token = page.items.back().name().substr(sizeof kCollection);
+  }
+  return page;
+}
+
+absl::StatusOr<std::vector<v1::DatasetVersion>> DatasetStore::Versions(
+    absl::string_view name) const {
+  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
+                          ParseName(name, kCollection));
+  std::vector<v1::DatasetVersion> versions;
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Look([&](const Transaction& look) -> absl::Status {
+        TACTUS_RETURN_IF_ERROR(Find(look, parsed).status());
+        TACTUS_ASSIGN_OR_RETURN(versions, ScanRecords<v1::DatasetVersion>(
+                                              look, Table::kDatasetVersions,
+                                              {.prefix = parsed.id + "/"}));
+        return absl::OkStatus();
+      }));
+  return versions;
+}
+
+absl::StatusOr<v1::DatasetVersion> DatasetStore::Version(
+    absl::string_view name) const {
+  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
+                          ParseName(name, kCollection));
+  v1::DatasetVersion version;
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Look([&](const Transaction& look) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(version, FindVersion(look, parsed));
+        return absl::OkStatus();
+      }));
+  return version;
+}
+
+absl::StatusOr<std::vector<std::string>> DatasetStore::Manifest(
+    const v1::DatasetVersion& version) const {
+  TACTUS_ASSIGN_OR_RETURN(
+      const std::string text,
+      data_->blobs().Read(version.sha256(), kMaxManifestBytes));
+  return std::vector<std::string>(
+      absl::StrSplit(text, '\n', absl::SkipEmpty()));
+}
+
+absl::StatusOr<std::vector<v1::TrialInfo>> DatasetStore::Trials(
+    const v1::DatasetVersion& version) const {
+  TACTUS_ASSIGN_OR_RETURN(const auto manifest, Manifest(version));
+  std::vector<v1::TrialInfo> trials;
+  trials.reserve(manifest.size());
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Look([&](const Transaction& look) -> absl::Status {
+        for (const std::string& sha256 : manifest) {
+          TACTUS_ASSIGN_OR_RETURN(
+              auto trial,
+              GetRecord<v1::TrialInfo>(look, Table::kTrials, sha256));
+          if (!trial.has_value()) {
+            return DataLost(sha256, "the trial is not in the catalogue");
+          }
+          trials.push_back(*std::move(trial));
+        }
+        return absl::OkStatus();
+      }));
+  std::stable_sort(trials.begin(), trials.end(),
+                   [](const v1::TrialInfo& a, const v1::TrialInfo& b) {
+                     return a.id() < b.id();
+                   });
+  return trials;
+}
+
+absl::StatusOr<v1::DatasetVersion> DatasetStore::AddVersion(
+    absl::string_view name,
+    absl::FunctionRef<absl::StatusOr<std::vector<v1::TrialInfo>>()> store,
+    bool replace, const Caller& caller,
+    absl::FunctionRef<absl::Status(Transaction&, const v1::DatasetVersion&)>
+        also) {
+  const std::lock_guard lock(mutex_);
+  TACTUS_ASSIGN_OR_RETURN(v1::Dataset dataset, Get(name));
+  TACTUS_ASSIGN_OR_RETURN(const auto uploaded, store());
+  std::map<std::string, v1::TrialInfo> trials;
+  std::set<std::string> before;
+  if (dataset.latest_version() > 0) {
+    TACTUS_ASSIGN_OR_RETURN(const auto latest, Version(dataset.name()));
+    TACTUS_ASSIGN_OR_RETURN(const auto old, Trials(latest));
+    for (const v1::TrialInfo& trial : old) {
+      before.insert(trial.sha256());
+      if (!replace) trials[trial.sha256()] = trial;
+    }
+  }
+  for (const v1::TrialInfo& trial : uploaded) trials[trial.sha256()] = trial;
+
+  v1::DatasetVersion version;
+  version.set_name(
+      absl::StrCat(dataset.name(), "/versions/", dataset.latest_version() + 1));
+  version.set_create_time_ms(now_());
+  version.set_trials(static_cast<uint32_t>(trials.size()));
+  std::string manifest;
+  uint32_t kept = 0;
+  int64_t bytes = 0;
+  for (const auto& [sha256, trial] : trials) {
+    absl::StrAppend(&manifest, sha256, "\n");
+    bytes += trial.bytes();
+    kept += before.contains(sha256) ? 1 : 0;
+    ++(*version.mutable_labels())[trial.label()];
+  }
+  version.set_bytes(bytes);
+  version.set_added(version.trials() - kept);
+  version.set_removed(static_cast<uint32_t>(before.size()) - kept);
+  BlobStore::Batch batch = data_->blobs().NewBatch();
+  TACTUS_ASSIGN_OR_RETURN(*version.mutable_sha256(), batch.Add(manifest));
+  TACTUS_RETURN_IF_ERROR(batch.Commit());
+
+  dataset.set_latest_version(dataset.latest_version() + 1);
+  TACTUS_ASSIGN_OR_RETURN(const ResourceName key,
+                          ParseVersionName(version.name(), kCollection));
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Change([&](Transaction& change) -> absl::Status {
+        for (const v1::TrialInfo& trial : uploaded) {
+          TACTUS_RETURN_IF_ERROR(
+              PutRecord(change, Table::kTrials, trial.sha256(), trial));
+        }
+        TACTUS_RETURN_IF_ERROR(PutRecord(change, Table::kDatasetVersions,
+                                         CatalogKey(key), version));
+        TACTUS_RETURN_IF_ERROR(
+            PutRecord(change, Table::kDatasets, key.id, dataset));
+        TACTUS_RETURN_IF_ERROR(also(change, version));
+        return Audit(change, caller, now_(), "create", version.name());
+      }));
+  return version;
+}
+
+absl::StatusOr<uint32_t> DatasetStore::Delete(absl::string_view name,
+                                              const Caller& caller) {
+  const std::lock_guard lock(mutex_);
+  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
+                          ParseName(name, kCollection));
+  if (parsed.version != 0) return InvalidName(name, "datasets/ID");
+  TACTUS_ASSIGN_OR_RETURN(const auto versions, Versions(name));
+  std::set<std::string> unused;
+  for (const v1::DatasetVersion& version : versions) {
+    TACTUS_ASSIGN_OR_RETURN(const auto manifest, Manifest(version));
+    unused.insert(manifest.begin(), manifest.end());
+  }
+  std::set<std::string> manifests;
+  for (const v1::DatasetVersion& version : versions) {
+    manifests.insert(version.sha256());
+  }
+  std::vector<v1::DatasetVersion> all;
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Look([&](const Transaction& look) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(all, ScanRecords<v1::DatasetVersion>(
+                                         look, Table::kDatasetVersions, {}));
+        return absl::OkStatus();
+      }));
+  for (const v1::DatasetVersion& other : all) {
+    if (Refers(other.name(), parsed.Parent())) continue;
+    manifests.erase(other.sha256());
+    TACTUS_ASSIGN_OR_RETURN(const auto manifest, Manifest(other));
+    for (const std::string& sha256 : manifest) unused.erase(sha256);
+  }
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Change([&](Transaction& change) -> absl::Status {
+        TACTUS_RETURN_IF_ERROR(CheckUnused(change, parsed.Parent()));
+        for (const v1::DatasetVersion& version : versions) {
+          TACTUS_ASSIGN_OR_RETURN(
+              const ResourceName key,
+              ParseVersionName(version.name(), kCollection));
+          TACTUS_RETURN_IF_ERROR(
+              change.Erase(Table::kDatasetVersions, CatalogKey(key)));
+        }
+        for (const std::string& sha256 : unused) {
+          TACTUS_RETURN_IF_ERROR(change.Erase(Table::kTrials, sha256));
+        }
+        TACTUS_RETURN_IF_ERROR(change.Erase(Table::kDatasets, parsed.id));
+        return Audit(change, caller, now_(), "delete", parsed.Parent());
+      }));
+  // A blob that stays behind after a crash costs room, nothing else.
+  for (const std::string& sha256 : unused) {
+    TACTUS_RETURN_IF_ERROR(data_->blobs().Remove(sha256));
+  }
+  for (const std::string& sha256 : manifests) {
+    TACTUS_RETURN_IF_ERROR(data_->blobs().Remove(sha256));
+  }
+  return static_cast<uint32_t>(unused.size());
+}
+
+}  // namespace tactus::server

@@ -1,0 +1,94 @@
+// File: model_store.h
+//
+// ModelStore: model versions and aliases that survive the server. Keeps a
+// ModelRegistry in step: what is stored can be found by streams.
+//
+//   ModelStore models(data, &registry, now);
+//   TACTUS_RETURN_IF_ERROR(models.Restore());
+//   auto version = models.AddVersion("models/grasps", bundle, origin, caller);
+//   auto alias = models.Promote(spec, caller);
+//
+// A version is stored in this order: decode, run the warm-up trial, write the
+// bundle as a blob, record the version. Then the registry gets it. An alias
+// moves in the catalogue first, then in the registry; streams keep the version
+// they began with.
+//
+// Errors: INVALID_NAME, MODEL_NOT_FOUND, ALIAS_NOT_FOUND, ETAG_MISMATCH, and
+// those of storage. Thread-safe. What it is given must outlive it.
+#pragma once
+
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "core/store/data_directory.h"
+#include "server/records/caller.h"
+#include "server/records/paging.h"
+#include "server/registry/model_registry.h"
+#include "tactus/v1/models.pb.h"
+
+namespace tactus::server {
+
+class ModelStore {
+ public:
+  ModelStore(DataDirectory* data, ModelRegistry* registry, NowMs now)
+      : data_(data), registry_(registry), now_(std::move(now)) {}
+
+  // Loads all stored versions and aliases into the registry. Returns, beside
+  // OK, the versions that could not be loaded, each with its error; their
+  // aliases are not served.
+  absl::StatusOr<std::vector<std::string>> Restore();
+
+  // Makes a bundle the next version of "models/M". `origin` has the fields that
+  // say how it was made. A second call with the same `origin.operation` returns
+  // the version of the first. INVALID_NAME if the model is built in.
+  absl::StatusOr<v1::ModelVersion> AddVersion(absl::string_view model,
+                                              absl::string_view bundle,
+                                              v1::ModelVersion origin,
+                                              const Caller& caller);
+  // "models/M/versions/V", "models/M" for the newest version, or "aliases/A".
+  // Of built-in versions, the fields that the server knows.
+  absl::StatusOr<v1::ModelVersion> Get(absl::string_view name) const;
+  absl::StatusOr<std::string> Bundle(const v1::ModelVersion& version) const;
+  absl::StatusOr<Page<v1::ModelVersion>> List(
+      absl::string_view model, int page_size,
+      absl::string_view page_token) const;
+  // MODEL_IN_USE.
+  absl::Status Delete(absl::string_view name, const Caller& caller);
+
+  absl::StatusOr<std::vector<v1::Alias>> Aliases() const;
+  absl::StatusOr<v1::Alias> GetAlias(absl::string_view name) const;
+  // Sets canary and gate of `wanted`.
+  absl::StatusOr<v1::Alias> UpdateAlias(const v1::UpdateAliasRequest& wanted,
+                                        const Caller& caller);
+  // Lets the alias name the version, without looking at its gate. `forced` is
+  // recorded.
+  absl::StatusOr<v1::Alias> Promote(const v1::PromoteSpec& spec, bool forced,
+                                    const Caller& caller);
+  // NOTHING_TO_ROLL_BACK.
+  absl::StatusOr<v1::Alias> Rollback(absl::string_view name,
+                                     absl::string_view etag,
+                                     const Caller& caller);
+  // The newest first.
+  absl::StatusOr<std::vector<v1::AliasChange>> History(
+      absl::string_view name) const;
+
+ private:
+  // Stores `alias` with a new etag and the entry of its history.
+  absl::Status PutAlias(Transaction& change, v1::Alias& alias,
+                        const v1::AliasChange* entry);
+  // MODEL_NOT_FOUND unless streams can find the version.
+  absl::Status CheckServed(absl::string_view version) const;
+  void Serve(const v1::Alias& alias);
+
+  DataDirectory* const data_;
+  ModelRegistry* const registry_;
+  const NowMs now_;
+  // Held during changes, so that catalogue and registry change in one order.
+  std::mutex mutex_;
+};
+
+}  // namespace tactus::server

@@ -1,0 +1,281 @@
+#include "server/records/operation_store.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+#include "core/base/text.h"
+#include "core/store/records.h"
+#include "server/records/audit_log.h"
+#include "server/names/resource_names.h"
+
+namespace tactus::server {
+namespace {
+
+using v1::Operation;
+
+constexpr char kCollection[] = "operations";
+
+absl::StatusOr<Operation> Find(const Transaction& look,
+                               const ResourceName& name) {
+  TACTUS_ASSIGN_OR_RETURN(
+      auto found,
+      GetRecord<Operation>(look, Table::kOperations, CatalogKey(name)));
+  if (!found.has_value()) {
+    return NoSuch(v1::ERROR_REASON_OPERATION_NOT_FOUND, "operation",
+                  name.ToString());
+  }
+  return *std::move(found);
+}
+
+absl::StatusOr<std::vector<v1::LearningPoint>> PointsOf(
+    const Transaction& look, const ResourceName& name) {
+  return ScanRecords<v1::LearningPoint>(look, Table::kLearningPoints,
+                                        {.prefix = CatalogKey(name) + "/"});
+}
+
+}  // namespace
+
+bool HasEnded(const Operation& operation) {
+  return operation.state() == Operation::STATE_SUCCEEDED ||
+         operation.state() == Operation::STATE_FAILED ||
+         operation.state() == Operation::STATE_CANCELLED;
+}
+
+absl::Status OperationStore::Restore() {
+  return data_->catalog().Change([&](Transaction& change) -> absl::Status {
+    TACTUS_ASSIGN_OR_RETURN(
+        auto operations,
+        ScanRecords<Operation>(change, Table::kOperations, {}));
+    for (Operation& operation : operations) {
+      if (operation.state() == Operation::STATE_RUNNING) {
+        operation.set_state(Operation::STATE_QUEUED);
+      } else if (operation.state() == Operation::STATE_CANCELLING) {
+        operation.set_state(Operation::STATE_CANCELLED);
+        operation.set_end_time_ms(now_());
+      } else {
+        continue;
+      }
+      TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
+                              ParseName(operation.name(), kCollection));
+      TACTUS_RETURN_IF_ERROR(
+          PutRecord(change, Table::kOperations, CatalogKey(name), operation));
+    }
+    return absl::OkStatus();
+  });
+}
+
+absl::StatusOr<Operation> OperationStore::Create(Operation request,
+                                                 absl::string_view request_id,
+                                                 const Caller& caller) {
+  if (const std::string fault = TextFault(request_id, limits::kMaxNameBytes);
+      !fault.empty()) {
+    return InvalidConfig("request_id", Quoted(request_id), fault);
+  }
+  Operation operation = std::move(request);
+  TACTUS_RETURN_IF_ERROR(data_->catalog().Change([&](Transaction& change)
+                                                     -> absl::Status {
+    const std::string id = absl::StrCat("operation/", request_id);
+    if (!request_id.empty()) {
+      TACTUS_ASSIGN_OR_RETURN(const auto key, change.Get(Table::kRequests, id));
+      if (key.has_value()) {
+        TACTUS_ASSIGN_OR_RETURN(
+            auto known, GetRecord<Operation>(change, Table::kOperations, *key));
+        if (known.has_value()) operation = *std::move(known);
+        return absl::OkStatus();
+      }
+    }
+    TACTUS_ASSIGN_OR_RETURN(
+        const auto all, ScanRecords<Operation>(change, Table::kOperations, {}));
+    int queued = 0;
+    for (const Operation& other : all) {
+      queued += other.state() == Operation::STATE_QUEUED ? 1 : 0;
+    }
+    if (queued >= limits::kMaxQueuedJobs) {
+      return JobLimit(limits::kMaxQueuedJobs);
+    }
+    TACTUS_ASSIGN_OR_RETURN(const uint64_t number,
+                            NextNumber(change, Table::kOperations));
+    operation.set_name(absl::StrCat(kCollection, "/", number));
+    if (operation.state() == Operation::STATE_UNSPECIFIED) {
+      operation.set_state(Operation::STATE_QUEUED);
+    }
+    operation.set_create_time_ms(now_());
+    operation.set_requester(caller.name);
+    const std::string key = NumberKey(number);
+    if (!request_id.empty()) {
+      TACTUS_RETURN_IF_ERROR(change.Put(Table::kRequests, id, key));
+    }
+    TACTUS_RETURN_IF_ERROR(
+        PutRecord(change, Table::kOperations, key, operation));
+    return Audit(change, caller, now_(), "create", operation.name());
+  }));
+  return operation;
+}
+
+absl::StatusOr<Operation> OperationStore::Get(absl::string_view name) const {
+  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
+                          ParseName(name, kCollection));
+  Operation operation;
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Look([&](const Transaction& look) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(operation, Find(look, parsed));
+        return absl::OkStatus();
+      }));
+  const std::lock_guard lock(mutex_);
+  const auto live = live_.find(name);
+  if (live != live_.end() && live->second.progress.has_value() &&
+      !HasEnded(operation)) {
+    *operation.mutable_progress() = *live->second.progress;
+  }
+  return operation;
+}
+
+absl::StatusOr<Page<Operation>> OperationStore::List(
+    int page_size, absl::string_view page_token, Operation::State state) const {
+  Page<Operation> page;
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Look([&](const Transaction& look) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(
+            const auto all,
+            ScanRecords<Operation>(
+                look, Table::kOperations,
+                {.after = std::string(page_token), .backwards = true}));
+        for (const Operation& operation : all) {
+          if (state != Operation::STATE_UNSPECIFIED &&
+              operation.state() != state) {
+            continue;
+          }
+          if (static_cast<int>(page.items.size()) == page_size) {
+            TACTUS_ASSIGN_OR_RETURN(
+                const ResourceName last,
+                ParseName(page.items.back().name(), kCollection));
+            page.next_token = CatalogKey(last);
+            break;
+          }
+          page.items.push_back(operation);
+        }
+        return absl::OkStatus();
+      }));
+  return page;
+}
+
+absl::StatusOr<std::vector<std::string>> OperationStore::InState(
+    Operation::State state) const {
+  std::vector<std::string> names;
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Look([&](const Transaction& look) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(
+            const auto all,
+            ScanRecords<Operation>(look, Table::kOperations, {}));
+        for (const Operation& operation : all) {
+          if (operation.state() == state) names.push_back(operation.name());
+        }
+        return absl::OkStatus();
+      }));
+  return names;
+}
+
+absl::StatusOr<std::vector<v1::LearningPoint>> OperationStore::Points(
+    absl::string_view name) const {
+  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
+                          ParseName(name, kCollection));
+  std::vector<v1::LearningPoint> points;
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Look([&](const Transaction& look) -> absl::Status {
+        TACTUS_RETURN_IF_ERROR(Find(look, parsed).status());
+        TACTUS_ASSIGN_OR_RETURN(points, PointsOf(look, parsed));
+        return absl::OkStatus();
+      }));
+  return points;
+}
+
+absl::StatusOr<Operation> OperationStore::Change(
+    absl::string_view name,
+    absl::FunctionRef<absl::Status(Operation&)> change) {
+  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
+                          ParseName(name, kCollection));
+  Operation operation;
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Change([&](Transaction& transaction) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(operation, Find(transaction, parsed));
+        TACTUS_RETURN_IF_ERROR(change(operation));
+        return PutRecord(transaction, Table::kOperations, CatalogKey(parsed),
+                         operation);
+      }));
+  Wake(parsed.ToString());
+  return operation;
+}
+
+absl::Status OperationStore::AddPoints(
+    absl::string_view name, const std::vector<v1::LearningPoint>& points) {
+  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
+                          ParseName(name, kCollection));
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Change([&](Transaction& change) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(auto known, PointsOf(change, parsed));
+        uint64_t number = known.size();
+        for (const v1::LearningPoint& point : points) {
+          TACTUS_RETURN_IF_ERROR(PutRecord(
+              change, Table::kLearningPoints,
+              absl::StrCat(CatalogKey(parsed), "/", NumberKey(++number)),
+              point));
+        }
+        return absl::OkStatus();
+      }));
+  Wake(parsed.ToString());
+  return absl::OkStatus();
+}
+
+void OperationStore::ShowProgress(absl::string_view name,
+                                  const v1::OperationProgress& progress) {
+  const std::lock_guard lock(mutex_);
+  Live& live = live_[std::string(name)];
+  live.progress = progress;
+  ++live.changes;
+  changed_.notify_all();
+}
+
+void OperationStore::Wake(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  ++live_[name].changes;
+  changed_.notify_all();
+}
+
+absl::StatusOr<OperationStore::Update> OperationStore::WaitForChange(
+    absl::string_view name, Cursor* cursor,
+    std::chrono::milliseconds timeout) const {
+  TACTUS_RETURN_IF_ERROR(ParseName(name, kCollection).status());
+  {
+    std::unique_lock lock(mutex_);
+    const auto changes = [&] {
+      const auto live = live_.find(name);
+      return live == live_.end() ? uint64_t{1} : live->second.changes;
+    };
+    changed_.wait_for(lock, timeout,
+                      [&] { return stopping_ || changes() != cursor->change; });
+    cursor->change = changes();
+  }
+  Update update;
+  // First the state: points that come in between are then sent now, and a
+  // final state is sent with all points.
+  TACTUS_ASSIGN_OR_RETURN(update.operation, Get(name));
+  TACTUS_ASSIGN_OR_RETURN(auto points, Points(name));
+  if (points.size() > cursor->points) {
+    update.points.assign(
+        points.begin() + static_cast<std::ptrdiff_t>(cursor->points),
+        points.end());
+    cursor->points = points.size();
+  }
+  return update;
+}
+
+void OperationStore::StopWaiting() {
+  const std::lock_guard lock(mutex_);
+  stopping_ = true;
+  changed_.notify_all();
+}
+
+}  // namespace tactus::server

@@ -1,0 +1,112 @@
+// File: operation_store.h
+//
+// OperationStore: what was requested, how far it is, and how it ended. Every
+// state is stored before anybody sees it.
+//
+//   auto operation = operations.Create(kind, request, request_id, caller);
+//   operations.Change(name, [](v1::Operation& operation) { ... });
+//   auto update = operations.WaitForChange(name, &cursor, timeout);
+//
+// Progress that is not stored yet is at most a second old when the server
+// crashes; the learning curve and states are never lost.
+//
+// Errors: INVALID_NAME, OPERATION_NOT_FOUND, JOB_LIMIT, and those of storage.
+// Thread-safe. `data` must outlive it.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/functional/function_ref.h"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "core/store/data_directory.h"
+#include "server/records/caller.h"
+#include "server/records/paging.h"
+#include "tactus/v1/operations.pb.h"
+
+namespace tactus::server {
+
+// True in the states SUCCEEDED, FAILED and CANCELLED.
+bool HasEnded(const v1::Operation& operation);
+
+class OperationStore {
+ public:
+  // How much of an operation a watcher has seen.
+  struct Cursor {
+    uint64_t change = 0;
+    size_t points = 0;
+  };
+  struct Update {
+    v1::Operation operation;
+    std::vector<v1::LearningPoint> points;
+  };
+
+  OperationStore(DataDirectory* data, NowMs now)
+      : data_(data), now_(std::move(now)) {}
+
+  // Puts the operations that were RUNNING or CANCELLING when the server ended
+  // back into a state from which they go on. Call it once, first.
+  absl::Status Restore();
+
+  // Stores `request` (kind and request are set) as a new operation, in the
+  // state QUEUED unless it has another one, or returns the operation of an
+  // earlier request with this id.
+  absl::StatusOr<v1::Operation> Create(v1::Operation request,
+                                       absl::string_view request_id,
+                                       const Caller& caller);
+  absl::StatusOr<v1::Operation> Get(absl::string_view name) const;
+  // The newest first.
+  absl::StatusOr<Page<v1::Operation>> List(int page_size,
+                                           absl::string_view page_token,
+                                           v1::Operation::State state) const;
+  // Names of operations in `state`, the oldest first.
+  absl::StatusOr<std::vector<std::string>> InState(
+      v1::Operation::State state) const;
+  absl::StatusOr<std::vector<v1::LearningPoint>> Points(
+      absl::string_view name) const;
+
+  // Changes an operation, stores it, and wakes watchers. The function's error
+  // becomes the result, and nothing changes.
+  absl::StatusOr<v1::Operation> Change(
+      absl::string_view name,
+      absl::FunctionRef<absl::Status(v1::Operation&)> change);
+  // Appends to the learning curve.
+  absl::Status AddPoints(absl::string_view name,
+                         const std::vector<v1::LearningPoint>& points);
+  // Shows watchers a progress without storing it.
+  void ShowProgress(absl::string_view name,
+                    const v1::OperationProgress& progress);
+
+  // Returns what is behind `cursor`, and moves it; waits for news if there is
+  // none, at most for `timeout`. The update is empty of points if none came.
+  absl::StatusOr<Update> WaitForChange(absl::string_view name, Cursor* cursor,
+                                       std::chrono::milliseconds timeout) const;
+  // Ends all waits, now and later.
+  void StopWaiting();
+
+ private:
+  struct Live {
+    uint64_t changes = 1;
+    std::optional<v1::OperationProgress> progress;
+  };
+
+  void Wake(const std::string& name);
+
+  DataDirectory* const data_;
+  const NowMs now_;
+  mutable std::mutex mutex_;
+  mutable std::condition_variable changed_;
+  // By name; of operations that changed since the start.
+  std::map<std::string, Live, std::less<>> live_;
+  bool stopping_ = false;
+};
+
+}  // namespace tactus::server

@@ -1,0 +1,250 @@
+#include "server/records/upload_store.h"
+
+#include <utility>
+
+#include "absl/cleanup/cleanup.h"
+#include "absl/strings/str_cat.h"
+#include "core/base/crc32c.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+#include "core/base/text.h"
+#include "core/data/trial_record.h"
+#include "core/store/records.h"
+#include "server/records/audit_log.h"
+#include "server/records/pack_reader.h"
+#include "server/names/resource_names.h"
+
+namespace tactus::server {
+namespace {
+
+constexpr char kCollection[] = "uploads";
+
+absl::StatusOr<v1::StoredUpload> Find(const Transaction& look,
+                                      const ResourceName& name) {
+  TACTUS_ASSIGN_OR_RETURN(
+      auto found,
+      GetRecord<v1::StoredUpload>(look, Table::kUploads, CatalogKey(name)));
+  if (!found.has_value()) {
+    return NoSuch(v1::ERROR_REASON_UPLOAD_NOT_FOUND, "upload", name.ToString());
+  }
+  return *std::move(found);
+}
+
+v1::TrialInfo InfoOf(const v1::TrialRecord& record, const std::string& sha256,
+                     size_t bytes) {
+  v1::TrialInfo info;
+  info.set_sha256(sha256);
+  info.set_bytes(static_cast<int64_t>(bytes));
+  info.set_id(record.id());
+  info.set_label(record.label());
+  info.set_condition(record.condition());
+  info.set_object(record.object());
+  info.set_material(record.material());
+  info.set_layout(record.geometry().layout());
+  info.set_frames(static_cast<uint32_t>(record.time_size()));
+  return info;
+}
+
+}  // namespace
+
+absl::StatusOr<v1::StoredUpload> UploadStore::Create(
+    absl::string_view dataset, absl::string_view request_id, bool replace,
+    const Caller& caller) {
+  TACTUS_ASSIGN_OR_RETURN(const v1::Dataset target, datasets_->Get(dataset));
+  if (const std::string fault = TextFault(request_id, limits::kMaxNameBytes);
+      !fault.empty()) {
+    return InvalidConfig("request_id", Quoted(request_id), fault);
+  }
+  v1::StoredUpload upload;
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Change([&](Transaction& change) -> absl::Status {
+        const std::string request =
+            absl::StrCat("upload/", target.name(), "/", request_id);
+        if (!request_id.empty()) {
+          TACTUS_ASSIGN_OR_RETURN(const auto key,
+                                  change.Get(Table::kRequests, request));
+          if (key.has_value()) {
+            TACTUS_ASSIGN_OR_RETURN(
+                auto known,
+                GetRecord<v1::StoredUpload>(change, Table::kUploads, *key));
+            if (known.has_value()) upload = *std::move(known);
+            return absl::OkStatus();
+          }
+        }
+        TACTUS_ASSIGN_OR_RETURN(const uint64_t number,
+                                NextNumber(change, Table::kUploads));
+        upload.set_name(absl::StrCat(kCollection, "/", number));
+        upload.set_dataset(target.name());
+        upload.set_replace(replace);
+        upload.set_create_time_ms(now_());
+        const std::string key = NumberKey(number);
+        if (!request_id.empty()) {
+          TACTUS_RETURN_IF_ERROR(change.Put(Table::kRequests, request, key));
+        }
+        TACTUS_RETURN_IF_ERROR(PutRecord(change, Table::kUploads, key, upload));
+        return Audit(change, caller, now_(), "create", upload.name());
+      }));
+  return upload;
+}
+
+absl::StatusOr<v1::StoredUpload> UploadStore::Get(
+    absl::string_view name) const {
+  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
+                          ParseName(name, kCollection));
+  v1::StoredUpload upload;
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Look([&](const Transaction& look) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(upload, Find(look, parsed));
+        return absl::OkStatus();
+      }));
+  return upload;
+}
+
+absl::Status UploadStore::Hold(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  if (!held_.insert(id).second) {
+    return UploadBusy(absl::StrCat(kCollection, "/", id));
+  }
+  return absl::OkStatus();
+}
+
+void UploadStore::Release(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  held_.erase(id);
+}
+
+absl::Status UploadStore::Save(const std::string& id,
+                               const v1::StoredUpload& upload) {
+  TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
+                          ParseName(upload.name(), kCollection));
+  return data_->catalog().Change([&](Transaction& change) {
+    return PutRecord(change, Table::kUploads, CatalogKey(name), upload);
+  });
+}
+
+absl::StatusOr<std::unique_ptr<UploadStore::Writer>> UploadStore::Write(
+    absl::string_view name) {
+  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
+                          ParseName(name, kCollection));
+  TACTUS_RETURN_IF_ERROR(Hold(parsed.id));
+  // Releases the upload when it is destroyed.
+  std::unique_ptr<Writer> writer(new Writer(this, parsed.id));
+  TACTUS_ASSIGN_OR_RETURN(writer->upload_, Get(name));
+  const int64_t committed = writer->upload_.committed_size();
+  if (!writer->upload_.dataset_version().empty()) {
+    return OffsetMismatch(-1, committed);
+  }
+  const std::string path = data_->UploadPath(parsed.id);
+  TACTUS_ASSIGN_OR_RETURN(writer->file_, data_->files().Append(path));
+  TACTUS_ASSIGN_OR_RETURN(const int64_t size, data_->files().Size(path));
+  if (size < committed) {
+    return DataLost(path, absl::StrCat("has ", size, " of ", committed,
+                                       " committed bytes"));
+  }
+  if (size > committed) {
+    TACTUS_RETURN_IF_ERROR(data_->files().Truncate(path, committed));
+  }
+  writer->size_ = committed;
+  writer->crc32c_ = writer->upload_.crc32c();
+  return writer;
+}
+
+UploadStore::Writer::~Writer() { store_->Release(id_); }
+
+absl::Status UploadStore::Writer::Append(int64_t offset,
+                                         absl::string_view chunk,
+                                         uint32_t crc32c) {
+  if (offset != size_) return OffsetMismatch(offset, size_);
+  if (chunk.empty() || chunk.size() > limits::kMaxChunkBytes) {
+    return InvalidConfig("size of data", chunk.size(),
+                         absl::StrCat("1 to ", limits::kMaxChunkBytes));
+  }
+  if (const uint32_t got = ExtendCrc32c(0, chunk); got != crc32c) {
+    return ChecksumMismatch("data", absl::StrCat(absl::Hex(got)),
+                            absl::StrCat(absl::Hex(crc32c)));
+  }
+  if (size_ + static_cast<int64_t>(chunk.size()) > limits::kMaxUploadBytes) {
+    return InvalidConfig("size of the upload", size_ + chunk.size(),
+                         absl::StrCat("at most ", limits::kMaxUploadBytes));
+  }
+  TACTUS_RETURN_IF_ERROR(file_->Append(chunk));
+  size_ += static_cast<int64_t>(chunk.size());
+  crc32c_ = ExtendCrc32c(crc32c_, chunk);
+  return absl::OkStatus();
+}
+
+absl::Status UploadStore::Writer::Commit() {
+  if (uncommitted() == 0) return absl::OkStatus();
+  TACTUS_RETURN_IF_ERROR(file_->Sync());
+  DataDirectory* data = store_->data_;
+  if (upload_.committed_size() == 0) {
+    TACTUS_RETURN_IF_ERROR(data->files().SyncDirectory(data->UploadFolder()));
+  }
+  v1::StoredUpload next = upload_;
+  next.set_committed_size(size_);
+  next.set_crc32c(crc32c_);
+  TACTUS_RETURN_IF_ERROR(store_->Save(id_, next));
+  upload_ = next;
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<v1::TrialInfo>> UploadStore::StoreTrials(
+    const std::string& id, int64_t size, uint32_t* known) {
+  std::vector<v1::TrialInfo> trials;
+  BlobStore::Batch batch = data_->blobs().NewBatch();
+  PackReader pack(data_->files(), data_->UploadPath(id), size);
+  while (!pack.AtEnd()) {
+    TACTUS_ASSIGN_OR_RETURN(const std::string bytes, pack.Next());
+    v1::TrialRecord record;
+    if (!record.ParseFromString(bytes)) {
+      return InvalidTrial(absl::StrCat("trial number ", trials.size() + 1,
+                                       " is not a tactus.v1.TrialRecord"));
+    }
+    TACTUS_RETURN_IF_ERROR(FromRecord(record).status());
+    TACTUS_ASSIGN_OR_RETURN(const std::string sha256, batch.Add(bytes));
+    trials.push_back(InfoOf(record, sha256, bytes.size()));
+  }
+  if (trials.empty()) return InvalidTrial("the upload has no trials");
+  *known = static_cast<uint32_t>(trials.size() - batch.added());
+  TACTUS_RETURN_IF_ERROR(batch.Commit());
+  return trials;
+}
+
+absl::StatusOr<v1::DatasetVersion> UploadStore::Finish(absl::string_view name,
+                                                       int64_t size,
+                                                       uint32_t crc32c,
+                                                       const Caller& caller,
+                                                       uint32_t* known) {
+  *known = 0;
+  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
+                          ParseName(name, kCollection));
+  TACTUS_RETURN_IF_ERROR(Hold(parsed.id));
+  const auto release = absl::MakeCleanup([&] { Release(parsed.id); });
+  TACTUS_ASSIGN_OR_RETURN(v1::StoredUpload upload, Get(name));
+  if (!upload.dataset_version().empty()) {
+    return datasets_->Version(upload.dataset_version());
+  }
+  if (size != upload.committed_size()) {
+    return OffsetMismatch(size, upload.committed_size());
+  }
+  if (crc32c != upload.crc32c()) {
+    return ChecksumMismatch("the upload",
+                            absl::StrCat(absl::Hex(upload.crc32c())),
+                            absl::StrCat(absl::Hex(crc32c)));
+  }
+  TACTUS_ASSIGN_OR_RETURN(
+      v1::DatasetVersion version,
+      datasets_->AddVersion(
+          upload.dataset(), [&] { return StoreTrials(parsed.id, size, known); },
+          upload.replace(), caller,
+          [&](Transaction& change, const v1::DatasetVersion& made) {
+            upload.set_dataset_version(made.name());
+            return PutRecord(change, Table::kUploads, CatalogKey(parsed),
+                             upload);
+          }));
+  TACTUS_RETURN_IF_ERROR(data_->files().Remove(data_->UploadPath(parsed.id)));
+  return version;
+}
+
+}  // namespace tactus::server

@@ -1,0 +1,101 @@
+// File: upload_store.h
+//
+// UploadStore: bytes that arrive in chunks, survive crashes, and become a
+// version of a dataset.
+//
+//   auto upload = uploads.Create("datasets/grasps", request_id, false, caller);
+//   {
+//     TACTUS_ASSIGN_OR_RETURN(auto writer, uploads.Write(upload->name()));
+//     TACTUS_RETURN_IF_ERROR(writer->Append(offset, chunk, crc32c));
+//     TACTUS_RETURN_IF_ERROR(writer->Commit());  // now on disk
+//   }
+//   auto version = uploads.Finish(upload->name(), size, crc32c, caller);
+//
+// Bytes behind the committed size are cut off when the next writer begins.
+// Errors: INVALID_NAME, UPLOAD_NOT_FOUND, and those of storage. Thread-safe; a
+// writer belongs to one thread. What it is given must outlive it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "core/store/data_directory.h"
+#include "server/records/caller.h"
+#include "server/records/dataset_store.h"
+#include "tactus/v1/storage.pb.h"
+#include "tactus/v1/training.pb.h"
+
+namespace tactus::server {
+
+class UploadStore {
+ public:
+  // Holds an upload for one call. What was appended and not committed is lost.
+  class Writer {
+   public:
+    ~Writer();
+    // OFFSET_MISMATCH, CHECKSUM_MISMATCH, STORAGE_FULL.
+    absl::Status Append(int64_t offset, absl::string_view chunk,
+                        uint32_t crc32c);
+    // Makes all that was appended durable.
+    absl::Status Commit();
+    int64_t committed_size() const { return upload_.committed_size(); }
+    // Bytes that were appended since the last Commit.
+    int64_t uncommitted() const { return size_ - upload_.committed_size(); }
+
+   private:
+    friend class UploadStore;
+    Writer(UploadStore* store, std::string id) : store_(store), id_(id) {}
+
+    UploadStore* const store_;
+    const std::string id_;
+    v1::StoredUpload upload_;
+    std::unique_ptr<AppendableFile> file_;
+    int64_t size_ = 0;
+    uint32_t crc32c_ = 0;
+  };
+
+  UploadStore(DataDirectory* data, DatasetStore* datasets, NowMs now)
+      : data_(data), datasets_(datasets), now_(std::move(now)) {}
+
+  // The upload of an earlier request with this id, or a new one. An empty id
+  // always makes a new one.
+  absl::StatusOr<v1::StoredUpload> Create(absl::string_view dataset,
+                                          absl::string_view request_id,
+                                          bool replace, const Caller& caller);
+  absl::StatusOr<v1::StoredUpload> Get(absl::string_view name) const;
+  // UPLOAD_BUSY while another writer, or Finish, holds the upload.
+  absl::StatusOr<std::unique_ptr<Writer>> Write(absl::string_view name);
+
+  // Checks all trials and makes them a version of the dataset; returns that
+  // version if it was done before. INVALID_TRIAL names the trial and the field.
+  // `known` receives the number of trials that were stored already.
+  absl::StatusOr<v1::DatasetVersion> Finish(absl::string_view name,
+                                            int64_t size, uint32_t crc32c,
+                                            const Caller& caller,
+                                            uint32_t* known);
+
+ private:
+  friend class Writer;
+  // Takes the upload for one caller; UPLOAD_BUSY.
+  absl::Status Hold(const std::string& id);
+  void Release(const std::string& id);
+  absl::Status Save(const std::string& id, const v1::StoredUpload& upload);
+  // Makes a blob of each trial of the pack.
+  absl::StatusOr<std::vector<v1::TrialInfo>> StoreTrials(const std::string& id,
+                                                         int64_t size,
+                                                         uint32_t* known);
+
+  DataDirectory* const data_;
+  DatasetStore* const datasets_;
+  const NowMs now_;
+  std::mutex mutex_;
+  // Uploads that someone writes to.
+  std::set<std::string> held_;
+};
+
+}  // namespace tactus::server
