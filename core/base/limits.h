@@ -128,6 +128,8 @@ inline constexpr int64_t kMaxTrialRecordBytes = 64L * 1024 * 1024;
 inline constexpr int64_t kMaxUploadBytes = 64L * 1024 * 1024 * 1024;
 // One message of a job to the server.
 inline constexpr size_t kMaxJobEventBytes = 64 * 1024;
+// Epochs of LSTM training.
+inline constexpr int kMaxEpochs = 10'000;
 // Jobs that wait.
 inline constexpr int kMaxQueuedJobs = 200;
 

@@ -15,6 +15,7 @@
 #include "core/train/calibrate.h"
 #include "core/train/folds.h"
 #include "core/train/model_fit.h"
+#include "core/train/usable.h"
 
 namespace tactus {
 namespace {
@@ -321,6 +322,7 @@ absl::StatusOr<Model> FitModel(
     TACTUS_RETURN_IF_ERROR(
         CheckCues(contacts, options.lstm.cues, options.features));
   }
+  TACTUS_RETURN_IF_ERROR(CheckUsable(contacts, options));
   const SavedParts saved(journal, contacts, options);
   const FitRun run = {options, class_names, journal, saved};
   ModelFit whole(run, "", contacts);

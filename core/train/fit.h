@@ -31,7 +31,8 @@ std::vector<std::string> ClassNames(
 
 // Fits a model. INVALID_TRAINING_DATA if there are fewer than two classes or
 // fewer than two contacts of some class, if skins or sampling rates are mixed,
-// or if cues of the load profile are asked of ideal signals. INVALID_CONFIG if
+// if cues of the load profile are asked of ideal signals, or if a contact is
+// not usable (usable.h). INVALID_CONFIG if
 // the features allow no cue. CANCELLED or CHECKPOINT_INVALID as fit_journal.h
 // describes. Of the provenance, the caller fills in everything but trials and
 // seed. `journal` may be null and must outlive the call.

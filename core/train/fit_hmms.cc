@@ -19,10 +19,11 @@ absl::StatusOr<HmmMixture> FitClassHmms(const FitRun& run,
   std::vector<std::vector<double>> sequences;
   LabelledContact made;
   for (size_t i = 0; i < contacts.size(); ++i) {
-    if (contacts.Original(i).label == run.class_names[label]) {
-      sequences.push_back(
-          MakeSequence(contacts.Get(i, made), spec.hmm, spec.hmm_steps));
-    }
+    if (contacts.Original(i).label != run.class_names[label]) continue;
+    sequences.push_back(
+        MakeSequence(contacts.Get(i, made), spec.hmm, spec.hmm_steps));
+    // A copy may be too short for a step.
+    if (sequences.back().empty()) sequences.pop_back();
   }
   const int dimensions = static_cast<int>(spec.hmm.size());
   std::vector<SequenceView> views;

@@ -6,7 +6,7 @@
 
 #include "absl/strings/str_format.h"
 #include "client/tools/common/percentile.h"
-#include "client/tools/common/run_on_threads.h"
+#include "core/base/run_on_threads.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "tests/bench/frontier.h"

@@ -27,6 +27,7 @@
 #include "core/train/labelled_contact.h"
 #include "core/train/model_fit.h"
 #include "core/train/saved_parts.h"
+#include "core/train/usable.h"
 #include "core/train/variation.h"
 #include "core/train/varied_contacts.h"
 #include "core/train/work.h"
@@ -198,6 +199,14 @@ absl::Status SavedPartsExample(FitJournal* journal, const Contacts& contacts,
     mixture = Train();
     TACTUS_RETURN_IF_ERROR(saved.Put("hmm/SU", *mixture));
   }
+  return absl::OkStatus();
+}
+
+absl::Status UsableExample(Contacts contacts, const FitOptions& options) {
+  std::erase_if(contacts, [&](const LabelledContact* contact) {
+    return !IsUsable(*contact, options);
+  });
+  TACTUS_RETURN_IF_ERROR(CheckUsable(contacts, options));
   return absl::OkStatus();
 }
 

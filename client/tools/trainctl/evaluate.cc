@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "client/tools/common/run_on_threads.h"
+#include "core/base/run_on_threads.h"
 #include "client/tools/figures/figure.h"
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/evaluate_figures.h"
@@ -85,9 +85,11 @@ absl::Status RunUnknown(const Flags& flags) {
   TACTUS_ASSIGN_OR_RETURN(
       const LoadedContacts loaded,
       LoadContacts(flags.data, flags.layout, display.progress()));
-  TACTUS_ASSIGN_OR_RETURN(const auto results,
-                          EvaluateUnknown(loaded.Pointers(), options,
-                                          RunOnThreads, display.progress()));
+  std::vector<const LabelledContact*> contacts = loaded.Pointers();
+  flags.fit.SkipUnusable(options, contacts);
+  TACTUS_ASSIGN_OR_RETURN(
+      const auto results,
+      EvaluateUnknown(contacts, options, RunOnThreads, display.progress()));
   display.Clear();
   if (flags.json) {
     std::cout << JsonText(Json({{"protocol", flags.protocol},
@@ -119,10 +121,11 @@ absl::StatusOr<Run> RunProtocol(const Flags& flags,
       const Protocol protocol,
       ParseProtocol(flags.protocol,
                     flags.folds.value_or(Protocol::kDefaultFolds)));
-  TACTUS_ASSIGN_OR_RETURN(
-      Evaluation result,
-      EvaluateProtocol(loaded.Pointers(), protocol, algorithm, options,
-                       RunOnThreads, progress));
+  std::vector<const LabelledContact*> contacts = loaded.Pointers();
+  flags.fit.SkipUnusable(options, contacts);
+  TACTUS_ASSIGN_OR_RETURN(Evaluation result,
+                          EvaluateProtocol(contacts, protocol, algorithm,
+                                           options, RunOnThreads, progress));
   return Run{std::move(result), FeaturesToString(options.features)};
 }
 

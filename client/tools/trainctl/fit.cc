@@ -2,7 +2,7 @@
 #include <iostream>
 
 #include "absl/strings/str_format.h"
-#include "client/tools/common/run_on_threads.h"
+#include "core/base/run_on_threads.h"
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/fit_flags.h"
 #include "client/tools/trainctl/progress_display.h"
@@ -29,9 +29,11 @@ absl::Status Run(const Flags& flags) {
   TACTUS_ASSIGN_OR_RETURN(
       const LoadedContacts loaded,
       LoadContacts(flags.data, flags.layout, display.progress()));
-  TACTUS_ASSIGN_OR_RETURN(
-      Model model,
-      FitModel(loaded.Pointers(), options, RunOnThreads, display.progress()));
+  std::vector<const LabelledContact*> contacts = loaded.Pointers();
+  const std::vector<std::string> unusable =
+      flags.fit.SkipUnusable(options, contacts);
+  TACTUS_ASSIGN_OR_RETURN(Model model, FitModel(contacts, options, RunOnThreads,
+                                                display.progress()));
   display.Clear();
   model.provenance.command = CommandLine();
   model.provenance.version = kVersion;
@@ -45,6 +47,7 @@ absl::Status Run(const Flags& flags) {
                                {"bytes", bytes.size()},
                                {"trials", loaded.trials},
                                {"undetectable", loaded.undetectable},
+                               {"unusable", unusable},
                                {"classes", model.class_names},
                                {"features", FeaturesToString(options.features)},
                                {"seed", options.seed},
@@ -52,9 +55,11 @@ absl::Status Run(const Flags& flags) {
               << "\n";
   } else {
     std::cout << absl::StrFormat(
-        "%s: %d bytes, %d trials, %d undetectable, seed %d, %.1f s\n"
+        "%s: %d bytes, %d trials, %d undetectable, %sseed %d, %.1f s\n"
         "sha256 %s\n",
         flags.out, bytes.size(), loaded.trials, loaded.undetectable,
+        unusable.empty() ? ""
+                         : absl::StrFormat("%d unusable, ", unusable.size()),
         options.seed, SecondsSinceStart(), BundleSha256(bytes));
   }
   return absl::OkStatus();

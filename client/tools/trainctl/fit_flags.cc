@@ -7,6 +7,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/train/usable.h"
 
 namespace tactus::client {
 
@@ -28,6 +29,9 @@ void FitFlags::Add(CLI::App& command) {
                          "Epochs of LSTM training, instead of the preset's"),
       command.add_flag("--no-estimates", no_estimates,
                        "Train no estimator of stiffness and motion"),
+      command.add_flag("--skip-unusable", skip_unusable,
+                       "Leave out contacts that end before the models' first "
+                       "step, instead of refusing them"),
       command.add_option("--stretches", stretches,
                          "Stretches of each stretched cue, instead of the "
                          "preset's"),
@@ -60,6 +64,19 @@ absl::StatusOr<std::vector<Cue>> ParseCues(absl::string_view flag,
 }
 
 }  // namespace
+
+std::vector<std::string> FitFlags::SkipUnusable(
+    const FitOptions& options,
+    std::vector<const LabelledContact*>& contacts) const {
+  std::vector<std::string> skipped;
+  if (!skip_unusable) return skipped;
+  std::erase_if(contacts, [&](const LabelledContact* contact) {
+    if (IsUsable(*contact, options)) return false;
+    skipped.push_back(contact->id);
+    return true;
+  });
+  return skipped;
+}
 
 absl::StatusOr<FitOptions> FitFlags::Options() const {
   TACTUS_ASSIGN_OR_RETURN(FitOptions options, FitPreset(preset));

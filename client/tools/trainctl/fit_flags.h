@@ -30,6 +30,7 @@ struct FitFlags {
   int epochs = 0;
   std::optional<int> stretches;
   bool no_estimates = false;
+  bool skip_unusable = false;
   std::string hmm_cues;
   std::string lstm_cues;
 
@@ -39,6 +40,11 @@ struct FitFlags {
   std::string FirstGiven() const;
   // Returns the preset, changed as the other flags say.
   absl::StatusOr<FitOptions> Options() const;
+  // With --skip-unusable, removes the contacts that models cannot be fitted to
+  // (usable.h), and returns their ids.
+  std::vector<std::string> SkipUnusable(
+      const FitOptions& options,
+      std::vector<const LabelledContact*>& contacts) const;
 
  private:
   // Those that Add() made; the command owns them.

@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "client/tools/common/run_on_threads.h"
+#include "core/base/run_on_threads.h"
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/progress_display.h"
 #include "client/tools/trainctl/reproduce_data.h"

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "absl/strings/str_format.h"
-#include "client/tools/common/run_on_threads.h"
+#include "core/base/run_on_threads.h"
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/progress_display.h"
 #include "client/tools/trainctl/simulate_jobs.h"

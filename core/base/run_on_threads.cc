@@ -1,11 +1,11 @@
-#include "client/tools/common/run_on_threads.h"
+#include "core/base/run_on_threads.h"
 
 #include <algorithm>
 #include <atomic>
 #include <thread>
 #include <vector>
 
-namespace tactus::client {
+namespace tactus {
 
 void RunOnThreads(int count, const std::function<void(int)>& body) {
   std::atomic<int> next = 0;
@@ -21,4 +21,4 @@ void RunOnThreads(int count, const std::function<void(int)>& body) {
   work();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus

@@ -17,10 +17,10 @@
 
 #include <functional>
 
-namespace tactus::client {
+namespace tactus {
 
 // Calls body(0) .. body(count - 1), one thread per processor, in any order.
 // Returns when all calls have returned. The calling thread takes part.
 void RunOnThreads(int count, const std::function<void(int)>& body);
 
-}  // namespace tactus::client
+}  // namespace tactus

@@ -1,0 +1,65 @@
+#include "core/train/train_spec.h"
+
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+#include "core/features/feature.h"
+
+namespace tactus {
+namespace {
+
+// "force" -> "f", as ParseFeatures takes it.
+absl::StatusOr<std::string> Letter(const std::string& feature) {
+  if (feature == "force" || feature == "area" || feature == "motion") {
+    return feature.substr(0, 1);
+  }
+  return InvalidConfig("features", feature, "force, area or motion");
+}
+
+}  // namespace
+
+absl::StatusOr<FitOptions> OptionsOf(const v1::TrainSpec& spec) {
+  TACTUS_ASSIGN_OR_RETURN(
+      FitOptions options,
+      FitPreset(spec.preset().empty() ? "tuned" : spec.preset()));
+  if (spec.features_size() > 0) {
+    std::vector<std::string> letters;
+    for (const std::string& feature : spec.features()) {
+      TACTUS_ASSIGN_OR_RETURN(std::string letter, Letter(feature));
+      letters.push_back(std::move(letter));
+    }
+    TACTUS_ASSIGN_OR_RETURN(options.features,
+                            ParseFeatures(absl::StrJoin(letters, ",")));
+  }
+  if (spec.seed() != 0) options.seed = spec.seed();
+  if (spec.has_networks()) {
+    if (spec.networks() > limits::kMaxLstms) {
+      return InvalidConfig("networks", spec.networks(),
+                           absl::StrCat("0 to ", limits::kMaxLstms));
+    }
+    options.lstm.networks = static_cast<int>(spec.networks());
+  }
+  if (spec.has_epochs()) {
+    if (spec.epochs() < 1 || spec.epochs() > limits::kMaxEpochs) {
+      return InvalidConfig("epochs", spec.epochs(),
+                           absl::StrCat("1 to ", limits::kMaxEpochs));
+    }
+    options.lstm.training.epochs = static_cast<int>(spec.epochs());
+  }
+  if (spec.has_hmms_per_class()) {
+    if (spec.hmms_per_class() < 1 ||
+        spec.hmms_per_class() > limits::kMaxHmmsPerClass) {
+      return InvalidConfig("hmms_per_class", spec.hmms_per_class(),
+                           absl::StrCat("1 to ", limits::kMaxHmmsPerClass));
+    }
+    options.hmms_per_class = static_cast<int>(spec.hmms_per_class());
+  }
+  return options;
+}
+
+}  // namespace tactus

@@ -1,0 +1,49 @@
+#include "core/train/usable.h"
+
+#include <algorithm>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "core/base/errors.h"
+
+namespace tactus {
+namespace {
+
+// Ids that the text of an error names.
+constexpr size_t kNamed = 5;
+
+// The first step of the models that are trained is due at this frame.
+uint32_t FirstStep(const FitOptions& options) {
+  return options.lstm.networks > 0
+             ? std::max(options.hmm_steps.min, options.lstm.steps.min)
+             : options.hmm_steps.min;
+}
+
+}  // namespace
+
+bool IsUsable(const LabelledContact& contact, const FitOptions& options) {
+  const size_t before = FirstStep(options) - 1;
+  return before < contact.frames.size() &&
+         std::any_of(contact.frames.begin() + static_cast<ptrdiff_t>(before),
+                     contact.frames.end(),
+                     [](const ContactFrame& frame) { return frame.touched; });
+}
+
+absl::Status CheckUsable(const std::vector<const LabelledContact*>& contacts,
+                         const FitOptions& options) {
+  std::vector<std::string> named;
+  size_t count = 0;
+  for (const LabelledContact* contact : contacts) {
+    if (IsUsable(*contact, options)) continue;
+    if (++count <= kNamed) named.push_back(contact->id);
+  }
+  if (count == 0) return absl::OkStatus();
+  return InvalidTrainingData(absl::StrCat(
+      count, " of ", contacts.size(), " contacts are too short: ",
+      absl::StrJoin(named, ", "), count > kNamed ? ", ..." : "",
+      "; they must be touched at frame ", FirstStep(options),
+      " after onset or later, where the models take their first step"));
+}
+
+}  // namespace tactus

@@ -1,0 +1,32 @@
+// File: job.h
+//
+// A job as tactus-trainer runs it: reads its trials from the blobs, trains or
+// evaluates, and leaves the outcome in the job's folder.
+//
+//   job.pb             the request (JobSpec), written by the server
+//   candidate.tactus   the bundle to evaluate, written by the server
+//   current.tactus     the bundle to compare it with, written by the server
+//   parts/             checkpoints of a training
+//   bundle.tactus      the trained model
+//   result.pb          the outcome (JobOutcome), written last
+//
+//   const absl::Status status = RunJob(files, folder, &events, &journal);
+//
+// Not thread-safe: one job per process.
+#pragma once
+
+#include <string>
+
+#include "absl/status/status.h"
+#include "core/store/file_system.h"
+#include "server/trainer/event_writer.h"
+#include "server/trainer/file_journal.h"
+
+namespace tactus::server {
+
+// Runs the job of a folder. An error of the job itself, such as unfit data, is
+// an outcome too: the result is OK when an outcome was written.
+absl::Status RunJob(FileSystem& files, const std::string& folder,
+                    EventWriter* events, FileJournal* journal);
+
+}  // namespace tactus::server
