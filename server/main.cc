@@ -1,7 +1,11 @@
 // tactusd: the server program.
+#include <unistd.h>
+
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +19,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/version.h"
 #include "grpcpp/create_channel.h"
+#include "server/jobs/training_backend.h"
 #include "server/listen/descriptor_limit.h"
 #include "server/listen/self_check.h"
 #include "server/ops/health_probe.h"
@@ -40,6 +45,9 @@ struct Flags {
   std::optional<std::string> tls_key;
   std::optional<std::string> tls_roots;
   int self_check_ms = limits::kSelfCheckMs;
+  std::string data_dir;
+  std::string trainer;
+  int64_t job_memory_mb = 0;
 };
 
 absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> HealthCredentials(
@@ -87,6 +95,40 @@ absl::Status LoadModels(const std::vector<std::string>& flags,
     spdlog::info("serving {}", version);
   }
   return absl::OkStatus();
+}
+
+// tactus-trainer, beside this program unless the flags say otherwise.
+std::string TrainerProgram(const Flags& flags) {
+  if (!flags.trainer.empty()) return flags.trainer;
+  std::error_code error;
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
+  return (self.parent_path() / "tactus-trainer").string();
+}
+
+std::string HostName() {
+  std::array<char, 256> name{};
+  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
+}
+
+// Null without --data-dir.
+absl::StatusOr<std::unique_ptr<TrainingBackend>> OpenTraining(
+    const Flags& flags, ModelRegistry* registry) {
+  if (flags.data_dir.empty()) return std::unique_ptr<TrainingBackend>();
+  TACTUS_ASSIGN_OR_RETURN(
+      auto training,
+      TrainingBackend::Open(
+          {.folder = flags.data_dir,
+           .jobs = {.process = {.program = TrainerProgram(flags),
+                                .memory_bytes =
+                                    flags.job_memory_mb * 1024 * 1024},
+                    .host = HostName()}},
+          registry));
+  for (const std::string& failure : training->failures()) {
+    spdlog::error("not served: {}", failure);
+  }
+  spdlog::info("data directory {}", flags.data_dir);
+  training->Start();
+  return training;
 }
 
 // Lowers the limits of connections to what the limit of open files allows.
@@ -138,6 +180,8 @@ absl::Status Serve(const Flags& flags, StopSignals& signals) {
   ModelRegistry registry;
   TACTUS_RETURN_IF_ERROR(LoadModels(flags.models, registry));
   TactusServer::Options options = flags.server;
+  TACTUS_ASSIGN_OR_RETURN(const auto training, OpenTraining(flags, &registry));
+  options.training = training.get();
   FitConnections(options);
   if (flags.tls_certificate) {
     TACTUS_ASSIGN_OR_RETURN(
@@ -162,6 +206,7 @@ absl::Status Serve(const Flags& flags, StopSignals& signals) {
   Notify("STOPPING=1");
   spdlog::info("signal {}: draining {} streams", signal, server->gate().live());
   self_check.reset();
+  if (training != nullptr) training->Stop();
   server->Stop();
   const StreamGate& gate = server->gate();
   spdlog::info("stopped after {} streams, {} refused, {} frames", gate.opened(),
@@ -207,6 +252,16 @@ int Main(int argc, char** argv) {
                        : std::string();
           },
           "NAME=PATH"));
+  app.add_option("--data-dir", flags.data_dir,
+                 "Folder for datasets, jobs and models; without it, the server "
+                 "only classifies");
+  app.add_option("--trainer", flags.trainer,
+                 "Program that runs jobs; default: tactus-trainer beside this "
+                 "program");
+  app.add_option("--job-memory-mb", flags.job_memory_mb,
+                 "Memory that a job may have; 0 for no limit")
+      ->check(CLI::Range(int64_t{0}, int64_t{1} << 30))
+      ->capture_default_str();
   app.add_option("--drain-grace-ms", flags.server.drain_grace_ms,
                  "Time streams have to finish after SIGTERM, SIGINT or SIGHUP")
       ->check(CLI::Range(0, 3'600'000))

@@ -13,6 +13,8 @@
 #include "grpcpp/impl/server_builder_option.h"
 #include "grpcpp/impl/server_builder_plugin.h"
 #include "grpcpp/server_builder.h"
+#include "server/ops/peer.h"
+#include "server/rpc/training_rpcs.h"
 
 namespace tactus::server {
 namespace {
@@ -26,7 +28,8 @@ constexpr milliseconds kLastMessages(400);
 constexpr milliseconds kCutOff(200);
 constexpr size_t kMemoryQuotaBytes = 512UL * 1024 * 1024;
 
-void SetChannelArguments(int max_streams, grpc::ServerBuilder& builder) {
+void SetChannelArguments(int max_streams, bool uploads,
+                         grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 30'000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 10'000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
@@ -46,7 +49,8 @@ void SetChannelArguments(int max_streams, grpc::ServerBuilder& builder) {
     builder.SetCompressionAlgorithmSupportStatus(algorithm, false);
   }
   builder.AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
-  builder.SetMaxReceiveMessageSize(limits::kMaxReceiveBytes);
+  builder.SetMaxReceiveMessageSize(uploads ? limits::kMaxUploadMessageBytes
+                                           : limits::kMaxReceiveBytes);
   // All calls of one read are made before any of them ends.
   builder.AddChannelArgument(GRPC_ARG_TCP_MAX_READ_CHUNK_SIZE,
                              limits::kMaxReadBytes);
@@ -80,6 +84,11 @@ int StreamsPerConnection(const TactusServer::Options& options) {
   return std::min(options.max_streams, options.max_streams_per_peer);
 }
 
+absl::StatusOr<Caller> AllowAll(const grpc::ServerContext& context,
+                                const std::string&, Role) {
+  return Caller{.name = PeerOf(context.peer()), .peer = context.peer()};
+}
+
 int Threads(int wanted) {
   if (wanted > 0) return wanted;
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency() / 2));
@@ -101,12 +110,18 @@ TactusServer::TactusServer(const ModelSource* models, const Options& options)
                  .max_streams_per_peer = options.max_streams_per_peer,
                  .idle_timeout_ms = options.idle_timeout_ms,
                  .first_message_timeout_ms = options.first_message_timeout_ms,
-                 .server_version = kVersion}) {}
+                 .server_version = kVersion}),
+      control_(AllowAll) {
+  AddTrainingRpcs(options.training, control_);
+  AddOperationRpcs(options.training, control_);
+  AddModelRpcs(options.training, control_);
+}
 
 absl::Status TactusServer::Listen() {
   grpc::ServerBuilder builder;
   builder.SetOption(std::make_unique<ReflectionOption>(options_.reflection));
-  SetChannelArguments(StreamsPerConnection(options_), builder);
+  SetChannelArguments(StreamsPerConnection(options_),
+                      options_.training != nullptr, builder);
   TACTUS_ASSIGN_OR_RETURN(
       listener_, GrpcListener::Open(
                      {.addresses = options_.listen,
@@ -119,6 +134,7 @@ absl::Status TactusServer::Listen() {
   listener_->AddTo(builder);
   builder.RegisterService(&contacts_);
   builder.RegisterService(&health_);
+  builder.RegisterAsyncGenericService(control_.generic());
   for (int i = 0; i < Threads(options_.threads); ++i) {
     queues_.push_back(
         std::make_unique<CallQueue>(builder.AddCompletionQueue(), &arrivals_));
@@ -136,6 +152,7 @@ void TactusServer::Serve() {
   for (const auto& queue : queues_) {
     contacts_.Serve(queue.get());
     health_.Serve(queue.get());
+    control_.Serve(queue.get());
   }
   SetServing(true);
   for (const auto& queue : queues_) queue->Start();
@@ -149,6 +166,7 @@ TactusServer::~TactusServer() {
 void TactusServer::Stop() {
   const milliseconds grace(options_.drain_grace_ms);
   SetServing(false);
+  control_.StartDraining();
   contacts_.StartDraining(grace);
   if (!contacts_.WaitUntilEmpty(grace)) {
     contacts_.EndStreams();
@@ -162,6 +180,7 @@ void TactusServer::Shutdown(std::chrono::system_clock::time_point deadline) {
   server_->Shutdown(deadline);
   server_->Wait();
   for (const auto& queue : queues_) queue->Stop();
+  control_.StopWorkers();
   server_.reset();
 }
 

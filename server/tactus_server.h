@@ -19,10 +19,12 @@
 #include "core/base/limits.h"
 #include "grpcpp/channel.h"
 #include "grpcpp/server.h"
+#include "server/jobs/training_backend.h"
 #include "server/listen/grpc_listener.h"
 #include "server/ops/guarded_credentials.h"
 #include "server/ops/tls.h"
 #include "server/rpc/contact_service.h"
+#include "server/rpc/control_service.h"
 #include "server/rpc/health_service.h"
 
 namespace tactus::server {
@@ -51,6 +53,9 @@ class TactusServer {
     int drain_grace_ms = limits::kDrainGraceMs;
     // Serve grpc.reflection, from which tools learn the services.
     bool reflection = false;
+    // Serves data, jobs and models; null: those RPCs end with
+    // NO_DATA_DIRECTORY. Must outlive the server.
+    TrainingBackend* training = nullptr;
   };
 
   // Serving when it returns. INVALID_CONFIG or IO if an address is wrong or
@@ -89,6 +94,7 @@ class TactusServer {
   CallRefuser refuser_{&arrivals_};
   ContactService contacts_;
   HealthService health_;
+  ControlService control_;
   std::vector<std::unique_ptr<CallQueue>> queues_;
   std::unique_ptr<GrpcListener> listener_;
   std::unique_ptr<grpc::Server> server_;

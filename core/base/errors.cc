@@ -327,33 +327,32 @@ absl::Status UploadBusy(absl::string_view name) {
 }
 
 absl::Status OffsetMismatch(int64_t got, int64_t committed) {
-  return MakeError(
-      StatusCode::kFailedPrecondition, v1::ERROR_REASON_OFFSET_MISMATCH,
-      absl::StrCat("write_offset is ", got, "; the upload has ", committed,
-                   " bytes, so it must be ", committed),
-      {{"write_offset", absl::StrCat(got)},
-       {"committed_size", absl::StrCat(committed)}});
+  return MakeError(StatusCode::kFailedPrecondition,
+                   v1::ERROR_REASON_OFFSET_MISMATCH,
+                   absl::StrCat("write_offset is ", got, "; the upload has ",
+                                committed, " bytes, so it must be ", committed),
+                   {{"write_offset", absl::StrCat(got)},
+                    {"committed_size", absl::StrCat(committed)}});
 }
 
 absl::Status ChecksumMismatch(absl::string_view what, absl::string_view got,
                               absl::string_view want) {
-  return MakeError(StatusCode::kInvalidArgument,
-                   v1::ERROR_REASON_CHECKSUM_MISMATCH,
-                   absl::StrCat(what, " has checksum ", got, "; announced was ",
-                                want),
-                   {{"got", std::string(got)}, {"want", std::string(want)}});
+  return MakeError(
+      StatusCode::kInvalidArgument, v1::ERROR_REASON_CHECKSUM_MISMATCH,
+      absl::StrCat(what, " has checksum ", got, "; announced was ", want),
+      {{"got", std::string(got)}, {"want", std::string(want)}});
 }
 
 absl::Status InvalidTrial(absl::string_view message) {
-  return MakeError(StatusCode::kInvalidArgument,
-                   v1::ERROR_REASON_INVALID_TRIAL, message);
+  return MakeError(StatusCode::kInvalidArgument, v1::ERROR_REASON_INVALID_TRIAL,
+                   message);
 }
 
 absl::Status JobLimit(int limit) {
-  return MakeError(StatusCode::kResourceExhausted, v1::ERROR_REASON_JOB_LIMIT,
-                   absl::StrCat("the server already has ", limit,
-                                " queued jobs, its limit"),
-                   {{"limit", absl::StrCat(limit)}});
+  return MakeError(
+      StatusCode::kResourceExhausted, v1::ERROR_REASON_JOB_LIMIT,
+      absl::StrCat("the server already has ", limit, " queued jobs, its limit"),
+      {{"limit", absl::StrCat(limit)}});
 }
 
 absl::Status JobCrashed(absl::string_view message) {
@@ -363,11 +362,10 @@ absl::Status JobCrashed(absl::string_view message) {
 
 absl::Status EtagMismatch(absl::string_view name, absl::string_view got,
                           absl::string_view want) {
-  return MakeError(
-      StatusCode::kAborted, v1::ERROR_REASON_ETAG_MISMATCH,
-      absl::StrCat(name, " has changed: the request has etag ", Quoted(got),
-                   ", the alias has ", Quoted(want)),
-      {{"got", std::string(got)}, {"want", std::string(want)}});
+  return MakeError(StatusCode::kAborted, v1::ERROR_REASON_ETAG_MISMATCH,
+                   absl::StrCat(name, " has changed: the request has etag ",
+                                Quoted(got), ", the alias has ", Quoted(want)),
+                   {{"got", std::string(got)}, {"want", std::string(want)}});
 }
 
 absl::Status NothingToRollBack(absl::string_view alias) {
@@ -389,10 +387,9 @@ absl::Status DataLost(absl::string_view path, absl::string_view message) {
 }
 
 absl::Status StorageFull(absl::string_view path, absl::string_view message) {
-  return MakeError(StatusCode::kResourceExhausted,
-                   v1::ERROR_REASON_STORAGE_FULL,
-                   absl::StrCat(path, ": ", message),
-                   {{"path", std::string(path)}});
+  return MakeError(
+      StatusCode::kResourceExhausted, v1::ERROR_REASON_STORAGE_FULL,
+      absl::StrCat(path, ": ", message), {{"path", std::string(path)}});
 }
 
 absl::Status Unauthenticated(absl::string_view message) {
@@ -402,11 +399,10 @@ absl::Status Unauthenticated(absl::string_view message) {
 
 absl::Status PermissionDenied(absl::string_view method, absl::string_view role,
                               absl::string_view want) {
-  return MakeError(StatusCode::kPermissionDenied,
-                   v1::ERROR_REASON_PERMISSION_DENIED,
-                   absl::StrCat(method, " needs the role ", want,
-                                "; the caller has ", role),
-                   {{"role", std::string(role)}, {"want", std::string(want)}});
+  return MakeError(
+      StatusCode::kPermissionDenied, v1::ERROR_REASON_PERMISSION_DENIED,
+      absl::StrCat(method, " needs the role ", want, "; the caller has ", role),
+      {{"role", std::string(role)}, {"want", std::string(want)}});
 }
 
 absl::Status InvalidResponse(absl::string_view what, absl::string_view got,

@@ -54,6 +54,8 @@ inline constexpr uint64_t kMaxBridgedFrames = 100;
 // One message to any service, compared before it is parsed. gRPC has one such
 // limit per server; each service compares its own, smaller limit as well.
 inline constexpr int kMaxReceiveBytes = 128 * 1024;
+// The same of a server that takes uploads: a chunk and what is around it.
+inline constexpr int kMaxUploadMessageBytes = 1024 * 1024 + 1024;
 // One request of ClassifyTrial.
 inline constexpr size_t kMaxTrialBytes = kMaxReceiveBytes;
 
@@ -120,6 +122,11 @@ inline constexpr double kMaxTrajectoryRateHz = 20'000;
 inline constexpr int kMaxLeadInFrames = 1'000;
 
 // Training service.
+// Calls of it that run at once, of all peers and of one; each has a thread.
+inline constexpr int kMaxControlCalls = 64;
+inline constexpr int kMaxControlCallsPerPeer = 48;
+// Time a call may wait for its client to send or take a message.
+inline constexpr int kControlTimeoutMs = 30'000;
 inline constexpr size_t kMaxDescriptionBytes = 1'024;
 // One chunk of an upload.
 inline constexpr size_t kMaxChunkBytes = 1024 * 1024;

@@ -4,8 +4,8 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "core/base/sha256.h"
 #include "core/base/errors.h"
+#include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 
 namespace tactus {

@@ -1,7 +1,7 @@
 // File: blob_store.h
 //
-// BlobStore: immutable bytes on disk, named by their SHA-256. The same bytes are
-// stored once.
+// BlobStore: immutable bytes on disk, named by their SHA-256. The same bytes
+// are stored once.
 //
 //   TACTUS_ASSIGN_OR_RETURN(BlobStore blobs, BlobStore::Open(files, "blobs"));
 //   BlobStore::Batch batch = blobs.NewBatch();

@@ -6,8 +6,8 @@
 // may have another one.
 //
 //   TACTUS_RETURN_IF_ERROR(catalog->Change([&](Transaction& change) {
-//     TACTUS_ASSIGN_OR_RETURN(auto old, change.Get(Table::kAliases, "default"));
-//     return change.Put(Table::kAliases, "default", bytes);
+//     TACTUS_ASSIGN_OR_RETURN(auto old, change.Get(Table::kAliases,
+//     "default")); return change.Put(Table::kAliases, "default", bytes);
 //   }));
 //
 // Change is all or nothing: if the function or the commit fails, the catalog is

@@ -127,8 +127,8 @@ class SqliteTransaction final : public Transaction {
 
   absl::Status Erase(Table table, absl::string_view key) override {
     return Guarded(path_, [&] {
-      SQLite::Statement change(database_,
-                               "DELETE FROM records WHERE kind = ? AND key = ?");
+      SQLite::Statement change(
+          database_, "DELETE FROM records WHERE kind = ? AND key = ?");
       change.bind(1, static_cast<int>(table));
       Bind(change, 2, key);
       change.exec();
@@ -153,8 +153,7 @@ class SqliteCatalog final : public Catalog {
       database_.exec("PRAGMA journal_mode = WAL");
       // A commit is on disk when it returns.
       database_.exec("PRAGMA synchronous = FULL");
-      const int version =
-          database_.execAndGet("PRAGMA user_version").getInt();
+      const int version = database_.execAndGet("PRAGMA user_version").getInt();
       if (version > kCatalogVersion) {
         return DataLost(path_, absl::StrCat("has version ", version,
                                             "; this program reads up to ",
@@ -184,8 +183,8 @@ class SqliteCatalog final : public Catalog {
     });
   }
 
-  absl::Status Look(absl::FunctionRef<absl::Status(const Transaction&)> look)
-      const override {
+  absl::Status Look(
+      absl::FunctionRef<absl::Status(const Transaction&)> look) const override {
     const std::lock_guard lock(mutex_);
     return Guarded(path_, [&] {
       SQLite::Transaction guard(database_);

@@ -9,9 +9,9 @@
 #include "core/base/limits.h"
 #include "core/base/serialize.h"
 #include "core/base/status_macros.h"
+#include "core/base/status_proto.h"
 #include "core/base/version.h"
 #include "server/names/resource_names.h"
-#include "core/base/status_proto.h"
 #include "spdlog/spdlog.h"
 
 namespace tactus::server {
@@ -126,7 +126,8 @@ void JobQueue::Serve(bool training) {
 void JobQueue::Run(const std::string& name) {
   auto operation = operations_->Change(name, [&](Operation& job) {
     // It may have been cancelled in between.
-    if (job.state() != Operation::STATE_QUEUED) return WorkCancelled(job.name());
+    if (job.state() != Operation::STATE_QUEUED)
+      return WorkCancelled(job.name());
     job.set_state(Operation::STATE_RUNNING);
     job.set_attempts(job.attempts() + 1);
     if (job.start_time_ms() == 0) job.set_start_time_ms(now_());

@@ -15,9 +15,9 @@
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 #include "core/store/records.h"
+#include "server/names/resource_names.h"
 #include "server/records/audit_log.h"
 #include "server/records/operation_store.h"
-#include "server/names/resource_names.h"
 #include "tactus/v1/models.pb.h"
 #include "tactus/v1/operations.pb.h"
 

@@ -9,8 +9,8 @@
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 #include "core/store/records.h"
-#include "server/records/audit_log.h"
 #include "server/names/resource_names.h"
+#include "server/records/audit_log.h"
 
 namespace tactus::server {
 namespace {

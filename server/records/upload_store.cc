@@ -11,9 +11,9 @@
 #include "core/base/text.h"
 #include "core/data/trial_record.h"
 #include "core/store/records.h"
+#include "server/names/resource_names.h"
 #include "server/records/audit_log.h"
 #include "server/records/pack_reader.h"
-#include "server/names/resource_names.h"
 
 namespace tactus::server {
 namespace {
@@ -114,8 +114,7 @@ void UploadStore::Release(const std::string& id) {
   held_.erase(id);
 }
 
-absl::Status UploadStore::Save(const std::string& id,
-                               const v1::StoredUpload& upload) {
+absl::Status UploadStore::Save(const v1::StoredUpload& upload) {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
                           ParseName(upload.name(), kCollection));
   return data_->catalog().Change([&](Transaction& change) {
@@ -184,7 +183,7 @@ absl::Status UploadStore::Writer::Commit() {
   v1::StoredUpload next = upload_;
   next.set_committed_size(size_);
   next.set_crc32c(crc32c_);
-  TACTUS_RETURN_IF_ERROR(store_->Save(id_, next));
+  TACTUS_RETURN_IF_ERROR(store_->Save(next));
   upload_ = next;
   return absl::OkStatus();
 }

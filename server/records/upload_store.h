@@ -84,7 +84,7 @@ class UploadStore {
   // Takes the upload for one caller; UPLOAD_BUSY.
   absl::Status Hold(const std::string& id);
   void Release(const std::string& id);
-  absl::Status Save(const std::string& id, const v1::StoredUpload& upload);
+  absl::Status Save(const v1::StoredUpload& upload);
   // Makes a blob of each trial of the pack.
   absl::StatusOr<std::vector<v1::TrialInfo>> StoreTrials(const std::string& id,
                                                          int64_t size,

@@ -32,8 +32,8 @@ double LogLoss(std::span<const Outcome> outcomes) {
   if (outcomes.empty()) return 0;
   double sum = 0;
   for (const Outcome& outcome : outcomes) {
-    sum -= std::log(
-        std::max(outcome.probability[outcome.label], kMinProbability));
+    sum -=
+        std::log(std::max(outcome.probability[outcome.label], kMinProbability));
   }
   return sum / static_cast<double>(outcomes.size());
 }
@@ -73,9 +73,7 @@ std::pair<double, double> ExactInterval(uint32_t successes, uint32_t count) {
       successes == 0
           ? 0
           : Solve(
-                [&](double p) {
-                  return BinomialTail(successes - 1, count, p);
-                },
+                [&](double p) { return BinomialTail(successes - 1, count, p); },
                 1 - kHalf);
   return {low, high};
 }

@@ -1,6 +1,7 @@
 // File: compare.h
 //
-// Reports of evaluations, and the comparison of two models on the same contacts.
+// Reports of evaluations, and the comparison of two models on the same
+// contacts.
 //
 //   const v1::EvaluationReport report = ReportOf(evaluation, never_felt);
 //   const v1::Comparison comparison = Compare(current, candidate, gate);

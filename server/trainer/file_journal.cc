@@ -17,12 +17,12 @@ std::string FileJournal::PathOf(absl::string_view part) const {
   for (const char c : part) {
     if (c == '/') {
       name += '_';
-    } else if (absl::ascii_isalnum(static_cast<unsigned char>(c)) ||
-               c == '-') {
+    } else if (absl::ascii_isalnum(static_cast<unsigned char>(c)) || c == '-') {
       name += c;
     } else {
-      absl::StrAppend(&name, "%",
-                      absl::Hex(static_cast<unsigned char>(c), absl::kZeroPad2));
+      absl::StrAppend(
+          &name, "%",
+          absl::Hex(static_cast<unsigned char>(c), absl::kZeroPad2));
     }
   }
   return absl::StrCat(folder_, "/", name);

@@ -1,7 +1,7 @@
 // File: file_journal.h
 //
-// FileJournal: the checkpoints of a fit as files of a folder, so that a fit goes
-// on where an earlier process ended.
+// FileJournal: the checkpoints of a fit as files of a folder, so that a fit
+// goes on where an earlier process ended.
 //
 //   FileJournal journal(PosixFileSystem(), folder + "/parts", &events);
 //   FitModel(contacts, options, parallel, events.progress(), &journal);

@@ -48,9 +48,9 @@ absl::StatusOr<Contacts> ReadContacts(FileSystem& files,
   const Progress part = progress.Part("read trials", 1);
   Contacts contacts;
   for (const std::string& sha256 : spec.trials()) {
-    const std::string path = absl::StrCat(
-        spec.blob_folder(), "/", absl::string_view(sha256).substr(0, 2), "/",
-        sha256);
+    const std::string path =
+        absl::StrCat(spec.blob_folder(), "/",
+                     absl::string_view(sha256).substr(0, 2), "/", sha256);
     TACTUS_ASSIGN_OR_RETURN(
         const std::string bytes,
         ReadBlobFile(files, path, sha256, limits::kMaxTrialRecordBytes));
@@ -95,9 +95,8 @@ absl::Status Train(FileSystem& files, const std::string& folder,
                           ReadContacts(files, spec, events->progress()));
   auto used = contacts.Pointers();
   TACTUS_RETURN_IF_ERROR(SelectUsable(train, options, used, result));
-  TACTUS_ASSIGN_OR_RETURN(
-      Model model,
-      FitModel(used, options, RunOnThreads, events->progress(), journal));
+  TACTUS_ASSIGN_OR_RETURN(Model model, FitModel(used, options, RunOnThreads,
+                                                events->progress(), journal));
   // Nothing that differs between two runs of one job: its bundle has the same
   // bytes however often the job was interrupted.
   model.provenance.command = absl::StrCat("train ", spec.operation().name());
@@ -111,8 +110,7 @@ absl::Status Train(FileSystem& files, const std::string& folder,
 
 absl::StatusOr<Evaluation> EvaluateBundle(
     FileSystem& files, const std::string& path,
-    const std::vector<const LabelledContact*>& contacts,
-    EventWriter* events) {
+    const std::vector<const LabelledContact*>& contacts, EventWriter* events) {
   TACTUS_ASSIGN_OR_RETURN(const std::string bundle,
                           ReadWhole(files, path, limits::kMaxBundleBytes));
   TACTUS_ASSIGN_OR_RETURN(const auto model, DecodeBundle(bundle));

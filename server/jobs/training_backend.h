@@ -1,0 +1,73 @@
+// File: training_backend.h
+//
+// TrainingBackend: everything behind the services for data, jobs and models, on
+// one data directory.
+//
+//   TACTUS_ASSIGN_OR_RETURN(auto backend,
+//                           TrainingBackend::Open(options, &registry));
+//   backend->Start();
+//   backend->datasets().List(100, "");
+//   backend->Stop();
+//
+// Thread-safe. `registry` must outlive it.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/store/data_directory.h"
+#include "server/jobs/job_queue.h"
+#include "server/records/dataset_store.h"
+#include "server/records/model_store.h"
+#include "server/records/operation_store.h"
+#include "server/records/upload_store.h"
+#include "server/registry/model_registry.h"
+
+namespace tactus::server {
+
+class TrainingBackend {
+ public:
+  struct Options {
+    std::string folder;
+    JobQueue::Options jobs = {};
+    // Milliseconds since 1970 (UTC); the system's clock if empty.
+    NowMs now = {};
+  };
+
+  // Opens the data directory and loads the stored models into `registry`, whose
+  // built-in models were added before. The errors of DataDirectory::Open.
+  static absl::StatusOr<std::unique_ptr<TrainingBackend>> Open(
+      const Options& options, ModelRegistry* registry);
+
+  // Begins to run jobs.
+  void Start() { jobs_.Start(); }
+  // Ends waits and jobs. Jobs go on after the next start.
+  void Stop();
+
+  // Stored versions that could not be loaded, each with its error.
+  const std::vector<std::string>& failures() const { return failures_; }
+
+  DataDirectory& data() { return *data_; }
+  DatasetStore& datasets() { return datasets_; }
+  UploadStore& uploads() { return uploads_; }
+  OperationStore& operations() { return operations_; }
+  ModelStore& models() { return models_; }
+  JobQueue& jobs() { return jobs_; }
+
+ private:
+  TrainingBackend(std::unique_ptr<DataDirectory> data, const Options& options,
+                  ModelRegistry* registry);
+
+  const NowMs now_;
+  const std::unique_ptr<DataDirectory> data_;
+  DatasetStore datasets_;
+  UploadStore uploads_;
+  OperationStore operations_;
+  ModelStore models_;
+  JobQueue jobs_;
+  std::vector<std::string> failures_;
+};
+
+}  // namespace tactus::server

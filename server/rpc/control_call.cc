@@ -1,0 +1,117 @@
+#include "server/rpc/control_call.h"
+
+#include <chrono>
+
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "server/ops/peer.h"
+#include "server/rpc/control_service.h"
+#include "server/rpc/status.h"
+
+namespace tactus::server {
+
+ControlCall::ControlCall(ControlService* service, CallQueue* queue)
+    : service_(service), queue_(queue) {
+  queue_->Enter();
+  // Its event comes only for a call that begins.
+  context_.AsyncNotifyWhenDone(gone_.tag());
+  service_->generic()->RequestCall(&context_, &stream_, queue_->queue(),
+                                   queue_->queue(), called_.tag());
+}
+
+ControlCall::~ControlCall() { queue_->Leave(); }
+
+void ControlCall::OnCalled(bool ok) {
+  if (!ok) {
+    delete this;
+    return;
+  }
+  arrival_.Arrive();
+  new ControlCall(service_, queue_);
+  // The event OnGone is still to come, and that of Finish.
+  in_flight_ = 2;
+  peer_ = PeerOf(context_.peer());
+  const absl::Status status = service_->Admit(this, &caller_);
+  if (!status.ok()) {
+    Finish(status);
+    return;
+  }
+  admitted_ = true;
+  arrival_.Admit();
+  service_->Run(this);
+}
+
+void ControlCall::Work() { Finish(service_->Handle(method(), *this)); }
+
+void ControlCall::Finish(const absl::Status& status) {
+  stream_.Finish(ToGrpcStatus(status), finish_done_.tag());
+}
+
+absl::Status ControlCall::Read(grpc::ByteBuffer* message, bool* more) {
+  {
+    const std::lock_guard lock(mutex_);
+    moving_ = true;
+  }
+  stream_.Read(message, moved_.tag());
+  *more = AwaitMove();
+  if (*more) return absl::OkStatus();
+  const std::lock_guard lock(mutex_);
+  if (timed_out_) return StreamIdle(limits::kControlTimeoutMs);
+  return is_gone_ ? WorkCancelled("the call") : absl::OkStatus();
+}
+
+absl::Status ControlCall::Write(const grpc::ByteBuffer& message) {
+  {
+    const std::lock_guard lock(mutex_);
+    moving_ = true;
+  }
+  stream_.Write(message, moved_.tag());
+  if (AwaitMove()) return absl::OkStatus();
+  const std::lock_guard lock(mutex_);
+  return timed_out_ ? StreamIdle(limits::kControlTimeoutMs)
+                    : WorkCancelled("the call");
+}
+
+bool ControlCall::AwaitMove() {
+  std::unique_lock lock(mutex_);
+  const auto done = [this] { return !moving_; };
+  if (!changed_.wait_for(
+          lock, std::chrono::milliseconds(limits::kControlTimeoutMs), done)) {
+    timed_out_ = true;
+    context_.TryCancel();
+    // A cancelled call completes its operations at once.
+    changed_.wait(lock, done);
+  }
+  return move_ok_ && !timed_out_;
+}
+
+bool ControlCall::IsCancelled() const {
+  const std::lock_guard lock(mutex_);
+  return is_gone_ || service_->draining();
+}
+
+void ControlCall::OnMoved(bool ok) {
+  const std::lock_guard lock(mutex_);
+  moving_ = false;
+  move_ok_ = ok;
+  changed_.notify_all();
+}
+
+void ControlCall::OnGone(bool) {
+  {
+    const std::lock_guard lock(mutex_);
+    is_gone_ = context_.IsCancelled();
+  }
+  EndOperation();
+}
+
+void ControlCall::OnFinished(bool) {
+  if (admitted_) service_->Release(this);
+  EndOperation();
+}
+
+void ControlCall::EndOperation() {
+  if (--in_flight_ == 0) delete this;
+}
+
+}  // namespace tactus::server

@@ -1,0 +1,109 @@
+// File: control_call.h
+//
+// ControlCall: carries one RPC of the services for data, jobs and models
+// between gRPC and a handler. A handler is blocking code on a worker thread,
+// because it reads and writes files; a queue's thread only starts and ends it,
+// so streams do not wait for it.
+//
+//   new ControlCall(service, queue);  // awaits a call
+//
+// Two threads use a call: its queue's, on which its events come, and the
+// worker, which starts operations and waits for their events. A lock guards
+// what both use. The call deletes itself after its last event.
+#pragma once
+
+#include <condition_variable>
+#include <mutex>
+#include <string>
+
+#include "absl/status/status.h"
+#include "grpcpp/generic/async_generic_service.h"
+#include "grpcpp/support/byte_buffer.h"
+#include "server/records/caller.h"
+#include "server/rpc/call_queue.h"
+
+namespace tactus::server {
+
+class ControlService;
+
+// What a handler sees of its call. Used on the worker's thread only.
+class ControlStream {
+ public:
+  // OK and true in `more` if a message came; false after the last one.
+  // STREAM_IDLE if the client sends nothing for too long, WORK_CANCELLED if it
+  // is gone.
+  virtual absl::Status Read(grpc::ByteBuffer* message, bool* more) = 0;
+  // Waits until gRPC has taken the message.
+  virtual absl::Status Write(const grpc::ByteBuffer& message) = 0;
+  // The client is gone, or the server stops.
+  virtual bool IsCancelled() const = 0;
+  virtual const Caller& caller() const = 0;
+
+ protected:
+  ~ControlStream() = default;
+};
+
+class ControlCall final : private ControlStream {
+ public:
+  // Both must outlive it.
+  ControlCall(ControlService* service, CallQueue* queue);
+
+  ControlCall(const ControlCall&) = delete;
+  ControlCall& operator=(const ControlCall&) = delete;
+
+  // On a worker's thread: runs the handler and sends its status.
+  void Work();
+
+  const std::string& method() const { return context_.method(); }
+  const std::string& peer() const { return peer_; }
+  const grpc::GenericServerContext& context() const { return context_; }
+  CallQueue* queue() const { return queue_; }
+
+ private:
+  using Event = MemberEvent<ControlCall>;
+
+  ~ControlCall();
+
+  absl::Status Read(grpc::ByteBuffer* message, bool* more) override;
+  absl::Status Write(const grpc::ByteBuffer& message) override;
+  bool IsCancelled() const override;
+  const Caller& caller() const override { return caller_; }
+
+  void OnCalled(bool ok);
+  void OnMoved(bool ok);
+  void OnGone(bool ok);
+  void OnFinished(bool ok);
+  void Finish(const absl::Status& status);
+  // Waits for the event of the read or write that was started; cancels the call
+  // if it does not come in time. True if the operation succeeded.
+  bool AwaitMove();
+  void EndOperation();
+
+  ControlService* const service_;
+  CallQueue* const queue_;
+  ArrivalGate::Request arrival_{queue_->arrivals()};
+
+  grpc::GenericServerContext context_;
+  grpc::GenericServerAsyncReaderWriter stream_{&context_};
+  Event called_{this, &ControlCall::OnCalled};
+  Event moved_{this, &ControlCall::OnMoved};
+  Event gone_{this, &ControlCall::OnGone};
+  Event finish_done_{this, &ControlCall::OnFinished};
+
+  std::string peer_;
+  Caller caller_;
+  // The service counts it.
+  bool admitted_ = false;
+  // Events that are still to come; of the queue's thread.
+  int in_flight_ = 0;
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  // A read or write is in flight; its outcome.
+  bool moving_ = false;
+  bool move_ok_ = false;
+  bool timed_out_ = false;
+  bool is_gone_ = false;
+};
+
+}  // namespace tactus::server
