@@ -21,8 +21,10 @@ readonly BUILD=(
   libeigen3-dev
   libgrpc++-dev
   libhwy-dev
+  libisal-dev
   libprotobuf-dev
   libspdlog-dev
+  libsqlitecpp-dev
   libssl-dev
   ninja-build
   protobuf-compiler
@@ -33,8 +35,10 @@ readonly RUNTIME=(
   libabsl20220623
   libgrpc++1.51
   libhwy1
+  libisal2
   libprotobuf32
   libspdlog1.10
+  libsqlite3-0
   libssl3
 )
 # An image without a container engine: its base, and its builder.

@@ -21,10 +21,11 @@ void OnTerminate(int) {
 
 int Main(int argc, char** argv) {
   if (argc != 2 || argv[1][0] == '-') {
-    std::fprintf(stderr,
+    const bool asked = argc == 2 && std::string(argv[1]) == "--help";
+    std::fprintf(asked ? stdout : stderr,
                  "usage: tactus-trainer JOB_FOLDER\n"
                  "Runs one training or evaluation job; tactusd starts it.\n");
-    return 2;
+    return asked ? 0 : 2;
   }
   const std::string folder = argv[1];
   FileSystem& files = PosixFileSystem();
