@@ -53,6 +53,7 @@ readonly PROGRAMS=(
   libopencv-imgproc-dev
   nlohmann-json3-dev
   pkgconf
+  zlib1g-dev
 )
 # The tests, the benchmarks, and the independent references of both.
 readonly TESTS=(
@@ -67,7 +68,6 @@ readonly TESTS=(
   openssl
   python3-grpcio
   python3-h5py
-  zlib1g-dev
 )
 
 usage() {

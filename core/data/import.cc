@@ -9,7 +9,10 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "core/base/errors.h"
+#include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/data/file_bytes.h"
+#include "core/data/trial_npz.h"
 
 namespace tactus {
 namespace {
@@ -19,25 +22,41 @@ namespace fs = std::filesystem;
 constexpr std::array<absl::string_view, 4> kSignalColumns = {"time", "force",
                                                              "area", "motion"};
 
-absl::StatusOr<std::vector<std::string>> CsvFiles(const std::string& folder) {
+bool IsNpz(const fs::path& path) { return path.extension() == ".npz"; }
+
+absl::StatusOr<std::vector<std::string>> TrialFiles(const std::string& folder) {
   std::vector<std::string> files;
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end;
        it.increment(error)) {
-    if (it->path().extension() == ".csv") files.push_back(it->path());
+    if (it->path().extension() == ".csv" || IsNpz(it->path())) {
+      files.push_back(it->path());
+    }
   }
   if (error) return IoError(folder, error.message());
   if (files.empty()) {
-    return TrialFileInvalid(folder, "holds neither index.csv nor CSV files");
+    return TrialFileInvalid(folder,
+                            "holds neither index.csv nor CSV or .npz files");
   }
   std::sort(files.begin(), files.end());
   return files;
 }
 
-absl::StatusOr<size_t> ImportCsvFiles(const std::vector<std::string>& files,
-                                      TrialSink sink) {
+// One trial of a .npz file; its name without the ending becomes the id.
+absl::StatusOr<Trial> ImportNpz(const std::string& path) {
+  TACTUS_ASSIGN_OR_RETURN(const std::string bytes,
+                          ReadFileBytes(path, limits::kMaxTrialArrayBytes));
+  TACTUS_ASSIGN_OR_RETURN(Trial trial, TrialFromNpz(path, bytes));
+  trial.id = fs::path(path).stem().string();
+  return trial;
+}
+
+absl::StatusOr<size_t> ImportFiles(const std::vector<std::string>& files,
+                                   TrialSink sink) {
   for (size_t i = 0; i < files.size(); ++i) {
-    TACTUS_ASSIGN_OR_RETURN(Trial trial, ImportSignalsCsv(files[i], i));
+    TACTUS_ASSIGN_OR_RETURN(Trial trial, IsNpz(files[i])
+                                             ? ImportNpz(files[i])
+                                             : ImportSignalsCsv(files[i], i));
     TACTUS_RETURN_IF_ERROR(sink(std::move(trial)));
   }
   return files.size();
@@ -116,11 +135,11 @@ absl::StatusOr<Trial> ImportSignalsCsv(const std::string& path, size_t number) {
 
 absl::StatusOr<size_t> ImportTrials(const std::string& path, TrialSink sink) {
   std::error_code error;
-  if (!fs::is_directory(path, error)) return ImportCsvFiles({path}, sink);
+  if (!fs::is_directory(path, error)) return ImportFiles({path}, sink);
   const std::string index = fs::path(path) / "index.csv";
   if (!fs::exists(index, error)) {
-    TACTUS_ASSIGN_OR_RETURN(const auto files, CsvFiles(path));
-    return ImportCsvFiles(files, sink);
+    TACTUS_ASSIGN_OR_RETURN(const auto files, TrialFiles(path));
+    return ImportFiles(files, sink);
   }
   TACTUS_ASSIGN_OR_RETURN(const CsvTable table, CsvTable::Read(index));
   if (table.Has("hardness") && table.Has("motion")) {

@@ -14,7 +14,8 @@
 //     counts, m^2, m), before it optional lines `# key=value` with the keys
 //     label, condition, object, material, stiffness, velocity, sample_rate_hz
 //     and unit;
-//   - a folder of such CSV files, taken in the order of their names.
+//   - a .npz file, one trial (trial_npz.h);
+//   - a folder of such CSV and .npz files, taken in the order of their names.
 // docs/formats.md states how each column is used. Thread-safe: free
 // functions without state.
 #pragma once

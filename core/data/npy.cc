@@ -21,6 +21,9 @@ static_assert(std::endian::native == std::endian::little,
 
 constexpr absl::string_view kMagic = "\x93NUMPY";
 constexpr size_t kMaxHeaderBytes = 64 * 1024;
+// Texts of one array, and code points of one text.
+constexpr size_t kMaxTexts = 1'000'000;
+constexpr uint32_t kMaxTextLength = 100'000;
 
 struct Header {
   std::string type;
@@ -114,9 +117,10 @@ bool ParseDictionary(absl::string_view text, Header* header) {
   return found == 3 && text == "}";
 }
 
-template <typename Value>
-absl::Status TakeValues(absl::string_view path, const Header& header,
-                        absl::string_view data, std::vector<Value>* out) {
+// The number of values that the shape calls for, if `data` has as many of
+// `value_bytes` each.
+absl::StatusOr<size_t> CountValues(absl::string_view path, const Header& header,
+                                   absl::string_view data, size_t value_bytes) {
   size_t count = 1;
   for (const size_t size : header.shape) {
     // No overflow: count is at most 2^30 and size below 2^32.
@@ -127,13 +131,77 @@ absl::Status TakeValues(absl::string_view path, const Header& header,
                              limits::kMaxTrialArrayBytes, " values"));
     }
   }
-  if (count * sizeof(Value) != data.size()) {
+  if (count * value_bytes != data.size()) {
     return TrialFileInvalid(
         path, absl::StrCat("has ", data.size(), " bytes of values; its shape ",
-                           "calls for ", count * sizeof(Value)));
+                           "calls for ", count * value_bytes));
   }
+  return count;
+}
+
+template <typename Value>
+absl::Status TakeValues(absl::string_view path, const Header& header,
+                        absl::string_view data, std::vector<Value>* out) {
+  TACTUS_ASSIGN_OR_RETURN(const size_t count,
+                          CountValues(path, header, data, sizeof(Value)));
   out->resize(count);
   if (count > 0) std::memcpy(out->data(), data.data(), data.size());
+  return absl::OkStatus();
+}
+
+// Appends `code_point` in UTF-8. False if it is none.
+bool AppendUtf8(uint32_t code_point, std::string* out) {
+  const auto append = [&](uint32_t byte) {
+    out->push_back(static_cast<char>(byte));
+  };
+  const auto append_rest = [&](int bytes) {
+    for (int i = bytes - 1; i >= 0; --i) {
+      append(0x80 | (code_point >> (6 * i) & 0x3F));
+    }
+  };
+  if (code_point > 0x10FFFF || (code_point >= 0xD800 && code_point < 0xE000)) {
+    return false;
+  }
+  if (code_point < 0x80) {
+    append(code_point);
+  } else if (code_point < 0x800) {
+    append(0xC0 | code_point >> 6);
+    append_rest(1);
+  } else if (code_point < 0x10000) {
+    append(0xE0 | code_point >> 12);
+    append_rest(2);
+  } else {
+    append(0xF0 | code_point >> 18);
+    append_rest(3);
+  }
+  return true;
+}
+
+// Each text has `length` code points of four bytes, zeros at its end.
+absl::Status TakeText(absl::string_view path, const Header& header,
+                      size_t length, absl::string_view data,
+                      std::vector<std::string>* out) {
+  constexpr size_t kCodePointBytes = 4;
+  TACTUS_ASSIGN_OR_RETURN(
+      const size_t count,
+      CountValues(path, header, data, length * kCodePointBytes));
+  if (count > kMaxTexts) {
+    return TrialFileInvalid(
+        path, absl::StrCat("has ", count, " texts; at most ", kMaxTexts,
+                           " are read"));
+  }
+  for (size_t i = 0; i < count; ++i) {
+    std::string& text = out->emplace_back();
+    for (size_t k = 0; k < length; ++k) {
+      uint32_t code_point = 0;
+      std::memcpy(&code_point, data.data() + (i * length + k) * kCodePointBytes,
+                  kCodePointBytes);
+      if (!AppendUtf8(code_point, &text)) {
+        return TrialFileInvalid(path, "holds text that is not Unicode");
+      }
+    }
+    text.erase(text.find_last_not_of('\0') + 1);
+  }
   return absl::OkStatus();
 }
 
@@ -150,14 +218,26 @@ absl::StatusOr<NpyArray> ParseNpy(absl::string_view path,
   if (header.fortran_order) {
     return TrialFileInvalid(path, "is in Fortran order; save it in C order");
   }
-  if (header.shape.empty() || header.shape.size() > 3) {
+  if (header.shape.size() > 3) {
     return TrialFileInvalid(path, absl::StrCat("has ", header.shape.size(),
-                                               " dimensions; use 1 to 3"));
+                                               " dimensions; use at most 3"));
   }
   NpyArray array;
   array.shape = header.shape;
   absl::Status status;
-  if (header.type == "'<u2'") {
+  absl::string_view type = header.type;
+  uint32_t length = 0;
+  if (absl::ConsumePrefix(&type, "'<U") && absl::ConsumeSuffix(&type, "'") &&
+      absl::SimpleAtoi(type, &length) && length <= kMaxTextLength) {
+    status = TakeText(path, header, length, bytes, &array.text);
+  } else if (header.type == "'|O'") {
+    status = TrialFileInvalid(
+        path,
+        "holds '|O', Python objects in a pickle; pickles are never read. Save "
+        "numbers or text");
+  } else if (header.type == "'<i8'") {
+    status = TakeValues(path, header, bytes, &array.i64);
+  } else if (header.type == "'<u2'") {
     status = TakeValues(path, header, bytes, &array.u16);
   } else if (header.type == "'<f4'") {
     status = TakeValues(path, header, bytes, &array.f32);
@@ -166,7 +246,8 @@ absl::StatusOr<NpyArray> ParseNpy(absl::string_view path,
   } else {
     status = TrialFileInvalid(
         path, absl::StrCat("holds ", header.type,
-                           "; use little-endian u2, f4 or f8 numbers"));
+                           "; use little-endian u2, i8, f4 or f8 numbers or "
+                           "text"));
   }
   if (!status.ok()) return status;
   return array;

@@ -1,8 +1,8 @@
 // File: npy.h
 //
 // Reads NumPy's .npy files (format versions 1 and 2): little-endian uint16,
-// float32 or float64 in C order, up to three dimensions. Anything else, object
-// arrays and Fortran order among it, is refused.
+// int64, float32, float64 or text (<U) in C order, up to three dimensions.
+// Anything else, object arrays and Fortran order among it, is refused.
 //
 //   TACTUS_ASSIGN_OR_RETURN(NpyArray array, ReadNpy("trials/0000.npy"));
 //   // array.shape = {605, 384}; array.u16 has 605 x 384 values.
@@ -21,12 +21,16 @@
 
 namespace tactus {
 
-// One of the three vectors is filled, row-major.
+// One of the vectors is filled, row-major.
 struct NpyArray {
+  // Empty for a single value.
   std::vector<size_t> shape;
   std::vector<uint16_t> u16;
+  std::vector<int64_t> i64;
   std::vector<float> f32;
   std::vector<double> f64;
+  // UTF-8.
+  std::vector<std::string> text;
 };
 
 // Reads a file. IO or TRIAL_FILE_INVALID.

@@ -1,6 +1,7 @@
 // The examples of public headers, as their comments show them. They only have
 // to compile; HouseTest.ExamplesAreCompiled compares the texts.
 #include <fstream>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,9 +15,13 @@
 #include "core/data/hdf5_read.h"
 #include "core/data/import.h"
 #include "core/data/npy.h"
+#include "core/data/npy_write.h"
+#include "core/data/npz.h"
 #include "core/data/trial.h"
+#include "core/data/trial_csv.h"
 #include "core/data/trial_file.h"
 #include "core/data/trial_layout.h"
+#include "core/data/trial_npz.h"
 
 namespace tactus::examples {
 
@@ -57,6 +62,30 @@ absl::Status Hdf5ReadExample(const std::string& path, hid_t group) {
   const Hdf5Complaint complain(path, "000007");
   double rate = 100;
   TACTUS_RETURN_IF_ERROR(ReadNumber(group, "sample_rate_hz", complain, &rate));
+  return absl::OkStatus();
+}
+
+void NpyWriteExample(const std::vector<double>& values) {
+  const std::string bytes = NpyBytes({2, 3}, std::span<const double>(values));
+  NpyText({"HU", "HM"});  // numpy.array(["HU", "HM"])
+}
+
+absl::Status NpzExample(const std::vector<double>& time) {
+  const std::string bytes = *NpzBytes({{"time", NpyBytes({2}, time)}});
+  TACTUS_ASSIGN_OR_RETURN(NpzArrays arrays, ParseNpz("a.npz", bytes));
+  arrays.at("time").f64;
+  return absl::OkStatus();
+}
+
+absl::Status TrialNpzExample(const Trial& trial) {
+  TACTUS_ASSIGN_OR_RETURN(const std::string bytes, TrialToNpz(trial));
+  TACTUS_ASSIGN_OR_RETURN(Trial back, TrialFromNpz("000007.npz", bytes));
+  return absl::OkStatus();
+}
+
+absl::Status TrialCsvExample(const Trial& trial) {
+  TACTUS_ASSIGN_OR_RETURN(const std::string table, SignalsToCsv(trial));
+  TACTUS_RETURN_IF_ERROR(WriteFileBytes("000007.csv", table));
   return absl::OkStatus();
 }
 

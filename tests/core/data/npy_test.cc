@@ -50,6 +50,30 @@ TEST(NpyTest, ReadsBothVersionsAndAllTypes) {
   EXPECT_TRUE(empty.ok()) << empty.status();
 }
 
+TEST(NpyTest, ReadsSingleValuesAndText) {
+  const double value = 2.5;
+  auto number =
+      ParseNpy("x", Npy("{'descr':'<f8','fortran_order':False,'shape':()}",
+                        std::string(reinterpret_cast<const char*>(&value), 8)));
+  ASSERT_TRUE(number.ok()) << number.status();
+  EXPECT_THAT(number->shape, ElementsAre());
+  EXPECT_THAT(number->f64, ElementsAre(2.5));
+  // One, two, three and four bytes of UTF-8.
+  const uint32_t letters[] = {'a', 0, 0xE9, 0x20AC, 0x1F600, 0};
+  auto text = ParseNpy(
+      "x", Npy("{'descr':'<U2','fortran_order':False,'shape':(3,)}",
+               std::string(reinterpret_cast<const char*>(letters), 24)));
+  ASSERT_TRUE(text.ok()) << text.status();
+  EXPECT_THAT(text->text,
+              ElementsAre("a", "\xC3\xA9\xE2\x82\xAC", "\xF0\x9F\x98\x80"));
+  const int64_t count = -7;
+  auto integer =
+      ParseNpy("x", Npy("{'descr':'<i8','fortran_order':False,'shape':(1,)}",
+                        std::string(reinterpret_cast<const char*>(&count), 8)));
+  ASSERT_TRUE(integer.ok()) << integer.status();
+  EXPECT_THAT(integer->i64, ElementsAre(-7));
+}
+
 struct BadNpy {
   const char* text;
   std::string bytes;
@@ -88,7 +112,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadNpy{"understood", Npy("{'descr': [('a', '<u2')], "
                                  "'fortran_order': False, 'shape': (6,)}",
                                  kData)},
-        BadNpy{"0 dimensions", Npy(Shape("()"), kData)},
+        BadNpy{"calls for 2", Npy(Shape("()"), kData)},
         BadNpy{"4 dimensions", Npy(Shape("(1, 2, 3, 1)"), kData)},
         BadNpy{"more than", Npy(Shape("(4000000000, 4000000000)"), kData)},
         // 2^62 values, whose bytes are 0 modulo 2^64.
@@ -98,9 +122,16 @@ INSTANTIATE_TEST_SUITE_P(
         BadNpy{"Fortran order", Npy("{'descr': '<u2', 'fortran_order': True, "
                                     "'shape': (2, 3), }",
                                     kData)},
-        BadNpy{"'|O'", Npy("{'descr': '|O', 'fortran_order': False, "
-                           "'shape': (2, 3), }",
-                           kData)},
+        BadNpy{"'|O', Python objects in a pickle",
+               Npy("{'descr': '|O', 'fortran_order': False, "
+                   "'shape': (2, 3), }",
+                   kData)},
+        BadNpy{"not Unicode", Npy("{'descr': '<U3', 'fortran_order': False, "
+                                  "'shape': (1,), }",
+                                  std::string(12, '\xFF'))},
+        BadNpy{"'<U9999999'", Npy("{'descr': '<U9999999', 'fortran_order': "
+                                  "False, 'shape': (1,), }",
+                                  kData)},
         BadNpy{"'>u2'", Npy("{'descr': '>u2', 'fortran_order': False, "
                             "'shape': (2, 3), }",
                             kData)}));

@@ -1,0 +1,231 @@
+#include "core/data/trial_npz.h"
+
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+#include "core/data/npy_write.h"
+#include "core/data/npz.h"
+
+namespace tactus {
+namespace {
+
+constexpr size_t kPoseSize = 7;
+
+using NamedBytes = std::vector<std::pair<std::string, std::string>>;
+
+void AddPoses(const std::vector<Pose>& poses, NamedBytes* arrays) {
+  std::vector<double> values;
+  for (const Pose& pose : poses) {
+    const Eigen::Quaterniond& q = pose.orientation;
+    values.insert(values.end(),
+                  {pose.position.x(), pose.position.y(), pose.position.z(),
+                   q.x(), q.y(), q.z(), q.w()});
+  }
+  arrays->emplace_back("pose", NpyBytes({poses.size(), kPoseSize},
+                                        std::span<const double>(values)));
+}
+
+void AddTaxels(const TaxelSeries& taxels, NamedBytes* arrays) {
+  const std::vector<size_t> shape = {taxels.frames(),
+                                     static_cast<size_t>(taxels.rows),
+                                     static_cast<size_t>(taxels.columns)};
+  arrays->emplace_back(
+      "taxels", taxels.u16.empty()
+                    ? NpyBytes(shape, std::span<const float>(taxels.f32))
+                    : NpyBytes(shape, std::span<const uint16_t>(taxels.u16)));
+  arrays->emplace_back("taxel_scale",
+                       NpyBytes({}, std::span(&taxels.scale, 1)));
+}
+
+// Texts and numbers of a trial by their names in files.
+std::vector<std::pair<absl::string_view, std::string*>> TextsOf(Trial& trial) {
+  return {{"label", &trial.label},   {"condition", &trial.condition},
+          {"object", &trial.object}, {"material", &trial.material},
+          {"layout", &trial.layout}, {"unit", &trial.unit}};
+}
+
+std::vector<std::pair<absl::string_view, double*>> NumbersOf(Trial& trial) {
+  return {{"stiffness", &trial.stiffness},
+          {"velocity", &trial.velocity},
+          {"sample_rate_hz", &trial.sample_rate_hz},
+          {"taxel_scale", &trial.taxels.scale}};
+}
+
+// Takes the arrays of one archive, each once.
+class TrialArrays {
+ public:
+  TrialArrays(absl::string_view path, NpzArrays arrays)
+      : path_(path), arrays_(std::move(arrays)) {}
+
+  // Fills `out` with an array of real numbers whose shape is `shape`, where 0
+  // takes any size. Leaves `out` as it is if there is no such array.
+  absl::Status Numbers(absl::string_view name, const std::vector<size_t>& shape,
+                       std::vector<double>* out) {
+    auto node = arrays_.extract(std::string(name));
+    if (node.empty()) return absl::OkStatus();
+    const NpyArray& array = node.mapped();
+    TACTUS_RETURN_IF_ERROR(CheckShape(name, array, shape));
+    out->assign(array.f64.begin(), array.f64.end());
+    out->insert(out->end(), array.f32.begin(), array.f32.end());
+    out->insert(out->end(), array.i64.begin(), array.i64.end());
+    if (!array.text.empty() || !array.u16.empty()) {
+      return Invalid(name, "must be floating-point numbers");
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status Number(absl::string_view name, double* out) {
+    std::vector<double> values;
+    TACTUS_RETURN_IF_ERROR(Numbers(name, {}, &values));
+    if (!values.empty()) *out = values.front();
+    return absl::OkStatus();
+  }
+
+  absl::Status Text(absl::string_view name, std::string* out) {
+    auto node = arrays_.extract(std::string(name));
+    if (node.empty()) return absl::OkStatus();
+    TACTUS_RETURN_IF_ERROR(CheckShape(name, node.mapped(), {}));
+    if (node.mapped().text.empty()) return Invalid(name, "must be text");
+    *out = node.mapped().text.front();
+    return absl::OkStatus();
+  }
+
+  absl::Status Taxels(size_t frames, TaxelSeries* out) {
+    auto node = arrays_.extract("taxels");
+    if (node.empty()) return absl::OkStatus();
+    NpyArray& array = node.mapped();
+    TACTUS_RETURN_IF_ERROR(CheckShape("taxels", array, {frames, 0, 0}));
+    if (array.shape[1] > limits::kMaxRows ||
+        array.shape[2] > limits::kMaxColumns) {
+      return Invalid(
+          "taxels",
+          absl::StrCat("has frames of ", array.shape[1], " x ", array.shape[2],
+                       "; each side must be 1 to ", limits::kMaxRows));
+    }
+    if (array.u16.empty() && array.f32.empty()) {
+      return Invalid("taxels", "must be uint16 or float32");
+    }
+    out->rows = static_cast<int>(array.shape[1]);
+    out->columns = static_cast<int>(array.shape[2]);
+    out->u16 = std::move(array.u16);
+    out->f32 = std::move(array.f32);
+    return absl::OkStatus();
+  }
+
+  // An error if an array is left.
+  absl::Status CheckAllTaken() const {
+    if (arrays_.empty()) return absl::OkStatus();
+    return Invalid(arrays_.begin()->first,
+                   "is of no use; use time, signals, taxels, taxel_scale, "
+                   "pose, object_motion, label, condition, object, material, "
+                   "layout, unit, stiffness, velocity and sample_rate_hz");
+  }
+
+ private:
+  absl::Status Invalid(absl::string_view name, absl::string_view what) const {
+    return TrialFileInvalid(path_, absl::StrCat("array ", name, " ", what));
+  }
+
+  absl::Status CheckShape(absl::string_view name, const NpyArray& array,
+                          const std::vector<size_t>& want) const {
+    bool fits = array.shape.size() == want.size();
+    for (size_t i = 0; fits && i < want.size(); ++i) {
+      fits = array.shape[i] > 0 && (want[i] == 0 || array.shape[i] == want[i]);
+    }
+    if (fits) return absl::OkStatus();
+    std::vector<std::string> sizes;
+    for (const size_t size : want) {
+      sizes.push_back(size == 0 ? "any" : absl::StrCat(size));
+    }
+    return Invalid(
+        name, absl::StrCat("has shape (", absl::StrJoin(array.shape, ", "),
+                           "); it must be (", absl::StrJoin(sizes, ", "), ")"));
+  }
+
+  std::string path_;
+  NpzArrays arrays_;
+};
+
+}  // namespace
+
+absl::StatusOr<std::string> TrialToNpz(const Trial& trial) {
+  TACTUS_RETURN_IF_ERROR(Validate(trial, ".npz"));
+  const size_t frames = trial.time.size();
+  NamedBytes arrays;
+  arrays.emplace_back("time",
+                      NpyBytes({frames}, std::span<const double>(trial.time)));
+  if (!trial.signals.empty()) {
+    static_assert(sizeof(FeatureVector) == kFeatureCount * sizeof(double));
+    arrays.emplace_back("signals", NpyBytes({frames, kFeatureCount},
+                                            std::span(trial.signals[0].data(),
+                                                      kFeatureCount * frames)));
+  }
+  if (!trial.taxels.empty()) AddTaxels(trial.taxels, &arrays);
+  if (!trial.poses.empty()) AddPoses(trial.poses, &arrays);
+  if (!trial.object_motion.empty()) {
+    arrays.emplace_back(
+        "object_motion",
+        NpyBytes({frames}, std::span<const double>(trial.object_motion)));
+  }
+  Trial attributes;
+  attributes.label = trial.label;
+  attributes.condition = trial.condition;
+  attributes.object = trial.object;
+  attributes.material = trial.material;
+  attributes.layout = trial.layout;
+  attributes.unit = trial.unit;
+  for (const auto& [name, text] : TextsOf(attributes)) {
+    arrays.emplace_back(name, NpyText(*text));
+  }
+  const std::pair<const char*, double> numbers[] = {
+      {"stiffness", trial.stiffness},
+      {"velocity", trial.velocity},
+      {"sample_rate_hz", trial.sample_rate_hz}};
+  for (const auto& [name, number] : numbers) {
+    arrays.emplace_back(name, NpyBytes({}, std::span(&number, 1)));
+  }
+  return NpzBytes(arrays);
+}
+
+absl::StatusOr<Trial> TrialFromNpz(absl::string_view path,
+                                   absl::string_view bytes) {
+  TACTUS_ASSIGN_OR_RETURN(NpzArrays named, ParseNpz(path, bytes));
+  TrialArrays arrays(path, std::move(named));
+  Trial trial;
+  TACTUS_RETURN_IF_ERROR(arrays.Numbers("time", {0}, &trial.time));
+  const size_t frames = trial.time.size();
+  if (frames == 0) return TrialFileInvalid(path, "has no array time");
+  std::vector<double> values;
+  TACTUS_RETURN_IF_ERROR(
+      arrays.Numbers("signals", {frames, kFeatureCount}, &values));
+  for (size_t i = 0; i < values.size(); i += kFeatureCount) {
+    trial.signals.push_back({values[i], values[i + 1], values[i + 2]});
+  }
+  TACTUS_RETURN_IF_ERROR(arrays.Taxels(frames, &trial.taxels));
+  values.clear();
+  TACTUS_RETURN_IF_ERROR(arrays.Numbers("pose", {frames, kPoseSize}, &values));
+  for (size_t i = 0; i < values.size(); i += kPoseSize) {
+    Pose& pose = trial.poses.emplace_back();
+    pose.position = {values[i], values[i + 1], values[i + 2]};
+    pose.orientation = Eigen::Quaterniond(values[i + 6], values[i + 3],
+                                          values[i + 4], values[i + 5]);
+  }
+  TACTUS_RETURN_IF_ERROR(
+      arrays.Numbers("object_motion", {frames}, &trial.object_motion));
+  for (const auto& [name, text] : TextsOf(trial)) {
+    TACTUS_RETURN_IF_ERROR(arrays.Text(name, text));
+  }
+  for (const auto& [name, number] : NumbersOf(trial)) {
+    TACTUS_RETURN_IF_ERROR(arrays.Number(name, number));
+  }
+  TACTUS_RETURN_IF_ERROR(arrays.CheckAllTaken());
+  TACTUS_RETURN_IF_ERROR(Validate(trial, path));
+  return trial;
+}
+
+}  // namespace tactus
