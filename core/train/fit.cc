@@ -11,7 +11,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
-#include "core/classify/contact_classifier.h"
+#include "core/classify/warm_up.h"
 #include "core/train/calibrate.h"
 #include "core/train/folds.h"
 #include "core/train/model_fit.h"
@@ -278,18 +278,7 @@ absl::Status AddWarmUp(const std::vector<const LabelledContact*>& contacts,
     if (model.warm_up.samples.size() == kMaxFrames) break;
     if (frame.touched) model.warm_up.samples.push_back(frame.sample);
   }
-  model.warm_up.probability.assign(model.class_names.size(), 0);
-  model.warm_up.log_likelihood = model.warm_up.probability;
-  TACTUS_ASSIGN_OR_RETURN(auto compiled, CompiledModel::Create(model));
-  ContactClassifier classifier(compiled, {});
-  for (const ContactSample& sample : model.warm_up.samples) {
-    classifier.Step(sample, 0);
-  }
-  const auto probability = classifier.probability();
-  const auto scores = classifier.log_likelihood();
-  model.warm_up.probability.assign(probability.begin(), probability.end());
-  model.warm_up.log_likelihood.assign(scores.begin(), scores.end());
-  return absl::OkStatus();
+  return AnswerWarmUp(model);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/base/status_macros.h"
 #include "core/bundle/bundle.h"
@@ -18,6 +19,7 @@
 #include "core/classify/object_estimate.h"
 #include "core/classify/skip_rules.h"
 #include "core/classify/step_clock.h"
+#include "core/classify/warm_up.h"
 #include "core/hmm/hmm_bank.h"
 
 namespace tactus::examples {
@@ -100,6 +102,13 @@ void StepClockExample(const Model& model, bool in_contact, BankFilter& hmms,
     if (clock.Tick(frames)) hmms.Step(input);
   }
   clock.Reset();  // before the next contact
+}
+
+absl::Status WarmUpExample(Model model,
+                           const std::vector<ContactSample>& samples) {
+  model.warm_up.samples = samples;
+  TACTUS_RETURN_IF_ERROR(AnswerWarmUp(model));
+  return absl::OkStatus();
 }
 
 }  // namespace tactus::examples
