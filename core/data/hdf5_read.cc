@@ -12,6 +12,9 @@ namespace {
 
 // Best ratio deflate can reach; a dataset that claims more is damaged.
 constexpr hsize_t kMaxCompression = 1100;
+// Texts of a list, and bytes of each.
+constexpr hssize_t kMaxListedTexts = 1000;
+constexpr size_t kMaxListedBytes = 1024;
 
 // True if `object` holds an attribute `name` that should be read.
 absl::StatusOr<bool> HasAttribute(hid_t object, const char* name,
@@ -76,6 +79,73 @@ absl::Status ReadText(hid_t object, const char* name,
     *value = std::move(text);
   }
   return absl::OkStatus();
+}
+
+absl::Status ReadTextList(hid_t object, const char* name,
+                          const Hdf5Complaint& complain,
+                          std::vector<std::string>* values) {
+  TACTUS_ASSIGN_OR_RETURN(const bool has, HasAttribute(object, name, complain));
+  if (!has) return absl::OkStatus();
+  const Hdf5Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+  const Hdf5Handle type(H5Aget_type(attribute.get()), H5Tclose);
+  const Hdf5Handle space(H5Aget_space(attribute.get()), H5Sclose);
+  if (!attribute.ok() || !type.ok() || !space.ok()) return complain.Hdf5(name);
+  const hssize_t count = H5Sget_simple_extent_npoints(space.get());
+  if (count < 0 || count > kMaxListedTexts) {
+    return complain(name, "has ", count, " texts");
+  }
+  // An empty list has no type of text.
+  if (count == 0) return absl::OkStatus();
+  if (H5Tget_class(type.get()) != H5T_STRING) {
+    return complain(name, "must be text");
+  }
+  const size_t texts = static_cast<size_t>(count);
+  const Hdf5Handle memory(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_cset(memory.get(), H5Tget_cset(type.get()));
+  if (H5Tis_variable_str(type.get()) > 0) {
+    H5Tset_size(memory.get(), H5T_VARIABLE);
+    std::vector<char*> text(texts);
+    if (H5Aread(attribute.get(), memory.get(), text.data()) < 0) {
+      return complain.Hdf5(name);
+    }
+    for (const char* item : text) values->emplace_back(item ? item : "");
+    H5Dvlen_reclaim(memory.get(), space.get(), H5P_DEFAULT, text.data());
+    return absl::OkStatus();
+  }
+  const size_t bytes = H5Tget_size(type.get());
+  if (bytes == 0 || bytes > kMaxListedBytes) {
+    return complain(name, "has ", bytes, " bytes a text");
+  }
+  std::string text(texts * bytes, '\0');
+  H5Tset_size(memory.get(), bytes);
+  H5Tset_strpad(memory.get(), H5T_STR_NULLPAD);
+  if (H5Aread(attribute.get(), memory.get(), text.data()) < 0) {
+    return complain.Hdf5(name);
+  }
+  for (size_t i = 0; i < texts; ++i) {
+    const std::string item = text.substr(i * bytes, bytes);
+    values->push_back(item.substr(0, item.find('\0')));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<std::string>> ListNames(
+    hid_t group, const Hdf5Complaint& complain) {
+  H5G_info_t info;
+  if (H5Gget_info(group, &info) < 0) return complain.Hdf5("group");
+  if (info.nlinks > kMaxListedTexts) {
+    return complain("group", "has ", info.nlinks, " entries");
+  }
+  std::vector<std::string> names;
+  for (hsize_t i = 0; i < info.nlinks; ++i) {
+    char name[kMaxListedBytes];
+    if (H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, i, name,
+                           sizeof name, H5P_DEFAULT) < 0) {
+      return complain.Hdf5("group");
+    }
+    names.emplace_back(name);
+  }
+  return names;
 }
 
 absl::Status ReadNumber(hid_t object, const char* name,

@@ -1,6 +1,6 @@
 // File: hdf5_read.h
 //
-// Checked reading of HDF5 attributes and datasets, for the trial files only:
+// Checked reading of HDF5 attributes and datasets, of trials and of models:
 // nothing that is read is trusted, nothing huge is allocated on its word.
 //
 //   const Hdf5Complaint complain(path, "000007");
@@ -61,6 +61,16 @@ absl::Status OpenScalarAttribute(hid_t object, const char* name,
 // is absent.
 absl::Status ReadText(hid_t object, const char* name,
                       const Hdf5Complaint& complain, std::string* value);
+
+// An attribute with a list of texts. Leaves `values` as it is if the attribute
+// is absent.
+absl::Status ReadTextList(hid_t object, const char* name,
+                          const Hdf5Complaint& complain,
+                          std::vector<std::string>* values);
+
+// The names in a group, in alphabetical order.
+absl::StatusOr<std::vector<std::string>> ListNames(
+    hid_t group, const Hdf5Complaint& complain);
 
 // Accepts integers too. Leaves `value` as it is if the attribute is absent.
 absl::Status ReadNumber(hid_t object, const char* name,
