@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "absl/strings/str_split.h"
+#include "client/tools/trainctl/command.h"
 #include "core/base/errors.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"

@@ -33,7 +33,8 @@ inline TrainctlRun RunTrainctl(const std::string& arguments) {
   };
   for (auto add : {client::AddSimulate, client::AddImport, client::AddFit,
                    client::AddEvaluate, client::AddInspect, client::AddClassify,
-                   client::AddReproduce}) {
+                   client::AddReproduce, client::AddExportModel,
+                   client::AddImportModel, client::AddExportTrials}) {
     add(app, select);
   }
   app.parse(arguments);

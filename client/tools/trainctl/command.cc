@@ -43,6 +43,16 @@ double SecondsSinceStart() {
       .count();
 }
 
+CLI::App& CommandGroup(CLI::App& app, const std::string& name,
+                       const std::string& help) {
+  const std::vector<CLI::App*> found = app.get_subcommands(
+      [&](const CLI::App* group) { return group->get_name() == name; });
+  if (!found.empty()) return *found.front();
+  CLI::App& group = *app.add_subcommand(name, help);
+  group.require_subcommand(1);
+  return group;
+}
+
 std::vector<const LabelledContact*> LoadedContacts::Pointers() const {
   std::vector<const LabelledContact*> pointers;
   pointers.reserve(contacts.size());
@@ -72,6 +82,13 @@ absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
     reading.Add(1 / static_cast<double>(reader.size()));
   }
   return loaded;
+}
+
+absl::Status MakeFolder(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) return IoError(path, error.message());
+  return absl::OkStatus();
 }
 
 absl::StatusOr<std::shared_ptr<const CompiledModel>> LoadModel(

@@ -36,6 +36,14 @@ void AddInspect(CLI::App& app, const SelectCommand& select);
 void AddClassify(CLI::App& app, const SelectCommand& select);
 void AddReproduce(CLI::App& app, const SelectCommand& select);
 void AddShow(CLI::App& app, const SelectCommand& select);
+void AddExportModel(CLI::App& app, const SelectCommand& select);
+void AddImportModel(CLI::App& app, const SelectCommand& select);
+void AddExportTrials(CLI::App& app, const SelectCommand& select);
+
+// The sub-command `name` of `app` that holds further sub-commands, as "models"
+// holds "export"; made with `help` if it is not there yet.
+CLI::App& CommandGroup(CLI::App& app, const std::string& name,
+                       const std::string& help);
 
 // The command line, on one line, for the provenance of a bundle.
 void SetCommandLine(int argc, char** argv);
@@ -58,6 +66,10 @@ struct LoadedContacts {
 absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
                                             const std::string& layout_path,
                                             const Progress& progress);
+
+// Makes the folder `path`, and those above it, if they are not there. IO if
+// that fails.
+absl::Status MakeFolder(const std::string& path);
 
 // The model in the bundle at `path`.
 absl::StatusOr<std::shared_ptr<const CompiledModel>> LoadModel(

@@ -1,4 +1,5 @@
-// trainctl: simulate, import, fit, evaluate, inspect, classify and show trials.
+// trainctl: simulate, import, fit, evaluate, inspect, classify and show trials,
+// and exchange trials and models with other programs.
 #include <cstdlib>
 #include <iostream>
 
@@ -25,7 +26,8 @@ int main(int argc, char** argv) {
     command = std::move(chosen);
   };
   for (auto add : {AddSimulate, AddImport, AddFit, AddEvaluate, AddInspect,
-                   AddClassify, AddShow, AddReproduce}) {
+                   AddClassify, AddShow, AddReproduce, AddExportModel,
+                   AddImportModel, AddExportTrials}) {
     add(app, select);
   }
   CLI11_PARSE(app, argc, argv);

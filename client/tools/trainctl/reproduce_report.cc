@@ -221,13 +221,6 @@ Json RowToJson(const ReproducedRow& row) {
   return json;
 }
 
-absl::Status MakeFolder(const std::string& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) return IoError(folder, error.message());
-  return absl::OkStatus();
-}
-
 absl::Status WriteFigures(const std::vector<ReproducedRow>& rows,
                           const std::string& folder) {
   const std::filesystem::path base(folder);

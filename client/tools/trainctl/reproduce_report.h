@@ -58,10 +58,6 @@ std::string ConfusionBlocks(const std::vector<ReproducedRow>& rows);
 
 Json RowToJson(const ReproducedRow& row);
 
-// Makes the folder of figures if it does not exist. Called before the long
-// computation, so that a bad path fails early.
-absl::Status MakeFolder(const std::string& folder);
-
 // Ours and the paper's accuracies as bars, a section per algorithm. `rows`, at
 // least one, are of one experiment. The paper's intervals take its numbers of
 // trials.
