@@ -22,6 +22,7 @@
 #include "core/data/trial_file.h"
 #include "core/data/trial_layout.h"
 #include "core/data/trial_npz.h"
+#include "core/data/trial_record.h"
 
 namespace tactus::examples {
 
@@ -119,6 +120,14 @@ absl::Status TrialFileExample(const std::string& path, const Trial& trial) {
   for (size_t i = 0; i < reader.size(); ++i) {
     TACTUS_ASSIGN_OR_RETURN(Trial trial, reader.Read(i));
   }
+  return absl::OkStatus();
+}
+
+absl::Status TrialRecordExample(const Trial& trial) {
+  const std::string bytes = ToRecord(trial).SerializeAsString();
+  v1::TrialRecord record;
+  record.ParseFromString(bytes);
+  TACTUS_ASSIGN_OR_RETURN(Trial same, FromRecord(record));
   return absl::OkStatus();
 }
 
