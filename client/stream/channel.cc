@@ -8,7 +8,6 @@
 #include "absl/strings/match.h"
 #include "core/base/address.h"
 #include "core/base/errors.h"
-#include "core/base/limits.h"
 #include "core/base/text.h"
 #include "grpcpp/create_channel.h"
 #include "grpcpp/security/credentials.h"
@@ -28,7 +27,7 @@ std::shared_ptr<grpc::Channel> MakeChannel(const std::string& address,
   arguments.SetInt(GRPC_COMPRESSION_CHANNEL_ENABLED_ALGORITHMS_BITSET,
                    1 << GRPC_COMPRESS_NONE);
   arguments.SetInt(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
-  arguments.SetMaxReceiveMessageSize(limits::kMaxReceiveBytes);
+  arguments.SetMaxReceiveMessageSize(options.max_receive_bytes);
   if (!options.share_connection) {
     arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   }

@@ -16,6 +16,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "core/base/limits.h"
 #include "grpcpp/channel.h"
 
 namespace tactus::client {
@@ -27,6 +28,9 @@ struct ChannelOptions {
   std::optional<std::string> tls_roots = {};
   // False: this channel has a separate connection, which no other one uses.
   bool share_connection = true;
+  // A larger response ends its call. The responses of the training service are
+  // larger than those of a stream (client/training/training_client.h).
+  int max_receive_bytes = limits::kMaxReceiveBytes;
 };
 
 // `address` is "host:port" or "unix:path". Never fails: a wrong address or

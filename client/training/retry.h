@@ -1,0 +1,54 @@
+// File: retry.h
+//
+// Which failed calls a client repeats by itself, and how often.
+//
+//   Retries retries({}, /*seed=*/1);
+//   for (;;) {
+//     const absl::Status status = Send();
+//     if (status.ok()) return status;
+//     TACTUS_RETURN_IF_ERROR(retries.Wait(status));
+//   }
+//
+// Not thread-safe.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+
+#include "absl/status/status.h"
+#include "client/training/backoff.h"
+
+namespace tactus::client {
+
+// True if the call broke on its way, or the server asks to come again: the
+// same call may succeed later. False for every answer of the server itself.
+bool MayRetry(const absl::Status& status);
+
+struct RetryOptions {
+  // Failures in a row, without progress between them, that are repeated. Eight
+  // take 15 to 30 s: a server restarts in this time.
+  int limit = 8;
+  // Waits; tests replace it.
+  std::function<void(std::chrono::milliseconds)> sleep = {};
+};
+
+class Retries {
+ public:
+  Retries(RetryOptions options, uint64_t seed);
+
+  // Waits and returns OK if the call that ended with `status` is to be
+  // repeated; else returns `status`.
+  absl::Status Wait(const absl::Status& status);
+  // The same for a caller that knows whether the call may be repeated.
+  absl::Status WaitIf(bool may_retry, const absl::Status& status);
+  // The server made progress: failures are counted from 0 again.
+  void Reset();
+
+ private:
+  const RetryOptions options_;
+  Backoff backoff_;
+  int failures_ = 0;
+};
+
+}  // namespace tactus::client

@@ -1,0 +1,56 @@
+#include "client/training/retry.h"
+
+#include <vector>
+
+#include "core/base/errors.h"
+#include "gtest/gtest.h"
+
+namespace tactus::client {
+namespace {
+
+using std::chrono::milliseconds;
+
+TEST(RetryTest, OnlyBrokenCallsAreRepeated) {
+  EXPECT_TRUE(MayRetry(absl::UnavailableError("")));
+  EXPECT_TRUE(MayRetry(Draining()));
+  EXPECT_TRUE(MayRetry(UploadBusy("uploads/1")));
+  EXPECT_TRUE(MayRetry(NoResponse("x", 1)));
+  EXPECT_TRUE(MayRetry(absl::InternalError("stream reset")));
+  EXPECT_TRUE(MayRetry(absl::CancelledError("")));
+  EXPECT_FALSE(MayRetry(absl::OkStatus()));
+  EXPECT_FALSE(MayRetry(EtagMismatch("a", "b", "c")));
+  EXPECT_FALSE(MayRetry(JobLimit(3)));
+  EXPECT_FALSE(MayRetry(Cancelled("job")));
+  EXPECT_FALSE(MayRetry(InvalidResponse("a", "b", "c")));
+  EXPECT_FALSE(MayRetry(absl::UnimplementedError("")));
+}
+
+TEST(RetryTest, WaitsDoubleUpToALimit) {
+  std::vector<int64_t> waits;
+  Retries retries(
+      {.limit = 9,
+       .sleep = [&](milliseconds wait) { waits.push_back(wait.count()); }},
+      5);
+  const absl::Status broken = absl::UnavailableError("broken");
+  for (int i = 0; i < 9; ++i) EXPECT_TRUE(retries.Wait(broken).ok());
+  EXPECT_EQ(retries.Wait(broken), broken);
+  ASSERT_EQ(waits.size(), 9u);
+  const int64_t longest[] = {100, 200, 400, 800, 1600, 3200, 5000, 5000, 5000};
+  for (int i = 0; i < 9; ++i) {
+    EXPECT_GE(2 * waits[i] + 1, longest[i]);
+    EXPECT_LE(waits[i], longest[i]);
+  }
+  retries.Reset();
+  EXPECT_TRUE(retries.Wait(broken).ok());
+  EXPECT_LE(waits.back(), 100);
+}
+
+TEST(RetryTest, ClientsWaitDifferently) {
+  Backoff a(1);
+  Backoff b(2);
+  EXPECT_NE(a.Next(), b.Next());
+  EXPECT_EQ(Backoff(3).Next(), Backoff(3).Next());
+}
+
+}  // namespace
+}  // namespace tactus::client
