@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/tools/trainctl/command.h"
+#include "client/tools/trainctl/text.h"
 
 namespace tactus::client {
 namespace {
@@ -19,13 +20,11 @@ constexpr double kRefreshSeconds = 0.2;
 // Below this a time left is a guess.
 constexpr double kLeastFraction = 0.02;
 
-// "1:05" or "2:03:00".
-std::string Clock(double seconds) {
-  const auto all = static_cast<int64_t>(std::ceil(seconds));
-  const int64_t hours = all / 3600;
-  const int64_t minutes = all / 60 % 60;
-  if (hours == 0) return absl::StrFormat("%d:%02d", minutes, all % 60);
-  return absl::StrFormat("%d:%02d:%02d", hours, minutes, all % 60);
+// Characters of UTF-8, each one column wide.
+size_t Width(const std::string& text) {
+  return std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+  });
 }
 
 }  // namespace
@@ -51,8 +50,8 @@ void ProgressDisplay::Add(absl::string_view phase, double fraction) {
   std::string detail = absl::StrFormat("%3.0f %%", std::floor(100 * fraction_));
   if (fraction_ >= kLeastFraction) {
     const double spent = seconds_() - phase_start_;
-    absl::StrAppend(&detail, ", ", Clock(spent * (1 - fraction_) / fraction_),
-                    " left");
+    absl::StrAppend(&detail, ", ",
+                    ClockText(spent * (1 - fraction_) / fraction_), " left");
   }
   Show(detail);
 }
@@ -61,6 +60,13 @@ void ProgressDisplay::Count(absl::string_view phase, int64_t count) {
   std::lock_guard lock(mutex_);
   Enter(phase);
   Show(absl::StrCat(count));
+}
+
+void ProgressDisplay::Report(absl::string_view phase,
+                             absl::string_view detail) {
+  std::lock_guard lock(mutex_);
+  Enter(phase);
+  Show(std::string(detail));
 }
 
 void ProgressDisplay::Clear() {
@@ -90,10 +96,11 @@ void ProgressDisplay::Show(const std::string& detail) {
   }
   if (now - shown_at_ < kRefreshSeconds) return;
   const std::string line = absl::StrCat(phase_, "  ", detail);
-  const size_t blank = shown_width_ - std::min(shown_width_, line.size());
+  const size_t width = Width(line);
+  const size_t blank = shown_width_ - std::min(shown_width_, width);
   out_ << "\r" << line << std::string(blank, ' ') << std::flush;
   shown_at_ = now;
-  shown_width_ = line.size();
+  shown_width_ = width;
 }
 
 }  // namespace tactus::client

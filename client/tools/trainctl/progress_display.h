@@ -42,6 +42,9 @@ class ProgressDisplay {
   // Shows that `count` things of a phase are done, of an unknown number.
   void Count(absl::string_view phase, int64_t count);
 
+  // Shows `detail` about a phase, on a terminal; else only the phase.
+  void Report(absl::string_view phase, absl::string_view detail);
+
   // Removes the line from the terminal; the next report writes it again.
   void Clear();
 

@@ -1,5 +1,8 @@
 #include "client/tools/trainctl/text.h"
 
+#include <cmath>
+#include <ctime>
+
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 
@@ -15,6 +18,31 @@ std::string WithCommas(int count) {
     text.insert(place, 1, ',');
   }
   return text;
+}
+
+std::string ClockText(double seconds) {
+  const auto all = static_cast<int64_t>(std::ceil(seconds));
+  const int64_t hours = all / 3600;
+  const int64_t minutes = all / 60 % 60;
+  if (hours == 0) return absl::StrFormat("%d:%02d", minutes, all % 60);
+  return absl::StrFormat("%d:%02d:%02d", hours, minutes, all % 60);
+}
+
+std::string TimeText(int64_t ms) {
+  const std::time_t seconds = ms / 1000;
+  std::tm utc = {};
+  gmtime_r(&seconds, &utc);
+  char text[32];
+  return std::string(
+      text, std::strftime(text, sizeof(text), "%Y-%m-%d %H:%M:%S", &utc));
+}
+
+std::string BytesText(int64_t bytes) {
+  const char* const units[] = {"B", "kB", "MB", "GB", "TB"};
+  auto value = static_cast<double>(bytes);
+  int unit = 0;
+  for (; value >= 999.5 && unit < 4; ++unit) value /= 1000;
+  return absl::StrFormat("%.3g %s", value, units[unit]);
 }
 
 std::string PercentOf(int right, int count) {

@@ -1,0 +1,36 @@
+#include "client/tools/trainctl/sparkline.h"
+
+#include <limits>
+#include <vector>
+
+#include "gtest/gtest.h"
+
+namespace tactus::client {
+namespace {
+
+std::string Line(const std::vector<double>& values, size_t width) {
+  return Sparkline(values, width);
+}
+
+TEST(SparklineTest, BlocksGrowWithTheValues) {
+  EXPECT_EQ(Line({0, 1, 2, 3, 4, 5, 6, 7}, 20), "▁▂▃▄▅▆▇█");
+  EXPECT_EQ(Line({8, 3, 2, 1}, 20), "█▃▂▁");
+  EXPECT_EQ(Line({-1e300, 1e300}, 20), "▁█");
+}
+
+TEST(SparklineTest, LongCurvesBecomeMeans) {
+  EXPECT_EQ(Line({0, 2, 4, 6, 10, 12}, 3), "▁▄█");
+  EXPECT_EQ(Line(std::vector<double>(1000, 3), 5), "▁▁▁▁▁");
+}
+
+TEST(SparklineTest, WhatHasNoPlaceIsLeftOut) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinite = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(Line({nan, 0, infinite, 1, -infinite}, 20), "▁█");
+  EXPECT_EQ(Line({nan}, 20), "");
+  EXPECT_EQ(Line({}, 20), "");
+  EXPECT_EQ(Line({1, 2}, 0), "");
+}
+
+}  // namespace
+}  // namespace tactus::client
