@@ -44,13 +44,13 @@ double SecondsSinceStart() {
 }
 
 CLI::App& CommandGroup(CLI::App& app, const std::string& name,
-                       const std::string& help) {
-  const std::vector<CLI::App*> found = app.get_subcommands(
-      [&](const CLI::App* group) { return group->get_name() == name; });
-  if (!found.empty()) return *found.front();
-  CLI::App& group = *app.add_subcommand(name, help);
-  group.require_subcommand(1);
-  return group;
+                       const std::string& description) {
+  const auto existing = app.get_subcommands(
+      [&](const CLI::App* command) { return command->get_name() == name; });
+  if (!existing.empty()) return *existing.front();
+  CLI::App* group = app.add_subcommand(name, description);
+  group->require_subcommand(1);
+  return *group;
 }
 
 std::vector<const LabelledContact*> LoadedContacts::Pointers() const {

@@ -39,11 +39,12 @@ void AddShow(CLI::App& app, const SelectCommand& select);
 void AddExportModel(CLI::App& app, const SelectCommand& select);
 void AddImportModel(CLI::App& app, const SelectCommand& select);
 void AddExportTrials(CLI::App& app, const SelectCommand& select);
+void AddCompletion(CLI::App& app, const SelectCommand& select);
 
-// The sub-command `name` of `app` that holds further sub-commands, as "models"
-// holds "export"; made with `help` if it is not there yet.
+// The group of commands that begin with `name`, e.g. "models"; made by the
+// first caller, so that several files can add commands to it.
 CLI::App& CommandGroup(CLI::App& app, const std::string& name,
-                       const std::string& help);
+                       const std::string& description);
 
 // The command line, on one line, for the provenance of a bundle.
 void SetCommandLine(int argc, char** argv);

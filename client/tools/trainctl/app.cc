@@ -1,0 +1,58 @@
+#include "client/tools/trainctl/app.h"
+
+#include <iostream>
+#include <utility>
+
+#include "client/tools/trainctl/command.h"
+#include "client/tools/trainctl/exit_code.h"
+#include "core/base/arguments.h"
+#include "core/base/errors.h"
+#include "core/base/version.h"
+
+namespace tactus::client {
+namespace {
+
+void Report(const absl::Status& status) {
+  const std::string reason = ReasonOf(status);
+  std::cerr << "trainctl: " << status.message();
+  if (!reason.empty()) std::cerr << " [" << reason << "]";
+  std::cerr << "\n";
+}
+
+}  // namespace
+
+int RunTrainctl(int argc, char** argv) {
+  if (const absl::Status status = CheckArguments(argc, argv); !status.ok()) {
+    Report(status);
+    return kExitUsage;
+  }
+  SetCommandLine(argc, argv);
+  CLI::App app(
+      "Simulate, import, fit, evaluate, inspect, classify and show trials.");
+  app.name("trainctl");
+  app.set_version_flag("--version", std::string("trainctl ") + kVersion);
+  app.require_subcommand(1);
+  app.failure_message(CLI::FailureMessage::help);
+
+  Command command;
+  const SelectCommand select = [&](Command chosen) {
+    command = std::move(chosen);
+  };
+  for (auto add : {AddSimulate, AddImport, AddFit, AddEvaluate, AddInspect,
+                   AddClassify, AddShow, AddReproduce, AddExportModel,
+                   AddImportModel, AddExportTrials, AddCompletion}) {
+    add(app, select);
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    // Zero for --help and --version.
+    return app.exit(error) == 0 ? kExitOk : kExitUsage;
+  }
+
+  const absl::Status status = command();
+  if (!status.ok()) Report(status);
+  return ExitCodeOf(status);
+}
+
+}  // namespace tactus::client
