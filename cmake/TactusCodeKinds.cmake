@@ -4,6 +4,7 @@
 #   core     standard library, Abseil, Eigen
 #   grpc     core's and gRPC
 #   program  core's, CLI11 and JSON: reads flags, prints results
+#   remote   grpc's, CLI11 and JSON: the same, with a server
 #   test     core's and GoogleTest
 #   rpctest  grpc's and GoogleTest
 #
@@ -33,6 +34,9 @@ set(program_libraries ${core_libraries} CLI11::CLI11
 # gcc 12 sees writes past strings at -O1 that are not there.
 set(program_options
   $<$<CONFIG:Release>:-O1> $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds>)
+set(remote_headers ${grpc_headers} [["CLI/CLI.hpp"]] [["nlohmann/json.hpp"]])
+set(remote_libraries ${program_libraries} gRPC::grpc++)
+set(remote_options ${program_options})
 set(gtest_headers [["gmock/gmock.h"]] [["gtest/gtest.h"]])
 set(test_headers ${core_headers} ${gtest_headers})
 set(test_libraries ${core_libraries} GTest::gmock GTest::gtest)

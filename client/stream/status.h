@@ -7,9 +7,13 @@
 
 #include "absl/status/status.h"
 #include "grpcpp/support/status.h"
+#include "tactus/v1/common.pb.h"
 
 namespace tactus::client {
 
 absl::Status FromGrpcStatus(const grpc::Status& status);
+
+// The same for a status inside a message.
+absl::Status FromStatusProto(const v1::Status& status);
 
 }  // namespace tactus::client

@@ -51,4 +51,18 @@ class Retries {
   int failures_ = 0;
 };
 
+// Repeats a call that has the same effect however often it arrives, e.g. one
+// with a request_id. `call` returns an absl::StatusOr.
+template <typename Call>
+auto Repeated(const RetryOptions& options, const Call& call)
+    -> decltype(call()) {
+  Retries retries(options, /*seed=*/1);
+  for (;;) {
+    auto result = call();
+    if (result.ok()) return result;
+    absl::Status status = retries.Wait(result.status());
+    if (!status.ok()) return status;
+  }
+}
+
 }  // namespace tactus::client

@@ -85,7 +85,6 @@ absl::StatusOr<v1::FinishUploadResponse> TrialUploader::Upload(
     const int64_t before = committed_;
     absl::Status status = WriteOnce(packer);
     while (!status.ok()) {
-      if (committed_ > before) retries.Reset();
       TACTUS_RETURN_IF_ERROR(retries.WaitIf(MayWriteAgain(status), status));
       status = AskCommitted();
     }

@@ -5,6 +5,7 @@
 
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/exit_code.h"
+#include "client/tools/trainctl/remote_flags.h"
 #include "core/base/arguments.h"
 #include "core/base/errors.h"
 #include "core/base/version.h"
@@ -28,7 +29,8 @@ int RunTrainctl(int argc, char** argv) {
   }
   SetCommandLine(argc, argv);
   CLI::App app(
-      "Simulate, import, fit, evaluate, inspect, classify and show trials.");
+      "Simulate, import and inspect labelled contacts; train, evaluate, serve "
+      "and use models of them, on this machine or on a server.");
   app.name("trainctl");
   app.set_version_flag("--version", std::string("trainctl ") + kVersion);
   app.require_subcommand(1);
@@ -39,8 +41,9 @@ int RunTrainctl(int argc, char** argv) {
     command = std::move(chosen);
   };
   for (auto add : {AddSimulate, AddImport, AddFit, AddEvaluate, AddInspect,
-                   AddClassify, AddShow, AddReproduce, AddExportModel,
-                   AddImportModel, AddExportTrials, AddCompletion}) {
+                   AddClassify, AddShow, AddReproduce, AddDatasets, AddTrain,
+                   AddJobs, AddModels, AddExportModel, AddImportModel,
+                   AddExportTrials, AddCompletion}) {
     add(app, select);
   }
   try {

@@ -10,7 +10,9 @@
 
 namespace tactus::client::testing {
 
-FakeTrainingServer::FakeTrainingServer(const std::string& address)
+FakeTrainingServer::FakeTrainingServer(
+    const std::string& address,
+    const std::shared_ptr<grpc::ServerCredentials>& credentials)
     : state_(std::make_unique<FakeState>(this)),
       training_(std::make_unique<FakeTrainingService>(state_.get())),
       operations_(std::make_unique<FakeOperationService>(state_.get())),
@@ -18,7 +20,7 @@ FakeTrainingServer::FakeTrainingServer(const std::string& address)
   state_->new_job.set_state(v1::Operation::STATE_QUEUED);
   grpc::ServerBuilder builder;
   if (!address.empty()) {
-    builder.AddListeningPort(address, grpc::InsecureServerCredentials());
+    builder.AddListeningPort(address, credentials, &port_);
   }
   builder.RegisterService(training_.get());
   builder.RegisterService(operations_.get());

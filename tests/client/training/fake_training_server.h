@@ -21,6 +21,7 @@
 
 #include "google/protobuf/message.h"
 #include "grpcpp/channel.h"
+#include "grpcpp/security/server_credentials.h"
 #include "grpcpp/server.h"
 #include "tactus/v1/models.grpc.pb.h"
 #include "tactus/v1/operations.grpc.pb.h"
@@ -39,10 +40,15 @@ class FakeTrainingServer {
   enum class Kept { kNone, kHalf, kAll };
 
   // Listens in the process, and at `address` unless it is empty.
-  explicit FakeTrainingServer(const std::string& address = "");
+  explicit FakeTrainingServer(
+      const std::string& address = "",
+      const std::shared_ptr<grpc::ServerCredentials>& credentials =
+          grpc::InsecureServerCredentials());
   ~FakeTrainingServer();
 
   std::shared_ptr<grpc::Channel> channel();
+  // Of `address`, if that left the choice to the system.
+  int port() const { return port_; }
 
   // Called with each response before it is sent.
   std::function<void(google::protobuf::Message&)> alter;
@@ -88,6 +94,7 @@ class FakeTrainingServer {
   std::unique_ptr<FakeOperationService> operations_;
   std::unique_ptr<FakeModelService> models_;
   std::unique_ptr<grpc::Server> server_;
+  int port_ = 0;
 };
 
 }  // namespace tactus::client::testing

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "absl/status/statusor.h"
 #include "core/base/errors.h"
 #include "gtest/gtest.h"
 
@@ -43,6 +44,30 @@ TEST(RetryTest, WaitsDoubleUpToALimit) {
   retries.Reset();
   EXPECT_TRUE(retries.Wait(broken).ok());
   EXPECT_LE(waits.back(), 100);
+}
+
+TEST(RetryTest, ACallIsRepeatedUntilItArrives) {
+  const RetryOptions options = {.limit = 3, .sleep = [](milliseconds) {}};
+  int calls = 0;
+  const auto third = [&]() -> absl::StatusOr<int> {
+    if (++calls < 3) return absl::UnavailableError("broken");
+    return calls;
+  };
+  EXPECT_EQ(Repeated(options, third).value(), 3);
+  const auto never = [&]() -> absl::StatusOr<int> {
+    ++calls;
+    return absl::UnavailableError("broken");
+  };
+  calls = 0;
+  EXPECT_FALSE(Repeated(options, never).ok());
+  EXPECT_EQ(calls, 4);
+  const auto refused = [&]() -> absl::StatusOr<int> {
+    ++calls;
+    return JobLimit(3);
+  };
+  calls = 0;
+  EXPECT_EQ(ReasonOf(Repeated(options, refused).status()), "JOB_LIMIT");
+  EXPECT_EQ(calls, 1);
 }
 
 TEST(RetryTest, ClientsWaitDifferently) {

@@ -1,6 +1,6 @@
 // File: sample_trials.h
 //
-// Small trials to upload, and what tests do with them.
+// Small trials to upload, and what tests do with them and with errors.
 #pragma once
 
 #include <chrono>
@@ -12,6 +12,7 @@
 #include "client/training/trial_uploader.h"
 #include "core/base/random.h"
 #include "core/data/trial_record.h"
+#include "server/rpc/status.h"
 
 namespace tactus::client::testing {
 
@@ -50,6 +51,13 @@ inline TrialUploader::NextTrial From(const std::vector<Trial>& trials) {
     if (next == trials.size()) return std::nullopt;
     return trials[next++];
   };
+}
+
+// An error as a server puts it into a message.
+inline v1::Status ToProto(const absl::Status& error) {
+  v1::Status status;
+  status.ParseFromString(server::ToGrpcStatus(error).error_details());
+  return status;
 }
 
 // Does not wait.

@@ -63,6 +63,30 @@ TEST_F(TrialUploaderTest, NoTrialsAreAnEmptyUpload) {
   EXPECT_EQ(server_.write_calls(), 0);
 }
 
+TEST_F(TrialUploaderTest, TrialsAreTakenWhenTheyAreNeeded) {
+  const auto many = SampleTrials(30);
+  size_t longest = 0;
+  for (const Trial& trial : many) {
+    longest = std::max(longest, testing::PackOf({trial}).size());
+  }
+  size_t next = 0;
+  size_t taken = 0;
+  v1::CreateUploadRequest request;
+  request.set_dataset(kDataset);
+  const auto made =
+      TrialUploader(&client_, options_)
+          .Upload(request, [&]() -> absl::StatusOr<std::optional<Trial>> {
+            // A call may have begun without the server's notice.
+            const size_t calls = server_.write_calls() + 1;
+            EXPECT_LE(taken, calls * (options_.call_bytes + 64) + longest);
+            if (next == many.size()) return std::nullopt;
+            taken += testing::PackOf({many[next]}).size();
+            return many[next++];
+          });
+  EXPECT_TRUE(made.ok()) << made.status();
+  EXPECT_GT(taken, 10 * (options_.call_bytes + longest));
+}
+
 TEST_F(TrialUploaderTest, AnInterruptionAtEveryChunkIsSurvived) {
   int number = 0;
   const auto size = static_cast<int64_t>(pack_.size());

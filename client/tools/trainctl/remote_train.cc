@@ -1,0 +1,119 @@
+// trainctl train: trains a model on a server.
+#include <iostream>
+
+#include "absl/strings/str_cat.h"
+#include "client/tools/trainctl/remote_flags.h"
+#include "client/tools/trainctl/remote_job.h"
+#include "client/training/retry.h"
+#include "core/base/status_macros.h"
+#include "core/features/feature.h"
+
+namespace tactus::client {
+namespace {
+
+struct Flags {
+  std::string dataset;
+  std::string model;
+  std::string preset;
+  std::string features;
+  uint64_t seed = 1;
+  std::optional<uint32_t> networks;
+  std::optional<uint32_t> epochs;
+  std::optional<uint32_t> hmms_per_class;
+  bool skip_unusable = false;
+  std::string note;
+  bool detach = false;
+  bool check = false;
+};
+
+absl::StatusOr<v1::TrainSpec> SpecOf(TrainingClient& client,
+                                     const Flags& flags) {
+  v1::TrainSpec spec;
+  TACTUS_ASSIGN_OR_RETURN(
+      const v1::DatasetVersion version,
+      client.GetDatasetVersion(FullName("datasets", flags.dataset)));
+  spec.set_dataset_version(version.name());
+  spec.set_model(FullName("models", flags.model));
+  spec.set_preset(flags.preset);
+  if (!flags.features.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(const auto features, ParseFeatures(flags.features));
+    for (const Feature feature : features) {
+      spec.add_features(std::string(FeatureName(feature)));
+    }
+  }
+  spec.set_seed(flags.seed);
+  if (flags.networks) spec.set_networks(*flags.networks);
+  if (flags.epochs) spec.set_epochs(*flags.epochs);
+  if (flags.hmms_per_class) spec.set_hmms_per_class(*flags.hmms_per_class);
+  spec.set_skip_unusable(flags.skip_unusable);
+  spec.set_note(flags.note);
+  return spec;
+}
+
+absl::Status Run(TrainingClient& client, const RemoteFlags& remote,
+                 const Flags& flags) {
+  v1::TrainModelRequest request;
+  TACTUS_ASSIGN_OR_RETURN(*request.mutable_spec(), SpecOf(client, flags));
+  request.set_request_id(NewRequestId());
+  request.set_validate_only(flags.check);
+  TACTUS_ASSIGN_OR_RETURN(const v1::Operation job, Repeated({}, [&] {
+                            return client.TrainModel(request);
+                          }));
+  if (flags.check) {
+    if (!remote.json) std::cout << "the request is right\n";
+    return absl::OkStatus();
+  }
+  if (flags.detach) {
+    PrintJob(job, remote);
+    return absl::OkStatus();
+  }
+  return FollowJob(client, remote, job);
+}
+
+}  // namespace
+
+void AddTrain(CLI::App& app, const SelectCommand& select) {
+  auto flags = std::make_shared<Flags>();
+  CLI::App* command = app.add_subcommand(
+      "train", "Train a model on a server, and watch it being trained");
+  command
+      ->add_option("--dataset", flags->dataset,
+                   "Dataset on the server, or a version like arm@2")
+      ->required();
+  command
+      ->add_option("--model", flags->model,
+                   "Model that gets a new version; it may be new")
+      ->required();
+  command->add_option("--preset", flags->preset,
+                      "tuned, paper, profile or auto; default: tuned");
+  command->add_option("--features", flags->features,
+                      "Features that models may use: any of f (force), m "
+                      "(motion), a (area), like f,m");
+  command->add_option("--seed", flags->seed, "Seed of every random choice")
+      ->capture_default_str();
+  command->add_option("--networks", flags->networks,
+                      "Number of LSTMs, instead of the preset's; 0 for none");
+  command->add_option("--epochs", flags->epochs,
+                      "Epochs of LSTM training, instead of the preset's");
+  command->add_option("--hmms-per-class", flags->hmms_per_class,
+                      "HMMs per category, instead of the preset's");
+  command->add_flag("--skip-unusable", flags->skip_unusable,
+                    "Leave out trials that a model cannot use, instead of "
+                    "refusing the dataset");
+  command->add_option("--note", flags->note, "Text to keep with the model");
+  command->add_flag("--detach", flags->detach,
+                    "Return at once; the job runs on");
+  command->add_flag("--validate-only", flags->check,
+                    "Check the request, and train nothing");
+  command->footer(
+      "Ctrl-C ends the watch, not the job.\n"
+      "Exit codes: 3 the job failed, 4 it was cancelled.\n"
+      "Example:\n"
+      "  trainctl train --dataset=arm@2 --model=arm --preset=tuned --seed=7");
+  AddRemoteCommand(*command, select,
+                   [=](TrainingClient& client, const RemoteFlags& remote) {
+                     return Run(client, remote, *flags);
+                   });
+}
+
+}  // namespace tactus::client
