@@ -12,6 +12,7 @@
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/evaluate_figures.h"
 #include "client/tools/trainctl/evaluate_report.h"
+#include "client/tools/trainctl/exit_code.h"
 #include "client/tools/trainctl/fit_flags.h"
 #include "client/tools/trainctl/progress_display.h"
 #include "client/tools/trainctl/text.h"
@@ -39,6 +40,11 @@ struct Flags {
 
 // Refuses flags that would have no effect.
 absl::Status Check(const Flags& flags) {
+  if (flags.data.empty()) {
+    return WithExitCode(InvalidConfig("--data and --dataset", "both absent",
+                                      "a trial file, or a dataset of a server"),
+                        kExitUsage);
+  }
   if (flags.protocol.empty() == flags.model.empty()) {
     return InvalidConfig("--protocol and --model",
                          flags.model.empty() ? "both absent" : "both given",
@@ -193,7 +199,7 @@ void AddEvaluate(CLI::App& app, const SelectCommand& select) {
   auto flags = std::make_shared<Flags>();
   CLI::App* command = app.add_subcommand(
       "evaluate", "Measure the accuracy of a bundle, or of a protocol");
-  command->add_option("--data", flags->data, "Trial file")->required();
+  command->add_option("--data", flags->data, "Trial file");
   command->add_option("--protocol", flags->protocol,
                       "loco, leave-one-out, leave-one-material-out, k-fold, or "
                       "leave-one-category-out for the detection of unknown");

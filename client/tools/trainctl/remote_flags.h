@@ -63,6 +63,8 @@ std::string NewRequestId();
 // Each function adds a command, or a group of them, to `app`.
 void AddDatasets(CLI::App& app, const SelectCommand& select);
 void AddTrain(CLI::App& app, const SelectCommand& select);
+// `evaluate`, for files and for datasets of a server.
+void AddRemoteEvaluate(CLI::App& app, const SelectCommand& select);
 void AddJobs(CLI::App& app, const SelectCommand& select);
 void AddModels(CLI::App& app, const SelectCommand& select);
 

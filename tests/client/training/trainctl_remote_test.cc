@@ -288,6 +288,49 @@ TEST_F(TrainctlRemoteTest, CtrlCEndsTheWatchAndNotTheJob) {
             v1::Operation::STATE_RUNNING);
 }
 
+TEST_F(TrainctlRemoteTest, EvaluateRunsOnTheServerThatHasTheDataset) {
+  MakeDataset();
+  v1::ModelVersion version;
+  version.set_name("models/arm/versions/2");
+  server_->AddModelVersion(version, "");
+  v1::Operation job = Job(v1::Operation::STATE_SUCCEEDED);
+  v1::EvaluationReport& report = *job.mutable_result()->mutable_evaluation();
+  report.mutable_accuracy()->set_correct(3);
+  report.mutable_accuracy()->set_contacts(4);
+  for (const char* name : {"HU", "SM"}) report.add_class_names(name);
+  for (const uint32_t count : {2, 1, 0, 1}) report.add_confusion(count);
+  server_->SetNewJobState(job);
+  Outcome outcome = Trainctl({"evaluate", "--dataset=arm", "--model=arm@2"});
+  ASSERT_EQ(outcome.exit, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr("accuracy 75.00 %"),
+                                 HasSubstr("HU        2        1\n"),
+                                 HasSubstr("SM        0        1\n")));
+  v1::EvaluateSpec spec = server_->operation("operations/1").evaluate();
+  EXPECT_EQ(spec.dataset_version(), "datasets/arm/versions/1");
+  EXPECT_EQ(spec.model_version(), "models/arm/versions/2");
+  EXPECT_FALSE(spec.has_train());
+
+  outcome = Trainctl({"evaluate", "--dataset=arm@1",
+                      "--protocol=leave-one-material-out", "--preset=paper",
+                      "--mixtures=2", "--detach", "--json"});
+  ASSERT_EQ(outcome.exit, 0) << outcome.err;
+  EXPECT_EQ(outcome.json()["evaluate"]["protocol"], "lomo");
+  spec = server_->operation("operations/2").evaluate();
+  EXPECT_EQ(spec.train().preset(), "paper");
+  EXPECT_EQ(spec.train().hmms_per_class(), 2u);
+  EXPECT_EQ(spec.model_version(), "");
+
+  for (const std::vector<std::string>& wrong :
+       {std::vector<std::string>{"evaluate", "--dataset=arm"},
+        {"evaluate", "--dataset=arm", "--model=arm", "--protocol=loco"},
+        {"evaluate", "--dataset=arm", "--protocol=odd"},
+        {"evaluate", "--dataset=arm", "--protocol=loco", "--states=3"},
+        {"evaluate", "--dataset=arm", "--data=arm.h5", "--model=arm"},
+        {"evaluate", "--protocol=loco"}}) {
+    EXPECT_EQ(Trainctl(wrong).exit, 2) << wrong.back();
+  }
+}
+
 TEST_F(TrainctlRemoteTest, JobsAreListedAndCancelled) {
   MakeDataset();
   ASSERT_EQ(

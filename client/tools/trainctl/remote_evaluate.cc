@@ -1,0 +1,161 @@
+// trainctl evaluate --dataset: measures accuracy on a server.
+#include <map>
+#include <set>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "client/tools/trainctl/exit_code.h"
+#include "client/tools/trainctl/remote_flags.h"
+#include "client/tools/trainctl/remote_job.h"
+#include "client/training/retry.h"
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+#include "core/features/feature.h"
+
+namespace tactus::client {
+namespace {
+
+struct Flags {
+  std::string dataset;
+  bool detach = false;
+  RemoteFlags remote;
+};
+
+// Protocols by the names that `evaluate` has for files, and by the server's.
+const std::map<std::string, std::string> kProtocols = {
+    {"loco", "loco"},   {"leave-one-material-out", "lomo"},
+    {"lomo", "lomo"},   {"k-fold", "folds"},
+    {"folds", "folds"},
+};
+
+// Flags of `evaluate` that a server can follow.
+const std::set<std::string> kKnown = {
+    "--help",     "--dataset", "--model",    "--protocol", "--preset",
+    "--features", "--seed",    "--networks", "--epochs",   "--mixtures",
+    "--json",     "--detach",  "--server",   "--ca",       "--token-file"};
+
+// The value of a flag; nothing if it was not given.
+template <typename Value>
+std::optional<Value> Given(const CLI::App& command, const char* flag) {
+  const CLI::Option* option = command.get_option(flag);
+  if (option->count() == 0) return std::nullopt;
+  return option->as<Value>();
+}
+
+absl::Status Usage(const std::string& flag, const std::string& got,
+                   const std::string& want) {
+  return WithExitCode(InvalidConfig(flag, got, want), kExitUsage);
+}
+
+absl::StatusOr<v1::TrainSpec> TrainSpecOf(const CLI::App& command,
+                                          const std::string& dataset) {
+  v1::TrainSpec train;
+  train.set_dataset_version(dataset);
+  train.set_preset(Given<std::string>(command, "--preset").value_or(""));
+  train.set_seed(Given<uint64_t>(command, "--seed").value_or(1));
+  if (const auto text = Given<std::string>(command, "--features")) {
+    TACTUS_ASSIGN_OR_RETURN(const auto features, ParseFeatures(*text));
+    for (const Feature feature : features) {
+      train.add_features(std::string(FeatureName(feature)));
+    }
+  }
+  if (const auto n = Given<uint32_t>(command, "--networks")) {
+    train.set_networks(*n);
+  }
+  if (const auto n = Given<uint32_t>(command, "--epochs")) train.set_epochs(*n);
+  if (const auto n = Given<uint32_t>(command, "--mixtures")) {
+    train.set_hmms_per_class(*n);
+  }
+  return train;
+}
+
+absl::StatusOr<v1::EvaluateSpec> SpecOf(TrainingClient& client,
+                                        const CLI::App& command,
+                                        const Flags& flags) {
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->count() > 0 && !kKnown.contains(option->get_name())) {
+      return Usage(option->get_name(), "given with --dataset",
+                   "absent: a server does not know it");
+    }
+  }
+  const auto model = Given<std::string>(command, "--model");
+  const auto protocol = Given<std::string>(command, "--protocol");
+  if (model.has_value() == protocol.has_value()) {
+    return Usage("--protocol and --model", model ? "both given" : "both absent",
+                 "exactly one of the two");
+  }
+  v1::EvaluateSpec spec;
+  TACTUS_ASSIGN_OR_RETURN(
+      const v1::DatasetVersion version,
+      client.GetDatasetVersion(FullName("datasets", flags.dataset)));
+  spec.set_dataset_version(version.name());
+  if (protocol) {
+    const auto known = kProtocols.find(*protocol);
+    if (known == kProtocols.end()) {
+      return Usage("--protocol", *protocol,
+                   "loco, leave-one-material-out or k-fold on a server");
+    }
+    spec.set_protocol(known->second);
+    TACTUS_ASSIGN_OR_RETURN(*spec.mutable_train(),
+                            TrainSpecOf(command, version.name()));
+    return spec;
+  }
+  if (absl::StartsWith(*model, "aliases/")) {
+    spec.set_model_version(*model);
+    return spec;
+  }
+  TACTUS_ASSIGN_OR_RETURN(const v1::ModelVersion found,
+                          client.GetModelVersion(FullName("models", *model)));
+  spec.set_model_version(found.name());
+  return spec;
+}
+
+absl::Status Run(TrainingClient& client, const CLI::App& command,
+                 const Flags& flags) {
+  v1::EvaluateModelRequest request;
+  TACTUS_ASSIGN_OR_RETURN(*request.mutable_spec(),
+                          SpecOf(client, command, flags));
+  request.set_request_id(NewRequestId());
+  TACTUS_ASSIGN_OR_RETURN(const v1::Operation job, Repeated({}, [&] {
+                            return client.EvaluateModel(request);
+                          }));
+  if (!flags.detach) return FollowJob(client, flags.remote, job);
+  PrintJob(job, flags.remote);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddRemoteEvaluate(CLI::App& app, const SelectCommand& select) {
+  auto flags = std::make_shared<Flags>();
+  AddEvaluate(app, [&app, flags, select](Command local) {
+    if (flags->dataset.empty()) {
+      select(std::move(local));
+      return;
+    }
+    select([&app, flags] {
+      const CLI::App& command = *app.get_subcommand("evaluate");
+      flags->remote.json = command.get_option("--json")->count() > 0;
+      return RunRemote(flags->remote,
+                       [&](TrainingClient& client, const RemoteFlags&) {
+                         return Run(client, command, *flags);
+                       });
+    });
+  });
+  CLI::App& command = *app.get_subcommand("evaluate");
+  command
+      .add_option("--dataset", flags->dataset,
+                  "Dataset on a server, or a version like arm@2, instead of "
+                  "--data; --model is then a model on the server")
+      ->excludes(command.get_option("--data"));
+  command.add_flag("--detach", flags->detach,
+                   "With --dataset: return at once; the job runs on");
+  flags->remote.AddServer(command);
+  command.footer(
+      "Examples:\n"
+      "  trainctl evaluate --data=trials.h5 --model=arm.tactus\n"
+      "  trainctl evaluate --dataset=arm@2 --model=arm@3\n"
+      "  trainctl evaluate --dataset=arm --protocol=loco --preset=paper");
+}
+
+}  // namespace tactus::client
