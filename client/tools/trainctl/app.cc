@@ -3,6 +3,7 @@
 #include <iostream>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/exit_code.h"
 #include "client/tools/trainctl/remote_flags.h"
@@ -12,6 +13,17 @@
 
 namespace tactus::client {
 namespace {
+
+// What --help of the commands without a server ends with.
+constexpr std::pair<const char*, const char*> kExamples[] = {
+    {"simulate", "--protocol=paper --sensor=taxels --out=sim.h5"},
+    {"import", "my_recordings --out=mine.h5"},
+    {"fit", "--data=mine.h5 --preset=tuned --out=mine.tactus"},
+    {"inspect", "mine.h5"},
+    {"classify", "--data=mine.h5 --model=mine.tactus"},
+    {"show", "mine.h5 --trial=000000 --out=contact.png"},
+    {"reproduce", "--figures=paper-tables"},
+};
 
 void Report(const absl::Status& status) {
   const std::string reason = ReasonOf(status);
@@ -46,6 +58,10 @@ int RunTrainctl(int argc, char** argv) {
         AddModels, AddExportModel, AddImportModel, AddExportTrials,
         AddCompletion}) {
     add(app, select);
+  }
+  for (const auto& [name, arguments] : kExamples) {
+    app.get_subcommand(name)->footer(
+        absl::StrCat("Example:\n  trainctl ", name, " ", arguments));
   }
   try {
     app.parse(argc, argv);

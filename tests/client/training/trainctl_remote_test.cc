@@ -520,7 +520,7 @@ TEST_F(TrainctlRemoteTest, WrongUsageHasItsExitCode) {
   EXPECT_EQ(Trainctl({"--version"}).exit, 0);
 }
 
-// The help of every command that speaks to a server ends with an example.
+// The help of every command ends with an example.
 TEST_F(TrainctlRemoteTest, HelpShowsAnExample) {
   const std::vector<std::vector<std::string>> groups = {
       {"datasets", "create", "upload", "list", "show", "diff", "download",
@@ -537,7 +537,13 @@ TEST_F(TrainctlRemoteTest, HelpShowsAnExample) {
       EXPECT_THAT(outcome.out, HasSubstr("--json"));
     }
   }
-  EXPECT_THAT(Trainctl({"train", "--help"}).out, HasSubstr("Example:"));
+  for (const char* command :
+       {"simulate", "import", "fit", "evaluate", "inspect", "classify", "show",
+        "reproduce", "train", "completion"}) {
+    EXPECT_THAT(Trainctl({command, "--help"}).out,
+                AllOf(HasSubstr("\nExample"),
+                      HasSubstr(std::string("trainctl ") + command)));
+  }
 }
 
 TEST(FullNameTest, ShortNamesBecomeFull) {
