@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "core/base/checksum.h"
+#include "core/base/crc32c.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"

@@ -8,6 +8,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
+#include "core/bundle/bundle.h"
 #include "core/store/records.h"
 #include "server/names/resource_names.h"
 #include "server/records/audit_log.h"
@@ -184,8 +185,10 @@ absl::StatusOr<v1::ModelVersion> ModelStore::Get(absl::string_view name) const {
 
 absl::StatusOr<std::string> ModelStore::Bundle(
     const v1::ModelVersion& version) const {
-  if (version.blob_sha256().empty()) {
-    return InvalidName(version.name(), "a version that is not built in");
+  if (version.built_in()) {
+    TACTUS_ASSIGN_OR_RETURN(const PinnedModel pinned,
+                            registry_->Find(version.name(), ""));
+    return EncodeBundle(pinned.model->model());
   }
   return data_->blobs().Read(version.blob_sha256(), limits::kMaxBundleBytes);
 }

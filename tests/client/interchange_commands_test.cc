@@ -50,11 +50,11 @@ TEST(ModelsCommandTest, EveryExportComesBackAsTheSameModel) {
       {"ghmm", "hmms-ghmm.json"}};
   for (const auto& [format, file] : formats) {
     const std::string out = dir / "exported/deep";
-    Inside(RunTrainctl("models export " + bundle +
+    Inside(RunTrainctl("bundle export " + bundle +
                        " --json --format=" + format + " --out=" + out));
     const std::string path = dir / "new.tactus";
     const Json report =
-        Inside(RunTrainctl("models import " + out + "/" + file +
+        Inside(RunTrainctl("bundle import " + out + "/" + file +
                            " --into=" + bundle + " --json --out=" + path));
     const bool onnx = std::string(format) == "onnx";
     EXPECT_EQ(report["networks"], onnx ? 2 : 0);
@@ -74,11 +74,11 @@ TEST(ModelsCommandTest, SeveralFilesOfNetworksAreAveraged) {
   const ScratchDir dir;
   const std::string bundle = WriteBundle(dir);
   const std::string out = dir / "exported";
-  Inside(RunTrainctl("models export " + bundle +
+  Inside(RunTrainctl("bundle export " + bundle +
                      " --json --format=onnx --out=" + out));
   const std::string file = out + "/lstm-sequence.onnx";
   const Json report = Inside(
-      RunTrainctl("models import " + file + " " + file + " --into=" + bundle +
+      RunTrainctl("bundle import " + file + " " + file + " --into=" + bundle +
                   " --json --out=" + dir / "new.tactus"));
   EXPECT_EQ(report["networks"], 4);
 }
@@ -106,9 +106,9 @@ TEST(ModelsCommandTest, TheCalibrationIsFittedToHeldOutContacts) {
   const ScratchDir dir;
   const std::string bundle = WriteBundle(dir);
   const std::string out = dir / "new.tactus";
-  Inside(RunTrainctl("models export " + bundle +
+  Inside(RunTrainctl("bundle export " + bundle +
                      " --json --format=ghmm --out=" + dir.path()));
-  const std::string import = "models import " + dir / "hmms-ghmm.json" +
+  const std::string import = "bundle import " + dir / "hmms-ghmm.json" +
                              " --into=" + bundle + " --json --out=" + out +
                              " --calibrate=";
   const Json report = Inside(RunTrainctl(import + WriteContacts(dir, "HU")));
@@ -134,16 +134,16 @@ TEST(ModelsCommandTest, MistakesAreNamed) {
   };
   const std::string out = " --out=" + dir / "new";
   EXPECT_THAT(
-      std::string(status("models export " + bundle + " --format=tflite" + out)
+      std::string(status("bundle export " + bundle + " --format=tflite" + out)
                       .message()),
       HasSubstr("onnx, hmmlearn-json, hmmlearn-npz or ghmm"));
   const absl::Status pickle =
-      status("models import hmm.pkl --into=" + bundle + out);
+      status("bundle import hmm.pkl --into=" + bundle + out);
   EXPECT_EQ(ReasonOf(pickle), "INVALID_MODEL");
   EXPECT_THAT(std::string(pickle.message()), HasSubstr("is a pickle"));
   EXPECT_THAT(
       std::string(
-          status("models import x.h5 --activation=relu --into=" + bundle + out)
+          status("bundle import x.h5 --activation=relu --into=" + bundle + out)
               .message()),
       HasSubstr("tanh or softsign"));
   EXPECT_FALSE(std::filesystem::exists(dir / "new"));

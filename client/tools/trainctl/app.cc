@@ -52,11 +52,10 @@ int RunTrainctl(int argc, char** argv) {
   const SelectCommand select = [&](Command chosen) {
     command = std::move(chosen);
   };
-  for (auto add :
-       {AddSimulate, AddImport, AddFit, AddRemoteEvaluate, AddInspect,
-        AddClassify, AddShow, AddReproduce, AddDatasets, AddTrain, AddJobs,
-        AddModels, AddExportModel, AddImportModel, AddExportTrials,
-        AddCompletion}) {
+  for (auto add : {AddSimulate, AddImport, AddFit, AddRemoteEvaluate,
+                   AddInspect, AddClassify, AddShow, AddReproduce, AddDatasets,
+                   AddTrain, AddJobs, AddModels, AddExportModel, AddImportModel,
+                   AddExportTrials, AddCompletion}) {
     add(app, select);
   }
   for (const auto& [name, arguments] : kExamples) {

@@ -1,4 +1,4 @@
-// trainctl models export: writes the models of a bundle for other programs.
+// trainctl bundle export: writes the models of a bundle for other programs.
 #include <filesystem>
 #include <iostream>
 
@@ -73,11 +73,12 @@ absl::Status Run(const Flags& flags) {
 void AddExportModel(CLI::App& app, const SelectCommand& select) {
   auto flags = std::make_shared<Flags>();
   CLI::App* command =
-      CommandGroup(app, "models", "Models as files of other programs")
+      CommandGroup(app, "bundle",
+                   "Models of a bundle as files of other programs")
           .add_subcommand(
               "export",
               "Write the HMMs or LSTMs of a bundle for other programs, e.g. "
-              "trainctl models export mine.tactus --format=onnx "
+              "trainctl bundle export mine.tactus --format=onnx "
               "--out=exported");
   command->add_option("bundle", flags->bundle, "Bundle to read")->required();
   command

@@ -1,4 +1,4 @@
-// trainctl models import: puts models of other programs into a bundle.
+// trainctl bundle import: puts models of other programs into a bundle.
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
@@ -165,11 +165,12 @@ absl::Status Run(const Flags& flags) {
 void AddImportModel(CLI::App& app, const SelectCommand& select) {
   auto flags = std::make_shared<Flags>();
   CLI::App* command =
-      CommandGroup(app, "models", "Models as files of other programs")
+      CommandGroup(app, "bundle",
+                   "Models of a bundle as files of other programs")
           .add_subcommand(
               "import",
               "Replace HMMs or LSTMs of a bundle by those of other programs, "
-              "e.g. trainctl models import net.onnx --into=mine.tactus "
+              "e.g. trainctl bundle import net.onnx --into=mine.tactus "
               "--out=new.tactus");
   command
       ->add_option("files", flags->files,

@@ -7,9 +7,9 @@
 #include <iostream>
 #include <utility>
 
-#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/proto_json.h"
 #include "client/tools/trainctl/sparkline.h"
@@ -32,17 +32,29 @@ std::string PartOf(const v1::LearningPoint& point) {
                       point.part());
 }
 
+// The value that the curve is drawn of.
+double CurveValue(const v1::LearningPoint& point) {
+  if (point.has_loss()) return point.loss();
+  if (point.has_validation_loss()) return point.validation_loss();
+  return point.log_likelihood();
+}
+
 std::string ValueOf(const v1::LearningPoint& point) {
-  const bool loss = absl::StrContains(point.phase(), "LSTM");
-  std::string text = absl::StrFormat(
-      "%s %.4g", loss ? "loss" : "log-likelihood", point.train_value());
-  if (point.has_validation_value()) {
-    absl::StrAppendFormat(&text, ", validation %.4g", point.validation_value());
-  }
+  std::vector<std::string> parts;
+  const auto add = [&](bool has, const char* name, double value) {
+    if (has) parts.push_back(absl::StrFormat("%s %.4g", name, value));
+  };
+  add(point.has_log_likelihood(), "log-likelihood", point.log_likelihood());
+  add(point.has_loss(), "loss", point.loss());
   if (point.has_accuracy()) {
-    absl::StrAppend(&text, ", accuracy ", Percent(point.accuracy()));
+    parts.push_back(absl::StrCat("accuracy ", Percent(point.accuracy())));
   }
-  return text;
+  add(point.has_validation_loss(), "validation loss", point.validation_loss());
+  if (point.has_validation_accuracy()) {
+    parts.push_back(absl::StrCat("validation accuracy ",
+                                 Percent(point.validation_accuracy())));
+  }
+  return absl::StrJoin(parts, ", ");
 }
 
 }  // namespace
@@ -63,7 +75,6 @@ void JobDisplay::Update(const v1::Operation& operation,
       *v1::Operation::State_descriptor()->FindValueByNumber(operation.state()));
   if (!terminal_) {
     if (operation.state() != state_) {
-      EndPart();
       WriteLine(absl::StrCat(operation.name(), " ", state));
     }
     state_ = operation.state();
@@ -80,39 +91,29 @@ void JobDisplay::Update(const v1::Operation& operation,
         ClockText(1e-3 * static_cast<double>(progress.remaining_ms())),
         " left");
   }
-  if (!curve_.empty()) {
-    absl::StrAppend(&line, "  ", Sparkline(curve_, kCurveWidth),
-                    absl::StrFormat(" %.4g", curve_.back()));
+  if (!curves_.empty()) {
+    const std::vector<double>& curve = curves_[part_];
+    absl::StrAppend(&line, "  ", Sparkline(curve, kCurveWidth),
+                    absl::StrFormat(" %.4g", curve.back()));
   }
   display_.Report(progress.phase().empty() ? state : progress.phase(), line);
 }
 
-void JobDisplay::Clear() {
-  EndPart();
-  display_.Clear();
-}
+void JobDisplay::Clear() { display_.Clear(); }
 
 void JobDisplay::Take(const v1::LearningPoint& point) {
-  if (PartOf(point) != PartOf(last_point_)) {
-    EndPart();
-    curve_.clear();
+  part_ = PartOf(point);
+  curves_[part_].push_back(CurveValue(point));
+  // Parts are trained side by side, so their points come mixed.
+  if (!terminal_ && point.iteration() == point.max_iterations()) {
+    WriteLine(absl::StrFormat("%s, iteration %d of %d: %s", part_,
+                              point.iteration(), point.max_iterations(),
+                              ValueOf(point)));
   }
-  last_point_ = point;
-  curve_.push_back(point.train_value());
 }
 
 void JobDisplay::WriteLine(const std::string& text) {
   out_ << "trainctl: " << text << "\n" << std::flush;
-}
-
-void JobDisplay::EndPart() {
-  if (!terminal_ && last_point_.iteration() > 0) {
-    WriteLine(absl::StrFormat("%s, iteration %d of %d: %s", PartOf(last_point_),
-                              last_point_.iteration(),
-                              last_point_.max_iterations(),
-                              ValueOf(last_point_)));
-  }
-  last_point_.Clear();
 }
 
 }  // namespace tactus::client

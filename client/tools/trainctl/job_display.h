@@ -2,7 +2,7 @@
 //
 // JobDisplay: shows on stderr how far a job of a server is. On a terminal it
 // rewrites one line: bar, phase, times, the learning curve and its last value.
-// Into a pipe or a file it writes one line per state and per part of a phase.
+// Into a pipe or a file it writes one line per state and per finished part.
 //
 //   JobDisplay display;
 //   watcher.Watch(name, [&](const v1::Operation& now, auto points) {
@@ -14,6 +14,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <ostream>
 #include <span>
 #include <string>
@@ -33,21 +34,19 @@ class JobDisplay {
   // `points` are those since the update before.
   void Update(const v1::Operation& operation,
               std::span<const v1::LearningPoint> points);
-  // Removes the line from the terminal; writes the last line of a pipe.
+  // Removes the line from the terminal.
   void Clear();
 
  private:
   void Take(const v1::LearningPoint& point);
   void WriteLine(const std::string& text);
-  // Without a terminal: writes how the present part ended.
-  void EndPart();
 
   std::ostream& out_;
   const bool terminal_;
   ProgressDisplay display_;
-  // Of the present part.
-  v1::LearningPoint last_point_;
-  std::vector<double> curve_;
+  // The part of the newest point, and the curve of each part.
+  std::string part_;
+  std::map<std::string, std::vector<double>> curves_;
   v1::Operation::State state_ = v1::Operation::STATE_UNSPECIFIED;
 };
 

@@ -12,7 +12,7 @@
 #include "client/tools/trainctl/text.h"
 #include "client/training/trial_downloader.h"
 #include "client/training/trial_uploader.h"
-#include "core/base/checksum.h"
+#include "core/base/sha256.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/base/version.h"

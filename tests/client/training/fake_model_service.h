@@ -8,7 +8,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "core/base/checksum.h"
+#include "core/base/sha256.h"
 #include "core/base/errors.h"
 #include "server/rpc/status.h"
 #include "tests/client/training/fake_state.h"

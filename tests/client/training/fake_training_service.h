@@ -7,7 +7,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/training/trial_pack.h"
-#include "core/base/checksum.h"
+#include "core/base/crc32c.h"
+#include "core/base/sha256.h"
 #include "core/base/errors.h"
 #include "core/data/trial_record.h"
 #include "server/rpc/status.h"

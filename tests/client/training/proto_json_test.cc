@@ -23,10 +23,10 @@ TEST(ProtoJsonTest, FieldsKeepTheirNamesAndNumbers) {
 
 TEST(ProtoJsonTest, AbsentFieldsAreLeftOut) {
   v1::LearningPoint point;
-  point.set_train_value(-0.5);
+  point.set_loss(-0.5);
   Json json = ToJson(point);
   EXPECT_FALSE(json.contains("accuracy"));
-  EXPECT_EQ(json["train_value"], -0.5);
+  EXPECT_EQ(json["loss"], -0.5);
   point.set_accuracy(0);
   json = ToJson(point);
   EXPECT_EQ(json["accuracy"], 0.0);

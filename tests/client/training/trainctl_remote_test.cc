@@ -12,7 +12,7 @@
 #include "client/tools/trainctl/app.h"
 #include "client/tools/trainctl/job_display.h"
 #include "client/tools/trainctl/remote_flags.h"
-#include "core/base/checksum.h"
+#include "core/base/sha256.h"
 #include "core/base/errors.h"
 #include "core/data/trial_file.h"
 #include "gmock/gmock.h"
@@ -207,7 +207,7 @@ TEST_F(TrainctlRemoteTest, TrainWatchesTheJobToItsEnd) {
     point.set_max_iterations(2);
     for (uint32_t i = 1; i <= 2; ++i) {
       point.set_iteration(i);
-      point.set_train_value(1.0 / i);
+      point.set_loss(1.0 / i);
       server_->AddPoint("operations/1", point);
     }
     v1::Operation ended = server_->operation("operations/1");
@@ -570,7 +570,7 @@ TEST(JobDisplayTest, ATerminalHasOneLine) {
     points[i].set_phase("train LSTMs");
     points[i].set_part("1");
     points[i].set_iteration(i + 1);
-    points[i].set_train_value(8 - i);
+    points[i].set_loss(8 - i);
   }
   display.Update(job, points);
   EXPECT_EQ(out.str(),

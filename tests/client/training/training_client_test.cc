@@ -2,7 +2,6 @@
 
 #include <future>
 
-#include "core/base/checksum.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "gmock/gmock.h"
