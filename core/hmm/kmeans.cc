@@ -1,6 +1,7 @@
 #include "core/hmm/kmeans.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -12,17 +13,26 @@ namespace {
 constexpr int kStarts = 8;
 constexpr int kMaxRounds = 100;
 
+// Points and centres are columns here, so that each is contiguous.
+using Points = Eigen::MatrixXd;
+
+double SquaredDistance(const Points& a, Eigen::Index i, const Points& b,
+                       Eigen::Index j) {
+  return (a.col(i) - b.col(j)).squaredNorm();
+}
+
 // Indices of points drawn with probability proportional to their squared
 // distance from those already drawn.
-std::vector<int> DrawSeeds(const Eigen::MatrixXd& points, int clusters,
-                           Random& random) {
-  const int count = static_cast<int>(points.rows());
+std::vector<int> DrawSeeds(const Points& points, int clusters, Random& random) {
+  const int count = static_cast<int>(points.cols());
   std::vector<int> seeds = {static_cast<int>(random.Index(count))};
   Eigen::VectorXd distance =
       Eigen::VectorXd::Constant(count, std::numeric_limits<double>::max());
   while (static_cast<int>(seeds.size()) < clusters) {
-    distance = distance.cwiseMin(
-        (points.rowwise() - points.row(seeds.back())).rowwise().squaredNorm());
+    for (int p = 0; p < count; ++p) {
+      distance[p] = std::min(distance[p],
+                             SquaredDistance(points, p, points, seeds.back()));
+    }
     const double total = distance.sum();
     if (!(total > 0)) break;  // every point coincides with a seed
     double rest = random.Uniform() * total;
@@ -38,58 +48,127 @@ std::vector<int> DrawSeeds(const Eigen::MatrixXd& points, int clusters,
   return seeds;
 }
 
-// Moves every point to its nearest centre; true if any changed.
-bool Assign(const Eigen::MatrixXd& points, KMeansResult& result) {
-  bool changed = false;
-  result.inertia = 0;
-  for (Eigen::Index p = 0; p < points.rows(); ++p) {
-    Eigen::Index nearest = 0;
-    result.inertia += (result.centres.rowwise() - points.row(p))
-                          .rowwise()
-                          .squaredNorm()
-                          .minCoeff(&nearest);
-    changed = changed || result.cluster_of[p] != nearest;
-    result.cluster_of[p] = static_cast<int>(nearest);
-  }
-  return changed;
-}
+// Lloyd's algorithm from one set of centres. Bounds on distances show that most
+// points stay in their cluster (Hamerly, SDM 2010).
+class Clustering {
+ public:
+  Clustering(const Points& points, const std::vector<int>& seeds)
+      : points_(points),
+        centres_(points(Eigen::all, seeds)),
+        cluster_of_(points.cols(), -1),
+        upper_(points.cols()),
+        lower_(points.cols()) {}
 
-// Centres move to their points' means; clusters that lost all are removed.
-void MoveCentres(const Eigen::MatrixXd& points, KMeansResult& result) {
-  Eigen::MatrixXd sums =
-      Eigen::MatrixXd::Zero(result.centres.rows(), points.cols());
-  std::vector<int> sizes(result.centres.rows(), 0);
-  for (Eigen::Index p = 0; p < points.rows(); ++p) {
-    sums.row(result.cluster_of[p]) += points.row(p);
-    ++sizes[result.cluster_of[p]];
+  void Run() {
+    for (int round = 0; round < kMaxRounds && Assign(); ++round) MoveCentres();
+    inertia_ = 0;
+    for (Eigen::Index p = 0; p < points_.cols(); ++p) {
+      inertia_ += SquaredDistance(points_, p, centres_, cluster_of_[p]);
+    }
   }
-  std::vector<int> renamed(sizes.size(), 0);
-  int kept = 0;
-  for (size_t c = 0; c < sizes.size(); ++c) {
-    if (sizes[c] == 0) continue;
-    result.centres.row(kept) = sums.row(c) / sizes[c];
-    renamed[c] = kept++;
+
+  double inertia() const { return inertia_; }
+  KMeansResult Result() && {
+    return {centres_.transpose(), std::move(cluster_of_), inertia_};
   }
-  result.centres.conservativeResize(kept, Eigen::NoChange);
-  for (int& cluster : result.cluster_of) cluster = renamed[cluster];
-}
+
+ private:
+  // Larger than any rounding error of a bound.
+  static constexpr double kSlack = 1 + 1e-9;
+
+  // Moves every point to its nearest centre; true if any changed.
+  bool Assign() {
+    bool changed = false;
+    for (Eigen::Index p = 0; p < points_.cols(); ++p) {
+      if (bounded_ && upper_[p] * kSlack < lower_[p]) continue;
+      if (bounded_) {
+        upper_[p] =
+            std::sqrt(SquaredDistance(points_, p, centres_, cluster_of_[p]));
+        if (upper_[p] * kSlack < lower_[p]) continue;
+      }
+      const int before = cluster_of_[p];
+      FindNearest(p);
+      changed = changed || cluster_of_[p] != before;
+    }
+    bounded_ = true;
+    return changed;
+  }
+
+  void FindNearest(Eigen::Index p) {
+    double nearest = std::numeric_limits<double>::infinity();
+    double second = nearest;
+    for (Eigen::Index c = 0; c < centres_.cols(); ++c) {
+      const double distance = SquaredDistance(points_, p, centres_, c);
+      if (distance < nearest) {
+        second = nearest;
+        nearest = distance;
+        cluster_of_[p] = static_cast<int>(c);
+      } else {
+        second = std::min(second, distance);
+      }
+    }
+    upper_[p] = std::sqrt(nearest);
+    lower_[p] = std::sqrt(second);
+  }
+
+  // Centres move to their points' means; clusters that lost all are removed.
+  void MoveCentres() {
+    Points moved = Points::Zero(points_.rows(), centres_.cols());
+    std::vector<int> sizes(centres_.cols(), 0);
+    for (Eigen::Index p = 0; p < points_.cols(); ++p) {
+      moved.col(cluster_of_[p]) += points_.col(p);
+      ++sizes[cluster_of_[p]];
+    }
+    std::vector<int> renamed(sizes.size(), 0);
+    int kept = 0;
+    for (size_t c = 0; c < sizes.size(); ++c) {
+      if (sizes[c] == 0) continue;
+      moved.col(kept) = moved.col(c) / sizes[c];
+      renamed[c] = kept++;
+    }
+    if (kept < moved.cols()) {
+      moved.conservativeResize(Eigen::NoChange, kept);
+      for (int& cluster : cluster_of_) cluster = renamed[cluster];
+      bounded_ = false;
+    } else {
+      LoosenBounds(moved);
+    }
+    centres_ = std::move(moved);
+  }
+
+  void LoosenBounds(const Points& moved) {
+    const Eigen::VectorXd way = (moved - centres_).colwise().norm().transpose();
+    const double longest = way.maxCoeff();
+    for (Eigen::Index p = 0; p < points_.cols(); ++p) {
+      upper_[p] += way[cluster_of_[p]];
+      lower_[p] -= longest;
+    }
+  }
+
+  const Points& points_;
+  Points centres_;
+  std::vector<int> cluster_of_;
+  // Of the distance to the own centre, and to any other.
+  Eigen::VectorXd upper_;
+  Eigen::VectorXd lower_;
+  bool bounded_ = false;
+  double inertia_ = 0;
+};
 
 }  // namespace
 
 KMeansResult KMeans(const Eigen::MatrixXd& points, int clusters,
                     uint64_t seed) {
+  const Points columns = points.transpose();
   KMeansResult best;
   best.inertia = std::numeric_limits<double>::infinity();
   for (int start = 0; start < kStarts; ++start) {
     Random random = Random::ForStream(seed, start);
-    KMeansResult result;
-    result.cluster_of.assign(points.rows(), -1);
-    const std::vector<int> seeds = DrawSeeds(points, clusters, random);
-    result.centres = points(seeds, Eigen::all);
-    for (int round = 0; round < kMaxRounds && Assign(points, result); ++round) {
-      MoveCentres(points, result);
+    Clustering clustering(columns, DrawSeeds(columns, clusters, random));
+    clustering.Run();
+    if (clustering.inertia() < best.inertia) {
+      best = std::move(clustering).Result();
     }
-    if (result.inertia < best.inertia) best = std::move(result);
   }
   return best;
 }
