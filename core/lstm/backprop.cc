@@ -135,7 +135,7 @@ void LstmBackprop::Resize() {
   Grow(sequences * widest, zeros_);
 }
 
-void LstmBackprop::TakeInputs(double noise, Random& random) {
+void LstmBackprop::TakeInputs(double noise, NoiseBits& bits) {
   const int inputs = layers_.front().kernel.inputs;
   const int stride = Padded(inputs);
   LstmBuffer& rows = layers_.front().input;
@@ -145,22 +145,19 @@ void LstmBackprop::TakeInputs(double noise, Random& random) {
     for (int t = 0; t < layout_.steps[i]; ++t, from += inputs) {
       float* to = &rows[layout_.Row(t, i) * stride];
       std::copy_n(from, inputs, to);
-      if (noise == 0) continue;
-      for (int k = 0; k < inputs; ++k) {
-        to[k] += static_cast<float>(noise * random.Gaussian());
-      }
+      if (noise > 0) AddNoise(noise, bits, {to, size_t(inputs)});
     }
   }
 }
 
-void LstmBackprop::DropInputs(size_t layer, double dropout, Random& random) {
+void LstmBackprop::DropInputs(size_t layer, double dropout, NoiseBits& bits) {
   const Layer& below = layers_[layer - 1];
   LstmBuffer& input = layers_[layer].input;
   LstmBuffer& mask = layers_[layer].mask;
   const size_t size = size_t(layout_.rows) * Padded(below.cells());
   Grow(size, input);
   Grow(size, mask);
-  DropoutMask(dropout, random, std::span(mask).first(size));
+  DropoutMask(dropout, bits, std::span(mask).first(size));
   for (size_t k = 0; k < size; ++k) input[k] = below.output[k] * mask[k];
 }
 
@@ -189,9 +186,10 @@ void LstmBackprop::Forward(std::span<const LstmSequence> batch,
   }
   layout_.Arrange(steps_);
   Resize();
-  TakeInputs(noise.input, random);
+  NoiseBits bits(random);
+  TakeInputs(noise.input, bits);
   for (size_t i = 0; i < layers_.size(); ++i) {
-    if (i > 0 && dropping_) DropInputs(i, noise.dropout, random);
+    if (i > 0 && dropping_) DropInputs(i, noise.dropout, bits);
     ForwardLayer(i);
   }
   Forwards(kernels_, layout_.rows, layers_.back().output.data(), dense_,

@@ -75,8 +75,8 @@ class LstmBackprop {
   };
 
   void Resize();
-  void TakeInputs(double noise, Random& random);
-  void DropInputs(size_t layer, double dropout, Random& random);
+  void TakeInputs(double noise, NoiseBits& bits);
+  void DropInputs(size_t layer, double dropout, NoiseBits& bits);
   const LstmBuffer& InputOf(size_t layer) const;
   void ForwardLayer(size_t layer);
   void BackwardLayer(size_t layer);

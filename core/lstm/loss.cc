@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/errors.h"
+#include "core/base/limits.h"
 
 namespace tactus {
 namespace {
@@ -12,8 +13,12 @@ double CrossEntropy(const LstmLossOptions& options, int classes,
                     const float* logits, int label, double scale,
                     float* gradient) {
   const double largest = *std::max_element(logits, logits + classes);
+  double powers[limits::kMaxClasses];
   double sum = 0;
-  for (int k = 0; k < classes; ++k) sum += std::exp(logits[k] - largest);
+  for (int k = 0; k < classes; ++k) {
+    powers[k] = std::exp(logits[k] - largest);
+    sum += powers[k];
+  }
   const double log_sum = largest + std::log(sum);
   const double spread = options.label_smoothing / classes;
   double loss = 0;
@@ -21,8 +26,7 @@ double CrossEntropy(const LstmLossOptions& options, int classes,
     const double want =
         spread + (k == label ? 1 - options.label_smoothing : 0.0);
     loss += want * (log_sum - logits[k]);
-    gradient[k] = static_cast<float>(
-        scale * (std::exp(logits[k] - largest) / sum - want));
+    gradient[k] = static_cast<float>(scale * (powers[k] / sum - want));
   }
   return scale * loss;
 }

@@ -1,11 +1,13 @@
 #include "core/lstm/optimizer.h"
 
+#include <array>
 #include <cmath>
 #include <cstddef>
-#include <span>
+#include <numeric>
 
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
+#include "core/lstm/vector_math.h"
 
 namespace tactus {
 namespace {
@@ -34,9 +36,10 @@ struct Rates {
   float epsilon;
 };
 
-void RmsProp(const Rates& rates, const float* gradient, float* mean_square,
-             std::span<float> weights) {
-  for (size_t i = 0; i < weights.size(); ++i) {
+TACTUS_INLINE void RmsProp(const Rates& rates, const float* __restrict gradient,
+                           float* __restrict mean_square, size_t count,
+                           float* __restrict weights) {
+  for (size_t i = 0; i < count; ++i) {
     const float square = gradient[i] * gradient[i];
     float v = rates.mean_square * mean_square[i] +
               (1.0F - rates.mean_square) * square;
@@ -46,9 +49,10 @@ void RmsProp(const Rates& rates, const float* gradient, float* mean_square,
   }
 }
 
-void Adam(const Rates& rates, const float* gradient, float* mean,
-          float* mean_square, std::span<float> weights) {
-  for (size_t i = 0; i < weights.size(); ++i) {
+TACTUS_INLINE void Adam(const Rates& rates, const float* __restrict gradient,
+                        float* __restrict mean, float* __restrict mean_square,
+                        size_t count, float* __restrict weights) {
+  for (size_t i = 0; i < count; ++i) {
     const float g = gradient[i];
     float m = rates.mean * mean[i] + (1.0F - rates.mean) * g;
     float v = rates.mean_square * mean_square[i] +
@@ -60,6 +64,61 @@ void Adam(const Rates& rates, const float* gradient, float* mean,
     weights[i] -=
         rates.step * m / (std::sqrt(v) * rates.root_factor + rates.epsilon);
   }
+}
+
+// Adds the squares of values i, i + kSums, i + 2 kSums .. to sums[i].
+constexpr size_t kSums = 16;
+TACTUS_INLINE void AddSquares(const float* __restrict values, size_t count,
+                              double* __restrict sums) {
+  size_t i = 0;
+  for (; i + kSums <= count; i += kSums) {
+    for (size_t j = 0; j < kSums; ++j) {
+      sums[j] += double{values[i + j]} * double{values[i + j]};
+    }
+  }
+  for (size_t j = 0; i + j < count; ++j) {
+    sums[j] += double{values[i + j]} * double{values[i + j]};
+  }
+}
+
+// The loops above for one instruction set. The compiler vectorises them; each
+// number results from the same operations at any width.
+struct Loops {
+  void (*rms_prop)(const Rates&, const float*, float*, size_t, float*);
+  void (*adam)(const Rates&, const float*, float*, float*, size_t, float*);
+  void (*add_squares)(const float*, size_t, double*);
+};
+
+#define TACTUS_LOOPS(Name, target)                                             \
+  struct Name {                                                                \
+    target static void Rms(const Rates& rates, const float* gradient,          \
+                           float* mean_square, size_t count, float* weights) { \
+      RmsProp(rates, gradient, mean_square, count, weights);                   \
+    }                                                                          \
+    target static void AdamStep(const Rates& rates, const float* gradient,     \
+                                float* mean, float* mean_square, size_t count, \
+                                float* weights) {                              \
+      Adam(rates, gradient, mean, mean_square, count, weights);                \
+    }                                                                          \
+    target static void Squares(const float* values, size_t count,              \
+                               double* sums) {                                 \
+      AddSquares(values, count, sums);                                         \
+    }                                                                          \
+    static constexpr Loops kLoops = {&Rms, &AdamStep, &Squares};               \
+  };
+
+TACTUS_LOOPS(Baseline, )
+#ifdef __x86_64__
+TACTUS_LOOPS(Avx2, [[gnu::target("avx2")]])
+TACTUS_LOOPS(Avx512, [[gnu::target("avx512f,prefer-vector-width=512")]])
+#endif
+
+const Loops& BestLoops() {
+#ifdef __x86_64__
+  if (__builtin_cpu_supports("avx512f")) return Avx512::kLoops;
+  if (__builtin_cpu_supports("avx2")) return Avx2::kLoops;
+#endif
+  return Baseline::kLoops;
 }
 
 Rates RatesOf(const OptimizerOptions& options, double learning_rate,
@@ -102,11 +161,11 @@ absl::Status Validate(const OptimizerOptions& options) {
 }
 
 double ClipGradient(double longest, LstmNetwork& gradient) {
-  double squares = 0;
+  std::array<double, kSums> sums = {};
   ForEachTensor(gradient, [&](const std::vector<float>& values, bool) {
-    for (const float value : values) squares += double{value} * double{value};
+    BestLoops().add_squares(values.data(), values.size(), sums.data());
   });
-  const double norm = std::sqrt(squares);
+  const double norm = std::sqrt(std::accumulate(sums.begin(), sums.end(), 0.0));
   if (longest == 0 || norm <= longest) return norm;
   const auto factor = static_cast<float>(longest / norm);
   ForEachTensor(gradient, [&](std::vector<float>& values, bool) {
@@ -137,9 +196,11 @@ void OptimizerStep(const OptimizerOptions& options, double learning_rate,
     }
     const float* g = gradients[tensor++];
     if (adam) {
-      Adam(rates, g, &state.mean[at], &state.mean_square[at], weights);
+      BestLoops().adam(rates, g, &state.mean[at], &state.mean_square[at],
+                       weights.size(), weights.data());
     } else {
-      RmsProp(rates, g, &state.mean_square[at], weights);
+      BestLoops().rms_prop(rates, g, &state.mean_square[at], weights.size(),
+                           weights.data());
     }
     at += weights.size();
   });

@@ -28,15 +28,28 @@ struct PackedMatrix {
   // `weights` and `result` are rows x inputs, row-major, without padding.
   void SetWeights(const std::vector<float>& weights) {
     for (int r = 0; r < rows; ++r) {
-      const float* row = &weights[r * inputs];
-      std::copy_n(row, inputs, &backward[r * Padded(inputs)]);
-      for (int k = 0; k < inputs; ++k) forward[k * Padded(rows) + r] = row[k];
+      std::copy_n(&weights[r * inputs], inputs, &backward[r * Padded(inputs)]);
     }
+    ForEachTile([&](int r, int k) {
+      forward[k * Padded(rows) + r] = weights[r * inputs + k];
+    });
   }
   void GetGradient(std::vector<float>& result) const {
-    for (int r = 0; r < rows; ++r) {
-      float* row = &result[r * inputs];
-      for (int k = 0; k < inputs; ++k) row[k] = gradient[k * Padded(rows) + r];
+    ForEachTile([&](int r, int k) {
+      result[r * inputs + k] = gradient[k * Padded(rows) + r];
+    });
+  }
+
+  // Calls visit(row, input) for each weight, in tiles that fit the first-level
+  // cache whichever of the two is contiguous.
+  template <typename Visit>
+  void ForEachTile(Visit visit) const {
+    constexpr int kTile = 16;
+    for (int r0 = 0; r0 < rows; r0 += kTile) {
+      const int r1 = std::min(rows, r0 + kTile);
+      for (int k = 0; k < inputs; ++k) {
+        for (int r = r0; r < r1; ++r) visit(r, k);
+      }
     }
   }
 

@@ -70,7 +70,7 @@ absl::Status CheckStart(const LstmCheckpoint& from,
 
 class Trainer {
  public:
-  Trainer(LstmCheckpoint from, std::span<const LstmSequence> training,
+  Trainer(LstmCheckpoint from, LstmSequenceSource& training,
           std::span<const LstmSequence> validation,
           const LstmTrainOptions& options)
       : state_(std::move(from)),
@@ -133,11 +133,9 @@ class Trainer {
     LstmBatchLoss total;
     for (size_t from = 0; from < order_.size(); from += batch_size) {
       TACTUS_RETURN_IF_ERROR(before_batch());
-      batch_.clear();
-      for (size_t i = from; i < std::min(order_.size(), from + batch_size);
-           ++i) {
-        batch_.push_back(training_[order_[i]]);
-      }
+      training_.Get(std::span(order_).subspan(
+                        from, std::min(batch_size, order_.size() - from)),
+                    batch_);
       TACTUS_RETURN_IF_ERROR(TrainBatch(done.epoch, total));
     }
     const auto count = static_cast<double>(training_.size());
@@ -205,7 +203,7 @@ class Trainer {
   }
 
   LstmCheckpoint state_;
-  std::span<const LstmSequence> training_;
+  LstmSequenceSource& training_;
   std::span<const LstmSequence> validation_;
   const LstmTrainOptions& options_;
   LstmBackprop backprop_;
@@ -222,13 +220,25 @@ absl::StatusOr<LstmTrained> TrainLstm(LstmCheckpoint from,
                                       const LstmTrainOptions& options,
                                       LstmEpochSink on_epoch,
                                       LstmBatchCheck before_batch) {
+  TACTUS_RETURN_IF_ERROR(Validate(from.network));
+  TACTUS_RETURN_IF_ERROR(
+      Annotate(Validate(training, from.network), "training"));
+  LstmSequencesInMemory source(training);
+  return TrainLstm(std::move(from), source, validation, options, on_epoch,
+                   before_batch);
+}
+
+absl::StatusOr<LstmTrained> TrainLstm(LstmCheckpoint from,
+                                      LstmSequenceSource& training,
+                                      std::span<const LstmSequence> validation,
+                                      const LstmTrainOptions& options,
+                                      LstmEpochSink on_epoch,
+                                      LstmBatchCheck before_batch) {
   TACTUS_RETURN_IF_ERROR(CheckOptions(options, validation));
   TACTUS_RETURN_IF_ERROR(CheckStart(from, options));
   TACTUS_RETURN_IF_ERROR(
-      Annotate(Validate(training, from.network), "training"));
-  TACTUS_RETURN_IF_ERROR(
       Annotate(Validate(validation, from.network), "validation"));
-  if (training.empty()) return InvalidTrainingData("no training sequences");
+  if (training.size() == 0) return InvalidTrainingData("no training sequences");
   return Trainer(std::move(from), training, validation, options)
       .Run(on_epoch, before_batch);
 }

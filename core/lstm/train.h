@@ -31,6 +31,7 @@
 #include "core/lstm/network.h"
 #include "core/lstm/optimizer.h"
 #include "core/lstm/sequence.h"
+#include "core/lstm/sequence_source.h"
 
 namespace tactus {
 
@@ -94,6 +95,14 @@ inline absl::Status GoOn() { return absl::OkStatus(); }
 // overflows.
 absl::StatusOr<LstmTrained> TrainLstm(LstmCheckpoint from,
                                       std::span<const LstmSequence> training,
+                                      std::span<const LstmSequence> validation,
+                                      const LstmTrainOptions& options,
+                                      LstmEpochSink on_epoch = IgnoreEpoch,
+                                      LstmBatchCheck before_batch = GoOn);
+
+// The same with sequences of a source, which must be valid.
+absl::StatusOr<LstmTrained> TrainLstm(LstmCheckpoint from,
+                                      LstmSequenceSource& training,
                                       std::span<const LstmSequence> validation,
                                       const LstmTrainOptions& options,
                                       LstmEpochSink on_epoch = IgnoreEpoch,

@@ -13,6 +13,7 @@
 #include "core/lstm/optimizer.h"
 #include "core/lstm/packed_matrix.h"
 #include "core/lstm/sequence.h"
+#include "core/lstm/sequence_source.h"
 #include "core/lstm/stepper.h"
 #include "core/lstm/train.h"
 #include "core/lstm/vector_math.h"
@@ -38,10 +39,18 @@ void BatchLayoutExample() {
 }
 
 absl::Status NoiseExample(const LstmNoise& noise, Random& random,
-                          std::span<float> mask) {
+                          std::span<float> mask, std::span<float> inputs) {
   TACTUS_RETURN_IF_ERROR(Validate(noise));
-  DropoutMask(noise.dropout, random, mask);  // at 0.2: 0 or 1.25
+  NoiseBits bits(random);
+  DropoutMask(noise.dropout, bits, mask);  // at 0.2: 0 or 1.25
+  AddNoise(noise.input, bits, inputs);
   return absl::OkStatus();
+}
+
+void SequenceSourceExample(LstmSequenceSource& source) {
+  std::vector<LstmSequence> batch;
+  const size_t numbers[] = {4, 17};
+  source.Get(numbers, batch);  // valid until the next Get()
 }
 
 void KernelsExample(const float* input, const float* weights) {

@@ -1,5 +1,6 @@
 #include "core/lstm/noise.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -17,7 +18,8 @@ TEST(DropoutTest, DropsTheGivenFractionAndKeepsTheMean) {
   for (const double probability : {0.001, 0.2, 0.5, 0.9}) {
     Random random(3);
     std::vector<float> mask(kCount);
-    DropoutMask(probability, random, mask);
+    NoiseBits bits(random);
+    DropoutMask(probability, bits, mask);
     double sum = 0;
     double pairs = 0;
     int dropped = 0;
@@ -33,6 +35,35 @@ TEST(DropoutTest, DropsTheGivenFractionAndKeepsTheMean) {
     // Neighbours, which share a draw, are dropped independently.
     EXPECT_NEAR(pairs / kCount, probability * probability,
                 5 * deviation + 1e-5);
+  }
+}
+
+TEST(AddNoiseTest, AddsNormalDeviatesThatAreIndependent) {
+  constexpr int kCount = 1'000'003;  // no multiple of anything
+  Random random(7);
+  std::vector<float> values(kCount, 2.0F);
+  NoiseBits bits(random);
+  AddNoise(0.5, bits, values);
+  double sum = 0, squares = 0, neighbours = 0;
+  std::vector<double> deviates;
+  for (const float value : values) {
+    const double x = (value - 2.0) / 0.5;
+    sum += x;
+    squares += x * x;
+    if (!deviates.empty()) neighbours += x * deviates.back();
+    deviates.push_back(x);
+  }
+  const double error = 5 / std::sqrt(double{kCount});
+  EXPECT_NEAR(sum / kCount, 0, error);
+  EXPECT_NEAR(squares / kCount, 1, error * std::sqrt(2.0));
+  EXPECT_NEAR(neighbours / kCount, 0, error);
+  // The distribution function, against the closed form.
+  std::sort(deviates.begin(), deviates.end());
+  for (const double x : {-3.0, -2.0, -1.0, -0.3, 0.0, 0.3, 1.0, 2.0, 3.0}) {
+    const auto below = std::lower_bound(deviates.begin(), deviates.end(), x);
+    EXPECT_NEAR((below - deviates.begin()) / double{kCount},
+                0.5 * std::erfc(-x / std::sqrt(2.0)), error / 2 + 1.0 / 4096)
+        << x;
   }
 }
 
