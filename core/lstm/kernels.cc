@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <type_traits>
 
 #include "core/lstm/vector_math.h"
 
@@ -153,13 +154,30 @@ TACTUS_INLINE void Product(const LstmProduct& p) {
   }
 }
 
+// Calls step(lanes, j) for vectors of cells from j on: kLanes cells each, and
+// in the end the narrowest vector that holds the rest.
+template <int kLanes, typename Step>
+TACTUS_INLINE void ForEachVector(int cells, const Step& step) {
+  int j = 0;
+  for (; cells - j >= kLanes; j += kLanes) {
+    step(std::integral_constant<int, kLanes>(), j);
+  }
+  const int rest = cells - j;
+  if (rest == 0) return;
+  if (rest <= 4) return step(std::integral_constant<int, 4>(), j);
+  if (kLanes > 8 && rest <= 8) {
+    return step(std::integral_constant<int, std::min(kLanes, 8)>(), j);
+  }
+  step(std::integral_constant<int, kLanes>(), j);
+}
+
 template <int kLanes>
 TACTUS_INLINE void CellForward(const LstmCellForward& f) {
-  using Floats = typename Lanes<kLanes>::Floats;
   const LstmCellShape& s = f.shape;
   for (int row = 0; row < s.rows; ++row) {
     float* gates = f.gates + row * s.gate_row;
-    for (int j = 0; j < s.cells; j += kLanes) {
+    ForEachVector<kLanes>(s.cells, [&](auto lanes, int j) TACTUS_INLINE_LAMBDA {
+      using Floats = typename Lanes<lanes>::Floats;
       const ptrdiff_t at = row * s.cell_row + j;
       Floats i, forget, c, o, cell;
       Load(gates + j, i);
@@ -179,9 +197,10 @@ TACTUS_INLINE void CellForward(const LstmCellForward& f) {
       StoreFirst(forget, count, gates + s.cells + j);
       StoreFirst(c, count, gates + 2 * s.cells + j);
       StoreFirst(o, count, gates + 3 * s.cells + j);
-    }
+    });
     // A separate loop, because these values depend on the cells.
-    for (int j = 0; j < s.cells; j += kLanes) {
+    ForEachVector<kLanes>(s.cells, [&](auto lanes, int j) TACTUS_INLINE_LAMBDA {
+      using Floats = typename Lanes<lanes>::Floats;
       const ptrdiff_t at = row * s.cell_row + j;
       Floats squashed, o;
       Load(f.cell + at, squashed);
@@ -189,18 +208,18 @@ TACTUS_INLINE void CellForward(const LstmCellForward& f) {
       Activate(s.activation, squashed);
       Store(squashed, f.squashed + at);
       Store(o * squashed, f.output + at);
-    }
+    });
   }
 }
 
 template <int kLanes>
 TACTUS_INLINE void CellBackward(const LstmCellBackward& g) {
-  using Floats = typename Lanes<kLanes>::Floats;
   const LstmCellShape& s = g.shape;
   for (int row = 0; row < s.rows; ++row) {
     const float* gates = g.gates + row * s.gate_row;
     float* deltas = g.deltas + row * s.gate_row;
-    for (int j = 0; j < s.cells; j += kLanes) {
+    ForEachVector<kLanes>(s.cells, [&](auto lanes, int j) TACTUS_INLINE_LAMBDA {
+      using Floats = typename Lanes<lanes>::Floats;
       const ptrdiff_t at = row * s.cell_row + j;
       Floats i, forget, c, o, previous, squashed, above, next, carry;
       Load(gates + j, i);
@@ -236,7 +255,7 @@ TACTUS_INLINE void CellBackward(const LstmCellBackward& g) {
       StoreFirst(by_forget, count, deltas + s.cells + j);
       StoreFirst(by_c, count, deltas + 2 * s.cells + j);
       StoreFirst(by_o, count, deltas + 3 * s.cells + j);
-    }
+    });
   }
 }
 

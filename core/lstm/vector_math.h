@@ -18,6 +18,7 @@
 #include "core/lstm/network.h"
 
 #define TACTUS_INLINE [[gnu::always_inline]] inline
+#define TACTUS_INLINE_LAMBDA __attribute__((always_inline))
 
 namespace tactus {
 
