@@ -23,7 +23,7 @@ Eigen::VectorXd Flatten(const LabelledContact& contact,
     for (int t = 0; t < frames; ++t) {
       const size_t index = std::min<size_t>(t, contact.frames.size() - 1);
       row[place++] =
-          contact.frames[index].sample.features[static_cast<int>(feature)];
+          contact.frames.features(index)[static_cast<int>(feature)];
     }
   }
   return row;

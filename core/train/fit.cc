@@ -28,6 +28,8 @@ constexpr size_t kMaxConditions = 8;
 // calibrated. The more they miss, the more they err, and the lower its
 // probabilities become. Six groups leave out few materials at once.
 constexpr size_t kMaterialGroups = 6;
+// Memory for the LSTMs' inputs at any time.
+constexpr size_t kKeptInputBytes = size_t{1} << 30;
 // Fractions of a fit's time, for the progress.
 constexpr double kInputsWeight = 0.03;
 constexpr double kTrainingWeight = 0.94;
@@ -143,6 +145,22 @@ struct Fold {
   std::vector<ScoredContact> scores;
 };
 
+// Half of the folds are enough for the two scales of the estimates. With four
+// folds, one for each pair of two stiffnesses and two speeds of the arm, each
+// stiffness and each speed is in one of the folds 0 and 3. There, the estimator
+// is one of the networks that classify.
+ModelFit::Networks FoldNetworks(
+    const LstmFit& lstm, size_t fold,
+    const std::vector<const LabelledContact*>& contacts) {
+  const int classifying = std::min(lstm.fold_networks, lstm.networks);
+  const bool estimator = (fold % 4 == 0 || fold % 4 == 3) && lstm.estimates &&
+                         ModelFit::TruthIsKnown(contacts);
+  const bool shared = estimator && classifying > 1;
+  return {.lstms = classifying - (shared ? 1 : 0),
+          .estimator = estimator,
+          .estimator_classifies = shared};
+}
+
 absl::StatusOr<std::vector<Fold>> MakeFoldFits(
     const std::vector<const LabelledContact*>& contacts, const FitRun& run) {
   std::vector<Fold> folds;
@@ -160,7 +178,9 @@ absl::StatusOr<std::vector<Fold>> MakeFoldFits(
     if (scores) {
       made.scores = *std::move(scores);
     } else {
-      made.fit = std::make_unique<ModelFit>(run, made.prefix, rest);
+      made.fit = std::make_unique<ModelFit>(
+          run, made.prefix,
+          FoldNetworks(run.options.lstm, folds.size() - 1, rest), rest);
     }
   }
   return folds;
@@ -177,29 +197,68 @@ absl::Status RunAll(const ParallelFor& parallel, size_t count,
   return absl::OkStatus();
 }
 
-// Fits all models. Their tasks form one list, so that no thread waits for the
-// end of one model before the next begins.
-absl::Status FitAll(const std::vector<ModelFit*>& fits,
-                    const ParallelFor& parallel, const Progress& progress) {
-  const Progress inputs = progress.Part("fit inputs", kInputsWeight);
+// Models that are fitted together because the LSTMs' inputs of all of them fit
+// into kKeptInputBytes. A model whose inputs alone do not fit makes them for
+// each batch.
+struct Wave {
+  std::vector<ModelFit*> fits;
+  size_t bytes = 0;
+};
+
+std::vector<Wave> MakeWaves(const std::vector<ModelFit*>& fits) {
+  std::vector<Wave> waves;
+  for (ModelFit* fit : fits) {
+    const size_t bytes = fit->InputBytes();
+    // What makes inputs for each batch keeps none of them.
+    const size_t kept = bytes <= kKeptInputBytes ? bytes : 0;
+    if (waves.empty() || waves.back().bytes + kept > kKeptInputBytes) {
+      waves.emplace_back();
+    }
+    waves.back().fits.push_back(fit);
+    waves.back().bytes += kept;
+  }
+  return waves;
+}
+
+// Fits the models of a wave. Their tasks form one list, so that no thread waits
+// for the end of one model before the next begins.
+absl::Status FitWave(const Wave& wave, const ParallelFor& parallel,
+                     const Progress& inputs, const Progress& training) {
+  const std::vector<ModelFit*>& fits = wave.fits;
   TACTUS_RETURN_IF_ERROR(RunAll(parallel, fits.size(), [&](int f) {
-    const absl::Status status = fits[f]->FitInputs();
-    inputs.Add(1 / static_cast<double>(fits.size()));
+    const absl::Status status =
+        fits[f]->FitInputs(fits[f]->InputBytes() <= kKeptInputBytes);
+    inputs.Add(1);
     return status;
   }));
   std::vector<std::pair<ModelFit*, int>> tasks;
-  double work = 0;
   for (ModelFit* fit : fits) {
     for (int task = 0; task < fit->tasks(); ++task) {
       tasks.emplace_back(fit, task);
-      work += fit->Weight(task);
     }
   }
-  const Progress training = progress.Part("train models", kTrainingWeight);
-  return RunAll(parallel, tasks.size(), [&](int i) {
+  const absl::Status status = RunAll(parallel, tasks.size(), [&](int i) {
     const auto& [fit, task] = tasks[i];
-    return fit->FitTask(task, training.Part("", fit->Weight(task) / work));
+    return fit->FitTask(task, training.Part("", fit->Weight(task)));
   });
+  for (ModelFit* fit : fits) fit->DropInputs();
+  return status;
+}
+
+absl::Status FitAll(const std::vector<ModelFit*>& fits,
+                    const ParallelFor& parallel, const Progress& progress) {
+  double work = 0;
+  for (const ModelFit* fit : fits) {
+    for (int task = 0; task < fit->tasks(); ++task) work += fit->Weight(task);
+  }
+  const Progress inputs = progress.Part("fit inputs", kInputsWeight)
+                              .Part("", 1 / static_cast<double>(fits.size()));
+  const Progress training =
+      progress.Part("train models", kTrainingWeight).Part("", 1 / work);
+  for (const Wave& wave : MakeWaves(fits)) {
+    TACTUS_RETURN_IF_ERROR(FitWave(wave, parallel, inputs, training));
+  }
+  return absl::OkStatus();
 }
 
 // How well a fold's models do at the end of the contacts, before calibration.
@@ -314,7 +373,7 @@ absl::StatusOr<Model> FitModel(
   TACTUS_RETURN_IF_ERROR(CheckUsable(contacts, options));
   const SavedParts saved(journal, contacts, options);
   const FitRun run = {options, class_names, journal, saved};
-  ModelFit whole(run, "", contacts);
+  ModelFit whole(run, "", {.lstms = options.lstm.networks}, contacts);
   std::vector<Fold> folds;
   if (options.calibrate) {
     TACTUS_ASSIGN_OR_RETURN(folds, MakeFoldFits(contacts, run));

@@ -23,13 +23,11 @@ absl::StatusOr<InputSpec> FitInputSpec(const FitRun& run,
     spec.lstm_steps = fit.steps;
     spec.lstm = FitInputs(
         lstm_contacts, CuesFor(fit.cues, options.features),
-        {.scaling = fit.scaling, .steps = fit.steps, .limit = fit.limit});
-    if (fit.stretches > 0) {
-      const auto stretches = FitStretches(
-          lstm_contacts, CuesFor(fit.stretched_cues, options.features),
-          fit.stretches, fit.steps);
-      spec.lstm.insert(spec.lstm.end(), stretches.begin(), stretches.end());
-    }
+        {.scaling = fit.scaling,
+         .steps = fit.steps,
+         .stretched_cues = CuesFor(fit.stretched_cues, options.features),
+         .stretches = fit.stretches,
+         .limit = fit.limit});
   }
   TACTUS_RETURN_IF_ERROR(run.saved.Put(part, spec));
   return spec;

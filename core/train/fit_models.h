@@ -17,8 +17,8 @@
 
 #include "absl/status/statusor.h"
 #include "core/classify/model.h"
-#include "core/lstm/sequence.h"
 #include "core/train/fit_run.h"
+#include "core/train/lstm_inputs.h"
 #include "core/train/varied_contacts.h"
 #include "core/train/work.h"
 
@@ -37,17 +37,7 @@ absl::StatusOr<HmmMixture> FitClassHmms(const FitRun& run,
                                         const InputSpec& spec, int label,
                                         const Progress& progress);
 
-// What LSTMs are trained on. Contacts without a step are left out.
-struct LstmInputs {
-  std::vector<std::vector<float>> rows;
-  std::vector<std::vector<float>> targets;
-  std::vector<LstmSequence> sequences;
-  std::vector<LstmSequence> with_targets;  // empty unless asked for
-};
-LstmInputs MakeLstmInputs(const FitRun& run, const VariedContacts& contacts,
-                          const InputSpec& spec, bool with_targets);
-
-// Trains the network number `n`. One that estimates is trained on the sequences
+// Trains the network number `n`. One that estimates the object needs inputs
 // with targets.
 absl::StatusOr<LstmNetwork> FitLstm(const FitRun& run, const std::string& part,
                                     const LstmInputs& inputs,

@@ -27,12 +27,16 @@ namespace tactus {
 struct LstmFit {
   // Number of networks. They differ by their seeds. 0 for HMMs alone.
   int networks = 0;
+  // Networks that classify in each inner fold of a calibration, at most
+  // `networks`. Fewer cost less and are a little less sure of their answers
+  // (docs/training-speed.md).
+  int fold_networks = 2;
   // The cues that their inputs are made from, as FitOptions::hmm_cues.
   std::vector<Cue> cues;
   Scaling scaling = Scaling::kStandard;
   // The scaled inputs are clamped to plus and minus this.
   double limit = std::numeric_limits<double>::infinity();
-  // Cues that also give `stretches` inputs each (FitStretches).
+  // Cues that also give `stretches` inputs each (InputOptions).
   std::vector<Cue> stretched_cues;
   int stretches = 0;
   StepIntervals steps;

@@ -14,9 +14,10 @@ double TypicalValue(const VariedContacts& contacts, Cue cue) {
   std::vector<double> values;
   LabelledContact made;
   for (size_t i = 0; i < contacts.size(); ++i) {
-    for (const ContactFrame& frame : contacts.Get(i, made).frames) {
-      const double value = frame.sample.features[static_cast<int>(cue)];
-      if (frame.touched && value > 0) values.push_back(value);
+    const ContactFrames& frames = contacts.Get(i, made).frames;
+    for (size_t t = 0; t < frames.size(); ++t) {
+      const double value = frames.features(t)[static_cast<int>(cue)];
+      if (frames.touched(t) && value > 0) values.push_back(value);
     }
   }
   if (values.empty()) return 1;
@@ -45,14 +46,50 @@ struct Range {
 
 double Inverse(double spread) { return spread > 0 ? 1 / spread : 1; }
 
+// Adds the inputs of a stretched cue. Sorts its `values`.
+void AddStretches(Cue cue, int stretches, std::vector<double>& values,
+                  std::vector<ModelInput>& inputs) {
+  if (values.empty()) return;
+  std::sort(values.begin(), values.end());
+  const auto quantile = [&](int n) {
+    return values[(values.size() - 1) * n / stretches];
+  };
+  for (int n = 0; n < stretches; ++n) {
+    const double low = quantile(n);
+    const double high = quantile(n + 1);
+    if (high > low) {
+      inputs.push_back({.cue = cue,
+                        .offset = (low + high) / 2,
+                        .gain = 2 / (high - low),
+                        .limit = 1});
+    }
+  }
+}
+
 }  // namespace
 
+size_t CountSteps(const LabelledContact& contact, const StepIntervals& steps) {
+  StepClock clock(steps);
+  size_t count = 0;
+  for (size_t i = 0; i < contact.frames.size(); ++i) {
+    count += contact.frames.touched(i) && clock.Tick(i + 1);
+  }
+  return count;
+}
+
+CueGroups GroupsOf(std::span<const ModelInput> inputs) {
+  CueGroups groups = 0;
+  for (const ModelInput& input : inputs) groups |= GroupOf(input.cue);
+  return groups;
+}
+
 void WalkCues(const LabelledContact& contact, const StepIntervals& steps,
+              CueGroups groups,
               absl::FunctionRef<void(CueTracker& cues, size_t frame)> visit) {
-  CueTracker cues(contact.sample_rate_hz);
+  CueTracker cues(contact.sample_rate_hz, groups);
   StepClock clock(steps);
   for (size_t i = 0; i < contact.frames.size(); ++i) {
-    if (!contact.frames[i].touched) continue;
+    if (!contact.frames.touched(i)) continue;
     const uint64_t frames = i + 1;
     cues.Step(contact.frames[i].sample, frames);
     if (clock.Tick(frames)) visit(cues, i);
@@ -73,13 +110,21 @@ std::vector<ModelInput> FitInputs(const VariedContacts& contacts,
         {.cue = cue, .log_offset = log_offset, .limit = options.limit});
   }
   std::vector<Range> ranges(inputs.size());
+  const bool stretched = options.stretches > 0;
+  std::vector<std::vector<double>> values(
+      stretched ? options.stretched_cues.size() : 0);
+  CueGroups groups = GroupsOf(inputs);
+  for (const Cue cue : options.stretched_cues) groups |= GroupOf(cue);
   LabelledContact made;
   for (size_t c = 0; c < contacts.size(); ++c) {
-    WalkCues(contacts.Get(c, made), options.steps,
+    WalkCues(contacts.Get(c, made), options.steps, groups,
              [&](CueTracker& tracker, size_t) {
                for (size_t i = 0; i < inputs.size(); ++i) {
                  ranges[i].Add(TransformCue(tracker.value(inputs[i].cue),
                                             inputs[i].log_offset));
+               }
+               for (size_t i = 0; i < values.size(); ++i) {
+                 values[i].push_back(tracker.value(options.stretched_cues[i]));
                }
              });
   }
@@ -93,37 +138,9 @@ std::vector<ModelInput> FitInputs(const VariedContacts& contacts,
       inputs[i].gain = Inverse(range.max - range.min);
     }
   }
-  return inputs;
-}
-
-std::vector<ModelInput> FitStretches(const VariedContacts& contacts,
-                                     std::span<const Cue> cues, int stretches,
-                                     const StepIntervals& steps) {
-  std::vector<std::vector<double>> values(cues.size());
-  LabelledContact made;
-  for (size_t c = 0; c < contacts.size(); ++c) {
-    WalkCues(contacts.Get(c, made), steps, [&](CueTracker& tracker, size_t) {
-      for (size_t i = 0; i < cues.size(); ++i) {
-        values[i].push_back(tracker.value(cues[i]));
-      }
-    });
-  }
-  std::vector<ModelInput> inputs;
-  for (size_t i = 0; i < cues.size() && !values[i].empty(); ++i) {
-    std::sort(values[i].begin(), values[i].end());
-    auto quantile = [&](int n) {
-      return values[i][(values[i].size() - 1) * n / stretches];
-    };
-    for (int n = 0; n < stretches; ++n) {
-      const double low = quantile(n);
-      const double high = quantile(n + 1);
-      if (high > low) {
-        inputs.push_back({.cue = cues[i],
-                          .offset = (low + high) / 2,
-                          .gain = 2 / (high - low),
-                          .limit = 1});
-      }
-    }
+  for (size_t i = 0; i < values.size(); ++i) {
+    AddStretches(options.stretched_cues[i], options.stretches, values[i],
+                 inputs);
   }
   return inputs;
 }
@@ -133,21 +150,9 @@ std::vector<double> MakeSequence(const LabelledContact& contact,
                                  const StepIntervals& steps) {
   std::vector<double> sequence;
   std::vector<double> row(inputs.size());
-  WalkCues(contact, steps, [&](CueTracker& cues, size_t) {
+  WalkCues(contact, steps, GroupsOf(inputs), [&](CueTracker& cues, size_t) {
     MakeInput(inputs, cues, row);
     sequence.insert(sequence.end(), row.begin(), row.end());
-  });
-  return sequence;
-}
-
-std::vector<float> MakeLstmSequence(const LabelledContact& contact,
-                                    std::span<const ModelInput> inputs,
-                                    const StepIntervals& steps) {
-  std::vector<float> sequence;
-  std::vector<double> row(inputs.size());
-  WalkCues(contact, steps, [&](CueTracker& cues, size_t) {
-    MakeInput(inputs, cues, row);
-    for (double value : row) sequence.push_back(static_cast<float>(value));
   });
   return sequence;
 }

@@ -32,26 +32,32 @@ struct InputOptions {
   bool log_features = false;
   // The frames that are used.
   StepIntervals steps = {};
+  // Each of these cues also gives inputs that rise from -1 to 1 over one
+  // stretch of the cue and are constant elsewhere: `stretches` of them, between
+  // its quantiles. A step that is small on the whole range is large on its
+  // stretch (piecewise linear encoding, Gorishniy et al., NeurIPS 2022).
+  std::vector<Cue> stretched_cues = {};
+  int stretches = 0;
   // Scaled inputs are clamped to plus and minus this. Beyond it a cue is
   // outside of the training range, and its distance does not matter.
   double limit = std::numeric_limits<double>::infinity();
 };
 
-// Returns inputs that each rise from -1 to 1 over one stretch of a cue and are
-// constant elsewhere. Each cue has `stretches` of them, between its quantiles.
-// A step that is small on the whole range is large on its stretch (piecewise
-// linear encoding, Gorishniy et al., NeurIPS 2022).
-std::vector<ModelInput> FitStretches(const VariedContacts& contacts,
-                                     std::span<const Cue> cues, int stretches,
-                                     const StepIntervals& steps);
+// Returns the number of frames that WalkCues visits.
+size_t CountSteps(const LabelledContact& contact, const StepIntervals& steps);
 
 // Calls `visit` for every touched frame at which `steps` makes a step due, with
-// the cues and the index of the frame in the contact.
+// the cues and the index of the frame in the contact. Derived cues outside of
+// `groups` are 0.
 void WalkCues(const LabelledContact& contact, const StepIntervals& steps,
+              CueGroups groups,
               absl::FunctionRef<void(CueTracker& cues, size_t frame)> visit);
 
-// Returns one input per cue, scaled over all contacts. All contacts must have
-// the same rate.
+// The groups of the cues that `inputs` are made from.
+CueGroups GroupsOf(std::span<const ModelInput> inputs);
+
+// Returns one input per cue, scaled over all contacts, and then those of the
+// stretched cues. All contacts must have the same rate.
 std::vector<ModelInput> FitInputs(const VariedContacts& contacts,
                                   std::span<const Cue> cues,
                                   const InputOptions& options);
@@ -61,9 +67,4 @@ std::vector<ModelInput> FitInputs(const VariedContacts& contacts,
 std::vector<double> MakeSequence(const LabelledContact& contact,
                                  std::span<const ModelInput> inputs,
                                  const StepIntervals& steps);
-// The same in the number format of LSTM training.
-std::vector<float> MakeLstmSequence(const LabelledContact& contact,
-                                    std::span<const ModelInput> inputs,
-                                    const StepIntervals& steps);
-
 }  // namespace tactus

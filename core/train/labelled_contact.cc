@@ -54,6 +54,8 @@ absl::StatusOr<std::optional<LabelledContact>> ExtractContact(
     TACTUS_ASSIGN_OR_RETURN(contact.layout, LayoutOfTrial(trial, layout));
     TakeTaxels(trial, contact.layout, contact);
   }
+  contact.frames.shrink_to_fit();
+  contact.object_motion.shrink_to_fit();
   if (contact.frames.empty()) return std::optional<LabelledContact>();
   return std::optional<LabelledContact>(std::move(contact));
 }

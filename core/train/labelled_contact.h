@@ -17,6 +17,7 @@
 #include "core/data/trial.h"
 #include "core/features/feature.h"
 #include "core/skin/layout.h"
+#include "core/train/contact_frames.h"
 
 namespace tactus {
 
@@ -33,7 +34,7 @@ struct LabelledContact {
   // Distance that the object has moved at each frame, m; empty if unknown.
   std::vector<double> object_motion;
   // From onset to the end of the trial; the first is touched.
-  std::vector<ContactFrame> frames;
+  ContactFrames frames;
 };
 
 // Makes a sample from an ideal signal. Its force is both peak and net force.

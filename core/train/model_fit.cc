@@ -17,25 +17,30 @@ VariationRange WithoutStiffness(VariationRange range) {
   return range;
 }
 
-bool TruthIsKnown(const std::vector<const LabelledContact*>& contacts) {
-  return std::all_of(contacts.begin(), contacts.end(),
-                     [](const LabelledContact* c) {
-                       return c->stiffness > 0 && !c->object_motion.empty();
-                     });
+// Leaves the classes of a network.
+void DropRegressions(LstmNetwork& network) {
+  const size_t classes = network.classes();
+  const size_t cells = network.layers.back().cells;
+  network.regressions = 0;
+  network.dense_kernel.resize(classes * cells);
+  network.dense_bias.resize(classes);
 }
 
 }  // namespace
 
 ModelFit::ModelFit(const FitRun& run, std::string prefix,
+                   const Networks& networks,
                    std::vector<const LabelledContact*> contacts)
     : run_(run),
       prefix_(std::move(prefix)),
       hmm_contacts_(contacts, WithoutStiffness(run.options.variations),
                     run.options.seed),
-      lstm_contacts_(contacts, run.options.variations, run.options.seed) {
-  const LstmFit& lstm = run.options.lstm;
-  estimates_ = lstm.networks > 0 && lstm.estimates && TruthIsKnown(contacts);
-  networks_ = lstm.networks + (estimates_ ? 1 : 0);
+      lstm_contacts_(contacts, run.options.variations, run.options.seed),
+      lstms_(networks.lstms),
+      estimator_classifies_(networks.estimator_classifies),
+      estimates_(networks.estimator && networks.lstms > 0 &&
+                 run.options.lstm.estimates && TruthIsKnown(contacts)),
+      networks_(lstms_ + (estimates_ ? 1 : 0)) {
   trained_.resize(networks_);
   model_.class_names = run.class_names;
   model_.hmm_score = run.options.score;
@@ -43,13 +48,34 @@ ModelFit::ModelFit(const FitRun& run, std::string prefix,
   model_.hmms.resize(run.class_names.size());
 }
 
-absl::Status ModelFit::FitInputs() {
+size_t ModelFit::InputBytes() const {
+  if (networks_ == 0) return 0;
+  const LstmFit& fit = run_.options.lstm;
+  const size_t inputs =
+      CuesFor(fit.cues, run_.options.features).size() +
+      CuesFor(fit.stretched_cues, run_.options.features).size() *
+          static_cast<size_t>(fit.stretches);
+  return LstmInputs::KeptBytes(lstm_contacts_, inputs, fit.steps);
+}
+
+bool ModelFit::TruthIsKnown(
+    const std::vector<const LabelledContact*>& contacts) {
+  return std::all_of(contacts.begin(), contacts.end(),
+                     [](const LabelledContact* c) {
+                       return c->stiffness > 0 && !c->object_motion.empty();
+                     });
+}
+
+absl::Status ModelFit::FitInputs(bool keep) {
+  hmm_contacts_.MeasureNoise();
+  if (networks_ > 0) lstm_contacts_.MeasureNoise();
   TACTUS_ASSIGN_OR_RETURN(model_.inputs,
                           FitInputSpec(run_, absl::StrCat(prefix_, "inputs"),
                                        hmm_contacts_, lstm_contacts_));
   if (networks_ > 0) {
-    lstm_inputs_ =
-        MakeLstmInputs(run_, lstm_contacts_, model_.inputs, estimates_);
+    lstm_inputs_.emplace(
+        lstm_contacts_, run_.class_names, model_.inputs,
+        LstmInputs::Options{.keep = keep, .with_targets = estimates_});
   }
   return absl::OkStatus();
 }
@@ -81,13 +107,14 @@ absl::Status ModelFit::FitTask(int task, const Progress& progress) {
 }
 
 absl::Status ModelFit::FitNetwork(int n, const Progress& progress) {
-  const bool estimator = n == run_.options.lstm.networks;
+  const bool estimator = n == lstms_;
   TACTUS_ASSIGN_OR_RETURN(
       trained_[n],
       FitLstm(run_,
               estimator ? absl::StrCat(prefix_, "estimator")
                         : absl::StrCat(prefix_, "lstm/", n),
-              lstm_inputs_, model_.inputs, n, estimator, progress));
+              *lstm_inputs_, model_.inputs,
+              estimator ? run_.options.lstm.networks : n, estimator, progress));
   return absl::OkStatus();
 }
 
@@ -104,11 +131,14 @@ Model ModelFit::TakeModel() {
     c.lstm_weight = {0.5};
   }
   if (estimates_) {
-    model_.estimator = std::move(trained_.back());
-    trained_.pop_back();
+    model_.estimator = trained_.back();
+    if (estimator_classifies_) {
+      DropRegressions(trained_.back());
+    } else {
+      trained_.pop_back();
+    }
   }
   model_.lstms = std::move(trained_);
-  lstm_inputs_ = {};
   return std::move(model_);
 }
 

@@ -3,8 +3,8 @@
 // ModelFit: one uncalibrated model of some contacts, as tasks that threads may
 // share out.
 //
-//   ModelFit fit(run, "fold/2/", contacts);
-//   TACTUS_RETURN_IF_ERROR(fit.FitInputs());
+//   ModelFit fit(run, "fold/2/", {.lstms = 1}, contacts);
+//   TACTUS_RETURN_IF_ERROR(fit.FitInputs(/*keep=*/true));
 //   for (int task = 0; task < fit.tasks(); ++task) {
 //     TACTUS_RETURN_IF_ERROR(fit.FitTask(task, Progress()));
 //   }
@@ -17,6 +17,7 @@
 // once, with different tasks.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,14 +32,31 @@ namespace tactus {
 
 class ModelFit {
  public:
+  // Which networks to train: LSTMs that classify, and an estimator of the
+  // object if the options ask for one and the truth is known.
+  struct Networks {
+    int lstms = 0;
+    bool estimator = true;
+    // The estimator also becomes one of the model's LSTMs.
+    bool estimator_classifies = false;
+  };
+
   // `prefix` goes before the names of all parts.
-  ModelFit(const FitRun& run, std::string prefix,
+  ModelFit(const FitRun& run, std::string prefix, const Networks& networks,
            std::vector<const LabelledContact*> contacts);
 
   const std::string& prefix() const { return prefix_; }
 
-  // Fits the scaling of the inputs. Comes first.
-  absl::Status FitInputs();
+  // True if an estimator can be trained on these contacts.
+  static bool TruthIsKnown(const std::vector<const LabelledContact*>& contacts);
+
+  // Bytes that the LSTMs' inputs take if they are kept.
+  size_t InputBytes() const;
+  // Fits the scaling of the inputs and makes those of the LSTMs, or makes them
+  // for each batch if they are not kept. Comes before the tasks.
+  absl::Status FitInputs(bool keep);
+  // Drops the LSTMs' inputs. Comes after the tasks.
+  void DropInputs() { lstm_inputs_.reset(); }
 
   // Tasks: the first network, the HMMs of each class, then further networks.
   int tasks() const { return networks_ + run_.class_names.size(); }
@@ -58,14 +76,15 @@ class ModelFit {
 
   const FitRun& run_;
   const std::string prefix_;
-  const VariedContacts hmm_contacts_;
-  const VariedContacts lstm_contacts_;
-  // An estimator is trained where the truth is known.
-  bool estimates_ = false;
-  int networks_ = 0;  // with the estimator
+  VariedContacts hmm_contacts_;
+  VariedContacts lstm_contacts_;
+  const int lstms_;
+  const bool estimator_classifies_;
+  const bool estimates_;
+  const int networks_;  // with the estimator
   Model model_;
   std::vector<LstmNetwork> trained_;
-  LstmInputs lstm_inputs_;
+  std::optional<LstmInputs> lstm_inputs_;
 };
 
 }  // namespace tactus

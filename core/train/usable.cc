@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "core/base/errors.h"
+#include "core/train/inputs.h"
 
 namespace tactus {
 namespace {
@@ -23,11 +24,9 @@ uint32_t FirstStep(const FitOptions& options) {
 }  // namespace
 
 bool IsUsable(const LabelledContact& contact, const FitOptions& options) {
-  const size_t before = FirstStep(options) - 1;
-  return before < contact.frames.size() &&
-         std::any_of(contact.frames.begin() + static_cast<ptrdiff_t>(before),
-                     contact.frames.end(),
-                     [](const ContactFrame& frame) { return frame.touched; });
+  return CountSteps(contact, options.hmm_steps) > 0 &&
+         (options.lstm.networks == 0 ||
+          CountSteps(contact, options.lstm.steps) > 0);
 }
 
 absl::Status CheckUsable(const std::vector<const LabelledContact*>& contacts,

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <map>
-#include <string>
+#include <vector>
+
+#include "core/base/gaussian.h"
 
 namespace tactus {
 namespace {
@@ -13,14 +13,21 @@ double Between(double before, double after, double fraction) {
   return before + fraction * (after - before);
 }
 
+FeatureVector Between(const FeatureVector& before, const FeatureVector& after,
+                      double fraction) {
+  FeatureVector features;
+  for (int f = 0; f < kFeatureCount; ++f) {
+    features[f] = Between(before[f], after[f], fraction);
+  }
+  return features;
+}
+
 ContactFrame Between(const ContactFrame& before, const ContactFrame& after,
                      double fraction) {
   ContactFrame frame = before;
   if (!before.touched || !after.touched) return frame;
-  for (int f = 0; f < kFeatureCount; ++f) {
-    frame.sample.features[f] =
-        Between(before.sample.features[f], after.sample.features[f], fraction);
-  }
+  frame.sample.features =
+      Between(before.sample.features, after.sample.features, fraction);
   frame.sample.net_force =
       Between(before.sample.net_force, after.sample.net_force, fraction);
   return frame;
@@ -43,8 +50,14 @@ void AtPace(const LabelledContact& contact, double pace,
     const auto before = static_cast<size_t>(place);
     if (before + 1 >= contact.frames.size()) break;
     const double fraction = place - static_cast<double>(before);
-    warped.frames.push_back(
-        Between(contact.frames[before], contact.frames[before + 1], fraction));
+    if (contact.frames.plain()) {
+      warped.frames.push_back_plain(Between(contact.frames.features(before),
+                                            contact.frames.features(before + 1),
+                                            fraction));
+    } else {
+      warped.frames.push_back(Between(contact.frames[before],
+                                      contact.frames[before + 1], fraction));
+    }
     if (contact.object_motion.empty()) continue;
     warped.object_motion.push_back(Between(contact.object_motion[before],
                                            contact.object_motion[before + 1],
@@ -55,13 +68,14 @@ void AtPace(const LabelledContact& contact, double pace,
 constexpr int kForceAt = static_cast<int>(Feature::kForce);
 constexpr int kMotionAt = static_cast<int>(Feature::kMotion);
 
-// The noise of one number of the samples, over a contact's touched frames.
+// The noise of one number of each frame, number(t), over a contact's touched
+// frames.
 template <typename Number>
-double NoiseIn(const LabelledContact& contact, Number number) {
+double NoiseOfEach(const LabelledContact& contact, Number number) {
   std::vector<double> values;
   values.reserve(contact.frames.size());
-  for (const ContactFrame& frame : contact.frames) {
-    if (frame.touched) values.push_back(number(frame.sample));
+  for (size_t t = 0; t < contact.frames.size(); ++t) {
+    if (contact.frames.touched(t)) values.push_back(number(t));
   }
   return NoiseOf(values);
 }
@@ -86,40 +100,55 @@ double NoiseOf(const std::vector<double>& values) {
   return *middle / (0.6745 * std::sqrt(6.0));
 }
 
+ContactNoise NoiseIn(const LabelledContact& contact) {
+  const ContactFrames& frames = contact.frames;
+  const auto net = [&](size_t t) { return frames.net_force(t); };
+  const auto force = [&](size_t t) { return frames.features(t)[kForceAt]; };
+  const auto motion = [&](size_t t) { return frames.features(t)[kMotionAt]; };
+  return {NoiseOfEach(contact, force), NoiseOfEach(contact, net),
+          NoiseOfEach(contact, motion)};
+}
+
 LabelledContact Vary(const LabelledContact& contact, const Variation& variation,
                      Random& random) {
   LabelledContact varied;
-  Vary(contact, variation, random, varied);
+  Vary(contact, NoiseIn(contact), variation, random, varied);
   return varied;
 }
 
-void Vary(const LabelledContact& contact, const Variation& variation,
-          Random& random, LabelledContact& varied) {
+void Vary(const LabelledContact& contact, const ContactNoise& noise,
+          const Variation& variation, Random& random, LabelledContact& varied) {
   AtPace(contact, variation.pace, varied);
   const double load = variation.load;
   const double force = load * variation.stiffness;
   varied.stiffness *= variation.stiffness;
   if (load == 1 && force == 1) return;
-  const double of_forces = MissingNoise(force);
-  const double peak_noise = of_forces * NoiseIn(contact, [](auto& s) {
-                              return s.features[kForceAt];
-                            });
-  const double net_noise =
-      of_forces * NoiseIn(contact, [](auto& s) { return s.net_force; });
-  const double motion_noise =
-      MissingNoise(load) *
-      NoiseIn(contact, [](auto& s) { return s.features[kMotionAt]; });
-  for (ContactFrame& frame : varied.frames) {
-    if (!frame.touched) continue;
+  const double peak_noise = MissingNoise(force) * noise.force;
+  const double net_noise = MissingNoise(force) * noise.net_force;
+  const double motion_noise = MissingNoise(load) * noise.motion;
+  std::vector<double> deviates(2 * varied.frames.size());
+  FillGaussian(random, deviates);
+  const auto varied_force = [&](double value, double deviation, size_t t) {
+    return std::abs(force * value + deviation * deviates[2 * t]);
+  };
+  const auto vary_features = [&](size_t t, FeatureVector& features) {
+    double& motion = features[kMotionAt];
+    features[kForceAt] = varied_force(features[kForceAt], peak_noise, t);
+    motion = std::abs(load * motion + motion_noise * deviates[2 * t + 1]);
+  };
+  for (size_t t = 0; t < varied.frames.size(); ++t) {
+    if (varied.frames.plain()) {
+      // The net force is the force, and so is its noise.
+      vary_features(t, varied.frames.plain_features(t));
+      continue;
+    }
+    if (!varied.frames.touched(t)) continue;
+    ContactFrame frame = varied.frames[t];
     ContactSample& sample = frame.sample;
     // The largest taxel is part of the region: one draw serves both.
-    const double of_force = random.Gaussian();
-    double& peak = sample.features[kForceAt];
-    peak = std::abs(force * peak + peak_noise * of_force);
-    sample.net_force =
-        std::abs(force * sample.net_force + net_noise * of_force);
-    double& motion = sample.features[kMotionAt];
-    motion = std::abs(load * motion + motion_noise * random.Gaussian());
+    vary_features(t, sample.features);
+    sample.net_force = varied_force(sample.net_force, net_noise, t);
+    varied.frames.Set(t, frame);
   }
   for (double& moved : varied.object_motion) moved *= load;
 }

@@ -36,6 +36,14 @@ struct Variation {
   double stiffness = 1;  // > 0
 };
 
+// Standard deviations of the noise on a contact's numbers (NoiseOf).
+struct ContactNoise {
+  double force = 0;
+  double net_force = 0;
+  double motion = 0;
+};
+ContactNoise NoiseIn(const LabelledContact& contact);
+
 // Frame k of the copy is `contact` at (k + 1) x pace frames after the touch,
 // interpolated between two frames; before the first frame it is the first. The
 // copy ends where `contact` ends and has at most as many frames. The load
@@ -43,9 +51,10 @@ struct Variation {
 // but taken from the earlier frame.
 LabelledContact Vary(const LabelledContact& contact, const Variation& variation,
                      Random& random);
-// The same into `varied`, whose memory is used again.
-void Vary(const LabelledContact& contact, const Variation& variation,
-          Random& random, LabelledContact& varied);
+// The same into `varied`, whose memory is used again. `noise` is that of
+// `contact`.
+void Vary(const LabelledContact& contact, const ContactNoise& noise,
+          const Variation& variation, Random& random, LabelledContact& varied);
 
 // Estimates the standard deviation of the noise on values[t] from the median of
 // their second differences. A signal with a constant slope has none. Returns 0

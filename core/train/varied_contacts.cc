@@ -53,6 +53,14 @@ VariedContacts::VariedContacts(std::vector<const LabelledContact*> contacts,
   if (range_.copies > 0) spans_ = SpansOf(contacts_);
 }
 
+void VariedContacts::MeasureNoise() {
+  if (range_.copies == 0 || !noise_.empty()) return;
+  noise_.reserve(contacts_.size());
+  for (const LabelledContact* contact : contacts_) {
+    noise_.push_back(NoiseIn(*contact));
+  }
+}
+
 const LabelledContact& VariedContacts::Get(size_t index,
                                            LabelledContact& made) const {
   const LabelledContact& contact = Original(index);
@@ -69,7 +77,9 @@ const LabelledContact& VariedContacts::Get(size_t index,
         DrawStiffness(contact.stiffness, span->second.min, span->second.max,
                       range_.stiffness, random);
   }
-  Vary(contact, variation, random, made);
+  const size_t original = index % contacts_.size();
+  Vary(contact, noise_.empty() ? NoiseIn(contact) : noise_[original], variation,
+       random, made);
   return made;
 }
 

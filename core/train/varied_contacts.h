@@ -9,8 +9,8 @@
 //     MakeSequence(varied.Get(i, made), inputs, steps);
 //   }
 //
-// Refers to the contacts, which must outlive it. Thread-safe once made, with
-// one `made` per thread.
+// Refers to the contacts, which must outlive it. Thread-safe after
+// MeasureNoise(), with one `made` per thread.
 #pragma once
 
 #include <cstdint>
@@ -44,6 +44,10 @@ class VariedContacts {
   explicit VariedContacts(std::vector<const LabelledContact*> contacts,
                           const VariationRange& range = {}, uint64_t seed = 0);
 
+  // Measures the noise of each contact, which the copies need. Otherwise it is
+  // measured for each copy, which is slower.
+  void MeasureNoise();
+
   // The contacts, then the first copy of each, then the second of each.
   size_t size() const { return contacts_.size() * (1 + range_.copies); }
   // The contact that number `index` is or is a copy of.
@@ -72,6 +76,7 @@ class VariedContacts {
   // The stiffnesses that keep a contact in its class, by class. Classes without
   // an entry keep their stiffness.
   std::map<std::string, Span> spans_;
+  std::vector<ContactNoise> noise_;  // empty, or one per contact
 };
 
 }  // namespace tactus

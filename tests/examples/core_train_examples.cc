@@ -16,6 +16,7 @@
 #include "core/train/anytime.h"
 #include "core/train/archive.h"
 #include "core/train/calibrate.h"
+#include "core/train/contact_frames.h"
 #include "core/train/fit.h"
 #include "core/train/fit_fields.h"
 #include "core/train/fit_journal.h"
@@ -25,6 +26,7 @@
 #include "core/train/folds.h"
 #include "core/train/inputs.h"
 #include "core/train/labelled_contact.h"
+#include "core/train/lstm_inputs.h"
 #include "core/train/model_fit.h"
 #include "core/train/saved_parts.h"
 #include "core/train/usable.h"
@@ -141,8 +143,8 @@ absl::Status FitModelsExample(const FitRun& run, const std::string& name,
 }
 
 absl::Status ModelFitExample(const FitRun& run, const Contacts& contacts) {
-  ModelFit fit(run, "fold/2/", contacts);
-  TACTUS_RETURN_IF_ERROR(fit.FitInputs());
+  ModelFit fit(run, "fold/2/", {.lstms = 1}, contacts);
+  TACTUS_RETURN_IF_ERROR(fit.FitInputs(/*keep=*/true));
   for (int task = 0; task < fit.tasks(); ++task) {
     TACTUS_RETURN_IF_ERROR(fit.FitTask(task, Progress()));
   }
@@ -200,6 +202,22 @@ absl::Status SavedPartsExample(FitJournal* journal, const Contacts& contacts,
     TACTUS_RETURN_IF_ERROR(saved.Put("hmm/SU", *mixture));
   }
   return absl::OkStatus();
+}
+
+void ContactFramesExample(const FeatureVector& signals) {
+  ContactFrames frames;
+  frames.push_back({IdealSample(signals), true});
+  const ContactFrame first = frames[0];
+}
+
+void LstmInputsExample(const VariedContacts& contacts,
+                       const std::vector<std::string>& class_names,
+                       const InputSpec& spec, LstmCheckpoint checkpoint,
+                       const LstmTrainOptions& options) {
+  const LstmInputs inputs(contacts, class_names, spec,
+                          {.keep = true, .with_targets = true});
+  const auto source = inputs.Source(/*with_targets=*/false);
+  TrainLstm(checkpoint, *source, {}, options);
 }
 
 absl::Status UsableExample(Contacts contacts, const FitOptions& options) {

@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "core/base/errors.h"
+#include "core/base/random.h"
 #include "core/data/trial_file.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -20,13 +21,16 @@ std::string TrialsWithAShortOne(int frames) {
   const std::string path = ::testing::TempDir() + "/short_trial.h5";
   auto writer = TrialFileWriter::Create(path, {.overwrite = true});
   EXPECT_TRUE(writer.ok()) << writer.status();
+  Random random(1);
   for (int i = 0; i < 12; ++i) {
     Trial trial;
     trial.label = i % 2 == 0 ? "hard" : "soft";
     trial.condition = i < 6 ? "slow" : "fast";
     for (int t = 1; t <= (i == 7 ? frames : 40); ++t) {
       trial.time.push_back(0.01 * t);
-      trial.signals.push_back({(i % 2 + 1.0) * t, 1e-4, 1e-4 * (t + i)});
+      trial.signals.push_back({(i % 2 + random.Uniform()) * t,
+                               1e-4 * (1 + random.Uniform()),
+                               1e-4 * (t + random.Uniform())});
     }
     EXPECT_TRUE(writer->Append(trial).ok());
   }

@@ -44,7 +44,7 @@ FitOptions SmallOptions() {
   options.hmms_per_class = 2;
   options.max_iterations = 2;
   options.variations.copies = 2;
-  options.lstm.networks = 1;
+  options.lstm.networks = 2;
   options.lstm.cells = {4};
   options.lstm.stretches = 2;
   options.lstm.training.epochs = 2;
@@ -141,7 +141,10 @@ TEST_F(FitJournalTest, PartsOfAnotherFitAreRefused) {
   MemoryJournal swapped;
   swapped.parts["hmm/SU"] = whole.parts.at("hmm/SM");
   EXPECT_EQ(ReasonOf(Fit(&swapped).status()), "CHECKPOINT_INVALID");
-  contacts_.back().frames.back().sample.net_force += 1e-9;
+  ContactFrames& frames = contacts_.back().frames;
+  ContactFrame last = frames.back();
+  last.sample.net_force += 1e-9;
+  frames.Set(frames.size() - 1, last);
   EXPECT_EQ(ReasonOf(Fit(&whole).status()), "CHECKPOINT_INVALID");
 }
 
@@ -152,8 +155,16 @@ TEST_F(FitJournalTest, ReportsEveryCurve) {
   for (const LearningPoint& point : journal.points) {
     curves[point.part].push_back(point);
   }
-  for (const std::string prefix : {"", "fold/0/", "fold/1/"}) {
-    for (const std::string network : {"lstm/0", "estimator"}) {
+  // Two networks classify in each fold; an estimator is one of them in half of
+  // the folds.
+  const std::vector<std::vector<std::string>> networks = {
+      {"lstm/0", "lstm/1", "estimator"},
+      {"lstm/0", "estimator"},
+      {"lstm/0", "lstm/1"}};
+  const std::string prefixes[] = {"", "fold/0/", "fold/1/"};
+  for (int p = 0; p < 3; ++p) {
+    const std::string& prefix = prefixes[p];
+    for (const std::string& network : networks[p]) {
       const auto& curve = curves[prefix + network];
       ASSERT_EQ(curve.size(), 2u) << prefix << network;
       EXPECT_EQ(curve[0].iteration, 1);
@@ -168,6 +179,8 @@ TEST_F(FitJournalTest, ReportsEveryCurve) {
     EXPECT_EQ(hmm[2].iteration, 2);
     EXPECT_GT(hmm[2].log_likelihood.value(), hmm[0].log_likelihood.value());
   }
+  EXPECT_FALSE(curves.contains("fold/0/lstm/1"));
+  EXPECT_FALSE(curves.contains("fold/1/estimator"));
   ASSERT_EQ(curves["fold/1"].size(), 1u);
   EXPECT_GT(curves["fold/1"][0].validation_loss.value(), 0);
   EXPECT_GE(curves["fold/1"][0].validation_accuracy.value(), 0.5);

@@ -162,9 +162,10 @@ std::vector<LabelledContact> ContactsByPlace() {
     contact.layout = *LayoutPreset("icub-6x10");
     const bool hard = contact.label[0] == 'H';
     contact.label = hard ? "near" : "far";
-    for (ContactFrame& frame : contact.frames) {
-      frame.sample = IdealSample({1, 1e-4, 0.001});
+    for (size_t t = 0; t < contact.frames.size(); ++t) {
+      ContactFrame frame = {IdealSample({1, 1e-4, 0.001})};
       frame.sample.profile[hard ? 0 : 15] = 3 + 0.1 * random.Gaussian();
+      contact.frames.Set(t, frame);
     }
   }
   return contacts;

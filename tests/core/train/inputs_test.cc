@@ -36,9 +36,15 @@ TEST(FitInputsTest, ScalesToZeroMeanAndUnitDeviationOrToZeroAndOne) {
   EXPECT_DOUBLE_EQ(rows.back(), 1);
 }
 
+// The four stretches of a cue, without the cue itself.
+std::vector<ModelInput> StretchesOf(const LabelledContact& contact, Cue cue) {
+  return FitInputs(Only(contact), {},
+                   {.stretched_cues = {cue}, .stretches = 4});
+}
+
 TEST(FitStretchesTest, EachRisesOverItsOwnPartAndRestsElsewhere) {
   const LabelledContact contact = Ramp(0, 101);
-  const auto stretches = FitStretches(Only(contact), kForceCue, 4, {});
+  const auto stretches = StretchesOf(contact, Cue::kForce);
   ASSERT_EQ(stretches.size(), 4u);
   const auto rows = MakeSequence(contact, stretches, {});
   for (int t = 0; t <= 100; ++t) {
@@ -51,15 +57,14 @@ TEST(FitStretchesTest, EachRisesOverItsOwnPartAndRestsElsewhere) {
 
 TEST(FitStretchesTest, ACueThatNeverChangesHasNone) {
   const LabelledContact contact = Ramp(0, 30);
-  const Cue still[] = {Cue::kArea};
-  EXPECT_TRUE(FitStretches(Only(contact), still, 4, {}).empty());
+  EXPECT_TRUE(StretchesOf(contact, Cue::kArea).empty());
 }
 
 TEST(WalkCuesTest, VisitsTouchedFramesThatAreDue) {
   LabelledContact contact = Ramp(1, 60);
-  contact.frames[9].touched = false;
+  contact.frames.Set(9, {contact.frames[9].sample, false});
   std::vector<size_t> visited;
-  WalkCues(contact, {5, 20},
+  WalkCues(contact, {5, 20}, kAllCueGroups,
            [&](CueTracker&, size_t frame) { visited.push_back(frame + 1); });
   EXPECT_EQ(visited,
             (std::vector<size_t>{5, 11, 16, 21, 26, 31, 36, 41, 46, 51, 56}));

@@ -53,7 +53,7 @@ TEST(VaryTest, LastsAsLongAsThereIsSomethingToPlay) {
 TEST(VaryTest, MixesNothingIntoLostTouch) {
   Random random(1);
   LabelledContact contact = Press(9);
-  contact.frames[2] = {.sample = {}, .touched = false};
+  contact.frames.Set(2, {.sample = {}, .touched = false});
   const LabelledContact warped = Vary(contact, {.pace = 0.5}, random);
   EXPECT_TRUE(warped.frames[4].touched);
   EXPECT_EQ(Motion(warped.frames[4]), 1);

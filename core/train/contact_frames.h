@@ -1,0 +1,92 @@
+// File: contact_frames.h
+//
+// ContactFrames: the frames of a contact in little memory. A frame has 21
+// numbers, but contacts of ideal signals need three of them: the net force is
+// the force, and there is no load profile.
+//
+//   ContactFrames frames;
+//   frames.push_back({IdealSample(signals), true});
+//   const ContactFrame first = frames[0];
+//
+// Frames are returned as copies. Owns its numbers; copyable. Thread-safe while
+// no thread changes it.
+#pragma once
+
+#include <cstddef>
+#include <iterator>
+#include <vector>
+
+#include "core/features/feature.h"
+
+namespace tactus {
+
+class ContactFrames {
+ public:
+  // Iterates over copies.
+  class Iterator {
+   public:
+    using iterator_category = std::input_iterator_tag;
+    using value_type = ContactFrame;
+    using difference_type = ptrdiff_t;
+    using pointer = const ContactFrame*;
+    using reference = ContactFrame;
+
+    Iterator(const ContactFrames* frames, size_t at)
+        : frames_(frames), at_(at) {}
+
+    ContactFrame operator*() const { return (*frames_)[at_]; }
+    Iterator& operator++() {
+      ++at_;
+      return *this;
+    }
+    Iterator operator++(int) { return Iterator(frames_, at_++); }
+    bool operator==(const Iterator& other) const { return at_ == other.at_; }
+
+   private:
+    const ContactFrames* frames_;
+    size_t at_;
+  };
+
+  size_t size() const { return features_.size(); }
+  bool empty() const { return features_.empty(); }
+  Iterator begin() const { return {this, 0}; }
+  Iterator end() const { return {this, size()}; }
+  ContactFrame operator[](size_t t) const;
+  ContactFrame front() const { return (*this)[0]; }
+  ContactFrame back() const { return (*this)[size() - 1]; }
+  bool touched(size_t t) const { return touched_.empty() || touched_[t]; }
+  const FeatureVector& features(size_t t) const { return features_[t]; }
+  double net_force(size_t t) const {
+    return net_force_.empty() ? features_[t][kForceAt] : net_force_[t];
+  }
+
+  // True if all frames are touched frames of ideal signals, for which features
+  // are enough.
+  bool plain() const {
+    return net_force_.empty() && profile_.empty() && touched_.empty();
+  }
+  // Of plain frames.
+  void push_back_plain(const FeatureVector& features) {
+    features_.push_back(features);
+  }
+  FeatureVector& plain_features(size_t t) { return features_[t]; }
+
+  // Keeps the memory.
+  void clear();
+  // Releases memory that is not used.
+  void shrink_to_fit();
+  void push_back(const ContactFrame& frame);
+  void Set(size_t t, const ContactFrame& frame);
+
+ private:
+  static constexpr int kForceAt = static_cast<int>(Feature::kForce);
+
+  std::vector<FeatureVector> features_;
+  // Each is empty as long as its numbers are those of a touched frame of ideal
+  // signals.
+  std::vector<double> net_force_;
+  std::vector<LoadProfile> profile_;
+  std::vector<bool> touched_;
+};
+
+}  // namespace tactus
