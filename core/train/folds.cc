@@ -74,15 +74,12 @@ absl::StatusOr<std::vector<std::vector<int>>> MakeFolds(
 }
 
 std::vector<int> Complement(const std::vector<int>& fold, int count) {
+  std::vector<bool> in_fold(count, false);
+  for (const int i : fold) in_fold[i] = true;
   std::vector<int> rest;
   rest.reserve(count - fold.size());
-  auto next = fold.begin();
   for (int i = 0; i < count; ++i) {
-    if (next != fold.end() && *next == i) {
-      ++next;
-    } else {
-      rest.push_back(i);
-    }
+    if (!in_fold[i]) rest.push_back(i);
   }
   return rest;
 }
