@@ -117,6 +117,17 @@ std::vector<SequenceView> Members(const std::vector<SequenceView>& trials,
   return members;
 }
 
+// The group of each trial. Groups are numbered with gaps.
+std::vector<int> GroupTrials(const std::vector<SequenceView>& trials,
+                             const TrainMixtureOptions& options) {
+  const Eigen::MatrixXd summary = Summarise(trials, options.summary_points);
+  KMeansResult clusters =
+      KMeans(summary, options.components, options.baum_welch.seed);
+  std::vector<int> group_of = std::move(clusters.cluster_of);
+  DissolveSmallGroups(summary, clusters.centres, options.min_trials, group_of);
+  return group_of;
+}
+
 // Trains each component on its members, starting from the model it holds.
 absl::Status TrainComponents(const std::vector<SequenceView>& trials,
                              const BaumWelchOptions& options,
@@ -146,13 +157,8 @@ absl::StatusOr<TrainedMixture> TrainMixture(
     MixtureSink on_iteration) {
   TACTUS_RETURN_IF_ERROR(CheckOptions(options));
   TACTUS_RETURN_IF_ERROR(Validate(trials));
-  const Eigen::MatrixXd summary = Summarise(trials, options.summary_points);
-  KMeansResult clusters =
-      KMeans(summary, options.components, options.baum_welch.seed);
   TrainedMixture trained;
-  trained.component_of = std::move(clusters.cluster_of);
-  DissolveSmallGroups(summary, clusters.centres, options.min_trials,
-                      trained.component_of);
+  trained.component_of = GroupTrials(trials, options);
   const int components = Compact(trained.component_of);
   const InitOptions init = {
       .states = options.states,

@@ -149,6 +149,7 @@ std::vector<double> MakeSequence(const LabelledContact& contact,
                                  std::span<const ModelInput> inputs,
                                  const StepIntervals& steps) {
   std::vector<double> sequence;
+  sequence.reserve(CountSteps(contact, steps) * inputs.size());
   std::vector<double> row(inputs.size());
   WalkCues(contact, steps, GroupsOf(inputs), [&](CueTracker& cues, size_t) {
     MakeInput(inputs, cues, row);
