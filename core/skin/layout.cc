@@ -1,6 +1,8 @@
 #include "core/skin/layout.h"
 
+#include <cmath>
 #include <numbers>
+#include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -22,6 +24,22 @@ absl::Status CheckRange(absl::string_view field, double value, double low,
 absl::Status CheckSide(absl::string_view field, int value, int limit) {
   if (value >= 1 && value <= limit) return absl::OkStatus();
   return InvalidConfig(field, value, absl::StrCat("1 to ", limit));
+}
+
+std::string Differ(absl::string_view field, absl::string_view value,
+                   absl::string_view other) {
+  if (value == other) return "";
+  return absl::StrCat(field, " ", value, ", not ", other);
+}
+
+std::string Differ(absl::string_view field, double value, double other,
+                   double tolerance) {
+  if (std::abs(value - other) <= tolerance * std::abs(other)) return "";
+  return absl::StrCat(field, " ", value, ", not ", other);
+}
+
+absl::string_view UnitName(TaxelUnit unit) {
+  return unit == TaxelUnit::kNewton ? "newton" : "counts";
 }
 
 SkinLayout CodyForearm() {
@@ -106,6 +124,35 @@ absl::Status Validate(const SkinLayout& layout) {
                          absl::StrCat(layout.taxels(), ", one per taxel"));
   }
   return absl::OkStatus();
+}
+
+std::string SkinDifference(const SkinLayout& layout, const SkinLayout& other) {
+  // A rounding on the way through text or a shorter number is no difference.
+  constexpr double kLength = 1e-6;
+  const auto shape = [](const SkinLayout& skin) {
+    return absl::StrCat(skin.rows, "x", skin.columns,
+                        skin.wrap_columns ? " with wrapped columns" : "");
+  };
+  const auto neighbours = [](const SkinLayout& skin) {
+    return skin.connectivity == Connectivity::kFour ? "4" : "8";
+  };
+  for (std::string difference :
+       {Differ("layout", layout.name, other.name),
+        Differ("shape", shape(layout), shape(other)),
+        Differ("unit", UnitName(layout.unit), UnitName(other.unit)),
+        Differ("contact_threshold", layout.contact_threshold,
+               other.contact_threshold, 0),
+        Differ("onset_threshold", layout.onset_threshold, other.onset_threshold,
+               0),
+        Differ("row_pitch_m", layout.row_pitch_m, other.row_pitch_m, kLength),
+        Differ("column_pitch_m", layout.column_pitch_m, other.column_pitch_m,
+               kLength),
+        Differ("taxel_area_m2", layout.taxel_area_m2, other.taxel_area_m2,
+               kLength),
+        Differ("connectivity", neighbours(layout), neighbours(other))}) {
+    if (!difference.empty()) return difference;
+  }
+  return "";
 }
 
 absl::StatusOr<SkinLayout> LayoutPreset(absl::string_view name) {

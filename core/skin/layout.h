@@ -55,6 +55,12 @@ struct SkinLayout {
 // OK if every field is in range; else INVALID_CONFIG naming the field.
 absl::Status Validate(const SkinLayout& layout);
 
+// The first difference between two layouts that changes what a frame means to a
+// model, as "contact_threshold 4, not 5" with the value of `layout` first;
+// empty if there is none. Masks may differ, because a taxel may break. Lengths
+// and areas that differ by less than a millionth are equal.
+std::string SkinDifference(const SkinLayout& layout, const SkinLayout& other);
+
 // The preset of this name:
 // - "cody-forearm": 16 x 24, columns wrap, newtons; thresholds of the paper,
 //   Section "Preprocessing and Feature Selection" of the robot experiment.

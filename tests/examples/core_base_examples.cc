@@ -21,6 +21,8 @@
 #include "core/skin/frame.h"
 #include "core/skin/geometry.h"
 #include "core/skin/layout.h"
+#include "core/skin/layout_json.h"
+#include "core/skin/taxel_grid.h"
 #include "gtest/gtest.h"
 
 namespace tactus::examples {
@@ -94,6 +96,20 @@ void FrameExample(std::span<const float> taxels, const Pose& pose,
                   ContactPipeline* pipeline) {
   FrameView frame{.taxels = taxels, .pose = &pose};
   pipeline->Step(frame);
+}
+
+absl::Status LayoutJsonExample(const SkinLayout& layout) {
+  const std::string text = LayoutToJson(layout);
+  TACTUS_ASSIGN_OR_RETURN(SkinLayout again, LayoutFromJson(text));
+  return absl::OkStatus();
+}
+
+absl::Status TaxelGridExample(const std::vector<Eigen::Vector3d>& positions,
+                              std::vector<float>& frame, size_t i,
+                              float value_of_taxel_i) {
+  TACTUS_ASSIGN_OR_RETURN(const TaxelGrid grid, PlaceOnGrid(positions));
+  frame[grid.cells[i]] = value_of_taxel_i;
+  return absl::OkStatus();
 }
 
 void GeometryExample(const SkinLayout& layout) {

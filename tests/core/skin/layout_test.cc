@@ -84,5 +84,37 @@ TEST(LinkPositionTest, WrappedColumnsLieOnTheCylinder) {
   EXPECT_NEAR((a - LinkPosition(layout, {2, 30})).norm(), 0, 1e-12);
 }
 
+// Whatever changes what a frame means is named; a broken taxel is not.
+TEST(SkinDifferenceTest, NamesTheFirstDifference) {
+  const SkinLayout base = *LayoutPreset("icub-6x10");
+  EXPECT_EQ(SkinDifference(base, base), "");
+  const std::pair<const char*, void (*)(SkinLayout&)> cases[] = {
+      {"layout other, not icub-6x10", [](SkinLayout& s) { s.name = "other"; }},
+      {"shape 5x10, not 6x10", [](SkinLayout& s) { s.rows = 5; }},
+      {"shape 6x10 with wrapped columns, not 6x10",
+       [](SkinLayout& s) { s.wrap_columns = true; }},
+      {"unit newton, not counts",
+       [](SkinLayout& s) { s.unit = TaxelUnit::kNewton; }},
+      {"contact_threshold 4.5, not 4",
+       [](SkinLayout& s) { s.contact_threshold = 4.5; }},
+      {"onset_threshold 6, not 5",
+       [](SkinLayout& s) { s.onset_threshold = 6; }},
+      {"row_pitch_m 0.027, not 0.026",
+       [](SkinLayout& s) { s.row_pitch_m = 0.027; }},
+      {"connectivity 4, not 8",
+       [](SkinLayout& s) { s.connectivity = Connectivity::kFour; }},
+  };
+  for (const auto& [text, change] : cases) {
+    SkinLayout other = base;
+    change(other);
+    EXPECT_EQ(SkinDifference(other, base), text);
+  }
+  SkinLayout broken = base;
+  broken.mask.assign(60, 1);
+  broken.mask[7] = 0;
+  broken.row_pitch_m *= 1 + 1e-9;
+  EXPECT_EQ(SkinDifference(broken, base), "");
+}
+
 }  // namespace
 }  // namespace tactus
