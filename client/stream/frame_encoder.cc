@@ -85,7 +85,6 @@ v1::StreamConfig MakeConfig(const SkinInfo& info) {
   config.set_scale(info.scale);
   config.set_sample_rate_hz(info.sample_rate_hz);
   config.set_with_poses(info.with_poses);
-  config.set_release_after_ms(-1);
   return config;
 }
 

@@ -53,8 +53,8 @@ class FrameEncoder {
   v1::ClassifyContactRequest request_;
 };
 
-// The configuration of a stream for this skin: every frame answered, a contact
-// ends only with its trial.
+// The configuration of a stream for this skin: every frame answered, contacts
+// end as the model says.
 v1::StreamConfig MakeConfig(const SkinInfo& info);
 
 }  // namespace tactus::client

@@ -310,6 +310,7 @@ v1::ModelBundle ModelToProto(const Model& model) {
   if (!model.layout.name.empty()) {
     *bundle.mutable_geometry() = LayoutToProto(model.layout);
   }
+  bundle.set_release_after_s(model.release_after_s);
   ToProto(model.provenance, bundle.mutable_provenance());
   ToProto(model.warm_up, UsesProfile(model.inputs), bundle.mutable_warm_up());
   return bundle;
@@ -341,6 +342,9 @@ absl::StatusOr<Model> ModelFromProto(const v1::ModelBundle& bundle) {
   if (!bundle.layout_class().empty()) {
     TACTUS_ASSIGN_OR_RETURN(model.layout, LayoutFromProto(bundle.geometry()));
     model.layout.name = bundle.layout_class();
+  }
+  if (bundle.release_after_s() != 0) {
+    model.release_after_s = bundle.release_after_s();
   }
   model.provenance = FromProto(bundle.provenance());
   TACTUS_ASSIGN_OR_RETURN(

@@ -54,20 +54,22 @@ absl::Status ContactPipeline::Check(const SkinLayout& layout,
 }
 
 absl::StatusOr<std::unique_ptr<ContactPipeline>> ContactPipeline::Create(
-    const SkinLayout& layout, std::shared_ptr<const CompiledModel> model,
+    const SkinLayout& layout, const std::shared_ptr<const CompiledModel>& model,
     const Options& options) {
   TACTUS_RETURN_IF_ERROR(Check(layout, *model, options));
   return std::unique_ptr<ContactPipeline>(
-      new ContactPipeline(layout, std::move(model), options));
+      new ContactPipeline(layout, model, options));
 }
 
-ContactPipeline::ContactPipeline(const SkinLayout& layout,
-                                 std::shared_ptr<const CompiledModel> model,
-                                 const Options& options)
-    : classifier_(std::move(model), options.decision, options.skip),
+ContactPipeline::ContactPipeline(
+    const SkinLayout& layout, const std::shared_ptr<const CompiledModel>& model,
+    const Options& options)
+    : classifier_(model, options.decision, options.skip),
       tracker_(layout,
                {.sample_rate_hz = options.sample_rate_hz,
-                .release_after_s = options.release_after_s,
+                .release_after_s = options.release_after_s == 0
+                                       ? model->model().release_after_s
+                                       : options.release_after_s,
                 .load_profile = classifier_.uses_profile(),
                 .skip_untouched = options.skip[SkipRule::kUntouchedFrames],
                 .reuse_unchanged = options.skip[SkipRule::kUnchangedFrames]}),

@@ -41,8 +41,8 @@ class ContactPipeline {
   struct Options {
     double sample_rate_hz = 100;
     // Seconds without touch that end a contact. If negative, only EndTrial()
-    // ends it.
-    double release_after_s = 0.5;
+    // ends it. Zero selects the model's value.
+    double release_after_s = 0;
     ContactClassifier::Options decision;
     SkipRules skip;
   };
@@ -55,7 +55,8 @@ class ContactPipeline {
 
   // The errors are those of Check.
   static absl::StatusOr<std::unique_ptr<ContactPipeline>> Create(
-      const SkinLayout& layout, std::shared_ptr<const CompiledModel> model,
+      const SkinLayout& layout,
+      const std::shared_ptr<const CompiledModel>& model,
       const Options& options);
 
   const ContactReport& Step(const FrameView& frame);
@@ -71,7 +72,7 @@ class ContactPipeline {
 
  private:
   ContactPipeline(const SkinLayout& layout,
-                  std::shared_ptr<const CompiledModel> model,
+                  const std::shared_ptr<const CompiledModel>& model,
                   const Options& options);
   void CountSkipped();
 

@@ -93,6 +93,18 @@ absl::Status CheckLayout(const SkinLayout& layout) {
   return Validate(layout);
 }
 
+absl::Status CheckRelease(double release_after_s) {
+  constexpr double kMost = limits::kMaxReleaseAfterMs / 1e3;
+  // Written so that a NaN fails.
+  if (std::isfinite(release_after_s) && release_after_s != 0 &&
+      release_after_s <= kMost) {
+    return absl::OkStatus();
+  }
+  return InvalidModel(
+      "release_after_s", release_after_s,
+      absl::StrCat("above 0 and at most ", kMost, ", or below 0 for never"));
+}
+
 absl::Status CheckProvenance(const Provenance& provenance) {
   for (const std::string* text : {&provenance.command, &provenance.version,
                                   &provenance.data, &provenance.note}) {
@@ -162,6 +174,7 @@ absl::Status Validate(const Model& model) {
   TACTUS_RETURN_IF_ERROR(
       Validate(model.calibration, model.classes(), has_lstm));
   TACTUS_RETURN_IF_ERROR(CheckLayout(model.layout));
+  TACTUS_RETURN_IF_ERROR(CheckRelease(model.release_after_s));
   TACTUS_RETURN_IF_ERROR(CheckProvenance(model.provenance));
   return CheckWarmUp(model);
 }

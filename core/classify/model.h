@@ -93,6 +93,8 @@ struct WarmUpTrial {
   std::vector<double> log_likelihood;
 };
 
+inline constexpr double kDefaultReleaseAfterS = 0.5;
+
 struct Model {
   std::vector<std::string> class_names;
   InputSpec inputs;
@@ -108,6 +110,10 @@ struct Model {
   Calibration calibration;
   // Skin of the training data; an empty name fits any skin.
   SkinLayout layout;
+  // Seconds without touch that end a contact, unless a stream says otherwise.
+  // At most limits::kMaxReleaseAfterMs; below 0, only the end of a trial ends
+  // it. Not 0.
+  double release_after_s = kDefaultReleaseAfterS;
   Provenance provenance;
   WarmUpTrial warm_up;
 

@@ -184,7 +184,41 @@ absl::Status ValidateAttributes(const Trial& trial, const Complaint& complain) {
   return absl::OkStatus();
 }
 
+// The thing that `skin` says must be what the trial says beside it.
+absl::Status ValidateSkin(const Trial& trial, const Complaint& complain) {
+  if (!trial.skin) return absl::OkStatus();
+  const SkinLayout& skin = *trial.skin;
+  if (trial.taxels.empty()) return complain("skin", "given without taxels");
+  if (skin.name != trial.layout) {
+    return complain("skin", "has the name ", Quoted(skin.name),
+                    "; it must be the layout's, ", Quoted(trial.layout));
+  }
+  if (skin.rows != trial.taxels.rows || skin.columns != trial.taxels.columns) {
+    return complain("skin", "is ", skin.rows, " x ", skin.columns,
+                    "; the taxels are ", trial.taxels.rows, " x ",
+                    trial.taxels.columns);
+  }
+  if (UnitText(skin.unit) != trial.unit) {
+    return complain("skin", "has the unit ", UnitText(skin.unit),
+                    "; the trial has ", trial.unit);
+  }
+  if (const absl::Status status = Validate(skin); !status.ok()) {
+    return complain("skin", status.message());
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
+
+std::string UnitText(TaxelUnit unit) {
+  return unit == TaxelUnit::kNewton ? "newton" : "counts";
+}
+
+void SetSkin(const SkinLayout& skin, Trial& trial) {
+  trial.layout = skin.name;
+  trial.unit = UnitText(skin.unit);
+  trial.skin = skin;
+}
 
 size_t TaxelSeries::frames() const {
   const size_t per_frame = static_cast<size_t>(rows) * columns;
@@ -213,7 +247,8 @@ absl::Status Validate(const Trial& trial, absl::string_view path) {
   TACTUS_RETURN_IF_ERROR(ValidateTaxels(trial, complain));
   TACTUS_RETURN_IF_ERROR(ValidatePoses(trial, complain));
   TACTUS_RETURN_IF_ERROR(ValidateObjectMotion(trial, complain));
-  return ValidateAttributes(trial, complain);
+  TACTUS_RETURN_IF_ERROR(ValidateAttributes(trial, complain));
+  return ValidateSkin(trial, complain);
 }
 
 }  // namespace tactus

@@ -13,6 +13,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@
 #include "absl/strings/string_view.h"
 #include "core/features/feature.h"
 #include "core/skin/frame.h"
+#include "core/skin/layout.h"
 
 namespace tactus {
 
@@ -71,7 +73,16 @@ struct Trial {
   std::string layout;
   // Unit of the force signal and of the taxels: "newton" or "counts".
   std::string unit = "newton";
+  // The whole skin of `taxels`; its name is `layout`, its unit `unit`. Nothing
+  // without taxels, and in files that name their layout only (trial_layout.h).
+  std::optional<SkinLayout> skin;
 };
+
+// "newton" or "counts", as Trial::unit.
+std::string UnitText(TaxelUnit unit);
+
+// Sets `layout`, `unit` and `skin` of the trial.
+void SetSkin(const SkinLayout& skin, Trial& trial);
 
 // OK if all parts of `trial` have one length and every number is finite and
 // in range; else TRIAL_FILE_INVALID, which names `path`, the trial and the

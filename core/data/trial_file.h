@@ -1,7 +1,7 @@
 // File: trial_file.h
 //
 // Reads and writes trial files: HDF5, format "tactus-trials", version 1.
-// docs/formats.md describes each dataset.
+// docs/formats.md describes each dataset. Trials with a skin keep it.
 //
 //   TACTUS_ASSIGN_OR_RETURN(auto writer, TrialFileWriter::Create(path, {}));
 //   TACTUS_RETURN_IF_ERROR(writer.Append(trial));

@@ -11,6 +11,7 @@
 #include "core/data/hdf5_probe.h"
 #include "core/data/hdf5_read.h"
 #include "core/data/trial_file.h"
+#include "core/skin/layout_json.h"
 
 namespace tactus {
 namespace {
@@ -105,6 +106,27 @@ absl::Status ReadAttributes(hid_t group, const Hdf5Complaint& complain,
   return absl::OkStatus();
 }
 
+// The skin that was read last. All trials of a file have the same one, as a
+// rule, and it takes longer to parse than to compare.
+struct LastSkin {
+  std::string text;
+  SkinLayout skin;
+};
+
+absl::Status ReadSkin(hid_t group, const Hdf5Complaint& complain,
+                      LastSkin* last, Trial* trial) {
+  std::string text;
+  TACTUS_RETURN_IF_ERROR(ReadText(group, "skin", complain, &text));
+  if (text.empty()) return absl::OkStatus();
+  if (text != last->text) {
+    auto skin = LayoutFromJson(text);
+    if (!skin.ok()) return complain("skin", skin.status().message());
+    *last = {std::move(text), *std::move(skin)};
+  }
+  trial->skin = last->skin;
+  return absl::OkStatus();
+}
+
 // True if the superblock says version 2 or above: all metadata of the file
 // reachable without a global heap (where text of variable length lies) has
 // checksums.
@@ -144,6 +166,7 @@ struct TrialFileReader::State {
   Hdf5Handle file;
   Hdf5Handle trials;
   std::vector<std::string> ids;
+  LastSkin last_skin;
 
   ~State() {
     const Hdf5Quiet quiet;
@@ -229,6 +252,8 @@ absl::StatusOr<Trial> TrialFileReader::Read(size_t index) const {
   if (!group.ok()) return complain.Hdf5("group");
   TACTUS_RETURN_IF_ERROR(ReadArrays(group.get(), complain, &trial));
   TACTUS_RETURN_IF_ERROR(ReadAttributes(group.get(), complain, &trial));
+  TACTUS_RETURN_IF_ERROR(
+      ReadSkin(group.get(), complain, &state_->last_skin, &trial));
   TACTUS_RETURN_IF_ERROR(Validate(trial, state_->path));
   return trial;
 }

@@ -13,6 +13,7 @@
 #include "core/data/draft_file.h"
 #include "core/data/hdf5_handle.h"
 #include "core/data/trial_file.h"
+#include "core/skin/layout_json.h"
 
 namespace tactus {
 namespace {
@@ -161,6 +162,7 @@ bool WriteTrial(hid_t group, const Trial& trial) {
          WriteText(group, "material", trial.material) &&
          WriteText(group, "layout", trial.layout) &&
          WriteText(group, "unit", trial.unit) &&
+         (!trial.skin || WriteText(group, "skin", LayoutToJson(*trial.skin))) &&
          WriteNumber(group, "stiffness", trial.stiffness) &&
          WriteNumber(group, "velocity", trial.velocity) &&
          WriteNumber(group, "sample_rate_hz", trial.sample_rate_hz);

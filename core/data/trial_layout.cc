@@ -5,30 +5,32 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/data/file_bytes.h"
-#include "core/skin/layout_proto.h"
-#include "google/protobuf/util/json_util.h"
+#include "core/skin/layout_json.h"
 
 namespace tactus {
 
 absl::StatusOr<SkinLayout> ReadLayoutFile(const std::string& path) {
   TACTUS_ASSIGN_OR_RETURN(const std::string text,
                           ReadFileBytes(path, limits::kMaxMessageBytes));
-  v1::SensorGeometry geometry;
-  const auto parsed =
-      google::protobuf::util::JsonStringToMessage(text, &geometry);
-  if (!parsed.ok()) {
-    return IoError(path, absl::StrCat("not a SensorGeometry in JSON: ",
-                                      std::string(parsed.message())));
-  }
-  auto layout = LayoutFromProto(geometry);
+  auto layout = LayoutFromJson(text);
   if (!layout.ok()) return Annotate(layout.status(), path);
   return layout;
 }
 
 absl::StatusOr<SkinLayout> LayoutOfTrial(const Trial& trial,
                                          const SkinLayout* layout) {
+  const bool named = layout != nullptr && layout->name == trial.layout;
   SkinLayout found;
-  if (layout != nullptr && layout->name == trial.layout) {
+  if (trial.skin) {
+    found = *trial.skin;
+    if (named && *layout != found) {
+      const std::string difference = SkinDifference(*layout, found);
+      return InvalidConfig(
+          absl::StrCat("layout given for trial ", trial.id),
+          difference.empty() ? "another mask" : difference,
+          "absent: the trial file holds the skin; import again to change it");
+    }
+  } else if (named) {
     found = *layout;
   } else {
     TACTUS_ASSIGN_OR_RETURN(found, LayoutPreset(trial.layout));
@@ -40,6 +42,11 @@ absl::StatusOr<SkinLayout> LayoutOfTrial(const Trial& trial,
         absl::StrCat(trial.taxels.rows, "x", trial.taxels.columns),
         absl::StrCat(found.rows, "x", found.columns, ", as layout ",
                      found.name));
+  }
+  if (UnitText(found.unit) != trial.unit) {
+    return InvalidConfig(
+        absl::StrCat("unit of trial ", trial.id), trial.unit,
+        absl::StrCat(UnitText(found.unit), ", as layout ", found.name));
   }
   TACTUS_RETURN_IF_ERROR(Validate(found));
   return found;

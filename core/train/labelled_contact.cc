@@ -9,18 +9,19 @@
 namespace tactus {
 namespace {
 
-// Only the end of the trial ends its contact.
-constexpr double kNeverReleased = -1;
-
 void TakeTaxels(const Trial& trial, const SkinLayout& layout,
-                LabelledContact& contact) {
-  ContactTracker tracker(layout, {trial.sample_rate_hz, kNeverReleased});
+                double release_after_s, LabelledContact& contact) {
+  ContactTracker tracker(layout, {trial.sample_rate_hz, release_after_s});
   std::vector<float> taxels(layout.taxels());
   for (size_t t = 0; t < trial.taxels.frames(); ++t) {
     trial.taxels.Decode(t, taxels.data());
     FrameView frame{.taxels = taxels};
     if (!trial.poses.empty()) frame.pose = &trial.poses[t];
     const FrameFeatures& features = tracker.Step(frame);
+    if (tracker.onset()) {
+      contact.frames.clear();
+      contact.object_motion.clear();
+    }
     if (tracker.state() == ContactState::kInContact) {
       contact.frames.push_back({features.sample(), features.touched});
       if (!trial.object_motion.empty()) {
@@ -37,7 +38,7 @@ ContactSample IdealSample(const FeatureVector& signals) {
 }
 
 absl::StatusOr<std::optional<LabelledContact>> ExtractContact(
-    const Trial& trial, const SkinLayout* layout) {
+    const Trial& trial, const SkinLayout* layout, double release_after_s) {
   LabelledContact contact;
   contact.id = trial.id;
   contact.label = trial.label;
@@ -52,7 +53,7 @@ absl::StatusOr<std::optional<LabelledContact>> ExtractContact(
     contact.object_motion = trial.object_motion;
   } else {
     TACTUS_ASSIGN_OR_RETURN(contact.layout, LayoutOfTrial(trial, layout));
-    TakeTaxels(trial, contact.layout, contact);
+    TakeTaxels(trial, contact.layout, release_after_s, contact);
   }
   contact.frames.shrink_to_fit();
   contact.object_motion.shrink_to_fit();

@@ -29,7 +29,7 @@ struct LabelledContact {
   double sample_rate_hz = 100;
   // Stiffness of the object, N/m; 0 if unknown.
   double stiffness = 0;
-  // Name, rows and columns of the skin; an empty name for ideal signals.
+  // The skin; an empty name for ideal signals.
   SkinLayout layout;
   // Distance that the object has moved at each frame, m; empty if unknown.
   std::vector<double> object_motion;
@@ -45,14 +45,21 @@ inline bool IsIdeal(const LabelledContact& contact) {
   return contact.layout.name.empty();
 }
 
+// `release_after_s` of a contact that only the end of its trial ends.
+inline constexpr double kNeverReleased = -1;
+
 // Extracts the contact of a trial. Taxels, if the trial has them, go through
-// the feature path; else the stored signals are taken. The contact ends with
-// the trial. Returns nothing if no taxel reaches the onset threshold: the trial
-// is undetectable.
+// the feature path; else the stored signals are taken. Returns nothing if no
+// taxel reaches the onset threshold: the trial is undetectable.
 //
-// `layout` is the skin of trials whose layout has this name. The layouts of
-// other trials must be presets. May be null.
+// Models are trained on whole trials: the contact ends with the trial. With
+// another `release_after_s` (seconds without touch) a trial may have several
+// contacts, and the last one is extracted: a server's final answer is about
+// that one.
+//
+// `layout` is for trials that carry no skin (LayoutOfTrial). May be null.
 absl::StatusOr<std::optional<LabelledContact>> ExtractContact(
-    const Trial& trial, const SkinLayout* layout = nullptr);
+    const Trial& trial, const SkinLayout* layout = nullptr,
+    double release_after_s = kNeverReleased);
 
 }  // namespace tactus

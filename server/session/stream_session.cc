@@ -128,6 +128,9 @@ void StreamSession::WriteStarted() {
   started->mutable_server()->set_version(options_.server_version);
   started->mutable_server()->set_api("tactus.v1");
   *started->mutable_geometry() = LayoutToProto(settings_.layout);
+  if (!model.layout.name.empty()) {
+    *started->mutable_trained_geometry() = LayoutToProto(model.layout);
+  }
 }
 
 absl::Status StreamSession::OnFrames(const v1::FrameBatch& batch) {

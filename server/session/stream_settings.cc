@@ -13,7 +13,6 @@ namespace tactus::server {
 namespace {
 
 constexpr double kDefaultSampleRateHz = 100;
-constexpr int32_t kDefaultReleaseAfterMs = 500;
 
 absl::Status CheckName(absl::string_view field, absl::string_view name) {
   if (name.size() > limits::kMaxNameBytes) {
@@ -94,10 +93,8 @@ absl::Status ParsePipeline(const v1::StreamConfig& config,
     return InvalidConfig("release_after_ms", config.release_after_ms(),
                          absl::StrCat("at most ", limits::kMaxReleaseAfterMs));
   }
-  const int32_t release_ms = config.release_after_ms() == 0
-                                 ? kDefaultReleaseAfterMs
-                                 : config.release_after_ms();
-  options.release_after_s = release_ms < 0 ? -1 : release_ms / 1e3;
+  // 0 stays 0, and the pipeline takes the model's.
+  options.release_after_s = config.release_after_ms() / 1e3;
   return absl::OkStatus();
 }
 

@@ -17,6 +17,7 @@
 #include "core/train/archive.h"
 #include "core/train/calibrate.h"
 #include "core/train/contact_frames.h"
+#include "core/train/contact_set.h"
 #include "core/train/fit.h"
 #include "core/train/fit_fields.h"
 #include "core/train/fit_journal.h"
@@ -39,6 +40,14 @@ namespace tactus::examples {
 std::map<absl::string_view, double> done;
 
 using Contacts = std::vector<const LabelledContact*>;
+
+absl::Status ContactSetExample(const LabelledContact& first,
+                               const LabelledContact& contact,
+                               const Model& model) {
+  TACTUS_RETURN_IF_ERROR(CheckOneSkin(first, contact));
+  TACTUS_RETURN_IF_ERROR(CheckFits(contact, model));
+  return absl::OkStatus();
+}
 
 void EvaluateExample(const Contacts& contacts, const FitOptions& options) {
   auto result = EvaluateProtocol(contacts, Protocol::kLeaveOneConditionOut,

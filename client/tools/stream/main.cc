@@ -116,7 +116,7 @@ int Main(int argc, char** argv) {
   app.add_option("--data", flags.data, "Trial file for --driver=replay")
       ->check(CLI::ExistingFile);
   app.add_option("--layout", flags.layout,
-                 "JSON file with the skin of --data, if it is no preset")
+                 "JSON file with the skin of trials that carry none")
       ->check(CLI::ExistingFile);
   app.add_option("--trials", flags.trials,
                  "Contacts to stream; 0: 40 simulated ones, or all recorded");

@@ -74,7 +74,8 @@ class TrialPlayer {
               const Options& options, OnTrial on_trial);
 
   // Plays all trials; opens no stream if there are none. INVALID_CONFIG for a
-  // label that is no class of the model.
+  // label that is no class of the model, and for trials of another skin than
+  // the model's.
   absl::Status Run();
 
   const Totals& totals() const { return totals_; }

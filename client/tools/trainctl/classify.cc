@@ -11,6 +11,7 @@
 #include "core/classify/input_spec.h"
 #include "core/data/trial_file.h"
 #include "core/data/trial_layout.h"
+#include "core/train/contact_set.h"
 
 namespace tactus::client {
 namespace {
@@ -49,9 +50,10 @@ absl::StatusOr<Json> ClassifyTaxels(
     const std::shared_ptr<const CompiledModel>& model) {
   TACTUS_ASSIGN_OR_RETURN(const SkinLayout layout,
                           LayoutOfTrial(trial, &given));
+  TACTUS_RETURN_IF_ERROR(CheckSkinOf(trial, layout, model->model()));
+  // Contacts end as the model says, and so they do in a server.
   ContactPipeline::Options options;
   options.sample_rate_hz = trial.sample_rate_hz;
-  options.release_after_s = -1;
   TACTUS_ASSIGN_OR_RETURN(auto pipeline,
                           ContactPipeline::Create(layout, model, options));
   std::vector<float> taxels(layout.taxels());
@@ -122,7 +124,7 @@ void AddClassify(CLI::App& app, const SelectCommand& select) {
   command->add_option("--model", flags->model, "Bundle")->required();
   command->add_option("--data", flags->data, "Trial file")->required();
   command->add_option("--layout", flags->layout,
-                      "JSON file with a skin that is no preset");
+                      "JSON file with the skin of trials that carry none");
   command->add_flag("--json", flags->json, "Print one JSON object on stdout");
   command->callback([=] { select([=] { return Run(*flags); }); });
 }

@@ -13,6 +13,7 @@
 #include "core/data/file_bytes.h"
 #include "core/data/trial_file.h"
 #include "core/data/trial_layout.h"
+#include "core/train/contact_set.h"
 
 namespace tactus::client {
 namespace {
@@ -62,7 +63,8 @@ std::vector<const LabelledContact*> LoadedContacts::Pointers() const {
 
 absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
                                             const std::string& layout_path,
-                                            const Progress& progress) {
+                                            const Progress& progress,
+                                            double release_after_s) {
   SkinLayout layout;
   if (!layout_path.empty()) {
     TACTUS_ASSIGN_OR_RETURN(layout, ReadLayoutFile(layout_path));
@@ -72,9 +74,14 @@ absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
   const Progress reading = progress.Part("read trials", 1);
   for (size_t i = 0; i < reader.size(); ++i) {
     TACTUS_ASSIGN_OR_RETURN(const Trial trial, reader.Read(i));
-    TACTUS_ASSIGN_OR_RETURN(auto contact, ExtractContact(trial, &layout));
+    TACTUS_ASSIGN_OR_RETURN(auto contact,
+                            ExtractContact(trial, &layout, release_after_s));
     ++loaded.trials;
+    loaded.without_poses |= !trial.taxels.empty() && trial.poses.empty();
     if (contact) {
+      if (!loaded.contacts.empty()) {
+        TACTUS_RETURN_IF_ERROR(CheckOneSkin(loaded.contacts.front(), *contact));
+      }
       loaded.contacts.push_back(*std::move(contact));
     } else {
       ++loaded.undetectable;

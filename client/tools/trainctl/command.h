@@ -58,15 +58,18 @@ struct LoadedContacts {
   std::vector<LabelledContact> contacts;
   int trials = 0;
   int undetectable = 0;
+  // Some trial comes from taxels without poses.
+  bool without_poses = false;
 
   std::vector<const LabelledContact*> Pointers() const;
 };
 
 // Reads the trial file at `path`. `layout_path`, if not empty, is a JSON file
-// with the layout of a skin that is no preset.
-absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
-                                            const std::string& layout_path,
-                                            const Progress& progress);
+// with the skin of trials that carry none. INVALID_TRAINING_DATA if the trials
+// have several skins or rates. `release_after_s` is that of ExtractContact().
+absl::StatusOr<LoadedContacts> LoadContacts(
+    const std::string& path, const std::string& layout_path,
+    const Progress& progress, double release_after_s = kNeverReleased);
 
 // Makes the folder `path`, and those above it, if they are not there. IO if
 // that fails.

@@ -10,13 +10,11 @@
 #include "core/classify/input_spec.h"
 #include "core/data/trial_layout.h"
 #include "core/features/contact_tracker.h"
+#include "core/train/contact_set.h"
 #include "core/train/labelled_contact.h"
 
 namespace tactus::client {
 namespace {
-
-// A trial is one contact: only its end releases it.
-constexpr double kNeverReleased = -1;
 
 void AppendScores(const ContactClassifier& classifier, ContactTrace& trace) {
   const auto probability = classifier.probability();
@@ -91,6 +89,7 @@ absl::Status TraceTaxels(const Trial& trial,
         },
         trace);
   }
+  TACTUS_RETURN_IF_ERROR(CheckSkinOf(trial, trace.layout, model->model()));
   ContactPipeline::Options options;
   options.sample_rate_hz = trial.sample_rate_hz;
   options.release_after_s = kNeverReleased;

@@ -66,7 +66,7 @@ void AddShow(CLI::App& app, const SelectCommand& select) {
   command->add_option("--model", flags->model,
                       "Bundle whose posteriors are drawn");
   command->add_option("--layout", flags->layout,
-                      "JSON file with a skin that is no preset");
+                      "JSON file with the skin of trials that carry none");
   command->add_option("--out", flags->out, "PNG file to write")->required();
   command->callback([=] { select([=] { return Run(*flags); }); });
 }

@@ -133,8 +133,7 @@ absl::StatusOr<Trial> TaxelTrial(const SimulatedContact& contact,
   const Eigen::Vector3d normal = LinkNormal(layout, centre);
 
   Trial trial = contact.Metadata();
-  trial.layout = layout.name;
-  trial.unit = layout.unit == TaxelUnit::kNewton ? "newton" : "counts";
+  SetSkin(layout, trial);
   trial.taxels.rows = layout.rows;
   trial.taxels.columns = layout.columns;
   trial.taxels.scale = options.taxel_step;

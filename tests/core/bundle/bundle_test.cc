@@ -1,5 +1,7 @@
 #include "core/bundle/bundle.h"
 
+#include <cmath>
+
 #include "core/base/errors.h"
 #include "core/bundle/model_proto.h"
 #include "google/protobuf/util/message_differencer.h"
@@ -14,6 +16,7 @@ Model FullModel() {
   model.layout = *LayoutPreset("cody-forearm");
   model.layout.mask.assign(model.layout.taxels(), 1);
   model.layout.mask[7] = 0;
+  model.release_after_s = -1;
   model.hmm_score = Score::kViterbi;
   for (uint64_t seed : {3, 4}) {
     model.lstms.push_back(RandomNetwork(3, {5, 3}, 4, Activation::kSoftsign,
@@ -37,6 +40,18 @@ Model FullModel() {
   return model;
 }
 
+// Bundles of earlier releases say nothing of it.
+TEST(BundleTest, WithoutAReleaseItIsHalfASecond) {
+  v1::ModelBundle bundle = ModelToProto(FullModel());
+  bundle.clear_release_after_s();
+  EXPECT_EQ(ModelFromProto(bundle)->release_after_s, 0.5);
+  for (const double bad : {60.1, std::nan(""), 1.0 / 0.0}) {
+    Model model = FullModel();
+    model.release_after_s = bad;
+    EXPECT_EQ(ReasonOf(EncodeBundle(model).status()), "INVALID_MODEL") << bad;
+  }
+}
+
 TEST(BundleTest, RoundTripKeepsEveryField) {
   const Model model = FullModel();
   auto bytes = EncodeBundle(model);
@@ -47,6 +62,7 @@ TEST(BundleTest, RoundTripKeepsEveryField) {
   EXPECT_TRUE(google::protobuf::util::MessageDifferencer::Equals(
       ModelToProto(model), ModelToProto(*back)));
   EXPECT_EQ(back->layout.mask, model.layout.mask);
+  EXPECT_EQ(back->release_after_s, -1);
   EXPECT_EQ(back->hmm_score, Score::kViterbi);
   ASSERT_EQ(back->lstms.size(), 2u);
   EXPECT_EQ(back->lstms[1].layers[1].recurrent,

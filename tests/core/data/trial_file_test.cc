@@ -36,6 +36,7 @@ TEST(TrialFileTest, EveryFieldComesBackBitForBit) {
   trials[2].signals.clear();
   trials[2].label.clear();
   trials[3].taxels = TaxelSeries();
+  trials[3].skin.reset();
   ASSERT_TRUE(WriteFile(dir / "a.h5", trials).ok());
   auto reader = TrialFileReader::Open(dir / "a.h5");
   ASSERT_TRUE(reader.ok()) << reader.status();

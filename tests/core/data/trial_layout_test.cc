@@ -52,8 +52,8 @@ TEST(ReadLayoutFileTest, ReadsTheDocumentedExample) {
 TEST(ReadLayoutFileTest, ErrorsNameWhatIsWrong) {
   EXPECT_EQ(ReasonOf(ReadLayoutFile("/no/such.json").status()), "IO");
   const std::pair<const char*, const char*> cases[] = {
-      {"{", "IO"},
-      {R"({"no_such_field": 1})", "IO"},
+      {"{", "INVALID_CONFIG"},
+      {R"({"no_such_field": 1})", "INVALID_CONFIG"},
       {R"({"layout": "moon"})", "UNKNOWN_LAYOUT"},
       {R"({"layout": "mine", "rows": 8})", "INVALID_CONFIG"},
   };
@@ -81,6 +81,40 @@ TEST(LayoutOfTrialTest, TakesTheGivenLayoutOrAPreset) {
   EXPECT_EQ(ReasonOf(LayoutOfTrial(trial).status()), "UNKNOWN_LAYOUT");
   mine.rows = 12;
   EXPECT_EQ(ReasonOf(LayoutOfTrial(trial, &mine).status()), "INVALID_CONFIG");
+}
+
+// A layout that is given beside the trial's own must not differ from it.
+TEST(LayoutOfTrialTest, TakesTheSkinThatTheTrialCarries) {
+  Trial trial;
+  trial.taxels.rows = 16;
+  trial.taxels.columns = 24;
+  SkinLayout mine = *LayoutPreset("cody-forearm");
+  mine.name = "mine";
+  mine.contact_threshold = 0.005;
+  SetSkin(mine, trial);
+  EXPECT_EQ(*LayoutOfTrial(trial), mine);
+  EXPECT_EQ(*LayoutOfTrial(trial, &mine), mine);
+  SkinLayout other = mine;
+  other.contact_threshold = 0.01;
+  const absl::Status status = LayoutOfTrial(trial, &other).status();
+  EXPECT_EQ(ReasonOf(status), "INVALID_CONFIG");
+  EXPECT_NE(status.message().find("contact_threshold 0.01, not 0.005"),
+            std::string::npos)
+      << status;
+  // One of another name is not for this trial.
+  other.name = "other";
+  EXPECT_EQ(*LayoutOfTrial(trial, &other), mine);
+}
+
+TEST(LayoutOfTrialTest, RefusesAnotherUnit) {
+  Trial trial;
+  trial.layout = "vitac-12x32";
+  trial.taxels.rows = 12;
+  trial.taxels.columns = 32;
+  trial.unit = "newton";
+  EXPECT_EQ(ReasonOf(LayoutOfTrial(trial).status()), "INVALID_CONFIG");
+  trial.unit = "counts";
+  EXPECT_TRUE(LayoutOfTrial(trial).ok());
 }
 
 }  // namespace

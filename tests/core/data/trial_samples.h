@@ -93,6 +93,20 @@ inline Trial FullTrial(uint64_t seed, int frames, bool floats = false) {
   trial.sample_rate_hz = 99.5;
   trial.layout = "test-3x4";
   trial.unit = "counts";
+  SkinLayout skin = {.name = "test-3x4",
+                     .rows = 3,
+                     .columns = 4,
+                     .row_pitch_m = 0.1 / 3,
+                     .column_pitch_m = 0.007,
+                     .taxel_area_m2 = 1e-5 / 7,
+                     .wrap_columns = true,
+                     .unit = TaxelUnit::kCounts,
+                     .contact_threshold = 1.0 / 3,
+                     .onset_threshold = 2.0 / 3,
+                     .connectivity = Connectivity::kFour,
+                     .mask = std::vector<uint8_t>(12, 1)};
+  skin.mask[5] = 0;
+  trial.skin = skin;
   return trial;
 }
 
@@ -116,7 +130,7 @@ inline bool SameBits(const Trial& a, const Trial& b) {
          a.material == b.material && a.stiffness == b.stiffness &&
          a.object_motion == b.object_motion && a.velocity == b.velocity &&
          a.sample_rate_hz == b.sample_rate_hz && a.layout == b.layout &&
-         a.unit == b.unit;
+         a.unit == b.unit && a.skin == b.skin;
 }
 
 }  // namespace tactus

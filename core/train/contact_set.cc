@@ -1,0 +1,60 @@
+#include "core/train/contact_set.h"
+
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/errors.h"
+#include "core/skin/layout.h"
+
+namespace tactus {
+namespace {
+
+// As a stream's rate.
+constexpr double kRateTolerance = 0.05;
+
+absl::Status Check(const std::string& trial, const SkinLayout& layout,
+                   double rate_hz, const Model& model) {
+  const std::string difference =
+      model.layout.name.empty() ? "" : SkinDifference(layout, model.layout);
+  if (!difference.empty()) {
+    return InvalidConfig(absl::StrCat("skin of trial ", trial), difference,
+                         "the skin that the model was fitted to");
+  }
+  const double model_rate = model.inputs.sample_rate_hz;
+  if (std::abs(rate_hz / model_rate - 1) <= kRateTolerance) {
+    return absl::OkStatus();
+  }
+  return InvalidConfig(absl::StrCat("sample_rate_hz of trial ", trial), rate_hz,
+                       absl::StrCat("within 5 % of the model's ", model_rate));
+}
+
+}  // namespace
+
+absl::Status CheckOneSkin(const LabelledContact& first,
+                          const LabelledContact& contact) {
+  const std::string difference = SkinDifference(contact.layout, first.layout);
+  if (!difference.empty()) {
+    return InvalidTrainingData(absl::StrCat(
+        "trial ", contact.id, " has ", difference, " as trial ", first.id,
+        " has; trials that are used together have one skin"));
+  }
+  if (contact.sample_rate_hz != first.sample_rate_hz) {
+    return InvalidTrainingData(absl::StrCat(
+        "trial ", contact.id, " has sample_rate_hz ", contact.sample_rate_hz,
+        ", not ", first.sample_rate_hz, " as trial ", first.id,
+        " has; trials that are used together have one rate"));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckFits(const LabelledContact& contact, const Model& model) {
+  const SkinLayout& layout = IsIdeal(contact) ? model.layout : contact.layout;
+  return Check(contact.id, layout, contact.sample_rate_hz, model);
+}
+
+absl::Status CheckSkinOf(const Trial& trial, const SkinLayout& layout,
+                         const Model& model) {
+  return Check(trial.id, layout, trial.sample_rate_hz, model);
+}
+
+}  // namespace tactus
