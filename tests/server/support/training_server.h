@@ -1,0 +1,177 @@
+// File: training_server.h
+//
+// A server with an empty data directory, reached over the in-process channel,
+// and small labelled trials for it. A target that uses it defines
+// TACTUS_TRAINER as the path of the program tactus-trainer and depends on it.
+//
+//   TrainingServer server;
+//   const std::string pack = SmallPack();
+//   EXPECT_EQ(server.Upload("datasets/arm", pack), "datasets/arm/versions/1");
+//
+// Owns the directory and removes it at the end.
+#pragma once
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "client/stream/status.h"
+#include "core/base/crc32c.h"
+#include "core/bundle/bundle.h"
+#include "grpcpp/grpcpp.h"
+#include "gtest/gtest.h"
+#include "server/jobs/training_backend.h"
+#include "server/tactus_server.h"
+#include "tactus/v1/models.grpc.pb.h"
+#include "tactus/v1/operations.grpc.pb.h"
+#include "tactus/v1/training.grpc.pb.h"
+#include "tests/support/small_model.h"
+
+namespace tactus::testing {
+
+// A contact of ideal signals: soft ones yield more slowly than hard ones.
+inline v1::TrialRecord SmallTrial(int number, bool soft) {
+  constexpr int kFrames = 60;
+  v1::TrialRecord record;
+  record.set_id(absl::StrCat(soft ? "soft" : "hard", number));
+  record.set_label(soft ? "SU" : "HU");
+  record.set_condition(number % 2 == 0 ? "slow" : "fast");
+  record.set_sample_rate_hz(100);
+  record.set_unit(v1::TAXEL_UNIT_NEWTON);
+  for (int t = 0; t < kFrames; ++t) {
+    const double load = 1 - std::exp(-t / (soft ? 30.0 : 5.0));
+    record.add_time(t * 0.01);
+    record.add_signals((1 + 0.1 * number) * load + 0.01);
+    record.add_signals(1e-4 * (1 + load));
+    record.add_signals(1e-3 * (soft ? load : 0.1 * load));
+  }
+  return record;
+}
+
+inline std::string PackOf(const std::string& record) {
+  const auto length = static_cast<uint32_t>(record.size());
+  std::string pack(sizeof length, '\0');
+  std::memcpy(pack.data(), &length, sizeof length);
+  return pack + record;
+}
+
+// 16 trials of two categories under two conditions.
+inline std::string SmallPack() {
+  std::string pack;
+  for (int i = 0; i < 8; ++i) {
+    pack += PackOf(SmallTrial(i, false).SerializeAsString());
+    pack += PackOf(SmallTrial(i, true).SerializeAsString());
+  }
+  return pack;
+}
+
+class TrainingServer {
+ public:
+  TrainingServer() : folder_(NewFolder()) {
+    EXPECT_TRUE(
+        registry_.AddBuiltIn("default", *EncodeBundle(SmallModel())).ok());
+    backend_ = *server::TrainingBackend::Open(
+        {.folder = folder_, .jobs = {.process = {.program = TACTUS_TRAINER}}},
+        &registry_);
+    backend_->Start();
+    server::TactusServer::Options options;
+    options.training = backend_.get();
+    server_ = *server::TactusServer::Start(&registry_, options);
+    channel_ = server_->InProcessChannel();
+    training_ = v1::TrainingService::NewStub(channel_);
+    operations_ = v1::OperationService::NewStub(channel_);
+    models_ = v1::ModelService::NewStub(channel_);
+  }
+  ~TrainingServer() {
+    backend_->Stop();
+    channel_.reset();
+    server_.reset();
+    backend_.reset();
+    std::filesystem::remove_all(folder_);
+  }
+
+  const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
+  v1::TrainingService::Stub& training() { return *training_; }
+  v1::OperationService::Stub& operations() { return *operations_; }
+  v1::ModelService::Stub& models() { return *models_; }
+  server::TrainingBackend& backend() { return *backend_; }
+
+  // Makes the dataset if it does not exist, and a version of `pack`. Returns
+  // the version's name, or the error's text.
+  std::string Upload(const std::string& dataset, const std::string& pack) {
+    v1::CreateDatasetRequest create;
+    v1::CreateDatasetResponse created;
+    create.set_name(dataset);
+    grpc::ClientContext context;
+    training_->CreateDataset(&context, create, &created);
+    v1::FinishUploadRequest finish;
+    finish.set_upload(Send(dataset, pack));
+    finish.set_size(static_cast<int64_t>(pack.size()));
+    finish.set_crc32c(ExtendCrc32c(0, pack));
+    v1::FinishUploadResponse response;
+    grpc::ClientContext finish_context;
+    const grpc::Status status =
+        training_->FinishUpload(&finish_context, finish, &response);
+    return status.ok() ? response.version().name() : status.error_message();
+  }
+
+  // Sends `pack` in one chunk; returns the upload's name.
+  std::string Send(const std::string& dataset, const std::string& pack) {
+    v1::CreateUploadRequest create;
+    create.set_dataset(dataset);
+    v1::CreateUploadResponse upload;
+    grpc::ClientContext context;
+    EXPECT_TRUE(training_->CreateUpload(&context, create, &upload).ok());
+    grpc::ClientContext write_context;
+    v1::WriteUploadResponse response;
+    const auto writer = training_->WriteUpload(&write_context, &response);
+    v1::WriteUploadRequest chunk;
+    chunk.set_upload(upload.upload());
+    chunk.set_data(pack);
+    chunk.set_crc32c(ExtendCrc32c(0, pack));
+    writer->Write(chunk);
+    writer->WritesDone();
+    EXPECT_TRUE(writer->Finish().ok());
+    EXPECT_EQ(response.committed_size(), static_cast<int64_t>(pack.size()));
+    return upload.upload();
+  }
+
+  // Waits for the end of an operation.
+  v1::Operation Await(const std::string& name) {
+    v1::WaitOperationRequest request;
+    request.set_name(name);
+    request.set_timeout_ms(60'000);
+    v1::WaitOperationResponse response;
+    for (int i = 0; i < 10; ++i) {
+      grpc::ClientContext context;
+      const grpc::Status status =
+          operations_->WaitOperation(&context, request, &response);
+      EXPECT_TRUE(status.ok()) << status.error_message();
+      if (!status.ok() || server::HasEnded(response.operation())) break;
+    }
+    return response.operation();
+  }
+
+ private:
+  static std::string NewFolder() {
+    std::string name =
+        (std::filesystem::temp_directory_path() / "tactus-training-XXXXXX")
+            .string();
+    EXPECT_NE(mkdtemp(name.data()), nullptr);
+    return name;
+  }
+
+  const std::string folder_;
+  server::ModelRegistry registry_;
+  std::unique_ptr<server::TrainingBackend> backend_;
+  std::unique_ptr<server::TactusServer> server_;
+  std::shared_ptr<grpc::Channel> channel_;
+  std::unique_ptr<v1::TrainingService::Stub> training_;
+  std::unique_ptr<v1::OperationService::Stub> operations_;
+  std::unique_ptr<v1::ModelService::Stub> models_;
+};
+
+}  // namespace tactus::testing
