@@ -1,0 +1,27 @@
+#include "core/access/role.h"
+
+#include "core/base/errors.h"
+#include "core/base/text.h"
+
+namespace tactus {
+
+absl::string_view RoleName(Role role) {
+  switch (role) {
+    case Role::kRobot:
+      return "robot";
+    case Role::kTrainer:
+      return "trainer";
+    case Role::kAdmin:
+      break;
+  }
+  return "admin";
+}
+
+absl::StatusOr<Role> ParseRole(absl::string_view name) {
+  for (const Role role : {Role::kRobot, Role::kTrainer, Role::kAdmin}) {
+    if (name == RoleName(role)) return role;
+  }
+  return InvalidConfig("the role", Quoted(name), "robot, trainer or admin");
+}
+
+}  // namespace tactus
