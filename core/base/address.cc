@@ -1,5 +1,7 @@
 #include "core/base/address.h"
 
+#include <arpa/inet.h>
+
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/strip.h"
@@ -39,6 +41,16 @@ absl::StatusOr<HostPort> ParseHostPort(absl::string_view address) {
   uint32_t port = 0;
   if (!absl::SimpleAtoi(digits, &port) || port > 65'535) return invalid;
   return HostPort{std::string(host), static_cast<int>(port)};
+}
+
+bool StaysOnThisHost(absl::string_view address) {
+  if (IsUnixAddress(address)) return true;
+  const auto at = ParseHostPort(address);
+  if (!at.ok()) return false;
+  in_addr ipv4 = {};
+  return at->host == "localhost" || at->host == "::1" ||
+         (inet_pton(AF_INET, at->host.c_str(), &ipv4) == 1 &&
+          ntohl(ipv4.s_addr) >> 24 == 127);
 }
 
 }  // namespace tactus

@@ -30,6 +30,10 @@ bool IsUnixAddress(absl::string_view address);
 // The path of a unix address: "unix:path" or "unix:///absolute/path".
 std::string UnixPath(absl::string_view address);
 
+// True if a connection to `address` does not leave this host: a unix socket,
+// "localhost" or a loopback address.
+bool StaysOnThisHost(absl::string_view address);
+
 // INVALID_CONFIG unless `address` is host:port, with a host and a number.
 // Colons are allowed in a host only inside brackets.
 absl::StatusOr<HostPort> ParseHostPort(absl::string_view address);

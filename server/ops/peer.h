@@ -32,4 +32,9 @@ std::string PeerOfHost(absl::string_view host);
 // Anything else is returned as it is.
 std::string PeerOf(absl::string_view address);
 
+// True if `address`, as above, is on the server's own host: a loopback address
+// (127.0.0.0/8, ::1, and the former in IPv6 form), a unix socket, or this
+// process. False for every text that is none of these.
+bool IsOnThisHost(absl::string_view address);
+
 }  // namespace tactus::server

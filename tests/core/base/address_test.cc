@@ -29,6 +29,18 @@ TEST(AddressTest, HostAndPortComeApart) {
   EXPECT_EQ(name->port, 0);
 }
 
+TEST(AddressTest, LoopbackAndUnixSocketsStayOnThisHost) {
+  for (const char* address : {"unix:/run/a", "localhost:1", "127.0.0.1:50051",
+                              "127.1.2.3:1", "[::1]:50051"}) {
+    EXPECT_TRUE(StaysOnThisHost(address)) << address;
+  }
+  for (const char* address :
+       {"", "127.0.0.1", "127.example.org:1", "localhost.example:1",
+        "0.0.0.0:1", "[::]:1", "192.0.2.7:1", "[2001:db8::1]:1"}) {
+    EXPECT_FALSE(StaysOnThisHost(address)) << address;
+  }
+}
+
 TEST(AddressTest, OtherTextIsRefused) {
   for (const char* text :
        {"", "host", ":50051", "host:", "host:x", "host:65536", "host:-1",

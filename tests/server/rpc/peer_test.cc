@@ -31,6 +31,41 @@ TEST(PeerTest, IsAHostOrANetwork) {
   }
 }
 
+TEST(PeerTest, OnlyLoopbackAndUnixSocketsAreOnThisHost) {
+  for (const char* peer :
+       {"inproc", "unix:", "unix:/run/tactusd.sock", "unix-abstract:x",
+        "ipv4:127.0.0.1:50123", "ipv4:127.255.3.4:1", "ipv6:%5B::1%5D:50123",
+        "ipv6:[::1]:1", "ipv6:%5B::ffff:127.0.0.1%5D:1",
+        "ipv6:[::ffff:127.9.9.9]:1"}) {
+    EXPECT_TRUE(IsOnThisHost(peer)) << peer;
+  }
+  for (const char* peer : {"",
+                           "x",
+                           "unknown",
+                           "unix",
+                           "unixbox:1",
+                           "inproc2",
+                           "127.0.0.1:1",
+                           "ipv4:",
+                           "ipv4:128.0.0.1:1",
+                           "ipv4:192.0.2.7:127",
+                           "ipv4:10.127.0.1:1",
+                           "ipv4:127.0.0.1.example:1",
+                           "ipv4:localhost:1",
+                           "ipv6:",
+                           "ipv6:::1",
+                           "ipv6:[::1]",
+                           "ipv6:[::1",
+                           "ipv6:[::2]:1",
+                           "ipv6:[::127.0.0.1]:1",
+                           "ipv6:[::ffff:192.0.2.7]:1",
+                           "ipv6:%5B2001:db8::1%5D:1",
+                           "ipv6:[fe80::1%25lo]:1",
+                           "ipv6:[1::ffff:127.0.0.1]:1"}) {
+    EXPECT_FALSE(IsOnThisHost(peer)) << peer;
+  }
+}
+
 sockaddr_storage Storage(const char* host) {
   sockaddr_storage storage = {};
   sockaddr_in ipv4 = {};
