@@ -13,10 +13,14 @@ StopSignals::StopSignals() {
   std::signal(SIGPIPE, SIG_IGN);
 }
 
-int StopSignals::Wait() {
+int StopSignals::Wait(const std::function<void()>& on_hangup) {
   int signal = 0;
-  while (sigwait(&signals_, &signal) != 0) {
+  while (true) {
+    if (sigwait(&signals_, &signal) != 0) continue;
+    if (signal != SIGHUP || !on_hangup) break;
+    on_hangup();
   }
+  if (on_hangup) sigdelset(&signals_, SIGHUP);
   pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);
   return signal;
 }

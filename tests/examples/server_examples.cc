@@ -46,10 +46,14 @@ void HealthProbeExample(const std::shared_ptr<grpc::Channel>& channel) {
   auto serving = ProbeHealth(channel, "", std::chrono::seconds(2));
 }
 
+void Reload();
+
 void SignalsExample() {
   StopSignals signals;  // in main, before any thread starts
   // ... start the server ...
   signals.Wait();  // the first signal
+  // ... stop in good order; a second signal ends the process at once ...
+  signals.Wait([&] { Reload(); });  // SIGHUP reloads instead
 }
 
 void SkipTotalsExample(SkipTotals& totals, const StreamSession& session) {
