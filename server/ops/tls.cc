@@ -44,9 +44,17 @@ absl::StatusOr<TlsIdentity> ReadTlsIdentity(const std::string& certificate_path,
   return identity;
 }
 
+absl::StatusOr<std::string> ReadClientRoots(const std::string& path) {
+  return ReadPem(path, "CERTIFICATE");
+}
+
 std::shared_ptr<grpc::ServerCredentials> TlsCredentials(
     const TlsIdentity& identity) {
-  grpc::SslServerCredentialsOptions options;
+  grpc::SslServerCredentialsOptions options(
+      identity.client_roots.empty()
+          ? GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE
+          : GRPC_SSL_REQUEST_CLIENT_CERTIFICATE_AND_VERIFY);
+  options.pem_root_certs = identity.client_roots;
   options.pem_key_cert_pairs.push_back(
       {identity.private_key, identity.certificate_chain});
   return grpc::SslServerCredentials(options);

@@ -22,11 +22,18 @@ struct TlsIdentity {
   std::string certificate_chain;
   // PEM, without a pass phrase.
   std::string private_key;
+  // PEM of the authorities that may vouch for clients; empty: clients are not
+  // asked for a certificate. A client may connect without one, but not with one
+  // that is expired or that no authority vouches for.
+  std::string client_roots = {};
 };
 
 // IO if a file cannot be read or holds no PEM block of the right kind.
 absl::StatusOr<TlsIdentity> ReadTlsIdentity(const std::string& certificate_path,
                                             const std::string& key_path);
+
+// TlsIdentity::client_roots from a file. IO as above.
+absl::StatusOr<std::string> ReadClientRoots(const std::string& path);
 
 // What a server speaks TLS with.
 std::shared_ptr<grpc::ServerCredentials> TlsCredentials(
