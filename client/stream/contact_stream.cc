@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "client/stream/status.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
@@ -30,9 +31,13 @@ class Watch {
 absl::StatusOr<std::unique_ptr<ContactStream>> ContactStream::Open(
     const std::shared_ptr<grpc::Channel>& channel,
     const v1::StreamConfig& config, OnResponse on_response,
-    const StreamTimeouts& timeouts) {
+    const StreamTimeouts& timeouts, const std::string& token) {
   std::unique_ptr<ContactStream> stream(
       new ContactStream(std::move(on_response), timeouts));
+  if (!token.empty()) {
+    stream->context_.AddMetadata("authorization",
+                                 absl::StrCat("Bearer ", token));
+  }
   TACTUS_RETURN_IF_ERROR(stream->Begin(channel, config));
   return stream;
 }

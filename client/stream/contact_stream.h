@@ -38,6 +38,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <thread>
 
 #include "absl/status/status.h"
@@ -69,11 +70,13 @@ class ContactStream {
   using OnResponse = std::function<void(const v1::ClassifyContactResponse&)>;
 
   // Returns the stream once the server has accepted the configuration, or the
-  // server's error. NO_RESPONSE after the timeout.
+  // server's error. NO_RESPONSE after the timeout. `token`, if not empty, is
+  // sent as the caller's bearer token; only TLS, a unix socket or a loopback
+  // address keep it secret.
   static absl::StatusOr<std::unique_ptr<ContactStream>> Open(
       const std::shared_ptr<grpc::Channel>& channel,
       const v1::StreamConfig& config, OnResponse on_response,
-      const StreamTimeouts& timeouts = {});
+      const StreamTimeouts& timeouts = {}, const std::string& token = "");
 
   // Cancels the stream unless it has ended.
   ~ContactStream();

@@ -13,6 +13,7 @@
 #include "CLI/CLI.hpp"
 #include "client/drivers/replay_driver.h"
 #include "client/drivers/sim_driver.h"
+#include "client/tools/common/token_file.h"
 #include "client/tools/stream/report.h"
 #include "client/tools/stream/trial_player.h"
 #include "core/base/arguments.h"
@@ -27,6 +28,7 @@ namespace {
 struct Flags {
   std::string server = "127.0.0.1:50051";
   std::optional<std::string> tls_ca;
+  std::string token_file;
   std::string driver = "sim";
   std::string data;
   size_t trials = 0;
@@ -67,6 +69,12 @@ absl::Status Run(const Flags& flags) {
     TACTUS_ASSIGN_OR_RETURN(options.tls_roots,
                             ReadRootCertificates(*flags.tls_ca));
   }
+  TrialPlayer::Options player_options = flags.player;
+  if (!flags.token_file.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(
+        player_options.token,
+        ReadToken(flags.token_file, flags.server, flags.tls_ca.has_value()));
+  }
   const auto channel = MakeChannel(flags.server, options);
   std::mutex mutex;
   std::vector<absl::Status> statuses(flags.parallel);
@@ -75,7 +83,7 @@ absl::Status Run(const Flags& flags) {
     threads.emplace_back([&, i] {
       const auto driver = MakeDriver(flags, i, layout);
       TrialPlayer* self = nullptr;
-      TrialPlayer player(channel, driver.get(), flags.player,
+      TrialPlayer player(channel, driver.get(), player_options,
                          [&](const TrialResult& result) {
                            const std::lock_guard lock(mutex);
                            report.Add(result);
@@ -109,6 +117,9 @@ int Main(int argc, char** argv) {
   app.add_option("--tls-ca", flags.tls_ca,
                  "PEM file of the authorities that may vouch for the server; "
                  "with it, the connection uses TLS")
+      ->check(CLI::ExistingFile);
+  app.add_option("--token-file", flags.token_file,
+                 "File with the token that the server knows the robot by")
       ->check(CLI::ExistingFile);
   app.add_option("--driver", flags.driver, "sim or replay")
       ->check(CLI::IsMember({"sim", "replay"}))

@@ -57,7 +57,7 @@ absl::Status TrialPlayer::Run() {
   TACTUS_ASSIGN_OR_RETURN(
       stream_, ContactStream::Open(
                    channel_, config, [this](const auto& r) { OnResponse(r); },
-                   options_.timeouts));
+                   options_.timeouts, options_.token));
   TACTUS_RETURN_IF_ERROR(CheckSkin(info.layout, stream_->started()));
   const auto& names = stream_->started().class_names();
   class_names_.assign(names.begin(), names.end());

@@ -58,6 +58,8 @@ class TrialPlayer {
     bool real_time = false;
     // `final_posterior` also bounds the wait for the answer to a message.
     StreamTimeouts timeouts = {};
+    // The robot's bearer token; empty: none.
+    std::string token = {};
   };
   struct Totals {
     uint64_t frames = 0;
