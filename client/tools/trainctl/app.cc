@@ -55,7 +55,7 @@ int RunTrainctl(int argc, char** argv) {
   for (auto add : {AddSimulate, AddImport, AddFit, AddRemoteEvaluate,
                    AddInspect, AddClassify, AddShow, AddReproduce, AddDatasets,
                    AddTrain, AddJobs, AddModels, AddExportModel, AddImportModel,
-                   AddExportTrials, AddCompletion}) {
+                   AddExportTrials, AddTokens, AddCompletion}) {
     add(app, select);
   }
   for (const auto& [name, arguments] : kExamples) {

@@ -36,6 +36,7 @@ void AddInspect(CLI::App& app, const SelectCommand& select);
 void AddClassify(CLI::App& app, const SelectCommand& select);
 void AddReproduce(CLI::App& app, const SelectCommand& select);
 void AddShow(CLI::App& app, const SelectCommand& select);
+void AddTokens(CLI::App& app, const SelectCommand& select);
 void AddExportModel(CLI::App& app, const SelectCommand& select);
 void AddImportModel(CLI::App& app, const SelectCommand& select);
 void AddExportTrials(CLI::App& app, const SelectCommand& select);

@@ -1,0 +1,147 @@
+// trainctl tokens: makes and lists the tokens that tactusd --tokens knows.
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+
+#include "absl/strings/escaping.h"
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "client/tools/trainctl/command.h"
+#include "core/access/access_table.h"
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+#include "core/data/file_bytes.h"
+
+namespace tactus::client {
+namespace {
+
+struct Flags {
+  std::string name;
+  std::string role;
+  std::string file;
+  bool json = false;
+};
+
+absl::StatusOr<std::string> NewToken() {
+  std::array<char, 32> bytes{};
+  if (getrandom(bytes.data(), bytes.size(), 0) !=
+      static_cast<ssize_t>(bytes.size())) {
+    return IoError("the system's random numbers", std::strerror(errno));
+  }
+  return absl::BytesToHexString(absl::string_view(bytes.data(), bytes.size()));
+}
+
+// A tokens file that no other trainctl changes at the same time.
+class LockedFile {
+ public:
+  explicit LockedFile(const std::string& path)
+      : path_(path),
+        fd_(open(path.c_str(), O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC, 0644)) {
+    if (fd_ >= 0) flock(fd_, LOCK_EX);
+  }
+  ~LockedFile() {
+    if (fd_ >= 0) close(fd_);
+  }
+
+  LockedFile(const LockedFile&) = delete;
+  LockedFile& operator=(const LockedFile&) = delete;
+
+  // INVALID_CONFIG unless the file with `line` at its end is a tokens file.
+  absl::Status Append(const std::string& line) {
+    if (fd_ < 0) return IoError(path_, std::strerror(errno));
+    TACTUS_ASSIGN_OR_RETURN(const std::string text,
+                            ReadFileBytes(path_, AccessTable::kMaxFileBytes));
+    const std::string addition = absl::StrCat(
+        text.empty() || absl::EndsWith(text, "\n") ? "" : "\n", line);
+    TACTUS_RETURN_IF_ERROR(
+        Annotate(AccessTable::Parse(text + addition).status(), path_));
+    // A write that fails part-way leaves a line that the next reader names.
+    if (write(fd_, addition.data(), addition.size()) !=
+            static_cast<ssize_t>(addition.size()) ||
+        fsync(fd_) != 0) {
+      return IoError(path_, std::strerror(errno));
+    }
+    return absl::OkStatus();
+  }
+
+ private:
+  const std::string path_;
+  const int fd_;
+};
+
+absl::Status Create(const Flags& flags) {
+  TACTUS_ASSIGN_OR_RETURN(const Role role, ParseRole(flags.role));
+  TACTUS_ASSIGN_OR_RETURN(const std::string token, NewToken());
+  TACTUS_ASSIGN_OR_RETURN(const std::string line,
+                          TokenLine(flags.name, role, token));
+  if (flags.file.empty()) {
+    std::fprintf(stderr, "Line for the server's tokens file:\n%s",
+                 line.c_str());
+  } else {
+    TACTUS_RETURN_IF_ERROR(LockedFile(flags.file).Append(line));
+    std::fprintf(stderr,
+                 "Added %s to %s. tactusd reads the file when it starts and on "
+                 "SIGHUP. The token is shown once:\n",
+                 flags.name.c_str(), flags.file.c_str());
+  }
+  // Alone on standard output, so that it can go to a file.
+  std::printf("%s\n", token.c_str());
+  return absl::OkStatus();
+}
+
+absl::Status List(const Flags& flags) {
+  TACTUS_ASSIGN_OR_RETURN(
+      const std::string text,
+      ReadFileBytes(flags.file, AccessTable::kMaxFileBytes));
+  const auto table = AccessTable::Parse(text);
+  if (!table.ok()) return Annotate(table.status(), flags.file);
+  Json json = Json::array();
+  const auto add = [&](const AccessTable::Entry& entry, const char* kind) {
+    const std::string role(RoleName(entry.role));
+    json.push_back({{"name", entry.name}, {"role", role}, {"kind", kind}});
+    if (!flags.json) {
+      std::printf("%-24s %-8s %s\n", entry.name.c_str(), role.c_str(), kind);
+    }
+  };
+  for (const auto& token : table->tokens()) add(token.entry, "token");
+  for (const auto& [name, entry] : table->certificates()) {
+    add(entry, "certificate");
+  }
+  if (flags.json) std::printf("%s\n", JsonText(json).c_str());
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddTokens(CLI::App& app, const SelectCommand& select) {
+  auto flags = std::make_shared<Flags>();
+  CLI::App* tokens =
+      app.add_subcommand("tokens", "Make and list the tokens of a server");
+  tokens->require_subcommand(1);
+  CLI::App* create = tokens->add_subcommand(
+      "create",
+      "Make a token and print it once, e.g. trainctl tokens create "
+      "--name=arm-7 --role=robot --file=/etc/tactus/tokens > arm-7.token");
+  create->add_option("--name", flags->name, "Names the caller in logs")
+      ->required();
+  create->add_option("--role", flags->role, "robot, trainer or admin")
+      ->required();
+  create->add_option("--file", flags->file,
+                     "Tokens file to add it to; without it, the line is "
+                     "printed");
+  create->callback([=] { select([=] { return Create(*flags); }); });
+  CLI::App* list = tokens->add_subcommand("list", "Names and roles of a file");
+  list->add_option("--file", flags->file, "Tokens file")->required();
+  list->add_flag("--json", flags->json, "Print one JSON array");
+  list->callback([=] { select([=] { return List(*flags); }); });
+}
+
+}  // namespace tactus::client
