@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +24,7 @@
 #include "server/jobs/training_backend.h"
 #include "server/listen/descriptor_limit.h"
 #include "server/listen/self_check.h"
+#include "server/ops/authorizer.h"
 #include "server/ops/health_probe.h"
 #include "server/ops/logging.h"
 #include "server/ops/port_file.h"
@@ -44,6 +47,8 @@ struct Flags {
   std::optional<std::string> tls_certificate;
   std::optional<std::string> tls_key;
   std::optional<std::string> tls_roots;
+  std::optional<std::string> tls_client_roots;
+  std::optional<std::string> tokens;
   int self_check_ms = limits::kSelfCheckMs;
   std::string data_dir;
   std::string trainer;
@@ -161,6 +166,26 @@ void LogListeners(const TactusServer::Options& options,
   }
 }
 
+// Tokens on a plain connection can be read on the way.
+void WarnOfPlainTokens(const Flags& flags) {
+  if (!flags.tokens || flags.tls_certificate) return;
+  for (const std::string& address : flags.server.listen) {
+    if (StaysOnThisHost(address)) continue;
+    spdlog::warn("tokens reach {} unencrypted; use --tls-cert and --tls-key",
+                 address);
+  }
+}
+
+void ReloadTokens(Authorizer& authorizer) {
+  const absl::Status status = authorizer.Reload();
+  if (status.ok()) {
+    spdlog::info("signal {}: the tokens file is loaded again", SIGHUP);
+  } else {
+    spdlog::error("signal {}: the old tokens stay: {}", SIGHUP,
+                  std::string(status.message()));
+  }
+}
+
 void Notify(absl::string_view state) {
   const absl::Status status = NotifyService(state);
   if (!status.ok()) spdlog::warn("systemd: {}", std::string(status.message()));
@@ -187,6 +212,16 @@ absl::Status Serve(const Flags& flags, StopSignals& signals) {
     TACTUS_ASSIGN_OR_RETURN(
         options.tls, ReadTlsIdentity(*flags.tls_certificate, *flags.tls_key));
   }
+  if (flags.tls_client_roots) {
+    TACTUS_ASSIGN_OR_RETURN(options.tls->client_roots,
+                            ReadClientRoots(*flags.tls_client_roots));
+  }
+  std::unique_ptr<Authorizer> authorizer;
+  if (flags.tokens) {
+    TACTUS_ASSIGN_OR_RETURN(authorizer, Authorizer::Open(*flags.tokens));
+    options.authorizer = authorizer.get();
+    WarnOfPlainTokens(flags);
+  }
   TACTUS_ASSIGN_OR_RETURN(auto server, TactusServer::Start(&registry, options));
   LogListeners(options, *server);
   if (!flags.port_file.empty()) {
@@ -202,7 +237,10 @@ absl::Status Serve(const Flags& flags, StopSignals& signals) {
               [&flags](const std::string& address, const absl::Status& error) {
                 EndAsUnreachable(address, error, flags.self_check_ms);
               }});
-  const int signal = signals.Wait();
+  const int signal =
+      authorizer == nullptr
+          ? signals.Wait()
+          : signals.Wait([&authorizer] { ReloadTokens(*authorizer); });
   Notify("STOPPING=1");
   spdlog::info("signal {}: draining {} streams", signal, server->gate().live());
   self_check.reset();
@@ -242,6 +280,17 @@ int Main(int argc, char** argv) {
   app.add_option("--tls-key", flags.tls_key, "PEM file of its private key")
       ->envname("TACTUSD_TLS_KEY")
       ->check(CLI::ExistingFile);
+  app.add_option("--tls-client-ca", flags.tls_client_roots,
+                 "PEM file of the authorities that may vouch for clients; the "
+                 "lines \"certificate NAME ROLE\" of --tokens give their "
+                 "certificates roles")
+      ->envname("TACTUSD_TLS_CLIENT_CA")
+      ->check(CLI::ExistingFile);
+  app.add_option("--tokens", flags.tokens,
+                 "File of tokens and roles (trainctl tokens create): every "
+                 "call but health checks needs one; read again on SIGHUP")
+      ->envname("TACTUSD_TOKENS")
+      ->check(CLI::ExistingFile);
   app.add_option("--model", flags.models,
                  "NAME=PATH of a bundle to serve as models/NAME; may be "
                  "repeated")
@@ -263,7 +312,8 @@ int Main(int argc, char** argv) {
       ->check(CLI::Range(int64_t{0}, int64_t{1} << 30))
       ->capture_default_str();
   app.add_option("--drain-grace-ms", flags.server.drain_grace_ms,
-                 "Time streams have to finish after SIGTERM, SIGINT or SIGHUP")
+                 "Time streams have to finish after SIGTERM, SIGINT or, "
+                 "without --tokens, SIGHUP")
       ->check(CLI::Range(0, 3'600'000))
       ->capture_default_str();
   app.add_option("--threads", flags.server.threads,
@@ -331,6 +381,19 @@ int Main(int argc, char** argv) {
     std::fprintf(stderr,
                  "tactusd: --tls-cert and --tls-key (or TACTUSD_TLS_CERT and "
                  "TACTUSD_TLS_KEY) must both be given, not empty\n");
+    return 1;
+  }
+  if (IsSetButEmpty("TACTUSD_TOKENS") ||
+      IsSetButEmpty("TACTUSD_TLS_CLIENT_CA")) {
+    std::fprintf(stderr,
+                 "tactusd: TACTUSD_TOKENS and TACTUSD_TLS_CLIENT_CA must not "
+                 "be empty\n");
+    return 1;
+  }
+  if (flags.tls_client_roots && !(flags.tokens && flags.tls_certificate)) {
+    std::fprintf(stderr,
+                 "tactusd: --tls-client-ca needs --tls-cert and --tls-key, and "
+                 "--tokens, whose file gives certificates their roles\n");
     return 1;
   }
   if (flags.server.listen.empty()) flags.server.listen = {"127.0.0.1:50051"};

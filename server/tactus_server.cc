@@ -13,7 +13,6 @@
 #include "grpcpp/impl/server_builder_option.h"
 #include "grpcpp/impl/server_builder_plugin.h"
 #include "grpcpp/server_builder.h"
-#include "server/ops/peer.h"
 #include "server/rpc/training_rpcs.h"
 
 namespace tactus::server {
@@ -84,9 +83,8 @@ int StreamsPerConnection(const TactusServer::Options& options) {
   return std::min(options.max_streams, options.max_streams_per_peer);
 }
 
-absl::StatusOr<Caller> AllowAll(const grpc::ServerContext& context,
-                                const std::string&, Role) {
-  return Caller{.name = PeerOf(context.peer()), .peer = context.peer()};
+const Authorizer* Either(const Authorizer* given, const Authorizer* other) {
+  return given != nullptr ? given : other;
 }
 
 int Threads(int wanted) {
@@ -105,13 +103,16 @@ absl::StatusOr<std::unique_ptr<TactusServer>> TactusServer::Start(
 
 TactusServer::TactusServer(const ModelSource* models, const Options& options)
     : options_(options),
-      contacts_(models,
+      contacts_(models, Either(options.authorizer, &without_tokens_),
                 {.max_streams = options.max_streams,
                  .max_streams_per_peer = options.max_streams_per_peer,
                  .idle_timeout_ms = options.idle_timeout_ms,
                  .first_message_timeout_ms = options.first_message_timeout_ms,
                  .server_version = kVersion}),
-      control_(AllowAll) {
+      control_([authorizer = Either(options.authorizer, &without_tokens_)](
+                   const auto& context, const auto& method, Role role) {
+        return authorizer->Authorize(context, method, role);
+      }) {
   AddTrainingRpcs(options.training, control_);
   AddOperationRpcs(options.training, control_);
   AddModelRpcs(options.training, control_);
@@ -142,7 +143,9 @@ absl::Status TactusServer::Listen() {
   server_ = builder.BuildAndStart();
   // The sockets are open already: what is left to fail is the certificate.
   if (server_ == nullptr) {
-    return IoError("TLS", "the certificate and the key do not make a pair");
+    return IoError("TLS",
+                   "the certificate and the key do not make a pair, or "
+                   "there is no authority for clients");
   }
   Serve();
   return absl::OkStatus();

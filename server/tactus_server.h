@@ -21,6 +21,7 @@
 #include "grpcpp/server.h"
 #include "server/jobs/training_backend.h"
 #include "server/listen/grpc_listener.h"
+#include "server/ops/authorizer.h"
 #include "server/ops/guarded_credentials.h"
 #include "server/ops/tls.h"
 #include "server/rpc/contact_service.h"
@@ -56,6 +57,9 @@ class TactusServer {
     // Serves data, jobs and models; null: those RPCs end with
     // NO_DATA_DIRECTORY. Must outlive the server.
     TrainingBackend* training = nullptr;
+    // Decides who may call what; null: as an Authorizer without a tokens file.
+    // Must outlive the server.
+    const Authorizer* authorizer = nullptr;
   };
 
   // Serving when it returns. INVALID_CONFIG or IO if an address is wrong or
@@ -90,6 +94,7 @@ class TactusServer {
   void Shutdown(std::chrono::system_clock::time_point deadline);
 
   const Options options_;
+  const Authorizer without_tokens_;
   ArrivalGate arrivals_{limits::kMaxWaitingCalls};
   CallRefuser refuser_{&arrivals_};
   ContactService contacts_;

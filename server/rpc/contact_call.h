@@ -66,6 +66,7 @@ class ContactCall {
   void End(const absl::Status& status);
 
   CallQueue* queue() const { return call_.queue(); }
+  const grpc::ServerContext& context() const { return call_.context(); }
   // The peer that opened the stream, as PeerOf names it.
   const std::string& peer() const { return call_.peer(); }
   // Of a stream that was admitted.

@@ -19,8 +19,10 @@ std::string Outcome(const absl::Status& status) {
 
 }  // namespace
 
-ContactService::ContactService(const ModelSource* models, Options options)
+ContactService::ContactService(const ModelSource* models,
+                               const Authorizer* authorizer, Options options)
     : models_(models),
+      authorizer_(authorizer),
       options_(std::move(options)),
       gate_("streams", {.all = options_.max_streams,
                         .per_peer = options_.max_streams_per_peer}) {}
@@ -35,19 +37,25 @@ void ContactService::Serve(CallQueue* queue) {
 absl::StatusOr<StreamSession::Options> ContactService::Admit(
     ContactCall* stream) {
   new ContactCall(this, stream->queue(), this);
-  auto options = Enter(stream->peer());
+  auto options =
+      Enter(stream->context(), "/tactus.v1.ContactService/ClassifyContact",
+            stream->peer());
   if (options.ok()) lanes_.at(stream->queue()).streams.insert(stream);
   return options;
 }
 
 absl::StatusOr<StreamSession::Options> ContactService::Admit(TrialCall* call) {
   new TrialCall(this, call->queue(), this);
-  return Enter(call->peer());
+  return Enter(call->context(), "/tactus.v1.ContactService/ClassifyTrial",
+               call->peer());
 }
 
 absl::StatusOr<StreamSession::Options> ContactService::Enter(
+    const grpc::ServerContext& context, absl::string_view method,
     const std::string& peer) {
   if (draining_) return Draining();
+  TACTUS_RETURN_IF_ERROR(
+      authorizer_->Authorize(context, method, Role::kRobot).status());
   TACTUS_RETURN_IF_ERROR(gate_.Enter(peer));
   return StreamSession::Options{
       .stream_id = absl::StrCat(next_stream_.fetch_add(1)),

@@ -20,6 +20,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "server/ops/authorizer.h"
 #include "server/ops/log_limiter.h"
 #include "server/ops/skip_totals.h"
 #include "server/ops/stream_gate.h"
@@ -42,8 +43,9 @@ class ContactService final : public RawContactService,
     std::string server_version;
   };
 
-  // `models` must outlive this object.
-  ContactService(const ModelSource* models, Options options);
+  // Calls need the role of a robot. Both pointers must outlive this object.
+  ContactService(const ModelSource* models, const Authorizer* authorizer,
+                 Options options);
 
   // Accepts streams on `queue`. Call it before any queue starts.
   void Serve(CallQueue* queue);
@@ -71,7 +73,9 @@ class ContactService final : public RawContactService,
   void Release(ContactCall* stream) override;
   void Release(TrialCall* call) override;
   // The options of a call that may run, or why it may not.
-  absl::StatusOr<StreamSession::Options> Enter(const std::string& peer);
+  absl::StatusOr<StreamSession::Options> Enter(
+      const grpc::ServerContext& context, absl::string_view method,
+      const std::string& peer);
   void Leave(const std::string& peer, const StreamSession& session);
   const ModelSource* models() const override { return models_; }
   int first_message_timeout_ms() const override {
@@ -85,6 +89,7 @@ class ContactService final : public RawContactService,
   void ForEachStream(std::function<void(ContactCall*)> visit);
 
   const ModelSource* const models_;
+  const Authorizer* const authorizer_;
   const Options options_;
   StreamGate gate_;
   SkipTotals skipped_;

@@ -23,15 +23,13 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/access/role.h"
 #include "core/base/limits.h"
 #include "grpcpp/generic/async_generic_service.h"
 #include "server/ops/stream_gate.h"
 #include "server/rpc/control_call.h"
 
 namespace tactus::server {
-
-// What a caller may do. Each role may do what those before it may.
-enum class Role { kRobot, kTrainer, kAdmin };
 
 class ControlService {
  public:

@@ -48,6 +48,7 @@ class IncomingCall {
 
   CallQueue* queue() const { return queue_; }
   grpc::ServerContext* context() { return &context_; }
+  const grpc::ServerContext& context() const { return context_; }
   // The peer that made the call, as PeerOf names it; empty before Arrive.
   const std::string& peer() const { return peer_; }
 

@@ -51,6 +51,7 @@ class TrialCall {
   TrialCall& operator=(const TrialCall&) = delete;
 
   CallQueue* queue() const { return call_.queue(); }
+  const grpc::ServerContext& context() const { return call_.context(); }
   // The peer that made the call, as PeerOf names it.
   const std::string& peer() const { return call_.peer(); }
   const StreamSession& session() const { return trial_->session(); }

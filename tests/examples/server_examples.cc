@@ -8,6 +8,7 @@
 #include "core/base/status_macros.h"
 #include "grpcpp/server_builder.h"
 #include "server/ops/arrival_gate.h"
+#include "server/ops/authorizer.h"
 #include "server/ops/guarded_credentials.h"
 #include "server/ops/health_probe.h"
 #include "server/ops/peer.h"
@@ -54,6 +55,14 @@ void SignalsExample() {
   signals.Wait();  // the first signal
   // ... stop in good order; a second signal ends the process at once ...
   signals.Wait([&] { Reload(); });  // SIGHUP reloads instead
+}
+
+absl::Status AuthorizerExample(TactusServer::Options& options) {
+  TACTUS_ASSIGN_OR_RETURN(auto authorizer, Authorizer::Open("tokens"));
+  options.authorizer = authorizer.get();
+  // ... after a change of the file ...
+  absl::Status status = authorizer->Reload();
+  return absl::OkStatus();
 }
 
 void SkipTotalsExample(SkipTotals& totals, const StreamSession& session) {

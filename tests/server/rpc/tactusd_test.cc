@@ -1,11 +1,18 @@
 // The program itself: flags, port file, signals, exit codes.
 #include <signal.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
+#include <filesystem>
+#include <fstream>
 #include <thread>
 
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "client/stream/contact_stream.h"
+#include "core/access/access_table.h"
 #include "core/base/errors.h"
 #include "core/base/version.h"
 #include "gtest/gtest.h"
@@ -87,6 +94,97 @@ TEST(TactusdTlsTest, SpeaksTlsOnPortsAndPlainOnUnixSockets) {
         testing::ConfigRequest().config(), [](const auto&) {});
     EXPECT_TRUE(stream.ok()) << server << ": " << stream.status();
   }
+}
+
+// "open", or why a stream with this token is refused.
+std::string OpenOutcome(const ChildTactusd& daemon, const std::string& token) {
+  const auto stream = client::ContactStream::Open(
+      client::MakeChannel(daemon.address()), testing::ConfigRequest().config(),
+      [](const auto&) {}, {}, token);
+  return stream.ok() ? "open" : ReasonOf(stream.status());
+}
+
+class TactusdTokensTest : public ::testing::Test {
+ protected:
+  TactusdTokensTest()
+      : path_(
+            absl::StrCat(::testing::TempDir(), "/tactusd-tokens-", getpid())) {}
+  ~TactusdTokensTest() override { std::filesystem::remove(path_); }
+
+  void Write(const std::string& text) const { std::ofstream(path_) << text; }
+  void WriteToken(const std::string& token) const {
+    Write(*TokenLine("arm", Role::kRobot, token));
+  }
+  // Waits until the log holds `text`.
+  static bool Logs(const ChildTactusd& daemon, const std::string& text) {
+    for (int i = 0; i < 2000; ++i) {
+      if (absl::StrContains(daemon.Log(), text)) return true;
+      std::this_thread::sleep_for(milliseconds(5));
+    }
+    return false;
+  }
+
+  const std::string path_;
+};
+
+TEST_F(TactusdTokensTest, SighupReadsTheFileAgain) {
+  WriteToken("first");
+  ChildTactusd daemon({"--tokens=" + path_});
+  ASSERT_NE(daemon.port(), 0) << daemon.Log();
+  EXPECT_EQ(OpenOutcome(daemon, "first"), "open");
+  EXPECT_EQ(OpenOutcome(daemon, ""), "UNAUTHENTICATED");
+  EXPECT_EQ(ChildTactusd::Run({"--health-check=" + daemon.address()}), 0);
+  Write("arm robot\n");
+  daemon.Signal(SIGHUP);
+  ASSERT_TRUE(Logs(daemon, "the old tokens stay: " + path_ + ": line 1"))
+      << daemon.Log();
+  EXPECT_EQ(OpenOutcome(daemon, "first"), "open");
+  WriteToken("second");
+  daemon.Signal(SIGHUP);
+  ASSERT_TRUE(Logs(daemon, "loaded again")) << daemon.Log();
+  EXPECT_EQ(OpenOutcome(daemon, "second"), "open");
+  EXPECT_EQ(OpenOutcome(daemon, "first"), "UNAUTHENTICATED");
+  daemon.Signal(SIGTERM);
+  EXPECT_EQ(daemon.Wait(), 0);
+}
+
+TEST_F(TactusdTokensTest, RefusedTokensDoNotFloodTheLog) {
+  WriteToken("right");
+  ChildTactusd daemon(Quiet({"--tokens=" + path_}));
+  ASSERT_NE(daemon.port(), 0) << daemon.Log();
+  constexpr int kCalls = 300;
+  for (int i = 0; i < kCalls; ++i) {
+    ASSERT_EQ(OpenOutcome(daemon, "my-secret"), "UNAUTHENTICATED");
+  }
+  const std::string log = daemon.Log();
+  EXPECT_FALSE(absl::StrContains(log, "my-secret"));
+  const std::vector<std::string> parts = absl::StrSplit(log, "refused /");
+  EXPECT_GT(parts.size(), 1u);
+  EXPECT_LT(parts.size(), kCalls / 2);
+}
+
+TEST_F(TactusdTokensTest, WrongFlagsAreRefused) {
+  WriteToken("right");
+  const std::string tokens = "--tokens=" + path_;
+  const testing::TlsFiles files;
+  ASSERT_TRUE(files.made()) << "needs the openssl program";
+  const std::string authority = "--tls-client-ca=" + files.certificate();
+  const std::string certificate = "--tls-cert=" + files.certificate();
+  const std::string key = "--tls-key=" + files.key();
+  const std::string listen = "--listen=127.0.0.1:0";
+  EXPECT_EQ(ChildTactusd::Run({listen, authority, tokens}), 1);
+  EXPECT_EQ(ChildTactusd::Run({listen, authority, certificate, key}), 1);
+  EXPECT_EQ(ChildTactusd::Run({listen, tokens, certificate, key,
+                               "--tls-client-ca=" + files.key()}),
+            1);
+  EXPECT_NE(ChildTactusd::Run({listen, "--tokens=/no/such"}), 0);
+  EXPECT_NE(ChildTactusd::Run({listen, "--tokens="}), 0);
+  // An empty variable must not mean that everything is open.
+  EXPECT_EQ(ChildTactusd::Run({listen}, {"TACTUSD_TOKENS="}), 1);
+  EXPECT_EQ(ChildTactusd::Run({listen}, {"TACTUSD_TLS_CLIENT_CA="}), 1);
+  Write("arm root x\n");
+  EXPECT_EQ(ChildTactusd::Run({listen, tokens}), 1);
+  EXPECT_EQ(ChildTactusd::Run({listen}, {"TACTUSD_TOKENS=" + path_}), 1);
 }
 
 TEST(TactusdTest, ASecondSignalEndsItAtOnce) {

@@ -19,12 +19,23 @@ struct RawAnswer {
   std::string bytes;
 };
 
+struct RawOptions {
+  // Value of the metadata `authorization`; empty: none.
+  std::string authorization = {};
+  // Cancels the call after its first answer.
+  bool first_only = false;
+};
+
 // Sends `bytes` as the only message and half-closes.
 inline RawAnswer RawCall(const std::shared_ptr<grpc::Channel>& channel,
-                         const std::string& method, const std::string& bytes) {
+                         const std::string& method, const std::string& bytes,
+                         const RawOptions& options = {}) {
   RawAnswer answer;
   grpc::GenericStub stub(channel);
   grpc::ClientContext context;
+  if (!options.authorization.empty()) {
+    context.AddMetadata("authorization", options.authorization);
+  }
   grpc::CompletionQueue queue;
   const auto next = [&queue] {
     void* tag;
@@ -39,6 +50,7 @@ inline RawAnswer RawCall(const std::shared_ptr<grpc::Channel>& channel,
   next();
   grpc::ByteBuffer read;
   while (rpc->Read(&read, nullptr), next()) {
+    if (options.first_only) context.TryCancel();
     std::vector<grpc::Slice> slices;
     answer.bytes.clear();
     if (!read.Dump(&slices).ok()) continue;
