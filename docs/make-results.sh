@@ -87,10 +87,13 @@ cody() {
 
 recordings() {
   title "Real recordings"
-  cp -r "$data/vitac384" "$data/icub_slide20" .
-  show import vitac384 --out=vitac384.h5
+  cp -r "$data/vitac384" .
+  /usr/bin/python3 "$docs/../examples/recordings/vitac384.py" vitac384 vitac
+  show import vitac384 --skin=vitac/skin.json --out=vitac384.h5
   show evaluate --data=vitac384.h5 --protocol=leave-one-out --preset=profile
-  show import icub_slide20 --out=icub_slide20.h5
+  /usr/bin/python3 "$docs/../examples/recordings/icub_slide20.py" \
+    "$data/icub_slide20" icub
+  show import icub --out=icub_slide20.h5
   show evaluate --data=icub_slide20.h5 --protocol=k-fold --folds=5 --preset=profile
 }
 

@@ -3,15 +3,21 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <system_error>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/data/csv.h"
 #include "core/data/file_bytes.h"
+#include "core/data/import_skin_folder.h"
+#include "core/data/skin_file.h"
+#include "core/data/trial_file.h"
 #include "core/data/trial_npz.h"
 
 namespace tactus {
@@ -35,8 +41,8 @@ absl::StatusOr<std::vector<std::string>> TrialFiles(const std::string& folder) {
   }
   if (error) return IoError(folder, error.message());
   if (files.empty()) {
-    return TrialFileInvalid(folder,
-                            "holds neither index.csv nor CSV or .npz files");
+    return TrialFileInvalid(
+        folder, "holds neither a skin.json nor CSV or .npz files of trials");
   }
   std::sort(files.begin(), files.end());
   return files;
@@ -100,6 +106,45 @@ absl::Status SetMetadata(const std::string& path, const CsvTable& table,
   return absl::OkStatus();
 }
 
+absl::Status RefuseOptions(const std::string& path,
+                           const ImportOptions& options) {
+  for (const std::string& file : {options.skin, options.table}) {
+    if (file.empty()) continue;
+    return InvalidConfig(
+        "skin or table of the import", file,
+        absl::StrCat("absent: ", path, " has no place for it"));
+  }
+  return absl::OkStatus();
+}
+
+// Trials as they are, or with another skin of the same shape.
+absl::StatusOr<size_t> ImportTrialFile(const std::string& path,
+                                       const ImportOptions& options,
+                                       TrialSink sink) {
+  if (!options.table.empty()) {
+    return InvalidConfig("table of the import", options.table,
+                         "absent: a trial file has its labels");
+  }
+  std::optional<SkinFile> skin;
+  if (!options.skin.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(skin, ReadSkinFile(options.skin));
+    if (skin->thresholds_from_idle) {
+      return TrialFileInvalid(options.skin,
+                              "thresholds: must be numbers for a trial file");
+    }
+  }
+  TACTUS_ASSIGN_OR_RETURN(const auto reader, TrialFileReader::Open(path));
+  for (size_t i = 0; i < reader.size(); ++i) {
+    TACTUS_ASSIGN_OR_RETURN(Trial trial, reader.Read(i));
+    if (skin && !trial.taxels.empty()) {
+      SetSkin(skin->layout, trial);
+      TACTUS_RETURN_IF_ERROR(Validate(trial, path));
+    }
+    TACTUS_RETURN_IF_ERROR(sink(std::move(trial)));
+  }
+  return reader.size();
+}
+
 }  // namespace
 
 absl::StatusOr<Trial> ImportSignalsCsv(const std::string& path, size_t number) {
@@ -133,23 +178,25 @@ absl::StatusOr<Trial> ImportSignalsCsv(const std::string& path, size_t number) {
   return trial;
 }
 
-absl::StatusOr<size_t> ImportTrials(const std::string& path, TrialSink sink) {
+absl::StatusOr<size_t> ImportTrials(const std::string& path, TrialSink sink,
+                                    const ImportOptions& options) {
   std::error_code error;
-  if (!fs::is_directory(path, error)) return ImportFiles({path}, sink);
-  const std::string index = fs::path(path) / "index.csv";
-  if (!fs::exists(index, error)) {
+  if (fs::is_directory(path, error)) {
+    if (!options.skin.empty() || fs::exists(fs::path(path) / "skin.json")) {
+      return ImportSkinFolder(path, options, sink);
+    }
+    TACTUS_RETURN_IF_ERROR(RefuseOptions(path, options));
     TACTUS_ASSIGN_OR_RETURN(const auto files, TrialFiles(path));
     return ImportFiles(files, sink);
   }
-  TACTUS_ASSIGN_OR_RETURN(const CsvTable table, CsvTable::Read(index));
-  if (table.Has("hardness") && table.Has("motion")) {
-    return ImportVitac(path, table, sink);
+  if (absl::EndsWith(path, ".h5")) {
+    return ImportTrialFile(path, options, sink);
   }
-  if (table.Has("material_by_index")) return ImportIcub(path, table, sink);
-  return TrialFileInvalid(
-      index,
-      "is of no known kind; its columns must have hardness and motion "
-      "(vitac384) or material_by_index (icub_slide20)");
+  TACTUS_RETURN_IF_ERROR(RefuseOptions(path, options));
+  if (absl::EndsWith(path, ".json")) {
+    return ImportSkinFolder(fs::path(path).parent_path(), {.skin = path}, sink);
+  }
+  return ImportFiles({path}, sink);
 }
 
 }  // namespace tactus

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cstring>
+#include <type_traits>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
@@ -139,13 +140,28 @@ absl::StatusOr<size_t> CountValues(absl::string_view path, const Header& header,
   return count;
 }
 
-template <typename Value>
+// Converts each number of the file from `Stored` to `Value`.
+template <typename Stored, typename Value>
 absl::Status TakeValues(absl::string_view path, const Header& header,
                         absl::string_view data, std::vector<Value>* out) {
   TACTUS_ASSIGN_OR_RETURN(const size_t count,
-                          CountValues(path, header, data, sizeof(Value)));
+                          CountValues(path, header, data, sizeof(Stored)));
+  if (count > limits::kMaxTrialArrayBytes / sizeof(Value)) {
+    return TrialFileInvalid(
+        path,
+        absl::StrCat("has ", count, " values; at most ",
+                     limits::kMaxTrialArrayBytes / sizeof(Value), " are read"));
+  }
   out->resize(count);
-  if (count > 0) std::memcpy(out->data(), data.data(), data.size());
+  if constexpr (std::is_same_v<Stored, Value>) {
+    if (count > 0) std::memcpy(out->data(), data.data(), data.size());
+  } else {
+    for (size_t i = 0; i < count; ++i) {
+      Stored value;
+      std::memcpy(&value, data.data() + i * sizeof(Stored), sizeof(Stored));
+      (*out)[i] = static_cast<Value>(value);
+    }
+  }
   return absl::OkStatus();
 }
 
@@ -225,29 +241,41 @@ absl::StatusOr<NpyArray> ParseNpy(absl::string_view path,
   NpyArray array;
   array.shape = header.shape;
   absl::Status status;
-  absl::string_view type = header.type;
+  const std::string& type = header.type;
+  absl::string_view digits = type;
   uint32_t length = 0;
-  if (absl::ConsumePrefix(&type, "'<U") && absl::ConsumeSuffix(&type, "'") &&
-      absl::SimpleAtoi(type, &length) && length <= kMaxTextLength) {
+  if (absl::ConsumePrefix(&digits, "'<U") &&
+      absl::ConsumeSuffix(&digits, "'") && absl::SimpleAtoi(digits, &length) &&
+      length <= kMaxTextLength) {
     status = TakeText(path, header, length, bytes, &array.text);
-  } else if (header.type == "'|O'") {
+  } else if (type == "'|O'") {
     status = TrialFileInvalid(
         path,
         "holds '|O', Python objects in a pickle; pickles are never read. Save "
         "numbers or text");
-  } else if (header.type == "'<i8'") {
-    status = TakeValues(path, header, bytes, &array.i64);
-  } else if (header.type == "'<u2'") {
-    status = TakeValues(path, header, bytes, &array.u16);
-  } else if (header.type == "'<f4'") {
-    status = TakeValues(path, header, bytes, &array.f32);
-  } else if (header.type == "'<f8'") {
-    status = TakeValues(path, header, bytes, &array.f64);
+  } else if (type == "'<u2'") {
+    status = TakeValues<uint16_t>(path, header, bytes, &array.u16);
+  } else if (type == "'<i8'") {
+    status = TakeValues<int64_t>(path, header, bytes, &array.i64);
+  } else if (type == "'<f4'") {
+    status = TakeValues<float>(path, header, bytes, &array.f32);
+  } else if (type == "'<f8'") {
+    status = TakeValues<double>(path, header, bytes, &array.f64);
+  } else if (type == "'|u1'" || type == "'|b1'") {
+    status = TakeValues<uint8_t>(path, header, bytes, &array.f64);
+  } else if (type == "'|i1'") {
+    status = TakeValues<int8_t>(path, header, bytes, &array.f64);
+  } else if (type == "'<i2'") {
+    status = TakeValues<int16_t>(path, header, bytes, &array.f64);
+  } else if (type == "'<i4'") {
+    status = TakeValues<int32_t>(path, header, bytes, &array.f64);
+  } else if (type == "'<u4'") {
+    status = TakeValues<uint32_t>(path, header, bytes, &array.f64);
   } else {
     status = TrialFileInvalid(
-        path, absl::StrCat("holds ", header.type,
-                           "; use little-endian u2, i8, f4 or f8 numbers or "
-                           "text"));
+        path, absl::StrCat("holds ", type,
+                           "; use text or little-endian numbers of type f4, "
+                           "f8, u1, u2, u4, i1, i2, i4 or i8"));
   }
   if (!status.ok()) return status;
   return array;

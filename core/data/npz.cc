@@ -9,10 +9,12 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "absl/strings/strip.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/base/text.h"
 #include "core/data/file_bytes.h"
 
 namespace tactus {
@@ -41,6 +43,8 @@ constexpr size_t kMaxEntries = 65'535;
 constexpr size_t kMaxArchiveBytes = UINT32_MAX;
 // Best ratio that deflate can reach.
 constexpr size_t kMaxCompression = 1100;
+// A size or an offset with this value lies in the zip64 field.
+constexpr size_t kInZip64 = UINT32_MAX;
 
 template <typename Number>
 Number At(absl::string_view bytes, size_t offset) {
@@ -75,6 +79,24 @@ struct Entry {
   size_t offset = 0;
 };
 
+// Replaces the sizes that did not fit into 32 bits.
+void TakeZip64(absl::string_view extra, Entry* entry) {
+  while (extra.size() >= 4) {
+    const size_t size = At<uint16_t>(extra, 2);
+    absl::string_view field = extra.substr(4, size);
+    if (At<uint16_t>(extra, 0) == 1) {
+      for (size_t* value :
+           {&entry->bytes, &entry->packed_bytes, &entry->offset}) {
+        if (*value == kInZip64 && field.size() >= 8) {
+          *value = At<uint64_t>(field, 0);
+          field.remove_prefix(8);
+        }
+      }
+    }
+    extra.remove_prefix(std::min(4 + size, extra.size()));
+  }
+}
+
 // Where the central directory begins, and how many entries it has.
 struct Directory {
   size_t offset = 0;
@@ -108,16 +130,17 @@ absl::StatusOr<std::vector<Entry>> ReadDirectory(absl::string_view path,
       return TrialFileInvalid(path, "its directory is damaged");
     }
     const size_t name_bytes = At<uint16_t>(bytes, at + 28);
-    const size_t more =
-        At<uint16_t>(bytes, at + 30) + size_t{At<uint16_t>(bytes, at + 32)};
+    const size_t extra = At<uint16_t>(bytes, at + 30);
+    const size_t more = extra + At<uint16_t>(bytes, at + 32);
     if (bytes.size() - at - kCentralBytes < name_bytes + more) {
       return TrialFileInvalid(path, "its directory is damaged");
     }
-    entries.push_back(
-        {std::string(bytes.substr(at + kCentralBytes, name_bytes)),
-         At<uint16_t>(bytes, at + 8), At<uint16_t>(bytes, at + 10),
-         At<uint32_t>(bytes, at + 16), At<uint32_t>(bytes, at + 20),
-         At<uint32_t>(bytes, at + 24), At<uint32_t>(bytes, at + 42)});
+    Entry& entry = entries.emplace_back(
+        Entry{std::string(bytes.substr(at + kCentralBytes, name_bytes)),
+              At<uint16_t>(bytes, at + 8), At<uint16_t>(bytes, at + 10),
+              At<uint32_t>(bytes, at + 16), At<uint32_t>(bytes, at + 20),
+              At<uint32_t>(bytes, at + 24), At<uint32_t>(bytes, at + 42)});
+    TakeZip64(bytes.substr(at + kCentralBytes + name_bytes, extra), &entry);
     at += kCentralBytes + name_bytes + more;
   }
   return entries;
@@ -209,6 +232,39 @@ absl::StatusOr<NpzArrays> ReadNpz(const std::string& path) {
   TACTUS_ASSIGN_OR_RETURN(const std::string bytes,
                           ReadFileBytes(path, limits::kMaxTrialArrayBytes));
   return ParseNpz(path, bytes);
+}
+
+absl::StatusOr<NpyArray> ParseNpz(absl::string_view path,
+                                  absl::string_view bytes,
+                                  absl::string_view name) {
+  TACTUS_ASSIGN_OR_RETURN(const std::vector<Entry> entries,
+                          ReadDirectory(path, bytes));
+  std::vector<std::string> names;
+  const Entry* found = nullptr;
+  for (const Entry& entry : entries) {
+    const absl::string_view stem = absl::StripSuffix(entry.name, kEnding);
+    if (name == entry.name || name == stem) found = &entry;
+    names.push_back(Printable(stem));
+  }
+  if (name.empty() && entries.size() == 1) found = &entries.front();
+  if (found == nullptr) {
+    return TrialFileInvalid(
+        path,
+        absl::StrCat(name.empty() ? std::string("holds several arrays")
+                                  : absl::StrCat("has no array ", Quoted(name)),
+                     "; name one of ", absl::StrJoin(names, ", ")));
+  }
+  const std::string where = absl::StrCat(path, ": array ", found->name);
+  TACTUS_ASSIGN_OR_RETURN(const std::string content,
+                          Unpack(where, bytes, *found));
+  return ParseNpy(where, content);
+}
+
+absl::StatusOr<NpyArray> ReadNpz(const std::string& path,
+                                 absl::string_view name) {
+  TACTUS_ASSIGN_OR_RETURN(const std::string bytes,
+                          ReadFileBytes(path, limits::kMaxTrialArrayBytes));
+  return ParseNpz(path, bytes, name);
 }
 
 absl::StatusOr<std::string> NpzBytes(

@@ -7,24 +7,38 @@
 
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
+#include "core/data/array_file.h"
 #include "core/data/csv.h"
 #include "core/data/draft_file.h"
+#include "core/data/event_frames.h"
 #include "core/data/file_bytes.h"
 #include "core/data/hdf5_handle.h"
 #include "core/data/hdf5_probe.h"
 #include "core/data/hdf5_read.h"
+#include "core/data/idle_noise.h"
 #include "core/data/import.h"
+#include "core/data/import_skin_folder.h"
 #include "core/data/npy.h"
 #include "core/data/npy_write.h"
 #include "core/data/npz.h"
+#include "core/data/recorded_frames.h"
+#include "core/data/skin_file.h"
 #include "core/data/trial.h"
 #include "core/data/trial_csv.h"
 #include "core/data/trial_file.h"
 #include "core/data/trial_layout.h"
 #include "core/data/trial_npz.h"
 #include "core/data/trial_record.h"
+#include "core/data/trial_table.h"
 
 namespace tactus::examples {
+
+absl::Status ArrayFileExample() {
+  TACTUS_ASSIGN_OR_RETURN(const ArrayFile file,
+                          ReadArrayFile("trial.h5", "run1/taxels"));
+  file.array.shape;  // {605, 384}
+  return absl::OkStatus();
+}
 
 absl::Status CsvExample() {
   TACTUS_ASSIGN_OR_RETURN(CsvTable table, CsvTable::Read("index.csv"));
@@ -37,6 +51,13 @@ absl::Status DraftFileExample(const std::string& bytes) {
   TACTUS_ASSIGN_OR_RETURN(DraftFile draft, DraftFile::Create("model.tactus"));
   std::ofstream(draft.path()) << bytes;
   TACTUS_RETURN_IF_ERROR(draft.Publish());
+  return absl::OkStatus();
+}
+
+absl::Status EventFramesExample(const std::string& path, const ArrayFile& file,
+                                const SkinFile& skin) {
+  TACTUS_ASSIGN_OR_RETURN(const EventFrames frames,
+                          MakeEventFrames(path, file, skin, /*rate_hz=*/100));
   return absl::OkStatus();
 }
 
@@ -75,6 +96,7 @@ absl::Status NpzExample(const std::vector<double>& time) {
   const std::string bytes = *NpzBytes({{"time", NpyBytes({2}, time)}});
   TACTUS_ASSIGN_OR_RETURN(NpzArrays arrays, ParseNpz("a.npz", bytes));
   arrays.at("time").f64;
+  TACTUS_ASSIGN_OR_RETURN(NpyArray again, ReadNpz("trial.npz", "time"));
   return absl::OkStatus();
 }
 
@@ -90,6 +112,22 @@ absl::Status TrialCsvExample(const Trial& trial) {
   return absl::OkStatus();
 }
 
+absl::Status IdleNoiseExample(const std::vector<Trial>& trials) {
+  IdleNoise noise({.frames = 10});
+  for (const Trial& trial : trials) noise.Add(trial);
+  TACTUS_ASSIGN_OR_RETURN(const IdleEstimate found, noise.Estimate());
+  return absl::OkStatus();
+}
+
+absl::Status Use(Trial trial);
+
+absl::Status ImportSkinFolderExample() {
+  TACTUS_ASSIGN_OR_RETURN(
+      const size_t trials,
+      ImportSkinFolder("mine", {}, [&](Trial t) { return Use(t); }));
+  return absl::OkStatus();
+}
+
 absl::Status ImportExample(const std::string& dir, const std::string& out) {
   TACTUS_ASSIGN_OR_RETURN(auto writer, TrialFileWriter::Create(out, {}));
   TACTUS_RETURN_IF_ERROR(ImportTrials(dir, [&](Trial trial) {
@@ -100,6 +138,20 @@ absl::Status ImportExample(const std::string& dir, const std::string& out) {
 
 absl::Status NpyExample() {
   TACTUS_ASSIGN_OR_RETURN(NpyArray array, ReadNpy("trials/0000.npy"));
+  return absl::OkStatus();
+}
+
+absl::Status RecordedFramesExample(const std::string& path,
+                                   const ArrayFile& file,
+                                   const SkinFile& skin) {
+  TACTUS_ASSIGN_OR_RETURN(RecordedFrames frames,
+                          MakeFrames(path, file, skin, /*rate_hz=*/50));
+  return absl::OkStatus();
+}
+
+absl::Status SkinFileExample() {
+  TACTUS_ASSIGN_OR_RETURN(SkinFile skin, ReadSkinFile("mine/skin.json"));
+  skin.layout.rows;
   return absl::OkStatus();
 }
 
@@ -128,6 +180,14 @@ absl::Status TrialRecordExample(const Trial& trial) {
   v1::TrialRecord record;
   record.ParseFromString(bytes);
   TACTUS_ASSIGN_OR_RETURN(Trial same, FromRecord(record));
+  return absl::OkStatus();
+}
+
+absl::Status TrialTableExample(const SkinFile& skin) {
+  TACTUS_ASSIGN_OR_RETURN(
+      const TrialTable table,
+      TrialTable::Read("mine/trials.csv", "mine/skin.json", skin.fields));
+  const std::string label = table.Text(0, "label");
   return absl::OkStatus();
 }
 

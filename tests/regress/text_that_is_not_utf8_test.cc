@@ -9,6 +9,7 @@
 #include "core/base/errors.h"
 #include "core/base/text.h"
 #include "core/bundle/bundle.h"
+#include "core/data/csv.h"
 #include "core/data/import.h"
 #include "core/data/trial_file.h"
 #include "gmock/gmock.h"

@@ -3,12 +3,16 @@
 
 #include <iostream>
 #include <map>
+#include <optional>
+#include <set>
 
 #include "absl/strings/str_format.h"
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/progress_display.h"
+#include "client/tools/trainctl/text.h"
 #include "core/base/status_macros.h"
 #include "core/data/trial_file.h"
+#include "core/skin/layout_json.h"
 
 namespace tactus::client {
 namespace {
@@ -16,6 +20,7 @@ namespace {
 struct Flags {
   std::string path;
   std::string out;
+  ImportOptions options;
   bool json = false;
 };
 
@@ -24,27 +29,47 @@ absl::Status Run(const Flags& flags) {
       auto writer, TrialFileWriter::Create(flags.out, {.overwrite = true}));
   ProgressDisplay display;
   std::map<std::string, int> counts;
+  std::set<std::string> conditions;
+  std::set<std::string> groups;
+  std::optional<SkinLayout> skin;
   int64_t imported = 0;
   size_t frames = 0;
+  size_t with_poses = 0;
   TACTUS_ASSIGN_OR_RETURN(const size_t trials,
-                          ImportTrials(flags.path, [&](Trial trial) {
-                            ++counts[trial.label];
-                            frames += trial.time.size();
-                            display.Count("import trials", ++imported);
-                            return writer.Append(trial);
-                          }));
+                          ImportTrials(
+                              flags.path,
+                              [&](Trial trial) {
+                                ++counts[trial.label];
+                                conditions.insert(trial.condition);
+                                groups.insert(trial.material);
+                                with_poses += !trial.poses.empty();
+                                if (!skin) skin = trial.skin;
+                                frames += trial.time.size();
+                                display.Count("import trials", ++imported);
+                                return writer.Append(trial);
+                              },
+                              flags.options));
   TACTUS_RETURN_IF_ERROR(writer.Close());
   display.Clear();
   if (flags.json) {
     std::cout << JsonText(Json{{"trials", trials},
                                {"frames", frames},
                                {"counts", counts},
+                               {"conditions", conditions.size()},
+                               {"groups", groups.size()},
+                               {"with_poses", with_poses},
+                               {"skin", skin ? Json::parse(LayoutToJson(*skin))
+                                             : Json(nullptr)},
                                {"seconds", SecondsSinceStart()}})
               << "\n";
     return absl::OkStatus();
   }
   std::cout << absl::StrFormat("%s: %d trials, %d frames\n", flags.out, trials,
                                frames);
+  if (skin) std::cout << SkinText(*skin);
+  std::cout << absl::StrFormat(
+      "conditions: %d, groups: %d, trials with poses: %d\n", conditions.size(),
+      groups.size(), with_poses);
   for (const auto& [label, count] : counts) {
     std::cout << absl::StrFormat("%6d  %s\n", count, label);
   }
@@ -56,8 +81,16 @@ absl::Status Run(const Flags& flags) {
 void AddImport(CLI::App& app, const SelectCommand& select) {
   auto flags = std::make_shared<Flags>();
   CLI::App* command = app.add_subcommand(
-      "import", "Read recordings (folder of .npy or .csv, or one .csv)");
-  command->add_option("source", flags->path, "Folder or CSV file")->required();
+      "import",
+      "Read recordings: a folder with a skin.json (docs/your-own-skin.md), CSV "
+      "files of signals, or a trial file");
+  command->add_option("source", flags->path, "Folder or file")->required();
+  command->add_option("--skin", flags->options.skin,
+                      "skin.json of a folder that has none, or a new skin for "
+                      "a trial file");
+  command->add_option("--table", flags->options.table,
+                      "Table of the folder's trials, instead of the one that "
+                      "skin.json names");
   command->add_option("--out", flags->out, "Trial file to write")->required();
   command->add_flag("--json", flags->json, "Print one JSON object on stdout");
   command->callback([=] { select([=] { return Run(*flags); }); });

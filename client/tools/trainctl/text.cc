@@ -1,10 +1,12 @@
 #include "client/tools/trainctl/text.h"
 
+#include <algorithm>
 #include <cmath>
 #include <ctime>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "core/data/trial.h"
 
 namespace tactus::client {
 
@@ -57,6 +59,16 @@ std::string FeltContacts(int felt, int trials) {
   return absl::StrFormat("%s felt contacts; %s of %s were never felt",
                          WithCommas(felt), WithCommas(trials - felt),
                          WithCommas(trials));
+}
+
+std::string SkinText(const SkinLayout& skin) {
+  const auto masked = std::count(skin.mask.begin(), skin.mask.end(), 0);
+  return absl::StrFormat(
+      "skin %s: %d x %d taxels%s%s, %s; contact from %g, onset from %g\n",
+      skin.name, skin.rows, skin.columns,
+      skin.wrap_columns ? ", columns wrapped" : "",
+      masked > 0 ? absl::StrFormat(", %d masked", masked) : "",
+      UnitText(skin.unit), skin.contact_threshold, skin.onset_threshold);
 }
 
 Json IntervalToJson(const Interval& interval) {

@@ -20,6 +20,7 @@
 
 #include "client/tools/json.h"
 #include "core/eval/metrics.h"
+#include "core/skin/layout.h"
 
 namespace tactus::client {
 
@@ -43,6 +44,10 @@ std::string PercentOf(int right, int count);
 // The denominator of an accuracy: the contacts that the skin felt, and how many
 // of all trials it never felt.
 std::string FeltContacts(int felt, int trials);
+
+// One line on a skin: its name, shape, unit and thresholds. Ends with a
+// newline.
+std::string SkinText(const SkinLayout& skin);
 
 // [low, high], as JSON.
 Json IntervalToJson(const Interval& interval);

@@ -1,5 +1,6 @@
 #include "core/data/npz.h"
 
+#include "absl/strings/escaping.h"
 #include "core/base/errors.h"
 #include "core/base/random.h"
 #include "core/data/npy_write.h"
@@ -150,6 +151,91 @@ TEST(NpzTest, FilesAreRead) {
   EXPECT_THAT(arrays->at("a").f64, ElementsAre(7));
   EXPECT_EQ(ReasonOf(ReadNpz(dir / "none.npz").status()), "IO");
 }
+
+TEST(NpzTest, ANamedArrayIsReadWhateverTheOthersHold) {
+  std::string pickle = Doubles({1});
+  pickle.replace(pickle.find("'<f8'"), 5, "'|O' ");
+  const auto bytes = NpzBytes({{"model", pickle}, {"frames", Doubles({7})}});
+  const auto frames = ParseNpz("a.npz", *bytes, "frames");
+  ASSERT_TRUE(frames.ok()) << frames.status();
+  EXPECT_THAT(frames->f64, ElementsAre(7));
+}
+
+// numpy.savez and numpy.savez_compressed of NumPy 1.24 for
+// frames=numpy.arange(12, dtype="<i2").reshape(3, 4) - 5 and
+// time=numpy.array([0, .1, .2]).
+constexpr char kStored[] =
+    "UEsDBBQAAAAAAAAAIQCApUcLmAAAAJgAAAAKABQAZnJhbWVzLm5weQEAEACYAAAAAAAAAJgA"
+    "AAAAAAAAk05VTVBZAQB2AHsnZGVzY3InOiAnPGkyJywgJ2ZvcnRyYW5fb3JkZXInOiBGYWxz"
+    "ZSwgJ3NoYXBlJzogKDMsIDQpLCB9ICAgICAgICAgICAgICAgICAgICAgICAgICAgICAgICAg"
+    "ICAgICAgICAgICAgICAgICAgICAgICAgIAr7//z//f/+////AAABAAIAAwAEAAUABgBQSwME"
+    "FAAAAAAAAAAhAON6lDqYAAAAmAAAAAgAFAB0aW1lLm5weQEAEACYAAAAAAAAAJgAAAAAAAAA"
+    "k05VTVBZAQB2AHsnZGVzY3InOiAnPGY4JywgJ2ZvcnRyYW5fb3JkZXInOiBGYWxzZSwgJ3No"
+    "YXBlJzogKDMsKSwgfSAgICAgICAgICAgICAgICAgICAgICAgICAgICAgICAgICAgICAgICAg"
+    "ICAgICAgICAgICAgICAgICAgIAoAAAAAAAAAAJqZmZmZmbk/mpmZmZmZyT9QSwECFAMUAAAA"
+    "AAAAACEAgKVHC5gAAACYAAAACgAAAAAAAAAAAAAAgAEAAAAAZnJhbWVzLm5weVBLAQIUAxQA"
+    "AAAAAAAAIQDjepQ6mAAAAJgAAAAIAAAAAAAAAAAAAACAAdQAAAB0aW1lLm5weVBLBQYAAAAA"
+    "AgACAG4AAACmAQAAAAA=";
+constexpr char kDeflated[] =
+    "UEsDBBQAAAAIAAAAIQCApUcLXwAAAJgAAAAKABQAZnJhbWVzLm5weQEAEACYAAAAAAAAAF8A"
+    "AAAAAAAAm+wX6hsQychQxlCtnpJanFykbqWgbpNppK6joJ6WX1RSlJgXn1+UkgoSd0vMKU4F"
+    "ihdnJBakAvkaxjoKJpo6CrUKZAOu3////P/7/9////8ZGBgZmBiYGVgYWBnYGABQSwMEFAAA"
+    "AAgAAAAhAON6lDpQAAAAmAAAAAgAFAB0aW1lLm5weQEAEACYAAAAAAAAAFAAAAAAAAAAm+wX"
+    "6hsQychQxlCtnpJanFykbqWgbpNmoa6joJ6WX1RSlJgXn1+UkgoSd0vMKU4FihdnJBakAvka"
+    "xjqaOgq1ChQALgYomDUTBHbaQ+iT9gBQSwECFAMUAAAACAAAACEAgKVHC18AAACYAAAACgAA"
+    "AAAAAAAAAAAAgAEAAAAAZnJhbWVzLm5weVBLAQIUAxQAAAAIAAAAIQDjepQ6UAAAAJgAAAAI"
+    "AAAAAAAAAAAAAACAAZsAAAB0aW1lLm5weVBLBQYAAAAAAgACAG4AAAAlAQAAAAA=";
+
+class NamedArrayTest : public testing::TestWithParam<const char*> {
+ protected:
+  NamedArrayTest() { absl::Base64Unescape(GetParam(), &bytes_); }
+
+  std::string bytes_;
+};
+
+TEST_P(NamedArrayTest, ReadsWhatNumpyWrites) {
+  const auto frames = ParseNpz("a.npz", bytes_, "frames");
+  ASSERT_TRUE(frames.ok()) << frames.status();
+  EXPECT_THAT(frames->shape, ElementsAre(3, 4));
+  EXPECT_THAT(frames->f64,
+              ElementsAre(-5, -4, -3, -2, -1, 0, 1, 2, 3, 4, 5, 6));
+  const auto time = ParseNpz("a.npz", bytes_, "time.npy");
+  ASSERT_TRUE(time.ok()) << time.status();
+  EXPECT_THAT(time->f64, ElementsAre(0, 0.1, 0.2));
+}
+
+TEST_P(NamedArrayTest, NamesTheArraysThatThereAre) {
+  for (const char* name : {"", "taxels"}) {
+    const absl::Status status = ParseNpz("a.npz", bytes_, name).status();
+    EXPECT_EQ(ReasonOf(status), "TRIAL_FILE_INVALID");
+    EXPECT_THAT(std::string(status.message()),
+                HasSubstr("name one of frames, time"));
+  }
+}
+
+// A changed or missing byte is an error or changes nothing, never other
+// numbers.
+TEST_P(NamedArrayTest, DamageIsNotTakenForNumbers) {
+  const auto good = ParseNpz("a.npz", bytes_, "frames")->f64;
+  int refused = 0;
+  for (size_t i = 0; i < bytes_.size(); ++i) {
+    for (const char flip : {'\x01', '\xff'}) {
+      std::string damaged = bytes_;
+      damaged[i] = static_cast<char>(damaged[i] ^ flip);
+      const auto got = ParseNpz("a.npz", damaged, "frames");
+      if (got.ok()) {
+        EXPECT_EQ(got->f64, good) << i;
+      } else {
+        ++refused;
+      }
+    }
+    EXPECT_FALSE(ParseNpz("a.npz", bytes_.substr(0, i), "frames").ok()) << i;
+  }
+  EXPECT_GT(refused, 100);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, NamedArrayTest,
+                         testing::Values(kStored, kDeflated));
 
 }  // namespace
 }  // namespace tactus

@@ -1,0 +1,74 @@
+// File: skin_file.h
+//
+// SkinFile: a `skin.json`, which says how a folder of recordings is imported:
+// the skin, the meaning of its numbers, and the names of the table's columns
+// (docs/formats.md, "Your own recordings").
+//
+//   TACTUS_ASSIGN_OR_RETURN(SkinFile skin, ReadSkinFile("mine/skin.json"));
+//   skin.layout.rows;
+//
+// Plain data; thread-safe.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "core/skin/layout.h"
+
+namespace tactus {
+
+// What becomes of values below zero.
+enum class NegativeValues { kRefused, kZero, kAbsolute };
+
+// How events become frames: the number of events of a frame, their sum since
+// the beginning, or the value of the last one.
+enum class EventRule { kNone, kCount, kSum, kHold };
+
+struct SkinFile {
+  // Without thresholds (0) if they come from idle frames.
+  SkinLayout layout;
+  bool thresholds_from_idle = false;
+  // The skin is untouched in this many first frames of each trial.
+  int idle_frames = 0;
+  // Or: this fraction of the taxels, those with the least load, is untouched
+  // in each trial.
+  double idle_taxels = 0;
+  // 0: the table has a column.
+  double sample_rate_hz = 0;
+  // A value in `unit` is scale * (number - baseline), or with `pressing_lowers`
+  // scale * (baseline - number).
+  double scale = 1;
+  double baseline = 0;
+  // The baseline of each taxel is its mean over the idle frames of its trial.
+  bool baseline_from_idle = false;
+  bool pressing_lowers = false;
+  NegativeValues negative_values = NegativeValues::kRefused;
+  EventRule events = EventRule::kNone;
+  // Seconds per unit of the files' times.
+  double time_scale_s = 1;
+  // Of HDF5 and .npz files, where the table names none.
+  std::string dataset;
+  // The table of trials.
+  std::string table = "trials.csv";
+  // What the fields of a trial are made of, e.g. {"label", "{material}"}.
+  std::map<std::string, std::string> fields;
+  // For each number of a frame its taxel, row-major; empty: in order.
+  std::vector<int> cells;
+
+  // Numbers of one frame in the files.
+  size_t frame_size() const {
+    return cells.empty() ? static_cast<size_t>(layout.taxels()) : cells.size();
+  }
+};
+
+// The fields of a trial that a table may have.
+const std::vector<absl::string_view>& TableFields();
+
+// IO if the file, or the one with the positions of taxels, cannot be read;
+// TRIAL_FILE_INVALID with the file and the field for anything else.
+absl::StatusOr<SkinFile> ReadSkinFile(const std::string& path);
+
+}  // namespace tactus
