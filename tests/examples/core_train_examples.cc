@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/status_macros.h"
+#include "core/eval/auto_preset.h"
 #include "core/eval/evaluate.h"
 #include "core/eval/evaluate_nearest.h"
 #include "core/eval/evaluation.h"
@@ -46,6 +47,17 @@ absl::Status ContactSetExample(const LabelledContact& first,
                                const Model& model) {
   TACTUS_RETURN_IF_ERROR(CheckOneSkin(first, contact));
   TACTUS_RETURN_IF_ERROR(CheckFits(contact, model));
+  return absl::OkStatus();
+}
+
+absl::Status AutoPresetExample(const Contacts& contacts,
+                               const FitOptions& tuned,
+                               const FitOptions& profile) {
+  TACTUS_ASSIGN_OR_RETURN(
+      const PresetChoice choice,
+      ChoosePreset(contacts, {{"tuned", tuned}, {"profile", profile}},
+                   RunSerially));
+  FitModel(contacts, choice.options, RunSerially);
   return absl::OkStatus();
 }
 

@@ -7,18 +7,22 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "core/base/run_on_threads.h"
 #include "client/tools/figures/figure.h"
+#include "client/tools/trainctl/chosen_preset.h"
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/evaluate_figures.h"
+#include "client/tools/trainctl/evaluate_page.h"
 #include "client/tools/trainctl/evaluate_report.h"
 #include "client/tools/trainctl/exit_code.h"
 #include "client/tools/trainctl/fit_flags.h"
 #include "client/tools/trainctl/progress_display.h"
 #include "client/tools/trainctl/text.h"
 #include "core/base/errors.h"
+#include "core/base/run_on_threads.h"
 #include "core/base/status_macros.h"
+#include "core/data/draft_file.h"
 #include "core/eval/unknown.h"
+#include "core/train/contact_set.h"
 
 namespace tactus::client {
 namespace {
@@ -34,6 +38,7 @@ struct Flags {
   std::string algorithm;
   std::string layout;
   std::string figures;
+  std::string report;
   bool json = false;
   FitFlags fit;
 };
@@ -60,9 +65,12 @@ absl::Status Check(const Flags& flags) {
                          "given with --protocol=k-fold only");
   }
   if (flags.protocol == kLeaveOneCategoryOut &&
-      !(flags.algorithm.empty() && flags.figures.empty())) {
+      !(flags.algorithm.empty() && flags.figures.empty() &&
+        flags.report.empty())) {
     return InvalidConfig(
-        flags.algorithm.empty() ? "--figures" : "--algorithm",
+        !flags.algorithm.empty() ? "--algorithm"
+        : !flags.figures.empty() ? "--figures"
+                                 : "--report",
         absl::StrCat("given with ", kLeaveOneCategoryOut),
         "absent: the HMMs alone estimate the probability of unknown");
   }
@@ -86,25 +94,26 @@ absl::Status Draw(const Flags& flags, const Evaluation& result) {
 // Measures how well `unknown` detects contacts of a category that was left out
 // of training.
 absl::Status RunUnknown(const Flags& flags) {
-  TACTUS_ASSIGN_OR_RETURN(const FitOptions options, flags.fit.Options());
   ProgressDisplay display;
   TACTUS_ASSIGN_OR_RETURN(
       const LoadedContacts loaded,
       LoadContacts(flags.data, flags.layout, display.progress()));
-  std::vector<const LabelledContact*> contacts = loaded.Pointers();
-  flags.fit.SkipUnusable(options, contacts);
-  TACTUS_ASSIGN_OR_RETURN(
-      const auto results,
-      EvaluateUnknown(contacts, options, RunOnThreads, display.progress()));
+  TACTUS_ASSIGN_OR_RETURN(const ChosenOptions chosen,
+                          ChooseOptions(flags.fit, loaded, display.progress()));
+  TACTUS_ASSIGN_OR_RETURN(const auto results,
+                          EvaluateUnknown(chosen.contacts, chosen.options,
+                                          RunOnThreads, display.progress()));
   display.Clear();
   if (flags.json) {
     std::cout << JsonText(Json({{"protocol", flags.protocol},
                                 {"seed", flags.fit.seed},
+                                {"preset", chosen.preset},
+                                {"choice", ChoiceToJson(chosen)},
                                 {"categories", UnknownToJson(results)},
                                 {"seconds", SecondsSinceStart()}}))
               << "\n";
   } else {
-    std::cout << UnknownText(results)
+    std::cout << ChoiceText(chosen) << UnknownText(results)
               << absl::StrFormat("seed %d, %.1f s\n", flags.fit.seed,
                                  SecondsSinceStart());
   }
@@ -115,81 +124,124 @@ absl::Status RunUnknown(const Flags& flags) {
 struct Run {
   Evaluation result;
   std::string features;
+  // Empty of a bundle.
+  ChosenOptions chosen;
 };
 
 absl::StatusOr<Run> RunProtocol(const Flags& flags,
                                 const LoadedContacts& loaded,
                                 const Progress& progress) {
-  TACTUS_ASSIGN_OR_RETURN(const FitOptions options, flags.fit.Options());
+  // Nearest neighbours are not fitted by a preset.
+  FitFlags fit = flags.fit;
+  if (flags.algorithm == "1nn" && fit.preset.empty()) fit.preset = "tuned";
+  TACTUS_ASSIGN_OR_RETURN(ChosenOptions chosen,
+                          ChooseOptions(fit, loaded, progress));
+  const FitOptions& options = chosen.options;
   TACTUS_ASSIGN_OR_RETURN(const Algorithm algorithm,
                           ChosenAlgorithm(flags, options.lstm.networks > 0));
   TACTUS_ASSIGN_OR_RETURN(
       const Protocol protocol,
       ParseProtocol(flags.protocol,
                     flags.folds.value_or(Protocol::kDefaultFolds)));
-  std::vector<const LabelledContact*> contacts = loaded.Pointers();
-  flags.fit.SkipUnusable(options, contacts);
   TACTUS_ASSIGN_OR_RETURN(Evaluation result,
-                          EvaluateProtocol(contacts, protocol, algorithm,
+                          EvaluateProtocol(chosen.contacts, protocol, algorithm,
                                            options, RunOnThreads, progress));
-  return Run{std::move(result), FeaturesToString(options.features)};
+  return Run{std::move(result), FeaturesToString(options.features),
+             std::move(chosen)};
 }
 
-absl::StatusOr<Run> RunModel(const Flags& flags, const LoadedContacts& loaded,
+absl::StatusOr<Run> RunModel(const Flags& flags,
+                             const std::shared_ptr<const CompiledModel>& model,
+                             const LoadedContacts& loaded,
                              const Progress& progress) {
-  TACTUS_ASSIGN_OR_RETURN(const auto model, LoadModel(flags.model));
+  for (const LabelledContact& contact : loaded.contacts) {
+    TACTUS_RETURN_IF_ERROR(CheckFits(contact, model->model()));
+  }
   TACTUS_ASSIGN_OR_RETURN(const Algorithm algorithm,
                           ChosenAlgorithm(flags, !model->lstms().empty()));
   TACTUS_ASSIGN_OR_RETURN(Evaluation result,
                           EvaluateModel(model, loaded.Pointers(), algorithm,
                                         RunOnThreads, progress));
   return Run{std::move(result),
-             FeaturesToString(FeaturesUsed(model->model().inputs))};
+             FeaturesToString(FeaturesUsed(model->model().inputs)),
+             {}};
 }
 
-void Print(const Flags& flags, const Run& run, int trials) {
+std::string Title(const Flags& flags, const Run& run) {
+  const bool reduced =
+      flags.algorithm == "fused" && run.result.algorithm != Algorithm::kFused;
+  return absl::StrFormat(
+      "%s, %s%s, features %s",
+      flags.model.empty()
+          ? flags.protocol
+          : std::filesystem::path(flags.model).filename().string(),
+      AlgorithmName(run.result.algorithm),
+      reduced ? " (there is no LSTM to fuse)" : "", run.features);
+}
+
+void Print(const Flags& flags, const Run& run, const Json& evaluation,
+           int trials) {
   const bool fitted = flags.model.empty();
-  const Json evaluation = EvaluationToJson(run.result, trials);
   if (flags.json) {
     Json json = {{"protocol", fitted ? flags.protocol : "model"}};
     json["features"] = run.features;
     json.update(evaluation);
-    if (fitted) json["seed"] = flags.fit.seed;
+    if (fitted) {
+      json["preset"] = run.chosen.preset;
+      json["choice"] = ChoiceToJson(run.chosen);
+      json["seed"] = flags.fit.seed;
+    }
     json["seconds"] = SecondsSinceStart();
     std::cout << JsonText(json) << "\n";
     return;
   }
-  const bool reduced =
-      flags.algorithm == "fused" && run.result.algorithm != Algorithm::kFused;
-  std::cout << absl::StrFormat(
-                   "%s, %s%s, features %s: ",
-                   fitted
-                       ? flags.protocol
-                       : std::filesystem::path(flags.model).filename().string(),
-                   AlgorithmName(run.result.algorithm),
-                   reduced ? " (there is no LSTM to fuse)" : "", run.features)
+  std::cout << ChoiceText(run.chosen) << Title(flags, run) << ": "
             << EvaluationText(evaluation);
-  if (fitted) std::cout << absl::StrFormat("seed %d, ", flags.fit.seed);
+  if (fitted) {
+    std::cout << absl::StrFormat("preset %s, seed %d, ", run.chosen.preset,
+                                 flags.fit.seed);
+  }
   std::cout << absl::StrFormat("%s trials, %.1f s\n", WithCommas(trials),
                                SecondsSinceStart());
+}
+
+absl::Status WritePage(const Flags& flags, const Run& run,
+                       const LoadedContacts& loaded, const Json& evaluation) {
+  std::error_code error;
+  std::filesystem::create_directories(flags.report, error);
+  if (error) return IoError(flags.report, error.message());
+  return WriteFileBytes(
+      (std::filesystem::path(flags.report) / "index.html").string(),
+      EvaluationPage(
+          absl::StrCat(Title(flags, run), ", ", flags.data), evaluation,
+          WorstTrials(run.result, flags.model.empty() ? run.chosen.contacts
+                                                      : loaded.Pointers())));
 }
 
 absl::Status RunEvaluate(const Flags& flags) {
   TACTUS_RETURN_IF_ERROR(Check(flags));
   if (flags.protocol == kLeaveOneCategoryOut) return RunUnknown(flags);
+  std::shared_ptr<const CompiledModel> model;
+  if (!flags.model.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(model, LoadModel(flags.model));
+  }
   ProgressDisplay display;
   TACTUS_ASSIGN_OR_RETURN(
       const LoadedContacts loaded,
-      LoadContacts(flags.data, flags.layout, display.progress()));
-  TACTUS_ASSIGN_OR_RETURN(const Run run,
-                          flags.model.empty()
-                              ? RunProtocol(flags, loaded, display.progress())
-                              : RunModel(flags, loaded, display.progress()));
+      LoadContacts(flags.data, flags.layout, display.progress(),
+                   model ? model->model().release_after_s : kNeverReleased));
+  TACTUS_ASSIGN_OR_RETURN(
+      const Run run, model ? RunModel(flags, model, loaded, display.progress())
+                           : RunProtocol(flags, loaded, display.progress()));
   display.Clear();
   if (!flags.figures.empty()) {
     TACTUS_RETURN_IF_ERROR(Draw(flags, run.result));
   }
-  Print(flags, run, loaded.trials);
+  const Json evaluation = EvaluationToJson(run.result, loaded.trials);
+  if (!flags.report.empty()) {
+    TACTUS_RETURN_IF_ERROR(WritePage(flags, run, loaded, evaluation));
+  }
+  Print(flags, run, evaluation, loaded.trials);
   return absl::OkStatus();
 }
 
@@ -210,9 +262,12 @@ void AddEvaluate(CLI::App& app, const SelectCommand& select) {
                       "fused, hmm, lstm or 1nn; default: what a server would "
                       "answer with, which is fused if there are LSTMs");
   command->add_option("--layout", flags->layout,
-                      "JSON file with a skin that is no preset");
+                      "JSON file with the skin of trials that carry none");
   command->add_option("--figures", flags->figures,
                       "Folder for figures of accuracy and reliability");
+  command->add_option("--report", flags->report,
+                      "Folder for index.html: confusion matrix, recall and "
+                      "precision per class, accuracy over time, worst trials");
   command->add_flag("--json", flags->json, "Print one JSON object on stdout");
   flags->fit.Add(*command);
   command->callback([=] { select([=] { return RunEvaluate(*flags); }); });

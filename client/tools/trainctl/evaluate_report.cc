@@ -97,14 +97,117 @@ std::string DecisionLine(const Json& d, int felt) {
       d["median_seconds"].get<double>());
 }
 
+// One object a class: how many of its contacts were right, and how many of the
+// answers that named it.
+Json PerClass(const std::vector<std::string>& names,
+              const Confusion& confusion) {
+  Json classes = Json::array();
+  for (size_t k = 0; k < names.size(); ++k) {
+    int contacts = 0;
+    int answers = 0;
+    for (size_t i = 0; i < names.size(); ++i) {
+      contacts += confusion[k][i];
+      answers += confusion[i][k];
+    }
+    const int right = confusion[k][k];
+    const auto fraction = [right](int of) {
+      return of == 0 ? Json(nullptr) : Json(static_cast<double>(right) / of);
+    };
+    classes.push_back(
+        {{"class", names[k]},
+         {"contacts", contacts},
+         {"right", right},
+         {"recall", fraction(contacts)},
+         {"recall_interval", IntervalToJson(WilsonInterval(right, contacts))},
+         {"answers", answers},
+         {"precision", fraction(answers)}});
+  }
+  return classes;
+}
+
+// Pairs of label and wrong answer, the most frequent first.
+Json TopConfusions(const std::vector<std::string>& names,
+                   const Confusion& confusion) {
+  constexpr size_t kMost = 10;
+  struct Pair {
+    size_t label;
+    size_t answer;
+    int count;
+  };
+  std::vector<Pair> pairs;
+  for (size_t i = 0; i < names.size(); ++i) {
+    for (size_t k = 0; k < names.size(); ++k) {
+      if (i != k && confusion[i][k] > 0)
+        pairs.push_back({i, k, confusion[i][k]});
+    }
+  }
+  std::stable_sort(
+      pairs.begin(), pairs.end(),
+      [](const Pair& a, const Pair& b) { return a.count > b.count; });
+  pairs.resize(std::min(pairs.size(), kMost));
+  Json list = Json::array();
+  for (const Pair& pair : pairs) {
+    list.push_back({{"label", names[pair.label]},
+                    {"answer", names[pair.answer]},
+                    {"count", pair.count}});
+  }
+  return list;
+}
+
+std::string RecallLines(const Json& per_class) {
+  size_t width = 0;
+  std::vector<Json> classes(per_class.begin(), per_class.end());
+  for (const Json& c : classes) {
+    width = std::max(width, c["class"].get<std::string>().size());
+  }
+  std::stable_sort(
+      classes.begin(), classes.end(), [](const Json& a, const Json& b) {
+        // No recall is no worst recall.
+        return a["recall"].is_number() &&
+               (!b["recall"].is_number() ||
+                a["recall"].get<double>() < b["recall"].get<double>());
+      });
+  std::string text = "Recall per class, the worst first:\n";
+  for (const Json& c : classes) {
+    absl::StrAppendFormat(
+        &text, "  %-*s  %s of %d\n", static_cast<int>(width),
+        c["class"].get<std::string>(),
+        PercentOf(c["right"].get<int>(), c["contacts"].get<int>()),
+        c["contacts"].get<int>());
+  }
+  return text;
+}
+
+std::string ConfusionLines(const Json& confusions) {
+  if (confusions.empty()) return "";
+  constexpr size_t kShown = 5;
+  std::string text = "Most frequent confusions:\n";
+  for (size_t i = 0; i < std::min(confusions.size(), kShown); ++i) {
+    const Json& pair = confusions[i];
+    absl::StrAppendFormat(
+        &text, "  %s taken for %s: %d\n", pair["label"].get<std::string>(),
+        pair["answer"].get<std::string>(), pair["count"].get<int>());
+  }
+  return text;
+}
+
 std::string ConfusionTable(const Json& classes, const Json& confusion) {
   constexpr size_t kMinWidth = 8;
   size_t width = kMinWidth;
   for (const auto& name : classes) {
     width = std::max(width, name.get<std::string>().size() + 1);
   }
+  constexpr size_t kMaxWidth = 100;
+  const size_t total = width * (classes.size() + 1);
+  if (total > kMaxWidth) {
+    return absl::StrFormat(
+        "The confusion matrix is %d characters wide; --report=FOLDER writes "
+        "it.\n",
+        total);
+  }
   const int columns = static_cast<int>(width);
-  std::string text = absl::StrFormat("%*s", columns, "");
+  std::string text = "Rows are labels, columns are answers:\n";
+  absl::StrAppendFormat(&text, "%*s", columns, "");
   for (const auto& name : classes) {
     absl::StrAppendFormat(&text, "%*s", columns, name.get<std::string>());
   }
@@ -124,6 +227,8 @@ std::string ConfusionTable(const Json& classes, const Json& confusion) {
 Json EvaluationToJson(const Evaluation& result, int trials) {
   const int felt = static_cast<int>(result.final.size());
   const int right = CountRight(result.final);
+  const Confusion confusion =
+      CountConfusion(result.final, static_cast<int>(result.class_names.size()));
   Json accuracy_at = Json::object();
   Json interval_at = Json::object();
   Json ece_at = Json::object();
@@ -151,9 +256,9 @@ Json EvaluationToJson(const Evaluation& result, int trials) {
           {"accuracy_interval_at", interval_at},
           {"parts_accuracy_at", parts},
           {"classes", result.class_names},
-          {"confusion",
-           CountConfusion(result.final,
-                          static_cast<int>(result.class_names.size()))},
+          {"confusion", confusion},
+          {"per_class", PerClass(result.class_names, confusion)},
+          {"confusions", TopConfusions(result.class_names, confusion)},
           {"ece", ExpectedCalibrationError(result.final)},
           {"ece_at", ece_at},
           {"decision", ToJson(result.decisions)},
@@ -176,7 +281,8 @@ std::string EvaluationText(const Json& r) {
     text += ErrorLine("log10 of stiffness (N/m)", e["log10_stiffness"], 1);
     text += ErrorLine("distance moved (mm)", e["moved_m"], 1000);
   }
-  return absl::StrCat(text, "Rows are labels, columns are answers:\n",
+  return absl::StrCat(text, RecallLines(r["per_class"]),
+                      ConfusionLines(r["confusions"]),
                       ConfusionTable(r["classes"], r["confusion"]));
 }
 

@@ -23,7 +23,8 @@ namespace tactus::client {
 // felt. Absent estimates and decisions are null.
 Json EvaluationToJson(const Evaluation& result, int trials);
 
-// Several lines, from the accuracy to the confusion matrix. Ends with a
+// Several lines, from the accuracy over the recall of each class to the
+// confusion matrix, if that is not too wide for a terminal. Ends with a
 // newline.
 std::string EvaluationText(const Json& evaluation);
 

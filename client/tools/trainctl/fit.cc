@@ -2,10 +2,11 @@
 #include <iostream>
 
 #include "absl/strings/str_format.h"
-#include "core/base/run_on_threads.h"
+#include "client/tools/trainctl/chosen_preset.h"
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/fit_flags.h"
 #include "client/tools/trainctl/progress_display.h"
+#include "core/base/run_on_threads.h"
 #include "core/base/status_macros.h"
 #include "core/base/version.h"
 #include "core/bundle/bundle.h"
@@ -19,22 +20,24 @@ struct Flags {
   std::string out;
   std::string layout;
   std::string note;
+  double release_after_s = kDefaultReleaseAfterS;
   bool json = false;
   FitFlags fit;
 };
 
 absl::Status Run(const Flags& flags) {
-  TACTUS_ASSIGN_OR_RETURN(const FitOptions options, flags.fit.Options());
   ProgressDisplay display;
   TACTUS_ASSIGN_OR_RETURN(
       const LoadedContacts loaded,
       LoadContacts(flags.data, flags.layout, display.progress()));
-  std::vector<const LabelledContact*> contacts = loaded.Pointers();
-  const std::vector<std::string> unusable =
-      flags.fit.SkipUnusable(options, contacts);
-  TACTUS_ASSIGN_OR_RETURN(Model model, FitModel(contacts, options, RunOnThreads,
-                                                display.progress()));
+  TACTUS_ASSIGN_OR_RETURN(const ChosenOptions chosen,
+                          ChooseOptions(flags.fit, loaded, display.progress()));
+  const FitOptions& options = chosen.options;
+  TACTUS_ASSIGN_OR_RETURN(
+      Model model,
+      FitModel(chosen.contacts, options, RunOnThreads, display.progress()));
   display.Clear();
+  model.release_after_s = flags.release_after_s;
   model.provenance.command = CommandLine();
   model.provenance.version = kVersion;
   model.provenance.data = flags.data;
@@ -47,20 +50,27 @@ absl::Status Run(const Flags& flags) {
                                {"bytes", bytes.size()},
                                {"trials", loaded.trials},
                                {"undetectable", loaded.undetectable},
-                               {"unusable", unusable},
+                               {"unusable", chosen.unusable},
                                {"classes", model.class_names},
                                {"features", FeaturesToString(options.features)},
+                               {"preset", chosen.preset},
+                               {"choice", ChoiceToJson(chosen)},
                                {"seed", options.seed},
                                {"seconds", SecondsSinceStart()}})
               << "\n";
   } else {
-    std::cout << absl::StrFormat(
-        "%s: %d bytes, %d trials, %d undetectable, %sseed %d, %.1f s\n"
-        "sha256 %s\n",
-        flags.out, bytes.size(), loaded.trials, loaded.undetectable,
-        unusable.empty() ? ""
-                         : absl::StrFormat("%d unusable, ", unusable.size()),
-        options.seed, SecondsSinceStart(), BundleSha256(bytes));
+    std::cout << ChoiceText(chosen)
+              << absl::StrFormat(
+                     "%s: preset %s, %d bytes, %d trials, %d undetectable, "
+                     "%sseed %d, %.1f s\n"
+                     "sha256 %s\n",
+                     flags.out, chosen.preset, bytes.size(), loaded.trials,
+                     loaded.undetectable,
+                     chosen.unusable.empty()
+                         ? ""
+                         : absl::StrFormat("%d unusable, ",
+                                           chosen.unusable.size()),
+                     options.seed, SecondsSinceStart(), BundleSha256(bytes));
   }
   return absl::OkStatus();
 }
@@ -74,7 +84,12 @@ void AddFit(CLI::App& app, const SelectCommand& select) {
   command->add_option("--data", flags->data, "Trial file")->required();
   command->add_option("--out", flags->out, "Bundle to write")->required();
   command->add_option("--layout", flags->layout,
-                      "JSON file with a skin that is no preset");
+                      "JSON file with the skin of trials that carry none");
+  command
+      ->add_option("--release-after", flags->release_after_s,
+                   "Seconds without touch that end a contact when the bundle "
+                   "serves; -1: only the end of a trial ends it")
+      ->capture_default_str();
   command->add_option("--note", flags->note, "Free text for the provenance");
   command->add_flag("--json", flags->json, "Print one JSON object on stdout");
   flags->fit.Add(*command);

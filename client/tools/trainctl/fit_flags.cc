@@ -13,7 +13,9 @@ namespace tactus::client {
 
 void FitFlags::Add(CLI::App& command) {
   options_ = {
-      command.add_option("--preset", preset, "tuned, paper or profile"),
+      command.add_option("--preset", preset,
+                         "auto, tuned, paper or profile; default: auto for a "
+                         "skin without poses, else tuned"),
       command.add_option("--features", features,
                          "Features that models may use: any of f (force), m "
                          "(motion), a (area), like f,m"),
@@ -78,7 +80,7 @@ std::vector<std::string> FitFlags::SkipUnusable(
   return skipped;
 }
 
-absl::StatusOr<FitOptions> FitFlags::Options() const {
+absl::StatusOr<FitOptions> FitFlags::Options(const std::string& preset) const {
   TACTUS_ASSIGN_OR_RETURN(FitOptions options, FitPreset(preset));
   TACTUS_ASSIGN_OR_RETURN(options.features, ParseFeatures(features));
   options.seed = seed;

@@ -4,7 +4,7 @@
 //
 //   FitFlags flags;
 //   flags.Add(*command);
-//   TACTUS_ASSIGN_OR_RETURN(FitOptions options, flags.Options());
+//   TACTUS_ASSIGN_OR_RETURN(FitOptions options, flags.Options("tuned"));
 //
 // The command line writes to the FitFlags, which must not move after Add(). Not
 // thread-safe.
@@ -21,7 +21,8 @@
 namespace tactus::client {
 
 struct FitFlags {
-  std::string preset = "tuned";
+  // Empty: as chosen_preset.h says.
+  std::string preset;
   std::string features = "f,m,a";
   uint64_t seed = 1;
   int states = 0;
@@ -38,8 +39,8 @@ struct FitFlags {
   // Returns the first of these flags that was given, like "--preset"; empty if
   // none was.
   std::string FirstGiven() const;
-  // Returns the preset, changed as the other flags say.
-  absl::StatusOr<FitOptions> Options() const;
+  // Returns the options of a preset, changed as the other flags say.
+  absl::StatusOr<FitOptions> Options(const std::string& preset) const;
   // With --skip-unusable, removes the contacts that models cannot be fitted to
   // (usable.h), and returns their ids.
   std::vector<std::string> SkipUnusable(

@@ -4,13 +4,13 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "core/base/run_on_threads.h"
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/progress_display.h"
 #include "client/tools/trainctl/reproduce_data.h"
 #include "client/tools/trainctl/reproduce_report.h"
 #include "client/tools/trainctl/text.h"
 #include "core/base/errors.h"
+#include "core/base/run_on_threads.h"
 #include "core/base/status_macros.h"
 #include "core/eval/evaluate.h"
 

@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/run_on_threads.h"
 #include "client/tools/trainctl/simulate_jobs.h"
+#include "core/base/run_on_threads.h"
 #include "core/base/status_macros.h"
 #include "core/skin/layout.h"
 

@@ -5,11 +5,11 @@
 #include <optional>
 
 #include "absl/strings/str_format.h"
-#include "core/base/run_on_threads.h"
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/progress_display.h"
 #include "client/tools/trainctl/simulate_jobs.h"
 #include "client/tools/trainctl/simulate_one.h"
+#include "core/base/run_on_threads.h"
 #include "core/base/status_macros.h"
 #include "core/data/trial_file.h"
 #include "core/sim/experiments/paper_set.h"
