@@ -31,10 +31,11 @@ inline TrainctlRun RunTrainctl(const std::string& arguments) {
   const client::SelectCommand select = [&](client::Command chosen) {
     command = std::move(chosen);
   };
-  for (auto add : {client::AddSimulate, client::AddImport, client::AddFit,
-                   client::AddEvaluate, client::AddInspect, client::AddClassify,
-                   client::AddReproduce, client::AddExportModel,
-                   client::AddImportModel, client::AddExportTrials}) {
+  for (auto add :
+       {client::AddSimulate, client::AddImport, client::AddFit,
+        client::AddEvaluate, client::AddInspect, client::AddClassify,
+        client::AddSkin, client::AddReproduce, client::AddExportModel,
+        client::AddImportModel, client::AddExportTrials}) {
     add(app, select);
   }
   app.parse(arguments);

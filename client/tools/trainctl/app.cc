@@ -53,9 +53,9 @@ int RunTrainctl(int argc, char** argv) {
     command = std::move(chosen);
   };
   for (auto add : {AddSimulate, AddImport, AddFit, AddRemoteEvaluate,
-                   AddInspect, AddClassify, AddShow, AddReproduce, AddDatasets,
-                   AddTrain, AddJobs, AddModels, AddExportModel, AddImportModel,
-                   AddExportTrials, AddTokens, AddCompletion}) {
+                   AddInspect, AddClassify, AddShow, AddSkin, AddReproduce,
+                   AddDatasets, AddTrain, AddJobs, AddModels, AddExportModel,
+                   AddImportModel, AddExportTrials, AddTokens, AddCompletion}) {
     add(app, select);
   }
   for (const auto& [name, arguments] : kExamples) {

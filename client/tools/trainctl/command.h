@@ -35,6 +35,7 @@ void AddEvaluate(CLI::App& app, const SelectCommand& select);
 void AddInspect(CLI::App& app, const SelectCommand& select);
 void AddClassify(CLI::App& app, const SelectCommand& select);
 void AddReproduce(CLI::App& app, const SelectCommand& select);
+void AddSkin(CLI::App& app, const SelectCommand& select);
 void AddShow(CLI::App& app, const SelectCommand& select);
 void AddTokens(CLI::App& app, const SelectCommand& select);
 void AddExportModel(CLI::App& app, const SelectCommand& select);

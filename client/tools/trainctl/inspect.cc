@@ -1,22 +1,27 @@
 // trainctl inspect: prints the contents of a trial file or a bundle.
+#include <algorithm>
 #include <fstream>
 #include <iostream>
 #include <map>
 
-#include "absl/strings/str_format.h"
+#include "absl/strings/str_cat.h"
 #include "client/tools/trainctl/command.h"
+#include "client/tools/trainctl/contact_summary.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/bundle/bundle.h"
 #include "core/classify/input_spec.h"
 #include "core/data/file_bytes.h"
 #include "core/data/trial_file.h"
+#include "core/data/trial_layout.h"
+#include "core/skin/layout_json.h"
 
 namespace tactus::client {
 namespace {
 
 struct Flags {
   std::string path;
+  std::string layout;
   bool json = false;
 };
 
@@ -25,6 +30,18 @@ bool IsBundle(const std::string& path) {
   char magic[8] = {};
   file.read(magic, sizeof magic);
   return absl::string_view(magic, sizeof magic) == "TACTUSMB";
+}
+
+// Each cue once, in the order of the inputs.
+std::vector<std::string> CueNames(const std::vector<ModelInput>& inputs) {
+  std::vector<std::string> names;
+  for (const ModelInput& input : inputs) {
+    std::string name(CueName(input.cue));
+    if (std::find(names.begin(), names.end(), name) == names.end()) {
+      names.push_back(std::move(name));
+    }
+  }
+  return names;
 }
 
 absl::StatusOr<Json> InspectBundle(const std::string& path) {
@@ -45,6 +62,8 @@ absl::StatusOr<Json> InspectBundle(const std::string& path) {
               {"sha256", BundleSha256(bytes)},
               {"classes", model.class_names},
               {"features", FeaturesToString(FeaturesUsed(model.inputs))},
+              {"hmm_cues", CueNames(model.inputs.hmm)},
+              {"lstm_cues", CueNames(model.inputs.lstm)},
               {"sample_rate_hz", model.inputs.sample_rate_hz},
               {"hmms", hmms},
               {"lstms", model.lstms.size()},
@@ -52,6 +71,10 @@ absl::StatusOr<Json> InspectBundle(const std::string& path) {
                                       ? Json(nullptr)
                                       : Json(model.lstms[0].parameter_count())},
               {"layout", model.layout.name},
+              {"skin", model.layout.name.empty()
+                           ? Json("any")
+                           : Json::parse(LayoutToJson(model.layout))},
+              {"release_after_s", model.release_after_s},
               {"decision",
                {{"threshold", model.calibration.decision_threshold},
                 {"frames", model.calibration.decision_frames}}},
@@ -65,25 +88,57 @@ absl::StatusOr<Json> InspectBundle(const std::string& path) {
               {"warm_up", "passed"}};
 }
 
-absl::StatusOr<Json> InspectTrials(const std::string& path) {
+absl::StatusOr<Json> InspectTrials(const std::string& path,
+                                   const std::string& layout_path) {
+  SkinLayout given;
+  if (!layout_path.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(given, ReadLayoutFile(layout_path));
+  }
   TACTUS_ASSIGN_OR_RETURN(auto reader, TrialFileReader::Open(path));
   std::map<std::string, int> labels;
   std::map<std::string, int> conditions;
   std::map<std::string, int> materials;
   std::map<std::string, int> layouts;
+  std::map<std::string, int> rates;
+  // The trials of each skin, as JSON; "unknown" without one.
+  std::map<std::string, int> skins;
+  ContactSummary contacts;
   size_t frames = 0;
+  int with_poses = 0;
   for (size_t i = 0; i < reader.size(); ++i) {
     TACTUS_ASSIGN_OR_RETURN(const Trial trial, reader.Read(i));
     ++labels[trial.label];
     ++conditions[trial.condition];
     ++materials[trial.material];
     ++layouts[trial.layout];
+    ++rates[absl::StrCat(trial.sample_rate_hz)];
+    with_poses += !trial.poses.empty();
     frames += trial.time.size();
+    if (trial.taxels.empty()) continue;
+    const auto layout = LayoutOfTrial(trial, &given);
+    ++skins[layout.ok() ? LayoutToJson(*layout) : "unknown"];
+    if (layout.ok()) TACTUS_RETURN_IF_ERROR(contacts.Add(trial, *layout));
   }
-  return Json{{"kind", "trials"},      {"trials", reader.size()},
-              {"frames", frames},      {"counts", labels},
-              {"layouts", layouts},    {"conditions", conditions},
-              {"materials", materials}};
+  Json skin_list = Json::array();
+  for (const auto& [text, count] : skins) {
+    const Json skin = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+    skin_list.push_back(
+        {{"trials", count},
+         {"skin", skin.is_discarded()
+                      ? Json("unknown: no preset has this name; give --layout")
+                      : skin}});
+  }
+  return Json{{"kind", "trials"},
+              {"trials", reader.size()},
+              {"frames", frames},
+              {"counts", labels},
+              {"layouts", layouts},
+              {"skins", skin_list},
+              {"sample_rates_hz", rates},
+              {"with_poses", with_poses},
+              {"conditions", conditions},
+              {"materials", materials},
+              {"contacts", skins.empty() ? Json(nullptr) : contacts.ToJson()}};
 }
 
 absl::Status Run(const Flags& flags) {
@@ -91,7 +146,7 @@ absl::Status Run(const Flags& flags) {
   if (IsBundle(flags.path)) {
     TACTUS_ASSIGN_OR_RETURN(json, InspectBundle(flags.path));
   } else {
-    TACTUS_ASSIGN_OR_RETURN(json, InspectTrials(flags.path));
+    TACTUS_ASSIGN_OR_RETURN(json, InspectTrials(flags.path, flags.layout));
   }
   std::cout << JsonText(json, flags.json ? -1 : 2) << "\n";
   return absl::OkStatus();
@@ -102,8 +157,10 @@ absl::Status Run(const Flags& flags) {
 void AddInspect(CLI::App& app, const SelectCommand& select) {
   auto flags = std::make_shared<Flags>();
   CLI::App* command =
-      app.add_subcommand("inspect", "Tell what a trial file or bundle holds");
+      app.add_subcommand("inspect", "Print what a trial file or bundle holds");
   command->add_option("file", flags->path, "Trial file or bundle")->required();
+  command->add_option("--layout", flags->layout,
+                      "JSON file with the skin of trials that carry none");
   command->add_flag("--json", flags->json, "Print one JSON object on stdout");
   command->callback([=] { select([=] { return Run(*flags); }); });
 }
