@@ -79,7 +79,7 @@ absl::StatusOr<IdleEstimate> IdleNoise::Estimate() const {
   found.largest = *std::max_element(values_.begin(), values_.end());
   found.peak = Percentile(peaks_, 0.5);
   found.margin =
-      std::max((found.percentile_999 - found.median) / 2, found.peak / 100);
+      std::max((found.percentile_999 - found.median) / 2, found.peak / 50);
   found.contact_threshold = found.percentile_999 + found.margin;
   found.onset_threshold = found.contact_threshold + found.margin;
   if (!(found.contact_threshold <= found.peak / 2) || found.peak == 0) {

@@ -4,7 +4,7 @@
 //
 //   q = 99.9th percentile of the idle values of all taxels
 //   margin = the larger of (q - median of them) / 2
-//            and 1 % of the median trial's largest value
+//            and 2 % of the median trial's largest value
 //   contact_threshold = q + margin, onset_threshold = contact_threshold +
 //   margin
 //

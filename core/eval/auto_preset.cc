@@ -137,7 +137,10 @@ absl::StatusOr<PresetChoice> ChoosePreset(
     const auto result =
         EvaluateProtocol(contacts, protocol, Algorithm::kHmm, options, parallel,
                          each.Part("", 1.0 / candidates.size()));
-    if (!result.ok()) continue;
+    if (!result.ok()) {
+      choice.unfit.emplace_back(name, result.status().message());
+      continue;
+    }
     const int right = CountRight(result->final);
     choice.right.emplace_back(name, right);
     if (right <= most) continue;

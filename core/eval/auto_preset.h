@@ -34,6 +34,8 @@ struct PresetChoice {
   // The candidates that could be fitted, in the order given, and how many
   // contacts their HMMs answered rightly.
   std::vector<std::pair<std::string, int>> right;
+  // The candidates that could not be fitted, and why.
+  std::vector<std::pair<std::string, std::string>> unfit;
   int nearest_right = 0;
   int contacts = 0;
   int folds = 0;

@@ -49,7 +49,7 @@ class OwnSkinTest : public ::testing::Test {
     for (int t = 0; t < 60; ++t) {
       for (int i = 0; i < 16; ++i) {
         const bool here = i % 8 == (number % 2 == 0 ? 1 : 6);
-        const double load = t >= 10 && here ? std::min(200, 10 * (t - 9)) : 0;
+        const double load = t >= 10 && here ? std::min(200, 20 * (t - 9)) : 0;
         file << (i > 0 ? "," : "") << load + random.Index(4);
       }
       file << "\n";
@@ -73,8 +73,8 @@ TEST_F(OwnSkinTest, FromFramesToAnAnswerWithoutALayout) {
   EXPECT_EQ(imported["skin"]["layout"], "mine");
   // Noise of 0 to 3, median at most 2, peaks of 200 and noise.
   const double threshold = imported["skin"]["contact_threshold"];
-  EXPECT_GT(threshold, 4.9);
-  EXPECT_LT(threshold, 5.1);
+  EXPECT_GT(threshold, 6.9);
+  EXPECT_LT(threshold, 7.1);
 
   const Json estimate = Run("skin estimate " + data);
   EXPECT_EQ(estimate["contact_threshold"], threshold);
@@ -85,6 +85,7 @@ TEST_F(OwnSkinTest, FromFramesToAnAnswerWithoutALayout) {
   EXPECT_EQ(inspected["contacts"]["felt"], 24);
   EXPECT_EQ(inspected["contacts"]["idle_before_onset"]["largest"], 3);
   EXPECT_EQ(inspected["contacts"]["taxels_of_largest_region"]["median"], 2);
+  EXPECT_LT(inspected["contacts"]["change_per_frame"]["median"], 0.2);
   EXPECT_NEAR(inspected["contacts"]["contact_s"]["median"].get<double>(), 1,
               1e-9);
 
@@ -93,7 +94,7 @@ TEST_F(OwnSkinTest, FromFramesToAnAnswerWithoutALayout) {
   const Json fitted = Run("fit --data=" + data + " --out=" + bundle);
   EXPECT_EQ(fitted["preset"], "profile");
   EXPECT_EQ(fitted["choice"]["chance"], 0.5);
-  EXPECT_EQ(fitted["choice"]["nearest_accuracy"], 1);
+  EXPECT_GE(fitted["choice"]["nearest_accuracy"], 0.9);
   EXPECT_EQ(fitted["choice"]["hmm_accuracy"]["profile"], 1);
 
   const Json evaluated = Run("evaluate --data=" + data + " --model=" + bundle);
@@ -112,7 +113,7 @@ TEST_F(OwnSkinTest, AnotherSkinIsRefused) {
   Run("fit --preset=profile --data=" + data + " --out=" + bundle);
   std::ofstream(folder_ / "other.json") << R"({"name": "mine", "rows": 2,
     "columns": 8, "row_pitch_m": 0.01, "column_pitch_m": 0.01,
-    "unit": "counts", "contact_threshold": 7, "sample_rate_hz": 50})";
+    "unit": "counts", "contact_threshold": 6, "sample_rate_hz": 50})";
   const std::string other = Path("other.h5");
   Run("import " + data + " --skin=" + Path("other.json") + " --out=" + other);
   for (const std::string command : {"evaluate", "classify"}) {
@@ -120,7 +121,7 @@ TEST_F(OwnSkinTest, AnotherSkinIsRefused) {
         RunTrainctl(command + " --data=" + other + " --model=" + bundle);
     EXPECT_EQ(ReasonOf(run.status), "INVALID_CONFIG") << command;
     EXPECT_THAT(std::string(run.status.message()),
-                HasSubstr("contact_threshold 7, not "));
+                HasSubstr("contact_threshold 6, not "));
   }
 }
 

@@ -59,6 +59,9 @@ std::string ChoiceText(const ChosenOptions& chosen) {
                           PercentOf(right, choice.contacts));
     best = std::max(best, right);
   }
+  for (const auto& [name, why] : choice.unfit) {
+    absl::StrAppendFormat(&text, "  %-8s not fitted: %s\n", name, why);
+  }
   absl::StrAppendFormat(&text, "  %-8s %s, on summaries of the contacts\n",
                         "1-NN",
                         PercentOf(choice.nearest_right, choice.contacts));
@@ -84,6 +87,7 @@ Json ChoiceToJson(const ChosenOptions& chosen) {
           {"folds", choice.folds},
           {"by_condition", choice.by_condition},
           {"hmm_accuracy", accuracy},
+          {"unfit", choice.unfit},
           {"nearest_accuracy",
            static_cast<double>(choice.nearest_right) / choice.contacts},
           {"chance", choice.chance}};

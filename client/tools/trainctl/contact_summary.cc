@@ -1,6 +1,7 @@
 #include "client/tools/trainctl/contact_summary.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/features/contact_tracker.h"
 #include "core/train/labelled_contact.h"
@@ -53,7 +54,11 @@ absl::Status ContactSummary::Add(const Trial& trial, const SkinLayout& layout) {
   double area = 0;
   double regions = 0;
   double touched = 0;
+  double load = 0;
+  double change = 0;
+  std::vector<float> before(taxels.size(), 0);
   for (size_t t = 0; t < trial.taxels.frames(); ++t) {
+    before.swap(taxels);
     trial.taxels.Decode(t, taxels.data());
     FrameView frame{.taxels = taxels};
     if (!trial.poses.empty()) frame.pose = &trial.poses[t];
@@ -71,6 +76,11 @@ absl::Status ContactSummary::Add(const Trial& trial, const SkinLayout& layout) {
     area += features.area_taxels;
     regions += features.region_count;
     ++touched;
+    if (tracker.onset()) continue;
+    for (size_t i = 0; i < taxels.size(); ++i) {
+      load += taxels[i];
+      change += std::abs(taxels[i] - before[i]);
+    }
   }
   if (touched == 0) return absl::OkStatus();
   ++felt_;
@@ -81,6 +91,7 @@ absl::Status ContactSummary::Add(const Trial& trial, const SkinLayout& layout) {
   taxels_.push_back(area / touched);
   regions_.push_back(regions / touched);
   motion_mm_.push_back(1000 * motion);
+  if (load > 0) change_.push_back(change / load);
   // Neighbouring touched frames are no loss.
   loss_s_.push_back(
       static_cast<double>(longest_loss > 1 ? longest_loss - 1 : 0) / rate);
@@ -105,6 +116,7 @@ Json ContactSummary::ToJson() const {
           {"taxels_of_largest_region", Spread(taxels_)},
           {"regions", Spread(regions_)},
           {"motion_mm", Spread(motion_mm_)},
+          {"change_per_frame", Spread(change_)},
           {"longest_loss_of_touch_s", Spread(loss_s_)}};
 }
 

@@ -45,6 +45,9 @@ class ContactSummary {
   std::vector<double> regions_;
   std::vector<double> motion_mm_;
   std::vector<double> loss_s_;
+  // Mean change of a taxel from a frame to the next, over the mean value. Above
+  // a half, frames or taxels are probably in a wrong order.
+  std::vector<double> change_;
 };
 
 }  // namespace tactus::client

@@ -24,6 +24,19 @@ struct Flags {
   bool json = false;
 };
 
+// True if some taxel reaches the onset threshold.
+bool IsFelt(const Trial& trial, const SkinLayout& skin) {
+  std::vector<float> taxels(skin.taxels());
+  for (size_t t = 0; t < trial.taxels.frames(); ++t) {
+    trial.taxels.Decode(t, taxels.data());
+    for (size_t i = 0; i < taxels.size(); ++i) {
+      const bool valid = skin.mask.empty() || skin.mask[i] != 0;
+      if (valid && taxels[i] >= skin.onset_threshold) return true;
+    }
+  }
+  return false;
+}
+
 absl::Status Run(const Flags& flags) {
   TACTUS_ASSIGN_OR_RETURN(
       auto writer, TrialFileWriter::Create(flags.out, {.overwrite = true}));
@@ -35,6 +48,7 @@ absl::Status Run(const Flags& flags) {
   int64_t imported = 0;
   size_t frames = 0;
   size_t with_poses = 0;
+  int never_felt = 0;
   TACTUS_ASSIGN_OR_RETURN(const size_t trials,
                           ImportTrials(
                               flags.path,
@@ -44,6 +58,8 @@ absl::Status Run(const Flags& flags) {
                                 groups.insert(trial.material);
                                 with_poses += !trial.poses.empty();
                                 if (!skin) skin = trial.skin;
+                                never_felt +=
+                                    trial.skin && !IsFelt(trial, *trial.skin);
                                 frames += trial.time.size();
                                 display.Count("import trials", ++imported);
                                 return writer.Append(trial);
@@ -58,6 +74,7 @@ absl::Status Run(const Flags& flags) {
                                {"conditions", conditions.size()},
                                {"groups", groups.size()},
                                {"with_poses", with_poses},
+                               {"never_felt", never_felt},
                                {"skin", skin ? Json::parse(LayoutToJson(*skin))
                                              : Json(nullptr)},
                                {"seconds", SecondsSinceStart()}})
@@ -68,8 +85,8 @@ absl::Status Run(const Flags& flags) {
                                frames);
   if (skin) std::cout << SkinText(*skin);
   std::cout << absl::StrFormat(
-      "conditions: %d, groups: %d, trials with poses: %d\n", conditions.size(),
-      groups.size(), with_poses);
+      "conditions: %d, groups: %d, trials with poses: %d, never felt: %d\n",
+      conditions.size(), groups.size(), with_poses, never_felt);
   for (const auto& [label, count] : counts) {
     std::cout << absl::StrFormat("%6d  %s\n", count, label);
   }

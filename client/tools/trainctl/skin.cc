@@ -76,7 +76,7 @@ absl::Status Run(const Flags& flags) {
       "%s: %s trials; idle are %s, %s values\n"
       "idle values: median %g, 99.9th percentile %g, largest %g\n"
       "largest value of the median trial: %g\n"
-      "margin %g: the larger of half of percentile - median and 1 %% of the "
+      "margin %g: the larger of half of percentile - median and 2 %% of the "
       "largest value\n"
       "\"contact_threshold\": %.4g,   percentile + margin\n"
       "\"onset_threshold\": %.4g,   percentile + 2 x margin\n",

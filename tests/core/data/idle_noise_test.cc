@@ -34,8 +34,8 @@ TEST(IdleNoiseTest, TheRuleOfTheHeaderHolds) {
   EXPECT_NEAR(found->percentile_999, 0.999, 0.002);
   EXPECT_LT(found->largest, 1);
   EXPECT_NEAR(found->peak, 101, 0.1);
-  // 1 % of the peak is more than half of the spread.
-  EXPECT_DOUBLE_EQ(found->margin, found->peak / 100);
+  // 2 % of the peak is more than half of the spread.
+  EXPECT_DOUBLE_EQ(found->margin, found->peak / 50);
   EXPECT_DOUBLE_EQ(found->contact_threshold,
                    found->percentile_999 + found->margin);
   EXPECT_DOUBLE_EQ(found->onset_threshold,

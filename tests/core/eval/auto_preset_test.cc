@@ -71,6 +71,9 @@ TEST(AutoPresetTest, ACandidateThatDoesNotSuitIsLeftOut) {
   ASSERT_TRUE(choice.ok()) << choice.status();
   EXPECT_EQ(choice->name, "force");
   EXPECT_EQ(choice->right.size(), 1u);
+  ASSERT_EQ(choice->unfit.size(), 1u);
+  EXPECT_EQ(choice->unfit[0].first, "profile");
+  EXPECT_NE(choice->unfit[0].second.find("ideal signals"), std::string::npos);
   EXPECT_EQ(
       ReasonOf(ChoosePreset(PointersTo(contacts),
                             {{"profile", *FitPreset("profile")}}, RunSerially)
