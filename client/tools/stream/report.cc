@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numeric>
 
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
@@ -59,18 +60,41 @@ void Report::PrintLive(const TrialResult& result,
                result.probability[result.answer], decision.c_str());
 }
 
-void Report::PrintTables() const {
-  const auto confusion = Confusion();
-  std::fprintf(out_, "\n%-8s", "");
+void Report::PrintConfusion() const {
+  constexpr size_t kMinWidth = 8;
+  constexpr size_t kMaxWidth = 100;
+  size_t longest = kMinWidth;
   for (const std::string& name : names_) {
-    std::fprintf(out_, "%8s", name.c_str());
+    longest = std::max(longest, name.size() + 1);
+  }
+  const auto confusion = Confusion();
+  const int width = static_cast<int>(longest);
+  std::fprintf(out_, "\n");
+  // Too wide for a terminal: only what is right. --json has the matrix.
+  if (longest * (names_.size() + 1) > kMaxWidth) {
+    for (size_t k = 0; k < names_.size(); ++k) {
+      std::fprintf(
+          out_, "%-*s %4d of %d right\n", width, names_[k].c_str(),
+          confusion[k][k],
+          std::accumulate(confusion[k].begin(), confusion[k].end(), 0));
+    }
+    return;
+  }
+  std::fprintf(out_, "%-*s", width, "");
+  for (const std::string& name : names_) {
+    std::fprintf(out_, "%*s", width, name.c_str());
   }
   std::fprintf(out_, "   <- answer\n");
   for (size_t k = 0; k < names_.size(); ++k) {
-    std::fprintf(out_, "%-8s", names_[k].c_str());
-    for (const int count : confusion[k]) std::fprintf(out_, "%8d", count);
+    std::fprintf(out_, "%-*s", width, names_[k].c_str());
+    for (const int count : confusion[k])
+      std::fprintf(out_, "%*d", width, count);
     std::fprintf(out_, "\n");
   }
+}
+
+void Report::PrintTables() const {
+  PrintConfusion();
   const auto times = DecisionTimes();
   std::fprintf(out_,
                "\naccuracy %.4f of %zu contacts (%d of %zu trials never felt)\n"

@@ -41,6 +41,7 @@ class Report {
  private:
   double Accuracy() const;
   int Undetectable() const;
+  void PrintConfusion() const;
   std::vector<std::vector<int>> Confusion() const;
   std::vector<double> DecisionTimes() const;
 

@@ -67,7 +67,7 @@ std::string ChoiceText(const ChosenOptions& chosen) {
                         PercentOf(choice.nearest_right, choice.contacts));
   absl::StrAppendFormat(&text, "  %-8s %s\n", "chance", Percent(choice.chance));
   if (WilsonInterval(best, choice.contacts).high <
-      static_cast<double>(choice.nearest_right) / choice.contacts) {
+      WilsonInterval(choice.nearest_right, choice.contacts).low) {
     text +=
         "One nearest neighbour does better than every preset: the presets do "
         "not suit these recordings.\n";

@@ -100,8 +100,16 @@ absl::Status Run(const Flags& flags) {
       std::cout << absl::StrFormat(
           "%s  %-4s -> %-4s", trial.id, trial.label,
           answer["detected"] ? answer["answer"].get<std::string>() : "-");
-      for (double p : answer["probability"]) {
-        std::cout << absl::StrFormat("  %.3f", p);
+      const std::vector<double> probability = answer["probability"];
+      // More would not fit on a line.
+      constexpr size_t kMostShown = 8;
+      if (probability.size() > kMostShown) {
+        std::cout << absl::StrFormat("  %.3f",
+                                     *std::ranges::max_element(probability));
+      } else {
+        for (const double p : probability) {
+          std::cout << absl::StrFormat("  %.3f", p);
+        }
       }
       std::cout << "\n";
     }

@@ -54,8 +54,10 @@ absl::Status Run(const Flags& flags) {
                               flags.path,
                               [&](Trial trial) {
                                 ++counts[trial.label];
-                                conditions.insert(trial.condition);
-                                groups.insert(trial.material);
+                                if (!trial.condition.empty())
+                                  conditions.insert(trial.condition);
+                                if (!trial.material.empty())
+                                  groups.insert(trial.material);
                                 with_poses += !trial.poses.empty();
                                 if (!skin) skin = trial.skin;
                                 never_felt +=
