@@ -259,6 +259,49 @@ TEST(ReplayDriverTest, PlaysASkinThatIsNoPreset) {
   std::remove(path.c_str());
 }
 
+// A server takes other thresholds than those of training; a replay does not.
+TEST(TrialPlayerTest, TrialsOfAnotherSkinAreRefused) {
+  TestServer server;
+  SkinLayout skin = *LayoutPreset("vitac-12x32");
+  for (const double onset : {40.0, 50.0}) {
+    Trial trial;
+    trial.id = "000007";
+    trial.label = "SU";
+    skin.onset_threshold = onset;
+    SetSkin(skin, trial);
+    trial.taxels = {12, 32, {}, std::vector<float>(3 * 384, 45), 1};
+    trial.time = {0, 0.01, 0.02};
+    MemoryDriver driver({trial});
+    TrialPlayer player(server.channel(), &driver, {.model = "models/vitac"},
+                       [](const TrialResult&) {});
+    const absl::Status status = player.Run();
+    EXPECT_EQ(status.ok(), onset == 40) << status;
+    if (onset == 40) continue;
+    EXPECT_EQ(ReasonOf(status), "INVALID_CONFIG");
+    EXPECT_NE(status.message().find("onset_threshold 50, not 40"),
+              std::string::npos)
+        << status;
+  }
+}
+
+TEST(ReplayDriverTest, PlaysTheSkinThatTrialsCarry) {
+  const std::string path = ::testing::TempDir() + "replay_carried_skin.h5";
+  SkinLayout layout = *LayoutPreset("cody-forearm");
+  layout.name = "my-palm";
+  Trial trial = MakeTrial(1, true, false);
+  SetSkin(layout, trial);
+  {
+    auto writer = *TrialFileWriter::Create(path, {.overwrite = true});
+    ASSERT_TRUE(writer.Append(trial).ok());
+    ASSERT_TRUE(writer.Close().ok());
+  }
+  ReplayDriver driver(path, {}, {});
+  const auto info = driver.Configure();
+  ASSERT_TRUE(info.ok()) << info.status();
+  EXPECT_EQ(info->layout, layout);
+  std::remove(path.c_str());
+}
+
 TEST(TrialPlayerTest, ADriverWithoutTrialsIsNoError) {
   TestServer server;
   MemoryDriver driver({});

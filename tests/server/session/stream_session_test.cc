@@ -79,6 +79,8 @@ TEST_F(StreamSessionTest, StartedHasModelLimitsAndGeometry) {
   EXPECT_EQ(started_.geometry().columns(), 24u);
   EXPECT_TRUE(started_.geometry().wrap_columns());
   EXPECT_GT(started_.geometry().contact_threshold(), 0);
+  // The model fits any skin.
+  EXPECT_FALSE(started_.has_trained_geometry());
 }
 
 TEST_F(StreamSessionTest, WalksThroughItsFourStates) {
@@ -243,6 +245,18 @@ TEST_F(StreamSessionTest, AHugeGapIsBridgedAtOnce) {
   const auto posteriors = Posteriors();
   EXPECT_EQ(posteriors.back().frames_missing(), 1'000'000'000'000 - 2u);
   EXPECT_TRUE(std::isfinite(posteriors.back().log_likelihood(0)));
+}
+
+// A robot may set other thresholds, and learns those of training.
+TEST_F(StreamSessionTest, TheGeometryOfTrainingIsStated) {
+  auto config = ConfigRequest();
+  config.mutable_config()->set_model("models/vitac");
+  config.mutable_config()->mutable_geometry()->set_layout("vitac-12x32");
+  config.mutable_config()->mutable_geometry()->set_contact_threshold(30);
+  Start(config);
+  EXPECT_EQ(started_.geometry().contact_threshold(), 30);
+  EXPECT_EQ(started_.trained_geometry().contact_threshold(), 20);
+  EXPECT_EQ(started_.trained_geometry().layout(), "vitac-12x32");
 }
 
 TEST_F(StreamSessionTest, MaskedTaxelsMayHoldAnything) {
