@@ -182,6 +182,22 @@ size_t ArrayFile::size() const {
          array.f64.size();
 }
 
+ArrayFile ArrayFile::Slice(size_t index) const {
+  ArrayFile slice;
+  slice.array.shape.assign(array.shape.begin() + 1, array.shape.end());
+  const size_t count = size() / array.shape.front();
+  const auto cut = [&](const auto& from, auto& to) {
+    if (from.empty()) return;
+    const auto begin = from.begin() + static_cast<ptrdiff_t>(index * count);
+    to.assign(begin, begin + static_cast<ptrdiff_t>(count));
+  };
+  cut(array.u16, slice.array.u16);
+  cut(array.i64, slice.array.i64);
+  cut(array.f32, slice.array.f32);
+  cut(array.f64, slice.array.f64);
+  return slice;
+}
+
 absl::StatusOr<ArrayFile> ReadArrayFile(const std::string& path,
                                         const std::string& dataset) {
   if (absl::EndsWith(path, ".npy")) {

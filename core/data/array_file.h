@@ -26,6 +26,10 @@ struct ArrayFile {
   // Number `index` of the array, whatever its type.
   double Number(size_t index) const;
   size_t size() const;
+
+  // Part `index` along the first axis: [5 x 75 x 60] gives [75 x 60]. `index`
+  // is below shape[0], and there are two axes or more.
+  ArrayFile Slice(size_t index) const;
 };
 
 // Reads the array `dataset` of the file; empty: the only one that there is. A

@@ -1,6 +1,7 @@
 #include "core/data/hdf5_read.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "absl/strings/str_join.h"
@@ -203,7 +204,7 @@ absl::Status OpenDataset(hid_t group, const char* name,
     return complain(name, "its data must not lie in another file");
   }
   const int rank = H5Sget_simple_extent_ndims(space.get());
-  if (rank < 1 || rank > 3) return complain(name, "has rank ", rank);
+  if (rank < 1 || rank > 4) return complain(name, "has rank ", rank);
   out->dims.resize(rank);
   if (H5Sget_simple_extent_dims(space.get(), out->dims.data(), nullptr) < 0) {
     return complain.Hdf5(name);
@@ -229,8 +230,11 @@ absl::Status CheckShape(const Hdf5Dataset& dataset, const char* name,
     constexpr absl::string_view kAny[] = {"T", "rows", "columns"};
     std::vector<std::string> wanted;
     for (const hsize_t size : want) {
-      wanted.push_back(size == 0 ? std::string(kAny[wanted.size()])
-                                 : absl::StrCat(size));
+      wanted.push_back(
+          size == 0
+              ? std::string(
+                    kAny[std::min<size_t>(wanted.size(), std::size(kAny) - 1)])
+              : absl::StrCat(size));
     }
     return complain(name, "has shape ", shape, "; it must be ",
                     absl::StrJoin(wanted, " x "));

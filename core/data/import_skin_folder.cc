@@ -6,7 +6,7 @@
 #include <set>
 
 #include "absl/strings/ascii.h"
-#include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "core/base/errors.h"
@@ -132,11 +132,17 @@ class SkinFolder {
                            limits::kMaxSampleRateHz));
   }
 
-  // The file that a field names, "FILE" or "FILE:DATASET", within the folder.
+  // The array that a field names, "FILE", "FILE:DATASET", or of either the part
+  // "...#INDEX" along the first axis. The file lies within the folder.
   absl::StatusOr<ArrayFile> ReadFile(size_t row,
                                      const std::string& field) const {
     std::string file = table_.Text(row, field);
     std::string dataset = field == "frames" ? skin_.dataset : "";
+    const size_t hash = file.rfind('#');
+    uint32_t index = 0;
+    const bool sliced = hash != std::string::npos &&
+                        absl::SimpleAtoi(file.substr(hash + 1), &index);
+    if (sliced) file.resize(hash);
     for (const char* ending : {".npz:", ".h5:", ".hdf5:"}) {
       const size_t at = file.find(ending);
       if (at == std::string::npos) continue;
@@ -151,9 +157,32 @@ class SkinFolder {
                           absl::StrCat("is ", Quoted(file),
                                        "; it must be a file in ", folder_));
     }
-    auto array = ReadArrayFile(fs::path(folder_) / path, dataset);
-    if (!array.ok()) return table_.Error(row, field, array.status().message());
-    return array;
+    if (!sliced) {
+      auto array = ReadArrayFile(fs::path(folder_) / path, dataset);
+      if (!array.ok()) {
+        return table_.Error(row, field, array.status().message());
+      }
+      return array;
+    }
+    // One file for many trials is read once.
+    const std::string whole =
+        dataset.empty() ? file : absl::StrCat(file, ":", dataset);
+    if (whole != whole_name_) {
+      auto array = ReadArrayFile(fs::path(folder_) / path, dataset);
+      if (!array.ok()) {
+        return table_.Error(row, field, array.status().message());
+      }
+      whole_ = *std::move(array);
+      whole_name_ = whole;
+    }
+    const std::vector<size_t>& shape = whole_.array.shape;
+    if (shape.size() < 2 || index >= shape.front()) {
+      return table_.Error(
+          row, field,
+          absl::StrCat("asks for part ", index, " of ", whole, ", which has ",
+                       shape.size() < 2 ? 0 : shape.front(), " parts"));
+    }
+    return whole_.Slice(index);
   }
 
   absl::StatusOr<RecordedFrames> ReadFrames(size_t row, double rate_hz) const {
@@ -228,6 +257,9 @@ class SkinFolder {
   const std::string folder_;
   SkinFile skin_;
   const TrialTable table_;
+  // The file of many trials that was read last.
+  mutable std::string whole_name_;
+  mutable ArrayFile whole_;
 };
 
 // Reads all trials for the thresholds alone.

@@ -234,9 +234,9 @@ absl::StatusOr<NpyArray> ParseNpy(absl::string_view path,
   if (header.fortran_order) {
     return TrialFileInvalid(path, "is in Fortran order; save it in C order");
   }
-  if (header.shape.size() > 3) {
+  if (header.shape.size() > 4) {
     return TrialFileInvalid(path, absl::StrCat("has ", header.shape.size(),
-                                               " dimensions; use at most 3"));
+                                               " dimensions; use at most 4"));
   }
   NpyArray array;
   array.shape = header.shape;

@@ -1,7 +1,7 @@
 // File: npy.h
 //
 // Reads NumPy's .npy files (format versions 1 and 2): little-endian uint16,
-// int64, float32, float64 or text (<U) in C order, up to three dimensions.
+// int64, float32, float64 or text (<U) in C order, up to four dimensions.
 // Other integers, and booleans, become float64. Anything else, object arrays
 // and Fortran order among it, is refused.
 //

@@ -165,6 +165,17 @@ TEST_F(ImportSkinTest, ReadsADatasetOfAnHdf5File) {
   EXPECT_EQ(First().taxels.f32, trial.taxels.f32);
 }
 
+// All trials in one array of trials x frames x rows x columns.
+TEST_F(ImportSkinTest, ReadsPartsOfAnArrayOfManyTrials) {
+  Write("all.npy", Npy<float>("<f4", "(3, 1, 2, 2)",
+                              {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}));
+  Write("trials.csv", "frames,label\nall.npy#2,x\nall.npy#0,y\n");
+  const auto trials = ImportAll(dir_.path());
+  ASSERT_TRUE(trials.ok()) << trials.status();
+  EXPECT_EQ((*trials)[0].taxels.f32, (std::vector<float>{8, 9, 10, 11}));
+  EXPECT_EQ((*trials)[1].taxels.f32, (std::vector<float>{0, 1, 2, 3}));
+}
+
 TEST_F(ImportSkinTest, TimesAndPosesComeFromColumnsOrFiles) {
   Write("trials.csv", "frames,label\na.csv,x\n");
   Skin(R"("time_scale_s": 0.001)");
@@ -401,6 +412,10 @@ INSTANTIATE_TEST_SUITE_P(
         InTable("frames,label,pose\na.npy,x,a.npy\n",
                 "line 2: pose: a.npy: has shape 3 x 4; poses are frames x 7"),
         InTable("frames,label\na.npy:x,x\n", "line 2: frames: "),
+        InTable("frames,label\na.npy#3,x\n",
+                "line 2: frames: asks for part 3 of a.npy, which has 3 parts"),
+        InTable("frames,label\na.npy#0,x\n",
+                "line 2: frames: a.npy#0: has shape 4; it must be frames x 4"),
         InTable("frames,label\na.npy,\xff\n",
                 "trials.csv: line 2: is not "
                 "UTF-8")));

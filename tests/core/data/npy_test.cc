@@ -45,6 +45,11 @@ TEST(NpyTest, ReadsBothVersionsAndAllTypes) {
       "x", Npy("{'shape':(1,2,2),'fortran_order':False,'descr':'<f4'}", bytes));
   ASSERT_TRUE(floats.ok()) << floats.status();
   EXPECT_EQ(floats->f32.size(), 4u);
+  auto bytes_as_numbers = ParseNpy(
+      "x", Npy("{'descr':'|i1','fortran_order':False,'shape':(1,1,1,2)}",
+               "\x7F\x80"));
+  ASSERT_TRUE(bytes_as_numbers.ok()) << bytes_as_numbers.status();
+  EXPECT_THAT(bytes_as_numbers->f64, ElementsAre(127, -128));
   auto empty = ParseNpy(
       "x", Npy("{'shape':(0,5),'fortran_order':False,'descr':'<f4'}", ""));
   EXPECT_TRUE(empty.ok()) << empty.status();
@@ -113,7 +118,7 @@ INSTANTIATE_TEST_SUITE_P(
                                  "'fortran_order': False, 'shape': (6,)}",
                                  kData)},
         BadNpy{"calls for 2", Npy(Shape("()"), kData)},
-        BadNpy{"4 dimensions", Npy(Shape("(1, 2, 3, 1)"), kData)},
+        BadNpy{"5 dimensions", Npy(Shape("(1, 2, 3, 1, 1)"), kData)},
         BadNpy{"more than", Npy(Shape("(4000000000, 4000000000)"), kData)},
         // 2^62 values, whose bytes are 0 modulo 2^64.
         BadNpy{"more than", Npy(Shape("(1073741824, 4294967295)"), "")},
