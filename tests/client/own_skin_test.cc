@@ -85,6 +85,9 @@ TEST_F(OwnSkinTest, FromFramesToAnAnswerWithoutALayout) {
   EXPECT_EQ(inspected["contacts"]["felt"], 24);
   EXPECT_EQ(inspected["contacts"]["idle_before_onset"]["largest"], 3);
   EXPECT_EQ(inspected["contacts"]["taxels_of_largest_region"]["median"], 2);
+  EXPECT_EQ(inspected["contacts"]["taxels_always_touched"], Json::array());
+  EXPECT_EQ(inspected["contacts"]["taxels_never_touched"],
+            Json({0, 2, 3, 4, 5, 7, 8, 10, 11, 12, 13, 15}));
   EXPECT_LT(inspected["contacts"]["change_per_frame"]["median"], 0.2);
   EXPECT_NEAR(inspected["contacts"]["contact_s"]["median"].get<double>(), 1,
               1e-9);

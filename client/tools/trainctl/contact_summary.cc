@@ -31,6 +31,15 @@ Json Spread(const std::vector<double>& values) {
 
 }  // namespace
 
+void ContactSummary::CountTouched(const std::vector<float>& taxels,
+                                  const SkinLayout& layout) {
+  touched_.resize(std::max(touched_.size(), taxels.size()), 0);
+  ++frames_;
+  for (size_t i = 0; i < taxels.size(); ++i) {
+    touched_[i] += taxels[i] >= layout.contact_threshold;
+  }
+}
+
 void ContactSummary::KeepIdle(const std::vector<float>& taxels,
                               const SkinLayout& layout) {
   ++idle_frames_;
@@ -60,6 +69,7 @@ absl::Status ContactSummary::Add(const Trial& trial, const SkinLayout& layout) {
   for (size_t t = 0; t < trial.taxels.frames(); ++t) {
     before.swap(taxels);
     trial.taxels.Decode(t, taxels.data());
+    CountTouched(taxels, layout);
     FrameView frame{.taxels = taxels};
     if (!trial.poses.empty()) frame.pose = &trial.poses[t];
     const FrameFeatures& features = tracker.Step(frame);
@@ -107,8 +117,21 @@ Json ContactSummary::ToJson() const {
             {"p99.9", Percentile(idle_, 0.999)},
             {"largest", *std::max_element(idle_.begin(), idle_.end())}};
   }
+  // A taxel that is nearly always touched is broken, or its baseline is wrong.
+  constexpr double kAlways = 0.99;
+  Json always = Json::array();
+  Json never = Json::array();
+  for (size_t i = 0; i < touched_.size(); ++i) {
+    if (touched_[i] == 0) never.push_back(i);
+    if (static_cast<double>(touched_[i]) >=
+        kAlways * static_cast<double>(frames_)) {
+      always.push_back(i);
+    }
+  }
   return {{"felt", felt_},
           {"never_felt", trials_ - felt_},
+          {"taxels_always_touched", always},
+          {"taxels_never_touched", never},
           {"idle_before_onset", idle},
           {"onset_s", Spread(onset_s_)},
           {"contact_s", Spread(contact_s_)},

@@ -31,10 +31,14 @@ class ContactSummary {
   Json ToJson() const;
 
  private:
+  void CountTouched(const std::vector<float>& taxels, const SkinLayout& layout);
   void KeepIdle(const std::vector<float>& taxels, const SkinLayout& layout);
 
   int trials_ = 0;
   int felt_ = 0;
+  // Frames of all trials, and per taxel those in which it was touched.
+  size_t frames_ = 0;
+  std::vector<size_t> touched_;
   std::vector<double> idle_;
   size_t idle_frames_ = 0;
   // One number per felt trial.
