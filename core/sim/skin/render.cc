@@ -133,7 +133,10 @@ absl::StatusOr<Trial> TaxelTrial(const SimulatedContact& contact,
   const Eigen::Vector3d normal = LinkNormal(layout, centre);
 
   Trial trial = contact.Metadata();
-  SetSkin(layout, trial);
+  // core/sim has the type Trial, but does not link core/data.
+  trial.layout = layout.name;
+  trial.unit = layout.unit == TaxelUnit::kNewton ? "newton" : "counts";
+  trial.skin = layout;
   trial.taxels.rows = layout.rows;
   trial.taxels.columns = layout.columns;
   trial.taxels.scale = options.taxel_step;
