@@ -41,8 +41,7 @@ v1::TaxelUnit UnitToProto(const std::string& unit) {
   return unit == "counts" ? v1::TAXEL_UNIT_COUNTS : v1::TAXEL_UNIT_NEWTON;
 }
 
-// A Trial has only the name of its layout. GeometryOf and TakeGeometry are the
-// two functions that depend on it.
+// Of a trial whose skin is not known, only what the trial says of it.
 v1::SensorGeometry GeometryOf(const Trial& trial) {
   if (const auto layout = LayoutOfTrial(trial); layout.ok()) {
     return LayoutToProto(*layout);
@@ -59,17 +58,12 @@ absl::Status TakeGeometry(const v1::SensorGeometry& geometry,
                           const Complaint& complain, Trial* trial) {
   const auto layout = LayoutFromProto(geometry);
   if (!layout.ok()) return complain("geometry", layout.status().message());
-  const auto preset = LayoutPreset(layout->name);
-  if (!preset.ok()) return complain("geometry", preset.status().message());
-  if (*layout != *preset) {
-    return complain("geometry", "differs from the preset ", layout->name);
-  }
-  const char* unit = layout->unit == TaxelUnit::kNewton ? "newton" : "counts";
+  const std::string unit = UnitText(layout->unit);
   if (trial->unit != unit) {
     return complain("unit", "is ", trial->unit, "; that of the geometry is ",
                     unit);
   }
-  trial->layout = layout->name;
+  SetSkin(*layout, *trial);
   trial->taxels.rows = layout->rows;
   trial->taxels.columns = layout->columns;
   return absl::OkStatus();

@@ -8,8 +8,9 @@
 //   record.ParseFromString(bytes);
 //   TACTUS_ASSIGN_OR_RETURN(Trial same, FromRecord(record));
 //
-// The way there and back keeps every bit of a valid trial. The same trial has
-// the same bytes, and so the same SHA-256.
+// The way there and back keeps every bit of a valid trial. A trial that names a
+// preset as its layout, without a skin, comes back with the preset as its skin.
+// The same trial has the same bytes, and so the same SHA-256.
 //
 // Thread-safe: free functions without state.
 #pragma once
@@ -20,9 +21,9 @@
 
 namespace tactus {
 
-// The record of a trial. Its geometry is that of the preset which the trial
-// names as its layout; FromRecord refuses the record if there is no such
-// preset.
+// The record of a trial. Its geometry is the trial's skin, else the preset that
+// the trial names as its layout. FromRecord refuses the record if there is
+// neither.
 v1::TrialRecord ToRecord(const Trial& trial);
 
 // The trial of a record; it passes Validate(). INVALID_TRIAL, which names the

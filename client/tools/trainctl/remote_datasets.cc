@@ -73,7 +73,7 @@ absl::StatusOr<std::string> UploadId(const v1::Dataset& dataset,
           changed.time_since_epoch().count(), "\n", replace, "\n", kVersion)));
 }
 
-// A trial that the server would refuse at the end of a long upload.
+// A trial whose skin is not known would be refused at the end of a long upload.
 absl::Status CheckSkin(const Trial& trial) {
   if (trial.taxels.empty()) return absl::OkStatus();
   return LayoutOfTrial(trial).status();

@@ -12,8 +12,8 @@
 #include "client/tools/trainctl/app.h"
 #include "client/tools/trainctl/job_display.h"
 #include "client/tools/trainctl/remote_flags.h"
-#include "core/base/sha256.h"
 #include "core/base/errors.h"
+#include "core/base/sha256.h"
 #include "core/data/trial_file.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -194,6 +194,26 @@ TEST_F(TrainctlRemoteTest, ASkinThatTheServerCannotKnowIsFoundBeforeTheUpload) {
   EXPECT_EQ(outcome.exit, 1);
   EXPECT_THAT(outcome.err, HasSubstr("[UNKNOWN_LAYOUT]"));
   EXPECT_EQ(server_->bytes_received(), 0);
+}
+
+TEST_F(TrainctlRemoteTest, ASkinThatIsNoPresetIsSent) {
+  ASSERT_EQ(Trainctl({"datasets", "create", "arm"}).exit, 0);
+  auto trials = SampleTrials(2);
+  SkinLayout palm = *LayoutPreset("icub-6x10");
+  palm.name = "palm";
+  palm.rows = palm.columns = 1;
+  trials[1].taxels.rows = trials[1].taxels.columns = 1;
+  trials[1].taxels.u16.assign(trials[1].time.size(), 1);
+  SetSkin(palm, trials[1]);
+  Outcome outcome = Trainctl(
+      {"datasets", "upload", "arm", "--data=" + WriteTrials("a.h5", trials)});
+  ASSERT_EQ(outcome.exit, 0) << outcome.err;
+  EXPECT_EQ(server_->PackOf("datasets/arm"), testing::PackOf(trials));
+  outcome = Trainctl({"datasets", "download", "arm", "--out=" + Path("b.h5")});
+  ASSERT_EQ(outcome.exit, 0) << outcome.err;
+  auto reader = TrialFileReader::Open(Path("b.h5"));
+  ASSERT_TRUE(reader.ok()) << reader.status();
+  EXPECT_EQ((*reader->ReadAll())[1].skin, palm);
 }
 
 TEST_F(TrainctlRemoteTest, TrainWatchesTheJobToItsEnd) {

@@ -18,7 +18,7 @@ using testing::HasSubstr;
 Trial PresetTrial(uint64_t seed, int frames, bool floats) {
   Trial trial = FullTrial(seed, frames, floats);
   trial.id = "000042";
-  trial.layout = "icub-6x10";
+  SetSkin(*LayoutPreset("icub-6x10"), trial);
   trial.taxels.rows = 6;
   trial.taxels.columns = 10;
   trial.taxels.u16.clear();
@@ -88,13 +88,43 @@ TEST(TrialRecordTest, FieldsAreWhatTheContractSays) {
   EXPECT_EQ(record.unit(), v1::TAXEL_UNIT_COUNTS);
 }
 
-TEST(TrialRecordTest, ASkinThatIsNoPresetIsRefused) {
+TEST(TrialRecordTest, ASkinThatIsNoPresetComesBack) {
   Trial trial = FullTrial(1, 3);
   trial.id = "000042";
   const v1::TrialRecord record = ToRecord(trial);
   EXPECT_EQ(record.geometry().layout(), "test-3x4");
-  EXPECT_EQ(record.geometry().rows(), 3u);
-  const auto refused = FromRecord(record);
+  EXPECT_EQ(record.geometry().row_pitch_m(), 0.1 / 3);
+  EXPECT_THAT(record.geometry().masked_taxels(), testing::ElementsAre(5));
+  const auto same = ThereAndBack(trial);
+  ASSERT_TRUE(same.ok()) << same.status();
+  EXPECT_TRUE(SameBits(trial, *same));
+}
+
+// A preset with another threshold is a skin like any other.
+TEST(TrialRecordTest, AChangedPresetComesBack) {
+  Trial trial = PresetTrial(2, 3, false);
+  trial.skin->onset_threshold *= 2;
+  const auto same = ThereAndBack(trial);
+  ASSERT_TRUE(same.ok()) << same.status();
+  EXPECT_TRUE(SameBits(trial, *same));
+}
+
+TEST(TrialRecordTest, TheNameOfAPresetIsEnough) {
+  const Trial whole = PresetTrial(4, 3, true);
+  Trial named = whole;
+  named.skin.reset();
+  EXPECT_EQ(ToRecord(named).SerializeAsString(),
+            ToRecord(whole).SerializeAsString());
+  const auto same = ThereAndBack(named);
+  ASSERT_TRUE(same.ok()) << same.status();
+  EXPECT_TRUE(SameBits(whole, *same));
+}
+
+TEST(TrialRecordTest, ASkinThatIsNotKnownIsRefused) {
+  Trial trial = FullTrial(1, 3);
+  trial.id = "000042";
+  trial.skin.reset();
+  const auto refused = ThereAndBack(trial);
   EXPECT_EQ(ReasonOf(refused.status()), "INVALID_TRIAL");
   EXPECT_THAT(std::string(refused.status().message()),
               HasSubstr("trial 000042: geometry: "));
@@ -165,10 +195,13 @@ INSTANTIATE_TEST_SUITE_P(
         BadRecord{"geometry: ",
                   [](Record& r) { r.mutable_geometry()->set_rows(65); }},
         BadRecord{
-            "geometry: differs from the preset icub-6x10",
-            [](Record& r) { r.mutable_geometry()->set_onset_threshold(1e6); }},
-        BadRecord{"geometry: ",
-                  [](Record& r) { r.mutable_geometry()->set_layout("palm"); }},
+            "geometry: geometry.onset_threshold",
+            [](Record& r) { r.mutable_geometry()->set_onset_threshold(1); }},
+        BadRecord{
+            "geometry: geometry.masked_taxels",
+            [](Record& r) { r.mutable_geometry()->add_masked_taxels(60); }},
+        BadRecord{"geometry: geometry.unit",
+                  [](Record& r) { r.mutable_geometry()->clear_unit(); }},
         BadRecord{"taxel_type: is 0", [](Record& r) { r.clear_taxel_type(); }},
         BadRecord{"taxels: has 480 bytes; it must have one frame of 6 x 10 "
                   "values per time, 960 bytes",
