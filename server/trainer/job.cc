@@ -17,6 +17,7 @@
 #include "core/data/trial_record.h"
 #include "core/eval/evaluate.h"
 #include "core/store/blob_store.h"
+#include "core/train/contact_set.h"
 #include "core/train/fit.h"
 #include "core/train/train_spec.h"
 #include "core/train/usable.h"
@@ -61,6 +62,9 @@ absl::StatusOr<Contacts> ReadContacts(FileSystem& files,
     TACTUS_ASSIGN_OR_RETURN(const Trial trial, FromRecord(record));
     TACTUS_ASSIGN_OR_RETURN(auto contact, ExtractContact(trial));
     if (contact.has_value()) {
+      if (!contacts.felt.empty()) {
+        TACTUS_RETURN_IF_ERROR(CheckOneSkin(contacts.felt.front(), *contact));
+      }
       contacts.felt.push_back(*std::move(contact));
     } else {
       ++contacts.never_felt;
@@ -114,6 +118,9 @@ absl::StatusOr<Evaluation> EvaluateBundle(
   TACTUS_ASSIGN_OR_RETURN(const std::string bundle,
                           ReadWhole(files, path, limits::kMaxBundleBytes));
   TACTUS_ASSIGN_OR_RETURN(const auto model, DecodeBundle(bundle));
+  for (const LabelledContact* contact : contacts) {
+    TACTUS_RETURN_IF_ERROR(CheckFits(*contact, model->model()));
+  }
   return EvaluateModel(model, contacts,
                        ServedAlgorithm(!model->model().lstms.empty()),
                        RunOnThreads, events->progress());
