@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -24,8 +25,10 @@ bool HasVersions(absl::string_view collection) {
 }
 
 // Without sign, space or leading zero, so that each number has one name.
+// SimpleAtoi alone takes spaces and line ends.
 bool ParseNumber(absl::string_view text, uint64_t& number) {
-  return !text.empty() && text[0] >= '1' && text[0] <= '9' &&
+  return !text.empty() && text[0] != '0' &&
+         std::all_of(text.begin(), text.end(), absl::ascii_isdigit) &&
          absl::SimpleAtoi(text, &number) && number <= kMaxNumber;
 }
 

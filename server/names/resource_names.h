@@ -5,7 +5,8 @@
 // D, M and A are 1 to 64 of a-z, 0-9 and -; U, O and V are numbers from 1.
 //
 //   TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
-//                           ParseName("datasets/grasps/versions/2"));
+//                           ParseName("datasets/grasps/versions/2",
+//                           "datasets"));
 //   CatalogKey(name);  // "grasps/0000000002"
 //
 // Only names that were parsed become keys and parts of paths. Thread-safe: free
