@@ -76,6 +76,7 @@ BlobStore::Batch::~Batch() {
 
 absl::StatusOr<std::string> BlobStore::Batch::Add(absl::string_view bytes) {
   std::string sha256 = Sha256Hex(bytes);
+  used_ = true;
   if (drafts_.contains(sha256)) return sha256;
   TACTUS_ASSIGN_OR_RETURN(const bool known, store_->Has(sha256));
   if (known) return sha256;
@@ -87,15 +88,15 @@ absl::StatusOr<std::string> BlobStore::Batch::Add(absl::string_view bytes) {
 }
 
 absl::Status BlobStore::Batch::Commit() {
+  FileSystem& files = store_->files_;
   if (!drafts_.empty()) {
-    FileSystem& files = store_->files_;
     TACTUS_RETURN_IF_ERROR(files.SyncAll(store_->folder_));
     for (const std::string& sha256 : drafts_) {
       TACTUS_RETURN_IF_ERROR(
           files.Rename(prefix_ + sha256, store_->PathOf(sha256)));
     }
-    TACTUS_RETURN_IF_ERROR(files.SyncAll(store_->folder_));
   }
+  if (used_) TACTUS_RETURN_IF_ERROR(files.SyncAll(store_->folder_));
   store_ = nullptr;
   return absl::OkStatus();
 }

@@ -3,8 +3,8 @@
 // BlobStore: immutable bytes on disk, named by their SHA-256. The same bytes
 // are stored once.
 //
-//   TACTUS_ASSIGN_OR_RETURN(BlobStore blobs, BlobStore::Open(files, "blobs"));
-//   BlobStore::Batch batch = blobs.NewBatch();
+//   TACTUS_ASSIGN_OR_RETURN(auto blobs, BlobStore::Open(files, "blobs"));
+//   BlobStore::Batch batch = blobs->NewBatch();
 //   TACTUS_ASSIGN_OR_RETURN(std::string sha256, batch.Add(record));
 //   TACTUS_RETURN_IF_ERROR(batch.Commit());  // now on disk
 //
@@ -35,13 +35,14 @@ class BlobStore {
   class Batch {
    public:
     Batch(Batch&&) = default;
-    // Removes the drafts unless Commit succeeded.
+    // Removes the drafts that Commit did not rename.
     ~Batch();
 
     // Writes `bytes` as a draft unless the blob exists. Returns its SHA-256, 64
     // hexadecimal digits.
     absl::StatusOr<std::string> Add(absl::string_view bytes);
-    // Makes all of them durable and visible. Call it once.
+    // Makes all of them durable and visible, those that existed before too:
+    // their names may not be on disk yet. Call it once.
     absl::Status Commit();
     // Number of blobs that did not exist before.
     size_t added() const { return drafts_.size(); }
@@ -53,6 +54,8 @@ class BlobStore {
     BlobStore* store_;
     // SHA-256 of each blob that has a draft.
     std::set<std::string> drafts_;
+    // True if Add was called.
+    bool used_ = false;
     std::string prefix_;
   };
 

@@ -5,10 +5,12 @@
 // versions, aliases. SqliteCatalog implements it; a server of several machines
 // may have another one.
 //
-//   TACTUS_RETURN_IF_ERROR(catalog->Change([&](Transaction& change) {
-//     TACTUS_ASSIGN_OR_RETURN(auto old, change.Get(Table::kAliases,
-//     "default")); return change.Put(Table::kAliases, "default", bytes);
-//   }));
+//   TACTUS_RETURN_IF_ERROR(
+//       catalog->Change([&](Transaction& change) -> absl::Status {
+//         TACTUS_ASSIGN_OR_RETURN(auto old,
+//                                 change.Get(Table::kAliases, "default"));
+//         return change.Put(Table::kAliases, "default", bytes);
+//       }));
 //
 // Change is all or nothing: if the function or the commit fails, the catalog is
 // as it was. When Change returns OK, the change is on disk.
@@ -40,6 +42,8 @@ enum class Table {
   kAliasChanges = 9,
   kRequests = 10,
   kAudit = 11,
+  // The largest number that was given under a name.
+  kNumbers = 12,
 };
 
 struct CatalogEntry {

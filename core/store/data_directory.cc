@@ -41,6 +41,7 @@ absl::StatusOr<std::unique_ptr<DataDirectory>> DataDirectory::Open(
                           BlobStore::Open(files, data->BlobFolder()));
   TACTUS_ASSIGN_OR_RETURN(data->catalog_,
                           OpenSqliteCatalog(folder + "/catalog.db", vfs));
+  TACTUS_RETURN_IF_ERROR(data->catalog_->Check());
   TACTUS_RETURN_IF_ERROR(files.SyncDirectory(folder));
   return data;
 }

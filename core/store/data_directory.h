@@ -10,7 +10,7 @@
 //
 //   TACTUS_ASSIGN_OR_RETURN(auto data,
 //                           DataDirectory::Open(PosixFileSystem(), "/data"));
-//   data->catalog().Look(...);
+//   BlobStore& blobs = data->blobs();
 //
 // Thread-safe. `files` must outlive it.
 #pragma once

@@ -2,10 +2,9 @@
 //
 // Protobuf messages as values of a catalogue.
 //
-//   TACTUS_ASSIGN_OR_RETURN(auto dataset,
-//                           GetRecord<v1::Dataset>(look, Table::kDatasets,
-//                           "d"));
-//   if (!dataset.has_value()) return NoSuch(...);
+//   TACTUS_ASSIGN_OR_RETURN(
+//       auto dataset, GetRecord<v1::Dataset>(look, Table::kDatasets, "d"));
+//   if (!dataset.has_value()) return NoSuch("d");
 //
 // DATA_LOST if a value is no such message. Thread-safe: free functions without
 // state.

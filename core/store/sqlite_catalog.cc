@@ -3,6 +3,7 @@
 #include <sqlite3.h>
 
 #include <array>
+#include <cstring>
 #include <mutex>
 #include <utility>
 
@@ -11,8 +12,10 @@
 #include "SQLiteCpp/Statement.h"
 #include "SQLiteCpp/Transaction.h"
 #include "absl/strings/str_cat.h"
+#include "core/base/crc32c.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
+#include "core/base/text.h"
 
 namespace tactus {
 namespace {
@@ -61,6 +64,27 @@ std::string Text(const SQLite::Column& column) {
                      static_cast<size_t>(column.getBytes()));
 }
 
+// The CRC32C of a record, as the bytes behind its value. SQLite's own check
+// does not read what values hold.
+std::string Seal(Table table, absl::string_view key, absl::string_view value) {
+  uint32_t crc = ExtendCrc32c(0, absl::StrCat(static_cast<int>(table), "/"));
+  crc = ExtendCrc32c(ExtendCrc32c(crc, key), value);
+  std::string seal(sizeof crc, '\0');
+  std::memcpy(seal.data(), &crc, sizeof crc);
+  return seal;
+}
+
+// The value of a sealed record.
+absl::StatusOr<std::string> Unseal(Table table, absl::string_view key,
+                                   std::string sealed) {
+  if (sealed.size() >= sizeof(uint32_t)) {
+    const std::string seal = sealed.substr(sealed.size() - sizeof(uint32_t));
+    sealed.resize(sealed.size() - sizeof(uint32_t));
+    if (seal == Seal(table, key, sealed)) return sealed;
+  }
+  return DataLost(Quoted(key), "the record does not have its CRC32C");
+}
+
 // The smallest text that is above all texts that begin with `prefix`; empty if
 // there is none.
 std::string EndOfPrefix(std::string prefix) {
@@ -84,7 +108,7 @@ class SqliteTransaction final : public Transaction {
       query.bind(1, static_cast<int>(table));
       Bind(query, 2, key);
       if (!query.executeStep()) return std::nullopt;
-      return Text(query.getColumn(0));
+      return Unseal(table, key, Text(query.getColumn(0)));
     });
   }
 
@@ -106,7 +130,10 @@ class SqliteTransaction final : public Transaction {
       if (!options.after.empty()) Bind(query, 4, options.after);
       std::vector<CatalogEntry> entries;
       while (query.executeStep()) {
-        entries.push_back({Text(query.getColumn(0)), Text(query.getColumn(1))});
+        const std::string key = Text(query.getColumn(0));
+        TACTUS_ASSIGN_OR_RETURN(const std::string value,
+                                Unseal(table, key, Text(query.getColumn(1))));
+        entries.push_back({key, value});
       }
       return entries;
     });
@@ -119,7 +146,8 @@ class SqliteTransaction final : public Transaction {
                                "INSERT OR REPLACE INTO records VALUES (?,?,?)");
       change.bind(1, static_cast<int>(table));
       Bind(change, 2, key);
-      Bind(change, 3, value);
+      const std::string sealed = absl::StrCat(value, Seal(table, key, value));
+      Bind(change, 3, sealed);
       change.exec();
       return absl::OkStatus();
     });
@@ -150,15 +178,15 @@ class SqliteCatalog final : public Catalog {
   // Brings a new or older database to kCatalogVersion.
   absl::Status Prepare() {
     return Guarded(path_, [&] {
+      const int version = database_.execAndGet("PRAGMA user_version").getInt();
+      if (version < 0 || version > kCatalogVersion) {
+        return DataLost(
+            path_, absl::StrCat("has version ", version,
+                                "; this program reads 0 to ", kCatalogVersion));
+      }
       database_.exec("PRAGMA journal_mode = WAL");
       // A commit is on disk when it returns.
       database_.exec("PRAGMA synchronous = FULL");
-      const int version = database_.execAndGet("PRAGMA user_version").getInt();
-      if (version > kCatalogVersion) {
-        return DataLost(path_, absl::StrCat("has version ", version,
-                                            "; this program reads up to ",
-                                            kCatalogVersion));
-      }
       for (int next = version; next < kCatalogVersion; ++next) {
         SQLite::Transaction migration(database_,
                                       SQLite::TransactionBehavior::IMMEDIATE);

@@ -1,0 +1,304 @@
+#include "core/store/catalog.h"
+
+#include <sqlite3.h>
+
+#include <map>
+
+#include "core/base/errors.h"
+#include "core/base/random.h"
+#include "core/base/status_macros.h"
+#include "core/store/sqlite_catalog.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/support/crash_vfs.h"
+#include "tests/support/scratch_dir.h"
+
+namespace tactus {
+namespace {
+
+using testing::CrashFileSystem;
+using testing::CrashVfs;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using Loss = CrashFileSystem::Loss;
+
+std::unique_ptr<Catalog> Open(const std::string& path,
+                              const std::string& vfs = "") {
+  auto catalog = OpenSqliteCatalog(path, vfs);
+  EXPECT_TRUE(catalog.ok()) << catalog.status();
+  return *std::move(catalog);
+}
+
+absl::Status Put(Catalog& catalog, const std::string& key,
+                 const std::string& value, Table table = Table::kTrials) {
+  return catalog.Change(
+      [&](Transaction& change) { return change.Put(table, key, value); });
+}
+
+// Nothing after an error, which `status` receives.
+std::vector<CatalogEntry> Scan(const Catalog& catalog,
+                               const ScanOptions& options = {},
+                               Table table = Table::kTrials,
+                               absl::Status* status = nullptr) {
+  std::vector<CatalogEntry> entries;
+  const absl::Status looked =
+      catalog.Look([&](const Transaction& look) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(entries, look.Scan(table, options));
+        return absl::OkStatus();
+      });
+  if (status == nullptr) {
+    EXPECT_TRUE(looked.ok()) << looked;
+  } else {
+    *status = looked;
+  }
+  return entries;
+}
+
+std::vector<std::string> Keys(const Catalog& catalog,
+                              const ScanOptions& options) {
+  std::vector<std::string> keys;
+  for (const CatalogEntry& entry : Scan(catalog, options)) {
+    keys.push_back(entry.key);
+  }
+  return keys;
+}
+
+std::optional<std::string> Get(const Catalog& catalog, const std::string& key,
+                               Table table = Table::kTrials) {
+  std::optional<std::string> value;
+  EXPECT_TRUE(catalog
+                  .Look([&](const Transaction& look) {
+                    auto got = look.Get(table, key);
+                    if (got.ok()) value = *got;
+                    return got.status();
+                  })
+                  .ok());
+  return value;
+}
+
+class CatalogTest : public ::testing::Test {
+ protected:
+  // Runs SQL on the file behind the catalogue's back.
+  void Sql(const std::string& sql) {
+    sqlite3* database = nullptr;
+    ASSERT_EQ(sqlite3_open(path_.c_str(), &database), SQLITE_OK);
+    EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr),
+              SQLITE_OK);
+    sqlite3_close(database);
+  }
+
+  ScratchDir folder_;
+  const std::string path_ = folder_ / "catalog.db";
+};
+
+TEST_F(CatalogTest, KeepsBytes) {
+  const std::string bytes("\0\xff'\"\n", 5);
+  {
+    auto catalog = Open(path_);
+    ASSERT_TRUE(Put(*catalog, bytes, bytes).ok());
+    ASSERT_TRUE(Put(*catalog, "empty", "").ok());
+    ASSERT_TRUE(Put(*catalog, "empty", "other", Table::kAudit).ok());
+    ASSERT_TRUE(Put(*catalog, "twice", "1").ok());
+    ASSERT_TRUE(Put(*catalog, "twice", "2").ok());
+  }
+  auto catalog = Open(path_);
+  EXPECT_EQ(Get(*catalog, bytes), bytes);
+  EXPECT_EQ(Get(*catalog, "empty"), "");
+  EXPECT_EQ(Get(*catalog, "empty", Table::kAudit), "other");
+  EXPECT_EQ(Get(*catalog, "twice"), "2");
+  EXPECT_EQ(Get(*catalog, "no"), std::nullopt);
+  EXPECT_TRUE(catalog->Check().ok());
+}
+
+TEST_F(CatalogTest, ATransactionIsAllOrNothing) {
+  auto catalog = Open(path_);
+  ASSERT_TRUE(Put(*catalog, "a", "old").ok());
+  const absl::Status status = catalog->Change([](Transaction& change) {
+    EXPECT_TRUE(change.Put(Table::kTrials, "a", "new").ok());
+    EXPECT_TRUE(change.Put(Table::kAudit, "b", "new").ok());
+    EXPECT_EQ(*change.Get(Table::kTrials, "a"), "new");
+    return IoError("test", "it fails");
+  });
+  EXPECT_EQ(ReasonOf(status), "IO");
+  EXPECT_EQ(Get(*catalog, "a"), "old");
+  EXPECT_EQ(Get(*catalog, "b", Table::kAudit), std::nullopt);
+  ASSERT_TRUE(catalog
+                  ->Change([](Transaction& change) {
+                    EXPECT_TRUE(change.Erase(Table::kTrials, "no").ok());
+                    return change.Erase(Table::kTrials, "a");
+                  })
+                  .ok());
+  EXPECT_EQ(Get(*catalog, "a"), std::nullopt);
+}
+
+TEST_F(CatalogTest, ScansInTheOrderOfBytes) {
+  auto catalog = Open(path_);
+  for (const char* key :
+       {"b/2", "b/1", "a", "b", "b0", "c\xff", "c\xff\xff", "\xff", "b/3"}) {
+    ASSERT_TRUE(Put(*catalog, key, "").ok());
+  }
+  EXPECT_THAT(Keys(*catalog, {}),
+              ElementsAre("a", "b", "b/1", "b/2", "b/3", "b0", "c\xff",
+                          "c\xff\xff", "\xff"));
+  EXPECT_THAT(Keys(*catalog, {.prefix = "b/"}),
+              ElementsAre("b/1", "b/2", "b/3"));
+  EXPECT_THAT(Keys(*catalog, {.prefix = "b/", .backwards = true}),
+              ElementsAre("b/3", "b/2", "b/1"));
+  EXPECT_THAT(Keys(*catalog, {.prefix = "b/", .after = "b/1"}),
+              ElementsAre("b/2", "b/3"));
+  EXPECT_THAT(
+      Keys(*catalog, {.prefix = "b/", .after = "b/3", .backwards = true}),
+      ElementsAre("b/2", "b/1"));
+  EXPECT_THAT(Keys(*catalog, {.after = "b/3", .limit = 2}),
+              ElementsAre("b0", "c\xff"));
+  EXPECT_THAT(Keys(*catalog, {.limit = 1, .backwards = true}),
+              ElementsAre("\xff"));
+  EXPECT_THAT(Keys(*catalog, {.prefix = "c\xff"}),
+              ElementsAre("c\xff", "c\xff\xff"));
+  EXPECT_THAT(Keys(*catalog, {.prefix = "\xff"}), ElementsAre("\xff"));
+  EXPECT_THAT(Keys(*catalog, {.limit = 0}), IsEmpty());
+  EXPECT_THAT(Keys(*catalog, {.prefix = "x"}), IsEmpty());
+}
+
+TEST_F(CatalogTest, OtherVersionsAreRefused) {
+  { ASSERT_TRUE(Put(*Open(path_), "a", "1").ok()); }
+  for (const int version : {kCatalogVersion + 1, 2147483647, -1, -2147483647}) {
+    Sql("PRAGMA user_version = " + std::to_string(version));
+    EXPECT_EQ(ReasonOf(OpenSqliteCatalog(path_).status()), "DATA_LOST")
+        << version;
+  }
+  Sql("PRAGMA user_version = " + std::to_string(kCatalogVersion));
+  EXPECT_EQ(Get(*Open(path_), "a"), "1");
+}
+
+TEST_F(CatalogTest, WhatIsNoDatabaseIsRefused) {
+  WriteBytes(path_, std::string(5000, 'x'));
+  EXPECT_EQ(ReasonOf(OpenSqliteCatalog(path_).status()), "DATA_LOST");
+  EXPECT_EQ(ReasonOf(OpenSqliteCatalog(folder_.path()).status()), "IO");
+  EXPECT_EQ(ReasonOf(OpenSqliteCatalog(folder_ / "no/catalog.db").status()),
+            "IO");
+}
+
+// A damaged database is refused, by Open, Check or the read of the record; or
+// the damage lies where no record is, and all records are as they were.
+TEST_F(CatalogTest, NoFlippedByteChangesARecord) {
+  std::map<std::string, std::string> records;
+  Random random(7);
+  {
+    auto catalog = Open(path_);
+    for (int i = 0; i < 60; ++i) {
+      std::string value(random.Index(300), '\0');
+      for (char& c : value) c = static_cast<char>(random.Index(256));
+      const std::string key = "key-" + std::to_string(i);
+      records[key] = value;
+      ASSERT_TRUE(Put(*catalog, key, value).ok());
+    }
+  }
+  const std::string good = ReadBytes(path_);
+  ASSERT_FALSE(std::filesystem::exists(path_ + "-wal"));
+  int refused = 0;
+  for (int flip = 0; flip < 200; ++flip) {
+    std::string bad = good;
+    // Every second one hits the header or the schema.
+    const size_t place = random.Index(flip % 2 == 0 ? 512 : bad.size());
+    bad[place] = static_cast<char>(bad[place] ^ (1 + random.Index(255)));
+    for (const char* tail : {"-wal", "-shm"}) {
+      std::filesystem::remove(path_ + tail);
+    }
+    WriteBytes(path_, bad);
+    const auto catalog = OpenSqliteCatalog(path_);
+    if (!catalog.ok() || !(*catalog)->Check().ok()) {
+      ++refused;
+      continue;
+    }
+    absl::Status status;
+    const auto entries = Scan(**catalog, {}, Table::kTrials, &status);
+    if (!status.ok()) {
+      EXPECT_EQ(ReasonOf(status), "DATA_LOST") << "byte " << place;
+      ++refused;
+      continue;
+    }
+    std::map<std::string, std::string> read;
+    for (const CatalogEntry& entry : entries) read[entry.key] = entry.value;
+    EXPECT_EQ(read, records) << "byte " << place;
+  }
+  EXPECT_GT(refused, 40);
+  RecordProperty("refused", refused);
+}
+
+// For each operation of SQLite's and each loss: every change is there or not,
+// in order, and those that returned OK are there.
+TEST_F(CatalogTest, CrashAtEachOperation) {
+  constexpr int kChanges = 4;
+  int points = 0;
+  for (const Loss loss : CrashFileSystem::kLosses) {
+    bool reached = true;
+    for (int k = 1; reached; ++k) {
+      for (const char* tail : {"", "-wal", "-shm", "-journal"}) {
+        std::filesystem::remove(path_ + tail);
+      }
+      CrashFileSystem files;
+      const CrashVfs vfs(&files);
+      int acknowledged = 0;
+      {
+        auto catalog = Open(path_, vfs.name());
+        ASSERT_TRUE(files.SyncDirectory(folder_.path()).ok());
+        files.StopAt(k);
+        for (int i = 1; i <= kChanges; ++i) {
+          const bool done =
+              catalog
+                  ->Change([&](Transaction& change) -> absl::Status {
+                    const std::string number = std::to_string(i);
+                    TACTUS_RETURN_IF_ERROR(
+                        change.Put(Table::kTrials, "last", number));
+                    return change.Put(Table::kAudit, number,
+                                      std::string(1000, 'x'));
+                  })
+                  .ok();
+          if (done) acknowledged = i;
+        }
+        reached = files.failed();
+      }
+      files.Lose(loss);
+      files.Heal();
+      auto catalog = Open(path_, vfs.name());
+      ASSERT_TRUE(catalog->Check().ok());
+      const std::string last = Get(*catalog, "last").value_or("0");
+      EXPECT_GE(std::stoi(last), acknowledged) << "operation " << k;
+      EXPECT_EQ(Scan(*catalog, {}, Table::kAudit).size(),
+                static_cast<size_t>(std::stoi(last)))
+          << "operation " << k;
+      ASSERT_TRUE(Put(*catalog, "last", "9").ok());
+      ++points;
+    }
+  }
+  RecordProperty("points", points);
+  EXPECT_GT(points, 40);
+}
+
+TEST_F(CatalogTest, AnErrorOfTheDiskLeavesTheOldState) {
+  CrashFileSystem files;
+  const CrashVfs vfs(&files);
+  auto catalog = Open(path_, vfs.name());
+  ASSERT_TRUE(Put(*catalog, "a", "0").ok());
+  for (const absl::Status& error :
+       {StorageFull("disk", "no room"), IoError("disk", "error")}) {
+    bool reached = true;
+    for (int n = 1; reached; ++n) {
+      const std::string before = *Get(*catalog, "a");
+      const std::string next = before + "1";
+      files.FailAt(n, error);
+      const absl::Status status = Put(*catalog, "a", next);
+      reached = files.failed();
+      files.Heal();
+      EXPECT_EQ(Get(*catalog, "a"), status.ok() ? next : before) << n;
+      if (!status.ok()) {
+        EXPECT_EQ(ReasonOf(status), ReasonOf(error)) << status;
+      }
+      EXPECT_TRUE(Put(*catalog, "a", next).ok()) << n;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tactus
