@@ -321,12 +321,12 @@ absl::StatusOr<uint32_t> DatasetStore::Delete(absl::string_view name,
         TACTUS_RETURN_IF_ERROR(change.Erase(Table::kDatasets, parsed.id));
         return Audit(change, caller, now_(), "delete", parsed.Parent());
       }));
-  // A blob that stays behind after a crash costs room, nothing else.
+  // A blob that stays behind costs room, nothing else: the dataset is deleted.
   for (const std::string& sha256 : unused) {
-    TACTUS_RETURN_IF_ERROR(data_->blobs().Remove(sha256));
+    data_->blobs().Remove(sha256).IgnoreError();
   }
   for (const std::string& sha256 : manifests) {
-    TACTUS_RETURN_IF_ERROR(data_->blobs().Remove(sha256));
+    data_->blobs().Remove(sha256).IgnoreError();
   }
   return static_cast<uint32_t>(unused.size());
 }

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
@@ -41,6 +42,17 @@ absl::StatusOr<std::vector<v1::ModelVersion>> VersionsOf(
   return ScanRecords<v1::ModelVersion>(
       look, Table::kModelVersions,
       {.prefix = std::string(prefix), .backwards = true});
+}
+
+// The number of the last version of "models/M", deleted or not; 0 for none.
+absl::StatusOr<uint32_t> LastNumber(const Transaction& look,
+                                    const std::string& model) {
+  TACTUS_ASSIGN_OR_RETURN(const auto value, look.Get(Table::kNumbers, model));
+  uint32_t number = 0;
+  if (value.has_value() && !absl::SimpleAtoi(*value, &number)) {
+    return DataLost(model, "its last version is not a number");
+  }
+  return number;
 }
 
 void Describe(const PinnedModel& pinned, v1::ModelVersion& version) {
@@ -99,7 +111,7 @@ absl::StatusOr<v1::ModelVersion> ModelStore::AddVersion(
   TACTUS_ASSIGN_OR_RETURN(PinnedModel pinned, ModelRegistry::Load(bundle));
   const std::lock_guard lock(mutex_);
   v1::ModelVersion version = std::move(origin);
-  uint32_t number = 1;
+  uint32_t number = 0;
   bool known = false;
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Look([&](const Transaction& look) -> absl::Status {
@@ -114,10 +126,8 @@ absl::StatusOr<v1::ModelVersion> ModelStore::AddVersion(
           known = true;
           return absl::OkStatus();
         }
-        if (old.empty()) return absl::OkStatus();
-        TACTUS_ASSIGN_OR_RETURN(const ResourceName newest,
-                                ParseVersionName(old.front().name(), kModels));
-        number = newest.version + 1;
+        TACTUS_ASSIGN_OR_RETURN(number, LastNumber(look, parent.Parent()));
+        ++number;
         return absl::OkStatus();
       }));
   if (known) return version;
@@ -135,6 +145,8 @@ absl::StatusOr<v1::ModelVersion> ModelStore::AddVersion(
       data_->catalog().Change([&](Transaction& change) -> absl::Status {
         TACTUS_RETURN_IF_ERROR(PutRecord(change, Table::kModelVersions,
                                          CatalogKey(name), version));
+        TACTUS_RETURN_IF_ERROR(
+            change.Put(Table::kNumbers, parent.Parent(), NumberKey(number)));
         return Audit(change, caller, now_(), "create", version.name());
       }));
   registry_->Add(name.id, name.version, std::move(pinned));
@@ -185,10 +197,10 @@ absl::StatusOr<v1::ModelVersion> ModelStore::Get(absl::string_view name) const {
 
 absl::StatusOr<std::string> ModelStore::Bundle(
     const v1::ModelVersion& version) const {
-  if (version.built_in()) {
-    TACTUS_ASSIGN_OR_RETURN(const PinnedModel pinned,
+  if (version.blob_sha256().empty()) {
+    TACTUS_ASSIGN_OR_RETURN(const PinnedModel built_in,
                             registry_->Find(version.name(), ""));
-    return EncodeBundle(pinned.model->model());
+    return EncodeBundle(built_in.model->model());
   }
   return data_->blobs().Read(version.blob_sha256(), limits::kMaxBundleBytes);
 }
@@ -268,7 +280,9 @@ absl::Status ModelStore::Delete(absl::string_view name, const Caller& caller) {
         return Audit(change, caller, now_(), "delete", name);
       }));
   registry_->Remove(parsed.id, parsed.version);
-  return shared ? absl::OkStatus() : data_->blobs().Remove(blob);
+  // A blob that stays behind costs room, nothing else: the version is deleted.
+  if (!shared) data_->blobs().Remove(blob).IgnoreError();
+  return absl::OkStatus();
 }
 
 absl::StatusOr<std::vector<v1::Alias>> ModelStore::Aliases() const {
@@ -328,6 +342,7 @@ absl::StatusOr<v1::Alias> ModelStore::UpdateAlias(
     const v1::UpdateAliasRequest& wanted, const Caller& caller) {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
                           ParseName(wanted.name(), kAliases));
+  const std::lock_guard lock(mutex_);
   if (wanted.has_canary()) {
     TACTUS_RETURN_IF_ERROR(CheckServed(wanted.canary().model_version()));
     const uint32_t share = wanted.canary().per_mille();
@@ -335,7 +350,6 @@ absl::StatusOr<v1::Alias> ModelStore::UpdateAlias(
       return InvalidConfig("canary.per_mille", share, "1 to 1000");
     }
   }
-  const std::lock_guard lock(mutex_);
   v1::Alias alias;
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Change([&](Transaction& change) -> absl::Status {
@@ -365,8 +379,8 @@ absl::StatusOr<v1::Alias> ModelStore::Promote(const v1::PromoteSpec& spec,
                                               const Caller& caller) {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
                           ParseName(spec.alias(), kAliases));
-  TACTUS_RETURN_IF_ERROR(CheckServed(spec.model_version()));
   const std::lock_guard lock(mutex_);
+  TACTUS_RETURN_IF_ERROR(CheckServed(spec.model_version()));
   v1::Alias alias;
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Change([&](Transaction& change) -> absl::Status {
@@ -378,6 +392,12 @@ absl::StatusOr<v1::Alias> ModelStore::Promote(const v1::PromoteSpec& spec,
           // What streams of this name got so far, to be able to go back to it.
           const auto before = registry_->Find(name.id, "");
           if (before.ok()) alias.set_model_version(before->version_name);
+        }
+        // A job that moved the alias runs again if the server crashed before
+        // its end was stored.
+        if (old.has_value() && alias.model_version() == spec.model_version() &&
+            alias.canary().model_version() != spec.model_version()) {
+          return absl::OkStatus();
         }
         TACTUS_RETURN_IF_ERROR(CheckEtag(alias, spec.etag()));
         if (alias.model_version() != spec.model_version()) {

@@ -4,9 +4,9 @@
 // ModelRegistry in step: what is stored can be found by streams.
 //
 //   ModelStore models(data, &registry, now);
-//   TACTUS_RETURN_IF_ERROR(models.Restore());
+//   TACTUS_RETURN_IF_ERROR(models.Restore().status());
 //   auto version = models.AddVersion("models/grasps", bundle, origin, caller);
-//   auto alias = models.Promote(spec, caller);
+//   auto alias = models.Promote(spec, /*forced=*/false, caller);
 //
 // A version is stored in this order: decode, run the warm-up trial, write the
 // bundle as a blob, record the version. Then the registry gets it. An alias
@@ -42,9 +42,10 @@ class ModelStore {
   // aliases are not served.
   absl::StatusOr<std::vector<std::string>> Restore();
 
-  // Makes a bundle the next version of "models/M". `origin` has the fields that
-  // say how it was made. A second call with the same `origin.operation` returns
-  // the version of the first. INVALID_NAME if the model is built in.
+  // Makes a bundle the next version of "models/M". The number of a version is
+  // never used again, even if the version is deleted. `origin` has the fields
+  // that say how it was made. A second call with the same `origin.operation`
+  // returns the version of the first. INVALID_NAME if the model is built in.
   absl::StatusOr<v1::ModelVersion> AddVersion(absl::string_view model,
                                               absl::string_view bundle,
                                               v1::ModelVersion origin,
@@ -52,6 +53,8 @@ class ModelStore {
   // "models/M/versions/V", "models/M" for the newest version, or "aliases/A".
   // Of built-in versions, the fields that the server knows.
   absl::StatusOr<v1::ModelVersion> Get(absl::string_view name) const;
+  // The bundle as it was stored; of a built-in version, the same model encoded
+  // again.
   absl::StatusOr<std::string> Bundle(const v1::ModelVersion& version) const;
   absl::StatusOr<Page<v1::ModelVersion>> List(
       absl::string_view model, int page_size,
@@ -65,7 +68,7 @@ class ModelStore {
   absl::StatusOr<v1::Alias> UpdateAlias(const v1::UpdateAliasRequest& wanted,
                                         const Caller& caller);
   // Lets the alias name the version, without looking at its gate. `forced` is
-  // recorded.
+  // recorded. Changes nothing, whatever the etag, if the alias names it.
   absl::StatusOr<v1::Alias> Promote(const v1::PromoteSpec& spec, bool forced,
                                     const Caller& caller);
   // NOTHING_TO_ROLL_BACK.

@@ -3,8 +3,11 @@
 // OperationStore: what was requested, how far it is, and how it ended. Every
 // state is stored before anybody sees it.
 //
-//   auto operation = operations.Create(kind, request, request_id, caller);
-//   operations.Change(name, [](v1::Operation& operation) { ... });
+//   auto operation = operations.Create(request, request_id, caller);
+//   auto changed = operations.Change(name, [](v1::Operation& operation) {
+//     operation.set_state(v1::Operation::STATE_RUNNING);
+//     return absl::OkStatus();
+//   });
 //   auto update = operations.WaitForChange(name, &cursor, timeout);
 //
 // Progress that is not stored yet is at most a second old when the server

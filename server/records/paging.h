@@ -2,7 +2,7 @@
 //
 // Pages of a list. A page token is the key of the last entry before the page.
 //
-//   const int size = PageSize(request.page_size());
+//   TACTUS_ASSIGN_OR_RETURN(int size, PageSize(request.page_size()));
 //
 // Thread-safe: free functions without state.
 #pragma once

@@ -154,6 +154,7 @@ UploadStore::Writer::~Writer() { store_->Release(id_); }
 absl::Status UploadStore::Writer::Append(int64_t offset,
                                          absl::string_view chunk,
                                          uint32_t crc32c) {
+  TACTUS_RETURN_IF_ERROR(fault_);
   if (offset != size_) return OffsetMismatch(offset, size_);
   if (chunk.empty() || chunk.size() > limits::kMaxChunkBytes) {
     return InvalidConfig("size of data", chunk.size(),
@@ -167,7 +168,9 @@ absl::Status UploadStore::Writer::Append(int64_t offset,
     return InvalidConfig("size of the upload", size_ + chunk.size(),
                          absl::StrCat("at most ", limits::kMaxUploadBytes));
   }
-  TACTUS_RETURN_IF_ERROR(file_->Append(chunk));
+  // A part of the chunk may be written when this fails.
+  fault_ = file_->Append(chunk);
+  TACTUS_RETURN_IF_ERROR(fault_);
   size_ += static_cast<int64_t>(chunk.size());
   crc32c_ = ExtendCrc32c(crc32c_, chunk);
   return absl::OkStatus();
@@ -175,7 +178,10 @@ absl::Status UploadStore::Writer::Append(int64_t offset,
 
 absl::Status UploadStore::Writer::Commit() {
   if (uncommitted() == 0) return absl::OkStatus();
-  TACTUS_RETURN_IF_ERROR(file_->Sync());
+  TACTUS_RETURN_IF_ERROR(fault_);
+  // A second Sync would not report what the first could not write.
+  fault_ = file_->Sync();
+  TACTUS_RETURN_IF_ERROR(fault_);
   DataDirectory* data = store_->data_;
   if (upload_.committed_size() == 0) {
     TACTUS_RETURN_IF_ERROR(data->files().SyncDirectory(data->UploadFolder()));
@@ -221,7 +227,9 @@ absl::StatusOr<v1::DatasetVersion> UploadStore::Finish(absl::string_view name,
   TACTUS_RETURN_IF_ERROR(Hold(parsed.id));
   const auto release = absl::MakeCleanup([&] { Release(parsed.id); });
   TACTUS_ASSIGN_OR_RETURN(v1::StoredUpload upload, Get(name));
+  const std::string path = data_->UploadPath(parsed.id);
   if (!upload.dataset_version().empty()) {
+    data_->files().Remove(path).IgnoreError();
     return datasets_->Version(upload.dataset_version());
   }
   if (size != upload.committed_size()) {
@@ -242,7 +250,8 @@ absl::StatusOr<v1::DatasetVersion> UploadStore::Finish(absl::string_view name,
             return PutRecord(change, Table::kUploads, CatalogKey(parsed),
                              upload);
           }));
-  TACTUS_RETURN_IF_ERROR(data_->files().Remove(data_->UploadPath(parsed.id)));
+  // The version exists, whatever becomes of the bytes that it was made of.
+  data_->files().Remove(path).IgnoreError();
   return version;
 }
 

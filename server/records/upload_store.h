@@ -9,7 +9,9 @@
 //     TACTUS_RETURN_IF_ERROR(writer->Append(offset, chunk, crc32c));
 //     TACTUS_RETURN_IF_ERROR(writer->Commit());  // now on disk
 //   }
-//   auto version = uploads.Finish(upload->name(), size, crc32c, caller);
+//   uint32_t known = 0;
+//   auto version = uploads.Finish(upload->name(), size, crc32c, caller,
+//   &known);
 //
 // Bytes behind the committed size are cut off when the next writer begins.
 // Errors: INVALID_NAME, UPLOAD_NOT_FOUND, and those of storage. Thread-safe; a
@@ -38,7 +40,8 @@ class UploadStore {
   class Writer {
    public:
     ~Writer();
-    // OFFSET_MISMATCH, CHECKSUM_MISMATCH, STORAGE_FULL.
+    // OFFSET_MISMATCH, CHECKSUM_MISMATCH, STORAGE_FULL. After an error of
+    // storage the upload goes on with another writer.
     absl::Status Append(int64_t offset, absl::string_view chunk,
                         uint32_t crc32c);
     // Makes all that was appended durable.
@@ -57,6 +60,9 @@ class UploadStore {
     std::unique_ptr<AppendableFile> file_;
     int64_t size_ = 0;
     uint32_t crc32c_ = 0;
+    // The error of storage after which nobody knows what the file holds behind
+    // the committed size.
+    absl::Status fault_;
   };
 
   UploadStore(DataDirectory* data, DatasetStore* datasets, NowMs now)

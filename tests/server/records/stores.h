@@ -1,0 +1,128 @@
+// File: stores.h
+//
+// All stores of the server on one folder, whose files may fail, with packs of
+// small trials to upload.
+//
+//   ScratchDir folder;
+//   CrashFileSystem files;
+//   Stores stores(&files, folder / "data");
+//   stores.Upload(Pack(0, 3));
+#pragma once
+
+#include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/base/crc32c.h"
+#include "core/base/status_macros.h"
+#include "core/bundle/bundle.h"
+#include "core/data/trial_record.h"
+#include "gtest/gtest.h"
+#include "server/records/dataset_store.h"
+#include "server/records/model_store.h"
+#include "server/records/operation_store.h"
+#include "server/records/upload_store.h"
+#include "tests/support/crash_file_system.h"
+#include "tests/support/crash_vfs.h"
+#include "tests/support/scratch_dir.h"
+#include "tests/support/small_model.h"
+
+namespace tactus::server {
+
+inline const Caller kCaller = {"tester", "unix:"};
+inline constexpr char kDataset[] = "datasets/d";
+
+inline Trial SmallTrial(int number, int frames = 3) {
+  Trial trial;
+  trial.id = "trial-" + std::to_string(number);
+  trial.label = number % 2 == 0 ? "soft" : "hard";
+  trial.condition = "c";
+  for (int f = 0; f < frames; ++f) {
+    trial.time.push_back(0.01 * f);
+    trial.signals.push_back({1.0 * number, 1e-4, 0.001 * f});
+  }
+  return trial;
+}
+
+inline std::string Packed(const std::string& record) {
+  const auto length = static_cast<uint32_t>(record.size());
+  std::string bytes(sizeof length, '\0');
+  std::memcpy(bytes.data(), &length, sizeof length);
+  return bytes + record;
+}
+
+// Trials number `first` to `end` - 1.
+inline std::string Pack(int first, int end) {
+  std::string pack;
+  for (int i = first; i < end; ++i) {
+    pack += Packed(ToRecord(SmallTrial(i)).SerializeAsString());
+  }
+  return pack;
+}
+
+// A bundle of its own for each seed.
+inline std::string TestBundle(uint64_t seed) {
+  Model model = testing::SmallModel();
+  model.provenance.seed = seed;
+  return *EncodeBundle(model);
+}
+
+struct Stores {
+  Stores(FileSystem* files, const std::string& folder,
+         const std::string& vfs = "") {
+    auto opened = DataDirectory::Open(*files, folder, vfs);
+    EXPECT_TRUE(opened.ok()) << opened.status();
+    if (!opened.ok()) return;
+    data = *std::move(opened);
+    const NowMs now = [this] { return time_ms; };
+    datasets = std::make_unique<DatasetStore>(data.get(), now);
+    uploads = std::make_unique<UploadStore>(data.get(), datasets.get(), now);
+    operations = std::make_unique<OperationStore>(data.get(), now);
+    models = std::make_unique<ModelStore>(data.get(), &registry, now);
+    EXPECT_TRUE(registry.AddBuiltIn("default", TestBundle(0)).ok());
+    EXPECT_TRUE(operations->Restore().ok());
+    const auto failures = models->Restore();
+    EXPECT_TRUE(failures.ok() && failures->empty());
+  }
+
+  // Writes from the committed size on, in chunks.
+  absl::Status Write(const std::string& upload, const std::string& bytes,
+                     size_t chunk) {
+    TACTUS_ASSIGN_OR_RETURN(const auto writer, uploads->Write(upload));
+    auto offset = static_cast<size_t>(writer->committed_size());
+    while (offset < bytes.size()) {
+      const std::string part = bytes.substr(offset, chunk);
+      TACTUS_RETURN_IF_ERROR(writer->Append(static_cast<int64_t>(offset), part,
+                                            ExtendCrc32c(0, part)));
+      TACTUS_RETURN_IF_ERROR(writer->Commit());
+      offset += part.size();
+    }
+    return absl::OkStatus();
+  }
+  absl::StatusOr<v1::DatasetVersion> Finish(const std::string& upload,
+                                            const std::string& bytes) {
+    uint32_t known = 0;
+    return uploads->Finish(upload, static_cast<int64_t>(bytes.size()),
+                           ExtendCrc32c(0, bytes), kCaller, &known);
+  }
+  // A whole upload to kDataset.
+  absl::StatusOr<v1::DatasetVersion> Upload(const std::string& pack,
+                                            bool replace = false,
+                                            const char* dataset = kDataset) {
+    TACTUS_ASSIGN_OR_RETURN(const auto upload,
+                            uploads->Create(dataset, "", replace, kCaller));
+    TACTUS_RETURN_IF_ERROR(Write(upload.name(), pack, 1 << 20));
+    return Finish(upload.name(), pack);
+  }
+
+  int64_t time_ms = 1'700'000'000'000;
+  ModelRegistry registry;
+  std::unique_ptr<DataDirectory> data;
+  std::unique_ptr<DatasetStore> datasets;
+  std::unique_ptr<UploadStore> uploads;
+  std::unique_ptr<OperationStore> operations;
+  std::unique_ptr<ModelStore> models;
+};
+
+}  // namespace tactus::server
