@@ -9,6 +9,7 @@
 
 #include <csignal>
 #include <cstring>
+#include <thread>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -21,6 +22,8 @@ namespace {
 constexpr int kNiceness = 10;
 constexpr size_t kLengthBytes = 4;
 constexpr size_t kReadBytes = 64 * 1024;
+// How often a process that closed its output is asked whether it has ended.
+constexpr std::chrono::milliseconds kPoll(2);
 
 // In the child, between fork and exec: only calls that are safe there. Exits
 // with 127, as a shell does, if the program cannot be run.
@@ -92,7 +95,7 @@ absl::StatusOr<std::unique_ptr<JobProcess>> JobProcess::Start(
 
 JobProcess::~JobProcess() {
   Terminate(true);
-  Wait();
+  Wait(std::chrono::milliseconds(0));
   close(output_);
 }
 
@@ -102,12 +105,12 @@ JobProcess::News JobProcess::Next(std::chrono::milliseconds timeout,
     if (buffer_.size() >= kLengthBytes) {
       uint32_t length = 0;
       std::memcpy(&length, buffer_.data(), sizeof length);
-      if (length > limits::kMaxJobEventBytes) return News::kClosed;
+      if (length > limits::kMaxJobEventBytes) return Garbage();
       if (buffer_.size() >= kLengthBytes + length) {
         const bool parsed = event->ParseFromArray(buffer_.data() + kLengthBytes,
                                                   static_cast<int>(length));
         buffer_.erase(0, kLengthBytes + length);
-        return parsed ? News::kEvent : News::kClosed;
+        return parsed ? News::kEvent : Garbage();
       }
     }
     pollfd wait = {.fd = output_, .events = POLLIN, .revents = 0};
@@ -125,18 +128,35 @@ JobProcess::News JobProcess::Next(std::chrono::milliseconds timeout,
   }
 }
 
+JobProcess::News JobProcess::Garbage() {
+  Terminate(true);
+  return News::kClosed;
+}
+
 void JobProcess::Terminate(bool kill_it) {
   if (pid_ > 0) kill(pid_, kill_it ? SIGKILL : SIGTERM);
 }
 
-JobProcess::End JobProcess::Wait() {
+JobProcess::End JobProcess::Wait(std::chrono::milliseconds patience) {
   if (pid_ <= 0) return {};
+  const auto deadline = std::chrono::steady_clock::now() + patience;
   int status = 0;
-  while (waitpid(pid_, &status, 0) < 0) {
-    if (errno == EINTR) continue;
-    pid_ = -1;
-    return {.ok = false,
-            .text = absl::StrCat("is lost: ", std::strerror(errno))};
+  bool killed = false;
+  while (true) {
+    const pid_t ended = waitpid(pid_, &status, killed ? 0 : WNOHANG);
+    if (ended == pid_) break;
+    if (ended < 0 && errno != EINTR) {
+      pid_ = -1;
+      return {.ok = false,
+              .text = absl::StrCat("is lost: ", std::strerror(errno))};
+    }
+    if (killed) continue;
+    if (std::chrono::steady_clock::now() >= deadline) {
+      Terminate(true);
+      killed = true;
+    } else {
+      std::this_thread::sleep_for(kPoll);
+    }
   }
   pid_ = -1;
   return {.ok = WIFEXITED(status) && WEXITSTATUS(status) == 0,

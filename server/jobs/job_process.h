@@ -4,8 +4,9 @@
 // memory, so that it cannot disturb the streams.
 //
 //   TACTUS_ASSIGN_OR_RETURN(auto process, JobProcess::Start(options, folder));
-//   while (auto event = process->Next(timeout)) Handle(*event);
-//   const JobProcess::End end = process->Wait();
+//   v1::JobEvent event;
+//   while (process->Next(timeout, &event) != JobProcess::News::kClosed) Use();
+//   const JobProcess::End end = process->Wait(patience);
 //
 // The process ends when this one does. Not thread-safe, except Terminate. The
 // thread that calls Start must live as long as the process.
@@ -15,7 +16,7 @@
 
 #include <chrono>
 #include <cstdint>
-#include <optional>
+#include <memory>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -48,16 +49,19 @@ class JobProcess {
   // What Next found.
   enum class News { kEvent, kNone, kClosed };
   // Waits for the next event, at most for `timeout`. kClosed if there will be
-  // none: the process has closed its output, or it wrote something else.
+  // none: the process has closed its output, or it wrote something else and was
+  // killed for that.
   News Next(std::chrono::milliseconds timeout, v1::JobEvent* event);
 
   // Asks it to end (SIGTERM), or kills it (SIGKILL).
   void Terminate(bool kill);
-  // Waits until it has ended.
-  End Wait();
+  // Waits until it has ended; kills it if that takes longer than `patience`.
+  End Wait(std::chrono::milliseconds patience);
 
  private:
   JobProcess(pid_t pid, int output) : pid_(pid), output_(output) {}
+  // What Next returns when the process wrote no events.
+  News Garbage();
 
   pid_t pid_;
   int output_;

@@ -26,11 +26,16 @@ constexpr milliseconds kPoll(100);
 constexpr milliseconds kStore(500);
 // For a process that was asked to end.
 constexpr milliseconds kPatience(5'000);
+// After an error of storage.
+constexpr milliseconds kRest(1'000);
 constexpr int64_t kMaxOutcomeBytes = 16L * 1024 * 1024;
 
-// The status of a process that ended without an outcome.
-bool IsCrash(const absl::Status& status) {
-  return ReasonOf(status) == "JOB_CRASHED";
+// The status of a process that ended without an outcome, or that something else
+// than a request to cancel has asked to end: a service manager that stops the
+// server asks its jobs too.
+bool IsInterrupted(const absl::Status& status) {
+  const std::string reason = ReasonOf(status);
+  return reason == "JOB_CRASHED" || reason == "CANCELLED";
 }
 
 }  // namespace
@@ -48,8 +53,20 @@ JobQueue::JobQueue(DataDirectory* data, DatasetStore* datasets,
 JobQueue::~JobQueue() { Stop(); }
 
 void JobQueue::Start() {
+  RemoveFolders();
   training_ = std::thread([this] { Serve(true); });
   others_ = std::thread([this] { Serve(false); });
+}
+
+void JobQueue::RemoveFolders() {
+  const auto folders = data_->files().List(data_->JobFolder());
+  if (!folders.ok()) return;
+  for (const std::string& id : *folders) {
+    const auto operation = operations_->Get(absl::StrCat("operations/", id));
+    if (operation.ok() && HasEnded(*operation)) {
+      data_->files().RemoveAll(data_->JobPath(id)).IgnoreError();
+    }
+  }
 }
 
 void JobQueue::Stop() {
@@ -90,12 +107,14 @@ bool JobQueue::IsCancelled(const std::string& name) const {
   return cancelled_.contains(name);
 }
 
-std::string JobQueue::NextJob(bool training) const {
-  const auto queued = operations_->InState(Operation::STATE_QUEUED);
-  if (!queued.ok()) {
+std::string JobQueue::NextJob(bool training) {
+  auto queued = operations_->InState(Operation::STATE_QUEUED);
+  while (!queued.ok() && !stopping_) {
     spdlog::error("jobs: {}", queued.status().ToString());
-    return "";
+    Rest();
+    queued = operations_->InState(Operation::STATE_QUEUED);
   }
+  if (!queued.ok()) return "";
   for (const std::string& name : *queued) {
     const auto operation = operations_->Get(name);
     if (operation.ok() &&
@@ -115,7 +134,7 @@ void JobQueue::Serve(bool training) {
     }
     const std::string name = NextJob(training);
     if (!name.empty()) {
-      Run(name);
+      Run(name, training);
       continue;
     }
     std::unique_lock lock(mutex_);
@@ -123,7 +142,12 @@ void JobQueue::Serve(bool training) {
   }
 }
 
-void JobQueue::Run(const std::string& name) {
+void JobQueue::Rest() {
+  std::unique_lock lock(mutex_);
+  wake_.wait_for(lock, kRest, [&] { return stopping_.load(); });
+}
+
+void JobQueue::Run(const std::string& name, bool training) {
   auto operation = operations_->Change(name, [&](Operation& job) {
     // It may have been cancelled in between.
     if (job.state() != Operation::STATE_QUEUED)
@@ -133,14 +157,22 @@ void JobQueue::Run(const std::string& name) {
     if (job.start_time_ms() == 0) job.set_start_time_ms(now_());
     return absl::OkStatus();
   });
-  if (!operation.ok()) return;
+  if (!operation.ok()) {
+    if (ReasonOf(operation.status()) == "CANCELLED") return;
+    spdlog::error("{}: {}", name, operation.status().ToString());
+    return Rest();
+  }
   spdlog::info("{}: attempt {}", name, operation->attempts());
   Operation done = *operation;
   const absl::Status status = RunProcess(done);
-  if (stopping_ && IsCrash(status)) return;
-  const bool again = IsCrash(status) && !IsCancelled(name) &&
-                     static_cast<int>(done.attempts()) < options_.attempts;
-  const auto stored = operations_->Change(name, [&](Operation& job) {
+  const bool interrupted = IsInterrupted(status);
+  if (stopping_ && interrupted) return;
+  const bool may_repeat =
+      interrupted && ++interruptions_[training][name] < options_.attempts;
+  bool again = false;
+  const auto end = [&](Operation& job) {
+    const bool cancelled = job.state() == Operation::STATE_CANCELLING;
+    again = may_repeat && !cancelled;
     if (again) {
       job.set_state(Operation::STATE_QUEUED);
       return absl::OkStatus();
@@ -150,7 +182,7 @@ void JobQueue::Run(const std::string& name) {
     if (status.ok()) {
       job.set_state(Operation::STATE_SUCCEEDED);
       *job.mutable_result() = done.result();
-    } else if (IsCancelled(name)) {
+    } else if (cancelled) {
       job.set_state(Operation::STATE_CANCELLED);
       *job.mutable_error() = ToStatusProto(WorkCancelled(name));
     } else {
@@ -160,11 +192,15 @@ void JobQueue::Run(const std::string& name) {
       if (done.has_result()) *job.mutable_result() = done.result();
     }
     return absl::OkStatus();
-  });
-  if (!stored.ok()) {
+  };
+  // A job whose end cannot be stored would be RUNNING for ever.
+  auto stored = operations_->Change(name, end);
+  while (!stored.ok() && !stopping_) {
     spdlog::error("{}: {}", name, stored.status().ToString());
-    return;
+    Rest();
+    stored = operations_->Change(name, end);
   }
+  if (!stored.ok()) return;
   if (status.ok()) {
     spdlog::info("{}: succeeded", name);
   } else {
@@ -172,6 +208,7 @@ void JobQueue::Run(const std::string& name) {
                  again ? "; starting it again" : "");
   }
   if (again) return;
+  interruptions_[training].erase(name);
   const auto id = ParseName(name, "operations");
   data_->files().RemoveAll(data_->JobPath(id->id)).IgnoreError();
   const std::lock_guard lock(mutex_);
@@ -186,7 +223,7 @@ absl::Status JobQueue::RunProcess(Operation& operation) {
   TACTUS_ASSIGN_OR_RETURN(const auto process,
                           JobProcess::Start(options_.process, folder));
   TACTUS_RETURN_IF_ERROR(Follow(operation.name(), *process));
-  const JobProcess::End end = process->Wait();
+  const JobProcess::End end = process->Wait(kPatience);
   if (const auto latest = operations_->Get(operation.name()); latest.ok()) {
     *operation.mutable_progress() = latest->progress();
   }

@@ -6,12 +6,12 @@
 //   JobQueue jobs(data, &datasets, &models, &operations, options, now);
 //   jobs.Start();
 //   jobs.Wake();                     // after OperationStore::Create
-//   jobs.Cancel("operations/3", caller);
+//   jobs.Cancel("operations/3");
 //   jobs.Stop();
 //
 // A job whose process ends without a result starts again from its checkpoints,
-// at most Options::attempts times in all; then it fails with JOB_CRASHED. If
-// the server ends, its jobs go on when it starts again.
+// at most Options::attempts times since the server started; then it fails with
+// JOB_CRASHED. If the server ends, its jobs go on when it starts again.
 //
 // Training has one thread, evaluation and promotion another, so that a
 // promotion never waits for a training. Thread-safe. What it is given must
@@ -20,6 +20,7 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <map>
 #include <mutex>
 #include <set>
 #include <string>
@@ -61,8 +62,12 @@ class JobQueue {
  private:
   void Serve(bool training);
   // The oldest queued operation of this kind; empty if there is none.
-  std::string NextJob(bool training) const;
-  void Run(const std::string& name);
+  std::string NextJob(bool training);
+  void Run(const std::string& name, bool training);
+  // Removes the folders of jobs that ended when the server did.
+  void RemoveFolders();
+  // Waits a second, or until the queue stops.
+  void Rest();
   // Starts the process of a job, and returns how the operation ends: OK with
   // the result in `operation`, or why it failed.
   absl::Status RunProcess(v1::Operation& operation);
@@ -86,6 +91,9 @@ class JobQueue {
   // Number of calls of Wake.
   uint64_t wakes_ = 0;
   std::set<std::string> cancelled_;
+  // How often a job's process was interrupted; by `training`, each of its
+  // thread alone.
+  std::map<std::string, int> interruptions_[2];
   std::atomic<bool> stopping_ = false;
   std::thread training_;
   std::thread others_;
