@@ -4,7 +4,8 @@
 // contacts.
 //
 //   const v1::EvaluationReport report = ReportOf(evaluation, never_felt);
-//   const v1::Comparison comparison = Compare(current, candidate, gate);
+//   const v1::Comparison comparison =
+//       Compare(current, candidate, never_felt, gate);
 //
 // Thread-safe: free functions without state.
 #pragma once

@@ -4,11 +4,14 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "core/base/sha256.h"
 
 namespace tactus::server {
 namespace {
 
 constexpr int64_t kMaxPartBytes = 1024L * 1024 * 1024;
+// File systems take 255 bytes; WriteAtomically needs some of them.
+constexpr size_t kMaxNameBytes = 200;
 
 }  // namespace
 
@@ -25,6 +28,7 @@ std::string FileJournal::PathOf(absl::string_view part) const {
           absl::Hex(static_cast<unsigned char>(c), absl::kZeroPad2));
     }
   }
+  if (name.size() > kMaxNameBytes) name = Sha256Hex(part);
   return absl::StrCat(folder_, "/", name);
 }
 

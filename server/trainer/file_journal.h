@@ -36,7 +36,8 @@ class FileJournal final : public FitJournal {
 
  private:
   // "fold/2/hmm/SU" -> the file "fold_2_hmm_SU" of the folder. Other bytes than
-  // letters, digits and - become %XX.
+  // letters, digits and - become %XX. A name that is too long for a file
+  // becomes its SHA-256.
   std::string PathOf(absl::string_view part) const;
 
   FileSystem& files_;

@@ -1,0 +1,148 @@
+// The program tactus-trainer, killed at any moment and started again.
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <thread>
+
+#include "core/base/random.h"
+#include "core/base/status_macros.h"
+#include "core/bundle/bundle.h"
+#include "core/data/trial_record.h"
+#include "core/store/blob_store.h"
+#include "gtest/gtest.h"
+#include "tactus/v1/storage.pb.h"
+#include "tests/support/scratch_dir.h"
+
+namespace tactus::server {
+namespace {
+
+using std::chrono::duration;
+using std::chrono::steady_clock;
+
+// A push whose force, area and motion depend on the label.
+Trial PushTrial(int number) {
+  Random random(static_cast<uint64_t>(number) + 1);
+  Trial trial;
+  trial.id = "push-" + std::to_string(number);
+  const bool hard = number % 2 == 0;
+  const bool moves = number / 2 % 2 == 0;
+  trial.label = std::string(hard ? "H" : "S") + (moves ? "M" : "U");
+  trial.condition = "c" + std::to_string(number % 3);
+  const double scale = 1 + 0.2 * random.Uniform();
+  for (int f = 0; f < 100; ++f) {
+    const double t = 0.01 * f;
+    trial.time.push_back(t);
+    const double noise = 1 + 0.1 * random.Uniform();
+    trial.signals.push_back(
+        {scale * noise * (hard ? 8 : 2) * (0.1 + std::sqrt(t)),
+         scale * noise * (hard ? 2e-4 : 8e-4) * (0.2 + t),
+         (moves ? 0.02 * scale : 1e-4) * t * t});
+  }
+  return trial;
+}
+
+class ResumeTest : public ::testing::Test {
+ protected:
+  ResumeTest() {
+    auto blobs = BlobStore::Open(PosixFileSystem(), folder_ / "blobs");
+    EXPECT_TRUE(blobs.ok()) << blobs.status();
+    BlobStore::Batch batch = (*blobs)->NewBatch();
+    for (int i = 0; i < 24; ++i) {
+      const auto sha256 = batch.Add(ToRecord(PushTrial(i)).SerializeAsString());
+      EXPECT_TRUE(sha256.ok()) << sha256.status();
+      spec_.add_trials(*sha256);
+    }
+    EXPECT_TRUE(batch.Commit().ok());
+    spec_.set_blob_folder(folder_ / "blobs");
+    spec_.set_dataset_sha256(std::string(64, 'a'));
+    v1::Operation& operation = *spec_.mutable_operation();
+    operation.set_name("operations/1");
+    operation.set_kind(v1::Operation::KIND_TRAIN);
+    operation.mutable_train()->set_dataset_version("datasets/d/versions/1");
+    operation.mutable_train()->set_networks(1);
+    operation.mutable_train()->set_epochs(5);
+    operation.mutable_train()->set_hmms_per_class(1);
+  }
+
+  std::string NewJob(const std::string& name) {
+    const std::string folder = folder_ / name;
+    std::filesystem::create_directory(folder);
+    WriteBytes(folder + "/job.pb", spec_.SerializeAsString());
+    return folder;
+  }
+  static pid_t Start(const std::string& folder) {
+    const pid_t pid = fork();
+    if (pid == 0) {
+      const int null = open("/dev/null", O_RDWR);
+      dup2(null, STDOUT_FILENO);
+      execl(TACTUS_TRAINER, TACTUS_TRAINER, folder.c_str(), nullptr);
+      _exit(127);
+    }
+    return pid;
+  }
+  // The exit status; -1 after a signal.
+  static int Wait(pid_t pid) {
+    int status = 0;
+    EXPECT_EQ(waitpid(pid, &status, 0), pid);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+  ScratchDir folder_;
+  v1::JobSpec spec_;
+};
+
+TEST_F(ResumeTest, KilledTenTimesItMakesTheSameBundle) {
+  const std::string whole = NewJob("whole");
+  const auto begin = steady_clock::now();
+  ASSERT_EQ(Wait(Start(whole)), 0);
+  const double seconds = duration<double>(steady_clock::now() - begin).count();
+  v1::JobOutcome outcome;
+  ASSERT_TRUE(outcome.ParseFromString(ReadBytes(whole + "/result.pb")));
+  ASSERT_TRUE(outcome.has_result()) << outcome.error().message();
+  const std::string bundle = ReadBytes(whole + "/bundle.tactus");
+  ASSERT_TRUE(DecodeBundle(bundle).ok());
+
+  const std::string job = NewJob("killed");
+  Random random(12);
+  int killed = 0;
+  for (int i = 0; i < 10; ++i) {
+    const pid_t pid = Start(job);
+    std::this_thread::sleep_for(
+        duration<double>(seconds * (0.05 + 0.8 * random.Uniform())));
+    kill(pid, SIGKILL);
+    killed += Wait(pid) == -1 ? 1 : 0;
+  }
+  EXPECT_GE(killed, 3);
+  EXPECT_FALSE(std::filesystem::is_empty(job + "/parts"))
+      << "it went on from checkpoints";
+  std::printf("%d of 10 processes were killed in time\n", killed);
+  ASSERT_EQ(Wait(Start(job)), 0);
+  EXPECT_EQ(ReadBytes(job + "/bundle.tactus"), bundle);
+  EXPECT_EQ(ReadBytes(job + "/result.pb"), ReadBytes(whole + "/result.pb"));
+}
+
+TEST_F(ResumeTest, BadJobsEndWithAnOutcomeOrAStatus) {
+  const auto reason = [&](const std::string& name) {
+    const std::string folder = NewJob(name);
+    EXPECT_EQ(Wait(Start(folder)), 0);
+    v1::JobOutcome outcome;
+    EXPECT_TRUE(outcome.ParseFromString(ReadBytes(folder + "/result.pb")));
+    return outcome.error().message();
+  };
+  spec_.mutable_operation()->mutable_train()->set_epochs(0);
+  EXPECT_NE(reason("epochs").find("epochs"), std::string::npos);
+  spec_.mutable_operation()->mutable_train()->clear_epochs();
+  spec_.set_trials(0, std::string(64, '0'));
+  EXPECT_NE(reason("trial").find("does not exist"), std::string::npos);
+  const std::string folder = NewJob("garbage");
+  WriteBytes(folder + "/job.pb", "garbage");
+  EXPECT_EQ(Wait(Start(folder)), 1);
+  EXPECT_EQ(Wait(Start(folder_ / "no")), 1);
+}
+
+}  // namespace
+}  // namespace tactus::server
