@@ -111,8 +111,9 @@ absl::Status TlsExample(TactusServer::Options& options) {
   return absl::OkStatus();
 }
 
-void ModelSourceExample(const ModelSource& models) {
-  auto pinned = models.Find("default", "");
+void ModelSourceExample(const ModelSource& models,
+                        const std::string& client_id) {
+  auto pinned = models.Find("default", client_id);
 }
 
 void PosteriorWriterExample(PosteriorWriter& writer, ContactPipeline& pipeline,
@@ -126,7 +127,7 @@ void PosteriorWriterExample(PosteriorWriter& writer, ContactPipeline& pipeline,
 absl::Status ModelRegistryExample() {
   ModelRegistry registry;
   TACTUS_RETURN_IF_ERROR(registry.AddBuiltIn("default", DefaultBundle()));
-  auto pinned = registry.Find("default", "");
+  auto pinned = registry.Find("default", "robot-7");
   return absl::OkStatus();
 }
 

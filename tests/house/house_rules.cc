@@ -27,7 +27,12 @@ constexpr std::array<absl::string_view, 1> kPlainHeaders = {
     "core/data/trial.h"};
 
 // Rooms that read and write files; all others only compute.
-constexpr std::array<absl::string_view, 1> kFileRooms = {"data"};
+constexpr std::array<absl::string_view, 2> kFileRooms = {"data", "store"};
+
+// Rooms of the server that tests run without a network.
+constexpr std::array<absl::string_view, 6> kRoomsWithoutGrpc = {
+    "server/session/", "server/names/", "server/registry/",
+    "server/records/", "server/jobs/",  "server/trainer/"};
 
 constexpr std::array<absl::string_view, 6> kNotForComputing = {
     "thread", "mutex", "chrono", "fstream", "filesystem", "iostream"};
@@ -129,12 +134,16 @@ bool IsGrpc(const std::string& header) {
          absl::EndsWith(header, ".grpc.pb.h");
 }
 
+// The file that spreads work over threads for the programs which ask for it.
+constexpr absl::string_view kThreads = "core/base/run_on_threads.cc";
+
 // Why a core file may not include `header`; empty if it may.
 std::string WhyNotInCore(const std::string& path, const std::string& header,
                          const std::vector<std::string>& rooms) {
   if (IsGrpc(header)) return "core knows no gRPC";
   const std::string room = RoomOf(path);
-  if (!Holds(kFileRooms, room) && Holds(kNotForComputing, header)) {
+  if (!Holds(kFileRooms, room) && path != kThreads &&
+      Holds(kNotForComputing, header)) {
     return "rooms that compute use no threads, clocks or files";
   }
   if (RoomOf(header).empty() || Holds(kPlainHeaders, header)) return "";
@@ -166,8 +175,10 @@ std::string WhyNot(const std::string& path, const std::string& header,
   if (!from("client/tools/") && !from("tests/") && to("client/tools/")) {
     return "the client's library does not know its tools";
   }
-  if (from("server/session/") && IsGrpc(header)) {
-    return "server/session knows no gRPC";
+  for (const absl::string_view room : kRoomsWithoutGrpc) {
+    if (from(room) && (IsGrpc(header) || to("server/rpc/"))) {
+      return absl::StrCat(room, " knows no gRPC");
+    }
   }
   return from("core/") ? WhyNotInCore(path, header, rooms) : "";
 }

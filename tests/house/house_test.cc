@@ -172,6 +172,8 @@ TEST(IncludeRuleTest, WhatIsAllowedPasses) {
       // The plain type is open to the rooms below data as well.
       {"core/hmm/a.cc", "#include \"core/data/trial.h\""},
       {"core/data/a.cc", "#include <fstream>"},
+      {"core/store/a.cc", "#include <mutex>"},
+      {"core/base/run_on_threads.cc", "#include <thread>"},
       {"core/sim/exact/a.cc", "#include \"core/sim/model/a.h\""},
       {"core/sim/exact/a.cc", "#include \"core/sim/exact/a.h\""},
       {"core/sim/model/a.cc", "#include \"core/hmm/a.h\""},
@@ -219,7 +221,9 @@ TEST(IncludeRuleTest, EachWrongArrowIsFound) {
       {"client/a.cc", "#include \"server/rpc/a.h\"", "does not know server"},
       {"client/stream/a.cc", "#include \"client/tools/load/a.h\"",
        "does not know its tools"},
-      {"server/session/a.cc", "#include <grpcpp/grpcpp.h>", "session knows"},
+      {"server/session/a.cc", "#include <grpcpp/grpcpp.h>", "session/ knows"},
+      {"server/jobs/a.cc", "#include <grpcpp/grpcpp.h>", "jobs/ knows"},
+      {"server/names/a.cc", "#include \"server/rpc/a.h\"", "names/ knows"},
       {"core/hmm/a.cc", "#include \"tests/a.h\"", "only tests"},
   };
   for (const Case& c : cases) {

@@ -1,0 +1,94 @@
+// The examples of public headers, as their comments show them. They only have
+// to compile; HouseTest.ExamplesAreCompiled compares the texts.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/base/crc32c.h"
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+#include "core/base/status_proto.h"
+#include "core/data/trial_record.h"
+#include "core/store/blob_store.h"
+#include "core/store/catalog.h"
+#include "core/store/data_directory.h"
+#include "core/store/file_system.h"
+#include "core/store/records.h"
+#include "core/store/sqlite_catalog.h"
+#include "core/train/train_spec.h"
+#include "tactus/v1/training.pb.h"
+
+namespace tactus::examples {
+
+void Crc32cExample(const std::vector<std::string>& chunks) {
+  uint32_t crc = 0;
+  for (const auto& chunk : chunks) crc = ExtendCrc32c(crc, chunk);
+}
+
+void StatusProtoExample(v1::Operation& operation, const absl::Status& status) {
+  *operation.mutable_error() = ToStatusProto(status);
+  const absl::Status same = FromStatusProto(operation.error());
+}
+
+absl::Status TrialRecordExample(const Trial& trial) {
+  const std::string bytes = ToRecord(trial).SerializeAsString();
+  v1::TrialRecord record;
+  record.ParseFromString(bytes);
+  TACTUS_ASSIGN_OR_RETURN(Trial same, FromRecord(record));
+  return absl::OkStatus();
+}
+
+absl::Status TrainSpecExample(const v1::TrainSpec& spec) {
+  TACTUS_ASSIGN_OR_RETURN(FitOptions options, OptionsOf(spec));
+  return absl::OkStatus();
+}
+
+absl::Status FileSystemExample(const std::string& bytes) {
+  FileSystem& files = PosixFileSystem();
+  TACTUS_ASSIGN_OR_RETURN(auto file, files.Append("blobs/draft"));
+  TACTUS_RETURN_IF_ERROR(file->Append(bytes));
+  TACTUS_RETURN_IF_ERROR(file->Sync());
+  return absl::OkStatus();
+}
+
+absl::Status BlobStoreExample(FileSystem& files, const std::string& record) {
+  TACTUS_ASSIGN_OR_RETURN(auto blobs, BlobStore::Open(files, "blobs"));
+  BlobStore::Batch batch = blobs->NewBatch();
+  TACTUS_ASSIGN_OR_RETURN(std::string sha256, batch.Add(record));
+  TACTUS_RETURN_IF_ERROR(batch.Commit());  // now on disk
+  return absl::OkStatus();
+}
+
+absl::Status CatalogExample(const std::unique_ptr<Catalog>& catalog,
+                            const std::string& bytes) {
+  TACTUS_RETURN_IF_ERROR(
+      catalog->Change([&](Transaction& change) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(auto old,
+                                change.Get(Table::kAliases, "default"));
+        return change.Put(Table::kAliases, "default", bytes);
+      }));
+  return absl::OkStatus();
+}
+
+absl::Status SqliteCatalogExample() {
+  TACTUS_ASSIGN_OR_RETURN(auto catalog, OpenSqliteCatalog("catalog.db"));
+  return absl::OkStatus();
+}
+
+absl::Status NoSuch(const char* name);
+
+absl::Status RecordsExample(const Transaction& look) {
+  TACTUS_ASSIGN_OR_RETURN(auto dataset,
+                          GetRecord<v1::Dataset>(look, Table::kDatasets, "d"));
+  if (!dataset.has_value()) return NoSuch("d");
+  return absl::OkStatus();
+}
+
+absl::Status DataDirectoryExample() {
+  TACTUS_ASSIGN_OR_RETURN(auto data,
+                          DataDirectory::Open(PosixFileSystem(), "/data"));
+  BlobStore& blobs = data->blobs();
+  return absl::OkStatus();
+}
+
+}  // namespace tactus::examples

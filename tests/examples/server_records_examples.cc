@@ -1,0 +1,177 @@
+// The examples of public headers, as their comments show them. They only have
+// to compile; HouseTest.ExamplesAreCompiled compares the texts.
+#include <unistd.h>
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "core/base/run_on_threads.h"
+#include "core/base/status_macros.h"
+#include "core/train/fit.h"
+#include "server/jobs/job_process.h"
+#include "server/jobs/job_queue.h"
+#include "server/jobs/training_backend.h"
+#include "server/names/resource_names.h"
+#include "server/records/audit_log.h"
+#include "server/records/dataset_store.h"
+#include "server/records/model_store.h"
+#include "server/records/operation_store.h"
+#include "server/records/pack_reader.h"
+#include "server/records/paging.h"
+#include "server/records/upload_store.h"
+#include "server/trainer/compare.h"
+#include "server/trainer/event_writer.h"
+#include "server/trainer/file_journal.h"
+#include "server/trainer/job.h"
+
+namespace tactus::server::examples {
+
+void Use();
+
+absl::Status ResourceNamesExample() {
+  TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
+                          ParseName("datasets/grasps/versions/2", "datasets"));
+  CatalogKey(name);  // "grasps/0000000002"
+  return absl::OkStatus();
+}
+
+absl::Status AuditExample(Transaction& change, const Caller& caller,
+                          int64_t now, const std::string& name) {
+  TACTUS_RETURN_IF_ERROR(Audit(change, caller, now, "create", name));
+  return absl::OkStatus();
+}
+
+absl::Status PagingExample(const v1::ListDatasetsRequest& request) {
+  TACTUS_ASSIGN_OR_RETURN(int size, PageSize(request.page_size()));
+  return absl::OkStatus();
+}
+
+absl::Status PackReaderExample(FileSystem& files, const std::string& path,
+                               int64_t size) {
+  PackReader pack(files, path, size);
+  while (!pack.AtEnd()) {
+    TACTUS_ASSIGN_OR_RETURN(const std::string record, pack.Next());
+  }
+  return absl::OkStatus();
+}
+
+void DatasetStoreExample(DataDirectory* data, const NowMs& now,
+                         const Caller& caller) {
+  DatasetStore datasets(data, now);
+  auto dataset = datasets.Create("datasets/grasps", "", caller);
+  auto versions = datasets.Versions("datasets/grasps");
+}
+
+absl::Status UploadStoreExample(UploadStore& uploads, const Caller& caller,
+                                const std::string& request_id, int64_t offset,
+                                const std::string& chunk, uint32_t crc32c,
+                                int64_t size) {
+  auto upload = uploads.Create("datasets/grasps", request_id, false, caller);
+  {
+    TACTUS_ASSIGN_OR_RETURN(auto writer, uploads.Write(upload->name()));
+    TACTUS_RETURN_IF_ERROR(writer->Append(offset, chunk, crc32c));
+    TACTUS_RETURN_IF_ERROR(writer->Commit());  // now on disk
+  }
+  uint32_t known = 0;
+  auto version = uploads.Finish(upload->name(), size, crc32c, caller, &known);
+  return absl::OkStatus();
+}
+
+void OperationStoreExample(OperationStore& operations,
+                           const v1::Operation& request,
+                           const std::string& request_id, const Caller& caller,
+                           const std::string& name,
+                           std::chrono::milliseconds timeout) {
+  OperationStore::Cursor cursor;
+  auto operation = operations.Create(request, request_id, caller);
+  auto changed = operations.Change(name, [](v1::Operation& operation) {
+    operation.set_state(v1::Operation::STATE_RUNNING);
+    return absl::OkStatus();
+  });
+  auto update = operations.WaitForChange(name, &cursor, timeout);
+}
+
+absl::Status ModelStoreExample(DataDirectory* data, ModelRegistry& registry,
+                               const NowMs& now, const std::string& bundle,
+                               const v1::ModelVersion& origin,
+                               const v1::PromoteSpec& spec,
+                               const Caller& caller) {
+  ModelStore models(data, &registry, now);
+  TACTUS_RETURN_IF_ERROR(models.Restore().status());
+  auto version = models.AddVersion("models/grasps", bundle, origin, caller);
+  auto alias = models.Promote(spec, /*forced=*/false, caller);
+  return absl::OkStatus();
+}
+
+absl::Status JobProcessExample(const JobProcess::Options& options,
+                               const std::string& folder,
+                               std::chrono::milliseconds timeout,
+                               std::chrono::milliseconds patience) {
+  TACTUS_ASSIGN_OR_RETURN(auto process, JobProcess::Start(options, folder));
+  v1::JobEvent event;
+  while (process->Next(timeout, &event) != JobProcess::News::kClosed) Use();
+  const JobProcess::End end = process->Wait(patience);
+  return absl::OkStatus();
+}
+
+void JobQueueExample(DataDirectory* data, DatasetStore& datasets,
+                     ModelStore& models, OperationStore& operations,
+                     const JobQueue::Options& options, const NowMs& now) {
+  JobQueue jobs(data, &datasets, &models, &operations, options, now);
+  jobs.Start();
+  jobs.Wake();  // after OperationStore::Create
+  jobs.Cancel("operations/3");
+  jobs.Stop();
+}
+
+absl::Status TrainingBackendExample(const TrainingBackend::Options& options,
+                                    ModelRegistry& registry) {
+  TACTUS_ASSIGN_OR_RETURN(auto backend,
+                          TrainingBackend::Open(options, &registry));
+  backend->Start();
+  backend->datasets().List(100, "");
+  backend->Stop();
+  return absl::OkStatus();
+}
+
+void CompareExample(const Evaluation& evaluation, const Evaluation& current,
+                    const Evaluation& candidate, uint32_t never_felt,
+                    const v1::JobGate& gate) {
+  const v1::EvaluationReport report = ReportOf(evaluation, never_felt);
+  const v1::Comparison comparison =
+      Compare(current, candidate, never_felt, gate);
+}
+
+void EventWriterExample(const std::vector<const LabelledContact*>& contacts,
+                        const FitOptions& options, const ParallelFor& parallel,
+                        FileJournal& journal) {
+  EventWriter events(STDOUT_FILENO);
+  FitModel(contacts, options, parallel, events.progress(), &journal);
+}
+
+void FileJournalExample(const std::string& folder, EventWriter& events,
+                        const std::vector<const LabelledContact*>& contacts,
+                        const FitOptions& options,
+                        const ParallelFor& parallel) {
+  FileJournal journal(PosixFileSystem(), folder + "/parts", &events);
+  FitModel(contacts, options, parallel, events.progress(), &journal);
+}
+
+struct Job {};
+int Run(const Job& job);
+
+void RunOnThreadsExample(const std::vector<Job>& jobs,
+                         std::vector<int>& results,
+                         const std::vector<const LabelledContact*>& contacts,
+                         const FitOptions& options) {
+  RunOnThreads(jobs.size(), [&](int i) { results[i] = Run(jobs[i]); });
+  FitModel(contacts, options, RunOnThreads);
+}
+
+void JobExample(FileSystem& files, const std::string& folder,
+                EventWriter& events, FileJournal& journal) {
+  const absl::Status status = RunJob(files, folder, &events, &journal);
+}
+
+}  // namespace tactus::server::examples
