@@ -147,18 +147,10 @@ struct Fold {
 
 // Half of the folds are enough for the two scales of the estimates. With four
 // folds, one for each pair of two stiffnesses and two speeds of the arm, each
-// stiffness and each speed is in one of the folds 0 and 3. There, the estimator
-// is one of the networks that classify.
-ModelFit::Networks FoldNetworks(
-    const LstmFit& lstm, size_t fold,
-    const std::vector<const LabelledContact*>& contacts) {
-  const int classifying = std::min(lstm.fold_networks, lstm.networks);
-  const bool estimator = (fold % 4 == 0 || fold % 4 == 3) && lstm.estimates &&
-                         ModelFit::TruthIsKnown(contacts);
-  const bool shared = estimator && classifying > 1;
-  return {.lstms = classifying - (shared ? 1 : 0),
-          .estimator = estimator,
-          .estimator_classifies = shared};
+// stiffness and each speed is in one of the folds 0 and 3.
+ModelFit::Networks FoldNetworks(const LstmFit& lstm, size_t fold) {
+  return {.lstms = std::min(lstm.fold_networks, lstm.networks),
+          .estimator = fold % 4 == 0 || fold % 4 == 3};
 }
 
 absl::StatusOr<std::vector<Fold>> MakeFoldFits(
@@ -179,8 +171,8 @@ absl::StatusOr<std::vector<Fold>> MakeFoldFits(
       made.scores = *std::move(scores);
     } else {
       made.fit = std::make_unique<ModelFit>(
-          run, made.prefix,
-          FoldNetworks(run.options.lstm, folds.size() - 1, rest), rest);
+          run, made.prefix, FoldNetworks(run.options.lstm, folds.size() - 1),
+          rest);
     }
   }
   return folds;

@@ -28,9 +28,9 @@ struct LstmFit {
   // Number of networks. They differ by their seeds. 0 for HMMs alone.
   int networks = 0;
   // Networks that classify in each inner fold of a calibration, at most
-  // `networks`. Fewer cost less and are a little less sure of their answers
-  // (docs/training-speed.md).
-  int fold_networks = 2;
+  // `networks`. Fewer cost less, and the calibration gives the LSTMs a little
+  // less weight (docs/training-speed.md).
+  int fold_networks = 1;
   // The cues that their inputs are made from, as FitOptions::hmm_cues.
   std::vector<Cue> cues;
   Scaling scaling = Scaling::kStandard;

@@ -53,8 +53,8 @@ absl::StatusOr<std::vector<std::vector<int>>> MakeFolds(
 std::vector<std::vector<int>> StratifiedFolds(
     const std::vector<const LabelledContact*>& contacts, int count);
 
-// Returns all indices below `count` that are not in `fold`, in order. `fold` may
-// be in any order.
+// Returns all indices below `count` that are not in `fold`, in order. `fold`
+// may be in any order.
 std::vector<int> Complement(const std::vector<int>& fold, int count);
 
 }  // namespace tactus

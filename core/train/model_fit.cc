@@ -17,13 +17,11 @@ VariationRange WithoutStiffness(VariationRange range) {
   return range;
 }
 
-// Leaves the classes of a network.
-void DropRegressions(LstmNetwork& network) {
-  const size_t classes = network.classes();
-  const size_t cells = network.layers.back().cells;
-  network.regressions = 0;
-  network.dense_kernel.resize(classes * cells);
-  network.dense_bias.resize(classes);
+bool TruthIsKnown(const std::vector<const LabelledContact*>& contacts) {
+  return std::all_of(contacts.begin(), contacts.end(),
+                     [](const LabelledContact* c) {
+                       return c->stiffness > 0 && !c->object_motion.empty();
+                     });
 }
 
 }  // namespace
@@ -37,7 +35,6 @@ ModelFit::ModelFit(const FitRun& run, std::string prefix,
                     run.options.seed),
       lstm_contacts_(contacts, run.options.variations, run.options.seed),
       lstms_(networks.lstms),
-      estimator_classifies_(networks.estimator_classifies),
       estimates_(networks.estimator && networks.lstms > 0 &&
                  run.options.lstm.estimates && TruthIsKnown(contacts)),
       networks_(lstms_ + (estimates_ ? 1 : 0)) {
@@ -56,14 +53,6 @@ size_t ModelFit::InputBytes() const {
       CuesFor(fit.stretched_cues, run_.options.features).size() *
           static_cast<size_t>(fit.stretches);
   return LstmInputs::KeptBytes(lstm_contacts_, inputs, fit.steps);
-}
-
-bool ModelFit::TruthIsKnown(
-    const std::vector<const LabelledContact*>& contacts) {
-  return std::all_of(contacts.begin(), contacts.end(),
-                     [](const LabelledContact* c) {
-                       return c->stiffness > 0 && !c->object_motion.empty();
-                     });
 }
 
 absl::Status ModelFit::FitInputs(bool keep) {
@@ -131,12 +120,8 @@ Model ModelFit::TakeModel() {
     c.lstm_weight = {0.5};
   }
   if (estimates_) {
-    model_.estimator = trained_.back();
-    if (estimator_classifies_) {
-      DropRegressions(trained_.back());
-    } else {
-      trained_.pop_back();
-    }
+    model_.estimator = std::move(trained_.back());
+    trained_.pop_back();
   }
   model_.lstms = std::move(trained_);
   return std::move(model_);

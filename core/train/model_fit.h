@@ -37,8 +37,6 @@ class ModelFit {
   struct Networks {
     int lstms = 0;
     bool estimator = true;
-    // The estimator also becomes one of the model's LSTMs.
-    bool estimator_classifies = false;
   };
 
   // `prefix` goes before the names of all parts.
@@ -46,9 +44,6 @@ class ModelFit {
            std::vector<const LabelledContact*> contacts);
 
   const std::string& prefix() const { return prefix_; }
-
-  // True if an estimator can be trained on these contacts.
-  static bool TruthIsKnown(const std::vector<const LabelledContact*>& contacts);
 
   // Bytes that the LSTMs' inputs take if they are kept.
   size_t InputBytes() const;
@@ -79,7 +74,6 @@ class ModelFit {
   VariedContacts hmm_contacts_;
   VariedContacts lstm_contacts_;
   const int lstms_;
-  const bool estimator_classifies_;
   const bool estimates_;
   const int networks_;  // with the estimator
   Model model_;
