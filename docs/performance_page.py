@@ -109,7 +109,8 @@ def main():
     print("# Performance\n")
     print(
         "Written by `docs/make-performance.sh`; another machine gives other times, and "
-        "ratios that resemble these.\n"
+        "ratios that resemble these. [training-speed.md](training-speed.md) is about "
+        "whole trainings.\n"
     )
     if "--quick" in sys.argv:
         print("**Of quick runs: only shows that the page can be written.**\n")
