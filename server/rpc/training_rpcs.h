@@ -19,6 +19,9 @@
 namespace tactus::server {
 
 void AddTrainingRpcs(TrainingBackend* backend, ControlService& control);
+// Its parts.
+void AddDatasetRpcs(TrainingBackend* backend, ControlService& control);
+void AddUploadRpcs(TrainingBackend* backend, ControlService& control);
 void AddOperationRpcs(TrainingBackend* backend, ControlService& control);
 void AddModelRpcs(TrainingBackend* backend, ControlService& control);
 

@@ -10,7 +10,7 @@ TEST(UnknownMethodTest, IsUnimplementedAndOthersAreServed) {
   testing::TestServer server;
   for (const char* method :
        {"/some.Service/Method", "/tactus.v1.ContactService/ClassifyEverything",
-        "/tactus.v1.TrainingService/TrainModel"}) {
+        "/tactus.v1.TrainingService/TrainEverything"}) {
     EXPECT_EQ(testing::RawCall(server.channel(), method, "x").status.code(),
               absl::StatusCode::kUnimplemented)
         << method;
