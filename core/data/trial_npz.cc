@@ -1,5 +1,6 @@
 #include "core/data/trial_npz.h"
 
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "core/base/status_macros.h"
 #include "core/data/npy_write.h"
 #include "core/data/npz.h"
+#include "core/skin/layout_json.h"
 
 namespace tactus {
 namespace {
@@ -95,6 +97,16 @@ class TrialArrays {
     return absl::OkStatus();
   }
 
+  absl::Status Skin(std::optional<SkinLayout>* out) {
+    std::string text;
+    TACTUS_RETURN_IF_ERROR(Text("skin", &text));
+    if (text.empty()) return absl::OkStatus();
+    auto skin = LayoutFromJson(text);
+    if (!skin.ok()) return Invalid("skin", skin.status().message());
+    *out = *std::move(skin);
+    return absl::OkStatus();
+  }
+
   absl::Status Taxels(size_t frames, TaxelSeries* out) {
     auto node = arrays_.extract("taxels");
     if (node.empty()) return absl::OkStatus();
@@ -120,10 +132,11 @@ class TrialArrays {
   // An error if an array is left.
   absl::Status CheckAllTaken() const {
     if (arrays_.empty()) return absl::OkStatus();
-    return Invalid(arrays_.begin()->first,
-                   "is of no use; use time, signals, taxels, taxel_scale, "
-                   "pose, object_motion, label, condition, object, material, "
-                   "layout, unit, stiffness, velocity and sample_rate_hz");
+    return Invalid(
+        arrays_.begin()->first,
+        "is of no use; use time, signals, taxels, taxel_scale, "
+        "pose, object_motion, label, condition, object, material, "
+        "layout, skin, unit, stiffness, velocity and sample_rate_hz");
   }
 
  private:
@@ -182,6 +195,9 @@ absl::StatusOr<std::string> TrialToNpz(const Trial& trial) {
   for (const auto& [name, text] : TextsOf(attributes)) {
     arrays.emplace_back(name, NpyText(*text));
   }
+  if (trial.skin) {
+    arrays.emplace_back("skin", NpyText(LayoutToJson(*trial.skin)));
+  }
   const std::pair<const char*, double> numbers[] = {
       {"stiffness", trial.stiffness},
       {"velocity", trial.velocity},
@@ -220,6 +236,7 @@ absl::StatusOr<Trial> TrialFromNpz(absl::string_view path,
   for (const auto& [name, text] : TextsOf(trial)) {
     TACTUS_RETURN_IF_ERROR(arrays.Text(name, text));
   }
+  TACTUS_RETURN_IF_ERROR(arrays.Skin(&trial.skin));
   for (const auto& [name, number] : NumbersOf(trial)) {
     TACTUS_RETURN_IF_ERROR(arrays.Number(name, number));
   }

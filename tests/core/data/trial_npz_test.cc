@@ -66,6 +66,8 @@ TEST(TrialNpzTest, EachMistakeIsNamed) {
       {{{"time", time},
         {"taxels", NpyBytes({2, 1, 1}, std::span<const double>(two))}},
        "array taxels must be uint16 or float32"},
+      {{{"time", time}, {"signals", signals}, {"skin", NpyText("{")}},
+       "array skin "},
       {{{"time", time},
         {"taxels", NpyBytes({2, 1, 1}, std::span<const uint16_t>(words))},
         {"taxel_scale", NpyBytes({}, std::span<const double>(&six[0], 1))}},
