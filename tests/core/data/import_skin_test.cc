@@ -6,6 +6,7 @@
 #include "core/data/trial_file.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/core/data/import_all.h"
 #include "tests/core/data/trial_samples.h"
 
 namespace tactus {
@@ -13,21 +14,6 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-absl::StatusOr<std::vector<Trial>> ImportAll(
-    const std::string& path, const ImportOptions& options = {}) {
-  std::vector<Trial> trials;
-  auto count = ImportTrials(
-      path,
-      [&](Trial trial) {
-        trials.push_back(std::move(trial));
-        return absl::OkStatus();
-      },
-      options);
-  if (!count.ok()) return count.status();
-  EXPECT_EQ(*count, trials.size());
-  return trials;
-}
 
 template <typename Number>
 std::string Npy(const std::string& type, const std::string& shape,

@@ -12,6 +12,7 @@
 #include "core/data/trial_file.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/core/data/import_all.h"
 #include "tests/core/data/trial_samples.h"
 #include "tests/support/shared_data.h"
 
@@ -20,21 +21,6 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-absl::StatusOr<std::vector<Trial>> ImportAll(
-    const std::string& path, const ImportOptions& options = {}) {
-  std::vector<Trial> trials;
-  auto count = ImportTrials(
-      path,
-      [&](Trial trial) {
-        trials.push_back(std::move(trial));
-        return absl::OkStatus();
-      },
-      options);
-  if (!count.ok()) return count.status();
-  EXPECT_EQ(*count, trials.size());
-  return trials;
-}
 
 // Where recordings are, or empty. They are not part of the project.
 std::string Recordings(const std::string& name) {
