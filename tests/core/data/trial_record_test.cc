@@ -1,7 +1,6 @@
 #include "core/data/trial_record.h"
 
 #include <cmath>
-#include <limits>
 
 #include "core/base/errors.h"
 #include "core/skin/layout.h"
@@ -148,7 +147,6 @@ TEST_P(BadRecordTest, NamesTrialAndField) {
   EXPECT_THAT(std::string(status.message()), HasSubstr(GetParam().text));
 }
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 using Record = v1::TrialRecord;
 
 INSTANTIATE_TEST_SUITE_P(
@@ -165,11 +163,11 @@ INSTANTIATE_TEST_SUITE_P(
         BadRecord{"time: entry 2 is",
                   [](Record& r) { r.set_time(2, r.time(1)); }},
         BadRecord{"time: entry 1 is nan",
-                  [](Record& r) { r.set_time(1, kNan); }},
+                  [](Record& r) { r.set_time(1, NAN); }},
         BadRecord{"signals: has 11 numbers; it must have 3 per time, 12",
                   [](Record& r) { r.mutable_signals()->RemoveLast(); }},
         BadRecord{"signals: area of row 3",
-                  [](Record& r) { r.set_signals(10, kNan); }},
+                  [](Record& r) { r.set_signals(10, NAN); }},
         BadRecord{"signals: missing",
                   [](Record& r) {
                     r.clear_signals();
@@ -180,7 +178,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadRecord{"pose: position of row 1",
                   [](Record& r) { r.set_poses(8, 2e6); }},
         BadRecord{"pose: quaternion of row 2",
-                  [](Record& r) { r.set_poses(20, kNan); }},
+                  [](Record& r) { r.set_poses(20, NAN); }},
         BadRecord{"object_motion: has 5 numbers",
                   [](Record& r) { r.add_object_motion(0); }},
         BadRecord{"object_motion: entry 3",
@@ -225,7 +223,7 @@ INSTANTIATE_TEST_SUITE_P(
                     r.clear_scale();
                   }},
         BadRecord{"stiffness: is -1", [](Record& r) { r.set_stiffness(-1); }},
-        BadRecord{"velocity: is nan", [](Record& r) { r.set_velocity(kNan); }},
+        BadRecord{"velocity: is nan", [](Record& r) { r.set_velocity(NAN); }},
         BadRecord{"sample_rate_hz: is 0",
                   [](Record& r) { r.clear_sample_rate_hz(); }}));
 
