@@ -168,7 +168,7 @@ absl::Status StatusOfJob(const v1::Operation& job) {
                           kExitGateNotPassed);
     }
     case v1::Operation::STATE_CANCELLED:
-      return WithExitCode(Cancelled(job.name()), kExitJobCancelled);
+      return WithExitCode(WorkCancelled(job.name()), kExitJobCancelled);
     default:
       break;
   }
