@@ -2,10 +2,15 @@
 
 #include <sys/stat.h>
 
+#include <filesystem>
+#include <functional>
+#include <thread>
+
 #include "core/base/errors.h"
 #include "core/base/status_proto.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "spdlog/spdlog.h"
 #include "tests/server/records/stores.h"
 
 namespace tactus::server {
@@ -93,6 +98,89 @@ class JobQueueTest : public ::testing::Test {
   void Go() { WriteBytes(folder_ / "go", ""); }
   static std::string Reason(const Operation& operation) {
     return ReasonOf(FromStatusProto(operation.error()));
+  }
+
+  // Two versions; the gated alias "a" names the first. Returns the request to
+  // let it name the second.
+  Operation Promotion() {
+    for (const int seed : {1, 2}) {
+      EXPECT_TRUE(
+          stores_->models->AddVersion("models/m", TestBundle(seed), {}, kCaller)
+              .ok());
+    }
+    Operation request;
+    request.set_kind(Operation::KIND_PROMOTE);
+    v1::PromoteSpec& spec = *request.mutable_promote();
+    spec.set_alias("aliases/a");
+    spec.set_model_version("models/m/versions/1");
+    EXPECT_TRUE(stores_->models->Promote(spec, false, kCaller).ok());
+    v1::UpdateAliasRequest gate;
+    gate.set_name("aliases/a");
+    gate.mutable_gate()->set_dataset_version("datasets/d/versions/1");
+    EXPECT_TRUE(stores_->models->UpdateAlias(gate, kCaller).ok());
+    spec.set_model_version("models/m/versions/2");
+    return request;
+  }
+  void WriteComparison(bool passed) {
+    v1::JobOutcome outcome;
+    outcome.mutable_result()->mutable_comparison()->set_passed(passed);
+    outcome.mutable_result()->mutable_comparison()->set_failure("worse");
+    WriteBytes(folder_ / "result", outcome.SerializeAsString());
+  }
+
+  // Lets the server's machine crash at each operation on the disk that a queued
+  // job needs. Afterwards the job ends as if nothing had happened; `check` sees
+  // its end.
+  void CrashEverywhere(const std::string& name, const std::string& script,
+                       const std::function<void(const Operation&)>& check) {
+    namespace fs = std::filesystem;
+    using testing::CrashFileSystem;
+    spdlog::set_level(spdlog::level::off);
+    stores_.reset();
+    fs::rename(folder_ / "data", folder_ / "base");
+    int points = 0;
+    for (const CrashFileSystem::Loss loss : CrashFileSystem::kLosses) {
+      bool reached = true;
+      for (int k = 1; reached && !HasFailure(); ++k) {
+        SCOPED_TRACE("loss " + std::to_string(static_cast<int>(loss)) +
+                     ", operation " + std::to_string(k));
+        fs::copy(folder_ / "base", folder_ / "data",
+                 fs::copy_options::recursive);
+        Reopen();
+        files_.Lose(CrashFileSystem::Loss::kNothing);
+        files_.StopAt(k);
+        Start(script);
+        bool ended = false;
+        while (!files_.failed() && !ended) {
+          ended = HasEnded(*stores_->operations->Get(name));
+          std::this_thread::sleep_for(milliseconds(1));
+        }
+        queue_.reset();
+        ended = HasEnded(*stores_->operations->Get(name));
+        reached = files_.failed();
+        stores_.reset();
+        files_.Lose(loss);
+        files_.Heal();
+        Reopen();
+        if (ended) {
+          EXPECT_TRUE(HasEnded(*stores_->operations->Get(name)));
+        }
+        Start(script);
+        const Operation job = End(name);
+        EXPECT_EQ(job.state(), Operation::STATE_SUCCEEDED)
+            << job.error().message();
+        check(job);
+        queue_.reset();
+        EXPECT_TRUE(files_.List(stores_->data->JobFolder())->empty());
+        stores_.reset();
+        fs::remove_all(folder_ / "data");
+        ++points;
+      }
+    }
+    spdlog::set_level(spdlog::level::info);
+    RecordProperty("points", points);
+    std::printf("%d crash points\n", points);
+    EXPECT_GE(points, 60);
   }
 
   ScratchDir folder_;
@@ -272,60 +360,34 @@ TEST_F(JobQueueTest, FoldersOfEndedJobsAreRemoved) {
               ::testing::ElementsAre("other"));
 }
 
-// The server's machine crashes at each operation on the disk of a job, from its
-// start to its end. Afterwards the job ends as if nothing had happened.
-TEST_F(JobQueueTest, CrashAtEachOperation) {
-  namespace fs = std::filesystem;
-  using testing::CrashFileSystem;
+// A training, from its start to its end.
+TEST_F(JobQueueTest, ATrainingSurvivesACrashAtEachOperation) {
   const std::string name = Request();
-  stores_.reset();
-  fs::rename(folder_ / "data", folder_ / "base");
-  int points = 0;
-  for (const CrashFileSystem::Loss loss : CrashFileSystem::kLosses) {
-    bool reached = true;
-    for (int k = 1; reached && !HasFailure(); ++k) {
-      SCOPED_TRACE("loss " + std::to_string(static_cast<int>(loss)) +
-                   ", operation " + std::to_string(k));
-      fs::copy(folder_ / "base", folder_ / "data", fs::copy_options::recursive);
-      Reopen();
-      files_.Lose(CrashFileSystem::Loss::kNothing);
-      files_.StopAt(k);
-      Start(kSucceed);
-      bool ended = false;
-      while (!files_.failed() && !ended) {
-        ended = HasEnded(*stores_->operations->Get(name));
-        std::this_thread::sleep_for(milliseconds(1));
-      }
-      queue_.reset();
-      ended = HasEnded(*stores_->operations->Get(name));
-      reached = files_.failed();
-      stores_.reset();
-      files_.Lose(loss);
-      files_.Heal();
-      Reopen();
-      if (ended) {
-        EXPECT_TRUE(HasEnded(*stores_->operations->Get(name)));
-      }
-      Start(kSucceed);
-      const Operation job = End(name);
-      EXPECT_EQ(job.state(), Operation::STATE_SUCCEEDED)
-          << job.error().message();
-      EXPECT_EQ(job.result().model_version(), "models/m/versions/1");
-      const auto page = stores_->models->List("models/m", 10, "");
-      EXPECT_EQ(page->items.size(), 1u);
-      const auto bundle = stores_->models->Bundle(page->items.front());
-      ASSERT_TRUE(bundle.ok()) << bundle.status();
-      EXPECT_EQ(*bundle, TestBundle(1));
-      queue_.reset();
-      EXPECT_TRUE(files_.List(stores_->data->JobFolder())->empty());
-      stores_.reset();
-      fs::remove_all(folder_ / "data");
-      ++points;
-    }
-  }
-  RecordProperty("points", points);
-  std::printf("%d crash points\n", points);
-  EXPECT_GE(points, 80);
+  CrashEverywhere(name, kSucceed, [&](const Operation& job) {
+    EXPECT_EQ(job.result().model_version(), "models/m/versions/1");
+    const auto page = stores_->models->List("models/m", 10, "");
+    ASSERT_EQ(page->items.size(), 1u);
+    const auto bundle = stores_->models->Bundle(page->items.front());
+    ASSERT_TRUE(bundle.ok()) << bundle.status();
+    EXPECT_EQ(*bundle, TestBundle(1));
+  });
+}
+
+// A promotion that names the alias's etag moves it once.
+TEST_F(JobQueueTest, APromotionSurvivesACrashAtEachOperation) {
+  Operation request = Promotion();
+  request.mutable_promote()->set_etag(
+      stores_->models->GetAlias("aliases/a")->etag());
+  const std::string name =
+      stores_->operations->Create(request, "", kCaller)->name();
+  WriteComparison(true);
+  CrashEverywhere(
+      name, "cp $HERE/result $1/result.pb\n", [&](const Operation&) {
+        const auto alias = stores_->models->GetAlias("aliases/a");
+        EXPECT_EQ(alias->model_version(), "models/m/versions/2");
+        EXPECT_EQ(alias->previous_version(), "models/m/versions/1");
+        EXPECT_EQ(stores_->models->History("aliases/a")->size(), 2u);
+      });
 }
 
 // The disk fails when the job ends: it must not be RUNNING for ever.
@@ -342,28 +404,9 @@ TEST_F(JobQueueTest, AnEndIsStoredWhenTheDiskIsSoundAgain) {
 }
 
 TEST_F(JobQueueTest, TheGateDecidesOverTheAlias) {
-  for (const int seed : {1, 2}) {
-    ASSERT_TRUE(
-        stores_->models->AddVersion("models/m", TestBundle(seed), {}, kCaller)
-            .ok());
-  }
-  v1::PromoteSpec spec;
-  spec.set_alias("aliases/a");
-  spec.set_model_version("models/m/versions/1");
-  ASSERT_TRUE(stores_->models->Promote(spec, false, kCaller).ok());
-  v1::UpdateAliasRequest gate;
-  gate.set_name("aliases/a");
-  gate.mutable_gate()->set_dataset_version("datasets/d/versions/1");
-  ASSERT_TRUE(stores_->models->UpdateAlias(gate, kCaller).ok());
-  Operation request;
-  request.set_kind(Operation::KIND_PROMOTE);
-  *request.mutable_promote() = spec;
-  request.mutable_promote()->set_model_version("models/m/versions/2");
+  const Operation request = Promotion();
   for (const bool passes : {false, true}) {
-    v1::JobOutcome outcome;
-    outcome.mutable_result()->mutable_comparison()->set_passed(passes);
-    outcome.mutable_result()->mutable_comparison()->set_failure("worse");
-    WriteBytes(folder_ / "result", outcome.SerializeAsString());
+    WriteComparison(passes);
     // Both bundles are there.
     Start(
         "cmp -s $1/candidate.tactus $HERE/bundle && exit 1\n"
