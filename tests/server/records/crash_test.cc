@@ -193,9 +193,10 @@ const Scenario kUpload = {
             const int64_t size = upload->committed_size();
             EXPECT_GE(size, std::stol(acknowledged.at("size")));
             if (upload->dataset_version().empty() && size > 0) {
-              EXPECT_EQ(*stores.data->files().Read(stores.data->UploadPath("2"),
-                                                   0, size),
-                        ThePack().substr(0, static_cast<size_t>(size)));
+              const auto bytes = stores.data->files().Read(
+                  stores.data->UploadPath("2"), 0, size);
+              ASSERT_TRUE(bytes.ok()) << bytes.status();
+              EXPECT_EQ(*bytes, ThePack().substr(0, static_cast<size_t>(size)));
             }
           }
         }};
@@ -239,8 +240,9 @@ const Scenario kPublish = {
           ASSERT_GE(page->items.size(), 1u);
           ASSERT_LE(page->items.size(), 2u);
           for (const v1::ModelVersion& version : page->items) {
-            EXPECT_EQ(*stores.models->Bundle(version),
-                      TestBundle(version.name().back() - '0'));
+            const auto bundle = stores.models->Bundle(version);
+            ASSERT_TRUE(bundle.ok()) << bundle.status();
+            EXPECT_EQ(*bundle, TestBundle(version.name().back() - '0'));
           }
           const auto alias = stores.models->GetAlias("aliases/best");
           ASSERT_TRUE(alias.ok()) << alias.status();
