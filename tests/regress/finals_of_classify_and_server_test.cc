@@ -23,7 +23,8 @@ class OneModel : public server::ModelSource {
  public:
   explicit OneModel(const Model& model)
       : model_(*CompiledModel::Create(model)) {}
-  absl::StatusOr<server::PinnedModel> Find(absl::string_view) const override {
+  absl::StatusOr<server::PinnedModel> Find(absl::string_view,
+                                           absl::string_view) const override {
     return server::PinnedModel{model_, "models/a/versions/1",
                                std::string(64, 'a')};
   }

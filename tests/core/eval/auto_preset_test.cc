@@ -27,9 +27,11 @@ std::vector<LabelledContact> ForceContacts(int per_class) {
   auto contacts = SyntheticContacts(per_class, 30, 0.05, 1);
   Random random(7);
   for (LabelledContact& contact : contacts) {
-    for (ContactFrame& frame : contact.frames) {
+    for (size_t t = 0; t < contact.frames.size(); ++t) {
+      ContactFrame frame = contact.frames[t];
       frame.sample.features[static_cast<int>(Feature::kMotion)] =
           random.Uniform();
+      contact.frames.Set(t, frame);
     }
   }
   return contacts;

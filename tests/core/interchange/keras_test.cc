@@ -17,7 +17,7 @@ namespace tactus {
 namespace {
 
 using nlohmann::json;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 TEST(KerasTest, AFileOfWeightsTakesTheGivenActivations) {
   const auto foreign =
@@ -42,7 +42,7 @@ struct BadFile {
   const char* file = "keras2-weights.h5";
 };
 
-class BadKerasFileTest : public testing::TestWithParam<BadFile> {};
+class BadKerasFileTest : public ::testing::TestWithParam<BadFile> {};
 
 TEST_P(BadKerasFileTest, IsRefusedByName) {
   const ScratchDir dir;
@@ -103,7 +103,7 @@ void WriteNames(hid_t group, const char* name,
 
 INSTANTIATE_TEST_SUITE_P(
     All, BadKerasFileTest,
-    testing::Values(
+    ::testing::Values(
         BadFile{"without LSTM or without Dense layer",
                 [](hid_t f) { H5Adelete(f, "layer_names"); }},
         BadFile{"lstm/lstm_cell/kernel:0: is missing",
