@@ -2,9 +2,9 @@
 //
 // Handlers of control calls from functions of typed messages.
 //
-//   control.Add(kGet, Role::kRobot, Unary<GetRequest, GetResponse>(
-//       [&](const GetRequest& request, const Caller& caller)
-//           -> absl::StatusOr<GetResponse> { ... }));
+//   control.Add("/tactus.v1.ModelService/ListAliases", Role::kRobot,
+//               Unary<v1::ListAliasesRequest,
+//               v1::ListAliasesResponse>(answer));
 //
 // Thread-safe: function templates without state.
 #pragma once

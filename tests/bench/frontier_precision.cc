@@ -42,7 +42,10 @@ std::vector<Sequence> MakeSequences(
     LabelledContact contact = contacts[i];
     const auto frames =
         static_cast<size_t>(kFrontierSeconds * contact.sample_rate_hz);
-    contact.frames.resize(std::min(frames, contact.frames.size()));
+    contact.frames.clear();
+    for (size_t t = 0; t < std::min(frames, contacts[i].frames.size()); ++t) {
+      contact.frames.push_back(contacts[i].frames[t]);
+    }
     Sequence sequence;
     sequence.observations =
         MakeSequence(contact, model.inputs.hmm, model.inputs.hmm_steps);

@@ -1,6 +1,7 @@
 // The examples of public headers, as their comments show them. They only have
 // to compile; HouseTest.ExamplesAreCompiled compares the texts.
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -22,8 +23,12 @@
 #include "server/rpc/call_queue.h"
 #include "server/rpc/contact_call.h"
 #include "server/rpc/contact_service.h"
+#include "server/rpc/control_call.h"
+#include "server/rpc/control_handlers.h"
+#include "server/rpc/control_service.h"
 #include "server/rpc/health_service.h"
 #include "server/rpc/incoming_call.h"
+#include "server/rpc/training_rpcs.h"
 #include "server/rpc/trial_call.h"
 #include "server/session/frame_decoder.h"
 #include "server/session/model_source.h"
@@ -35,6 +40,7 @@
 #include "server/session/trial_session.h"
 #include "server/tactus_server.h"
 #include "spdlog/spdlog.h"
+#include "tactus/v1/models.pb.h"
 
 namespace tactus::server::examples {
 
@@ -96,6 +102,34 @@ void IncomingCallExample(CallQueue* queue, StreamGate& gate) {
   IncomingCall call(queue);  // before gRPC is asked for the next call
   absl::Status status =      // a call has come
       call.Arrive([&] { return gate.Enter(call.peer()); });
+}
+
+void ControlCallExample(ControlService* service, CallQueue* queue) {
+  new ControlCall(service, queue);  // awaits a call
+}
+
+void ControlServiceExample(const ControlService::Authorize& authorize,
+                           const ControlService::Handler& handler,
+                           grpc::ServerBuilder& builder, CallQueue& queue) {
+  ControlService control(authorize);
+  control.Add("/tactus.v1.ModelService/ListAliases", Role::kRobot, handler);
+  builder.RegisterAsyncGenericService(control.generic());
+  control.Serve(&queue);
+}
+
+void ControlHandlersExample(
+    ControlService& control,
+    std::function<absl::StatusOr<v1::ListAliasesResponse>(
+        const v1::ListAliasesRequest&, const Caller&)>
+        answer) {
+  control.Add("/tactus.v1.ModelService/ListAliases", Role::kRobot,
+              Unary<v1::ListAliasesRequest, v1::ListAliasesResponse>(answer));
+}
+
+void TrainingRpcsExample(TrainingBackend* backend, ControlService& control) {
+  AddTrainingRpcs(backend, control);
+  AddOperationRpcs(backend, control);
+  AddModelRpcs(backend, control);
 }
 
 absl::Status StreamGateExample(const std::string& peer, uint64_t frames) {

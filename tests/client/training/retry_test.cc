@@ -21,7 +21,7 @@ TEST(RetryTest, OnlyBrokenCallsAreRepeated) {
   EXPECT_FALSE(MayRetry(absl::OkStatus()));
   EXPECT_FALSE(MayRetry(EtagMismatch("a", "b", "c")));
   EXPECT_FALSE(MayRetry(JobLimit(3)));
-  EXPECT_FALSE(MayRetry(Cancelled("job")));
+  EXPECT_FALSE(MayRetry(WorkCancelled("job")));
   EXPECT_FALSE(MayRetry(InvalidResponse("a", "b", "c")));
   EXPECT_FALSE(MayRetry(absl::UnimplementedError("")));
 }

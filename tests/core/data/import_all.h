@@ -1,3 +1,5 @@
+// File: import_all.h
+//
 // The trials of a source as a list.
 #pragma once
 

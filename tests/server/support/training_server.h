@@ -28,6 +28,7 @@
 #include "tactus/v1/models.grpc.pb.h"
 #include "tactus/v1/operations.grpc.pb.h"
 #include "tactus/v1/training.grpc.pb.h"
+#include "tactus/v1/trial.pb.h"
 #include "tests/support/small_model.h"
 
 namespace tactus::testing {
@@ -74,7 +75,8 @@ class TrainingServer {
     EXPECT_TRUE(
         registry_.AddBuiltIn("default", *EncodeBundle(SmallModel())).ok());
     backend_ = *server::TrainingBackend::Open(
-        {.folder = folder_, .jobs = {.process = {.program = TACTUS_TRAINER}}},
+        {.folder = folder_,
+         .jobs = {.process = {.program = TACTUS_TRAINER}, .host = "test"}},
         &registry_);
     backend_->Start();
     server::TactusServer::Options options;
