@@ -1,5 +1,6 @@
 #include "tests/proto/proto_lint.h"
 
+#include <algorithm>
 #include <map>
 
 #include "absl/strings/ascii.h"
@@ -113,6 +114,13 @@ class Linter {
       NeedComment(Child(path, DescriptorProto::kFieldFieldNumber, i), place);
     }
     for (int i = 0; i < message.oneof_decl_size(); ++i) {
+      // That of an optional field is made by the compiler.
+      const bool made = std::any_of(
+          message.field().begin(), message.field().end(),
+          [i](const auto& field) {
+            return field.proto3_optional() && field.oneof_index() == i;
+          });
+      if (made) continue;
       const std::string place =
           absl::StrCat(message.name(), ".", message.oneof_decl(i).name());
       if (!IsLowerSnake(message.oneof_decl(i).name())) {

@@ -93,7 +93,7 @@ TEST(ModelRegistryTest, RefusesNamesThatCannotBeResourceNames) {
   for (const std::string& name :
        {std::string(), std::string("a/b"), std::string("A"), std::string("a b"),
         std::string(65, 'a')}) {
-    EXPECT_EQ(ReasonOf(registry.AddBuiltIn(name, Bundle())), "INVALID_CONFIG")
+    EXPECT_EQ(ReasonOf(registry.AddBuiltIn(name, Bundle())), "INVALID_NAME")
         << name;
   }
 }
