@@ -6,9 +6,9 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "client/stream/status.h"
-#include "core/base/sha256.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
+#include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 

@@ -310,7 +310,9 @@ v1::ModelBundle ModelToProto(const Model& model) {
   if (!model.layout.name.empty()) {
     *bundle.mutable_geometry() = LayoutToProto(model.layout);
   }
-  bundle.set_release_after_s(model.release_after_s);
+  if (model.release_after_s != kDefaultReleaseAfterS) {
+    bundle.set_release_after_s(model.release_after_s);
+  }
   ToProto(model.provenance, bundle.mutable_provenance());
   ToProto(model.warm_up, UsesProfile(model.inputs), bundle.mutable_warm_up());
   return bundle;

@@ -22,8 +22,7 @@ Eigen::VectorXd Flatten(const LabelledContact& contact,
   for (Feature feature : features) {
     for (int t = 0; t < frames; ++t) {
       const size_t index = std::min<size_t>(t, contact.frames.size() - 1);
-      row[place++] =
-          contact.frames.features(index)[static_cast<int>(feature)];
+      row[place++] = contact.frames.features(index)[static_cast<int>(feature)];
     }
   }
   return row;

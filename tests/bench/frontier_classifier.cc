@@ -4,8 +4,8 @@
 
 #include "absl/strings/str_format.h"
 #include "client/tools/common/percentile.h"
-#include "core/base/run_on_threads.h"
 #include "core/base/errors.h"
+#include "core/base/run_on_threads.h"
 #include "core/base/status_macros.h"
 #include "core/eval/evaluate.h"
 #include "core/eval/metrics.h"

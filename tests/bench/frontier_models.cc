@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "core/base/run_on_threads.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
+#include "core/base/run_on_threads.h"
 #include "core/base/status_macros.h"
 #include "core/sim/exact/simulate_contact.h"
 #include "core/sim/experiments/grid_set.h"

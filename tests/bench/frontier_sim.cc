@@ -6,8 +6,8 @@
 
 #include "absl/strings/str_format.h"
 #include "client/tools/common/percentile.h"
-#include "core/base/run_on_threads.h"
 #include "core/base/errors.h"
+#include "core/base/run_on_threads.h"
 #include "core/base/status_macros.h"
 #include "tests/bench/frontier.h"
 #include "tests/bench/frontier_models.h"

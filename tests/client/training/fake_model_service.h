@@ -8,8 +8,8 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "core/base/sha256.h"
 #include "core/base/errors.h"
+#include "core/base/sha256.h"
 #include "server/rpc/status.h"
 #include "tests/client/training/fake_state.h"
 
