@@ -31,6 +31,10 @@ function(tactus_test name)
   target_link_libraries(${name} PRIVATE ${ARG_DEPS} GTest::gmock
                                         GTest::gtest_main)
   tactus_code_kind(${name} ${TACTUS_TEST_KIND})
+  # It replaces operator new, which gcc must not see beside code that calls it.
+  set_source_files_properties(
+    ${PROJECT_SOURCE_DIR}/tests/support/allocation_counter.cc
+    PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   set_target_properties(${name} PROPERTIES
     UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6
     RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)

@@ -73,8 +73,8 @@ TEST_F(TrialDownloaderTest, AnInterruptionAtEveryMessageIsSurvived) {
 
 TEST_F(TrialDownloaderTest, ARepetitionThatDiffersIsRefused) {
   server_.BreakDownloadAt(300);
-  int messages = 0;
-  server_.alter = [&](google::protobuf::Message& message) {
+  // The server outlives this function, and may still send.
+  server_.alter = [messages = 0](google::protobuf::Message& message) mutable {
     auto* m = dynamic_cast<v1::DownloadTrialsResponse*>(&message);
     if (m != nullptr && ++messages == 4) (*m->mutable_data())[50] ^= 1;
   };
@@ -82,7 +82,7 @@ TEST_F(TrialDownloaderTest, ARepetitionThatDiffersIsRefused) {
 }
 
 TEST_F(TrialDownloaderTest, AShortPackIsRefused) {
-  server_.alter = [&](google::protobuf::Message& message) {
+  server_.alter = [](google::protobuf::Message& message) {
     if (auto* m = dynamic_cast<v1::DownloadTrialsResponse*>(&message)) {
       if (m->data().size() < 100) m->mutable_data()->pop_back();
     }
