@@ -4,40 +4,34 @@
 
 #include "core/base/errors.h"
 #include "core/base/limits.h"
-#include "server/ops/peer.h"
 #include "server/rpc/control_service.h"
 #include "server/rpc/status.h"
 
 namespace tactus::server {
 
 ControlCall::ControlCall(ControlService* service, CallQueue* queue)
-    : service_(service), queue_(queue) {
-  queue_->Enter();
+    : service_(service), call_(queue) {
   // Its event comes only for a call that begins.
-  context_.AsyncNotifyWhenDone(gone_.tag());
-  service_->generic()->RequestCall(&context_, &stream_, queue_->queue(),
-                                   queue_->queue(), called_.tag());
+  call_.context()->AsyncNotifyWhenDone(gone_.tag());
+  service_->generic()->RequestCall(call_.context(), &stream_, queue->queue(),
+                                   queue->queue(), called_.tag());
 }
-
-ControlCall::~ControlCall() { queue_->Leave(); }
 
 void ControlCall::OnCalled(bool ok) {
   if (!ok) {
     delete this;
     return;
   }
-  arrival_.Arrive();
-  new ControlCall(service_, queue_);
+  new ControlCall(service_, call_.queue());
   // The event OnGone is still to come, and that of Finish.
   in_flight_ = 2;
-  peer_ = PeerOf(context_.peer());
-  const absl::Status status = service_->Admit(this, &caller_);
+  const absl::Status status =
+      call_.Arrive([&] { return service_->Admit(this, &caller_); });
   if (!status.ok()) {
     Finish(status);
     return;
   }
   admitted_ = true;
-  arrival_.Admit();
   service_->Run(this);
 }
 
@@ -78,7 +72,7 @@ bool ControlCall::AwaitMove() {
   if (!changed_.wait_for(
           lock, std::chrono::milliseconds(limits::kControlTimeoutMs), done)) {
     timed_out_ = true;
-    context_.TryCancel();
+    call_.context()->TryCancel();
     // A cancelled call completes its operations at once.
     changed_.wait(lock, done);
   }
@@ -100,7 +94,7 @@ void ControlCall::OnMoved(bool ok) {
 void ControlCall::OnGone(bool) {
   {
     const std::lock_guard lock(mutex_);
-    is_gone_ = context_.IsCancelled();
+    is_gone_ = call_.context()->IsCancelled();
   }
   EndOperation();
 }

@@ -21,6 +21,7 @@
 #include "grpcpp/support/byte_buffer.h"
 #include "server/records/caller.h"
 #include "server/rpc/call_queue.h"
+#include "server/rpc/incoming_call.h"
 
 namespace tactus::server {
 
@@ -54,15 +55,14 @@ class ControlCall final : private ControlStream {
   // On a worker's thread: runs the handler and sends its status.
   void Work();
 
-  const std::string& method() const { return context_.method(); }
-  const std::string& peer() const { return peer_; }
-  const grpc::GenericServerContext& context() const { return context_; }
-  CallQueue* queue() const { return queue_; }
+  const std::string& method() const { return call_.context().method(); }
+  const std::string& peer() const { return call_.peer(); }
+  const grpc::ServerContext& context() const { return call_.context(); }
 
  private:
   using Event = MemberEvent<ControlCall>;
 
-  ~ControlCall();
+  ~ControlCall() = default;
 
   absl::Status Read(grpc::ByteBuffer* message, bool* more) override;
   absl::Status Write(const grpc::ByteBuffer& message) override;
@@ -80,17 +80,14 @@ class ControlCall final : private ControlStream {
   void EndOperation();
 
   ControlService* const service_;
-  CallQueue* const queue_;
-  ArrivalGate::Request arrival_{queue_->arrivals()};
 
-  grpc::GenericServerContext context_;
-  grpc::GenericServerAsyncReaderWriter stream_{&context_};
+  BasicIncomingCall<grpc::GenericServerContext> call_;
+  grpc::GenericServerAsyncReaderWriter stream_{call_.context()};
   Event called_{this, &ControlCall::OnCalled};
   Event moved_{this, &ControlCall::OnMoved};
   Event gone_{this, &ControlCall::OnGone};
   Event finish_done_{this, &ControlCall::OnFinished};
 
-  std::string peer_;
   Caller caller_;
   // The service counts it.
   bool admitted_ = false;

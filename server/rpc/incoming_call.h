@@ -20,14 +20,18 @@
 
 namespace tactus::server {
 
-class IncomingCall {
+// `Context`: grpc::ServerContext or a class derived from it.
+template <typename Context>
+class BasicIncomingCall {
  public:
   // `queue` must outlive the call and serves until the call is deleted.
-  explicit IncomingCall(CallQueue* queue) : queue_(queue) { queue_->Enter(); }
-  ~IncomingCall() { queue_->Leave(); }
+  explicit BasicIncomingCall(CallQueue* queue) : queue_(queue) {
+    queue_->Enter();
+  }
+  ~BasicIncomingCall() { queue_->Leave(); }
 
-  IncomingCall(const IncomingCall&) = delete;
-  IncomingCall& operator=(const IncomingCall&) = delete;
+  BasicIncomingCall(const BasicIncomingCall&) = delete;
+  BasicIncomingCall& operator=(const BasicIncomingCall&) = delete;
 
   // The call has come. `admit` asks the limit that counts the call from then
   // on, and returns an absl::Status or absl::StatusOr. The call leaves the
@@ -47,16 +51,18 @@ class IncomingCall {
   }
 
   CallQueue* queue() const { return queue_; }
-  grpc::ServerContext* context() { return &context_; }
-  const grpc::ServerContext& context() const { return context_; }
+  Context* context() { return &context_; }
+  const Context& context() const { return context_; }
   // The peer that made the call, as PeerOf names it; empty before Arrive.
   const std::string& peer() const { return peer_; }
 
  private:
   CallQueue* const queue_;
   ArrivalGate::Request arrival_{queue_->arrivals()};
-  grpc::ServerContext context_;
+  Context context_;
   std::string peer_;
 };
+
+using IncomingCall = BasicIncomingCall<grpc::ServerContext>;
 
 }  // namespace tactus::server

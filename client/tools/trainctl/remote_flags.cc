@@ -9,35 +9,15 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/string_view.h"
+#include "client/tools/common/token_file.h"
 #include "client/tools/trainctl/exit_code.h"
 #include "core/base/address.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/base/version.h"
-#include "core/data/file_bytes.h"
 
 namespace tactus::client {
 namespace {
-
-constexpr size_t kMaxTokenBytes = 4'096;
-
-bool StaysOnThisHost(const std::string& address) {
-  if (IsUnixAddress(address)) return true;
-  const auto at = ParseHostPort(address);
-  return at.ok() && (at->host == "localhost" || at->host == "::1" ||
-                     absl::StartsWith(at->host, "127."));
-}
-
-absl::StatusOr<std::string> ReadToken(const std::string& path) {
-  TACTUS_ASSIGN_OR_RETURN(const std::string text,
-                          ReadFileBytes(path, kMaxTokenBytes));
-  const absl::string_view token = absl::StripAsciiWhitespace(text);
-  for (const char c : token) {
-    if (!absl::ascii_isgraph(c)) return IoError(path, "holds no token");
-  }
-  if (token.empty()) return IoError(path, "holds no token");
-  return std::string(token);
-}
 
 // What to do if nothing answered, by what gRPC says about it.
 std::string AdviceOf(absl::string_view message, const RemoteFlags& flags) {
@@ -105,7 +85,8 @@ absl::StatusOr<std::unique_ptr<TrainingClient>> RemoteFlags::Connect() const {
                         "unencrypted"),
           kExitUsage);
     }
-    TACTUS_ASSIGN_OR_RETURN(client.token, ReadToken(token_file));
+    TACTUS_ASSIGN_OR_RETURN(client.token,
+                            ReadToken(token_file, server, !ca.empty()));
   }
   return std::make_unique<TrainingClient>(MakeTrainingChannel(server, options),
                                           std::move(client));

@@ -61,7 +61,7 @@ inline std::string Pack(int first, int end) {
   return pack;
 }
 
-// A bundle of its own for each seed.
+// Each seed gives a different bundle.
 inline std::string TestBundle(uint64_t seed) {
   Model model = testing::SmallModel();
   model.provenance.seed = seed;

@@ -449,6 +449,36 @@ TEST(TrainingServiceTest, BadRequestsAreRefusedAndTheServerServesOn) {
             "datasets/arm/versions/2");
 }
 
+// Callers that open calls and send nothing leave room for streams, and their
+// places come back.
+TEST(TrainingServiceTest, SilentCallsAreBounded) {
+  TrainingServer server;
+  server.Upload("datasets/arm", SmallPack());
+  struct SilentCall {
+    grpc::ClientContext context;
+    v1::WriteUploadResponse response;
+    std::unique_ptr<grpc::ClientWriter<v1::WriteUploadRequest>> writer;
+  };
+  std::vector<std::unique_ptr<SilentCall>> calls;
+  for (int i = 0; i < limits::kMaxControlCallsPerPeer; ++i) {
+    calls.push_back(std::make_unique<SilentCall>());
+    calls.back()->writer = server.training().WriteUpload(
+        &calls.back()->context, &calls.back()->response);
+  }
+  const auto list = [&] {
+    return ReasonOf(
+        RawCall(server.channel(), std::string(kTraining) + "ListDatasets", "")
+            .status);
+  };
+  EXPECT_TRUE(testing::Eventually([&] { return list() == "STREAM_LIMIT"; }));
+  testing::ExpectGoodStream(server.channel());
+  for (const auto& call : calls) {
+    call->context.TryCancel();
+    call->writer->Finish();
+  }
+  EXPECT_TRUE(testing::Eventually([&] { return list().empty(); }));
+}
+
 // An error names the trial and the field; the dataset stays as it was.
 TEST(TrainingServiceTest, ATrialThatIsNotValidIsNamed) {
   TrainingServer server;
