@@ -11,8 +11,8 @@
 #include "client/training/trial_pack.h"
 #include "client/training/trial_uploader.h"
 #include "core/base/random.h"
-#include "core/data/trial_record.h"
 #include "server/rpc/status.h"
+#include "tests/support/small_trials.h"
 
 namespace tactus::client::testing {
 
@@ -35,12 +35,7 @@ inline std::vector<Trial> SampleTrials(int count) {
 // The pack, put together without the uploader.
 inline std::string PackOf(const std::vector<Trial>& trials) {
   std::string pack;
-  for (const Trial& trial : trials) {
-    const std::string bytes = ToRecord(trial).SerializeAsString();
-    const auto size = static_cast<uint32_t>(bytes.size());
-    pack.append(reinterpret_cast<const char*>(&size), sizeof(size));
-    pack += bytes;
-  }
+  for (const Trial& trial : trials) pack += tactus::testing::Packed(trial);
   return pack;
 }
 

@@ -50,7 +50,8 @@ TEST_F(DatasetStoreTest, VersionsAddReplaceAndCount) {
   // A version is the hash of its sorted list.
   std::set<std::string> hashes;
   for (int i = 5; i < 8; ++i) {
-    hashes.insert(Sha256Hex(ToRecord(SmallTrial(i)).SerializeAsString()));
+    hashes.insert(
+        Sha256Hex(ToRecord(testing::SmallTrial(i, 3)).SerializeAsString()));
   }
   std::string manifest;
   for (const std::string& hash : hashes) manifest += hash + "\n";

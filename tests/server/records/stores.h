@@ -1,7 +1,6 @@
 // File: stores.h
 //
-// All stores of the server on one folder, whose files may fail, with packs of
-// small trials to upload.
+// All stores of the server on one folder, whose files may fail.
 //
 //   ScratchDir folder;
 //   CrashFileSystem files;
@@ -9,7 +8,6 @@
 //   stores.Upload(Pack(0, 3));
 #pragma once
 
-#include <cstring>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,7 +15,6 @@
 #include "core/base/crc32c.h"
 #include "core/base/status_macros.h"
 #include "core/bundle/bundle.h"
-#include "core/data/trial_record.h"
 #include "gtest/gtest.h"
 #include "server/records/dataset_store.h"
 #include "server/records/model_store.h"
@@ -27,38 +24,17 @@
 #include "tests/support/crash_vfs.h"
 #include "tests/support/scratch_dir.h"
 #include "tests/support/small_model.h"
+#include "tests/support/small_trials.h"
 
 namespace tactus::server {
 
 inline const Caller kCaller = {"tester", "unix:"};
 inline constexpr char kDataset[] = "datasets/d";
+using testing::Packed;
 
-inline Trial SmallTrial(int number, int frames = 3) {
-  Trial trial;
-  trial.id = "trial-" + std::to_string(number);
-  trial.label = number % 2 == 0 ? "soft" : "hard";
-  trial.condition = "c";
-  for (int f = 0; f < frames; ++f) {
-    trial.time.push_back(0.01 * f);
-    trial.signals.push_back({1.0 * number, 1e-4, 0.001 * f});
-  }
-  return trial;
-}
-
-inline std::string Packed(const std::string& record) {
-  const auto length = static_cast<uint32_t>(record.size());
-  std::string bytes(sizeof length, '\0');
-  std::memcpy(bytes.data(), &length, sizeof length);
-  return bytes + record;
-}
-
-// Trials number `first` to `end` - 1.
+// Small trials number `first` to `end` - 1, of three frames each.
 inline std::string Pack(int first, int end) {
-  std::string pack;
-  for (int i = first; i < end; ++i) {
-    pack += Packed(ToRecord(SmallTrial(i)).SerializeAsString());
-  }
-  return pack;
+  return testing::SmallPack(first, end, 3);
 }
 
 // Each seed gives a different bundle.

@@ -27,10 +27,7 @@ TEST(UploadMemoryTest, SixtyFourMebibytesTakeLessThanSixteen) {
   constexpr int kFrames = 16'000;
   constexpr int64_t kSize = 64L << 20;
   // The first one shows what one trial takes.
-  ASSERT_TRUE(
-      stores
-          .Upload(Packed(ToRecord(SmallTrial(-1, kFrames)).SerializeAsString()))
-          .ok());
+  ASSERT_TRUE(stores.Upload(Packed(testing::SmallTrial(-1, kFrames))).ok());
   ForgetPeak();
   const int64_t before = PeakKib();
   ASSERT_GT(before, 0);
@@ -39,8 +36,7 @@ TEST(UploadMemoryTest, SixtyFourMebibytesTakeLessThanSixteen) {
   int64_t size = 0;
   int trials = 0;
   for (; size < kSize; ++trials) {
-    const std::string bytes =
-        Packed(ToRecord(SmallTrial(trials, kFrames)).SerializeAsString());
+    const std::string bytes = Packed(testing::SmallTrial(trials, kFrames));
     ASSERT_TRUE(writer->Append(size, bytes, ExtendCrc32c(0, bytes)).ok());
     crc = ExtendCrc32c(crc, bytes);
     size += static_cast<int64_t>(bytes.size());

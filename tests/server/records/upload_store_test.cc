@@ -57,15 +57,16 @@ TEST_F(UploadStoreTest, BecomesAVersion) {
   EXPECT_EQ(version->name(), "datasets/d/versions/1");
   EXPECT_EQ(version->trials(), 6u);
   EXPECT_EQ(version->bytes(), static_cast<int64_t>(pack_.size() - 6 * 4));
-  EXPECT_EQ(version->labels().at("soft"), 3u);
+  EXPECT_EQ(version->labels().at("SU"), 3u);
   const auto trials = stores_->datasets->Trials(*version);
   ASSERT_EQ(trials->size(), 6u);
   for (int i = 0; i < 6; ++i) {
     const v1::TrialInfo& trial = trials->at(static_cast<size_t>(i));
     EXPECT_EQ(trial.id(), "trial-" + std::to_string(i));
     EXPECT_EQ(trial.frames(), 3u);
-    EXPECT_EQ(trial.sha256(),
-              Sha256Hex(ToRecord(SmallTrial(i)).SerializeAsString()));
+    EXPECT_EQ(
+        trial.sha256(),
+        Sha256Hex(ToRecord(testing::SmallTrial(i, 3)).SerializeAsString()));
   }
   EXPECT_EQ(*files_.Size(stores_->data->UploadPath("1")), -1);
 }
@@ -192,10 +193,9 @@ TEST_F(UploadStoreTest, APackCutAnywhereIsRefused) {
 }
 
 TEST_F(UploadStoreTest, AnInvalidTrialIsNamed) {
-  Trial bad = SmallTrial(7);
+  Trial bad = testing::SmallTrial(7);
   bad.signals[1][0] = std::nan("");
-  const auto version =
-      stores_->Upload(Pack(0, 2) + Packed(ToRecord(bad).SerializeAsString()));
+  const auto version = stores_->Upload(Pack(0, 2) + Packed(bad));
   EXPECT_EQ(ReasonOf(version.status()), "INVALID_TRIAL");
   EXPECT_THAT(std::string(version.status().message()),
               AllOf(HasSubstr("trial-7"), HasSubstr("signals")));

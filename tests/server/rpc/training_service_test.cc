@@ -482,11 +482,11 @@ TEST(TrainingServiceTest, SilentCallsAreBounded) {
 // An error names the trial and the field; the dataset stays as it was.
 TEST(TrainingServiceTest, ATrialThatIsNotValidIsNamed) {
   TrainingServer server;
-  v1::TrialRecord trial = testing::SmallTrial(3, true);
-  trial.set_signals(7, std::nan(""));
-  const std::string error = server.Upload(
-      "datasets/arm", SmallPack() + testing::PackOf(trial.SerializeAsString()));
-  EXPECT_THAT(error, ::testing::HasSubstr("soft3"));
+  Trial trial = testing::SmallTrial(17);
+  trial.signals[2][1] = std::nan("");
+  const std::string error =
+      server.Upload("datasets/arm", SmallPack() + testing::Packed(trial));
+  EXPECT_THAT(error, ::testing::HasSubstr("trial-17"));
   EXPECT_THAT(error, ::testing::HasSubstr("signals"));
   grpc::ClientContext context;
   v1::GetDatasetRequest get;

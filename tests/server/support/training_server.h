@@ -1,23 +1,20 @@
 // File: training_server.h
 //
-// A server with an empty data directory, reached over the in-process channel,
-// and small labelled trials for it. A target that uses it defines
-// TACTUS_TRAINER as the path of the program tactus-trainer and depends on it.
+// A server with an empty data directory, reached over the in-process channel. A
+// target that uses it defines TACTUS_TRAINER as the path of the program
+// tactus-trainer and depends on it.
 //
 //   TrainingServer server;
-//   const std::string pack = SmallPack();
-//   EXPECT_EQ(server.Upload("datasets/arm", pack), "datasets/arm/versions/1");
+//   EXPECT_EQ(server.Upload("datasets/arm", SmallPack()),
+//             "datasets/arm/versions/1");
 //
 // Owns the directory and removes it at the end.
 #pragma once
 
-#include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <string>
 
-#include "absl/strings/str_cat.h"
 #include "client/stream/status.h"
 #include "core/base/crc32c.h"
 #include "core/bundle/bundle.h"
@@ -28,46 +25,10 @@
 #include "tactus/v1/models.grpc.pb.h"
 #include "tactus/v1/operations.grpc.pb.h"
 #include "tactus/v1/training.grpc.pb.h"
-#include "tactus/v1/trial.pb.h"
 #include "tests/support/small_model.h"
+#include "tests/support/small_trials.h"
 
 namespace tactus::testing {
-
-// A contact of ideal signals: soft ones yield more slowly than hard ones.
-inline v1::TrialRecord SmallTrial(int number, bool soft) {
-  constexpr int kFrames = 60;
-  v1::TrialRecord record;
-  record.set_id(absl::StrCat(soft ? "soft" : "hard", number));
-  record.set_label(soft ? "SU" : "HU");
-  record.set_condition(number % 2 == 0 ? "slow" : "fast");
-  record.set_sample_rate_hz(100);
-  record.set_unit(v1::TAXEL_UNIT_NEWTON);
-  for (int t = 0; t < kFrames; ++t) {
-    const double load = 1 - std::exp(-t / (soft ? 30.0 : 5.0));
-    record.add_time(t * 0.01);
-    record.add_signals((1 + 0.1 * number) * load + 0.01);
-    record.add_signals(1e-4 * (1 + load));
-    record.add_signals(1e-3 * (soft ? load : 0.1 * load));
-  }
-  return record;
-}
-
-inline std::string PackOf(const std::string& record) {
-  const auto length = static_cast<uint32_t>(record.size());
-  std::string pack(sizeof length, '\0');
-  std::memcpy(pack.data(), &length, sizeof length);
-  return pack + record;
-}
-
-// 16 trials of two categories under two conditions.
-inline std::string SmallPack() {
-  std::string pack;
-  for (int i = 0; i < 8; ++i) {
-    pack += PackOf(SmallTrial(i, false).SerializeAsString());
-    pack += PackOf(SmallTrial(i, true).SerializeAsString());
-  }
-  return pack;
-}
 
 class TrainingServer {
  public:
