@@ -11,6 +11,7 @@
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
+#include "core/bundle/bundle.h"
 
 namespace tactus::client {
 namespace {
@@ -375,8 +376,12 @@ absl::StatusOr<std::string> TrainingClient::ExportModel(
   if (const grpc::Status status = reader->Finish(); !status.ok()) {
     return ErrorOf(status, "ExportModel", long_timeout());
   }
-  TACTUS_RETURN_IF_ERROR(
-      CheckName("SHA-256 of the bundle", Sha256Hex(bundle), version.sha256()));
+  // The bundle ends with the SHA-256 of what is before it.
+  for (const std::string& sha256 :
+       {BundleSha256(bundle), Sha256Hex(BundleBody(bundle))}) {
+    TACTUS_RETURN_IF_ERROR(
+        CheckName("SHA-256 of the bundle", sha256, version.sha256()));
+  }
   return bundle;
 }
 
@@ -399,7 +404,7 @@ absl::StatusOr<v1::ModelVersion> TrainingClient::ImportModel(
   }
   TACTUS_RETURN_IF_ERROR(CheckName("SHA-256 of the imported bundle",
                                    response.version().sha256(),
-                                   Sha256Hex(bundle)));
+                                   BundleSha256(bundle)));
   return std::move(*response.mutable_version());
 }
 

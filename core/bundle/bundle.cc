@@ -1,5 +1,6 @@
 #include "core/bundle/bundle.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <utility>
@@ -55,7 +56,7 @@ absl::StatusOr<absl::string_view> OpenEnvelope(absl::string_view bytes) {
   if (!absl::StartsWith(bytes, kMagic)) {
     return BundleCorrupt("it does not begin with TACTUSMB");
   }
-  const absl::string_view body = bytes.substr(0, bytes.size() - kDigestBytes);
+  const absl::string_view body = BundleBody(bytes);
   if (Sha256Of(body) != bytes.substr(body.size())) {
     return BundleCorrupt("its SHA-256 checksum does not match");
   }
@@ -104,6 +105,10 @@ absl::StatusOr<std::shared_ptr<const CompiledModel>> DecodeBundle(
 std::string BundleSha256(absl::string_view bytes) {
   if (bytes.size() < kDigestBytes) return "";
   return absl::BytesToHexString(bytes.substr(bytes.size() - kDigestBytes));
+}
+
+absl::string_view BundleBody(absl::string_view bytes) {
+  return bytes.substr(0, bytes.size() - std::min(bytes.size(), kDigestBytes));
 }
 
 }  // namespace tactus

@@ -35,4 +35,7 @@ absl::StatusOr<std::shared_ptr<const CompiledModel>> DecodeBundle(
 // `bytes` is too short to be one.
 std::string BundleSha256(absl::string_view bytes);
 
+// What that checksum covers: all bytes before it.
+absl::string_view BundleBody(absl::string_view bytes);
+
 }  // namespace tactus

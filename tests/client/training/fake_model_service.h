@@ -9,7 +9,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
-#include "core/base/sha256.h"
+#include "core/bundle/bundle.h"
 #include "server/rpc/status.h"
 #include "tests/client/training/fake_state.h"
 
@@ -71,7 +71,7 @@ class FakeModelService : public v1::ModelService::Service {
     const std::lock_guard lock(state_.mutex);
     v1::ModelVersion& version = *response->mutable_version();
     version.set_name(model + "/versions/1");
-    version.set_sha256(Sha256Hex(bundle));
+    version.set_sha256(BundleSha256(bundle));
     version.set_bytes(static_cast<int64_t>(bundle.size()));
     state_.models.emplace_back(version, bundle);
     return state_.End(*response);

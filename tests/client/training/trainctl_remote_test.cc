@@ -12,13 +12,15 @@
 #include "client/tools/trainctl/app.h"
 #include "client/tools/trainctl/remote_flags.h"
 #include "core/base/errors.h"
-#include "core/base/sha256.h"
+#include "core/bundle/bundle.h"
 #include "core/data/trial_file.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/client/training/fake_training_server.h"
 #include "tests/client/training/sample_trials.h"
 #include "tests/server/support/tls_files.h"
+#include "tests/support/scratch_dir.h"
+#include "tests/support/sealed_bundle.h"
 
 namespace tactus::client {
 namespace {
@@ -374,16 +376,16 @@ TEST_F(TrainctlRemoteTest, JobsAreListedAndCancelled) {
 }
 
 TEST_F(TrainctlRemoteTest, ModelsAreServedAndRolledBack) {
-  const std::string bundle(1234, 'b');
+  const std::string bundle = tactus::testing::SealedBundle("a model");
   std::ofstream(Path("in.tactus")) << bundle;
   Outcome outcome = Trainctl(
       {"models", "import", "arm", "--bundle=" + Path("in.tactus"), "--json"});
   ASSERT_EQ(outcome.exit, 0) << outcome.err;
-  EXPECT_EQ(outcome.json()["sha256"], Sha256Hex(bundle));
+  EXPECT_EQ(outcome.json()["sha256"], BundleSha256(bundle));
   outcome =
       Trainctl({"models", "export", "arm@1", "--out=" + Path("out.tactus")});
   ASSERT_EQ(outcome.exit, 0) << outcome.err;
-  EXPECT_EQ(std::filesystem::file_size(Path("out.tactus")), 1234u);
+  EXPECT_EQ(ReadBytes(Path("out.tactus")), bundle);
 
   v1::Alias alias;
   alias.set_name("aliases/default");

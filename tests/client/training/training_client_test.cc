@@ -8,6 +8,7 @@
 #include "gtest/gtest.h"
 #include "tests/client/training/fake_training_server.h"
 #include "tests/client/training/sample_trials.h"
+#include "tests/support/sealed_bundle.h"
 
 namespace tactus::client {
 namespace {
@@ -94,9 +95,10 @@ TEST_F(TrainingClientTest, AnswersAboutOtherThingsAreRefused) {
 }
 
 TEST_F(TrainingClientTest, BundlesTravelBothWays) {
-  std::string bundle(3'000'000, '\0');
+  std::string payload(3'000'000, '\0');
   Random random(1);
-  for (char& c : bundle) c = static_cast<char>(random.Index(256));
+  for (char& c : payload) c = static_cast<char>(random.Index(256));
+  const std::string bundle = tactus::testing::SealedBundle(payload);
   const auto imported = client_.ImportModel("models/arm", bundle);
   ASSERT_TRUE(imported.ok()) << imported.status();
   EXPECT_EQ(imported->name(), "models/arm/versions/1");
