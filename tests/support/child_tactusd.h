@@ -48,6 +48,8 @@ class ChildTactusd {
     int max_open_files = 0;
     // Becomes its standard error; -1 for the file that Log() reads.
     int standard_error = -1;
+    // False: returns without waiting until it serves; there is no port then.
+    bool wait = true;
   };
 
   // Starts tactusd with `flags` and waits until it serves.
@@ -59,7 +61,7 @@ class ChildTactusd {
     options.flags.insert(options.flags.begin(),
                          {"--listen=127.0.0.1:0", "--port-file=" + port_file});
     Spawn(options);
-    for (int i = 0; i < 2000 && pid_ > 0 && port_ == 0; ++i) {
+    for (int i = 0; options.wait && i < 2000 && pid_ > 0 && port_ == 0; ++i) {
       if (!(std::ifstream(port_file) >> port_)) {
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
         if (waitpid(pid_, nullptr, WNOHANG) == pid_) pid_ = -1;
@@ -80,6 +82,7 @@ class ChildTactusd {
       waitpid(pid_, nullptr, 0);
     }
     std::remove(LogFile().c_str());
+    std::remove((base_ + ".port").c_str());
   }
 
   ChildTactusd(const ChildTactusd&) = delete;
