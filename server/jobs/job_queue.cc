@@ -22,8 +22,6 @@ using std::chrono::steady_clock;
 using v1::Operation;
 
 constexpr milliseconds kPoll(100);
-// Between two writes of the learning curve.
-constexpr milliseconds kStore(500);
 // For a process that was asked to end.
 constexpr milliseconds kPatience(5'000);
 // After an error of storage.
@@ -333,7 +331,8 @@ absl::Status JobQueue::Follow(const std::string& name, JobProcess& process) {
         operations_->ShowProgress(name, progress);
       }
     }
-    if (now - stored >= kStore) TACTUS_RETURN_IF_ERROR(store());
+    if (now - stored >= options_.store_interval)
+      TACTUS_RETURN_IF_ERROR(store());
     if (stopping_) process.Terminate(true);
     if (IsCancelled(name)) {
       if (!asked.has_value()) {

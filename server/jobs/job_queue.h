@@ -19,6 +19,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <map>
 #include <mutex>
@@ -43,6 +44,8 @@ class JobQueue {
   struct Options {
     JobProcess::Options process;
     int attempts = 3;
+    // Between two writes of the learning curve.
+    std::chrono::milliseconds store_interval{500};
     // Name of this machine, kept with the versions that are made.
     std::string host;
   };

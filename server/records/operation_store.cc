@@ -30,6 +30,21 @@ absl::StatusOr<Operation> Find(const Transaction& look,
   return *std::move(found);
 }
 
+// The key of a request in its table.
+std::string RequestKey(absl::string_view request_id) {
+  return absl::StrCat("operation/", request_id);
+}
+
+// The operation that a request made; nothing if there was none.
+absl::StatusOr<std::optional<Operation>> FindRequested(
+    const Transaction& look, absl::string_view request_id) {
+  if (request_id.empty()) return std::nullopt;
+  TACTUS_ASSIGN_OR_RETURN(const auto key,
+                          look.Get(Table::kRequests, RequestKey(request_id)));
+  if (!key.has_value()) return std::nullopt;
+  return GetRecord<Operation>(look, Table::kOperations, *key);
+}
+
 absl::StatusOr<std::vector<v1::LearningPoint>> PointsOf(
     const Transaction& look, const ResourceName& name) {
   return ScanRecords<v1::LearningPoint>(look, Table::kLearningPoints,
@@ -75,43 +90,51 @@ absl::StatusOr<Operation> OperationStore::Create(Operation request,
     return InvalidConfig("request_id", Quoted(request_id), fault);
   }
   Operation operation = std::move(request);
-  TACTUS_RETURN_IF_ERROR(data_->catalog().Change([&](Transaction& change)
-                                                     -> absl::Status {
-    const std::string id = absl::StrCat("operation/", request_id);
-    if (!request_id.empty()) {
-      TACTUS_ASSIGN_OR_RETURN(const auto key, change.Get(Table::kRequests, id));
-      if (key.has_value()) {
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Change([&](Transaction& change) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(auto known, FindRequested(change, request_id));
+        if (known.has_value()) {
+          operation = *std::move(known);
+          return absl::OkStatus();
+        }
         TACTUS_ASSIGN_OR_RETURN(
-            auto known, GetRecord<Operation>(change, Table::kOperations, *key));
-        if (known.has_value()) operation = *std::move(known);
+            const auto all,
+            ScanRecords<Operation>(change, Table::kOperations, {}));
+        int queued = 0;
+        for (const Operation& other : all) {
+          queued += other.state() == Operation::STATE_QUEUED ? 1 : 0;
+        }
+        if (queued >= limits::kMaxQueuedJobs) {
+          return JobLimit(limits::kMaxQueuedJobs);
+        }
+        TACTUS_ASSIGN_OR_RETURN(const uint64_t number,
+                                NextNumber(change, Table::kOperations));
+        operation.set_name(absl::StrCat(kCollection, "/", number));
+        if (operation.state() == Operation::STATE_UNSPECIFIED) {
+          operation.set_state(Operation::STATE_QUEUED);
+        }
+        operation.set_create_time_ms(now_());
+        operation.set_requester(caller.name);
+        const std::string key = NumberKey(number);
+        if (!request_id.empty()) {
+          TACTUS_RETURN_IF_ERROR(
+              change.Put(Table::kRequests, RequestKey(request_id), key));
+        }
+        TACTUS_RETURN_IF_ERROR(
+            PutRecord(change, Table::kOperations, key, operation));
+        return Audit(change, caller, now_(), "create", operation.name());
+      }));
+  return operation;
+}
+
+absl::StatusOr<std::optional<Operation>> OperationStore::Requested(
+    absl::string_view request_id) const {
+  std::optional<Operation> operation;
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Look([&](const Transaction& look) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(operation, FindRequested(look, request_id));
         return absl::OkStatus();
-      }
-    }
-    TACTUS_ASSIGN_OR_RETURN(
-        const auto all, ScanRecords<Operation>(change, Table::kOperations, {}));
-    int queued = 0;
-    for (const Operation& other : all) {
-      queued += other.state() == Operation::STATE_QUEUED ? 1 : 0;
-    }
-    if (queued >= limits::kMaxQueuedJobs) {
-      return JobLimit(limits::kMaxQueuedJobs);
-    }
-    TACTUS_ASSIGN_OR_RETURN(const uint64_t number,
-                            NextNumber(change, Table::kOperations));
-    operation.set_name(absl::StrCat(kCollection, "/", number));
-    if (operation.state() == Operation::STATE_UNSPECIFIED) {
-      operation.set_state(Operation::STATE_QUEUED);
-    }
-    operation.set_create_time_ms(now_());
-    operation.set_requester(caller.name);
-    const std::string key = NumberKey(number);
-    if (!request_id.empty()) {
-      TACTUS_RETURN_IF_ERROR(change.Put(Table::kRequests, id, key));
-    }
-    TACTUS_RETURN_IF_ERROR(
-        PutRecord(change, Table::kOperations, key, operation));
-    return Audit(change, caller, now_(), "create", operation.name());
-  }));
+      }));
   return operation;
 }
 

@@ -65,6 +65,10 @@ class OperationStore {
   absl::StatusOr<v1::Operation> Create(v1::Operation request,
                                        absl::string_view request_id,
                                        const Caller& caller);
+  // The operation of an earlier request with this id, if there is one. What a
+  // request is checked against may have changed since, so ask first.
+  absl::StatusOr<std::optional<v1::Operation>> Requested(
+      absl::string_view request_id) const;
   absl::StatusOr<v1::Operation> Get(absl::string_view name) const;
   // The newest first.
   absl::StatusOr<Page<v1::Operation>> List(int page_size,

@@ -60,6 +60,13 @@ absl::StatusOr<v1::PromoteModelResponse> PromoteModel(
   const v1::PromoteSpec& spec = request.spec();
   v1::PromoteModelResponse response;
   v1::Operation& operation = *response.mutable_operation();
+  // One that arrives again must not move the alias again.
+  TACTUS_ASSIGN_OR_RETURN(const auto known,
+                          backend.operations().Requested(request.request_id()));
+  if (known.has_value()) {
+    operation = *known;
+    return response;
+  }
   operation.set_kind(v1::Operation::KIND_PROMOTE);
   *operation.mutable_promote() = spec;
   const auto alias = backend.models().GetAlias(spec.alias());

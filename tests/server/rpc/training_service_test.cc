@@ -19,22 +19,13 @@ namespace {
 
 using testing::RawCall;
 using testing::SmallPack;
+using testing::SmallTraining;
 using testing::TrainingServer;
 using v1::Operation;
 
 constexpr char kTraining[] = "/tactus.v1.TrainingService/";
 constexpr char kOperations[] = "/tactus.v1.OperationService/";
 constexpr char kModels[] = "/tactus.v1.ModelService/";
-
-// A training of seconds on the trials of SmallPack.
-v1::TrainModelRequest SmallTraining() {
-  v1::TrainModelRequest request;
-  request.mutable_spec()->set_dataset_version("datasets/arm");
-  request.mutable_spec()->set_model("models/arm");
-  request.mutable_spec()->set_preset("paper");
-  request.mutable_spec()->set_networks(0);
-  return request;
-}
 
 Operation Train(TrainingServer& server, const v1::TrainModelRequest& request) {
   grpc::ClientContext context;

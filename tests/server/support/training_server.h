@@ -11,12 +11,15 @@
 // Owns the directory and removes it at the end.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <string>
 
 #include "client/stream/status.h"
 #include "core/base/crc32c.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
 #include "core/bundle/bundle.h"
 #include "grpcpp/grpcpp.h"
 #include "gtest/gtest.h"
@@ -30,19 +33,44 @@
 
 namespace tactus::testing {
 
+// A training of less than a second on the newest version of "datasets/arm".
+inline v1::TrainModelRequest SmallTraining() {
+  v1::TrainModelRequest request;
+  request.mutable_spec()->set_dataset_version("datasets/arm");
+  request.mutable_spec()->set_model("models/arm");
+  request.mutable_spec()->set_preset("paper");
+  request.mutable_spec()->set_networks(0);
+  return request;
+}
+
 class TrainingServer {
  public:
-  TrainingServer() : folder_(NewFolder()) {
+  struct Options {
+    // Of the data directory; empty for a new one.
+    std::string folder = {};
+    std::string program = TACTUS_TRAINER;
+    // What a job may have; 0 for no limit.
+    int64_t memory_bytes = 0;
+    std::chrono::milliseconds store_interval =
+        server::JobQueue::Options().store_interval;
+  };
+
+  TrainingServer() : TrainingServer(Options{}) {}
+  explicit TrainingServer(const Options& options)
+      : folder_(options.folder.empty() ? NewFolder() : options.folder) {
     EXPECT_TRUE(
         registry_.AddBuiltIn("default", *EncodeBundle(SmallModel())).ok());
     backend_ = *server::TrainingBackend::Open(
         {.folder = folder_,
-         .jobs = {.process = {.program = TACTUS_TRAINER}, .host = "test"}},
+         .jobs = {.process = {.program = options.program,
+                              .memory_bytes = options.memory_bytes},
+                  .store_interval = options.store_interval,
+                  .host = "test"}},
         &registry_);
     backend_->Start();
-    server::TactusServer::Options options;
-    options.training = backend_.get();
-    server_ = *server::TactusServer::Start(&registry_, options);
+    server::TactusServer::Options serving;
+    serving.training = backend_.get();
+    server_ = *server::TactusServer::Start(&registry_, serving);
     channel_ = server_->InProcessChannel();
     training_ = v1::TrainingService::NewStub(channel_);
     operations_ = v1::OperationService::NewStub(channel_);
@@ -81,25 +109,38 @@ class TrainingServer {
     return status.ok() ? response.version().name() : status.error_message();
   }
 
-  // Sends `pack` in one chunk; returns the upload's name.
+  // Sends `pack`; returns the upload's name.
   std::string Send(const std::string& dataset, const std::string& pack) {
     v1::CreateUploadRequest create;
     create.set_dataset(dataset);
     v1::CreateUploadResponse upload;
     grpc::ClientContext context;
     EXPECT_TRUE(training_->CreateUpload(&context, create, &upload).ok());
-    grpc::ClientContext write_context;
-    v1::WriteUploadResponse response;
-    const auto writer = training_->WriteUpload(&write_context, &response);
-    v1::WriteUploadRequest chunk;
-    chunk.set_upload(upload.upload());
-    chunk.set_data(pack);
-    chunk.set_crc32c(ExtendCrc32c(0, pack));
-    writer->Write(chunk);
-    writer->WritesDone();
-    EXPECT_TRUE(writer->Finish().ok());
-    EXPECT_EQ(response.committed_size(), static_cast<int64_t>(pack.size()));
+    EXPECT_EQ(Write(upload.upload(), 0, pack), "");
     return upload.upload();
+  }
+
+  // Sends `bytes`, which begin at `offset` of an upload, in one call. Returns
+  // the error's reason; empty if the server has all of them.
+  std::string Write(const std::string& upload, int64_t offset,
+                    absl::string_view bytes) {
+    grpc::ClientContext context;
+    v1::WriteUploadResponse response;
+    const auto writer = training_->WriteUpload(&context, &response);
+    for (size_t at = 0; at < bytes.size(); at += limits::kMaxChunkBytes) {
+      v1::WriteUploadRequest chunk;
+      chunk.set_upload(upload);
+      chunk.set_write_offset(offset + static_cast<int64_t>(at));
+      chunk.set_data(std::string(bytes.substr(at, limits::kMaxChunkBytes)));
+      chunk.set_crc32c(ExtendCrc32c(0, chunk.data()));
+      if (!writer->Write(chunk)) break;
+    }
+    writer->WritesDone();
+    const grpc::Status status = writer->Finish();
+    if (!status.ok()) return ReasonOf(client::FromGrpcStatus(status));
+    EXPECT_EQ(response.committed_size(),
+              offset + static_cast<int64_t>(bytes.size()));
+    return "";
   }
 
   // Waits for the end of an operation.
