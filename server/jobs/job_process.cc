@@ -147,8 +147,7 @@ JobProcess::End JobProcess::Wait(std::chrono::milliseconds patience) {
     if (ended == pid_) break;
     if (ended < 0 && errno != EINTR) {
       pid_ = -1;
-      return {.ok = false,
-              .text = absl::StrCat("is lost: ", std::strerror(errno))};
+      return {.text = absl::StrCat("is lost: ", std::strerror(errno))};
     }
     if (killed) continue;
     if (std::chrono::steady_clock::now() >= deadline) {
@@ -160,6 +159,7 @@ JobProcess::End JobProcess::Wait(std::chrono::milliseconds patience) {
   }
   pid_ = -1;
   return {.ok = WIFEXITED(status) && WEXITSTATUS(status) == 0,
+          .status = WIFEXITED(status) ? WEXITSTATUS(status) : -1,
           .text = Describe(status)};
 }
 

@@ -35,6 +35,8 @@ class JobProcess {
   struct End {
     // It exited with status 0.
     bool ok = false;
+    // Its exit status; -1 if a signal ended it.
+    int status = -1;
     // How it ended, for people: "exited with status 3", "was ended by SIGKILL".
     std::string text;
   };

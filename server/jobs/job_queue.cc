@@ -12,6 +12,7 @@
 #include "core/base/status_proto.h"
 #include "core/base/version.h"
 #include "server/names/resource_names.h"
+#include "server/trainer/exit_status.h"
 #include "spdlog/spdlog.h"
 
 namespace tactus::server {
@@ -26,6 +27,7 @@ constexpr milliseconds kPoll(100);
 constexpr milliseconds kPatience(5'000);
 // After an error of storage.
 constexpr milliseconds kRest(1'000);
+constexpr int64_t kBytesPerMib = 1024L * 1024;
 constexpr int64_t kMaxOutcomeBytes = 16L * 1024 * 1024;
 
 // The status of a process that ended without an outcome, or that something else
@@ -195,6 +197,8 @@ void JobQueue::Run(const std::string& name, bool training) {
   auto stored = operations_->Change(name, end);
   while (!stored.ok() && !stopping_) {
     spdlog::error("{}: {}", name, stored.status().ToString());
+    // The room that is missing may be the job's.
+    if (!again) RemoveFolder(name);
     Rest();
     stored = operations_->Change(name, end);
   }
@@ -207,10 +211,14 @@ void JobQueue::Run(const std::string& name, bool training) {
   }
   if (again) return;
   interruptions_[training].erase(name);
-  const auto id = ParseName(name, "operations");
-  data_->files().RemoveAll(data_->JobPath(id->id)).IgnoreError();
+  RemoveFolder(name);
   const std::lock_guard lock(mutex_);
   cancelled_.erase(name);
+}
+
+void JobQueue::RemoveFolder(const std::string& name) {
+  const auto id = ParseName(name, "operations");
+  data_->files().RemoveAll(data_->JobPath(id->id)).IgnoreError();
 }
 
 absl::Status JobQueue::RunProcess(Operation& operation) {
@@ -225,11 +233,27 @@ absl::Status JobQueue::RunProcess(Operation& operation) {
   if (const auto latest = operations_->Get(operation.name()); latest.ok()) {
     *operation.mutable_progress() = latest->progress();
   }
-  if (!end.ok) {
-    return JobCrashed(
-        absl::StrCat("the process of ", operation.name(), " ", end.text));
-  }
+  if (!end.ok) return Explain(operation.name(), folder, end);
   return TakeOutcome(folder, operation);
+}
+
+absl::Status JobQueue::Explain(const std::string& name,
+                               const std::string& folder,
+                               const JobProcess::End& end) const {
+  if (end.status == kExitStorageFull) {
+    return StorageFull(folder,
+                       absl::StrCat("no room for the result of ", name));
+  }
+  const std::string process = absl::StrCat("the process of ", name, " ");
+  if (end.status != kExitOutOfMemory) {
+    return JobCrashed(absl::StrCat(process, end.text));
+  }
+  const int64_t limit = options_.process.memory_bytes;
+  return JobCrashed(absl::StrCat(
+      process, "ran out of memory",
+      limit == 0 ? std::string()
+                 : absl::StrCat("; it may have ", limit / kBytesPerMib,
+                                " MiB (--job-memory-mb)")));
 }
 
 absl::Status JobQueue::WriteSpec(const Operation& operation,

@@ -69,11 +69,15 @@ class JobQueue {
   void Run(const std::string& name, bool training);
   // Removes the folders of jobs that ended when the server did.
   void RemoveFolders();
+  void RemoveFolder(const std::string& name);
   // Waits a second, or until the queue stops.
   void Rest();
   // Starts the process of a job, and returns how the operation ends: OK with
   // the result in `operation`, or why it failed.
   absl::Status RunProcess(v1::Operation& operation);
+  // The error of a process that ended without an outcome.
+  absl::Status Explain(const std::string& name, const std::string& folder,
+                       const JobProcess::End& end) const;
   absl::Status WriteSpec(const v1::Operation& operation,
                          const std::string& folder) const;
   absl::Status Follow(const std::string& name, JobProcess& process);

@@ -3,10 +3,16 @@
 
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <new>
 #include <string>
+#include <system_error>
 
+#include "core/base/errors.h"
 #include "core/store/file_system.h"
 #include "server/trainer/event_writer.h"
+#include "server/trainer/exit_status.h"
 #include "server/trainer/file_journal.h"
 #include "server/trainer/job.h"
 
@@ -14,6 +20,23 @@ namespace tactus::server {
 namespace {
 
 FileJournal* running_journal = nullptr;
+
+// Of errors that nothing catches, those of memory get an exit status. Threads
+// that cannot be started have no memory for their stack.
+[[noreturn]] void OnUncaught() {
+  try {
+    if (std::current_exception() != nullptr) throw;
+  } catch (const std::bad_alloc&) {
+    _exit(kExitOutOfMemory);
+  } catch (const std::system_error& error) {
+    if (error.code() == std::errc::resource_unavailable_try_again ||
+        error.code() == std::errc::not_enough_memory) {
+      _exit(kExitOutOfMemory);
+    }
+  } catch (...) {  // Not ours to explain.
+  }
+  std::abort();
+}
 
 void OnTerminate(int) {
   if (running_journal != nullptr) running_journal->Cancel();
@@ -27,6 +50,7 @@ int Main(int argc, char** argv) {
                  "Runs one training or evaluation job; tactusd starts it.\n");
     return asked ? 0 : 2;
   }
+  std::set_terminate(OnUncaught);
   const std::string folder = argv[1];
   FileSystem& files = PosixFileSystem();
   EventWriter events(STDOUT_FILENO);
@@ -39,9 +63,9 @@ int Main(int argc, char** argv) {
     status = RunJob(files, folder, &events, &journal);
     std::signal(SIGTERM, SIG_DFL);
   }
-  if (status.ok()) return 0;
+  if (status.ok()) return kExitDone;
   std::fprintf(stderr, "tactus-trainer: %s\n", status.ToString().c_str());
-  return 1;
+  return ReasonOf(status) == "STORAGE_FULL" ? kExitStorageFull : kExitFailed;
 }
 
 }  // namespace

@@ -61,16 +61,20 @@ class JobFaultsTest : public ::testing::Test {
   std::unique_ptr<TrainingClient> client_;
 };
 
-// Every third point; each one if TACTUS_LONG is set.
+// Every seventh point; each one if TACTUS_LONG is set.
 TEST_F(JobFaultsTest, ATrainingIsCancelledAtEachPoint) {
   Start({.store_interval = std::chrono::milliseconds(0)});
   server_->Upload("datasets/arm", SmallPack());
-  const int stride = std::getenv("TACTUS_LONG") == nullptr ? 3 : 1;
+  // A network learns more slowly than HMMs do.
+  v1::TrainModelRequest request = SmallTraining();
+  request.mutable_spec()->set_networks(1);
+  request.mutable_spec()->set_epochs(20);
+  const int stride = std::getenv("TACTUS_LONG") == nullptr ? 7 : 1;
   int cancelled = 0;
   int succeeded = 0;
   size_t points = 1;
   for (size_t n = 1; n <= points && !HasFailure(); n += stride) {
-    const std::string name = Train().name();
+    const std::string name = Train(request).name();
     size_t seen = 0;
     client::OperationWatcher watcher(client_.get(), {});
     const auto done =
@@ -92,7 +96,7 @@ TEST_F(JobFaultsTest, ATrainingIsCancelledAtEachPoint) {
     }
     // The whole curve of a job that nobody cancelled.
     if (n == 1) {
-      const std::string whole = Train().name();
+      const std::string whole = Train(request).name();
       server_->Await(whole);
       points = server_->backend().operations().Points(whole)->size();
     }
@@ -194,10 +198,10 @@ TEST_F(JobFaultsTest, ADatasetIsNotDeletedWhileAJobTrainsOnIt) {
 }
 
 TEST_F(JobFaultsTest, ATrainerThatNeedsTooMuchMemorySaysSo) {
-  Start({.memory_bytes = 64L << 20});
+  Start({.memory_bytes = 40L << 20});
   std::string large;
   for (int i = 0; i < 16; ++i) {
-    large += testing::Packed(testing::SmallTrial(i, 200'000));
+    large += testing::Packed(testing::SmallTrial(i, 100'000));
   }
   // Sent in chunks, because of its size.
   v1::CreateUploadRequest create;
@@ -215,15 +219,8 @@ TEST_F(JobFaultsTest, ATrainerThatNeedsTooMuchMemorySaysSo) {
   EXPECT_EQ(failed.state(), Operation::STATE_FAILED);
   EXPECT_EQ(Reason(failed), "JOB_CRASHED");
   EXPECT_THAT(failed.error().message(), HasSubstr("memory"));
-  EXPECT_THAT(failed.error().message(), HasSubstr("64 MiB"));
+  EXPECT_THAT(failed.error().message(), HasSubstr("40 MiB"));
   testing::ExpectGoodStream(server_->channel());
-  // Less data fits.
-  server_->Upload("datasets/small", SmallPack());
-  v1::TrainModelRequest small = SmallTraining();
-  small.mutable_spec()->set_dataset_version("datasets/small");
-  const Operation done = server_->Await(Train(small).name());
-  EXPECT_EQ(done.state(), Operation::STATE_SUCCEEDED)
-      << done.ShortDebugString();
 }
 
 // A small disk of its own; skipped where the test may not mount one.
@@ -337,7 +334,7 @@ TEST_F(JobFaultsTest, TwoWritersOfOneUpload) {
 
 // Eight clients at once ask for the same thing; there is one.
 TEST_F(JobFaultsTest, ARequestIdGivesOneThingToAllWhoAskAtOnce) {
-  Start({.program = Script("sleep 1000\n")});
+  Start({.program = Script("exec sleep 1000\n")});
   server_->Upload("datasets/arm", SmallPack());
   std::mutex mutex;
   std::set<std::string> uploads;

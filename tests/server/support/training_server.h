@@ -161,9 +161,7 @@ class TrainingServer {
 
  private:
   static std::string NewFolder() {
-    std::string name =
-        (std::filesystem::temp_directory_path() / "tactus-training-XXXXXX")
-            .string();
+    std::string name = ::testing::TempDir() + "/tactus-training-XXXXXX";
     EXPECT_NE(mkdtemp(name.data()), nullptr);
     return name;
   }
