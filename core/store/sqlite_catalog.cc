@@ -37,6 +37,8 @@ absl::Status ErrorOf(const std::string& path, const SQLite::Exception& error) {
       return StorageFull(path, text);
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
+    // The statements are right, so the schema that they meet is not.
+    case SQLITE_ERROR:
       return DataLost(path, text);
     default:
       return IoError(path, text);
@@ -51,6 +53,27 @@ auto Guarded(const std::string& path, const Body& body) -> decltype(body()) {
   } catch (const SQLite::Exception& error) {
     return ErrorOf(path, error);
   }
+}
+
+// What defines the tables, as text.
+std::string SchemaOf(SQLite::Database& database) {
+  SQLite::Statement query(
+      database, "SELECT type, name, tbl_name, sql FROM sqlite_master");
+  std::string schema;
+  while (query.executeStep()) {
+    for (int i = 0; i < query.getColumnCount(); ++i) {
+      absl::StrAppend(&schema, query.getColumn(i).getString(), "\n");
+    }
+  }
+  return schema;
+}
+
+// That of kCatalogVersion.
+std::string RightSchema() {
+  SQLite::Database made(":memory:",
+                        SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+  for (const char* migration : kMigrations) made.exec(migration);
+  return SchemaOf(made);
 }
 
 void Bind(SQLite::Statement& statement, int index, absl::string_view bytes) {
@@ -226,7 +249,11 @@ class SqliteCatalog final : public Catalog {
     return Guarded(path_, [&] {
       const std::string answer =
           database_.execAndGet("PRAGMA integrity_check").getString();
-      return answer == "ok" ? absl::OkStatus() : DataLost(path_, answer);
+      if (answer != "ok") return DataLost(path_, answer);
+      if (SchemaOf(database_) != RightSchema()) {
+        return DataLost(path_, "the schema is not that of a catalogue");
+      }
+      return absl::OkStatus();
     });
   }
 

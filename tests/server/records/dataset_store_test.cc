@@ -96,6 +96,26 @@ TEST_F(DatasetStoreTest, ListsInPages) {
       names, ElementsAre("datasets/a", "datasets/b-2", "datasets/c", kDataset));
 }
 
+TEST_F(DatasetStoreTest, NoFlippedByteOfAManifestIsServed) {
+  ASSERT_TRUE(stores_.Upload(Pack(0, 4)).ok());
+  const auto version = stores_.datasets->Version(kDataset);
+  ASSERT_TRUE(version.ok()) << version.status();
+  const std::string path = stores_.data->BlobFolder() + "/" +
+                           version->sha256().substr(0, 2) + "/" +
+                           version->sha256();
+  const std::string good = ReadBytes(path);
+  ASSERT_EQ(good.size(), 4u * 65);
+  for (size_t i = 0; i < good.size(); ++i) {
+    std::string bad = good;
+    bad[i] = static_cast<char>(bad[i] ^ (1 << (i % 8)));
+    WriteBytes(path, bad);
+    const auto trials = stores_.datasets->Trials(*version);
+    EXPECT_EQ(ReasonOf(trials.status()), "DATA_LOST") << "byte " << i;
+  }
+  WriteBytes(path, good);
+  EXPECT_EQ(stores_.datasets->Trials(*version)->size(), 4u);
+}
+
 TEST_F(DatasetStoreTest, DeletesWhatNobodyElseHolds) {
   Create("datasets/other");
   ASSERT_TRUE(stores_.Upload(Pack(0, 4)).ok());
