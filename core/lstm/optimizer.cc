@@ -110,7 +110,12 @@ struct Loops {
 TACTUS_LOOPS(Baseline, )
 #ifdef __x86_64__
 TACTUS_LOOPS(Avx2, [[gnu::target("avx2")]])
+#ifdef __clang__
+// It does not know the attribute's second part.
+TACTUS_LOOPS(Avx512, [[gnu::target("avx512f")]])
+#else
 TACTUS_LOOPS(Avx512, [[gnu::target("avx512f,prefer-vector-width=512")]])
+#endif
 #endif
 
 const Loops& BestLoops() {
