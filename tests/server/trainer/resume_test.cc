@@ -8,13 +8,18 @@
 #include <csignal>
 #include <thread>
 
+#include "core/base/errors.h"
 #include "core/base/random.h"
 #include "core/base/status_macros.h"
+#include "core/base/status_proto.h"
 #include "core/bundle/bundle.h"
 #include "core/data/trial_record.h"
 #include "core/store/blob_store.h"
 #include "gtest/gtest.h"
+#include "server/trainer/file_journal.h"
+#include "server/trainer/job.h"
 #include "tactus/v1/storage.pb.h"
+#include "tests/support/crash_file_system.h"
 #include "tests/support/scratch_dir.h"
 
 namespace tactus::server {
@@ -143,6 +148,66 @@ TEST_F(ResumeTest, BadJobsEndWithAnOutcomeOrAStatus) {
   WriteBytes(folder + "/job.pb", "garbage");
   EXPECT_EQ(Wait(Start(folder)), 1);
   EXPECT_EQ(Wait(Start(folder_ / "no")), 1);
+}
+
+// A disk that fails at each operation of a job: the job ends with an outcome or
+// a status that names the disk's error. On a sound disk it then makes the
+// bundle that it would have made.
+TEST_F(ResumeTest, ADiskThatFailsAtEachOperation) {
+  spec_.mutable_operation()->mutable_train()->set_networks(0);
+  const int null = open("/dev/null", O_WRONLY);
+  EventWriter events(null);
+  const auto run = [&](FileSystem& files, const std::string& folder) {
+    FileJournal journal(files, folder + "/parts", &events);
+    return RunJob(files, folder, &events, &journal);
+  };
+  const auto new_job = [&] {
+    std::filesystem::remove_all(folder_ / "job");
+    const std::string folder = NewJob("job");
+    std::filesystem::create_directory(folder + "/parts");
+    return folder;
+  };
+  testing::CrashFileSystem files;
+  std::string folder = new_job();
+  ASSERT_TRUE(run(files, folder).ok());
+  const int operations = files.operations();
+  const std::string bundle = ReadBytes(folder + "/bundle.tactus");
+  const std::string result = ReadBytes(folder + "/result.pb");
+  ASSERT_TRUE(DecodeBundle(bundle).ok());
+  int failed = 0;
+  for (int n = 1; n <= operations; ++n) {
+    // A full disk stays full; an error comes once.
+    const bool full = n % 2 == 0;
+    SCOPED_TRACE(std::string(full ? "full from" : "fails at") + " operation " +
+                 std::to_string(n));
+    folder = new_job();
+    files.Heal();
+    if (full) {
+      files.StopAt(n);
+    } else {
+      files.FailAt(n, StorageFull("disk", "no room"));
+    }
+    const absl::Status status = run(files, folder);
+    EXPECT_TRUE(files.failed());
+    if (status.ok()) {
+      v1::JobOutcome outcome;
+      ASSERT_TRUE(outcome.ParseFromString(ReadBytes(folder + "/result.pb")));
+      EXPECT_TRUE(outcome.has_result() ||
+                  ReasonOf(FromStatusProto(outcome.error())) == "STORAGE_FULL")
+          << outcome.ShortDebugString();
+      failed += outcome.has_error() ? 1 : 0;
+    } else {
+      EXPECT_EQ(ReasonOf(status), full ? "IO" : "STORAGE_FULL") << status;
+      ++failed;
+    }
+    files.Heal();
+    ASSERT_TRUE(run(files, folder).ok());
+    EXPECT_EQ(ReadBytes(folder + "/bundle.tactus"), bundle);
+    EXPECT_EQ(ReadBytes(folder + "/result.pb"), result);
+  }
+  close(null);
+  std::printf("%d of %d operations failed the job\n", failed, operations);
+  EXPECT_EQ(failed, operations);
 }
 
 }  // namespace
