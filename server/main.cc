@@ -38,6 +38,8 @@
 namespace tactus::server {
 namespace {
 
+constexpr int64_t kBytesPerMb = 1024L * 1024;
+
 struct Flags {
   TactusServer::Options server;
   std::vector<std::string> models;
@@ -53,6 +55,9 @@ struct Flags {
   std::string data_dir;
   std::string trainer;
   int64_t job_memory_mb = 0;
+  int64_t quota_stored_mb = limits::kMaxClientBytes / kBytesPerMb;
+  int64_t quota_datasets = limits::kMaxClientDatasets;
+  int64_t quota_jobs = limits::kMaxClientQueuedJobs;
 };
 
 absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> HealthCredentials(
@@ -125,8 +130,11 @@ absl::StatusOr<std::unique_ptr<TrainingBackend>> OpenTraining(
           {.folder = flags.data_dir,
            .jobs = {.process = {.program = TrainerProgram(flags),
                                 .memory_bytes =
-                                    flags.job_memory_mb * 1024 * 1024},
-                    .host = HostName()}},
+                                    flags.job_memory_mb * kBytesPerMb},
+                    .host = HostName()},
+           .quotas = {.stored_bytes = flags.quota_stored_mb * kBytesPerMb,
+                      .datasets = flags.quota_datasets,
+                      .queued_jobs = flags.quota_jobs}},
           registry));
   for (const std::string& failure : training->failures()) {
     spdlog::error("not served: {}", failure);
@@ -222,6 +230,8 @@ absl::Status Serve(const Flags& flags, StopSignals& signals) {
     options.authorizer = authorizer.get();
     WarnOfPlainTokens(flags);
   }
+  // As from outside, so that both ways are one.
+  options.on_drain = [] { kill(getpid(), SIGTERM); };
   TACTUS_ASSIGN_OR_RETURN(auto server, TactusServer::Start(&registry, options));
   LogListeners(options, *server);
   if (!flags.port_file.empty()) {
@@ -310,6 +320,26 @@ int Main(int argc, char** argv) {
   app.add_option("--job-memory-mb", flags.job_memory_mb,
                  "Memory that a job may have; 0 for no limit")
       ->check(CLI::Range(int64_t{0}, int64_t{1} << 30))
+      ->capture_default_str();
+  const auto quota = CLI::Range(int64_t{0}, int64_t{1} << 40);
+  app.add_option(
+         "--quota-stored-mb", flags.quota_stored_mb,
+         "Megabytes that one client may store: unfinished uploads, and "
+         "trials that it added to datasets; 0 for no limit. A client is "
+         "a token, a certificate or, without these, a host")
+      ->check(quota)
+      ->capture_default_str();
+  app.add_option("--quota-datasets", flags.quota_datasets,
+                 "Datasets that one client may create; 0 for no limit")
+      ->check(quota)
+      ->capture_default_str();
+  app.add_option("--quota-jobs", flags.quota_jobs,
+                 "Queued jobs that one client may have; 0 for no limit")
+      ->check(quota)
+      ->capture_default_str();
+  app.add_option("--quota-streams", flags.server.max_streams_per_client,
+                 "Streams that one client may have open; 0 for no limit")
+      ->check(CLI::Range(0, 100'000))
       ->capture_default_str();
   app.add_option("--drain-grace-ms", flags.server.drain_grace_ms,
                  "Time streams have to finish after SIGTERM, SIGINT or, "

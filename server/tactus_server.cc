@@ -13,6 +13,7 @@
 #include "grpcpp/impl/server_builder_option.h"
 #include "grpcpp/impl/server_builder_plugin.h"
 #include "grpcpp/server_builder.h"
+#include "server/rpc/admin_rpcs.h"
 #include "server/rpc/training_rpcs.h"
 
 namespace tactus::server {
@@ -106,6 +107,7 @@ TactusServer::TactusServer(const ModelSource* models, const Options& options)
       contacts_(models, Either(options.authorizer, &without_tokens_),
                 {.max_streams = options.max_streams,
                  .max_streams_per_peer = options.max_streams_per_peer,
+                 .max_streams_per_client = options.max_streams_per_client,
                  .idle_timeout_ms = options.idle_timeout_ms,
                  .first_message_timeout_ms = options.first_message_timeout_ms,
                  .server_version = kVersion}),
@@ -116,6 +118,13 @@ TactusServer::TactusServer(const ModelSource* models, const Options& options)
   AddTrainingRpcs(options.training, control_);
   AddOperationRpcs(options.training, control_);
   AddModelRpcs(options.training, control_);
+  AddAdminRpcs({.backend = options.training,
+                .streams = [this] { return gate().live(); },
+                .max_streams = options.max_streams,
+                .max_streams_per_client = options.max_streams_per_client,
+                .drain_grace_ms = options.drain_grace_ms,
+                .drain = options.on_drain},
+               control_);
 }
 
 absl::Status TactusServer::Listen() {

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -49,6 +50,8 @@ class TactusServer {
     int connection_idle_ms = limits::kConnectionIdleMs;
     // 0 means none, for each of these.
     int max_streams_per_peer = limits::kMaxStreamsPerPeer;
+    // Of one token, certificate or, without credentials, peer.
+    int max_streams_per_client = 0;
     int first_message_timeout_ms = limits::kFirstMessageTimeoutMs;
     int idle_timeout_ms = limits::kIdleTimeoutMs;
     int drain_grace_ms = limits::kDrainGraceMs;
@@ -60,6 +63,9 @@ class TactusServer {
     // Decides who may call what; null: as an Authorizer without a tokens file.
     // Must outlive the server.
     const Authorizer* authorizer = nullptr;
+    // What the RPC Drain does, on a thread of the server: lets another thread
+    // call Stop. Without it the server has no such RPC.
+    std::function<void()> on_drain = {};
   };
 
   // Serving when it returns. INVALID_CONFIG or IO if an address is wrong or

@@ -355,6 +355,20 @@ absl::Status JobLimit(int limit) {
       {{"limit", absl::StrCat(limit)}});
 }
 
+absl::Status QuotaExceeded(absl::string_view client, absl::string_view quota,
+                           int64_t limit, int64_t use,
+                           absl::string_view advice) {
+  return MakeError(
+      StatusCode::kResourceExhausted, v1::ERROR_REASON_QUOTA_EXCEEDED,
+      absl::StrCat("the quota of ", quota, " of ", client, " is ", limit,
+                   ", and ", use, " are in use; ", advice,
+                   ", or ask the people who run the server for a larger quota"),
+      {{"quota", std::string(quota)},
+       {"limit", absl::StrCat(limit)},
+       {"use", absl::StrCat(use)},
+       {"client", std::string(client)}});
+}
+
 absl::Status JobCrashed(absl::string_view message) {
   return MakeError(StatusCode::kInternal, v1::ERROR_REASON_JOB_CRASHED,
                    message);

@@ -128,6 +128,11 @@ absl::Status ChecksumMismatch(absl::string_view what, absl::string_view got,
                               absl::string_view want);
 absl::Status InvalidTrial(absl::string_view message);
 absl::Status JobLimit(int limit);
+// `quota` names what is limited, e.g. "stored bytes"; `use` is what the client
+// has already, and `advice` what makes room.
+absl::Status QuotaExceeded(absl::string_view client, absl::string_view quota,
+                           int64_t limit, int64_t use,
+                           absl::string_view advice);
 absl::Status JobCrashed(absl::string_view message);
 absl::Status EtagMismatch(absl::string_view name, absl::string_view got,
                           absl::string_view want);

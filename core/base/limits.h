@@ -139,6 +139,19 @@ inline constexpr size_t kMaxJobEventBytes = 64 * 1024;
 inline constexpr int kMaxEpochs = 10'000;
 // Jobs that wait.
 inline constexpr int kMaxQueuedJobs = 200;
+// The end of a job's log that is kept after the job, and one message of it.
+inline constexpr int64_t kMaxJobLogBytes = 64 * 1024;
+inline constexpr size_t kJobLogMessageBytes = 16 * 1024;
+// What one client may have by default: a token, a certificate, or a peer
+// without credentials. Bytes of unfinished uploads and of the trials that it
+// added to datasets, datasets that it created, and jobs of it that wait.
+inline constexpr int64_t kMaxClientBytes = 256L * 1024 * 1024 * 1024;
+inline constexpr int kMaxClientDatasets = 1'000;
+inline constexpr int kMaxClientQueuedJobs = 150;
+// An upload that nobody wrote to for this time is removed; how often the server
+// looks for such uploads.
+inline constexpr int64_t kAbandonedUploadMs = 7L * 24 * 3'600 * 1'000;
+inline constexpr int64_t kSweepIntervalMs = 24L * 3'600 * 1'000;
 
 // Trial files.
 inline constexpr size_t kMaxFramesPerTrial = 10'000'000;

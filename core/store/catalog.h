@@ -44,6 +44,8 @@ enum class Table {
   kAudit = 11,
   // The largest number that was given under a name.
   kNumbers = 12,
+  // Logs of jobs that have ended.
+  kJobLogs = 13,
 };
 
 struct CatalogEntry {

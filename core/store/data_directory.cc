@@ -1,40 +1,17 @@
 #include "core/store/data_directory.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstring>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/store/sqlite_catalog.h"
 
 namespace tactus {
-namespace {
-
-// The descriptor that holds the lock.
-absl::StatusOr<int> Lock(const std::string& path) {
-  const int fd = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (fd < 0) return IoError(path, std::strerror(errno));
-  if (flock(fd, LOCK_EX | LOCK_NB) == 0) return fd;
-  const bool taken = errno == EWOULDBLOCK;
-  const std::string error = std::strerror(errno);
-  close(fd);
-  return IoError(path,
-                 taken ? "another process uses this data directory" : error);
-}
-
-}  // namespace
-
 absl::StatusOr<std::unique_ptr<DataDirectory>> DataDirectory::Open(
     FileSystem& files, const std::string& folder, const std::string& vfs) {
   std::unique_ptr<DataDirectory> data(new DataDirectory(files, folder));
   TACTUS_RETURN_IF_ERROR(files.MakeDirectory(folder));
-  TACTUS_ASSIGN_OR_RETURN(data->lock_, Lock(folder + "/lock"));
+  TACTUS_ASSIGN_OR_RETURN(data->lock_, DirectoryLock::Take(folder));
   TACTUS_RETURN_IF_ERROR(files.MakeDirectory(data->UploadFolder()));
   TACTUS_RETURN_IF_ERROR(files.MakeDirectory(data->JobFolder()));
   TACTUS_ASSIGN_OR_RETURN(data->blobs_,
@@ -47,8 +24,8 @@ absl::StatusOr<std::unique_ptr<DataDirectory>> DataDirectory::Open(
 }
 
 DataDirectory::~DataDirectory() {
+  // Before the lock.
   catalog_.reset();
-  if (lock_ >= 0) close(lock_);
 }
 
 std::string DataDirectory::BlobFolder() const { return folder_ + "/blobs"; }

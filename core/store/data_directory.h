@@ -22,6 +22,7 @@
 #include "absl/strings/string_view.h"
 #include "core/store/blob_store.h"
 #include "core/store/catalog.h"
+#include "core/store/directory_lock.h"
 #include "core/store/file_system.h"
 
 namespace tactus {
@@ -52,7 +53,7 @@ class DataDirectory {
 
   FileSystem& files_;
   const std::string folder_;
-  int lock_ = -1;
+  std::unique_ptr<DirectoryLock> lock_;
   std::unique_ptr<Catalog> catalog_;
   std::unique_ptr<BlobStore> blobs_;
 };

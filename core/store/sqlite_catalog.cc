@@ -274,4 +274,11 @@ absl::StatusOr<std::unique_ptr<Catalog>> OpenSqliteCatalog(
   });
 }
 
+absl::StatusOr<int> CatalogVersionOf(const std::string& path) {
+  return Guarded(path, [&]() -> absl::StatusOr<int> {
+    SQLite::Database database(path, SQLite::OPEN_READONLY);
+    return database.execAndGet("PRAGMA user_version").getInt();
+  });
+}
+
 }  // namespace tactus

@@ -25,4 +25,8 @@ inline constexpr int kCatalogVersion = 1;
 absl::StatusOr<std::unique_ptr<Catalog>> OpenSqliteCatalog(
     const std::string& path, const std::string& vfs = "");
 
+// The version of the catalogue at `path`, which stays as it is. IO; DATA_LOST
+// if the file is no database.
+absl::StatusOr<int> CatalogVersionOf(const std::string& path);
+
 }  // namespace tactus

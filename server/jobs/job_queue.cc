@@ -1,5 +1,6 @@
 #include "server/jobs/job_queue.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 #include <vector>
@@ -64,6 +65,7 @@ void JobQueue::RemoveFolders() {
   for (const std::string& id : *folders) {
     const auto operation = operations_->Get(absl::StrCat("operations/", id));
     if (operation.ok() && HasEnded(*operation)) {
+      KeepLog(operation->name(), id);
       data_->files().RemoveAll(data_->JobPath(id)).IgnoreError();
     }
   }
@@ -100,6 +102,42 @@ absl::StatusOr<Operation> JobQueue::Cancel(absl::string_view name) {
     cancelled_.insert(operation->name());
   }
   return operation;
+}
+
+absl::StatusOr<std::optional<v1::StoredLog>> JobQueue::ReadLog(
+    const std::string& id) const {
+  const std::string path = data_->JobPath(id) + "/log";
+  TACTUS_ASSIGN_OR_RETURN(const int64_t size, data_->files().Size(path));
+  if (size < 0) return std::nullopt;
+  const int64_t kept = std::min(size, limits::kMaxJobLogBytes);
+  v1::StoredLog log;
+  log.set_omitted_bytes(size - kept);
+  if (kept > 0) {
+    TACTUS_ASSIGN_OR_RETURN(*log.mutable_data(),
+                            data_->files().Read(path, size - kept, kept));
+  }
+  return log;
+}
+
+void JobQueue::KeepLog(const std::string& name, const std::string& id) {
+  const auto log = ReadLog(id);
+  absl::Status status = log.status();
+  if (log.ok() && log->has_value()) status = operations_->SaveLog(name, **log);
+  // The job matters more than its log.
+  if (!status.ok()) {
+    spdlog::warn("{}: its log is not kept: {}", name, status.ToString());
+  }
+}
+
+absl::StatusOr<v1::StoredLog> JobQueue::Log(absl::string_view name) const {
+  TACTUS_ASSIGN_OR_RETURN(const Operation operation, operations_->Get(name));
+  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
+                          ParseName(name, "operations"));
+  // The file goes when the job has ended, so it is read first.
+  auto live = ReadLog(parsed.id);
+  if (live.ok() && live->has_value()) return **std::move(live);
+  TACTUS_ASSIGN_OR_RETURN(auto saved, operations_->SavedLog(name));
+  return saved.has_value() ? *std::move(saved) : v1::StoredLog();
 }
 
 bool JobQueue::IsCancelled(const std::string& name) const {
@@ -165,6 +203,9 @@ void JobQueue::Run(const std::string& name, bool training) {
   spdlog::info("{}: attempt {}", name, operation->attempts());
   Operation done = *operation;
   const absl::Status status = RunProcess(done);
+  // Before the end is stored: an operation that has ended has its log.
+  const auto id = ParseName(name, "operations");
+  KeepLog(name, id->id);
   const bool interrupted = IsInterrupted(status);
   if (stopping_ && interrupted) return;
   const bool may_repeat =

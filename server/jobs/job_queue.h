@@ -23,6 +23,7 @@
 #include <condition_variable>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <thread>
@@ -61,12 +62,20 @@ class JobQueue {
   void Wake();
   // A queued job is CANCELLED at once, a running one CANCELLING.
   absl::StatusOr<v1::Operation> Cancel(absl::string_view name);
+  // The end of what the job's processes wrote to standard error, at most
+  // limits::kMaxJobLogBytes; it stays when the job has ended.
+  absl::StatusOr<v1::StoredLog> Log(absl::string_view name) const;
 
  private:
   void Serve(bool training);
   // The oldest queued operation of this kind; empty if there is none.
   std::string NextJob(bool training);
   void Run(const std::string& name, bool training);
+  // The end of the file "log" of a job's folder; nothing if there is no file.
+  absl::StatusOr<std::optional<v1::StoredLog>> ReadLog(
+      const std::string& id) const;
+  // Puts that into the catalogue.
+  void KeepLog(const std::string& name, const std::string& id);
   // Removes the folders of jobs that ended when the server did.
   void RemoveFolders();
   void RemoveFolder(const std::string& name);

@@ -1,22 +1,13 @@
 #include "server/jobs/training_backend.h"
 
-#include <chrono>
+#include <mutex>
 #include <utility>
 
 #include "core/base/status_macros.h"
 #include "core/store/file_system.h"
+#include "spdlog/spdlog.h"
 
 namespace tactus::server {
-namespace {
-
-int64_t SystemNowMs() {
-  return std::chrono::duration_cast<std::chrono::milliseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
-
-}  // namespace
-
 absl::StatusOr<std::unique_ptr<TrainingBackend>> TrainingBackend::Open(
     const Options& options, ModelRegistry* registry) {
   TACTUS_ASSIGN_OR_RETURN(
@@ -33,14 +24,46 @@ TrainingBackend::TrainingBackend(std::unique_ptr<DataDirectory> data,
                                  ModelRegistry* registry)
     : now_(options.now ? options.now : SystemNowMs),
       data_(std::move(data)),
-      datasets_(data_.get(), now_),
-      uploads_(data_.get(), &datasets_, now_),
-      operations_(data_.get(), now_),
+      quotas_(options.quotas),
+      sweep_interval_(options.sweep_interval_ms),
+      datasets_(data_.get(), now_, quotas_),
+      uploads_(data_.get(), &datasets_, now_, quotas_),
+      operations_(data_.get(), now_, quotas_),
       models_(data_.get(), registry, now_),
       jobs_(data_.get(), &datasets_, &models_, &operations_, options.jobs,
             now_) {}
 
+TrainingBackend::~TrainingBackend() { Stop(); }
+
+void TrainingBackend::Start() {
+  Sweep();
+  sweeper_ = std::thread([this] {
+    std::unique_lock lock(mutex_);
+    while (!wake_.wait_for(lock, sweep_interval_, [&] { return stopping_; })) {
+      lock.unlock();
+      Sweep();
+      lock.lock();
+    }
+  });
+  jobs_.Start();
+}
+
+void TrainingBackend::Sweep() {
+  const auto removed = uploads_.RemoveAbandoned();
+  if (!removed.ok()) {
+    spdlog::error("abandoned uploads: {}", removed.status().ToString());
+  } else if (*removed > 0) {
+    spdlog::info("removed {} abandoned uploads", *removed);
+  }
+}
+
 void TrainingBackend::Stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+    wake_.notify_all();
+  }
+  if (sweeper_.joinable()) sweeper_.join();
   operations_.StopWaiting();
   jobs_.Stop();
 }

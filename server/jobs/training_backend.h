@@ -12,16 +12,23 @@
 // Thread-safe. `registry` must outlive it.
 #pragma once
 
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
 #include <memory>
+#include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/base/limits.h"
 #include "core/store/data_directory.h"
 #include "server/jobs/job_queue.h"
 #include "server/records/dataset_store.h"
 #include "server/records/model_store.h"
 #include "server/records/operation_store.h"
+#include "server/records/quotas.h"
 #include "server/records/upload_store.h"
 #include "server/registry/model_registry.h"
 
@@ -30,10 +37,16 @@ namespace tactus::server {
 class TrainingBackend {
  public:
   struct Options {
-    std::string folder;
+    std::string folder = {};
     JobQueue::Options jobs = {};
     // Milliseconds since 1970 (UTC); the system's clock if empty.
     NowMs now = {};
+    // What each client may have.
+    Quotas quotas = {.stored_bytes = limits::kMaxClientBytes,
+                     .datasets = limits::kMaxClientDatasets,
+                     .queued_jobs = limits::kMaxClientQueuedJobs};
+    // How often abandoned uploads are removed, beside at the start.
+    int64_t sweep_interval_ms = limits::kSweepIntervalMs;
   };
 
   // Opens the data directory and loads the stored models into `registry`, whose
@@ -41,8 +54,11 @@ class TrainingBackend {
   static absl::StatusOr<std::unique_ptr<TrainingBackend>> Open(
       const Options& options, ModelRegistry* registry);
 
-  // Begins to run jobs.
-  void Start() { jobs_.Start(); }
+  // Stops.
+  ~TrainingBackend();
+
+  // Removes abandoned uploads, now and from time to time; begins to run jobs.
+  void Start();
   // Ends waits and jobs. Jobs go on after the next start.
   void Stop();
 
@@ -55,19 +71,29 @@ class TrainingBackend {
   OperationStore& operations() { return operations_; }
   ModelStore& models() { return models_; }
   JobQueue& jobs() { return jobs_; }
+  const Quotas& quotas() const { return quotas_; }
+  int64_t now_ms() const { return now_(); }
 
  private:
   TrainingBackend(std::unique_ptr<DataDirectory> data, const Options& options,
                   ModelRegistry* registry);
+  void Sweep();
 
   const NowMs now_;
   const std::unique_ptr<DataDirectory> data_;
+  const Quotas quotas_;
+  const std::chrono::milliseconds sweep_interval_;
   DatasetStore datasets_;
   UploadStore uploads_;
   OperationStore operations_;
   ModelStore models_;
   JobQueue jobs_;
   std::vector<std::string> failures_;
+
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool stopping_ = false;
+  std::thread sweeper_;
 };
 
 }  // namespace tactus::server

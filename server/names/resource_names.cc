@@ -5,7 +5,6 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "absl/strings/strip.h"
 #include "core/base/errors.h"
 
@@ -103,10 +102,6 @@ std::string CatalogKey(const ResourceName& name) {
   }
   if (name.version == 0) return name.id;
   return absl::StrCat(name.id, "/", NumberKey(name.version));
-}
-
-std::string NumberKey(uint64_t number) {
-  return absl::StrFormat("%010d", number);
 }
 
 }  // namespace tactus::server

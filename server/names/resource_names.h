@@ -18,6 +18,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "core/store/numbers.h"
 
 namespace tactus::server {
 
@@ -48,7 +49,5 @@ absl::StatusOr<ResourceName> ParseVersionName(absl::string_view name,
 
 // The key under which a catalogue keeps it: numbers sort by their value.
 std::string CatalogKey(const ResourceName& name);
-// "0000000012".
-std::string NumberKey(uint64_t number);
 
 }  // namespace tactus::server

@@ -109,11 +109,13 @@ absl::StatusOr<v1::Dataset> DatasetStore::Create(absl::string_view name,
   dataset.set_name(parsed.Parent());
   dataset.set_description(std::string(description));
   dataset.set_create_time_ms(now_());
+  dataset.set_requester(caller.name);
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Change([&](Transaction& change) -> absl::Status {
         TACTUS_ASSIGN_OR_RETURN(const auto old,
                                 change.Get(Table::kDatasets, parsed.id));
         if (old.has_value()) return DatasetExists(dataset.name());
+        TACTUS_RETURN_IF_ERROR(CheckDatasets(change, quotas_, caller.name));
         TACTUS_RETURN_IF_ERROR(
             PutRecord(change, Table::kDatasets, parsed.id, dataset));
         return Audit(change, caller, now_(), "create", dataset.name());
@@ -215,10 +217,22 @@ absl::StatusOr<std::vector<v1::TrialInfo>> DatasetStore::Trials(
   return trials;
 }
 
+absl::StatusOr<uint32_t> DatasetStore::NextVersion(
+    const v1::Dataset& dataset) const {
+  if (dataset.latest_version() > 0) return dataset.latest_version() + 1;
+  uint32_t last = 0;
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Look([&](const Transaction& look) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(last, LastNumber(look, dataset.name()));
+        return absl::OkStatus();
+      }));
+  return last + 1;
+}
+
 absl::StatusOr<v1::DatasetVersion> DatasetStore::AddVersion(
     absl::string_view name,
     absl::FunctionRef<absl::StatusOr<std::vector<v1::TrialInfo>>()> store,
-    bool replace, const Caller& caller,
+    bool replace, absl::string_view requester, const Caller& caller,
     absl::FunctionRef<absl::Status(Transaction&, const v1::DatasetVersion&)>
         also) {
   const std::lock_guard lock(mutex_);
@@ -237,27 +251,32 @@ absl::StatusOr<v1::DatasetVersion> DatasetStore::AddVersion(
   for (const v1::TrialInfo& trial : uploaded) trials[trial.sha256()] = trial;
 
   v1::DatasetVersion version;
-  version.set_name(
-      absl::StrCat(dataset.name(), "/versions/", dataset.latest_version() + 1));
+  TACTUS_ASSIGN_OR_RETURN(const uint32_t number, NextVersion(dataset));
+  version.set_name(absl::StrCat(dataset.name(), "/versions/", number));
   version.set_create_time_ms(now_());
   version.set_trials(static_cast<uint32_t>(trials.size()));
   std::string manifest;
   uint32_t kept = 0;
   int64_t bytes = 0;
+  int64_t added_bytes = 0;
   for (const auto& [sha256, trial] : trials) {
     absl::StrAppend(&manifest, sha256, "\n");
     bytes += trial.bytes();
-    kept += before.contains(sha256) ? 1 : 0;
+    const bool known = before.contains(sha256);
+    kept += known ? 1 : 0;
+    added_bytes += known ? 0 : trial.bytes();
     ++(*version.mutable_labels())[trial.label()];
   }
   version.set_bytes(bytes);
+  version.set_added_bytes(added_bytes);
+  version.set_requester(std::string(requester));
   version.set_added(version.trials() - kept);
   version.set_removed(static_cast<uint32_t>(before.size()) - kept);
   BlobStore::Batch batch = data_->blobs().NewBatch();
   TACTUS_ASSIGN_OR_RETURN(*version.mutable_sha256(), batch.Add(manifest));
   TACTUS_RETURN_IF_ERROR(batch.Commit());
 
-  dataset.set_latest_version(dataset.latest_version() + 1);
+  dataset.set_latest_version(number);
   TACTUS_ASSIGN_OR_RETURN(const ResourceName key,
                           ParseVersionName(version.name(), kCollection));
   TACTUS_RETURN_IF_ERROR(
@@ -305,22 +324,27 @@ absl::StatusOr<uint32_t> DatasetStore::Delete(absl::string_view name,
     TACTUS_ASSIGN_OR_RETURN(const auto manifest, Manifest(other));
     for (const std::string& sha256 : manifest) unused.erase(sha256);
   }
-  TACTUS_RETURN_IF_ERROR(
-      data_->catalog().Change([&](Transaction& change) -> absl::Status {
-        TACTUS_RETURN_IF_ERROR(CheckUnused(change, parsed.Parent()));
-        for (const v1::DatasetVersion& version : versions) {
-          TACTUS_ASSIGN_OR_RETURN(
-              const ResourceName key,
-              ParseVersionName(version.name(), kCollection));
-          TACTUS_RETURN_IF_ERROR(
-              change.Erase(Table::kDatasetVersions, CatalogKey(key)));
-        }
-        for (const std::string& sha256 : unused) {
-          TACTUS_RETURN_IF_ERROR(change.Erase(Table::kTrials, sha256));
-        }
-        TACTUS_RETURN_IF_ERROR(change.Erase(Table::kDatasets, parsed.id));
-        return Audit(change, caller, now_(), "delete", parsed.Parent());
-      }));
+  TACTUS_RETURN_IF_ERROR(data_->catalog().Change([&](Transaction& change)
+                                                     -> absl::Status {
+    TACTUS_RETURN_IF_ERROR(CheckUnused(change, parsed.Parent()));
+    for (const v1::DatasetVersion& version : versions) {
+      TACTUS_ASSIGN_OR_RETURN(const ResourceName key,
+                              ParseVersionName(version.name(), kCollection));
+      TACTUS_RETURN_IF_ERROR(
+          change.Erase(Table::kDatasetVersions, CatalogKey(key)));
+    }
+    for (const std::string& sha256 : unused) {
+      TACTUS_RETURN_IF_ERROR(change.Erase(Table::kTrials, sha256));
+    }
+    TACTUS_RETURN_IF_ERROR(change.Erase(Table::kDatasets, parsed.id));
+    if (!versions.empty()) {
+      TACTUS_ASSIGN_OR_RETURN(const ResourceName last,
+                              ParseName(versions.back().name(), kCollection));
+      TACTUS_RETURN_IF_ERROR(change.Put(Table::kNumbers, parsed.Parent(),
+                                        NumberKey(last.version)));
+    }
+    return Audit(change, caller, now_(), "delete", parsed.Parent());
+  }));
   // A blob that stays behind costs room, nothing else: the dataset is deleted.
   for (const std::string& sha256 : unused) {
     data_->blobs().Remove(sha256).IgnoreError();

@@ -24,16 +24,17 @@
 #include "core/store/data_directory.h"
 #include "server/records/caller.h"
 #include "server/records/paging.h"
+#include "server/records/quotas.h"
 #include "tactus/v1/training.pb.h"
 
 namespace tactus::server {
 
 class DatasetStore {
  public:
-  DatasetStore(DataDirectory* data, NowMs now)
-      : data_(data), now_(std::move(now)) {}
+  DatasetStore(DataDirectory* data, NowMs now, const Quotas& quotas = {})
+      : data_(data), now_(std::move(now)), quotas_(quotas) {}
 
-  // DATASET_EXISTS.
+  // DATASET_EXISTS, QUOTA_EXCEEDED.
   absl::StatusOr<v1::Dataset> Create(absl::string_view name,
                                      absl::string_view description,
                                      const Caller& caller);
@@ -53,12 +54,13 @@ class DatasetStore {
       const v1::DatasetVersion& version) const;
 
   // Makes a new version of the trials that `store` makes blobs of, and of those
-  // of the newest version unless `replace`. `also` joins the transaction. No
-  // blob is removed in the meantime.
+  // of the newest version unless `replace`. The added bytes count towards the
+  // quota of `requester`. `also` joins the transaction. No blob is removed in
+  // the meantime.
   absl::StatusOr<v1::DatasetVersion> AddVersion(
       absl::string_view name,
       absl::FunctionRef<absl::StatusOr<std::vector<v1::TrialInfo>>()> store,
-      bool replace, const Caller& caller,
+      bool replace, absl::string_view requester, const Caller& caller,
       absl::FunctionRef<absl::Status(Transaction&, const v1::DatasetVersion&)>
           also);
 
@@ -68,8 +70,13 @@ class DatasetStore {
   absl::StatusOr<uint32_t> Delete(absl::string_view name, const Caller& caller);
 
  private:
+  // The number of the next version, behind those that a deleted dataset of this
+  // name had.
+  absl::StatusOr<uint32_t> NextVersion(const v1::Dataset& dataset) const;
+
   DataDirectory* const data_;
   const NowMs now_;
+  const Quotas quotas_;
   // Held while versions are made or deleted: blobs that are about to be used
   // must not be removed.
   std::mutex mutex_;

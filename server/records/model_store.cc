@@ -44,17 +44,6 @@ absl::StatusOr<std::vector<v1::ModelVersion>> VersionsOf(
       {.prefix = std::string(prefix), .backwards = true});
 }
 
-// The number of the last version of "models/M", deleted or not; 0 for none.
-absl::StatusOr<uint32_t> LastNumber(const Transaction& look,
-                                    const std::string& model) {
-  TACTUS_ASSIGN_OR_RETURN(const auto value, look.Get(Table::kNumbers, model));
-  uint32_t number = 0;
-  if (value.has_value() && !absl::SimpleAtoi(*value, &number)) {
-    return DataLost(model, "its last version is not a number");
-  }
-  return number;
-}
-
 void Describe(const PinnedModel& pinned, v1::ModelVersion& version) {
   const Model& model = pinned.model->model();
   version.set_sha256(pinned.sha256);
@@ -374,17 +363,22 @@ absl::StatusOr<v1::Alias> ModelStore::UpdateAlias(
   return alias;
 }
 
-absl::StatusOr<v1::Alias> ModelStore::Promote(const v1::PromoteSpec& spec,
-                                              bool forced,
-                                              const Caller& caller) {
+absl::StatusOr<v1::Alias> ModelStore::Promote(
+    const v1::PromoteSpec& spec, bool forced, const Caller& caller,
+    absl::FunctionRef<absl::StatusOr<bool>(Transaction&)> also) {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
                           ParseName(spec.alias(), kAliases));
   const std::lock_guard lock(mutex_);
-  TACTUS_RETURN_IF_ERROR(CheckServed(spec.model_version()));
   v1::Alias alias;
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Change([&](Transaction& change) -> absl::Status {
         TACTUS_ASSIGN_OR_RETURN(const auto old, FindAlias(change, name));
+        TACTUS_ASSIGN_OR_RETURN(const bool wanted, also(change));
+        if (!wanted) {
+          if (old.has_value()) alias = *old;
+          return absl::OkStatus();
+        }
+        TACTUS_RETURN_IF_ERROR(CheckServed(spec.model_version()));
         if (old.has_value()) {
           alias = *old;
         } else {

@@ -21,6 +21,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/functional/function_ref.h"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
@@ -68,9 +69,13 @@ class ModelStore {
   absl::StatusOr<v1::Alias> UpdateAlias(const v1::UpdateAliasRequest& wanted,
                                         const Caller& caller);
   // Lets the alias name the version, without looking at its gate. `forced` is
-  // recorded. Changes nothing, whatever the etag, if the alias names it.
-  absl::StatusOr<v1::Alias> Promote(const v1::PromoteSpec& spec, bool forced,
-                                    const Caller& caller);
+  // recorded. Changes nothing, whatever the etag, if the alias names it. `also`
+  // joins the transaction, before the alias moves; if it returns false, the
+  // alias stays as it is.
+  absl::StatusOr<v1::Alias> Promote(
+      const v1::PromoteSpec& spec, bool forced, const Caller& caller,
+      absl::FunctionRef<absl::StatusOr<bool>(Transaction&)> also =
+          [](Transaction&) { return absl::StatusOr<bool>(true); });
   // NOTHING_TO_ROLL_BACK.
   absl::StatusOr<v1::Alias> Rollback(absl::string_view name,
                                      absl::string_view etag,

@@ -10,6 +10,7 @@
 #include "core/store/records.h"
 #include "server/names/resource_names.h"
 #include "server/records/audit_log.h"
+#include "server/records/request_key.h"
 
 namespace tactus::server {
 namespace {
@@ -18,8 +19,8 @@ using v1::Operation;
 
 constexpr char kCollection[] = "operations";
 
-absl::StatusOr<Operation> Find(const Transaction& look,
-                               const ResourceName& name) {
+absl::StatusOr<Operation> FindByName(const Transaction& look,
+                                     const ResourceName& name) {
   TACTUS_ASSIGN_OR_RETURN(
       auto found,
       GetRecord<Operation>(look, Table::kOperations, CatalogKey(name)));
@@ -30,19 +31,32 @@ absl::StatusOr<Operation> Find(const Transaction& look,
   return *std::move(found);
 }
 
-// The key of a request in its table.
-std::string RequestKey(absl::string_view request_id) {
-  return absl::StrCat("operation/", request_id);
-}
-
-// The operation that a request made; nothing if there was none.
-absl::StatusOr<std::optional<Operation>> FindRequested(
-    const Transaction& look, absl::string_view request_id) {
+// The operation of an earlier request of `caller` with this id.
+absl::StatusOr<std::optional<Operation>> FindIn(const Transaction& look,
+                                                absl::string_view request_id,
+                                                const Caller& caller) {
+  if (const std::string fault = TextFault(request_id, limits::kMaxNameBytes);
+      !fault.empty()) {
+    return InvalidConfig("request_id", Quoted(request_id), fault);
+  }
   if (request_id.empty()) return std::nullopt;
-  TACTUS_ASSIGN_OR_RETURN(const auto key,
-                          look.Get(Table::kRequests, RequestKey(request_id)));
+  TACTUS_ASSIGN_OR_RETURN(
+      const auto key,
+      look.Get(Table::kRequests, RequestKey("operation", caller, request_id)));
   if (!key.has_value()) return std::nullopt;
   return GetRecord<Operation>(look, Table::kOperations, *key);
+}
+
+// JOB_LIMIT if no further job may wait.
+absl::Status CheckQueue(const Transaction& look) {
+  TACTUS_ASSIGN_OR_RETURN(const auto all,
+                          ScanRecords<Operation>(look, Table::kOperations, {}));
+  int queued = 0;
+  for (const Operation& other : all) {
+    queued += other.state() == Operation::STATE_QUEUED ? 1 : 0;
+  }
+  if (queued < limits::kMaxQueuedJobs) return absl::OkStatus();
+  return JobLimit(limits::kMaxQueuedJobs);
 }
 
 absl::StatusOr<std::vector<v1::LearningPoint>> PointsOf(
@@ -85,57 +99,56 @@ absl::Status OperationStore::Restore() {
 absl::StatusOr<Operation> OperationStore::Create(Operation request,
                                                  absl::string_view request_id,
                                                  const Caller& caller) {
-  if (const std::string fault = TextFault(request_id, limits::kMaxNameBytes);
-      !fault.empty()) {
-    return InvalidConfig("request_id", Quoted(request_id), fault);
-  }
   Operation operation = std::move(request);
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Change([&](Transaction& change) -> absl::Status {
-        TACTUS_ASSIGN_OR_RETURN(auto known, FindRequested(change, request_id));
-        if (known.has_value()) {
-          operation = *std::move(known);
-          return absl::OkStatus();
-        }
-        TACTUS_ASSIGN_OR_RETURN(
-            const auto all,
-            ScanRecords<Operation>(change, Table::kOperations, {}));
-        int queued = 0;
-        for (const Operation& other : all) {
-          queued += other.state() == Operation::STATE_QUEUED ? 1 : 0;
-        }
-        if (queued >= limits::kMaxQueuedJobs) {
-          return JobLimit(limits::kMaxQueuedJobs);
-        }
-        TACTUS_ASSIGN_OR_RETURN(const uint64_t number,
-                                NextNumber(change, Table::kOperations));
-        operation.set_name(absl::StrCat(kCollection, "/", number));
-        if (operation.state() == Operation::STATE_UNSPECIFIED) {
-          operation.set_state(Operation::STATE_QUEUED);
-        }
-        operation.set_create_time_ms(now_());
-        operation.set_requester(caller.name);
-        const std::string key = NumberKey(number);
-        if (!request_id.empty()) {
-          TACTUS_RETURN_IF_ERROR(
-              change.Put(Table::kRequests, RequestKey(request_id), key));
-        }
-        TACTUS_RETURN_IF_ERROR(
-            PutRecord(change, Table::kOperations, key, operation));
-        return Audit(change, caller, now_(), "create", operation.name());
+        return CreateIn(change, request_id, caller, &operation).status();
       }));
   return operation;
 }
 
-absl::StatusOr<std::optional<Operation>> OperationStore::Requested(
-    absl::string_view request_id) const {
-  std::optional<Operation> operation;
+absl::StatusOr<bool> OperationStore::CreateIn(Transaction& change,
+                                              absl::string_view request_id,
+                                              const Caller& caller,
+                                              Operation* operation) {
+  TACTUS_ASSIGN_OR_RETURN(auto known, FindIn(change, request_id, caller));
+  if (known.has_value()) {
+    *operation = *std::move(known);
+    return false;
+  }
+  if (operation->state() == Operation::STATE_UNSPECIFIED) {
+    operation->set_state(Operation::STATE_QUEUED);
+  }
+  if (operation->state() == Operation::STATE_QUEUED) {
+    TACTUS_RETURN_IF_ERROR(CheckQueue(change));
+    TACTUS_RETURN_IF_ERROR(CheckQueuedJobs(change, quotas_, caller.name));
+  }
+  TACTUS_ASSIGN_OR_RETURN(const uint64_t number,
+                          NextNumber(change, Table::kOperations));
+  operation->set_name(absl::StrCat(kCollection, "/", number));
+  operation->set_create_time_ms(now_());
+  operation->set_requester(caller.name);
+  const std::string key = NumberKey(number);
+  if (!request_id.empty()) {
+    TACTUS_RETURN_IF_ERROR(change.Put(
+        Table::kRequests, RequestKey("operation", caller, request_id), key));
+  }
+  TACTUS_RETURN_IF_ERROR(
+      PutRecord(change, Table::kOperations, key, *operation));
+  TACTUS_RETURN_IF_ERROR(
+      Audit(change, caller, now_(), "create", operation->name()));
+  return true;
+}
+
+absl::StatusOr<std::optional<Operation>> OperationStore::Find(
+    absl::string_view request_id, const Caller& caller) const {
+  std::optional<Operation> known;
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Look([&](const Transaction& look) -> absl::Status {
-        TACTUS_ASSIGN_OR_RETURN(operation, FindRequested(look, request_id));
+        TACTUS_ASSIGN_OR_RETURN(known, FindIn(look, request_id, caller));
         return absl::OkStatus();
       }));
-  return operation;
+  return known;
 }
 
 absl::StatusOr<Operation> OperationStore::Get(absl::string_view name) const {
@@ -144,7 +157,7 @@ absl::StatusOr<Operation> OperationStore::Get(absl::string_view name) const {
   Operation operation;
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Look([&](const Transaction& look) -> absl::Status {
-        TACTUS_ASSIGN_OR_RETURN(operation, Find(look, parsed));
+        TACTUS_ASSIGN_OR_RETURN(operation, FindByName(look, parsed));
         return absl::OkStatus();
       }));
   const std::lock_guard lock(mutex_);
@@ -208,7 +221,7 @@ absl::StatusOr<std::vector<v1::LearningPoint>> OperationStore::Points(
   std::vector<v1::LearningPoint> points;
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Look([&](const Transaction& look) -> absl::Status {
-        TACTUS_RETURN_IF_ERROR(Find(look, parsed).status());
+        TACTUS_RETURN_IF_ERROR(FindByName(look, parsed).status());
         TACTUS_ASSIGN_OR_RETURN(points, PointsOf(look, parsed));
         return absl::OkStatus();
       }));
@@ -223,7 +236,7 @@ absl::StatusOr<Operation> OperationStore::Change(
   Operation operation;
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Change([&](Transaction& transaction) -> absl::Status {
-        TACTUS_ASSIGN_OR_RETURN(operation, Find(transaction, parsed));
+        TACTUS_ASSIGN_OR_RETURN(operation, FindByName(transaction, parsed));
         TACTUS_RETURN_IF_ERROR(change(operation));
         return PutRecord(transaction, Table::kOperations, CatalogKey(parsed),
                          operation);
@@ -250,6 +263,44 @@ absl::Status OperationStore::AddPoints(
       }));
   Wake(parsed.ToString());
   return absl::OkStatus();
+}
+
+absl::Status OperationStore::SaveLog(absl::string_view name,
+                                     const v1::StoredLog& log) {
+  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
+                          ParseName(name, kCollection));
+  return data_->catalog().Change([&](Transaction& change) {
+    return PutRecord(change, Table::kJobLogs, CatalogKey(parsed), log);
+  });
+}
+
+absl::StatusOr<std::optional<v1::StoredLog>> OperationStore::SavedLog(
+    absl::string_view name) const {
+  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
+                          ParseName(name, kCollection));
+  std::optional<v1::StoredLog> log;
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Look([&](const Transaction& look) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(log,
+                                GetRecord<v1::StoredLog>(look, Table::kJobLogs,
+                                                         CatalogKey(parsed)));
+        return absl::OkStatus();
+      }));
+  return log;
+}
+
+absl::StatusOr<std::map<Operation::State, uint32_t>>
+OperationStore::CountByState() const {
+  std::map<Operation::State, uint32_t> counts;
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Look([&](const Transaction& look) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(
+            const auto all,
+            ScanRecords<Operation>(look, Table::kOperations, {}));
+        for (const Operation& operation : all) ++counts[operation.state()];
+        return absl::OkStatus();
+      }));
+  return counts;
 }
 
 void OperationStore::ShowProgress(absl::string_view name,

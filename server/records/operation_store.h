@@ -13,8 +13,8 @@
 // Progress that is not stored yet is at most a second old when the server
 // crashes; the learning curve and states are never lost.
 //
-// Errors: INVALID_NAME, OPERATION_NOT_FOUND, JOB_LIMIT, and those of storage.
-// Thread-safe. `data` must outlive it.
+// Errors: INVALID_NAME, OPERATION_NOT_FOUND, JOB_LIMIT, QUOTA_EXCEEDED, and
+// those of storage. Thread-safe. `data` must outlive it.
 #pragma once
 
 #include <chrono>
@@ -33,7 +33,9 @@
 #include "core/store/data_directory.h"
 #include "server/records/caller.h"
 #include "server/records/paging.h"
+#include "server/records/quotas.h"
 #include "tactus/v1/operations.pb.h"
+#include "tactus/v1/storage.pb.h"
 
 namespace tactus::server {
 
@@ -52,8 +54,8 @@ class OperationStore {
     std::vector<v1::LearningPoint> points;
   };
 
-  OperationStore(DataDirectory* data, NowMs now)
-      : data_(data), now_(std::move(now)) {}
+  OperationStore(DataDirectory* data, NowMs now, const Quotas& quotas = {})
+      : data_(data), now_(std::move(now)), quotas_(quotas) {}
 
   // Puts the operations that were RUNNING or CANCELLING when the server ended
   // back into a state from which they go on. Call it once, first.
@@ -61,14 +63,19 @@ class OperationStore {
 
   // Stores `request` (kind and request are set) as a new operation, in the
   // state QUEUED unless it has another one, or returns the operation of an
-  // earlier request with this id.
+  // earlier request of this caller with this id.
   absl::StatusOr<v1::Operation> Create(v1::Operation request,
                                        absl::string_view request_id,
                                        const Caller& caller);
-  // The operation of an earlier request with this id, if there is one. What a
-  // request is checked against may have changed since, so ask first.
-  absl::StatusOr<std::optional<v1::Operation>> Requested(
-      absl::string_view request_id) const;
+  // As Create, in a transaction of the caller. Returns true if it made an
+  // operation, and false if there was one; `operation` is the request, then the
+  // operation.
+  absl::StatusOr<bool> CreateIn(Transaction& change,
+                                absl::string_view request_id,
+                                const Caller& caller, v1::Operation* operation);
+  // The operation of an earlier request of this caller with this id.
+  absl::StatusOr<std::optional<v1::Operation>> Find(
+      absl::string_view request_id, const Caller& caller) const;
   absl::StatusOr<v1::Operation> Get(absl::string_view name) const;
   // The newest first.
   absl::StatusOr<Page<v1::Operation>> List(int page_size,
@@ -88,6 +95,13 @@ class OperationStore {
   // Appends to the learning curve.
   absl::Status AddPoints(absl::string_view name,
                          const std::vector<v1::LearningPoint>& points);
+  // Keeps the log of a job, in place of the one before.
+  absl::Status SaveLog(absl::string_view name, const v1::StoredLog& log);
+  // The log that was saved last; nothing if none was.
+  absl::StatusOr<std::optional<v1::StoredLog>> SavedLog(
+      absl::string_view name) const;
+  // The number of operations in each state that any has, by state.
+  absl::StatusOr<std::map<v1::Operation::State, uint32_t>> CountByState() const;
   // Shows watchers a progress without storing it.
   void ShowProgress(absl::string_view name,
                     const v1::OperationProgress& progress);
@@ -109,6 +123,7 @@ class OperationStore {
 
   DataDirectory* const data_;
   const NowMs now_;
+  const Quotas quotas_;
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
   // By name; of operations that changed since the start.

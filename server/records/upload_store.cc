@@ -10,10 +10,12 @@
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 #include "core/data/trial_record.h"
+#include "core/store/abandoned_uploads.h"
 #include "core/store/records.h"
 #include "server/names/resource_names.h"
 #include "server/records/audit_log.h"
 #include "server/records/pack_reader.h"
+#include "server/records/request_key.h"
 
 namespace tactus::server {
 namespace {
@@ -57,34 +59,37 @@ absl::StatusOr<v1::StoredUpload> UploadStore::Create(
     return InvalidConfig("request_id", Quoted(request_id), fault);
   }
   v1::StoredUpload upload;
-  TACTUS_RETURN_IF_ERROR(
-      data_->catalog().Change([&](Transaction& change) -> absl::Status {
-        const std::string request =
-            absl::StrCat("upload/", target.name(), "/", request_id);
-        if (!request_id.empty()) {
-          TACTUS_ASSIGN_OR_RETURN(const auto key,
-                                  change.Get(Table::kRequests, request));
-          if (key.has_value()) {
-            TACTUS_ASSIGN_OR_RETURN(
-                auto known,
-                GetRecord<v1::StoredUpload>(change, Table::kUploads, *key));
-            if (known.has_value()) upload = *std::move(known);
-            return absl::OkStatus();
-          }
+  TACTUS_RETURN_IF_ERROR(data_->catalog().Change([&](Transaction& change)
+                                                     -> absl::Status {
+    const std::string request =
+        RequestKey(absl::StrCat("upload/", target.name()), caller, request_id);
+    if (!request_id.empty()) {
+      TACTUS_ASSIGN_OR_RETURN(const auto key,
+                              change.Get(Table::kRequests, request));
+      if (key.has_value()) {
+        TACTUS_ASSIGN_OR_RETURN(auto known, GetRecord<v1::StoredUpload>(
+                                                change, Table::kUploads, *key));
+        // An abandoned upload was removed; its request is a new one.
+        if (known.has_value()) {
+          upload = *std::move(known);
+          return absl::OkStatus();
         }
-        TACTUS_ASSIGN_OR_RETURN(const uint64_t number,
-                                NextNumber(change, Table::kUploads));
-        upload.set_name(absl::StrCat(kCollection, "/", number));
-        upload.set_dataset(target.name());
-        upload.set_replace(replace);
-        upload.set_create_time_ms(now_());
-        const std::string key = NumberKey(number);
-        if (!request_id.empty()) {
-          TACTUS_RETURN_IF_ERROR(change.Put(Table::kRequests, request, key));
-        }
-        TACTUS_RETURN_IF_ERROR(PutRecord(change, Table::kUploads, key, upload));
-        return Audit(change, caller, now_(), "create", upload.name());
-      }));
+      }
+    }
+    TACTUS_RETURN_IF_ERROR(CheckStoredBytes(change, quotas_, caller.name, 1));
+    TACTUS_ASSIGN_OR_RETURN(const uint64_t number, NextUpload(change));
+    upload.set_name(absl::StrCat(kCollection, "/", number));
+    upload.set_dataset(target.name());
+    upload.set_replace(replace);
+    upload.set_create_time_ms(now_());
+    upload.set_requester(caller.name);
+    const std::string key = NumberKey(number);
+    if (!request_id.empty()) {
+      TACTUS_RETURN_IF_ERROR(change.Put(Table::kRequests, request, key));
+    }
+    TACTUS_RETURN_IF_ERROR(PutRecord(change, Table::kUploads, key, upload));
+    return Audit(change, caller, now_(), "create", upload.name());
+  }));
   return upload;
 }
 
@@ -117,7 +122,11 @@ void UploadStore::Release(const std::string& id) {
 absl::Status UploadStore::Save(const v1::StoredUpload& upload) {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
                           ParseName(upload.name(), kCollection));
-  return data_->catalog().Change([&](Transaction& change) {
+  return data_->catalog().Change([&](Transaction& change) -> absl::Status {
+    TACTUS_ASSIGN_OR_RETURN(const v1::StoredUpload old, Find(change, name));
+    TACTUS_RETURN_IF_ERROR(
+        CheckStoredBytes(change, quotas_, upload.requester(),
+                         upload.committed_size() - old.committed_size()));
     return PutRecord(change, Table::kUploads, CatalogKey(name), upload);
   });
 }
@@ -189,7 +198,15 @@ absl::Status UploadStore::Writer::Commit() {
   v1::StoredUpload next = upload_;
   next.set_committed_size(size_);
   next.set_crc32c(crc32c_);
-  TACTUS_RETURN_IF_ERROR(store_->Save(next));
+  next.set_write_time_ms(store_->now_());
+  if (const absl::Status saved = store_->Save(next); !saved.ok()) {
+    // What does not count must not use up the disk.
+    fault_ = saved;
+    data->files()
+        .Truncate(data->UploadPath(id_), upload_.committed_size())
+        .IgnoreError();
+    return saved;
+  }
   upload_ = next;
   return absl::OkStatus();
 }
@@ -244,7 +261,7 @@ absl::StatusOr<v1::DatasetVersion> UploadStore::Finish(absl::string_view name,
       v1::DatasetVersion version,
       datasets_->AddVersion(
           upload.dataset(), [&] { return StoreTrials(parsed.id, size, known); },
-          upload.replace(), caller,
+          upload.replace(), upload.requester(), caller,
           [&](Transaction& change, const v1::DatasetVersion& made) {
             upload.set_dataset_version(made.name());
             return PutRecord(change, Table::kUploads, CatalogKey(parsed),
@@ -253,6 +270,54 @@ absl::StatusOr<v1::DatasetVersion> UploadStore::Finish(absl::string_view name,
   // The version exists, whatever becomes of the bytes that it was made of.
   data_->files().Remove(path).IgnoreError();
   return version;
+}
+
+absl::StatusOr<int> UploadStore::RemoveAbandoned() {
+  const int64_t now = now_();
+  std::vector<v1::StoredUpload> abandoned;
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Look([&](const Transaction& look) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(abandoned, AbandonedUploads(look, now));
+        return absl::OkStatus();
+      }));
+  int removed = 0;
+  for (const v1::StoredUpload& found : abandoned) {
+    const std::string id = UploadFile(found);
+    // Somebody writes to it again.
+    if (!Hold(id).ok()) continue;
+    const auto release = absl::MakeCleanup([&] { Release(id); });
+    bool gone = false;
+    TACTUS_RETURN_IF_ERROR(
+        data_->catalog().Change([&](Transaction& change) -> absl::Status {
+          TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
+                                  ParseName(found.name(), kCollection));
+          TACTUS_ASSIGN_OR_RETURN(const v1::StoredUpload upload,
+                                  Find(change, name));
+          gone = IsAbandoned(upload, now);
+          return gone ? RemoveUpload(change, upload, "tactusd", now)
+                      : absl::OkStatus();
+        }));
+    if (!gone) continue;
+    TACTUS_RETURN_IF_ERROR(data_->files().Remove(data_->UploadPath(id)));
+    ++removed;
+  }
+  TACTUS_RETURN_IF_ERROR(RemoveStrayFiles());
+  return removed;
+}
+
+absl::Status UploadStore::RemoveStrayFiles() {
+  TACTUS_ASSIGN_OR_RETURN(const auto files,
+                          data_->files().List(data_->UploadFolder()));
+  for (const std::string& file : files) {
+    const auto upload = Get(absl::StrCat(kCollection, "/", file));
+    // A finished upload's file could not be removed when it was finished.
+    const bool stray = upload.ok() ? !upload->dataset_version().empty()
+                                   : absl::IsNotFound(upload.status());
+    if (!stray || !Hold(file).ok()) continue;
+    const auto release = absl::MakeCleanup([&] { Release(file); });
+    TACTUS_RETURN_IF_ERROR(data_->files().Remove(data_->UploadPath(file)));
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace tactus::server

@@ -44,7 +44,9 @@ class UploadStore {
     // storage the upload goes on with another writer.
     absl::Status Append(int64_t offset, absl::string_view chunk,
                         uint32_t crc32c);
-    // Makes all that was appended durable.
+    // Makes all that was appended durable. QUOTA_EXCEEDED if it does not fit
+    // into the quota of the client that made the upload: all that was appended
+    // since the last Commit is then lost.
     absl::Status Commit();
     int64_t committed_size() const { return upload_.committed_size(); }
     // Bytes that were appended since the last Commit.
@@ -65,11 +67,15 @@ class UploadStore {
     absl::Status fault_;
   };
 
-  UploadStore(DataDirectory* data, DatasetStore* datasets, NowMs now)
-      : data_(data), datasets_(datasets), now_(std::move(now)) {}
+  UploadStore(DataDirectory* data, DatasetStore* datasets, NowMs now,
+              const Quotas& quotas = {})
+      : data_(data),
+        datasets_(datasets),
+        now_(std::move(now)),
+        quotas_(quotas) {}
 
-  // The upload of an earlier request with this id, or a new one. An empty id
-  // always makes a new one.
+  // The upload of an earlier request of this caller with this id, or a new one.
+  // An empty id always makes a new one. QUOTA_EXCEEDED if no byte would fit.
   absl::StatusOr<v1::StoredUpload> Create(absl::string_view dataset,
                                           absl::string_view request_id,
                                           bool replace, const Caller& caller);
@@ -85,12 +91,18 @@ class UploadStore {
                                             const Caller& caller,
                                             uint32_t* known);
 
+  // Removes uploads that nobody wrote to for limits::kAbandonedUploadMs, and
+  // files of uploads that do not exist. Returns the number of uploads that were
+  // removed.
+  absl::StatusOr<int> RemoveAbandoned();
+
  private:
   friend class Writer;
   // Takes the upload for one caller; UPLOAD_BUSY.
   absl::Status Hold(const std::string& id);
   void Release(const std::string& id);
   absl::Status Save(const v1::StoredUpload& upload);
+  absl::Status RemoveStrayFiles();
   // Makes a blob of each trial of the pack.
   absl::StatusOr<std::vector<v1::TrialInfo>> StoreTrials(const std::string& id,
                                                          int64_t size,
@@ -99,6 +111,7 @@ class UploadStore {
   DataDirectory* const data_;
   DatasetStore* const datasets_;
   const NowMs now_;
+  const Quotas quotas_;
   std::mutex mutex_;
   // Uploads that someone writes to.
   std::set<std::string> held_;

@@ -25,7 +25,8 @@ ContactService::ContactService(const ModelSource* models,
       authorizer_(authorizer),
       options_(std::move(options)),
       gate_("streams", {.all = options_.max_streams,
-                        .per_peer = options_.max_streams_per_peer}) {}
+                        .per_peer = options_.max_streams_per_peer}),
+      clients_(options_.max_streams_per_client) {}
 
 void ContactService::Serve(CallQueue* queue) {
   lanes_.try_emplace(queue);
@@ -38,25 +39,30 @@ absl::StatusOr<StreamSession::Options> ContactService::Admit(
     ContactCall* stream) {
   new ContactCall(this, stream->queue(), this);
   auto options =
-      Enter(stream->context(), "/tactus.v1.ContactService/ClassifyContact",
-            stream->peer());
+      Enter(stream, stream->context(),
+            "/tactus.v1.ContactService/ClassifyContact", stream->peer());
   if (options.ok()) lanes_.at(stream->queue()).streams.insert(stream);
   return options;
 }
 
 absl::StatusOr<StreamSession::Options> ContactService::Admit(TrialCall* call) {
   new TrialCall(this, call->queue(), this);
-  return Enter(call->context(), "/tactus.v1.ContactService/ClassifyTrial",
+  return Enter(call, call->context(), "/tactus.v1.ContactService/ClassifyTrial",
                call->peer());
 }
 
 absl::StatusOr<StreamSession::Options> ContactService::Enter(
-    const grpc::ServerContext& context, absl::string_view method,
-    const std::string& peer) {
+    const void* call, const grpc::ServerContext& context,
+    absl::string_view method, const std::string& peer) {
   if (draining_) return Draining();
-  TACTUS_RETURN_IF_ERROR(
-      authorizer_->Authorize(context, method, Role::kRobot).status());
-  TACTUS_RETURN_IF_ERROR(gate_.Enter(peer));
+  TACTUS_ASSIGN_OR_RETURN(
+      const Caller caller,
+      authorizer_->Authorize(context, method, Role::kRobot));
+  TACTUS_RETURN_IF_ERROR(clients_.Enter(call, caller.name));
+  if (const absl::Status status = gate_.Enter(peer); !status.ok()) {
+    clients_.Leave(call);
+    return status;
+  }
   return StreamSession::Options{
       .stream_id = absl::StrCat(next_stream_.fetch_add(1)),
       .server_version = options_.server_version,
@@ -65,10 +71,12 @@ absl::StatusOr<StreamSession::Options> ContactService::Enter(
 
 void ContactService::Release(ContactCall* stream) {
   lanes_.at(stream->queue()).streams.erase(stream);
+  clients_.Leave(stream);
   Leave(stream->peer(), stream->session());
 }
 
 void ContactService::Release(TrialCall* call) {
+  clients_.Leave(call);
   Leave(call->peer(), call->session());
 }
 

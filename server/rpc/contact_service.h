@@ -21,6 +21,7 @@
 #include <unordered_set>
 
 #include "server/ops/authorizer.h"
+#include "server/ops/client_streams.h"
 #include "server/ops/log_limiter.h"
 #include "server/ops/skip_totals.h"
 #include "server/ops/stream_gate.h"
@@ -38,6 +39,8 @@ class ContactService final : public RawContactService,
     int max_streams = 0;
     // 0 means none, for each of these.
     int max_streams_per_peer = 0;
+    // Of one token, certificate or, without credentials, peer.
+    int max_streams_per_client = 0;
     int idle_timeout_ms = 0;
     int first_message_timeout_ms = 0;
     std::string server_version;
@@ -74,8 +77,8 @@ class ContactService final : public RawContactService,
   void Release(TrialCall* call) override;
   // The options of a call that may run, or why it may not.
   absl::StatusOr<StreamSession::Options> Enter(
-      const grpc::ServerContext& context, absl::string_view method,
-      const std::string& peer);
+      const void* call, const grpc::ServerContext& context,
+      absl::string_view method, const std::string& peer);
   void Leave(const std::string& peer, const StreamSession& session);
   const ModelSource* models() const override { return models_; }
   int first_message_timeout_ms() const override {
@@ -92,6 +95,7 @@ class ContactService final : public RawContactService,
   const Authorizer* const authorizer_;
   const Options options_;
   StreamGate gate_;
+  ClientStreams clients_;
   SkipTotals skipped_;
   LogLimiter stream_log_{{.lines_per_second = 20, .burst = 200}};
   std::atomic<uint64_t> next_stream_ = 1;

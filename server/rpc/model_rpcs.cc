@@ -60,11 +60,10 @@ absl::StatusOr<v1::PromoteModelResponse> PromoteModel(
   const v1::PromoteSpec& spec = request.spec();
   v1::PromoteModelResponse response;
   v1::Operation& operation = *response.mutable_operation();
-  // One that arrives again must not move the alias again.
-  TACTUS_ASSIGN_OR_RETURN(const auto known,
-                          backend.operations().Requested(request.request_id()));
+  TACTUS_ASSIGN_OR_RETURN(
+      auto known, backend.operations().Find(request.request_id(), caller));
   if (known.has_value()) {
-    operation = *known;
+    operation = *std::move(known);
     return response;
   }
   operation.set_kind(v1::Operation::KIND_PROMOTE);
@@ -84,12 +83,16 @@ absl::StatusOr<v1::PromoteModelResponse> PromoteModel(
     backend.jobs().Wake();
     return response;
   }
-  TACTUS_RETURN_IF_ERROR(
-      backend.models().Promote(spec, gated, caller).status());
   operation.set_state(v1::Operation::STATE_SUCCEEDED);
-  TACTUS_ASSIGN_OR_RETURN(
-      operation,
-      backend.operations().Create(operation, request.request_id(), caller));
+  // In one transaction: the same request, sent twice at once, moves it once.
+  TACTUS_RETURN_IF_ERROR(backend.models()
+                             .Promote(spec, gated, caller,
+                                      [&](Transaction& change) {
+                                        return backend.operations().CreateIn(
+                                            change, request.request_id(),
+                                            caller, &operation);
+                                      })
+                             .status());
   return response;
 }
 

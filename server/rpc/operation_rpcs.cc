@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/base/errors.h"
+#include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "server/rpc/control_handlers.h"
 #include "server/rpc/training_rpcs.h"
@@ -60,6 +61,22 @@ absl::Status Wait(TrainingBackend& backend,
   return WriteMessage(stream, response);
 }
 
+absl::Status ReadLog(TrainingBackend& backend,
+                     const v1::ReadOperationLogRequest& request,
+                     ControlStream& stream) {
+  TACTUS_ASSIGN_OR_RETURN(const v1::StoredLog log,
+                          backend.jobs().Log(request.name()));
+  v1::ReadOperationLogResponse response;
+  response.set_omitted_bytes(log.omitted_bytes());
+  for (size_t done = 0; done < log.data().size();
+       done += limits::kJobLogMessageBytes) {
+    response.set_data(log.data().substr(done, limits::kJobLogMessageBytes));
+    TACTUS_RETURN_IF_ERROR(WriteMessage(stream, response));
+    response.Clear();
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 void AddOperationRpcs(TrainingBackend* backend, ControlService& control) {
@@ -101,6 +118,10 @@ void AddOperationRpcs(TrainingBackend* backend, ControlService& control) {
                             [=](const auto& request, ControlStream& stream) {
                               return Watch(*backend, request, stream);
                             }));
+  add("ReadOperationLog", ServerStream<v1::ReadOperationLogRequest>(
+                              [=](const auto& request, ControlStream& stream) {
+                                return ReadLog(*backend, request, stream);
+                              }));
   add("CancelOperation",
       Unary<v1::CancelOperationRequest, v1::CancelOperationResponse>(
           [=](const auto& request,

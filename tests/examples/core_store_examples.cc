@@ -9,10 +9,16 @@
 #include "core/base/status_macros.h"
 #include "core/base/status_proto.h"
 #include "core/data/trial_record.h"
+#include "core/store/abandoned_uploads.h"
+#include "core/store/audit.h"
 #include "core/store/blob_store.h"
 #include "core/store/catalog.h"
+#include "core/store/data_check.h"
 #include "core/store/data_directory.h"
+#include "core/store/directory_lock.h"
+#include "core/store/disk_use.h"
 #include "core/store/file_system.h"
+#include "core/store/numbers.h"
 #include "core/store/records.h"
 #include "core/store/sqlite_catalog.h"
 #include "core/train/train_spec.h"
@@ -89,6 +95,47 @@ absl::Status DataDirectoryExample() {
                           DataDirectory::Open(PosixFileSystem(), "/data"));
   BlobStore& blobs = data->blobs();
   return absl::OkStatus();
+}
+
+absl::Status NumbersExample(const Transaction& look, Transaction& change,
+                            const std::string& entry) {
+  TACTUS_ASSIGN_OR_RETURN(uint64_t number, NextNumber(look, Table::kAudit));
+  TACTUS_RETURN_IF_ERROR(change.Put(Table::kAudit, NumberKey(number), entry));
+  return absl::OkStatus();
+}
+
+absl::Status AppendAuditExample(Transaction& change) {
+  v1::AuditEntry entry;
+  entry.set_verb("remove");
+  TACTUS_RETURN_IF_ERROR(AppendAudit(change, entry));
+  return absl::OkStatus();
+}
+
+absl::Status AbandonedUploadsExample(Transaction& change, int64_t now_ms) {
+  TACTUS_ASSIGN_OR_RETURN(auto uploads, AbandonedUploads(change, now_ms));
+  for (const v1::StoredUpload& upload : uploads) {
+    TACTUS_RETURN_IF_ERROR(RemoveUpload(change, upload, "tactusd", now_ms));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status DirectoryLockExample() {
+  TACTUS_ASSIGN_OR_RETURN(auto lock, DirectoryLock::Take("/data"));
+  return absl::OkStatus();
+}
+
+void DiskUseExample() {
+  const v1::DataUse use = MeasureData("/data");
+  use.blob_bytes();
+}
+
+void Print(const CheckResult& result);
+
+void DataCheckExample(int64_t now_ms) {
+  for (const CheckResult& result :
+       CheckData(PosixFileSystem(), "/data", {.now_ms = now_ms})) {
+    Print(result);
+  }
 }
 
 }  // namespace tactus::examples

@@ -1,6 +1,9 @@
 // The examples of public headers, as their comments show them. They only have
 // to compile; HouseTest.ExamplesAreCompiled compares the texts.
+#include <unistd.h>
+
 #include <chrono>
+#include <csignal>
 #include <functional>
 #include <memory>
 #include <string>
@@ -10,6 +13,7 @@
 #include "grpcpp/server_builder.h"
 #include "server/ops/arrival_gate.h"
 #include "server/ops/authorizer.h"
+#include "server/ops/client_streams.h"
 #include "server/ops/guarded_credentials.h"
 #include "server/ops/health_probe.h"
 #include "server/ops/peer.h"
@@ -19,6 +23,7 @@
 #include "server/ops/tls.h"
 #include "server/registry/default_bundle.h"
 #include "server/registry/model_registry.h"
+#include "server/rpc/admin_rpcs.h"
 #include "server/rpc/answer_pacing.h"
 #include "server/rpc/call_queue.h"
 #include "server/rpc/contact_call.h"
@@ -138,6 +143,22 @@ absl::Status StreamGateExample(const std::string& peer, uint64_t frames) {
   // ... serve the stream ...
   gate.Leave(peer, frames);
   return absl::OkStatus();
+}
+
+absl::Status ClientStreamsExample(const void* call, const Caller& caller) {
+  ClientStreams clients(100);
+  TACTUS_RETURN_IF_ERROR(clients.Enter(call, caller.name));
+  // ... serve the stream ...
+  clients.Leave(call);
+  return absl::OkStatus();
+}
+
+void AdminRpcsExample(TrainingBackend* backend, const StreamGate& gate,
+                      ControlService& control) {
+  AddAdminRpcs({.backend = backend,
+                .streams = [&] { return gate.live(); },
+                .drain = [] { kill(getpid(), SIGTERM); }},
+               control);
 }
 
 absl::Status TlsExample(TactusServer::Options& options) {

@@ -8,6 +8,7 @@
 
 #include "core/base/run_on_threads.h"
 #include "core/base/status_macros.h"
+#include "core/store/records.h"
 #include "core/train/fit.h"
 #include "server/jobs/job_process.h"
 #include "server/jobs/job_queue.h"
@@ -19,6 +20,8 @@
 #include "server/records/operation_store.h"
 #include "server/records/pack_reader.h"
 #include "server/records/paging.h"
+#include "server/records/quotas.h"
+#include "server/records/request_key.h"
 #include "server/records/upload_store.h"
 #include "server/trainer/compare.h"
 #include "server/trainer/event_writer.h"
@@ -36,10 +39,27 @@ absl::Status ResourceNamesExample() {
   return absl::OkStatus();
 }
 
-absl::Status AuditExample(Transaction& change, const Caller& caller,
-                          int64_t now, const std::string& name) {
+absl::Status AuditExample(Transaction& change, const Catalog& catalog,
+                          const Caller& caller, int64_t now,
+                          const std::string& name) {
   TACTUS_RETURN_IF_ERROR(Audit(change, caller, now, "create", name));
+  auto page = ListAudit(catalog, 100, "", {.resource_prefix = "models/"});
   return absl::OkStatus();
+}
+
+void RequestKeyExample(Transaction& change, const Caller& caller,
+                       const std::string& id, const std::string& key) {
+  change.Put(Table::kRequests, RequestKey("operation", caller, id), key);
+}
+
+absl::Status QuotasExample(DataDirectory* data, const Quotas& quotas,
+                           const std::string& client, int64_t more,
+                           const std::string& key,
+                           const v1::StoredUpload& upload) {
+  return data->catalog().Change([&](Transaction& change) -> absl::Status {
+    TACTUS_RETURN_IF_ERROR(CheckStoredBytes(change, quotas, client, more));
+    return PutRecord(change, Table::kUploads, key, upload);
+  });
 }
 
 absl::Status PagingExample(const v1::ListDatasetsRequest& request) {

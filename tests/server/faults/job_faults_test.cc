@@ -34,8 +34,14 @@ std::string Reason(const Operation& operation) {
 
 class JobFaultsTest : public ::testing::Test {
  protected:
-  void Start(const TrainingServer::Options& options = {}) {
-    server_ = std::make_unique<TrainingServer>(options);
+  // `process` may name another program than tactus-trainer.
+  void Start(const server::JobProcess::Options& process = {},
+             const std::string& folder = "",
+             std::chrono::milliseconds store_interval =
+                 server::JobQueue::Options().store_interval) {
+    server_ = std::make_unique<TrainingServer>(server::TrainingBackend::Options{
+        .folder = folder,
+        .jobs = {.process = process, .store_interval = store_interval}});
     client_ = std::make_unique<TrainingClient>(server_->channel());
   }
   Operation Train(const v1::TrainModelRequest& request = SmallTraining()) {
@@ -63,7 +69,7 @@ class JobFaultsTest : public ::testing::Test {
 
 // Every seventh point; each one if TACTUS_LONG is set.
 TEST_F(JobFaultsTest, ATrainingIsCancelledAtEachPoint) {
-  Start({.store_interval = std::chrono::milliseconds(0)});
+  Start({}, "", std::chrono::milliseconds(0));
   server_->Upload("datasets/arm", SmallPack());
   // A network learns more slowly than HMMs do.
   v1::TrainModelRequest request = SmallTraining();
@@ -232,10 +238,10 @@ TEST_F(JobFaultsTest, ADiskThatFillsDuringTraining) {
       mount("tactus-test", disk.c_str(), "tmpfs", 0, "size=8m") != 0) {
     GTEST_SKIP() << "a tmpfs cannot be mounted here";
   }
-  Start({.folder = disk + "/data",
-         .program = Script("while [ ! -e " + (folder_ / "go") +
+  Start({.program = Script("while [ ! -e " + (folder_ / "go") +
                            " ]; do sleep 0.02; done\nexec " TACTUS_TRAINER
-                           " \"$1\"\n")});
+                           " \"$1\"\n")},
+        disk + "/data");
   ASSERT_EQ(server_->Upload("datasets/arm", SmallPack()),
             "datasets/arm/versions/1");
   const auto before = client_->GetDatasetVersion("datasets/arm");

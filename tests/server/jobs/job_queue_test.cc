@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "core/base/errors.h"
+#include "core/base/limits.h"
 #include "core/base/status_proto.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -422,6 +423,41 @@ TEST_F(JobQueueTest, TheGateDecidesOverTheAlias) {
     EXPECT_EQ(stores_->models->GetAlias("aliases/a")->model_version(),
               passes ? "models/m/versions/2" : "models/m/versions/1");
   }
+}
+
+TEST_F(JobQueueTest, TheEndOfTheLogOutlivesTheJob) {
+  Start("printf begin >&2\n" + std::string(kAwaitGo) +
+        "head -c 70000 /dev/zero | tr '\\0' x >&2; printf end >&2\n" +
+        kSucceed);
+  const std::string name = Request();
+  AwaitFile("begun");
+  EXPECT_EQ(queue_->Log(name)->data(), "begin") << "while it runs";
+  Go();
+  ASSERT_EQ(End(name).state(), Operation::STATE_SUCCEEDED);
+  for (int i = 0; i < 2; ++i) {
+    const auto log = queue_->Log(name);
+    ASSERT_TRUE(log.ok()) << log.status();
+    EXPECT_EQ(log->data().size(), static_cast<size_t>(limits::kMaxJobLogBytes));
+    EXPECT_EQ(log->data().substr(log->data().size() - 4), "xend");
+    EXPECT_EQ(log->omitted_bytes(), 70'008 - limits::kMaxJobLogBytes);
+    Reopen();
+    Start(kSucceed);
+  }
+  EXPECT_EQ(ReasonOf(queue_->Log("operations/9").status()),
+            "OPERATION_NOT_FOUND");
+  // A job that has not begun has no log.
+  queue_.reset();
+  const std::string waiting = Request();
+  Start(kAwaitGo);
+  EXPECT_TRUE(queue_->Log(waiting)->data().empty());
+}
+
+TEST_F(JobQueueTest, AFailedJobHasItsLog) {
+  const Operation failed = Run("echo \"no memory\" >&2; exit 3\n");
+  ASSERT_EQ(failed.state(), Operation::STATE_FAILED);
+  EXPECT_EQ(queue_->Log(failed.name())->data(),
+            "no memory\nno memory\nno memory\n")
+      << "of all attempts";
 }
 
 }  // namespace

@@ -65,5 +65,44 @@ TEST(AuditLogTest, EveryChangeIsRecorded) {
                   "update aliases/b", "delete datasets/d"));
 }
 
+TEST(AuditLogTest, IsListedInPagesAndFiltered) {
+  const ScratchDir folder;
+  Stores stores(&PosixFileSystem(), folder / "data");
+  const int entries = 2'100;
+  ASSERT_TRUE(stores.data->catalog()
+                  .Change([&](Transaction& change) -> absl::Status {
+                    for (int i = 1; i <= entries; ++i) {
+                      const Caller caller = {i % 3 == 0 ? "a" : "b", ""};
+                      TACTUS_RETURN_IF_ERROR(
+                          Audit(change, caller, i, "do",
+                                i % 700 == 0 ? "models/m" : "datasets/d"));
+                    }
+                    return absl::OkStatus();
+                  })
+                  .ok());
+  const auto list = [&](int size, const AuditFilter& filter) {
+    std::vector<int64_t> times;
+    std::string token;
+    do {
+      const auto page = ListAudit(stores.data->catalog(), size, token, filter);
+      EXPECT_TRUE(page.ok()) << page.status();
+      EXPECT_LE(page->items.size(), static_cast<size_t>(size));
+      for (const auto& entry : page->items) times.push_back(entry.time_ms());
+      token = page->next_token;
+    } while (!token.empty());
+    return times;
+  };
+  const auto all = list(1'000, {});
+  ASSERT_EQ(all.size(), static_cast<size_t>(entries));
+  EXPECT_EQ(all.front(), entries);
+  EXPECT_EQ(all.back(), 1);
+  EXPECT_THAT(list(1, {.resource_prefix = "models/"}),
+              ElementsAre(2'100, 1'400, 700));
+  EXPECT_THAT(list(2, {.resource_prefix = "models/", .caller = "a"}),
+              ElementsAre(2'100));
+  EXPECT_EQ(list(7, {.caller = "a"}).size(), 700u);
+  EXPECT_TRUE(list(7, {.caller = "c"}).empty());
+}
+
 }  // namespace
 }  // namespace tactus::server

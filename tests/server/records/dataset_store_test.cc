@@ -141,6 +141,26 @@ TEST_F(DatasetStoreTest, DeletesWhatNobodyElseHolds) {
       4u);
 }
 
+TEST_F(DatasetStoreTest, ADatasetMadeAgainContinuesTheNumbers) {
+  ASSERT_TRUE(stores_.Upload(Pack(0, 1)).ok());
+  ASSERT_TRUE(stores_.Upload(Pack(1, 2)).ok());
+  // Deleted twice, so that an empty dataset does not forget the numbers.
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_TRUE(stores_.datasets->Delete(kDataset, kCaller).ok());
+    Create(kDataset);
+    EXPECT_EQ(stores_.datasets->Get(kDataset)->latest_version(), 0u);
+  }
+  EXPECT_EQ(stores_.Upload(Pack(2, 3))->name(), "datasets/d/versions/3");
+  EXPECT_EQ(stores_.Upload(Pack(3, 4))->name(), "datasets/d/versions/4");
+  EXPECT_EQ(stores_.datasets->Version(kDataset)->trials(), 2u);
+  EXPECT_EQ(
+      ReasonOf(stores_.datasets->Version("datasets/d/versions/1").status()),
+      "DATASET_NOT_FOUND");
+  Create("datasets/d-2");
+  EXPECT_EQ(stores_.Upload(Pack(0, 1), false, "datasets/d-2")->name(),
+            "datasets/d-2/versions/1");
+}
+
 TEST_F(DatasetStoreTest, IsNotDeletedWhileInUse) {
   ASSERT_TRUE(stores_.Upload(Pack(0, 2)).ok());
   Create("datasets/d-2");

@@ -207,6 +207,31 @@ TEST_F(ModelStoreTest, ACanaryGetsItsShareOfRobots) {
   EXPECT_FALSE(stores_->models->GetAlias(kAlias)->has_canary());
 }
 
+TEST_F(ModelStoreTest, TheHistoryOfAnAliasKeepsNoVersion) {
+  const std::string one = Add(1), two = Add(2), three = Add(3);
+  for (const std::string& name : {one, two, three}) {
+    ASSERT_TRUE(Promote(name).ok());
+  }
+  EXPECT_TRUE(stores_->models->Delete(one, kCaller).ok());
+  EXPECT_EQ(ReasonOf(stores_->models->Delete(two, kCaller)), "MODEL_IN_USE");
+  EXPECT_EQ(stores_->models->History(kAlias)->back().model_version(), one);
+}
+
+// As a repeated request.
+TEST_F(ModelStoreTest, AlsoMayLeaveTheAliasAsItIs) {
+  const std::string one = Add(1), two = Add(2);
+  ASSERT_TRUE(Promote(one).ok());
+  v1::PromoteSpec spec;
+  spec.set_alias(kAlias);
+  spec.set_model_version(two);
+  const auto alias = stores_->models->Promote(
+      spec, false, kCaller, [](Transaction&) { return false; });
+  ASSERT_TRUE(alias.ok()) << alias.status();
+  EXPECT_EQ(alias->model_version(), one);
+  EXPECT_EQ(Served(), one);
+  EXPECT_EQ(stores_->models->History(kAlias)->size(), 1u);
+}
+
 TEST_F(ModelStoreTest, IsNotDeletedWhileAnAliasNamesIt) {
   const std::string one = Add(1), two = Add(2), three = Add(3);
   ASSERT_TRUE(Promote(one).ok());

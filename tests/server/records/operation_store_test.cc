@@ -107,10 +107,32 @@ TEST_F(OperationStoreTest, StatesAfterARestart) {
                          Operation::STATE_FAILED, Operation::STATE_CANCELLED));
 }
 
+TEST_F(OperationStoreTest, EachClientHasItsOwnRequestIds) {
+  const Caller others[] = {
+      {"b", ""}, {"tester/x", ""}, {"1:tester", ""}, {"", ""}};
+  const auto first = operations().Create({}, "x/y", kCaller);
+  ASSERT_TRUE(first.ok());
+  for (const Caller& other : others) {
+    for (const char* id : {"x/y", "y", "/x/y"}) {
+      const auto made = operations().Create({}, id, other);
+      EXPECT_NE(made->name(), first->name()) << other.name << " " << id;
+      EXPECT_EQ(made->requester(), other.name);
+      EXPECT_EQ(operations().Create({}, id, other)->name(), made->name());
+    }
+  }
+  EXPECT_EQ(operations().Create({}, "x/y", kCaller)->name(), first->name());
+  EXPECT_EQ((*operations().Find("x/y", kCaller))->name(), first->name());
+  EXPECT_FALSE(operations().Find("z", kCaller)->has_value());
+}
+
 TEST_F(OperationStoreTest, TheQueueIsBounded) {
   for (int i = 0; i < limits::kMaxQueuedJobs; ++i) Create();
   EXPECT_EQ(ReasonOf(operations().Create({}, "", kCaller).status()),
             "JOB_LIMIT");
+  // What has ended already does not wait.
+  Operation ended;
+  ended.set_state(Operation::STATE_SUCCEEDED);
+  EXPECT_TRUE(operations().Create(ended, "", kCaller).ok());
   Set("operations/1", Operation::STATE_CANCELLED);
   Create();
 }

@@ -46,15 +46,16 @@ inline std::string TestBundle(uint64_t seed) {
 
 struct Stores {
   Stores(FileSystem* files, const std::string& folder,
-         const std::string& vfs = "") {
+         const std::string& vfs = "", const Quotas& quotas = {}) {
     auto opened = DataDirectory::Open(*files, folder, vfs);
     EXPECT_TRUE(opened.ok()) << opened.status();
     if (!opened.ok()) return;
     data = *std::move(opened);
     const NowMs now = [this] { return time_ms; };
-    datasets = std::make_unique<DatasetStore>(data.get(), now);
-    uploads = std::make_unique<UploadStore>(data.get(), datasets.get(), now);
-    operations = std::make_unique<OperationStore>(data.get(), now);
+    datasets = std::make_unique<DatasetStore>(data.get(), now, quotas);
+    uploads = std::make_unique<UploadStore>(data.get(), datasets.get(), now,
+                                            quotas);
+    operations = std::make_unique<OperationStore>(data.get(), now, quotas);
     models = std::make_unique<ModelStore>(data.get(), &registry, now);
     EXPECT_TRUE(registry.AddBuiltIn("default", TestBundle(0)).ok());
     EXPECT_TRUE(operations->Restore().ok());

@@ -239,5 +239,50 @@ TEST_F(UploadStoreTest, LostBytesAreReported) {
   EXPECT_EQ(ReasonOf(stores_->Finish(name, pack_).status()), "DATA_LOST");
 }
 
+TEST_F(UploadStoreTest, AbandonedUploadsAreRemoved) {
+  const int64_t begin = stores_->time_ms;
+  const std::string left = NewUpload("r"), written = NewUpload(),
+                    held = NewUpload(), finished = NewUpload();
+  ASSERT_TRUE(stores_->Write(left, pack_, 1000).ok());
+  ASSERT_TRUE(stores_->Write(finished, pack_, 1000).ok());
+  ASSERT_TRUE(stores_->Finish(finished, pack_).ok());
+  const std::string stray = stores_->data->UploadPath("77");
+  ASSERT_TRUE((*files_.Append(stray))->Append("x").ok());
+  stores_->time_ms = begin + limits::kAbandonedUploadMs - 1;
+  EXPECT_EQ(*stores_->uploads->RemoveAbandoned(), 0);
+  EXPECT_EQ(*files_.Size(stray), -1);
+  ASSERT_TRUE(stores_->Write(written, pack_, 1000).ok());
+  stores_->time_ms += 1;
+  {
+    const auto writer = stores_->uploads->Write(held);
+    EXPECT_EQ(*stores_->uploads->RemoveAbandoned(), 1);
+  }
+  EXPECT_EQ(ReasonOf(stores_->uploads->Get(left).status()), "UPLOAD_NOT_FOUND");
+  EXPECT_EQ(*files_.Size(stores_->data->UploadPath("1")), -1);
+  for (const std::string& name : {written, held, finished}) {
+    EXPECT_TRUE(stores_->uploads->Get(name).ok()) << name;
+  }
+  EXPECT_EQ(*stores_->uploads->RemoveAbandoned(), 1) << "nobody holds it now";
+  stores_->time_ms += limits::kAbandonedUploadMs;
+  EXPECT_EQ(*stores_->uploads->RemoveAbandoned(), 1);
+  // A request whose upload is gone begins a new one, under a new number.
+  EXPECT_EQ(NewUpload("r"), "uploads/5");
+}
+
+TEST_F(UploadStoreTest, TheNumberOfARemovedUploadIsNotGivenAgain) {
+  EXPECT_EQ(NewUpload(), "uploads/1");
+  stores_->time_ms += limits::kAbandonedUploadMs;
+  EXPECT_EQ(*stores_->uploads->RemoveAbandoned(), 1);
+  EXPECT_EQ(NewUpload(), "uploads/2");
+}
+
+TEST_F(UploadStoreTest, EachClientHasItsOwnRequestIds) {
+  const std::string mine = NewUpload("r");
+  const auto other =
+      stores_->uploads->Create(kDataset, "r", false, {"other", "unix:"});
+  EXPECT_NE(other->name(), mine);
+  EXPECT_EQ(NewUpload("r"), mine);
+}
+
 }  // namespace
 }  // namespace tactus::server

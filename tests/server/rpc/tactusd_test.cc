@@ -16,6 +16,7 @@
 #include "core/base/errors.h"
 #include "core/base/version.h"
 #include "gtest/gtest.h"
+#include "tactus/v1/admin.grpc.pb.h"
 #include "tests/server/support/requests.h"
 #include "tests/server/support/tls_files.h"
 #include "tests/support/child_tactusd.h"
@@ -64,6 +65,32 @@ TEST(TactusdTest, ServesItsBuiltInModelAndStopsOnSigterm) {
   EXPECT_TRUE(noticed);
   EXPECT_TRUE(final);
   EXPECT_EQ(ChildTactusd::Run({"--health-check=" + address}), 1);
+}
+
+TEST(TactusdTest, DrainEndsItAsSigtermDoes) {
+  ChildTactusd daemon(Quiet({"--drain-grace-ms=100"}));
+  ASSERT_NE(daemon.port(), 0) << daemon.Log();
+  const auto channel = client::MakeChannel(daemon.address());
+  bool noticed = false;
+  bool final = false;
+  auto stream = client::ContactStream::Open(
+      channel, testing::ConfigRequest().config(), [&](const auto& response) {
+        noticed |= response.has_notice();
+        final |= response.posterior().is_final();
+      });
+  ASSERT_TRUE(stream.ok()) << stream.status();
+  ASSERT_TRUE((*stream)->Send(testing::DenseU16(1, {testing::Touch(1)})).ok());
+  grpc::ClientContext context;
+  v1::DrainResponse response;
+  const auto stub = v1::AdminService::NewStub(channel);
+  const grpc::Status status = stub->Drain(&context, {}, &response);
+  EXPECT_TRUE(status.ok()) << status.error_message();
+  EXPECT_EQ(response.streams(), 1u);
+  EXPECT_EQ(response.grace_ms(), 100);
+  EXPECT_EQ(daemon.Wait(), 0);
+  EXPECT_EQ(ReasonOf((*stream)->Close()), "DRAINING");
+  EXPECT_TRUE(noticed);
+  EXPECT_TRUE(final);
 }
 
 TEST(TactusdTlsTest, SpeaksTlsOnPortsAndPlainOnUnixSockets) {

@@ -125,6 +125,36 @@ TEST(TrainingServiceTest, TheSameRequestIdIsTheSameJob) {
   EXPECT_EQ(Train(server, request).name(), "");
 }
 
+TEST(TrainingServiceTest, ARepeatedPromotionMovesNothing) {
+  TrainingServer server;
+  const auto add = [&] {
+    const auto version = server.backend().models().AddVersion(
+        "models/arm", *EncodeBundle(testing::SmallModel()), {}, {"test", ""});
+    EXPECT_TRUE(version.ok()) << version.status();
+    return version->name();
+  };
+  const auto promote = [&](const std::string& version, const char* id) {
+    v1::PromoteModelRequest request;
+    request.mutable_spec()->set_alias("aliases/default");
+    request.mutable_spec()->set_model_version(version);
+    request.set_request_id(id);
+    v1::PromoteModelResponse response;
+    grpc::ClientContext context;
+    const grpc::Status status =
+        server.models().PromoteModel(&context, request, &response);
+    EXPECT_TRUE(status.ok()) << status.error_message();
+    return response.operation().name();
+  };
+  const std::string one = add(), two = add();
+  const std::string first = promote(one, "a");
+  EXPECT_NE(promote(two, "b"), first);
+  EXPECT_EQ(promote(one, "a"), first);
+  EXPECT_EQ(
+      server.backend().models().GetAlias("aliases/default")->model_version(),
+      two);
+  EXPECT_EQ(server.backend().models().History("aliases/default")->size(), 2u);
+}
+
 TEST(TrainingServiceTest, AGateHoldsBackAWorseModel) {
   TrainingServer server;
   server.Upload("datasets/arm", SmallPack());

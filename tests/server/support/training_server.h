@@ -25,6 +25,7 @@
 #include "gtest/gtest.h"
 #include "server/jobs/training_backend.h"
 #include "server/tactus_server.h"
+#include "tactus/v1/admin.grpc.pb.h"
 #include "tactus/v1/models.grpc.pb.h"
 #include "tactus/v1/operations.grpc.pb.h"
 #include "tactus/v1/training.grpc.pb.h"
@@ -45,36 +46,26 @@ inline v1::TrainModelRequest SmallTraining() {
 
 class TrainingServer {
  public:
-  struct Options {
-    // Of the data directory; empty for a new one.
-    std::string folder = {};
-    std::string program = TACTUS_TRAINER;
-    // What a job may have; 0 for no limit.
-    int64_t memory_bytes = 0;
-    std::chrono::milliseconds store_interval =
-        server::JobQueue::Options().store_interval;
-  };
-
-  TrainingServer() : TrainingServer(Options{}) {}
-  explicit TrainingServer(const Options& options)
+  // A new folder if `options` names none, and tactus-trainer if it names no
+  // program.
+  explicit TrainingServer(server::TrainingBackend::Options options = {},
+                          server::TactusServer::Options serving = {})
       : folder_(options.folder.empty() ? NewFolder() : options.folder) {
     EXPECT_TRUE(
         registry_.AddBuiltIn("default", *EncodeBundle(SmallModel())).ok());
-    backend_ = *server::TrainingBackend::Open(
-        {.folder = folder_,
-         .jobs = {.process = {.program = options.program,
-                              .memory_bytes = options.memory_bytes},
-                  .store_interval = options.store_interval,
-                  .host = "test"}},
-        &registry_);
+    options.folder = folder_;
+    std::string& program = options.jobs.process.program;
+    if (program.empty()) program = TACTUS_TRAINER;
+    options.jobs.host = "test";
+    backend_ = *server::TrainingBackend::Open(options, &registry_);
     backend_->Start();
-    server::TactusServer::Options serving;
     serving.training = backend_.get();
     server_ = *server::TactusServer::Start(&registry_, serving);
     channel_ = server_->InProcessChannel();
     training_ = v1::TrainingService::NewStub(channel_);
     operations_ = v1::OperationService::NewStub(channel_);
     models_ = v1::ModelService::NewStub(channel_);
+    admin_ = v1::AdminService::NewStub(channel_);
   }
   ~TrainingServer() {
     backend_->Stop();
@@ -88,6 +79,9 @@ class TrainingServer {
   v1::TrainingService::Stub& training() { return *training_; }
   v1::OperationService::Stub& operations() { return *operations_; }
   v1::ModelService::Stub& models() { return *models_; }
+  // Of the address with this index.
+  int port(size_t index) const { return server_->ports()[index]; }
+  v1::AdminService::Stub& admin() { return *admin_; }
   server::TrainingBackend& backend() { return *backend_; }
 
   // Makes the dataset if it does not exist, and a version of `pack`. Returns
@@ -174,6 +168,7 @@ class TrainingServer {
   std::unique_ptr<v1::TrainingService::Stub> training_;
   std::unique_ptr<v1::OperationService::Stub> operations_;
   std::unique_ptr<v1::ModelService::Stub> models_;
+  std::unique_ptr<v1::AdminService::Stub> admin_;
 };
 
 }  // namespace tactus::testing

@@ -1,0 +1,51 @@
+// File: data_check.h
+//
+// Checks a data directory that no server uses: catalogue, records, blobs, and
+// what was left behind.
+//
+//   for (const CheckResult& result :
+//        CheckData(PosixFileSystem(), "/data", {.now_ms = now_ms})) {
+//     Print(result);
+//   }
+//
+// Changes nothing without `repair`. A repair removes what no record names:
+// blobs and drafts, files of uploads, folders of jobs; and uploads that nobody
+// wrote to for limits::kAbandonedUploadMs. It removes nothing if a record
+// cannot be read, because that record may name it.
+//
+// Thread-safe: a free function without state.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/store/file_system.h"
+
+namespace tactus {
+
+struct CheckResult {
+  enum class Severity { kOk, kWarning, kError };
+
+  // What was checked, e.g. "blobs".
+  std::string check;
+  Severity severity = Severity::kOk;
+  // What was found.
+  std::string text;
+  // What to do; empty if there is nothing.
+  std::string advice = {};
+};
+
+struct DataCheckOptions {
+  // Milliseconds since 1970 (UTC).
+  int64_t now_ms = 0;
+  bool repair = false;
+  // Free bytes of the file system of a folder; the system's answer if empty.
+  std::function<int64_t(const std::string& folder)> free_bytes = {};
+};
+
+std::vector<CheckResult> CheckData(FileSystem& files, const std::string& folder,
+                                   const DataCheckOptions& options);
+
+}  // namespace tactus

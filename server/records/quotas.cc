@@ -1,0 +1,86 @@
+#include "server/records/quotas.h"
+
+#include <algorithm>
+
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+#include "core/store/records.h"
+#include "tactus/v1/operations.pb.h"
+#include "tactus/v1/storage.pb.h"
+#include "tactus/v1/training.pb.h"
+
+namespace tactus::server {
+namespace {
+
+// How many records of `table` satisfy `counts`.
+template <typename Message, typename Predicate>
+absl::StatusOr<int64_t> Count(const Transaction& look, Table table,
+                              const Predicate& counts) {
+  TACTUS_ASSIGN_OR_RETURN(const auto all,
+                          ScanRecords<Message>(look, table, {}));
+  return std::count_if(all.begin(), all.end(), counts);
+}
+
+}  // namespace
+
+absl::StatusOr<int64_t> StoredBytes(const Transaction& look,
+                                    absl::string_view client) {
+  int64_t bytes = 0;
+  TACTUS_ASSIGN_OR_RETURN(const auto uploads, ScanRecords<v1::StoredUpload>(
+                                                  look, Table::kUploads, {}));
+  for (const v1::StoredUpload& upload : uploads) {
+    if (upload.requester() == client && upload.dataset_version().empty()) {
+      bytes += upload.committed_size();
+    }
+  }
+  TACTUS_ASSIGN_OR_RETURN(
+      const auto versions,
+      ScanRecords<v1::DatasetVersion>(look, Table::kDatasetVersions, {}));
+  for (const v1::DatasetVersion& version : versions) {
+    if (version.requester() == client) bytes += version.added_bytes();
+  }
+  return bytes;
+}
+
+absl::Status CheckStoredBytes(const Transaction& look, const Quotas& quotas,
+                              absl::string_view client, int64_t more) {
+  if (quotas.stored_bytes == 0) return absl::OkStatus();
+  TACTUS_ASSIGN_OR_RETURN(const int64_t use, StoredBytes(look, client));
+  if (more <= quotas.stored_bytes - use) return absl::OkStatus();
+  return QuotaExceeded(client, "stored bytes", quotas.stored_bytes, use,
+                       "finish uploads that wait, delete datasets that nobody "
+                       "needs (trainctl datasets delete)");
+}
+
+absl::Status CheckDatasets(const Transaction& look, const Quotas& quotas,
+                           absl::string_view client) {
+  if (quotas.datasets == 0) return absl::OkStatus();
+  TACTUS_ASSIGN_OR_RETURN(const int64_t use,
+                          Count<v1::Dataset>(look, Table::kDatasets,
+                                             [&](const v1::Dataset& dataset) {
+                                               return dataset.requester() ==
+                                                      client;
+                                             }));
+  if (use < quotas.datasets) return absl::OkStatus();
+  return QuotaExceeded(client, "datasets", quotas.datasets, use,
+                       "delete datasets that nobody needs (trainctl datasets "
+                       "delete)");
+}
+
+absl::Status CheckQueuedJobs(const Transaction& look, const Quotas& quotas,
+                             absl::string_view client) {
+  if (quotas.queued_jobs == 0) return absl::OkStatus();
+  TACTUS_ASSIGN_OR_RETURN(
+      const int64_t use,
+      Count<v1::Operation>(look, Table::kOperations,
+                           [&](const v1::Operation& job) {
+                             return job.requester() == client &&
+                                    job.state() == v1::Operation::STATE_QUEUED;
+                           }));
+  if (use < quotas.queued_jobs) return absl::OkStatus();
+  return QuotaExceeded(client, "queued jobs", quotas.queued_jobs, use,
+                       "wait until a job has begun, cancel one (trainctl jobs "
+                       "cancel)");
+}
+
+}  // namespace tactus::server

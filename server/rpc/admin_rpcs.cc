@@ -1,0 +1,113 @@
+#include "server/rpc/admin_rpcs.h"
+
+#include <utility>
+
+#include "core/base/status_macros.h"
+#include "core/base/version.h"
+#include "core/store/disk_use.h"
+#include "server/ops/clock.h"
+#include "server/records/audit_log.h"
+#include "server/rpc/control_handlers.h"
+#include "server/rpc/training_rpcs.h"
+#include "spdlog/spdlog.h"
+#include "tactus/v1/admin.pb.h"
+
+namespace tactus::server {
+namespace {
+
+constexpr char kService[] = "/tactus.v1.AdminService/";
+constexpr int64_t kNsPerMs = 1'000'000;
+
+// What the catalogue and the disk say.
+absl::Status DescribeData(TrainingBackend& backend,
+                          v1::GetServerInfoResponse* info) {
+  *info->mutable_data() = MeasureData(backend.data().folder());
+  TACTUS_ASSIGN_OR_RETURN(const auto counts,
+                          backend.operations().CountByState());
+  for (const auto& [state, count] : counts) {
+    v1::JobCount& jobs = *info->add_jobs();
+    jobs.set_state(state);
+    jobs.set_count(count);
+  }
+  const Quotas& quotas = backend.quotas();
+  info->mutable_quotas()->set_stored_bytes(quotas.stored_bytes);
+  info->mutable_quotas()->set_datasets(quotas.datasets);
+  info->mutable_quotas()->set_queued_jobs(quotas.queued_jobs);
+  for (const std::string& failure : backend.failures()) {
+    info->add_not_served(failure);
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<v1::ListAuditLogResponse> ListAuditLog(
+    TrainingBackend& backend, const v1::ListAuditLogRequest& request) {
+  TACTUS_ASSIGN_OR_RETURN(const int size, PageSize(request.page_size()));
+  TACTUS_ASSIGN_OR_RETURN(
+      auto page, ListAudit(backend.data().catalog(), size, request.page_token(),
+                           {.resource_prefix = request.resource_prefix(),
+                            .caller = request.caller()}));
+  v1::ListAuditLogResponse response;
+  for (auto& entry : page.items) *response.add_entries() = std::move(entry);
+  response.set_next_page_token(page.next_token);
+  return response;
+}
+
+absl::Status Drain(const AdminOptions& options, ControlStream& stream) {
+  const Caller& caller = stream.caller();
+  if (options.backend != nullptr) {
+    TACTUS_RETURN_IF_ERROR(
+        options.backend->data().catalog().Change([&](Transaction& change) {
+          return Audit(change, caller, options.backend->now_ms(), "drain",
+                       "server");
+        }));
+  }
+  spdlog::info("{} ({}) drains the server", caller.name, caller.peer);
+  v1::DrainResponse response;
+  response.set_streams(static_cast<uint32_t>(options.streams()));
+  response.set_grace_ms(options.drain_grace_ms);
+  const absl::Status status = WriteMessage(stream, response);
+  // Also if the caller is gone: the drain is recorded.
+  options.drain();
+  return status;
+}
+
+}  // namespace
+
+void AddAdminRpcs(const AdminOptions& options, ControlService& control) {
+  const std::string service = kService;
+  const int64_t start_ms = SystemNowMs();
+  const int64_t start_ns = MonotonicNs();
+  control.Add(
+      service + "GetServerInfo", Role::kAdmin,
+      Unary<v1::GetServerInfoRequest, v1::GetServerInfoResponse>(
+          [=](const auto&, const Caller& caller)
+              -> absl::StatusOr<v1::GetServerInfoResponse> {
+            v1::GetServerInfoResponse info;
+            info.mutable_version()->set_version(kVersion);
+            info.mutable_version()->set_api("tactus.v1");
+            info.set_start_time_ms(start_ms);
+            info.set_time_ms(SystemNowMs());
+            info.set_uptime_ms((MonotonicNs() - start_ns) / kNsPerMs);
+            info.set_streams(static_cast<uint32_t>(options.streams()));
+            info.set_max_streams(static_cast<uint32_t>(options.max_streams));
+            info.set_caller(caller.name);
+            info.mutable_quotas()->set_streams(options.max_streams_per_client);
+            if (options.backend != nullptr) {
+              TACTUS_RETURN_IF_ERROR(DescribeData(*options.backend, &info));
+            }
+            return info;
+          }));
+  AddRpc(options.backend, control, service + "ListAuditLog", Role::kAdmin,
+         Unary<v1::ListAuditLogRequest, v1::ListAuditLogResponse>(
+             [=](const auto& request, const Caller&) {
+               return ListAuditLog(*options.backend, request);
+             }));
+  if (!options.drain) return;
+  control.Add(
+      service + "Drain", Role::kAdmin,
+      ServerStream<v1::DrainRequest>([=](const auto&, ControlStream& stream) {
+        return Drain(options, stream);
+      }));
+}
+
+}  // namespace tactus::server
