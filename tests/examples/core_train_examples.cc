@@ -8,6 +8,7 @@
 
 #include "core/base/status_macros.h"
 #include "core/eval/auto_preset.h"
+#include "core/eval/baselines.h"
 #include "core/eval/evaluate.h"
 #include "core/eval/evaluate_nearest.h"
 #include "core/eval/evaluation.h"
@@ -58,6 +59,15 @@ absl::Status AutoPresetExample(const Contacts& contacts,
       ChoosePreset(contacts, {{"tuned", tuned}, {"profile", profile}},
                    RunSerially));
   FitModel(contacts, choice.options, RunSerially);
+  return absl::OkStatus();
+}
+
+absl::Status BaselinesExample(const Contacts& contacts) {
+  TACTUS_ASSIGN_OR_RETURN(auto folds,
+                          MakeFolds(contacts, Protocol::kLeaveOneConditionOut));
+  TACTUS_ASSIGN_OR_RETURN(const Baselines baselines,
+                          MeasureBaselines(contacts, folds));
+  baselines.nearest_right;  // of baselines.contacts
   return absl::OkStatus();
 }
 
