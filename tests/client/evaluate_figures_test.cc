@@ -120,6 +120,27 @@ TEST(AnytimePlotTest, TheDashedLineIsThePapersBest) {
   EXPECT_THAT(line(std::nullopt), IsEmpty());
 }
 
+TEST(DecisionPlotTest, CountsWhatIsDecidedByEachTime) {
+  Evaluation evaluation = Many(0);
+  evaluation.decisions.assign(4, std::nullopt);
+  evaluation.decisions[0] = DecisionOutcome{.seconds = 0.5, .right = true};
+  evaluation.decisions[1] = DecisionOutcome{.seconds = 1.01, .right = false};
+  evaluation.decisions[3] = DecisionOutcome{.seconds = 2, .right = true};
+  const LinePlot plot = DecisionPlot({"HMM", &evaluation, 2});
+  ASSERT_THAT(plot.series, SizeIs(2));
+  ASSERT_THAT(plot.series[0].x, SizeIs(21));
+  const auto at = [&](int series, double seconds) {
+    return plot.series[series].y[std::lround(seconds * 10)];
+  };
+  EXPECT_EQ(at(0, 0.4), 0);
+  EXPECT_EQ(at(0, 0.5), 25);
+  EXPECT_EQ(at(0, 1), 25);
+  EXPECT_EQ(at(0, 1.1), 50);
+  EXPECT_EQ(at(1, 1.1), 25);
+  EXPECT_EQ(at(0, 2), 75);
+  EXPECT_EQ(at(1, 2), 50);
+}
+
 TEST(ReliabilityPlotTest, ShowsPercentBesideTheDiagonal) {
   const Evaluation evaluation = Sample();
   const LinePlot plot = ReliabilityPlot({"HMM", &evaluation, 5});

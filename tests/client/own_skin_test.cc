@@ -4,11 +4,13 @@
 #include <fstream>
 #include <iterator>
 
+#include "absl/strings/escaping.h"
 #include "absl/strings/str_format.h"
 #include "core/base/errors.h"
 #include "core/base/random.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/client/png_image.h"
 #include "tests/support/trainctl_run.h"
 
 namespace tactus {
@@ -56,6 +58,24 @@ class OwnSkinTest : public ::testing::Test {
     }
   }
   std::string Path(const std::string& name) const { return folder_ / name; }
+  std::string Page() const {
+    std::ifstream page(folder_ / "page/index.html");
+    return {std::istreambuf_iterator<char>(page), {}};
+  }
+  // Of all pictures in the page, which are decoded.
+  static std::vector<int> Widths(const std::string& html) {
+    const std::string begin = "src=\"data:image/png;base64,";
+    std::vector<int> widths;
+    for (size_t at = html.find(begin); at != html.npos;
+         at = html.find(begin, at)) {
+      at += begin.size();
+      std::string png;
+      EXPECT_TRUE(
+          absl::Base64Unescape(html.substr(at, html.find('"', at) - at), &png));
+      widths.push_back(client::DecodePng(png).width);
+    }
+    return widths;
+  }
   Json Run(const std::string& arguments) {
     const auto run = RunTrainctl(arguments + " --json");
     EXPECT_TRUE(run.status.ok()) << run.status;
@@ -139,12 +159,42 @@ TEST_F(OwnSkinTest, ReportsShowRecallAndTheMatrixGoesToThePage) {
   ASSERT_TRUE(run.status.ok()) << run.status;
   EXPECT_THAT(run.out, HasSubstr("Recall per class, the worst first:\n  left"));
   EXPECT_THAT(run.out, HasSubstr("Rows are labels"));
-  std::ifstream page(folder_ / "page/index.html");
-  const std::string html{std::istreambuf_iterator<char>(page), {}};
+  const std::string html = Page();
   EXPECT_THAT(html, HasSubstr("<h2>Confusion matrix</h2>"));
-  EXPECT_THAT(html, HasSubstr("<th class=t>left"));
-  EXPECT_THAT(html, Not(HasSubstr("<script")));
-  EXPECT_THAT(html, Not(HasSubstr("http")));
+  EXPECT_THAT(html, HasSubstr("<bdi>left</bdi></th>"));
+  EXPECT_THAT(html, HasSubstr("<bdi>k-fold, 3 folds</bdi>"));
+  EXPECT_THAT(html, HasSubstr("mine: 2 x 8 taxels, counts; contact from "));
+  EXPECT_THAT(html, HasSubstr("same folds as the models: k-fold"));
+  // Accuracy over time, reliability, decisions, and the twelve worst trials.
+  const std::vector<int> widths = Widths(html);
+  ASSERT_EQ(widths.size(), 15u);
+  for (size_t i = 3; i < widths.size(); ++i) EXPECT_EQ(widths[i], 1600);
+  for (const char* elsewhere : {"<script", "http", "href", "url("}) {
+    EXPECT_THAT(html, Not(HasSubstr(elsewhere)));
+  }
+}
+
+TEST_F(OwnSkinTest, APageOfABundleShowsItsPosteriors) {
+  const std::string data = Path("mine.h5");
+  const std::string bundle = Path("mine.tactus");
+  Run("import " + folder_.string() + " --out=" + data);
+  Run("fit --preset=profile --data=" + data + " --out=" + bundle);
+  auto run = RunTrainctl("evaluate --data=" + data + " --model=" + bundle +
+                         " --report=" + Path("page"));
+  ASSERT_TRUE(run.status.ok()) << run.status;
+  const std::string html = Page();
+  EXPECT_THAT(html, HasSubstr("<bdi>" + bundle + "</bdi>"));
+  EXPECT_THAT(html, HasSubstr("5 folds of these trials"));
+  EXPECT_EQ(Widths(html).size(), 15u);
+}
+
+// A folder that cannot be made is found before the work.
+TEST_F(OwnSkinTest, APageNeedsItsFolder) {
+  std::ofstream(folder_ / "page") << "a file";
+  auto run = RunTrainctl(
+      "evaluate --protocol=k-fold --data=absent.h5 --report=" + Path("page"));
+  EXPECT_EQ(ReasonOf(run.status), "IO");
+  EXPECT_THAT(std::string(run.status.message()), HasSubstr(Path("page")));
 }
 
 }  // namespace

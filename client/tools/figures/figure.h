@@ -27,6 +27,10 @@ namespace tactus::client {
 
 using Figure = std::variant<LinePlot, ScatterPlot, BarChart, ConfusionMatrix>;
 
+// The chart as the bytes of a PNG file. INVALID_CONFIG names what cannot be
+// drawn; IO if gnuplot is not installed.
+absl::StatusOr<std::string> FigureAsPng(const Figure& figure);
+
 // Writes the chart as a PNG file. INVALID_CONFIG names what cannot be drawn; IO
 // if gnuplot is not installed or `path` cannot be written.
 absl::Status DrawFigure(const Figure& figure, const std::string& path);

@@ -7,11 +7,13 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/strip.h"
 #include "client/tools/figures/figure.h"
 #include "client/tools/trainctl/chosen_preset.h"
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/evaluate_figures.h"
 #include "client/tools/trainctl/evaluate_page.h"
+#include "client/tools/trainctl/evaluate_pictures.h"
 #include "client/tools/trainctl/evaluate_report.h"
 #include "client/tools/trainctl/exit_code.h"
 #include "client/tools/trainctl/fit_flags.h"
@@ -20,7 +22,10 @@
 #include "core/base/errors.h"
 #include "core/base/run_on_threads.h"
 #include "core/base/status_macros.h"
+#include "core/base/version.h"
 #include "core/data/draft_file.h"
+#include "core/data/trial_layout.h"
+#include "core/eval/baselines.h"
 #include "core/eval/unknown.h"
 #include "core/train/contact_set.h"
 
@@ -205,21 +210,106 @@ void Print(const Flags& flags, const Run& run, const Json& evaluation,
                                SecondsSinceStart());
 }
 
+using Contacts = std::vector<const LabelledContact*>;
+
+// The baselines are tested as the evaluation is. A bundle has not been trained
+// here, so the baselines get folds of the contacts that it is tested on. Null
+// if there are too few contacts for folds.
+absl::StatusOr<Json> CountBaselines(const Flags& flags,
+                                    const Contacts& contacts) {
+  constexpr int kFolds = 5;
+  Protocol protocol(Protocol::kKFold, kFolds);
+  std::string tested = absl::StrFormat(
+      "The baselines use %d folds of these trials: each trial is answered by "
+      "the trials of the other folds.",
+      kFolds);
+  if (flags.model.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(
+        protocol, ParseProtocol(flags.protocol,
+                                flags.folds.value_or(Protocol::kDefaultFolds)));
+    tested = absl::StrCat("The baselines use the same folds as the models: ",
+                          flags.protocol, ".");
+  }
+  const auto folds = MakeFolds(contacts, protocol);
+  if (!folds.ok()) return Json(nullptr);
+  TACTUS_ASSIGN_OR_RETURN(const Baselines baselines,
+                          MeasureBaselines(contacts, *folds));
+  return BaselinesToJson(baselines, tested);
+}
+
+std::vector<std::pair<std::string, std::string>> Facts(
+    const Flags& flags, const Run& run, const Contacts& contacts) {
+  std::vector<std::pair<std::string, std::string>> facts = {
+      {"data", flags.data}};
+  if (!contacts.empty()) {
+    const LabelledContact& first = *contacts.front();
+    std::string skin = "none: ideal signals";
+    if (!IsIdeal(first)) {
+      skin = SkinText(first.layout);
+      skin = std::string(
+          absl::StripPrefix(absl::StripSuffix(skin, "\n"), "skin "));
+    }
+    facts.emplace_back("skin", skin);
+    facts.emplace_back("sample rate",
+                       absl::StrFormat("%g Hz", first.sample_rate_hz));
+  }
+  if (flags.model.empty()) {
+    facts.emplace_back(
+        "protocol",
+        flags.protocol == "k-fold"
+            ? absl::StrFormat("k-fold, %d folds",
+                              flags.folds.value_or(Protocol::kDefaultFolds))
+            : flags.protocol);
+    facts.emplace_back(
+        "preset",
+        absl::StrCat(run.chosen.preset,
+                     run.chosen.choice ? ", chosen by inner folds" : ""));
+    facts.emplace_back("seed", absl::StrCat(flags.fit.seed));
+  } else {
+    facts.emplace_back("bundle", flags.model);
+  }
+  facts.emplace_back("algorithm",
+                     std::string(AlgorithmName(run.result.algorithm)));
+  facts.emplace_back("features", run.features);
+  facts.emplace_back("program", absl::StrCat("trainctl ", kVersion));
+  facts.emplace_back("command", CommandLine());
+  return facts;
+}
+
 absl::Status WritePage(const Flags& flags, const Run& run,
-                       const LoadedContacts& loaded, const Json& evaluation) {
-  std::error_code error;
-  std::filesystem::create_directories(flags.report, error);
-  if (error) return IoError(flags.report, error.message());
+                       const std::shared_ptr<const CompiledModel>& model,
+                       const LoadedContacts& loaded, const Json& evaluation,
+                       const Progress& progress) {
+  const Contacts contacts =
+      flags.model.empty() ? run.chosen.contacts : loaded.Pointers();
+  SkinLayout layout;
+  if (!flags.layout.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(layout, ReadLayoutFile(flags.layout));
+  }
+  EvaluationPageParts parts;
+  parts.title = absl::StrCat(
+      "Evaluation on ", std::filesystem::path(flags.data).filename().string());
+  parts.facts = Facts(flags, run, contacts);
+  parts.evaluation = evaluation;
+  TACTUS_ASSIGN_OR_RETURN(parts.baselines, CountBaselines(flags, contacts));
+  parts.worst = WorstTrials(run.result, contacts);
+  TACTUS_ASSIGN_OR_RETURN(parts.pictures,
+                          DrawEvaluation(run.result, contacts, progress));
+  TACTUS_ASSIGN_OR_RETURN(
+      parts.pictures.worst,
+      DrawTrials(flags.data, parts.worst, layout, model, progress));
   return WriteFileBytes(
       (std::filesystem::path(flags.report) / "index.html").string(),
-      EvaluationPage(
-          absl::StrCat(Title(flags, run), ", ", flags.data), evaluation,
-          WorstTrials(run.result, flags.model.empty() ? run.chosen.contacts
-                                                      : loaded.Pointers())));
+      EvaluationPage(parts));
 }
 
 absl::Status RunEvaluate(const Flags& flags) {
   TACTUS_RETURN_IF_ERROR(Check(flags));
+  // Missing programs and folders are found before the work, not after it.
+  if (!flags.report.empty()) {
+    TACTUS_RETURN_IF_ERROR(MakeFolder(flags.report));
+    TACTUS_RETURN_IF_ERROR(CheckPictures());
+  }
   if (flags.protocol == kLeaveOneCategoryOut) return RunUnknown(flags);
   std::shared_ptr<const CompiledModel> model;
   if (!flags.model.empty()) {
@@ -233,14 +323,15 @@ absl::Status RunEvaluate(const Flags& flags) {
   TACTUS_ASSIGN_OR_RETURN(
       const Run run, model ? RunModel(flags, model, loaded, display.progress())
                            : RunProtocol(flags, loaded, display.progress()));
-  display.Clear();
   if (!flags.figures.empty()) {
     TACTUS_RETURN_IF_ERROR(Draw(flags, run.result));
   }
   const Json evaluation = EvaluationToJson(run.result, loaded.trials);
   if (!flags.report.empty()) {
-    TACTUS_RETURN_IF_ERROR(WritePage(flags, run, loaded, evaluation));
+    TACTUS_RETURN_IF_ERROR(
+        WritePage(flags, run, model, loaded, evaluation, display.progress()));
   }
+  display.Clear();
   Print(flags, run, evaluation, loaded.trials);
   return absl::OkStatus();
 }
@@ -266,8 +357,10 @@ void AddEvaluate(CLI::App& app, const SelectCommand& select) {
   command->add_option("--figures", flags->figures,
                       "Folder for figures of accuracy and reliability");
   command->add_option("--report", flags->report,
-                      "Folder for index.html: confusion matrix, recall and "
-                      "precision per class, accuracy over time, worst trials");
+                      "Folder for index.html, a page that needs no other file: "
+                      "accuracy beside baselines, confusion matrix, recall and "
+                      "precision per class, accuracy over time, reliability, "
+                      "time to decision, pictures of the worst trials");
   command->add_flag("--json", flags->json, "Print one JSON object on stdout");
   flags->fit.Add(*command);
   command->callback([=] { select([=] { return RunEvaluate(*flags); }); });

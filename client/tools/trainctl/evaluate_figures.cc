@@ -143,4 +143,32 @@ LinePlot ReliabilityPlot(const NamedEvaluation& shown) {
   return plot;
 }
 
+LinePlot DecisionPlot(const NamedEvaluation& shown) {
+  constexpr int kPoints = 20;
+  const auto& decisions = shown.evaluation->decisions;
+  const int count = static_cast<int>(decisions.size());
+  LinePlot plot;
+  plot.title = "How soon contacts are decided";
+  plot.subtitle = absl::StrCat(WithCommas(count),
+                               " felt contacts; bands are 95 % intervals");
+  plot.x = {.title = "time since onset (s)", .low = 0, .high = shown.seconds};
+  plot.y = {.title = "contacts (%)", .low = 0, .high = 100};
+  Series decided = {.name = "decided"};
+  Series rightly = {.name = "decided rightly"};
+  for (int i = 0; i <= kPoints; ++i) {
+    const double seconds = shown.seconds * i / kPoints;
+    int before = 0;
+    int right = 0;
+    for (const auto& decision : decisions) {
+      if (!decision || decision->seconds > seconds + 1e-9) continue;
+      ++before;
+      right += decision->right;
+    }
+    AppendAccuracy(seconds, before, count, decided);
+    AppendAccuracy(seconds, right, count, rightly);
+  }
+  plot.series = {std::move(decided), std::move(rightly)};
+  return plot;
+}
+
 }  // namespace tactus::client

@@ -1,7 +1,8 @@
 // File: evaluate_figures.h
 //
-// Figures of an evaluation: accuracy over the time since onset, and whether
-// probabilities mean what they promise. Every accuracy has its 95 % interval.
+// Figures of an evaluation: accuracy over the time since onset, whether
+// probabilities mean what they promise, and how soon contacts are decided.
+// Every accuracy has its 95 % interval.
 //
 //   const NamedEvaluation shown = {"fused", &result, 5};
 //   TACTUS_RETURN_IF_ERROR(
@@ -57,5 +58,9 @@ LinePlot AnytimePlot(const NamedEvaluation& shown,
 // frame, with the number of contacts in each bin below; the diagonal is what
 // the claim promises.
 LinePlot ReliabilityPlot(const NamedEvaluation& shown);
+
+// Percentage of contacts that are decided, and decided rightly, by each time
+// since onset.
+LinePlot DecisionPlot(const NamedEvaluation& shown);
 
 }  // namespace tactus::client

@@ -1,31 +1,63 @@
 // File: evaluate_page.h
 //
-// The result of `trainctl evaluate` as one HTML page that needs no other file:
-// accuracy over time, recall and precision per class, the whole confusion
-// matrix however wide, and the trials that were most surely wrong.
+// The result of `trainctl evaluate` as one HTML page that needs no other file
+// and no network: accuracy beside its baselines, the confusion matrix however
+// wide, recall and precision per class, accuracy over time, whether
+// probabilities are right, time to decision, and the worst trials with their
+// skin's pictures.
 //
-//   const Json worst = WorstTrials(result, loaded.Pointers());
-//   WriteFileBytes(path, EvaluationPage("k-fold, hmm", json, worst));
+//   EvaluationPageParts parts;
+//   parts.title = "Evaluation of arm.h5";
+//   parts.evaluation = EvaluationToJson(result, loaded.trials);
+//   parts.worst = WorstTrials(result, contacts);
+//   WriteFileBytes(path, EvaluationPage(parts));
 //
 // Thread-safe: free functions without state.
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "client/tools/json.h"
+#include "core/eval/baselines.h"
 #include "core/eval/evaluation.h"
 #include "core/train/labelled_contact.h"
 
 namespace tactus::client {
 
-// Up to 20 contacts with a wrong answer, the most probable answer first: trial,
-// label, answer, probability. `contacts` are those of the evaluation.
+// The contacts whose true class got the lowest probability, the lowest first,
+// at most 12: trial, label, answer, probability of the answer and of the label.
+// `contacts` are those of the evaluation.
 Json WorstTrials(const Evaluation& result,
                  const std::vector<const LabelledContact*>& contacts);
 
-// `evaluation` is from EvaluationToJson(). All text is escaped.
-std::string EvaluationPage(const std::string& title, const Json& evaluation,
-                           const Json& worst);
+// Right answers of each baseline, and in `tested` how they were counted.
+Json BaselinesToJson(const Baselines& baselines, const std::string& tested);
+
+// PNG files; empty where there is nothing to draw.
+struct EvaluationPictures {
+  std::string anytime = {};
+  std::string reliability = {};
+  std::string decisions = {};
+  // One for each of the worst trials, or none.
+  std::vector<std::string> worst = {};
+};
+
+struct EvaluationPageParts {
+  std::string title = {};
+  // What was evaluated and how: "data", "arm.h5"; "seed", "1".
+  std::vector<std::pair<std::string, std::string>> facts = {};
+  // Of EvaluationToJson().
+  Json evaluation = {};
+  // Of BaselinesToJson(); null if they were not counted.
+  Json baselines = nullptr;
+  // Of WorstTrials().
+  Json worst = Json::array();
+  EvaluationPictures pictures = {};
+};
+
+// All text is escaped. Parts that the evaluation does not have are left out.
+std::string EvaluationPage(const EvaluationPageParts& parts);
 
 }  // namespace tactus::client

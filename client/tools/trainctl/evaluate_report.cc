@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/tools/trainctl/evaluate_figures.h"
 #include "client/tools/trainctl/text.h"
 
 namespace tactus::client {
@@ -43,16 +44,31 @@ Json ToJson(const std::vector<std::optional<DecisionOutcome>>& decisions) {
     right += decision->right;
   }
   if (seconds.empty()) return nullptr;
-  const auto middle =
-      seconds.begin() + static_cast<ptrdiff_t>(seconds.size() / 2);
-  std::nth_element(seconds.begin(), middle, seconds.end());
+  std::ranges::sort(seconds);
+  const auto at = [&](size_t tenths) {
+    return seconds[std::min(seconds.size() * tenths / 10, seconds.size() - 1)];
+  };
   const int count = static_cast<int>(seconds.size());
   return {{"contacts", count},
           {"decided", count / static_cast<double>(decisions.size())},
           {"right", right},
           {"accuracy", right / static_cast<double>(count)},
           {"accuracy_interval", IntervalToJson(WilsonInterval(right, count))},
-          {"median_seconds", *middle}};
+          {"tenth_seconds", at(1)},
+          {"median_seconds", at(5)},
+          {"nine_tenths_seconds", at(9)}};
+}
+
+Json ToJson(const std::vector<ReliabilityBin>& bins) {
+  Json list = Json::array();
+  for (const ReliabilityBin& bin : bins) {
+    list.push_back({{"low", bin.low},
+                    {"high", bin.high},
+                    {"mean_probability", bin.mean_probability},
+                    {"contacts", bin.count},
+                    {"right", bin.right}});
+  }
+  return list;
 }
 
 std::string ErrorLine(absl::string_view what, const Json& errors,
@@ -224,6 +240,14 @@ std::string ConfusionTable(const Json& classes, const Json& confusion) {
 
 }  // namespace
 
+Json ConfusionToJson(const std::vector<std::string>& class_names,
+                     const Confusion& confusion) {
+  return {{"classes", class_names},
+          {"confusion", confusion},
+          {"per_class", PerClass(class_names, confusion)},
+          {"confusions", TopConfusions(class_names, confusion)}};
+}
+
 Json EvaluationToJson(const Evaluation& result, int trials) {
   const int felt = static_cast<int>(result.final.size());
   const int right = CountRight(result.final);
@@ -245,25 +269,25 @@ Json EvaluationToJson(const Evaluation& result, int trials) {
       parts["lstm"][key] = Accuracy(result.anytime_lstm[i]);
     }
   }
-  return {{"algorithm", std::string(AlgorithmName(result.algorithm))},
-          {"trials", trials},
-          {"undetectable", trials - felt},
-          {"felt", felt},
-          {"right", right},
-          {"accuracy", Accuracy(result.final)},
-          {"accuracy_interval", IntervalToJson(WilsonInterval(right, felt))},
-          {"accuracy_at", accuracy_at},
-          {"accuracy_interval_at", interval_at},
-          {"parts_accuracy_at", parts},
-          {"classes", result.class_names},
-          {"confusion", confusion},
-          {"per_class", PerClass(result.class_names, confusion)},
-          {"confusions", TopConfusions(result.class_names, confusion)},
-          {"ece", ExpectedCalibrationError(result.final)},
-          {"ece_at", ece_at},
-          {"decision", ToJson(result.decisions)},
-          {"estimate", ToJson(result.final_estimates)},
-          {"estimate_at_1.2", ToJson(result.anytime_estimates[3])}};
+  Json json = {
+      {"algorithm", std::string(AlgorithmName(result.algorithm))},
+      {"trials", trials},
+      {"undetectable", trials - felt},
+      {"felt", felt},
+      {"right", right},
+      {"accuracy", Accuracy(result.final)},
+      {"accuracy_interval", IntervalToJson(WilsonInterval(right, felt))},
+      {"accuracy_at", accuracy_at},
+      {"accuracy_interval_at", interval_at},
+      {"parts_accuracy_at", parts}};
+  json.update(ConfusionToJson(result.class_names, confusion));
+  json.update(Json{{"ece", ExpectedCalibrationError(result.final)},
+                   {"ece_at", ece_at},
+                   {"reliability", ToJson(ReliabilityBins(result.final))},
+                   {"decision", ToJson(result.decisions)},
+                   {"estimate", ToJson(result.final_estimates)},
+                   {"estimate_at_1.2", ToJson(result.anytime_estimates[3])}});
+  return json;
 }
 
 std::string EvaluationText(const Json& r) {

@@ -23,6 +23,11 @@ namespace tactus::client {
 // felt. Absent estimates and decisions are null.
 Json EvaluationToJson(const Evaluation& result, int trials);
 
+// The part of it that follows from a confusion matrix: classes, recall and
+// precision of each, and the most frequent confusions.
+Json ConfusionToJson(const std::vector<std::string>& class_names,
+                     const Confusion& confusion);
+
 // Several lines, from the accuracy over the recall of each class to the
 // confusion matrix, if that is not too wide for a terminal. Ends with a
 // newline.

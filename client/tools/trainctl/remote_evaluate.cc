@@ -1,5 +1,4 @@
 // trainctl evaluate --dataset: measures accuracy on a server.
-#include <map>
 #include <set>
 
 #include "absl/strings/match.h"
@@ -7,6 +6,7 @@
 #include "client/tools/trainctl/exit_code.h"
 #include "client/tools/trainctl/remote_flags.h"
 #include "client/tools/trainctl/remote_job.h"
+#include "client/tools/trainctl/remote_report.h"
 #include "client/training/retry.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
@@ -21,18 +21,16 @@ struct Flags {
   RemoteFlags remote;
 };
 
-// Protocols by the names that `evaluate` has for files, and by the server's.
-const std::map<std::string, std::string> kProtocols = {
-    {"loco", "loco"},   {"leave-one-material-out", "lomo"},
-    {"lomo", "lomo"},   {"k-fold", "folds"},
-    {"folds", "folds"},
-};
+// The protocols of a server, by the names that `evaluate` has for files, too.
+const std::set<std::string> kProtocols = {"loco", "leave-one-material-out",
+                                          "leave-one-out", "k-fold"};
 
 // Flags of `evaluate` that a server can follow.
 const std::set<std::string> kKnown = {
-    "--help",     "--dataset", "--model",    "--protocol", "--preset",
-    "--features", "--seed",    "--networks", "--epochs",   "--mixtures",
-    "--json",     "--detach",  "--server",   "--ca",       "--token-file"};
+    "--help",   "--dataset",  "--model", "--protocol",
+    "--preset", "--features", "--seed",  "--networks",
+    "--epochs", "--mixtures", "--json",  "--report",
+    "--detach", "--server",   "--ca",    "--token-file"};
 
 // The value of a flag; nothing if it was not given.
 template <typename Value>
@@ -90,12 +88,12 @@ absl::StatusOr<v1::EvaluateSpec> SpecOf(TrainingClient& client,
       client.GetDatasetVersion(FullName("datasets", flags.dataset)));
   spec.set_dataset_version(version.name());
   if (protocol) {
-    const auto known = kProtocols.find(*protocol);
-    if (known == kProtocols.end()) {
+    if (!kProtocols.contains(*protocol)) {
       return Usage("--protocol", *protocol,
-                   "loco, leave-one-material-out or k-fold on a server");
+                   "loco, leave-one-material-out, leave-one-out or k-fold on "
+                   "a server");
     }
-    spec.set_protocol(known->second);
+    spec.set_protocol(*protocol);
     TACTUS_ASSIGN_OR_RETURN(*spec.mutable_train(),
                             TrainSpecOf(command, version.name()));
     return spec;
@@ -112,6 +110,12 @@ absl::StatusOr<v1::EvaluateSpec> SpecOf(TrainingClient& client,
 
 absl::Status Run(TrainingClient& client, const CLI::App& command,
                  const Flags& flags) {
+  const auto report = Given<std::string>(command, "--report");
+  if (report && flags.detach) {
+    return Usage("--report", "given with --detach",
+                 "absent: there is no result yet");
+  }
+  if (report) TACTUS_RETURN_IF_ERROR(MakeFolder(*report));
   v1::EvaluateModelRequest request;
   TACTUS_ASSIGN_OR_RETURN(*request.mutable_spec(),
                           SpecOf(client, command, flags));
@@ -119,9 +123,16 @@ absl::Status Run(TrainingClient& client, const CLI::App& command,
   TACTUS_ASSIGN_OR_RETURN(const v1::Operation job, Repeated({}, [&] {
                             return client.EvaluateModel(request);
                           }));
-  if (!flags.detach) return FollowJob(client, flags.remote, job);
-  PrintJob(job, flags.remote);
-  return absl::OkStatus();
+  if (flags.detach) {
+    PrintJob(job, flags.remote);
+    return absl::OkStatus();
+  }
+  TACTUS_RETURN_IF_ERROR(FollowJob(client, flags.remote, job));
+  if (!report) return absl::OkStatus();
+  TACTUS_ASSIGN_OR_RETURN(const v1::Operation ended, Repeated({}, [&] {
+                            return client.GetOperation(job.name());
+                          }));
+  return WriteRemoteReport(*report, ended);
 }
 
 }  // namespace

@@ -53,6 +53,11 @@ Outcome Trainctl(std::vector<std::string> arguments) {
   return outcome;
 }
 
+std::string ReadText(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
 class TrainctlRemoteTest : public ::testing::Test {
  protected:
   TrainctlRemoteTest()
@@ -335,7 +340,7 @@ TEST_F(TrainctlRemoteTest, EvaluateRunsOnTheServerThatHasTheDataset) {
                       "--protocol=leave-one-material-out", "--preset=paper",
                       "--mixtures=2", "--detach", "--json"});
   ASSERT_EQ(outcome.exit, 0) << outcome.err;
-  EXPECT_EQ(outcome.json()["evaluate"]["protocol"], "lomo");
+  EXPECT_EQ(outcome.json()["evaluate"]["protocol"], "leave-one-material-out");
   spec = server_->operation("operations/2").evaluate();
   EXPECT_EQ(spec.train().preset(), "paper");
   EXPECT_EQ(spec.train().hmms_per_class(), 2u);
@@ -345,11 +350,45 @@ TEST_F(TrainctlRemoteTest, EvaluateRunsOnTheServerThatHasTheDataset) {
        {std::vector<std::string>{"evaluate", "--dataset=arm"},
         {"evaluate", "--dataset=arm", "--model=arm", "--protocol=loco"},
         {"evaluate", "--dataset=arm", "--protocol=odd"},
+        {"evaluate", "--dataset=arm", "--model=arm@2", "--detach",
+         "--report=" + Path("page")},
         {"evaluate", "--dataset=arm", "--protocol=loco", "--states=3"},
         {"evaluate", "--dataset=arm", "--data=arm.h5", "--model=arm"},
         {"evaluate", "--protocol=loco"}}) {
     EXPECT_EQ(Trainctl(wrong).exit, 2) << wrong.back();
   }
+}
+
+TEST_F(TrainctlRemoteTest, AnEvaluationOnTheServerHasAPage) {
+  MakeDataset();
+  v1::ModelVersion version;
+  version.set_name("models/arm/versions/2");
+  server_->AddModelVersion(version, "");
+  v1::Operation job = Job(v1::Operation::STATE_SUCCEEDED);
+  v1::EvaluationReport& report = *job.mutable_result()->mutable_evaluation();
+  report.mutable_accuracy()->set_correct(3);
+  report.mutable_accuracy()->set_contacts(4);
+  report.mutable_accuracy()->set_low(0.301);
+  report.mutable_accuracy()->set_high(0.954);
+  report.set_never_felt(2);
+  for (const char* name : {"<HU>", "SM"}) report.add_class_names(name);
+  for (const uint32_t count : {2, 1, 0, 1}) report.add_confusion(count);
+  report.add_anytime_s(0.5);
+  *report.add_anytime() = report.accuracy();
+  server_->SetNewJobState(job);
+  const Outcome outcome =
+      Trainctl({"evaluate", "--dataset=arm", "--model=arm@2",
+                "--report=" + Path("page")});
+  ASSERT_EQ(outcome.exit, 0) << outcome.err;
+  const std::string html = ReadText(Path("page/index.html"));
+  for (const char* part :
+       {"<h1>Evaluation on datasets/arm/versions/1</h1>",
+        "models/arm/versions/2", ">75.00 %<", "3 of 4 felt contacts; 2 of 6",
+        "30.10 to 95.40 %", "<bdi>&lt;HU&gt;</bdi>", ">66.67 %<",
+        "<td>0.5</td>", "operations/1"}) {
+    EXPECT_THAT(html, HasSubstr(part));
+  }
+  EXPECT_THAT(html, Not(HasSubstr("<HU>")));
 }
 
 TEST_F(TrainctlRemoteTest, JobsAreListedAndCancelled) {
@@ -491,11 +530,6 @@ TEST_F(TrainctlRemoteTest, EachTroubleSaysWhatToDo) {
   EXPECT_EQ(outcome.exit, 2);
   EXPECT_THAT(outcome.err,
               AllOf(HasSubstr("unencrypted"), Not(HasSubstr("secret"))));
-}
-
-std::string ReadText(const std::string& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 std::shared_ptr<grpc::ServerCredentials> Tls(
