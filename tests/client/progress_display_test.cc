@@ -46,7 +46,7 @@ TEST_F(ProgressDisplayTest, ATerminalHasOneLineWithTheTimeLeft) {
   fit.Add(0);
   now_ = 30;
   fit.Part("inner", 0.5).Add(0.5);
-  EXPECT_THAT(out_.str(), HasSubstr("\rfit   25 %, 1:30 left"));
+  EXPECT_THAT(out_.str(), HasSubstr("\rfit  [##        ]  25 %, 1:30 left"));
   EXPECT_THAT(out_.str(), Not(HasSubstr("\n")));
   // Too soon to be shown.
   now_ = 30.1;
@@ -54,7 +54,7 @@ TEST_F(ProgressDisplayTest, ATerminalHasOneLineWithTheTimeLeft) {
   EXPECT_THAT(out_.str(), Not(HasSubstr("50 %")));
   now_ = 40;
   fit.Add(0);
-  EXPECT_THAT(out_.str(), HasSubstr("\rfit   50 %, 0:40 left"));
+  EXPECT_THAT(out_.str(), HasSubstr("\rfit  [#####     ]  50 %, 0:40 left"));
   out_.str("");
   display.Clear();
   EXPECT_THAT(out_.str(), ::testing::MatchesRegex("\r *\r"));

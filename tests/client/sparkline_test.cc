@@ -3,6 +3,7 @@
 #include <limits>
 #include <vector>
 
+#include "client/tools/trainctl/learning_curves.h"
 #include "gtest/gtest.h"
 
 namespace tactus::client {
@@ -30,6 +31,26 @@ TEST(SparklineTest, WhatHasNoPlaceIsLeftOut) {
   EXPECT_EQ(Line({nan}, 20), "");
   EXPECT_EQ(Line({}, 20), "");
   EXPECT_EQ(Line({1, 2}, 0), "");
+}
+
+TEST(LearningCurvesTest, ShowsTheCurveOfTheNewestPart) {
+  LearningCurves curves;
+  EXPECT_EQ(curves.Text(), "");
+  for (const double loss : {3, 2, 1}) curves.Add("1", loss, false);
+  EXPECT_EQ(curves.Text(), "█▅▁ 1");
+  curves.Add("2", 5, false);
+  EXPECT_EQ(curves.Text(), "▁ 5");
+  curves.Add("1", 0.5, false);
+  EXPECT_EQ(curves.Text(), "█▅▂▁ 0.5");
+}
+
+// The first value is that of a guess, far below all others.
+TEST(LearningCurvesTest, LikelihoodsBeginWithTheFirstIteration) {
+  LearningCurves curves;
+  curves.Add("HU", -90000, true);
+  EXPECT_EQ(curves.Text(), "▁ -9e+04");
+  for (const double value : {-30, -20, -10}) curves.Add("HU", value, true);
+  EXPECT_EQ(curves.Text(), "▁▅█ -10");
 }
 
 }  // namespace

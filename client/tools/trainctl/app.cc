@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/exit_code.h"
 #include "client/tools/trainctl/remote_flags.h"
@@ -14,7 +15,7 @@
 namespace tactus::client {
 namespace {
 
-// What --help of the commands without a server ends with.
+// What --help of groups, and of the commands without a server, ends with.
 constexpr std::pair<const char*, const char*> kExamples[] = {
     {"simulate", "--protocol=paper --sensor=taxels --out=sim.h5"},
     {"import", "my_recordings --out=mine.h5"},
@@ -23,7 +24,29 @@ constexpr std::pair<const char*, const char*> kExamples[] = {
     {"classify", "--data=mine.h5 --model=mine.tactus"},
     {"show", "mine.h5 --trial=000000 --out=contact.png"},
     {"reproduce", "--figures=paper-tables"},
+    {"skin", "estimate mine.h5"},
+    {"datasets", "upload arm --data=mine.h5"},
+    {"jobs", "watch 7"},
+    {"models", "promote arm@3"},
+    {"bundle", "export mine.tactus --format=onnx --out=exported"},
+    {"bundle export", "mine.tactus --format=onnx --out=exported"},
+    {"bundle import", "net.onnx --into=mine.tactus --out=new.tactus"},
+    {"trials", "export mine.h5 --format=npz --out=exported"},
+    {"trials export", "mine.h5 --format=npz --out=exported"},
+    {"tokens", "list --file=/etc/tactus/tokens"},
+    {"tokens create",
+     "--name=arm-7 --role=robot --file=/etc/tactus/tokens > arm-7.token"},
+    {"tokens list", "--file=/etc/tactus/tokens"},
 };
+
+// The command at the end of a path, e.g. "tokens create".
+CLI::App* Find(CLI::App& app, absl::string_view path) {
+  CLI::App* command = &app;
+  for (const absl::string_view name : absl::StrSplit(path, ' ')) {
+    command = command->get_subcommand(std::string(name));
+  }
+  return command;
+}
 
 void Report(const absl::Status& status) {
   const std::string reason = ReasonOf(status);
@@ -59,9 +82,13 @@ int RunTrainctl(int argc, char** argv) {
     add(app, select);
   }
   for (const auto& [name, arguments] : kExamples) {
-    app.get_subcommand(name)->footer(
+    Find(app, name)->footer(
         absl::StrCat("Example:\n  trainctl ", name, " ", arguments));
   }
+  app.footer(
+      "Examples:\n"
+      "  trainctl import my_recordings --out=mine.h5\n"
+      "  trainctl fit --help");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

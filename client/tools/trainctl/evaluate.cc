@@ -51,9 +51,8 @@ struct Flags {
 // Refuses flags that would have no effect.
 absl::Status Check(const Flags& flags) {
   if (flags.data.empty()) {
-    return WithExitCode(InvalidConfig("--data and --dataset", "both absent",
-                                      "a trial file, or a dataset of a server"),
-                        kExitUsage);
+    return InvalidConfig("--data and --dataset", "both absent",
+                         "a trial file, or a dataset of a server");
   }
   if (flags.protocol.empty() == flags.model.empty()) {
     return InvalidConfig("--protocol and --model",
@@ -79,7 +78,15 @@ absl::Status Check(const Flags& flags) {
         absl::StrCat("given with ", kLeaveOneCategoryOut),
         "absent: the HMMs alone estimate the probability of unknown");
   }
-  return absl::OkStatus();
+  // Found before the trials are read.
+  absl::Status names = absl::OkStatus();
+  if (!flags.protocol.empty() && flags.protocol != kLeaveOneCategoryOut) {
+    names.Update(ParseProtocol(flags.protocol).status());
+  }
+  if (!flags.algorithm.empty()) {
+    names.Update(ParseAlgorithm(flags.algorithm).status());
+  }
+  return names.ok() ? names : WithExitCode(names, kExitUsage);
 }
 
 absl::StatusOr<Algorithm> ChosenAlgorithm(const Flags& flags, bool has_lstms) {

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "absl/strings/cord.h"
+#include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 
@@ -22,6 +23,7 @@ ExitCode ExitCodeOf(const absl::Status& status) {
   if (status.ok()) return kExitOk;
   const auto payload = status.GetPayload(kPayload);
   int code = 0;
+  if (!payload && absl::StartsWith(status.message(), "--")) return kExitUsage;
   if (!payload || !absl::SimpleAtoi(std::string(*payload), &code)) {
     return kExitError;
   }

@@ -29,7 +29,8 @@ enum ExitCode {
 // `status`, an error, with the exit code that it leads to.
 absl::Status WithExitCode(absl::Status status, ExitCode code);
 
-// The exit code of a status: kExitOk, the one given, or kExitError.
+// The exit code of a status: kExitOk; the one given; kExitUsage if the status
+// is about a flag, so that its message begins with "--"; else kExitError.
 ExitCode ExitCodeOf(const absl::Status& status);
 
 }  // namespace tactus::client

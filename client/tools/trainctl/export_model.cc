@@ -77,9 +77,7 @@ void AddExportModel(CLI::App& app, const SelectCommand& select) {
                    "Models of a bundle as files of other programs")
           .add_subcommand(
               "export",
-              "Write the HMMs or LSTMs of a bundle for other programs, e.g. "
-              "trainctl bundle export mine.tactus --format=onnx "
-              "--out=exported");
+              "Write the HMMs or LSTMs of a bundle for other programs");
   command->add_option("bundle", flags->bundle, "Bundle to read")->required();
   command
       ->add_option("--format", flags->format,

@@ -113,9 +113,7 @@ void AddExportTrials(CLI::App& app, const SelectCommand& select) {
   CLI::App* command =
       CommandGroup(app, "trials", "Trials as files of other programs")
           .add_subcommand("export",
-                          "Write the trials of a file for other programs, e.g. "
-                          "trainctl trials export mine.h5 --format=npz "
-                          "--out=exported");
+                          "Write the trials of a file for other programs");
   command->add_option("data", flags->data, "Trial file")->required();
   command
       ->add_option("--format", flags->format,

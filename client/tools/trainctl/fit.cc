@@ -1,16 +1,19 @@
 // trainctl fit: fits a model bundle to the trials of a file.
 #include <iostream>
+#include <mutex>
 
 #include "absl/strings/str_format.h"
 #include "client/tools/trainctl/chosen_preset.h"
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/fit_flags.h"
+#include "client/tools/trainctl/learning_curves.h"
 #include "client/tools/trainctl/progress_display.h"
 #include "core/base/run_on_threads.h"
 #include "core/base/status_macros.h"
 #include "core/base/version.h"
 #include "core/bundle/bundle.h"
 #include "core/data/draft_file.h"
+#include "core/train/fit_journal.h"
 
 namespace tactus::client {
 namespace {
@@ -25,6 +28,25 @@ struct Flags {
   FitFlags fit;
 };
 
+// Shows the learning curves of a fit.
+class FitCurves : public FitJournal {
+ public:
+  explicit FitCurves(ProgressDisplay* display) : display_(display) {}
+
+  void OnPoint(const LearningPoint& point) override {
+    std::lock_guard lock(mutex_);
+    const auto loss = point.loss ? point.loss : point.validation_loss;
+    const double value = loss ? *loss : point.log_likelihood.value_or(0);
+    curves_.Add(point.part, value, !loss);
+    display_->Curve(curves_.Text());
+  }
+
+ private:
+  ProgressDisplay* const display_;
+  std::mutex mutex_;
+  LearningCurves curves_;
+};
+
 absl::Status Run(const Flags& flags) {
   ProgressDisplay display;
   TACTUS_ASSIGN_OR_RETURN(
@@ -33,9 +55,11 @@ absl::Status Run(const Flags& flags) {
   TACTUS_ASSIGN_OR_RETURN(const ChosenOptions chosen,
                           ChooseOptions(flags.fit, loaded, display.progress()));
   const FitOptions& options = chosen.options;
+  FitCurves curves(&display);
   TACTUS_ASSIGN_OR_RETURN(
       Model model,
-      FitModel(chosen.contacts, options, RunOnThreads, display.progress()));
+      FitModel(chosen.contacts, options, RunOnThreads, display.progress(),
+               display.terminal() ? &curves : nullptr));
   display.Clear();
   model.release_after_s = flags.release_after_s;
   model.provenance.command = CommandLine();

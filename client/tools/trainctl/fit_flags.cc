@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "client/tools/trainctl/exit_code.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
@@ -81,8 +82,12 @@ std::vector<std::string> FitFlags::SkipUnusable(
 }
 
 absl::StatusOr<FitOptions> FitFlags::Options(const std::string& preset) const {
-  TACTUS_ASSIGN_OR_RETURN(FitOptions options, FitPreset(preset));
-  TACTUS_ASSIGN_OR_RETURN(options.features, ParseFeatures(features));
+  auto known = FitPreset(preset);
+  if (!known.ok()) return WithExitCode(known.status(), kExitUsage);
+  FitOptions options = *std::move(known);
+  auto parsed = ParseFeatures(features);
+  if (!parsed.ok()) return WithExitCode(parsed.status(), kExitUsage);
+  options.features = *std::move(parsed);
   options.seed = seed;
   if (states < 0 || states > limits::kMaxHmmStates) {
     return InvalidConfig("--states", states,

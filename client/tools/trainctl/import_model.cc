@@ -169,9 +169,7 @@ void AddImportModel(CLI::App& app, const SelectCommand& select) {
                    "Models of a bundle as files of other programs")
           .add_subcommand(
               "import",
-              "Replace HMMs or LSTMs of a bundle by those of other programs, "
-              "e.g. trainctl bundle import net.onnx --into=mine.tactus "
-              "--out=new.tactus");
+              "Replace HMMs or LSTMs of a bundle by those of other programs");
   command
       ->add_option("files", flags->files,
                    "ONNX (.onnx), Keras weights (.h5), HMMs (.json, .npz); "

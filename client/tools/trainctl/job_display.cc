@@ -2,8 +2,6 @@
 
 #include <unistd.h>
 
-#include <algorithm>
-#include <cmath>
 #include <iostream>
 #include <utility>
 
@@ -12,20 +10,10 @@
 #include "absl/strings/str_join.h"
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/proto_json.h"
-#include "client/tools/trainctl/sparkline.h"
 #include "client/tools/trainctl/text.h"
 
 namespace tactus::client {
 namespace {
-
-constexpr int kBarWidth = 10;
-constexpr size_t kCurveWidth = 12;
-
-std::string Bar(double fraction) {
-  const int full = static_cast<int>(std::clamp(fraction, 0.0, 1.0) * kBarWidth);
-  return absl::StrCat("[", std::string(full, '#'),
-                      std::string(kBarWidth - full, ' '), "]");
-}
 
 std::string PartOf(const v1::LearningPoint& point) {
   return absl::StrCat(point.phase(), point.part().empty() ? "" : " ",
@@ -37,6 +25,10 @@ double CurveValue(const v1::LearningPoint& point) {
   if (point.has_loss()) return point.loss();
   if (point.has_validation_loss()) return point.validation_loss();
   return point.log_likelihood();
+}
+
+bool IsLikelihood(const v1::LearningPoint& point) {
+  return !point.has_loss() && !point.has_validation_loss();
 }
 
 std::string ValueOf(const v1::LearningPoint& point) {
@@ -82,8 +74,7 @@ void JobDisplay::Update(const v1::Operation& operation,
   }
   const v1::OperationProgress& progress = operation.progress();
   std::string line = absl::StrFormat(
-      "%s %3.0f %%  %s elapsed", Bar(progress.fraction()),
-      std::floor(100 * progress.fraction()),
+      "%s  %s elapsed", ProgressBar(progress.fraction()),
       ClockText(1e-3 * static_cast<double>(progress.elapsed_ms())));
   if (progress.remaining_ms() > 0) {
     absl::StrAppend(
@@ -91,10 +82,8 @@ void JobDisplay::Update(const v1::Operation& operation,
         ClockText(1e-3 * static_cast<double>(progress.remaining_ms())),
         " left");
   }
-  if (!curves_.empty()) {
-    const std::vector<double>& curve = curves_[part_];
-    absl::StrAppend(&line, "  ", Sparkline(curve, kCurveWidth),
-                    absl::StrFormat(" %.4g", curve.back()));
+  if (const std::string curve = curves_.Text(); !curve.empty()) {
+    absl::StrAppend(&line, "  ", curve);
   }
   display_.Report(progress.phase().empty() ? state : progress.phase(), line);
 }
@@ -102,11 +91,11 @@ void JobDisplay::Update(const v1::Operation& operation,
 void JobDisplay::Clear() { display_.Clear(); }
 
 void JobDisplay::Take(const v1::LearningPoint& point) {
-  part_ = PartOf(point);
-  curves_[part_].push_back(CurveValue(point));
+  const std::string part = PartOf(point);
+  curves_.Add(part, CurveValue(point), IsLikelihood(point));
   // Parts are trained side by side, so their points come mixed.
   if (!terminal_ && point.iteration() == point.max_iterations()) {
-    WriteLine(absl::StrFormat("%s, iteration %d of %d: %s", part_,
+    WriteLine(absl::StrFormat("%s, iteration %d of %d: %s", part,
                               point.iteration(), point.max_iterations(),
                               ValueOf(point)));
   }

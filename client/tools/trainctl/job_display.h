@@ -14,12 +14,11 @@
 #pragma once
 
 #include <functional>
-#include <map>
 #include <ostream>
 #include <span>
 #include <string>
-#include <vector>
 
+#include "client/tools/trainctl/learning_curves.h"
 #include "client/tools/trainctl/progress_display.h"
 #include "tactus/v1/operations.pb.h"
 
@@ -44,9 +43,7 @@ class JobDisplay {
   std::ostream& out_;
   const bool terminal_;
   ProgressDisplay display_;
-  // The part of the newest point, and the curve of each part.
-  std::string part_;
-  std::map<std::string, std::vector<double>> curves_;
+  LearningCurves curves_;
   v1::Operation::State state_ = v1::Operation::STATE_UNSPECIFIED;
 };
 

@@ -29,6 +29,15 @@ size_t Width(const std::string& text) {
 
 }  // namespace
 
+std::string ProgressBar(double fraction) {
+  constexpr int kWidth = 10;
+  const double part = std::clamp(fraction, 0.0, 1.0);
+  const int full = static_cast<int>(part * kWidth);
+  return absl::StrFormat("[%s%s] %3.0f %%", std::string(full, '#'),
+                         std::string(kWidth - full, ' '),
+                         std::floor(100 * part));
+}
+
 ProgressDisplay::ProgressDisplay()
     : ProgressDisplay(std::cerr, isatty(STDERR_FILENO) == 1,
                       SecondsSinceStart) {}
@@ -47,12 +56,23 @@ void ProgressDisplay::Add(absl::string_view phase, double fraction) {
   std::lock_guard lock(mutex_);
   Enter(phase);
   fraction_ = std::min(1.0, fraction_ + fraction);
-  std::string detail = absl::StrFormat("%3.0f %%", std::floor(100 * fraction_));
+  ShowFraction();
+}
+
+void ProgressDisplay::Curve(const std::string& curve) {
+  std::lock_guard lock(mutex_);
+  curve_ = curve;
+  ShowFraction();
+}
+
+void ProgressDisplay::ShowFraction() {
+  std::string detail = ProgressBar(fraction_);
   if (fraction_ >= kLeastFraction) {
     const double spent = seconds_() - phase_start_;
     absl::StrAppend(&detail, ", ",
                     ClockText(spent * (1 - fraction_) / fraction_), " left");
   }
+  if (!curve_.empty()) absl::StrAppend(&detail, "  ", curve_);
   Show(detail);
 }
 
@@ -81,6 +101,7 @@ void ProgressDisplay::Enter(absl::string_view phase) {
   phase_ = std::string(phase);
   phase_start_ = seconds_();
   fraction_ = 0;
+  curve_.clear();
   announced_ = false;
   // The first line of a phase does not wait for the refresh.
   shown_at_ = 0;

@@ -1,7 +1,7 @@
 // File: progress_display.h
 //
 // ProgressDisplay: shows on stderr how far a command is. On a terminal it
-// rewrites one line: phase, fraction done, time left. Into a pipe or a file it
+// rewrites one line: phase, a bar, time left, a curve. Into a pipe or a file it
 // writes one line per phase. It shows nothing in the first second, so short
 // commands stay quiet, and it never writes to stdout.
 //
@@ -22,6 +22,9 @@
 #include "core/train/work.h"
 
 namespace tactus::client {
+
+// "[####      ]  41 %".
+std::string ProgressBar(double fraction);
 
 class ProgressDisplay {
  public:
@@ -45,11 +48,18 @@ class ProgressDisplay {
   // Shows `detail` about a phase, on a terminal; else only the phase.
   void Report(absl::string_view phase, absl::string_view detail);
 
+  // Shows `curve`, e.g. LearningCurves::Text(), behind the present phase, on a
+  // terminal.
+  void Curve(const std::string& curve);
+  bool terminal() const { return terminal_; }
+
   // Removes the line from the terminal; the next report writes it again.
   void Clear();
 
  private:
   void Add(absl::string_view phase, double fraction);
+  // Shows the present phase.
+  void ShowFraction();
   // Starts another phase if `phase` is not the present one.
   void Enter(absl::string_view phase);
   // Shows the phase, with `detail` on a terminal.
@@ -63,6 +73,7 @@ class ProgressDisplay {
   std::string phase_;
   double phase_start_ = 0;
   double fraction_ = 0;
+  std::string curve_;
   // Whether the present phase has its line, if there is no terminal.
   bool announced_ = false;
   // Of the last line on the terminal; 0 without one.

@@ -15,6 +15,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "client/tools/trainctl/command.h"
+#include "client/tools/trainctl/exit_code.h"
 #include "core/access/access_table.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
@@ -78,10 +79,11 @@ class LockedFile {
 };
 
 absl::Status Create(const Flags& flags) {
-  TACTUS_ASSIGN_OR_RETURN(const Role role, ParseRole(flags.role));
+  const absl::StatusOr<Role> role = ParseRole(flags.role);
+  if (!role.ok()) return WithExitCode(role.status(), kExitUsage);
   TACTUS_ASSIGN_OR_RETURN(const std::string token, NewToken());
   TACTUS_ASSIGN_OR_RETURN(const std::string line,
-                          TokenLine(flags.name, role, token));
+                          TokenLine(flags.name, *role, token));
   if (flags.file.empty()) {
     std::fprintf(stderr, "Line for the server's tokens file:\n%s",
                  line.c_str());
@@ -126,10 +128,8 @@ void AddTokens(CLI::App& app, const SelectCommand& select) {
   CLI::App* tokens =
       app.add_subcommand("tokens", "Make and list the tokens of a server");
   tokens->require_subcommand(1);
-  CLI::App* create = tokens->add_subcommand(
-      "create",
-      "Make a token and print it once, e.g. trainctl tokens create "
-      "--name=arm-7 --role=robot --file=/etc/tactus/tokens > arm-7.token");
+  CLI::App* create =
+      tokens->add_subcommand("create", "Make a token and print it once");
   create->add_option("--name", flags->name, "Names the caller in logs")
       ->required();
   create->add_option("--role", flags->role, "robot, trainer or admin")

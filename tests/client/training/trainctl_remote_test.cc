@@ -6,8 +6,14 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <thread>
+#include <utility>
+#include <vector>
 
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "client/tools/json.h"
 #include "client/tools/trainctl/app.h"
 #include "client/tools/trainctl/remote_flags.h"
@@ -575,29 +581,89 @@ TEST_F(TrainctlRemoteTest, WrongUsageHasItsExitCode) {
   EXPECT_EQ(Trainctl({"--version"}).exit, 0);
 }
 
-// The help of every command ends with an example.
+TEST_F(TrainctlRemoteTest, WrongValuesOfFlagsAreWrongUsage) {
+  const std::string file = WriteTrials("arm.h5", SampleTrials(5));
+  const std::string out = "--out=" + Path("made");
+  for (const std::vector<std::string>& wrong :
+       std::vector<std::vector<std::string>>{
+           {"simulate", "--protocol=odd", out},
+           {"simulate", "--protocol=grid", "--sensor=odd", out},
+           {"fit", "--data=" + file, "--preset=odd", out},
+           {"fit", "--data=" + file, "--preset=tuned", "--features=z", out},
+           {"fit", "--data=" + file, "--preset=tuned", "--epochs=-1", out},
+           {"evaluate", "--data=" + file},
+           {"evaluate", "--data=" + file, "--protocol=odd"},
+           {"evaluate", "--data=" + file, "--protocol=loco", "--folds=3"},
+           {"evaluate", "--data=" + file, "--protocol=loco", "--algorithm=odd"},
+           {"trials", "export", file, "--format=odd", out},
+           {"skin", "estimate", file, "--idle-taxels=3"},
+           {"tokens", "create", "--name=a", "--role=odd"}}) {
+    const Outcome outcome = Trainctl(wrong);
+    EXPECT_EQ(outcome.exit, 2) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("must be"));
+  }
+  // A file that is not there is no mistake of the command line.
+  EXPECT_EQ(Trainctl({"inspect", Path("absent")}).exit, 1);
+}
+
+// All commands, from the table of the completion: "datasets upload", and its
+// words.
+std::vector<std::pair<std::string, std::vector<std::string>>> AllCommands() {
+  std::vector<std::pair<std::string, std::vector<std::string>>> commands;
+  const std::string script = Trainctl({"completion", "bash"}).out;
+  for (const absl::string_view line : absl::StrSplit(script, '\n')) {
+    const std::vector<std::string> parts = absl::StrSplit(line, '\'');
+    if (parts.size() != 5 || parts[2] != ") choices=") continue;
+    commands.emplace_back(parts[1], absl::StrSplit(parts[3], ' '));
+  }
+  return commands;
+}
+
+// The help of every command and group ends with an example, and shows every
+// word that the completion offers.
 TEST_F(TrainctlRemoteTest, HelpShowsAnExample) {
-  const std::vector<std::vector<std::string>> groups = {
-      {"datasets", "create", "upload", "list", "show", "diff", "download",
-       "delete"},
-      {"jobs", "list", "show", "watch", "cancel"},
-      {"models", "list", "show", "promote", "rollback", "history", "alias",
-       "export", "import", "delete"}};
-  for (const auto& group : groups) {
-    for (size_t i = 1; i < group.size(); ++i) {
-      const Outcome outcome = Trainctl({group[0], group[i], "--help"});
-      EXPECT_EQ(outcome.exit, 0);
-      EXPECT_THAT(outcome.out, HasSubstr("Example:\n  trainctl " + group[0] +
-                                         " " + group[i]));
-      EXPECT_THAT(outcome.out, HasSubstr("--json"));
+  const auto commands = AllCommands();
+  EXPECT_GT(commands.size(), 40u);
+  for (const auto& [path, words] : commands) {
+    std::vector<std::string> arguments = {"--help"};
+    if (!path.empty()) {
+      arguments = absl::StrSplit(path, ' ');
+      arguments.push_back("--help");
+    }
+    const Outcome outcome = Trainctl(arguments);
+    EXPECT_EQ(outcome.exit, 0) << path;
+    const size_t example = outcome.out.find("\nExample");
+    ASSERT_NE(example, outcome.out.npos) << path;
+    EXPECT_THAT(outcome.out.substr(example), HasSubstr("\n  trainctl " + path));
+    for (const std::string& word : words) {
+      EXPECT_THAT(outcome.out, HasSubstr(word)) << path;
     }
   }
-  for (const char* command :
-       {"simulate", "import", "fit", "evaluate", "inspect", "classify", "show",
-        "reproduce", "train", "completion"}) {
-    EXPECT_THAT(Trainctl({command, "--help"}).out,
-                AllOf(HasSubstr("\nExample"),
-                      HasSubstr(std::string("trainctl ") + command)));
+}
+
+// The words of the examples in the help are commands and flags that exist.
+TEST_F(TrainctlRemoteTest, ExamplesOfTheHelpUseKnownFlags) {
+  const auto commands = AllCommands();
+  const std::map<std::string, std::vector<std::string>> words_of(
+      commands.begin(), commands.end());
+  for (const auto& [path, words] : commands) {
+    if (path.empty()) continue;
+    std::vector<std::string> arguments = absl::StrSplit(path, ' ');
+    arguments.push_back("--help");
+    for (const absl::string_view line :
+         absl::StrSplit(Trainctl(arguments).out, '\n')) {
+      if (!absl::StartsWith(line, "  trainctl ")) continue;
+      std::string command;
+      for (const absl::string_view word :
+           absl::StrSplit(line.substr(11), ' ')) {
+        const std::string longer =
+            absl::StrCat(command, command.empty() ? "" : " ", word);
+        if (words_of.contains(longer)) command = longer;
+        if (!absl::StartsWith(word, "--")) continue;
+        const std::string flag(word.substr(0, word.find('=')));
+        EXPECT_THAT(words_of.at(command), ::testing::Contains(flag)) << line;
+      }
+    }
   }
 }
 
