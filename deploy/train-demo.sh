@@ -2,7 +2,7 @@
 # Trains a model with a server, from nothing, and serves it.
 #
 #   deploy/train-demo.sh           1,835 simulated contacts, preset tuned: HMMs
-#                                  and LSTMs; about ten minutes on two cores
+#                                  and LSTMs; about two minutes on two cores
 #   deploy/train-demo.sh --quick   192 contacts and a small preset; half a minute
 #
 # Installs what is missing, builds the programs, and starts tactusd with an empty

@@ -77,16 +77,20 @@ std::string ConfusionText(const v1::EvaluationReport& report) {
 }
 
 std::string ComparisonText(const v1::Comparison& comparison) {
+  const bool same =
+      comparison.only_current() == 0 && comparison.only_candidate() == 0;
   return absl::StrCat(
       ReportText("current", comparison.current()),
       ReportText("candidate", comparison.candidate()),
-      absl::StrFormat(
-          "only the current version is right on %d contacts, only the "
-          "candidate on %d (McNemar p = %.4g; the candidate wins %.2f to "
-          "%.2f %% of them, 95 %% interval)\n",
-          comparison.only_current(), comparison.only_candidate(),
-          comparison.mcnemar_p(), 100 * comparison.win_low(),
-          100 * comparison.win_high()),
+      same
+          ? "both versions are right on the same contacts (McNemar p = 1)\n"
+          : absl::StrFormat(
+                "only the current version is right on %d contacts, only the "
+                "candidate on %d (McNemar p = %.4g; the candidate wins %.2f to "
+                "%.2f %% of them, 95 %% interval)\n",
+                comparison.only_current(), comparison.only_candidate(),
+                comparison.mcnemar_p(), 100 * comparison.win_low(),
+                100 * comparison.win_high()),
       comparison.passed()
           ? "gate passed\n"
           : absl::StrCat("gate not passed: ", comparison.failure(), "\n"));
