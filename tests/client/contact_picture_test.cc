@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "absl/strings/str_cat.h"
 #include "client/tools/figures/gnuplot.h"
 #include "client/tools/trainctl/skin_strip.h"
 #include "gmock/gmock.h"
@@ -77,6 +78,44 @@ TEST(ContactPictureTest, LongNamesAreShortened) {
                        std::string(100, 'c'), "d"};
   AddSkin(trace);
   EXPECT_EQ(CoveredTexts(ScriptOf(trace)), "");
+}
+
+// There are colours for seven classes.
+TEST(ContactPictureTest, OfManyClassesThoseThatMatterAreDrawn) {
+  ContactTrace trace = Trace(1, 0.4);
+  const size_t frames = trace.time.size();
+  trace.class_names.clear();
+  trace.probability.clear();
+  for (int k = 0; k < 20; ++k) {
+    trace.class_names.push_back(std::string(1, static_cast<char>('a' + k)));
+    // 11 to 19 are the most probable ones, and 19 is the answer.
+    trace.probability.emplace_back(frames, k < 10 ? 0.01 : 0.002 * k + 0.02);
+  }
+  trace.probability[3].back() = 0.052;
+  trace.label = "b";
+  trace.decision = {5, 0.4};
+  const GnuplotScript script = ScriptOf(trace);
+  EXPECT_EQ(CoveredTexts(script), "");
+  for (const Box& box : script.text_boxes()) {
+    EXPECT_LE(box.bottom, script.height());
+  }
+  const std::string& text = script.text();
+  for (int k = 0; k < 20; ++k) {
+    const bool shown = k == 1 || k == 3 || k == 5 || k >= 16;
+    EXPECT_EQ(text.find(absl::StrCat("$posteriors using 1:", k + 2, " ")) !=
+                  text.npos,
+              shown)
+        << k;
+  }
+  EXPECT_THAT(text, HasSubstr("13 others: at most 0.05"));
+  // No colour twice.
+  for (int i = 0; i < kMaxSeries; ++i) {
+    const std::string curve =
+        absl::StrCat("with lines lc rgb '", SeriesColour(i), "' lw 5");
+    const size_t first = text.find(curve);
+    ASSERT_NE(first, text.npos);
+    EXPECT_EQ(text.find(curve, first + 1), text.npos);
+  }
 }
 
 TEST(ContactPictureTest, ThePictureShowsTheSkinAsItWasTouched) {

@@ -56,18 +56,55 @@ struct Sheet {
   std::vector<Box> features;
   Box posteriors;
   int height = 0;
+  // ShownClasses(), and the largest probability of those that are not shown.
+  std::vector<int> classes;
+  double largest_other = 0;
 
+  // Colour of a class that is shown.
+  const char* Colour(int class_index) const {
+    return SeriesColour(static_cast<int>(
+        std::ranges::find(classes, class_index) - classes.begin()));
+  }
   double X(double seconds) const {
     return kLeft +
            (seconds - time_low) / (time_high - time_low) * (kRight - kLeft);
   }
 };
 
+// The classes whose posteriors are drawn, in order: all, if there are colours
+// for them; else the label, the answer, the decision, and those with the
+// largest probabilities.
+std::vector<int> ShownClasses(const ContactTrace& trace) {
+  std::vector<std::pair<double, int>> order;
+  for (size_t k = 0; k < trace.probability.size(); ++k) {
+    const int index = static_cast<int>(k);
+    const bool named = trace.class_names[k] == trace.label ||
+                       index == trace.Answer() ||
+                       (trace.decision && index == trace.decision->class_index);
+    order.emplace_back(-(named ? 2 : std::ranges::max(trace.probability[k])),
+                       index);
+  }
+  std::ranges::stable_sort(order);
+  order.resize(std::min<size_t>(order.size(), kMaxSeries));
+  std::vector<int> classes;
+  for (const auto& [key, index] : order) classes.push_back(index);
+  std::ranges::sort(classes);
+  return classes;
+}
+
 // `strip_height` is 0 without a skin.
 Sheet LayOut(const ContactTrace& trace, double strip_height) {
   Sheet sheet;
   sheet.with_skin = strip_height > 0;
   sheet.with_posteriors = !trace.probability.empty();
+  sheet.classes = ShownClasses(trace);
+  for (size_t k = 0; k < trace.probability.size(); ++k) {
+    if (std::ranges::find(sheet.classes, static_cast<int>(k)) ==
+        sheet.classes.end()) {
+      sheet.largest_other =
+          std::max(sheet.largest_other, std::ranges::max(trace.probability[k]));
+    }
+  }
   sheet.time_high = trace.time.back();
   sheet.time_low = std::max(trace.time.front() - 1e-3,
                             -0.03 * std::max(0.1, sheet.time_high));
@@ -234,7 +271,7 @@ void AddMarks(const ContactTrace& trace, const Sheet& sheet,
   }
   if (!trace.decision) return;
   const double x = sheet.X(trace.decision->seconds);
-  const char* colour = SeriesColour(trace.decision->class_index);
+  const char* colour = sheet.Colour(trace.decision->class_index);
   script.Line({x, top}, {x, bottom},
               absl::StrFormat("lc rgb '%s' lw 2.5 dt (8,6)", colour));
   const std::string text = absl::StrFormat(
@@ -298,11 +335,16 @@ void AddPosteriorLegend(const ContactTrace& trace, const Sheet& sheet,
                 {left, y}, {.size = kSmallSize});
     y += kRow;
   };
-  for (size_t k = 0; k < trace.class_names.size(); ++k) {
+  for (const int k : sheet.classes) {
     add(DescribeClass(trace.class_names[k]),
-        absl::StrFormat("lc rgb '%s' lw 5", SeriesColour(static_cast<int>(k))));
+        absl::StrFormat("lc rgb '%s' lw 5", sheet.Colour(k)));
   }
   add("unknown", absl::StrFormat("lc rgb '%s' lw 3 dt (8,6)", kUnknownColour));
+  const size_t others = trace.class_names.size() - sheet.classes.size();
+  if (others == 0) return;
+  script.Text(
+      absl::StrFormat("%d others: at most %.2g", others, sheet.largest_other),
+      {kLegendLeft, y}, {.size = kSmallSize, .colour = kSoftInk});
 }
 
 void PlotPosteriors(const ContactTrace& trace, const Sheet& sheet,
@@ -320,10 +362,10 @@ void PlotPosteriors(const ContactTrace& trace, const Sheet& sheet,
   std::vector<std::string> curves = {absl::StrFormat(
       "$posteriors using 1:%d with lines lc rgb '%s' lw 3 dt (8,6)",
       classes + 2, kUnknownColour)};
-  for (int k = 0; k < classes; ++k) {
+  for (const int k : sheet.classes) {
     curves.push_back(
         absl::StrFormat("$posteriors using 1:%d with lines lc rgb '%s' lw 5",
-                        k + 2, SeriesColour(k)));
+                        k + 2, sheet.Colour(k)));
   }
   if (trace.decision) {
     const int k = trace.decision->class_index;
@@ -333,7 +375,7 @@ void PlotPosteriors(const ContactTrace& trace, const Sheet& sheet,
         std::min<size_t>(at - trace.time.begin(), trace.time.size() - 1);
     script.Data("decision", {{trace.time[frame], trace.probability[k][frame]}});
     curves.push_back(absl::StrFormat(
-        "$decision with points lc rgb '%s' pt 7 ps 3", SeriesColour(k)));
+        "$decision with points lc rgb '%s' pt 7 ps 3", sheet.Colour(k)));
   }
   const Box& box = sheet.posteriors;
   script.PlotArea(box);
