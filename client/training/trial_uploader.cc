@@ -4,11 +4,9 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "client/training/trial_pack.h"
 #include "core/base/crc32c.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
-#include "core/data/trial_record.h"
 
 namespace tactus::client {
 namespace {
@@ -23,50 +21,6 @@ bool MayWriteAgain(const absl::Status& status) {
 
 }  // namespace
 
-// Cuts the pack of all trials into chunks.
-class TrialUploader::Packer {
- public:
-  Packer(const NextTrial& next_trial, size_t chunk_bytes)
-      : next_trial_(next_trial), chunk_bytes_(chunk_bytes) {}
-
-  // The next chunk; an empty one at the end.
-  absl::StatusOr<Chunk> Next() {
-    while (pending_.size() - taken_ < chunk_bytes_ && !ended_) {
-      TACTUS_ASSIGN_OR_RETURN(const std::optional<Trial> trial, next_trial_());
-      if (!trial) {
-        ended_ = true;
-        break;
-      }
-      pending_.erase(0, std::exchange(taken_, 0));
-      TACTUS_RETURN_IF_ERROR(AppendToPack(ToRecord(*trial), &pending_));
-      ++trials_;
-    }
-    Chunk chunk{size_, pending_.substr(taken_, chunk_bytes_)};
-    taken_ += chunk.data.size();
-    size_ += static_cast<int64_t>(chunk.data.size());
-    crc32c_ = ExtendCrc32c(crc32c_, chunk.data);
-    return chunk;
-  }
-
-  // True if Next has nothing more to return.
-  bool ended() const { return ended_ && taken_ == pending_.size(); }
-  // Of all chunks so far.
-  int64_t size() const { return size_; }
-  uint32_t crc32c() const { return crc32c_; }
-  uint64_t trials() const { return trials_; }
-
- private:
-  const NextTrial& next_trial_;
-  const size_t chunk_bytes_;
-  std::string pending_;
-  // Bytes of `pending_` that are in chunks.
-  size_t taken_ = 0;
-  bool ended_ = false;
-  int64_t size_ = 0;
-  uint32_t crc32c_ = 0;
-  uint64_t trials_ = 0;
-};
-
 TrialUploader::TrialUploader(TrainingClient* client, UploadOptions options)
     : client_(client), options_(std::move(options)) {}
 
@@ -80,7 +34,8 @@ absl::StatusOr<v1::FinishUploadResponse> TrialUploader::Upload(
 
   // The waits of two clients differ as their requests do.
   Retries retries(options_.retry, ExtendCrc32c(0, request.request_id()));
-  Packer packer(next_trial, options_.chunk_bytes);
+  TrialPacker packer(next_trial, {.chunk_bytes = options_.chunk_bytes,
+                                  .ahead_bytes = options_.ahead_bytes});
   while (!packer.ended() || !unconfirmed_.empty()) {
     const int64_t before = committed_;
     absl::Status status = WriteOnce(packer);
@@ -109,14 +64,14 @@ absl::StatusOr<v1::FinishUploadResponse> TrialUploader::Upload(
   }
 }
 
-absl::Status TrialUploader::WriteOnce(Packer& packer) {
+absl::Status TrialUploader::WriteOnce(TrialPacker& packer) {
   const auto timeout = client_->long_timeout();
   const auto context = client_->NewContext(timeout);
   v1::WriteUploadResponse response;
   std::unique_ptr<grpc::ClientWriter<v1::WriteUploadRequest>> writer;
   v1::WriteUploadRequest request;
   request.set_upload(upload_);
-  const auto write = [&](const Chunk& chunk) {
+  const auto write = [&](const PackChunk& chunk) {
     if (writer == nullptr) {
       writer = client_->training().WriteUpload(context.get(), &response);
     }
@@ -130,7 +85,7 @@ absl::Status TrialUploader::WriteOnce(Packer& packer) {
 
   int64_t sent = committed_;
   bool open = true;
-  for (const Chunk& chunk : unconfirmed_) {
+  for (const PackChunk& chunk : unconfirmed_) {
     open = open && write(chunk);
     sent = chunk.offset + static_cast<int64_t>(chunk.data.size());
   }
@@ -182,7 +137,7 @@ absl::Status TrialUploader::TakeCommitted(int64_t committed) {
   }
   committed_ = committed;
   while (!unconfirmed_.empty()) {
-    Chunk& first = unconfirmed_.front();
+    PackChunk& first = unconfirmed_.front();
     const int64_t end = first.offset + static_cast<int64_t>(first.data.size());
     if (end <= committed) {
       unconfirmed_.pop_front();
@@ -197,7 +152,7 @@ absl::Status TrialUploader::TakeCommitted(int64_t committed) {
   return absl::OkStatus();
 }
 
-void TrialUploader::Report(const Packer& packer, int64_t bytes) const {
+void TrialUploader::Report(const TrialPacker& packer, int64_t bytes) const {
   if (options_.on_progress) options_.on_progress(bytes, packer.trials());
 }
 

@@ -20,21 +20,21 @@
 // program that gives the same request_id and the same trials continues too: it
 // packs again what the server has, but does not send it.
 //
-// Memory: the bytes of one call (UploadOptions::call_bytes) and one trial.
+// Trials are read ahead while others are sent. Memory: the bytes of one call
+// and those read ahead (UploadOptions), and one trial.
 // Not thread-safe; the client must outlive it.
 #pragma once
 
 #include <cstdint>
 #include <deque>
 #include <functional>
-#include <optional>
 #include <string>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "client/training/retry.h"
 #include "client/training/training_client.h"
-#include "core/data/trial.h"
+#include "client/training/trial_packer.h"
 
 namespace tactus::client {
 
@@ -44,6 +44,8 @@ struct UploadOptions {
   // Data of one WriteUpload call. The server confirms it at the end of the
   // call; until then the uploader keeps it.
   size_t call_bytes = 32 * 1024 * 1024;
+  // Data that is read ahead while other data is sent or confirmed.
+  size_t ahead_bytes = 16 * 1024 * 1024;
   RetryOptions retry = {};
   // Called after each chunk and each call with the bytes that were sent or are
   // confirmed, and the number of trials that were packed.
@@ -52,31 +54,23 @@ struct UploadOptions {
 
 class TrialUploader {
  public:
-  // Returns the next trial; nothing after the last one. Each trial needs an id.
-  using NextTrial = std::function<absl::StatusOr<std::optional<Trial>>()>;
-
   TrialUploader(TrainingClient* client, UploadOptions options);
 
-  // INVALID_RESPONSE if the server confirms bytes that it cannot have; else the
-  // server's error, or that of `next_trial`.
+  // Calls `next_trial` on another thread, never twice at once. Each trial needs
+  // an id. INVALID_RESPONSE if the server confirms bytes that it cannot have;
+  // else the server's error, or that of `next_trial`.
   absl::StatusOr<v1::FinishUploadResponse> Upload(
       const v1::CreateUploadRequest& request, const NextTrial& next_trial);
 
  private:
-  struct Chunk {
-    int64_t offset = 0;
-    std::string data;
-  };
-  class Packer;
-
   // Sends chunks in one call. On success all of them are confirmed.
-  absl::Status WriteOnce(Packer& packer);
+  absl::Status WriteOnce(TrialPacker& packer);
   // Asks how many bytes the server has, and forgets them.
   absl::Status AskCommitted();
   // The server has `committed` bytes. They may be more than this uploader has
   // sent, if the call of an earlier program still went on.
   absl::Status TakeCommitted(int64_t committed);
-  void Report(const Packer& packer, int64_t bytes) const;
+  void Report(const TrialPacker& packer, int64_t bytes) const;
 
   TrainingClient* const client_;
   const UploadOptions options_;
@@ -85,7 +79,7 @@ class TrialUploader {
   // Of the pack; what the server has.
   int64_t committed_ = 0;
   // Sent, but not confirmed: from `committed_` on, without gaps.
-  std::deque<Chunk> unconfirmed_;
+  std::deque<PackChunk> unconfirmed_;
 };
 
 }  // namespace tactus::client

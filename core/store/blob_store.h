@@ -46,6 +46,10 @@ class BlobStore {
     absl::Status Commit();
     // Number of blobs that did not exist before.
     size_t added() const { return drafts_.size(); }
+    // True if the blob did not exist when it was added.
+    bool HasDraft(const std::string& sha256) const {
+      return drafts_.contains(sha256);
+    }
 
    private:
     friend class BlobStore;

@@ -33,6 +33,9 @@ class AppendableFile {
   virtual ~AppendableFile() = default;
   virtual absl::Status Append(absl::string_view bytes) = 0;
   virtual absl::Status Sync() = 0;
+  // Frees the memory that caches what is on disk, for bytes that nobody will
+  // read soon. Their content does not change.
+  virtual void DropCache() {}
 };
 
 class FileSystem {

@@ -59,6 +59,10 @@ class PosixAppendableFile final : public AppendableFile {
   absl::Status Sync() override {
     return fdatasync(fd_.get()) == 0 ? absl::OkStatus() : ErrorOf(path_, errno);
   }
+  void DropCache() override {
+    // It is advice; nothing depends on it.
+    posix_fadvise(fd_.get(), 0, 0, POSIX_FADV_DONTNEED);
+  }
 
  private:
   const std::string path_;

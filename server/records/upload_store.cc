@@ -1,5 +1,6 @@
 #include "server/records/upload_store.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "absl/cleanup/cleanup.h"
@@ -9,18 +10,19 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
-#include "core/data/trial_record.h"
 #include "core/store/abandoned_uploads.h"
 #include "core/store/records.h"
 #include "server/names/resource_names.h"
 #include "server/records/audit_log.h"
-#include "server/records/pack_reader.h"
 #include "server/records/request_key.h"
 
 namespace tactus::server {
 namespace {
 
 constexpr char kCollection[] = "uploads";
+// Uploads whose drafts are kept between two calls.
+constexpr size_t kKeptTakers = 4;
+constexpr int64_t kReadBytes = 1024L * 1024;
 
 absl::StatusOr<v1::StoredUpload> Find(const Transaction& look,
                                       const ResourceName& name) {
@@ -31,21 +33,6 @@ absl::StatusOr<v1::StoredUpload> Find(const Transaction& look,
     return NoSuch(v1::ERROR_REASON_UPLOAD_NOT_FOUND, "upload", name.ToString());
   }
   return *std::move(found);
-}
-
-v1::TrialInfo InfoOf(const v1::TrialRecord& record, const std::string& sha256,
-                     size_t bytes) {
-  v1::TrialInfo info;
-  info.set_sha256(sha256);
-  info.set_bytes(static_cast<int64_t>(bytes));
-  info.set_id(record.id());
-  info.set_label(record.label());
-  info.set_condition(record.condition());
-  info.set_object(record.object());
-  info.set_material(record.material());
-  info.set_layout(record.geometry().layout());
-  info.set_frames(static_cast<uint32_t>(record.time_size()));
-  return info;
 }
 
 }  // namespace
@@ -153,12 +140,18 @@ absl::StatusOr<std::unique_ptr<UploadStore::Writer>> UploadStore::Write(
   if (size > committed) {
     TACTUS_RETURN_IF_ERROR(data_->files().Truncate(path, committed));
   }
+  writer->taker_ = TakeTaker(parsed.id, committed);
   writer->size_ = committed;
   writer->crc32c_ = writer->upload_.crc32c();
   return writer;
 }
 
-UploadStore::Writer::~Writer() { store_->Release(id_); }
+UploadStore::Writer::~Writer() {
+  if (taker_ != nullptr && taker_->size() == upload_.committed_size()) {
+    store_->KeepTaker(id_, std::move(taker_));
+  }
+  store_->Release(id_);
+}
 
 absl::Status UploadStore::Writer::Append(int64_t offset,
                                          absl::string_view chunk,
@@ -182,6 +175,8 @@ absl::Status UploadStore::Writer::Append(int64_t offset,
   TACTUS_RETURN_IF_ERROR(fault_);
   size_ += static_cast<int64_t>(chunk.size());
   crc32c_ = ExtendCrc32c(crc32c_, chunk);
+  // Finish reports what is wrong with a trial.
+  if (taker_ != nullptr && !taker_->Add(chunk).ok()) taker_.reset();
   return absl::OkStatus();
 }
 
@@ -191,6 +186,8 @@ absl::Status UploadStore::Writer::Commit() {
   // A second Sync would not report what the first could not write.
   fault_ = file_->Sync();
   TACTUS_RETURN_IF_ERROR(fault_);
+  // The taker has them.
+  if (taker_ != nullptr) file_->DropCache();
   DataDirectory* data = store_->data_;
   if (upload_.committed_size() == 0) {
     TACTUS_RETURN_IF_ERROR(data->files().SyncDirectory(data->UploadFolder()));
@@ -211,26 +208,61 @@ absl::Status UploadStore::Writer::Commit() {
   return absl::OkStatus();
 }
 
+std::unique_ptr<TrialTaker> UploadStore::TakeTaker(const std::string& id,
+                                                   int64_t size) {
+  if (size == 0) return std::make_unique<TrialTaker>(&data_->blobs());
+  const std::lock_guard lock(mutex_);
+  const auto kept =
+      std::find_if(takers_.begin(), takers_.end(),
+                   [&](const auto& taker) { return taker.first == id; });
+  if (kept == takers_.end()) return nullptr;
+  auto taker = std::move(kept->second);
+  takers_.erase(kept);
+  return taker->size() == size ? std::move(taker) : nullptr;
+}
+
+void UploadStore::KeepTaker(const std::string& id,
+                            std::unique_ptr<TrialTaker> taker) {
+  // Its drafts are removed without the lock.
+  std::unique_ptr<TrialTaker> oldest;
+  const std::lock_guard lock(mutex_);
+  takers_.emplace_back(id, std::move(taker));
+  if (takers_.size() > kKeptTakers) {
+    oldest = std::move(takers_.front().second);
+    takers_.pop_front();
+  }
+}
+
+absl::StatusOr<std::unique_ptr<TrialTaker>> UploadStore::ReadTrials(
+    const std::string& id, int64_t size) {
+  auto taker = std::make_unique<TrialTaker>(&data_->blobs());
+  const std::string path = data_->UploadPath(id);
+  while (taker->size() < size) {
+    TACTUS_ASSIGN_OR_RETURN(
+        const std::string bytes,
+        data_->files().Read(path, taker->size(),
+                            std::min(kReadBytes, size - taker->size())));
+    TACTUS_RETURN_IF_ERROR(taker->Add(bytes));
+  }
+  return taker;
+}
+
 absl::StatusOr<std::vector<v1::TrialInfo>> UploadStore::StoreTrials(
     const std::string& id, int64_t size, uint32_t* known) {
-  std::vector<v1::TrialInfo> trials;
-  BlobStore::Batch batch = data_->blobs().NewBatch();
-  PackReader pack(data_->files(), data_->UploadPath(id), size);
-  while (!pack.AtEnd()) {
-    TACTUS_ASSIGN_OR_RETURN(const std::string bytes, pack.Next());
-    v1::TrialRecord record;
-    if (!record.ParseFromString(bytes)) {
-      return InvalidTrial(absl::StrCat("trial number ", trials.size() + 1,
-                                       " is not a tactus.v1.TrialRecord"));
-    }
-    TACTUS_RETURN_IF_ERROR(FromRecord(record).status());
-    TACTUS_ASSIGN_OR_RETURN(const std::string sha256, batch.Add(bytes));
-    trials.push_back(InfoOf(record, sha256, bytes.size()));
+  auto taker = TakeTaker(id, size);
+  if (taker != nullptr) {
+    // Their blobs may have been deleted since.
+    TACTUS_ASSIGN_OR_RETURN(const bool exist, taker->BlobsExist());
+    TACTUS_ASSIGN_OR_RETURN(const int64_t stored,
+                            data_->files().Size(data_->UploadPath(id)));
+    if (!exist || stored < size) taker.reset();
   }
-  if (trials.empty()) return InvalidTrial("the upload has no trials");
-  *known = static_cast<uint32_t>(trials.size() - batch.added());
-  TACTUS_RETURN_IF_ERROR(batch.Commit());
-  return trials;
+  if (taker == nullptr) {
+    TACTUS_ASSIGN_OR_RETURN(taker, ReadTrials(id, size));
+  }
+  TACTUS_RETURN_IF_ERROR(taker->End());
+  TACTUS_RETURN_IF_ERROR(taker->Commit(known));
+  return taker->trials();
 }
 
 absl::StatusOr<v1::DatasetVersion> UploadStore::Finish(absl::string_view name,

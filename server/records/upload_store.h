@@ -14,21 +14,28 @@
 //   &known);
 //
 // Bytes behind the committed size are cut off when the next writer begins.
+// Trials are checked, and their blobs drafted, while they arrive. What a
+// restart or another upload made of that is lost; Finish then reads the trials
+// from the upload's file.
+//
 // Errors: INVALID_NAME, UPLOAD_NOT_FOUND, and those of storage. Thread-safe; a
 // writer belongs to one thread. What it is given must outlive it.
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "core/store/data_directory.h"
 #include "server/records/caller.h"
 #include "server/records/dataset_store.h"
+#include "server/records/trial_taker.h"
 #include "tactus/v1/storage.pb.h"
 #include "tactus/v1/training.pb.h"
 
@@ -60,6 +67,8 @@ class UploadStore {
     const std::string id_;
     v1::StoredUpload upload_;
     std::unique_ptr<AppendableFile> file_;
+    // Checks the trials while they arrive; null if bytes are missing.
+    std::unique_ptr<TrialTaker> taker_;
     int64_t size_ = 0;
     uint32_t crc32c_ = 0;
     // The error of storage after which nobody knows what the file holds behind
@@ -103,10 +112,17 @@ class UploadStore {
   void Release(const std::string& id);
   absl::Status Save(const v1::StoredUpload& upload);
   absl::Status RemoveStrayFiles();
+  // The trials of an upload's first `size` bytes as they arrived; null if they
+  // must be read from its file.
+  std::unique_ptr<TrialTaker> TakeTaker(const std::string& id, int64_t size);
+  // Keeps it until the next call, or a few others, have come.
+  void KeepTaker(const std::string& id, std::unique_ptr<TrialTaker> taker);
   // Makes a blob of each trial of the pack.
   absl::StatusOr<std::vector<v1::TrialInfo>> StoreTrials(const std::string& id,
                                                          int64_t size,
                                                          uint32_t* known);
+  absl::StatusOr<std::unique_ptr<TrialTaker>> ReadTrials(const std::string& id,
+                                                         int64_t size);
 
   DataDirectory* const data_;
   DatasetStore* const datasets_;
@@ -115,6 +131,8 @@ class UploadStore {
   std::mutex mutex_;
   // Uploads that someone writes to.
   std::set<std::string> held_;
+  // Of uploads that nobody holds, the one that was kept last at the end.
+  std::deque<std::pair<std::string, std::unique_ptr<TrialTaker>>> takers_;
 };
 
 }  // namespace tactus::server

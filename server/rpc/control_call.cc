@@ -35,19 +35,36 @@ void ControlCall::OnCalled(bool ok) {
   service_->Run(this);
 }
 
-void ControlCall::Work() { Finish(service_->Handle(method(), *this)); }
+void ControlCall::Work() {
+  const absl::Status status = service_->Handle(method(), *this);
+  {
+    const std::lock_guard lock(mutex_);
+    left_ = moving_;
+    // Finish ends the read, and its event is one more to come.
+    if (left_) ++in_flight_;
+  }
+  Finish(status);
+}
 
 void ControlCall::Finish(const absl::Status& status) {
   stream_.Finish(ToGrpcStatus(status), finish_done_.tag());
 }
 
-absl::Status ControlCall::Read(grpc::ByteBuffer* message, bool* more) {
+void ControlCall::StartRead() {
   {
     const std::lock_guard lock(mutex_);
     moving_ = true;
   }
-  stream_.Read(message, moved_.tag());
+  reading_ahead_ = true;
+  stream_.Read(&ahead_, moved_.tag());
+}
+
+absl::Status ControlCall::Read(grpc::ByteBuffer* message, bool* more) {
+  if (!reading_ahead_) StartRead();
   *more = AwaitMove();
+  reading_ahead_ = false;
+  message->Swap(&ahead_);
+  ahead_.Clear();
   if (*more) return absl::OkStatus();
   const std::lock_guard lock(mutex_);
   if (timed_out_) return StreamIdle(limits::kControlTimeoutMs);
@@ -85,10 +102,15 @@ bool ControlCall::IsCancelled() const {
 }
 
 void ControlCall::OnMoved(bool ok) {
-  const std::lock_guard lock(mutex_);
-  moving_ = false;
-  move_ok_ = ok;
-  changed_.notify_all();
+  bool left = false;
+  {
+    const std::lock_guard lock(mutex_);
+    moving_ = false;
+    move_ok_ = ok;
+    left = left_;
+    changed_.notify_all();
+  }
+  if (left) EndOperation();
 }
 
 void ControlCall::OnGone(bool) {

@@ -12,6 +12,7 @@
 // what both use. The call deletes itself after its last event.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <mutex>
 #include <string>
@@ -34,6 +35,9 @@ class ControlStream {
   // STREAM_IDLE if the client sends nothing for too long, WORK_CANCELLED if it
   // is gone.
   virtual absl::Status Read(grpc::ByteBuffer* message, bool* more) = 0;
+  // Begins to read the next message while the caller works on the last one. The
+  // next call must be Read, or the handler returns.
+  virtual void StartRead() = 0;
   // Waits until gRPC has taken the message.
   virtual absl::Status Write(const grpc::ByteBuffer& message) = 0;
   // The client is gone, or the server stops.
@@ -65,6 +69,7 @@ class ControlCall final : private ControlStream {
   ~ControlCall() = default;
 
   absl::Status Read(grpc::ByteBuffer* message, bool* more) override;
+  void StartRead() override;
   absl::Status Write(const grpc::ByteBuffer& message) override;
   bool IsCancelled() const override;
   const Caller& caller() const override { return caller_; }
@@ -91,14 +96,20 @@ class ControlCall final : private ControlStream {
   Caller caller_;
   // The service counts it.
   bool admitted_ = false;
-  // Events that are still to come; of the queue's thread.
-  int in_flight_ = 0;
+  // Events that are still to come, without that of a read or write for which
+  // the handler waits.
+  std::atomic<int> in_flight_ = 0;
+  // What StartRead reads; true until Read has taken it.
+  grpc::ByteBuffer ahead_;
+  bool reading_ahead_ = false;
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   // A read or write is in flight; its outcome.
   bool moving_ = false;
   bool move_ok_ = false;
+  // The handler has returned and left a read in flight.
+  bool left_ = false;
   bool timed_out_ = false;
   bool is_gone_ = false;
 };

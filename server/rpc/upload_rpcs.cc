@@ -25,6 +25,8 @@ absl::Status WriteUpload(TrainingBackend& backend, ControlStream& stream) {
     if (!request.upload().empty() && request.upload() != name) {
       return InvalidName(request.upload(), "the name in the first message");
     }
+    // The next chunk comes while this one is checked and written.
+    stream.StartRead();
     const absl::Status status = writer->Append(
         request.write_offset(), request.data(), request.crc32c());
     if (!status.ok()) {

@@ -10,6 +10,7 @@
 #include "client/training/training_client.h"
 #include "client/training/trial_downloader.h"
 #include "client/training/trial_pack.h"
+#include "client/training/trial_packer.h"
 #include "client/training/trial_uploader.h"
 #include "core/base/status_macros.h"
 #include "core/data/trial_file.h"
@@ -52,6 +53,18 @@ absl::Status TrainingClientExample() {
   TrainingClient client(MakeTrainingChannel("arm.lab:50051", {}));
   TACTUS_ASSIGN_OR_RETURN(const v1::Dataset dataset,
                           client.CreateDataset("datasets/arm", "first arm"));
+  return absl::OkStatus();
+}
+
+absl::Status TrialPackerExample(
+    const NextTrial& next_trial,
+    const std::function<void(int64_t, const std::string&)>& send) {
+  TrialPacker packer(next_trial, {.chunk_bytes = 1 << 20});
+  while (true) {
+    TACTUS_ASSIGN_OR_RETURN(const PackChunk chunk, packer.Next());
+    if (chunk.data.empty()) break;
+    send(chunk.offset, chunk.data);
+  }
   return absl::OkStatus();
 }
 

@@ -18,10 +18,10 @@
 #include "server/records/dataset_store.h"
 #include "server/records/model_store.h"
 #include "server/records/operation_store.h"
-#include "server/records/pack_reader.h"
 #include "server/records/paging.h"
 #include "server/records/quotas.h"
 #include "server/records/request_key.h"
+#include "server/records/trial_taker.h"
 #include "server/records/upload_store.h"
 #include "server/trainer/compare.h"
 #include "server/trainer/event_writer.h"
@@ -67,13 +67,12 @@ absl::Status PagingExample(const v1::ListDatasetsRequest& request) {
   return absl::OkStatus();
 }
 
-absl::Status PackReaderExample(FileSystem& files, const std::string& path,
-                               int64_t size) {
-  PackReader pack(files, path, size);
-  while (!pack.AtEnd()) {
-    TACTUS_ASSIGN_OR_RETURN(const std::string record, pack.Next());
-  }
-  return absl::OkStatus();
+absl::Status TrialTakerExample(BlobStore& blobs, absl::string_view chunk) {
+  TrialTaker taker(&blobs);
+  TACTUS_RETURN_IF_ERROR(taker.Add(chunk));
+  TACTUS_RETURN_IF_ERROR(taker.End());
+  uint32_t known = 0;
+  return taker.Commit(&known);
 }
 
 void DatasetStoreExample(DataDirectory* data, const NowMs& now,

@@ -40,7 +40,7 @@ inline std::string PackOf(const std::vector<Trial>& trials) {
 }
 
 // Returns one trial after another.
-inline TrialUploader::NextTrial From(const std::vector<Trial>& trials) {
+inline NextTrial From(const std::vector<Trial>& trials) {
   return [&trials,
           next = size_t{0}]() mutable -> absl::StatusOr<std::optional<Trial>> {
     if (next == trials.size()) return std::nullopt;

@@ -22,6 +22,7 @@ class TrialUploaderTest : public ::testing::Test {
     EXPECT_TRUE(client_.CreateDataset(kDataset, "").ok());
     options_.chunk_bytes = 64;
     options_.call_bytes = 256;
+    options_.ahead_bytes = 128;
     options_.retry = testing::NoWaits();
   }
 
@@ -78,7 +79,8 @@ TEST_F(TrialUploaderTest, TrialsAreTakenWhenTheyAreNeeded) {
           .Upload(request, [&]() -> absl::StatusOr<std::optional<Trial>> {
             // A call may have begun without the server's notice.
             const size_t calls = server_.write_calls() + 1;
-            EXPECT_LE(taken, calls * (options_.call_bytes + 64) + longest);
+            EXPECT_LE(taken, calls * (options_.call_bytes + 64) +
+                                 options_.ahead_bytes + 64 + longest);
             if (next == many.size()) return std::nullopt;
             taken += testing::PackOf({many[next]}).size();
             return many[next++];

@@ -209,6 +209,43 @@ TEST_F(UploadStoreTest, AnInvalidTrialIsNamed) {
   EXPECT_EQ(stores_->data->blobs().List()->size(), 0u);
 }
 
+// Blobs that existed when their trials came are gone when the upload is
+// finished.
+TEST_F(UploadStoreTest, BlobsMayBeDeletedDuringAnUpload) {
+  ASSERT_TRUE(stores_->datasets->Create("datasets/e", "", kCaller).ok());
+  ASSERT_TRUE(stores_->Upload(Pack(0, 4), false, "datasets/e").ok());
+  const std::string name = NewUpload();
+  ASSERT_TRUE(stores_->Write(name, pack_, 100).ok());
+  ASSERT_TRUE(stores_->datasets->Delete("datasets/e", kCaller).ok());
+  uint32_t known = 7;
+  const auto version =
+      stores_->uploads->Finish(name, static_cast<int64_t>(pack_.size()),
+                               ExtendCrc32c(0, pack_), kCaller, &known);
+  ASSERT_TRUE(version.ok()) << version.status();
+  EXPECT_EQ(known, 0u);
+  const auto trials = stores_->datasets->Trials(*version);
+  ASSERT_EQ(trials->size(), 6u);
+  for (const v1::TrialInfo& trial : *trials) {
+    EXPECT_TRUE(
+        stores_->data->blobs().Read(trial.sha256(), trial.bytes()).ok());
+  }
+}
+
+// The drafts of many uploads: those of the oldest are made again.
+TEST_F(UploadStoreTest, ManyUploadsWaitForTheirEnd) {
+  std::vector<std::pair<std::string, std::string>> uploads;
+  for (int i = 0; i < 7; ++i) {
+    uploads.emplace_back(NewUpload(), Pack(10 * i, 10 * i + 3));
+    ASSERT_TRUE(
+        stores_->Write(uploads.back().first, uploads.back().second, 50).ok());
+  }
+  for (const auto& [name, pack] : uploads) {
+    EXPECT_TRUE(stores_->Finish(name, pack).ok());
+  }
+  const auto latest = stores_->datasets->Versions(kDataset);
+  EXPECT_EQ(latest->front().trials() + latest->back().trials(), 3u + 21u);
+}
+
 // Half of a chunk was written: nothing may follow it.
 TEST_F(UploadStoreTest, AWriterEndsWithAnErrorOfTheDisk) {
   const std::string name = NewUpload();

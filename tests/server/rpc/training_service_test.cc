@@ -500,6 +500,32 @@ TEST(TrainingServiceTest, SilentCallsAreBounded) {
   EXPECT_TRUE(testing::Eventually([&] { return list().empty(); }));
 }
 
+// The server reads ahead while it works on a chunk. A refused chunk ends the
+// call all the same, although the client has more to send.
+TEST(TrainingServiceTest, ARefusedChunkEndsAnOpenCall) {
+  TrainingServer server;
+  server.Upload("datasets/arm", SmallPack());
+  v1::CreateUploadRequest create;
+  create.set_dataset("datasets/arm");
+  v1::CreateUploadResponse upload;
+  grpc::ClientContext create_context;
+  ASSERT_TRUE(
+      server.training().CreateUpload(&create_context, create, &upload).ok());
+  // More calls than may be open at once.
+  for (int i = 0; i < 2 * limits::kMaxControlCallsPerPeer; ++i) {
+    grpc::ClientContext context;
+    v1::WriteUploadResponse response;
+    const auto writer = server.training().WriteUpload(&context, &response);
+    v1::WriteUploadRequest chunk;
+    chunk.set_upload(upload.upload());
+    chunk.set_write_offset(3);
+    chunk.set_data("x");
+    ASSERT_TRUE(writer->Write(chunk));
+    EXPECT_EQ(ReasonOf(client::FromGrpcStatus(writer->Finish())),
+              "OFFSET_MISMATCH");
+  }
+}
+
 // An error names the trial and the field; the dataset stays as it was.
 TEST(TrainingServiceTest, ATrialThatIsNotValidIsNamed) {
   TrainingServer server;
