@@ -1,9 +1,30 @@
 # Helpers that keep the per-folder CMakeLists.txt to a few lines.
 
-# tactus_library(NAME SOURCES a.cc ... DEPS target ...)
+# The files of a library or a test are compiled together, several at once, which
+# halves a first build. So names in unnamed namespaces differ within a library.
+# OFF compiles each file alone: a change then compiles one file again.
+option(TACTUS_UNITY "Compile the files of a target together" ON)
+
+# tactus_unity(TARGET COUNT): compiles COUNT files of TARGET together.
+function(tactus_unity target count)
+  set_target_properties(${target} PROPERTIES
+    UNITY_BUILD ${TACTUS_UNITY} UNITY_BUILD_BATCH_SIZE ${count})
+  # Classes may have members of unnamed namespaces' types, each in its file.
+  target_compile_options(${target} PRIVATE
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+endfunction()
+
+# tactus_library(NAME SOURCES a.cc ... [APART b.cc ...] DEPS target ...)
+# APART: sources that are compiled alone, such as those that Highway includes
+# once for each instruction set.
 function(tactus_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
-  add_library(${name} STATIC ${ARG_SOURCES})
+  cmake_parse_arguments(ARG "" "" "SOURCES;APART;DEPS" ${ARGN})
+  add_library(${name} STATIC ${ARG_SOURCES} ${ARG_APART})
+  if(ARG_APART)
+    set_source_files_properties(${ARG_APART}
+      PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  endif()
+  tactus_unity(${name} 8)
   target_include_directories(${name}
     PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
   target_link_libraries(${name} PUBLIC ${ARG_DEPS})
@@ -35,8 +56,8 @@ function(tactus_test name)
   set_source_files_properties(
     ${PROJECT_SOURCE_DIR}/tests/support/allocation_counter.cc
     PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  tactus_unity(${name} 6)
   set_target_properties(${name} PROPERTIES
-    UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6
     RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   add_test(NAME ${name} COMMAND ${name})
   if(NOT ARG_TIMEOUT)

@@ -21,8 +21,8 @@ namespace tactus {
 namespace {
 
 // An array of NumPy may also be a single value or text.
-absl::StatusOr<ArrayFile> Numbers(const std::string& path,
-                                  absl::StatusOr<NpyArray> array) {
+absl::StatusOr<ArrayFile> NumbersOf(const std::string& path,
+                                    absl::StatusOr<NpyArray> array) {
   if (!array.ok()) return array.status();
   if (array->shape.empty() || !array->text.empty()) {
     return TrialFileInvalid(
@@ -201,10 +201,10 @@ ArrayFile ArrayFile::Slice(size_t index) const {
 absl::StatusOr<ArrayFile> ReadArrayFile(const std::string& path,
                                         const std::string& dataset) {
   if (absl::EndsWith(path, ".npy")) {
-    return Numbers(path, ReadNpy(path));
+    return NumbersOf(path, ReadNpy(path));
   }
   if (absl::EndsWith(path, ".npz")) {
-    return Numbers(path, ReadNpz(path, dataset));
+    return NumbersOf(path, ReadNpz(path, dataset));
   }
   if (absl::EndsWith(path, ".csv")) return ReadNumbersCsv(path);
   if (absl::EndsWith(path, ".h5") || absl::EndsWith(path, ".hdf5")) {

@@ -30,8 +30,8 @@ std::string Header(absl::string_view type, const std::vector<size_t>& shape) {
 }
 
 template <typename Value>
-std::string Numbers(absl::string_view type, const std::vector<size_t>& shape,
-                    std::span<const Value> values) {
+std::string NumbersNpy(absl::string_view type, const std::vector<size_t>& shape,
+                       std::span<const Value> values) {
   std::string bytes = Header(type, shape);
   bytes.append(reinterpret_cast<const char*>(values.data()),
                values.size_bytes());
@@ -78,17 +78,17 @@ std::string Texts(const std::vector<size_t>& shape,
 
 std::string NpyBytes(const std::vector<size_t>& shape,
                      std::span<const double> values) {
-  return Numbers("<f8", shape, values);
+  return NumbersNpy("<f8", shape, values);
 }
 
 std::string NpyBytes(const std::vector<size_t>& shape,
                      std::span<const float> values) {
-  return Numbers("<f4", shape, values);
+  return NumbersNpy("<f4", shape, values);
 }
 
 std::string NpyBytes(const std::vector<size_t>& shape,
                      std::span<const uint16_t> values) {
-  return Numbers("<u2", shape, values);
+  return NumbersNpy("<u2", shape, values);
 }
 
 std::string NpyText(const std::vector<std::string>& texts) {

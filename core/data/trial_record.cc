@@ -23,9 +23,9 @@ constexpr size_t kPoseNumbers = 7;
 constexpr char kPath[] = "record";
 
 // Makes errors that name the trial and the field.
-class Complaint {
+class RecordComplaint {
  public:
-  explicit Complaint(const std::string& id) : id_(id) {}
+  explicit RecordComplaint(const std::string& id) : id_(id) {}
 
   template <typename... Parts>
   absl::Status operator()(absl::string_view field, const Parts&... text) const {
@@ -55,7 +55,7 @@ v1::SensorGeometry GeometryOf(const Trial& trial) {
 }
 
 absl::Status TakeGeometry(const v1::SensorGeometry& geometry,
-                          const Complaint& complain, Trial* trial) {
+                          const RecordComplaint& complain, Trial* trial) {
   const auto layout = LayoutFromProto(geometry);
   if (!layout.ok()) return complain("geometry", layout.status().message());
   const std::string unit = UnitText(layout->unit);
@@ -69,8 +69,8 @@ absl::Status TakeGeometry(const v1::SensorGeometry& geometry,
   return absl::OkStatus();
 }
 
-absl::Status TakeUnit(const v1::TrialRecord& record, const Complaint& complain,
-                      Trial* trial) {
+absl::Status TakeUnit(const v1::TrialRecord& record,
+                      const RecordComplaint& complain, Trial* trial) {
   switch (record.unit()) {
     case v1::TAXEL_UNIT_NEWTON:
       trial->unit = "newton";
@@ -88,14 +88,14 @@ absl::Status TakeUnit(const v1::TrialRecord& record, const Complaint& complain,
 // An array of `per_frame` numbers a frame, or an empty one.
 absl::Status CheckLength(absl::string_view field, size_t length,
                          size_t per_frame, size_t frames,
-                         const Complaint& complain) {
+                         const RecordComplaint& complain) {
   if (length == 0 || length == per_frame * frames) return absl::OkStatus();
   return complain(field, "has ", length, " numbers; it must have ", per_frame,
                   " per time, ", per_frame * frames);
 }
 
 absl::Status CheckShapes(const v1::TrialRecord& record,
-                         const Complaint& complain) {
+                         const RecordComplaint& complain) {
   const size_t frames = record.time_size();
   if (frames == 0 || frames > limits::kMaxFramesPerTrial) {
     return complain("time", "has ", frames, " entries; it must have 1 to ",
@@ -110,7 +110,7 @@ absl::Status CheckShapes(const v1::TrialRecord& record,
 }
 
 absl::Status TakeTaxels(const v1::TrialRecord& record,
-                        const Complaint& complain, Trial* trial) {
+                        const RecordComplaint& complain, Trial* trial) {
   if (record.taxels().empty()) {
     if (record.has_geometry()) {
       return complain("geometry", "is given without taxels");
@@ -216,7 +216,7 @@ absl::StatusOr<Trial> FromRecord(const v1::TrialRecord& record) {
     return InvalidTrial(
         absl::StrCat("trial ", Quoted(record.id()), ": id: ", fault));
   }
-  const Complaint complain(record.id());
+  const RecordComplaint complain(record.id());
   TACTUS_RETURN_IF_ERROR(CheckShapes(record, complain));
   Trial trial;
   trial.id = record.id();

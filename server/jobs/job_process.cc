@@ -23,7 +23,7 @@ constexpr int kNiceness = 10;
 constexpr size_t kLengthBytes = 4;
 constexpr size_t kReadBytes = 64 * 1024;
 // How often a process that closed its output is asked whether it has ended.
-constexpr std::chrono::milliseconds kPoll(2);
+constexpr std::chrono::milliseconds kEndPoll(2);
 
 // In the child, between fork and exec: only calls that are safe there. Exits
 // with 127, as a shell does, if the program cannot be run.
@@ -154,7 +154,7 @@ JobProcess::End JobProcess::Wait(std::chrono::milliseconds patience) {
       Terminate(true);
       killed = true;
     } else {
-      std::this_thread::sleep_for(kPoll);
+      std::this_thread::sleep_for(kEndPoll);
     }
   }
   pid_ = -1;

@@ -9,6 +9,8 @@
 
 namespace tactus::server {
 
+inline constexpr int64_t kNsPerMs = 1'000'000;
+
 // Nanoseconds since some fixed point; never goes back.
 inline int64_t MonotonicNs() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(

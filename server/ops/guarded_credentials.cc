@@ -29,9 +29,9 @@ constexpr size_t kMostFreeBytes = 16 * 1024 * 1024;
 constexpr char kUnknown[] = "the server has no such service";
 // The services whose calls our threads request.
 constexpr absl::string_view kRequested[] = {
-    "/tactus.v1.ContactService/", "/grpc.health.v1.Health/",
+    "/tactus.v1.ContactService/",  "/grpc.health.v1.Health/",
     "/tactus.v1.TrainingService/", "/tactus.v1.OperationService/",
-    "/tactus.v1.ModelService/", "/tactus.v1.AdminService/"};
+    "/tactus.v1.ModelService/",    "/tactus.v1.AdminService/"};
 
 // Calls of unknown services end here too: gRPC would queue them first.
 grpc_status_code Admit(absl::string_view path, const Guards& guards) {

@@ -24,7 +24,7 @@
 namespace tactus::server {
 namespace {
 
-constexpr char kCollection[] = "datasets";
+constexpr char kDatasets[] = "datasets";
 // A manifest of a million trials.
 constexpr int64_t kMaxManifestBytes = 65L * 1'000'000;
 
@@ -32,8 +32,8 @@ absl::Status NotFound(absl::string_view name) {
   return NoSuch(v1::ERROR_REASON_DATASET_NOT_FOUND, "dataset", name);
 }
 
-absl::StatusOr<v1::Dataset> Find(const Transaction& look,
-                                 const ResourceName& name) {
+absl::StatusOr<v1::Dataset> FindDataset(const Transaction& look,
+                                        const ResourceName& name) {
   TACTUS_ASSIGN_OR_RETURN(
       auto found, GetRecord<v1::Dataset>(look, Table::kDatasets, name.id));
   if (!found.has_value()) return NotFound(name.Parent());
@@ -43,7 +43,7 @@ absl::StatusOr<v1::Dataset> Find(const Transaction& look,
 absl::StatusOr<v1::DatasetVersion> FindVersion(const Transaction& look,
                                                ResourceName name) {
   if (name.version == 0) {
-    TACTUS_ASSIGN_OR_RETURN(const v1::Dataset dataset, Find(look, name));
+    TACTUS_ASSIGN_OR_RETURN(const v1::Dataset dataset, FindDataset(look, name));
     name.version = dataset.latest_version();
     if (name.version == 0) {
       return NoSuch(v1::ERROR_REASON_DATASET_NOT_FOUND, "dataset version",
@@ -98,7 +98,7 @@ absl::StatusOr<v1::Dataset> DatasetStore::Create(absl::string_view name,
                                                  absl::string_view description,
                                                  const Caller& caller) {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
-                          ParseName(name, kCollection));
+                          ParseName(name, kDatasets));
   if (parsed.version != 0) return InvalidName(name, "datasets/ID");
   if (const std::string fault =
           TextFault(description, limits::kMaxDescriptionBytes);
@@ -125,11 +125,11 @@ absl::StatusOr<v1::Dataset> DatasetStore::Create(absl::string_view name,
 
 absl::StatusOr<v1::Dataset> DatasetStore::Get(absl::string_view name) const {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
-                          ParseName(name, kCollection));
+                          ParseName(name, kDatasets));
   v1::Dataset dataset;
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Look([&](const Transaction& look) -> absl::Status {
-        TACTUS_ASSIGN_OR_RETURN(dataset, Find(look, parsed));
+        TACTUS_ASSIGN_OR_RETURN(dataset, FindDataset(look, parsed));
         return absl::OkStatus();
       }));
   return dataset;
@@ -149,7 +149,7 @@ absl::StatusOr<Page<v1::Dataset>> DatasetStore::List(
       }));
   if (static_cast<int>(page.items.size()) > page_size) {
     page.items.pop_back();
-    page.next_token = page.items.back().name().substr(sizeof kCollection);
+    page.next_token = page.items.back().name().substr(sizeof kDatasets);
   }
   return page;
 }
@@ -157,11 +157,11 @@ absl::StatusOr<Page<v1::Dataset>> DatasetStore::List(
 absl::StatusOr<std::vector<v1::DatasetVersion>> DatasetStore::Versions(
     absl::string_view name) const {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
-                          ParseName(name, kCollection));
+                          ParseName(name, kDatasets));
   std::vector<v1::DatasetVersion> versions;
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Look([&](const Transaction& look) -> absl::Status {
-        TACTUS_RETURN_IF_ERROR(Find(look, parsed).status());
+        TACTUS_RETURN_IF_ERROR(FindDataset(look, parsed).status());
         TACTUS_ASSIGN_OR_RETURN(versions, ScanRecords<v1::DatasetVersion>(
                                               look, Table::kDatasetVersions,
                                               {.prefix = parsed.id + "/"}));
@@ -173,7 +173,7 @@ absl::StatusOr<std::vector<v1::DatasetVersion>> DatasetStore::Versions(
 absl::StatusOr<v1::DatasetVersion> DatasetStore::Version(
     absl::string_view name) const {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
-                          ParseName(name, kCollection));
+                          ParseName(name, kDatasets));
   v1::DatasetVersion version;
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Look([&](const Transaction& look) -> absl::Status {
@@ -278,7 +278,7 @@ absl::StatusOr<v1::DatasetVersion> DatasetStore::AddVersion(
 
   dataset.set_latest_version(number);
   TACTUS_ASSIGN_OR_RETURN(const ResourceName key,
-                          ParseVersionName(version.name(), kCollection));
+                          ParseVersionName(version.name(), kDatasets));
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Change([&](Transaction& change) -> absl::Status {
         for (const v1::TrialInfo& trial : uploaded) {
@@ -299,7 +299,7 @@ absl::StatusOr<uint32_t> DatasetStore::Delete(absl::string_view name,
                                               const Caller& caller) {
   const std::lock_guard lock(mutex_);
   TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
-                          ParseName(name, kCollection));
+                          ParseName(name, kDatasets));
   if (parsed.version != 0) return InvalidName(name, "datasets/ID");
   TACTUS_ASSIGN_OR_RETURN(const auto versions, Versions(name));
   std::set<std::string> unused;
@@ -324,27 +324,27 @@ absl::StatusOr<uint32_t> DatasetStore::Delete(absl::string_view name,
     TACTUS_ASSIGN_OR_RETURN(const auto manifest, Manifest(other));
     for (const std::string& sha256 : manifest) unused.erase(sha256);
   }
-  TACTUS_RETURN_IF_ERROR(data_->catalog().Change([&](Transaction& change)
-                                                     -> absl::Status {
-    TACTUS_RETURN_IF_ERROR(CheckUnused(change, parsed.Parent()));
-    for (const v1::DatasetVersion& version : versions) {
-      TACTUS_ASSIGN_OR_RETURN(const ResourceName key,
-                              ParseVersionName(version.name(), kCollection));
-      TACTUS_RETURN_IF_ERROR(
-          change.Erase(Table::kDatasetVersions, CatalogKey(key)));
-    }
-    for (const std::string& sha256 : unused) {
-      TACTUS_RETURN_IF_ERROR(change.Erase(Table::kTrials, sha256));
-    }
-    TACTUS_RETURN_IF_ERROR(change.Erase(Table::kDatasets, parsed.id));
-    if (!versions.empty()) {
-      TACTUS_ASSIGN_OR_RETURN(const ResourceName last,
-                              ParseName(versions.back().name(), kCollection));
-      TACTUS_RETURN_IF_ERROR(change.Put(Table::kNumbers, parsed.Parent(),
-                                        NumberKey(last.version)));
-    }
-    return Audit(change, caller, now_(), "delete", parsed.Parent());
-  }));
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Change([&](Transaction& change) -> absl::Status {
+        TACTUS_RETURN_IF_ERROR(CheckUnused(change, parsed.Parent()));
+        for (const v1::DatasetVersion& version : versions) {
+          TACTUS_ASSIGN_OR_RETURN(const ResourceName key,
+                                  ParseVersionName(version.name(), kDatasets));
+          TACTUS_RETURN_IF_ERROR(
+              change.Erase(Table::kDatasetVersions, CatalogKey(key)));
+        }
+        for (const std::string& sha256 : unused) {
+          TACTUS_RETURN_IF_ERROR(change.Erase(Table::kTrials, sha256));
+        }
+        TACTUS_RETURN_IF_ERROR(change.Erase(Table::kDatasets, parsed.id));
+        if (!versions.empty()) {
+          TACTUS_ASSIGN_OR_RETURN(const ResourceName last,
+                                  ParseName(versions.back().name(), kDatasets));
+          TACTUS_RETURN_IF_ERROR(change.Put(Table::kNumbers, parsed.Parent(),
+                                            NumberKey(last.version)));
+        }
+        return Audit(change, caller, now_(), "delete", parsed.Parent());
+      }));
   // A blob that stays behind costs room, nothing else: the dataset is deleted.
   for (const std::string& sha256 : unused) {
     data_->blobs().Remove(sha256).IgnoreError();

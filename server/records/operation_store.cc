@@ -17,7 +17,7 @@ namespace {
 
 using v1::Operation;
 
-constexpr char kCollection[] = "operations";
+constexpr char kOperations[] = "operations";
 
 absl::StatusOr<Operation> FindByName(const Transaction& look,
                                      const ResourceName& name) {
@@ -88,7 +88,7 @@ absl::Status OperationStore::Restore() {
         continue;
       }
       TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
-                              ParseName(operation.name(), kCollection));
+                              ParseName(operation.name(), kOperations));
       TACTUS_RETURN_IF_ERROR(
           PutRecord(change, Table::kOperations, CatalogKey(name), operation));
     }
@@ -125,7 +125,7 @@ absl::StatusOr<bool> OperationStore::CreateIn(Transaction& change,
   }
   TACTUS_ASSIGN_OR_RETURN(const uint64_t number,
                           NextNumber(change, Table::kOperations));
-  operation->set_name(absl::StrCat(kCollection, "/", number));
+  operation->set_name(absl::StrCat(kOperations, "/", number));
   operation->set_create_time_ms(now_());
   operation->set_requester(caller.name);
   const std::string key = NumberKey(number);
@@ -153,7 +153,7 @@ absl::StatusOr<std::optional<Operation>> OperationStore::Find(
 
 absl::StatusOr<Operation> OperationStore::Get(absl::string_view name) const {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
-                          ParseName(name, kCollection));
+                          ParseName(name, kOperations));
   Operation operation;
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Look([&](const Transaction& look) -> absl::Status {
@@ -187,7 +187,7 @@ absl::StatusOr<Page<Operation>> OperationStore::List(
           if (static_cast<int>(page.items.size()) == page_size) {
             TACTUS_ASSIGN_OR_RETURN(
                 const ResourceName last,
-                ParseName(page.items.back().name(), kCollection));
+                ParseName(page.items.back().name(), kOperations));
             page.next_token = CatalogKey(last);
             break;
           }
@@ -217,7 +217,7 @@ absl::StatusOr<std::vector<std::string>> OperationStore::InState(
 absl::StatusOr<std::vector<v1::LearningPoint>> OperationStore::Points(
     absl::string_view name) const {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
-                          ParseName(name, kCollection));
+                          ParseName(name, kOperations));
   std::vector<v1::LearningPoint> points;
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Look([&](const Transaction& look) -> absl::Status {
@@ -232,7 +232,7 @@ absl::StatusOr<Operation> OperationStore::Change(
     absl::string_view name,
     absl::FunctionRef<absl::Status(Operation&)> change) {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
-                          ParseName(name, kCollection));
+                          ParseName(name, kOperations));
   Operation operation;
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Change([&](Transaction& transaction) -> absl::Status {
@@ -248,7 +248,7 @@ absl::StatusOr<Operation> OperationStore::Change(
 absl::Status OperationStore::AddPoints(
     absl::string_view name, const std::vector<v1::LearningPoint>& points) {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
-                          ParseName(name, kCollection));
+                          ParseName(name, kOperations));
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Change([&](Transaction& change) -> absl::Status {
         TACTUS_ASSIGN_OR_RETURN(auto known, PointsOf(change, parsed));
@@ -268,7 +268,7 @@ absl::Status OperationStore::AddPoints(
 absl::Status OperationStore::SaveLog(absl::string_view name,
                                      const v1::StoredLog& log) {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
-                          ParseName(name, kCollection));
+                          ParseName(name, kOperations));
   return data_->catalog().Change([&](Transaction& change) {
     return PutRecord(change, Table::kJobLogs, CatalogKey(parsed), log);
   });
@@ -277,7 +277,7 @@ absl::Status OperationStore::SaveLog(absl::string_view name,
 absl::StatusOr<std::optional<v1::StoredLog>> OperationStore::SavedLog(
     absl::string_view name) const {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
-                          ParseName(name, kCollection));
+                          ParseName(name, kOperations));
   std::optional<v1::StoredLog> log;
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Look([&](const Transaction& look) -> absl::Status {
@@ -321,7 +321,7 @@ void OperationStore::Wake(const std::string& name) {
 absl::StatusOr<OperationStore::Update> OperationStore::WaitForChange(
     absl::string_view name, Cursor* cursor,
     std::chrono::milliseconds timeout) const {
-  TACTUS_RETURN_IF_ERROR(ParseName(name, kCollection).status());
+  TACTUS_RETURN_IF_ERROR(ParseName(name, kOperations).status());
   {
     std::unique_lock lock(mutex_);
     const auto changes = [&] {

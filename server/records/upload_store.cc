@@ -19,13 +19,13 @@
 namespace tactus::server {
 namespace {
 
-constexpr char kCollection[] = "uploads";
+constexpr char kUploads[] = "uploads";
 // Uploads whose drafts are kept between two calls.
 constexpr size_t kKeptTakers = 4;
 constexpr int64_t kReadBytes = 1024L * 1024;
 
-absl::StatusOr<v1::StoredUpload> Find(const Transaction& look,
-                                      const ResourceName& name) {
+absl::StatusOr<v1::StoredUpload> FindUpload(const Transaction& look,
+                                            const ResourceName& name) {
   TACTUS_ASSIGN_OR_RETURN(
       auto found,
       GetRecord<v1::StoredUpload>(look, Table::kUploads, CatalogKey(name)));
@@ -65,7 +65,7 @@ absl::StatusOr<v1::StoredUpload> UploadStore::Create(
     }
     TACTUS_RETURN_IF_ERROR(CheckStoredBytes(change, quotas_, caller.name, 1));
     TACTUS_ASSIGN_OR_RETURN(const uint64_t number, NextUpload(change));
-    upload.set_name(absl::StrCat(kCollection, "/", number));
+    upload.set_name(absl::StrCat(kUploads, "/", number));
     upload.set_dataset(target.name());
     upload.set_replace(replace);
     upload.set_create_time_ms(now_());
@@ -82,12 +82,11 @@ absl::StatusOr<v1::StoredUpload> UploadStore::Create(
 
 absl::StatusOr<v1::StoredUpload> UploadStore::Get(
     absl::string_view name) const {
-  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
-                          ParseName(name, kCollection));
+  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed, ParseName(name, kUploads));
   v1::StoredUpload upload;
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Look([&](const Transaction& look) -> absl::Status {
-        TACTUS_ASSIGN_OR_RETURN(upload, Find(look, parsed));
+        TACTUS_ASSIGN_OR_RETURN(upload, FindUpload(look, parsed));
         return absl::OkStatus();
       }));
   return upload;
@@ -96,7 +95,7 @@ absl::StatusOr<v1::StoredUpload> UploadStore::Get(
 absl::Status UploadStore::Hold(const std::string& id) {
   const std::lock_guard lock(mutex_);
   if (!held_.insert(id).second) {
-    return UploadBusy(absl::StrCat(kCollection, "/", id));
+    return UploadBusy(absl::StrCat(kUploads, "/", id));
   }
   return absl::OkStatus();
 }
@@ -108,9 +107,10 @@ void UploadStore::Release(const std::string& id) {
 
 absl::Status UploadStore::Save(const v1::StoredUpload& upload) {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
-                          ParseName(upload.name(), kCollection));
+                          ParseName(upload.name(), kUploads));
   return data_->catalog().Change([&](Transaction& change) -> absl::Status {
-    TACTUS_ASSIGN_OR_RETURN(const v1::StoredUpload old, Find(change, name));
+    TACTUS_ASSIGN_OR_RETURN(const v1::StoredUpload old,
+                            FindUpload(change, name));
     TACTUS_RETURN_IF_ERROR(
         CheckStoredBytes(change, quotas_, upload.requester(),
                          upload.committed_size() - old.committed_size()));
@@ -120,8 +120,7 @@ absl::Status UploadStore::Save(const v1::StoredUpload& upload) {
 
 absl::StatusOr<std::unique_ptr<UploadStore::Writer>> UploadStore::Write(
     absl::string_view name) {
-  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
-                          ParseName(name, kCollection));
+  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed, ParseName(name, kUploads));
   TACTUS_RETURN_IF_ERROR(Hold(parsed.id));
   // Releases the upload when it is destroyed.
   std::unique_ptr<Writer> writer(new Writer(this, parsed.id));
@@ -271,8 +270,7 @@ absl::StatusOr<v1::DatasetVersion> UploadStore::Finish(absl::string_view name,
                                                        const Caller& caller,
                                                        uint32_t* known) {
   *known = 0;
-  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
-                          ParseName(name, kCollection));
+  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed, ParseName(name, kUploads));
   TACTUS_RETURN_IF_ERROR(Hold(parsed.id));
   const auto release = absl::MakeCleanup([&] { Release(parsed.id); });
   TACTUS_ASSIGN_OR_RETURN(v1::StoredUpload upload, Get(name));
@@ -322,9 +320,9 @@ absl::StatusOr<int> UploadStore::RemoveAbandoned() {
     TACTUS_RETURN_IF_ERROR(
         data_->catalog().Change([&](Transaction& change) -> absl::Status {
           TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
-                                  ParseName(found.name(), kCollection));
+                                  ParseName(found.name(), kUploads));
           TACTUS_ASSIGN_OR_RETURN(const v1::StoredUpload upload,
-                                  Find(change, name));
+                                  FindUpload(change, name));
           gone = IsAbandoned(upload, now);
           return gone ? RemoveUpload(change, upload, "tactusd", now)
                       : absl::OkStatus();
@@ -341,7 +339,7 @@ absl::Status UploadStore::RemoveStrayFiles() {
   TACTUS_ASSIGN_OR_RETURN(const auto files,
                           data_->files().List(data_->UploadFolder()));
   for (const std::string& file : files) {
-    const auto upload = Get(absl::StrCat(kCollection, "/", file));
+    const auto upload = Get(absl::StrCat(kUploads, "/", file));
     // A finished upload's file could not be removed when it was finished.
     const bool stray = upload.ok() ? !upload->dataset_version().empty()
                                    : absl::IsNotFound(upload.status());

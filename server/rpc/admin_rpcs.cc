@@ -15,8 +15,7 @@
 namespace tactus::server {
 namespace {
 
-constexpr char kService[] = "/tactus.v1.AdminService/";
-constexpr int64_t kNsPerMs = 1'000'000;
+constexpr char kAdminService[] = "/tactus.v1.AdminService/";
 
 // What the catalogue and the disk say.
 absl::Status DescribeData(TrainingBackend& backend,
@@ -74,7 +73,7 @@ absl::Status Drain(const AdminOptions& options, ControlStream& stream) {
 }  // namespace
 
 void AddAdminRpcs(const AdminOptions& options, ControlService& control) {
-  const std::string service = kService;
+  const std::string service = kAdminService;
   const int64_t start_ms = SystemNowMs();
   const int64_t start_ns = MonotonicNs();
   control.Add(

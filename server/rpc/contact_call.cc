@@ -12,12 +12,6 @@
 #include "spdlog/spdlog.h"
 
 namespace tactus::server {
-namespace {
-
-constexpr int64_t kNsPerMs = 1'000'000;
-
-}  // namespace
-
 ContactCall::ContactCall(RawContactService* service, CallQueue* queue,
                          Delegate* delegate)
     : service_(service), delegate_(delegate), call_(queue) {

@@ -14,7 +14,7 @@
 namespace tactus::server {
 namespace {
 
-constexpr char kService[] = "/tactus.v1.TrainingService/";
+constexpr char kDatasetService[] = "/tactus.v1.TrainingService/";
 
 template <typename Message>
 void SetPage(Page<typename Message::value_type>&& page, Message* items,
@@ -100,7 +100,8 @@ absl::StatusOr<v1::ListTrialsResponse> ListTrials(
 void AddDatasetRpcs(TrainingBackend* backend, ControlService& control) {
   const auto add = [&](const std::string& method, Role role,
                        ControlService::Handler handler) {
-    AddRpc(backend, control, kService + method, role, std::move(handler));
+    AddRpc(backend, control, kDatasetService + method, role,
+           std::move(handler));
   };
   add("CreateDataset", Role::kTrainer,
       Unary<v1::CreateDatasetRequest, v1::CreateDatasetResponse>(

@@ -11,7 +11,7 @@
 namespace tactus::server {
 namespace {
 
-constexpr char kService[] = "/tactus.v1.ModelService/";
+constexpr char kModelService[] = "/tactus.v1.ModelService/";
 
 absl::Status ExportModel(TrainingBackend& backend,
                          const v1::ExportModelRequest& request,
@@ -99,7 +99,7 @@ absl::StatusOr<v1::PromoteModelResponse> PromoteModel(
 void AddVersions(TrainingBackend* backend, ControlService& control) {
   const auto add = [&](const std::string& method, Role role,
                        ControlService::Handler handler) {
-    AddRpc(backend, control, kService + method, role, std::move(handler));
+    AddRpc(backend, control, kModelService + method, role, std::move(handler));
   };
   add("ListModelVersions", Role::kRobot,
       Unary<v1::ListModelVersionsRequest, v1::ListModelVersionsResponse>(
@@ -146,7 +146,7 @@ void AddVersions(TrainingBackend* backend, ControlService& control) {
 void AddAliases(TrainingBackend* backend, ControlService& control) {
   const auto add = [&](const std::string& method, Role role,
                        ControlService::Handler handler) {
-    AddRpc(backend, control, kService + method, role, std::move(handler));
+    AddRpc(backend, control, kModelService + method, role, std::move(handler));
   };
   add("ListAliases", Role::kRobot,
       Unary<v1::ListAliasesRequest, v1::ListAliasesResponse>(

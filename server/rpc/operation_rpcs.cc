@@ -14,7 +14,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr char kService[] = "/tactus.v1.OperationService/";
+constexpr char kOperationService[] = "/tactus.v1.OperationService/";
 constexpr int64_t kDefaultWaitMs = 30'000;
 constexpr int64_t kMaxWaitMs = 60'000;
 // How long a wait goes on before it looks whether its client is still there.
@@ -82,7 +82,7 @@ absl::Status ReadLog(TrainingBackend& backend,
 void AddOperationRpcs(TrainingBackend* backend, ControlService& control) {
   const auto add = [&](const std::string& method,
                        ControlService::Handler handler) {
-    AddRpc(backend, control, kService + method, Role::kTrainer,
+    AddRpc(backend, control, kOperationService + method, Role::kTrainer,
            std::move(handler));
   };
   add("GetOperation",

@@ -16,7 +16,7 @@
 namespace tactus::server {
 namespace {
 
-constexpr char kService[] = "/tactus.v1.TrainingService/";
+constexpr char kTrainingService[] = "/tactus.v1.TrainingService/";
 
 absl::Status CheckTrainSpec(TrainingBackend& backend,
                             const v1::TrainSpec& spec) {
@@ -53,7 +53,8 @@ void Pin(TrainingBackend& backend, std::string* dataset_version) {
 
 void AddJobs(TrainingBackend* backend, ControlService& control) {
   AddRpc(
-      backend, control, absl::StrCat(kService, "TrainModel"), Role::kTrainer,
+      backend, control, absl::StrCat(kTrainingService, "TrainModel"),
+      Role::kTrainer,
       Unary<v1::TrainModelRequest, v1::TrainModelResponse>(
           [=](const auto& request,
               const Caller& caller) -> absl::StatusOr<v1::TrainModelResponse> {
@@ -71,7 +72,8 @@ void AddJobs(TrainingBackend* backend, ControlService& control) {
             return response;
           }));
   AddRpc(
-      backend, control, absl::StrCat(kService, "EvaluateModel"), Role::kTrainer,
+      backend, control, absl::StrCat(kTrainingService, "EvaluateModel"),
+      Role::kTrainer,
       Unary<v1::EvaluateModelRequest, v1::EvaluateModelResponse>(
           [=](const auto& request, const Caller& caller)
               -> absl::StatusOr<v1::EvaluateModelResponse> {

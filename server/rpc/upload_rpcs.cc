@@ -10,7 +10,7 @@
 namespace tactus::server {
 namespace {
 
-constexpr char kService[] = "/tactus.v1.TrainingService/";
+constexpr char kUploadService[] = "/tactus.v1.TrainingService/";
 // Bytes of an upload between two commits.
 constexpr int64_t kCommitBytes = 64L * 1024 * 1024;
 
@@ -54,7 +54,7 @@ absl::Status WriteUpload(TrainingBackend& backend, ControlStream& stream) {
 void AddUploadRpcs(TrainingBackend* backend, ControlService& control) {
   const auto add = [&](const std::string& method,
                        ControlService::Handler handler) {
-    AddRpc(backend, control, kService + method, Role::kTrainer,
+    AddRpc(backend, control, kUploadService + method, Role::kTrainer,
            std::move(handler));
   };
   add("CreateUpload",

@@ -21,13 +21,13 @@ constexpr uint32_t Tag(int field) {
 
 constexpr uint32_t kConfigTag =
     Tag(v1::ClassifyTrialRequest::kConfigFieldNumber);
-constexpr uint32_t kFramesTag =
+constexpr uint32_t kTrialFramesTag =
     Tag(v1::ClassifyTrialRequest::kFramesFieldNumber);
 
 // A part's bytes are also a ClassifyContactRequest with this one field.
 static_assert(kConfigTag ==
                   Tag(v1::ClassifyContactRequest::kConfigFieldNumber) &&
-              kFramesTag ==
+              kTrialFramesTag ==
                   Tag(v1::ClassifyContactRequest::kFramesFieldNumber));
 
 }  // namespace
@@ -63,7 +63,7 @@ void TrialSession::TakePart(v1::ClassifyContactRequest* request) {
   const int size = rest.CurrentPosition();
   position_ += size;
   // Fields of a newer contract are ignored, as protobuf does.
-  if (tag != kConfigTag && tag != kFramesTag) return;
+  if (tag != kConfigTag && tag != kTrialFramesTag) return;
   google::protobuf::io::ArrayInputStream part(begin, size);
   session_.OnMessage(&part, size, request).IgnoreError();
 }

@@ -12,7 +12,7 @@
 namespace tactus::client {
 namespace {
 
-constexpr int kWidth = 1400;
+constexpr int kBarWidth = 1400;
 // Of one section: its name, its axes, the names of its groups.
 constexpr int kSectionHeight = 330;
 constexpr double kNameHeight = 44;
@@ -137,7 +137,7 @@ absl::StatusOr<GnuplotScript> ScriptOf(const BarChart& chart) {
   }
   const int sections = static_cast<int>(chart.sections.size());
   const int heading_height = heading.subtitle.empty() ? 130 : 170;
-  GnuplotScript script(kWidth, heading_height + sections * kSectionHeight);
+  GnuplotScript script(kBarWidth, heading_height + sections * kSectionHeight);
   const Box area = AddHeading(heading, script, {.bottom = 8});
   Axis y = chart.y;
   y.low = 0;

@@ -12,8 +12,8 @@
 namespace tactus::client {
 namespace {
 
-constexpr int kWidth = 1120;
-constexpr int kHeight = 800;
+constexpr int kLineWidth = 1120;
+constexpr int kLineHeight = 800;
 // Of the counts below the plot, with the gap between the two.
 constexpr double kCountHeight = 150;
 constexpr double kCountGap = 36;
@@ -150,7 +150,7 @@ absl::StatusOr<GnuplotScript> ScriptOf(const LinePlot& plot) {
 
   const bool with_counts = !plot.counts.counts.empty();
   const double below = with_counts ? kCountHeight + kCountGap : 0;
-  GnuplotScript script(kWidth, kHeight + static_cast<int>(below));
+  GnuplotScript script(kLineWidth, kLineHeight + static_cast<int>(below));
   Box area = AddHeading(heading, script);
   const Box count_area = {area.left, area.bottom - kCountHeight, area.right,
                           area.bottom};

@@ -15,8 +15,8 @@
 namespace tactus::client {
 namespace {
 
-constexpr int kWidth = 1200;
-constexpr int kHeight = 860;
+constexpr int kScatterWidth = 1200;
+constexpr int kScatterHeight = 860;
 // Half of the side of what a marker, with its ring, covers.
 constexpr double kMarkerHalf = 14;
 // Half of the thickness that a line is given when labels avoid it.
@@ -116,7 +116,7 @@ absl::StatusOr<GnuplotScript> ScriptOf(const ScatterPlot& plot) {
   }
   const std::vector<ScatterPoint> stairs = Staircase(front, plot.better_x);
 
-  GnuplotScript script(kWidth, kHeight);
+  GnuplotScript script(kScatterWidth, kScatterHeight);
   const Box area = AddHeading(heading, script);
   const Range x = RangeShown(plot.x, all_x);
   const Range y = RangeShown(plot.y, all_y);

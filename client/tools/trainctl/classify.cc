@@ -16,7 +16,7 @@
 namespace tactus::client {
 namespace {
 
-struct Flags {
+struct ClassifyFlags {
   std::string data;
   std::string model;
   std::string layout;
@@ -80,7 +80,7 @@ absl::StatusOr<Json> ClassifySignals(
   return Answer(trial, model->model(), classifier, !trial.signals.empty());
 }
 
-absl::Status Run(const Flags& flags) {
+absl::Status RunClassify(const ClassifyFlags& flags) {
   SkinLayout layout;
   if (!flags.layout.empty()) {
     TACTUS_ASSIGN_OR_RETURN(layout, ReadLayoutFile(flags.layout));
@@ -126,7 +126,7 @@ absl::Status Run(const Flags& flags) {
 }  // namespace
 
 void AddClassify(CLI::App& app, const SelectCommand& select) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<ClassifyFlags>();
   CLI::App* command = app.add_subcommand(
       "classify", "Classify every trial of a file with a bundle");
   command->add_option("--model", flags->model, "Bundle")->required();
@@ -134,7 +134,7 @@ void AddClassify(CLI::App& app, const SelectCommand& select) {
   command->add_option("--layout", flags->layout,
                       "JSON file with the skin of trials that carry none");
   command->add_flag("--json", flags->json, "Print one JSON object on stdout");
-  command->callback([=] { select([=] { return Run(*flags); }); });
+  command->callback([=] { select([=] { return RunClassify(*flags); }); });
 }
 
 }  // namespace tactus::client

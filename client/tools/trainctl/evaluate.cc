@@ -34,7 +34,7 @@ namespace {
 
 constexpr char kLeaveOneCategoryOut[] = "leave-one-category-out";
 
-struct Flags {
+struct EvaluateFlags {
   std::string data;
   std::string protocol;
   std::optional<int> folds;
@@ -49,7 +49,7 @@ struct Flags {
 };
 
 // Refuses flags that would have no effect.
-absl::Status Check(const Flags& flags) {
+absl::Status Check(const EvaluateFlags& flags) {
   if (flags.data.empty()) {
     return InvalidConfig("--data and --dataset", "both absent",
                          "a trial file, or a dataset of a server");
@@ -89,12 +89,13 @@ absl::Status Check(const Flags& flags) {
   return names.ok() ? names : WithExitCode(names, kExitUsage);
 }
 
-absl::StatusOr<Algorithm> ChosenAlgorithm(const Flags& flags, bool has_lstms) {
+absl::StatusOr<Algorithm> ChosenAlgorithm(const EvaluateFlags& flags,
+                                          bool has_lstms) {
   if (flags.algorithm.empty()) return ServedAlgorithm(has_lstms);
   return ParseAlgorithm(flags.algorithm);
 }
 
-absl::Status Draw(const Flags& flags, const Evaluation& result) {
+absl::Status Draw(const EvaluateFlags& flags, const Evaluation& result) {
   std::filesystem::create_directories(flags.figures);
   const NamedEvaluation named{std::string(AlgorithmName(result.algorithm)),
                               &result, 5};
@@ -105,7 +106,7 @@ absl::Status Draw(const Flags& flags, const Evaluation& result) {
 
 // Measures how well `unknown` detects contacts of a category that was left out
 // of training.
-absl::Status RunUnknown(const Flags& flags) {
+absl::Status RunUnknown(const EvaluateFlags& flags) {
   ProgressDisplay display;
   TACTUS_ASSIGN_OR_RETURN(
       const LoadedContacts loaded,
@@ -133,16 +134,16 @@ absl::Status RunUnknown(const Flags& flags) {
 }
 
 // An evaluation and what was evaluated.
-struct Run {
+struct EvaluationRun {
   Evaluation result;
   std::string features;
   // Empty of a bundle.
   ChosenOptions chosen;
 };
 
-absl::StatusOr<Run> RunProtocol(const Flags& flags,
-                                const LoadedContacts& loaded,
-                                const Progress& progress) {
+absl::StatusOr<EvaluationRun> RunProtocol(const EvaluateFlags& flags,
+                                          const LoadedContacts& loaded,
+                                          const Progress& progress) {
   // Nearest neighbours are not fitted by a preset.
   FitFlags fit = flags.fit;
   if (flags.algorithm == "1nn" && fit.preset.empty()) fit.preset = "tuned";
@@ -158,14 +159,14 @@ absl::StatusOr<Run> RunProtocol(const Flags& flags,
   TACTUS_ASSIGN_OR_RETURN(Evaluation result,
                           EvaluateProtocol(chosen.contacts, protocol, algorithm,
                                            options, RunOnThreads, progress));
-  return Run{std::move(result), FeaturesToString(options.features),
-             std::move(chosen)};
+  return EvaluationRun{std::move(result), FeaturesToString(options.features),
+                       std::move(chosen)};
 }
 
-absl::StatusOr<Run> RunModel(const Flags& flags,
-                             const std::shared_ptr<const CompiledModel>& model,
-                             const LoadedContacts& loaded,
-                             const Progress& progress) {
+absl::StatusOr<EvaluationRun> RunModel(
+    const EvaluateFlags& flags,
+    const std::shared_ptr<const CompiledModel>& model,
+    const LoadedContacts& loaded, const Progress& progress) {
   for (const LabelledContact& contact : loaded.contacts) {
     TACTUS_RETURN_IF_ERROR(CheckFits(contact, model->model()));
   }
@@ -174,12 +175,12 @@ absl::StatusOr<Run> RunModel(const Flags& flags,
   TACTUS_ASSIGN_OR_RETURN(Evaluation result,
                           EvaluateModel(model, loaded.Pointers(), algorithm,
                                         RunOnThreads, progress));
-  return Run{std::move(result),
-             FeaturesToString(FeaturesUsed(model->model().inputs)),
-             {}};
+  return EvaluationRun{std::move(result),
+                       FeaturesToString(FeaturesUsed(model->model().inputs)),
+                       {}};
 }
 
-std::string Title(const Flags& flags, const Run& run) {
+std::string Title(const EvaluateFlags& flags, const EvaluationRun& run) {
   const bool reduced =
       flags.algorithm == "fused" && run.result.algorithm != Algorithm::kFused;
   return absl::StrFormat(
@@ -191,8 +192,8 @@ std::string Title(const Flags& flags, const Run& run) {
       reduced ? " (there is no LSTM to fuse)" : "", run.features);
 }
 
-void Print(const Flags& flags, const Run& run, const Json& evaluation,
-           int trials) {
+void Print(const EvaluateFlags& flags, const EvaluationRun& run,
+           const Json& evaluation, int trials) {
   const bool fitted = flags.model.empty();
   if (flags.json) {
     Json json = {{"protocol", fitted ? flags.protocol : "model"}};
@@ -222,7 +223,7 @@ using Contacts = std::vector<const LabelledContact*>;
 // The baselines are tested as the evaluation is. A bundle has not been trained
 // here, so the baselines get folds of the contacts that it is tested on. Null
 // if there are too few contacts for folds.
-absl::StatusOr<Json> CountBaselines(const Flags& flags,
+absl::StatusOr<Json> CountBaselines(const EvaluateFlags& flags,
                                     const Contacts& contacts) {
   constexpr int kFolds = 5;
   Protocol protocol(Protocol::kKFold, kFolds);
@@ -245,7 +246,8 @@ absl::StatusOr<Json> CountBaselines(const Flags& flags,
 }
 
 std::vector<std::pair<std::string, std::string>> Facts(
-    const Flags& flags, const Run& run, const Contacts& contacts) {
+    const EvaluateFlags& flags, const EvaluationRun& run,
+    const Contacts& contacts) {
   std::vector<std::pair<std::string, std::string>> facts = {
       {"data", flags.data}};
   if (!contacts.empty()) {
@@ -283,7 +285,7 @@ std::vector<std::pair<std::string, std::string>> Facts(
   return facts;
 }
 
-absl::Status WritePage(const Flags& flags, const Run& run,
+absl::Status WritePage(const EvaluateFlags& flags, const EvaluationRun& run,
                        const std::shared_ptr<const CompiledModel>& model,
                        const LoadedContacts& loaded, const Json& evaluation,
                        const Progress& progress) {
@@ -310,7 +312,7 @@ absl::Status WritePage(const Flags& flags, const Run& run,
       EvaluationPage(parts));
 }
 
-absl::Status RunEvaluate(const Flags& flags) {
+absl::Status RunEvaluate(const EvaluateFlags& flags) {
   TACTUS_RETURN_IF_ERROR(Check(flags));
   // Missing programs and folders are found before the work, not after it.
   if (!flags.report.empty()) {
@@ -328,8 +330,9 @@ absl::Status RunEvaluate(const Flags& flags) {
       LoadContacts(flags.data, flags.layout, display.progress(),
                    model ? model->model().release_after_s : kNeverReleased));
   TACTUS_ASSIGN_OR_RETURN(
-      const Run run, model ? RunModel(flags, model, loaded, display.progress())
-                           : RunProtocol(flags, loaded, display.progress()));
+      const EvaluationRun run,
+      model ? RunModel(flags, model, loaded, display.progress())
+            : RunProtocol(flags, loaded, display.progress()));
   if (!flags.figures.empty()) {
     TACTUS_RETURN_IF_ERROR(Draw(flags, run.result));
   }
@@ -346,7 +349,7 @@ absl::Status RunEvaluate(const Flags& flags) {
 }  // namespace
 
 void AddEvaluate(CLI::App& app, const SelectCommand& select) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<EvaluateFlags>();
   CLI::App* command = app.add_subcommand(
       "evaluate", "Measure the accuracy of a bundle, or of a protocol");
   command->add_option("--data", flags->data, "Trial file");

@@ -14,7 +14,7 @@
 namespace tactus::client {
 namespace {
 
-struct Flags {
+struct ExportModelFlags {
   std::string bundle;
   std::string format;
   std::string out;
@@ -49,7 +49,7 @@ absl::StatusOr<NamedBytes> Export(const Model& model,
                     {"lstm-step.onnx", std::move(step)}};
 }
 
-absl::Status Run(const Flags& flags) {
+absl::Status RunExportModel(const ExportModelFlags& flags) {
   TACTUS_ASSIGN_OR_RETURN(const auto model, LoadModel(flags.bundle));
   TACTUS_ASSIGN_OR_RETURN(const NamedBytes files,
                           Export(model->model(), flags.format));
@@ -71,7 +71,7 @@ absl::Status Run(const Flags& flags) {
 }  // namespace
 
 void AddExportModel(CLI::App& app, const SelectCommand& select) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<ExportModelFlags>();
   CLI::App* command =
       CommandGroup(app, "bundle",
                    "Models of a bundle as files of other programs")
@@ -85,7 +85,7 @@ void AddExportModel(CLI::App& app, const SelectCommand& select) {
       ->required();
   command->add_option("--out", flags->out, "Folder to write to")->required();
   command->add_flag("--json", flags->json, "Print one JSON object on stdout");
-  command->callback([=] { select([=] { return Run(*flags); }); });
+  command->callback([=] { select([=] { return RunExportModel(*flags); }); });
 }
 
 }  // namespace tactus::client

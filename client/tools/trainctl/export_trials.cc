@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Flags {
+struct ExportTrialsFlags {
   std::string data;
   std::string format;
   std::string out;
@@ -33,7 +33,7 @@ constexpr char kTaxelFolder[] = "taxels";
 // Takes trials one at a time; Close() ends the work.
 class Writer {
  public:
-  static absl::StatusOr<Writer> Create(const Flags& flags) {
+  static absl::StatusOr<Writer> Create(const ExportTrialsFlags& flags) {
     Writer writer(flags.format, flags.out);
     if (flags.format != "npz" && flags.format != "csv" &&
         flags.format != "hdf5") {
@@ -79,7 +79,7 @@ class Writer {
   std::optional<TrialFileWriter> hdf5_;
 };
 
-absl::Status Run(const Flags& flags) {
+absl::Status RunExportTrials(const ExportTrialsFlags& flags) {
   TACTUS_ASSIGN_OR_RETURN(auto reader, TrialFileReader::Open(flags.data));
   std::set<std::string> wanted(flags.trials.begin(), flags.trials.end());
   const bool all = wanted.empty();
@@ -109,7 +109,7 @@ absl::Status Run(const Flags& flags) {
 }  // namespace
 
 void AddExportTrials(CLI::App& app, const SelectCommand& select) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<ExportTrialsFlags>();
   CLI::App* command =
       CommandGroup(app, "trials", "Trials as files of other programs")
           .add_subcommand("export",
@@ -123,7 +123,7 @@ void AddExportTrials(CLI::App& app, const SelectCommand& select) {
   command->add_option("--trial", flags->trials,
                       "Id of a trial to write; may be repeated. All without");
   command->add_flag("--json", flags->json, "Print one JSON object on stdout");
-  command->callback([=] { select([=] { return Run(*flags); }); });
+  command->callback([=] { select([=] { return RunExportTrials(*flags); }); });
 }
 
 }  // namespace tactus::client

@@ -18,7 +18,7 @@
 namespace tactus::client {
 namespace {
 
-struct Flags {
+struct FitCommandFlags {
   std::string data;
   std::string out;
   std::string layout;
@@ -47,7 +47,7 @@ class FitCurves : public FitJournal {
   LearningCurves curves_;
 };
 
-absl::Status Run(const Flags& flags) {
+absl::Status RunFit(const FitCommandFlags& flags) {
   ProgressDisplay display;
   TACTUS_ASSIGN_OR_RETURN(
       const LoadedContacts loaded,
@@ -102,7 +102,7 @@ absl::Status Run(const Flags& flags) {
 }  // namespace
 
 void AddFit(CLI::App& app, const SelectCommand& select) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<FitCommandFlags>();
   CLI::App* command =
       app.add_subcommand("fit", "Fit a model bundle to the trials of a file");
   command->add_option("--data", flags->data, "Trial file")->required();
@@ -117,7 +117,7 @@ void AddFit(CLI::App& app, const SelectCommand& select) {
   command->add_option("--note", flags->note, "Free text for the provenance");
   command->add_flag("--json", flags->json, "Print one JSON object on stdout");
   flags->fit.Add(*command);
-  command->callback([=] { select([=] { return Run(*flags); }); });
+  command->callback([=] { select([=] { return RunFit(*flags); }); });
 }
 
 }  // namespace tactus::client

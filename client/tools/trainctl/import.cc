@@ -17,7 +17,7 @@
 namespace tactus::client {
 namespace {
 
-struct Flags {
+struct ImportFlags {
   std::string path;
   std::string out;
   ImportOptions options;
@@ -37,7 +37,7 @@ bool IsFelt(const Trial& trial, const SkinLayout& skin) {
   return false;
 }
 
-absl::Status Run(const Flags& flags) {
+absl::Status RunImport(const ImportFlags& flags) {
   TACTUS_ASSIGN_OR_RETURN(
       auto writer, TrialFileWriter::Create(flags.out, {.overwrite = true}));
   ProgressDisplay display;
@@ -98,7 +98,7 @@ absl::Status Run(const Flags& flags) {
 }  // namespace
 
 void AddImport(CLI::App& app, const SelectCommand& select) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<ImportFlags>();
   CLI::App* command = app.add_subcommand(
       "import",
       "Read recordings: a folder with a skin.json (docs/your-own-skin.md), CSV "
@@ -112,7 +112,7 @@ void AddImport(CLI::App& app, const SelectCommand& select) {
                       "skin.json names");
   command->add_option("--out", flags->out, "Trial file to write")->required();
   command->add_flag("--json", flags->json, "Print one JSON object on stdout");
-  command->callback([=] { select([=] { return Run(*flags); }); });
+  command->callback([=] { select([=] { return RunImport(*flags); }); });
 }
 
 }  // namespace tactus::client

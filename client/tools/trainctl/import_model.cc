@@ -21,7 +21,7 @@
 namespace tactus::client {
 namespace {
 
-struct Flags {
+struct ImportModelFlags {
   std::vector<std::string> files;
   std::string into;
   std::string out;
@@ -33,7 +33,7 @@ struct Flags {
   bool json = false;
 };
 
-absl::StatusOr<KerasOptions> KerasOptionsOf(const Flags& flags) {
+absl::StatusOr<KerasOptions> KerasOptionsOf(const ImportModelFlags& flags) {
   KerasOptions options;
   if (flags.activation == "softsign") {
     options.activation = Activation::kSoftsign;
@@ -51,7 +51,8 @@ absl::StatusOr<KerasOptions> KerasOptionsOf(const Flags& flags) {
 
 // All files as one: several files of one network each become the networks whose
 // mean is the answer.
-absl::StatusOr<std::vector<ForeignModel>> ReadFiles(const Flags& flags) {
+absl::StatusOr<std::vector<ForeignModel>> ReadFiles(
+    const ImportModelFlags& flags) {
   TACTUS_ASSIGN_OR_RETURN(const KerasOptions keras, KerasOptionsOf(flags));
   std::vector<ForeignModel> models;
   // The index of the file whose networks those of later files join.
@@ -79,7 +80,7 @@ absl::StatusOr<std::vector<ForeignModel>> ReadFiles(const Flags& flags) {
 }
 
 // Fits the calibration to contacts that the imported models have not seen.
-absl::Status Calibrate(const Flags& flags, Model& model) {
+absl::Status Calibrate(const ImportModelFlags& flags, Model& model) {
   ProgressDisplay display;
   TACTUS_ASSIGN_OR_RETURN(
       const LoadedContacts loaded,
@@ -111,7 +112,7 @@ absl::Status Calibrate(const Flags& flags, Model& model) {
   return absl::OkStatus();
 }
 
-absl::Status Run(const Flags& flags) {
+absl::Status RunImportModel(const ImportModelFlags& flags) {
   TACTUS_ASSIGN_OR_RETURN(const auto compiled, LoadModel(flags.into));
   TACTUS_ASSIGN_OR_RETURN(const std::vector<ForeignModel> foreign,
                           ReadFiles(flags));
@@ -163,7 +164,7 @@ absl::Status Run(const Flags& flags) {
 }  // namespace
 
 void AddImportModel(CLI::App& app, const SelectCommand& select) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<ImportModelFlags>();
   CLI::App* command =
       CommandGroup(app, "bundle",
                    "Models of a bundle as files of other programs")
@@ -191,7 +192,7 @@ void AddImportModel(CLI::App& app, const SelectCommand& select) {
   command->add_option("--layout", flags->layout,
                       "JSON file with a skin that is no preset");
   command->add_flag("--json", flags->json, "Print one JSON object on stdout");
-  command->callback([=] { select([=] { return Run(*flags); }); });
+  command->callback([=] { select([=] { return RunImportModel(*flags); }); });
 }
 
 }  // namespace tactus::client

@@ -19,7 +19,7 @@
 namespace tactus::client {
 namespace {
 
-struct Flags {
+struct InspectFlags {
   std::string path;
   std::string layout;
   bool json = false;
@@ -141,7 +141,7 @@ absl::StatusOr<Json> InspectTrials(const std::string& path,
               {"contacts", skins.empty() ? Json(nullptr) : contacts.ToJson()}};
 }
 
-absl::Status Run(const Flags& flags) {
+absl::Status RunInspect(const InspectFlags& flags) {
   Json json;
   if (IsBundle(flags.path)) {
     TACTUS_ASSIGN_OR_RETURN(json, InspectBundle(flags.path));
@@ -155,14 +155,14 @@ absl::Status Run(const Flags& flags) {
 }  // namespace
 
 void AddInspect(CLI::App& app, const SelectCommand& select) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<InspectFlags>();
   CLI::App* command =
       app.add_subcommand("inspect", "Print what a trial file or bundle holds");
   command->add_option("file", flags->path, "Trial file or bundle")->required();
   command->add_option("--layout", flags->layout,
                       "JSON file with the skin of trials that carry none");
   command->add_flag("--json", flags->json, "Print one JSON object on stdout");
-  command->callback([=] { select([=] { return Run(*flags); }); });
+  command->callback([=] { select([=] { return RunInspect(*flags); }); });
 }
 
 }  // namespace tactus::client

@@ -15,7 +15,7 @@
 namespace tactus::client {
 namespace {
 
-struct Flags {
+struct RemoteEvaluateFlags {
   std::string dataset;
   bool detach = false;
   RemoteFlags remote;
@@ -25,7 +25,7 @@ struct Flags {
 const std::set<std::string> kProtocols = {"loco", "leave-one-material-out",
                                           "leave-one-out", "k-fold"};
 
-// Flags of `evaluate` that a server can follow.
+// RemoteEvaluateFlags of `evaluate` that a server can follow.
 const std::set<std::string> kKnown = {
     "--help",   "--dataset",  "--model", "--protocol",
     "--preset", "--features", "--seed",  "--networks",
@@ -69,7 +69,7 @@ absl::StatusOr<v1::TrainSpec> TrainSpecOf(const CLI::App& command,
 
 absl::StatusOr<v1::EvaluateSpec> SpecOf(TrainingClient& client,
                                         const CLI::App& command,
-                                        const Flags& flags) {
+                                        const RemoteEvaluateFlags& flags) {
   for (const CLI::Option* option : command.get_options()) {
     if (option->count() > 0 && !kKnown.contains(option->get_name())) {
       return Usage(option->get_name(), "given with --dataset",
@@ -108,8 +108,8 @@ absl::StatusOr<v1::EvaluateSpec> SpecOf(TrainingClient& client,
   return spec;
 }
 
-absl::Status Run(TrainingClient& client, const CLI::App& command,
-                 const Flags& flags) {
+absl::Status RunRemoteEvaluate(TrainingClient& client, const CLI::App& command,
+                               const RemoteEvaluateFlags& flags) {
   const auto report = Given<std::string>(command, "--report");
   if (report && flags.detach) {
     return Usage("--report", "given with --detach",
@@ -138,7 +138,7 @@ absl::Status Run(TrainingClient& client, const CLI::App& command,
 }  // namespace
 
 void AddRemoteEvaluate(CLI::App& app, const SelectCommand& select) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<RemoteEvaluateFlags>();
   AddEvaluate(app, [&app, flags, select](Command local) {
     if (flags->dataset.empty()) {
       select(std::move(local));
@@ -149,7 +149,7 @@ void AddRemoteEvaluate(CLI::App& app, const SelectCommand& select) {
       flags->remote.json = command.get_option("--json")->count() > 0;
       return RunRemote(flags->remote,
                        [&](TrainingClient& client, const RemoteFlags&) {
-                         return Run(client, command, *flags);
+                         return RunRemoteEvaluate(client, command, *flags);
                        });
     });
   });

@@ -11,7 +11,7 @@
 namespace tactus::client {
 namespace {
 
-struct Flags {
+struct RemoteTrainFlags {
   std::string dataset;
   std::string model;
   std::string preset;
@@ -27,7 +27,7 @@ struct Flags {
 };
 
 absl::StatusOr<v1::TrainSpec> SpecOf(TrainingClient& client,
-                                     const Flags& flags) {
+                                     const RemoteTrainFlags& flags) {
   v1::TrainSpec spec;
   TACTUS_ASSIGN_OR_RETURN(
       const v1::DatasetVersion version,
@@ -50,8 +50,8 @@ absl::StatusOr<v1::TrainSpec> SpecOf(TrainingClient& client,
   return spec;
 }
 
-absl::Status Run(TrainingClient& client, const RemoteFlags& remote,
-                 const Flags& flags) {
+absl::Status RunRemoteTrain(TrainingClient& client, const RemoteFlags& remote,
+                            const RemoteTrainFlags& flags) {
   v1::TrainModelRequest request;
   TACTUS_ASSIGN_OR_RETURN(*request.mutable_spec(), SpecOf(client, flags));
   request.set_request_id(NewRequestId());
@@ -73,7 +73,7 @@ absl::Status Run(TrainingClient& client, const RemoteFlags& remote,
 }  // namespace
 
 void AddTrain(CLI::App& app, const SelectCommand& select) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<RemoteTrainFlags>();
   CLI::App* command = app.add_subcommand(
       "train", "Train a model on a server, and watch it being trained");
   command
@@ -112,7 +112,7 @@ void AddTrain(CLI::App& app, const SelectCommand& select) {
       "  trainctl train --dataset=arm@2 --model=arm --preset=tuned --seed=7");
   AddRemoteCommand(*command, select,
                    [=](TrainingClient& client, const RemoteFlags& remote) {
-                     return Run(client, remote, *flags);
+                     return RunRemoteTrain(client, remote, *flags);
                    });
 }
 

@@ -17,7 +17,7 @@
 namespace tactus::client {
 namespace {
 
-struct Flags {
+struct ReproduceFlags {
   std::vector<std::string> only = {"hmm", "lstm", "1nn"};
   std::vector<std::string> experiments = {"simulation", "cody"};
   std::string figures;
@@ -31,7 +31,7 @@ struct Selection {
   std::vector<Experiment> experiments;
 };
 
-absl::StatusOr<Selection> Select(const Flags& flags) {
+absl::StatusOr<Selection> Select(const ReproduceFlags& flags) {
   Selection selection;
   for (const std::string& name : flags.only) {
     TACTUS_ASSIGN_OR_RETURN(const Algorithm algorithm, ParseAlgorithm(name));
@@ -84,8 +84,9 @@ ReproducedRow Reproduce(Experiment experiment, const PaperRow& paper,
   return row;
 }
 
-absl::Status RunExperiment(const Flags& flags, const Selection& selection,
-                           Experiment experiment, Json& rows_json) {
+absl::Status RunExperiment(const ReproduceFlags& flags,
+                           const Selection& selection, Experiment experiment,
+                           Json& rows_json) {
   ProgressDisplay display;
   const std::string name(SourceOf(experiment).name);
   const auto data = SimulateExperiment(
@@ -119,7 +120,7 @@ absl::Status RunExperiment(const Flags& flags, const Selection& selection,
   return WriteFigures(rows, flags.figures);
 }
 
-absl::Status Run(const Flags& flags) {
+absl::Status RunReproduce(const ReproduceFlags& flags) {
   TACTUS_ASSIGN_OR_RETURN(const Selection selection, Select(flags));
   if (!flags.figures.empty()) {
     TACTUS_RETURN_IF_ERROR(MakeFolder(flags.figures));
@@ -143,7 +144,7 @@ absl::Status Run(const Flags& flags) {
 }  // namespace
 
 void AddReproduce(CLI::App& app, const SelectCommand& select) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<ReproduceFlags>();
   CLI::App* command = app.add_subcommand(
       "reproduce",
       "Compute the paper's result tables and compare them with its figures");
@@ -158,7 +159,7 @@ void AddReproduce(CLI::App& app, const SelectCommand& select) {
   command->add_option("--figures", flags->figures, "Folder for figures");
   command->add_option("--seed", flags->seed, "Seed of noise and training");
   command->add_flag("--json", flags->json, "Print one JSON object on stdout");
-  command->callback([=] { select([=] { return Run(*flags); }); });
+  command->callback([=] { select([=] { return RunReproduce(*flags); }); });
 }
 
 }  // namespace tactus::client

@@ -15,7 +15,7 @@
 namespace tactus::client {
 namespace {
 
-struct Flags {
+struct ShowFlags {
   std::string data;
   std::string trial;
   std::string model;
@@ -39,7 +39,7 @@ absl::StatusOr<Trial> FindTrial(const std::string& path,
                    first_ids, reader.size() > kNamed ? ", ..." : ""));
 }
 
-absl::Status Run(const Flags& flags) {
+absl::Status RunShow(const ShowFlags& flags) {
   SkinLayout layout;
   if (!flags.layout.empty()) {
     TACTUS_ASSIGN_OR_RETURN(layout, ReadLayoutFile(flags.layout));
@@ -58,7 +58,7 @@ absl::Status Run(const Flags& flags) {
 }  // namespace
 
 void AddShow(CLI::App& app, const SelectCommand& select) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<ShowFlags>();
   CLI::App* command = app.add_subcommand(
       "show", "Draw one contact: skin, features, posteriors");
   command->add_option("data", flags->data, "Trial file")->required();
@@ -68,7 +68,7 @@ void AddShow(CLI::App& app, const SelectCommand& select) {
   command->add_option("--layout", flags->layout,
                       "JSON file with the skin of trials that carry none");
   command->add_option("--out", flags->out, "PNG file to write")->required();
-  command->callback([=] { select([=] { return Run(*flags); }); });
+  command->callback([=] { select([=] { return RunShow(*flags); }); });
 }
 
 }  // namespace tactus::client

@@ -102,7 +102,7 @@ void Print(const SimulateFlags& flags, const Tally& tally) {
                                flags.seed, SecondsSinceStart());
 }
 
-absl::Status Run(const SimulateFlags& flags) {
+absl::Status RunSimulate(const SimulateFlags& flags) {
   TACTUS_ASSIGN_OR_RETURN(const SkinLayout layout,
                           LayoutPreset("cody-forearm"));
   TACTUS_RETURN_IF_ERROR(Validate(flags.render, layout));
@@ -190,7 +190,8 @@ void AddSimulate(CLI::App& app, const SelectCommand& select) {
   AddOneContactFlags(*command, *one);
   command->callback([=] {
     select([=] {
-      return one->scene.empty() ? Run(*flags) : SimulateOne(*one, std::cout);
+      return one->scene.empty() ? RunSimulate(*flags)
+                                : SimulateOne(*one, std::cout);
     });
   });
 }

@@ -14,14 +14,14 @@
 namespace tactus::client {
 namespace {
 
-struct Flags {
+struct SkinFlags {
   std::string path;
   std::optional<int> idle_frames;
   std::optional<double> idle_taxels;
   bool json = false;
 };
 
-absl::StatusOr<IdleValues> Which(const Flags& flags) {
+absl::StatusOr<IdleValues> Which(const SkinFlags& flags) {
   constexpr int kDefaultFrames = 10;
   if (flags.idle_frames && flags.idle_taxels) {
     return InvalidConfig("--idle-frames and --idle-taxels", "both given",
@@ -49,7 +49,7 @@ std::string Words(const IdleValues& which) {
                    100 * which.taxels);
 }
 
-absl::Status Run(const Flags& flags) {
+absl::Status RunSkin(const SkinFlags& flags) {
   TACTUS_ASSIGN_OR_RETURN(const IdleValues which, Which(flags));
   TACTUS_ASSIGN_OR_RETURN(const auto reader, TrialFileReader::Open(flags.path));
   IdleNoise noise(which);
@@ -90,7 +90,7 @@ absl::Status Run(const Flags& flags) {
 }  // namespace
 
 void AddSkin(CLI::App& app, const SelectCommand& select) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<SkinFlags>();
   CLI::App* skin = app.add_subcommand("skin", "Learn about a skin from data");
   skin->require_subcommand(1);
   CLI::App* command = skin->add_subcommand(
@@ -104,7 +104,7 @@ void AddSkin(CLI::App& app, const SelectCommand& select) {
                       "Or: this fraction of the taxels is untouched in each "
                       "trial, for recordings that begin in contact");
   command->add_flag("--json", flags->json, "Print one JSON object on stdout");
-  command->callback([=] { select([=] { return Run(*flags); }); });
+  command->callback([=] { select([=] { return RunSkin(*flags); }); });
 }
 
 }  // namespace tactus::client

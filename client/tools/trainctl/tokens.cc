@@ -24,7 +24,7 @@
 namespace tactus::client {
 namespace {
 
-struct Flags {
+struct TokensFlags {
   std::string name;
   std::string role;
   std::string file;
@@ -78,7 +78,7 @@ class LockedFile {
   const int fd_;
 };
 
-absl::Status Create(const Flags& flags) {
+absl::Status CreateToken(const TokensFlags& flags) {
   const absl::StatusOr<Role> role = ParseRole(flags.role);
   if (!role.ok()) return WithExitCode(role.status(), kExitUsage);
   TACTUS_ASSIGN_OR_RETURN(const std::string token, NewToken());
@@ -99,7 +99,7 @@ absl::Status Create(const Flags& flags) {
   return absl::OkStatus();
 }
 
-absl::Status List(const Flags& flags) {
+absl::Status ListTokens(const TokensFlags& flags) {
   TACTUS_ASSIGN_OR_RETURN(
       const std::string text,
       ReadFileBytes(flags.file, AccessTable::kMaxFileBytes));
@@ -124,7 +124,7 @@ absl::Status List(const Flags& flags) {
 }  // namespace
 
 void AddTokens(CLI::App& app, const SelectCommand& select) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<TokensFlags>();
   CLI::App* tokens =
       app.add_subcommand("tokens", "Make and list the tokens of a server");
   tokens->require_subcommand(1);
@@ -137,11 +137,11 @@ void AddTokens(CLI::App& app, const SelectCommand& select) {
   create->add_option("--file", flags->file,
                      "Tokens file to add it to; without it, the line is "
                      "printed");
-  create->callback([=] { select([=] { return Create(*flags); }); });
+  create->callback([=] { select([=] { return CreateToken(*flags); }); });
   CLI::App* list = tokens->add_subcommand("list", "Names and roles of a file");
   list->add_option("--file", flags->file, "Tokens file")->required();
   list->add_flag("--json", flags->json, "Print one JSON array");
-  list->callback([=] { select([=] { return List(*flags); }); });
+  list->callback([=] { select([=] { return ListTokens(*flags); }); });
 }
 
 }  // namespace tactus::client

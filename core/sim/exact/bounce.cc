@@ -21,7 +21,7 @@ constexpr double kRingLoss = 5e-3;
 // Turns of the ringing's angle by more than this are computed afresh.
 constexpr double kSmallTurn = 0.03;
 
-constexpr std::array<double, kLongTerms + 3> kInverse = [] {
+constexpr std::array<double, kLongTerms + 3> kBounceInverse = [] {
   std::array<double, kLongTerms + 3> inverse = {};
   for (size_t n = 1; n < inverse.size(); ++n) inverse[n] = 1.0 / n;
   return inverse;
@@ -41,7 +41,7 @@ struct Series {
   double Change(int n, double t) const {
     double sum = y[n + kTerms];
     for (int k = kTerms; k > 1; --k) {
-      sum = y[n + k - 1] + kInverse[k] * t * sum;
+      sum = y[n + k - 1] + kBounceInverse[k] * t * sum;
     }
     return t * sum;
   }
@@ -51,7 +51,7 @@ struct Series {
 // 1 - exp(-x) for 0 <= x <= 2 kRingLoss.
 double Faded(double x) {
   double sum = 1;
-  for (int n = 7; n > 1; --n) sum = 1 - kInverse[n] * x * sum;
+  for (int n = 7; n > 1; --n) sum = 1 - kBounceInverse[n] * x * sum;
   return x * sum;
 }
 
@@ -140,12 +140,12 @@ double BounceTrain::FlyBy(BounceMoment& moment, double t) const {
   // Newton's method for d(t) / t.
   for (int step = 0; step < 6; ++step) {
     // d(t) / t - approach, by t, and its rate.
-    double value = kInverse[kTerms + 1] * arm.y[kTerms + 1];
+    double value = kBounceInverse[kTerms + 1] * arm.y[kTerms + 1];
     double slope = 0;
     for (int k = kTerms; k >= 2; --k) {
       const double term = k == 2 ? gravity : arm.y[k];
-      slope = (slope * t + value) * kInverse[k];
-      value = (value * t + term) * kInverse[k];
+      slope = (slope * t + value) * kBounceInverse[k];
+      value = (value * t + term) * kBounceInverse[k];
     }
     slope = slope * t + value;
     const double correction = (moment.approach + value * t) / slope;
@@ -158,7 +158,7 @@ double BounceTrain::FlyBy(BounceMoment& moment, double t) const {
   // is rounded here: in 10^5 bounces a bias of one part in 10^16 would count.
   double gain = 0;
   for (int k = kTerms + 1; k > 2; --k) {
-    gain = t * kInverse[k] * ((k - 2) * arm.y[k] + gain);
+    gain = t * kBounceInverse[k] * ((k - 2) * arm.y[k] + gain);
   }
   moment.lag += arm.Change(0, t);
   moment.rate += arm.Change(1, t);

@@ -19,7 +19,7 @@ namespace {
 constexpr double kDriveMiss = 1e-9;
 constexpr double kTimeMiss = 1e-7;
 // Rounding of high differences, which is no miss.
-constexpr double kRounding = 5e-14;
+constexpr double kRideRounding = 5e-14;
 // A leap spans at most this fraction of the slow motion's time scale.
 constexpr double kLeapShare = 0.1;
 // A stride twice as long multiplies the miss by up to this.
@@ -180,7 +180,7 @@ void Rider::HandLeap(const BounceSeries& series, const BounceMoment& origin,
 double Rider::Wrong(const BounceChange& miss, double stride,
                     const Bounce& after) const {
   const auto excess = [](double miss, double size) {
-    return std::max(0.0, std::abs(miss) / size - kRounding);
+    return std::max(0.0, std::abs(miss) / size - kRideRounding);
   };
   const double p = modes_.arm.damping();
   const double q = modes_.arm.stiffness();

@@ -6,11 +6,11 @@
 namespace tactus {
 namespace {
 
-constexpr int kTerms = BounceSeries::kTerms;
+constexpr int kSeriesTerms = BounceSeries::kTerms;
 
 // Bernoulli's numbers, the second -1/2.
-constexpr std::array<double, kTerms> kBernoulli = {1, -0.5,      1.0 / 6,
-                                                   0, -1.0 / 30, 0};
+constexpr std::array<double, kSeriesTerms> kBernoulli = {1, -0.5,      1.0 / 6,
+                                                         0, -1.0 / 30, 0};
 
 }  // namespace
 
@@ -25,8 +25,8 @@ BounceSeries::BounceSeries(const BounceChange& change) {
 void BounceSeries::SetStride(double stride) {
   stride_ = stride;
   // By powers of the share.
-  std::array<double, kTerms> newton = {1};
-  for (int k = 0; k < kTerms; ++k) {
+  std::array<double, kSeriesTerms> newton = {1};
+  for (int k = 0; k < kSeriesTerms; ++k) {
     if (k > 0) {
       for (int r = k; r > 0; --r) {
         newton[r] = (newton[r - 1] + (k - 1) * newton[r]) / k;
@@ -58,7 +58,7 @@ void BounceSeries::Differentiate(const BounceChange& change) {
 
 void BounceSeries::FindSums() {
   for (BounceChange& coefficient : coefficients_) coefficient.fill(0);
-  const int terms = std::min(count_, kTerms);
+  const int terms = std::min(count_, kSeriesTerms);
   for (int k = 0; k < terms; ++k) {
     for (int r = 0; r <= k; ++r) {
       for (size_t i = 0; i < coefficients_[r].size(); ++i) {
@@ -69,8 +69,8 @@ void BounceSeries::FindSums() {
 }
 
 BounceChange BounceSeries::Sum(double share) const {
-  BounceChange sum = coefficients_[kTerms - 1];
-  for (int r = kTerms - 2; r >= 0; --r) {
+  BounceChange sum = coefficients_[kSeriesTerms - 1];
+  for (int r = kSeriesTerms - 2; r >= 0; --r) {
     for (size_t i = 0; i < sum.size(); ++i) {
       sum[i] = sum[i] * share + coefficients_[r][i];
     }
@@ -85,7 +85,7 @@ double BounceSeries::ShareAt(double time) const {
   for (int step = 0; step < 4; ++step) {
     double value = 0;
     double slope = 0;
-    for (int r = kTerms - 1; r >= 0; --r) {
+    for (int r = kSeriesTerms - 1; r >= 0; --r) {
       slope = slope * share + value;
       value = value * share + coefficients_[r][kTime];
     }
@@ -115,14 +115,14 @@ void BounceSeries::Add(const BounceChange& change) {
 
 bool BounceSeries::Double() {
   if (count_ < kKnown) return false;
-  std::array<BounceChange, kTerms> kept;
-  for (int n = 0; n < kTerms; ++n) {
+  std::array<BounceChange, kSeriesTerms> kept;
+  for (int n = 0; n < kSeriesTerms; ++n) {
     kept[n] = known_[(newest_ + kKnown - 2 * n) % kKnown];
   }
   SetStride(2 * stride_);
   differences_ = {};
   count_ = 0;
-  for (int n = kTerms - 1; n >= 0; --n) {
+  for (int n = kSeriesTerms - 1; n >= 0; --n) {
     newest_ = (newest_ + 1) % kKnown;
     known_[newest_] = kept[n];
     Differentiate(kept[n]);

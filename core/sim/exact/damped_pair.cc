@@ -9,13 +9,13 @@ namespace tactus {
 namespace {
 
 // Terms of the power series that reach double precision at Short() times.
-constexpr int kTerms = 14;
+constexpr int kPairTerms = 14;
 constexpr double kNegligible = 1e-18;
 // Longer than any contact, s.
 constexpr double kForever = 1e9;
 
-constexpr std::array<double, kTerms + 2> kInverse = [] {
-  std::array<double, kTerms + 2> inverse = {};
+constexpr std::array<double, kPairTerms + 2> kPairInverse = [] {
+  std::array<double, kPairTerms + 2> inverse = {};
   for (size_t n = 1; n < inverse.size(); ++n) inverse[n] = 1.0 / n;
   return inverse;
 }();
@@ -58,8 +58,8 @@ PairState DampedPair::Change(const PairState& start, double t) const {
     PairState sum;
     double value = start.value;
     double rate = start.rate;
-    for (int n = 1; n <= kTerms; ++n) {
-      const double step = kInverse[n] * t;
+    for (int n = 1; n <= kPairTerms; ++n) {
+      const double step = kPairInverse[n] * t;
       const double next = -(damping_ * rate + stiffness_ * value) * step;
       value = rate * step;
       rate = next;
@@ -84,8 +84,8 @@ double DampedPair::Integral(const PairState& start, double t) const {
     double sum = start.value * t;
     double value = start.value * t;
     double rate = start.rate * t;
-    for (int n = 1; n <= kTerms; ++n) {
-      const double step = kInverse[n + 1] * t;
+    for (int n = 1; n <= kPairTerms; ++n) {
+      const double step = kPairInverse[n + 1] * t;
       const double next = -(damping_ * rate + stiffness_ * value) * step;
       value = rate * step;
       rate = next;

@@ -7,14 +7,14 @@ namespace tactus {
 namespace {
 
 // Of a derivative's terms: what rounding may make of it.
-constexpr double kRounding = 4e-16;
+constexpr double kCrossingRounding = 4e-16;
 
 // By powers of time.
-using Quartic = std::array<double, 5>;
+using CrossingQuartic = std::array<double, 5>;
 
 // A time up to which `c`, positive at once, is certainly positive; about that
 // of its first root, at least, if one is near `scale`.
-double PositiveSpan(Quartic c, double scale) {
+double PositiveSpan(CrossingQuartic c, double scale) {
   int first = 0;
   while (c[first] == 0) ++first;
   if (first < 3 && c[first + 1] < 0 && c[first + 2] > 0) {
@@ -103,18 +103,18 @@ class Scan {
   // True if the function is at zero, or beyond, and falls.
   bool Crosses() const {
     for (int n = 0; n < 4; ++n) {
-      if (derivative_[n] > kRounding * size_[n]) return false;
-      if (n > 0 && derivative_[n] < -kRounding * size_[n]) return true;
+      if (derivative_[n] > kCrossingRounding * size_[n]) return false;
+      if (n > 0 && derivative_[n] < -kCrossingRounding * size_[n]) return true;
     }
     return false;
   }
 
   // A time within which the function is certainly positive.
   double SafeSpan(double scale) const {
-    Quartic c = {derivative_[0], derivative_[1], derivative_[2] / 2,
-                 derivative_[3] / 6, -fourth_ / 24};
+    CrossingQuartic c = {derivative_[0], derivative_[1], derivative_[2] / 2,
+                         derivative_[3] / 6, -fourth_ / 24};
     for (int n = 0; n < 4; ++n) {
-      if (c[n] > kRounding * size_[n]) return PositiveSpan(c, scale);
+      if (c[n] > kCrossingRounding * size_[n]) return PositiveSpan(c, scale);
       c[n] = 0;
     }
     return fourth_ > 0 ? 0 : 1e300;

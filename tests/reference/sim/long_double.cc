@@ -153,9 +153,9 @@ Real LowestTime(Real f0, Real g0, Real f1, Real g1, Real h) {
   return h * low;
 }
 
-class Run {
+class ReferenceRun {
  public:
-  Run(const ContactScene& scene, double rate, double step_share)
+  ReferenceRun(const ContactScene& scene, double rate, double step_share)
       : s_(scene), rate_(rate), step_share_(step_share) {}
   absl::StatusOr<Trajectory> Go();
 
@@ -182,7 +182,7 @@ class Run {
 
 // The zero of margin `e` before `high`, where it is negative: Newton's method
 // inside a bracket. It leaves zero upwards first, if it starts there.
-Real Run::Crossing(int e, Real high) const {
+Real ReferenceRun::Crossing(int e, Real high) const {
   Real low = 0;
   Real t = high;
   for (int i = 0; i < 200 && high - low > 1e-19L * high; ++i) {
@@ -199,7 +199,7 @@ Real Run::Crossing(int e, Real high) const {
 }
 
 // The time of the first event before `h`, where the state is `end`; else -1.
-Real Run::Event(const Vector& end, Real h, int* which) const {
+Real ReferenceRun::Event(const Vector& end, Real h, int* which) const {
   const Margin before = Margins(s_, mode_, a_, x_);
   const Margin after = Margins(s_, mode_, a_, end);
   Real first = -1;
@@ -223,7 +223,7 @@ Real Run::Event(const Vector& end, Real h, int* which) const {
   return first;
 }
 
-void Run::Switch(int which) {
+void ReferenceRun::Switch(int which) {
   if (which == 0) {
     x_[0] = 0;
     ++(mode_.touching ? out_.events.contacts_lost : out_.events.contacts_made);
@@ -241,7 +241,7 @@ void Run::Switch(int which) {
   a_ = Equations(s_, mode_);
 }
 
-Real Run::StepLength() const {
+Real ReferenceRun::StepLength() const {
   const Real mass = mode_.sliding ? s_.object_mass_kg : 1e300;
   const Real contact = mode_.touching ? s_.object_stiffness : 0;
   const Real fastest = std::sqrt(
@@ -251,7 +251,7 @@ Real Run::StepLength() const {
 }
 
 // Steps of one length, and the rest, to `until`, event by event.
-void Run::Advance(Real until) {
+void ReferenceRun::Advance(Real until) {
   while (time_ < until) {
     const Real length = StepLength();
     std::optional<Stepper>& stepper =
@@ -274,7 +274,7 @@ void Run::Advance(Real until) {
   }
 }
 
-void Run::Sample() {
+void ReferenceRun::Sample() {
   TrajectorySample sample;
   sample.x_arm = static_cast<double>(x_[2] + x_[0]);
   sample.v_arm = static_cast<double>(x_[3] + x_[1]);
@@ -289,7 +289,7 @@ void Run::Sample() {
   out_.samples.push_back(sample);
 }
 
-absl::StatusOr<Trajectory> Run::Go() {
+absl::StatusOr<Trajectory> ReferenceRun::Go() {
   TACTUS_RETURN_IF_ERROR(Validate(s_));
   const double fastest =
       std::sqrt(s_.object_stiffness *
@@ -324,7 +324,7 @@ absl::StatusOr<Trajectory> Run::Go() {
 absl::StatusOr<Trajectory> IntegrateReference(const ContactScene& scene,
                                               double sample_rate_hz,
                                               double step_share) {
-  return Run(scene, sample_rate_hz, step_share).Go();
+  return ReferenceRun(scene, sample_rate_hz, step_share).Go();
 }
 
 }  // namespace tactus
