@@ -56,6 +56,27 @@ TEST(GnuplotTest, ARejectedScriptIsAnErrorWithItsReason) {
               HasSubstr("no datablock named $absent"));
 }
 
+TEST(GnuplotTest, TheLocaleChangesNeitherPictureNorReason) {
+  const char* const before = std::getenv("LC_ALL");
+  const std::string old = before == nullptr ? "" : before;
+  GnuplotScript good = OnlyText("±30°", {});
+  GnuplotScript bad(300, 200);
+  bad.Add("plot $absent with lines");
+  std::string pictures[2];
+  for (int i = 0; i < 2; ++i) {
+    setenv("LC_ALL", i == 0 ? "C" : "C.UTF-8", /*overwrite=*/1);
+    pictures[i] = *RunGnuplot(good.text());
+    EXPECT_THAT(std::string(RunGnuplot(bad.text()).status().message()),
+                HasSubstr("no datablock named $absent"));
+  }
+  if (before == nullptr) {
+    unsetenv("LC_ALL");
+  } else {
+    setenv("LC_ALL", old.c_str(), /*overwrite=*/1);
+  }
+  EXPECT_EQ(pictures[0], pictures[1]);
+}
+
 TEST(GnuplotTest, WithoutGnuplotTheErrorNamesThePackage) {
   const std::string path = std::getenv("PATH");
   setenv("PATH", "/nowhere", /*overwrite=*/1);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/string_view.h"
@@ -75,6 +76,21 @@ class MemoryFile {
   int descriptor_;
 };
 
+// This process's environment with a UTF-8 locale, so that the same script draws
+// the same picture everywhere. Without it gnuplot warns of its own degree sign
+// before it says what is wrong.
+std::vector<std::string> Utf8Environment() {
+  std::vector<std::string> variables;
+  for (char** each = environ; *each != nullptr; ++each) {
+    const absl::string_view variable = *each;
+    if (!absl::StartsWith(variable, "LC_ALL=")) {
+      variables.emplace_back(variable);
+    }
+  }
+  variables.push_back("LC_ALL=C.UTF-8");
+  return variables;
+}
+
 // Starts gnuplot with these files as its standard streams and waits for it.
 // Returns what waitpid reports.
 absl::StatusOr<int> SpawnAndWait(const MemoryFile& in, const MemoryFile& out,
@@ -92,9 +108,15 @@ absl::StatusOr<int> SpawnAndWait(const MemoryFile& in, const MemoryFile& out,
   std::string ignore_user_settings = "-d";
   char* const arguments[] = {program.data(), ignore_user_settings.data(),
                              nullptr};
+  std::vector<std::string> variables = Utf8Environment();
+  std::vector<char*> environment;
+  for (std::string& variable : variables) {
+    environment.push_back(variable.data());
+  }
+  environment.push_back(nullptr);
   pid_t child = 0;
-  const int error =
-      posix_spawnp(&child, kProgram, &actions, nullptr, arguments, environ);
+  const int error = posix_spawnp(&child, kProgram, &actions, nullptr, arguments,
+                                 environment.data());
   posix_spawn_file_actions_destroy(&actions);
   if (error == ENOENT) {
     return IoError(kProgram,
