@@ -61,7 +61,7 @@ BounceTrain::BounceTrain(const ContactScene& scene, const ContactModes& modes,
                          bool ramping)
     : modes_(&modes),
       equilibrium_speed_(ramping ? scene.velocity_m_s : 0),
-      equilibrium_start_(ramping ? 0 : scene.goal_m),
+      equilibrium_start_(ramping ? scene.lead_m : scene.goal_m),
       friction_(scene.mu_kinetic * kGravity),
       compliance_(scene.object_mass_kg / modes.stiffness),
       rigidity_(modes.stiffness / scene.object_mass_kg),

@@ -51,7 +51,7 @@ ContactPiece::ContactPiece(const ContactScene& scene, const ContactModes& modes,
       equilibrium_speed_(ramping ? scene.velocity_m_s : 0),
       pair_(&modes.arm) {
   const double equilibrium =
-      ramping ? scene.velocity_m_s * begin : scene.goal_m;
+      ramping ? scene.lead_m + scene.velocity_m_s * begin : scene.goal_m;
   const double k = scene.actuator_stiffness;
   const double stiffness = modes.stiffness;
   switch (phase) {

@@ -104,6 +104,7 @@ class Sampler : public PieceSink {
     due_ = 1 + static_cast<size_t>(std::floor(scene.duration_s * rate_ + 1e-9));
     trajectory_.samples.reserve(due_);
     trajectory_.samples.emplace_back();
+    trajectory_.samples.back().v_arm = scene.touch_speed_m_s;
   }
 
   BounceDetail detail() const override { return BounceDetail::kInstant; }
@@ -193,6 +194,7 @@ absl::StatusOr<PieceSummary> SolvePieces(const ContactScene& scene,
   const ContactModes modes(scene);
   PieceSummary summary;
   PhaseStart next;
+  next.state.approach = scene.touch_speed_m_s;
   bool ramping = true;
   double time = 0;
   while (time < scene.duration_s) {

@@ -22,6 +22,15 @@ double CriticalDamping(double actuator_stiffness, double arm_mass_kg) {
   return 2 * std::sqrt(actuator_stiffness * arm_mass_kg);
 }
 
+void SetApproach(double seconds, ContactScene& scene) {
+  // e = v t exp(-w t) solves e'' + 2 w e' + w^2 e = 0 with e = 0 and e' = v at
+  // rest, where e is the lead of the equilibrium point.
+  const double w = std::sqrt(scene.actuator_stiffness / scene.arm_mass_kg);
+  const double fade = std::exp(-w * seconds);
+  scene.lead_m = scene.velocity_m_s * seconds * fade;
+  scene.touch_speed_m_s = scene.velocity_m_s * (1 - fade * (1 - w * seconds));
+}
+
 absl::Status Validate(const ContactScene& scene) {
   using limits::kMaxSceneDurationS;
   TACTUS_RETURN_IF_ERROR(
@@ -33,6 +42,10 @@ absl::Status Validate(const ContactScene& scene) {
   TACTUS_RETURN_IF_ERROR(
       CheckRange("scene.velocity_m_s", scene.velocity_m_s, 1e-5, 10));
   TACTUS_RETURN_IF_ERROR(CheckRange("scene.goal_m", scene.goal_m, 1e-6, 10));
+  TACTUS_RETURN_IF_ERROR(
+      CheckRange("scene.touch_speed_m_s", scene.touch_speed_m_s, 0, 10));
+  TACTUS_RETURN_IF_ERROR(
+      CheckRange("scene.lead_m", scene.lead_m, 0, scene.goal_m));
   TACTUS_RETURN_IF_ERROR(
       CheckRange("scene.object_mass_kg", scene.object_mass_kg, 1e-6, 1e6));
   TACTUS_RETURN_IF_ERROR(

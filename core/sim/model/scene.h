@@ -1,8 +1,9 @@
 // File: scene.h
 //
 // ContactScene: one press of the arm against one object in the paper's lumped
-// element model (Section "Robot and Object Model", eqs. 1 to 7). The arm starts
-// at rest and touches the undeformed object.
+// element model (Section "Robot and Object Model", eqs. 1 to 7). It begins when
+// the arm touches the undeformed object: at rest, as in the paper, or in motion
+// after an approach.
 //
 //   ContactScene scene;
 //   scene.goal_m = 0.019;
@@ -27,6 +28,10 @@ struct ContactScene {
   // The equilibrium point moves at `velocity_m_s` to `goal_m` and stays there.
   double velocity_m_s = 0.005;
   double goal_m = 0.019;
+  // At the touch: the arm's speed, and how far the equilibrium point is ahead
+  // of the arm. Both 0: the arm starts there at rest.
+  double touch_speed_m_s = 0;
+  double lead_m = 0;
   double object_mass_kg = 0;
   // Stiffness of the object, N/m.
   double object_stiffness = 0;
@@ -43,8 +48,13 @@ struct ContactScene {
     return mu_kinetic * object_mass_kg * kGravity;
   }
   // Time at which the equilibrium point reaches the goal, s.
-  double RampEnd() const { return goal_m / velocity_m_s; }
+  double RampEnd() const { return (goal_m - lead_m) / velocity_m_s; }
 };
+
+// Lets the arm of `scene`, which must be critically damped, start at rest and
+// move freely for `seconds` >= 0 before the touch: sets touch_speed_m_s and
+// lead_m, in closed form.
+void SetApproach(double seconds, ContactScene& scene);
 
 // b_act of a critically damped arm (paper, eq. 10 with eta = 1), N s/m.
 double CriticalDamping(double actuator_stiffness, double arm_mass_kg);

@@ -283,6 +283,8 @@ absl::StatusOr<Trajectory> Run::Go() {
                          scene_.duration_s * options_.sample_rate_hz + 1e-9));
   trajectory_.samples.reserve(samples_due_);
   trajectory_.samples.emplace_back();
+  trajectory_.samples.back().v_arm = scene_.touch_speed_m_s;
+  state()[kArmVelocity] = scene_.touch_speed_m_s;
   while (time_ < scene_.duration_s) {
     const double until = ramping_
                              ? std::min(scene_.RampEnd(), scene_.duration_s)

@@ -298,14 +298,17 @@ absl::StatusOr<Trajectory> ReferenceRun::Go() {
     return NumericalFailure("the reference would take more than 1e9 steps");
   }
   a_ = Equations(s_, mode_);
+  x_[1] = s_.touch_speed_m_s;
   x_[5] = 1;
+  x_[6] = s_.lead_m;
   out_.sample_rate_hz = rate_;
   out_.samples.emplace_back();
+  out_.samples.back().v_arm = s_.touch_speed_m_s;
   const int samples =
       static_cast<int>(std::floor(s_.duration_s * rate_ + 1e-9));
   for (int n = 1; n <= samples; ++n) {
     const Real until = n / static_cast<Real>(rate_);
-    const Real ramp_end = Real(s_.goal_m) / s_.velocity_m_s;
+    const Real ramp_end = (Real(s_.goal_m) - s_.lead_m) / s_.velocity_m_s;
     if (mode_.ramping && ramp_end <= until) {
       Advance(ramp_end);
       mode_.ramping = false;

@@ -14,7 +14,7 @@ PhaseEquations::PhaseEquations(const ContactScene& scene, ContactPhase p,
       arm_compliance(1 / scene.arm_mass_kg),
       object_compliance(Sliding(p) ? 1 / scene.object_mass_kg : 0),
       friction(Sliding(p) ? scene.mu_kinetic * kGravity : 0),
-      equilibrium(ramping ? 0 : scene.goal_m),
+      equilibrium(ramping ? scene.lead_m : scene.goal_m),
       speed(ramping ? scene.velocity_m_s : 0),
       phase(p) {}
 

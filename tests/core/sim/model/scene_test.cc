@@ -37,6 +37,9 @@ TEST(ValidateSceneTest, EachBadFieldIsNamed) {
        [](ContactScene& s) { s.actuator_damping = -1; }},
       {"scene.velocity_m_s", [](ContactScene& s) { s.velocity_m_s = 0; }},
       {"scene.goal_m", [](ContactScene& s) { s.goal_m = -0.019; }},
+      {"scene.touch_speed_m_s",
+       [](ContactScene& s) { s.touch_speed_m_s = -0.001; }},
+      {"scene.lead_m", [](ContactScene& s) { s.lead_m = 2 * s.goal_m; }},
       {"scene.object_mass_kg", [](ContactScene& s) { s.object_mass_kg = 0; }},
       {"scene.object_stiffness",
        [](ContactScene& s) {
@@ -74,6 +77,33 @@ TEST(MaterialsTest, CubeMassAndStiffness) {
   EXPECT_NEAR(cube.Mass(), 7.85, 1e-12);
   EXPECT_NEAR(cube.Stiffness(), 4e10, 1);
   EXPECT_EQ(cube.TableFriction().mu_kinetic, 0.12);
+}
+
+// Against the equation of the free arm in small steps.
+TEST(SetApproachTest, TheArmHasMovedFreely) {
+  ContactScene scene = GoodScene();
+  for (const double seconds : {0.0, 0.02, 0.1, 0.7}) {
+    SetApproach(seconds, scene);
+    constexpr int kSteps = 100'000;
+    const double dt = seconds / kSteps;
+    double x = 0;
+    double v = 0;
+    for (int i = 0; i < kSteps; ++i) {
+      // Midpoint rule.
+      const auto acceleration = [&](double t, double at, double speed) {
+        return (scene.actuator_stiffness * (scene.velocity_m_s * t - at) +
+                scene.actuator_damping * (scene.velocity_m_s - speed)) /
+               scene.arm_mass_kg;
+      };
+      const double t = i * dt;
+      const double middle_x = x + dt / 2 * v;
+      const double middle_v = v + dt / 2 * acceleration(t, x, v);
+      x += dt * middle_v;
+      v += dt * acceleration(t + dt / 2, middle_x, middle_v);
+    }
+    EXPECT_NEAR(scene.touch_speed_m_s, v, 1e-9) << seconds;
+    EXPECT_NEAR(scene.lead_m, scene.velocity_m_s * seconds - x, 1e-9);
+  }
 }
 
 }  // namespace
