@@ -18,6 +18,7 @@
 #include "core/sim/experiments/cody_set.h"
 #include "core/sim/experiments/grid_set.h"
 #include "core/sim/experiments/paper_set.h"
+#include "core/sim/experiments/random_world.h"
 #include "core/sim/model/contact_phase.h"
 #include "core/sim/model/materials.h"
 #include "core/sim/model/scene.h"
@@ -25,10 +26,13 @@
 #include "core/sim/model/trial_spec.h"
 #include "core/sim/skin/block_filter.h"
 #include "core/sim/skin/butterworth.h"
+#include "core/sim/skin/line_contact.h"
 #include "core/sim/skin/patch.h"
+#include "core/sim/skin/record_contact.h"
 #include "core/sim/skin/render.h"
 #include "core/sim/skin/signals.h"
 #include "core/sim/skin/simulated_contact.h"
+#include "core/sim/skin/skin_model.h"
 
 namespace tactus::examples {
 
@@ -193,6 +197,33 @@ void TrajectoryExample(const Trajectory& trajectory, size_t i) {
 void ContactPhaseExample(ContactPhase phase) {
   const bool touching = Touching(phase);
   if (touching && !Sliding(phase)) return;  // kStuck
+}
+
+void LineContactExample(const SkinLayout& layout) {
+  LineContact contact(layout, {.row = 7.5, .column = 3});
+  contact.Press(2.5, {.edge_m = 0.04, .bedding_n_m3 = 1e7});
+  const double newton = contact.taxels()[7 * layout.columns + 3];
+}
+
+absl::Status SkinModelExample() {
+  TACTUS_ASSIGN_OR_RETURN(const SkinModel skin, SkinModelNamed("good"));
+  return absl::OkStatus();
+}
+
+absl::Status RecordContactExample(const SimulatedContact& contact,
+                                  uint64_t seed) {
+  TACTUS_ASSIGN_OR_RETURN(const SkinModel skin, SkinModelNamed("good"));
+  Random random = Random::ForStream(seed, contact.spec.number);
+  const Placement placement = DrawPlacement(skin.layout, random);
+  Trial trial = RecordContact(contact, skin, placement, random);
+  return absl::OkStatus();
+}
+
+absl::Status RandomWorldExample(const SkinModel& skin, uint64_t seed) {
+  for (uint64_t n = 0; n < 100'000; ++n) {
+    TACTUS_ASSIGN_OR_RETURN(Trial trial, WorldTrial(skin, seed, n));
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace tactus::examples

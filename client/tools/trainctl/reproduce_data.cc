@@ -25,8 +25,9 @@ SimulateFlags FlagsOf(Experiment experiment, uint64_t seed) {
   return flags;
 }
 
-absl::StatusOr<Extracted> Extract(const SimulateJob& job) {
-  TACTUS_ASSIGN_OR_RETURN(const std::vector<SensedContact> sensed, job());
+absl::StatusOr<Extracted> Extract(const SimulateJobs& jobs, size_t number) {
+  TACTUS_ASSIGN_OR_RETURN(const std::vector<SensedContact> sensed,
+                          jobs.run(number));
   Extracted extracted;
   for (const SensedContact& each : sensed) {
     TACTUS_ASSIGN_OR_RETURN(auto contact, ExtractContact(each.trial));
@@ -43,12 +44,11 @@ absl::StatusOr<LoadedContacts> SimulateExperiment(Experiment experiment,
   const SimulateFlags flags = FlagsOf(experiment, seed);
   TACTUS_ASSIGN_OR_RETURN(const SkinLayout layout,
                           LayoutPreset("cody-forearm"));
-  TACTUS_ASSIGN_OR_RETURN(const std::vector<SimulateJob> jobs,
-                          MakeJobs(flags, layout));
-  std::vector<absl::StatusOr<Extracted>> results(jobs.size());
-  RunOnThreads(static_cast<int>(jobs.size()), [&](int i) {
-    results[i] = Extract(jobs[i]);
-    progress.Add(1 / static_cast<double>(jobs.size()));
+  TACTUS_ASSIGN_OR_RETURN(const SimulateJobs jobs, MakeJobs(flags, layout));
+  std::vector<absl::StatusOr<Extracted>> results(jobs.count);
+  RunOnThreads(static_cast<int>(jobs.count), [&](int i) {
+    results[i] = Extract(jobs, i);
+    progress.Add(1 / static_cast<double>(jobs.count));
   });
   LoadedContacts data;
   for (auto& result : results) {

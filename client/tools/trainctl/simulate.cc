@@ -87,6 +87,7 @@ void Print(const SimulateFlags& flags, const Tally& tally) {
     json["strain_clamped"] = tally.clamped;
     if (goal) json["goal_m"] = *goal;
     json["sensor"] = flags.sensor;
+    if (!flags.skin.empty()) json["skin"] = flags.skin;
     json["seed"] = flags.seed;
     json["seconds"] = SecondsSinceStart();
     std::cout << JsonText(json) << "\n";
@@ -98,13 +99,14 @@ void Print(const SimulateFlags& flags, const Tally& tally) {
   std::cout << absl::StrFormat("%d undetectable, %d with clamped strain, ",
                                tally.undetectable, tally.clamped);
   if (goal) std::cout << absl::StrFormat("goal %g m, ", *goal);
-  std::cout << absl::StrFormat("sensor %s, seed %d, %.1f s\n", flags.sensor,
+  std::cout << absl::StrFormat("%s %s, seed %d, %.1f s\n",
+                               flags.skin.empty() ? "sensor" : "skin",
+                               flags.skin.empty() ? flags.sensor : flags.skin,
                                flags.seed, SecondsSinceStart());
 }
 
 absl::Status RunSimulate(const SimulateFlags& flags) {
-  TACTUS_ASSIGN_OR_RETURN(const SkinLayout layout,
-                          LayoutPreset("cody-forearm"));
+  TACTUS_ASSIGN_OR_RETURN(const SkinLayout layout, LayoutOf(flags));
   TACTUS_RETURN_IF_ERROR(Validate(flags.render, layout));
   TACTUS_ASSIGN_OR_RETURN(const auto jobs, MakeJobs(flags, layout));
   std::optional<TrialFileWriter> writer;
@@ -119,13 +121,13 @@ absl::Status RunSimulate(const SimulateFlags& flags) {
   const Progress simulating = display.progress().Part("simulate contacts", 1);
   // The grid ends after `sample` trials, the other protocols after all jobs.
   const bool grid = flags.protocol == "grid";
-  const double all = grid ? flags.sample : static_cast<double>(jobs.size());
+  const double all = grid ? flags.sample : static_cast<double>(jobs.count);
   Tally tally;
-  for (size_t begin = 0; begin < jobs.size(); begin += kBlock) {
-    const size_t size = std::min(kBlock, jobs.size() - begin);
+  for (size_t begin = 0; begin < jobs.count; begin += kBlock) {
+    const size_t size = std::min(kBlock, jobs.count - begin);
     std::vector<absl::StatusOr<std::vector<SensedContact>>> block(size);
     RunOnThreads(static_cast<int>(size),
-                 [&](int i) { block[i] = jobs[begin + i](); });
+                 [&](int i) { block[i] = jobs.run(begin + i); });
     for (auto& contacts : block) {
       TACTUS_RETURN_IF_ERROR(contacts.status());
       simulating.Add((grid ? static_cast<double>(contacts->size()) : 1) / all);
@@ -151,8 +153,13 @@ void AddSimulate(CLI::App& app, const SelectCommand& select) {
       "simulate", "Simulate an arm's contacts into a trial file");
   command->add_option(
       "--protocol", flags->protocol,
-      "paper (its 1,835 trials), grid (other robot conditions) or cody (its "
-      "robot experiment)");
+      "paper (its 1,835 trials), grid (other robot conditions), cody (its "
+      "robot experiment) or random (objects, arms and places of all kinds)");
+  command->add_option("--contacts", flags->contacts,
+                      "Number of contacts of --protocol=random");
+  command->add_option("--skin", flags->skin,
+                      "Skin that records the contacts: paper, good or measured "
+                      "(docs/simulator.md)");
   command
       ->add_option("--goal", flags->goals,
                    "Goals of the equilibrium point, m, instead of the "
@@ -190,6 +197,9 @@ void AddSimulate(CLI::App& app, const SelectCommand& select) {
   AddOneContactFlags(*command, *one);
   command->callback([=] {
     select([=] {
+      if (flags->protocol == "random" && flags->skin.empty()) {
+        flags->skin = "good";
+      }
       return one->scene.empty() ? RunSimulate(*flags)
                                 : SimulateOne(*one, std::cout);
     });

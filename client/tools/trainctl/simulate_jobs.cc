@@ -11,6 +11,9 @@
 #include "core/sim/experiments/cody_set.h"
 #include "core/sim/experiments/grid_set.h"
 #include "core/sim/experiments/paper_set.h"
+#include "core/sim/experiments/random_world.h"
+#include "core/sim/skin/record_contact.h"
+#include "core/sim/skin/skin_model.h"
 
 namespace tactus::client {
 namespace {
@@ -32,12 +35,28 @@ absl::StatusOr<std::vector<Material>> ReadMaterials(const std::string& path) {
   return materials;
 }
 
+// Contacts of the same place and noise come from the same seed and number.
+constexpr uint64_t kSkinStream = uint64_t{1} << 34;
+
+using SimulateJob = std::function<absl::StatusOr<std::vector<SensedContact>>()>;
+
+SimulateJobs JobsOf(std::vector<SimulateJob> jobs) {
+  const size_t count = jobs.size();
+  return {count, [jobs = std::move(jobs)](size_t i) { return jobs[i](); }};
+}
+
 absl::StatusOr<SensedContact> Sense(const SimulatedContact& contact,
                                     const SimulateFlags& flags,
                                     const SkinLayout& layout) {
   SensedContact sensed;
   sensed.clamped = contact.signals.clamped > 0;
-  if (flags.taxels()) {
+  if (!flags.skin.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(const SkinModel skin, SkinModelNamed(flags.skin));
+    Random random =
+        Random::ForStream(flags.seed, kSkinStream + contact.spec.number);
+    const Placement placement = DrawPlacement(layout, random);
+    sensed.trial = RecordContact(contact, skin, placement, random);
+  } else if (flags.taxels()) {
     TACTUS_ASSIGN_OR_RETURN(
         sensed.trial, TaxelTrial(contact, layout, flags.render, flags.seed));
   } else {
@@ -84,31 +103,33 @@ SimulateJob CodyJob(const CodySpec& spec, const SimulateFlags& flags,
       };
 }
 
-std::vector<SimulateJob> PaperJobs(const SimulateFlags& flags,
-                                   const SkinLayout& layout,
-                                   std::span<const Material> materials) {
+SimulateJobs PaperJobs(const SimulateFlags& flags, const SkinLayout& layout,
+                       std::span<const Material> materials) {
   const RobotGrid grid = WithFlags(PaperGrid(), flags);
   std::vector<SimulateJob> jobs;
   for (const TrialSpec& spec : TrialSpecs(grid.Conditions(), materials)) {
     jobs.push_back(PairJob(spec, grid.goals.size() > 1, flags, layout));
   }
-  return jobs;
+  return JobsOf(std::move(jobs));
 }
 
-std::vector<SimulateJob> GridJobs(const SimulateFlags& flags,
-                                  const SkinLayout& layout,
-                                  std::span<const Material> materials) {
+SimulateJobs GridJobs(const SimulateFlags& flags, const SkinLayout& layout,
+                      std::span<const Material> materials) {
   const RobotGrid grid = WithFlags(UntrainedGrid(), flags);
   std::vector<SimulateJob> jobs;
   for (const TrialSpec& spec :
        DrawSpecs(grid.Conditions(), flags.seed, materials)) {
     jobs.push_back(PairJob(spec, /*name_goal=*/true, flags, layout));
   }
-  return jobs;
+  return JobsOf(std::move(jobs));
 }
 
-absl::StatusOr<std::vector<SimulateJob>> CodyJobs(const SimulateFlags& flags,
-                                                  const SkinLayout& layout) {
+absl::StatusOr<SimulateJobs> CodyJobs(const SimulateFlags& flags,
+                                      const SkinLayout& layout) {
+  if (!flags.skin.empty()) {
+    return InvalidConfig("--skin with --protocol=cody", flags.skin,
+                         "--sensor, or another protocol");
+  }
   if (!flags.stiffnesses.empty() || !flags.velocities.empty() ||
       !flags.goals.empty() || !flags.materials.empty()) {
     return InvalidConfig("--protocol with other conditions or materials",
@@ -118,25 +139,53 @@ absl::StatusOr<std::vector<SimulateJob>> CodyJobs(const SimulateFlags& flags,
   for (const CodySpec& spec : CodySpecs(layout, flags.seed)) {
     jobs.push_back(CodyJob(spec, flags, layout));
   }
-  return jobs;
+  return JobsOf(std::move(jobs));
+}
+
+absl::StatusOr<SimulateJobs> WorldJobs(const SimulateFlags& flags) {
+  if (!flags.stiffnesses.empty() || !flags.velocities.empty() ||
+      !flags.goals.empty() || !flags.materials.empty()) {
+    return InvalidConfig("--protocol with other conditions or materials",
+                         "random", "paper or grid");
+  }
+  if (flags.contacts < 1) {
+    return InvalidConfig("--contacts", flags.contacts, "at least 1");
+  }
+  TACTUS_ASSIGN_OR_RETURN(const SkinModel skin, SkinModelNamed(flags.skin));
+  return SimulateJobs{
+      static_cast<size_t>(flags.contacts),
+      [skin, seed = flags.seed](
+          size_t i) -> absl::StatusOr<std::vector<SensedContact>> {
+        SensedContact sensed;
+        TACTUS_ASSIGN_OR_RETURN(sensed.trial, WorldTrial(skin, seed, i));
+        return std::vector<SensedContact>{std::move(sensed)};
+      }};
 }
 
 }  // namespace
 
-absl::StatusOr<std::vector<SimulateJob>> MakeJobs(const SimulateFlags& flags,
-                                                  const SkinLayout& layout) {
+absl::StatusOr<SkinLayout> LayoutOf(const SimulateFlags& flags) {
+  if (flags.skin.empty()) return LayoutPreset("cody-forearm");
+  TACTUS_ASSIGN_OR_RETURN(SkinModel skin, SkinModelNamed(flags.skin));
+  return skin.layout;
+}
+
+absl::StatusOr<SimulateJobs> MakeJobs(const SimulateFlags& flags,
+                                      const SkinLayout& layout) {
   if (flags.sensor != "signals" && flags.sensor != "taxels") {
     return InvalidConfig("--sensor", flags.sensor, "signals or taxels");
   }
   if (flags.sample < 1) {
     return InvalidConfig("--sample", flags.sample, "at least 1");
   }
+  if (flags.protocol == "random") return WorldJobs(flags);
   if (flags.protocol == "cody") return CodyJobs(flags, layout);
   TACTUS_ASSIGN_OR_RETURN(const std::vector<Material> materials,
                           ReadMaterials(flags.materials));
   if (flags.protocol == "paper") return PaperJobs(flags, layout, materials);
   if (flags.protocol == "grid") return GridJobs(flags, layout, materials);
-  return InvalidConfig("--protocol", flags.protocol, "paper, grid or cody");
+  return InvalidConfig("--protocol", flags.protocol,
+                       "paper, grid, cody or random");
 }
 
 }  // namespace tactus::client

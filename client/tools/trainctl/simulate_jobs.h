@@ -36,10 +36,15 @@ struct SimulateFlags {
   std::string materials;
   // Trials of the grid; the others run in full.
   int sample = 2000;
+  // A named skin (SkinModelNamed) that records the contacts; empty for signals
+  // or for the taxels of `render`.
+  std::string skin;
+  // Contacts of the random world.
+  int64_t contacts = 1000;
   RenderOptions render;
   bool json = false;
 
-  bool taxels() const { return sensor == "taxels"; }
+  bool taxels() const { return sensor == "taxels" || !skin.empty(); }
 };
 
 // One contact as the sensor measures it.
@@ -49,13 +54,20 @@ struct SensedContact {
   bool clamped = false;
 };
 
-// Simulates one contact. If the object moved and the protocol asks for it, the
-// job also simulates the same contact with a fixed object.
-using SimulateJob = std::function<absl::StatusOr<std::vector<SensedContact>>()>;
+// `count` jobs, each made when it runs. A job simulates one contact. If the
+// object moved and the protocol asks for it, it also simulates the same contact
+// with a fixed object.
+struct SimulateJobs {
+  size_t count = 0;
+  std::function<absl::StatusOr<std::vector<SensedContact>>(size_t)> run;
+};
+
+// The skin whose thresholds decide whether a contact was felt.
+absl::StatusOr<SkinLayout> LayoutOf(const SimulateFlags& flags);
 
 // Returns INVALID_CONFIG that names the flag if a value is unknown or flags
 // exclude each other; IO or INVALID_SCENE for the table of materials.
-absl::StatusOr<std::vector<SimulateJob>> MakeJobs(const SimulateFlags& flags,
-                                                  const SkinLayout& layout);
+absl::StatusOr<SimulateJobs> MakeJobs(const SimulateFlags& flags,
+                                      const SkinLayout& layout);
 
 }  // namespace tactus::client

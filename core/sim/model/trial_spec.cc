@@ -15,6 +15,7 @@ ContactScene SceneOf(const TrialSpec& spec) {
   scene.mu_static = friction.mu_static;
   scene.mu_kinetic = friction.mu_kinetic;
   scene.fixed = spec.fixed;
+  SetApproach(spec.approach_s, scene);
   return scene;
 }
 

@@ -31,6 +31,9 @@ struct TrialSpec {
   Cube object;
   RobotCondition robot;
   bool fixed = false;
+  // Time for which the arm moves freely before the touch, s; 0: it starts at
+  // rest on the object.
+  double approach_s = 0;
   // Identifies the trial within its list and seeds its noise. Even; the fixed
   // twin has the next number.
   uint64_t number = 0;

@@ -133,10 +133,7 @@ absl::StatusOr<Trial> TaxelTrial(const SimulatedContact& contact,
   const Eigen::Vector3d normal = LinkNormal(layout, centre);
 
   Trial trial = contact.Metadata();
-  // core/sim has the type Trial, but does not link core/data.
-  trial.layout = layout.name;
-  trial.unit = layout.unit == TaxelUnit::kNewton ? "newton" : "counts";
-  trial.skin = layout;
+  SetSkin(layout, trial);
   trial.taxels.rows = layout.rows;
   trial.taxels.columns = layout.columns;
   trial.taxels.scale = options.taxel_step;
@@ -167,14 +164,14 @@ absl::StatusOr<Trial> TaxelTrial(const SimulatedContact& contact,
 }
 
 bool Detectable(const Trial& trial, const SkinLayout& layout) {
-  const size_t taxels = layout.taxels();
-  for (size_t i = 0; i < trial.taxels.u16.size(); ++i) {
-    const bool valid = layout.mask.empty() || layout.mask[i % taxels] != 0;
-    // As the pipeline sees it: single precision.
-    const float value =
-        static_cast<float>(trial.taxels.u16[i] * trial.taxels.scale);
-    if (valid && value >= static_cast<float>(layout.onset_threshold)) {
-      return true;
+  const float threshold = static_cast<float>(layout.onset_threshold);
+  // As the pipeline sees it: single precision.
+  std::vector<float> frame(layout.taxels());
+  for (size_t t = 0; t < trial.taxels.frames(); ++t) {
+    trial.taxels.Decode(t, frame.data());
+    for (size_t i = 0; i < frame.size(); ++i) {
+      const bool valid = layout.mask.empty() || layout.mask[i] != 0;
+      if (valid && frame[i] >= threshold) return true;
     }
   }
   return false;

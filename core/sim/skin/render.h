@@ -59,7 +59,7 @@ absl::StatusOr<Trial> TaxelTrial(const SimulatedContact& contact,
                                  const RenderOptions& options, uint64_t seed);
 
 // True if a valid taxel of any frame reaches the onset threshold, so that a
-// stream of these frames detects a contact. `trial` has u16 taxels of `layout`.
+// stream of these frames detects a contact. `trial` has taxels of `layout`.
 bool Detectable(const Trial& trial, const SkinLayout& layout);
 
 }  // namespace tactus

@@ -1,0 +1,56 @@
+// File: random_world.h
+//
+// A world of random contacts, to train and test models on more than a
+// laboratory could record. Everything is drawn independently, so that nothing
+// about an object but its physics is correlated with its category.
+//
+//   for (uint64_t n = 0; n < 100'000; ++n) {
+//     TACTUS_ASSIGN_OR_RETURN(Trial trial, WorldTrial(skin, seed, n));
+//   }
+//
+// | drawn | how |
+// |---|---|
+// | Young's modulus | 2e3 to 6e10 Pa, log-uniform |
+// | density | 30 to 8,000 kg/m^3, log-uniform |
+// | static friction | 0.12 to 0.95, uniform; sliding 0.6 to 0.95 of it |
+// | Poisson's ratio | 0.2 to 0.49, uniform |
+// | edge of the cube | 1 to 10 cm, uniform |
+// | fixed | half of the objects |
+// | arm | stiffness, speed and goal log-uniform, from a quarter of the paper's
+// | |     | smallest to four times its largest | | approach | free motion for
+// up to 1 s before the touch, in half of them | | place, tilt | DrawPlacement |
+// | poses | noise 0.05 to 2 mm, log-uniform; gain error up to 2 % |
+//
+// Contact n is a function of seed and n: a caller holds one at a time, and
+// workers share nothing. Two seeds have no contact, material or arm in common.
+// Stateless; thread-safe.
+#pragma once
+
+#include <cstdint>
+
+#include "absl/status/statusor.h"
+#include "core/base/random.h"
+#include "core/data/trial.h"
+#include "core/sim/model/trial_spec.h"
+#include "core/sim/skin/record_contact.h"
+#include "core/sim/skin/skin_model.h"
+
+namespace tactus {
+
+struct WorldContact {
+  TrialSpec spec;
+  Placement placement;
+};
+
+// Draws contact `number`; leaves `random`, which it sets, ready for the skin.
+WorldContact DrawWorldContact(const SkinLayout& layout, uint64_t seed,
+                              uint64_t number, Random& random);
+
+// Simulates and records contact `number`. Its condition is the octave of the
+// arm's stiffness and speed, e.g. "k512-v2^-7", its material the decade of
+// Young's modulus and the octave of the density: groups that can be left out.
+// NUMERICAL_FAILURE as SimulateContact.
+absl::StatusOr<Trial> WorldTrial(const SkinModel& skin, uint64_t seed,
+                                 uint64_t number);
+
+}  // namespace tactus

@@ -1,0 +1,136 @@
+#include "core/sim/skin/record_contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "core/base/gaussian.h"
+#include "core/sim/skin/block_filter.h"
+#include "core/sim/skin/line_contact.h"
+
+namespace tactus {
+namespace {
+
+constexpr double kTiltDeviation = 0.5 * std::numbers::pi / 180;
+
+// The electronics behind each taxel.
+class TaxelReader {
+ public:
+  TaxelReader(const SkinModel& skin, Random& random, TaxelSeries& series)
+      : skin_(skin),
+        random_(random),
+        series_(series),
+        alive_(skin.layout.taxels(), 1),
+        offset_(skin.layout.taxels()),
+        lagging_(skin.layout.taxels()),
+        deviates_(skin.layout.taxels()) {
+    const size_t taxels = alive_.size();
+    for (int left = skin.dead_taxels; left > 0;) {
+      uint8_t& taxel = alive_[random.Index(taxels)];
+      left -= taxel;
+      taxel = 0;
+    }
+    for (int i = 0; i < skin.stray_taxels; ++i) {
+      offset_[random.Index(taxels)] =
+          random.Uniform(skin.stray_min_n, skin.stray_max_n);
+    }
+  }
+
+  // Appends a frame of these forces, N on each taxel.
+  void Read(const std::vector<double>& forces) {
+    if (skin_.drift_n > 0) {
+      FillGaussian(random_, deviates_);
+      const double step = skin_.drift_n / std::sqrt(kSkinRateHz);
+      for (size_t i = 0; i < offset_.size(); ++i) {
+        offset_[i] += step * deviates_[i];
+      }
+    }
+    FillGaussian(random_, deviates_);
+    const double follow =
+        skin_.lagging > 0 ? 1 - std::exp(-1 / (kSkinRateHz * skin_.lag_s)) : 0;
+    for (size_t i = 0; i < forces.size(); ++i) {
+      lagging_[i] += follow * (forces[i] - lagging_[i]);
+      const double reading = (1 - skin_.lagging) * forces[i] +
+                             skin_.lagging * lagging_[i] + offset_[i] +
+                             skin_.noise_n * deviates_[i];
+      Append(alive_[i] != 0 ? std::max(0.0, reading) : 0);
+    }
+  }
+
+ private:
+  void Append(double reading) {
+    if (skin_.step_n == 0) {
+      series_.f32.push_back(static_cast<float>(reading));
+      return;
+    }
+    constexpr double kMost = std::numeric_limits<uint16_t>::max();
+    series_.u16.push_back(static_cast<uint16_t>(
+        std::min(std::round(reading / skin_.step_n), kMost)));
+  }
+
+  const SkinModel& skin_;
+  Random& random_;
+  TaxelSeries& series_;
+  std::vector<uint8_t> alive_;
+  std::vector<double> offset_;
+  // The forces, delayed.
+  std::vector<double> lagging_;
+  std::vector<double> deviates_;
+};
+
+}  // namespace
+
+Placement DrawPlacement(const SkinLayout& layout, Random& random) {
+  Placement placement;
+  placement.centre.row = random.Uniform(0, layout.rows - 1);
+  placement.centre.column = random.Uniform(
+      0, layout.wrap_columns ? layout.columns : layout.columns - 1);
+  placement.tilt_rad = kTiltDeviation * random.Gaussian();
+  return placement;
+}
+
+Trial RecordContact(const SimulatedContact& contact, const SkinModel& skin,
+                    const Placement& placement, Random& random) {
+  Trial trial = contact.Metadata();
+  SetSkin(skin.layout, trial);
+  trial.taxels.rows = skin.layout.rows;
+  trial.taxels.columns = skin.layout.columns;
+  if (skin.step_n > 0) trial.taxels.scale = skin.step_n;
+  const size_t lead_in = placement.lead_in_frames;
+  const size_t frames = lead_in + contact.signals.samples.size();
+  const size_t readings = frames * skin.layout.taxels();
+  (skin.step_n > 0 ? trial.taxels.u16.reserve(readings)
+                   : trial.taxels.f32.reserve(readings));
+  trial.time.reserve(frames);
+  trial.poses.reserve(frames);
+  const Eigen::Vector3d normal = LinkNormal(skin.layout, placement.centre);
+  const Cube& object = contact.spec.object;
+  LineContact face(skin.layout, placement.centre);
+  TaxelReader reader(skin, random, trial.taxels);
+  for (size_t i = 0; i < frames; ++i) {
+    FeatureVector sample = {0, 0, 0};
+    if (i >= lead_in) sample = contact.signals.samples[i - lead_in];
+    const double force = sample[static_cast<int>(Feature::kForce)];
+    const double motion = sample[static_cast<int>(Feature::kMotion)];
+    face.Press(std::max(force, 0.0),
+               {.edge_m = std::sqrt(ContactArea(object, std::max(force, 0.0))),
+                .bedding_n_m3 = Bedding(object.material.youngs_modulus,
+                                        object.edge_m, skin.cover_n_m3),
+                .tilt_rad = placement.tilt_rad});
+    reader.Read(face.taxels());
+    Pose pose;
+    for (double& coordinate : pose.position) {
+      coordinate = placement.pose_noise_m * random.Gaussian();
+    }
+    pose.position += normal * (motion * (1 + placement.pose_gain_error));
+    trial.poses.push_back(pose);
+    trial.time.push_back(static_cast<double>(i) / kSkinRateHz);
+    trial.object_motion.push_back(
+        i < lead_in ? 0 : contact.signals.object_motion[i - lead_in]);
+  }
+  return trial;
+}
+
+}  // namespace tactus
