@@ -183,7 +183,9 @@ TEST(QuotaRpcTest, StreamsOfAClientAreBounded) {
   ASSERT_TRUE(first->Read().has_started());
   const auto second = open();
   ASSERT_TRUE(second->Read().has_started());
-  EXPECT_EQ(ReasonOf(open()->Finish()), "QUOTA_EXCEEDED");
+  const auto third = open();
+  third->HalfClose();
+  EXPECT_EQ(ReasonOf(third->Finish()), "QUOTA_EXCEEDED");
   EXPECT_EQ(server.server().gate().live(), 2) << "a refused one is not counted";
   first->HalfClose();
   EXPECT_TRUE(first->Finish().ok());
