@@ -133,9 +133,12 @@ absl::StatusOr<v1::StoredLog> JobQueue::Log(absl::string_view name) const {
   TACTUS_ASSIGN_OR_RETURN(const Operation operation, operations_->Get(name));
   TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
                           ParseName(name, "operations"));
-  // The file goes when the job has ended, so it is read first.
-  auto live = ReadLog(parsed.id);
-  if (live.ok() && live->has_value()) return **std::move(live);
+  // The file goes after the job has ended, perhaps now, so it is read before
+  // what was saved.
+  if (!HasEnded(operation)) {
+    auto live = ReadLog(parsed.id);
+    if (live.ok() && live->has_value()) return **std::move(live);
+  }
   TACTUS_ASSIGN_OR_RETURN(auto saved, operations_->SavedLog(name));
   return saved.has_value() ? *std::move(saved) : v1::StoredLog();
 }

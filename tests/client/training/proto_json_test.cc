@@ -18,7 +18,8 @@ TEST(ProtoJsonTest, FieldsKeepTheirNamesAndNumbers) {
   EXPECT_EQ(JsonText(ToJson(version)),
             R"({"name":"datasets/arm/versions/2","sha256":"",)"
             R"("create_time_ms":0,"trials":0,"bytes":9007199254740993,)"
-            R"("labels":{"HU":1,"SM":2},"added":0,"removed":0})");
+            R"("labels":{"HU":1,"SM":2},"added":0,"removed":0,)"
+            R"("added_bytes":0,"requester":""})");
 }
 
 TEST(ProtoJsonTest, AbsentFieldsAreLeftOut) {
