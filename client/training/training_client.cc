@@ -104,7 +104,8 @@ TrainingClient::TrainingClient(std::shared_ptr<grpc::Channel> channel,
     : options_(std::move(options)),
       training_(v1::TrainingService::NewStub(channel)),
       operations_(v1::OperationService::NewStub(channel)),
-      models_(v1::ModelService::NewStub(channel)) {}
+      models_(v1::ModelService::NewStub(channel)),
+      admin_(v1::AdminService::NewStub(channel)) {}
 
 std::unique_ptr<grpc::ClientContext> TrainingClient::NewContext(
     milliseconds timeout) const {

@@ -29,6 +29,7 @@
 #include "absl/strings/string_view.h"
 #include "client/stream/channel.h"
 #include "grpcpp/client_context.h"
+#include "tactus/v1/admin.grpc.pb.h"
 #include "tactus/v1/models.grpc.pb.h"
 #include "tactus/v1/operations.grpc.pb.h"
 #include "tactus/v1/training.grpc.pb.h"
@@ -113,6 +114,7 @@ class TrainingClient {
                               std::chrono::milliseconds timeout);
   v1::TrainingService::Stub& training() { return *training_; }
   v1::OperationService::Stub& operations() { return *operations_; }
+  v1::AdminService::Stub& admin() { return *admin_; }
   std::chrono::milliseconds timeout() const { return options_.timeout; }
   std::chrono::milliseconds long_timeout() const {
     return 10 * options_.timeout;
@@ -123,6 +125,7 @@ class TrainingClient {
   const std::unique_ptr<v1::TrainingService::Stub> training_;
   const std::unique_ptr<v1::OperationService::Stub> operations_;
   const std::unique_ptr<v1::ModelService::Stub> models_;
+  const std::unique_ptr<v1::AdminService::Stub> admin_;
 };
 
 // The version "datasets/D/versions/V" or "models/M/versions/V" of a resource.

@@ -4,6 +4,7 @@
 #include <string>
 #include <thread>
 
+#include "client/training/admin_client.h"
 #include "client/training/backoff.h"
 #include "client/training/operation_watcher.h"
 #include "client/training/retry.h"
@@ -27,6 +28,12 @@ void BackoffExample(uint64_t seed) {
   Backoff backoff(seed);
   while (!Try()) std::this_thread::sleep_for(backoff.Next());
   backoff.Reset();  // after a success
+}
+
+absl::Status AdminClientExample(TrainingClient& client) {
+  AdminClient admin(&client);
+  TACTUS_ASSIGN_OR_RETURN(const auto info, admin.GetServerInfo());
+  return absl::OkStatus();
 }
 
 absl::Status RetryExample() {

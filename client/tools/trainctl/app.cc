@@ -75,10 +75,12 @@ int RunTrainctl(int argc, char** argv) {
   const SelectCommand select = [&](Command chosen) {
     command = std::move(chosen);
   };
-  for (auto add : {AddSimulate, AddImport, AddFit, AddRemoteEvaluate,
-                   AddInspect, AddClassify, AddShow, AddSkin, AddReproduce,
-                   AddDatasets, AddTrain, AddJobs, AddModels, AddExportModel,
-                   AddImportModel, AddExportTrials, AddTokens, AddCompletion}) {
+  for (auto add :
+       {AddSimulate,  AddImport,      AddFit,         AddRemoteEvaluate,
+        AddInspect,   AddClassify,    AddShow,        AddSkin,
+        AddReproduce, AddDatasets,    AddTrain,       AddJobs,
+        AddModels,    AddExportModel, AddImportModel, AddExportTrials,
+        AddServer,    AddDoctor,      AddTokens,      AddCompletion}) {
     add(app, select);
   }
   for (const auto& [name, arguments] : kExamples) {

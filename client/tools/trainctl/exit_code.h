@@ -15,8 +15,12 @@ enum ExitCode {
   kExitOk = 0,
   // Anything that has no other code.
   kExitError = 1,
+  // `doctor`: checks with warnings, and none with errors.
+  kExitDoctorWarnings = 1,
   // The command line is wrong.
   kExitUsage = 2,
+  // `doctor`: checks with errors.
+  kExitDoctorErrors = 2,
   // The server ran the job, and it failed.
   kExitJobFailed = 3,
   kExitJobCancelled = 4,

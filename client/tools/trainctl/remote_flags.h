@@ -67,5 +67,8 @@ void AddTrain(CLI::App& app, const SelectCommand& select);
 void AddRemoteEvaluate(CLI::App& app, const SelectCommand& select);
 void AddJobs(CLI::App& app, const SelectCommand& select);
 void AddModels(CLI::App& app, const SelectCommand& select);
+void AddServer(CLI::App& app, const SelectCommand& select);
+// `doctor`, for a server and for a data directory.
+void AddDoctor(CLI::App& app, const SelectCommand& select);
 
 }  // namespace tactus::client

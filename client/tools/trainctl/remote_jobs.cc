@@ -1,11 +1,16 @@
 // trainctl jobs: training and evaluation jobs of a server.
 #include <iostream>
 #include <map>
+#include <vector>
 
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
 #include "client/tools/trainctl/proto_json.h"
 #include "client/tools/trainctl/remote_flags.h"
 #include "client/tools/trainctl/remote_job.h"
+#include "client/training/admin_client.h"
 #include "core/base/status_macros.h"
+#include "core/base/text.h"
 
 namespace tactus::client {
 namespace {
@@ -58,6 +63,33 @@ absl::Status Cancel(TrainingClient& client, const RemoteFlags& flags,
   return absl::OkStatus();
 }
 
+// The log with a question mark for what a terminal could take as a command.
+std::string PrintableLines(const std::string& log) {
+  std::vector<std::string> lines = absl::StrSplit(log, '\n');
+  for (std::string& line : lines) line = Printable(line);
+  return absl::StrJoin(lines, "\n");
+}
+
+absl::Status Logs(TrainingClient& client, const RemoteFlags& flags,
+                  const std::string& name) {
+  TACTUS_ASSIGN_OR_RETURN(const auto log,
+                          AdminClient(&client).ReadOperationLog(name));
+  if (flags.json) {
+    Json json;
+    json["operation"] = name;
+    json["omitted_bytes"] = log.omitted_bytes;
+    json["text"] = PrintableLines(log.text);
+    std::cout << JsonText(json) << "\n";
+    return absl::OkStatus();
+  }
+  if (log.omitted_bytes > 0) {
+    std::cerr << "trainctl: the first " << log.omitted_bytes
+              << " bytes of the log are not kept\n";
+  }
+  std::cout << PrintableLines(log.text);
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 void AddJobs(CLI::App& app, const SelectCommand& select) {
@@ -90,7 +122,11 @@ void AddJobs(CLI::App& app, const SelectCommand& select) {
        "cancelled, 5 the gate was not passed. Ctrl-C ends the watch, not the "
        "job",
        Watch},
-      {"cancel", "Ask a job to stop", Cancel}};
+      {"cancel", "Ask a job to stop", Cancel},
+      {"logs",
+       "Print the end of what a job's process wrote to its log, also after the "
+       "job has ended",
+       Logs}};
   for (const Verb& verb : verbs) {
     CLI::App* command = group.add_subcommand(verb.name, verb.description);
     auto name = std::make_shared<std::string>();

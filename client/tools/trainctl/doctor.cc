@@ -1,0 +1,64 @@
+// trainctl doctor: checks a server, or a data directory that no server uses.
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
+#include "client/tools/trainctl/doctor_remote.h"
+#include "client/tools/trainctl/doctor_report.h"
+#include "client/tools/trainctl/exit_code.h"
+#include "client/tools/trainctl/remote_flags.h"
+#include "core/base/errors.h"
+#include "core/store/file_system.h"
+
+namespace tactus::client {
+namespace {
+
+struct DoctorFlags {
+  RemoteFlags remote;
+  std::string data_dir;
+  bool repair = false;
+};
+
+absl::Status Examine(const DoctorFlags& flags) {
+  if (!flags.data_dir.empty()) {
+    return PrintChecks(CheckData(PosixFileSystem(), flags.data_dir,
+                                 {.now_ms = absl::ToUnixMillis(absl::Now()),
+                                  .repair = flags.repair}),
+                       flags.remote.json);
+  }
+  if (flags.remote.server.empty()) {
+    return WithExitCode(
+        InvalidConfig("--data-dir and --server", "absent",
+                      "one of them: the folder of a server that does not run, "
+                      "or the address of one that does"),
+        kExitUsage);
+  }
+  return PrintChecks(CheckServer(flags.remote), flags.remote.json);
+}
+
+}  // namespace
+
+void AddDoctor(CLI::App& app, const SelectCommand& select) {
+  auto flags = std::make_shared<DoctorFlags>();
+  CLI::App* command = app.add_subcommand(
+      "doctor",
+      "Check a server, or the data directory of a server that does not run. "
+      "Prints one line for each check, with what to do. Exit codes: 0 all is "
+      "well, 1 there are warnings, 2 there are errors");
+  flags->remote.Add(*command);
+  CLI::Option* folder = command->add_option(
+      "--data-dir", flags->data_dir,
+      "Folder that tactusd got as --data-dir; no server is asked");
+  command
+      ->add_flag(
+          "--repair", flags->repair,
+          "Remove what no record names: blobs, files of uploads, folders "
+          "of jobs; and uploads that nobody wrote to for 7 days")
+      ->needs(folder);
+  command->footer(
+      "Examples:\n"
+      "  trainctl doctor --server=arm.lab:50051 --ca=ca.pem "
+      "--token-file=admin.token\n"
+      "  trainctl doctor --data-dir=/var/lib/tactus --repair");
+  command->callback([=] { select([flags] { return Examine(*flags); }); });
+}
+
+}  // namespace tactus::client
