@@ -23,7 +23,7 @@ namespace {
 using Severity = CheckResult::Severity;
 
 constexpr char kContract[] = "tactus.v1";
-constexpr char kDefaultAlias[] = "aliases/default";
+constexpr char kServedAlias[] = "aliases/default";
 // A certificate that ends sooner is worth a warning.
 constexpr int kFewDays = 30;
 constexpr int64_t kClockToleranceMs = 5'000;
@@ -193,7 +193,7 @@ class ServerCheck {
     TACTUS_ASSIGN_OR_RETURN(const auto aliases, client.ListAliases());
     std::string name = "models/default";
     for (const v1::Alias& alias : aliases) {
-      if (alias.name() == kDefaultAlias) name = alias.model_version();
+      if (alias.name() == kServedAlias) name = alias.model_version();
     }
     TACTUS_ASSIGN_OR_RETURN(const v1::ModelVersion version,
                             client.GetModelVersion(name));

@@ -1,5 +1,6 @@
 #include "client/tools/trainctl/proto_json.h"
 
+#include <iostream>
 #include <map>
 #include <string>
 
@@ -116,5 +117,7 @@ Json ToJson(const Message& message) {
   }
   return json;
 }
+
+void PrintJson(const Json& json) { std::cout << JsonText(json) << "\n"; }
 
 }  // namespace tactus::client

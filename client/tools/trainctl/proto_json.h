@@ -2,7 +2,7 @@
 //
 // Messages of the wire as JSON for scripts.
 //
-//   std::cout << JsonText(ToJson(operation)) << "\n";
+//   PrintJson(ToJson(operation));
 //
 // Keys are the names of the fields. Numbers are numbers, of 64 bits too. An
 // enum is its value's name without the prefix, in lower case: "succeeded".
@@ -25,6 +25,9 @@ Json ArrayToJson(const Messages& messages) {
   for (const auto& message : messages) array.push_back(ToJson(message));
   return array;
 }
+
+// Prints one line to standard output.
+void PrintJson(const Json& json);
 
 // The name of an enum's value as in JSON, e.g. "succeeded".
 std::string EnumText(const google::protobuf::EnumValueDescriptor& value);

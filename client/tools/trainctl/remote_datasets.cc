@@ -24,8 +24,6 @@ namespace {
 
 constexpr char kCollection[] = "datasets";
 
-void PrintJson(const Json& json) { std::cout << JsonText(json) << "\n"; }
-
 std::string LabelsText(const v1::DatasetVersion& version) {
   const std::map<std::string, uint32_t> labels(version.labels().begin(),
                                                version.labels().end());
@@ -119,7 +117,7 @@ absl::Status Upload(TrainingClient& client, const std::string& name,
   return absl::OkStatus();
 }
 
-absl::Status List(TrainingClient& client, bool json) {
+absl::Status ListDatasets(TrainingClient& client, bool json) {
   TACTUS_ASSIGN_OR_RETURN(const auto datasets, client.ListDatasets());
   if (json) {
     PrintJson(ArrayToJson(datasets));
@@ -165,7 +163,8 @@ absl::Status ShowTrials(TrainingClient& client, const ShowFlags& show,
   return absl::OkStatus();
 }
 
-absl::Status Show(TrainingClient& client, const ShowFlags& show, bool json) {
+absl::Status ShowDataset(TrainingClient& client, const ShowFlags& show,
+                         bool json) {
   const std::string name = FullName(kCollection, show.name);
   if (show.trials || !show.label.empty() || !show.condition.empty() ||
       !show.material.empty()) {
@@ -280,8 +279,8 @@ absl::Status Download(TrainingClient& client, const std::string& name,
   return absl::OkStatus();
 }
 
-absl::Status Delete(TrainingClient& client, const std::string& name,
-                    bool json) {
+absl::Status DeleteDataset(TrainingClient& client, const std::string& name,
+                           bool json) {
   const std::string dataset = FullName(kCollection, name);
   TACTUS_ASSIGN_OR_RETURN(const uint32_t removed,
                           client.DeleteDataset(dataset));
@@ -292,13 +291,6 @@ absl::Status Delete(TrainingClient& client, const std::string& name,
                                  dataset, WithCommas(removed));
   }
   return absl::OkStatus();
-}
-
-CLI::App& AddVerb(CLI::App& group, const std::string& verb,
-                  const std::string& description, const std::string& example) {
-  CLI::App* command = group.add_subcommand(verb, description);
-  command->footer("Example:\n  trainctl datasets " + example);
-  return *command;
 }
 
 }  // namespace
@@ -346,7 +338,7 @@ void AddDatasets(CLI::App& app, const SelectCommand& select) {
     CLI::App& command = AddVerb(group, "list", "List the datasets", "list");
     AddRemoteCommand(command, select,
                      [=](TrainingClient& client, const RemoteFlags& flags) {
-                       return List(client, flags.json);
+                       return ListDatasets(client, flags.json);
                      });
   }
   {
@@ -366,7 +358,7 @@ void AddDatasets(CLI::App& app, const SelectCommand& select) {
                        "List trials with this material");
     AddRemoteCommand(command, select,
                      [=](TrainingClient& client, const RemoteFlags& flags) {
-                       return Show(client, *show, flags.json);
+                       return ShowDataset(client, *show, flags.json);
                      });
   }
   {
@@ -403,7 +395,7 @@ void AddDatasets(CLI::App& app, const SelectCommand& select) {
     auto dataset = name(command, "Dataset");
     AddRemoteCommand(command, select,
                      [=](TrainingClient& client, const RemoteFlags& flags) {
-                       return Delete(client, *dataset, flags.json);
+                       return DeleteDataset(client, *dataset, flags.json);
                      });
   }
 }

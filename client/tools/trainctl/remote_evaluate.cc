@@ -67,9 +67,9 @@ absl::StatusOr<v1::TrainSpec> TrainSpecOf(const CLI::App& command,
   return train;
 }
 
-absl::StatusOr<v1::EvaluateSpec> SpecOf(TrainingClient& client,
-                                        const CLI::App& command,
-                                        const RemoteEvaluateFlags& flags) {
+absl::StatusOr<v1::EvaluateSpec> EvaluateSpecOf(
+    TrainingClient& client, const CLI::App& command,
+    const RemoteEvaluateFlags& flags) {
   for (const CLI::Option* option : command.get_options()) {
     if (option->count() > 0 && !kKnown.contains(option->get_name())) {
       return Usage(option->get_name(), "given with --dataset",
@@ -118,7 +118,7 @@ absl::Status RunRemoteEvaluate(TrainingClient& client, const CLI::App& command,
   if (report) TACTUS_RETURN_IF_ERROR(MakeFolder(*report));
   v1::EvaluateModelRequest request;
   TACTUS_ASSIGN_OR_RETURN(*request.mutable_spec(),
-                          SpecOf(client, command, flags));
+                          EvaluateSpecOf(client, command, flags));
   request.set_request_id(NewRequestId());
   TACTUS_ASSIGN_OR_RETURN(const v1::Operation job, Repeated({}, [&] {
                             return client.EvaluateModel(request);

@@ -52,6 +52,10 @@ absl::Status RunRemote(const RemoteFlags& flags, const RemoteWork& work);
 void AddRemoteCommand(CLI::App& command, const SelectCommand& select,
                       RemoteWork work);
 
+// Adds `verb` to a group of commands, with an example after "trainctl GROUP ".
+CLI::App& AddVerb(CLI::App& group, const std::string& verb,
+                  const std::string& description, const std::string& example);
+
 // The name of a resource as users write it: "arm" is "datasets/arm" in the
 // collection "datasets", "arm@3" is "datasets/arm/versions/3", and a full name
 // stays as it is.

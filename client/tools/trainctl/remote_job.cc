@@ -153,7 +153,7 @@ std::string ResultText(const v1::Operation& job) {
 
 void PrintJob(const v1::Operation& job, const RemoteFlags& flags) {
   if (flags.json) {
-    std::cout << JsonText(ToJson(job)) << "\n";
+    PrintJson(ToJson(job));
   } else {
     std::cout << JobLine(job) << ResultText(job);
   }

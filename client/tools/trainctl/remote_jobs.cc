@@ -30,19 +30,19 @@ const std::map<std::string, v1::Operation::State>& States() {
   return *states;
 }
 
-absl::Status List(TrainingClient& client, v1::Operation::State state,
-                  size_t limit, bool json) {
+absl::Status ListJobs(TrainingClient& client, v1::Operation::State state,
+                      size_t limit, bool json) {
   TACTUS_ASSIGN_OR_RETURN(const auto jobs, client.ListOperations(state, limit));
   if (json) {
-    std::cout << JsonText(ArrayToJson(jobs)) << "\n";
+    PrintJson(ArrayToJson(jobs));
   } else {
     for (const v1::Operation& job : jobs) std::cout << JobLine(job);
   }
   return absl::OkStatus();
 }
 
-absl::Status Show(TrainingClient& client, const RemoteFlags& flags,
-                  const std::string& name) {
+absl::Status ShowJob(TrainingClient& client, const RemoteFlags& flags,
+                     const std::string& name) {
   TACTUS_ASSIGN_OR_RETURN(const v1::Operation job, client.GetOperation(name));
   PrintJob(job, flags);
   return absl::OkStatus();
@@ -79,7 +79,7 @@ absl::Status Logs(TrainingClient& client, const RemoteFlags& flags,
     json["operation"] = name;
     json["omitted_bytes"] = log.omitted_bytes;
     json["text"] = PrintableLines(log.text);
-    std::cout << JsonText(json) << "\n";
+    PrintJson(json);
     return absl::OkStatus();
   }
   if (log.omitted_bytes > 0) {
@@ -106,7 +106,7 @@ void AddJobs(CLI::App& app, const SelectCommand& select) {
   list->footer("Example:\n  trainctl jobs list --state=running");
   AddRemoteCommand(*list, select,
                    [=](TrainingClient& client, const RemoteFlags& flags) {
-                     return List(client, *state, *limit, flags.json);
+                     return ListJobs(client, *state, *limit, flags.json);
                    });
 
   struct Verb {
@@ -116,7 +116,7 @@ void AddJobs(CLI::App& app, const SelectCommand& select) {
                         const std::string&);
   };
   const Verb verbs[] = {
-      {"show", "Show a job and what it made", Show},
+      {"show", "Show a job and what it made", ShowJob},
       {"watch",
        "Watch a job until it ends. Exit codes: 3 it failed, 4 it was "
        "cancelled, 5 the gate was not passed. Ctrl-C ends the watch, not the "

@@ -30,8 +30,6 @@ std::string ModelName(const std::string& text) {
   return FullName("models", text);
 }
 
-void PrintJson(const Json& json) { std::cout << JsonText(json) << "\n"; }
-
 std::string VersionLine(const v1::ModelVersion& version) {
   std::string line = absl::StrFormat(
       "%s  %s  %s  %s", version.name(), TimeText(version.create_time_ms()),
@@ -78,7 +76,8 @@ void PrintAlias(const v1::Alias& alias, bool json) {
   }
 }
 
-absl::Status List(TrainingClient& client, const std::string& model, bool json) {
+absl::Status ListModels(TrainingClient& client, const std::string& model,
+                        bool json) {
   TACTUS_ASSIGN_OR_RETURN(
       const auto versions,
       client.ListModelVersions(model.empty() ? "" : FullName("models", model)));
@@ -92,7 +91,8 @@ absl::Status List(TrainingClient& client, const std::string& model, bool json) {
   return absl::OkStatus();
 }
 
-absl::Status Show(TrainingClient& client, const std::string& model, bool json) {
+absl::Status ShowModel(TrainingClient& client, const std::string& model,
+                       bool json) {
   TACTUS_ASSIGN_OR_RETURN(const v1::ModelVersion version,
                           client.GetModelVersion(ModelName(model)));
   std::cout << JsonText(ToJson(version), json ? -1 : 2) << "\n";
@@ -260,8 +260,8 @@ absl::Status Import(TrainingClient& client, const std::string& model,
   return absl::OkStatus();
 }
 
-absl::Status Delete(TrainingClient& client, const std::string& model,
-                    bool json) {
+absl::Status DeleteModel(TrainingClient& client, const std::string& model,
+                         bool json) {
   const std::string name = FullName("models", model);
   TACTUS_RETURN_IF_ERROR(client.DeleteModelVersion(name));
   if (json) {
@@ -270,13 +270,6 @@ absl::Status Delete(TrainingClient& client, const std::string& model,
     std::cout << name << " deleted\n";
   }
   return absl::OkStatus();
-}
-
-CLI::App& AddVerb(CLI::App& group, const std::string& verb,
-                  const std::string& description, const std::string& example) {
-  CLI::App* command = group.add_subcommand(verb, description);
-  command->footer("Example:\n  trainctl models " + example);
-  return *command;
 }
 
 void AddAliasVerbs(CLI::App& group, const SelectCommand& select) {
@@ -390,7 +383,7 @@ void AddModels(CLI::App& app, const SelectCommand& select) {
     command.add_option("model", *model, "Only versions of this model");
     AddRemoteCommand(command, select,
                      [=](TrainingClient& client, const RemoteFlags& flags) {
-                       return List(client, *model, flags.json);
+                       return ListModels(client, *model, flags.json);
                      });
   }
   using Run = absl::Status (*)(TrainingClient&, const std::string&, bool);
@@ -404,9 +397,9 @@ void AddModels(CLI::App& app, const SelectCommand& select) {
   const Verb verbs[] = {
       {"show", "Show where a version comes from, as JSON",
        "Version like arm@2, model, or alias like aliases/default", "show arm@2",
-       Show},
+       ShowModel},
       {"delete", "Delete a version that no alias and no history names",
-       "Version like arm@2", "delete arm@2", Delete}};
+       "Version like arm@2", "delete arm@2", DeleteModel}};
   for (const Verb& verb : verbs) {
     CLI::App& command =
         AddVerb(group, verb.name, verb.description, verb.example);

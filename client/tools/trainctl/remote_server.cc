@@ -49,7 +49,7 @@ absl::Status PrintInfo(TrainingClient& client, const RemoteFlags& flags) {
   TACTUS_ASSIGN_OR_RETURN(const auto info,
                           AdminClient(&client).GetServerInfo());
   if (flags.json) {
-    std::cout << JsonText(ToJson(info)) << "\n";
+    PrintJson(ToJson(info));
     return absl::OkStatus();
   }
   absl::PrintF("version         %s\n", Printable(info.version().version()));
@@ -70,7 +70,7 @@ absl::Status PrintAudit(TrainingClient& client, const RemoteFlags& flags,
   TACTUS_ASSIGN_OR_RETURN(const auto entries,
                           AdminClient(&client).ListAuditLog(filter, limit));
   if (flags.json) {
-    std::cout << JsonText(ArrayToJson(entries)) << "\n";
+    PrintJson(ArrayToJson(entries));
     return absl::OkStatus();
   }
   for (const v1::AuditEntry& entry : entries) {
@@ -84,7 +84,7 @@ absl::Status PrintAudit(TrainingClient& client, const RemoteFlags& flags,
 absl::Status Drain(TrainingClient& client, const RemoteFlags& flags) {
   TACTUS_ASSIGN_OR_RETURN(const auto response, AdminClient(&client).Drain());
   if (flags.json) {
-    std::cout << JsonText(ToJson(response)) << "\n";
+    PrintJson(ToJson(response));
   } else {
     absl::PrintF("the server ends; %d open streams have %d ms to finish\n",
                  response.streams(), response.grace_ms());
@@ -97,33 +97,35 @@ absl::Status Drain(TrainingClient& client, const RemoteFlags& flags) {
 void AddServer(CLI::App& app, const SelectCommand& select) {
   CLI::App& group = CommandGroup(
       app, "server", "See the state of a server and what was changed; end it");
-  CLI::App* info = group.add_subcommand(
-      "info", "Show version, streams, jobs, quotas and use of the disk");
-  info->footer("Example:\n  trainctl server info");
-  AddRemoteCommand(*info, select, PrintInfo);
+  group.footer("Example:\n  trainctl server info");
+  CLI::App& info = AddVerb(
+      group, "info", "Show version, streams, jobs, quotas and use of the disk",
+      "info");
+  AddRemoteCommand(info, select, PrintInfo);
 
-  CLI::App* audit = group.add_subcommand(
-      "audit", "List who changed what, when and from where, newest first");
+  CLI::App& audit =
+      AddVerb(group, "audit",
+              "List who changed what, when and from where, newest first",
+              "audit --resource=models/");
   auto filter = std::make_shared<v1::ListAuditLogRequest>();
   auto limit = std::make_shared<size_t>(100);
-  audit->add_option("--resource", *filter->mutable_resource_prefix(),
-                    "Only resources that begin with this, like models/");
-  audit->add_option("--caller", *filter->mutable_caller(),
-                    "Only changes of this caller");
-  audit->add_option("--limit", *limit, "At most this many")
+  audit.add_option("--resource", *filter->mutable_resource_prefix(),
+                   "Only resources that begin with this, like models/");
+  audit.add_option("--caller", *filter->mutable_caller(),
+                   "Only changes of this caller");
+  audit.add_option("--limit", *limit, "At most this many")
       ->capture_default_str();
-  audit->footer("Example:\n  trainctl server audit --resource=models/");
-  AddRemoteCommand(*audit, select,
+  AddRemoteCommand(audit, select,
                    [=](TrainingClient& client, const RemoteFlags& flags) {
                      return PrintAudit(client, flags, *filter, *limit);
                    });
 
-  CLI::App* drain = group.add_subcommand(
-      "drain",
+  CLI::App& drain = AddVerb(
+      group, "drain",
       "End the server as SIGTERM does: new streams are refused, open ones get "
-      "a notice and may finish, then the process ends");
-  drain->footer("Example:\n  trainctl server drain");
-  AddRemoteCommand(*drain, select, Drain);
+      "a notice and may finish, then the process ends",
+      "drain");
+  AddRemoteCommand(drain, select, Drain);
 }
 
 }  // namespace tactus::client

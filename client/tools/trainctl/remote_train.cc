@@ -26,8 +26,8 @@ struct RemoteTrainFlags {
   bool check = false;
 };
 
-absl::StatusOr<v1::TrainSpec> SpecOf(TrainingClient& client,
-                                     const RemoteTrainFlags& flags) {
+absl::StatusOr<v1::TrainSpec> TrainSpecOfFlags(TrainingClient& client,
+                                               const RemoteTrainFlags& flags) {
   v1::TrainSpec spec;
   TACTUS_ASSIGN_OR_RETURN(
       const v1::DatasetVersion version,
@@ -53,7 +53,8 @@ absl::StatusOr<v1::TrainSpec> SpecOf(TrainingClient& client,
 absl::Status RunRemoteTrain(TrainingClient& client, const RemoteFlags& remote,
                             const RemoteTrainFlags& flags) {
   v1::TrainModelRequest request;
-  TACTUS_ASSIGN_OR_RETURN(*request.mutable_spec(), SpecOf(client, flags));
+  TACTUS_ASSIGN_OR_RETURN(*request.mutable_spec(),
+                          TrainSpecOfFlags(client, flags));
   request.set_request_id(NewRequestId());
   request.set_validate_only(flags.check);
   TACTUS_ASSIGN_OR_RETURN(const v1::Operation job, Repeated({}, [&] {
