@@ -64,6 +64,7 @@ readonly TESTS=(
   libgmock-dev
   libgtest-dev
   libprotoc-dev
+  librosbag-storage-dev
   libsundials-dev
   openssl
   python3-grpcio

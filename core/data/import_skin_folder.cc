@@ -16,6 +16,7 @@
 #include "core/data/array_file.h"
 #include "core/data/idle_noise.h"
 #include "core/data/recorded_frames.h"
+#include "core/data/ros_bag.h"
 #include "core/data/skin_file.h"
 #include "core/data/trial_table.h"
 
@@ -143,7 +144,7 @@ class SkinFolder {
     const bool sliced = hash != std::string::npos &&
                         absl::SimpleAtoi(file.substr(hash + 1), &index);
     if (sliced) file.resize(hash);
-    for (const char* ending : {".npz:", ".h5:", ".hdf5:"}) {
+    for (const char* ending : {".npz:", ".h5:", ".hdf5:", ".bag:"}) {
       const size_t at = file.find(ending);
       if (at == std::string::npos) continue;
       const size_t colon = file.find(':', at);
@@ -156,6 +157,20 @@ class SkinFolder {
       return table_.Error(row, field,
                           absl::StrCat("is ", Quoted(file),
                                        "; it must be a file in ", folder_));
+    }
+    if (path.extension() == ".bag") {
+      if (sliced || field != "frames") {
+        return table_.Error(row, field,
+                            "is a bag; a bag holds the frames of one trial");
+      }
+      auto array =
+          ReadBag(fs::path(folder_) / path, {.frames = dataset,
+                                             .values = skin_.bag_values,
+                                             .pose = skin_.pose_topic});
+      if (array.ok() || ReasonOf(array.status()) == "INVALID_CONFIG") {
+        return array;
+      }
+      return table_.Error(row, field, array.status().message());
     }
     if (!sliced) {
       auto array = ReadArrayFile(fs::path(folder_) / path, dataset);

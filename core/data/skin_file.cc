@@ -364,6 +364,8 @@ absl::StatusOr<SkinFile> ReadSkinFile(const std::string& path) {
   TakeNumbers(fields, skin);
   TakeMask(fields, skin);
   fields.Text("dataset", &skin.dataset);
+  fields.Text("bag_values", &skin.bag_values);
+  fields.Text("pose_topic", &skin.pose_topic);
   fields.Text("table", &skin.table);
   TakeTableFields(fields, skin);
   TACTUS_RETURN_IF_ERROR(fields.Finish());

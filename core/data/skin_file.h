@@ -49,8 +49,11 @@ struct SkinFile {
   EventRule events = EventRule::kNone;
   // Seconds per unit of the files' times.
   double time_scale_s = 1;
-  // Of HDF5 and .npz files, where the table names none.
+  // Of HDF5 and .npz files and bags, where the table names none.
   std::string dataset;
+  // Of bags (ros_bag.h); the topic of the frames is `dataset`.
+  std::string bag_values = "normal";
+  std::string pose_topic;
   // The table of trials.
   std::string table = "trials.csv";
   // What the fields of a trial are made of, e.g. {"label", "{material}"}.

@@ -22,6 +22,8 @@
 #include "core/data/npy_write.h"
 #include "core/data/npz.h"
 #include "core/data/recorded_frames.h"
+#include "core/data/ros_bag.h"
+#include "core/data/ros_message.h"
 #include "core/data/skin_file.h"
 #include "core/data/trial.h"
 #include "core/data/trial_csv.h"
@@ -37,6 +39,22 @@ absl::Status ArrayFileExample() {
   TACTUS_ASSIGN_OR_RETURN(const ArrayFile file,
                           ReadArrayFile("trial.h5", "run1/taxels"));
   file.array.shape;  // {605, 384}
+  return absl::OkStatus();
+}
+
+absl::Status RosBagExample() {
+  TACTUS_ASSIGN_OR_RETURN(
+      const ArrayFile file,
+      ReadBag("run1.bag", {.frames = "/skin/taxels", .pose = "/arm/pose"}));
+  file.header;  // "time", "x" ... "qw", then one name per taxel
+  return absl::OkStatus();
+}
+
+absl::Status RosMessageExample(absl::string_view text,
+                               absl::string_view bytes) {
+  TACTUS_ASSIGN_OR_RETURN(const auto type, RosMessageType::Parse(text));
+  TACTUS_ASSIGN_OR_RETURN(const RosNumbers numbers, type.Read(bytes));
+  numbers.at("values_z");  // one per taxel
   return absl::OkStatus();
 }
 

@@ -6,16 +6,10 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <thread>
-#include <utility>
 #include <vector>
 
-#include "absl/strings/match.h"
-#include "absl/strings/str_cat.h"
-#include "absl/strings/str_split.h"
 #include "client/tools/json.h"
-#include "client/tools/trainctl/app.h"
 #include "client/tools/trainctl/remote_flags.h"
 #include "core/base/errors.h"
 #include "core/bundle/bundle.h"
@@ -24,6 +18,7 @@
 #include "gtest/gtest.h"
 #include "tests/client/training/fake_training_server.h"
 #include "tests/client/training/sample_trials.h"
+#include "tests/client/training/trainctl_program.h"
 #include "tests/server/support/tls_files.h"
 #include "tests/support/scratch_dir.h"
 #include "tests/support/sealed_bundle.h"
@@ -36,28 +31,9 @@ using testing::FakeTrainingServer;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
+using testing::Outcome;
 using testing::SampleTrials;
-
-struct Outcome {
-  int exit = -1;
-  std::string out;
-  std::string err;
-
-  Json json() const { return Json::parse(out); }
-};
-
-Outcome Trainctl(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), "trainctl");
-  std::vector<char*> argv;
-  for (std::string& argument : arguments) argv.push_back(argument.data());
-  ::testing::internal::CaptureStdout();
-  ::testing::internal::CaptureStderr();
-  Outcome outcome;
-  outcome.exit = RunTrainctl(static_cast<int>(argv.size()), argv.data());
-  outcome.out = ::testing::internal::GetCapturedStdout();
-  outcome.err = ::testing::internal::GetCapturedStderr();
-  return outcome;
-}
+using testing::Trainctl;
 
 std::string ReadText(const std::string& path) {
   std::ifstream file(path);
@@ -570,101 +546,6 @@ TEST_F(TrainctlRemoteTest, ARefusedCertificateSaysWhatToDo) {
   const FakeTrainingServer plain("127.0.0.1:0");
   EXPECT_THAT(list(plain, files.certificate()).err,
               HasSubstr("no TLS connection could be made"));
-}
-
-TEST_F(TrainctlRemoteTest, WrongUsageHasItsExitCode) {
-  EXPECT_EQ(Trainctl({}).exit, 2);
-  EXPECT_EQ(Trainctl({"models"}).exit, 2);
-  EXPECT_EQ(Trainctl({"train", "--model=a"}).exit, 2);
-  EXPECT_EQ(Trainctl({"datasets", "list", "--nonsense"}).exit, 2);
-  EXPECT_EQ(Trainctl({"completion", "fish"}).exit, 2);
-  EXPECT_EQ(Trainctl({"--version"}).exit, 0);
-}
-
-TEST_F(TrainctlRemoteTest, WrongValuesOfFlagsAreWrongUsage) {
-  const std::string file = WriteTrials("arm.h5", SampleTrials(5));
-  const std::string out = "--out=" + Path("made");
-  for (const std::vector<std::string>& wrong :
-       std::vector<std::vector<std::string>>{
-           {"simulate", "--protocol=odd", out},
-           {"simulate", "--protocol=grid", "--sensor=odd", out},
-           {"fit", "--data=" + file, "--preset=odd", out},
-           {"fit", "--data=" + file, "--preset=tuned", "--features=z", out},
-           {"fit", "--data=" + file, "--preset=tuned", "--epochs=-1", out},
-           {"evaluate", "--data=" + file},
-           {"evaluate", "--data=" + file, "--protocol=odd"},
-           {"evaluate", "--data=" + file, "--protocol=loco", "--folds=3"},
-           {"evaluate", "--data=" + file, "--protocol=loco", "--algorithm=odd"},
-           {"trials", "export", file, "--format=odd", out},
-           {"skin", "estimate", file, "--idle-taxels=3"},
-           {"tokens", "create", "--name=a", "--role=odd"}}) {
-    const Outcome outcome = Trainctl(wrong);
-    EXPECT_EQ(outcome.exit, 2) << outcome.err;
-    EXPECT_THAT(outcome.err, HasSubstr("must be"));
-  }
-  // A file that is not there is no mistake of the command line.
-  EXPECT_EQ(Trainctl({"inspect", Path("absent")}).exit, 1);
-}
-
-// All commands, from the table of the completion: "datasets upload", and its
-// words.
-std::vector<std::pair<std::string, std::vector<std::string>>> AllCommands() {
-  std::vector<std::pair<std::string, std::vector<std::string>>> commands;
-  const std::string script = Trainctl({"completion", "bash"}).out;
-  for (const absl::string_view line : absl::StrSplit(script, '\n')) {
-    const std::vector<std::string> parts = absl::StrSplit(line, '\'');
-    if (parts.size() != 5 || parts[2] != ") choices=") continue;
-    commands.emplace_back(parts[1], absl::StrSplit(parts[3], ' '));
-  }
-  return commands;
-}
-
-// The help of every command and group ends with an example, and shows every
-// word that the completion offers.
-TEST_F(TrainctlRemoteTest, HelpShowsAnExample) {
-  const auto commands = AllCommands();
-  EXPECT_GT(commands.size(), 40u);
-  for (const auto& [path, words] : commands) {
-    std::vector<std::string> arguments = {"--help"};
-    if (!path.empty()) {
-      arguments = absl::StrSplit(path, ' ');
-      arguments.push_back("--help");
-    }
-    const Outcome outcome = Trainctl(arguments);
-    EXPECT_EQ(outcome.exit, 0) << path;
-    const size_t example = outcome.out.find("\nExample");
-    ASSERT_NE(example, outcome.out.npos) << path;
-    EXPECT_THAT(outcome.out.substr(example), HasSubstr("\n  trainctl " + path));
-    for (const std::string& word : words) {
-      EXPECT_THAT(outcome.out, HasSubstr(word)) << path;
-    }
-  }
-}
-
-// The words of the examples in the help are commands and flags that exist.
-TEST_F(TrainctlRemoteTest, ExamplesOfTheHelpUseKnownFlags) {
-  const auto commands = AllCommands();
-  const std::map<std::string, std::vector<std::string>> words_of(
-      commands.begin(), commands.end());
-  for (const auto& [path, words] : commands) {
-    if (path.empty()) continue;
-    std::vector<std::string> arguments = absl::StrSplit(path, ' ');
-    arguments.push_back("--help");
-    for (const absl::string_view line :
-         absl::StrSplit(Trainctl(arguments).out, '\n')) {
-      if (!absl::StartsWith(line, "  trainctl ")) continue;
-      std::string command;
-      for (const absl::string_view word :
-           absl::StrSplit(line.substr(11), ' ')) {
-        const std::string longer =
-            absl::StrCat(command, command.empty() ? "" : " ", word);
-        if (words_of.contains(longer)) command = longer;
-        if (!absl::StartsWith(word, "--")) continue;
-        const std::string flag(word.substr(0, word.find('=')));
-        EXPECT_THAT(words_of.at(command), ::testing::Contains(flag)) << line;
-      }
-    }
-  }
 }
 
 TEST(FullNameTest, ShortNamesBecomeFull) {
