@@ -340,6 +340,8 @@ absl::StatusOr<Json> ParseObject(const std::string& path,
     return TrialFileInvalid(
         path, absl::StrCat("line ", 1 + std::count(text.begin(), end, '\n'),
                            ": is no JSON"));
+  } catch (const Json::out_of_range&) {
+    return TrialFileInvalid(path, "a number in it is too large");
   }
   return TrialFileInvalid(path, "must be one JSON object");
 }
