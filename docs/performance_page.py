@@ -17,7 +17,7 @@ COMPARISONS = {
         "median of 15 rounds in which the variants take turns. Models step at intervals of "
         "a tenth of the time since onset, but at least 5 and at most 20 frames; "
         "\"at 10-40\": at least 10 and at most 40. HMMs are counted per category, of four; "
-        "\"as served\" is the preset `tuned`: 20 HMMs, 3 networks and a network that "
+        "\"as served\" is the preset `tuned`: 20 HMMs, one network and a network that "
         "estimates the object; \"nothing skipped\" is the same with all skip rules off, of "
         "which two apply here ([skipping.md](skipping.md)): unused cues and unchanged scores.",
         "wrong after 1.2 s, %",

@@ -149,8 +149,7 @@ struct Fold {
 // folds, one for each pair of two stiffnesses and two speeds of the arm, each
 // stiffness and each speed is in one of the folds 0 and 3.
 ModelFit::Networks FoldNetworks(const LstmFit& lstm, size_t fold) {
-  return {.lstms = std::min(lstm.fold_networks, lstm.networks),
-          .estimator = fold % 4 == 0 || fold % 4 == 3};
+  return {.lstms = lstm.networks, .estimator = fold % 4 == 0 || fold % 4 == 3};
 }
 
 absl::StatusOr<std::vector<Fold>> MakeFoldFits(

@@ -106,12 +106,10 @@ void Fields(Archive& archive, LstmTrainOptions& options) {
 }
 template <class Archive>
 void Fields(Archive& archive, LstmFit& fit) {
-  auto& [networks, fold_networks, cues, scaling, limit, stretched_cues,
-         stretches, steps, cells, estimates, activation, gate_activation,
-         training] = fit;
-  archive(networks, fold_networks, cues, scaling, limit, stretched_cues,
-          stretches, steps, cells, estimates, activation, gate_activation,
-          training);
+  auto& [networks, cues, scaling, limit, stretched_cues, stretches, steps,
+         cells, estimates, activation, gate_activation, training] = fit;
+  archive(networks, cues, scaling, limit, stretched_cues, stretches, steps,
+          cells, estimates, activation, gate_activation, training);
 }
 template <class Archive>
 void Fields(Archive& archive, VariationRange& range) {

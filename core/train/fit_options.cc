@@ -34,7 +34,7 @@ FitOptions TunedPreset() {
   options.covariance_floor = 0.1;
   options.variations = {.copies = 4, .pace = 3, .load = 2, .stiffness = 5};
   LstmFit& lstm = options.lstm;
-  lstm.networks = 3;
+  lstm.networks = 1;
   lstm.cues = DerivedCues();
   lstm.limit = 5;
   lstm.stretched_cues = {Cue::kLogSpring, Cue::kLogStiffestSpring,

@@ -25,12 +25,9 @@ namespace tactus {
 
 // How LSTMs are trained.
 struct LstmFit {
-  // Number of networks. They differ by their seeds. 0 for HMMs alone.
+  // Number of networks, of the model and of each inner fold of its calibration.
+  // They differ by their seeds. 0 for HMMs alone.
   int networks = 0;
-  // Networks that classify in each inner fold of a calibration, at most
-  // `networks`. Fewer cost less, and the calibration gives the LSTMs a little
-  // less weight (docs/training-speed.md).
-  int fold_networks = 1;
   // The cues that their inputs are made from, as FitOptions::hmm_cues.
   std::vector<Cue> cues;
   Scaling scaling = Scaling::kStandard;
@@ -93,7 +90,7 @@ std::vector<Cue> CuesFor(const std::vector<Cue>& cues,
 // "paper": one 10-state left-right HMM a category on the scaled features,
 // scored by Viterbi, and a 2 x 50 softsign LSTM on every frame (Section
 // "Algorithm Parameters").
-// "tuned": mixtures of HMMs and several LSTMs on cues, fused.
+// "tuned": mixtures of HMMs and an LSTM on cues, fused.
 // "profile": mixtures of HMMs on the load profile, for recordings on a skin
 // whose place matters (docs/recordings.md).
 absl::StatusOr<FitOptions> FitPreset(absl::string_view name);
