@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "CLI/CLI.hpp"
@@ -58,6 +59,7 @@ struct Flags {
   int64_t quota_stored_mb = limits::kMaxClientBytes / kBytesPerMb;
   int64_t quota_datasets = limits::kMaxClientDatasets;
   int64_t quota_jobs = limits::kMaxClientQueuedJobs;
+  int job_threads = 0;
 };
 
 absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> HealthCredentials(
@@ -115,6 +117,12 @@ std::string TrainerProgram(const Flags& flags) {
   return (self.parent_path() / "tactus-trainer").string();
 }
 
+// One processor remains for the streams, if there are several.
+int JobThreads(const Flags& flags) {
+  if (flags.job_threads > 0) return flags.job_threads;
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()) - 1);
+}
+
 std::string HostName() {
   std::array<char, 256> name{};
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
@@ -130,7 +138,8 @@ absl::StatusOr<std::unique_ptr<TrainingBackend>> OpenTraining(
           {.folder = flags.data_dir,
            .jobs = {.process = {.program = TrainerProgram(flags),
                                 .memory_bytes =
-                                    flags.job_memory_mb * kBytesPerMb},
+                                    flags.job_memory_mb * kBytesPerMb,
+                                .threads = JobThreads(flags)},
                     .host = HostName()},
            .quotas = {.stored_bytes = flags.quota_stored_mb * kBytesPerMb,
                       .datasets = flags.quota_datasets,
@@ -340,6 +349,11 @@ int Main(int argc, char** argv) {
   app.add_option("--quota-streams", flags.server.max_streams_per_client,
                  "Streams that one client may have open; 0 for no limit")
       ->check(CLI::Range(0, 100'000))
+      ->capture_default_str();
+  app.add_option("--job-threads", flags.job_threads,
+                 "Threads of a job; 0: one less than there are processors, at "
+                 "least 1")
+      ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   app.add_option("--drain-grace-ms", flags.server.drain_grace_ms,
                  "Time streams have to finish after SIGTERM, SIGINT or, "

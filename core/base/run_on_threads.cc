@@ -6,19 +6,31 @@
 #include <vector>
 
 namespace tactus {
+namespace {
 
-void RunOnThreads(int count, const std::function<void(int)>& body) {
+void Run(int threads, int count, const std::function<void(int)>& body) {
   std::atomic<int> next = 0;
   auto work = [&] {
     for (int i = next++; i < count; i = next++) body(i);
   };
-  const int processors =
-      std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  std::vector<std::jthread> threads;
-  for (int t = 1; t < std::min(processors, count); ++t) {
-    threads.emplace_back(work);
+  std::vector<std::jthread> others;
+  for (int t = 1; t < std::min(threads, count); ++t) {
+    others.emplace_back(work);
   }
   work();
+}
+
+}  // namespace
+
+void RunOnThreads(int count, const std::function<void(int)>& body) {
+  Run(static_cast<int>(std::thread::hardware_concurrency()), count, body);
+}
+
+std::function<void(int, const std::function<void(int)>&)> OnThreads(
+    int threads) {
+  return [threads](int count, const std::function<void(int)>& body) {
+    Run(threads, count, body);
+  };
 }
 
 }  // namespace tactus

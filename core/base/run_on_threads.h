@@ -6,6 +6,7 @@
 //
 //   RunOnThreads(jobs.size(), [&](int i) { results[i] = Run(jobs[i]); });
 //   FitModel(contacts, options, RunOnThreads);
+//   FitModel(contacts, options, OnThreads(2));
 //
 // Threads exist only during the call. The order of the calls varies between
 // runs, so results should go to places that depend on the argument alone; then
@@ -22,5 +23,9 @@ namespace tactus {
 // Calls body(0) .. body(count - 1), one thread per processor, in any order.
 // Returns when all calls have returned. The calling thread takes part.
 void RunOnThreads(int count, const std::function<void(int)>& body);
+
+// Does the same with `threads` threads, at least 1.
+std::function<void(int count, const std::function<void(int)>& body)> OnThreads(
+    int threads);
 
 }  // namespace tactus

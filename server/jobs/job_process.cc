@@ -28,7 +28,8 @@ constexpr std::chrono::milliseconds kEndPoll(2);
 // In the child, between fork and exec: only calls that are safe there. Exits
 // with 127, as a shell does, if the program cannot be run.
 [[noreturn]] void RunProgram(const JobProcess::Options& options,
-                             const std::string& folder, int output, int log,
+                             const std::string& folder,
+                             const std::string& threads, int output, int log,
                              pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   // The parent may have died before that.
@@ -51,7 +52,7 @@ constexpr std::chrono::milliseconds kEndPoll(2);
     std::signal(number, SIG_DFL);
   }
   execl(options.program.c_str(), options.program.c_str(), folder.c_str(),
-        nullptr);
+        threads.c_str(), nullptr);
   _exit(127);
 }
 
@@ -80,9 +81,10 @@ absl::StatusOr<std::unique_ptr<JobProcess>> JobProcess::Start(
     close(log);
     return status;
   }
+  const std::string threads = absl::StrCat(options.threads);
   const pid_t parent = getpid();
   const pid_t pid = fork();
-  if (pid == 0) RunProgram(options, folder, ends[1], log, parent);
+  if (pid == 0) RunProgram(options, folder, threads, ends[1], log, parent);
   const int error = errno;
   close(log);
   close(ends[1]);

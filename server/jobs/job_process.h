@@ -31,6 +31,8 @@ class JobProcess {
     std::string program;
     // Memory that it may have; 0 for no limit.
     int64_t memory_bytes = 0;
+    // Processors that it uses at once, at least 1.
+    int threads = 1;
   };
   struct End {
     // It exited with status 0.
@@ -41,7 +43,7 @@ class JobProcess {
     std::string text;
   };
 
-  // Runs `program folder`. Its standard error goes to the file "log" in
+  // Runs `program folder threads`. Its standard error goes to the file "log" in
   // `folder`. IO.
   static absl::StatusOr<std::unique_ptr<JobProcess>> Start(
       const Options& options, const std::string& folder);

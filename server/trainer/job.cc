@@ -8,7 +8,6 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
-#include "core/base/run_on_threads.h"
 #include "core/base/serialize.h"
 #include "core/base/status_macros.h"
 #include "core/base/status_proto.h"
@@ -91,15 +90,16 @@ absl::Status SelectUsable(const v1::TrainSpec& spec, const FitOptions& options,
 }
 
 absl::Status Train(FileSystem& files, const std::string& folder,
-                   const v1::JobSpec& spec, EventWriter* events,
-                   FileJournal* journal, v1::OperationResult& result) {
+                   const v1::JobSpec& spec, const ParallelFor& parallel,
+                   EventWriter* events, FileJournal* journal,
+                   v1::OperationResult& result) {
   const v1::TrainSpec& train = spec.operation().train();
   TACTUS_ASSIGN_OR_RETURN(const FitOptions options, OptionsOf(train));
   TACTUS_ASSIGN_OR_RETURN(const Contacts contacts,
                           ReadContacts(files, spec, events->progress()));
   auto used = contacts.Pointers();
   TACTUS_RETURN_IF_ERROR(SelectUsable(train, options, used, result));
-  TACTUS_ASSIGN_OR_RETURN(Model model, FitModel(used, options, RunOnThreads,
+  TACTUS_ASSIGN_OR_RETURN(Model model, FitModel(used, options, parallel,
                                                 events->progress(), journal));
   // Nothing that differs between two runs of one job: its bundle has the same
   // bytes however often the job was interrupted.
@@ -114,7 +114,8 @@ absl::Status Train(FileSystem& files, const std::string& folder,
 
 absl::StatusOr<Evaluation> EvaluateBundle(
     FileSystem& files, const std::string& path,
-    const std::vector<const LabelledContact*>& contacts, EventWriter* events) {
+    const std::vector<const LabelledContact*>& contacts,
+    const ParallelFor& parallel, EventWriter* events) {
   TACTUS_ASSIGN_OR_RETURN(const std::string bundle,
                           ReadWhole(files, path, limits::kMaxBundleBytes));
   TACTUS_ASSIGN_OR_RETURN(const auto model, DecodeBundle(bundle));
@@ -122,13 +123,13 @@ absl::StatusOr<Evaluation> EvaluateBundle(
     TACTUS_RETURN_IF_ERROR(CheckFits(*contact, model->model()));
   }
   return EvaluateModel(model, contacts,
-                       ServedAlgorithm(!model->model().lstms.empty()),
-                       RunOnThreads, events->progress());
+                       ServedAlgorithm(!model->model().lstms.empty()), parallel,
+                       events->progress());
 }
 
 absl::Status Evaluate(FileSystem& files, const std::string& folder,
-                      const v1::JobSpec& spec, EventWriter* events,
-                      v1::OperationResult& result) {
+                      const v1::JobSpec& spec, const ParallelFor& parallel,
+                      EventWriter* events, v1::OperationResult& result) {
   const v1::EvaluateSpec& evaluate = spec.operation().evaluate();
   TACTUS_ASSIGN_OR_RETURN(const Contacts contacts,
                           ReadContacts(files, spec, events->progress()));
@@ -143,10 +144,10 @@ absl::Status Evaluate(FileSystem& files, const std::string& folder,
         SelectUsable(evaluate.train(), options, used, result));
     evaluation = EvaluateProtocol(used, protocol,
                                   ServedAlgorithm(options.lstm.networks > 0),
-                                  options, RunOnThreads, events->progress());
+                                  options, parallel, events->progress());
   } else {
-    evaluation =
-        EvaluateBundle(files, folder + "/candidate.tactus", used, events);
+    evaluation = EvaluateBundle(files, folder + "/candidate.tactus", used,
+                                parallel, events);
   }
   TACTUS_RETURN_IF_ERROR(evaluation.status());
   *result.mutable_evaluation() = ReportOf(*evaluation, contacts.never_felt);
@@ -154,17 +155,17 @@ absl::Status Evaluate(FileSystem& files, const std::string& folder,
 }
 
 absl::Status ComparePair(FileSystem& files, const std::string& folder,
-                         const v1::JobSpec& spec, EventWriter* events,
-                         v1::OperationResult& result) {
+                         const v1::JobSpec& spec, const ParallelFor& parallel,
+                         EventWriter* events, v1::OperationResult& result) {
   TACTUS_ASSIGN_OR_RETURN(const Contacts contacts,
                           ReadContacts(files, spec, events->progress()));
   const auto used = contacts.Pointers();
-  TACTUS_ASSIGN_OR_RETURN(
-      const Evaluation current,
-      EvaluateBundle(files, folder + "/current.tactus", used, events));
-  TACTUS_ASSIGN_OR_RETURN(
-      const Evaluation candidate,
-      EvaluateBundle(files, folder + "/candidate.tactus", used, events));
+  TACTUS_ASSIGN_OR_RETURN(const Evaluation current,
+                          EvaluateBundle(files, folder + "/current.tactus",
+                                         used, parallel, events));
+  TACTUS_ASSIGN_OR_RETURN(const Evaluation candidate,
+                          EvaluateBundle(files, folder + "/candidate.tactus",
+                                         used, parallel, events));
   *result.mutable_comparison() =
       Compare(current, candidate, contacts.never_felt, spec.gate());
   return absl::OkStatus();
@@ -173,7 +174,8 @@ absl::Status ComparePair(FileSystem& files, const std::string& folder,
 }  // namespace
 
 absl::Status RunJob(FileSystem& files, const std::string& folder,
-                    EventWriter* events, FileJournal* journal) {
+                    const ParallelFor& parallel, EventWriter* events,
+                    FileJournal* journal) {
   TACTUS_ASSIGN_OR_RETURN(const std::string bytes,
                           ReadWhole(files, folder + "/job.pb", kMaxSpecBytes));
   v1::JobSpec spec;
@@ -185,13 +187,13 @@ absl::Status RunJob(FileSystem& files, const std::string& folder,
   absl::Status status;
   switch (spec.operation().kind()) {
     case Operation::KIND_TRAIN:
-      status = Train(files, folder, spec, events, journal, result);
+      status = Train(files, folder, spec, parallel, events, journal, result);
       break;
     case Operation::KIND_EVALUATE:
-      status = Evaluate(files, folder, spec, events, result);
+      status = Evaluate(files, folder, spec, parallel, events, result);
       break;
     default:
-      status = ComparePair(files, folder, spec, events, result);
+      status = ComparePair(files, folder, spec, parallel, events, result);
   }
   if (status.ok()) {
     *outcome.mutable_result() = std::move(result);

@@ -10,7 +10,8 @@
 //   bundle.tactus      the trained model
 //   result.pb          the outcome (JobOutcome), written last
 //
-//   const absl::Status status = RunJob(files, folder, &events, &journal);
+//   const absl::Status status =
+//       RunJob(files, folder, OnThreads(2), &events, &journal);
 //
 // Not thread-safe: one job per process.
 #pragma once
@@ -27,6 +28,7 @@ namespace tactus::server {
 // Runs the job of a folder. An error of the job itself, such as unfit data, is
 // an outcome too: the result is OK when an outcome was written.
 absl::Status RunJob(FileSystem& files, const std::string& folder,
-                    EventWriter* events, FileJournal* journal);
+                    const ParallelFor& parallel, EventWriter* events,
+                    FileJournal* journal);
 
 }  // namespace tactus::server

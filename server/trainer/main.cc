@@ -9,7 +9,9 @@
 #include <string>
 #include <system_error>
 
+#include "absl/strings/numbers.h"
 #include "core/base/errors.h"
+#include "core/base/run_on_threads.h"
 #include "core/store/file_system.h"
 #include "server/trainer/event_writer.h"
 #include "server/trainer/exit_status.h"
@@ -43,10 +45,13 @@ void OnTerminate(int) {
 }
 
 int Main(int argc, char** argv) {
-  if (argc != 2 || argv[1][0] == '-') {
+  int threads = 0;
+  const bool run =
+      argc == 3 && absl::SimpleAtoi(argv[2], &threads) && threads >= 1;
+  if (!run) {
     const bool asked = argc == 2 && std::string(argv[1]) == "--help";
     std::fprintf(asked ? stdout : stderr,
-                 "usage: tactus-trainer JOB_FOLDER\n"
+                 "usage: tactus-trainer JOB_FOLDER THREADS\n"
                  "Runs one training or evaluation job; tactusd starts it.\n");
     return asked ? 0 : 2;
   }
@@ -60,7 +65,7 @@ int Main(int argc, char** argv) {
     FileJournal journal(files, parts, &events);
     running_journal = &journal;
     std::signal(SIGTERM, OnTerminate);
-    status = RunJob(files, folder, &events, &journal);
+    status = RunJob(files, folder, OnThreads(threads), &events, &journal);
     std::signal(SIGTERM, SIG_DFL);
   }
   if (status.ok()) return kExitDone;

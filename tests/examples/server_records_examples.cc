@@ -186,11 +186,12 @@ void RunOnThreadsExample(const std::vector<Job>& jobs,
                          const FitOptions& options) {
   RunOnThreads(jobs.size(), [&](int i) { results[i] = Run(jobs[i]); });
   FitModel(contacts, options, RunOnThreads);
+  FitModel(contacts, options, OnThreads(2));
 }
 
 void JobExample(FileSystem& files, const std::string& folder,
                 EventWriter& events, FileJournal& journal) {
-  const absl::Status status = RunJob(files, folder, &events, &journal);
+  const absl::Status status = RunJob(files, folder, OnThreads(2), &events, &journal);
 }
 
 }  // namespace tactus::server::examples

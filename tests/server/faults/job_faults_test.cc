@@ -240,7 +240,7 @@ TEST_F(JobFaultsTest, ADiskThatFillsDuringTraining) {
   }
   Start({.program = Script("while [ ! -e " + (folder_ / "go") +
                            " ]; do sleep 0.02; done\nexec " TACTUS_TRAINER
-                           " \"$1\"\n")},
+                           " \"$@\"\n")},
         disk + "/data");
   ASSERT_EQ(server_->Upload("datasets/arm", SmallPack()),
             "datasets/arm/versions/1");

@@ -79,12 +79,12 @@ class ResumeTest : public ::testing::Test {
     WriteBytes(folder + "/job.pb", spec_.SerializeAsString());
     return folder;
   }
-  static pid_t Start(const std::string& folder) {
+  static pid_t Start(const std::string& folder, const char* threads = "3") {
     const pid_t pid = fork();
     if (pid == 0) {
       const int null = open("/dev/null", O_RDWR);
       dup2(null, STDOUT_FILENO);
-      execl(TACTUS_TRAINER, TACTUS_TRAINER, folder.c_str(), nullptr);
+      execl(TACTUS_TRAINER, TACTUS_TRAINER, folder.c_str(), threads, nullptr);
       _exit(127);
     }
     return pid;
@@ -103,7 +103,7 @@ class ResumeTest : public ::testing::Test {
 TEST_F(ResumeTest, KilledTenTimesItMakesTheSameBundle) {
   const std::string whole = NewJob("whole");
   const auto begin = steady_clock::now();
-  ASSERT_EQ(Wait(Start(whole)), 0);
+  ASSERT_EQ(Wait(Start(whole, "1")), 0);
   const double seconds = duration<double>(steady_clock::now() - begin).count();
   v1::JobOutcome outcome;
   ASSERT_TRUE(outcome.ParseFromString(ReadBytes(whole + "/result.pb")));
