@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/errors.h"
 #include "core/base/run_on_threads.h"
 #include "core/base/status_macros.h"
 #include "core/store/records.h"
@@ -25,6 +26,7 @@
 #include "server/records/upload_store.h"
 #include "server/trainer/compare.h"
 #include "server/trainer/event_writer.h"
+#include "server/trainer/exit_status.h"
 #include "server/trainer/file_journal.h"
 #include "server/trainer/job.h"
 
@@ -131,6 +133,12 @@ absl::Status JobProcessExample(const JobProcess::Options& options,
   v1::JobEvent event;
   while (process->Next(timeout, &event) != JobProcess::News::kClosed) Use();
   const JobProcess::End end = process->Wait(patience);
+  return absl::OkStatus();
+}
+
+absl::Status ExitStatusExample(const JobProcess::End& end,
+                               const std::string& folder) {
+  if (end.status == kExitStorageFull) return StorageFull(folder, "...");
   return absl::OkStatus();
 }
 
