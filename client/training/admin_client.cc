@@ -11,7 +11,7 @@
 namespace tactus::client {
 namespace {
 
-constexpr int kPageSize = 1'000;
+constexpr int kAuditPageSize = 1'000;
 
 }  // namespace
 
@@ -32,7 +32,7 @@ absl::StatusOr<std::vector<v1::AuditEntry>> AdminClient::ListAuditLog(
     v1::ListAuditLogRequest filter, size_t limit) {
   std::vector<v1::AuditEntry> entries;
   filter.set_page_size(
-      static_cast<int32_t>(std::min<size_t>(limit, kPageSize)));
+      static_cast<int32_t>(std::min<size_t>(limit, kAuditPageSize)));
   while (entries.size() < limit) {
     const auto context = client_.NewContext(client_.timeout());
     v1::ListAuditLogResponse response;

@@ -28,7 +28,7 @@ class JobProcess {
  public:
   struct Options {
     // Path of the program tactus-trainer.
-    std::string program;
+    std::string program = {};
     // Memory that it may have; 0 for no limit.
     int64_t memory_bytes = 0;
     // Processors that it uses at once, at least 1.

@@ -43,12 +43,12 @@ namespace tactus::server {
 class JobQueue {
  public:
   struct Options {
-    JobProcess::Options process;
+    JobProcess::Options process = {};
     int attempts = 3;
     // Between two writes of the learning curve.
     std::chrono::milliseconds store_interval{500};
     // Name of this machine, kept with the versions that are made.
-    std::string host;
+    std::string host = {};
   };
 
   JobQueue(DataDirectory* data, DatasetStore* datasets, ModelStore* models,

@@ -159,7 +159,7 @@ TEST_F(ResumeTest, ADiskThatFailsAtEachOperation) {
   EventWriter events(null);
   const auto run = [&](FileSystem& files, const std::string& folder) {
     FileJournal journal(files, folder + "/parts", &events);
-    return RunJob(files, folder, &events, &journal);
+    return RunJob(files, folder, RunSerially, &events, &journal);
   };
   const auto new_job = [&] {
     std::filesystem::remove_all(folder_ / "job");
