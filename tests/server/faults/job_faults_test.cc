@@ -329,8 +329,9 @@ TEST_F(JobFaultsTest, TwoWritersOfOneUpload) {
   v1::WriteUploadResponse response;
   const auto open = server_->training().WriteUpload(&context, &response);
   ASSERT_TRUE(open->Write(chunk));
+  // At a wrong offset, so that one that comes before that call is refused.
   EXPECT_TRUE(testing::Eventually(
-      [&] { return server_->Write(other, 0, pack) == "UPLOAD_BUSY"; }));
+      [&] { return server_->Write(other, 7, pack) == "UPLOAD_BUSY"; }));
   finish.set_upload(other);
   EXPECT_EQ(ReasonOf(client_->FinishUpload(finish).status()), "UPLOAD_BUSY");
   open->WritesDone();
