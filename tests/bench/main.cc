@@ -38,6 +38,7 @@ int Main(int argc, char** argv) {
   add(MakeStreamBenchmark());
   add(MakeLoadBenchmark());
   add(MakeStartupBenchmark());
+  add(MakeTrainingBenchmark());
   add(MakeFrontierBenchmark());
 
   CLI::App app("Measures Tactus and its peers, side by side.", "tactus-bench");
