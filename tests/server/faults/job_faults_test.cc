@@ -224,8 +224,10 @@ TEST_F(JobFaultsTest, ATrainerThatNeedsTooMuchMemorySaysSo) {
   const Operation failed = server_->Await(Train().name());
   EXPECT_EQ(failed.state(), Operation::STATE_FAILED);
   EXPECT_EQ(Reason(failed), "JOB_CRASHED");
+#ifndef __SANITIZE_ADDRESS__  // whose allocator ends the process itself
   EXPECT_THAT(failed.error().message(), HasSubstr("memory"));
   EXPECT_THAT(failed.error().message(), HasSubstr("40 MiB"));
+#endif
   testing::ExpectGoodStream(server_->channel());
 }
 
