@@ -158,7 +158,9 @@ TEST_F(FitJournalTest, ReportsEveryCurve) {
   // Each fold trains as many networks as the model, and half of the folds train
   // an estimator.
   const std::vector<std::vector<std::string>> networks = {
-      {"lstm/0", "lstm/1", "estimator"}, {"lstm/0", "lstm/1", "estimator"}, {"lstm/0", "lstm/1"}};
+      {"lstm/0", "lstm/1", "estimator"},
+      {"lstm/0", "lstm/1", "estimator"},
+      {"lstm/0", "lstm/1"}};
   const std::string prefixes[] = {"", "fold/0/", "fold/1/"};
   for (int p = 0; p < 3; ++p) {
     const std::string& prefix = prefixes[p];

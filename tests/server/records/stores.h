@@ -53,8 +53,8 @@ struct Stores {
     data = *std::move(opened);
     const NowMs now = [this] { return time_ms; };
     datasets = std::make_unique<DatasetStore>(data.get(), now, quotas);
-    uploads = std::make_unique<UploadStore>(data.get(), datasets.get(), now,
-                                            quotas);
+    uploads =
+        std::make_unique<UploadStore>(data.get(), datasets.get(), now, quotas);
     operations = std::make_unique<OperationStore>(data.get(), now, quotas);
     models = std::make_unique<ModelStore>(data.get(), &registry, now);
     EXPECT_TRUE(registry.AddBuiltIn("default", TestBundle(0)).ok());
