@@ -120,6 +120,7 @@ inline constexpr double kMaxLogVariance = 200;
 inline constexpr double kMaxSceneDurationS = 60;
 inline constexpr double kMaxTrajectoryRateHz = 20'000;
 inline constexpr int kMaxLeadInFrames = 1'000;
+inline constexpr uint64_t kMaxWorldContacts = 10'000'000;
 
 // Training service.
 // Calls of it that run at once, of all peers and of one; each has a thread.

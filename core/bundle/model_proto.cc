@@ -65,6 +65,10 @@ constexpr EnumTable<GateActivation, v1::LstmNetwork::GateActivation, 2>
          {GateActivation::kHardSigmoid,
           v1::LstmNetwork::GATE_ACTIVATION_HARD_SIGMOID}}};
 
+constexpr EnumTable<Truth, v1::Truth, 2> kTruths{
+    "truth",
+    {{Truth::kFinal, v1::TRUTH_FINAL}, {Truth::kSoFar, v1::TRUTH_SO_FAR}}};
+
 constexpr EnumTable<Score, v1::HmmScore, 2> kHmmScores{
     "hmm_score",
     {{Score::kForward, v1::HMM_SCORE_FORWARD},
@@ -200,6 +204,10 @@ void ToProto(const Calibration& c, v1::Calibration* out) {
   Assign(c.hmm_inverse_temperature, out->mutable_hmm_inverse_temperature());
   Assign(c.lstm_inverse_temperature, out->mutable_lstm_inverse_temperature());
   Assign(c.lstm_weight, out->mutable_lstm_weight());
+  Assign(c.hmm_weight, out->mutable_hmm_weight());
+  Assign(c.hmm_bias, out->mutable_hmm_bias());
+  Assign(c.lstm_bias, out->mutable_lstm_bias());
+  Assign(c.fused_bias, out->mutable_fused_bias());
   Assign(c.evidence_median, out->mutable_evidence_median());
   Assign(c.evidence_deviation, out->mutable_evidence_deviation());
   Assign(c.prior, out->mutable_prior());
@@ -209,12 +217,29 @@ void ToProto(const Calibration& c, v1::Calibration* out) {
   out->set_moved_deviation_scale(c.moved_deviation_scale);
 }
 
+// What bundles of earlier releases do not hold.
+void FillIn(Calibration& c) {
+  const size_t biases = c.frames.size() * c.prior.size();
+  if (c.hmm_bias.empty()) c.hmm_bias.assign(biases, 0);
+  if (c.lstm_weight.empty()) return;
+  if (c.lstm_bias.empty()) c.lstm_bias.assign(biases, 0);
+  if (c.fused_bias.empty()) c.fused_bias.assign(biases, 0);
+  if (c.hmm_weight.empty()) {
+    for (const double weight : c.lstm_weight)
+      c.hmm_weight.push_back(1 - weight);
+  }
+}
+
 Calibration FromProto(const v1::Calibration& in) {
   Calibration c;
   c.frames = ToVector(in.frames());
   c.hmm_inverse_temperature = ToVector(in.hmm_inverse_temperature());
   c.lstm_inverse_temperature = ToVector(in.lstm_inverse_temperature());
   c.lstm_weight = ToVector(in.lstm_weight());
+  c.hmm_weight = ToVector(in.hmm_weight());
+  c.hmm_bias = ToVector(in.hmm_bias());
+  c.lstm_bias = ToVector(in.lstm_bias());
+  c.fused_bias = ToVector(in.fused_bias());
   c.evidence_median = ToVector(in.evidence_median());
   c.evidence_deviation = ToVector(in.evidence_deviation());
   c.prior = ToVector(in.prior());
@@ -222,6 +247,7 @@ Calibration FromProto(const v1::Calibration& in) {
   c.decision_frames = in.decision_frames();
   c.stiffness_deviation_scale = in.stiffness_deviation_scale();
   c.moved_deviation_scale = in.moved_deviation_scale();
+  FillIn(c);
   return c;
 }
 
@@ -310,6 +336,7 @@ v1::ModelBundle ModelToProto(const Model& model) {
   if (!model.layout.name.empty()) {
     *bundle.mutable_geometry() = LayoutToProto(model.layout);
   }
+  if (model.truth == Truth::kSoFar) bundle.set_truth(v1::TRUTH_SO_FAR);
   if (model.release_after_s != kDefaultReleaseAfterS) {
     bundle.set_release_after_s(model.release_after_s);
   }
@@ -344,6 +371,9 @@ absl::StatusOr<Model> ModelFromProto(const v1::ModelBundle& bundle) {
   if (!bundle.layout_class().empty()) {
     TACTUS_ASSIGN_OR_RETURN(model.layout, LayoutFromProto(bundle.geometry()));
     model.layout.name = bundle.layout_class();
+  }
+  if (bundle.truth() != v1::TRUTH_UNSPECIFIED) {
+    TACTUS_ASSIGN_OR_RETURN(model.truth, kTruths.FromWire(bundle.truth()));
   }
   if (bundle.release_after_s() != 0) {
     model.release_after_s = bundle.release_after_s();

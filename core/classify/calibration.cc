@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
@@ -43,20 +44,21 @@ absl::Status CheckTable(absl::string_view name,
 
 CalibrationPoint CalibrationAt(const Calibration& c, double frames) {
   const auto after = std::upper_bound(c.frames.begin(), c.frames.end(), frames);
-  size_t high = after - c.frames.begin();
-  size_t low = high == 0 ? 0 : high - 1;
-  if (high == c.frames.size()) high = low;
-  const double fraction = low == high
-                              ? 0
-                              : std::log(frames / c.frames[low]) /
-                                    std::log(c.frames[high] / c.frames[low]);
-  auto read = [&](const std::vector<double>& table) {
-    return table[low] + fraction * (table[high] - table[low]);
-  };
   CalibrationPoint point;
+  point.high = after - c.frames.begin();
+  point.low = point.high == 0 ? 0 : point.high - 1;
+  if (point.high == c.frames.size()) point.high = point.low;
+  const auto [low, high] = std::pair(point.low, point.high);
+  point.fraction = low == high ? 0
+                               : std::log(frames / c.frames[low]) /
+                                     std::log(c.frames[high] / c.frames[low]);
+  auto read = [&](const std::vector<double>& table) {
+    return table[low] + point.fraction * (table[high] - table[low]);
+  };
   point.hmm_inverse_temperature = read(c.hmm_inverse_temperature);
   if (!c.lstm_inverse_temperature.empty()) {
     point.lstm_inverse_temperature = read(c.lstm_inverse_temperature);
+    point.hmm_weight = read(c.hmm_weight);
     point.lstm_weight = read(c.lstm_weight);
   }
   point.evidence_median = read(c.evidence_median);
@@ -64,9 +66,19 @@ CalibrationPoint CalibrationAt(const Calibration& c, double frames) {
   return point;
 }
 
+void BiasAt(std::span<const double> table, const CalibrationPoint& point,
+            std::span<double> bias) {
+  const size_t classes = bias.size();
+  for (size_t k = 0; k < classes; ++k) {
+    const double low = table[point.low * classes + k];
+    const double high = table[point.high * classes + k];
+    bias[k] = low + point.fraction * (high - low);
+  }
+}
+
 void TemperedPosterior(std::span<const double> log_prior,
                        std::span<const double> log_score,
-                       double inverse_temperature,
+                       double inverse_temperature, std::span<const double> bias,
                        std::span<double> probability) {
   const double top = *std::max_element(log_score.begin(), log_score.end());
   const bool scored = top > -std::numeric_limits<double>::infinity();
@@ -74,7 +86,7 @@ void TemperedPosterior(std::span<const double> log_prior,
     // Relative to the best score first: the sums of many frames are large.
     const double score =
         scored ? inverse_temperature * (log_score[k] - top) : 0.0;
-    probability[k] = log_prior[k] + score;
+    probability[k] = log_prior[k] + score + bias[k];
   }
   if (!NormaliseLogs(probability)) {
     std::fill(probability.begin(), probability.end(),
@@ -83,12 +95,12 @@ void TemperedPosterior(std::span<const double> log_prior,
 }
 
 void FusePosteriors(std::span<const double> hmm, std::span<const double> lstm,
-                    double weight, std::span<double> fused) {
-  // Either model may give an exact zero, which must not overrule the other.
-  constexpr double kMinProbability = 1e-300;
+                    const CalibrationPoint& point, std::span<const double> bias,
+                    std::span<double> fused) {
   for (size_t k = 0; k < fused.size(); ++k) {
-    fused[k] = (1 - weight) * std::log(std::max(hmm[k], kMinProbability)) +
-               weight * std::log(std::max(lstm[k], kMinProbability));
+    fused[k] = point.hmm_weight * std::log(std::max(hmm[k], kMinFused)) +
+               point.lstm_weight * std::log(std::max(lstm[k], kMinFused)) +
+               bias[k];
   }
   NormaliseLogs(fused);
 }
@@ -102,6 +114,8 @@ double UnknownProbability(const CalibrationPoint& point, double evidence) {
 absl::Status Validate(const Calibration& c, int classes, bool has_lstm) {
   constexpr double kTiny = 1e-12;
   constexpr double kHuge = 1e12;
+  constexpr double kLargestBias = 1e3;
+  constexpr double kLargestWeight = 1e3;
   const size_t entries = c.frames.size();
   if (entries == 0 || entries > limits::kMaxCalibrationEntries) {
     return InvalidModel("calibration.frames size", entries,
@@ -115,12 +129,22 @@ absl::Status Validate(const Calibration& c, int classes, bool has_lstm) {
   TACTUS_RETURN_IF_ERROR(CheckTable("hmm_inverse_temperature",
                                     c.hmm_inverse_temperature, entries, kTiny,
                                     kHuge));
+  const size_t biases = entries * static_cast<size_t>(classes);
+  TACTUS_RETURN_IF_ERROR(
+      CheckTable("hmm_bias", c.hmm_bias, biases, -kLargestBias, kLargestBias));
   const size_t lstm_entries = has_lstm ? entries : 0;
+  const size_t lstm_biases = has_lstm ? biases : 0;
   TACTUS_RETURN_IF_ERROR(CheckTable("lstm_inverse_temperature",
                                     c.lstm_inverse_temperature, lstm_entries,
                                     kTiny, kHuge));
+  TACTUS_RETURN_IF_ERROR(CheckTable("lstm_bias", c.lstm_bias, lstm_biases,
+                                    -kLargestBias, kLargestBias));
   TACTUS_RETURN_IF_ERROR(
-      CheckTable("lstm_weight", c.lstm_weight, lstm_entries, 0, 1));
+      CheckTable("hmm_weight", c.hmm_weight, lstm_entries, 0, kLargestWeight));
+  TACTUS_RETURN_IF_ERROR(CheckTable("lstm_weight", c.lstm_weight, lstm_entries,
+                                    0, kLargestWeight));
+  TACTUS_RETURN_IF_ERROR(CheckTable("fused_bias", c.fused_bias, lstm_biases,
+                                    -kLargestBias, kLargestBias));
   TACTUS_RETURN_IF_ERROR(
       CheckTable("evidence_median", c.evidence_median, entries, -kHuge, kHuge));
   TACTUS_RETURN_IF_ERROR(CheckTable("evidence_deviation", c.evidence_deviation,

@@ -4,12 +4,15 @@
 // probabilities from log-scores.
 //
 //   const CalibrationPoint point = CalibrationAt(calibration, frames);
+//   BiasAt(calibration.hmm_bias, point, bias);
 //   TemperedPosterior(log_prior, log_likelihood, point.hmm_inverse_temperature,
-//   hmm); FusePosteriors(hmm, lstm, point.lstm_weight, fused);
+//                     bias, hmm);
+//   FusePosteriors(hmm, lstm, point, bias, fused);
 //
 // Thread-safe: free functions without state. Nothing allocates.
 #pragma once
 
+#include <cstddef>
 #include <span>
 
 #include "core/classify/model.h"
@@ -18,8 +21,13 @@ namespace tactus {
 
 // The values of the tables at one number of frames.
 struct CalibrationPoint {
+  // The point lies between these entries, at this fraction of the way.
+  size_t low = 0;
+  size_t high = 0;
+  double fraction = 0;
   double hmm_inverse_temperature = 1;
   double lstm_inverse_temperature = 1;
+  double hmm_weight = 1;
   double lstm_weight = 0;
   double evidence_median = 0;
   double evidence_deviation = 1;
@@ -32,17 +40,25 @@ struct CalibrationPoint {
 // frames >= 1.
 CalibrationPoint CalibrationAt(const Calibration& calibration, double frames);
 
-// probability = softmax(log_prior + inverse_temperature * log_score). Classes
-// with a log-score of -infinity get probability 0. If all classes have one, the
-// result is the prior.
+// Reads a table of biases (entries x classes) at a point.
+void BiasAt(std::span<const double> table, const CalibrationPoint& point,
+            std::span<double> bias);
+
+// probability = softmax(log_prior + inverse_temperature * log_score + bias).
+// Classes with a log-score of -infinity get probability 0. If all classes have
+// one, the scores say nothing.
 void TemperedPosterior(std::span<const double> log_prior,
                        std::span<const double> log_score,
-                       double inverse_temperature,
+                       double inverse_temperature, std::span<const double> bias,
                        std::span<double> probability);
 
-// fused ~ hmm^(1 - weight) * lstm^weight, normalised.
+// fused ~ hmm^hmm_weight * lstm^lstm_weight * exp(bias), normalised. A
+// probability below kMinFused counts as kMinFused, so that the zero of one
+// model does not overrule the other.
+inline constexpr double kMinFused = 1e-300;
 void FusePosteriors(std::span<const double> hmm, std::span<const double> lstm,
-                    double weight, std::span<double> fused);
+                    const CalibrationPoint& point, std::span<const double> bias,
+                    std::span<double> fused);
 
 // `unknown` is one half if the evidence lies this many deviations below the
 // median. One deviation changes the odds by a factor of e.

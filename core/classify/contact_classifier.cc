@@ -48,6 +48,7 @@ ContactClassifier::ContactClassifier(std::shared_ptr<const CompiledModel> model,
   log_likelihood_.resize(classes);
   hmm_probability_.resize(classes);
   probability_.resize(classes);
+  bias_.resize(classes);
   log_prior_.resize(classes);
   std::transform(c.prior.begin(), c.prior.end(), log_prior_.begin(),
                  [](double p) { return std::log(p); });
@@ -178,17 +179,21 @@ void ContactClassifier::UpdateProbabilities() {
   }
   scores_changed_ = false;
   calibration_point_ = point;
+  const Calibration& c = model_->model().calibration;
+  BiasAt(c.hmm_bias, point, bias_);
   TemperedPosterior(log_prior_, log_likelihood_, point.hmm_inverse_temperature,
-                    hmm_probability_);
+                    bias_, hmm_probability_);
   if (lstm_score_.empty()) {
     std::ranges::copy(hmm_probability_, probability_.begin());
   } else {
+    BiasAt(c.lstm_bias, point, bias_);
     TemperedPosterior(log_prior_, lstm_score_, point.lstm_inverse_temperature,
-                      lstm_probability_);
+                      bias_, lstm_probability_);
     if (options_.scorers == Scorers::kLstms) {
       std::ranges::copy(lstm_probability_, probability_.begin());
     } else {
-      FusePosteriors(hmm_probability_, lstm_probability_, point.lstm_weight,
+      BiasAt(c.fused_bias, point, bias_);
+      FusePosteriors(hmm_probability_, lstm_probability_, point, bias_,
                      probability_);
     }
   }

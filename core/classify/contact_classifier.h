@@ -143,6 +143,7 @@ class ContactClassifier {
   std::vector<double> lstm_score_;
   std::vector<double> lstm_probability_;
   std::vector<double> probability_;
+  std::vector<double> bias_;
   // The calibration that the probabilities were computed with.
   CalibrationPoint calibration_point_;
   bool scores_changed_ = true;

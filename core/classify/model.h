@@ -54,15 +54,26 @@ struct InputSpec {
   double sample_rate_hz = 100;
 };
 
+// What a posterior is about: the category that the contact has in the end, or
+// its category so far, in which an object is unmoved until it moves.
+enum class Truth { kFinal, kSoFar };
+
 // Maps scores to probabilities. The tables are functions of the frames since
 // onset (CalibrationAt).
 struct Calibration {
   std::vector<double> frames;
-  // Factors on the log-scores before the softmax, above 0.
+  // Factors on the log-scores before the softmax, above 0; and a bias of each
+  // class, entries x classes, because a score may prefer a class.
   std::vector<double> hmm_inverse_temperature;
+  std::vector<double> hmm_bias;
   std::vector<double> lstm_inverse_temperature;
-  // Weight of the LSTMs in the fused log-probability, 0 to 1.
+  std::vector<double> lstm_bias;
+  // The fused answer: a log-linear model of the log-probabilities of HMMs and
+  // LSTMs, with weights of at least 0 and a bias of each class. Empty without
+  // an LSTM.
+  std::vector<double> hmm_weight;
   std::vector<double> lstm_weight;
+  std::vector<double> fused_bias;
   // Log-likelihood of the best class per HMM step: its median over training
   // contacts, and the deviation that UnknownProbability() divides by.
   std::vector<double> evidence_median;
@@ -108,6 +119,7 @@ struct Model {
   // network that does both classifies less well. It takes the same inputs.
   std::optional<LstmNetwork> estimator;
   Calibration calibration;
+  Truth truth = Truth::kFinal;
   // Skin of the training data; an empty name fits any skin.
   SkinLayout layout;
   // Seconds without touch that end a contact, unless a stream says otherwise.

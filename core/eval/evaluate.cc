@@ -21,14 +21,36 @@ Scorers ScorersOf(Algorithm algorithm) {
 }
 
 absl::StatusOr<int> LabelIndex(const std::vector<std::string>& class_names,
-                               const LabelledContact& contact) {
-  const auto found =
-      std::find(class_names.begin(), class_names.end(), contact.label);
+                               const LabelledContact& contact,
+                               const std::string& label) {
+  const auto found = std::ranges::find(class_names, label);
   if (found == class_names.end()) {
-    return InvalidConfig(absl::StrCat("label of trial ", contact.id),
-                         contact.label, "one of the model's classes");
+    return InvalidConfig(absl::StrCat("label of trial ", contact.id), label,
+                         "one of the model's classes");
   }
   return static_cast<int>(found - class_names.begin());
+}
+
+// The classes so far at the anytime moments, where they can be known.
+absl::Status AddLabelsSoFar(const std::vector<const LabelledContact*>& contacts,
+                            Evaluation& result) {
+  if (std::ranges::any_of(contacts, [](const LabelledContact* contact) {
+        return contact->object_motion.empty();
+      })) {
+    return absl::OkStatus();
+  }
+  result.so_far.assign(kAnytimeCount, std::vector<int>(contacts.size()));
+  for (size_t i = 0; i < contacts.size(); ++i) {
+    const auto frames = AnytimeFrames(contacts[i]->sample_rate_hz);
+    for (int time = 0; time < kAnytimeCount; ++time) {
+      const size_t at =
+          std::min<size_t>(frames[time], contacts[i]->frames.size()) - 1;
+      TACTUS_ASSIGN_OR_RETURN(result.so_far[time][i],
+                              LabelIndex(result.class_names, *contacts[i],
+                                         LabelSoFar(*contacts[i], at)));
+    }
+  }
+  return absl::OkStatus();
 }
 
 // An evaluation with room for all outcomes, and with their labels.
@@ -40,9 +62,11 @@ absl::StatusOr<Evaluation> PrepareEvaluation(
   result.class_names = std::move(class_names);
   result.final.resize(contacts.size());
   for (size_t i = 0; i < contacts.size(); ++i) {
-    TACTUS_ASSIGN_OR_RETURN(result.final[i].label,
-                            LabelIndex(result.class_names, *contacts[i]));
+    TACTUS_ASSIGN_OR_RETURN(
+        result.final[i].label,
+        LabelIndex(result.class_names, *contacts[i], contacts[i]->label));
   }
+  TACTUS_RETURN_IF_ERROR(AddLabelsSoFar(contacts, result));
   result.anytime.assign(kAnytimeCount, result.final);
   if (algorithm == Algorithm::kFused) {
     result.anytime_hmm = result.anytime;
@@ -80,9 +104,12 @@ void EvaluateContact(const std::shared_ptr<const CompiledModel>& model,
   });
   record(result.final[index], result.final_estimates[index]);
   if (const auto& decision = classifier.decision()) {
+    const std::string label = result.truth == Truth::kSoFar
+                                  ? LabelSoFar(contact, decision->frame - 1)
+                                  : contact.label;
     result.decisions[index] = {
         static_cast<double>(decision->frame) / contact.sample_rate_hz,
-        decision->class_index == result.final[index].label};
+        result.class_names[decision->class_index] == label};
   }
   result.unknown[index] = classifier.unknown();
 }
@@ -134,6 +161,7 @@ absl::StatusOr<Evaluation> EvaluateModel(
   TACTUS_ASSIGN_OR_RETURN(
       Evaluation result,
       PrepareEvaluation(contacts, model->model().class_names, algorithm));
+  result.truth = model->model().truth;
   const Progress walk = progress.Part("classify contacts", 1);
   parallel(static_cast<int>(contacts.size()), [&](int i) {
     EvaluateContact(model, *contacts[i], i, result);
@@ -162,6 +190,7 @@ absl::StatusOr<Evaluation> EvaluateProtocol(
   TACTUS_ASSIGN_OR_RETURN(
       Evaluation result,
       PrepareEvaluation(contacts, ClassNames(contacts), algorithm));
+  result.truth = options.truth;
   std::vector<absl::Status> failures(folds.size());
   const Progress fold_progress =
       progress.Part("fit and test folds", 1)

@@ -18,6 +18,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "core/classify/model.h"
 #include "core/classify/object_estimate.h"
 #include "core/eval/metrics.h"
 #include "core/train/anytime.h"
@@ -39,7 +40,8 @@ struct EstimateOutcome {
   double moved_m = 0;
 };
 
-// When a contact was decided, and whether the decision is its label.
+// When a contact was decided, and whether the decision was true: in the end or
+// at that time, as the model's truth is.
 struct DecisionOutcome {
   double seconds = 0;  // since onset
   bool right = false;
@@ -49,6 +51,8 @@ struct Evaluation {
   // What ran: kHmm if kFused was asked for and there is no LSTM.
   Algorithm algorithm = Algorithm::kHmm;
   std::vector<std::string> class_names;
+  // What the model's answers are about.
+  Truth truth = Truth::kFinal;
   // One outcome per contact, in the order given, after its last frame.
   std::vector<Outcome> final;
   // [kAnytimeCount][contacts]: the outcomes at each of kAnytimeSeconds. A
@@ -58,6 +62,9 @@ struct Evaluation {
   // `algorithm` is kFused.
   std::vector<std::vector<Outcome>> anytime_hmm;
   std::vector<std::vector<Outcome>> anytime_lstm;
+  // [kAnytimeCount][contacts]: the class so far at each of these times. Empty
+  // if the objects' motion is unknown.
+  std::vector<std::vector<int>> so_far;
   // As `final` and `anytime`; nothing where the truth or the estimate is
   // missing.
   std::vector<std::optional<EstimateOutcome>> final_estimates;

@@ -66,6 +66,28 @@ double ExpectedCalibrationError(std::span<const Outcome> outcomes) {
   return outcomes.empty() ? 0 : error / static_cast<double>(outcomes.size());
 }
 
+double MeanLogLoss(std::span<const Outcome> outcomes) {
+  constexpr double kMinProbability = 1e-12;
+  double sum = 0;
+  for (const Outcome& outcome : outcomes) {
+    sum -=
+        std::log(std::max(outcome.probability[outcome.label], kMinProbability));
+  }
+  return outcomes.empty() ? 0 : sum / static_cast<double>(outcomes.size());
+}
+
+double BrierScore(std::span<const Outcome> outcomes) {
+  double sum = 0;
+  for (const Outcome& outcome : outcomes) {
+    for (size_t k = 0; k < outcome.probability.size(); ++k) {
+      const double truth = static_cast<int>(k) == outcome.label ? 1 : 0;
+      const double error = outcome.probability[k] - truth;
+      sum += error * error;
+    }
+  }
+  return outcomes.empty() ? 0 : sum / static_cast<double>(outcomes.size());
+}
+
 EstimateErrors SummariseErrors(std::span<const EstimateError> errors) {
   EstimateErrors summary;
   summary.count = static_cast<int>(errors.size());

@@ -46,6 +46,12 @@ Interval WilsonInterval(int successes, int count);
 // (Guo et al., ICML 2017, eq. 3). 0 for none.
 double ExpectedCalibrationError(std::span<const Outcome> outcomes);
 
+// Mean of -log(probability of the label), each probability at least 1e-12, and
+// mean of the squared distance of the probabilities from the label (Brier,
+// 1950): 0 to 2. 0 without outcomes.
+double MeanLogLoss(std::span<const Outcome> outcomes);
+double BrierScore(std::span<const Outcome> outcomes);
+
 // A summary of the errors of estimates with a Gaussian uncertainty.
 struct EstimateErrors {
   int count = 0;

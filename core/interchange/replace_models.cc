@@ -96,8 +96,11 @@ absl::Status ReplaceLstms(const ForeignModel& foreign, Model& model) {
   if (foreign.steps) model.inputs.lstm_steps = *foreign.steps;
   if (model.lstms.empty()) {
     Calibration& c = model.calibration;
-    c.lstm_weight.assign(c.frames.size(), kEvenWeight);
+    c.hmm_weight.assign(c.frames.size(), kEvenWeight);
+    c.lstm_weight = c.hmm_weight;
     c.lstm_inverse_temperature.assign(c.frames.size(), 1);
+    c.lstm_bias.assign(c.frames.size() * c.prior.size(), 0);
+    c.fused_bias = c.lstm_bias;
   }
   model.lstms = foreign.lstms;
   if (foreign.class_names.empty()) return absl::OkStatus();

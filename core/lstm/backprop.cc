@@ -241,12 +241,12 @@ LstmBatchLoss LstmBackprop::Loss(const LstmLossOptions& options) {
                                : sequence.targets.subspan(
                                      size_t(t) * regressions_, regressions_);
       loss += StepLoss(options, classes_, regressions_, &outputs_[at],
-                       sequence.label, targets, share, &by_outputs_[at]);
+                       sequence.LabelAt(t), targets, share, &by_outputs_[at]);
     }
     total.sum += loss / mean;
     const float* last = &outputs_[layout_.Row(steps - 1, i) * stride];
-    total.correct +=
-        std::max_element(last, last + classes_) - last == sequence.label;
+    total.correct += std::max_element(last, last + classes_) - last ==
+                     sequence.LabelAt(steps - 1);
   }
   return total;
 }

@@ -29,9 +29,22 @@ absl::Status Check(const LstmSequence& sequence, const LstmNetwork& network) {
     return InvalidTrainingData(absl::StrCat("has ", sequence.targets.size(),
                                             " targets; want 0 or ", targets));
   }
-  if (sequence.label < 0 || sequence.label >= network.classes()) {
+  const auto unknown = [&](int label) {
+    return label < 0 || label >= network.classes();
+  };
+  if (unknown(sequence.label)) {
     return InvalidTrainingData(absl::StrCat(
         "has label ", sequence.label, "; want 0 to ", network.classes() - 1));
+  }
+  const auto& labels = sequence.step_labels;
+  if (!labels.empty() && labels.size() != size / inputs) {
+    return InvalidTrainingData(absl::StrCat(
+        "has ", labels.size(), " labels of steps; want 0 or ", size / inputs));
+  }
+  if (const auto bad = std::ranges::find_if(labels, unknown);
+      bad != labels.end()) {
+    return InvalidTrainingData(absl::StrCat(
+        "has label ", *bad, " at a step; want 0 to ", network.classes() - 1));
   }
   if (!std::isfinite(sequence.weight) || sequence.weight < 0) {
     return InvalidTrainingData(absl::StrCat("has weight ", sequence.weight,

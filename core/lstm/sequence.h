@@ -10,6 +10,7 @@
 // Plain data. Owns nothing: the viewed arrays must outlive it.
 #pragma once
 
+#include <cstdint>
 #include <span>
 
 #include "absl/status/status.h"
@@ -22,11 +23,17 @@ struct LstmSequence {
   std::span<const float> inputs = {};
   // The class, from 0.
   int label = 0;
+  // T: the class at each step, where it changes. Empty: `label` at every step.
+  std::span<const int16_t> step_labels = {};
   // T x R, row-major: the targets of the regressions after each step. Empty if
   // the sequence has no targets.
   std::span<const float> targets = {};
   // Weight of the sequence's loss.
   float weight = 1;
+
+  int LabelAt(int step) const {
+    return step_labels.empty() ? label : step_labels[step];
+  }
 };
 
 // OK if `sequences` fit `network`, which is valid, and every number is finite;

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <numeric>
+#include <string>
 
 #include "core/classify/calibration.h"
 #include "core/classify/contact_classifier.h"
 #include "core/train/anytime.h"
+#include "core/train/softmax_fit.h"
 
 namespace tactus {
 namespace {
@@ -15,110 +17,162 @@ namespace {
 constexpr double kMinDeviation = 1e-12;
 // Scales of deviations are at least this, and at most its inverse.
 constexpr double kMinScale = 0.01;
+// Keeps one contact whose label has probability 0 from deciding everything.
+constexpr double kMinProbability = 1e-12;
 
 using Scores = std::vector<std::vector<double>>;
 
-constexpr double kMinInverseTemperature = 1e-4;
 // HMMs are never made more confident, because frames are not independent.
-constexpr double kMaxHmmInverseTemperature = 1;
-constexpr double kMaxLstmInverseTemperature = 4;
-// The weights tried are multiples of 1 / kWeightSteps.
-constexpr int kWeightSteps = 20;
+constexpr WeightBounds kHmmBounds = {1e-4, 1};
+constexpr WeightBounds kLstmBounds = {1e-4, 4};
+// Of the tempered log-probabilities in the fused answer.
+constexpr WeightBounds kFusedBounds = {0, 2};
+// Held-out contacts are split into this many parts, each scored by a fusion
+// that is fitted to the others.
+constexpr size_t kFusionParts = 4;
 // Otherwise a constant score would make every other contact unknown.
 constexpr double kMinEvidenceDeviation = 0.1;
 // Fraction of known contacts that may be called unknown.
 constexpr double kFalseAlarms = 0.05;
 
-// The probabilities that one held-out contact is given.
-struct LabelledPosterior {
-  int label = 0;
-  std::vector<double> probability;
+// The scores of one model at one time.
+std::vector<ScoredLabel> ScoresAt(std::span<const ScoredContact> contacts,
+                                  Scores ScoredContact::*scores, size_t time) {
+  std::vector<ScoredLabel> at;
+  at.reserve(contacts.size());
+  for (const ScoredContact& contact : contacts) {
+    at.push_back({contact.labels[time], {(contact.*scores)[time]}});
+  }
+  return at;
+}
+
+// The answer of one model at one time.
+struct Member {
+  SoftmaxFit fit;
+  // Of each contact: tempered log-probabilities, and the loss of the label.
+  std::vector<std::vector<double>> log_probability;
+  std::vector<double> loss;
 };
 
-// Mean of -log(probability of the label). The floor keeps one contact whose
-// label has probability 0 from deciding everything.
-double LogLoss(std::span<const LabelledPosterior> posteriors) {
-  constexpr double kMinProbability = 1e-12;
-  double sum = 0;
-  for (const LabelledPosterior& posterior : posteriors) {
-    sum -= std::log(
-        std::max(posterior.probability[posterior.label], kMinProbability));
+Member FitMember(std::span<const ScoredContact> contacts,
+                 Scores ScoredContact::*scores, size_t time,
+                 const WeightBounds& bounds,
+                 std::span<const double> log_prior) {
+  const std::vector<ScoredLabel> at = ScoresAt(contacts, scores, time);
+  const int classes = static_cast<int>(log_prior.size());
+  Member member;
+  member.fit = FitSoftmax(at, {&bounds, 1}, classes);
+  std::vector<double> probability(classes);
+  for (const ScoredLabel& contact : at) {
+    TemperedPosterior(log_prior, contact.scores[0], member.fit.weights[0],
+                      member.fit.bias, probability);
+    auto& logs = member.log_probability.emplace_back();
+    for (const double p : probability) {
+      logs.push_back(std::log(std::max(p, kMinFused)));
+    }
+    member.loss.push_back(-logs[contact.label]);
   }
-  return sum / static_cast<double>(posteriors.size());
+  return member;
 }
 
-// Returns the class probabilities of every contact.
-std::vector<LabelledPosterior> Temper(std::span<const ScoredContact> contacts,
-                                      Scores ScoredContact::*scores,
-                                      size_t time,
-                                      std::span<const double> log_prior,
-                                      double inverse_temperature) {
-  std::vector<LabelledPosterior> posteriors;
-  posteriors.reserve(contacts.size());
-  for (const ScoredContact& contact : contacts) {
-    LabelledPosterior posterior{contact.label,
-                                std::vector<double>(log_prior.size())};
-    TemperedPosterior(log_prior, (contact.*scores)[time], inverse_temperature,
-                      posterior.probability);
-    posteriors.push_back(std::move(posterior));
+// HMMs and LSTMs together at one time.
+struct Fusion {
+  SoftmaxFit fit;
+  // Of each contact, by a fusion that is fitted to other contacts.
+  std::vector<double> loss;
+};
+
+Fusion FitFusion(std::span<const ScoredContact> contacts, size_t time,
+                 const Member& hmm, const Member& lstm, int classes) {
+  std::vector<ScoredLabel> both;
+  for (size_t i = 0; i < contacts.size(); ++i) {
+    both.push_back({contacts[i].labels[time],
+                    {hmm.log_probability[i], lstm.log_probability[i]}});
   }
-  return posteriors;
+  const WeightBounds bounds[] = {kFusedBounds, kFusedBounds};
+  Fusion fusion;
+  fusion.fit = FitSoftmax(both, bounds, classes);
+  fusion.loss.resize(both.size());
+  // Contacts come fold by fold, so that a part is mostly of other conditions
+  // than the rest.
+  for (size_t part = 0; part < kFusionParts; ++part) {
+    const size_t begin = part * both.size() / kFusionParts;
+    const size_t end = (part + 1) * both.size() / kFusionParts;
+    std::vector<ScoredLabel> rest(both.begin(), both.begin() + begin);
+    rest.insert(rest.end(), both.begin() + end, both.end());
+    if (rest.empty()) rest = both;
+    const SoftmaxFit fit = FitSoftmax(rest, bounds, classes);
+    for (size_t i = begin; i < end; ++i) fusion.loss[i] = LogLoss(fit, both[i]);
+  }
+  return fusion;
 }
 
-// Finds the inverse temperature at which the labels are most likely, by
-// golden-section search over its logarithm.
-double BestInverseTemperature(std::span<const ScoredContact> contacts,
-                              Scores ScoredContact::*scores, size_t time,
-                              std::span<const double> log_prior,
-                              double max_inverse_temperature) {
-  constexpr double kGolden = 0.6180339887498949;
-  constexpr int kSteps = 40;
-  auto loss = [&](double x) {
-    return LogLoss(Temper(contacts, scores, time, log_prior, std::exp(x)));
-  };
-  double low = std::log(kMinInverseTemperature);
-  double high = std::log(max_inverse_temperature);
-  double a = high - kGolden * (high - low);
-  double b = low + kGolden * (high - low);
-  double loss_a = loss(a);
-  double loss_b = loss(b);
-  for (int step = 0; step < kSteps; ++step) {
-    if (loss_a <= loss_b) {
-      high = b;
-      b = a;
-      loss_b = loss_a;
-      a = high - kGolden * (high - low);
-      loss_a = loss(a);
+// True if `loss` is below `other` by more than one standard error of the
+// difference. Both have one entry per contact.
+bool ClearlyBelow(std::span<const double> loss, std::span<const double> other) {
+  double mean = 0;
+  double squares = 0;
+  for (size_t i = 0; i < loss.size(); ++i) {
+    const double change = (other[i] - loss[i]) - mean;
+    mean += change / static_cast<double>(i + 1);
+    squares += change * ((other[i] - loss[i]) - mean);
+  }
+  const auto count = static_cast<double>(loss.size());
+  return mean > std::sqrt(squares) / count;
+}
+
+void Add(std::span<const double> values, std::vector<double>& sums) {
+  sums.resize(values.size());
+  for (size_t i = 0; i < values.size(); ++i) sums[i] += values[i];
+}
+
+void Append(std::span<const double> values, std::vector<double>& table) {
+  table.insert(table.end(), values.begin(), values.end());
+}
+
+// Fits HMMs and LSTMs apart and together, time by time, and chooses one answer
+// for all times.
+void FitAnswers(std::span<const ScoredContact> contacts, Calibration& c) {
+  std::vector<double> log_prior;
+  for (double p : c.prior) log_prior.push_back(std::log(p));
+  const int classes = static_cast<int>(log_prior.size());
+  const bool has_lstm = !contacts.front().lstm_score.empty();
+  std::vector<Fusion> fusions;
+  std::vector<double> hmm_loss;
+  std::vector<double> lstm_loss;
+  std::vector<double> fused_loss;
+  for (size_t time = 0; time < c.frames.size(); ++time) {
+    const Member hmm = FitMember(contacts, &ScoredContact::log_likelihood, time,
+                                 kHmmBounds, log_prior);
+    c.hmm_inverse_temperature.push_back(hmm.fit.weights[0]);
+    Append(hmm.fit.bias, c.hmm_bias);
+    if (!has_lstm) continue;
+    const Member lstm = FitMember(contacts, &ScoredContact::lstm_score, time,
+                                  kLstmBounds, log_prior);
+    c.lstm_inverse_temperature.push_back(lstm.fit.weights[0]);
+    Append(lstm.fit.bias, c.lstm_bias);
+    fusions.push_back(FitFusion(contacts, time, hmm, lstm, classes));
+    Add(hmm.loss, hmm_loss);
+    Add(lstm.loss, lstm_loss);
+    Add(fusions.back().loss, fused_loss);
+  }
+  if (!has_lstm) return;
+  const double hmm_sum = std::reduce(hmm_loss.begin(), hmm_loss.end());
+  const double lstm_sum = std::reduce(lstm_loss.begin(), lstm_loss.end());
+  const bool hmm_is_better = hmm_sum < lstm_sum;
+  const bool fuse =
+      ClearlyBelow(fused_loss, hmm_is_better ? hmm_loss : lstm_loss);
+  for (const Fusion& fusion : fusions) {
+    if (fuse) {
+      c.hmm_weight.push_back(fusion.fit.weights[0]);
+      c.lstm_weight.push_back(fusion.fit.weights[1]);
+      Append(fusion.fit.bias, c.fused_bias);
     } else {
-      low = a;
-      a = b;
-      loss_a = loss_b;
-      b = low + kGolden * (high - low);
-      loss_b = loss(b);
+      c.hmm_weight.push_back(hmm_is_better ? 1 : 0);
+      c.lstm_weight.push_back(hmm_is_better ? 0 : 1);
+      c.fused_bias.resize(c.fused_bias.size() + classes);
     }
   }
-  return std::exp(0.5 * (low + high));
-}
-
-// Finds the weight of the LSTMs at which the labels are most likely.
-double BestWeight(std::span<const LabelledPosterior> hmm,
-                  std::span<const LabelledPosterior> lstm) {
-  double best_weight = 0;
-  double best_loss = std::numeric_limits<double>::infinity();
-  std::vector<LabelledPosterior> fused(hmm.begin(), hmm.end());
-  for (int step = 0; step <= kWeightSteps; ++step) {
-    const double weight = static_cast<double>(step) / kWeightSteps;
-    for (size_t i = 0; i < fused.size(); ++i) {
-      FusePosteriors(hmm[i].probability, lstm[i].probability, weight,
-                     fused[i].probability);
-    }
-    const double loss = LogLoss(fused);
-    if (loss < best_loss) {
-      best_loss = loss;
-      best_weight = weight;
-    }
-  }
-  return best_weight;
 }
 
 // Fits median and deviation of the best class's log-likelihood per step. The
@@ -182,11 +236,16 @@ std::vector<double> CalibrationFrames(double rate) {
 }
 
 ScoredContact ScoreContact(const std::shared_ptr<const CompiledModel>& model,
-                           const LabelledContact& contact, int label) {
+                           const LabelledContact& contact) {
   ScoredContact scored;
-  scored.label = label;
+  const std::vector<std::string>& names = model->model().class_names;
+  const bool so_far = model->model().truth == Truth::kSoFar;
   ContactClassifier classifier(model, {});
   auto record = [&] {
+    const std::string label =
+        so_far ? LabelSoFar(contact, classifier.frames() - 1) : contact.label;
+    scored.labels.push_back(
+        static_cast<int>(std::ranges::find(names, label) - names.begin()));
     const auto scores = classifier.log_likelihood();
     scored.log_likelihood.emplace_back(scores.begin(), scores.end());
     const auto lstm = classifier.lstm_score();
@@ -206,23 +265,26 @@ ScoredContact ScoreContact(const std::shared_ptr<const CompiledModel>& model,
 }
 
 HeldOutSkill SkillOf(std::span<const ScoredContact> contacts) {
-  std::vector<LabelledPosterior> posteriors;
-  double right = 0;
+  HeldOutSkill skill;
   for (const ScoredContact& contact : contacts) {
     const std::vector<double>& scores = contact.log_likelihood.back();
-    const std::vector<double> log_prior(scores.size(), 0.0);
+    const std::vector<double> zeros(scores.size(), 0.0);
     std::vector<double> probability(scores.size());
-    TemperedPosterior(log_prior, scores, 1, probability);
+    TemperedPosterior(zeros, scores, 1, zeros, probability);
     if (!contact.lstm_score.empty()) {
       std::vector<double> lstm(scores.size());
-      TemperedPosterior(log_prior, contact.lstm_score.back(), 1, lstm);
-      FusePosteriors(std::vector<double>(probability), lstm, 0.5, probability);
+      TemperedPosterior(zeros, contact.lstm_score.back(), 1, zeros, lstm);
+      const CalibrationPoint even = {.hmm_weight = 0.5, .lstm_weight = 0.5};
+      FusePosteriors(std::vector<double>(probability), lstm, even, zeros,
+                     probability);
     }
-    right += std::ranges::max_element(probability) - probability.begin() ==
-             contact.label;
-    posteriors.push_back({contact.label, std::move(probability)});
+    const int label = contact.labels.back();
+    skill.accuracy +=
+        std::ranges::max_element(probability) - probability.begin() == label;
+    skill.loss -= std::log(std::max(probability[label], kMinProbability));
   }
-  return {LogLoss(posteriors), right / static_cast<double>(contacts.size())};
+  const auto count = static_cast<double>(contacts.size());
+  return {skill.loss / count, skill.accuracy / count};
 }
 
 void FitCalibration(std::span<const ScoredContact> contacts, double rate,
@@ -230,27 +292,15 @@ void FitCalibration(std::span<const ScoredContact> contacts, double rate,
   Calibration& c = calibration;
   c.frames = CalibrationFrames(rate);
   for (auto* table :
-       {&c.hmm_inverse_temperature, &c.lstm_inverse_temperature, &c.lstm_weight,
+       {&c.hmm_inverse_temperature, &c.hmm_bias, &c.lstm_inverse_temperature,
+        &c.lstm_bias, &c.hmm_weight, &c.lstm_weight, &c.fused_bias,
         &c.evidence_median, &c.evidence_deviation}) {
     table->clear();
   }
-  std::vector<double> log_prior;
-  for (double p : c.prior) log_prior.push_back(std::log(p));
   for (size_t time = 0; time < c.frames.size(); ++time) {
-    c.hmm_inverse_temperature.push_back(
-        BestInverseTemperature(contacts, &ScoredContact::log_likelihood, time,
-                               log_prior, kMaxHmmInverseTemperature));
     FitEvidence(contacts, time, c);
-    if (contacts.front().lstm_score.empty()) continue;
-    c.lstm_inverse_temperature.push_back(
-        BestInverseTemperature(contacts, &ScoredContact::lstm_score, time,
-                               log_prior, kMaxLstmInverseTemperature));
-    c.lstm_weight.push_back(
-        BestWeight(Temper(contacts, &ScoredContact::log_likelihood, time,
-                          log_prior, c.hmm_inverse_temperature.back()),
-                   Temper(contacts, &ScoredContact::lstm_score, time, log_prior,
-                          c.lstm_inverse_temperature.back())));
   }
+  FitAnswers(contacts, c);
   FitEstimateScales(contacts, c);
 }
 

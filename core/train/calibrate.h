@@ -6,12 +6,15 @@
 // The frames of a contact are not independent given the state, so raw HMM
 // likelihoods are overconfident, and more so the longer the contact lasts. One
 // factor on the log-scores per time, an inverse temperature, corrects this (Guo
-// et al., ICML 2017, Section 4.2, applied to log-likelihoods). The LSTMs have
-// their own factor. Their weight minimises the log loss of HMMs and LSTMs
-// together.
+// et al., ICML 2017, Section 4.2, applied to log-likelihoods), and a bias per
+// class corrects what the scores think of how frequent classes are. The LSTMs
+// have their own. The fused answer is one log-linear model of both
+// (softmax_fit.h). It is used only if its log loss on held-out contacts is
+// lower than that of HMMs or LSTMs alone by more than one standard error; else
+// the better of the two answers.
 //
 //   std::vector<ScoredContact> scored;
-//   scored.push_back(ScoreContact(model_without_it, contact, label));
+//   scored.push_back(ScoreContact(model_without_it, contact));
 //   FitCalibration(scored, /*rate=*/100, model.calibration);
 //
 // Thread-safe: free functions without state.
@@ -32,7 +35,8 @@ std::vector<double> CalibrationFrames(double rate);
 
 // A held-out contact's scores at each calibration time.
 struct ScoredContact {
-  int label = 0;
+  // The class at each time: the label, or the label so far.
+  std::vector<int> labels;
   // [times][classes]; a contact shorter than a time gives its last.
   std::vector<std::vector<double>> log_likelihood;
   // [times][classes], the LSTMs' log-probabilities; empty without an LSTM.
@@ -49,9 +53,10 @@ struct ScoredContact {
   std::vector<double> hmm_steps;
 };
 
-// Scores one contact with a model that was not fitted to it.
+// Scores one contact with a model that was not fitted to it. Its label must be
+// a class of the model.
 ScoredContact ScoreContact(const std::shared_ptr<const CompiledModel>& model,
-                           const LabelledContact& contact, int label);
+                           const LabelledContact& contact);
 
 // How good the scores are after the last calibration time, without any
 // temperature, a uniform prior, and HMMs and LSTMs with equal weights.
@@ -61,7 +66,7 @@ struct HeldOutSkill {
 };
 HeldOutSkill SkillOf(std::span<const ScoredContact> contacts);
 
-// Sets frames, inverse temperatures, the LSTMs' weight, the evidence and the
+// Sets frames, inverse temperatures, biases, weights, the evidence and the
 // scales of the estimates' deviations. Keeps prior and decision rule.
 void FitCalibration(std::span<const ScoredContact> contacts, double rate,
                     Calibration& calibration);

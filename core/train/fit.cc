@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iterator>
 #include <map>
 #include <memory>
@@ -145,6 +146,25 @@ struct Fold {
   std::vector<ScoredContact> scores;
 };
 
+// The contacts that a model is fitted to, and those it is calibrated with.
+struct HeldOut {
+  std::vector<int> fitted;
+  std::vector<int> left_out;  // empty: inner folds
+};
+
+HeldOut HoldOut(const std::vector<const LabelledContact*>& contacts,
+                const FitOptions& options) {
+  const int count = static_cast<int>(contacts.size());
+  HeldOut held;
+  if (options.calibrate && options.held_out > 0) {
+    const int parts =
+        std::max(2, static_cast<int>(std::lround(1 / options.held_out)));
+    held.left_out = StratifiedFolds(contacts, parts).front();
+  }
+  held.fitted = Complement(held.left_out, count);
+  return held;
+}
+
 // Half of the folds are enough for the two scales of the estimates. With four
 // folds, one for each pair of two stiffnesses and two speeds of the arm, each
 // stiffness and each speed is in one of the folds 0 and 3.
@@ -270,9 +290,11 @@ absl::Status ScoreFolds(const std::vector<const LabelledContact*>& contacts,
                         const FitRun& run, std::vector<Fold>& folds) {
   std::vector<std::pair<Fold*, int>> tasks;
   for (Fold& fold : folds) {
-    if (fold.fit == nullptr) continue;
-    TACTUS_ASSIGN_OR_RETURN(fold.model,
-                            CompiledModel::Create(fold.fit->TakeModel()));
+    if (fold.fit != nullptr) {
+      TACTUS_ASSIGN_OR_RETURN(fold.model,
+                              CompiledModel::Create(fold.fit->TakeModel()));
+    }
+    if (fold.model == nullptr) continue;
     fold.scores.resize(fold.contacts.size());
     for (size_t i = 0; i < fold.contacts.size(); ++i) {
       tasks.emplace_back(&fold, static_cast<int>(i));
@@ -283,17 +305,12 @@ absl::Status ScoreFolds(const std::vector<const LabelledContact*>& contacts,
   TACTUS_RETURN_IF_ERROR(RunAll(parallel, tasks.size(), [&](int t) {
     TACTUS_RETURN_IF_ERROR(run.GoOn());
     const auto [fold, i] = tasks[t];
-    const LabelledContact& contact = *contacts[fold->contacts[i]];
-    const auto label = std::find(run.class_names.begin(), run.class_names.end(),
-                                 contact.label);
-    fold->scores[i] =
-        ScoreContact(fold->model, contact,
-                     static_cast<int>(label - run.class_names.begin()));
+    fold->scores[i] = ScoreContact(fold->model, *contacts[fold->contacts[i]]);
     scoring.Add(1 / static_cast<double>(tasks.size()));
     return absl::OkStatus();
   }));
   for (size_t f = 0; f < folds.size(); ++f) {
-    if (folds[f].fit == nullptr) continue;
+    if (folds[f].model == nullptr) continue;
     TACTUS_RETURN_IF_ERROR(run.saved.Put(
         absl::StrCat(folds[f].prefix, "scores"), folds[f].scores));
     run.Report(PointOf(folds[f], static_cast<int>(f), folds.size()));
@@ -364,9 +381,15 @@ absl::StatusOr<Model> FitModel(
   TACTUS_RETURN_IF_ERROR(CheckUsable(contacts, options));
   const SavedParts saved(journal, contacts, options);
   const FitRun run = {options, class_names, journal, saved};
-  ModelFit whole(run, "", {.lstms = options.lstm.networks}, contacts);
+  const HeldOut held = HoldOut(contacts, options);
+  const auto fitted = Select(contacts, held.fitted);
+  if (ClassNames(fitted) != class_names) {
+    return InvalidTrainingData(
+        "the contacts that are not held out lack a class");
+  }
+  ModelFit whole(run, "", {.lstms = options.lstm.networks}, fitted);
   std::vector<Fold> folds;
-  if (options.calibrate) {
+  if (options.calibrate && held.left_out.empty()) {
     TACTUS_ASSIGN_OR_RETURN(folds, MakeFoldFits(contacts, run));
   }
   std::vector<ModelFit*> fits = {&whole};
@@ -374,8 +397,15 @@ absl::StatusOr<Model> FitModel(
     if (fold.fit != nullptr) fits.push_back(fold.fit.get());
   }
   TACTUS_RETURN_IF_ERROR(FitAll(fits, parallel, progress));
-  TACTUS_RETURN_IF_ERROR(ScoreFolds(contacts, parallel, progress, run, folds));
   Model model = whole.TakeModel();
+  if (!held.left_out.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(auto compiled, CompiledModel::Create(model));
+    Fold& left_out = folds.emplace_back();
+    left_out.prefix = "held-out/";
+    left_out.contacts = held.left_out;
+    left_out.model = std::move(compiled);
+  }
+  TACTUS_RETURN_IF_ERROR(ScoreFolds(contacts, parallel, progress, run, folds));
   if (options.calibrate) {
     TACTUS_RETURN_IF_ERROR(Calibrate(folds, model));
   }

@@ -62,7 +62,7 @@ void Fields(Archive& archive, ScoredContact::Estimate& estimate) {
 }
 template <class Archive>
 void Fields(Archive& archive, ScoredContact& scored) {
-  archive(scored.label, scored.log_likelihood, scored.lstm_score,
+  archive(scored.labels, scored.log_likelihood, scored.lstm_score,
           scored.estimates, scored.hmm_steps);
 }
 
@@ -119,11 +119,11 @@ void Fields(Archive& archive, VariationRange& range) {
 template <class Archive>
 void Fields(Archive& archive, FitOptions& options) {
   auto& [features, hmm_cues, log_features, hmm_steps, states, hmms_per_class,
-         score, max_iterations, covariance_floor, lstm, variations, inner_folds,
-         calibration_folds, calibrate, seed] = options;
+         score, max_iterations, covariance_floor, lstm, truth, variations,
+         inner_folds, calibration_folds, held_out, calibrate, seed] = options;
   archive(features, hmm_cues, log_features, hmm_steps, states, hmms_per_class,
-          score, max_iterations, covariance_floor, lstm, variations,
-          inner_folds, calibration_folds, calibrate, seed);
+          score, max_iterations, covariance_floor, lstm, truth, variations,
+          inner_folds, calibration_folds, held_out, calibrate, seed);
 }
 
 }  // namespace tactus

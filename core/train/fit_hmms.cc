@@ -5,6 +5,19 @@
 #include "core/train/inputs.h"
 
 namespace tactus {
+namespace {
+
+// Number of steps up to the last frame at which the object is unmoved so far.
+size_t StepsBeforeMotion(const LabelledContact& contact,
+                         const StepIntervals& steps) {
+  size_t count = 0;
+  WalkCues(contact, steps, /*groups=*/0, [&](CueTracker&, size_t frame) {
+    count += contact.object_motion[frame] <= kMovedM;
+  });
+  return count;
+}
+
+}  // namespace
 
 absl::StatusOr<HmmMixture> FitClassHmms(const FitRun& run,
                                         const std::string& part,
@@ -16,16 +29,25 @@ absl::StatusOr<HmmMixture> FitClassHmms(const FitRun& run,
     progress.Add(1);
     return *std::move(saved);
   }
+  const int dimensions = static_cast<int>(spec.hmm.size());
+  const bool so_far = run.options.truth == Truth::kSoFar;
   std::vector<std::vector<double>> sequences;
   LabelledContact made;
   for (size_t i = 0; i < contacts.size(); ++i) {
-    if (contacts.Original(i).label != run.class_names[label]) continue;
-    sequences.push_back(
-        MakeSequence(contacts.Get(i, made), spec.hmm, spec.hmm_steps));
+    const LabelledContact& original = contacts.Original(i);
+    const std::string& name = run.class_names[label];
+    const bool ends_so = original.label == name;
+    if (!ends_so && !(so_far && LabelSoFar(original, 0) == name)) continue;
+    const LabelledContact& contact = contacts.Get(i, made);
+    sequences.push_back(MakeSequence(contact, spec.hmm, spec.hmm_steps));
+    // Of a contact that only begins in this class, the beginning.
+    if (!ends_so) {
+      sequences.back().resize(dimensions *
+                              StepsBeforeMotion(contact, spec.hmm_steps));
+    }
     // A copy may be too short for a step.
     if (sequences.back().empty()) sequences.pop_back();
   }
-  const int dimensions = static_cast<int>(spec.hmm.size());
   std::vector<SequenceView> views;
   for (const auto& sequence : sequences) {
     views.push_back({sequence.data(),

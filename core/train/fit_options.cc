@@ -56,6 +56,18 @@ FitOptions TunedPreset() {
   return options;
 }
 
+FitOptions WorldPreset() {
+  FitOptions options = TunedPreset();
+  options.variations = {};
+  options.truth = Truth::kSoFar;
+  options.held_out = 0.1;
+  options.hmms_per_class = 4;
+  options.hmm_steps = {10, 40};
+  options.lstm.training.epochs = 6;
+  options.lstm.training.batch_size = 32;
+  return options;
+}
+
 // Where on the skin the load is, by HMMs alone (docs/recordings.md).
 FitOptions ProfilePreset() {
   FitOptions options;
@@ -73,8 +85,9 @@ FitOptions ProfilePreset() {
 absl::StatusOr<FitOptions> FitPreset(absl::string_view name) {
   if (name == "tuned") return TunedPreset();
   if (name == "paper") return PaperPreset();
+  if (name == "world") return WorldPreset();
   if (name == "profile") return ProfilePreset();
-  return InvalidConfig("preset", name, "tuned, paper or profile");
+  return InvalidConfig("preset", name, "tuned, world, paper or profile");
 }
 
 std::vector<Cue> CuesFor(const std::vector<Cue>& cues,

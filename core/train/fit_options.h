@@ -68,6 +68,8 @@ struct FitOptions {
   // Smallest variance of a scaled input in any state.
   double covariance_floor = 1e-3;
   LstmFit lstm;
+  // What the posteriors are about.
+  Truth truth = Truth::kFinal;
   // Models are trained on every contact and on its copies drawn from this
   // range. HMMs are trained on copies of the same stiffness.
   VariationRange variations;
@@ -76,6 +78,11 @@ struct FitOptions {
   // there are `calibration_folds` stratified folds instead.
   InnerFolds inner_folds = InnerFolds::kConditions;
   int calibration_folds = 3;
+  // Above 0: this fraction of the contacts, drawn within each class, is left
+  // out of the fit, and the calibration is fitted to what the model itself
+  // answers on them. For so many contacts that a part of them is enough. There
+  // are no inner folds then.
+  double held_out = 0;
   // Without calibration the scores become probabilities unchanged. The best
   // class of the HMMs alone or of the LSTMs alone stays the same.
   bool calibrate = true;
@@ -91,6 +98,9 @@ std::vector<Cue> CuesFor(const std::vector<Cue>& cues,
 // scored by Viterbi, and a 2 x 50 softsign LSTM on every frame (Section
 // "Algorithm Parameters").
 // "tuned": mixtures of HMMs and an LSTM on cues, fused.
+// "world": as "tuned", for 10,000 contacts and more of many objects and arms
+// (docs/simulator.md). No copies, held-out contacts instead of inner folds, and
+// answers about the category so far.
 // "profile": mixtures of HMMs on the load profile, for recordings on a skin
 // whose place matters (docs/recordings.md).
 absl::StatusOr<FitOptions> FitPreset(absl::string_view name);

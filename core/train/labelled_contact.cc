@@ -10,8 +10,10 @@ namespace tactus {
 namespace {
 
 void TakeTaxels(const Trial& trial, const SkinLayout& layout,
-                double release_after_s, LabelledContact& contact) {
-  ContactTracker tracker(layout, {trial.sample_rate_hz, release_after_s});
+                const ExtractOptions& options, LabelledContact& contact) {
+  ContactTracker tracker(layout, {.sample_rate_hz = trial.sample_rate_hz,
+                                  .release_after_s = options.release_after_s,
+                                  .load_profile = options.load_profile});
   std::vector<float> taxels(layout.taxels());
   for (size_t t = 0; t < trial.taxels.frames(); ++t) {
     trial.taxels.Decode(t, taxels.data());
@@ -37,8 +39,15 @@ ContactSample IdealSample(const FeatureVector& signals) {
   return {signals, signals[static_cast<int>(Feature::kForce)]};
 }
 
+std::string LabelSoFar(const LabelledContact& contact, size_t frame) {
+  const bool moves = contact.label == "HM" || contact.label == "SM";
+  const std::vector<double>& motion = contact.object_motion;
+  if (!moves || motion.empty() || motion[frame] > kMovedM) return contact.label;
+  return contact.label == "HM" ? "HU" : "SU";
+}
+
 absl::StatusOr<std::optional<LabelledContact>> ExtractContact(
-    const Trial& trial, const SkinLayout* layout, double release_after_s) {
+    const Trial& trial, const ExtractOptions& options) {
   LabelledContact contact;
   contact.id = trial.id;
   contact.label = trial.label;
@@ -52,8 +61,9 @@ absl::StatusOr<std::optional<LabelledContact>> ExtractContact(
     }
     contact.object_motion = trial.object_motion;
   } else {
-    TACTUS_ASSIGN_OR_RETURN(contact.layout, LayoutOfTrial(trial, layout));
-    TakeTaxels(trial, contact.layout, release_after_s, contact);
+    TACTUS_ASSIGN_OR_RETURN(contact.layout,
+                            LayoutOfTrial(trial, options.layout));
+    TakeTaxels(trial, contact.layout, options, contact);
   }
   contact.frames.shrink_to_fit();
   contact.object_motion.shrink_to_fit();

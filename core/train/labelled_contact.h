@@ -45,6 +45,14 @@ inline bool IsIdeal(const LabelledContact& contact) {
   return contact.layout.name.empty();
 }
 
+// An object that has moved by at most this is unmoved so far, m.
+inline constexpr double kMovedM = 0.001;
+
+// The label as far as frame `frame` shows it: a contact that ends as HM or SM
+// is HU or SU until its object has moved by more than kMovedM. Other labels,
+// and contacts whose object's motion is unknown, keep their label.
+std::string LabelSoFar(const LabelledContact& contact, size_t frame);
+
 // `release_after_s` of a contact that only the end of its trial ends.
 inline constexpr double kNeverReleased = -1;
 
@@ -57,9 +65,15 @@ inline constexpr double kNeverReleased = -1;
 // contacts, and the last one is extracted: a server's final answer is about
 // that one.
 //
-// `layout` is for trials that carry no skin (LayoutOfTrial). May be null.
+struct ExtractOptions {
+  // For trials that carry no skin (LayoutOfTrial). May be null.
+  const SkinLayout* layout = nullptr;
+  double release_after_s = kNeverReleased;
+  // Without it, a frame takes a third of the memory, and models cannot use the
+  // load profile.
+  bool load_profile = true;
+};
 absl::StatusOr<std::optional<LabelledContact>> ExtractContact(
-    const Trial& trial, const SkinLayout* layout = nullptr,
-    double release_after_s = kNeverReleased);
+    const Trial& trial, const ExtractOptions& options = {});
 
 }  // namespace tactus

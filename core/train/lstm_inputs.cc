@@ -37,7 +37,10 @@ class LstmInputs::MadeForEachBatch : public LstmSequenceSource {
 LstmInputs::LstmInputs(const VariedContacts& contacts,
                        const std::vector<std::string>& class_names,
                        const InputSpec& spec, const Options& options)
-    : contacts_(contacts), class_names_(class_names), spec_(spec) {
+    : contacts_(contacts),
+      class_names_(class_names),
+      spec_(spec),
+      truth_(options.truth) {
   LabelledContact made;
   for (size_t i = 0; i < contacts.size(); ++i) {
     const LabelledContact& contact = contacts.Get(i, made);
@@ -77,6 +80,7 @@ void LstmInputs::Make(const LabelledContact& contact, bool with_targets,
   rows.inputs.clear();
   rows.inputs.reserve(steps * spec_.lstm.size());
   rows.targets.clear();
+  rows.labels.clear();
   if (with_targets) rows.targets.reserve(steps * kEstimateRegressions);
   std::vector<double> row(spec_.lstm.size());
   WalkCues(contact, spec_.lstm_steps, GroupsOf(spec_.lstm),
@@ -84,6 +88,9 @@ void LstmInputs::Make(const LabelledContact& contact, bool with_targets,
              MakeInput(spec_.lstm, cues, row);
              for (const double value : row) {
                rows.inputs.push_back(static_cast<float>(value));
+             }
+             if (truth_ == Truth::kSoFar) {
+               rows.labels.push_back(ClassOf(LabelSoFar(contact, frame)));
              }
              if (!with_targets) return;
              rows.targets.push_back(
@@ -95,13 +102,16 @@ void LstmInputs::Make(const LabelledContact& contact, bool with_targets,
 
 LstmSequence LstmInputs::View(size_t contact, const Rows& rows,
                               bool with_targets) const {
-  const auto label = std::find(class_names_.begin(), class_names_.end(),
-                               contacts_.Original(contact).label);
-  LstmSequence sequence = {
-      .inputs = rows.inputs,
-      .label = static_cast<int>(label - class_names_.begin())};
+  LstmSequence sequence = {.inputs = rows.inputs,
+                           .label = ClassOf(contacts_.Original(contact).label),
+                           .step_labels = rows.labels};
   if (with_targets) sequence.targets = rows.targets;
   return sequence;
+}
+
+int16_t LstmInputs::ClassOf(absl::string_view label) const {
+  const auto found = std::ranges::find(class_names_, label);
+  return static_cast<int16_t>(found - class_names_.begin());
 }
 
 }  // namespace tactus

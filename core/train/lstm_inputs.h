@@ -16,10 +16,12 @@
 // belongs to one thread.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "absl/strings/string_view.h"
 #include "core/classify/model.h"
 #include "core/lstm/sequence_source.h"
 #include "core/train/varied_contacts.h"
@@ -32,6 +34,7 @@ class LstmInputs {
     bool keep = true;
     // What object_estimate.h asks for, at every step.
     bool with_targets = false;
+    Truth truth = Truth::kFinal;
   };
 
   LstmInputs(const VariedContacts& contacts,
@@ -50,16 +53,20 @@ class LstmInputs {
   struct Rows {
     std::vector<float> inputs;
     std::vector<float> targets;
+    // Empty if the label does not change.
+    std::vector<int16_t> labels;
   };
 
   // Makes the rows of a contact.
   void Make(const LabelledContact& contact, bool with_targets,
             Rows& rows) const;
   LstmSequence View(size_t contact, const Rows& rows, bool with_targets) const;
+  int16_t ClassOf(absl::string_view label) const;
 
   const VariedContacts& contacts_;
   const std::vector<std::string>& class_names_;
   const InputSpec& spec_;
+  const Truth truth_;
   // The contacts and copies with a step.
   std::vector<size_t> stepped_;
   // If kept: their rows, and views of them with and without targets.

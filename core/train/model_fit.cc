@@ -41,6 +41,7 @@ ModelFit::ModelFit(const FitRun& run, std::string prefix,
   trained_.resize(networks_);
   model_.class_names = run.class_names;
   model_.hmm_score = run.options.score;
+  model_.truth = run.options.truth;
   model_.layout = contacts.front()->layout;
   model_.hmms.resize(run.class_names.size());
 }
@@ -62,9 +63,10 @@ absl::Status ModelFit::FitInputs(bool keep) {
                           FitInputSpec(run_, absl::StrCat(prefix_, "inputs"),
                                        hmm_contacts_, lstm_contacts_));
   if (networks_ > 0) {
-    lstm_inputs_.emplace(
-        lstm_contacts_, run_.class_names, model_.inputs,
-        LstmInputs::Options{.keep = keep, .with_targets = estimates_});
+    lstm_inputs_.emplace(lstm_contacts_, run_.class_names, model_.inputs,
+                         LstmInputs::Options{.keep = keep,
+                                             .with_targets = estimates_,
+                                             .truth = run_.options.truth});
   }
   return absl::OkStatus();
 }
@@ -115,9 +117,12 @@ Model ModelFit::TakeModel() {
   c.evidence_deviation = {1};
   const size_t classes = run_.class_names.size();
   c.prior.assign(classes, 1.0 / static_cast<double>(classes));
+  c.hmm_bias.assign(classes, 0);
   if (networks_ > 0) {
     c.lstm_inverse_temperature = {1};
+    c.hmm_weight = {0.5};
     c.lstm_weight = {0.5};
+    c.lstm_bias = c.fused_bias = c.hmm_bias;
   }
   if (estimates_) {
     model_.estimator = std::move(trained_.back());

@@ -69,8 +69,12 @@ Model HmmsAlone(Model model) {
   model.lstms.clear();
   model.estimator.reset();
   model.inputs.lstm.clear();
-  model.calibration.lstm_inverse_temperature.clear();
-  model.calibration.lstm_weight.clear();
+  for (auto* table :
+       {&model.calibration.lstm_inverse_temperature,
+        &model.calibration.lstm_bias, &model.calibration.hmm_weight,
+        &model.calibration.lstm_weight, &model.calibration.fused_bias}) {
+    table->clear();
+  }
   return model;
 }
 
@@ -95,7 +99,9 @@ Model LstmsAlone(Model model) {
   model.inputs.hmm.resize(1);
   model.inputs.hmm_steps = {limits::kMaxBridgedFrames,
                             limits::kMaxBridgedFrames};
+  std::ranges::fill(model.calibration.hmm_weight, 0.0);
   std::ranges::fill(model.calibration.lstm_weight, 1.0);
+  std::ranges::fill(model.calibration.fused_bias, 0.0);
   return model;
 }
 

@@ -64,11 +64,12 @@ void CalibrationExample(const Calibration& calibration, double frames,
                         std::span<const double> log_prior,
                         std::span<const double> log_likelihood,
                         std::span<double> hmm, std::span<const double> lstm,
-                        std::span<double> fused) {
+                        std::span<double> bias, std::span<double> fused) {
   const CalibrationPoint point = CalibrationAt(calibration, frames);
+  BiasAt(calibration.hmm_bias, point, bias);
   TemperedPosterior(log_prior, log_likelihood, point.hmm_inverse_temperature,
-                    hmm);
-  FusePosteriors(hmm, lstm, point.lstm_weight, fused);
+                    bias, hmm);
+  FusePosteriors(hmm, lstm, point, bias, fused);
 }
 
 absl::Status CompiledModelExample(Model plain) {

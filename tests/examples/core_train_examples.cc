@@ -32,10 +32,12 @@
 #include "core/train/lstm_inputs.h"
 #include "core/train/model_fit.h"
 #include "core/train/saved_parts.h"
+#include "core/train/softmax_fit.h"
 #include "core/train/usable.h"
 #include "core/train/variation.h"
 #include "core/train/varied_contacts.h"
 #include "core/train/work.h"
+#include "core/train/world_contacts.h"
 
 namespace tactus::examples {
 
@@ -142,10 +144,25 @@ void AnytimeExample(const std::shared_ptr<const CompiledModel>& model,
 
 void CalibrateExample(
     const std::shared_ptr<const CompiledModel>& model_without_it,
-    const LabelledContact& contact, int label, Model& model) {
+    const LabelledContact& contact, Model& model) {
   std::vector<ScoredContact> scored;
-  scored.push_back(ScoreContact(model_without_it, contact, label));
+  scored.push_back(ScoreContact(model_without_it, contact));
   FitCalibration(scored, /*rate=*/100, model.calibration);
+}
+
+void SoftmaxFitExample(std::span<const ScoredLabel> contacts,
+                       std::span<const WeightBounds> bounds, int classes) {
+  const SoftmaxFit fit = FitSoftmax(contacts, bounds, classes);
+  fit.weights[0];
+}
+
+absl::Status WorldContactsExample() {
+  TACTUS_ASSIGN_OR_RETURN(
+      const WorldRecipe recipe,
+      ParseWorldRecipe("world:skin=good+measured,contacts=100000,seed=1"));
+  TACTUS_ASSIGN_OR_RETURN(const WorldContacts world,
+                          MakeWorldContacts(recipe, RunSerially));
+  return absl::OkStatus();
 }
 
 absl::Status FoldsExample(const Contacts& contacts) {

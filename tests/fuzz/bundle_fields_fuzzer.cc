@@ -203,8 +203,7 @@ tactus::v1::ModelBundle SmallModel() {
   tactus::Model model = tactus::testing::SmallModel();
   model.layout = *tactus::LayoutPreset("cody-forearm");
   model.inputs.lstm = model.inputs.hmm;
-  model.calibration.lstm_weight = {0.5, 0.5};
-  model.calibration.lstm_inverse_temperature = {1, 1};
+  testing::AddLstmCalibration(model.calibration);
   const auto network = [](int regressions) {
     return tactus::RandomNetwork(2, {3, 2}, 4, tactus::Activation::kTanh,
                                  tactus::GateActivation::kSigmoid, 1, 1,

@@ -44,6 +44,7 @@ TEST_F(DecisionOfAnotherAlgorithmTest, HmmsDecideAsIfThereWereNoLstms) {
 // unknown, is the LSTMs alone.
 TEST_F(DecisionOfAnotherAlgorithmTest, LstmsDecideAsIfTheyHadAllWeight) {
   Model heavy = both_;
+  heavy.calibration.hmm_weight = {0, 0};
   heavy.calibration.lstm_weight = {1, 1};
   heavy.calibration.evidence_median = {-1e6, -1e6};
   const auto expected = Decisions(heavy, Algorithm::kFused);

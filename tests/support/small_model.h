@@ -33,6 +33,7 @@ inline Model SmallModel() {
   Calibration& c = model.calibration;
   c.frames = {10, 100};
   c.hmm_inverse_temperature = {0.5, 0.1};
+  c.hmm_bias.assign(8, 0);
   c.evidence_median = {-2, -2};
   c.evidence_deviation = {1, 1};
   c.prior = {0.25, 0.25, 0.25, 0.25};
@@ -42,6 +43,14 @@ inline Model SmallModel() {
   return model;
 }
 
+// Networks and HMMs of the same weight, at the two entries of SmallModel().
+inline void AddLstmCalibration(Calibration& c) {
+  c.lstm_inverse_temperature = {1, 1};
+  c.hmm_weight = {0.5, 0.5};
+  c.lstm_weight = {0.5, 0.5};
+  c.lstm_bias = c.fused_bias = c.hmm_bias;
+}
+
 // Adds `count` untrained networks on the HMMs' inputs.
 inline void AddLstms(int count, Model& model) {
   for (int n = 0; n < count; ++n) {
@@ -49,8 +58,7 @@ inline void AddLstms(int count, Model& model) {
                                         GateActivation::kHardSigmoid, 3 + n));
   }
   model.inputs.lstm = model.inputs.hmm;
-  model.calibration.lstm_weight = {0.5, 0.5};
-  model.calibration.lstm_inverse_temperature = {1, 1};
+  AddLstmCalibration(model.calibration);
 }
 
 }  // namespace tactus::testing

@@ -3,10 +3,12 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <numeric>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
+#include "core/base/run_on_threads.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 #include "core/bundle/bundle.h"
@@ -14,6 +16,7 @@
 #include "core/data/trial_file.h"
 #include "core/data/trial_layout.h"
 #include "core/train/contact_set.h"
+#include "core/train/world_contacts.h"
 
 namespace tactus::client {
 namespace {
@@ -61,10 +64,29 @@ std::vector<const LabelledContact*> LoadedContacts::Pointers() const {
   return pointers;
 }
 
+namespace {
+
+absl::StatusOr<LoadedContacts> LoadWorld(const std::string& text,
+                                         const Progress& progress) {
+  TACTUS_ASSIGN_OR_RETURN(const WorldRecipe recipe, ParseWorldRecipe(text));
+  TACTUS_ASSIGN_OR_RETURN(WorldContacts world,
+                          MakeWorldContacts(recipe, RunOnThreads, progress));
+  LoadedContacts loaded;
+  loaded.trials = recipe.contacts;
+  loaded.undetectable = std::accumulate(world.never_felt.begin(),
+                                        world.never_felt.end(), uint64_t{0});
+  loaded.without_poses = !recipe.poses;
+  loaded.contacts = std::move(world.contacts);
+  return loaded;
+}
+
+}  // namespace
+
 absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
                                             const std::string& layout_path,
                                             const Progress& progress,
                                             double release_after_s) {
+  if (IsWorldRecipe(path)) return LoadWorld(path, progress);
   SkinLayout layout;
   if (!layout_path.empty()) {
     TACTUS_ASSIGN_OR_RETURN(layout, ReadLayoutFile(layout_path));
@@ -74,8 +96,10 @@ absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
   const Progress reading = progress.Part("read trials", 1);
   for (size_t i = 0; i < reader.size(); ++i) {
     TACTUS_ASSIGN_OR_RETURN(const Trial trial, reader.Read(i));
-    TACTUS_ASSIGN_OR_RETURN(auto contact,
-                            ExtractContact(trial, &layout, release_after_s));
+    TACTUS_ASSIGN_OR_RETURN(
+        auto contact,
+        ExtractContact(
+            trial, {.layout = &layout, .release_after_s = release_after_s}));
     ++loaded.trials;
     loaded.without_poses |= !trial.taxels.empty() && trial.poses.empty();
     if (contact) {

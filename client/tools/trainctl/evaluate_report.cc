@@ -71,6 +71,38 @@ Json ToJson(const std::vector<ReliabilityBin>& bins) {
   return list;
 }
 
+// The outcomes at one of the anytime moments, judged by the category in the end
+// or by the category so far.
+std::vector<Outcome> Judged(std::vector<Outcome> outcomes,
+                            const Evaluation& result, int time, bool so_far) {
+  for (size_t i = 0; so_far && i < outcomes.size(); ++i) {
+    outcomes[i].label = result.so_far[time][i];
+  }
+  return outcomes;
+}
+
+Json AnytimeToJson(const Evaluation& result, bool so_far) {
+  Json json = {{"accuracy_at", Json::object()},
+               {"accuracy_interval_at", Json::object()},
+               {"ece_at", Json::object()},
+               {"parts_accuracy_at", nullptr}};
+  Json& parts = json["parts_accuracy_at"];
+  for (int i = 0; i < kAnytimeCount; ++i) {
+    const std::string key = absl::StrFormat("%g", kAnytimeSeconds[i]);
+    const auto outcomes = Judged(result.anytime[i], result, i, so_far);
+    json["accuracy_at"][key] = Accuracy(outcomes);
+    json["accuracy_interval_at"][key] = IntervalToJson(WilsonInterval(
+        CountRight(outcomes), static_cast<int>(outcomes.size())));
+    json["ece_at"][key] = ExpectedCalibrationError(outcomes);
+    if (result.anytime_hmm.empty()) continue;
+    parts["hmm"][key] =
+        Accuracy(Judged(result.anytime_hmm[i], result, i, so_far));
+    parts["lstm"][key] =
+        Accuracy(Judged(result.anytime_lstm[i], result, i, so_far));
+  }
+  return json;
+}
+
 std::string ErrorLine(absl::string_view what, const Json& errors,
                       double scale) {
   return absl::StrFormat(
@@ -82,6 +114,7 @@ std::string ErrorLine(absl::string_view what, const Json& errors,
       WithCommas(errors["contacts"].get<int>()));
 }
 
+// `r` has accuracies of one truth.
 std::string AnytimeLines(const Json& r) {
   std::string text;
   const Json& parts = r["parts_accuracy_at"];
@@ -253,22 +286,6 @@ Json EvaluationToJson(const Evaluation& result, int trials) {
   const int right = CountRight(result.final);
   const Confusion confusion =
       CountConfusion(result.final, static_cast<int>(result.class_names.size()));
-  Json accuracy_at = Json::object();
-  Json interval_at = Json::object();
-  Json ece_at = Json::object();
-  Json parts = nullptr;
-  for (int i = 0; i < kAnytimeCount; ++i) {
-    const std::string key = absl::StrFormat("%g", kAnytimeSeconds[i]);
-    const std::vector<Outcome>& outcomes = result.anytime[i];
-    accuracy_at[key] = Accuracy(outcomes);
-    interval_at[key] =
-        IntervalToJson(WilsonInterval(CountRight(outcomes), felt));
-    ece_at[key] = ExpectedCalibrationError(outcomes);
-    if (!result.anytime_hmm.empty()) {
-      parts["hmm"][key] = Accuracy(result.anytime_hmm[i]);
-      parts["lstm"][key] = Accuracy(result.anytime_lstm[i]);
-    }
-  }
   Json json = {
       {"algorithm", std::string(AlgorithmName(result.algorithm))},
       {"trials", trials},
@@ -277,12 +294,15 @@ Json EvaluationToJson(const Evaluation& result, int trials) {
       {"right", right},
       {"accuracy", Accuracy(result.final)},
       {"accuracy_interval", IntervalToJson(WilsonInterval(right, felt))},
-      {"accuracy_at", accuracy_at},
-      {"accuracy_interval_at", interval_at},
-      {"parts_accuracy_at", parts}};
+      {"log_loss", MeanLogLoss(result.final)},
+      {"brier_score", BrierScore(result.final)},
+      {"truth", result.truth == Truth::kSoFar ? "so-far" : "final"}};
+  json.update(AnytimeToJson(result, /*so_far=*/false));
+  json["so_far"] = result.so_far.empty()
+                       ? Json(nullptr)
+                       : AnytimeToJson(result, /*so_far=*/true);
   json.update(ConfusionToJson(result.class_names, confusion));
   json.update(Json{{"ece", ExpectedCalibrationError(result.final)},
-                   {"ece_at", ece_at},
                    {"reliability", ToJson(ReliabilityBins(result.final))},
                    {"decision", ToJson(result.decisions)},
                    {"estimate", ToJson(result.final_estimates)},
@@ -295,9 +315,18 @@ std::string EvaluationText(const Json& r) {
   std::string text =
       absl::StrFormat("%s of %s\n", PercentOf(r["right"].get<int>(), felt),
                       FeltContacts(felt, r["trials"].get<int>()));
+  const Json& so_far = r["so_far"];
+  if (!so_far.is_null()) text += "By the category in the end:\n";
   text += AnytimeLines(r);
-  absl::StrAppendFormat(&text, "Expected calibration error %.3f\n",
-                        r["ece"].get<double>());
+  if (!so_far.is_null()) {
+    text += absl::StrCat("By the category so far:\n", AnytimeLines(so_far));
+  }
+  absl::StrAppendFormat(
+      &text,
+      "Answers are about the category %s\n"
+      "Expected calibration error %.3f, log loss %.3f, Brier score %.3f\n",
+      r["truth"] == "so-far" ? "so far" : "in the end", r["ece"].get<double>(),
+      r["log_loss"].get<double>(), r["brier_score"].get<double>());
   if (const Json& d = r["decision"]; !d.is_null()) {
     text += DecisionLine(d, felt);
   }

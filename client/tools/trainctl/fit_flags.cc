@@ -14,12 +14,17 @@ namespace tactus::client {
 
 void FitFlags::Add(CLI::App& command) {
   options_ = {
-      command.add_option("--preset", preset,
-                         "auto, tuned, paper or profile; default: auto for a "
-                         "skin without poses, else tuned"),
+      command.add_option(
+          "--preset", preset,
+          "auto, tuned, world, paper or profile; default: auto for a "
+          "skin without poses, else tuned"),
       command.add_option("--features", features,
                          "Features that models may use: any of f (force), m "
                          "(motion), a (area), like f,m"),
+      command.add_option("--truth", truth,
+                         "What answers are about: final (the category in the "
+                         "end) or so-far (unmoved until the object has moved), "
+                         "instead of the preset's"),
       command.add_option("--seed", seed, "Seed of every random choice"),
       command.add_option("--states", states,
                          "States per HMM, instead of the preset's"),
@@ -89,6 +94,13 @@ absl::StatusOr<FitOptions> FitFlags::Options(const std::string& preset) const {
   if (!parsed.ok()) return WithExitCode(parsed.status(), kExitUsage);
   options.features = *std::move(parsed);
   options.seed = seed;
+  if (!truth.empty() && truth != "final" && truth != "so-far") {
+    return WithExitCode(InvalidConfig("--truth", truth, "final or so-far"),
+                        kExitUsage);
+  }
+  if (!truth.empty()) {
+    options.truth = truth == "final" ? Truth::kFinal : Truth::kSoFar;
+  }
   if (states < 0 || states > limits::kMaxHmmStates) {
     return InvalidConfig("--states", states,
                          absl::StrCat("1 to ", limits::kMaxHmmStates));

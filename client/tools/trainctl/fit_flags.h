@@ -24,6 +24,7 @@ struct FitFlags {
   // Empty: as chosen_preset.h says.
   std::string preset;
   std::string features = "f,m,a";
+  std::string truth;  // empty: the preset's
   uint64_t seed = 1;
   int states = 0;
   int mixtures = 0;

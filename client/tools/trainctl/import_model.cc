@@ -88,8 +88,8 @@ absl::Status Calibrate(const ImportModelFlags& flags, Model& model) {
   TACTUS_ASSIGN_OR_RETURN(const auto compiled, CompiledModel::Create(model));
   std::vector<ScoredContact> scored;
   for (const LabelledContact& contact : loaded.contacts) {
-    const auto label = std::ranges::find(model.class_names, contact.label);
-    if (label == model.class_names.end()) {
+    if (std::ranges::find(model.class_names, contact.label) ==
+        model.class_names.end()) {
       return InvalidTrainingData(
           absl::StrCat("contact ", contact.id, " has the label \"",
                        contact.label, "\"; the bundle's classes are ",
@@ -100,9 +100,7 @@ absl::Status Calibrate(const ImportModelFlags& flags, Model& model) {
           "contact ", contact.id, " has ", contact.sample_rate_hz,
           " frames per second; the bundle has ", model.inputs.sample_rate_hz));
     }
-    scored.push_back(
-        ScoreContact(compiled, contact,
-                     static_cast<int>(label - model.class_names.begin())));
+    scored.push_back(ScoreContact(compiled, contact));
   }
   if (scored.empty()) {
     return InvalidTrainingData(

@@ -86,7 +86,7 @@ void AddTrain(CLI::App& app, const SelectCommand& select) {
                    "Model that gets a new version; it may be new")
       ->required();
   command->add_option("--preset", flags->preset,
-                      "tuned, paper or profile; default: tuned");
+                      "tuned, world, paper or profile; default: tuned");
   command->add_option("--features", flags->features,
                       "Features that models may use: any of f (force), m "
                       "(motion), a (area), like f,m");

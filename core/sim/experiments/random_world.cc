@@ -40,37 +40,61 @@ RobotCondition DrawRobot(Random& random) {
   return robot;
 }
 
+TrialSpec DrawSpec(uint64_t number, Random& random) {
+  TrialSpec spec;
+  spec.number = number;
+  spec.object.material = DrawMaterial(random);
+  spec.object.edge_m = random.Uniform(0.01, 0.2);
+  spec.fixed = random.Index(2) == 0;
+  spec.robot = DrawRobot(random);
+  const double approach = random.Uniform();
+  if (random.Index(2) == 0) spec.approach_s = approach;
+  return spec;
+}
+
+// Labels and groups of a contact of the world.
+void Describe(const TrialSpec& spec, Trial& trial) {
+  const bool moved = trial.object_motion.back() > kWorldMovedM;
+  trial.label.back() = moved ? 'M' : 'U';
+  trial.condition = absl::StrFormat(
+      "k%d-v2^%d", 1 << static_cast<int>(std::log2(spec.robot.stiffness)),
+      static_cast<int>(std::floor(std::log2(spec.robot.velocity))));
+}
+
 }  // namespace
 
-WorldContact DrawWorldContact(const SkinLayout& layout, uint64_t seed,
+WorldContact DrawWorldContact(const SkinModel& skin, uint64_t seed,
                               uint64_t number, Random& random) {
   random = Random::ForStream(seed, kWorldStream + number);
   WorldContact contact;
-  contact.spec.number = number;
-  contact.spec.object.material = DrawMaterial(random);
-  contact.spec.object.edge_m = random.Uniform(0.01, 0.1);
-  contact.spec.fixed = random.Index(2) == 0;
-  contact.spec.robot = DrawRobot(random);
-  const double approach = random.Uniform();
-  if (random.Index(2) == 0) contact.spec.approach_s = approach;
-  contact.placement = DrawPlacement(layout, random);
-  contact.placement.pose_noise_m = LogUniformBetween(5e-5, 2e-3, random);
-  contact.placement.pose_gain_error = random.Uniform(-0.02, 0.02);
+  contact.spec = DrawSpec(number, random);
+  contact.placement = DrawPlacement(skin.layout, random);
+  contact.placement.pose_noise_m =
+      LogUniformBetween(skin.pose_noise_min_m, skin.pose_noise_max_m, random);
+  contact.placement.pose_gain_error =
+      random.Uniform(-skin.pose_gain_error_max, skin.pose_gain_error_max);
   return contact;
 }
 
 absl::StatusOr<Trial> WorldTrial(const SkinModel& skin, uint64_t seed,
                                  uint64_t number) {
   Random random(0);
-  const WorldContact drawn =
-      DrawWorldContact(skin.layout, seed, number, random);
+  const WorldContact drawn = DrawWorldContact(skin, seed, number, random);
   TACTUS_ASSIGN_OR_RETURN(const SimulatedContact contact,
                           SimulateContact(drawn.spec));
   Trial trial = RecordContact(contact, skin, drawn.placement, random);
-  const RobotCondition& robot = drawn.spec.robot;
-  trial.condition = absl::StrFormat(
-      "k%d-v2^%d", 1 << static_cast<int>(std::log2(robot.stiffness)),
-      static_cast<int>(std::floor(std::log2(robot.velocity))));
+  Describe(drawn.spec, trial);
+  return trial;
+}
+
+absl::StatusOr<Trial> WorldSignals(const SignalNoise& noise, uint64_t seed,
+                                   uint64_t number) {
+  Random random = Random::ForStream(seed, kWorldStream + number);
+  const TrialSpec spec = DrawSpec(number, random);
+  TACTUS_ASSIGN_OR_RETURN(const SimulatedContact contact,
+                          SimulateContact(spec));
+  Trial trial = SignalTrial(contact, noise, seed);
+  Describe(spec, trial);
   return trial;
 }
 

@@ -14,12 +14,13 @@
 // | density | 30 to 8,000 kg/m^3, log-uniform |
 // | static friction | 0.12 to 0.95, uniform; sliding 0.6 to 0.95 of it |
 // | Poisson's ratio | 0.2 to 0.49, uniform |
-// | edge of the cube | 1 to 10 cm, uniform |
+// | edge of the cube | 1 to 20 cm, uniform |
 // | fixed | half of the objects |
 // | arm | stiffness, speed and goal log-uniform, from a quarter of the paper's
 // | |     | smallest to four times its largest | | approach | free motion for
 // up to 1 s before the touch, in half of them | | place, tilt | DrawPlacement |
-// | poses | noise 0.05 to 2 mm, log-uniform; gain error up to 2 % |
+// | poses | noise 0.05 to 2 mm, log-uniform; gain error up to 2 %; with the
+// | | skin `paper` 1 um and none |
 //
 // Contact n is a function of seed and n: a caller holds one at a time, and
 // workers share nothing. Two seeds have no contact, material or arm in common.
@@ -37,13 +38,18 @@
 
 namespace tactus {
 
+// An object that moved less than this by the end of a contact is labelled
+// unmoved: an impact may shift an object by a micrometre, which nobody would
+// call moved.
+inline constexpr double kWorldMovedM = 0.001;
+
 struct WorldContact {
   TrialSpec spec;
   Placement placement;
 };
 
 // Draws contact `number`; leaves `random`, which it sets, ready for the skin.
-WorldContact DrawWorldContact(const SkinLayout& layout, uint64_t seed,
+WorldContact DrawWorldContact(const SkinModel& skin, uint64_t seed,
                               uint64_t number, Random& random);
 
 // Simulates and records contact `number`. Its condition is the octave of the
@@ -52,5 +58,9 @@ WorldContact DrawWorldContact(const SkinLayout& layout, uint64_t seed,
 // NUMERICAL_FAILURE as SimulateContact.
 absl::StatusOr<Trial> WorldTrial(const SkinModel& skin, uint64_t seed,
                                  uint64_t number);
+
+// The same contact as ideal signals with `noise`.
+absl::StatusOr<Trial> WorldSignals(const SignalNoise& noise, uint64_t seed,
+                                   uint64_t number);
 
 }  // namespace tactus

@@ -21,6 +21,8 @@ absl::StatusOr<SkinModel> SkinModelNamed(absl::string_view name) {
   TACTUS_ASSIGN_OR_RETURN(skin.layout, LayoutPreset("cody-forearm"));
   if (name == "paper") {
     skin.noise_n = 1e-6;
+    skin.pose_noise_min_m = skin.pose_noise_max_m = 1e-6;
+    skin.pose_gain_error_max = 0;
     // Seven standard deviations: one frame in 10^9 has a taxel above it.
     SetThresholds(7e-6, 7e-6, skin);
     return skin;

@@ -4,7 +4,8 @@
 // Three of them have names:
 //
 //   paper     as fine as the skin of the paper's simulation: every contact of
-//             its set is felt. Noise of 1 uN, which no real skin reaches.
+//             its set is felt. Noise of 1 uN, which no real skin reaches, and
+//             poses as fine.
 //   good      a skin with the electronics of today: 2 mN of noise.
 //   measured  what the one real frame of the paper's forearm shows, and what
 //             such skins do: stray taxels of 24 to 97 mN, offsets that drift,
@@ -47,6 +48,12 @@ struct SkinModel {
   int stray_taxels = 0;
   double stray_min_n = 0;
   double stray_max_n = 0;
+  // How well the robots that carry it know the link's pose: the range of the
+  // standard deviation of each coordinate, m, and of the error that grows with
+  // the motion.
+  double pose_noise_min_m = 5e-5;
+  double pose_noise_max_m = 2e-3;
+  double pose_gain_error_max = 0.02;
 };
 
 // INVALID_CONFIG for any other name.

@@ -31,6 +31,7 @@ Model FullModel() {
       {Cue::kLogSpring, 0, 1, 2}, {Cue::kArea, 0.5, 3, 4}, {Cue::kLogTime}};
   model.inputs.lstm_steps = {5, 20};
   model.inputs.hmm_steps = {4, 30};
+  testing::AddLstmCalibration(model.calibration);
   model.calibration.lstm_weight = {0.25, 0.5};
   model.calibration.lstm_inverse_temperature = {1, 0.75};
   model.provenance = {"command", "0.1.0", 12, 34, "data.h5", "note"};

@@ -11,6 +11,7 @@
 namespace tactus {
 namespace {
 
+constexpr double kNoBias[2] = {0, 0};
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 TEST(CalibrationAtTest, HoldsOutsideAndInterpolatesInLogFrames) {
@@ -28,7 +29,7 @@ TEST(TemperedPosteriorTest, IsBayesRuleAtTemperatureOne) {
   const double log_prior[] = {std::log(0.2), std::log(0.8)};
   const double score[] = {std::log(0.3), std::log(0.1)};
   double p[2];
-  TemperedPosterior(log_prior, score, 1, p);
+  TemperedPosterior(log_prior, score, 1, kNoBias, p);
   EXPECT_NEAR(p[0], 0.06 / 0.14, 1e-15);
   EXPECT_NEAR(p[1], 0.08 / 0.14, 1e-15);
 }
@@ -37,10 +38,10 @@ TEST(TemperedPosteriorTest, LargeScoresNeitherOverflowNorVanish) {
   const double log_prior[] = {std::log(0.5), std::log(0.5)};
   double p[2];
   const double huge[] = {-1e300, -1e300};
-  TemperedPosterior(log_prior, huge, 1, p);
+  TemperedPosterior(log_prior, huge, 1, kNoBias, p);
   EXPECT_DOUBLE_EQ(p[0], 0.5);
   const double one_left[] = {-kInfinity, -5e8};
-  TemperedPosterior(log_prior, one_left, 1, p);
+  TemperedPosterior(log_prior, one_left, 1, kNoBias, p);
   EXPECT_DOUBLE_EQ(p[0], 0);
   EXPECT_DOUBLE_EQ(p[1], 1);
 }
@@ -49,21 +50,45 @@ TEST(TemperedPosteriorTest, NoScoreLeavesThePrior) {
   const double log_prior[] = {std::log(0.2), std::log(0.8)};
   const double none[] = {-kInfinity, -kInfinity};
   double p[2];
-  TemperedPosterior(log_prior, none, 0.5, p);
+  TemperedPosterior(log_prior, none, 0.5, kNoBias, p);
   EXPECT_NEAR(p[0], 0.2, 1e-15);
+}
+
+TEST(TemperedPosteriorTest, ABiasOfLog2DoublesTheOdds) {
+  const double log_prior[] = {std::log(0.5), std::log(0.5)};
+  const double score[] = {0, -1};
+  const double bias[] = {0, std::log(2)};
+  double p[2];
+  TemperedPosterior(log_prior, score, 1, bias, p);
+  EXPECT_NEAR(p[1] / p[0], 2 * std::exp(-1), 1e-15);
+}
+
+TEST(BiasAtTest, InterpolatesAsTheOtherTablesDo) {
+  Calibration c = testing::SmallModel().calibration;
+  c.hmm_bias = {0, 0, 0, 0, 1, 2, 3, 4};
+  double bias[4];
+  BiasAt(c.hmm_bias, CalibrationAt(c, std::pow(10, 1.5)), bias);
+  EXPECT_NEAR(bias[3], 2, 1e-12);
+  BiasAt(c.hmm_bias, CalibrationAt(c, 1e9), bias);
+  EXPECT_EQ(bias[1], 2);
 }
 
 TEST(FusePosteriorsTest, WeightPicksOneAndZeroDoesNotVeto) {
   const double a[] = {0.9, 0.1, 0.0};
   const double b[] = {0.2, 0.3, 0.5};
+  const double none[] = {0, 0, 0};
   double fused[3];
-  FusePosteriors(a, b, 0, fused);
+  FusePosteriors(a, b, {.hmm_weight = 1, .lstm_weight = 0}, none, fused);
   EXPECT_NEAR(fused[0], 0.9, 1e-12);
-  FusePosteriors(a, b, 1, fused);
+  FusePosteriors(a, b, {.hmm_weight = 0, .lstm_weight = 1}, none, fused);
   EXPECT_NEAR(fused[2], 0.5, 1e-12);
-  FusePosteriors(a, b, 0.5, fused);
+  const CalibrationPoint even = {.hmm_weight = 0.5, .lstm_weight = 0.5};
+  FusePosteriors(a, b, even, none, fused);
   EXPECT_NEAR(std::accumulate(fused, fused + 3, 0.0), 1, 1e-12);
   EXPECT_NEAR(fused[0] / fused[1], std::sqrt(0.18 / 0.03), 1e-9);
+  const double bias[] = {0, std::log(2), 0};
+  FusePosteriors(a, b, even, bias, fused);
+  EXPECT_NEAR(fused[0] / fused[1], std::sqrt(0.18 / 0.03) / 2, 1e-9);
 }
 
 TEST(UnknownProbabilityTest, GrowsAsEvidenceFallsBelowTraining) {
@@ -88,6 +113,9 @@ TEST(ValidateCalibrationTest, EachSpoiltTableIsRefused) {
       [](Calibration& c) { c.frames[0] = 0; },
       [](Calibration& c) { c.hmm_inverse_temperature[1] = -1; },
       [](Calibration& c) { c.hmm_inverse_temperature.pop_back(); },
+      [](Calibration& c) { c.hmm_bias.pop_back(); },
+      [](Calibration& c) { c.hmm_bias[2] = std::nan(""); },
+      [](Calibration& c) { c.fused_bias = c.hmm_bias; },
       [](Calibration& c) { c.evidence_deviation[0] = 0; },
       [](Calibration& c) { c.evidence_median[0] = std::nan(""); },
       [](Calibration& c) { c.prior[0] = 0.5; },

@@ -35,8 +35,7 @@ TEST(CompiledModelTest, EachInconsistencyIsRefused) {
         m.lstms = {RandomNetwork(3, {4}, 4, Activation::kTanh,
                                  GateActivation::kSigmoid, 1)};
         m.inputs.lstm = m.inputs.hmm;
-        m.calibration.lstm_weight = {0.5, 0.5};
-        m.calibration.lstm_inverse_temperature = {1, 1};
+        testing::AddLstmCalibration(m.calibration);
       },
   };
   for (size_t i = 0; i < std::size(spoils); ++i) {

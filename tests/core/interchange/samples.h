@@ -37,8 +37,7 @@ inline Model ModelOf(std::vector<LstmNetwork> networks) {
         {Cue::kForce, 0.5 * i, 0.1 * i, 1.0 + i, i == 0 ? 5.0 : HUGE_VAL});
   }
   model.inputs.lstm_steps = {5, 20};
-  model.calibration.lstm_weight = {0.5, 0.5};
-  model.calibration.lstm_inverse_temperature = {1, 1};
+  testing::AddLstmCalibration(model.calibration);
   model.lstms = std::move(networks);
   return model;
 }

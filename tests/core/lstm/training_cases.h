@@ -24,7 +24,11 @@ struct TrainingSet {
            float weight = 1) {
     inputs.push_back(std::move(x));
     targets.push_back(std::move(y));
-    views.push_back({inputs.back(), label, targets.back(), weight});
+    views.push_back({.inputs = inputs.back(),
+                     .label = label,
+                     .step_labels = {},
+                     .targets = targets.back(),
+                     .weight = weight});
   }
 };
 

@@ -10,6 +10,8 @@
 namespace tactus {
 namespace {
 
+constexpr double kNoBias[2] = {0, 0};
+
 TEST(CalibrationFramesTest, FollowTheSamplingRate) {
   EXPECT_EQ(CalibrationFrames(100),
             (std::vector<double>{10, 25, 50, 120, 250, 500}));
@@ -25,7 +27,8 @@ TEST(FitCalibrationTest, FindsTheFactorThatMakesScoresHonest) {
   for (int i = 0; i < 4000; ++i) {
     const double honest = random.Uniform(-4, 4);
     ScoredContact contact;
-    contact.label = random.Uniform() < 1 / (1 + std::exp(-honest)) ? 1 : 0;
+    const int label = random.Uniform() < 1 / (1 + std::exp(-honest)) ? 1 : 0;
+    contact.labels.assign(6, label);
     contact.log_likelihood.assign(6,
                                   {-100.0, -100.0 + kOverconfidence * honest});
     contact.hmm_steps = CalibrationFrames(100);
@@ -38,14 +41,60 @@ TEST(FitCalibrationTest, FindsTheFactorThatMakesScoresHonest) {
   std::vector<Outcome> outcomes;
   const double log_prior[] = {std::log(0.5), std::log(0.5)};
   for (const auto& contact : contacts) {
-    Outcome outcome{contact.label, {0, 0}};
+    Outcome outcome{contact.labels[3], {0, 0}};
     TemperedPosterior(log_prior, contact.log_likelihood[3],
-                      c.hmm_inverse_temperature[3], outcome.probability);
+                      c.hmm_inverse_temperature[3], kNoBias,
+                      outcome.probability);
     outcomes.push_back(outcome);
   }
   EXPECT_NEAR(c.hmm_inverse_temperature[3] * kOverconfidence, 1, 0.1);
   EXPECT_LT(ExpectedCalibrationError(outcomes), 0.03);
   EXPECT_TRUE(Validate(c, 2, false).ok());
+}
+
+// Two sensors of one quantity. What the HMMs and the LSTMs say about a label is
+// drawn independently, or the LSTMs say nothing.
+std::vector<ScoredContact> TwoSensors(double lstm_strength, Random& random) {
+  std::vector<ScoredContact> contacts;
+  for (int i = 0; i < 4000; ++i) {
+    const int label = static_cast<int>(random.Index(2));
+    const double sign = label == 1 ? 1 : -1;
+    // A Gaussian at +-1 with deviation 1 has the log-odds 2 x.
+    const double hmm = 2 * (sign + random.Gaussian());
+    const double x = lstm_strength * sign + random.Gaussian();
+    const double odds = 2 * lstm_strength * x;
+    ScoredContact contact;
+    contact.labels.assign(6, label);
+    contact.log_likelihood.assign(6, {0.0, hmm});
+    contact.lstm_score.assign(
+        6, {-std::log1p(std::exp(odds)), -std::log1p(std::exp(-odds))});
+    contact.hmm_steps = CalibrationFrames(100);
+    contacts.push_back(contact);
+  }
+  return contacts;
+}
+
+// The log-odds of independent sensors add up: both weights are 1.
+TEST(FitCalibrationTest, TwoSensorsAreFusedByBayesRule) {
+  Random random(7);
+  Calibration c;
+  c.prior = {0.5, 0.5};
+  FitCalibration(TwoSensors(1, random), 100, c);
+  for (int time = 0; time < 6; ++time) {
+    EXPECT_NEAR(c.hmm_weight[time] * c.hmm_inverse_temperature[time], 1, 0.1);
+    EXPECT_NEAR(c.lstm_weight[time] * c.lstm_inverse_temperature[time], 1, 0.1);
+  }
+  EXPECT_TRUE(Validate(c, 2, true).ok());
+}
+
+TEST(FitCalibrationTest, AModelThatSaysNothingGetsNoWeight) {
+  Random random(8);
+  Calibration c;
+  c.prior = {0.5, 0.5};
+  FitCalibration(TwoSensors(0, random), 100, c);
+  EXPECT_EQ(c.hmm_weight, std::vector<double>(6, 1));
+  EXPECT_EQ(c.lstm_weight, std::vector<double>(6, 0));
+  EXPECT_EQ(c.fused_bias, std::vector<double>(12, 0));
 }
 
 // Evidence 0, -1 .. -100 a step: five contacts in a hundred are beyond -95.
@@ -54,7 +103,7 @@ TEST(FitCalibrationTest, FewKnownContactsAreCalledUnknown) {
   for (int i = 0; i <= 100; ++i) {
     contacts[i].hmm_steps.assign(6, 4);
     contacts[i].log_likelihood.assign(6, {-4.0 * i, -4.0 * i - 7});
-    contacts[i].label = i % 2;
+    contacts[i].labels.assign(6, i % 2);
   }
   Calibration c;
   c.prior = {0.5, 0.5};

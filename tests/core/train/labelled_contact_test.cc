@@ -62,9 +62,10 @@ TEST(ExtractContactTest, ShapeAndNameMustFitTheLayout) {
   EXPECT_EQ(ReasonOf(ExtractContact(trial).status()), "UNKNOWN_LAYOUT");
   SkinLayout mine = *LayoutPreset("vitac-12x32");
   mine.name = "mine";
-  EXPECT_EQ(ReasonOf(ExtractContact(trial, &mine).status()), "INVALID_CONFIG");
+  EXPECT_EQ(ReasonOf(ExtractContact(trial, {.layout = &mine}).status()),
+            "INVALID_CONFIG");
   trial.unit = "counts";
-  EXPECT_TRUE(ExtractContact(trial, &mine).ok());
+  EXPECT_TRUE(ExtractContact(trial, {.layout = &mine}).ok());
 }
 
 // Touched in frames 10 to 19 and 80 to 89: with 0.5 s, these are two contacts.
@@ -74,13 +75,14 @@ TEST(ExtractContactTest, AReleaseLeavesTheLastContact) {
   for (int t = 80; t < 90; ++t) trial.taxels.u16[t * 384 + 100] = 900;
   trial.object_motion.assign(200, 0.25);
   EXPECT_EQ((*ExtractContact(trial))->frames.size(), 190u);
-  const auto last = *ExtractContact(trial, nullptr, 0.5);
+  const auto last = *ExtractContact(trial, {.release_after_s = 0.5});
   // Ten touched frames, and 49 of the loss that ends it.
   ASSERT_EQ(last->frames.size(), 59u);
   EXPECT_EQ(last->object_motion.size(), 59u);
   EXPECT_FLOAT_EQ(last->frames[0].sample.features[0], 0.9F);
   // A loss of 60 frames does not end it.
-  EXPECT_EQ((*ExtractContact(trial, nullptr, 0.7))->frames.size(), 149u);
+  EXPECT_EQ((*ExtractContact(trial, {.release_after_s = 0.7}))->frames.size(),
+            149u);
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ TEST(RandomWorldTest, NothingButPhysicsIsCorrelatedWithTheObject) {
   Random random(0);
   for (uint64_t n = 0; n < 4000; ++n) {
     const auto [spec, placement] =
-        DrawWorldContact(skin.layout, /*seed=*/7, n, random);
+        DrawWorldContact(skin, /*seed=*/7, n, random);
     const Material& material = spec.object.material;
     drawn["modulus"].push_back(std::log(material.youngs_modulus));
     drawn["density"].push_back(std::log(material.density));

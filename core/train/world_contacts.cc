@@ -1,0 +1,146 @@
+#include "core/train/world_contacts.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "absl/strings/strip.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+#include "core/sim/exact/simulate_contact.h"
+#include "core/sim/experiments/random_world.h"
+
+namespace tactus {
+namespace {
+
+constexpr absl::string_view kPrefix = "world:";
+constexpr absl::string_view kIdeal = "ideal";
+// Contacts that one task makes.
+constexpr uint64_t kChunk = 64;
+
+absl::Status SetSkins(absl::string_view names, WorldRecipe& recipe) {
+  recipe.skins.clear();
+  for (absl::string_view name : absl::StrSplit(names, '+')) {
+    if (name != kIdeal) TACTUS_RETURN_IF_ERROR(SkinModelNamed(name).status());
+    recipe.skins.emplace_back(name);
+  }
+  const auto ideal = std::ranges::count(recipe.skins, kIdeal);
+  if (ideal > 0 && recipe.skins.size() > 1) {
+    return InvalidConfig("skin", names, "ideal alone, or skins");
+  }
+  return absl::OkStatus();
+}
+
+absl::Status SetNumber(absl::string_view field, absl::string_view value,
+                       uint64_t low, uint64_t high, uint64_t& number) {
+  if (!absl::SimpleAtoi(value, &number) || number < low || number > high) {
+    return InvalidConfig(field, value, absl::StrCat(low, " to ", high));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status SetPart(absl::string_view part, WorldRecipe& recipe) {
+  const std::pair<absl::string_view, absl::string_view> field =
+      absl::StrSplit(part, absl::MaxSplits('=', 1));
+  if (field.first == "skin") return SetSkins(field.second, recipe);
+  if (field.first == "contacts") {
+    return SetNumber(field.first, field.second, 1, limits::kMaxWorldContacts,
+                     recipe.contacts);
+  }
+  if (field.first == "seed") {
+    return SetNumber(field.first, field.second, 0, UINT64_MAX, recipe.seed);
+  }
+  if (field.first == "poses") {
+    if (field.second != "yes" && field.second != "no") {
+      return InvalidConfig("poses", field.second, "yes or no");
+    }
+    recipe.poses = field.second == "yes";
+    return absl::OkStatus();
+  }
+  return InvalidConfig("part of the recipe", part,
+                       "skin=..., contacts=..., seed=... or poses=...");
+}
+
+// A skin that records, or none for ideal signals.
+using Skins = std::vector<std::optional<SkinModel>>;
+
+absl::StatusOr<std::optional<LabelledContact>> MakeContact(
+    const WorldRecipe& recipe, const Skins& skins, uint64_t number) {
+  const std::optional<SkinModel>& skin = skins[number % skins.size()];
+  if (!skin) {
+    TACTUS_ASSIGN_OR_RETURN(const Trial trial,
+                            WorldSignals(recipe.noise, recipe.seed, number));
+    return ExtractContact(trial);
+  }
+  TACTUS_ASSIGN_OR_RETURN(Trial trial, WorldTrial(*skin, recipe.seed, number));
+  if (!recipe.poses) trial.poses.clear();
+  return ExtractContact(trial, {.load_profile = false});
+}
+
+}  // namespace
+
+bool IsWorldRecipe(absl::string_view text) {
+  return absl::StartsWith(text, kPrefix);
+}
+
+absl::StatusOr<WorldRecipe> ParseWorldRecipe(absl::string_view text) {
+  WorldRecipe recipe;
+  if (!absl::ConsumePrefix(&text, kPrefix)) {
+    return InvalidConfig("recipe", text, "world:...");
+  }
+  for (absl::string_view part : absl::StrSplit(text, ',', absl::SkipEmpty())) {
+    TACTUS_RETURN_IF_ERROR(SetPart(part, recipe));
+  }
+  return recipe;
+}
+
+absl::StatusOr<WorldContacts> MakeWorldContacts(const WorldRecipe& recipe,
+                                                const ParallelFor& parallel,
+                                                const Progress& progress) {
+  Skins skins;
+  for (const std::string& name : recipe.skins) {
+    skins.emplace_back();
+    if (name == kIdeal) continue;
+    TACTUS_ASSIGN_OR_RETURN(skins.back(), SkinModelNamed(name));
+  }
+  std::vector<std::optional<LabelledContact>> made(recipe.contacts);
+  const auto chunks = static_cast<int>((recipe.contacts + kChunk - 1) / kChunk);
+  std::vector<absl::Status> failures(chunks);
+  const Progress simulating = progress.Part("simulate contacts", 1);
+  parallel(chunks, [&](int chunk) {
+    const uint64_t begin = chunk * kChunk;
+    const uint64_t end = std::min(begin + kChunk, recipe.contacts);
+    for (uint64_t n = begin; n < end && failures[chunk].ok(); ++n) {
+      auto contact = MakeContact(recipe, skins, n);
+      if (contact.ok()) {
+        made[n] = *std::move(contact);
+      } else {
+        failures[chunk] =
+            Annotate(contact.status(), absl::StrCat("contact ", n));
+      }
+    }
+    simulating.Add(1.0 / chunks);
+  });
+  for (const absl::Status& failure : failures) {
+    TACTUS_RETURN_IF_ERROR(failure);
+  }
+  WorldContacts world;
+  world.recorded.resize(skins.size());
+  world.never_felt.resize(skins.size());
+  for (uint64_t n = 0; n < recipe.contacts; ++n) {
+    ++world.recorded[n % skins.size()];
+    if (made[n]) {
+      world.contacts.push_back(*std::move(made[n]));
+      made[n].reset();
+    } else {
+      ++world.never_felt[n % skins.size()];
+    }
+  }
+  return world;
+}
+
+}  // namespace tactus

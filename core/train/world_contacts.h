@@ -1,0 +1,61 @@
+// File: world_contacts.h
+//
+// Labelled contacts of the random world (core/sim/experiments/random_world.h),
+// made when they are asked for. Each contact is simulated, recorded by a skin
+// and followed by the feature path; its frames of taxels are then dropped. So
+// 100,000 contacts take no disk, and 8 kB of memory each.
+//
+//   TACTUS_ASSIGN_OR_RETURN(
+//       const WorldRecipe recipe,
+//       ParseWorldRecipe("world:skin=good+measured,contacts=100000,seed=1"));
+//   TACTUS_ASSIGN_OR_RETURN(const WorldContacts world,
+//                           MakeWorldContacts(recipe, RunSerially));
+//
+// The same recipe gives the same contacts, however `parallel` spreads the work.
+// Thread-safe: free functions without state.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "core/sim/skin/signals.h"
+#include "core/train/labelled_contact.h"
+#include "core/train/work.h"
+
+namespace tactus {
+
+struct WorldRecipe {
+  // Names of skins (skin_model.h), or "ideal" for signals without a skin.
+  // Contact n is recorded by skin n modulo their number.
+  std::vector<std::string> skins = {"good"};
+  uint64_t contacts = 1000;
+  uint64_t seed = 1;
+  // Of ideal signals.
+  SignalNoise noise;
+  // Without poses the motion is that of the centroid along the skin.
+  bool poses = true;
+};
+
+// True if `text` names a recipe and not a file.
+bool IsWorldRecipe(absl::string_view text);
+
+// Parses "world:" and any of skin=NAME+NAME, contacts=N, seed=S, poses=yes|no,
+// separated by commas. INVALID_CONFIG, which names the part.
+absl::StatusOr<WorldRecipe> ParseWorldRecipe(absl::string_view text);
+
+struct WorldContacts {
+  std::vector<LabelledContact> contacts;
+  // How many of the recipe's contacts each of its skins recorded, and how many
+  // of those it never felt.
+  std::vector<uint64_t> recorded;
+  std::vector<uint64_t> never_felt;
+};
+
+absl::StatusOr<WorldContacts> MakeWorldContacts(const WorldRecipe& recipe,
+                                                const ParallelFor& parallel,
+                                                const Progress& progress = {});
+
+}  // namespace tactus
