@@ -93,22 +93,29 @@ class RawHttp2 {
 
   // Begins a gRPC call to `path` on the next stream; returns the stream's id.
   uint32_t Open(const std::string& path, const Headers& more = {}) {
-    Headers headers = {{":method", "POST"},
-                       {":scheme", "http"},
-                       {":path", path},
-                       {":authority", "localhost"},
-                       {"content-type", "application/grpc"},
-                       {"te", "trailers"}};
+    Headers headers = CallHeaders(path);
     headers.insert(headers.end(), more.begin(), more.end());
     return OpenWith(headers);
   }
   // The same with `headers` and no others.
   uint32_t OpenWith(const Headers& headers) {
-    const uint32_t stream = next_stream_;
-    next_stream_ += 2;
-    stream_windows_[stream] = initial_window_;
-    Frame(kHeaders, kEndHeaders, stream, Hpack(headers));
-    return stream;
+    return OpenBlock(Hpack(headers, kNeverInTable));
+  }
+  // The same as Open in as few bytes as HPACK allows. The first call puts its
+  // headers into the peer's table, and later calls refer to them: a connection
+  // uses it with one path only.
+  uint32_t OpenCompact(const std::string& path) {
+    const Headers headers = CallHeaders(path);
+    if (!in_table_) {
+      in_table_ = true;
+      return OpenBlock(Hpack(headers, kIntoTable));
+    }
+    std::string block;
+    for (size_t i = 0; i < headers.size(); ++i) {
+      // The newest entry follows the 61 that every table has.
+      block.push_back(static_cast<char>(0x80 | (61 + headers.size() - i)));
+    }
+    return OpenBlock(block);
   }
 
   void Reset(uint32_t stream) {
@@ -176,8 +183,29 @@ class RawHttp2 {
   }
 
  private:
-  // HPACK literals without indexing: nothing is compressed, nothing remembered.
-  static std::string Hpack(const Headers& headers) {
+  // First bytes of an HPACK literal with a new name.
+  static constexpr char kNeverInTable = 0;
+  static constexpr char kIntoTable = 0x40;
+
+  static Headers CallHeaders(const std::string& path) {
+    return {{":method", "POST"},
+            {":scheme", "http"},
+            {":path", path},
+            {":authority", "localhost"},
+            {"content-type", "application/grpc"},
+            {"te", "trailers"}};
+  }
+
+  uint32_t OpenBlock(const std::string& block) {
+    const uint32_t stream = next_stream_;
+    next_stream_ += 2;
+    stream_windows_[stream] = initial_window_;
+    Frame(kHeaders, kEndHeaders, stream, block);
+    return stream;
+  }
+
+  // HPACK literals: nothing is compressed.
+  static std::string Hpack(const Headers& headers, char kind) {
     std::string block;
     const auto text = [&block](const std::string& value) {
       // A length of 7 bits, and what is more in groups of 7 bits.
@@ -194,7 +222,7 @@ class RawHttp2 {
       block.append(value);
     };
     for (const auto& [name, value] : headers) {
-      block.push_back(0);
+      block.push_back(kind);
       text(name);
       text(value);
     }
@@ -274,6 +302,8 @@ class RawHttp2 {
   std::string out_;
   std::string in_;
   uint32_t next_stream_ = 1;
+  // The peer's HPACK table has the headers of OpenCompact.
+  bool in_table_ = false;
   int64_t initial_window_ = 65535;
   int64_t connection_window_ = 65535;
   std::map<uint32_t, int64_t> stream_windows_;
