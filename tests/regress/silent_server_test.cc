@@ -11,6 +11,7 @@
 #include "tests/server/support/requests.h"
 #include "tests/support/ping_only_peer.h"
 #include "tests/support/scripted_server.h"
+#include "tests/support/time_limit.h"
 
 namespace tactus::client {
 namespace {
@@ -18,6 +19,7 @@ namespace {
 using testing::GoodPosterior;
 using testing::GoodStarted;
 using testing::ScriptedServer;
+using testing::TimeLimit;
 using Stream = ScriptedServer::Stream;
 
 constexpr std::chrono::milliseconds kShort(50);
@@ -34,6 +36,7 @@ void Accept(Stream* stream) {
 
 TEST(SilentServerTest, OpenReturnsThoughOnlyPingsAreAnswered) {
   testing::PingOnlyPeer peer;
+  const TimeLimit limit("Open() waits", [&] { peer.Stop(); });
   const auto stream =
       ContactStream::Open(MakeChannel(peer.address()), GoodConfig(), Ignore,
                           {.open = std::chrono::milliseconds(500)});
@@ -48,6 +51,7 @@ TEST(SilentServerTest, OpenReturnsThoughTheServerNeverStartsTheStream) {
   ScriptedServer server([](grpc::ServerContext* context, Stream*) {
     return ScriptedServer::SayNothing(context);
   });
+  const TimeLimit limit("Open() waits", [&] { server.Stop(); });
   const auto stream =
       ContactStream::Open(MakeChannel(server.address()), GoodConfig(), Ignore,
                           {.open = std::chrono::milliseconds(500)});
@@ -59,6 +63,7 @@ TEST(SilentServerTest, EndTrialReturnsWithoutAFinalPosterior) {
     Accept(stream);
     return ScriptedServer::SayNothing(context);
   });
+  const TimeLimit limit("EndTrial() waits", [&] { server.Stop(); });
   auto stream =
       *ContactStream::Open(MakeChannel(server.address()), GoodConfig(), Ignore,
                            {.final_posterior = kShort});
@@ -76,6 +81,7 @@ TEST(SilentServerTest, CloseReturnsWithoutAStatus) {
     Accept(stream);
     return ScriptedServer::SayNothing(context);
   });
+  const TimeLimit limit("Close() waits", [&] { server.Stop(); });
   auto stream = *ContactStream::Open(MakeChannel(server.address()),
                                      GoodConfig(), Ignore, {.close = kShort});
   EXPECT_EQ(ReasonOf(stream->Close()), "NO_RESPONSE");
@@ -86,6 +92,7 @@ TEST(SilentServerTest, SendReturnsThoughTheServerReadsNothing) {
     Accept(stream);
     return ScriptedServer::SayNothing(context);
   });
+  const TimeLimit limit("Send() waits", [&] { server.Stop(); });
   auto stream = *ContactStream::Open(MakeChannel(server.address()),
                                      GoodConfig(), Ignore, {.send = kShort});
   const std::vector<testing::Counts> frames(40, testing::Touch(1));
@@ -102,6 +109,7 @@ TEST(SilentServerTest, TheTrialPlayerReturnsWithoutAnswers) {
     Accept(stream);
     return ScriptedServer::SayNothing(context);
   });
+  const TimeLimit limit("Run() waits", [&] { server.Stop(); });
   SimDriver driver({.seed = 1, .render = {}}, 1, {});
   TrialPlayer player(MakeChannel(server.address()), &driver,
                      {.timeouts = {.final_posterior = kShort}},

@@ -7,6 +7,7 @@
 #include "tests/server/support/tls_files.h"
 #include "tests/support/bystander.h"
 #include "tests/support/child_tactusd.h"
+#include "tests/support/time_limit.h"
 
 namespace tactus {
 namespace {
@@ -41,6 +42,8 @@ TEST(TlsFailsOpenTest, ClientWithoutCertificatesMakesNoConnection) {
   EXPECT_EQ(ReasonOf(client::ReadRootCertificates("/dev/null").status()), "IO");
   ChildTactusd plain;
   ASSERT_NE(plain.port(), 0);
+  const testing::TimeLimit limit("the client has a stream without TLS",
+                                 [&] { plain.Signal(SIGKILL); });
   testing::RawStream stream(
       client::MakeChannel(plain.address(), {.tls_roots = ""}));
   stream.Write(testing::ConfigRequest());

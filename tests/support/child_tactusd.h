@@ -35,6 +35,7 @@
 #include <vector>
 
 #include "gtest/gtest.h"
+#include "tests/support/time_limit.h"
 
 namespace tactus::testing {
 
@@ -94,22 +95,26 @@ class ChildTactusd {
   std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
 
   void Signal(int signal) const { kill(pid_, signal); }
-  // Waits for its end; returns the exit code, or minus the signal.
+  // Waits for its end; returns the exit code, or minus the signal. Fails the
+  // test and kills it if it does not end within kLongestCall.
   int Wait() {
-    int status = 0;
-    waitpid(pid_, &status, 0);
-    pid_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+    const std::optional<int> end = WaitFor(kLongestCall);
+    if (end.has_value()) return *end;
+    ADD_FAILURE() << "tactusd still runs after " << kLongestCall.count()
+                  << " s; its log:\n"
+                  << Log();
+    Signal(SIGKILL);
+    return Reap();
   }
   // The same, or nothing if it still runs after `timeout`.
   std::optional<int> WaitFor(std::chrono::milliseconds timeout) {
     const auto end = std::chrono::steady_clock::now() + timeout;
     siginfo_t info = {};
     do {
-      // Looks without taking the exit code away from Wait.
+      // Looks without taking the exit code away from Reap.
       if (waitid(P_PID, pid_, &info, WEXITED | WNOHANG | WNOWAIT) == 0 &&
           info.si_pid == pid_) {
-        return Wait();
+        return Reap();
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     } while (std::chrono::steady_clock::now() < end);
@@ -149,6 +154,14 @@ class ChildTactusd {
   }
   struct NotServing {};
   explicit ChildTactusd(NotServing) {}
+
+  // Takes the exit code of a process that has ended or is about to.
+  int Reap() {
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    pid_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  }
 
   static std::vector<char*> Pointers(std::vector<std::string>& texts) {
     std::vector<char*> pointers;

@@ -39,7 +39,7 @@ class PingOnlyPeer {
     thread_ = std::thread([this] { Run(); });
   }
   ~PingOnlyPeer() {
-    stopping_ = true;
+    Stop();
     thread_.join();
     close(listener_);
   }
@@ -48,6 +48,11 @@ class PingOnlyPeer {
   PingOnlyPeer& operator=(const PingOnlyPeer&) = delete;
 
   std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
+  // Closes the connection and takes no more. May be called from another thread.
+  void Stop() {
+    stopping_ = true;
+    shutdown(listener_, SHUT_RDWR);
+  }
   // Frames of a request that have arrived.
   int headers() const { return headers_; }
 

@@ -39,7 +39,10 @@ class ScriptedServer final : private v1::ContactService::Service {
     builder.RegisterService(this);
     server_ = builder.BuildAndStart();
   }
-  ~ScriptedServer() { server_->Shutdown(std::chrono::system_clock::now()); }
+  ~ScriptedServer() { Stop(); }
+
+  // Cancels all calls and takes no more. May be called from another thread.
+  void Stop() { server_->Shutdown(std::chrono::system_clock::now()); }
 
   std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
 
