@@ -2,15 +2,6 @@
 
 namespace tactus {
 
-ContactFrame ContactFrames::operator[](size_t t) const {
-  ContactFrame frame;
-  frame.sample.features = features_[t];
-  frame.sample.net_force = net_force(t);
-  if (!profile_.empty()) frame.sample.profile = profile_[t];
-  frame.touched = touched(t);
-  return frame;
-}
-
 void ContactFrames::clear() {
   features_.clear();
   net_force_.clear();
@@ -25,15 +16,7 @@ void ContactFrames::shrink_to_fit() {
   touched_.shrink_to_fit();
 }
 
-void ContactFrames::push_back(const ContactFrame& frame) {
-  features_.push_back(frame.sample.features);
-  if (!net_force_.empty()) net_force_.emplace_back();
-  if (!profile_.empty()) profile_.emplace_back();
-  if (!touched_.empty()) touched_.push_back(true);
-  Set(size() - 1, frame);
-}
-
-void ContactFrames::Set(size_t t, const ContactFrame& frame) {
+void ContactFrames::MakeRoomFor(const ContactFrame& frame) {
   const ContactSample& sample = frame.sample;
   if (net_force_.empty() && sample.net_force != sample.features[kForceAt]) {
     for (const FeatureVector& features : features_) {
@@ -44,9 +27,27 @@ void ContactFrames::Set(size_t t, const ContactFrame& frame) {
     profile_.resize(size());
   }
   if (touched_.empty() && !frame.touched) touched_.assign(size(), true);
-  features_[t] = sample.features;
-  if (!net_force_.empty()) net_force_[t] = sample.net_force;
-  if (!profile_.empty()) profile_[t] = sample.profile;
+}
+
+void ContactFrames::push_back(const ContactFrame& frame) {
+  features_.push_back(frame.sample.features);
+  MakeRoomFor(frame);
+  // A part that has room for this frame was made for it.
+  const auto put = [&](auto& part, const auto& value) {
+    if (part.empty()) return;
+    part.resize(size() - 1);
+    part.push_back(value);
+  };
+  put(net_force_, frame.sample.net_force);
+  put(profile_, frame.sample.profile);
+  put(touched_, frame.touched);
+}
+
+void ContactFrames::Set(size_t t, const ContactFrame& frame) {
+  MakeRoomFor(frame);
+  features_[t] = frame.sample.features;
+  if (!net_force_.empty()) net_force_[t] = frame.sample.net_force;
+  if (!profile_.empty()) profile_[t] = frame.sample.profile;
   if (!touched_.empty()) touched_[t] = frame.touched;
 }
 

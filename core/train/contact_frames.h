@@ -51,7 +51,12 @@ class ContactFrames {
   bool empty() const { return features_.empty(); }
   Iterator begin() const { return {this, 0}; }
   Iterator end() const { return {this, size()}; }
-  ContactFrame operator[](size_t t) const;
+  // Inline, so that a caller that drops a part of the frame does not copy it.
+  ContactFrame operator[](size_t t) const {
+    return {{features_[t], net_force(t),
+             profile_.empty() ? LoadProfile{} : profile_[t]},
+            touched(t)};
+  }
   ContactFrame front() const { return (*this)[0]; }
   ContactFrame back() const { return (*this)[size() - 1]; }
   bool touched(size_t t) const { return touched_.empty() || touched_[t]; }
@@ -79,6 +84,10 @@ class ContactFrames {
   void Set(size_t t, const ContactFrame& frame);
 
  private:
+  // Makes room for those parts of a frame that are not numbers of a touched
+  // frame of ideal signals, if there is none yet.
+  void MakeRoomFor(const ContactFrame& frame);
+
   static constexpr int kForceAt = static_cast<int>(Feature::kForce);
 
   std::vector<FeatureVector> features_;
