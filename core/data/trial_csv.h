@@ -1,7 +1,7 @@
 // File: trial_csv.h
 //
 // A trial as CSV tables. The table of signals is what ImportSignalsCsv
-// (import.h) reads.
+// (core/import/import.h) reads.
 //
 //   TACTUS_ASSIGN_OR_RETURN(const std::string table, SignalsToCsv(trial));
 //   TACTUS_RETURN_IF_ERROR(WriteFileBytes("000007.csv", table));

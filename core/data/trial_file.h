@@ -59,9 +59,9 @@ class TrialFileWriter {
 // holds, the outcome is a valid trial or TRIAL_FILE_INVALID.
 class TrialFileReader {
  public:
-  // Opens the file in a child process first (hdf5_probe.h), and unless
-  // TrialFileWriter made it, reads all of it there: such a file is refused as
-  // a whole if one of its trials cannot be read.
+  // Opens the file in a child process first (core/files/hdf5_probe.h), and
+  // unless TrialFileWriter made it, reads all of it there: such a file is
+  // refused as a whole if one of its trials cannot be read.
   static absl::StatusOr<TrialFileReader> Open(const std::string& path);
   TrialFileReader(TrialFileReader&&) noexcept;
   TrialFileReader& operator=(TrialFileReader&&) noexcept;

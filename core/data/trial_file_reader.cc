@@ -7,10 +7,10 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
-#include "core/data/hdf5_handle.h"
-#include "core/data/hdf5_probe.h"
-#include "core/data/hdf5_read.h"
 #include "core/data/trial_file.h"
+#include "core/files/hdf5_handle.h"
+#include "core/files/hdf5_probe.h"
+#include "core/files/hdf5_read.h"
 #include "core/skin/layout_json.h"
 
 namespace tactus {

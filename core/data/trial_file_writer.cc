@@ -10,9 +10,9 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
-#include "core/data/draft_file.h"
-#include "core/data/hdf5_handle.h"
 #include "core/data/trial_file.h"
+#include "core/files/draft_file.h"
+#include "core/files/hdf5_handle.h"
 #include "core/skin/layout_json.h"
 
 namespace tactus {

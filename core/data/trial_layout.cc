@@ -4,7 +4,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
-#include "core/data/file_bytes.h"
+#include "core/files/file_bytes.h"
 #include "core/skin/layout_json.h"
 
 namespace tactus {

@@ -9,8 +9,8 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
-#include "core/data/npy_write.h"
-#include "core/data/npz.h"
+#include "core/files/npy_write.h"
+#include "core/files/npz.h"
 #include "core/skin/layout_json.h"
 
 namespace tactus {

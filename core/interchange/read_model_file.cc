@@ -5,11 +5,11 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "core/base/limits.h"
-#include "core/data/file_bytes.h"
-#include "core/interchange/hmm_json.h"
-#include "core/interchange/hmm_npz.h"
-#include "core/interchange/lstm_from_onnx.h"
-#include "core/interchange/model_file_error.h"
+#include "core/files/file_bytes.h"
+#include "core/interchange/hmm/hmm_json.h"
+#include "core/interchange/hmm/hmm_npz.h"
+#include "core/interchange/lstm/lstm_from_onnx.h"
+#include "core/interchange/model/model_file_error.h"
 
 namespace tactus {
 namespace {

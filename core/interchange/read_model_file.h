@@ -13,8 +13,8 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "core/interchange/foreign_model.h"
-#include "core/interchange/lstm_from_keras.h"
+#include "core/interchange/lstm/lstm_from_keras.h"
+#include "core/interchange/model/foreign_model.h"
 
 namespace tactus {
 

@@ -11,7 +11,7 @@
 #pragma once
 
 #include "absl/status/status.h"
-#include "core/interchange/foreign_model.h"
+#include "core/interchange/model/foreign_model.h"
 
 namespace tactus {
 

@@ -9,7 +9,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
-#include "core/data/file_bytes.h"
+#include "core/files/file_bytes.h"
 #include "grpc/grpc_security_constants.h"
 #include "server/ops/clock.h"
 #include "server/ops/peer.h"

@@ -1,8 +1,8 @@
 // Damages recordings of a skin: its skin.json, the table of trials, or the
 // frames as .npy, .npz or CSV. What is imported must be valid trials.
-#include "core/data/import_skin_folder.h"
-#include "core/data/npy_write.h"
-#include "core/data/npz.h"
+#include "core/files/npy_write.h"
+#include "core/files/npz.h"
+#include "core/import/import_skin_folder.h"
 #include "tests/fuzz/damaged.h"
 
 namespace {

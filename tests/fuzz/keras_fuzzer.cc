@@ -1,6 +1,6 @@
 // Damages Keras files. Each is read in a child process first, so this is slow;
 // the child may die of what HDF5 does, this process may not.
-#include "core/interchange/lstm_from_keras.h"
+#include "core/interchange/lstm/lstm_from_keras.h"
 #include "tests/fuzz/damaged.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {

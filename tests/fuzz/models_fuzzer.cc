@@ -2,9 +2,9 @@
 // and .npz, LSTMs as ONNX. What is read goes into a model, which must then be
 // one that can be served.
 #include "core/bundle/bundle.h"
-#include "core/interchange/hmm_json.h"
-#include "core/interchange/hmm_npz.h"
-#include "core/interchange/lstm_from_onnx.h"
+#include "core/interchange/hmm/hmm_json.h"
+#include "core/interchange/hmm/hmm_npz.h"
+#include "core/interchange/lstm/lstm_from_onnx.h"
 #include "core/interchange/replace_models.h"
 #include "tests/fuzz/damaged.h"
 #include "tests/support/small_model.h"

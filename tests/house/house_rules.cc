@@ -27,7 +27,8 @@ constexpr std::array<absl::string_view, 1> kPlainHeaders = {
     "core/data/trial.h"};
 
 // Rooms that read and write files; all others only compute.
-constexpr std::array<absl::string_view, 2> kFileRooms = {"data", "store"};
+constexpr std::array<absl::string_view, 4> kFileRooms = {"files", "data",
+                                                         "import", "store"};
 
 // Rooms of the server that tests run without a network.
 constexpr std::array<absl::string_view, 6> kRoomsWithoutGrpc = {

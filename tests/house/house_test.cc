@@ -171,7 +171,9 @@ TEST(IncludeRuleTest, WhatIsAllowedPasses) {
       {"core/hmm/a.cc", "// #include \"server/main.h\""},
       // The plain type is open to the rooms below data as well.
       {"core/hmm/a.cc", "#include \"core/data/trial.h\""},
+      {"core/files/a.cc", "#include <fstream>"},
       {"core/data/a.cc", "#include <fstream>"},
+      {"core/import/a.cc", "#include <filesystem>"},
       {"core/store/a.cc", "#include <mutex>"},
       {"core/base/run_on_threads.cc", "#include <thread>"},
       {"core/sim/exact/a.cc", "#include \"core/sim/model/a.h\""},

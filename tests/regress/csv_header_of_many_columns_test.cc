@@ -5,7 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
-#include "core/data/csv.h"
+#include "core/files/csv.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/base/errors.h"
-#include "core/data/draft_file.h"
+#include "core/files/draft_file.h"
 #include "gtest/gtest.h"
 #include "tests/core/data/trial_samples.h"
 

@@ -10,8 +10,8 @@
 
 #include "absl/strings/match.h"
 #include "core/base/errors.h"
-#include "core/data/hdf5_probe.h"
 #include "core/data/trial_file.h"
+#include "core/files/hdf5_probe.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/core/data/trial_samples.h"

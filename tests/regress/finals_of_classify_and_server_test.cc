@@ -6,8 +6,8 @@
 
 #include "core/base/random.h"
 #include "core/bundle/bundle.h"
-#include "core/data/draft_file.h"
 #include "core/data/trial_file.h"
+#include "core/files/draft_file.h"
 #include "gtest/gtest.h"
 #include "nlohmann/json.hpp"
 #include "server/session/stream_session.h"

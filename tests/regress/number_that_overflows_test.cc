@@ -1,7 +1,7 @@
 // A number above the range of double in a skin.json ended the program, by an
 // exception of the JSON library that was not caught.
 #include "core/base/errors.h"
-#include "core/data/skin_file.h"
+#include "core/import/skin_file.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/support/scratch_dir.h"

@@ -18,7 +18,7 @@
 #include "core/base/address.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
-#include "core/data/file_bytes.h"
+#include "core/files/file_bytes.h"
 
 namespace tactus::client {
 

@@ -12,9 +12,9 @@
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 #include "core/bundle/bundle.h"
-#include "core/data/file_bytes.h"
 #include "core/data/trial_file.h"
 #include "core/data/trial_layout.h"
+#include "core/files/file_bytes.h"
 #include "core/train/contact_set.h"
 #include "core/train/world_contacts.h"
 

@@ -23,10 +23,10 @@
 #include "core/base/run_on_threads.h"
 #include "core/base/status_macros.h"
 #include "core/base/version.h"
-#include "core/data/draft_file.h"
 #include "core/data/trial_layout.h"
 #include "core/eval/baselines.h"
 #include "core/eval/unknown.h"
+#include "core/files/draft_file.h"
 #include "core/train/contact_set.h"
 
 namespace tactus::client {

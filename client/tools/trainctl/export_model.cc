@@ -6,10 +6,10 @@
 #include "client/tools/trainctl/command.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
-#include "core/data/draft_file.h"
-#include "core/interchange/hmm_json.h"
-#include "core/interchange/hmm_npz.h"
-#include "core/interchange/lstm_to_onnx.h"
+#include "core/files/draft_file.h"
+#include "core/interchange/hmm/hmm_json.h"
+#include "core/interchange/hmm/hmm_npz.h"
+#include "core/interchange/lstm/lstm_to_onnx.h"
 
 namespace tactus::client {
 namespace {

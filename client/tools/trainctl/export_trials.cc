@@ -10,10 +10,10 @@
 #include "client/tools/trainctl/progress_display.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
-#include "core/data/draft_file.h"
 #include "core/data/trial_csv.h"
 #include "core/data/trial_file.h"
 #include "core/data/trial_npz.h"
+#include "core/files/draft_file.h"
 
 namespace tactus::client {
 namespace {

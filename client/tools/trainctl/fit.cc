@@ -12,7 +12,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/version.h"
 #include "core/bundle/bundle.h"
-#include "core/data/draft_file.h"
+#include "core/files/draft_file.h"
 #include "core/train/fit_journal.h"
 
 namespace tactus::client {

@@ -1,5 +1,5 @@
 // trainctl import: writes recordings of other programs to a trial file.
-#include "core/data/import.h"
+#include "core/import/import.h"
 
 #include <iostream>
 #include <map>

@@ -13,7 +13,7 @@
 #include "core/base/version.h"
 #include "core/bundle/bundle.h"
 #include "core/classify/warm_up.h"
-#include "core/data/draft_file.h"
+#include "core/files/draft_file.h"
 #include "core/interchange/read_model_file.h"
 #include "core/interchange/replace_models.h"
 #include "core/train/calibrate.h"

@@ -11,9 +11,9 @@
 #include "core/base/status_macros.h"
 #include "core/bundle/bundle.h"
 #include "core/classify/input_spec.h"
-#include "core/data/file_bytes.h"
 #include "core/data/trial_file.h"
 #include "core/data/trial_layout.h"
+#include "core/files/file_bytes.h"
 #include "core/skin/layout_json.h"
 
 namespace tactus::client {

@@ -16,8 +16,8 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
-#include "core/data/draft_file.h"
-#include "core/data/file_bytes.h"
+#include "core/files/draft_file.h"
+#include "core/files/file_bytes.h"
 
 namespace tactus::client {
 namespace {

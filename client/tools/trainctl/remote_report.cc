@@ -8,7 +8,7 @@
 #include "client/tools/trainctl/evaluate_report.h"
 #include "client/tools/trainctl/text.h"
 #include "core/base/version.h"
-#include "core/data/draft_file.h"
+#include "core/files/draft_file.h"
 
 namespace tactus::client {
 namespace {

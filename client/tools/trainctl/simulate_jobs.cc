@@ -6,7 +6,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
-#include "core/data/file_bytes.h"
+#include "core/files/file_bytes.h"
 #include "core/sim/exact/simulate_contact.h"
 #include "core/sim/experiments/cody_set.h"
 #include "core/sim/experiments/grid_set.h"

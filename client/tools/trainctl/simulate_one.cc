@@ -8,7 +8,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
-#include "core/data/file_bytes.h"
+#include "core/files/file_bytes.h"
 #include "core/sim/exact/exact.h"
 
 namespace tactus::client {

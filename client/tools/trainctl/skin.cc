@@ -8,8 +8,8 @@
 #include "client/tools/trainctl/text.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
-#include "core/data/idle_noise.h"
 #include "core/data/trial_file.h"
+#include "core/import/idle_noise.h"
 
 namespace tactus::client {
 namespace {

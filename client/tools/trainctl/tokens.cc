@@ -19,7 +19,7 @@
 #include "core/access/access_table.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
-#include "core/data/file_bytes.h"
+#include "core/files/file_bytes.h"
 
 namespace tactus::client {
 namespace {

@@ -1,10 +1,10 @@
 #include "core/data/trial_npz.h"
 
 #include "core/base/errors.h"
-#include "core/data/import.h"
-#include "core/data/npy_write.h"
-#include "core/data/npz.h"
 #include "core/data/trial_csv.h"
+#include "core/files/npy_write.h"
+#include "core/files/npz.h"
+#include "core/import/import.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/core/data/trial_samples.h"

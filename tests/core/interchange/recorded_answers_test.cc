@@ -3,11 +3,11 @@
 #include <cmath>
 #include <fstream>
 
-#include "core/interchange/hmm_json.h"
-#include "core/interchange/hmm_npz.h"
-#include "core/interchange/lstm_from_onnx.h"
-#include "core/interchange/lstm_to_onnx.h"
-#include "core/interchange/onnx_subset.pb.h"
+#include "core/interchange/hmm/hmm_json.h"
+#include "core/interchange/hmm/hmm_npz.h"
+#include "core/interchange/lstm/lstm_from_onnx.h"
+#include "core/interchange/lstm/lstm_to_onnx.h"
+#include "core/interchange/lstm/onnx_subset.pb.h"
 #include "core/interchange/read_model_file.h"
 #include "gtest/gtest.h"
 #include "nlohmann/json.hpp"

@@ -14,7 +14,7 @@
 
 #include "core/base/random.h"
 #include "core/classify/model.h"
-#include "core/interchange/foreign_model.h"
+#include "core/interchange/model/foreign_model.h"
 #include "tests/core/hmm/random_model.h"
 #include "tests/core/lstm/lstm_cases.h"
 #include "tests/support/small_model.h"

@@ -1,0 +1,41 @@
+// File: array_file.h
+//
+// One array of numbers from a file of any format that recordings come in: .npy,
+// .npz, .csv, HDF5 (.h5, .hdf5).
+//
+//   TACTUS_ASSIGN_OR_RETURN(const ArrayFile file,
+//                           ReadArrayFile("trial.h5", "run1/taxels"));
+//   file.array.shape;  // {605, 384}
+//
+// Not thread-safe, like HDF5 itself.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/files/npy.h"
+
+namespace tactus {
+
+struct ArrayFile {
+  NpyArray array;
+  // The names of the columns of a CSV file; empty if it has none.
+  std::vector<std::string> header;
+
+  // Number `index` of the array, whatever its type.
+  double Number(size_t index) const;
+  size_t size() const;
+
+  // Part `index` along the first axis: [5 x 75 x 60] gives [75 x 60]. `index`
+  // is below shape[0], and there are two axes or more.
+  ArrayFile Slice(size_t index) const;
+};
+
+// Reads the array `dataset` of the file; empty: the only one that there is. A
+// CSV file has no name for its array; its first line is a header unless it
+// holds numbers only. IO or TRIAL_FILE_INVALID, with the line of a CSV file.
+absl::StatusOr<ArrayFile> ReadArrayFile(const std::string& path,
+                                        const std::string& dataset);
+
+}  // namespace tactus

@@ -1,0 +1,202 @@
+#include "core/import/import.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <system_error>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+#include "core/data/trial_file.h"
+#include "core/data/trial_npz.h"
+#include "core/files/csv.h"
+#include "core/files/file_bytes.h"
+#include "core/import/import_skin_folder.h"
+#include "core/import/skin_file.h"
+
+namespace tactus {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<absl::string_view, 4> kSignalColumns = {"time", "force",
+                                                             "area", "motion"};
+
+bool IsNpz(const fs::path& path) { return path.extension() == ".npz"; }
+
+absl::StatusOr<std::vector<std::string>> TrialFiles(const std::string& folder) {
+  std::vector<std::string> files;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end;
+       it.increment(error)) {
+    if (it->path().extension() == ".csv" || IsNpz(it->path())) {
+      files.push_back(it->path());
+    }
+  }
+  if (error) return IoError(folder, error.message());
+  if (files.empty()) {
+    return TrialFileInvalid(
+        folder, "holds neither a skin.json nor CSV or .npz files of trials");
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+// One trial of a .npz file; its name without the ending becomes the id.
+absl::StatusOr<Trial> ImportNpz(const std::string& path) {
+  TACTUS_ASSIGN_OR_RETURN(const std::string bytes,
+                          ReadFileBytes(path, limits::kMaxTrialArrayBytes));
+  TACTUS_ASSIGN_OR_RETURN(Trial trial, TrialFromNpz(path, bytes));
+  trial.id = fs::path(path).stem().string();
+  return trial;
+}
+
+absl::StatusOr<size_t> ImportFiles(const std::vector<std::string>& files,
+                                   TrialSink sink) {
+  for (size_t i = 0; i < files.size(); ++i) {
+    TACTUS_ASSIGN_OR_RETURN(Trial trial, IsNpz(files[i])
+                                             ? ImportNpz(files[i])
+                                             : ImportSignalsCsv(files[i], i));
+    TACTUS_RETURN_IF_ERROR(sink(std::move(trial)));
+  }
+  return files.size();
+}
+
+absl::Status SetMetadata(const std::string& path, const CsvTable& table,
+                         Trial* trial) {
+  const std::pair<absl::string_view, std::string*> texts[] = {
+      {"label", &trial->label},   {"condition", &trial->condition},
+      {"object", &trial->object}, {"material", &trial->material},
+      {"unit", &trial->unit},
+  };
+  const std::pair<absl::string_view, double*> numbers[] = {
+      {"stiffness", &trial->stiffness},
+      {"velocity", &trial->velocity},
+      {"sample_rate_hz", &trial->sample_rate_hz},
+  };
+  for (const auto& [key, value] : table.metadata()) {
+    bool known = false;
+    for (const auto& [name, target] : texts) {
+      if (key != name) continue;
+      *target = value;
+      known = true;
+    }
+    for (const auto& [name, target] : numbers) {
+      if (key != name) continue;
+      if (!ParseNumber(value, target)) {
+        return TrialFileInvalid(path, absl::StrCat("# ", key, " is \"", value,
+                                                   "\"; it must be a number"));
+      }
+      known = true;
+    }
+    if (!known) {
+      return TrialFileInvalid(
+          path, absl::StrCat("# ", key,
+                             " is not known; use label, condition, object, "
+                             "material, stiffness, velocity, sample_rate_hz "
+                             "or unit"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status RefuseOptions(const std::string& path,
+                           const ImportOptions& options) {
+  for (const std::string& file : {options.skin, options.table}) {
+    if (file.empty()) continue;
+    return InvalidConfig(
+        "skin or table of the import", file,
+        absl::StrCat("absent: ", path, " has no place for it"));
+  }
+  return absl::OkStatus();
+}
+
+// Trials as they are, or with another skin of the same shape.
+absl::StatusOr<size_t> ImportTrialFile(const std::string& path,
+                                       const ImportOptions& options,
+                                       TrialSink sink) {
+  if (!options.table.empty()) {
+    return InvalidConfig("table of the import", options.table,
+                         "absent: a trial file has its labels");
+  }
+  std::optional<SkinFile> skin;
+  if (!options.skin.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(skin, ReadSkinFile(options.skin));
+    if (skin->thresholds_from_idle) {
+      return TrialFileInvalid(options.skin,
+                              "thresholds: must be numbers for a trial file");
+    }
+  }
+  TACTUS_ASSIGN_OR_RETURN(const auto reader, TrialFileReader::Open(path));
+  for (size_t i = 0; i < reader.size(); ++i) {
+    TACTUS_ASSIGN_OR_RETURN(Trial trial, reader.Read(i));
+    if (skin && !trial.taxels.empty()) {
+      SetSkin(skin->layout, trial);
+      TACTUS_RETURN_IF_ERROR(Validate(trial, path));
+    }
+    TACTUS_RETURN_IF_ERROR(sink(std::move(trial)));
+  }
+  return reader.size();
+}
+
+}  // namespace
+
+absl::StatusOr<Trial> ImportSignalsCsv(const std::string& path, size_t number) {
+  TACTUS_ASSIGN_OR_RETURN(const CsvTable table, CsvTable::Read(path));
+  if (!std::equal(table.header().begin(), table.header().end(),
+                  kSignalColumns.begin(), kSignalColumns.end())) {
+    return TrialFileInvalid(
+        path,
+        absl::StrCat("has the header \"", absl::StrJoin(table.header(), ","),
+                     "\"; it must be ", absl::StrJoin(kSignalColumns, ",")));
+  }
+  Trial trial;
+  trial.id = absl::StrFormat("%06d", number);
+  for (size_t row = 0; row < table.rows(); ++row) {
+    std::array<double, 4> values;
+    for (size_t column = 0; column < values.size(); ++column) {
+      TACTUS_ASSIGN_OR_RETURN(values[column], table.Number(row, column));
+    }
+    if (row > 0 && values[0] <= trial.time.back()) {
+      return table.RowError(row, "time must be above the one before");
+    }
+    trial.time.push_back(values[0]);
+    trial.signals.push_back({values[1], values[2], values[3]});
+  }
+  if (trial.time.size() > 1) {
+    trial.sample_rate_hz = static_cast<double>(trial.time.size() - 1) /
+                           (trial.time.back() - trial.time.front());
+  }
+  TACTUS_RETURN_IF_ERROR(SetMetadata(path, table, &trial));
+  TACTUS_RETURN_IF_ERROR(Validate(trial, path));
+  return trial;
+}
+
+absl::StatusOr<size_t> ImportTrials(const std::string& path, TrialSink sink,
+                                    const ImportOptions& options) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) {
+    if (!options.skin.empty() || fs::exists(fs::path(path) / "skin.json")) {
+      return ImportSkinFolder(path, options, sink);
+    }
+    TACTUS_RETURN_IF_ERROR(RefuseOptions(path, options));
+    TACTUS_ASSIGN_OR_RETURN(const auto files, TrialFiles(path));
+    return ImportFiles(files, sink);
+  }
+  if (absl::EndsWith(path, ".h5")) {
+    return ImportTrialFile(path, options, sink);
+  }
+  TACTUS_RETURN_IF_ERROR(RefuseOptions(path, options));
+  if (absl::EndsWith(path, ".json")) {
+    return ImportSkinFolder(fs::path(path).parent_path(), {.skin = path}, sink);
+  }
+  return ImportFiles({path}, sink);
+}
+
+}  // namespace tactus

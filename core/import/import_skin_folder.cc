@@ -1,0 +1,339 @@
+#include "core/import/import_skin_folder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <set>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+#include "core/base/text.h"
+#include "core/files/array_file.h"
+#include "core/import/idle_noise.h"
+#include "core/import/recorded_frames.h"
+#include "core/import/ros_bag.h"
+#include "core/import/skin_file.h"
+#include "core/import/trial_table.h"
+
+namespace tactus {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The times of a file may give another rate than skin.json by this fraction:
+// they are those of a computer, or of frames that were dropped.
+constexpr double kRateTolerance = 0.2;
+
+class SkinFolder {
+ public:
+  SkinFolder(std::string folder, SkinFile skin, TrialTable table)
+      : folder_(std::move(folder)),
+        skin_(std::move(skin)),
+        table_(std::move(table)) {}
+
+  size_t trials() const { return table_.rows(); }
+  SkinFile& skin() { return skin_; }
+
+  // A trial with everything but checked thresholds.
+  absl::StatusOr<Trial> Read(size_t row) const {
+    Trial trial;
+    TACTUS_RETURN_IF_ERROR(TakeTexts(row, trial));
+    TACTUS_RETURN_IF_ERROR(TakeNumbers(row, trial));
+    TACTUS_ASSIGN_OR_RETURN(RecordedFrames frames,
+                            ReadFrames(row, trial.sample_rate_hz));
+    trial.taxels = std::move(frames.taxels);
+    trial.time = std::move(frames.time);
+    trial.poses = std::move(frames.poses);
+    if (trial.taxels.frames() == 0) {
+      return table_.Error(row, "frames", "the file holds no frame");
+    }
+    TACTUS_RETURN_IF_ERROR(TakeTime(row, trial));
+    TACTUS_RETURN_IF_ERROR(TakePoses(row, trial));
+    trial.layout = skin_.layout.name;
+    trial.unit = UnitText(skin_.layout.unit);
+    return trial;
+  }
+
+  // With the skin, and checked as a whole.
+  absl::Status Finish(size_t row, Trial& trial) const {
+    SetSkin(skin_.layout, trial);
+    if (const absl::Status status = Validate(trial, table_.Text(row, "frames"));
+        !status.ok()) {
+      return table_.Error(row, "frames", status.message());
+    }
+    return absl::OkStatus();
+  }
+
+ private:
+  absl::Status TakeTexts(size_t row, Trial& trial) const {
+    trial.id = table_.Has("id") ? table_.Text(row, "id")
+                                : absl::StrFormat("%06d", row);
+    if (trial.id.empty() || trial.id.size() > 64 ||
+        !std::all_of(trial.id.begin(), trial.id.end(), [](unsigned char c) {
+          return absl::ascii_isalnum(c) || c == '-' || c == '_';
+        })) {
+      return table_.Error(row, "id",
+                          absl::StrCat("is ", Quoted(trial.id),
+                                       "; it must be 1 to 64 letters, digits, "
+                                       "- or _"));
+    }
+    if (table_.Has("group") && table_.Has("material")) {
+      return table_.Error(row, "group",
+                          "is given with material; both name what is left out "
+                          "together, so give one");
+    }
+    const std::pair<const char*, std::string*> texts[] = {
+        {"label", &trial.label},
+        {"condition", &trial.condition},
+        {"object", &trial.object},
+        {"material", &trial.material}};
+    for (const auto& [field, value] : texts) {
+      *value = table_.Text(row, field);
+    }
+    if (table_.Has("group")) trial.material = table_.Text(row, "group");
+    for (const auto& [field, value] : texts) {
+      const std::string fault = TextFault(*value, limits::kMaxTrialTextBytes);
+      if (!fault.empty()) return table_.Error(row, field, fault);
+    }
+    if (trial.label.empty()) {
+      return table_.Error(row, "label", "is empty; every trial has a class");
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status TakeNumbers(size_t row, Trial& trial) const {
+    TACTUS_ASSIGN_OR_RETURN(trial.stiffness,
+                            table_.Number(row, "stiffness", 0));
+    TACTUS_ASSIGN_OR_RETURN(trial.velocity, table_.Number(row, "velocity", 0));
+    for (const auto& [field, value] : {std::pair("stiffness", trial.stiffness),
+                                       std::pair("velocity", trial.velocity)}) {
+      if (value < 0) {
+        return table_.Error(
+            row, field, absl::StrCat("is ", value, "; it must be at least 0"));
+      }
+    }
+    TACTUS_ASSIGN_OR_RETURN(
+        trial.sample_rate_hz,
+        table_.Number(row, "sample_rate_hz", skin_.sample_rate_hz));
+    if (trial.sample_rate_hz >= limits::kMinSampleRateHz &&
+        trial.sample_rate_hz <= limits::kMaxSampleRateHz) {
+      return absl::OkStatus();
+    }
+    return table_.Error(
+        row, "sample_rate_hz",
+        trial.sample_rate_hz == 0
+            ? "is missing; give it in skin.json or as a column of the table"
+            : absl::StrCat("is ", trial.sample_rate_hz, "; it must be ",
+                           limits::kMinSampleRateHz, " to ",
+                           limits::kMaxSampleRateHz));
+  }
+
+  // The array that a field names, "FILE", "FILE:DATASET", or of either the part
+  // "...#INDEX" along the first axis. The file lies within the folder.
+  absl::StatusOr<ArrayFile> ReadFile(size_t row,
+                                     const std::string& field) const {
+    std::string file = table_.Text(row, field);
+    std::string dataset = field == "frames" ? skin_.dataset : "";
+    const size_t hash = file.rfind('#');
+    uint32_t index = 0;
+    const bool sliced = hash != std::string::npos &&
+                        absl::SimpleAtoi(file.substr(hash + 1), &index);
+    if (sliced) file.resize(hash);
+    for (const char* ending : {".npz:", ".h5:", ".hdf5:", ".bag:"}) {
+      const size_t at = file.find(ending);
+      if (at == std::string::npos) continue;
+      const size_t colon = file.find(':', at);
+      dataset = file.substr(colon + 1);
+      file.resize(colon);
+    }
+    const fs::path path(file);
+    if (file.empty() || path.is_absolute() ||
+        std::find(path.begin(), path.end(), "..") != path.end()) {
+      return table_.Error(row, field,
+                          absl::StrCat("is ", Quoted(file),
+                                       "; it must be a file in ", folder_));
+    }
+    if (path.extension() == ".bag") {
+      if (sliced || field != "frames") {
+        return table_.Error(row, field,
+                            "is a bag; a bag holds the frames of one trial");
+      }
+      auto array =
+          ReadBag(fs::path(folder_) / path, {.frames = dataset,
+                                             .values = skin_.bag_values,
+                                             .pose = skin_.pose_topic});
+      if (array.ok() || ReasonOf(array.status()) == "INVALID_CONFIG") {
+        return array;
+      }
+      return table_.Error(row, field, array.status().message());
+    }
+    if (!sliced) {
+      auto array = ReadArrayFile(fs::path(folder_) / path, dataset);
+      if (!array.ok()) {
+        return table_.Error(row, field, array.status().message());
+      }
+      return array;
+    }
+    // One file for many trials is read once.
+    const std::string whole =
+        dataset.empty() ? file : absl::StrCat(file, ":", dataset);
+    if (whole != whole_name_) {
+      auto array = ReadArrayFile(fs::path(folder_) / path, dataset);
+      if (!array.ok()) {
+        return table_.Error(row, field, array.status().message());
+      }
+      whole_ = *std::move(array);
+      whole_name_ = whole;
+    }
+    const std::vector<size_t>& shape = whole_.array.shape;
+    if (shape.size() < 2 || index >= shape.front()) {
+      return table_.Error(
+          row, field,
+          absl::StrCat("asks for part ", index, " of ", whole, ", which has ",
+                       shape.size() < 2 ? 0 : shape.front(), " parts"));
+    }
+    return whole_.Slice(index);
+  }
+
+  absl::StatusOr<RecordedFrames> ReadFrames(size_t row, double rate_hz) const {
+    TACTUS_ASSIGN_OR_RETURN(const ArrayFile file, ReadFile(row, "frames"));
+    auto frames = MakeFrames(table_.Text(row, "frames"), file, skin_, rate_hz);
+    if (!frames.ok()) {
+      return table_.Error(row, "frames", frames.status().message());
+    }
+    return frames;
+  }
+
+  absl::Status TakeTime(size_t row, Trial& trial) const {
+    const size_t frames = trial.taxels.frames();
+    if (table_.Has("time")) {
+      TACTUS_ASSIGN_OR_RETURN(const ArrayFile file, ReadFile(row, "time"));
+      const std::vector<size_t>& shape = file.array.shape;
+      if (shape.empty() || shape.front() != frames) {
+        return table_.Error(
+            row, "time",
+            absl::StrCat("the file has ", shape.empty() ? 0 : shape.front(),
+                         " times; there are ", frames, " frames"));
+      }
+      // Of several columns the first one.
+      trial.time.clear();
+      const size_t width = file.size() / frames;
+      for (size_t t = 0; t < frames; ++t) {
+        trial.time.push_back(file.Number(t * width) * skin_.time_scale_s);
+      }
+    }
+    if (trial.time.empty()) {
+      for (size_t t = 0; t < frames; ++t) {
+        trial.time.push_back(static_cast<double>(t) / trial.sample_rate_hz);
+      }
+      return absl::OkStatus();
+    }
+    for (size_t t = 1; t < frames; ++t) {
+      if (trial.time[t] > trial.time[t - 1]) continue;
+      return table_.Error(
+          row, "time",
+          absl::StrCat("that of frame ", t, " is ", trial.time[t],
+                       " s; it must be above the one before, ",
+                       trial.time[t - 1], " s"));
+    }
+    const double seconds = trial.time.back() - trial.time.front();
+    const double rate = static_cast<double>(frames - 1) / seconds;
+    if (frames > 1 &&
+        std::abs(rate / trial.sample_rate_hz - 1) > kRateTolerance) {
+      return table_.Error(
+          row, "sample_rate_hz",
+          absl::StrFormat("is %g, but the times are those of %.4g frames a "
+                          "second",
+                          trial.sample_rate_hz, rate));
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status TakePoses(size_t row, Trial& trial) const {
+    if (!table_.Has("pose")) return absl::OkStatus();
+    TACTUS_ASSIGN_OR_RETURN(const ArrayFile file, ReadFile(row, "pose"));
+    auto poses = MakePoses(table_.Text(row, "pose"), file);
+    if (!poses.ok()) return table_.Error(row, "pose", poses.status().message());
+    if (poses->size() != trial.taxels.frames()) {
+      return table_.Error(
+          row, "pose",
+          absl::StrCat("the file has ", poses->size(), " poses; there are ",
+                       trial.taxels.frames(), " frames"));
+    }
+    trial.poses = *std::move(poses);
+    return absl::OkStatus();
+  }
+
+  const std::string folder_;
+  SkinFile skin_;
+  const TrialTable table_;
+  // The file of many trials that was read last.
+  mutable std::string whole_name_;
+  mutable ArrayFile whole_;
+};
+
+// Reads all trials for the thresholds alone.
+absl::Status TakeThresholds(const std::string& skin_path, SkinFolder& folder) {
+  SkinFile& skin = folder.skin();
+  IdleNoise noise({skin.idle_frames, skin.idle_taxels});
+  for (size_t row = 0; row < folder.trials(); ++row) {
+    TACTUS_ASSIGN_OR_RETURN(Trial trial, folder.Read(row));
+    // For its mask.
+    trial.skin = skin.layout;
+    noise.Add(trial);
+  }
+  const auto found = noise.Estimate();
+  if (!found.ok()) {
+    return TrialFileInvalid(
+        skin_path, absl::StrCat("thresholds: ", found.status().message()));
+  }
+  skin.layout.contact_threshold = found->contact_threshold;
+  skin.layout.onset_threshold = found->onset_threshold;
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<size_t> ImportSkinFolder(const std::string& folder,
+                                        const ImportOptions& options,
+                                        TrialSink sink) {
+  const std::string skin_path = options.skin.empty()
+                                    ? (fs::path(folder) / "skin.json").string()
+                                    : options.skin;
+  TACTUS_ASSIGN_OR_RETURN(SkinFile skin, ReadSkinFile(skin_path));
+  std::string table_path = options.table;
+  if (table_path.empty()) {
+    const fs::path beside = fs::path(skin_path).parent_path() / skin.table;
+    std::error_code error;
+    table_path =
+        fs::exists(beside, error) ? beside : fs::path(folder) / skin.table;
+  }
+  TACTUS_ASSIGN_OR_RETURN(TrialTable table,
+                          TrialTable::Read(table_path, skin_path, skin.fields));
+  if (table.rows() == 0) {
+    return TrialFileInvalid(table_path, "names no trial");
+  }
+  SkinFolder source(folder, std::move(skin), std::move(table));
+  if (source.skin().thresholds_from_idle) {
+    TACTUS_RETURN_IF_ERROR(TakeThresholds(skin_path, source));
+  }
+  std::set<std::string> ids;
+  for (size_t row = 0; row < source.trials(); ++row) {
+    TACTUS_ASSIGN_OR_RETURN(Trial trial, source.Read(row));
+    TACTUS_RETURN_IF_ERROR(source.Finish(row, trial));
+    if (!ids.insert(trial.id).second) {
+      return TrialFileInvalid(
+          table_path, absl::StrCat("line ", row + 2, ": id: ", Quoted(trial.id),
+                                   " is repeated"));
+    }
+    TACTUS_RETURN_IF_ERROR(sink(std::move(trial)));
+  }
+  return source.trials();
+}
+
+}  // namespace tactus

@@ -1,0 +1,229 @@
+#include "core/import/recorded_frames.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+#include "core/import/event_frames.h"
+
+namespace tactus {
+namespace {
+
+constexpr std::array<absl::string_view, 7> kPoseColumns = {
+    "x", "y", "z", "qx", "qy", "qz", "qw"};
+
+Pose PoseOf(const std::array<double, 7>& v) {
+  Pose pose;
+  pose.position = {v[0], v[1], v[2]};
+  // Eigen's constructor takes w first.
+  pose.orientation = {v[6], v[3], v[4], v[5]};
+  return pose;
+}
+
+// The columns of a row of numbers.
+struct RowColumns {
+  std::vector<size_t> taxels;
+  std::vector<size_t> time;
+  std::vector<size_t> pose;
+};
+
+absl::StatusOr<RowColumns> FindColumns(const std::string& path,
+                                       const ArrayFile& file,
+                                       const SkinFile& skin) {
+  const std::vector<size_t>& shape = file.array.shape;
+  RowColumns columns;
+  const bool grid = shape.size() == 3 && skin.cells.empty() &&
+                    shape[1] == static_cast<size_t>(skin.layout.rows) &&
+                    shape[2] == static_cast<size_t>(skin.layout.columns);
+  const size_t width = grid                ? shape[1] * shape[2]
+                       : shape.size() == 2 ? shape[1]
+                                           : 0;
+  for (size_t i = 0; i < width; ++i) {
+    const bool named = !file.header.empty();
+    const auto pose = named ? std::find(kPoseColumns.begin(),
+                                        kPoseColumns.end(), file.header[i])
+                            : kPoseColumns.end();
+    if (named && file.header[i] == "time") {
+      columns.time.push_back(i);
+    } else if (pose != kPoseColumns.end()) {
+      if (static_cast<size_t>(pose - kPoseColumns.begin()) !=
+          columns.pose.size()) {
+        return TrialFileInvalid(
+            path, absl::StrCat("column ", *pose, " is out of order; a pose is ",
+                               absl::StrJoin(kPoseColumns, ", ")));
+      }
+      columns.pose.push_back(i);
+    } else {
+      columns.taxels.push_back(i);
+    }
+  }
+  if (columns.taxels.size() != skin.frame_size()) {
+    return TrialFileInvalid(
+        path, absl::StrCat("has shape ", absl::StrJoin(shape, " x "),
+                           file.header.empty()
+                               ? ""
+                               : absl::StrCat(", ", columns.taxels.size(),
+                                              " columns of taxels"),
+                           "; it must be frames x ", skin.frame_size()));
+  }
+  if (!columns.pose.empty() && columns.pose.size() != kPoseColumns.size()) {
+    return TrialFileInvalid(path,
+                            absl::StrCat("has ", columns.pose.size(),
+                                         " columns of a pose; it takes ",
+                                         absl::StrJoin(kPoseColumns, ", ")));
+  }
+  return columns;
+}
+
+// A frame's numbers, in the order of the file, for any kind of file.
+struct Numbers {
+  // [frames x taxels of the file].
+  std::vector<double> values;
+  std::vector<double> time;
+  std::vector<Pose> poses;
+};
+
+Numbers TakeNumbers(const ArrayFile& file, const RowColumns& columns,
+                    double time_scale_s) {
+  Numbers numbers;
+  const size_t frames = file.array.shape[0];
+  const size_t width = file.size() / std::max<size_t>(frames, 1);
+  for (size_t t = 0; t < frames; ++t) {
+    const auto at = [&](size_t column) {
+      return file.Number(t * width + column);
+    };
+    for (const size_t column : columns.taxels) {
+      numbers.values.push_back(at(column));
+    }
+    for (const size_t column : columns.time) {
+      numbers.time.push_back(at(column) * time_scale_s);
+    }
+    if (columns.pose.empty()) continue;
+    std::array<double, 7> pose;
+    for (size_t i = 0; i < pose.size(); ++i) pose[i] = at(columns.pose[i]);
+    numbers.poses.push_back(PoseOf(pose));
+  }
+  return numbers;
+}
+
+// The taxels' baselines, in the order of the file.
+absl::StatusOr<std::vector<double>> Baselines(const std::string& path,
+                                              const std::vector<double>& values,
+                                              const SkinFile& skin) {
+  const size_t size = skin.frame_size();
+  std::vector<double> baselines(size, skin.baseline);
+  if (!skin.baseline_from_idle) return baselines;
+  const auto idle = static_cast<size_t>(skin.idle_frames);
+  if (values.size() < idle * size) {
+    return TrialFileInvalid(
+        path, absl::StrCat("has ", values.size() / size,
+                           " frames; the baseline is taken from ", idle));
+  }
+  for (size_t i = 0; i < size; ++i) {
+    baselines[i] = 0;
+    for (size_t t = 0; t < idle; ++t) baselines[i] += values[t * size + i];
+    baselines[i] /= static_cast<double>(idle);
+  }
+  return baselines;
+}
+
+absl::Status Convert(const std::string& path, const std::vector<double>& values,
+                     const SkinFile& skin, TaxelSeries& taxels) {
+  TACTUS_ASSIGN_OR_RETURN(const std::vector<double> baselines,
+                          Baselines(path, values, skin));
+  const size_t size = skin.frame_size();
+  const auto cells = static_cast<size_t>(skin.layout.taxels());
+  const double gain = skin.pressing_lowers ? -skin.scale : skin.scale;
+  taxels.f32.assign(values.size() / size * cells, 0);
+  for (size_t i = 0; i < values.size(); ++i) {
+    const size_t taxel = i % size;
+    const size_t cell = skin.cells.empty() ? taxel : skin.cells[taxel];
+    double value = gain * (values[i] - baselines[taxel]);
+    if (value < 0 && skin.negative_values == NegativeValues::kZero) value = 0;
+    if (value < 0 && skin.negative_values == NegativeValues::kAbsolute) {
+      value = -value;
+    }
+    // Written so that a NaN fails. A masked taxel may hold anything.
+    const bool masked =
+        !skin.layout.mask.empty() && skin.layout.mask[cell] == 0;
+    if (masked) value = 0;
+    if (!(value >= 0 && value <= limits::kMaxTaxelValue)) {
+      return TrialFileInvalid(
+          path,
+          absl::StrCat("taxel ", taxel, " of frame ", i / size, " is ", value,
+                       "; it must be 0 to 1e12",
+                       value < 0
+                           ? ". If values below zero are right, say in "
+                             "skin.json what they mean: baseline, pressing or "
+                             "negative_values"
+                           : ""));
+    }
+    // No negative zero.
+    taxels.f32[i / size * cells + cell] = static_cast<float>(value) + 0.0F;
+  }
+  return absl::OkStatus();
+}
+
+// True if the stored numbers times the scale are the values.
+bool StaysU16(const ArrayFile& file, const SkinFile& skin) {
+  return !file.array.u16.empty() && skin.cells.empty() && skin.baseline == 0 &&
+         !skin.baseline_from_idle && !skin.pressing_lowers &&
+         skin.events == EventRule::kNone;
+}
+
+}  // namespace
+
+absl::StatusOr<RecordedFrames> MakeFrames(const std::string& path,
+                                          const ArrayFile& file,
+                                          const SkinFile& skin,
+                                          double rate_hz) {
+  RecordedFrames frames;
+  frames.taxels.rows = skin.layout.rows;
+  frames.taxels.columns = skin.layout.columns;
+  if (skin.events != EventRule::kNone) {
+    TACTUS_ASSIGN_OR_RETURN(EventFrames events,
+                            MakeEventFrames(path, file, skin, rate_hz));
+    TACTUS_RETURN_IF_ERROR(Convert(path, events.numbers, skin, frames.taxels));
+    frames.time = std::move(events.time);
+    return frames;
+  }
+  TACTUS_ASSIGN_OR_RETURN(const RowColumns columns,
+                          FindColumns(path, file, skin));
+  if (StaysU16(file, skin)) {
+    frames.taxels.u16 = file.array.u16;
+    frames.taxels.scale = skin.scale;
+    return frames;
+  }
+  Numbers numbers = TakeNumbers(file, columns, skin.time_scale_s);
+  TACTUS_RETURN_IF_ERROR(Convert(path, numbers.values, skin, frames.taxels));
+  frames.time = std::move(numbers.time);
+  frames.poses = std::move(numbers.poses);
+  return frames;
+}
+
+absl::StatusOr<std::vector<Pose>> MakePoses(const std::string& path,
+                                            const ArrayFile& file) {
+  const std::vector<size_t>& shape = file.array.shape;
+  if (shape.size() != 2 || shape[1] != kPoseColumns.size()) {
+    return TrialFileInvalid(
+        path, absl::StrCat("has shape ", absl::StrJoin(shape, " x "),
+                           "; poses are frames x 7: ",
+                           absl::StrJoin(kPoseColumns, ", ")));
+  }
+  std::vector<Pose> poses;
+  for (size_t t = 0; t < shape[0]; ++t) {
+    std::array<double, 7> values;
+    for (size_t i = 0; i < values.size(); ++i) {
+      values[i] = file.Number(t * values.size() + i);
+    }
+    poses.push_back(PoseOf(values));
+  }
+  return poses;
+}
+
+}  // namespace tactus

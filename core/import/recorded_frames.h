@@ -1,0 +1,45 @@
+// File: recorded_frames.h
+//
+// The numbers of a recording as taxel frames of a skin: order, baseline, scale
+// and sign as a skin.json says.
+//
+//   TACTUS_ASSIGN_OR_RETURN(
+//       RecordedFrames frames,
+//       MakeFrames(path, file, skin, /*rate_hz=*/50));
+//
+// Thread-safe: a free function without state.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/data/trial.h"
+#include "core/files/array_file.h"
+#include "core/import/skin_file.h"
+
+namespace tactus {
+
+struct RecordedFrames {
+  TaxelSeries taxels;
+  // Seconds; empty if the file does not state them.
+  std::vector<double> time;
+  // One per frame; empty if the file does not state them.
+  std::vector<Pose> poses;
+};
+
+// `file` holds frames x taxels or frames x rows x columns numbers. A CSV file
+// with a header may also have a column `time`, and all of x, y, z, qx, qy, qz
+// and qw; the other columns are the taxels in order. Or, if skin.events says
+// so, it is a list of events (event_frames.h). Unsigned 16-bit numbers that
+// need no more than a scale stay as they are. TRIAL_FILE_INVALID names `path`,
+// the frame and the taxel.
+absl::StatusOr<RecordedFrames> MakeFrames(const std::string& path,
+                                          const ArrayFile& file,
+                                          const SkinFile& skin, double rate_hz);
+
+// [frames x 7] numbers x y z qx qy qz qw as poses.
+absl::StatusOr<std::vector<Pose>> MakePoses(const std::string& path,
+                                            const ArrayFile& file);
+
+}  // namespace tactus

@@ -1,0 +1,384 @@
+#include "core/import/skin_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <set>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+#include "core/base/text.h"
+#include "core/files/csv.h"
+#include "core/files/file_bytes.h"
+#include "core/skin/taxel_grid.h"
+#include "nlohmann/json.hpp"
+
+namespace tactus {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr char kFromIdle[] = "from idle frames";
+
+// Takes fields out of a JSON object one by one. The first mistake is kept, and
+// whatever was not asked for at the end is a mistake too.
+class Fields {
+ public:
+  Fields(std::string path, const Json& object)
+      : path_(std::move(path)), object_(object) {}
+
+  bool Has(const std::string& name) {
+    known_.insert(name);
+    return object_.contains(name);
+  }
+
+  void Text(const std::string& name, std::string* value) {
+    if (!Has(name)) return;
+    const Json& json = object_[name];
+    if (!json.is_string()) return Complain(name, json, "text");
+    *value = json.get<std::string>();
+    const std::string fault = TextFault(*value, limits::kMaxTrialTextBytes);
+    if (!fault.empty()) Complain(name, fault);
+  }
+
+  void Number(const std::string& name, double low, double high, double* value) {
+    if (!Has(name)) return;
+    const Json& json = object_[name];
+    // Written so that a NaN fails.
+    if (json.is_number() && json.get<double>() >= low &&
+        json.get<double>() <= high) {
+      *value = json.get<double>();
+      return;
+    }
+    Complain(name, json, absl::StrCat("a number from ", low, " to ", high));
+  }
+
+  void Whole(const std::string& name, int low, int high, int* value) {
+    if (!Has(name)) return;
+    const Json& json = object_[name];
+    if (json.is_number_integer() && json.get<int64_t>() >= low &&
+        json.get<int64_t>() <= high) {
+      *value = json.get<int>();
+      return;
+    }
+    Complain(name, json,
+             absl::StrCat("a whole number from ", low, " to ", high));
+  }
+
+  void Bool(const std::string& name, bool* value) {
+    if (!Has(name)) return;
+    const Json& json = object_[name];
+    if (!json.is_boolean()) return Complain(name, json, "true or false");
+    *value = json.get<bool>();
+  }
+
+  template <typename Value>
+  void Choice(const std::string& name,
+              const std::vector<std::pair<std::string, Value>>& choices,
+              Value* value) {
+    if (!Has(name)) return;
+    const Json& json = object_[name];
+    std::vector<std::string> names;
+    for (const auto& [text, chosen] : choices) {
+      if (json == text) {
+        *value = chosen;
+        return;
+      }
+      names.push_back(text);
+    }
+    Complain(name, json, absl::StrJoin(names, ", "));
+  }
+
+  const Json& At(const std::string& name) { return object_[name]; }
+
+  void Complain(const std::string& name, const Json& got,
+                absl::string_view want) {
+    Complain(name, absl::StrCat("is ", Printable(got.dump().substr(0, 60)),
+                                "; it must be ", want));
+  }
+  void Complain(const std::string& name, absl::string_view what) {
+    if (!status_.ok()) return;
+    status_ = TrialFileInvalid(path_, absl::StrCat(name, ": ", what));
+  }
+  void Complain(const absl::Status& status) {
+    if (status_.ok() && !status.ok()) {
+      status_ = TrialFileInvalid(path_, status.message());
+    }
+  }
+
+  absl::Status Finish() {
+    for (const auto& [name, value] : object_.items()) {
+      if (!known_.contains(name)) {
+        Complain(name, absl::StrCat("is not known; use ",
+                                    absl::StrJoin(known_, ", ")));
+      }
+    }
+    return status_;
+  }
+
+ private:
+  const std::string path_;
+  const Json& object_;
+  std::set<std::string> known_;
+  absl::Status status_;
+};
+
+absl::StatusOr<std::vector<Eigen::Vector3d>> ReadPositions(
+    const std::string& path) {
+  TACTUS_ASSIGN_OR_RETURN(const CsvTable table, CsvTable::Read(path));
+  const std::vector<absl::string_view> names = {"x", "y", "z"};
+  std::vector<size_t> columns;
+  for (const absl::string_view name : names) {
+    if (name == "z" && !table.Has(name)) break;
+    TACTUS_ASSIGN_OR_RETURN(const size_t column, table.Column(name));
+    columns.push_back(column);
+  }
+  std::vector<Eigen::Vector3d> positions;
+  for (size_t row = 0; row < table.rows(); ++row) {
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();
+    for (size_t axis = 0; axis < columns.size(); ++axis) {
+      TACTUS_ASSIGN_OR_RETURN(position[axis], table.Number(row, columns[axis]));
+    }
+    positions.push_back(position);
+  }
+  return positions;
+}
+
+// From the places of the taxels.
+absl::Status TakePositions(const std::string& path, SkinFile& skin) {
+  TACTUS_ASSIGN_OR_RETURN(const auto positions, ReadPositions(path));
+  auto grid = PlaceOnGrid(positions);
+  if (!grid.ok()) return Annotate(grid.status(), path);
+  skin.layout.rows = grid->rows;
+  skin.layout.columns = grid->columns;
+  skin.layout.row_pitch_m = grid->row_pitch_m;
+  skin.layout.column_pitch_m = grid->column_pitch_m;
+  skin.layout.mask = std::move(grid->mask);
+  skin.cells = std::move(grid->cells);
+  return absl::OkStatus();
+}
+
+void TakeShape(const std::string& folder, Fields& fields, SkinFile& skin) {
+  SkinLayout& layout = skin.layout;
+  fields.Text("name", &layout.name);
+  if (layout.name.empty()) fields.Complain("name", "is missing: name the skin");
+  std::string positions;
+  fields.Text("taxel_positions", &positions);
+  const bool shaped = fields.Has("rows") || fields.Has("columns") ||
+                      fields.Has("row_pitch_m") || fields.Has("column_pitch_m");
+  const bool preset = positions.empty() && !shaped;
+  if (preset) {
+    auto found = LayoutPreset(layout.name);
+    if (!found.ok()) {
+      return fields.Complain("rows",
+                             "is missing; give rows, columns and pitches, "
+                             "taxel_positions, or the name of a preset");
+    }
+    layout = *std::move(found);
+  } else if (shaped && !positions.empty()) {
+    return fields.Complain("taxel_positions",
+                           "is given with a shape; give one of the two");
+  } else if (!positions.empty()) {
+    fields.Complain(
+        TakePositions(std::filesystem::path(folder) / positions, skin));
+    layout.taxel_area_m2 = layout.row_pitch_m * layout.column_pitch_m;
+  } else {
+    for (const char* name :
+         {"rows", "columns", "row_pitch_m", "column_pitch_m"}) {
+      if (!fields.Has(name)) fields.Complain(name, "is missing");
+    }
+    fields.Whole("rows", 1, limits::kMaxRows, &layout.rows);
+    fields.Whole("columns", 1, limits::kMaxColumns, &layout.columns);
+    fields.Number("row_pitch_m", limits::kMinTaxelPitchM,
+                  limits::kMaxTaxelPitchM, &layout.row_pitch_m);
+    fields.Number("column_pitch_m", limits::kMinTaxelPitchM,
+                  limits::kMaxTaxelPitchM, &layout.column_pitch_m);
+    layout.taxel_area_m2 = layout.row_pitch_m * layout.column_pitch_m;
+  }
+  fields.Number("taxel_area_m2", limits::kMinTaxelAreaM2,
+                limits::kMaxTaxelAreaM2, &layout.taxel_area_m2);
+  fields.Bool("wrap_columns", &layout.wrap_columns);
+  int connectivity = layout.connectivity == Connectivity::kFour ? 4 : 8;
+  fields.Whole("connectivity", 4, 8, &connectivity);
+  if (connectivity != 4 && connectivity != 8) {
+    fields.Complain("connectivity", connectivity, "4 or 8");
+  }
+  layout.connectivity =
+      connectivity == 4 ? Connectivity::kFour : Connectivity::kEight;
+  if (!preset && !fields.Has("unit")) {
+    fields.Complain("unit", "is missing; give \"newton\" or \"counts\"");
+  }
+  fields.Choice<TaxelUnit>(
+      "unit", {{"newton", TaxelUnit::kNewton}, {"counts", TaxelUnit::kCounts}},
+      &layout.unit);
+}
+
+// `masked_taxels` counts in the order of the files.
+void TakeMask(Fields& fields, SkinFile& skin) {
+  if (!fields.Has("masked_taxels")) return;
+  const Json& list = fields.At("masked_taxels");
+  if (!list.is_array()) {
+    return fields.Complain("masked_taxels", list, "a list of taxels");
+  }
+  std::vector<uint8_t>& mask = skin.layout.mask;
+  if (mask.empty()) mask.assign(skin.layout.taxels(), 1);
+  for (const Json& taxel : list) {
+    if (!taxel.is_number_unsigned() ||
+        taxel.get<uint64_t>() >= skin.frame_size()) {
+      return fields.Complain(
+          "masked_taxels", taxel,
+          absl::StrCat("a taxel from 0 to ", skin.frame_size() - 1));
+    }
+    const auto index = taxel.get<size_t>();
+    mask[skin.cells.empty() ? index : skin.cells[index]] = 0;
+  }
+}
+
+void TakeThresholds(Fields& fields, SkinFile& skin) {
+  SkinLayout& layout = skin.layout;
+  if (fields.Has("thresholds")) {
+    if (fields.At("thresholds") != kFromIdle) {
+      fields.Complain("thresholds", fields.At("thresholds"),
+                      absl::StrCat("\"", kFromIdle, "\""));
+    }
+    if (fields.Has("contact_threshold") || fields.Has("onset_threshold")) {
+      fields.Complain("thresholds",
+                      "is given with contact_threshold or onset_threshold; "
+                      "give one of the two");
+    }
+    skin.thresholds_from_idle = true;
+    layout.contact_threshold = 0;
+    layout.onset_threshold = 0;
+    return;
+  }
+  fields.Number("contact_threshold", limits::kMinThreshold,
+                limits::kMaxTaxelValue, &layout.contact_threshold);
+  if (layout.contact_threshold == 0) {
+    fields.Complain("contact_threshold",
+                    "is missing; give it, or \"thresholds\": \"from idle "
+                    "frames\"");
+  }
+  layout.onset_threshold =
+      std::max(layout.onset_threshold, layout.contact_threshold);
+  fields.Number("onset_threshold", layout.contact_threshold,
+                limits::kMaxTaxelValue, &layout.onset_threshold);
+}
+
+void TakeNumbers(Fields& fields, SkinFile& skin) {
+  fields.Number("sample_rate_hz", limits::kMinSampleRateHz,
+                limits::kMaxSampleRateHz, &skin.sample_rate_hz);
+  fields.Number("scale", 1e-12, 1e12, &skin.scale);
+  fields.Number("time_scale_s", 1e-12, 1e3, &skin.time_scale_s);
+  fields.Whole("idle_frames", 1, 1'000'000, &skin.idle_frames);
+  fields.Number("idle_taxels", 1e-3, 0.9, &skin.idle_taxels);
+  if (fields.Has("baseline") && fields.At("baseline") == kFromIdle) {
+    skin.baseline_from_idle = true;
+  } else {
+    fields.Number("baseline", -1e12, 1e12, &skin.baseline);
+  }
+  fields.Choice<bool>("pressing", {{"raises", false}, {"lowers", true}},
+                      &skin.pressing_lowers);
+  fields.Choice<NegativeValues>("negative_values",
+                                {{"refused", NegativeValues::kRefused},
+                                 {"zero", NegativeValues::kZero},
+                                 {"absolute", NegativeValues::kAbsolute}},
+                                &skin.negative_values);
+  fields.Choice<EventRule>("events",
+                           {{"count", EventRule::kCount},
+                            {"sum", EventRule::kSum},
+                            {"hold", EventRule::kHold}},
+                           &skin.events);
+  if (skin.baseline_from_idle && skin.idle_frames == 0) {
+    fields.Complain("idle_frames",
+                    "is missing; the baseline is taken from idle frames");
+  }
+  if (skin.thresholds_from_idle && skin.idle_frames == 0 &&
+      skin.idle_taxels == 0) {
+    fields.Complain("idle_frames",
+                    "is missing, and so is idle_taxels; the thresholds are "
+                    "taken from one of them");
+  }
+  if (skin.idle_frames > 0 && skin.idle_taxels > 0) {
+    fields.Complain("idle_taxels",
+                    "is given with idle_frames; give one of the two");
+  }
+}
+
+void TakeTableFields(Fields& fields, SkinFile& skin) {
+  if (!fields.Has("fields")) return;
+  const Json& made = fields.At("fields");
+  if (!made.is_object()) {
+    return fields.Complain("fields", made, "an object of texts");
+  }
+  for (const auto& [name, value] : made.items()) {
+    const auto& known = TableFields();
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      return fields.Complain(absl::StrCat("fields.", name),
+                             absl::StrCat("is no field of a trial; use ",
+                                          absl::StrJoin(known, ", ")));
+    }
+    if (!value.is_string()) {
+      return fields.Complain(absl::StrCat("fields.", name), value,
+                             "text like \"{name of a column}\"");
+    }
+    skin.fields[name] = value.get<std::string>();
+  }
+}
+
+absl::StatusOr<Json> ParseObject(const std::string& path,
+                                 const std::string& text) {
+  // The library reports by exception only where the mistake is.
+  try {
+    Json json = Json::parse(text);
+    if (json.is_object()) return json;
+  } catch (const Json::parse_error& error) {
+    const auto end = text.begin() +
+                     static_cast<ptrdiff_t>(std::min(error.byte, text.size()));
+    return TrialFileInvalid(
+        path, absl::StrCat("line ", 1 + std::count(text.begin(), end, '\n'),
+                           ": is no JSON"));
+  } catch (const Json::out_of_range&) {
+    return TrialFileInvalid(path, "a number in it is too large");
+  }
+  return TrialFileInvalid(path, "must be one JSON object");
+}
+
+}  // namespace
+
+const std::vector<absl::string_view>& TableFields() {
+  static const auto* const fields = new std::vector<absl::string_view>{
+      "frames",   "id",        "label",    "condition",      "group", "object",
+      "material", "stiffness", "velocity", "sample_rate_hz", "time",  "pose"};
+  return *fields;
+}
+
+absl::StatusOr<SkinFile> ReadSkinFile(const std::string& path) {
+  TACTUS_ASSIGN_OR_RETURN(const std::string text,
+                          ReadFileBytes(path, limits::kMaxMessageBytes));
+  TACTUS_ASSIGN_OR_RETURN(const Json json, ParseObject(path, text));
+  SkinFile skin;
+  Fields fields(path, json);
+  TakeShape(std::filesystem::path(path).parent_path(), fields, skin);
+  TakeThresholds(fields, skin);
+  TakeNumbers(fields, skin);
+  TakeMask(fields, skin);
+  fields.Text("dataset", &skin.dataset);
+  fields.Text("bag_values", &skin.bag_values);
+  fields.Text("pose_topic", &skin.pose_topic);
+  fields.Text("table", &skin.table);
+  TakeTableFields(fields, skin);
+  TACTUS_RETURN_IF_ERROR(fields.Finish());
+  SkinLayout complete = skin.layout;
+  if (skin.thresholds_from_idle) {
+    complete.contact_threshold = complete.onset_threshold = 1;
+  }
+  if (const absl::Status status = Validate(complete); !status.ok()) {
+    return TrialFileInvalid(path, status.message());
+  }
+  return skin;
+}
+
+}  // namespace tactus
