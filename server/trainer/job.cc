@@ -42,33 +42,49 @@ struct Contacts {
   }
 };
 
+// Nothing if the trial was never felt.
+absl::StatusOr<std::optional<LabelledContact>> ReadContact(
+    FileSystem& files, const v1::JobSpec& spec, const std::string& sha256) {
+  const std::string path =
+      absl::StrCat(spec.blob_folder(), "/",
+                   absl::string_view(sha256).substr(0, 2), "/", sha256);
+  TACTUS_ASSIGN_OR_RETURN(
+      const std::string bytes,
+      ReadBlobFile(files, path, sha256, limits::kMaxTrialRecordBytes));
+  v1::TrialRecord record;
+  if (!record.ParseFromString(bytes)) {
+    return DataLost(path, "the trial cannot be parsed");
+  }
+  TACTUS_ASSIGN_OR_RETURN(const Trial trial, FromRecord(record));
+  return ExtractContact(trial);
+}
+
+// The contacts are in the order of the trials, whatever the threads do.
 absl::StatusOr<Contacts> ReadContacts(FileSystem& files,
                                       const v1::JobSpec& spec,
+                                      const ParallelFor& parallel,
                                       const Progress& progress) {
   const Progress part = progress.Part("read trials", 1);
+  const int count = spec.trials_size();
+  std::vector<std::optional<LabelledContact>> read(count);
+  std::vector<absl::Status> failures(count);
+  parallel(count, [&](int i) {
+    auto contact = ReadContact(files, spec, spec.trials(i));
+    if (contact.ok()) read[i] = *std::move(contact);
+    failures[i] = contact.status();
+    part.Add(1.0 / count);
+  });
   Contacts contacts;
-  for (const std::string& sha256 : spec.trials()) {
-    const std::string path =
-        absl::StrCat(spec.blob_folder(), "/",
-                     absl::string_view(sha256).substr(0, 2), "/", sha256);
-    TACTUS_ASSIGN_OR_RETURN(
-        const std::string bytes,
-        ReadBlobFile(files, path, sha256, limits::kMaxTrialRecordBytes));
-    v1::TrialRecord record;
-    if (!record.ParseFromString(bytes)) {
-      return DataLost(path, "the trial cannot be parsed");
-    }
-    TACTUS_ASSIGN_OR_RETURN(const Trial trial, FromRecord(record));
-    TACTUS_ASSIGN_OR_RETURN(auto contact, ExtractContact(trial));
-    if (contact.has_value()) {
-      if (!contacts.felt.empty()) {
-        TACTUS_RETURN_IF_ERROR(CheckOneSkin(contacts.felt.front(), *contact));
-      }
-      contacts.felt.push_back(*std::move(contact));
-    } else {
+  for (int i = 0; i < count; ++i) {
+    TACTUS_RETURN_IF_ERROR(failures[i]);
+    if (!read[i].has_value()) {
       ++contacts.never_felt;
+      continue;
     }
-    part.Add(1.0 / spec.trials_size());
+    if (!contacts.felt.empty()) {
+      TACTUS_RETURN_IF_ERROR(CheckOneSkin(contacts.felt.front(), *read[i]));
+    }
+    contacts.felt.push_back(*std::move(read[i]));
   }
   if (contacts.felt.empty()) {
     return InvalidTrainingData("no trial of the dataset has a contact");
@@ -95,8 +111,9 @@ absl::Status Train(FileSystem& files, const std::string& folder,
                    v1::OperationResult& result) {
   const v1::TrainSpec& train = spec.operation().train();
   TACTUS_ASSIGN_OR_RETURN(const FitOptions options, OptionsOf(train));
-  TACTUS_ASSIGN_OR_RETURN(const Contacts contacts,
-                          ReadContacts(files, spec, events->progress()));
+  TACTUS_ASSIGN_OR_RETURN(
+      const Contacts contacts,
+      ReadContacts(files, spec, parallel, events->progress()));
   auto used = contacts.Pointers();
   TACTUS_RETURN_IF_ERROR(SelectUsable(train, options, used, result));
   TACTUS_ASSIGN_OR_RETURN(Model model, FitModel(used, options, parallel,
@@ -131,8 +148,9 @@ absl::Status Evaluate(FileSystem& files, const std::string& folder,
                       const v1::JobSpec& spec, const ParallelFor& parallel,
                       EventWriter* events, v1::OperationResult& result) {
   const v1::EvaluateSpec& evaluate = spec.operation().evaluate();
-  TACTUS_ASSIGN_OR_RETURN(const Contacts contacts,
-                          ReadContacts(files, spec, events->progress()));
+  TACTUS_ASSIGN_OR_RETURN(
+      const Contacts contacts,
+      ReadContacts(files, spec, parallel, events->progress()));
   auto used = contacts.Pointers();
   absl::StatusOr<Evaluation> evaluation;
   if (evaluate.model_version().empty()) {
@@ -157,8 +175,9 @@ absl::Status Evaluate(FileSystem& files, const std::string& folder,
 absl::Status ComparePair(FileSystem& files, const std::string& folder,
                          const v1::JobSpec& spec, const ParallelFor& parallel,
                          EventWriter* events, v1::OperationResult& result) {
-  TACTUS_ASSIGN_OR_RETURN(const Contacts contacts,
-                          ReadContacts(files, spec, events->progress()));
+  TACTUS_ASSIGN_OR_RETURN(
+      const Contacts contacts,
+      ReadContacts(files, spec, parallel, events->progress()));
   const auto used = contacts.Pointers();
   TACTUS_ASSIGN_OR_RETURN(const Evaluation current,
                           EvaluateBundle(files, folder + "/current.tactus",

@@ -6,7 +6,10 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <functional>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "core/base/errors.h"
 #include "core/base/random.h"
@@ -129,6 +132,33 @@ TEST_F(ResumeTest, KilledTenTimesItMakesTheSameBundle) {
   ASSERT_EQ(Wait(Start(job)), 0);
   EXPECT_EQ(ReadBytes(job + "/bundle.tactus"), bundle);
   EXPECT_EQ(ReadBytes(job + "/result.pb"), ReadBytes(whole + "/result.pb"));
+}
+
+// Threads read the trials in any order; the bundle is the same.
+TEST_F(ResumeTest, TrialsAreReadByAllThreads) {
+  const int null = open("/dev/null", O_WRONLY);
+  EventWriter events(null);
+  const auto bundle = [&](const std::string& name,
+                          const ParallelFor& parallel) {
+    const std::string folder = NewJob(name);
+    std::filesystem::create_directory(folder + "/parts");
+    FileJournal journal(PosixFileSystem(), folder + "/parts", &events);
+    const absl::Status status =
+        RunJob(PosixFileSystem(), folder, parallel, &events, &journal);
+    EXPECT_TRUE(status.ok()) << status;
+    return ReadBytes(folder + "/bundle.tactus");
+  };
+  std::vector<int> counts;
+  const std::string backwards =
+      bundle("backwards", [&](int count, const std::function<void(int)>& body) {
+        counts.push_back(count);
+        for (int i = count - 1; i >= 0; --i) body(i);
+      });
+  ASSERT_FALSE(counts.empty());
+  EXPECT_EQ(counts.front(), spec_.trials_size());
+  EXPECT_FALSE(backwards.empty());
+  EXPECT_EQ(backwards, bundle("forwards", RunSerially));
+  close(null);
 }
 
 TEST_F(ResumeTest, BadJobsEndWithAnOutcomeOrAStatus) {
