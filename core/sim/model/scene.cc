@@ -1,5 +1,6 @@
 #include "core/sim/model/scene.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
@@ -29,6 +30,16 @@ void SetApproach(double seconds, ContactScene& scene) {
   const double fade = std::exp(-w * seconds);
   scene.lead_m = scene.velocity_m_s * seconds * fade;
   scene.touch_speed_m_s = scene.velocity_m_s * (1 - fade * (1 - w * seconds));
+}
+
+double ApproachPosition(double approach_s, double before_s,
+                        const ContactScene& scene) {
+  // v t - e of SetApproach is how far the arm has come after t seconds.
+  const double w = std::sqrt(scene.actuator_stiffness / scene.arm_mass_kg);
+  const auto way = [&](double t) {
+    return -scene.velocity_m_s * t * std::expm1(-w * t);
+  };
+  return way(std::max(approach_s - before_s, 0.0)) - way(approach_s);
 }
 
 absl::Status Validate(const ContactScene& scene) {

@@ -56,6 +56,11 @@ struct ContactScene {
 // lead_m, in closed form.
 void SetApproach(double seconds, ContactScene& scene);
 
+// Where the arm is `before_s` >= 0 before the touch if its approach takes
+// `approach_s`: metres from the place of the touch, 0 or below.
+double ApproachPosition(double approach_s, double before_s,
+                        const ContactScene& scene);
+
 // b_act of a critically damped arm (paper, eq. 10 with eta = 1), N s/m.
 double CriticalDamping(double actuator_stiffness, double arm_mass_kg);
 

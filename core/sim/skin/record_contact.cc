@@ -107,11 +107,19 @@ Trial RecordContact(const SimulatedContact& contact, const SkinModel& skin,
   trial.poses.reserve(frames);
   const Eigen::Vector3d normal = LinkNormal(skin.layout, placement.centre);
   const Cube& object = contact.spec.object;
+  const ContactScene scene = SceneOf(contact.spec);
   LineContact face(skin.layout, placement.centre);
   TaxelReader reader(skin, random, trial.taxels);
   for (size_t i = 0; i < frames; ++i) {
     FeatureVector sample = {0, 0, 0};
-    if (i >= lead_in) sample = contact.signals.samples[i - lead_in];
+    if (i >= lead_in) {
+      sample = contact.signals.samples[i - lead_in];
+    } else {
+      const double before_s =
+          static_cast<double>(lead_in - 1 - i) / kSkinRateHz;
+      sample[static_cast<int>(Feature::kMotion)] =
+          ApproachPosition(contact.spec.approach_s, before_s, scene);
+    }
     const double force = sample[static_cast<int>(Feature::kForce)];
     const double motion = sample[static_cast<int>(Feature::kMotion)];
     face.Press(std::max(force, 0.0),

@@ -10,7 +10,8 @@
 //
 // The object's face is pressed against the cover along a line
 // (line_contact.h). Frame `lead_in_frames - 1 + j` is read j / 100 s after the
-// touch. The same arguments give the same bits. Stateless; thread-safe with one
+// touch; before it the arm rests or, if it has an approach, moves freely. The
+// same arguments give the same bits. Stateless; thread-safe with one
 // generator for each thread.
 #pragma once
 

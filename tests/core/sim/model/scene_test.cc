@@ -103,7 +103,27 @@ TEST(SetApproachTest, TheArmHasMovedFreely) {
     }
     EXPECT_NEAR(scene.touch_speed_m_s, v, 1e-9) << seconds;
     EXPECT_NEAR(scene.lead_m, scene.velocity_m_s * seconds - x, 1e-9);
+    EXPECT_NEAR(ApproachPosition(seconds, seconds, scene), -x, 1e-9);
   }
+}
+
+TEST(SetApproachTest, PositionsBeforeTheTouchLeadToIt) {
+  ContactScene scene = GoodScene();
+  constexpr double kApproach = 0.3;
+  SetApproach(kApproach, scene);
+  const auto at = [&](double before) {
+    return ApproachPosition(kApproach, before, scene);
+  };
+  EXPECT_EQ(at(0), 0);
+  EXPECT_NEAR(-at(1e-6) / 1e-6, scene.touch_speed_m_s, 1e-6);
+  // It begins like an approach of half the time.
+  ContactScene shorter = scene;
+  SetApproach(kApproach / 2, shorter);
+  EXPECT_NEAR(at(kApproach / 2) - at(kApproach),
+              scene.velocity_m_s * kApproach / 2 - shorter.lead_m, 1e-15);
+  // It rests before it starts.
+  EXPECT_EQ(at(0.31), at(kApproach));
+  EXPECT_EQ(ApproachPosition(0, 1, scene), 0);
 }
 
 }  // namespace

@@ -132,6 +132,27 @@ TEST(RecordContactTest, PosesFollowTheArmWithGainAndNoise) {
   EXPECT_NEAR(std::sqrt(square), 0.0002, 2e-5);
 }
 
+// Far from its start a free arm moves as fast as its equilibrium point.
+TEST(RecordContactTest, PosesBeforeTheTouchFollowTheApproach) {
+  SimulatedContact contact = SteadyContact(1);
+  contact.spec.robot = {.stiffness = 2050, .velocity = 0.02};
+  Placement placement = Middle();
+  placement.pose_gain_error = 0.1;
+  placement.lead_in_frames = 30;
+  const SkinModel skin = IdealSkin();
+  const Eigen::Vector3d normal = LinkNormal(skin.layout, placement.centre);
+  Random random(6);
+  for (const double approach_s : {0.0, 0.9}) {
+    contact.spec.approach_s = approach_s;
+    const Trial trial = RecordContact(contact, skin, placement, random);
+    const double speed = approach_s > 0 ? 0.02 : 0;
+    for (int i = 0; i < 30; ++i) {
+      EXPECT_NEAR(trial.poses[i].position.dot(normal),
+                  1.1 * speed * (i - 29) / 100, 1e-9);
+    }
+  }
+}
+
 TEST(SkinModelTest, AnUnknownNameListsTheSkins) {
   const auto skin = SkinModelNamed("best");
   EXPECT_EQ(ReasonOf(skin.status()), "INVALID_CONFIG");
