@@ -28,10 +28,17 @@ Eigen::Vector3d WorldPosition(const Eigen::Vector3d& link_position,
   return pose.position + pose.orientation * link_position;
 }
 
+// The taxel nearest to a centroid.
+int NearestTaxel(const SkinLayout& layout, const SkinPoint& point) {
+  const auto row = static_cast<int>(std::lround(point.row));
+  const auto column = static_cast<int>(std::lround(point.column));
+  return row * layout.columns + column % layout.columns;
+}
+
 // True if a region as large and round as `region` around its centroid holds
 // `point`.
-bool Covers(const SkinLayout& layout, const Region& region,
-            const SkinPoint& point) {
+bool Reaches(const SkinLayout& layout, const Region& region,
+             const SkinPoint& point) {
   const double area =
       region.taxels * layout.row_pitch_m * layout.column_pitch_m;
   const double radius = std::sqrt(area / std::numbers::pi);
@@ -47,6 +54,7 @@ ContactTracker::ContactTracker(const SkinLayout& layout, const Options& options)
       onset_threshold_(TaxelThreshold(layout.onset_threshold)),
       release_frames_(ReleaseFrames(options)),
       measured_taxels_(options.reuse_unchanged ? layout.taxels() : 0),
+      recent_poses_(options.sample_rate_hz),
       row_loads_(options.load_profile ? layout.rows : 0),
       column_loads_(options.load_profile ? layout.columns : 0) {}
 
@@ -56,6 +64,7 @@ void ContactTracker::Reset() {
   released_ = false;
   reused_ = false;
   measured_ = false;
+  recent_poses_.Reset();
   features_ = FrameFeatures();
 }
 
@@ -67,6 +76,7 @@ bool ContactTracker::Unchanged(std::span<const float> taxels) const {
 const FrameFeatures& ContactTracker::Step(const FrameView& frame) {
   onset_ = false;
   released_ = false;
+  recent_poses_.Add(frame.pose, frame.missing_before);
   reused_ = Unchanged(frame.taxels);
   if (!reused_) {
     features_.region_count = segmenter_.Segment(frame.taxels);
@@ -107,6 +117,9 @@ void ContactTracker::Begin(const FrameView& frame) {
     pose_ = *frame.pose;
     onset_link_position_ = LinkPosition(layout_, onset_point_);
     onset_position_ = WorldPosition(onset_link_position_, pose_);
+    onset_normal_ = pose_.orientation * LinkNormal(layout_, onset_point_);
+    onset_error_ =
+        recent_poses_.NewestError(onset_link_position_, onset_normal_);
   }
 }
 
@@ -137,7 +150,11 @@ void ContactTracker::Measure(const FrameView& frame) {
       features_.profile = MakeLoadProfile(row_loads_, column_loads_);
     }
     features_.centroid = {region.centroid_row, region.centroid_column};
-    travelled_ = !Covers(layout_, region, onset_point_);
+    // A region with a hole, or in the shape of an L, may not hold the place of
+    // its own centroid; a long one may not reach one that it holds.
+    travelled_ =
+        !segmenter_.LargestHolds(NearestTaxel(layout_, onset_point_)) &&
+        !Reaches(layout_, region, onset_point_);
   } else {
     features_.max_force = 0;
     features_.net_force = 0;
@@ -156,7 +173,7 @@ double ContactTracker::Motion(const Pose* pose) {
       WorldPosition(travelled_ ? LinkPosition(layout_, features_.centroid)
                                : onset_link_position_,
                     pose_);
-  return (position - onset_position_).norm();
+  return onset_normal_.dot(position - onset_position_) + onset_error_;
 }
 
 }  // namespace tactus

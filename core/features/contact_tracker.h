@@ -22,6 +22,7 @@
 
 #include "Eigen/Core"
 #include "core/features/feature.h"
+#include "core/features/recent_poses.h"
 #include "core/features/segmenter.h"
 #include "core/skin/frame.h"
 #include "core/skin/geometry.h"
@@ -41,8 +42,10 @@ struct FrameFeatures {
   // Size of the largest region, in taxels and square metres; 0 if untouched.
   int area_taxels = 0;
   double area_m2 = 0;
-  // Distance of the contact from where it was at onset, in metres: in the world
-  // frame if frames come with poses, else of the centroid along the skin.
+  // How far the contact has moved since its onset, in metres. If frames come
+  // with poses: along the outward normal that the skin had at onset, in the
+  // world; above 0 outwards, i.e. into the object. Else the distance of the
+  // centroid from its place at onset, along the skin; never below 0.
   double motion_m = 0;
   // Load profile of the whole skin; zero if untouched, or if the tracker does
   // not compute it.
@@ -70,10 +73,16 @@ enum class ContactState { kNoContact, kInContact, kReleased };
 // missing in it. Frames that go missing between two touched frames do not end a
 // contact.
 //
-// With poses: as long as the region still covers the place where the contact
-// began, the motion is the motion of that place. A growing region moves its
-// centroid by whole taxels, and poses are a hundred times finer. After the
-// region has left the place, the motion is that of its centroid.
+// With poses the motion has a sign, so that the errors of the poses have a mean
+// of 0. It is measured from where the poses of the last 0.2 s put the contact
+// at onset (RecentPoses), because an error of one pose at onset would stay in
+// the whole contact. As long as the region still covers the place where the
+// contact began, the motion is the motion of that place. A growing region moves
+// its centroid by whole taxels, and poses are a hundred times finer. After the
+// region has left the place, the motion is that of its centroid. So a contact
+// that travels over the skin while the link rests moves on a cylinder by how
+// much lower the new place lies along the normal, and on a flat skin not at
+// all; a link that rolls over an object at rest does not move.
 //
 // While touch is lost, force and area are 0. The last touched point stays fixed
 // to the skin: it moves with the pose, and does not move without poses.
@@ -147,12 +156,17 @@ class ContactTracker {
   // and in the world.
   SkinPoint onset_point_;
   Eigen::Vector3d onset_link_position_;
+  Eigen::Vector3d onset_position_;
+  Eigen::Vector3d onset_normal_;
+  // How far onset_position_ probably lies beyond the true place, along
+  // onset_normal_.
+  double onset_error_ = 0;
   // The region has left the place where the contact began.
   bool travelled_ = false;
-  Eigen::Vector3d onset_position_;
   bool has_pose_ = false;
   // The latest pose of this contact.
   Pose pose_;
+  RecentPoses recent_poses_;
 
   // Empty without the load profile.
   std::vector<double> row_loads_;

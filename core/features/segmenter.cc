@@ -253,6 +253,12 @@ void Segmenter::Locate(int root) {
   largest_.centroid_column = CentroidColumn(column_sum);
 }
 
+bool Segmenter::LargestHolds(int taxel) const {
+  if (regions_ == 0) return false;
+  const std::vector<uint64_t>& bits = regions_ == 1 ? touched_ : selected_;
+  return (bits[taxel / 64] >> (taxel % 64) & 1) != 0;
+}
+
 void Segmenter::SumLoads(std::span<const float> taxels,
                          std::span<double> row_loads,
                          std::span<double> column_loads) const {

@@ -60,6 +60,9 @@ class Segmenter {
   // the smaller first_taxel. A zero Region if there is none.
   const Region& largest() const { return largest_; }
 
+  // True if the largest region has this taxel, by its row-major index.
+  bool LargestHolds(int taxel) const;
+
   // Largest value in any region; 0 if there is none.
   float peak() const { return peak_; }
 

@@ -9,6 +9,7 @@
 #include "core/features/cues.h"
 #include "core/features/feature.h"
 #include "core/features/load_profile.h"
+#include "core/features/recent_poses.h"
 #include "core/features/segmenter.h"
 #include "core/features/touched.h"
 #include "core/skin/taxel_values.h"
@@ -47,6 +48,13 @@ void LoadProfileExample(Segmenter& segmenter, const FrameView& frame,
   segmenter.Segment(frame.taxels);
   segmenter.SumLoads(frame.taxels, row_loads, column_loads);
   const LoadProfile profile = MakeLoadProfile(row_loads, column_loads);
+}
+
+void RecentPosesExample(const Pose& pose, const Eigen::Vector3d& place,
+                        const Eigen::Vector3d& direction) {
+  RecentPoses poses(/*sample_rate_hz=*/100);
+  poses.Add(&pose, /*missing_before=*/0);
+  const double error_m = poses.NewestError(place, direction);
 }
 
 void SegmenterExample(const SkinLayout& layout, const FrameView& frame) {

@@ -216,17 +216,36 @@ TEST(ContactTrackerTest, NegativeReleaseTimeMeansNever) {
   EXPECT_EQ(script.state(), kInContact);
 }
 
-TEST(ContactTrackerTest, MotionWithPosesIsMeasuredInTheWorld) {
+TEST(ContactTrackerTest, MotionWithPosesIsAlongTheNormalInTheWorld) {
   Script script(MakeLayout());
+  // The skin's normal, z in the link, points along x.
   Pose pose;
+  pose.orientation =
+      Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d(0, 1, 0));
   pose.position = {1, 2, 3};
   script.Touch(5, 0, 0, &pose);
-  // The link moves 3 mm and the contact slides 40 mm along x the other way.
-  pose.position.x() -= 0.003;
-  EXPECT_NEAR(script.Touch(5, 0, 2, &pose).motion_m, 0.037, 1e-12);
-  // A contact carried back to where it began has not moved.
-  pose.position.x() -= 0.037;
-  EXPECT_NEAR(script.Touch(5, 0, 2, &pose).motion_m, 0, 1e-12);
+  pose.position.x() += 0.003;
+  EXPECT_NEAR(script.Touch(5, 0, 0, &pose).motion_m, 0.003, 1e-12);
+  pose.position.x() -= 0.007;
+  EXPECT_NEAR(script.Touch(5, 0, 0, &pose).motion_m, -0.004, 1e-12);
+  // Neither a link that slides along the skin nor a contact that does.
+  pose.position += Eigen::Vector3d(0, 0.05, -0.04);
+  EXPECT_NEAR(script.Touch(5, 0, 0, &pose).motion_m, -0.004, 1e-12);
+  EXPECT_NEAR(script.Touch(5, 3, 2, &pose).motion_m, -0.004, 1e-12);
+}
+
+// Ten poses, half of them 1 mm too far and half too near, the onset's too far.
+TEST(ContactTrackerTest, MotionBeginsAtTheMeanOfNoisyPoses) {
+  Script script(MakeLayout());
+  Pose pose;
+  for (int i = 0; i < 9; ++i) {
+    pose.position.z() = i % 2 == 0 ? 0.999 : 1.001;
+    script.None(&pose);
+  }
+  pose.position.z() = 1.001;
+  EXPECT_NEAR(script.Touch(5, 0, 0, &pose).motion_m, 0.001, 1e-12);
+  pose.position.z() = 0.999;
+  EXPECT_NEAR(script.Touch(5, 0, 0, &pose).motion_m, -0.001, 1e-12);
 }
 
 // A hard, fixed object: the region grows to one side while the link rests, so
@@ -251,20 +270,47 @@ TEST(ContactTrackerTest, WithPosesGrowthIsNotTravel) {
               1e-15);
 }
 
+// The region has grown away from the taxel of the onset, whose place it holds.
+TEST(ContactTrackerTest, ALongRegionHasNotTravelled) {
+  const SkinLayout layout = MakeLayout(/*wrap=*/true);
+  ContactTracker tracker(layout, {});
+  std::vector<float> taxels(layout.taxels());
+  Pose pose;
+  taxels[0] = 5;
+  tracker.Step({.taxels = taxels, .pose = &pose});
+  for (int row = 0; row < 6; ++row) taxels[row * 8] = 5;
+  for (int row = 3; row < 6; ++row) taxels[row * 8 + 1] = 5;
+  pose.position.x() += 0.004;
+  EXPECT_NEAR(tracker.Step({.taxels = taxels, .pose = &pose}).motion_m, 0.004,
+              1e-15);
+  EXPECT_EQ(tracker.features().centroid.row, 3);
+  // Of two regions only the larger one counts.
+  for (int row = 1; row < 3; ++row) taxels[row * 8] = 0;
+  EXPECT_LT(tracker.Step({.taxels = taxels, .pose = &pose}).motion_m, 0.003);
+}
+
 TEST(ContactTrackerTest, MotionWithPosesFollowsRotation) {
   Script script(MakeLayout());
   Pose pose;
   script.Touch(5, 0, 5, &pose);
-  // 0.1 m from the axis: a quarter turn is a chord of 0.1 sqrt(2).
-  pose.orientation =
-      Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d(0, 0, 1));
-  EXPECT_NEAR(script.Touch(5, 0, 5, &pose).motion_m, 0.1 * std::sqrt(2.0),
+  // 0.1 m from the axis: a turn by 0.3 rad lifts it by 0.1 sin(0.3).
+  pose.orientation = Eigen::AngleAxisd(0.3, Eigen::Vector3d(0, -1, 0));
+  EXPECT_NEAR(script.Touch(5, 0, 5, &pose).motion_m, 0.1 * std::sin(0.3),
               1e-12);
-  // Rolling: what slides along the skin can rest in the world.
-  pose.orientation =
-      Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d(0, 1, 0));
-  pose.position = {0.2, 0, 0};
+  // A link that turns about the place of the contact does not move it.
+  pose.position = {0.1 - 0.1 * std::cos(0.3), 0, -0.1 * std::sin(0.3)};
   EXPECT_NEAR(script.Touch(5, 0, 5, &pose).motion_m, 0, 1e-12);
+}
+
+// A cylinder rolls over an object at rest: a quarter turn moves the contact by
+// a quarter of the columns, and its axis not at all.
+TEST(ContactTrackerTest, ALinkThatTurnsUnderAnObjectDoesNotMove) {
+  Script script(MakeLayout(/*wrap=*/true));
+  Pose pose;
+  script.Touch(5, 0, 7, &pose);
+  pose.orientation =
+      Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d(0, 0, -1));
+  EXPECT_NEAR(script.Touch(5, 0, 1, &pose).motion_m, 0, 1e-12);
 }
 
 TEST(ContactTrackerTest, WhileTouchIsLostThePlaceMovesWithThePose) {
@@ -272,10 +318,10 @@ TEST(ContactTrackerTest, WhileTouchIsLostThePlaceMovesWithThePose) {
   Pose pose;
   script.Touch(5, 0, 0, &pose);
   script.Touch(5, 0, 1, &pose);
-  pose.position = {0.01, 0, 0};
-  EXPECT_NEAR(script.None(&pose).motion_m, 0.03, 1e-12);
+  pose.position = {0, 0, 0.01};
+  EXPECT_NEAR(script.None(&pose).motion_m, 0.01, 1e-12);
   // A frame without its pose rests at the last one.
-  EXPECT_NEAR(script.None().motion_m, 0.03, 1e-12);
+  EXPECT_NEAR(script.None().motion_m, 0.01, 1e-12);
 }
 
 TEST(ContactTrackerTest, EachContactUsesItsOwnOnsetPose) {
@@ -286,7 +332,7 @@ TEST(ContactTrackerTest, EachContactUsesItsOwnOnsetPose) {
   ASSERT_EQ(script.state(), kReleased);
   pose.position = {7, 0, 0};
   EXPECT_EQ(script.Touch(5, 0, 0, &pose).motion_m, 0);
-  pose.position = {7, 0.5, 0};
+  pose.position = {7, 0, 0.5};
   EXPECT_NEAR(script.Touch(5, 0, 0, &pose).motion_m, 0.5, 1e-12);
 }
 
@@ -301,13 +347,14 @@ TEST(ContactTrackerTest, TravelOnAWrappedSkinCrossesTheSeam) {
   EXPECT_NEAR(script.Touch(5, 0, 3).motion_m, 0.06, 1e-12);
 }
 
-TEST(ContactTrackerTest, TravelOnACylinderWithPosesIsAChord) {
+// A quarter of the way round, the skin lies a radius lower.
+TEST(ContactTrackerTest, TravelOnACylinderWithPosesIsItsDepth) {
   const SkinLayout layout = MakeLayout(/*wrap=*/true);
   Script script(layout);
   Pose pose;
   script.Touch(5, 0, 7, &pose);
-  EXPECT_NEAR(script.Touch(5, 0, 1, &pose).motion_m,
-              std::sqrt(2.0) * layout.CylinderRadius(), 1e-12);
+  EXPECT_NEAR(script.Touch(5, 0, 1, &pose).motion_m, -layout.CylinderRadius(),
+              1e-12);
 }
 
 TEST(ContactTrackerTest, MaskedTaxelsNeverBeginAContact) {
