@@ -134,7 +134,7 @@ void Vary(const LabelledContact& contact, const ContactNoise& noise,
   const auto vary_features = [&](size_t t, FeatureVector& features) {
     double& motion = features[kMotionAt];
     features[kForceAt] = varied_force(features[kForceAt], peak_noise, t);
-    motion = std::abs(load * motion + motion_noise * deviates[2 * t + 1]);
+    motion = load * motion + motion_noise * deviates[2 * t + 1];
   };
   for (size_t t = 0; t < varied.frames.size(); ++t) {
     if (varied.frames.plain()) {

@@ -96,11 +96,12 @@ absl::Status PieceSinkExample(const ContactScene& scene, PieceSink& sampler) {
   return absl::OkStatus();
 }
 
-absl::Status CodySetExample(const SkinLayout& layout, uint64_t seed) {
+absl::Status CodySetExample(const SkinLayout& layout, const SkinModel& skin,
+                            uint64_t seed) {
   for (const CodySpec& spec : CodySpecs(layout, seed)) {
     TACTUS_ASSIGN_OR_RETURN(auto contact, SimulateContact(spec.contact));
     TACTUS_ASSIGN_OR_RETURN(Trial trial,
-                            CodyTaxelTrial(spec, contact, layout, {}, seed));
+                            CodySkinTrial(spec, contact, skin, seed));
   }
   return absl::OkStatus();
 }

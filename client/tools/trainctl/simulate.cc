@@ -197,9 +197,11 @@ void AddSimulate(CLI::App& app, const SelectCommand& select) {
   AddOneContactFlags(*command, *one);
   command->callback([=] {
     select([=] {
-      if (flags->protocol == "random" && flags->skin.empty()) {
-        flags->skin = "good";
-      }
+      // What only skins record is recorded by the skin of today's electronics.
+      const bool by_skin =
+          flags->protocol == "random" ||
+          (flags->protocol == "cody" && flags->sensor == "taxels");
+      if (by_skin && flags->skin.empty()) flags->skin = "good";
       return one->scene.empty() ? RunSimulate(*flags)
                                 : SimulateOne(*one, std::cout);
     });

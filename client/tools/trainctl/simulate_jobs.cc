@@ -82,25 +82,23 @@ SimulateJob PairJob(const TrialSpec& spec, bool name_goal,
   };
 }
 
-SimulateJob CodyJob(const CodySpec& spec, const SimulateFlags& flags,
-                    const SkinLayout& layout) {
-  return
-      [&flags, &layout, spec]() -> absl::StatusOr<std::vector<SensedContact>> {
-        TACTUS_ASSIGN_OR_RETURN(const SimulatedContact contact,
-                                SimulateContact(spec.contact));
-        SensedContact sensed;
-        sensed.clamped = contact.signals.clamped > 0;
-        if (flags.taxels()) {
-          TACTUS_ASSIGN_OR_RETURN(
-              sensed.trial,
-              CodyTaxelTrial(spec, contact, layout, flags.render, flags.seed));
-        } else {
-          TACTUS_ASSIGN_OR_RETURN(
-              sensed.trial,
-              CodySignalTrial(spec, contact, SignalNoise(), flags.seed));
-        }
-        return std::vector<SensedContact>{std::move(sensed)};
-      };
+SimulateJob CodyJob(const CodySpec& spec, const SimulateFlags& flags) {
+  return [&flags, spec]() -> absl::StatusOr<std::vector<SensedContact>> {
+    TACTUS_ASSIGN_OR_RETURN(const SimulatedContact contact,
+                            SimulateContact(spec.contact));
+    SensedContact sensed;
+    sensed.clamped = contact.signals.clamped > 0;
+    if (!flags.skin.empty()) {
+      TACTUS_ASSIGN_OR_RETURN(const SkinModel skin, SkinModelNamed(flags.skin));
+      TACTUS_ASSIGN_OR_RETURN(sensed.trial,
+                              CodySkinTrial(spec, contact, skin, flags.seed));
+    } else {
+      TACTUS_ASSIGN_OR_RETURN(
+          sensed.trial,
+          CodySignalTrial(spec, contact, SignalNoise(), flags.seed));
+    }
+    return std::vector<SensedContact>{std::move(sensed)};
+  };
 }
 
 SimulateJobs PaperJobs(const SimulateFlags& flags, const SkinLayout& layout,
@@ -126,9 +124,9 @@ SimulateJobs GridJobs(const SimulateFlags& flags, const SkinLayout& layout,
 
 absl::StatusOr<SimulateJobs> CodyJobs(const SimulateFlags& flags,
                                       const SkinLayout& layout) {
-  if (!flags.skin.empty()) {
-    return InvalidConfig("--skin with --protocol=cody", flags.skin,
-                         "--sensor, or another protocol");
+  if (flags.taxels() && flags.skin.empty()) {
+    return InvalidConfig("--sensor with --protocol=cody", flags.sensor,
+                         "signals, or --skin");
   }
   if (!flags.stiffnesses.empty() || !flags.velocities.empty() ||
       !flags.goals.empty() || !flags.materials.empty()) {
@@ -137,7 +135,7 @@ absl::StatusOr<SimulateJobs> CodyJobs(const SimulateFlags& flags,
   }
   std::vector<SimulateJob> jobs;
   for (const CodySpec& spec : CodySpecs(layout, flags.seed)) {
-    jobs.push_back(CodyJob(spec, flags, layout));
+    jobs.push_back(CodyJob(spec, flags));
   }
   return JobsOf(std::move(jobs));
 }

@@ -4,28 +4,30 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "core/base/random.h"
-#include "core/base/status_macros.h"
+#include "core/features/contact_tracker.h"
 #include "core/sim/skin/block_filter.h"
+#include "core/sim/skin/record_contact.h"
 
 namespace tactus {
 namespace {
 
-// Name, hard, movable, stiffness, mass, friction, edge, Poisson's ratio. The
-// free ones yield to less than the 0.6 N that the most compliant, slowest arm
-// reaches within the window: in the paper, all of them moved.
+// Name, hard, movable, stiffness, mass, friction. The free ones yield to less
+// than the 0.6 N that the most compliant, slowest arm reaches within the
+// window: in the paper, all of them moved.
 constexpr CodyObject kObjects[] = {
-    {"foliage", false, true, 630, 0.10, {0.50, 0.40}, 0.060, 0.30},
-    {"foam-block", false, true, 850, 0.05, {0.60, 0.48}, 0.055, 0.30},
-    {"sponge-roll", false, true, 1150, 0.08, {0.55, 0.44}, 0.050, 0.30},
-    {"stuffed-toy", false, true, 1500, 0.11, {0.45, 0.36}, 0.045, 0.30},
-    {"polystyrene-cylinder", true, true, 8e3, 0.06, {0.45, 0.36}, 0.035, 0.30},
-    {"plastic-bin", true, true, 3e4, 0.15, {0.30, 0.24}, 0.030, 0.40},
-    {"balsa-box", true, true, 1e5, 0.12, {0.40, 0.32}, 0.035, 0.38},
-    {"iron-bucket", true, false, 2e5, 8.00, {0.60, 0.48}, 0.030, 0.27},
+    {"foliage", false, true, 630, 0.10, {0.50, 0.40}},
+    {"foam-block", false, true, 850, 0.05, {0.60, 0.48}},
+    {"sponge-roll", false, true, 1150, 0.08, {0.55, 0.44}},
+    {"stuffed-toy", false, true, 1500, 0.11, {0.45, 0.36}},
+    {"polystyrene-cylinder", true, true, 8e3, 0.06, {0.45, 0.36}},
+    {"plastic-bin", true, true, 3e4, 0.15, {0.30, 0.24}},
+    {"balsa-box", true, true, 1e5, 0.12, {0.40, 0.32}},
+    {"iron-bucket", true, false, 2e5, 8.00, {0.60, 0.48}},
 };
 
 constexpr double kJointStiffnesses[] = {2.01, 20.1};  // Nm/rad
@@ -45,20 +47,24 @@ constexpr double kFirstColumn = 4;
 constexpr double kLastColumn = 8;
 // Where the object stands: angle of first contact, +- deg.
 constexpr double kPlacementDeg = 2;
+// Edge of the face, m, and Poisson's ratio, of soft and hard objects alike.
+constexpr double kSmallestFace = 0.03;
+constexpr double kLargestFace = 0.06;
+constexpr double kSmallestPoisson = 0.27;
+constexpr double kLargestPoisson = 0.40;
 // Relative differences, +-.
 constexpr double kMassShare = 0.02;
 constexpr double kFrictionShare = 0.15;
-constexpr double kEdgeShare = 0.15;
 
 // Apart from the streams of the trials' noise.
 constexpr uint64_t kCodyStream = uint64_t{1} << 33;
+constexpr uint64_t kCodySkinStream = uint64_t{1} << 35;
 
 double Radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
 // The object as a cube with its mass, stiffness and face.
 Cube CubeOf(const CodyObject& object, Random& random) {
-  const double edge =
-      object.edge_m * random.Uniform(1 - kEdgeShare, 1 + kEdgeShare);
+  const double edge = random.Uniform(kSmallestFace, kLargestFace);
   const double mass =
       object.mass_kg * random.Uniform(1 - kMassShare, 1 + kMassShare);
   const double grip = random.Uniform(1 - kFrictionShare, 1 + kFrictionShare);
@@ -70,7 +76,7 @@ Cube CubeOf(const CodyObject& object, Random& random) {
   material.density = mass / (edge * edge * edge);
   material.wood = table;
   material.glass = table;
-  material.poisson_ratio = object.poisson_ratio;
+  material.poisson_ratio = random.Uniform(kSmallestPoisson, kLargestPoisson);
   return {material, edge, Surface::kWood};
 }
 
@@ -100,16 +106,15 @@ size_t WindowFrames() {
   return static_cast<size_t>(std::lround(kCodyWindowS * kSkinRateHz));
 }
 
-// The first frame some taxel of which reaches the onset threshold, as the
-// pipeline computes it (single precision), or `otherwise`.
+// The frame at which the feature path begins a contact, or `otherwise`.
 size_t OnsetFrame(const Trial& trial, const SkinLayout& layout,
                   size_t otherwise) {
-  const size_t taxels = layout.taxels();
-  const float threshold = static_cast<float>(layout.onset_threshold);
-  for (size_t i = 0; i < trial.taxels.u16.size(); ++i) {
-    const bool valid = layout.mask.empty() || layout.mask[i % taxels] != 0;
-    const double value = trial.taxels.u16[i] * trial.taxels.scale;
-    if (valid && static_cast<float>(value) >= threshold) return i / taxels;
+  ContactTracker tracker(layout, {.sample_rate_hz = kSkinRateHz});
+  std::vector<float> taxels(layout.taxels());
+  for (size_t t = 0; t < trial.taxels.frames(); ++t) {
+    trial.taxels.Decode(t, taxels.data());
+    tracker.Step({.taxels = taxels});
+    if (tracker.onset()) return t;
   }
   return otherwise;
 }
@@ -163,21 +168,27 @@ absl::StatusOr<Trial> CodySignalTrial(const CodySpec& spec,
   return trial;
 }
 
-absl::StatusOr<Trial> CodyTaxelTrial(const CodySpec& spec,
-                                     const SimulatedContact& contact,
-                                     const SkinLayout& layout,
-                                     const RenderOptions& options,
-                                     uint64_t seed) {
-  RenderOptions placed = options;
-  placed.centre = spec.centre;
-  TACTUS_ASSIGN_OR_RETURN(Trial trial,
-                          TaxelTrial(contact, layout, placed, seed));
-  const size_t onset = OnsetFrame(trial, layout, options.lead_in_frames);
-  const size_t frames = std::min(onset + WindowFrames(), trial.time.size());
+absl::StatusOr<Trial> CodySkinTrial(const CodySpec& spec,
+                                    const SimulatedContact& contact,
+                                    const SkinModel& skin, uint64_t seed) {
+  Random random =
+      Random::ForStream(seed, kCodySkinStream + contact.spec.number);
+  Placement placement = DrawPlacement(skin.layout, random);
+  placement.centre = spec.centre;
+  Trial trial = RecordContact(contact, skin, placement, random);
+  const size_t touch = placement.lead_in_frames;
+  const size_t frames =
+      std::min(OnsetFrame(trial, skin.layout, touch) + WindowFrames(),
+               trial.time.size());
   trial.time.resize(frames);
   trial.poses.resize(frames);
   trial.object_motion.resize(frames);
-  trial.taxels.u16.resize(frames * layout.taxels());
+  const size_t readings = frames * skin.layout.taxels();
+  if (trial.taxels.u16.empty()) {
+    trial.taxels.f32.resize(readings);
+  } else {
+    trial.taxels.u16.resize(readings);
+  }
   Describe(spec, trial);
   return trial;
 }

@@ -9,14 +9,16 @@
 //   for (const CodySpec& spec : CodySpecs(layout, seed)) {
 //     TACTUS_ASSIGN_OR_RETURN(auto contact, SimulateContact(spec.contact));
 //     TACTUS_ASSIGN_OR_RETURN(
-//         Trial trial, CodyTaxelTrial(spec, contact, layout, {}, seed));
+//         Trial trial, CodySkinTrial(spec, contact, skin, seed));
 //   }
 //
 // From the paper: the counts, 2.01 and 20.1 Nm/rad, 5 and 20 deg/s, hard
 // objects of 8,000 to 100,000 N/m and above, soft ones of 630 to 1,500 N/m, a
 // heavy iron bucket that is never moved. The paper does not state the rest, so
-// we chose it: the objects, their masses, friction and faces, the lever arm,
-// the goal, and the differences between repetitions (docs/virtual-cody.md).
+// we chose it: the objects, their masses and friction, the lever arm, the goal,
+// and the differences between repetitions (docs/virtual-cody.md). The faces of
+// all objects are drawn from one distribution, so that size alone
+// names no material.
 //
 // Stateless; thread-safe. Same arguments, same bits.
 #pragma once
@@ -29,9 +31,9 @@
 #include "absl/status/statusor.h"
 #include "core/data/trial.h"
 #include "core/sim/model/trial_spec.h"
-#include "core/sim/skin/render.h"
 #include "core/sim/skin/signals.h"
 #include "core/sim/skin/simulated_contact.h"
+#include "core/sim/skin/skin_model.h"
 #include "core/skin/geometry.h"
 #include "core/skin/layout.h"
 
@@ -51,9 +53,6 @@ struct CodyObject {
   double stiffness;  // N/m, whole object
   double mass_kg;
   Friction table;
-  // Properties of the face that touches the forearm.
-  double edge_m;
-  double poisson_ratio;
 };
 
 // All eight; the four soft ones first.
@@ -76,19 +75,16 @@ double CodyLeverArm(const SkinLayout& layout, double row);
 // `layout` is the forearm's.
 std::vector<CodySpec> CodySpecs(const SkinLayout& layout, uint64_t seed);
 
-// The window's trial, with signals or with taxel frames. Its label is H or S by
-// the object, and M or U by the object's motion at the end of the window.
+// The window's trial, with signals or as a skin records it. Its label is H or S
+// by the object, and M or U by the object's motion at the end of the window.
 // Condition, object and material name what the paper varies, so that
-// leave-one-material-out leaves out one object. If the skin does not detect the
-// contact, the window is 1.2 s from the touch on. INVALID_SCENE for options
-// that do not fit the layout.
+// leave-one-material-out leaves out one object. If the skin does not feel the
+// contact, the window is 1.2 s from the touch on.
 absl::StatusOr<Trial> CodySignalTrial(const CodySpec& spec,
                                       const SimulatedContact& contact,
                                       const SignalNoise& noise, uint64_t seed);
-absl::StatusOr<Trial> CodyTaxelTrial(const CodySpec& spec,
-                                     const SimulatedContact& contact,
-                                     const SkinLayout& layout,
-                                     const RenderOptions& options,
-                                     uint64_t seed);
+absl::StatusOr<Trial> CodySkinTrial(const CodySpec& spec,
+                                    const SimulatedContact& contact,
+                                    const SkinModel& skin, uint64_t seed);
 
 }  // namespace tactus

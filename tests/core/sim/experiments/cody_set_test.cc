@@ -127,7 +127,7 @@ TEST(CodySignalTrialTest, TheTruthIsCutWithTheWindow) {
   const auto contact = SimulateContact(spec.contact);
   ASSERT_TRUE(contact.ok());
   const auto signals = CodySignalTrial(spec, *contact, {}, 1);
-  const auto taxels = CodyTaxelTrial(spec, *contact, Forearm(), {}, 1);
+  const auto taxels = CodySkinTrial(spec, *contact, *SkinModelNamed("good"), 1);
   ASSERT_TRUE(signals.ok() && taxels.ok());
   EXPECT_EQ(signals->object_motion.size(), signals->time.size());
   EXPECT_EQ(taxels->object_motion.size(), taxels->time.size());
@@ -138,35 +138,65 @@ TEST(CodySignalTrialTest, TheTruthIsCutWithTheWindow) {
               0.02 * spec.contact.robot.velocity);
 }
 
-TEST(CodyTaxelTrialTest, KeepsTheWindowAfterOnset) {
+TEST(CodySkinTrialTest, KeepsTheWindowAfterOnset) {
   const CodySpec spec = Find("foliage", false, 2.01, 5);
   const auto contact = SimulateContact(spec.contact);
   ASSERT_TRUE(contact.ok());
-  const auto trial = CodyTaxelTrial(spec, *contact, Forearm(), {}, 1);
+  SkinModel skin = *SkinModelNamed("good");
+  skin.noise_n = 0;
+  const auto trial = CodySkinTrial(spec, *contact, skin, 1);
   ASSERT_TRUE(trial.ok()) << trial.status();
   // The paper's threshold, 0.02 N here, is 20 steps of 1 mN.
   size_t first = 0;
   while (trial->taxels.u16[first] < 20) ++first;
-  EXPECT_EQ(trial->taxels.u16.size() / 384, first / 384 + 120);
-  EXPECT_EQ(trial->time.size(), trial->taxels.u16.size() / 384);
-  EXPECT_EQ(trial->poses.size(), trial->taxels.u16.size() / 384);
+  const size_t frames = trial->taxels.u16.size() / 384;
+  EXPECT_LE(frames, first / 384 + 120);
+  EXPECT_GE(frames, 120u);
+  EXPECT_EQ(trial->time.size(), frames);
+  EXPECT_EQ(trial->poses.size(), frames);
   EXPECT_EQ(trial->label, "SM");
   EXPECT_EQ(trial->object, "foliage");
   EXPECT_EQ(trial->layout, "cody-forearm");
 }
 
-TEST(CodyTaxelTrialTest, AnUnfeltContactKeepsTheWindowAfterTheTouch) {
+TEST(CodySkinTrialTest, AnUnfeltContactKeepsTheWindowAfterTheTouch) {
   const CodySpec spec = Find("iron-bucket", true, 2.01, 5);
   const auto contact = SimulateContact(spec.contact);
   ASSERT_TRUE(contact.ok());
-  RenderOptions numb;
-  numb.unit_per_newton = 1e-6;
-  const auto trial = CodyTaxelTrial(spec, *contact, Forearm(), numb, 1);
+  SkinModel numb = *SkinModelNamed("good");
+  numb.noise_n = 0;
+  numb.step_n = 1e3;
+  const auto trial = CodySkinTrial(spec, *contact, numb, 1);
   ASSERT_TRUE(trial.ok()) << trial.status();
-  EXPECT_FALSE(Detectable(*trial, Forearm()));
-  EXPECT_EQ(trial->taxels.u16.size() / 384, 130u);
+  EXPECT_EQ(trial->taxels.u16.size() / 384,
+            static_cast<size_t>(Placement().lead_in_frames) + 120);
   EXPECT_EQ(trial->label, "HU");
   EXPECT_EQ(trial->object, "iron-bucket-held");
+}
+
+// A threshold on the size of the face answers hard or soft no better than
+// chance; it was right for 98 % when each object had its own face.
+TEST(CodySpecsTest, FacesDoNotGiveHardnessAway) {
+  std::vector<std::pair<double, bool>> faces;
+  for (uint64_t seed = 1; seed <= 10; ++seed) {
+    for (const CodySpec& spec : CodySpecs(Forearm(), seed)) {
+      faces.emplace_back(spec.contact.object.edge_m, spec.object.hard);
+    }
+  }
+  std::ranges::sort(faces);
+  const auto hard = static_cast<double>(std::ranges::count_if(
+      faces, [](const auto& face) { return face.second; }));
+  const double count = static_cast<double>(faces.size());
+  double best = 0;
+  double hard_below = 0;
+  for (size_t below = 0; below <= faces.size(); ++below) {
+    const double right =
+        hard_below + (count - hard) - (static_cast<double>(below) - hard_below);
+    best = std::max({best, right / count, 1 - right / count});
+    if (below < faces.size()) hard_below += faces[below].second;
+  }
+  // The larger of the two shares is 0.533.
+  EXPECT_LT(best, 0.57);
 }
 
 }  // namespace
