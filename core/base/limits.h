@@ -38,6 +38,12 @@ inline constexpr int32_t kMaxReleaseAfterMs = 60'000;
 inline constexpr float kMaxTaxelValue = 1e12F;
 // Smallest accepted threshold of a contact, in the same unit.
 inline constexpr double kMinThreshold = 1e-38;
+// Light touch: seconds of its window, taxels per side of its regions, and the
+// smallest threshold; smaller values are lost in the running means.
+inline constexpr double kMinLightWindowS = 0.01;
+inline constexpr double kMaxLightWindowS = 1;
+inline constexpr int kMaxLightSide = 16;
+inline constexpr double kMinLightThreshold = 1e-12;
 // Largest accepted distance of a link from the origin in metres.
 inline constexpr double kMaxPositionM = 1e6;
 // How far a pose's quaternion may be from unit length.

@@ -1,7 +1,9 @@
 #include "core/skin/layout.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -36,6 +38,34 @@ std::string Differ(absl::string_view field, double value, double other,
                    double tolerance) {
   if (std::abs(value - other) <= tolerance * std::abs(other)) return "";
   return absl::StrCat(field, " ", value, ", not ", other);
+}
+
+absl::Status CheckLightTouch(const SkinLayout& layout) {
+  using namespace limits;
+  if (!layout.light_touch) return absl::OkStatus();
+  const LightTouch& light = *layout.light_touch;
+  TACTUS_RETURN_IF_ERROR(CheckRange("geometry.light_touch.window_s",
+                                    light.window_s, kMinLightWindowS,
+                                    kMaxLightWindowS));
+  TACTUS_RETURN_IF_ERROR(CheckSide("geometry.light_touch.rows", light.rows,
+                                   std::min(layout.rows, kMaxLightSide)));
+  TACTUS_RETURN_IF_ERROR(CheckSide("geometry.light_touch.columns",
+                                   light.columns,
+                                   std::min(layout.columns, kMaxLightSide)));
+  TACTUS_RETURN_IF_ERROR(CheckRange("geometry.light_touch.contact_threshold",
+                                    light.contact_threshold, kMinLightThreshold,
+                                    kMaxTaxelValue));
+  return CheckRange("geometry.light_touch.onset_threshold",
+                    light.onset_threshold, light.contact_threshold,
+                    kMaxTaxelValue);
+}
+
+// "off", or every number that `light` has.
+std::string LightText(const std::optional<LightTouch>& light) {
+  if (!light) return "off";
+  return absl::StrCat(light->window_s, " s ", light->rows, "x", light->columns,
+                      " ", light->contact_threshold, " ",
+                      light->onset_threshold);
 }
 
 absl::string_view UnitName(TaxelUnit unit) {
@@ -123,7 +153,7 @@ absl::Status Validate(const SkinLayout& layout) {
     return InvalidConfig("geometry.mask size", layout.mask.size(),
                          absl::StrCat(layout.taxels(), ", one per taxel"));
   }
-  return absl::OkStatus();
+  return CheckLightTouch(layout);
 }
 
 std::string SkinDifference(const SkinLayout& layout, const SkinLayout& other) {
@@ -149,7 +179,11 @@ std::string SkinDifference(const SkinLayout& layout, const SkinLayout& other) {
                kLength),
         Differ("taxel_area_m2", layout.taxel_area_m2, other.taxel_area_m2,
                kLength),
-        Differ("connectivity", neighbours(layout), neighbours(other))}) {
+        Differ("connectivity", neighbours(layout), neighbours(other)),
+        layout.light_touch == other.light_touch
+            ? ""
+            : Differ("light_touch", LightText(layout.light_touch),
+                     LightText(other.light_touch))}) {
     if (!difference.empty()) return difference;
   }
   return "";

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,26 @@ namespace tactus {
 
 enum class TaxelUnit { kNewton, kCounts };
 enum class Connectivity { kFour, kEight };
+
+// How contacts are felt that are too light for a single taxel
+// (core/features/light_touch.h): by regions of taxels, over a window of time,
+// above each taxel's background.
+struct LightTouch {
+  // Time constant of the mean over frames, s, limits::kMinLightWindowS to
+  // kMaxLightWindowS.
+  double window_s = 0;
+  // Size of a region, at most that of the skin and limits::kMaxLightSide.
+  int rows = 0;
+  int columns = 0;
+  // A contact begins once the mean of some region is onset_threshold or more
+  // above its background; it goes on while some mean is at contact_threshold.
+  // In the layout's unit, limits::kMinLightThreshold to kMaxTaxelValue, onset
+  // >= contact.
+  double contact_threshold = 0;
+  double onset_threshold = 0;
+
+  bool operator==(const LightTouch&) const = default;
+};
 
 struct SkinLayout {
   // Layout class, e.g. "cody-forearm". A model accepts one class.
@@ -44,6 +65,9 @@ struct SkinLayout {
   Connectivity connectivity = Connectivity::kEight;
   // One byte per taxel, 0 = ignore; empty = all valid.
   std::vector<uint8_t> mask = {};
+  // If set, contact_threshold and onset_threshold apply to what each taxel
+  // reads above its background.
+  std::optional<LightTouch> light_touch = std::nullopt;
 
   int taxels() const { return rows * columns; }
   // Radius of the cylinder formed by wrapping columns, in metres.

@@ -21,6 +21,11 @@ absl::StatusOr<TaxelUnit> UnitFromProto(v1::TaxelUnit unit) {
   }
 }
 
+// Beyond the limit any value is as wrong as the next one.
+int BoundedSide(uint32_t side) {
+  return static_cast<int>(std::min<uint32_t>(side, 1'000'000));
+}
+
 absl::Status ApplyConnectivity(const v1::SensorGeometry& geometry,
                                SkinLayout& layout) {
   switch (geometry.connectivity()) {
@@ -56,7 +61,18 @@ absl::Status ApplyMask(const v1::SensorGeometry& geometry, SkinLayout& layout) {
   return absl::OkStatus();
 }
 
-// A preset may be refined by mask, connectivity and thresholds, not reshaped.
+void ApplyLightTouch(const v1::SensorGeometry& geometry, SkinLayout& layout) {
+  if (!geometry.has_light_touch()) return;
+  const v1::LightTouch& from = geometry.light_touch();
+  layout.light_touch = {.window_s = from.window_s(),
+                        .rows = BoundedSide(from.rows()),
+                        .columns = BoundedSide(from.columns()),
+                        .contact_threshold = from.contact_threshold(),
+                        .onset_threshold = from.onset_threshold()};
+}
+
+// A preset may be refined by mask, connectivity, thresholds and light
+// touch, not reshaped.
 absl::StatusOr<SkinLayout> PresetLayout(const v1::SensorGeometry& geometry) {
   if (geometry.layout().empty()) {
     return InvalidConfig("geometry.layout", "empty",
@@ -84,11 +100,8 @@ absl::StatusOr<SkinLayout> PresetLayout(const v1::SensorGeometry& geometry) {
 absl::StatusOr<SkinLayout> DescribedLayout(const v1::SensorGeometry& geometry) {
   SkinLayout layout;
   layout.name = geometry.layout();
-  // Beyond the limit any value is as wrong as the next one.
-  layout.rows =
-      static_cast<int>(std::min<uint32_t>(geometry.rows(), 1'000'000));
-  layout.columns =
-      static_cast<int>(std::min<uint32_t>(geometry.columns(), 1'000'000));
+  layout.rows = BoundedSide(geometry.rows());
+  layout.columns = BoundedSide(geometry.columns());
   layout.row_pitch_m = geometry.row_pitch_m();
   layout.column_pitch_m = geometry.column_pitch_m();
   layout.taxel_area_m2 = geometry.taxel_area_m2();
@@ -117,6 +130,14 @@ v1::SensorGeometry LayoutToProto(const SkinLayout& layout) {
   geometry.set_connectivity(layout.connectivity == Connectivity::kFour
                                 ? v1::CONNECTIVITY_4
                                 : v1::CONNECTIVITY_8);
+  if (layout.light_touch) {
+    v1::LightTouch& light = *geometry.mutable_light_touch();
+    light.set_window_s(layout.light_touch->window_s);
+    light.set_rows(layout.light_touch->rows);
+    light.set_columns(layout.light_touch->columns);
+    light.set_contact_threshold(layout.light_touch->contact_threshold);
+    light.set_onset_threshold(layout.light_touch->onset_threshold);
+  }
   for (size_t i = 0; i < layout.mask.size(); ++i) {
     if (layout.mask[i] == 0) {
       geometry.add_masked_taxels(static_cast<uint32_t>(i));
@@ -131,6 +152,7 @@ absl::StatusOr<SkinLayout> LayoutFromProto(const v1::SensorGeometry& geometry) {
                                                  ? PresetLayout(geometry)
                                                  : DescribedLayout(geometry));
   TACTUS_RETURN_IF_ERROR(ApplyConnectivity(geometry, layout));
+  ApplyLightTouch(geometry, layout);
   TACTUS_RETURN_IF_ERROR(Validate(layout));
   TACTUS_RETURN_IF_ERROR(ApplyMask(geometry, layout));
   return layout;

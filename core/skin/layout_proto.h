@@ -14,8 +14,8 @@ namespace tactus {
 v1::SensorGeometry LayoutToProto(const SkinLayout& layout);
 
 // The layout that `geometry` describes, or names: a preset, when rows and
-// columns are 0; mask, thresholds and connectivity given with it replace the
-// preset's. UNKNOWN_LAYOUT or INVALID_CONFIG otherwise.
+// columns are 0; mask, thresholds, connectivity and light touch given with it
+// replace the preset's. UNKNOWN_LAYOUT or INVALID_CONFIG otherwise.
 absl::StatusOr<SkinLayout> LayoutFromProto(const v1::SensorGeometry& geometry);
 
 }  // namespace tactus

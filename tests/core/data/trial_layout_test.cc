@@ -43,7 +43,8 @@ TEST(ReadLayoutFileTest, ReadsTheDocumentedExample) {
                      .contact_threshold = 0.01,
                      .onset_threshold = 0.02,
                      .connectivity = Connectivity::kEight,
-                     .mask = std::vector<uint8_t>(64, 1)};
+                     .mask = std::vector<uint8_t>(64, 1),
+                     .light_touch = LightTouch{0.1, 3, 3, 0.0004, 0.0006}};
   want.mask[0] = 0;
   want.mask[7] = 0;
   EXPECT_EQ(*layout, want);

@@ -28,6 +28,11 @@ TEST(LayoutJsonTest, EveryBitComesBack) {
       layout.mask.assign(layout.taxels(), 1);
       layout.mask[random.Index(layout.taxels())] = 0;
     }
+    if (seed % 2 == 0) {
+      const double contact = random.Uniform(1e-9, 1);
+      layout.light_touch =
+          LightTouch{random.Uniform(0.01, 1), 1, 1, contact, 2 * contact};
+    }
     const auto again = LayoutFromJson(LayoutToJson(layout));
     ASSERT_TRUE(again.ok()) << again.status();
     EXPECT_EQ(*again, layout);

@@ -37,6 +37,11 @@ TEST(LayoutFromProtoTest, RoundTripKeepsEveryField) {
   layout.connectivity = Connectivity::kFour;
   layout.mask.assign(63, 1);
   layout.mask[5] = 0;
+  layout.light_touch = LightTouch{.window_s = 0.15,
+                                  .rows = 5,
+                                  .columns = 3,
+                                  .contact_threshold = 0.001,
+                                  .onset_threshold = 0.002};
   auto back = LayoutFromProto(LayoutToProto(layout));
   ASSERT_TRUE(back.ok()) << back.status();
   EXPECT_EQ(back->name, "mine");
@@ -50,6 +55,27 @@ TEST(LayoutFromProtoTest, RoundTripKeepsEveryField) {
   EXPECT_EQ(back->onset_threshold, layout.onset_threshold);
   EXPECT_EQ(back->connectivity, Connectivity::kFour);
   EXPECT_EQ(back->mask, layout.mask);
+  EXPECT_EQ(back->light_touch, layout.light_touch);
+  EXPECT_EQ(*back, layout);
+}
+
+TEST(LayoutFromProtoTest, LightTouchIsOffUnlessGiven) {
+  v1::SensorGeometry geometry;
+  geometry.set_layout("cody-forearm");
+  EXPECT_EQ(LayoutFromProto(geometry)->light_touch, std::nullopt);
+  v1::LightTouch& light = *geometry.mutable_light_touch();
+  light.set_window_s(0.1);
+  light.set_rows(3);
+  light.set_columns(3);
+  light.set_contact_threshold(0.001);
+  light.set_onset_threshold(0.002);
+  EXPECT_EQ(LayoutFromProto(geometry)->light_touch,
+            (LightTouch{0.1, 3, 3, 0.001, 0.002}));
+  light.set_rows(4'000'000'000);
+  EXPECT_EQ(ReasonOf(LayoutFromProto(geometry).status()), "INVALID_CONFIG");
+  // Given, but without numbers.
+  geometry.mutable_light_touch()->Clear();
+  EXPECT_EQ(ReasonOf(LayoutFromProto(geometry).status()), "INVALID_CONFIG");
 }
 
 TEST(LayoutFromProtoTest, BadGeometriesAreRefusedWithReason) {

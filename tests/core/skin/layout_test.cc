@@ -40,7 +40,7 @@ TEST(LayoutPresetTest, CodyForearmIsTheMekaCylinder) {
 }
 
 TEST(ValidateTest, EachBadFieldIsNamed) {
-  const SkinLayout good = *LayoutPreset("cody-forearm");
+  SkinLayout good = *LayoutPreset("cody-forearm");
   struct Case {
     const char* field;
     void (*spoil)(SkinLayout&);
@@ -57,7 +57,23 @@ TEST(ValidateTest, EachBadFieldIsNamed) {
       {"geometry.onset_threshold",
        [](SkinLayout& l) { l.onset_threshold = l.contact_threshold / 2; }},
       {"geometry.mask size", [](SkinLayout& l) { l.mask.resize(3); }},
+      {"geometry.light_touch.window_s",
+       [](SkinLayout& l) { l.light_touch->window_s = 0.009; }},
+      {"geometry.light_touch.window_s",
+       [](SkinLayout& l) { l.light_touch->window_s = std::nan(""); }},
+      {"geometry.light_touch.rows",
+       [](SkinLayout& l) { l.light_touch->rows = 0; }},
+      {"geometry.light_touch.rows",
+       [](SkinLayout& l) { l.light_touch->rows = 17; }},
+      {"geometry.light_touch.columns",
+       [](SkinLayout& l) { l.light_touch->columns = l.columns + 1; }},
+      {"geometry.light_touch.contact_threshold",
+       [](SkinLayout& l) { l.light_touch->contact_threshold = 0; }},
+      {"geometry.light_touch.onset_threshold",
+       [](SkinLayout& l) { l.light_touch->onset_threshold = 0.001; }},
   };
+  good.light_touch = LightTouch{0.1, 3, 3, 0.002, 0.003};
+  ASSERT_TRUE(Validate(good).ok());
   for (const Case& c : cases) {
     SkinLayout layout = good;
     c.spoil(layout);
@@ -103,6 +119,10 @@ TEST(SkinDifferenceTest, NamesTheFirstDifference) {
        [](SkinLayout& s) { s.row_pitch_m = 0.027; }},
       {"connectivity 4, not 8",
        [](SkinLayout& s) { s.connectivity = Connectivity::kFour; }},
+      {"light_touch 0.1 s 3x2 0.5 0.75, not off",
+       [](SkinLayout& s) {
+         s.light_touch = LightTouch{0.1, 3, 2, 0.5, 0.75};
+       }},
   };
   for (const auto& [text, change] : cases) {
     SkinLayout other = base;
