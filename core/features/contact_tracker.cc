@@ -51,12 +51,20 @@ bool Reaches(const SkinLayout& layout, const Region& region,
 ContactTracker::ContactTracker(const SkinLayout& layout, const Options& options)
     : layout_(layout),
       segmenter_(layout, options.skip_untouched),
+      contact_threshold_(TaxelThreshold(layout.contact_threshold)),
       onset_threshold_(TaxelThreshold(layout.onset_threshold)),
       release_frames_(ReleaseFrames(options)),
-      measured_taxels_(options.reuse_unchanged ? layout.taxels() : 0),
+      measured_taxels_(
+          options.reuse_unchanged && !layout.light_touch ? layout.taxels() : 0),
       recent_poses_(options.sample_rate_hz),
       row_loads_(options.load_profile ? layout.rows : 0),
-      column_loads_(options.load_profile ? layout.columns : 0) {}
+      column_loads_(options.load_profile ? layout.columns : 0) {
+  if (!layout.light_touch) return;
+  const LightTouch& light = *layout.light_touch;
+  light_.emplace(layout, options.sample_rate_hz);
+  light_taxel_ = static_cast<float>(light.contact_threshold *
+                                    std::sqrt(light.rows * light.columns));
+}
 
 void ContactTracker::Reset() {
   state_ = ContactState::kNoContact;
@@ -65,6 +73,7 @@ void ContactTracker::Reset() {
   reused_ = false;
   measured_ = false;
   recent_poses_.Reset();
+  if (light_) light_->Reset();
   features_ = FrameFeatures();
 }
 
@@ -78,8 +87,9 @@ const FrameFeatures& ContactTracker::Step(const FrameView& frame) {
   released_ = false;
   recent_poses_.Add(frame.pose, frame.missing_before);
   reused_ = Unchanged(frame.taxels);
+  bool begins = false;
   if (!reused_) {
-    features_.region_count = segmenter_.Segment(frame.taxels);
+    features_.region_count = Segment(frame.taxels, &begins);
     features_.touched = features_.region_count > 0;
   }
   if (state_ == ContactState::kInContact) {
@@ -87,7 +97,7 @@ const FrameFeatures& ContactTracker::Step(const FrameView& frame) {
       state_ = ContactState::kReleased;
       released_ = true;
     }
-  } else if (features_.touched && segmenter_.peak() >= onset_threshold_) {
+  } else if (features_.touched && begins) {
     Begin(frame);
   }
   measured_ = false;
@@ -103,6 +113,32 @@ const FrameFeatures& ContactTracker::Step(const FrameView& frame) {
     std::ranges::copy(frame.taxels, measured_taxels_.begin());
   }
   return features_;
+}
+
+int ContactTracker::Segment(std::span<const float> taxels, bool* begins) {
+  if (light_) return SegmentLight(taxels, begins);
+  const int regions = segmenter_.Segment(taxels);
+  *begins = segmenter_.peak() >= onset_threshold_;
+  return regions;
+}
+
+int ContactTracker::SegmentLight(std::span<const float> taxels, bool* begins) {
+  light_->Step(taxels);
+  const LightTouch& light = *layout_.light_touch;
+  const auto contact = static_cast<float>(light.contact_threshold);
+  const auto segment = [&](std::span<const float> shape, float threshold) {
+    return segmenter_.Segment(shape, threshold, light_->values());
+  };
+  *begins = light_->peak() >= onset_threshold_ ||
+            light_->region_peak() >= static_cast<float>(light.onset_threshold);
+  int regions = segment(light_->shape(), light_taxel_);
+  if (regions == 0 && light_->peak() >= contact_threshold_) {
+    regions = segment(light_->values(), contact_threshold_);
+  }
+  if (regions == 0 && light_->region_peak() >= contact) {
+    regions = segment(light_->shape(), contact);
+  }
+  return regions;
 }
 
 void ContactTracker::Begin(const FrameView& frame) {
@@ -146,7 +182,8 @@ void ContactTracker::Measure(const FrameView& frame) {
     features_.area_taxels = region.taxels;
     features_.area_m2 = region.taxels * layout_.taxel_area_m2;
     if (!row_loads_.empty()) {
-      segmenter_.SumLoads(frame.taxels, row_loads_, column_loads_);
+      segmenter_.SumLoads(light_ ? light_->values() : frame.taxels, row_loads_,
+                          column_loads_);
       features_.profile = MakeLoadProfile(row_loads_, column_loads_);
     }
     features_.centroid = {region.centroid_row, region.centroid_column};

@@ -17,11 +17,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "Eigen/Core"
 #include "core/features/feature.h"
+#include "core/features/light_touch.h"
 #include "core/features/recent_poses.h"
 #include "core/features/segmenter.h"
 #include "core/skin/frame.h"
@@ -68,6 +70,15 @@ enum class ContactState { kNoContact, kInContact, kReleased };
 // while any taxel is at or above contact_threshold, and through losses of touch
 // shorter than release_after_s. Then it is released. The next onset begins a
 // new contact, on a later frame.
+//
+// On a skin with light touch (light_touch.h) both thresholds apply to what a
+// taxel reads above its background, and a contact also begins when a region's
+// mean reaches light_touch.onset_threshold. The region of a contact are the
+// taxels that feel something over the window, the level for a single taxel
+// being light_touch.contact_threshold times the square root of the taxels in a
+// region, as the noise; if there are none, those at contact_threshold at once.
+// Its force is what they read above their background at once, so it does not
+// lag behind the motion. No contact begins in the first 0.3 s.
 //
 // The length of a loss counts its untouched frames and the frames that went
 // missing in it. Frames that go missing between two touched frames do not end a
@@ -126,6 +137,10 @@ class ContactTracker {
   const Segmenter& segmenter() const { return segmenter_; }
 
  private:
+  // Finds the regions of a frame and returns how many there are; *begins is
+  // true if they reach an onset threshold.
+  int Segment(std::span<const float> taxels, bool* begins);
+  int SegmentLight(std::span<const float> taxels, bool* begins);
   void Begin(const FrameView& frame);
   // True if features_ were measured from equal taxels.
   bool Unchanged(std::span<const float> taxels) const;
@@ -137,7 +152,11 @@ class ContactTracker {
 
   SkinLayout layout_;
   Segmenter segmenter_;
+  float contact_threshold_;
   float onset_threshold_;
+  std::optional<LightTouchFilter> light_;
+  // Level of a single taxel over the window.
+  float light_taxel_ = 0;
   // Frames of lost touch that release a contact; the largest value means never.
   uint64_t release_frames_;
 
@@ -147,7 +166,8 @@ class ContactTracker {
   bool reused_ = false;
   FrameFeatures features_;
   // The taxels of the last frame, if it was touched and part of a contact.
-  // Empty if frames are never compared.
+  // Empty if frames are never compared, as on a skin with light touch, whose
+  // means change with every frame.
   std::vector<float> measured_taxels_;
   bool measured_ = false;
   // Frames since the last touched one, up to release_frames_.

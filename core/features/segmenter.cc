@@ -40,22 +40,23 @@ Segmenter::Segmenter(const SkinLayout& layout, bool skip_untouched)
   runs_.reserve(rows_ * ((columns_ + 1) / 2));
 }
 
-int Segmenter::Segment(std::span<const float> taxels) {
+int Segmenter::Segment(std::span<const float> shape, float threshold,
+                       std::span<const float> values) {
   runs_.clear();
   largest_ = Region();
   peak_ = 0;
   regions_ = 0;
-  const bool touched = FindRows(taxels);
+  const bool touched = FindRows(shape, threshold);
   if (!touched && skip_untouched_) return 0;
-  TouchedSum sum = SumTouched(taxels, touched_);
+  TouchedSum sum = SumTouched(values, touched_);
   peak_ = sum.max_value;
   if (touched && LocateBlob()) {
     regions_ = 1;
   } else {
-    const int root = FindRegions(taxels);
+    const int root = FindRegions(values);
     if (regions_ > 1) {
       SelectRegion(root);
-      sum = SumTouched(taxels, selected_);
+      sum = SumTouched(values, selected_);
     }
     if (regions_ > 0) Locate(root);
   }
@@ -64,8 +65,8 @@ int Segmenter::Segment(std::span<const float> taxels) {
   return regions_;
 }
 
-bool Segmenter::FindRows(std::span<const float> taxels) {
-  if (!FindTouched(taxels, threshold_, touched_) && skip_untouched_) {
+bool Segmenter::FindRows(std::span<const float> shape, float threshold) {
+  if (!FindTouched(shape, threshold, touched_) && skip_untouched_) {
     return false;
   }
   for (size_t i = 0; i < valid_.size(); ++i) touched_[i] &= valid_[i];

@@ -52,7 +52,15 @@ class Segmenter {
   // Finds the regions of taxels >= contact_threshold that are not masked out
   // and returns how many there are. `taxels` holds rows x columns values,
   // row-major; a NaN is not touched.
-  int Segment(std::span<const float> taxels);
+  int Segment(std::span<const float> taxels) {
+    return Segment(taxels, threshold_, taxels);
+  }
+
+  // The same with another threshold, above 0, and with values that differ from
+  // the `shape` that is compared with it: those of the regions' taxels, at
+  // least 0.
+  int Segment(std::span<const float> shape, float threshold,
+              std::span<const float> values);
 
   // The results of the last Segment():
 
@@ -67,7 +75,7 @@ class Segmenter {
   float peak() const { return peak_; }
 
   // Writes the sums of the touched taxels in each row and in each column;
-  // `taxels` are those last segmented.
+  // `taxels` are those last segmented, or their values.
   void SumLoads(std::span<const float> taxels, std::span<double> row_loads,
                 std::span<double> column_loads) const;
 
@@ -90,7 +98,7 @@ class Segmenter {
 
   // Finds the touched taxels, row by row. Returns false if there are none; then
   // the rows are unchanged if they may be skipped.
-  bool FindRows(std::span<const float> taxels);
+  bool FindRows(std::span<const float> shape, float threshold);
   // Most contacts are one region with one run in each of its rows. Returns
   // whether this frame is such a contact, and if so finds its place.
   bool LocateBlob();

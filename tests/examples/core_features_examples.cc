@@ -8,8 +8,11 @@
 #include "core/features/contact_tracker.h"
 #include "core/features/cues.h"
 #include "core/features/feature.h"
+#include "core/features/light_touch.h"
+#include "core/features/light_touch_kernels.h"
 #include "core/features/load_profile.h"
 #include "core/features/recent_poses.h"
+#include "core/features/region_sum.h"
 #include "core/features/segmenter.h"
 #include "core/features/touched.h"
 #include "core/skin/taxel_values.h"
@@ -40,6 +43,26 @@ void CuesExample(const ContactSample& sample) {
   CueTracker tracker(/*sample_rate_hz=*/100);
   tracker.Step(sample, /*frames_since_onset=*/1);
   double cue = tracker.value(Cue::kLogSpring);
+}
+
+void LightTouchExample(const SkinLayout& layout, const FrameView& frame,
+                       float threshold, Segmenter& segmenter) {
+  LightTouchFilter filter(layout, /*sample_rate_hz=*/100);
+  filter.Step(frame.taxels);
+  if (filter.region_peak() >= layout.light_touch->onset_threshold) {
+    segmenter.Segment(filter.shape(), threshold, filter.values());
+  }
+}
+
+void LightTouchKernelsExample(std::span<const float> taxels,
+                              const light_touch::Means& means) {
+  const float peak = light_touch::StepMeans(taxels, 0.05F, 0.01F, means);
+}
+
+void RegionSumExample(const SkinLayout& layout, std::span<const float> taxels,
+                      std::span<float> means) {
+  RegionSum sum(layout, {.above = 1, .below = 1, .left = 1, .right = 1});
+  const float largest = sum.Run(taxels, /*scale=*/1.0F / 9, means);
 }
 
 void LoadProfileExample(Segmenter& segmenter, const FrameView& frame,

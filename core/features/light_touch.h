@@ -1,0 +1,106 @@
+// File: light_touch.h
+//
+// LightTouchFilter: what each taxel feels above its background, at once and
+// smoothed over time, and the mean of what the regions around the taxels feel.
+// Of n readings a mean has 1 / sqrt(n) of the noise, so a region over a window
+// of time feels contacts that no single reading shows.
+//
+//   LightTouchFilter filter(layout, /*sample_rate_hz=*/100);
+//   filter.Step(frame.taxels);
+//   if (filter.region_peak() >= layout.light_touch->onset_threshold) {
+//     segmenter.Segment(filter.shape(), threshold, filter.values());
+//   }
+//
+// A taxel's background is the mean of its readings, over 1 s once there are as
+// many. A contact is no background: the taxels of a region rest from when its
+// mean reaches the onset_threshold of light_touch, or its middle taxel the
+// layout's contact_threshold, until its mean is below the contact_threshold of
+// light_touch. If some mean stays at contact_threshold for 10 s and no single
+// taxel reaches its threshold in any of these frames, that is taken for a
+// drift, and all backgrounds follow until it is over. Frames that went missing
+// count for nothing.
+//
+// Compiled for several vector widths by Highway; all give the same bits.
+// Memory is constant; Step() allocates nothing. Not thread-safe: one per
+// stream.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "core/base/aligned_vector.h"
+#include "core/features/region_sum.h"
+#include "core/skin/layout.h"
+
+namespace tactus {
+
+class LightTouchFilter {
+ public:
+  // `layout` must be valid and have light_touch; `sample_rate_hz` above 0.
+  LightTouchFilter(const SkinLayout& layout, double sample_rate_hz);
+
+  // Forgets everything, as if new.
+  void Reset();
+
+  // Takes the next frame of rows x columns finite values, row-major.
+  void Step(std::span<const float> taxels);
+
+  // True once the background is known.
+  bool ready() const { return frames_ > first_frames_; }
+
+  // The results of the last Step(). All are 0 in the first 0.3 s, which are
+  // needed for a background, and for masked taxels.
+
+  // Readings above the background, at least 0.
+  std::span<const float> values() const { return {values_.data(), taxels_}; }
+  // Largest of them.
+  float peak() const { return peak_; }
+
+  // Mean above the background of the region around each taxel, over the window.
+  // Of a region of even size the middle is the taxel before its centre.
+  // Masked taxels and those beyond the skin's edge count as 0.
+  std::span<const float> regions() const { return {regions_.data(), taxels_}; }
+  // Largest of them; at least 0.
+  float region_peak() const { return region_peak_; }
+
+  // Each taxel's mean above its background over the window, if it is in a
+  // region whose mean is at least contact_threshold; else 0. It never differs
+  // by more than the layout's contact_threshold from the reading, so that
+  // strong contacts begin and end at once.
+  std::span<const float> shape() const { return {shape_.data(), taxels_}; }
+
+ private:
+  size_t taxels_;
+  LightTouch light_;
+  float contact_threshold_;
+  // Weights of a frame in the means, once there are many.
+  double window_weight_;
+  double background_weight_;
+  // Frames until the background is known.
+  uint64_t first_frames_;
+  // Frames after which a light touch is taken for a drift.
+  uint64_t drift_frames_;
+
+  uint64_t frames_ = 0;
+  uint64_t light_frames_ = 0;
+  // 1 for a valid taxel, else 0.
+  AlignedVector<float> valid_;
+  AlignedVector<float> smooth_;
+  AlignedVector<float> background_;
+  AlignedVector<float> values_;
+  AlignedVector<float> difference_;
+  AlignedVector<float> regions_;
+  // Marks of the taxels (light_touch_kernels.h), and their sums over all
+  // regions that hold the taxel.
+  AlignedVector<float> marks_;
+  AlignedVector<float> mark_sums_;
+  AlignedVector<float> shape_;
+  RegionSum region_sum_;
+  RegionSum mark_sum_;
+  // True if mark_sums_ are not all 0.
+  bool marked_ = false;
+  float peak_ = 0;
+  float region_peak_ = 0;
+};
+
+}  // namespace tactus
