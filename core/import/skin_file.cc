@@ -109,6 +109,11 @@ class Fields {
     }
   }
 
+  // Takes over a mistake that names its file and field.
+  void Adopt(const absl::Status& status) {
+    if (status_.ok()) status_ = status;
+  }
+
   absl::Status Finish() {
     for (const auto& [name, value] : object_.items()) {
       if (!known_.contains(name)) {
@@ -267,6 +272,31 @@ void TakeThresholds(Fields& fields, SkinFile& skin) {
                 limits::kMaxTaxelValue, &layout.onset_threshold);
 }
 
+// What is missing or does not fit together is found by Validate().
+void TakeLightTouch(const std::string& path, Fields& fields, SkinFile& skin) {
+  if (!fields.Has("light_touch")) return;
+  const Json& object = fields.At("light_touch");
+  if (!object.is_object()) {
+    return fields.Complain("light_touch", object, "an object");
+  }
+  LightTouch& light = skin.layout.light_touch.emplace();
+  Json named = Json::object();
+  for (const auto& [name, value] : object.items()) {
+    named["light_touch." + name] = value;
+  }
+  Fields inner(path, named);
+  using namespace limits;
+  inner.Number("light_touch.window_s", kMinLightWindowS, kMaxLightWindowS,
+               &light.window_s);
+  inner.Whole("light_touch.rows", 1, kMaxLightSide, &light.rows);
+  inner.Whole("light_touch.columns", 1, kMaxLightSide, &light.columns);
+  inner.Number("light_touch.contact_threshold", kMinLightThreshold,
+               kMaxTaxelValue, &light.contact_threshold);
+  inner.Number("light_touch.onset_threshold", kMinLightThreshold,
+               kMaxTaxelValue, &light.onset_threshold);
+  fields.Adopt(inner.Finish());
+}
+
 void TakeNumbers(Fields& fields, SkinFile& skin) {
   fields.Number("sample_rate_hz", limits::kMinSampleRateHz,
                 limits::kMaxSampleRateHz, &skin.sample_rate_hz);
@@ -363,6 +393,7 @@ absl::StatusOr<SkinFile> ReadSkinFile(const std::string& path) {
   Fields fields(path, json);
   TakeShape(std::filesystem::path(path).parent_path(), fields, skin);
   TakeThresholds(fields, skin);
+  TakeLightTouch(path, fields, skin);
   TakeNumbers(fields, skin);
   TakeMask(fields, skin);
   fields.Text("dataset", &skin.dataset);

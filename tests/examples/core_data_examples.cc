@@ -25,6 +25,7 @@
 #include "core/files/npz.h"
 #include "core/import/event_frames.h"
 #include "core/import/idle_noise.h"
+#include "core/import/light_noise.h"
 #include "core/import/import.h"
 #include "core/import/import_skin_folder.h"
 #include "core/import/recorded_frames.h"
@@ -135,6 +136,12 @@ absl::Status IdleNoiseExample(const std::vector<Trial>& trials) {
   for (const Trial& trial : trials) noise.Add(trial);
   TACTUS_ASSIGN_OR_RETURN(const IdleEstimate found, noise.Estimate());
   return absl::OkStatus();
+}
+
+void LightNoiseExample(const std::vector<Trial>& trials, SkinLayout& layout) {
+  LightNoise noise(/*frames=*/1000);
+  for (const Trial& trial : trials) noise.Add(trial);
+  if (const auto light = noise.Estimate()) layout.light_touch = *light;
 }
 
 absl::Status Use(Trial trial);

@@ -1,5 +1,6 @@
 // trainctl skin estimate: proposes thresholds from what an idle skin reports.
 #include <iostream>
+#include <optional>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
@@ -10,6 +11,7 @@
 #include "core/base/status_macros.h"
 #include "core/data/trial_file.h"
 #include "core/import/idle_noise.h"
+#include "core/import/light_noise.h"
 
 namespace tactus::client {
 namespace {
@@ -49,15 +51,28 @@ std::string Words(const IdleValues& which) {
                    100 * which.taxels);
 }
 
+// As a layout in JSON has it.
+Json LightJson(const std::optional<LightTouch>& light) {
+  if (!light) return nullptr;
+  return {{"window_s", light->window_s},
+          {"rows", light->rows},
+          {"columns", light->columns},
+          {"contact_threshold", light->contact_threshold},
+          {"onset_threshold", light->onset_threshold}};
+}
+
 absl::Status RunSkin(const SkinFlags& flags) {
   TACTUS_ASSIGN_OR_RETURN(const IdleValues which, Which(flags));
   TACTUS_ASSIGN_OR_RETURN(const auto reader, TrialFileReader::Open(flags.path));
   IdleNoise noise(which);
+  LightNoise light_noise(which.frames);
   for (size_t i = 0; i < reader.size(); ++i) {
     TACTUS_ASSIGN_OR_RETURN(const Trial trial, reader.Read(i));
     noise.Add(trial);
+    light_noise.Add(trial);
   }
   TACTUS_ASSIGN_OR_RETURN(const IdleEstimate found, noise.Estimate());
+  const std::optional<LightTouch> light = light_noise.Estimate();
   if (flags.json) {
     std::cout << JsonText(Json{{"trials", reader.size()},
                                {"idle", Words(which)},
@@ -68,7 +83,8 @@ absl::Status RunSkin(const SkinFlags& flags) {
                                {"peak", found.peak},
                                {"margin", found.margin},
                                {"contact_threshold", found.contact_threshold},
-                               {"onset_threshold", found.onset_threshold}})
+                               {"onset_threshold", found.onset_threshold},
+                               {"light_touch", LightJson(light)}})
               << "\n";
     return absl::OkStatus();
   }
@@ -84,6 +100,14 @@ absl::Status RunSkin(const SkinFlags& flags) {
       WithCommas(static_cast<int>(found.values)), found.median,
       found.percentile_999, found.largest, found.peak, found.margin,
       found.contact_threshold, found.onset_threshold);
+  if (light) {
+    std::cout << absl::StrFormat(
+        "\"light_touch\": {\"window_s\": %g, \"rows\": %d, \"columns\": %d, "
+        "\"contact_threshold\": %.4g, \"onset_threshold\": %.4g},   5 and 7 "
+        "deviations of the noisiest region\n",
+        light->window_s, light->rows, light->columns, light->contact_threshold,
+        light->onset_threshold);
+  }
   return absl::OkStatus();
 }
 
