@@ -33,8 +33,9 @@ struct Placement {
   double pose_noise_m = 0.00005;
   // Error of the poses that grows with the motion: 0.01 means 1 % too far.
   double pose_gain_error = 0;
-  // Frames before the touch.
-  int lead_in_frames = 10;
+  // Frames before the touch. A skin with light touch needs 30 of them for its
+  // background, which is steady after 100.
+  int lead_in_frames = 100;
 };
 
 // Any place on the skin; a tilt with a standard deviation of 0.5 degrees.

@@ -9,6 +9,7 @@
 #include "core/base/limits.h"
 #include "core/base/random.h"
 #include "core/base/status_macros.h"
+#include "core/features/contact_tracker.h"
 #include "core/sim/skin/block_filter.h"
 #include "core/sim/skin/patch.h"
 
@@ -164,15 +165,13 @@ absl::StatusOr<Trial> TaxelTrial(const SimulatedContact& contact,
 }
 
 bool Detectable(const Trial& trial, const SkinLayout& layout) {
-  const float threshold = static_cast<float>(layout.onset_threshold);
-  // As the pipeline sees it: single precision.
+  ContactTracker tracker(
+      layout, {.sample_rate_hz = trial.sample_rate_hz, .load_profile = false});
   std::vector<float> frame(layout.taxels());
   for (size_t t = 0; t < trial.taxels.frames(); ++t) {
     trial.taxels.Decode(t, frame.data());
-    for (size_t i = 0; i < frame.size(); ++i) {
-      const bool valid = layout.mask.empty() || layout.mask[i] != 0;
-      if (valid && frame[i] >= threshold) return true;
-    }
+    tracker.Step({.taxels = frame});
+    if (tracker.onset()) return true;
   }
   return false;
 }

@@ -13,6 +13,16 @@ void SetThresholds(double contact, double onset, SkinModel& skin) {
   skin.layout.onset_threshold = onset;
 }
 
+// Regions of 3 x 3 taxels over 0.1 s. `deviation`, N, and the factors are those
+// of LightNoise, from idle recordings of ten minutes.
+void SetLightTouch(double deviation, SkinModel& skin) {
+  skin.layout.light_touch = {.window_s = 0.1,
+                             .rows = 3,
+                             .columns = 3,
+                             .contact_threshold = 5 * deviation,
+                             .onset_threshold = 7 * deviation};
+}
+
 }  // namespace
 
 absl::StatusOr<SkinModel> SkinModelNamed(absl::string_view name) {
@@ -30,6 +40,7 @@ absl::StatusOr<SkinModel> SkinModelNamed(absl::string_view name) {
   if (name == "good") {
     skin.noise_n = 0.002;
     skin.step_n = 0.001;
+    SetLightTouch(8e-5, skin);
     return skin;
   }
   if (name == "measured") {
@@ -42,7 +53,9 @@ absl::StatusOr<SkinModel> SkinModelNamed(absl::string_view name) {
     skin.stray_taxels = 4;
     skin.stray_min_n = 0.024;
     skin.stray_max_n = 0.097;
-    SetThresholds(0.12, 0.15, skin);
+    // Five and seven standard deviations of a reading above its background.
+    SetThresholds(0.02, 0.03, skin);
+    SetLightTouch(4.4e-4, skin);
     return skin;
   }
   return InvalidConfig("skin", name, "paper, good or measured");

@@ -6,10 +6,11 @@
 //   paper     as fine as the skin of the paper's simulation: every contact of
 //             its set is felt. Noise of 1 uN, which no real skin reaches, and
 //             poses as fine.
-//   good      a skin with the electronics of today: 2 mN of noise.
+//   good      a skin with the electronics of today: 2 mN of noise, and light
+//             touch.
 //   measured  what the one real frame of the paper's forearm shows, and what
 //             such skins do: stray taxels of 24 to 97 mN, offsets that drift,
-//             readings that lag, dead taxels, a threshold above the strays.
+//             readings that lag, dead taxels, and light touch.
 //
 //   TACTUS_ASSIGN_OR_RETURN(const SkinModel skin, SkinModelNamed("good"));
 //
