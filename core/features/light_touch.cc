@@ -88,12 +88,16 @@ void LightTouchFilter::Step(std::span<const float> taxels) {
   const auto contact = static_cast<float>(light_.contact_threshold);
   const bool light = region_peak_ >= contact && peak_ < contact_threshold_;
   light_frames_ = light ? std::min(light_frames_ + 1, drift_frames_ + 1) : 0;
-  const float mark =
-      light_touch::Mark(regions_, values_.data(),
-                        {.begin = static_cast<float>(light_.onset_threshold),
-                         .contact = contact,
-                         .strong = contact_threshold_},
-                        marks_.data());
+  // Else nothing is marked, and nothing was.
+  float mark = 0;
+  if (marked_ || region_peak_ >= contact || peak_ >= contact_threshold_) {
+    mark =
+        light_touch::Mark(regions_, values_.data(),
+                          {.begin = static_cast<float>(light_.onset_threshold),
+                           .contact = contact,
+                           .strong = contact_threshold_},
+                          marks_.data());
+  }
   if (mark > 0) {
     mark_sum_.Run(marks_, 1, mark_sums_);
   } else if (marked_) {

@@ -79,8 +79,11 @@ float StepMeans(const float* taxels, size_t count, float weight, float reach,
   return peak;
 }
 
-float SumAlong(const float* from, size_t count, size_t stride, int terms,
+// With `kTerms` above 0, that many terms.
+template <int kTerms>
+float SumTerms(const float* from, size_t count, size_t stride, int any_terms,
                float scale, float* sums) {
+  const int terms = kTerms > 0 ? kTerms : any_terms;
   float peak = 0;
   constexpr hn::CappedTag<float, 8> wide;
   auto largest = hn::Zero(wide);
@@ -99,6 +102,13 @@ float SumAlong(const float* from, size_t count, size_t stride, int terms,
   });
   Raise(wide, largest, &peak);
   return peak;
+}
+
+float SumAlong(const float* from, size_t count, size_t stride, int terms,
+               float scale, float* sums) {
+  // The usual number, without a loop.
+  if (terms == 3) return SumTerms<3>(from, count, stride, 3, scale, sums);
+  return SumTerms<0>(from, count, stride, terms, scale, sums);
 }
 
 float Mark(const float* regions, size_t count, const float* values,

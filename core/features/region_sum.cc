@@ -1,6 +1,5 @@
 #include "core/features/region_sum.h"
 
-#include <algorithm>
 #include <cstddef>
 
 #include "core/features/light_touch_kernels.h"
@@ -12,29 +11,39 @@ RegionSum::RegionSum(const SkinLayout& layout, const Region& region)
       columns_(layout.columns),
       wrap_(layout.wrap_columns),
       region_(region),
-      padded_row_(region.left + columns_ + region.right),
       row_sums_(size_t(region.above + rows_ + region.below) * columns_) {}
 
 float RegionSum::Run(std::span<const float> from, float scale,
                      std::span<float> sums) {
-  float* const row_begin = padded_row_.data() + region_.left;
-  float* const first_sums =
+  float* const row_sums =
       row_sums_.data() + ptrdiff_t{region_.above} * columns_;
+  const int beside = region_.left + region_.right;
+  // All rows in one go, as if they followed each other; then the taxels whose
+  // regions cross an end of their row, once more.
+  light_touch::SumAlong(from.data(), from.size() - beside, 1, beside + 1, 1,
+                        row_sums + region_.left);
   for (int row = 0; row < rows_; ++row) {
-    const float* const begin = from.data() + ptrdiff_t{row} * columns_;
-    const float* const end = begin + columns_;
-    std::copy(begin, end, row_begin);
-    if (wrap_) {
-      std::copy(end - region_.left, end, padded_row_.data());
-      std::copy(begin, begin + region_.right, row_begin + columns_);
+    const ptrdiff_t begin = ptrdiff_t{row} * columns_;
+    for (int i = 0; i < beside; ++i) {
+      const int column = i < region_.left ? i : columns_ - beside + i;
+      row_sums[begin + column] = SumAround(&from[begin], column);
     }
-    light_touch::SumAlong(padded_row_.data(), columns_, 1,
-                          region_.left + 1 + region_.right, 1,
-                          first_sums + ptrdiff_t{row} * columns_);
   }
   return light_touch::SumAlong(row_sums_.data(), sums.size(), columns_,
                                region_.above + 1 + region_.below, scale,
                                sums.data());
+}
+
+float RegionSum::SumAround(const float* row, int column) const {
+  float sum = 0;
+  for (int c = column - region_.left; c <= column + region_.right; ++c) {
+    if (c >= 0 && c < columns_) {
+      sum += row[c];
+    } else if (wrap_) {
+      sum += row[c < 0 ? c + columns_ : c - columns_];
+    }
+  }
+  return sum;
 }
 
 }  // namespace tactus

@@ -35,12 +35,13 @@ class RegionSum {
   float Run(std::span<const float> from, float scale, std::span<float> sums);
 
  private:
+  // Sum of the region's part in the taxel's own row.
+  float SumAround(const float* row, int column) const;
+
   int rows_;
   int columns_;
   bool wrap_;
   Region region_;
-  // A row, with its neighbours beyond its ends.
-  AlignedVector<float> padded_row_;
   // The sums along the rows, with rows of zeros above and below.
   AlignedVector<float> row_sums_;
 };

@@ -6,7 +6,10 @@
 #include "core/base/errors.h"
 #include "core/base/random.h"
 #include "core/base/status_macros.h"
+#include "core/features/contact_tracker.h"
 #include "core/features/segmenter.h"
+#include "core/sim/exact/simulate_contact.h"
+#include "core/sim/skin/record_contact.h"
 #include "tests/bench/benchmarks.h"
 #include "tests/bench/opencv_regions.h"
 #include "tests/bench/rendered_frames.h"
@@ -42,6 +45,23 @@ absl::StatusOr<Frames> RenderFrames(bool touched) {
     if (touched) t += 4;
   }
   frames.resize(kFrames);
+  return frames;
+}
+
+// Frames of a contact on a skin, or of the second before it.
+absl::StatusOr<Frames> RecordFrames(const SkinModel& skin, bool touched) {
+  TrialSpec spec;
+  spec.object = {Materials()[0], 0.04, Surface::kWood};
+  spec.fixed = true;
+  TACTUS_ASSIGN_OR_RETURN(const auto contact, SimulateContact(spec));
+  Random random(1);
+  const Placement placement = {.centre = {.row = 7, .column = 5}};
+  const Trial trial = RecordContact(contact, skin, placement, random);
+  Frames frames;
+  for (int i = 0; i < 64; ++i) {
+    const int t = touched ? placement.lead_in_frames + 5 * i : i;
+    trial.taxels.Decode(t, frames.emplace_back(skin.layout.taxels()).data());
+  }
   return frames;
 }
 
@@ -129,6 +149,34 @@ BenchRow MeasureFrames(const std::string& name, const Frames& frames, bool wrap,
           .peer_name = kOpenCv};
 }
 
+// The tracker with and without light touch, on frames of the skin "good".
+absl::StatusOr<BenchRow> MeasureLightTouch(const std::string& name,
+                                           bool touched, bool quick) {
+  TACTUS_ASSIGN_OR_RETURN(const SkinModel skin, SkinModelNamed("good"));
+  SkinLayout without = skin.layout;
+  without.light_touch.reset();
+  TACTUS_ASSIGN_OR_RETURN(const Frames frames, RecordFrames(skin, touched));
+  ContactTracker ours(skin.layout, {.load_profile = false});
+  ContactTracker theirs(without, {.load_profile = false});
+  constexpr int kRounds = 4;
+  double force = 0;
+  const auto run = [&](ContactTracker& tracker) {
+    for (int round = 0; round < kRounds; ++round) {
+      for (const auto& frame : frames) {
+        force += tracker.Step({.taxels = frame}).max_force;
+      }
+    }
+  };
+  const Timing timing = Interleave(
+      quick ? 3 : 301, [&] { run(ours); }, [&] { run(theirs); });
+  const double count = kRounds * static_cast<double>(frames.size());
+  return BenchRow{.name = name,
+                  .unit = "ns",
+                  .ours = timing.ours / count * 1e9,
+                  .peer = timing.peer / count * 1e9,
+                  .peer_name = "the tracker without light touch"};
+}
+
 class FeaturesBenchmark : public Benchmark {
  public:
   const char* name() const override { return "features"; }
@@ -147,6 +195,13 @@ class FeaturesBenchmark : public Benchmark {
     for (BenchRow& row : rows) {
       row.error = 0;
       row.error_reference = "the peer's regions";
+    }
+    for (const bool touched : {true, false}) {
+      TACTUS_ASSIGN_OR_RETURN(
+          rows.emplace_back(),
+          MeasureLightTouch(touched ? "features/light_touch_contact"
+                                    : "features/light_touch_idle",
+                            touched, quick));
     }
     return rows;
   }
