@@ -1,32 +1,39 @@
 #!/usr/bin/env bash
-# Trains the bundle that tactusd carries: the paper's 1,835 trials, rendered as
-# taxel frames of the cody-forearm skin and taken through the feature path.
+# Trains the bundles that tactusd carries: 100,000 contacts of the random world
+# (docs/simulator.md) on the skins good and measured, with poses of the arm and
+# without.
 #
-#   deploy/train-default-bundle.sh           writes server/registry/default.tactus
+#   deploy/train-default-bundle.sh           writes server/registry/*.tactus
 #   deploy/train-default-bundle.sh --check   trains elsewhere and fails unless
-#                                            the committed bundle comes out
+#                                            the committed bundles come out
 #
-# Needs a release build of trainctl. Takes some minutes on two cores.
+# Needs a release build of trainctl, 4 GB of memory, and about 20 minutes on two
+# cores.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-readonly BUNDLE=server/registry/default.tactus
+readonly BUNDLES=server/registry
 trainctl=$PWD/build/release/bin/trainctl
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# Relative names: the command line becomes part of the bundle.
-(
-  cd "$work"
-  "$trainctl" simulate --protocol=paper --goal=0.019 --sensor=taxels --seed=1 \
-    --out=paper-taxels.h5
-  "$trainctl" fit --data=paper-taxels.h5 --preset=tuned --features=f,m,a \
-    --seed=1 --out=default.tactus \
-    --note="paper's simulated trials as taxel frames, goal 0.019 m"
-)
-if [[ ${1-} == --check ]]; then
-  cmp "$work/default.tactus" "$BUNDLE"
-  echo "the committed bundle comes out, byte for byte"
-else
-  mv "$work/default.tactus" "$BUNDLE"
-fi
+# fit NAME RECIPE: relative names, because the command line becomes part of the
+# bundle.
+fit() {
+  (
+    cd "$work"
+    "$trainctl" fit --data="world:skin=good+measured,contacts=100000,seed=1$2" \
+      --preset=world --features=f,m,a --seed=1 --out="$1.tactus" \
+      --note="100,000 contacts of the random world on the skins good and measured"
+  )
+}
+fit default ""
+fit no-poses ",poses=no"
+for name in default no-poses; do
+  if [[ ${1-} == --check ]]; then
+    cmp "$work/$name.tactus" "$BUNDLES/$name.tactus"
+    echo "the committed bundle $name comes out, byte for byte"
+  else
+    mv "$work/$name.tactus" "$BUNDLES/$name.tactus"
+  fi
+done

@@ -7,7 +7,7 @@
 #
 # Pages, with minutes on two quiet cores: signals (6), materials (20), taxels
 # (6), grid (4), unknown (3), default-bundle (1), cody (1), recordings (1),
-# paper-tables (15), simulator (12). Needs a release build. Real recordings are evaluated when
+# paper-tables (15), simulator (12), world (12), breadth (6). Needs a release build. Real recordings are evaluated when
 # TACTUS_DATA_DIR, or ../shared/data beside the project, has them.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -20,7 +20,7 @@ out=$docs/results
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir -p "$out"
-cp server/registry/default.tactus "$work"
+cp server/registry/*.tactus "$work"
 cd "$work"
 
 # show COMMAND...: the command and what it printed, as one block. Wall-clock
@@ -75,14 +75,32 @@ grid() {
 
 default-bundle() {
   title "The default bundle at a robot condition it never saw"
-  show simulate --protocol=paper --sensor=taxels --stiffness=900 --velocity=0.012 --seed=7 --out=unseen.h5
+  show simulate --protocol=paper --skin=good --stiffness=900 --velocity=0.012 --seed=7 --out=unseen.h5
   show evaluate --data=unseen.h5 --model=default.tactus
 }
 
 cody() {
   title "Virtual Cody, one robot condition left out"
-  show simulate --protocol=cody --sensor=taxels --seed=1 --out=cody.h5
+  show simulate --protocol=cody --skin=good --seed=1 --out=cody.h5
   show evaluate --data=cody.h5 --protocol=loco --preset=tuned --seed=1 --no-estimates
+}
+
+# 20,000 contacts of another seed: no object, arm or place of them was trained on.
+world() {
+  title "The random world: objects and arms that were never trained on"
+  for skin in good measured; do
+    show evaluate --data=world:skin="$skin",contacts=20000,seed=1001 --model=default.tactus
+  done
+  show evaluate --data=world:skin=good,contacts=20000,seed=1001,poses=no --model=no-poses.tactus
+  show fit --data=world:skin=paper,contacts=100000,seed=1 --preset=world --seed=1 --out=paper-skin.tactus
+  show evaluate --data=world:skin=paper,contacts=20000,seed=1001 --model=paper-skin.tactus
+}
+
+breadth() {
+  title "The paper's contacts by a model of the random world"
+  show fit --data=world:skin=ideal,contacts=100000,seed=1 --preset=world --truth=final --seed=1 --out=world.tactus
+  show simulate --protocol=paper --goal=0.019 --sensor=signals --seed=1 --out=signals.h5
+  show evaluate --data=signals.h5 --model=world.tactus
 }
 
 recordings() {
@@ -122,11 +140,11 @@ simulator() {
 
 pages=("$@")
 [[ $# -gt 0 ]] || pages=(signals materials taxels grid unknown default-bundle cody
-  recordings paper-tables simulator)
+  recordings paper-tables simulator world breadth)
 for page in "${pages[@]}"; do
   case "$page" in
     signals | materials | taxels | grid | unknown | default-bundle | cody | \
-      recordings | paper-tables | simulator) ;;
+      recordings | paper-tables | simulator | world | breadth) ;;
     *) echo "make-results: unknown page '$page'" >&2; exit 2 ;;
   esac
   "$page" >"$work/$page.md"

@@ -95,6 +95,7 @@ int CheckHealth(const Flags& flags) {
 absl::Status LoadModels(const std::vector<std::string>& flags,
                         ModelRegistry& registry) {
   TACTUS_RETURN_IF_ERROR(registry.AddBuiltIn("default", DefaultBundle()));
+  TACTUS_RETURN_IF_ERROR(registry.AddBuiltIn("no-poses", NoPosesBundle()));
   for (const std::string& flag : flags) {
     const size_t split = flag.find('=');
     const std::string path =

@@ -7,11 +7,15 @@
 #include "core/sim/exact/simulate_contact.h"
 #include "core/sim/model/materials.h"
 #include "core/sim/model/trial_spec.h"
+#include "core/sim/skin/record_contact.h"
+#include "core/sim/skin/skin_model.h"
 
 namespace tactus::client {
 namespace {
 
 constexpr absl::string_view kLabels[] = {"HU", "HM", "SU", "SM"};
+// An object that moved by no more is unmoved, m.
+constexpr double kMovedM = 0.001;
 // Draws until the class wanted comes up; one in ten does at worst.
 constexpr int kMaxDraws = 1000;
 constexpr int kEdges = 10;
@@ -35,8 +39,7 @@ TrialSpec Draw(Random& random) {
 
 absl::StatusOr<Trial> SimDriver::MakeTrial(size_t index) {
   const absl::string_view want = kLabels[index % std::size(kLabels)];
-  TACTUS_ASSIGN_OR_RETURN(const SkinLayout layout,
-                          LayoutPreset("cody-forearm"));
+  TACTUS_ASSIGN_OR_RETURN(const SkinModel skin, SkinModelNamed(options_.skin));
   Random random = Random::ForStream(options_.seed, index);
   for (int draw = 0; draw < kMaxDraws; ++draw) {
     TrialSpec spec = Draw(random);
@@ -46,10 +49,14 @@ absl::StatusOr<Trial> SimDriver::MakeTrial(size_t index) {
     spec.number = index;
     TACTUS_ASSIGN_OR_RETURN(const SimulatedContact contact,
                             SimulateContact(spec));
-    if (contact.Label() != want) continue;
-    TACTUS_ASSIGN_OR_RETURN(
-        Trial trial,
-        TaxelTrial(contact, layout, options_.render, options_.seed));
+    const bool moved = contact.signals.object_motion.back() > kMovedM;
+    if (moved != (want[1] == 'M')) continue;
+    Placement placement = DrawPlacement(skin.layout, random);
+    if (options_.lead_in_frames > 0) {
+      placement.lead_in_frames = options_.lead_in_frames;
+    }
+    Trial trial = RecordContact(contact, skin, placement, random);
+    trial.label = std::string(want);
     trial.id = absl::StrFormat("%06d", index);
     return trial;
   }

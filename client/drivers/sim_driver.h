@@ -1,11 +1,12 @@
 // File: sim_driver.h
 //
-// SimDriver: contacts from the simulator (core/sim), rendered as u16 taxel
-// frames of the cody-forearm skin with sensor noise, one pose a frame.
+// SimDriver: contacts from the simulator (core/sim), recorded by a named skin
+// (core/sim/skin/skin_model.h) with one pose a frame.
 //
-// Trial i is of class i mod 4 of HU, HM, SU, SM. Its robot condition lies
-// between those of the paper, where no model was trained; its object is any of
-// the paper's. Seed and index fix the trial, whatever the number of drivers.
+// Trial i is of class i mod 4 of HU, HM, SU, SM, as an observer would name it:
+// an object that moved by at most 1 mm is unmoved. Its robot condition lies
+// between those of the paper; its object is any of the paper's. Seed and index
+// fix the trial, whatever the number of drivers.
 //
 //   SimDriver driver({.seed = 7}, /*trials=*/40, {});
 //
@@ -13,9 +14,9 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "client/drivers/trial_driver.h"
-#include "core/sim/skin/render.h"
 
 namespace tactus::client {
 
@@ -23,7 +24,10 @@ class SimDriver : public TrialDriver {
  public:
   struct Options {
     uint64_t seed = 1;
-    RenderOptions render = {};
+    // "paper", "good" or "measured".
+    std::string skin = "good";
+    // Frames before the touch; 0 for those of Placement.
+    int lead_in_frames = 0;
   };
 
   SimDriver(const Options& options, size_t trials, const Shard& shard)

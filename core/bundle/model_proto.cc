@@ -65,6 +65,12 @@ constexpr EnumTable<GateActivation, v1::LstmNetwork::GateActivation, 2>
          {GateActivation::kHardSigmoid,
           v1::LstmNetwork::GATE_ACTIVATION_HARD_SIGMOID}}};
 
+constexpr EnumTable<PoseNeed, v1::PoseNeed, 3> kPoseNeeds{
+    "poses",
+    {{PoseNeed::kEither, v1::POSE_NEED_UNSPECIFIED},
+     {PoseNeed::kNeeded, v1::POSE_NEED_NEEDED},
+     {PoseNeed::kIgnored, v1::POSE_NEED_IGNORED}}};
+
 constexpr EnumTable<Truth, v1::Truth, 2> kTruths{
     "truth",
     {{Truth::kFinal, v1::TRUTH_FINAL}, {Truth::kSoFar, v1::TRUTH_SO_FAR}}};
@@ -336,6 +342,10 @@ v1::ModelBundle ModelToProto(const Model& model) {
   if (!model.layout.name.empty()) {
     *bundle.mutable_geometry() = LayoutToProto(model.layout);
   }
+  for (const SkinLayout& layout : model.more_layouts) {
+    *bundle.add_more_geometries() = LayoutToProto(layout);
+  }
+  bundle.set_poses(kPoseNeeds.ToWire(model.poses));
   if (model.truth == Truth::kSoFar) bundle.set_truth(v1::TRUTH_SO_FAR);
   if (model.release_after_s != kDefaultReleaseAfterS) {
     bundle.set_release_after_s(model.release_after_s);
@@ -372,6 +382,12 @@ absl::StatusOr<Model> ModelFromProto(const v1::ModelBundle& bundle) {
     TACTUS_ASSIGN_OR_RETURN(model.layout, LayoutFromProto(bundle.geometry()));
     model.layout.name = bundle.layout_class();
   }
+  for (const v1::SensorGeometry& geometry : bundle.more_geometries()) {
+    TACTUS_ASSIGN_OR_RETURN(SkinLayout layout, LayoutFromProto(geometry));
+    layout.name = bundle.layout_class();
+    model.more_layouts.push_back(std::move(layout));
+  }
+  TACTUS_ASSIGN_OR_RETURN(model.poses, kPoseNeeds.FromWire(bundle.poses()));
   if (bundle.truth() != v1::TRUTH_UNSPECIFIED) {
     TACTUS_ASSIGN_OR_RETURN(model.truth, kTruths.FromWire(bundle.truth()));
   }

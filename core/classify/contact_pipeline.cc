@@ -32,13 +32,18 @@ absl::Status CheckRate(double rate, double model_rate) {
   return absl::OkStatus();
 }
 
-absl::Status CheckSkin(const SkinLayout& layout, const SkinLayout& trained) {
-  if (trained.name.empty()) return absl::OkStatus();
-  const bool same =
-      layout.name == trained.name && layout.rows == trained.rows &&
-      layout.columns == trained.columns && layout.unit == trained.unit;
-  return same ? absl::OkStatus()
-              : GeometryMismatch(Describe(layout), Describe(trained));
+absl::Status CheckSkin(const SkinLayout& layout, const Model& model) {
+  const std::string misfit = SkinMisfit(model, layout);
+  if (misfit.empty()) return absl::OkStatus();
+  return GeometryMismatch(absl::StrCat(Describe(layout), " with ", misfit),
+                          Describe(model.layout));
+}
+
+absl::Status CheckPoses(bool with_poses, const Model& model) {
+  if (with_poses || model.poses != PoseNeed::kNeeded) return absl::OkStatus();
+  return InvalidConfig("with_poses", "false",
+                       "true: the model measures motion by poses; another one "
+                       "may do without");
 }
 
 }  // namespace
@@ -50,7 +55,8 @@ absl::Status ContactPipeline::Check(const SkinLayout& layout,
   const Model& m = model.model();
   TACTUS_RETURN_IF_ERROR(
       CheckRate(options.sample_rate_hz, m.inputs.sample_rate_hz));
-  return CheckSkin(layout, m.layout);
+  TACTUS_RETURN_IF_ERROR(CheckPoses(options.with_poses, m));
+  return CheckSkin(layout, m);
 }
 
 absl::StatusOr<std::unique_ptr<ContactPipeline>> ContactPipeline::Create(
@@ -64,7 +70,8 @@ absl::StatusOr<std::unique_ptr<ContactPipeline>> ContactPipeline::Create(
 ContactPipeline::ContactPipeline(
     const SkinLayout& layout, const std::shared_ptr<const CompiledModel>& model,
     const Options& options)
-    : classifier_(model, options.decision, options.skip),
+    : uses_poses_(model->model().poses != PoseNeed::kIgnored),
+      classifier_(model, options.decision, options.skip),
       tracker_(layout,
                {.sample_rate_hz = options.sample_rate_hz,
                 .release_after_s = options.release_after_s == 0
@@ -76,7 +83,9 @@ ContactPipeline::ContactPipeline(
       skip_(options.skip) {}
 
 const ContactReport& ContactPipeline::Step(const FrameView& frame) {
-  report_.features = tracker_.Step(frame);
+  FrameView seen = frame;
+  if (!uses_poses_) seen.pose = nullptr;
+  report_.features = tracker_.Step(seen);
   report_.state = tracker_.state();
   report_.onset = tracker_.onset();
   report_.released = tracker_.released();

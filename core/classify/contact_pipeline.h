@@ -43,13 +43,16 @@ class ContactPipeline {
     // Seconds without touch that end a contact. If negative, only EndTrial()
     // ends it. Zero selects the model's value.
     double release_after_s = 0;
+    // Frames come with poses.
+    bool with_poses = true;
     ContactClassifier::Options decision;
     SkipRules skip;
   };
 
   // OK if Create would succeed. INVALID_CONFIG if the layout or the rate is out
-  // of range, or if the rate differs from the model's by more than 5 %;
-  // GEOMETRY_MISMATCH if the model was trained on another skin.
+  // of range, if the rate differs from the model's by more than 5 %, or if the
+  // model needs poses and frames have none; GEOMETRY_MISMATCH if the model was
+  // trained on other skins (SkinMisfit).
   static absl::Status Check(const SkinLayout& layout,
                             const CompiledModel& model, const Options& options);
 
@@ -76,6 +79,7 @@ class ContactPipeline {
                   const Options& options);
   void CountSkipped();
 
+  const bool uses_poses_;
   ContactClassifier classifier_;
   ContactTracker tracker_;
   ContactReport report_;

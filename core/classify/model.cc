@@ -1,5 +1,6 @@
 #include "core/classify/model.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -174,9 +175,24 @@ absl::Status Validate(const Model& model) {
   TACTUS_RETURN_IF_ERROR(
       Validate(model.calibration, model.classes(), has_lstm));
   TACTUS_RETURN_IF_ERROR(CheckLayout(model.layout));
+  for (const SkinLayout& layout : model.more_layouts) {
+    TACTUS_RETURN_IF_ERROR(CheckLayout(layout));
+  }
   TACTUS_RETURN_IF_ERROR(CheckRelease(model.release_after_s));
   TACTUS_RETURN_IF_ERROR(CheckProvenance(model.provenance));
   return CheckWarmUp(model);
+}
+
+std::string SkinMisfit(const Model& model, const SkinLayout& layout) {
+  if (model.layout.name.empty()) return "";
+  const auto differs = [&](SkinLayout trained) {
+    if (!layout.light_touch) trained.light_touch.reset();
+    return SkinDifference(layout, trained);
+  };
+  const bool fits = std::ranges::any_of(
+      model.more_layouts,
+      [&](const SkinLayout& trained) { return differs(trained).empty(); });
+  return fits ? "" : differs(model.layout);
 }
 
 }  // namespace tactus

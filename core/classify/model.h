@@ -58,6 +58,14 @@ struct InputSpec {
 // its category so far, in which an object is unmoved until it moves.
 enum class Truth { kFinal, kSoFar };
 
+// What a model takes the motion from. A model that was fitted with poses reads
+// the wandering of a centroid as if the arm had not moved.
+enum class PoseNeed {
+  kEither,   // the motion is not used, or it is not known
+  kNeeded,   // from poses; streams without poses are refused
+  kIgnored,  // from the centroid; poses of a stream are ignored
+};
+
 // Maps scores to probabilities. The tables are functions of the frames since
 // onset (CalibrationAt).
 struct Calibration {
@@ -120,8 +128,11 @@ struct Model {
   std::optional<LstmNetwork> estimator;
   Calibration calibration;
   Truth truth = Truth::kFinal;
-  // Skin of the training data; an empty name fits any skin.
+  // Skin of the training data; an empty name fits any skin. Further skins of
+  // the same name and shape, with other thresholds.
   SkinLayout layout;
+  std::vector<SkinLayout> more_layouts;
+  PoseNeed poses = PoseNeed::kEither;
   // Seconds without touch that end a contact, unless a stream says otherwise.
   // At most limits::kMaxReleaseAfterMs; below 0, only the end of a trial ends
   // it. Not 0.
@@ -136,5 +147,10 @@ struct Model {
 // place where the parts of a model are compared. INVALID_MODEL naming what is
 // wrong, or INVALID_CONFIG for the layout.
 absl::Status Validate(const Model& model);
+
+// The first difference between a skin and those of the model's training data;
+// empty if it is one of them. A skin without light touch is one of them if it
+// differs in nothing else: it feels a part of what they feel.
+std::string SkinMisfit(const Model& model, const SkinLayout& layout);
 
 }  // namespace tactus

@@ -14,8 +14,7 @@ constexpr double kRateTolerance = 0.05;
 
 absl::Status Check(const std::string& trial, const SkinLayout& layout,
                    double rate_hz, const Model& model) {
-  const std::string difference =
-      model.layout.name.empty() ? "" : SkinDifference(layout, model.layout);
+  const std::string difference = SkinMisfit(model, layout);
   if (!difference.empty()) {
     return InvalidConfig(absl::StrCat("skin of trial ", trial), difference,
                          "the skin that the model was fitted to");
@@ -48,6 +47,14 @@ absl::Status CheckOneSkin(const LabelledContact& first,
 }
 
 absl::Status CheckFits(const LabelledContact& contact, const Model& model) {
+  const bool poses_fit = contact.with_poses ? model.poses != PoseNeed::kIgnored
+                                            : model.poses != PoseNeed::kNeeded;
+  if (!poses_fit) {
+    return InvalidConfig(absl::StrCat("trial ", contact.id),
+                         contact.with_poses ? "with poses" : "without poses",
+                         contact.with_poses ? "without, as the model was fitted"
+                                            : "with, as the model was fitted");
+  }
   const SkinLayout& layout = IsIdeal(contact) ? model.layout : contact.layout;
   return Check(contact.id, layout, contact.sample_rate_hz, model);
 }

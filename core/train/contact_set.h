@@ -22,7 +22,8 @@ absl::Status CheckOneSkin(const LabelledContact& first,
                           const LabelledContact& contact);
 
 // INVALID_CONFIG if the contact comes from a skin or a sample rate that the
-// model was not trained with. A rate may differ by 5 %, as a stream's may.
+// model was not trained with, or has poses where the model had none or the
+// other way round. A rate may differ by 5 %, as a stream's may.
 // Ideal signals have no skin and fit any.
 absl::Status CheckFits(const LabelledContact& contact, const Model& model);
 

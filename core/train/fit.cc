@@ -77,6 +77,38 @@ absl::Status CheckContacts(const std::vector<const LabelledContact*>& contacts,
   return CheckUniform(contacts);
 }
 
+// Motion from poses and motion of a centroid are two things.
+absl::Status CheckPoses(const std::vector<const LabelledContact*>& contacts,
+                        const std::vector<Feature>& features) {
+  if (std::ranges::count(features, Feature::kMotion) == 0) {
+    return absl::OkStatus();
+  }
+  const LabelledContact& first = *contacts.front();
+  for (const LabelledContact* contact : contacts) {
+    if (contact->with_poses == first.with_poses) continue;
+    return InvalidTrainingData(absl::StrCat(
+        "contact ", contact->id, " has ", contact->with_poses ? "" : "no ",
+        "poses but contact ", first.id,
+        first.with_poses ? " has some" : " has none",
+        "; a model that uses the motion is fitted to one or the other"));
+  }
+  return absl::OkStatus();
+}
+
+// What the model demands of the skins that it will serve.
+void SetRequirements(const std::vector<const LabelledContact*>& contacts,
+                     const std::vector<Feature>& features, Model& model) {
+  for (const LabelledContact* contact : contacts) {
+    const bool known =
+        contact->layout == model.layout ||
+        std::ranges::count(model.more_layouts, contact->layout) > 0;
+    if (!known) model.more_layouts.push_back(contact->layout);
+  }
+  if (std::ranges::count(features, Feature::kMotion) == 0) return;
+  model.poses =
+      contacts.front()->with_poses ? PoseNeed::kNeeded : PoseNeed::kIgnored;
+}
+
 // Ideal signals have no place on a skin, so they have no load profile.
 absl::Status CheckCues(const std::vector<const LabelledContact*>& contacts,
                        const std::vector<Cue>& wanted,
@@ -378,6 +410,7 @@ absl::StatusOr<Model> FitModel(
     TACTUS_RETURN_IF_ERROR(
         CheckCues(contacts, options.lstm.cues, options.features));
   }
+  TACTUS_RETURN_IF_ERROR(CheckPoses(contacts, options.features));
   TACTUS_RETURN_IF_ERROR(CheckUsable(contacts, options));
   const SavedParts saved(journal, contacts, options);
   const FitRun run = {options, class_names, journal, saved};
@@ -409,6 +442,7 @@ absl::StatusOr<Model> FitModel(
   if (options.calibrate) {
     TACTUS_RETURN_IF_ERROR(Calibrate(folds, model));
   }
+  SetRequirements(contacts, options.features, model);
   TACTUS_RETURN_IF_ERROR(AddWarmUp(contacts, model));
   model.provenance.trials = static_cast<uint32_t>(contacts.size());
   model.provenance.seed = options.seed;

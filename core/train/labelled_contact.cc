@@ -61,6 +61,7 @@ absl::StatusOr<std::optional<LabelledContact>> ExtractContact(
     }
     contact.object_motion = trial.object_motion;
   } else {
+    contact.with_poses = !trial.poses.empty();
     TACTUS_ASSIGN_OR_RETURN(contact.layout,
                             LayoutOfTrial(trial, options.layout));
     TakeTaxels(trial, contact.layout, options, contact);

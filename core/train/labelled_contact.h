@@ -31,6 +31,9 @@ struct LabelledContact {
   double stiffness = 0;
   // The skin; an empty name for ideal signals.
   SkinLayout layout;
+  // The motion comes from poses of the arm, as that of ideal signals does, and
+  // not from the centroid on the skin.
+  bool with_poses = true;
   // Distance that the object has moved at each frame, m; empty if unknown.
   std::vector<double> object_motion;
   // From onset to the end of the trial; the first is touched.

@@ -11,7 +11,8 @@ namespace {
 void AddContact(const LabelledContact& contact, Sha256& hash) {
   ByteWriter writer;
   writer(contact.id, contact.label, contact.condition, contact.material,
-         contact.sample_rate_hz, contact.stiffness, contact.object_motion,
+         contact.with_poses, contact.sample_rate_hz, contact.stiffness,
+         contact.object_motion,
          SerializeDeterministic(LayoutToProto(contact.layout)));
   for (const ContactFrame& frame : contact.frames) {
     const ContactSample& sample = frame.sample;

@@ -1,7 +1,8 @@
 // File: default_bundle.h
 //
-// The model bundle built into tactusd: server/registry/default.tactus, byte
-// for byte. Thread-safe; lives as long as the program.
+// The model bundles built into tactusd, byte for byte: for streams with poses
+// of the arm (server/registry/default.tactus) and for streams without
+// (no-poses.tactus). Thread-safe; they live as long as the program.
 #pragma once
 
 #include "absl/strings/string_view.h"
@@ -9,5 +10,6 @@
 namespace tactus::server {
 
 absl::string_view DefaultBundle();
+absl::string_view NoPosesBundle();
 
 }  // namespace tactus::server

@@ -131,6 +131,8 @@ void StreamSession::WriteStarted() {
   if (!model.layout.name.empty()) {
     *started->mutable_trained_geometry() = LayoutToProto(model.layout);
   }
+  started->set_truth(model.truth == Truth::kSoFar ? v1::TRUTH_SO_FAR
+                                                  : v1::TRUTH_FINAL);
 }
 
 absl::Status StreamSession::OnFrames(const v1::FrameBatch& batch) {

@@ -93,6 +93,7 @@ absl::Status ParsePipeline(const v1::StreamConfig& config,
     return InvalidConfig("release_after_ms", config.release_after_ms(),
                          absl::StrCat("at most ", limits::kMaxReleaseAfterMs));
   }
+  options.with_poses = config.with_poses();
   // 0 stays 0, and the pipeline takes the model's.
   options.release_after_s = config.release_after_ms() / 1e3;
   return absl::OkStatus();

@@ -315,7 +315,7 @@ TEST(SimDriverTest, MakesTheSameClassesForAnyNumberOfShards) {
   std::map<size_t, Trial> whole;
   for (const size_t shards : {1, 2}) {
     for (size_t shard = 0; shard < shards; ++shard) {
-      SimDriver driver({.seed = 3, .render = {}}, 4, {shard, shards});
+      SimDriver driver({.seed = 3}, 4, {shard, shards});
       ASSERT_TRUE(driver.Configure().ok());
       ASSERT_TRUE(driver.Activate().ok());
       SkinFrame frame;

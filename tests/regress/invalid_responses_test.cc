@@ -261,7 +261,7 @@ TEST(InvalidResponsesOnTheWireTest, TheTrialPlayerReportsThem) {
     }
     return grpc::Status::OK;
   });
-  SimDriver driver({.seed = 1, .render = {}}, 1, {});
+  SimDriver driver({.seed = 1}, 1, {});
   TrialPlayer player(MakeChannel(server.address()), &driver, {},
                      [](const TrialResult&) {});
   const absl::Status status = player.Run();

@@ -110,7 +110,7 @@ TEST(SilentServerTest, TheTrialPlayerReturnsWithoutAnswers) {
     return ScriptedServer::SayNothing(context);
   });
   const TimeLimit limit("Run() waits", [&] { server.Stop(); });
-  SimDriver driver({.seed = 1, .render = {}}, 1, {});
+  SimDriver driver({.seed = 1}, 1, {});
   TrialPlayer player(MakeChannel(server.address()), &driver,
                      {.timeouts = {.final_posterior = kShort}},
                      [](const TrialResult&) {});

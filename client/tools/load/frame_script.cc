@@ -45,10 +45,8 @@ absl::StatusOr<FrameScript> FrameScript::Create(const Options& options) {
         "untouched seconds", options.untouched_seconds,
         absl::StrCat("a frame to ", limits::kMaxLeadInFrames / kRateHz));
   }
-  RenderOptions render;
-  render.lead_in_frames = untouched;
-  SimDriver driver({.seed = options.seed, .render = render}, options.contacts,
-                   {});
+  SimDriver driver({.seed = options.seed, .lead_in_frames = untouched},
+                   options.contacts, {});
   TACTUS_ASSIGN_OR_RETURN(const SkinInfo info, driver.Configure());
   TACTUS_RETURN_IF_ERROR(driver.Activate());
   FrameScript script;

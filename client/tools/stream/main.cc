@@ -38,6 +38,7 @@ struct Flags {
   bool json = false;
   std::string posteriors;
   std::string layout;
+  std::string skin = "good";
   double timeout_s = 10;
   TrialPlayer::Options player;
 };
@@ -53,7 +54,7 @@ std::unique_ptr<TrialDriver> MakeDriver(
         ReplayDriver::Options{.max_trials = flags.trials, .layout = layout});
   }
   return std::make_unique<SimDriver>(
-      SimDriver::Options{.seed = flags.seed, .render = {}},
+      SimDriver::Options{.seed = flags.seed, .skin = flags.skin},
       flags.trials == 0 ? kDefaultSimTrials : flags.trials, share);
 }
 
@@ -123,6 +124,9 @@ int Main(int argc, char** argv) {
       ->check(CLI::ExistingFile);
   app.add_option("--driver", flags.driver, "sim or replay")
       ->check(CLI::IsMember({"sim", "replay"}))
+      ->capture_default_str();
+  app.add_option("--skin", flags.skin,
+                 "Skin of --driver=sim: paper, good or measured")
       ->capture_default_str();
   app.add_option("--data", flags.data, "Trial file for --driver=replay")
       ->check(CLI::ExistingFile);

@@ -54,6 +54,7 @@ absl::StatusOr<Json> ClassifyTaxels(
   // Contacts end as the model says, and so they do in a server.
   ContactPipeline::Options options;
   options.sample_rate_hz = trial.sample_rate_hz;
+  options.with_poses = !trial.poses.empty();
   TACTUS_ASSIGN_OR_RETURN(auto pipeline,
                           ContactPipeline::Create(layout, model, options));
   std::vector<float> taxels(layout.taxels());

@@ -92,6 +92,7 @@ absl::Status TraceTaxels(const Trial& trial,
   TACTUS_RETURN_IF_ERROR(CheckSkinOf(trial, trace.layout, model->model()));
   ContactPipeline::Options options;
   options.sample_rate_hz = trial.sample_rate_hz;
+  options.with_poses = !trial.poses.empty();
   options.release_after_s = kNeverReleased;
   TACTUS_ASSIGN_OR_RETURN(
       auto pipeline, ContactPipeline::Create(trace.layout, model, options));
