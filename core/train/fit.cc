@@ -264,25 +264,33 @@ std::vector<Wave> MakeWaves(const std::vector<ModelFit*>& fits) {
 }
 
 // Fits the models of a wave. Their tasks form one list, so that no thread waits
-// for the end of one model before the next begins.
+// for the end of one model before the next begins. One task of HMMs of the
+// first model is done between its two kinds of inputs: whoever watches the fit
+// sees its first iterations before all inputs of all models are made.
 absl::Status FitWave(const Wave& wave, const ParallelFor& parallel,
                      const Progress& inputs, const Progress& training) {
   const std::vector<ModelFit*>& fits = wave.fits;
+  const auto fit_task = [&](ModelFit* fit, int task) {
+    return fit->FitTask(task, training.Part("", fit->Weight(task)));
+  };
+  const int early = fits.front()->first_hmm_task();
   TACTUS_RETURN_IF_ERROR(RunAll(parallel, fits.size(), [&](int f) {
-    const absl::Status status =
-        fits[f]->FitInputs(fits[f]->InputBytes() <= kKeptInputBytes);
+    ModelFit* const fit = fits[f];
+    TACTUS_RETURN_IF_ERROR(fit->FitHmmInputs());
+    if (f == 0) TACTUS_RETURN_IF_ERROR(fit_task(fit, early));
+    TACTUS_RETURN_IF_ERROR(
+        fit->FitLstmInputs(fit->InputBytes() <= kKeptInputBytes));
     inputs.Add(1);
-    return status;
+    return absl::OkStatus();
   }));
   std::vector<std::pair<ModelFit*, int>> tasks;
   for (ModelFit* fit : fits) {
     for (int task = 0; task < fit->tasks(); ++task) {
-      tasks.emplace_back(fit, task);
+      if (fit != fits.front() || task != early) tasks.emplace_back(fit, task);
     }
   }
   const absl::Status status = RunAll(parallel, tasks.size(), [&](int i) {
-    const auto& [fit, task] = tasks[i];
-    return fit->FitTask(task, training.Part("", fit->Weight(task)));
+    return fit_task(tasks[i].first, tasks[i].second);
   });
   for (ModelFit* fit : fits) fit->DropInputs();
   return status;

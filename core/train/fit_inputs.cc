@@ -4,33 +4,42 @@
 
 namespace tactus {
 
-absl::StatusOr<InputSpec> FitInputSpec(const FitRun& run,
+absl::StatusOr<InputSpec> FitHmmInputs(const FitRun& run,
                                        const std::string& part,
-                                       const VariedContacts& hmm_contacts,
-                                       const VariedContacts& lstm_contacts) {
+                                       const VariedContacts& contacts) {
   TACTUS_ASSIGN_OR_RETURN(auto saved, run.saved.Find<InputSpec>(part));
   if (saved) return *std::move(saved);
   const FitOptions& options = run.options;
   InputSpec spec;
   spec.hmm_steps = options.hmm_steps;
   spec.hmm = FitInputs(
-      hmm_contacts, CuesFor(options.hmm_cues, options.features),
+      contacts, CuesFor(options.hmm_cues, options.features),
       {.log_features = options.log_features, .steps = options.hmm_steps});
-  spec.sample_rate_hz = hmm_contacts.Original(0).sample_rate_hz;
+  spec.sample_rate_hz = contacts.Original(0).sample_rate_hz;
+  return spec;
+}
+
+absl::Status FitLstmInputs(const FitRun& run, const std::string& part,
+                           const VariedContacts& contacts, InputSpec* spec) {
+  TACTUS_ASSIGN_OR_RETURN(auto saved, run.saved.Find<InputSpec>(part));
+  if (saved) {
+    *spec = *std::move(saved);
+    return absl::OkStatus();
+  }
+  const FitOptions& options = run.options;
   const LstmFit& fit = options.lstm;
   if (fit.networks > 0) {
     TACTUS_RETURN_IF_ERROR(run.GoOn());
-    spec.lstm_steps = fit.steps;
-    spec.lstm = FitInputs(
-        lstm_contacts, CuesFor(fit.cues, options.features),
+    spec->lstm_steps = fit.steps;
+    spec->lstm = FitInputs(
+        contacts, CuesFor(fit.cues, options.features),
         {.scaling = fit.scaling,
          .steps = fit.steps,
          .stretched_cues = CuesFor(fit.stretched_cues, options.features),
          .stretches = fit.stretches,
          .limit = fit.limit});
   }
-  TACTUS_RETURN_IF_ERROR(run.saved.Put(part, spec));
-  return spec;
+  return run.saved.Put(part, *spec);
 }
 
 }  // namespace tactus

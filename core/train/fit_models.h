@@ -24,11 +24,15 @@
 
 namespace tactus {
 
-// The inputs of HMMs and, if there are networks, of LSTMs.
-absl::StatusOr<InputSpec> FitInputSpec(const FitRun& run,
+// The inputs of HMMs. The journal may have those of LSTMs too; the part is put
+// by FitLstmInputs.
+absl::StatusOr<InputSpec> FitHmmInputs(const FitRun& run,
                                        const std::string& part,
-                                       const VariedContacts& hmm_contacts,
-                                       const VariedContacts& lstm_contacts);
+                                       const VariedContacts& contacts);
+
+// Adds the inputs of LSTMs to those of HMMs, if there are networks.
+absl::Status FitLstmInputs(const FitRun& run, const std::string& part,
+                           const VariedContacts& contacts, InputSpec* spec);
 
 // The HMMs of the class number `label`, which must have a contact.
 absl::StatusOr<HmmMixture> FitClassHmms(const FitRun& run,

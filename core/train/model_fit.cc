@@ -56,12 +56,18 @@ size_t ModelFit::InputBytes() const {
   return LstmInputs::KeptBytes(lstm_contacts_, inputs, fit.steps);
 }
 
-absl::Status ModelFit::FitInputs(bool keep) {
+absl::Status ModelFit::FitHmmInputs() {
   hmm_contacts_.MeasureNoise();
+  TACTUS_ASSIGN_OR_RETURN(
+      model_.inputs, tactus::FitHmmInputs(run_, absl::StrCat(prefix_, "inputs"),
+                                          hmm_contacts_));
+  return absl::OkStatus();
+}
+
+absl::Status ModelFit::FitLstmInputs(bool keep) {
   if (networks_ > 0) lstm_contacts_.MeasureNoise();
-  TACTUS_ASSIGN_OR_RETURN(model_.inputs,
-                          FitInputSpec(run_, absl::StrCat(prefix_, "inputs"),
-                                       hmm_contacts_, lstm_contacts_));
+  TACTUS_RETURN_IF_ERROR(tactus::FitLstmInputs(
+      run_, absl::StrCat(prefix_, "inputs"), lstm_contacts_, &model_.inputs));
   if (networks_ > 0) {
     lstm_inputs_.emplace(lstm_contacts_, run_.class_names, model_.inputs,
                          LstmInputs::Options{.keep = keep,

@@ -4,7 +4,8 @@
 // share out.
 //
 //   ModelFit fit(run, "fold/2/", {.lstms = 1}, contacts);
-//   TACTUS_RETURN_IF_ERROR(fit.FitInputs(/*keep=*/true));
+//   TACTUS_RETURN_IF_ERROR(fit.FitHmmInputs());
+//   TACTUS_RETURN_IF_ERROR(fit.FitLstmInputs(/*keep=*/true));
 //   for (int task = 0; task < fit.tasks(); ++task) {
 //     TACTUS_RETURN_IF_ERROR(fit.FitTask(task, Progress()));
 //   }
@@ -47,14 +48,20 @@ class ModelFit {
 
   // Bytes that the LSTMs' inputs take if they are kept.
   size_t InputBytes() const;
-  // Fits the scaling of the inputs and makes those of the LSTMs, or makes them
-  // for each batch if they are not kept. Comes before the tasks.
-  absl::Status FitInputs(bool keep);
+  // Fits the scaling of the HMMs' inputs. After it come the tasks of HMMs.
+  absl::Status FitHmmInputs();
+  // Fits the scaling of the LSTMs' inputs and makes them, or makes them for
+  // each batch if they are not kept. Comes after FitHmmInputs and before the
+  // other tasks.
+  absl::Status FitLstmInputs(bool keep);
   // Drops the LSTMs' inputs. Comes after the tasks.
   void DropInputs() { lstm_inputs_.reset(); }
 
   // Tasks: the first network, the HMMs of each class, then further networks.
   int tasks() const { return networks_ + run_.class_names.size(); }
+  // The number of a task of HMMs: they have the first points of a learning
+  // curve.
+  int first_hmm_task() const { return networks_ == 0 ? 0 : 1; }
   // Work of a task, relative to that of other models' tasks.
   double Weight(int task) const;
   absl::Status FitTask(int task, const Progress& progress);

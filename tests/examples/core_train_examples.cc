@@ -192,7 +192,8 @@ absl::Status FitModelsExample(const FitRun& run, const std::string& name,
 
 absl::Status ModelFitExample(const FitRun& run, const Contacts& contacts) {
   ModelFit fit(run, "fold/2/", {.lstms = 1}, contacts);
-  TACTUS_RETURN_IF_ERROR(fit.FitInputs(/*keep=*/true));
+  TACTUS_RETURN_IF_ERROR(fit.FitHmmInputs());
+  TACTUS_RETURN_IF_ERROR(fit.FitLstmInputs(/*keep=*/true));
   for (int task = 0; task < fit.tasks(); ++task) {
     TACTUS_RETURN_IF_ERROR(fit.FitTask(task, Progress()));
   }

@@ -27,7 +27,10 @@ class MemoryJournal : public FitJournal {
     parts[std::string(part)] = std::move(bytes);
     return absl::OkStatus();
   }
-  void OnPoint(const LearningPoint& point) override { points.push_back(point); }
+  void OnPoint(const LearningPoint& point) override {
+    if (points.empty()) puts_before_points = puts;
+    points.push_back(point);
+  }
   bool Cancelled() override { return ++questions == cancel_at; }
 
   std::map<std::string, std::string> parts;
@@ -35,6 +38,7 @@ class MemoryJournal : public FitJournal {
   int questions = 0;
   int cancel_at = 0;
   int puts = 0;
+  int puts_before_points = 0;
   int fail_put_at = 0;
 };
 
@@ -91,6 +95,15 @@ TEST_F(FitJournalTest, CancelledAnywhereItResumesToTheSameBytes) {
     ASSERT_EQ(*Fit(&journal), expected_) << k;
     EXPECT_LE(journal.questions, whole.questions) << k;
   }
+}
+
+// Someone who watches the fit should not wait for the inputs of all models.
+TEST_F(FitJournalTest, TheFirstPointComesBeforeTheInputsOfAnyModelAreDone) {
+  MemoryJournal journal;
+  ASSERT_EQ(*Fit(&journal), expected_);
+  ASSERT_FALSE(journal.points.empty());
+  EXPECT_EQ(journal.points.front().phase, "fit HMMs");
+  EXPECT_EQ(journal.puts_before_points, 0);
 }
 
 TEST_F(FitJournalTest, ResumesFromTheLastPartOfEachPut) {
