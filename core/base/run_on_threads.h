@@ -2,7 +2,7 @@
 //
 // Spreads independent work over all processors. The programs and benchmarks
 // lend their threads to core with it, because core starts none
-// (core/train/work.h).
+// (core/base/work.h).
 //
 //   RunOnThreads(jobs.size(), [&](int i) { results[i] = Run(jobs[i]); });
 //   FitModel(contacts, options, RunOnThreads);

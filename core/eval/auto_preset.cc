@@ -8,7 +8,7 @@
 #include "core/base/status_macros.h"
 #include "core/eval/baselines.h"
 #include "core/eval/evaluate.h"
-#include "core/train/folds.h"
+#include "core/contacts/folds.h"
 
 namespace tactus {
 namespace {

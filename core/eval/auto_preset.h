@@ -22,8 +22,8 @@
 
 #include "absl/status/statusor.h"
 #include "core/train/fit_options.h"
-#include "core/train/labelled_contact.h"
-#include "core/train/work.h"
+#include "core/contacts/labelled_contact.h"
+#include "core/base/work.h"
 
 namespace tactus {
 

@@ -10,7 +10,7 @@
 #include "Eigen/Core"
 #include "core/base/status_macros.h"
 #include "core/nearest/pca_nearest.h"
-#include "core/train/folds.h"
+#include "core/contacts/folds.h"
 
 namespace tactus {
 namespace {

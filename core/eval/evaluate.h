@@ -17,9 +17,9 @@
 #include "core/classify/compiled_model.h"
 #include "core/eval/evaluation.h"
 #include "core/train/fit.h"
-#include "core/train/folds.h"
-#include "core/train/labelled_contact.h"
-#include "core/train/work.h"
+#include "core/contacts/folds.h"
+#include "core/contacts/labelled_contact.h"
+#include "core/base/work.h"
 
 namespace tactus {
 

@@ -17,7 +17,7 @@
 #include "absl/status/status.h"
 #include "core/eval/evaluation.h"
 #include "core/features/feature.h"
-#include "core/train/labelled_contact.h"
+#include "core/contacts/labelled_contact.h"
 
 namespace tactus {
 

@@ -21,7 +21,7 @@
 #include "core/classify/model.h"
 #include "core/classify/object_estimate.h"
 #include "core/eval/metrics.h"
-#include "core/train/anytime.h"
+#include "core/contacts/anytime.h"
 
 namespace tactus {
 

@@ -6,7 +6,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/classify/contact_classifier.h"
-#include "core/train/folds.h"
+#include "core/contacts/folds.h"
 
 namespace tactus {
 namespace {

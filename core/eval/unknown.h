@@ -17,8 +17,8 @@
 
 #include "absl/status/statusor.h"
 #include "core/train/fit.h"
-#include "core/train/labelled_contact.h"
-#include "core/train/work.h"
+#include "core/contacts/labelled_contact.h"
+#include "core/base/work.h"
 
 namespace tactus {
 

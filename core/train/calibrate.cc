@@ -7,7 +7,7 @@
 
 #include "core/classify/calibration.h"
 #include "core/classify/contact_classifier.h"
-#include "core/train/anytime.h"
+#include "core/contacts/anytime.h"
 #include "core/train/softmax_fit.h"
 
 namespace tactus {

@@ -25,7 +25,7 @@
 
 #include "core/classify/compiled_model.h"
 #include "core/classify/object_estimate.h"
-#include "core/train/labelled_contact.h"
+#include "core/contacts/labelled_contact.h"
 
 namespace tactus {
 

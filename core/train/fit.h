@@ -19,8 +19,8 @@
 #include "core/classify/model.h"
 #include "core/train/fit_journal.h"
 #include "core/train/fit_options.h"
-#include "core/train/labelled_contact.h"
-#include "core/train/work.h"
+#include "core/contacts/labelled_contact.h"
+#include "core/base/work.h"
 
 namespace tactus {
 

@@ -13,7 +13,7 @@
 #include "core/train/archive.h"
 #include "core/train/calibrate.h"
 #include "core/train/fit_options.h"
-#include "core/train/labelled_contact.h"
+#include "core/contacts/labelled_contact.h"
 
 namespace tactus {
 

@@ -19,8 +19,8 @@
 #include "core/classify/model.h"
 #include "core/train/fit_run.h"
 #include "core/train/lstm_inputs.h"
-#include "core/train/varied_contacts.h"
-#include "core/train/work.h"
+#include "core/contacts/varied_contacts.h"
+#include "core/base/work.h"
 
 namespace tactus {
 

@@ -19,7 +19,7 @@
 #include "core/classify/model.h"
 #include "core/lstm/train.h"
 #include "core/train/inputs.h"
-#include "core/train/varied_contacts.h"
+#include "core/contacts/varied_contacts.h"
 
 namespace tactus {
 

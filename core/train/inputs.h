@@ -15,8 +15,8 @@
 
 #include "absl/functional/function_ref.h"
 #include "core/classify/input_spec.h"
-#include "core/train/labelled_contact.h"
-#include "core/train/varied_contacts.h"
+#include "core/contacts/labelled_contact.h"
+#include "core/contacts/varied_contacts.h"
 
 namespace tactus {
 

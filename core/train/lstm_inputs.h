@@ -24,7 +24,7 @@
 #include "absl/strings/string_view.h"
 #include "core/classify/model.h"
 #include "core/lstm/sequence_source.h"
-#include "core/train/varied_contacts.h"
+#include "core/contacts/varied_contacts.h"
 
 namespace tactus {
 

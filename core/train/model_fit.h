@@ -26,8 +26,8 @@
 #include "core/classify/model.h"
 #include "core/train/fit_models.h"
 #include "core/train/fit_run.h"
-#include "core/train/varied_contacts.h"
-#include "core/train/work.h"
+#include "core/contacts/varied_contacts.h"
+#include "core/base/work.h"
 
 namespace tactus {
 

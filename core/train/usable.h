@@ -16,7 +16,7 @@
 
 #include "absl/status/status.h"
 #include "core/train/fit_options.h"
-#include "core/train/labelled_contact.h"
+#include "core/contacts/labelled_contact.h"
 
 namespace tactus {
 

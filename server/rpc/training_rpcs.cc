@@ -7,7 +7,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
-#include "core/train/folds.h"
+#include "core/contacts/folds.h"
 #include "core/train/train_spec.h"
 #include "server/names/resource_names.h"
 #include "server/rpc/control_handlers.h"

@@ -8,7 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/eval/metrics.h"
-#include "core/train/anytime.h"
+#include "core/contacts/anytime.h"
 
 namespace tactus::server {
 namespace {

@@ -15,7 +15,7 @@
 #include <string>
 
 #include "core/train/fit_journal.h"
-#include "core/train/work.h"
+#include "core/base/work.h"
 #include "tactus/v1/storage.pb.h"
 
 namespace tactus::server {

@@ -16,7 +16,7 @@
 #include "core/data/trial_record.h"
 #include "core/eval/evaluate.h"
 #include "core/store/blob_store.h"
-#include "core/train/contact_set.h"
+#include "core/contacts/contact_set.h"
 #include "core/train/fit.h"
 #include "core/train/train_spec.h"
 #include "core/train/usable.h"

@@ -18,7 +18,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/classify/compiled_model.h"
-#include "core/train/labelled_contact.h"
+#include "core/contacts/labelled_contact.h"
 #include "tests/bench/benchmark.h"
 #include "tests/bench/frontier_models.h"
 

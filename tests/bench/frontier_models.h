@@ -22,7 +22,7 @@
 #include "core/classify/skip_rules.h"
 #include "core/sim/model/trial_spec.h"
 #include "core/sim/skin/simulated_contact.h"
-#include "core/train/labelled_contact.h"
+#include "core/contacts/labelled_contact.h"
 
 namespace tactus::client {
 

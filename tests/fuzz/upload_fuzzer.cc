@@ -3,7 +3,7 @@
 // does.
 #include "core/data/trial_record.h"
 #include "core/store/file_system.h"
-#include "core/train/labelled_contact.h"
+#include "core/contacts/labelled_contact.h"
 #include "server/records/pack_reader.h"
 #include "tactus/v1/trial.pb.h"
 #include "tests/fuzz/damaged.h"

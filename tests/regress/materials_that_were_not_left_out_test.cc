@@ -2,7 +2,7 @@
 // by material. Complement() took such a list for a sorted one and trained the
 // fold's models on all materials but the first, so the calibration was too sure
 // of itself.
-#include "core/train/folds.h"
+#include "core/contacts/folds.h"
 #include "gtest/gtest.h"
 
 namespace tactus {

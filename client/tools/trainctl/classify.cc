@@ -11,7 +11,7 @@
 #include "core/classify/input_spec.h"
 #include "core/data/trial_file.h"
 #include "core/data/trial_layout.h"
-#include "core/train/contact_set.h"
+#include "core/contacts/contact_set.h"
 
 namespace tactus::client {
 namespace {

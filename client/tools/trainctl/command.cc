@@ -15,8 +15,8 @@
 #include "core/data/trial_file.h"
 #include "core/data/trial_layout.h"
 #include "core/files/file_bytes.h"
-#include "core/train/contact_set.h"
-#include "core/train/world_contacts.h"
+#include "core/contacts/contact_set.h"
+#include "core/contacts/world_contacts.h"
 
 namespace tactus::client {
 namespace {

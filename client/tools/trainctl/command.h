@@ -17,8 +17,8 @@
 #include "absl/status/statusor.h"
 #include "client/tools/json.h"
 #include "core/classify/compiled_model.h"
-#include "core/train/labelled_contact.h"
-#include "core/train/work.h"
+#include "core/contacts/labelled_contact.h"
+#include "core/base/work.h"
 
 namespace tactus::client {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/features/contact_tracker.h"
-#include "core/train/labelled_contact.h"
+#include "core/contacts/labelled_contact.h"
 
 namespace tactus::client {
 namespace {

@@ -10,8 +10,8 @@
 #include "core/classify/input_spec.h"
 #include "core/data/trial_layout.h"
 #include "core/features/contact_tracker.h"
-#include "core/train/contact_set.h"
-#include "core/train/labelled_contact.h"
+#include "core/contacts/contact_set.h"
+#include "core/contacts/labelled_contact.h"
 
 namespace tactus::client {
 namespace {

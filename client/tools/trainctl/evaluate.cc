@@ -27,7 +27,7 @@
 #include "core/eval/baselines.h"
 #include "core/eval/unknown.h"
 #include "core/files/draft_file.h"
-#include "core/train/contact_set.h"
+#include "core/contacts/contact_set.h"
 
 namespace tactus::client {
 namespace {

@@ -22,7 +22,7 @@
 #include "client/tools/json.h"
 #include "core/eval/baselines.h"
 #include "core/eval/evaluation.h"
-#include "core/train/labelled_contact.h"
+#include "core/contacts/labelled_contact.h"
 
 namespace tactus::client {
 

@@ -26,8 +26,8 @@
 #include "core/classify/compiled_model.h"
 #include "core/eval/evaluation.h"
 #include "core/skin/layout.h"
-#include "core/train/labelled_contact.h"
-#include "core/train/work.h"
+#include "core/contacts/labelled_contact.h"
+#include "core/base/work.h"
 
 namespace tactus::client {
 

@@ -19,7 +19,7 @@
 #include <string>
 
 #include "absl/strings/string_view.h"
-#include "core/train/work.h"
+#include "core/base/work.h"
 
 namespace tactus::client {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/base/random.h"
-#include "core/train/folds.h"
+#include "core/contacts/folds.h"
 #include "gtest/gtest.h"
 #include "tests/core/eval/synthetic_contacts.h"
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/train/anytime.h"
+#include "core/contacts/anytime.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 

@@ -1,4 +1,4 @@
-#include "core/train/contact_set.h"
+#include "core/contacts/contact_set.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "core/train/variation.h"
+#include "core/contacts/variation.h"
 
 #include <algorithm>
 #include <cmath>

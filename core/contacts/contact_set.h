@@ -11,7 +11,7 @@
 
 #include "absl/status/status.h"
 #include "core/classify/model.h"
-#include "core/train/labelled_contact.h"
+#include "core/contacts/labelled_contact.h"
 
 namespace tactus {
 

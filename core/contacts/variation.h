@@ -26,7 +26,7 @@
 #include <vector>
 
 #include "core/base/random.h"
-#include "core/train/labelled_contact.h"
+#include "core/contacts/labelled_contact.h"
 
 namespace tactus {
 

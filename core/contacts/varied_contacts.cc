@@ -1,4 +1,4 @@
-#include "core/train/varied_contacts.h"
+#include "core/contacts/varied_contacts.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/train/world_contacts.h"
+#include "core/contacts/world_contacts.h"
 
 #include <algorithm>
 #include <optional>

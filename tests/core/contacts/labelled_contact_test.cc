@@ -1,4 +1,4 @@
-#include "core/train/labelled_contact.h"
+#include "core/contacts/labelled_contact.h"
 
 #include "core/base/errors.h"
 #include "gtest/gtest.h"

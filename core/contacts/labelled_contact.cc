@@ -1,4 +1,4 @@
-#include "core/train/labelled_contact.h"
+#include "core/contacts/labelled_contact.h"
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"

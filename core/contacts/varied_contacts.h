@@ -18,8 +18,8 @@
 #include <string>
 #include <vector>
 
-#include "core/train/labelled_contact.h"
-#include "core/train/variation.h"
+#include "core/contacts/labelled_contact.h"
+#include "core/contacts/variation.h"
 
 namespace tactus {
 

@@ -1,4 +1,4 @@
-#include "core/train/anytime.h"
+#include "core/contacts/anytime.h"
 
 #include <algorithm>
 #include <cmath>

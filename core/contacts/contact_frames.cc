@@ -1,4 +1,4 @@
-#include "core/train/contact_frames.h"
+#include "core/contacts/contact_frames.h"
 
 namespace tactus {
 

@@ -1,9 +1,9 @@
-#include "core/train/variation.h"
+#include "core/contacts/variation.h"
 
 #include <cmath>
 
 #include "core/sim/exact/exact.h"
-#include "core/train/varied_contacts.h"
+#include "core/contacts/varied_contacts.h"
 #include "gtest/gtest.h"
 
 namespace tactus {

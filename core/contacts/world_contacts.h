@@ -22,8 +22,8 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "core/sim/skin/signals.h"
-#include "core/train/labelled_contact.h"
-#include "core/train/work.h"
+#include "core/contacts/labelled_contact.h"
+#include "core/base/work.h"
 
 namespace tactus {
 

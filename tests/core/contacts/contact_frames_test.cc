@@ -1,4 +1,4 @@
-#include "core/train/contact_frames.h"
+#include "core/contacts/contact_frames.h"
 
 #include "core/base/random.h"
 #include "gtest/gtest.h"

@@ -1,4 +1,4 @@
-#include "core/train/folds.h"
+#include "core/contacts/folds.h"
 
 #include <map>
 #include <set>

@@ -17,7 +17,7 @@
 #include "core/data/trial.h"
 #include "core/features/feature.h"
 #include "core/skin/layout.h"
-#include "core/train/contact_frames.h"
+#include "core/contacts/contact_frames.h"
 
 namespace tactus {
 

@@ -16,7 +16,7 @@
 
 #include "absl/functional/function_ref.h"
 #include "core/classify/contact_classifier.h"
-#include "core/train/labelled_contact.h"
+#include "core/contacts/labelled_contact.h"
 
 namespace tactus {
 

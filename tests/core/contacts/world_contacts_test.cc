@@ -1,0 +1,88 @@
+#include "core/contacts/world_contacts.h"
+
+#include "core/base/errors.h"
+#include "core/base/run_on_threads.h"
+#include "gtest/gtest.h"
+
+namespace tactus {
+namespace {
+
+TEST(ParseWorldRecipeTest, TakesEveryPart) {
+  const auto recipe = ParseWorldRecipe(
+      "world:skin=good+measured,contacts=100000,seed=7,poses=no");
+  ASSERT_TRUE(recipe.ok()) << recipe.status();
+  EXPECT_EQ(recipe->skins, (std::vector<std::string>{"good", "measured"}));
+  EXPECT_EQ(recipe->contacts, 100'000u);
+  EXPECT_EQ(recipe->seed, 7u);
+  EXPECT_FALSE(recipe->poses);
+  EXPECT_TRUE(ParseWorldRecipe("world:").ok());
+}
+
+TEST(ParseWorldRecipeTest, NamesWhatIsWrong) {
+  const std::pair<const char*, const char*> kBad[] = {
+      {"world:skin=gold", "gold"},
+      {"world:skin=ideal+good", "ideal"},
+      {"world:contacts=0", "contacts"},
+      {"world:contacts=many", "many"},
+      {"world:poses=maybe", "poses"},
+      {"world:colour=red", "colour"},
+      {"file.h5", "file.h5"}};
+  for (const auto& [text, named] : kBad) {
+    const absl::Status status = ParseWorldRecipe(text).status();
+    EXPECT_EQ(ReasonOf(status), "INVALID_CONFIG") << text;
+    EXPECT_NE(status.message().find(named), std::string::npos) << status;
+  }
+  EXPECT_FALSE(IsWorldRecipe("file.h5"));
+}
+
+TEST(MakeWorldContactsTest, ThreadsChangeNothingAndSkinsTakeTurns) {
+  const WorldRecipe recipe = {.skins = {"paper", "measured"}, .contacts = 80};
+  const auto one = MakeWorldContacts(recipe, RunSerially);
+  const auto two = MakeWorldContacts(recipe, OnThreads(2));
+  ASSERT_TRUE(one.ok() && two.ok()) << one.status();
+  EXPECT_EQ(one->recorded, (std::vector<uint64_t>{40, 40}));
+  EXPECT_EQ(one->contacts.size() + one->never_felt[0] + one->never_felt[1],
+            80u);
+  ASSERT_EQ(one->contacts.size(), two->contacts.size());
+  for (size_t i = 0; i < one->contacts.size(); ++i) {
+    const LabelledContact& a = one->contacts[i];
+    const LabelledContact& b = two->contacts[i];
+    EXPECT_EQ(a.id, b.id);
+    ASSERT_EQ(a.frames.size(), b.frames.size());
+    EXPECT_EQ(a.frames.features(a.frames.size() - 1),
+              b.frames.features(b.frames.size() - 1));
+    EXPECT_TRUE(a.with_poses);
+    // Even numbers are recorded by the first skin.
+    const bool paper = (a.id.back() - '0') % 2 == 0;
+    EXPECT_EQ(a.layout.onset_threshold < 1e-3, paper) << a.id;
+  }
+}
+
+TEST(MakeWorldContactsTest, WithoutPosesMotionIsThatOfTheCentroid) {
+  WorldRecipe recipe = {.skins = {"good"}, .contacts = 10, .poses = false};
+  const auto contacts = MakeWorldContacts(recipe, RunSerially);
+  ASSERT_TRUE(contacts.ok());
+  for (const LabelledContact& contact : contacts->contacts) {
+    EXPECT_FALSE(contact.with_poses);
+  }
+}
+
+// The category so far is that of an unmoved object until it has moved by 1 mm,
+// and in the end that of the label.
+TEST(MakeWorldContactsTest, TheLabelSoFarEndsAsTheLabel) {
+  const WorldRecipe recipe = {.skins = {"ideal"}, .contacts = 200};
+  const auto world = MakeWorldContacts(recipe, RunSerially);
+  ASSERT_TRUE(world.ok());
+  int later = 0;
+  for (const LabelledContact& contact : world->contacts) {
+    EXPECT_EQ(LabelSoFar(contact, contact.frames.size() - 1), contact.label);
+    const std::string first = LabelSoFar(contact, 0);
+    EXPECT_EQ(first[0], contact.label[0]);
+    EXPECT_EQ(first[1] == 'M', contact.object_motion[0] > 0.001);
+    later += first != contact.label;
+  }
+  EXPECT_GT(later, 20);
+}
+
+}  // namespace
+}  // namespace tactus
