@@ -17,6 +17,9 @@ namespace {
 
 constexpr int kMaxLines = 600;
 constexpr int kMaxAdapterLines = 300;
+constexpr int kMaxRoomLines = 3000;
+// Each is one subject that has no smaller parts.
+constexpr std::array<absl::string_view, 1> kLargeRooms = {"hmm"};
 
 // Where files lie that pages name.
 constexpr std::array<absl::string_view, 8> kNamedFolders = {
@@ -211,6 +214,24 @@ std::vector<std::string> IncludeViolations(
     if (why.empty()) continue;
     violations.push_back(
         absl::StrCat(path, ":", number, ": ", header, ": ", why));
+  }
+  return violations;
+}
+
+void AddRoomLines(const std::string& path, const std::string& text,
+                  const std::vector<std::string>& rooms,
+                  std::map<std::string, int>* lines) {
+  const std::string room = PartOf(path, rooms);
+  if (!room.empty()) (*lines)[room] += static_cast<int>(Lines(text).size());
+}
+
+std::vector<std::string> RoomSizeViolations(
+    const std::map<std::string, int>& lines) {
+  std::vector<std::string> violations;
+  for (const auto& [room, count] : lines) {
+    if (count <= kMaxRoomLines || Holds(kLargeRooms, room)) continue;
+    violations.push_back(absl::StrCat("core/", room, ": has ", count,
+                                      " lines; the limit is ", kMaxRoomLines));
   }
   return violations;
 }

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <map>
 
 #include "absl/strings/match.h"
 #include "gmock/gmock.h"
@@ -77,6 +78,16 @@ TEST(HouseTest, FilesAreSmallAndTidy) {
   ForEachSource([](const std::string& path, const std::string& text) {
     EXPECT_THAT(StyleViolations(path, text), IsEmpty());
   });
+}
+
+TEST(HouseTest, RoomsOfCoreAreSmall) {
+  const std::vector<std::string> rooms = RoomsAndParts();
+  std::map<std::string, int> lines;
+  ForEachSource([&](const std::string& path, const std::string& text) {
+    AddRoomLines(path, text, rooms, &lines);
+  });
+  EXPECT_GE(lines.size(), 15u);
+  EXPECT_THAT(RoomSizeViolations(lines), IsEmpty());
 }
 
 TEST(HouseTest, PagesNameFilesThatExist) {
@@ -243,6 +254,20 @@ std::string ManyLines(int count) {
   std::string text;
   for (int i = 0; i < count; ++i) text += "int x;\n";
   return text;
+}
+
+TEST(RoomSizeRuleTest, APartIsCountedByItself) {
+  std::map<std::string, int> lines;
+  AddRoomLines("core/sim/exact/a.cc", ManyLines(3000), kRooms, &lines);
+  AddRoomLines("core/sim/model/a.cc", ManyLines(10), kRooms, &lines);
+  AddRoomLines("core/data/a.cc", ManyLines(2000), kRooms, &lines);
+  AddRoomLines("core/hmm/a.cc", ManyLines(3001), kRooms, &lines);
+  AddRoomLines("server/rpc/a.cc", ManyLines(3001), kRooms, &lines);
+  EXPECT_EQ(lines.size(), 4u);
+  EXPECT_THAT(RoomSizeViolations(lines), IsEmpty());
+  AddRoomLines("core/data/b.h", ManyLines(1001), kRooms, &lines);
+  EXPECT_THAT(RoomSizeViolations(lines),
+              ElementsAre("core/data: has 3001 lines; the limit is 3000"));
 }
 
 TEST(StyleRuleTest, EachRuleCanFail) {
