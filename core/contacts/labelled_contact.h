@@ -14,10 +14,10 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/contacts/contact_frames.h"
 #include "core/data/trial.h"
 #include "core/features/feature.h"
 #include "core/skin/layout.h"
-#include "core/contacts/contact_frames.h"
 
 namespace tactus {
 

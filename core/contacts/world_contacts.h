@@ -21,9 +21,9 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "core/sim/skin/signals.h"
-#include "core/contacts/labelled_contact.h"
 #include "core/base/work.h"
+#include "core/contacts/labelled_contact.h"
+#include "core/sim/skin/signals.h"
 
 namespace tactus {
 

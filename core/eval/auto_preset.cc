@@ -6,9 +6,9 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
+#include "core/contacts/folds.h"
 #include "core/eval/baselines.h"
 #include "core/eval/evaluate.h"
-#include "core/contacts/folds.h"
 
 namespace tactus {
 namespace {

@@ -21,9 +21,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/train/fit_options.h"
-#include "core/contacts/labelled_contact.h"
 #include "core/base/work.h"
+#include "core/contacts/labelled_contact.h"
+#include "core/train/fit_options.h"
 
 namespace tactus {
 

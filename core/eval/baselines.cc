@@ -9,8 +9,8 @@
 
 #include "Eigen/Core"
 #include "core/base/status_macros.h"
-#include "core/nearest/pca_nearest.h"
 #include "core/contacts/folds.h"
+#include "core/nearest/pca_nearest.h"
 
 namespace tactus {
 namespace {

@@ -14,12 +14,12 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/base/work.h"
 #include "core/classify/compiled_model.h"
-#include "core/eval/evaluation.h"
-#include "core/train/fit.h"
 #include "core/contacts/folds.h"
 #include "core/contacts/labelled_contact.h"
-#include "core/base/work.h"
+#include "core/eval/evaluation.h"
+#include "core/train/fit.h"
 
 namespace tactus {
 

@@ -5,8 +5,8 @@
 
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
-#include "core/nearest/pca_nearest.h"
 #include "core/contacts/folds.h"
+#include "core/nearest/pca_nearest.h"
 
 namespace tactus {
 namespace {

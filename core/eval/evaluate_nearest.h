@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/contacts/labelled_contact.h"
 #include "core/eval/evaluation.h"
 #include "core/features/feature.h"
-#include "core/contacts/labelled_contact.h"
 
 namespace tactus {
 

@@ -20,8 +20,8 @@
 #include "absl/strings/string_view.h"
 #include "core/classify/model.h"
 #include "core/classify/object_estimate.h"
-#include "core/eval/metrics.h"
 #include "core/contacts/anytime.h"
+#include "core/eval/metrics.h"
 
 namespace tactus {
 

@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/train/fit.h"
-#include "core/contacts/labelled_contact.h"
 #include "core/base/work.h"
+#include "core/contacts/labelled_contact.h"
+#include "core/train/fit.h"
 
 namespace tactus {
 

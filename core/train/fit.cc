@@ -13,8 +13,8 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/classify/warm_up.h"
-#include "core/train/calibrate.h"
 #include "core/contacts/folds.h"
+#include "core/train/calibrate.h"
 #include "core/train/model_fit.h"
 #include "core/train/usable.h"
 

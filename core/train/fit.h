@@ -16,11 +16,11 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/base/work.h"
 #include "core/classify/model.h"
+#include "core/contacts/labelled_contact.h"
 #include "core/train/fit_journal.h"
 #include "core/train/fit_options.h"
-#include "core/contacts/labelled_contact.h"
-#include "core/base/work.h"
 
 namespace tactus {
 

@@ -10,10 +10,10 @@
 // Thread-safe: free functions without state.
 #pragma once
 
+#include "core/contacts/labelled_contact.h"
 #include "core/train/archive.h"
 #include "core/train/calibrate.h"
 #include "core/train/fit_options.h"
-#include "core/contacts/labelled_contact.h"
 
 namespace tactus {
 

@@ -16,11 +16,11 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/base/work.h"
 #include "core/classify/model.h"
+#include "core/contacts/varied_contacts.h"
 #include "core/train/fit_run.h"
 #include "core/train/lstm_inputs.h"
-#include "core/contacts/varied_contacts.h"
-#include "core/base/work.h"
 
 namespace tactus {
 

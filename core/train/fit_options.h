@@ -17,9 +17,9 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "core/classify/model.h"
+#include "core/contacts/varied_contacts.h"
 #include "core/lstm/train.h"
 #include "core/train/inputs.h"
-#include "core/contacts/varied_contacts.h"
 
 namespace tactus {
 

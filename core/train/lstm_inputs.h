@@ -23,8 +23,8 @@
 
 #include "absl/strings/string_view.h"
 #include "core/classify/model.h"
-#include "core/lstm/sequence_source.h"
 #include "core/contacts/varied_contacts.h"
+#include "core/lstm/sequence_source.h"
 
 namespace tactus {
 

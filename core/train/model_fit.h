@@ -23,11 +23,11 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/base/work.h"
 #include "core/classify/model.h"
+#include "core/contacts/varied_contacts.h"
 #include "core/train/fit_models.h"
 #include "core/train/fit_run.h"
-#include "core/contacts/varied_contacts.h"
-#include "core/base/work.h"
 
 namespace tactus {
 

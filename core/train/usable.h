@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "core/train/fit_options.h"
 #include "core/contacts/labelled_contact.h"
+#include "core/train/fit_options.h"
 
 namespace tactus {
 

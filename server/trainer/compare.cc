@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "core/eval/metrics.h"
 #include "core/contacts/anytime.h"
+#include "core/eval/metrics.h"
 
 namespace tactus::server {
 namespace {

@@ -14,8 +14,8 @@
 #include <mutex>
 #include <string>
 
-#include "core/train/fit_journal.h"
 #include "core/base/work.h"
+#include "core/train/fit_journal.h"
 #include "tactus/v1/storage.pb.h"
 
 namespace tactus::server {

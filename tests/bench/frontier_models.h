@@ -20,9 +20,9 @@
 #include "absl/status/statusor.h"
 #include "core/classify/compiled_model.h"
 #include "core/classify/skip_rules.h"
+#include "core/contacts/labelled_contact.h"
 #include "core/sim/model/trial_spec.h"
 #include "core/sim/skin/simulated_contact.h"
-#include "core/contacts/labelled_contact.h"
 
 namespace tactus::client {
 

@@ -1,9 +1,9 @@
 // Damages an upload: the pack is cut into records, each record becomes a trial
 // as FinishUpload makes it, and its contact is extracted as tactus-trainer
 // does.
+#include "core/contacts/labelled_contact.h"
 #include "core/data/trial_record.h"
 #include "core/store/file_system.h"
-#include "core/contacts/labelled_contact.h"
 #include "server/records/pack_reader.h"
 #include "tactus/v1/trial.pb.h"
 #include "tests/fuzz/damaged.h"

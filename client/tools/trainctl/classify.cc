@@ -9,9 +9,9 @@
 #include "core/base/status_macros.h"
 #include "core/classify/contact_pipeline.h"
 #include "core/classify/input_spec.h"
+#include "core/contacts/contact_set.h"
 #include "core/data/trial_file.h"
 #include "core/data/trial_layout.h"
-#include "core/contacts/contact_set.h"
 
 namespace tactus::client {
 namespace {

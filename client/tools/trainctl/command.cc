@@ -12,11 +12,11 @@
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 #include "core/bundle/bundle.h"
+#include "core/contacts/contact_set.h"
+#include "core/contacts/world_contacts.h"
 #include "core/data/trial_file.h"
 #include "core/data/trial_layout.h"
 #include "core/files/file_bytes.h"
-#include "core/contacts/contact_set.h"
-#include "core/contacts/world_contacts.h"
 
 namespace tactus::client {
 namespace {

@@ -16,9 +16,9 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "client/tools/json.h"
+#include "core/base/work.h"
 #include "core/classify/compiled_model.h"
 #include "core/contacts/labelled_contact.h"
-#include "core/base/work.h"
 
 namespace tactus::client {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/features/contact_tracker.h"
 #include "core/contacts/labelled_contact.h"
+#include "core/features/contact_tracker.h"
 
 namespace tactus::client {
 namespace {

@@ -8,10 +8,10 @@
 #include "core/base/status_macros.h"
 #include "core/classify/contact_pipeline.h"
 #include "core/classify/input_spec.h"
-#include "core/data/trial_layout.h"
-#include "core/features/contact_tracker.h"
 #include "core/contacts/contact_set.h"
 #include "core/contacts/labelled_contact.h"
+#include "core/data/trial_layout.h"
+#include "core/features/contact_tracker.h"
 
 namespace tactus::client {
 namespace {

@@ -23,11 +23,11 @@
 #include "core/base/run_on_threads.h"
 #include "core/base/status_macros.h"
 #include "core/base/version.h"
+#include "core/contacts/contact_set.h"
 #include "core/data/trial_layout.h"
 #include "core/eval/baselines.h"
 #include "core/eval/unknown.h"
 #include "core/files/draft_file.h"
-#include "core/contacts/contact_set.h"
 
 namespace tactus::client {
 namespace {

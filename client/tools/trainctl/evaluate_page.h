@@ -20,9 +20,9 @@
 #include <vector>
 
 #include "client/tools/json.h"
+#include "core/contacts/labelled_contact.h"
 #include "core/eval/baselines.h"
 #include "core/eval/evaluation.h"
-#include "core/contacts/labelled_contact.h"
 
 namespace tactus::client {
 

@@ -23,11 +23,11 @@
 #include "absl/status/statusor.h"
 #include "client/tools/json.h"
 #include "client/tools/trainctl/evaluate_page.h"
+#include "core/base/work.h"
 #include "core/classify/compiled_model.h"
+#include "core/contacts/labelled_contact.h"
 #include "core/eval/evaluation.h"
 #include "core/skin/layout.h"
-#include "core/contacts/labelled_contact.h"
-#include "core/base/work.h"
 
 namespace tactus::client {
 

@@ -34,6 +34,12 @@ Model FullModel() {
   testing::AddLstmCalibration(model.calibration);
   model.calibration.lstm_weight = {0.25, 0.5};
   model.calibration.lstm_inverse_temperature = {1, 0.75};
+  model.calibration.hmm_weight = {0.75, 0.125};
+  model.calibration.fused_bias[5] = -0.5;
+  model.truth = Truth::kSoFar;
+  model.poses = PoseNeed::kNeeded;
+  model.more_layouts = {model.layout};
+  model.more_layouts[0].onset_threshold *= 2;
   model.provenance = {"command", "0.1.0", 12, 34, "data.h5", "note"};
   model.warm_up.samples = {{{1, 2, 3}, 4}, {{5, 6, 7}, 8}};
   model.warm_up.probability = {0.1, 0.2, 0.3, 0.4};
@@ -53,6 +59,25 @@ TEST(BundleTest, WithoutAReleaseItIsHalfASecond) {
   }
 }
 
+// They pooled log-probabilities with weights that sum to 1 and without biases.
+TEST(BundleTest, CalibrationsOfEarlierReleasesAreFilledIn) {
+  v1::ModelBundle bundle = ModelToProto(FullModel());
+  v1::Calibration& calibration = *bundle.mutable_calibration();
+  calibration.clear_hmm_weight();
+  calibration.clear_hmm_bias();
+  calibration.clear_lstm_bias();
+  calibration.clear_fused_bias();
+  bundle.clear_truth();
+  bundle.clear_poses();
+  const auto model = ModelFromProto(bundle);
+  ASSERT_TRUE(model.ok()) << model.status();
+  EXPECT_EQ(model->calibration.hmm_weight, (std::vector<double>{0.75, 0.5}));
+  EXPECT_EQ(model->calibration.fused_bias, std::vector<double>(8, 0));
+  EXPECT_EQ(model->truth, Truth::kFinal);
+  EXPECT_EQ(model->poses, PoseNeed::kEither);
+  EXPECT_TRUE(Validate(*model).ok()) << Validate(*model);
+}
+
 TEST(BundleTest, RoundTripKeepsEveryField) {
   const Model model = FullModel();
   auto bytes = EncodeBundle(model);
@@ -65,6 +90,11 @@ TEST(BundleTest, RoundTripKeepsEveryField) {
   EXPECT_EQ(back->layout.mask, model.layout.mask);
   EXPECT_EQ(back->release_after_s, -1);
   EXPECT_EQ(back->hmm_score, Score::kViterbi);
+  EXPECT_EQ(back->truth, Truth::kSoFar);
+  EXPECT_EQ(back->poses, PoseNeed::kNeeded);
+  EXPECT_EQ(back->more_layouts, model.more_layouts);
+  EXPECT_EQ(back->calibration.hmm_weight, model.calibration.hmm_weight);
+  EXPECT_EQ(back->calibration.fused_bias, model.calibration.fused_bias);
   ASSERT_EQ(back->lstms.size(), 2u);
   EXPECT_EQ(back->lstms[1].layers[1].recurrent,
             model.lstms[1].layers[1].recurrent);

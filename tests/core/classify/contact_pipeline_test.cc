@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/errors.h"
+#include "core/skin/geometry.h"
 #include "gtest/gtest.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/small_model.h"
@@ -103,6 +104,66 @@ TEST_F(ContactPipelineTest, RefusesAnotherSkinOrRate) {
   bad.rows = 0;
   EXPECT_EQ(ReasonOf(ContactPipeline::Create(bad, model_, {}).status()),
             "INVALID_CONFIG");
+}
+
+TEST_F(ContactPipelineTest, RefusesThresholdsAndPitchesItWasNotTrainedWith) {
+  Model model = testing::SmallModel();
+  model.layout = layout_;
+  model.layout.light_touch = LightTouch{.window_s = 0.1,
+                                        .rows = 3,
+                                        .columns = 3,
+                                        .contact_threshold = 0.001,
+                                        .onset_threshold = 0.002};
+  model.more_layouts = {model.layout};
+  model.more_layouts[0].contact_threshold = 0.015;
+  const auto compiled = *CompiledModel::Create(model);
+  const auto reason = [&](const SkinLayout& layout) {
+    return ReasonOf(ContactPipeline::Create(layout, compiled, {}).status());
+  };
+  EXPECT_EQ(reason(model.layout), "");
+  EXPECT_EQ(reason(model.more_layouts[0]), "");
+  // It feels a part of what the trained skin feels.
+  EXPECT_EQ(reason(layout_), "");
+  SkinLayout other = layout_;
+  other.onset_threshold = 0.03;
+  EXPECT_EQ(reason(other), "GEOMETRY_MISMATCH");
+  other = layout_;
+  other.row_pitch_m *= 1.01;
+  EXPECT_EQ(reason(other), "GEOMETRY_MISMATCH");
+  other = model.layout;
+  other.light_touch->onset_threshold = 0.003;
+  EXPECT_EQ(reason(other), "GEOMETRY_MISMATCH");
+}
+
+// Without poses the motion would be that of the centroid, and everything would
+// look unmoved.
+TEST_F(ContactPipelineTest, PosesAreDemandedOrIgnoredAsTheModelWasTrained) {
+  Model model = testing::SmallModel();
+  model.poses = PoseNeed::kNeeded;
+  ContactPipeline::Options options;
+  options.with_poses = false;
+  const auto needed =
+      ContactPipeline::Create(layout_, *CompiledModel::Create(model), options);
+  EXPECT_EQ(ReasonOf(needed.status()), "INVALID_CONFIG");
+  EXPECT_NE(needed.status().message().find("with_poses"), std::string::npos);
+
+  model.poses = PoseNeed::kIgnored;
+  options.with_poses = true;
+  auto ignored =
+      *ContactPipeline::Create(layout_, *CompiledModel::Create(model), options);
+  model.poses = PoseNeed::kEither;
+  auto used =
+      *ContactPipeline::Create(layout_, *CompiledModel::Create(model), options);
+  for (int row : {5, 6}) taxels_[row * 24] = 1;
+  for (int t = 0; t < 5; ++t) {
+    Pose pose;
+    // Along the normal at column 0.
+    pose.position = 0.01 * t * LinkNormal(layout_, {5.5, 0});
+    ignored->Step({.taxels = taxels_, .pose = &pose});
+    used->Step({.taxels = taxels_, .pose = &pose});
+  }
+  EXPECT_EQ(ignored->report().features.motion_m, 0);
+  EXPECT_GT(used->report().features.motion_m, 0.02);
 }
 
 TEST_F(ContactPipelineTest, AFrameAllocatesNothing) {

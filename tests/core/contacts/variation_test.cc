@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "core/sim/exact/exact.h"
 #include "core/contacts/varied_contacts.h"
+#include "core/sim/exact/exact.h"
 #include "gtest/gtest.h"
 
 namespace tactus {

@@ -3,6 +3,7 @@
 #include "core/base/errors.h"
 #include "core/bundle/model_proto.h"
 #include "core/classify/compiled_model.h"
+#include "core/contacts/folds.h"
 #include "core/eval/evaluate.h"
 #include "gtest/gtest.h"
 #include "tests/core/eval/synthetic_contacts.h"
@@ -37,6 +38,85 @@ TEST(FitModelTest, GivesACompleteModelThatPassesItsOwnWarmUp) {
   ASSERT_TRUE(compiled.ok()) << compiled.status();
   EXPECT_FALSE(model->warm_up.samples.empty());
   EXPECT_TRUE(RunWarmUp(**compiled).ok());
+}
+
+// The calibration comes from contacts that the model has not seen.
+TEST(FitModelTest, HeldOutContactsAreNotFittedTo) {
+  const auto contacts = testing::SyntheticContacts(20, 40, 0.1, 1);
+  FitOptions options = QuickOptions();
+  options.held_out = 0.25;
+  const auto model =
+      FitModel(testing::PointersTo(contacts), options, RunSerially);
+  ASSERT_TRUE(model.ok()) << model.status();
+  std::vector<const LabelledContact*> rest;
+  const auto all = testing::PointersTo(contacts);
+  for (const int i : Complement(StratifiedFolds(all, 4).front(), 80)) {
+    rest.push_back(all[i]);
+  }
+  ASSERT_EQ(rest.size(), 60u);
+  options.held_out = 0;
+  options.calibrate = false;
+  const auto alone = FitModel(rest, options, RunSerially);
+  ASSERT_TRUE(alone.ok());
+  EXPECT_EQ(model->hmms[0].components[0].means,
+            alone->hmms[0].components[0].means);
+  EXPECT_EQ(model->lstms[0].dense_kernel, alone->lstms[0].dense_kernel);
+  EXPECT_EQ(model->calibration.frames.size(), 6u);
+}
+
+TEST(FitModelTest, ContactsWithAndWithoutPosesAreNotMixed) {
+  auto contacts = testing::SyntheticContacts(8, 40, 0.1, 1);
+  FitOptions options = QuickOptions();
+  options.lstm.networks = 0;
+  const auto fit = [&] {
+    return FitModel(testing::PointersTo(contacts), options, RunSerially);
+  };
+  EXPECT_EQ(fit()->poses, PoseNeed::kNeeded);
+  contacts[3].with_poses = false;
+  EXPECT_EQ(ReasonOf(fit().status()), "INVALID_TRAINING_DATA");
+  for (LabelledContact& contact : contacts) contact.with_poses = false;
+  EXPECT_EQ(fit()->poses, PoseNeed::kIgnored);
+  // Without the motion poses do not matter.
+  contacts[3].with_poses = true;
+  options.features = {Feature::kForce, Feature::kArea};
+  EXPECT_EQ(fit()->poses, PoseNeed::kEither);
+}
+
+// An object that moves late is unmoved at first.
+TEST(FitModelTest, AModelOfTheCategorySoFarFollowsTheMotion) {
+  auto contacts = testing::SyntheticContacts(60, 60, 0.1, 1);
+  for (LabelledContact& contact : contacts) {
+    const std::vector<double> rest(30, 0.0);
+    contact.object_motion = rest;
+    contact.object_motion.resize(60, contact.label[1] == 'M' ? 0.01 : 0.0);
+    // Until then it looks like one that never moves.
+    const LabelledContact& unmoved = contacts[std::stoi(contact.id) / 2 * 2];
+    for (size_t t = 0; t < 30; ++t) {
+      contact.frames.Set(t, unmoved.frames[t]);
+    }
+  }
+  FitOptions options = QuickOptions();
+  options.truth = Truth::kSoFar;
+  options.lstm.training.epochs = 20;
+  options.calibrate = false;
+  const auto model =
+      FitModel(testing::PointersTo(contacts), options, RunSerially);
+  ASSERT_TRUE(model.ok()) << model.status();
+  EXPECT_EQ(model->truth, Truth::kSoFar);
+  const auto result = EvaluateModel(*CompiledModel::Create(*model),
+                                    testing::PointersTo(contacts),
+                                    Algorithm::kLstm, RunSerially);
+  ASSERT_TRUE(result.ok()) << result.status();
+  // 0.25 s: before the motion; the last: after it.
+  int early = 0;
+  int late = 0;
+  for (size_t i = 0; i < contacts.size(); ++i) {
+    early += result->anytime[1][i].answer() == result->so_far[1][i];
+    late += result->final[i].answer() == result->final[i].label;
+    EXPECT_EQ(result->so_far[1][i] % 2, 0);
+  }
+  EXPECT_GT(early, 200);
+  EXPECT_GT(late, 200);
 }
 
 TEST(FitModelTest, EstimatesTheObjectWhereTheTruthIsKnown) {
