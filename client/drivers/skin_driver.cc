@@ -14,6 +14,8 @@ absl::string_view Name(DriverState state) {
       return "inactive";
     case DriverState::kActive:
       return "active";
+    case DriverState::kFinalised:
+      return "finalised";
   }
   return "unknown";
 }
@@ -49,6 +51,15 @@ absl::Status SkinDriver::Deactivate() {
 absl::StatusOr<ReadResult> SkinDriver::Read(SkinFrame& frame) {
   TACTUS_RETURN_IF_ERROR(Expect(DriverState::kActive));
   return OnRead(frame);
+}
+
+absl::Status SkinDriver::Finalise() {
+  if (state_ == DriverState::kFinalised) return absl::OkStatus();
+  absl::Status deactivated;
+  if (state_ == DriverState::kActive) deactivated = OnDeactivate();
+  state_ = DriverState::kFinalised;
+  const absl::Status finalised = OnFinalise();
+  return finalised.ok() ? deactivated : finalised;
 }
 
 }  // namespace tactus::client

@@ -45,6 +45,9 @@ struct SkinInfo {
 
 struct SkinFrame {
   int64_t capture_time_ns = 0;
+  // Frames that the skin lost directly before this one, for
+  // FrameEncoder::Skip.
+  uint64_t missing_before = 0;
   // rows x columns values, row-major. Only the vector of the stream's taxel
   // type is used.
   std::vector<uint16_t> u16;

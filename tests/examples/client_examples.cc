@@ -109,8 +109,9 @@ absl::Status SkinDriverExample(SkinDriver& driver) {
   while (true) {
     TACTUS_ASSIGN_OR_RETURN(ReadResult result, driver.Read(frame));
     if (result == ReadResult::kEndOfData) break;
-    Use(frame);
+    if (result == ReadResult::kFrame) Use(frame);
   }
+  TACTUS_RETURN_IF_ERROR(driver.Finalise());
   return absl::OkStatus();
 }
 

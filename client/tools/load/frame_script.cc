@@ -64,7 +64,7 @@ absl::StatusOr<FrameScript> FrameScript::Create(const Options& options) {
   while (true) {
     TACTUS_ASSIGN_OR_RETURN(const ReadResult result, driver.Read(frame));
     if (result == ReadResult::kEndOfData) break;
-    if (result == ReadResult::kEndOfTrial) continue;
+    if (result != ReadResult::kFrame) continue;
     encoder.Add(frame);
     if (encoder.frames() < options.frames_per_message) continue;
     script.bodies_.push_back(BodyOf(encoder));

@@ -79,6 +79,8 @@ absl::Status TrialPlayer::Play() {
       case ReadResult::kEndOfTrial:
         TACTUS_RETURN_IF_ERROR(EndTrial());
         break;
+      case ReadResult::kNoFrame:
+        break;
       case ReadResult::kEndOfData:
         return absl::OkStatus();
     }

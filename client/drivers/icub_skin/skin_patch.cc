@@ -1,0 +1,167 @@
+#include "client/drivers/icub_skin/skin_patch.h"
+
+#include <algorithm>
+#include <string>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+#include "core/skin/taxel_grid.h"
+
+namespace tactus::client::icub {
+namespace {
+
+constexpr absl::string_view kForearmV1 = "13,12:0-3+6+8-9";
+// Triangles 0-17, 19, 22, 24, 25, 28 and 29 of the arm
+// (icub-main, skinGui/left_forearm_V2.ini).
+constexpr absl::string_view kForearmV2 = "13,12:0-1+3+6+8-9+12-13";
+
+absl::Status BadBoards(absl::string_view got) {
+  return InvalidConfig(
+      "boards", got,
+      "forearm-v1, forearm-v2, or addresses 1 to 14, each once, with their "
+      "triangles 0 to 15, as in 13,12:0-1+3");
+}
+
+// "0-1+3" as bits.
+bool ParseTriangles(absl::string_view text, uint16_t& triangles) {
+  triangles = 0;
+  for (const absl::string_view range : absl::StrSplit(text, '+')) {
+    const std::pair<absl::string_view, absl::string_view> ends =
+        absl::StrSplit(range, absl::MaxSplits('-', 1));
+    int first = 0;
+    if (!absl::SimpleAtoi(ends.first, &first)) return false;
+    int last = first;
+    const bool is_range = range.find('-') != absl::string_view::npos;
+    if (is_range && !absl::SimpleAtoi(ends.second, &last)) return false;
+    if (first < 0 || last < first || last >= kTriangles) return false;
+    for (int t = first; t <= last; ++t) {
+      triangles |= static_cast<uint16_t>(1U << t);
+    }
+  }
+  return true;
+}
+
+// Thresholds and area of the preset, which were measured on this skin.
+SkinLayout IcubLayout(std::string name) {
+  SkinLayout layout = *LayoutPreset("icub-6x10");
+  layout.name = std::move(name);
+  layout.mask.clear();
+  return layout;
+}
+
+bool IsThermal(int dot) { return (kThermalDots >> dot & 1) != 0; }
+
+bool HasTriangle(const SkinBoard& board, int triangle) {
+  return (board.triangles >> triangle & 1) != 0;
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<SkinBoard>> ParseBoards(absl::string_view text) {
+  if (text == "forearm-v1") text = kForearmV1;
+  if (text == "forearm-v2") text = kForearmV2;
+  std::vector<SkinBoard> boards;
+  for (const absl::string_view part : absl::StrSplit(text, ',')) {
+    const std::pair<absl::string_view, absl::string_view> sides =
+        absl::StrSplit(part, absl::MaxSplits(':', 1));
+    SkinBoard board;
+    if (!absl::SimpleAtoi(sides.first, &board.address) ||
+        board.address < kFirstBoard || board.address > kLastBoard) {
+      return BadBoards(text);
+    }
+    if (part.find(':') != absl::string_view::npos &&
+        !ParseTriangles(sides.second, board.triangles)) {
+      return BadBoards(text);
+    }
+    for (const SkinBoard& other : boards) {
+      if (other.address == board.address) return BadBoards(text);
+    }
+    boards.push_back(board);
+  }
+  return boards;
+}
+
+absl::StatusOr<SkinPatch> PortPatch(const std::vector<SkinBoard>& boards) {
+  SkinPatch patch;
+  patch.boards = boards;
+  patch.layout =
+      IcubLayout(absl::StrCat("icub-port-", boards.size() * kBoardValues));
+  patch.layout.rows = static_cast<int>(boards.size()) * kTriangles;
+  patch.layout.columns = kDots;
+  for (const SkinBoard& board : boards) {
+    for (int t = 0; t < kTriangles; ++t) {
+      for (int k = 0; k < kDots; ++k) {
+        const int value = static_cast<int>(patch.cells.size());
+        const bool taxel = HasTriangle(board, t) && !IsThermal(k);
+        patch.cells.push_back(taxel ? value : -1);
+        patch.layout.mask.push_back(taxel ? 1 : 0);
+      }
+    }
+  }
+  TACTUS_RETURN_IF_ERROR(Validate(patch));
+  return patch;
+}
+
+absl::StatusOr<SkinPatch> PlacedPatch(const std::vector<SkinBoard>& boards,
+                                      const TaxelPositions& positions) {
+  const size_t values = boards.size() * kBoardValues;
+  if (positions.values.size() != values) {
+    return InvalidConfig("rows of the position file", positions.values.size(),
+                         absl::StrCat(values, ", 192 for each board"));
+  }
+  SkinPatch patch;
+  patch.boards = boards;
+  patch.cells.assign(values, -1);
+  std::vector<Eigen::Vector3d> points;
+  std::vector<size_t> owners;
+  for (size_t i = 0; i < values; ++i) {
+    const int t = static_cast<int>(i % kBoardValues) / kDots;
+    if (!positions.values[i].present ||
+        !HasTriangle(boards[i / kBoardValues], t)) {
+      continue;
+    }
+    points.push_back(positions.values[i].position);
+    owners.push_back(i);
+  }
+  TACTUS_ASSIGN_OR_RETURN(const TaxelGrid grid, PlaceOnGrid(points));
+  patch.layout =
+      IcubLayout(positions.name.empty() ? "icub-skin" : positions.name);
+  patch.layout.rows = grid.rows;
+  patch.layout.columns = grid.columns;
+  patch.layout.row_pitch_m = grid.row_pitch_m;
+  patch.layout.column_pitch_m = grid.column_pitch_m;
+  patch.layout.mask = grid.mask;
+  for (size_t i = 0; i < owners.size(); ++i) {
+    patch.cells[owners[i]] = grid.cells[i];
+  }
+  TACTUS_RETURN_IF_ERROR(Validate(patch));
+  return patch;
+}
+
+absl::Status Validate(const SkinPatch& patch) {
+  TACTUS_RETURN_IF_ERROR(tactus::Validate(patch.layout));
+  if (patch.boards.empty()) {
+    return InvalidConfig("boards", "none", "at least one");
+  }
+  const size_t values = patch.boards.size() * kBoardValues;
+  if (patch.cells.size() != values) {
+    return InvalidConfig("cells of the patch", patch.cells.size(),
+                         absl::StrCat(values, ", one for each value"));
+  }
+  std::vector<uint8_t> used(patch.layout.taxels(), 0);
+  for (const int cell : patch.cells) {
+    if (cell == -1) continue;
+    if (cell < 0 || cell >= patch.layout.taxels() || used[cell] != 0) {
+      return InvalidConfig("cell of the patch", cell,
+                           "a cell of the layout, each at most once");
+    }
+    used[cell] = 1;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace tactus::client::icub

@@ -1,0 +1,116 @@
+#include "client/drivers/icub_skin/skin_patch.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "core/base/errors.h"
+#include "gtest/gtest.h"
+
+namespace tactus::client::icub {
+namespace {
+
+TEST(SkinPatchTest, TheForearmsHave23And24Triangles) {
+  const auto triangles = [](const std::vector<SkinBoard>& boards) {
+    int count = 0;
+    for (const SkinBoard& b : boards) count += std::popcount(b.triangles);
+    return count;
+  };
+  const auto v1 = ParseBoards("forearm-v1");
+  const auto v2 = ParseBoards("forearm-v2");
+  ASSERT_TRUE(v1.ok() && v2.ok());
+  EXPECT_EQ(triangles(*v1), 23);
+  EXPECT_EQ(triangles(*v2), 24);
+  // Board 13 is first on the port.
+  EXPECT_EQ((*v2)[0], (SkinBoard{.address = 13, .triangles = 0xFFFF}));
+  // 16, 17, 19, 22, 24, 25, 28 and 29 of the arm.
+  EXPECT_EQ((*v2)[1],
+            (SkinBoard{.address = 12,
+                       .triangles = 1 << 0 | 1 << 1 | 1 << 3 | 1 << 6 | 1 << 8 |
+                                    1 << 9 | 1 << 12 | 1 << 13}));
+}
+
+TEST(SkinPatchTest, ListsOfBoardsAreChecked) {
+  const auto boards = ParseBoards("3:0+2-4,14");
+  ASSERT_TRUE(boards.ok());
+  EXPECT_EQ((*boards)[0], (SkinBoard{.address = 3, .triangles = 0b11101}));
+  EXPECT_EQ((*boards)[1], (SkinBoard{.address = 14, .triangles = 0xFFFF}));
+  for (const char* bad : {"", "0", "15", "3,3", "3:", "3:16", "3:4-2", "3:1-",
+                          "x", "3:a", "3,", "3:1+", "-3", "forearm-v3"}) {
+    EXPECT_EQ(ReasonOf(ParseBoards(bad).status()), "INVALID_CONFIG") << bad;
+  }
+}
+
+TEST(SkinPatchTest, APortHas384ValuesAnd240Taxels) {
+  const auto patch = PortPatch(*ParseBoards("forearm-v2"));
+  ASSERT_TRUE(patch.ok()) << patch.status();
+  EXPECT_EQ(patch->cells.size(), 384u);
+  EXPECT_EQ(patch->layout.rows, 32);
+  EXPECT_EQ(patch->layout.columns, 12);
+  EXPECT_EQ(std::count(patch->layout.mask.begin(), patch->layout.mask.end(), 1),
+            240);
+  EXPECT_EQ(patch->cells[5], 5);
+  // Thermal pads.
+  EXPECT_EQ(patch->cells[6], -1);
+  EXPECT_EQ(patch->cells[10], -1);
+  // Triangle 2 of board 12 is not there.
+  EXPECT_EQ(patch->cells[192 + 24], -1);
+  EXPECT_FALSE(PortPatch({}).ok());
+  EXPECT_FALSE(PortPatch(*ParseBoards("1,2,3,4,5,6")).ok());
+}
+
+// A flat board of 4 x 4 triangles, dots on a square grid but for the pads.
+TaxelPositions FlatPositions() {
+  TaxelPositions positions;
+  positions.name = "flat";
+  for (int i = 0; i < kBoardValues; ++i) {
+    TaxelPosition taxel;
+    const int dot = i % kDots;
+    taxel.present = dot != 6 && dot != 10;
+    const int column = i / kDots % 4 * 4 + dot % 4;
+    const int row = i / kDots / 4 * 3 + dot / 4;
+    if (taxel.present) taxel.position = {0.005 * column, 0.006 * row, 0.2};
+    positions.values.push_back(taxel);
+  }
+  return positions;
+}
+
+TEST(SkinPatchTest, TaxelsOfKnownPositionsLieOnAGrid) {
+  const TaxelPositions positions = FlatPositions();
+  const auto patch =
+      PlacedPatch({{.address = 2, .triangles = 0x7FFF}}, positions);
+  ASSERT_TRUE(patch.ok()) << patch.status();
+  EXPECT_EQ(patch->layout.name, "flat");
+  const auto at = [&](int value) {
+    const int cell = patch->cells[value];
+    return std::pair(cell / patch->layout.columns,
+                     cell % patch->layout.columns);
+  };
+  // Dots 0 and 1 of triangle 5 are neighbours in a row, 0 and 4 in a column.
+  const auto [row, column] = at(5 * kDots);
+  EXPECT_EQ(at(5 * kDots + 1), std::pair(row, column + 1));
+  EXPECT_EQ(at(5 * kDots + 4), std::pair(row + 1, column));
+  EXPECT_EQ(patch->cells[6], -1);
+  // The last triangle has a position but is not there.
+  for (int k = 0; k < kDots; ++k) EXPECT_EQ(patch->cells[15 * kDots + k], -1);
+  EXPECT_EQ(
+      ReasonOf(
+          PlacedPatch({{.address = 2}, {.address = 3}}, positions).status()),
+      "INVALID_CONFIG");
+}
+
+TEST(SkinPatchTest, CellsMustFitTheLayout) {
+  SkinPatch patch = *PortPatch({{.address = 1}});
+  EXPECT_TRUE(Validate(patch).ok());
+  SkinPatch twice = patch;
+  twice.cells[0] = 1;
+  EXPECT_EQ(ReasonOf(Validate(twice)), "INVALID_CONFIG");
+  SkinPatch outside = patch;
+  outside.cells[0] = 192;
+  EXPECT_EQ(ReasonOf(Validate(outside)), "INVALID_CONFIG");
+  SkinPatch few = patch;
+  few.cells.pop_back();
+  EXPECT_EQ(ReasonOf(Validate(few)), "INVALID_CONFIG");
+}
+
+}  // namespace
+}  // namespace tactus::client::icub

@@ -1,0 +1,105 @@
+// The examples of public headers, as their comments show them. They only have
+// to compile; HouseTest.ExamplesAreCompiled compares the texts.
+#include <string>
+
+#include "client/drivers/can_skin_driver.h"
+#include "client/drivers/icub_skin/icub_skin.h"
+#include "core/base/status_macros.h"
+
+namespace tactus::client::examples {
+
+void Use(const CanFrame& frame);
+void Use(const SkinFrame& frame);
+void Use(const icub::TrianglePart& part);
+void Use(const icub::SkinScan& scan);
+void Use(const Eigen::Vector3d& position);
+void Mask(int taxel);
+
+void ClockExample() {
+  Clock& clock = Clock::System();
+  const int64_t deadline_ns = clock.NowNs() + 500'000'000;
+  while (clock.NowNs() < deadline_ns) clock.SleepNs(1'000'000);
+}
+
+void CanFrameExample() {
+  const CanFrame start = MakeCanFrame(0x201, {0x07, 0x00});
+  if (CanFilter{.id = 0x400, .mask = 0x700}.Passes(start)) Use(start);
+}
+
+absl::Status CanBusExample(CanBus& bus) {
+  const CanFilter skins[] = {{.id = 0x400, .mask = 0x700}};
+  TACTUS_RETURN_IF_ERROR(bus.Open(skins));
+  TACTUS_RETURN_IF_ERROR(bus.Send(MakeCanFrame(0x201, {0x07, 0x00})));
+  CanFrame frame;
+  TACTUS_ASSIGN_OR_RETURN(const bool received,
+                          bus.Receive(frame, /*timeout_ns=*/100'000'000));
+  return absl::OkStatus();
+}
+
+void BoardMessagesExample() {
+  const CanFrame discover = icub::Discover();
+  const CanFrame rate =
+      icub::MakeMessage(1, icub::BoardConfig{.period_ms = 50, .no_load = 245});
+}
+
+void TriangleFramesExample(const icub::TriangleReading& reading) {
+  const auto [head, tail] = icub::EncodeTriangle(1, 0, reading);
+  if (const auto part = icub::DecodePart(head)) Use(*part);
+}
+
+void ScanAssemblerExample(const CanFrame& frame) {
+  icub::ScanAssembler assembler({{.address = 13}, {.address = 12}},
+                                /*period_ns=*/20'000'000);
+  icub::SkinScan scan;
+  if (assembler.Take(frame, scan)) Use(scan);
+}
+
+absl::Status PositionFileExample(const std::string& text) {
+  TACTUS_ASSIGN_OR_RETURN(const icub::TaxelPositions positions,
+                          icub::ParsePositions(text));
+  if (positions.values[17].present) Use(positions.values[17].position);
+  return absl::OkStatus();
+}
+
+absl::Status SkinPatchExample(const icub::TaxelPositions& positions) {
+  TACTUS_ASSIGN_OR_RETURN(const auto boards,
+                          icub::ParseBoards("13,12:0-1+3+6+8-9+12-13"));
+  TACTUS_ASSIGN_OR_RETURN(const icub::SkinPatch patch,
+                          icub::PlacedPatch(boards, positions));
+  return absl::OkStatus();
+}
+
+void IcubSkinExample(CanBus& bus, const icub::SkinPatch& patch) {
+  icub::IcubSkin skin(patch, {.period_ms = 20});
+  CanSkinDriver driver(&bus, &skin, {});
+}
+
+absl::Status CanSkinProtocolExample(CanSkinProtocol& protocol, CanBus& bus,
+                                    Clock& clock, const CanFrame& can_frame,
+                                    SkinFrame& skin_frame) {
+  TACTUS_RETURN_IF_ERROR(bus.Open(protocol.Filters()));
+  TACTUS_ASSIGN_OR_RETURN(const SkinInfo info, protocol.Setup(bus, clock));
+  TACTUS_RETURN_IF_ERROR(protocol.Start(bus));
+  if (protocol.Take(can_frame, skin_frame)) Use(skin_frame);
+  return absl::OkStatus();
+}
+
+void CanSkinDriverExample(CanBus& bus, const icub::SkinPatch& patch) {
+  icub::IcubSkin skin(patch, {});
+  CanSkinDriver driver(&bus, &skin, {});
+}
+
+void FrameMeterExample(SkinFrame& frame, Clock& clock,
+                       DriverStatistics& statistics) {
+  FrameMeter meter(/*period_ns=*/20'000'000);
+  frame.missing_before = meter.Add(frame.capture_time_ns, clock.NowNs());
+  meter.Write(statistics);
+}
+
+void StuckTaxelsExample(const SkinFrame& frame) {
+  StuckTaxels stuck(/*frames=*/500);
+  stuck.Add(frame.u16);
+  for (int taxel : stuck.Taxels()) Mask(taxel);
+}
+
+}  // namespace tactus::client::examples
