@@ -43,10 +43,12 @@ function(tactus_binary name)
     COMPILE_OPTIONS $<$<CONFIG:Release>:-O1> SKIP_PRECOMPILE_HEADERS ON)
 endfunction()
 
-# tactus_test(NAME SOURCES a_test.cc ... DEPS target ... [LABELS long]):
-# a GoogleTest binary, registered as one CTest test.
+# tactus_test(NAME SOURCES a_test.cc ... DEPS target ... [LABELS long]
+#             [LAUNCHER program]):
+# a GoogleTest binary, registered as one CTest test, which `program` starts.
 function(tactus_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;DEPS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "" "LAUNCHER;TIMEOUT" "SOURCES;DEPS;LABELS"
+                        ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${ARG_DEPS} GTest::gmock
@@ -59,7 +61,7 @@ function(tactus_test name)
   tactus_unity(${name} 6)
   set_target_properties(${name} PROPERTIES
     RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
-  add_test(NAME ${name} COMMAND ${name})
+  add_test(NAME ${name} COMMAND ${ARG_LAUNCHER} $<TARGET_FILE:${name}>)
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
   endif()

@@ -46,11 +46,12 @@ readonly IMAGE=(
   buildah
   mmdebstrap
 )
-# The client and the tools: trial files, JSON, pictures of skins.
+# The client and the tools: trial files, JSON, pictures of skins, USB adapters.
 readonly PROGRAMS=(
   libhdf5-dev
   libopencv-core-dev
   libopencv-imgproc-dev
+  libusb-1.0-0-dev
   nlohmann-json3-dev
   pkgconf
   zlib1g-dev
@@ -66,9 +67,11 @@ readonly TESTS=(
   libprotoc-dev
   librosbag-storage-dev
   libsundials-dev
+  libumockdev-dev
   openssl
   python3-grpcio
   python3-h5py
+  umockdev
 )
 
 usage() {

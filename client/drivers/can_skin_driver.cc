@@ -51,8 +51,9 @@ absl::Status CanSkinDriver::OnActivate() {
 }
 
 absl::Status CanSkinDriver::OnDeactivate() {
+  const bool reachable = open_ && connected_;
   connected_ = false;
-  return open_ ? protocol_->Stop(*bus_) : absl::OkStatus();
+  return reachable ? protocol_->Stop(*bus_) : absl::OkStatus();
 }
 
 absl::Status CanSkinDriver::OnFinalise() {

@@ -2,6 +2,11 @@
 // to compile; HouseTest.ExamplesAreCompiled compares the texts.
 #include <string>
 
+#include "client/drivers/buffered_driver.h"
+#include "client/drivers/can/can_error.h"
+#include "client/drivers/can/gs_usb.h"
+#include "client/drivers/can/gs_usb_protocol.h"
+#include "client/drivers/can/socket_can.h"
 #include "client/drivers/can_skin_driver.h"
 #include "client/drivers/icub_skin/icub_skin.h"
 #include "core/base/status_macros.h"
@@ -33,6 +38,47 @@ absl::Status CanBusExample(CanBus& bus) {
   CanFrame frame;
   TACTUS_ASSIGN_OR_RETURN(const bool received,
                           bus.Receive(frame, /*timeout_ns=*/100'000'000));
+  return absl::OkStatus();
+}
+
+void Restart();
+void Report(int error);
+
+absl::Status SocketCanExample() {
+  SocketCan bus("can0");
+  TACTUS_RETURN_IF_ERROR(bus.Open({}));
+  return absl::OkStatus();
+}
+
+void CanSocketsExample(std::span<const CanFilter> filters) {
+  CanSockets& sockets = CanSockets::System();
+  const int socket = sockets.Open("can0", filters);
+  if (socket < 0) Report(-socket);
+}
+
+void CanErrorExample(uint32_t id, std::span<const uint8_t> data) {
+  const CanError error = ReadCanError(id, data);
+  if (error.bus_off) Restart();
+}
+
+absl::Status GsUsbExample() {
+  GsUsb bus({.bit_rate = 1'000'000});
+  TACTUS_RETURN_IF_ERROR(bus.Open({}));
+  return absl::OkStatus();
+}
+
+absl::Status GsUsbProtocolExample(const gs_usb::BitConstants& constants,
+                                  std::span<const uint8_t> bytes) {
+  TACTUS_ASSIGN_OR_RETURN(
+      const gs_usb::BitTiming timing,
+      gs_usb::ChooseBitTiming(constants, /*bit_rate=*/1'000'000));
+  const auto frame = gs_usb::ReadHostFrame(bytes, /*with_stamp=*/true);
+  return absl::OkStatus();
+}
+
+absl::Status BufferedDriverExample(SkinDriver& can_skin_driver) {
+  BufferedDriver driver(&can_skin_driver, {.frames = 64});
+  TACTUS_ASSIGN_OR_RETURN(const SkinInfo info, driver.Configure());
   return absl::OkStatus();
 }
 

@@ -48,7 +48,7 @@ class CanBus {
   virtual absl::Status Open(std::span<const CanFilter> filters) = 0;
   // Without effect on a closed bus.
   virtual void Close() = 0;
-  // Does not wait: IO if the frame cannot be queued now.
+  // Waits a few hundredths of a second for room in the queue, then IO.
   virtual absl::Status Send(const CanFrame& frame) = 0;
   // True if a data frame was received; false if none came in time.
   virtual absl::StatusOr<bool> Receive(CanFrame& frame, int64_t timeout_ns) = 0;
