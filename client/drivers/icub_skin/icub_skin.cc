@@ -50,9 +50,10 @@ absl::StatusOr<SkinInfo> IcubSkin::Setup(CanBus& bus, Clock& clock) {
     return InvalidConfig("period_ms", options_.period_ms, "1 to 255");
   }
   remarks_.clear();
-  TACTUS_RETURN_IF_ERROR(Discover(bus, clock));
-  // They may still send for a host that ended without a word.
+  // They may still send, for a host that ended without a word or before a
+  // break; answers would have to wait for that.
   TACTUS_RETURN_IF_ERROR(SendAll(bus, false));
+  TACTUS_RETURN_IF_ERROR(Discover(bus, clock));
   TACTUS_RETURN_IF_ERROR(ConfigureBoards(bus));
   // Nothing but old scans can come until they are started.
   TACTUS_RETURN_IF_ERROR(

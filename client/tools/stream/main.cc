@@ -1,5 +1,5 @@
 // tactus-stream: streams simulated or recorded contacts to a server, as a robot
-// would, and reports the answers.
+// would, or a real skin, and reports the answers.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -14,6 +14,8 @@
 #include "client/drivers/replay_driver.h"
 #include "client/drivers/sim_driver.h"
 #include "client/tools/common/token_file.h"
+#include "client/tools/stream/icub_source.h"
+#include "client/tools/stream/live_command.h"
 #include "client/tools/stream/report.h"
 #include "client/tools/stream/trial_player.h"
 #include "core/base/arguments.h"
@@ -40,7 +42,11 @@ struct Flags {
   std::string layout;
   std::string skin = "good";
   double timeout_s = 10;
+  double seconds = 0;
+  IcubSourceOptions icub;
   TrialPlayer::Options player;
+
+  bool IsLive() const { return driver == "icub-can" || driver == "icub-usb"; }
 };
 
 constexpr size_t kDefaultSimTrials = 40;
@@ -58,11 +64,27 @@ std::unique_ptr<TrialDriver> MakeDriver(
       flags.trials == 0 ? kDefaultSimTrials : flags.trials, share);
 }
 
+absl::Status RunSkin(const Flags& flags,
+                     const std::shared_ptr<grpc::Channel>& channel,
+                     const std::string& token) {
+  IcubSourceOptions options = flags.icub;
+  options.usb = flags.driver == "icub-usb";
+  options.layout = flags.layout;
+  TACTUS_ASSIGN_OR_RETURN(const auto source, IcubSource::Make(options));
+  return RunLive(channel, source->driver(),
+                 {.model = flags.player.model,
+                  .sparse = flags.player.sparse,
+                  .seconds = flags.seconds,
+                  .timeouts = flags.player.timeouts,
+                  .token = token},
+                 flags.json);
+}
+
 absl::Status Run(const Flags& flags) {
   // Standard output is for the one JSON object.
   Report report(flags.json ? stderr : stdout);
   std::optional<SkinLayout> layout;
-  if (!flags.layout.empty()) {
+  if (!flags.layout.empty() && !flags.IsLive()) {
     TACTUS_ASSIGN_OR_RETURN(layout, ReadLayoutFile(flags.layout));
   }
   ChannelOptions options;
@@ -77,6 +99,7 @@ absl::Status Run(const Flags& flags) {
         ReadToken(flags.token_file, flags.server, flags.tls_ca.has_value()));
   }
   const auto channel = MakeChannel(flags.server, options);
+  if (flags.IsLive()) return RunSkin(flags, channel, player_options.token);
   std::mutex mutex;
   std::vector<absl::Status> statuses(flags.parallel);
   std::vector<std::thread> threads;
@@ -122,8 +145,9 @@ int Main(int argc, char** argv) {
   app.add_option("--token-file", flags.token_file,
                  "File with the token that the server knows the robot by")
       ->check(CLI::ExistingFile);
-  app.add_option("--driver", flags.driver, "sim or replay")
-      ->check(CLI::IsMember({"sim", "replay"}))
+  app.add_option("--driver", flags.driver,
+                 "sim, replay, icub-can or icub-usb (docs/drivers.md)")
+      ->check(CLI::IsMember({"sim", "replay", "icub-can", "icub-usb"}))
       ->capture_default_str();
   app.add_option("--skin", flags.skin,
                  "Skin of --driver=sim: paper, good or measured")
@@ -131,8 +155,34 @@ int Main(int argc, char** argv) {
   app.add_option("--data", flags.data, "Trial file for --driver=replay")
       ->check(CLI::ExistingFile);
   app.add_option("--layout", flags.layout,
-                 "JSON file with the skin of trials that carry none")
+                 "JSON file with the skin of trials that carry none, or whose "
+                 "cells are a real skin's values in their order")
       ->check(CLI::ExistingFile);
+  app.add_option("--interface", flags.icub.interface,
+                 "CAN interface for --driver=icub-can, such as can0");
+  app.add_option("--usb-serial", flags.icub.usb_serial,
+                 "Serial number of the adapter for --driver=icub-usb");
+  app.add_option("--boards", flags.icub.boards,
+                 "Skin boards in the order of the port: forearm-v1, "
+                 "forearm-v2, or addresses and triangles, as in 13,12:0-1+3")
+      ->capture_default_str();
+  app.add_option("--positions", flags.icub.positions,
+                 "Position file of the skin, as icub-main has them")
+      ->check(CLI::ExistingFile);
+  app.add_option("--period-ms", flags.icub.period_ms,
+                 "From one scan of the skin to the next")
+      ->check(CLI::Range(1, 255))
+      ->capture_default_str();
+  app.add_option("--scale", flags.icub.scale,
+                 "The layout's unit for each count of the skin")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--mask", flags.icub.mask,
+                 "Taxels of a real skin to ignore, row-major, as in 17,203")
+      ->delimiter(',');
+  app.add_option("--seconds", flags.seconds,
+                 "How long to stream a real skin; 0: until Ctrl-C")
+      ->check(CLI::Range(0.0, 1e9));
   app.add_option("--trials", flags.trials,
                  "Contacts to stream; 0: 40 simulated ones, or all recorded");
   app.add_option("--seed", flags.seed, "Seed of the simulated contacts")
@@ -167,7 +217,18 @@ int Main(int argc, char** argv) {
     return 2;
   }
   if (flags.driver == "sim" && !flags.layout.empty()) {
-    std::fprintf(stderr, "tactus-stream: --layout needs --driver=replay\n");
+    std::fprintf(stderr, "tactus-stream: --driver=sim has no --layout\n");
+    return 2;
+  }
+  if (flags.driver == "icub-can" && flags.icub.interface.empty()) {
+    std::fprintf(stderr,
+                 "tactus-stream: --driver=icub-can needs --interface\n");
+    return 2;
+  }
+  if (!flags.layout.empty() && !flags.icub.positions.empty()) {
+    std::fprintf(stderr,
+                 "tactus-stream: --layout and --positions exclude each "
+                 "other\n");
     return 2;
   }
   flags.player.real_time = flags.rate == "real";

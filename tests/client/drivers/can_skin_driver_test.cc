@@ -4,6 +4,7 @@
 
 #include "client/drivers/icub_skin/icub_skin.h"
 #include "client/tools/fakeskin/icub_boards.h"
+#include "client/tools/fakeskin/play_peer.h"
 #include "core/base/errors.h"
 #include "core/base/random.h"
 #include "core/base/status_macros.h"
@@ -339,6 +340,40 @@ TEST(SkinFaultTest, GarbageOnTheBusDoesNotReachTheStream) {
   EXPECT_EQ(frames, 500);
   EXPECT_EQ(arm.driver.Statistics().lost, 0u);
   EXPECT_GT(arm.skin.assembler()->counters(0).malformed, 0u);
+}
+
+// A host on the other end of the bus: asks who is there.
+class AskingHost : public CanPeer {
+ public:
+  void OnFrame(const CanFrame& frame, int64_t /*now_ns*/) override {
+    if (const auto reply = icub::ReadReply(frame)) replies.push_back(*reply);
+  }
+  int64_t NextNs() override { return asked_ ? kNever : 2'000'000'000; }
+  bool Emit(int64_t now_ns, CanFrame& frame) override {
+    if (now_ns < NextNs()) return false;
+    asked_ = true;
+    frame = icub::Discover();
+    frame.time_ns = now_ns;
+    return true;
+  }
+  std::vector<icub::BoardReply> replies;
+
+ private:
+  bool asked_ = false;
+};
+
+TEST(PlayPeerTest, SimulatedBoardsAnswerOnABus) {
+  ManualClock clock;
+  AskingHost host;
+  MemoryBus bus(&host, &clock);
+  IcubBoards boards({{.address = 4}, {.address = 5}}, RisingCounts);
+  const absl::Status status = PlayPeer(
+      boards, bus, clock, [&] { return clock.NowNs() < 3 * kSecondNs; });
+  EXPECT_TRUE(status.ok()) << status;
+  ASSERT_EQ(host.replies.size(), 2u);
+  EXPECT_TRUE(host.replies[0].HasSkin());
+  bus.gone = "pulled out";
+  EXPECT_EQ(ReasonOf(PlayPeer(boards, bus, clock, [] { return true; })), "IO");
 }
 
 }  // namespace

@@ -263,7 +263,8 @@ TEST_F(GsUsbTest, AForearmOverUsbLosesNothingAndComesBack) {
   MockAdapter adapter(&skin, {});
   GsUsb bus({});
   icub::IcubSkin protocol(*icub::PortPatch(boards), {.period_ms = 20});
-  CanSkinDriver driver(&bus, &protocol, {});
+  // The emulated adapter is slow on a loaded machine.
+  CanSkinDriver driver(&bus, &protocol, {.give_up_ns = 0});
   BufferedDriver buffered(&driver, {});
   const auto info = buffered.Configure();
   ASSERT_TRUE(info.ok()) << info.status();

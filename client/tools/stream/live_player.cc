@@ -1,0 +1,168 @@
+#include "client/tools/stream/live_player.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+#include "core/skin/layout_proto.h"
+
+namespace tactus::client {
+namespace {
+
+LiveContact ContactOf(const v1::Posterior& posterior) {
+  LiveContact contact;
+  contact.id = posterior.contact_id();
+  contact.onset_ns =
+      posterior.capture_time_ns() - posterior.time_since_onset_ns();
+  contact.duration_s =
+      static_cast<double>(posterior.time_since_onset_ns()) / 1e9;
+  const auto& p = posterior.probability();
+  const auto best = std::max_element(p.begin(), p.end());
+  if (best != p.end()) {
+    contact.answer = static_cast<int>(best - p.begin());
+    contact.probability = *best;
+  }
+  contact.unknown = posterior.unknown();
+  contact.log_likelihood.assign(posterior.log_likelihood().begin(),
+                                posterior.log_likelihood().end());
+  contact.frames_missing = posterior.frames_missing();
+  if (posterior.has_decision()) {
+    contact.decision = static_cast<int>(posterior.decision().class_index());
+    contact.decision_ms =
+        static_cast<double>(posterior.decision().time_since_onset_ns()) / 1e6;
+  }
+  return contact;
+}
+
+}  // namespace
+
+LivePlayer::LivePlayer(std::shared_ptr<grpc::Channel> channel,
+                       SkinDriver* driver, const Options& options,
+                       OnContact on_contact, OnNews on_news)
+    : channel_(std::move(channel)),
+      driver_(driver),
+      options_(options),
+      on_contact_(std::move(on_contact)),
+      on_news_(std::move(on_news)) {}
+
+absl::Status LivePlayer::Run() {
+  const absl::Status status = Stream();
+  statistics_ = driver_->Statistics();
+  const absl::Status finalised = driver_->Finalise();
+  return status.ok() ? finalised : status;
+}
+
+absl::Status LivePlayer::Stream() {
+  TACTUS_ASSIGN_OR_RETURN(const SkinInfo info, driver_->Configure());
+  encoder_.emplace(info, FrameEncoder::Options{.sparse = options_.sparse});
+  v1::StreamConfig config = MakeConfig(info);
+  config.set_model(options_.model);
+  config.set_cadence(v1::RESULT_CADENCE_ON_CHANGE);
+  config.set_release_after_ms(options_.release_after_ms);
+  TACTUS_ASSIGN_OR_RETURN(
+      stream_, ContactStream::Open(
+                   channel_, config, [this](const auto& r) { OnResponse(r); },
+                   options_.timeouts, options_.token));
+  const v1::StreamStarted& started = stream_->started();
+  if (started.has_trained_geometry()) {
+    TACTUS_ASSIGN_OR_RETURN(const SkinLayout trained,
+                            LayoutFromProto(started.trained_geometry()));
+    const std::string difference = SkinDifference(info.layout, trained);
+    if (!difference.empty()) {
+      return InvalidConfig("skin", difference,
+                           absl::StrCat("that of the training data of ",
+                                        started.model_version()));
+    }
+  }
+  class_names_.assign(started.class_names().begin(),
+                      started.class_names().end());
+  on_news_(absl::StrCat("skin ", info.layout.name, ", ", info.layout.rows,
+                        " x ", info.layout.columns, " at ", info.sample_rate_hz,
+                        " Hz; ", started.model_version()));
+  const std::string remarks = driver_->Statistics().remarks;
+  if (!remarks.empty()) on_news_(remarks);
+  TACTUS_RETURN_IF_ERROR(driver_->Activate());
+  const absl::Status played = Play();
+  // An open contact ends here too.
+  const absl::Status closed = stream_->Close();
+  ReportContacts();
+  return played.ok() ? closed : played;
+}
+
+absl::Status LivePlayer::Play() {
+  using Clock = std::chrono::steady_clock;
+  const auto begin = Clock::now();
+  SkinFrame frame;
+  while (!stop_) {
+    if (options_.seconds > 0 &&
+        std::chrono::duration<double>(Clock::now() - begin).count() >=
+            options_.seconds) {
+      break;
+    }
+    TACTUS_ASSIGN_OR_RETURN(const ReadResult result, driver_->Read(frame));
+    if (result == ReadResult::kEndOfData) break;
+    if (result == ReadResult::kFrame) {
+      TACTUS_RETURN_IF_ERROR(SendFrame(frame));
+    }
+    if (result == ReadResult::kNoFrame || frames_ % 64 == 0) ReportNews();
+    ReportContacts();
+    // Close returns the reason.
+    if (stream_->ended()) break;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status LivePlayer::SendFrame(const SkinFrame& frame) {
+  encoder_->Skip(frame.missing_before);
+  encoder_->Add(frame);
+  ++frames_;
+  missing_ += frame.missing_before;
+  TACTUS_RETURN_IF_ERROR(stream_->Send(encoder_->request()));
+  encoder_->Clear();
+  return absl::OkStatus();
+}
+
+void LivePlayer::OnResponse(const v1::ClassifyContactResponse& response) {
+  if (!response.has_posterior()) return;
+  const v1::Posterior& posterior = response.posterior();
+  const bool open_at_end =
+      posterior.is_final() &&
+      posterior.contact_state() == v1::CONTACT_STATE_IN_CONTACT;
+  if (!posterior.is_contact_end() && !open_at_end) return;
+  const std::lock_guard lock(mutex_);
+  contacts_.push_back(ContactOf(posterior));
+}
+
+void LivePlayer::ReportContacts() {
+  std::deque<LiveContact> contacts;
+  {
+    const std::lock_guard lock(mutex_);
+    contacts.swap(contacts_);
+  }
+  for (const LiveContact& contact : contacts) on_contact_(contact);
+}
+
+void LivePlayer::ReportNews() {
+  const DriverStatistics statistics = driver_->Statistics();
+  if (!statistics.connected && was_connected_ && frames_ > 0) {
+    on_news_("the skin sends no frames: " + statistics.problem);
+  } else if (!statistics.connected && statistics.problem != last_problem_) {
+    on_news_(statistics.problem);
+  } else if (statistics.connected && !was_connected_) {
+    on_news_(
+        absl::StrCat("frames come again; ", statistics.lost, " lost so far"));
+  }
+  was_connected_ = statistics.connected || frames_ == 0;
+  last_problem_ = statistics.problem;
+  if (statistics.stuck_taxels != stuck_ && !statistics.stuck_taxels.empty()) {
+    on_news_(absl::StrCat("stuck taxels, better masked: ",
+                          absl::StrJoin(statistics.stuck_taxels, ", ")));
+  }
+  stuck_ = statistics.stuck_taxels;
+}
+
+}  // namespace tactus::client

@@ -1,0 +1,111 @@
+// File: live_player.h
+//
+// LivePlayer: streams a real skin to a server until it is stopped, and reports
+// each contact when it ends.
+//
+//   LivePlayer player(channel, &driver, {.seconds = 60},
+//                     [](const LiveContact& contact) { Print(contact); },
+//                     [](const std::string& news) { Print(news); });
+//   TACTUS_RETURN_IF_ERROR(player.Run());
+//
+// Lost frames become jumps in the sequence numbers. If the skin sends nothing,
+// the stream waits; an error of the driver ends it, after the server's last
+// answers have been taken. Run belongs to one thread; contacts and news are
+// reported on it. Stop may be called from any thread and from a signal handler.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "client/drivers/skin_driver.h"
+#include "client/stream/contact_stream.h"
+#include "client/stream/frame_encoder.h"
+#include "grpcpp/channel.h"
+
+namespace tactus::client {
+
+struct LiveContact {
+  // Counts from 1.
+  uint64_t id = 0;
+  // On the driver's clock, and how long it lasted.
+  int64_t onset_ns = 0;
+  double duration_s = 0;
+  // Index of the most probable class, and its probability.
+  int answer = 0;
+  double probability = 0;
+  double unknown = 0;
+  std::vector<double> log_likelihood;
+  // The decision's class and time since onset, if one was reached.
+  std::optional<int> decision;
+  double decision_ms = 0;
+  // Frames of the stream that the server knows to be lost, until its end.
+  uint64_t frames_missing = 0;
+};
+
+class LivePlayer {
+ public:
+  struct Options {
+    std::string model = {};
+    bool sparse = false;
+    // 0: until Stop or the end of the driver's data.
+    double seconds = 0;
+    StreamTimeouts timeouts = {};
+    std::string token = {};
+    // Milliseconds without a touch after which a contact ends; 0: the model's.
+    int release_after_ms = 0;
+  };
+  using OnContact = std::function<void(const LiveContact&)>;
+  using OnNews = std::function<void(const std::string&)>;
+
+  // `driver` is unconfigured and outlives the player. Run finalises it.
+  LivePlayer(std::shared_ptr<grpc::Channel> channel, SkinDriver* driver,
+             const Options& options, OnContact on_contact, OnNews on_news);
+
+  absl::Status Run();
+  void Stop() { stop_ = true; }
+
+  // Valid after Run.
+  uint64_t frames() const { return frames_; }
+  uint64_t missing() const { return missing_; }
+  const std::vector<std::string>& class_names() const { return class_names_; }
+  const DriverStatistics& statistics() const { return statistics_; }
+
+ private:
+  absl::Status Stream();
+  absl::Status Play();
+  absl::Status SendFrame(const SkinFrame& frame);
+  void OnResponse(const v1::ClassifyContactResponse& response);
+  void ReportContacts();
+  void ReportNews();
+
+  const std::shared_ptr<grpc::Channel> channel_;
+  SkinDriver* const driver_;
+  const Options options_;
+  const OnContact on_contact_;
+  const OnNews on_news_;
+  std::atomic<bool> stop_ = false;
+  std::unique_ptr<ContactStream> stream_;
+  std::optional<FrameEncoder> encoder_;
+  std::vector<std::string> class_names_;
+  uint64_t frames_ = 0;
+  uint64_t missing_ = 0;
+  DriverStatistics statistics_;
+  // Reported so far.
+  std::string last_problem_;
+  bool was_connected_ = true;
+  std::vector<int> stuck_;
+
+  // Shared with the stream's reading thread.
+  std::mutex mutex_;
+  std::deque<LiveContact> contacts_;
+};
+
+}  // namespace tactus::client
