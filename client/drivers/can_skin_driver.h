@@ -1,98 +1,58 @@
 // File: can_skin_driver.h
 //
-// CanSkinDriver: a SkinDriver for skins on a CAN bus, with any adapter and any
-// protocol. It finds out that frames stay away, reconnects, and measures.
+// CanSkinDriver: HardwareDriver for skins on a CAN bus, with any adapter and
+// any protocol.
 //
 //   icub::IcubSkin skin(patch, {});
 //   CanSkinDriver driver(&bus, &skin, {});
 //
-// Read waits at most `read_timeout_ns`, except while it configures the skin
-// anew, which takes a second or two; BufferedDriver keeps that from a stream.
-// It never returns a frame that the skin did not send: lost frames are counted
-// in SkinFrame::missing_before of the next one.
-//
-// A bus that fails, or a skin that sends no whole frame for `silence_ns`, is a
-// break. The driver then opens the bus again and starts the skin; if that does
-// not bring frames, it also configures the skin, with growing pauses. After
-// `give_up_ns` without a frame, or if the skin has come back with other taxels,
-// Read fails for good with the reason IO. docs/drivers.md lists what a user
-// sees.
-//
 // Not thread-safe.
 #pragma once
 
-#include <functional>
-#include <optional>
 #include <string>
 
 #include "client/drivers/can_skin_protocol.h"
-#include "client/drivers/skin_driver.h"
-#include "client/drivers/stuck_taxels.h"
+#include "client/drivers/hardware_driver.h"
 
 namespace tactus::client {
 
-struct CanSkinDriverOptions {
-  int64_t read_timeout_ns = 100'000'000;
-  int64_t silence_ns = 1'000'000'000;
-  // 0: never.
-  int64_t give_up_ns = 30'000'000'000;
-  // The pause before the first attempt to reconnect; it doubles.
-  int64_t first_pause_ns = 100'000'000;
-  int64_t longest_pause_ns = 5'000'000'000;
-  // The pose of the skin's link at a capture time; nothing if it is not known,
-  // and the frame is lost then. Unset: frames without poses.
-  std::function<std::optional<Pose>(int64_t capture_time_ns)> pose_at = {};
+// A protocol on a bus; both outlive it.
+class CanSkin : public SkinDevice {
+ public:
+  CanSkin(CanBus* bus, CanSkinProtocol* protocol)
+      : bus_(bus), protocol_(protocol) {}
+
+  std::string name() const override { return bus_->name(); }
+  absl::Status Open() override { return bus_->Open(protocol_->Filters()); }
+  void Close() override { bus_->Close(); }
+  absl::StatusOr<SkinInfo> Setup(Clock& clock) override {
+    return protocol_->Setup(*bus_, clock);
+  }
+  absl::Status Start() override { return protocol_->Start(*bus_); }
+  absl::Status Stop() override { return protocol_->Stop(*bus_); }
+  absl::StatusOr<bool> Poll(SkinFrame& frame, int64_t timeout_ns) override;
+  int64_t period_ns() const override { return protocol_->period_ns(); }
+  uint64_t incomplete() const override { return protocol_->incomplete(); }
+  std::string Remarks() const override { return protocol_->Remarks(); }
+  std::string Missing() const override { return protocol_->Missing(); }
+
+ private:
+  CanBus* const bus_;
+  CanSkinProtocol* const protocol_;
 };
 
-class CanSkinDriver : public SkinDriver {
+class CanSkinDriver : public HardwareDriver {
  public:
   // `bus`, `protocol` and `clock` outlive the driver.
   CanSkinDriver(CanBus* bus, CanSkinProtocol* protocol,
-                const CanSkinDriverOptions& options,
-                Clock* clock = &Clock::System());
-  // Finalises.
-  ~CanSkinDriver() override;
-
-  DriverStatistics Statistics() const override;
-
- protected:
-  absl::StatusOr<SkinInfo> OnConfigure() override;
-  absl::Status OnActivate() override;
-  absl::Status OnDeactivate() override;
-  absl::StatusOr<ReadResult> OnRead(SkinFrame& frame) override;
-  absl::Status OnFinalise() override;
+                const HardwareDriverOptions& options,
+                Clock* clock = &Clock::System())
+      : HardwareDriver(&skin_, options, clock), skin_(bus, protocol) {}
+  // Before skin_ ends.
+  ~CanSkinDriver() override { Finalise().IgnoreError(); }
 
  private:
-  void Break(absl::string_view problem);
-  void Reconnect();
-  absl::Status TryToReconnect();
-  // Waits for the next attempt or until `deadline_ns`, and makes it.
-  void WaitForConnection(int64_t deadline_ns);
-  // False if the frame must not be handed on.
-  bool Finish(SkinFrame& frame);
-
-  CanBus* const bus_;
-  CanSkinProtocol* const protocol_;
-  const CanSkinDriverOptions options_;
-  Clock* const clock_;
-  SkinInfo info_;
-  std::optional<FrameMeter> meter_;
-  std::optional<StuckTaxels> stuck_;
-  int64_t last_capture_ns_ = 0;
-  // The last frame, or when the driver became active.
-  int64_t last_frame_ns_ = 0;
-  // The last frame or reconnection.
-  int64_t quiet_since_ns_ = 0;
-
-  bool connected_ = false;
-  // The bus may be used; frames need not have come yet.
-  bool open_ = false;
-  int attempts_ = 0;
-  int64_t pause_ns_ = 0;
-  int64_t next_attempt_ns_ = 0;
-  uint64_t reconnects_ = 0;
-  std::string problem_;
-  absl::Status failed_;
+  CanSkin skin_;
 };
 
 }  // namespace tactus::client

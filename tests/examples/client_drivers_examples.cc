@@ -9,6 +9,7 @@
 #include "client/drivers/can/socket_can.h"
 #include "client/drivers/can_skin_driver.h"
 #include "client/drivers/icub_skin/icub_skin.h"
+#include "client/drivers/serial/serial_skin.h"
 #include "core/base/status_macros.h"
 
 namespace tactus::client::examples {
@@ -133,6 +134,49 @@ absl::Status CanSkinProtocolExample(CanSkinProtocol& protocol, CanBus& bus,
 void CanSkinDriverExample(CanBus& bus, const icub::SkinPatch& patch) {
   icub::IcubSkin skin(patch, {});
   CanSkinDriver driver(&bus, &skin, {});
+}
+
+absl::Status HardwareDriverExample(SkinDevice& device) {
+  HardwareDriver driver(&device, {});
+  TACTUS_ASSIGN_OR_RETURN(const SkinInfo info, driver.Configure());
+  return absl::OkStatus();
+}
+
+absl::Status SkinDeviceExample(SkinDevice& device, Clock& clock,
+                               SkinFrame& frame) {
+  TACTUS_RETURN_IF_ERROR(device.Open());
+  TACTUS_ASSIGN_OR_RETURN(const SkinInfo info, device.Setup(clock));
+  TACTUS_RETURN_IF_ERROR(device.Start());
+  TACTUS_ASSIGN_OR_RETURN(const bool whole,
+                          device.Poll(frame, /*timeout_ns=*/100'000'000));
+  return absl::OkStatus();
+}
+
+void Use(const std::vector<uint16_t>& taxels, int64_t time_ns);
+
+void SerialFramesExample(std::span<const uint8_t> bytes, int64_t now_ns,
+                         std::vector<uint16_t>& taxels, int64_t& time_ns) {
+  SerialFrames frames(SerialFormat::kAscii, /*rows=*/12, /*columns=*/32);
+  frames.Add(bytes, now_ns);
+  while (frames.Next(taxels, time_ns)) Use(taxels, time_ns);
+}
+
+absl::Status SerialPortExample() {
+  SerialPort port("/dev/ttyUSB0", /*baud=*/2'000'000);
+  TACTUS_RETURN_IF_ERROR(port.Open());
+  uint8_t bytes[4096];
+  TACTUS_ASSIGN_OR_RETURN(const size_t count,
+                          port.Read(bytes, /*timeout_ns=*/100'000'000));
+  return absl::OkStatus();
+}
+
+absl::Status SerialSkinExample() {
+  TACTUS_ASSIGN_OR_RETURN(SkinLayout layout, LayoutPreset("vitac-12x32"));
+  SerialSkin skin(
+      "/dev/ttyUSB0",
+      {.format = SerialFormat::kAscii, .layout = layout, .sample_rate_hz = 30});
+  HardwareDriver driver(&skin, {});
+  return absl::OkStatus();
 }
 
 void FrameMeterExample(SkinFrame& frame, Clock& clock,

@@ -40,6 +40,8 @@ absl::StatusOr<icub::SkinPatch> MakePatch(const IcubSourceOptions& options) {
   return patch;
 }
 
+}  // namespace
+
 absl::Status AddMask(const std::vector<int>& taxels, SkinLayout& layout) {
   if (taxels.empty()) return absl::OkStatus();
   if (layout.mask.empty()) layout.mask.assign(layout.taxels(), 1);
@@ -52,8 +54,6 @@ absl::Status AddMask(const std::vector<int>& taxels, SkinLayout& layout) {
   }
   return absl::OkStatus();
 }
-
-}  // namespace
 
 IcubSource::IcubSource(std::unique_ptr<CanBus> bus, icub::SkinPatch patch,
                        const icub::IcubSkinOptions& options)

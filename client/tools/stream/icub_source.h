@@ -38,6 +38,10 @@ struct IcubSourceOptions {
   std::vector<int> mask = {};
 };
 
+// Masks taxels, row-major, of a real skin: --mask. INVALID_CONFIG if one is not
+// on the layout.
+absl::Status AddMask(const std::vector<int>& taxels, SkinLayout& layout);
+
 class IcubSource {
  public:
   // INVALID_CONFIG or IO; opens no bus.

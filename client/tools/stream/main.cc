@@ -11,7 +11,10 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
+#include "client/drivers/buffered_driver.h"
+#include "client/drivers/hardware_driver.h"
 #include "client/drivers/replay_driver.h"
+#include "client/drivers/serial/serial_skin.h"
 #include "client/drivers/sim_driver.h"
 #include "client/tools/common/token_file.h"
 #include "client/tools/stream/icub_source.h"
@@ -46,7 +49,15 @@ struct Flags {
   IcubSourceOptions icub;
   TrialPlayer::Options player;
 
-  bool IsLive() const { return driver == "icub-can" || driver == "icub-usb"; }
+  // A serial skin.
+  std::string port;
+  std::string format = "ascii";
+  int baud = 2'000'000;
+  double rate_hz = 30;
+
+  bool IsLive() const {
+    return driver == "icub-can" || driver == "icub-usb" || driver == "serial";
+  }
 };
 
 constexpr size_t kDefaultSimTrials = 40;
@@ -67,17 +78,32 @@ std::unique_ptr<TrialDriver> MakeDriver(
 absl::Status RunSkin(const Flags& flags,
                      const std::shared_ptr<grpc::Channel>& channel,
                      const std::string& token) {
+  const LivePlayer::Options player = {.model = flags.player.model,
+                                      .sparse = flags.player.sparse,
+                                      .seconds = flags.seconds,
+                                      .timeouts = flags.player.timeouts,
+                                      .token = token};
+  if (flags.driver == "serial") {
+    SerialSkinOptions options = {.format = flags.format == "ascii"
+                                               ? SerialFormat::kAscii
+                                               : SerialFormat::kAa55,
+                                 .baud = flags.baud,
+                                 .scale = flags.icub.scale,
+                                 .sample_rate_hz = flags.rate_hz};
+    TACTUS_ASSIGN_OR_RETURN(options.layout, flags.layout.empty()
+                                                ? LayoutPreset("vitac-12x32")
+                                                : ReadLayoutFile(flags.layout));
+    TACTUS_RETURN_IF_ERROR(AddMask(flags.icub.mask, options.layout));
+    SerialSkin skin(flags.port, options);
+    HardwareDriver driver(&skin, {});
+    BufferedDriver buffered(&driver, {});
+    return RunLive(channel, buffered, player, flags.json);
+  }
   IcubSourceOptions options = flags.icub;
   options.usb = flags.driver == "icub-usb";
   options.layout = flags.layout;
   TACTUS_ASSIGN_OR_RETURN(const auto source, IcubSource::Make(options));
-  return RunLive(channel, source->driver(),
-                 {.model = flags.player.model,
-                  .sparse = flags.player.sparse,
-                  .seconds = flags.seconds,
-                  .timeouts = flags.player.timeouts,
-                  .token = token},
-                 flags.json);
+  return RunLive(channel, source->driver(), player, flags.json);
 }
 
 absl::Status Run(const Flags& flags) {
@@ -146,8 +172,10 @@ int Main(int argc, char** argv) {
                  "File with the token that the server knows the robot by")
       ->check(CLI::ExistingFile);
   app.add_option("--driver", flags.driver,
-                 "sim, replay, icub-can or icub-usb (docs/drivers.md)")
-      ->check(CLI::IsMember({"sim", "replay", "icub-can", "icub-usb"}))
+                 "sim, replay, icub-can, icub-usb or serial "
+                 "(docs/drivers.md)")
+      ->check(
+          CLI::IsMember({"sim", "replay", "icub-can", "icub-usb", "serial"}))
       ->capture_default_str();
   app.add_option("--skin", flags.skin,
                  "Skin of --driver=sim: paper, good or measured")
@@ -160,6 +188,18 @@ int Main(int argc, char** argv) {
       ->check(CLI::ExistingFile);
   app.add_option("--interface", flags.icub.interface,
                  "CAN interface for --driver=icub-can, such as can0");
+  app.add_option("--port", flags.port,
+                 "Serial line for --driver=serial, such as /dev/ttyUSB0");
+  app.add_option("--format", flags.format,
+                 "What a serial skin sends: ascii (3D-ViTac) or aa55 "
+                 "(FlexiTac)")
+      ->check(CLI::IsMember({"ascii", "aa55"}))
+      ->capture_default_str();
+  app.add_option("--baud", flags.baud, "Rate of the serial line")
+      ->capture_default_str();
+  app.add_option("--rate-hz", flags.rate_hz, "Frames per second of the skin")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   app.add_option("--usb-serial", flags.icub.usb_serial,
                  "Serial number of the adapter for --driver=icub-usb");
   app.add_option("--boards", flags.icub.boards,
@@ -223,6 +263,10 @@ int Main(int argc, char** argv) {
   if (flags.driver == "icub-can" && flags.icub.interface.empty()) {
     std::fprintf(stderr,
                  "tactus-stream: --driver=icub-can needs --interface\n");
+    return 2;
+  }
+  if (flags.driver == "serial" && flags.port.empty()) {
+    std::fprintf(stderr, "tactus-stream: --driver=serial needs --port\n");
     return 2;
   }
   if (!flags.layout.empty() && !flags.icub.positions.empty()) {

@@ -31,7 +31,7 @@ void RisingCounts(int64_t time_ns, size_t board, std::span<double> counts) {
 
 // A forearm of 24 triangles at 50 Hz.
 struct Forearm {
-  explicit Forearm(const CanSkinDriverOptions& options = {},
+  explicit Forearm(const HardwareDriverOptions& options = {},
                    IcubBoards::Source source = RisingCounts)
       : boards(*icub::ParseBoards("forearm-v2"), std::move(source)),
         bus(&boards, &clock),

@@ -1,0 +1,90 @@
+// File: serial_frames.h
+//
+// SerialFrames: finds frames in the bytes that a skin sends on a serial line.
+// Two formats, of skins that an Arduino reads:
+//
+//   ascii  (3D-ViTac) a line of numbers 0 to 255 for each row of the skin,
+//          separated by blanks or commas, then an empty line
+//   aa55   (FlexiTac) AA 55, then a byte for each taxel, no checksum
+//
+//   SerialFrames frames(SerialFormat::kAscii, /*rows=*/12, /*columns=*/32);
+//   frames.Add(bytes, now_ns);
+//   while (frames.Next(taxels, time_ns)) Use(taxels, time_ns);
+//
+// A frame counts only if it is whole. In ascii a line that has another number
+// of numbers, or anything else in it, spoils its frame; the next empty line
+// begins another. In aa55 a frame counts once the AA 55 of the next one
+// follows, because a lost byte would shift all taxels after it; so it is read
+// one period late, with the time at which it began. Memory is bounded. Not
+// thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tactus::client {
+
+enum class SerialFormat { kAscii, kAa55 };
+
+struct SerialCounters {
+  uint64_t frames = 0;
+  // Frames that were begun and not whole.
+  uint64_t spoiled = 0;
+  // Bytes outside of frames.
+  uint64_t skipped_bytes = 0;
+  // Whole frames that nobody took in time.
+  uint64_t overwritten = 0;
+};
+
+class SerialFrames {
+ public:
+  SerialFrames(SerialFormat format, int rows, int columns);
+
+  // Takes bytes that were received at `now_ns`.
+  void Add(std::span<const uint8_t> bytes, int64_t now_ns);
+  // True if a frame was there, row-major; `time_ns` is when its first byte was
+  // received.
+  bool Next(std::vector<uint16_t>& taxels, int64_t& time_ns);
+  // Forgets what has come, after a break.
+  void Reset();
+
+  const SerialCounters& counters() const { return counters_; }
+
+ private:
+  struct Frame {
+    std::vector<uint16_t> taxels;
+    int64_t time_ns = 0;
+  };
+
+  void AddAscii(uint8_t byte, int64_t now_ns);
+  void EndLine();
+  void EndAsciiFrame();
+  void AddBinary(uint8_t byte, int64_t now_ns);
+  // Looks for a header in what has come after the first byte.
+  void Resynchronise();
+  void Deliver(Frame frame);
+
+  const SerialFormat format_;
+  const size_t rows_;
+  const size_t columns_;
+  SerialCounters counters_;
+  std::deque<Frame> whole_;
+
+  // ascii: the line, the values of the frame so far, and whether they are good.
+  std::string line_;
+  Frame current_;
+  size_t lines_ = 0;
+  // False until the first empty line, and after a mistake.
+  bool good_ = false;
+  bool long_line_ = false;
+
+  // aa55: bytes from a supposed header on, with the time of each header.
+  std::vector<uint8_t> bytes_;
+  std::vector<int64_t> times_;
+};
+
+}  // namespace tactus::client

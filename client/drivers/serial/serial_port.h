@@ -1,0 +1,46 @@
+// File: serial_port.h
+//
+// SerialPort: a serial line of the kernel, raw, without flow control.
+//
+//   SerialPort port("/dev/ttyUSB0", /*baud=*/2'000'000);
+//   TACTUS_RETURN_IF_ERROR(port.Open());
+//   uint8_t bytes[4096];
+//   TACTUS_ASSIGN_OR_RETURN(const size_t count,
+//                           port.Read(bytes, /*timeout_ns=*/100'000'000));
+//
+// Not thread-safe.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+
+namespace tactus::client {
+
+class SerialPort {
+ public:
+  SerialPort(std::string path, int baud);
+  ~SerialPort();
+
+  SerialPort(const SerialPort&) = delete;
+  SerialPort& operator=(const SerialPort&) = delete;
+
+  const std::string& path() const { return path_; }
+  // INVALID_CONFIG for a rate that the kernel has no name for; IO if the line
+  // cannot be opened or is no terminal. What came before is dropped.
+  absl::Status Open();
+  void Close();
+  // Number of bytes read; 0 if none came in time. IO if the device is gone.
+  absl::StatusOr<size_t> Read(std::span<uint8_t> bytes, int64_t timeout_ns);
+
+ private:
+  const std::string path_;
+  const int baud_;
+  int file_ = -1;
+};
+
+}  // namespace tactus::client
