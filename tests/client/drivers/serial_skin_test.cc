@@ -3,7 +3,6 @@
 
 #include <fcntl.h>
 #include <stdlib.h>
-#include <termios.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -159,7 +158,8 @@ TEST(SerialFramesTest, FramesThatNobodyTakesAreOverwritten) {
   EXPECT_EQ(AllFrames(frames).size(), 64u);
 }
 
-// Two ends of a serial line.
+// Two ends of a serial line, which is as terminals are until SerialPort has set
+// it up: it would change some bytes and act on others.
 class Pty {
  public:
   Pty() : master_(posix_openpt(O_RDWR | O_NOCTTY)) {
@@ -169,11 +169,6 @@ class Pty {
     char name[128];
     ptsname_r(master_, name, sizeof(name));
     path_ = name;
-    // As a device does, nothing is echoed or translated.
-    termios settings;
-    tcgetattr(master_, &settings);
-    cfmakeraw(&settings);
-    tcsetattr(master_, TCSANOW, &settings);
   }
   ~Pty() { Close(); }
   const std::string& path() const { return path_; }
