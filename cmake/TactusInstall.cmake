@@ -1,5 +1,6 @@
 # What a robot's program needs from an installed Tactus: the library
-# Tactus::client, its headers and the protos.
+# Tactus::client, its headers and the protos. With a real skin also
+# Tactus::client_skins, and for USB adapters Tactus::client_gs_usb (libusb).
 #
 #   cmake --install build/release --component client --prefix /usr/local
 include(CMakePackageConfigHelpers)
@@ -9,7 +10,8 @@ set(headers ${CMAKE_INSTALL_INCLUDEDIR}/tactus)
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/Tactus)
 
 set(libraries tactus_proto tactus_proto_grpc tactus_core_base tactus_core_skin
-    tactus_client)
+    tactus_client tactus_client_can tactus_client_gs_usb tactus_client_serial
+    tactus_client_skins)
 foreach(library ${libraries})
   string(REPLACE "tactus_" "" name ${library})
   set_target_properties(${library} PROPERTIES EXPORT_NAME ${name})
@@ -30,7 +32,9 @@ install(FILES ${PROJECT_BINARY_DIR}/TactusConfig.cmake
               ${PROJECT_BINARY_DIR}/TactusConfigVersion.cmake
   DESTINATION ${package} COMPONENT client)
 
-foreach(folder client/stream client/drivers core/base core/skin)
+foreach(folder client/stream client/drivers client/drivers/can
+    client/drivers/icub_skin client/drivers/serial client/drivers/xela core/base
+    core/skin)
   file(GLOB public RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS
     ${PROJECT_SOURCE_DIR}/${folder}/*.h)
   # The other drivers need trial files and the simulator.

@@ -10,6 +10,7 @@
 #include "client/drivers/can_skin_driver.h"
 #include "client/drivers/icub_skin/icub_skin.h"
 #include "client/drivers/serial/serial_skin.h"
+#include "client/drivers/xela/xela_skin.h"
 #include "core/base/status_macros.h"
 
 namespace tactus::client::examples {
@@ -133,6 +134,11 @@ absl::Status CanSkinProtocolExample(CanSkinProtocol& protocol, CanBus& bus,
 
 void CanSkinDriverExample(CanBus& bus, const icub::SkinPatch& patch) {
   icub::IcubSkin skin(patch, {});
+  CanSkinDriver driver(&bus, &skin, {});
+}
+
+void XelaSkinExample(CanBus& bus) {
+  XelaSkin skin({.board = 1});
   CanSkinDriver driver(&bus, &skin, {});
 }
 

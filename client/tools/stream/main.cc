@@ -12,10 +12,12 @@
 
 #include "CLI/CLI.hpp"
 #include "client/drivers/buffered_driver.h"
-#include "client/drivers/hardware_driver.h"
+#include "client/drivers/can/socket_can.h"
+#include "client/drivers/can_skin_driver.h"
 #include "client/drivers/replay_driver.h"
 #include "client/drivers/serial/serial_skin.h"
 #include "client/drivers/sim_driver.h"
+#include "client/drivers/xela/xela_skin.h"
 #include "client/tools/common/token_file.h"
 #include "client/tools/stream/icub_source.h"
 #include "client/tools/stream/live_command.h"
@@ -56,7 +58,8 @@ struct Flags {
   double rate_hz = 30;
 
   bool IsLive() const {
-    return driver == "icub-can" || driver == "icub-usb" || driver == "serial";
+    return driver == "icub-can" || driver == "icub-usb" || driver == "serial" ||
+           driver == "xela-can";
   }
 };
 
@@ -96,6 +99,18 @@ absl::Status RunSkin(const Flags& flags,
     TACTUS_RETURN_IF_ERROR(AddMask(flags.icub.mask, options.layout));
     SerialSkin skin(flags.port, options);
     HardwareDriver driver(&skin, {});
+    BufferedDriver buffered(&driver, {});
+    return RunLive(channel, buffered, player, flags.json);
+  }
+  if (flags.driver == "xela-can") {
+    XelaSkinOptions options = {.scale = flags.icub.scale};
+    if (!flags.layout.empty()) {
+      TACTUS_ASSIGN_OR_RETURN(options.layout, ReadLayoutFile(flags.layout));
+    }
+    TACTUS_RETURN_IF_ERROR(AddMask(flags.icub.mask, options.layout));
+    SocketCan bus(flags.icub.interface);
+    XelaSkin skin(options);
+    CanSkinDriver driver(&bus, &skin, {});
     BufferedDriver buffered(&driver, {});
     return RunLive(channel, buffered, player, flags.json);
   }
@@ -172,10 +187,10 @@ int Main(int argc, char** argv) {
                  "File with the token that the server knows the robot by")
       ->check(CLI::ExistingFile);
   app.add_option("--driver", flags.driver,
-                 "sim, replay, icub-can, icub-usb or serial "
+                 "sim, replay, icub-can, icub-usb, xela-can or serial "
                  "(docs/drivers.md)")
-      ->check(
-          CLI::IsMember({"sim", "replay", "icub-can", "icub-usb", "serial"}))
+      ->check(CLI::IsMember(
+          {"sim", "replay", "icub-can", "icub-usb", "xela-can", "serial"}))
       ->capture_default_str();
   app.add_option("--skin", flags.skin,
                  "Skin of --driver=sim: paper, good or measured")
@@ -187,7 +202,7 @@ int Main(int argc, char** argv) {
                  "cells are a real skin's values in their order")
       ->check(CLI::ExistingFile);
   app.add_option("--interface", flags.icub.interface,
-                 "CAN interface for --driver=icub-can, such as can0");
+                 "CAN interface for icub-can and xela-can, such as can0");
   app.add_option("--port", flags.port,
                  "Serial line for --driver=serial, such as /dev/ttyUSB0");
   app.add_option("--format", flags.format,
@@ -260,9 +275,10 @@ int Main(int argc, char** argv) {
     std::fprintf(stderr, "tactus-stream: --driver=sim has no --layout\n");
     return 2;
   }
-  if (flags.driver == "icub-can" && flags.icub.interface.empty()) {
-    std::fprintf(stderr,
-                 "tactus-stream: --driver=icub-can needs --interface\n");
+  if ((flags.driver == "icub-can" || flags.driver == "xela-can") &&
+      flags.icub.interface.empty()) {
+    std::fprintf(stderr, "tactus-stream: --driver=%s needs --interface\n",
+                 flags.driver.c_str());
     return 2;
   }
   if (flags.driver == "serial" && flags.port.empty()) {
