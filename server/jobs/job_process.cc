@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <sched.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -36,9 +35,6 @@ constexpr std::chrono::milliseconds kEndPoll(2);
   // The parent may have died before that.
   if (getppid() != parent) _exit(127);
   setpriority(PRIO_PROCESS, 0, kNiceness);
-  // A stream's thread that wakes up takes the processor from it at once.
-  const sched_param any = {};
-  sched_setscheduler(0, SCHED_IDLE, &any);
   if (options.memory_bytes > 0) {
     const rlimit limit = {static_cast<rlim_t>(options.memory_bytes),
                           static_cast<rlim_t>(options.memory_bytes)};

@@ -259,7 +259,6 @@ TEST(ReplayDriverTest, PlaysASkinThatIsNoPreset) {
   std::remove(path.c_str());
 }
 
-// A server takes other thresholds than those of training; a replay does not.
 TEST(TrialPlayerTest, TrialsOfAnotherSkinAreRefused) {
   TestServer server;
   SkinLayout skin = *LayoutPreset("vitac-12x32");
@@ -277,7 +276,7 @@ TEST(TrialPlayerTest, TrialsOfAnotherSkinAreRefused) {
     const absl::Status status = player.Run();
     EXPECT_EQ(status.ok(), onset == 40) << status;
     if (onset == 40) continue;
-    EXPECT_EQ(ReasonOf(status), "INVALID_CONFIG");
+    EXPECT_EQ(ReasonOf(status), "GEOMETRY_MISMATCH");
     EXPECT_NE(status.message().find("onset_threshold 50, not 40"),
               std::string::npos)
         << status;

@@ -8,7 +8,6 @@
 #include "absl/strings/str_join.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
-#include "core/skin/layout_proto.h"
 
 namespace tactus::client {
 namespace {
@@ -68,16 +67,6 @@ absl::Status LivePlayer::Stream() {
                    channel_, config, [this](const auto& r) { OnResponse(r); },
                    options_.timeouts, options_.token));
   const v1::StreamStarted& started = stream_->started();
-  if (started.has_trained_geometry()) {
-    TACTUS_ASSIGN_OR_RETURN(const SkinLayout trained,
-                            LayoutFromProto(started.trained_geometry()));
-    const std::string difference = SkinDifference(info.layout, trained);
-    if (!difference.empty()) {
-      return InvalidConfig("skin", difference,
-                           absl::StrCat("that of the training data of ",
-                                        started.model_version()));
-    }
-  }
   class_names_.assign(started.class_names().begin(),
                       started.class_names().end());
   on_news_(absl::StrCat("skin ", info.layout.name, ", ", info.layout.rows,

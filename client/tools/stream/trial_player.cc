@@ -10,7 +10,6 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
-#include "core/skin/layout_proto.h"
 
 namespace tactus::client {
 namespace {
@@ -20,20 +19,6 @@ using std::chrono::steady_clock;
 
 int64_t NowNs() {
   return nanoseconds(steady_clock::now().time_since_epoch()).count();
-}
-
-// Recorded trials must have the skin that the model was trained on. A server
-// takes other thresholds, and the answers would be worse without a word.
-absl::Status CheckSkin(const SkinLayout& layout,
-                       const v1::StreamStarted& started) {
-  if (!started.has_trained_geometry()) return absl::OkStatus();
-  TACTUS_ASSIGN_OR_RETURN(const SkinLayout trained,
-                          LayoutFromProto(started.trained_geometry()));
-  const std::string difference = SkinDifference(layout, trained);
-  if (difference.empty()) return absl::OkStatus();
-  return InvalidConfig(
-      "skin of the trials", difference,
-      absl::StrCat("that of the training data of ", started.model_version()));
 }
 
 }  // namespace
@@ -58,7 +43,6 @@ absl::Status TrialPlayer::Run() {
       stream_, ContactStream::Open(
                    channel_, config, [this](const auto& r) { OnResponse(r); },
                    options_.timeouts, options_.token));
-  TACTUS_RETURN_IF_ERROR(CheckSkin(info.layout, stream_->started()));
   const auto& names = stream_->started().class_names();
   class_names_.assign(names.begin(), names.end());
   const absl::Status played = Play();

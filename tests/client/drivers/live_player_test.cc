@@ -78,7 +78,7 @@ struct Score {
 
 // The same contacts without boards and bus.
 Score SimScore(const std::shared_ptr<grpc::Channel>& channel) {
-  SimDriver driver({.seed = 5, .render = {}}, kContacts, {});
+  SimDriver driver({.seed = 5}, kContacts, {});
   Score score;
   TrialPlayer player(
       channel, &driver, {.batch = 8}, [&](const TrialResult& result) {

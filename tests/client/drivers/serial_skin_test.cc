@@ -14,7 +14,7 @@
 #include "client/drivers/hardware_driver.h"
 #include "core/base/errors.h"
 #include "core/base/random.h"
-#include "core/data/npy.h"
+#include "core/files/npy.h"
 #include "core/features/contact_tracker.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"

@@ -36,7 +36,9 @@ TEST(ParseWorldRecipeTest, NamesWhatIsWrong) {
 }
 
 TEST(MakeWorldContactsTest, ThreadsChangeNothingAndSkinsTakeTurns) {
-  const WorldRecipe recipe = {.skins = {"paper", "measured"}, .contacts = 80};
+  WorldRecipe recipe;
+  recipe.skins = {"paper", "measured"};
+  recipe.contacts = 80;
   const auto one = MakeWorldContacts(recipe, RunSerially);
   const auto two = MakeWorldContacts(recipe, OnThreads(2));
   ASSERT_TRUE(one.ok() && two.ok()) << one.status();
@@ -59,7 +61,9 @@ TEST(MakeWorldContactsTest, ThreadsChangeNothingAndSkinsTakeTurns) {
 }
 
 TEST(MakeWorldContactsTest, WithoutPosesMotionIsThatOfTheCentroid) {
-  WorldRecipe recipe = {.skins = {"good"}, .contacts = 10, .poses = false};
+  WorldRecipe recipe;
+  recipe.contacts = 10;
+  recipe.poses = false;
   const auto contacts = MakeWorldContacts(recipe, RunSerially);
   ASSERT_TRUE(contacts.ok());
   for (const LabelledContact& contact : contacts->contacts) {
@@ -70,7 +74,9 @@ TEST(MakeWorldContactsTest, WithoutPosesMotionIsThatOfTheCentroid) {
 // The category so far is that of an unmoved object until it has moved by 1 mm,
 // and in the end that of the label.
 TEST(MakeWorldContactsTest, TheLabelSoFarEndsAsTheLabel) {
-  const WorldRecipe recipe = {.skins = {"ideal"}, .contacts = 200};
+  WorldRecipe recipe;
+  recipe.skins = {"ideal"};
+  recipe.contacts = 200;
   const auto world = MakeWorldContacts(recipe, RunSerially);
   ASSERT_TRUE(world.ok());
   int later = 0;

@@ -38,7 +38,10 @@ Operation Train(TrainingServer& server, const v1::TrainModelRequest& request) {
 
 std::string ServedVersion(TrainingServer& server) {
   testing::RawStream stream(server.channel());
-  EXPECT_TRUE(stream.Write(testing::ConfigRequest()));
+  // Models of ideal signals know the arm's motion.
+  v1::ClassifyContactRequest config = testing::ConfigRequest();
+  config.mutable_config()->set_with_poses(true);
+  EXPECT_TRUE(stream.Write(config));
   const std::string version = stream.Read().started().model_version();
   stream.HalfClose();
   EXPECT_TRUE(stream.Finish().ok());

@@ -247,14 +247,13 @@ TEST_F(StreamSessionTest, AHugeGapIsBridgedAtOnce) {
   EXPECT_TRUE(std::isfinite(posteriors.back().log_likelihood(0)));
 }
 
-// A robot may set other thresholds, and learns those of training.
 TEST_F(StreamSessionTest, TheGeometryOfTrainingIsStated) {
   auto config = ConfigRequest();
   config.mutable_config()->set_model("models/vitac");
   config.mutable_config()->mutable_geometry()->set_layout("vitac-12x32");
-  config.mutable_config()->mutable_geometry()->set_contact_threshold(30);
   Start(config);
-  EXPECT_EQ(started_.geometry().contact_threshold(), 30);
+  EXPECT_EQ(started_.geometry().contact_threshold(), 20);
+  EXPECT_EQ(started_.truth(), v1::TRUTH_FINAL);
   EXPECT_EQ(started_.trained_geometry().contact_threshold(), 20);
   EXPECT_EQ(started_.trained_geometry().layout(), "vitac-12x32");
 }

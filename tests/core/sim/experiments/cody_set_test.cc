@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/sim/exact/simulate_contact.h"
+#include "core/sim/skin/record_contact.h"
 #include "gtest/gtest.h"
 
 namespace tactus {
