@@ -7,6 +7,8 @@
 #                              again
 #   tests/run.sh --sanitize    the quick tests under the asan and tsan presets
 #                              too (tsan: core and server/session)
+#   tests/run.sh --vm          the CAN drivers on a real kernel too, in a guest
+#                              of QEMU (tests/vm/run.sh)
 #
 # Stops at the first step that fails. The last lines say what took how long.
 set -euo pipefail
@@ -14,10 +16,12 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 full=no
 sanitize=no
+vm=no
 for arg in "$@"; do
   case "$arg" in
     --full) full=yes ;;
     --sanitize) sanitize=yes ;;
+    --vm) vm=yes ;;
     -h | --help) sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "$0"; exit 0 ;;
     *) echo "run.sh: unknown option '$arg' (try --help)" >&2; exit 2 ;;
   esac
@@ -83,6 +87,11 @@ step "format" check_format
 build_and_test release "${release_tests[@]}"
 if [[ $full == yes ]]; then
   step "default bundle comes out again" deploy/train-default-bundle.sh --check
+fi
+if [[ $vm == yes ]]; then
+  # 77: it has said what it lacks.
+  run_guest() { tests/vm/run.sh --build=build/release || [[ $? -eq 77 ]]; }
+  step "guest" run_guest
 fi
 if [[ $sanitize == yes ]]; then
   export ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1

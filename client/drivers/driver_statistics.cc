@@ -7,7 +7,7 @@ namespace tactus::client {
 
 uint64_t FrameMeter::Add(int64_t capture_ns, int64_t now_ns) {
   uint64_t missing = 0;
-  if (frames_ > 0) {
+  if (!paused_) {
     const int64_t interval = capture_ns - last_capture_ns_;
     // To the nearest number of periods: clocks of skin and host differ.
     const int64_t periods = (interval + period_ns_ / 2) / period_ns_;
@@ -18,6 +18,7 @@ uint64_t FrameMeter::Add(int64_t capture_ns, int64_t now_ns) {
       intervals_ns_[intervals_++ % kWindow] = interval;
     }
   }
+  paused_ = false;
   last_capture_ns_ = capture_ns;
   age_ns_ = now_ns - capture_ns;
   longest_age_ns_ = std::max(longest_age_ns_, age_ns_);

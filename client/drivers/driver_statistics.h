@@ -53,6 +53,9 @@ class FrameMeter {
   // Takes a frame's capture time, which rises, and when it was handed on.
   // Returns the number of frames lost between the one before and this one.
   uint64_t Add(int64_t capture_ns, int64_t now_ns);
+  // The skin was stopped: what it does not send until the next frame is not
+  // lost.
+  void Pause() { paused_ = true; }
   // Fills in frames, lost, rate, jitter and ages.
   void Write(DriverStatistics& statistics) const;
 
@@ -62,6 +65,8 @@ class FrameMeter {
   const int64_t period_ns_;
   uint64_t frames_ = 0;
   uint64_t lost_ = 0;
+  // No frame came before the next one.
+  bool paused_ = true;
   int64_t last_capture_ns_ = 0;
   int64_t age_ns_ = 0;
   int64_t longest_age_ns_ = 0;

@@ -11,6 +11,7 @@ namespace {
 
 // A taxel that reads one value for this long is stuck.
 constexpr int64_t kStuckNs = 10'000'000'000;
+constexpr int64_t kSilentPeriods = 5;
 
 }  // namespace
 
@@ -45,6 +46,7 @@ absl::Status HardwareDriver::OnActivate() {
     stuck_.emplace(static_cast<uint32_t>(
         std::max<int64_t>(2, kStuckNs / device_->period_ns())));
   }
+  meter_->Pause();
   connected_ = true;
   attempts_ = 0;
   last_frame_ns_ = quiet_since_ns_ = clock_->NowNs();
@@ -111,6 +113,9 @@ void HardwareDriver::WaitForConnection(int64_t deadline_ns) {
 
 absl::StatusOr<ReadResult> HardwareDriver::OnRead(SkinFrame& frame) {
   const int64_t deadline_ns = clock_->NowNs() + options_.read_timeout_ns;
+  // Slow skins are not silent between two frames.
+  const int64_t silence_ns =
+      std::max(options_.silence_ns, kSilentPeriods * device_->period_ns());
   for (int64_t now_ns = clock_->NowNs(); now_ns < deadline_ns;
        now_ns = clock_->NowNs()) {
     if (!failed_.ok()) return failed_;
@@ -119,7 +124,7 @@ absl::StatusOr<ReadResult> HardwareDriver::OnRead(SkinFrame& frame) {
       failed_ = IoError(
           device_->name(),
           absl::StrCat(
-              "no frame for ", options_.give_up_ns / 1'000'000'000,
+              "no frame for ", static_cast<double>(options_.give_up_ns) / 1e9,
               " s: ", problem_.empty() ? device_->Missing() : problem_));
       return failed_;
     }
@@ -127,7 +132,7 @@ absl::StatusOr<ReadResult> HardwareDriver::OnRead(SkinFrame& frame) {
       WaitForConnection(deadline_ns);
       continue;
     }
-    const int64_t silence_end_ns = quiet_since_ns_ + options_.silence_ns;
+    const int64_t silence_end_ns = quiet_since_ns_ + silence_ns;
     if (now_ns >= silence_end_ns) {
       Break(device_->Missing());
       continue;

@@ -34,6 +34,7 @@ namespace tactus::client {
 
 struct HardwareDriverOptions {
   int64_t read_timeout_ns = 100'000'000;
+  // At least five periods of the skin.
   int64_t silence_ns = 1'000'000'000;
   // 0: never.
   int64_t give_up_ns = 30'000'000'000;

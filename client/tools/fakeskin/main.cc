@@ -31,7 +31,7 @@ int Main(int argc, char** argv) {
   app.add_option("--interface", interface, "CAN interface, such as vcan0")
       ->required();
   app.add_option("--contacts", options.contacts, "Contacts to play")
-      ->check(CLI::Range(size_t{1}, size_t{1'000'000}))
+      ->check(CLI::Range(size_t{1}, size_t{10'000}))
       ->capture_default_str();
   app.add_option("--seed", options.seed, "Seed of the contacts")
       ->capture_default_str();
@@ -53,11 +53,14 @@ int Main(int argc, char** argv) {
   std::signal(SIGINT, Interrupt);
   std::signal(SIGTERM, Interrupt);
   Clock& clock = Clock::System();
-  options.begin_ns = clock.NowNs() + static_cast<int64_t>(first_after_s * 1e9);
   SimTouches touches(options);
+  touches.MakeAll();
+  touches.BeginAt(clock.NowNs() + static_cast<int64_t>(first_after_s * 1e9));
   IcubBoards boards(touches.patch().boards, touches.Source());
   SocketCan bus(interface);
-  std::string label;
+  std::printf("playing %zu contacts on %s\n", options.contacts,
+              interface.c_str());
+  std::fflush(stdout);
   size_t contact = 0;
   const absl::Status status = PlayPeer(boards, bus, clock, [&] {
     const int64_t now_ns = clock.NowNs();

@@ -59,12 +59,27 @@ bool SimTouches::MakeNext() {
   return true;
 }
 
+void SimTouches::MakeAll() {
+  keep_all_ = true;
+  while (MakeNext()) continue;
+}
+
+void SimTouches::BeginAt(int64_t begin_ns) {
+  if (touches_.empty()) return;
+  const int64_t shift_ns = begin_ns - touches_[0].begin_ns;
+  for (Touch& touch : touches_) {
+    touch.begin_ns += shift_ns;
+    touch.end_ns += shift_ns;
+  }
+  if (end_ns_) *end_ns_ += shift_ns;
+}
+
 const SimTouches::Touch* SimTouches::At(int64_t time_ns) {
   while (touches_.empty() ||
          time_ns >= touches_.back().end_ns + options_.pause_ns) {
     if (!MakeNext()) break;
     // Only labels are asked for contacts long ago.
-    if (touches_.size() > 2) {
+    if (touches_.size() > 2 && !keep_all_) {
       touches_[touches_.size() - 3].trial.taxels = {};
     }
   }

@@ -40,6 +40,12 @@ class SimTouches {
  public:
   explicit SimTouches(const SimTouchesOptions& options);
 
+  // Makes all contacts now, which takes a while, so that none has to be made
+  // while a bus waits. Else each one is made when it is its turn.
+  void MakeAll();
+  // Lets the contacts that are made begin at another time.
+  void BeginAt(int64_t begin_ns);
+
   // Boards, layout and cells of this skin.
   const icub::SkinPatch& patch() const { return patch_; }
   // May be called for times that do not fall by more than one contact.
@@ -69,6 +75,7 @@ class SimTouches {
   icub::SkinPatch patch_;
   SimDriver driver_;
   size_t made_ = 0;
+  bool keep_all_ = false;
   std::vector<Touch> touches_;
   std::optional<int64_t> end_ns_;
 };

@@ -135,6 +135,37 @@ TEST(CanSkinDriverTest, StatesAndCallsAreChecked) {
   EXPECT_EQ(ReasonOf(arm.driver.Configure().status()), "INVALID_CONFIG");
 }
 
+TEST(CanSkinDriverTest, WhatIsNotSentWhileInactiveIsNotLost) {
+  Forearm arm;
+  arm.Start();
+  ASSERT_TRUE(arm.ReadFor(1).ok());
+  ASSERT_TRUE(arm.driver.Deactivate().ok());
+  arm.clock.SleepNs(5 * kSecondNs);
+  ASSERT_TRUE(arm.driver.Activate().ok());
+  EXPECT_NEAR(*arm.ReadFor(1), 50, 1);
+  EXPECT_EQ(arm.missing, 0u);
+  EXPECT_EQ(arm.driver.Statistics().lost, 0u);
+}
+
+// One frame in 0.255 s, and the patience of a fast skin.
+TEST(CanSkinDriverTest, ASlowSkinIsNotSilent) {
+  ManualClock clock;
+  IcubBoards boards({{.address = 1}}, RisingCounts);
+  MemoryBus bus(&boards, &clock);
+  icub::IcubSkin skin(*icub::PortPatch({{.address = 1}}), {.period_ms = 255});
+  CanSkinDriver driver(&bus, &skin, {.silence_ns = 100'000'000}, &clock);
+  ASSERT_TRUE(driver.Configure().ok());
+  ASSERT_TRUE(driver.Activate().ok());
+  SkinFrame frame;
+  const int64_t end_ns = clock.NowNs() + 10 * kSecondNs;
+  int frames = 0;
+  while (clock.NowNs() < end_ns) {
+    frames += *driver.Read(frame) == ReadResult::kFrame;
+  }
+  EXPECT_NEAR(frames, 39, 1);
+  EXPECT_EQ(driver.Statistics().problem, "");
+}
+
 TEST(CanSkinDriverTest, ADriverThatIsDestroyedStopsTheSkin) {
   ManualClock clock;
   IcubBoards boards({{.address = 1}}, RisingCounts);
