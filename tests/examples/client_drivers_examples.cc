@@ -9,6 +9,7 @@
 #include "client/drivers/can/socket_can.h"
 #include "client/drivers/can_skin_driver.h"
 #include "client/drivers/icub_skin/icub_skin.h"
+#include "client/drivers/icub_skin/unroll.h"
 #include "client/drivers/serial/serial_skin.h"
 #include "client/drivers/xela/xela_skin.h"
 #include "core/base/status_macros.h"
@@ -115,6 +116,11 @@ absl::Status SkinPatchExample(const icub::TaxelPositions& positions) {
   TACTUS_ASSIGN_OR_RETURN(const icub::SkinPatch patch,
                           icub::PlacedPatch(boards, positions));
   return absl::OkStatus();
+}
+
+void UnrollExample(const std::vector<Eigen::Vector3d>& points,
+                   const std::vector<Eigen::Vector3d>& normals) {
+  const std::vector<Eigen::Vector3d> flat = icub::Unroll(points, normals);
 }
 
 void IcubSkinExample(CanBus& bus, const icub::SkinPatch& patch) {

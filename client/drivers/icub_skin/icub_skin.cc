@@ -207,8 +207,9 @@ bool IcubSkin::Take(const CanFrame& can, SkinFrame& frame) {
     const auto t = i % kBoardValues / kDots;
     const bool valid = (boards[i / kBoardValues].triangles >> t & 1) != 0;
     if (patch_.cells[i] < 0 || !valid) continue;
-    frame.u16[patch_.cells[i]] = static_cast<uint16_t>(
-        std::max(0, int{options_.no_load} - int{scan_.raw[i]}));
+    uint16_t& taxel = frame.u16[patch_.cells[i]];
+    taxel = static_cast<uint16_t>(
+        std::max(int{taxel}, int{options_.no_load} - int{scan_.raw[i]}));
   }
   return true;
 }

@@ -76,10 +76,10 @@ absl::Status ParseRepresentatives(const Words& words, int line,
     }
     if (word.empty()) continue;
     int value = 0;
-    if (!absl::SimpleAtoi(word, &value) || value < -1 ||
+    if (!absl::SimpleAtoi(word, &value) || value < -2 ||
         value >= static_cast<int>(kMaxValues) ||
         representatives.size() >= kMaxValues) {
-      return BadLine(line, text, "taxel2Repr ( whole numbers from -1 )");
+      return BadLine(line, text, "taxel2Repr ( whole numbers from -2 )");
     }
     representatives.push_back(value);
   }

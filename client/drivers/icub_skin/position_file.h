@@ -37,7 +37,9 @@ struct TaxelPositions {
   std::string name;
   // In the order of the port.
   std::vector<TaxelPosition> values;
-  // By value, the taxel that stands for it, or -1; empty if the file has none.
+  // By value, the taxel that stands for it; -1 or -2 if the value is no taxel
+  // or a thermal pad. Empty if the file has none; it may be longer than
+  // `values`.
   std::vector<int> representatives;
 };
 

@@ -1,11 +1,14 @@
 #include "client/drivers/icub_skin/skin_patch.h"
 
 #include <algorithm>
+#include <array>
+#include <map>
 #include <string>
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "client/drivers/icub_skin/unroll.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
@@ -107,27 +110,42 @@ absl::StatusOr<SkinPatch> PortPatch(const std::vector<SkinBoard>& boards) {
 }
 
 absl::StatusOr<SkinPatch> PlacedPatch(const std::vector<SkinBoard>& boards,
-                                      const TaxelPositions& positions) {
+                                      const TaxelPositions& positions,
+                                      uint16_t thermal_dots) {
   const size_t values = boards.size() * kBoardValues;
   if (positions.values.size() != values) {
     return InvalidConfig("rows of the position file", positions.values.size(),
                          absl::StrCat(values, ", 192 for each board"));
   }
-  SkinPatch patch;
-  patch.boards = boards;
-  patch.cells.assign(values, -1);
+  // Each place once, with the values that lie there.
   std::vector<Eigen::Vector3d> points;
-  std::vector<size_t> owners;
+  std::vector<Eigen::Vector3d> normals;
+  std::vector<std::vector<size_t>> owners;
+  std::map<std::array<double, 3>, size_t> places;
   for (size_t i = 0; i < values; ++i) {
+    const TaxelPosition& taxel = positions.values[i];
     const int t = static_cast<int>(i % kBoardValues) / kDots;
-    if (!positions.values[i].present ||
+    const bool named_none = i < positions.representatives.size() &&
+                            positions.representatives[i] < 0;
+    if (!taxel.present || named_none || (thermal_dots >> i % kDots & 1) != 0 ||
         !HasTriangle(boards[i / kBoardValues], t)) {
       continue;
     }
-    points.push_back(positions.values[i].position);
-    owners.push_back(i);
+    const auto [place, is_new] = places.emplace(
+        std::array{taxel.position.x(), taxel.position.y(), taxel.position.z()},
+        points.size());
+    if (is_new) {
+      points.push_back(taxel.position);
+      normals.push_back(taxel.normal);
+      owners.emplace_back();
+    }
+    owners[place->second].push_back(i);
   }
-  TACTUS_ASSIGN_OR_RETURN(const TaxelGrid grid, PlaceOnGrid(points));
+  TACTUS_ASSIGN_OR_RETURN(const TaxelGrid grid,
+                          PlaceOnGrid(Unroll(points, normals)));
+  SkinPatch patch;
+  patch.boards = boards;
+  patch.cells.assign(values, -1);
   patch.layout =
       IcubLayout(positions.name.empty() ? "icub-skin" : positions.name);
   patch.layout.rows = grid.rows;
@@ -135,8 +153,8 @@ absl::StatusOr<SkinPatch> PlacedPatch(const std::vector<SkinBoard>& boards,
   patch.layout.row_pitch_m = grid.row_pitch_m;
   patch.layout.column_pitch_m = grid.column_pitch_m;
   patch.layout.mask = grid.mask;
-  for (size_t i = 0; i < owners.size(); ++i) {
-    patch.cells[owners[i]] = grid.cells[i];
+  for (size_t p = 0; p < owners.size(); ++p) {
+    for (const size_t value : owners[p]) patch.cells[value] = grid.cells[p];
   }
   TACTUS_RETURN_IF_ERROR(Validate(patch));
   return patch;
@@ -152,14 +170,11 @@ absl::Status Validate(const SkinPatch& patch) {
     return InvalidConfig("cells of the patch", patch.cells.size(),
                          absl::StrCat(values, ", one for each value"));
   }
-  std::vector<uint8_t> used(patch.layout.taxels(), 0);
   for (const int cell : patch.cells) {
-    if (cell == -1) continue;
-    if (cell < 0 || cell >= patch.layout.taxels() || used[cell] != 0) {
+    if (cell < -1 || cell >= patch.layout.taxels()) {
       return InvalidConfig("cell of the patch", cell,
-                           "a cell of the layout, each at most once");
+                           "a cell of the layout, or -1");
     }
-    used[cell] = 1;
   }
   return absl::OkStatus();
 }

@@ -29,7 +29,8 @@ inline constexpr uint16_t kThermalDots = 1U << 6 | 1U << 10;
 struct SkinPatch {
   std::vector<SkinBoard> boards;
   SkinLayout layout;
-  // For each value its cell of the layout, row-major; -1: it is no taxel.
+  // For each value its cell of the layout, row-major; -1: it is no taxel. A
+  // cell of several values has the largest of them.
   std::vector<int> cells;
 };
 
@@ -44,14 +45,18 @@ absl::StatusOr<std::vector<SkinBoard>> ParseBoards(absl::string_view text);
 // most four boards.
 absl::StatusOr<SkinPatch> PortPatch(const std::vector<SkinBoard>& boards);
 
-// The taxels on a grid according to their positions (core/skin/taxel_grid.h).
-// Masked are cells without a taxel. A position for a triangle that no board
-// has is ignored; a triangle without positions contributes no taxel.
+// The taxels on a grid according to their positions (core/skin/taxel_grid.h);
+// a curved patch is laid flat before (unroll.h). Masked are cells without a
+// taxel. Taxels of one place share a cell: public files give many taxels the
+// place of their triangle. No taxels are `thermal_dots` of a triangle, values
+// that the file calls none, and those of triangles that no board has. Palms
+// and fingertips have no thermal dots.
 absl::StatusOr<SkinPatch> PlacedPatch(const std::vector<SkinBoard>& boards,
-                                      const TaxelPositions& positions);
+                                      const TaxelPositions& positions,
+                                      uint16_t thermal_dots = kThermalDots);
 
-// OK if boards, layout and cells fit each other: every value has an entry, and
-// no two share a cell.
+// OK if boards, layout and cells fit each other: every value has an entry,
+// which is a cell or -1.
 absl::Status Validate(const SkinPatch& patch);
 
 }  // namespace tactus::client::icub

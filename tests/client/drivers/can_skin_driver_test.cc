@@ -117,6 +117,26 @@ TEST(CanSkinDriverTest, AFrameHoldsWhatWasPressed) {
   }
 }
 
+TEST(CanSkinDriverTest, ACellOfSeveralTaxelsHasTheLargest) {
+  ManualClock clock;
+  IcubBoards boards({{.address = 1}},
+                    [](int64_t time_ns, size_t, std::span<double> counts) {
+                      if (time_ns > 3 * kSecondNs)
+                        counts[3] = 9, counts[4] = 30, counts[5] = 12;
+                    });
+  MemoryBus bus(&boards, &clock);
+  icub::SkinPatch patch = *icub::PortPatch({{.address = 1}});
+  patch.cells[4] = patch.cells[5] = 3;
+  icub::IcubSkin skin(patch, {});
+  CanSkinDriver driver(&bus, &skin, {}, &clock);
+  ASSERT_TRUE(driver.Configure().ok());
+  ASSERT_TRUE(driver.Activate().ok());
+  SkinFrame frame;
+  while (clock.NowNs() < 4 * kSecondNs) ASSERT_TRUE(driver.Read(frame).ok());
+  EXPECT_EQ(frame.u16[3], 30);
+  EXPECT_EQ(frame.u16[4], 0);
+}
+
 TEST(CanSkinDriverTest, StatesAndCallsAreChecked) {
   Forearm arm;
   SkinFrame frame;

@@ -14,12 +14,12 @@ using ::testing::HasSubstr;
 TEST(PositionFileTest, NameListAndRowsAreRead) {
   const auto positions = ParsePositions(
       "name left_forearm\r\nspatial_sampling taxel\n"
-      "taxel2Repr ( 3 3 -1 )\n\n[calibration]\n"
+      "taxel2Repr ( 3 3 -2 )\n\n[calibration]\n"
       "0.01 -0.02 0.03 0 0 2\n# a remark\n0 0 0 0 0 0\n"
       "1e-3 0 0 0.0 -1 0 7 8\n[end]\nnot a row\n");
   ASSERT_TRUE(positions.ok()) << positions.status();
   EXPECT_EQ(positions->name, "left_forearm");
-  EXPECT_THAT(positions->representatives, ElementsAre(3, 3, -1));
+  EXPECT_THAT(positions->representatives, ElementsAre(3, 3, -2));
   ASSERT_EQ(positions->values.size(), 3u);
   EXPECT_TRUE(positions->values[0].present);
   EXPECT_EQ(positions->values[0].position, Eigen::Vector3d(0.01, -0.02, 0.03));
@@ -35,7 +35,7 @@ TEST(PositionFileTest, MistakesNameTheLine) {
       {"[calibration]\n\n0 0 11 0 0 1\n", "line 3"},
       {"[calibration]\n0 0 inf 0 0 1\n", "line 2"},
       {"taxel2Repr ( 1 two )\n", "line 1"},
-      {"taxel2Repr ( -2 )\n", "line 1"},
+      {"taxel2Repr ( -3 )\n", "line 1"},
       {"[calibration]\n0 0 0 0 0 0\n", "no taxel"},
       {"", "no taxel"},
   };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "core/base/errors.h"
 #include "gtest/gtest.h"
@@ -98,12 +99,63 @@ TEST(SkinPatchTest, TaxelsOfKnownPositionsLieOnAGrid) {
       "INVALID_CONFIG");
 }
 
+// A board around a cylinder of radius 40 mm, 7 mm between taxels: 16 triangles
+// in a ring of 270 degrees, each 3 columns of 4 rows.
+TEST(SkinPatchTest, ACurvedPatchIsLaidFlat) {
+  TaxelPositions positions;
+  const auto at = [](int column, int row) {
+    const double angle = 2.1 + column * 0.0982;
+    TaxelPosition taxel;
+    taxel.present = true;
+    taxel.normal = {std::cos(angle), 0, std::sin(angle)};
+    taxel.position = 0.04 * taxel.normal;
+    taxel.position += Eigen::Vector3d(0.01, 0.0039 * row, -0.02);
+    return taxel;
+  };
+  for (int i = 0; i < kBoardValues; ++i) {
+    positions.values.push_back(at(i / kDots * 3 + i % 3, i % kDots / 3));
+  }
+  const auto patch = PlacedPatch({{.address = 2}}, positions, 0);
+  ASSERT_TRUE(patch.ok()) << patch.status();
+  EXPECT_TRUE(patch->layout.mask.empty());
+  EXPECT_EQ(patch->layout.taxels(), 192);
+  EXPECT_EQ(std::max(patch->layout.rows, patch->layout.columns), 48);
+  // The pitch around the cylinder.
+  const double pitches[] = {patch->layout.row_pitch_m,
+                            patch->layout.column_pitch_m};
+  EXPECT_NEAR(*std::max_element(pitches, pitches + 2), 0.0039, 0.0002);
+  // Seen from one side, both halves would lie on each other.
+  std::vector<int> cells = patch->cells;
+  std::sort(cells.begin(), cells.end());
+  for (int i = 0; i < kBoardValues; ++i) EXPECT_EQ(cells[i], i);
+}
+
+TEST(SkinPatchTest, TaxelsOfOnePlaceShareACellAndPadsAreNone) {
+  TaxelPositions positions = FlatPositions();
+  // Dots 3, 4 and 5 of triangle 0 have the place of dot 3; the file names a
+  // place for a pad, and calls dot 0 of triangle 1 no taxel.
+  positions.values[4].position = positions.values[3].position;
+  positions.values[5].position = positions.values[3].position;
+  positions.values[6] = {.present = true, .position = {0.09, 0.09, 0.2}};
+  positions.representatives.assign(kBoardValues, 3);
+  positions.representatives[12] = -2;
+  const auto patch = PlacedPatch({{.address = 2}}, positions);
+  ASSERT_TRUE(patch.ok()) << patch.status();
+  EXPECT_GE(patch->cells[3], 0);
+  EXPECT_EQ(patch->cells[4], patch->cells[3]);
+  EXPECT_EQ(patch->cells[5], patch->cells[3]);
+  EXPECT_NE(patch->cells[2], patch->cells[3]);
+  EXPECT_EQ(patch->cells[6], -1);
+  EXPECT_EQ(patch->cells[12], -1);
+  EXPECT_GE(patch->cells[13], 0);
+}
+
 TEST(SkinPatchTest, CellsMustFitTheLayout) {
   SkinPatch patch = *PortPatch({{.address = 1}});
   EXPECT_TRUE(Validate(patch).ok());
-  SkinPatch twice = patch;
-  twice.cells[0] = 1;
-  EXPECT_EQ(ReasonOf(Validate(twice)), "INVALID_CONFIG");
+  SkinPatch below = patch;
+  below.cells[0] = -2;
+  EXPECT_EQ(ReasonOf(Validate(below)), "INVALID_CONFIG");
   SkinPatch outside = patch;
   outside.cells[0] = 192;
   EXPECT_EQ(ReasonOf(Validate(outside)), "INVALID_CONFIG");
