@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <string>
 
+#include "Eigen/Core"
+#include "Eigen/Eigenvalues"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
@@ -57,6 +61,55 @@ SkinLayout IcubLayout(std::string name) {
 }
 
 bool IsThermal(int dot) { return (kThermalDots >> dot & 1) != 0; }
+
+// The places of `points` on a grid whose pitch is the usual distance of
+// neighbours; points that are closer may share a cell. Columns run along the
+// longest way through the points.
+TaxelGrid RoundToGrid(const std::vector<Eigen::Vector3d>& points) {
+  const auto count = static_cast<Eigen::Index>(points.size());
+  Eigen::MatrixXd all(count, 3);
+  std::vector<double> nearest;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Eigen::Vector3d& point = points[static_cast<size_t>(i)];
+    all.row(i) = point;
+    double least = std::numeric_limits<double>::infinity();
+    for (const Eigen::Vector3d& other : points) {
+      const double distance = (point - other).norm();
+      if (distance > 0) least = std::min(least, distance);
+    }
+    nearest.push_back(least);
+  }
+  const auto middle =
+      nearest.begin() + static_cast<ptrdiff_t>(nearest.size() / 2);
+  std::nth_element(nearest.begin(), middle, nearest.end());
+  const Eigen::RowVector3d mean = all.colwise().mean();
+  all.rowwise() -= mean;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(all.transpose() *
+                                                              all);
+  // Rising: the longest way is the last.
+  const Eigen::MatrixXd x = all * solver.eigenvectors().col(2);
+  const Eigen::MatrixXd y = all * solver.eigenvectors().col(1);
+  const double width = x.maxCoeff() - x.minCoeff();
+  const double height = y.maxCoeff() - y.minCoeff();
+  // No finer than the largest grid allows.
+  const double pitch =
+      std::max({*middle, width / (limits::kMaxColumns - 1),
+                height / (limits::kMaxRows - 1), limits::kMinTaxelPitchM});
+  TaxelGrid grid;
+  grid.columns = static_cast<int>(std::lround(width / pitch)) + 1;
+  grid.rows = static_cast<int>(std::lround(height / pitch)) + 1;
+  grid.row_pitch_m = grid.column_pitch_m = pitch;
+  grid.mask.assign(static_cast<size_t>(grid.rows) * grid.columns, 0);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto column =
+        static_cast<int>(std::lround((x(i) - x.minCoeff()) / pitch));
+    const auto row =
+        static_cast<int>(std::lround((y(i) - y.minCoeff()) / pitch));
+    grid.cells.push_back(row * grid.columns + column);
+    grid.mask[static_cast<size_t>(grid.cells.back())] = 1;
+  }
+  return grid;
+}
 
 bool HasTriangle(const SkinBoard& board, int triangle) {
   return (board.triangles >> triangle & 1) != 0;
@@ -141,8 +194,13 @@ absl::StatusOr<SkinPatch> PlacedPatch(const std::vector<SkinBoard>& boards,
     }
     owners[place->second].push_back(i);
   }
-  TACTUS_ASSIGN_OR_RETURN(const TaxelGrid grid,
-                          PlaceOnGrid(Unroll(points, normals)));
+  if (points.size() < 2) {
+    return InvalidConfig("taxels with a place", points.size(), "at least 2");
+  }
+  const std::vector<Eigen::Vector3d> flat = Unroll(points, normals);
+  const auto exact = PlaceOnGrid(flat);
+  // A cell for each place, if that is possible.
+  const TaxelGrid grid = exact.ok() ? *exact : RoundToGrid(flat);
   SkinPatch patch;
   patch.boards = boards;
   patch.cells.assign(values, -1);

@@ -48,9 +48,11 @@ absl::StatusOr<SkinPatch> PortPatch(const std::vector<SkinBoard>& boards);
 // The taxels on a grid according to their positions (core/skin/taxel_grid.h);
 // a curved patch is laid flat before (unroll.h). Masked are cells without a
 // taxel. Taxels of one place share a cell: public files give many taxels the
-// place of their triangle. No taxels are `thermal_dots` of a triangle, values
-// that the file calls none, and those of triangles that no board has. Palms
-// and fingertips have no thermal dots.
+// place of their triangle. If the places fit on no grid that keeps them apart,
+// they are rounded to one whose pitch is the usual distance of neighbours. No
+// taxels are `thermal_dots` of a triangle, values that the file calls none, and
+// those of triangles that no board has. Palms and fingertips have no thermal
+// dots.
 absl::StatusOr<SkinPatch> PlacedPatch(const std::vector<SkinBoard>& boards,
                                       const TaxelPositions& positions,
                                       uint16_t thermal_dots = kThermalDots);

@@ -150,6 +150,23 @@ TEST(SkinPatchTest, TaxelsOfOnePlaceShareACellAndPadsAreNone) {
   EXPECT_GE(patch->cells[13], 0);
 }
 
+// A patch with two taxels that are a hundred times closer than all others.
+TEST(SkinPatchTest, PlacesThatFitOnNoGridAreRounded) {
+  TaxelPositions positions = FlatPositions();
+  positions.values[1].position =
+      positions.values[0].position + Eigen::Vector3d(0.00005, 0, 0);
+  const auto patch = PlacedPatch({{.address = 2}}, positions);
+  ASSERT_TRUE(patch.ok()) << patch.status();
+  EXPECT_EQ(patch->cells[0], patch->cells[1]);
+  EXPECT_NEAR(patch->layout.row_pitch_m, 0.005, 1e-9);
+  EXPECT_NEAR(patch->layout.taxels(), 16 * 13, 16);
+  TaxelPositions one;
+  one.values.resize(kBoardValues);
+  one.values[0].present = true;
+  EXPECT_EQ(ReasonOf(PlacedPatch({{.address = 2}}, one).status()),
+            "INVALID_CONFIG");
+}
+
 TEST(SkinPatchTest, CellsMustFitTheLayout) {
   SkinPatch patch = *PortPatch({{.address = 1}});
   EXPECT_TRUE(Validate(patch).ok());
