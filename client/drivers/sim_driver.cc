@@ -52,6 +52,7 @@ absl::StatusOr<Trial> SimDriver::MakeTrial(size_t index) {
     const bool moved = contact.signals.object_motion.back() > kMovedM;
     if (moved != (want[1] == 'M')) continue;
     Placement placement = DrawPlacement(skin.layout, random);
+    if (options_.centre) placement.centre = *options_.centre;
     if (options_.lead_in_frames > 0) {
       placement.lead_in_frames = options_.lead_in_frames;
     }

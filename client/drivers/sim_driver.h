@@ -14,9 +14,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "client/drivers/trial_driver.h"
+#include "core/skin/geometry.h"
 
 namespace tactus::client {
 
@@ -28,6 +30,8 @@ class SimDriver : public TrialDriver {
     std::string skin = "good";
     // Frames before the touch; 0 for those of Placement.
     int lead_in_frames = 0;
+    // Where all contacts are; nothing for places drawn from the seed.
+    std::optional<SkinPoint> centre = std::nullopt;
   };
 
   SimDriver(const Options& options, size_t trials, const Shard& shard)

@@ -9,14 +9,17 @@ absl::Status Run(const char* server) {
   tactus::client::SkinInfo skin;
   TACTUS_ASSIGN_OR_RETURN(skin.layout, tactus::LayoutPreset("cody-forearm"));
   skin.scale = 0.001;  // The skin counts millinewtons.
-  TACTUS_ASSIGN_OR_RETURN(
-      const auto stream,
-      tactus::client::ContactStream::Open(
-          tactus::client::MakeChannel(server), tactus::client::MakeConfig(skin),
-          [](const auto& response) {
-            if (!response.posterior().has_decision()) return;
-            // A robot would react here, while it still touches.
-          }));
+  auto config = tactus::client::MakeConfig(skin);
+  config.set_model("models/no-poses");  // "default" needs poses of the arm.
+  TACTUS_ASSIGN_OR_RETURN(const auto stream,
+                          tactus::client::ContactStream::Open(
+                              tactus::client::MakeChannel(server), config,
+                              [](const auto& response) {
+                                if (!response.posterior().has_decision())
+                                  return;
+                                // A robot would react here, while it still
+                                // touches.
+                              }));
   tactus::client::FrameEncoder encoder(skin, {});
   tactus::client::SkinFrame frame;
   for (int t = 0; t < 100; ++t) {

@@ -10,6 +10,7 @@ from tactus.v1 import common_pb2, contact_pb2, contact_pb2_grpc
 def requests():
     yield contact_pb2.ClassifyContactRequest(
         config=contact_pb2.StreamConfig(
+            model="models/no-poses",  # "default" needs poses of the arm.
             geometry=common_pb2.SensorGeometry(layout="cody-forearm"),
             taxel_type=common_pb2.TAXEL_TYPE_UINT16,
             scale=0.001,  # The skin counts millinewtons.

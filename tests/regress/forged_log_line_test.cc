@@ -20,14 +20,16 @@ TEST(ForgedLogLineTest, NamesStayWithinTheirLine) {
   Bystander robot(server.address());
   {
     testing::RawStream stream(Bystander::OwnConnection(server.address()));
-    v1::ClassifyContactRequest request = testing::ConfigRequest();
+    v1::ClassifyContactRequest request =
+        testing::ConfigRequest(testing::kModelWithoutPoses);
     request.mutable_config()->set_model("x\nforged line");
     stream.Write(request);
     EXPECT_FALSE(stream.Finish().ok());
   }
   {
     testing::RawStream stream(Bystander::OwnConnection(server.address()));
-    v1::ClassifyContactRequest request = testing::ConfigRequest();
+    v1::ClassifyContactRequest request =
+        testing::ConfigRequest(testing::kModelWithoutPoses);
     request.mutable_config()->set_client_id("left \"arm\"");
     stream.Write(request);
     stream.HalfClose();

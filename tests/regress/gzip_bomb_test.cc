@@ -77,7 +77,8 @@ TEST_P(GzipBombTest, IsNeverInflated) {
   }
   EXPECT_TRUE(server.PeakIsBelow(kMostMib));
   EXPECT_TRUE(server.ResidentIsBelow(before + 10));
-  testing::ExpectGoodStream(Bystander::OwnConnection(server.address()));
+  testing::ExpectGoodStream(Bystander::OwnConnection(server.address()),
+                            testing::kModelWithoutPoses);
   EXPECT_TRUE(robot.Finish().ok());
 }
 

@@ -21,7 +21,8 @@ using testing::ChildTactusd;
 // code 0.
 void ExpectDrain(ChildTactusd& server, int signal) {
   testing::RawStream stream(Bystander::OwnConnection(server.address()));
-  ASSERT_TRUE(stream.Write(testing::ConfigRequest()));
+  ASSERT_TRUE(
+      stream.Write(testing::ConfigRequest(testing::kModelWithoutPoses)));
   ASSERT_TRUE(stream.Read().has_started());
   server.Signal(signal);
   EXPECT_TRUE(stream.Read().has_notice());

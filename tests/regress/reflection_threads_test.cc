@@ -43,7 +43,7 @@ TEST_P(ReflectionThreadsTest, AreBounded) {
   EXPECT_LE(server.Threads(), threads + (on ? limits::kMaxSyncThreads : 0) + 8);
   EXPECT_TRUE(robot.IsServed());
   const auto channel = Bystander::OwnConnection(server.address());
-  testing::ExpectGoodStream(channel);
+  testing::ExpectGoodStream(channel, testing::kModelWithoutPoses);
   // A probe of a container must not fail because of it.
   const auto serving = server::ProbeHealth(channel, "", milliseconds(10'000));
   EXPECT_TRUE(serving.ok() && *serving) << serving.status();

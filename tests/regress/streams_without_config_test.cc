@@ -45,7 +45,8 @@ TEST(StreamsWithoutConfigTest, LeaveRoomAndGoAway) {
         return attacker.received(RawHttp2::kHeaders) >= limits::kMaxStreams;
       },
       milliseconds(30'000)));
-  testing::ExpectGoodStream(Bystander::OwnConnection(server.address()));
+  testing::ExpectGoodStream(Bystander::OwnConnection(server.address()),
+                            testing::kModelWithoutPoses);
   EXPECT_TRUE(robot.IsServed());
   EXPECT_TRUE(server.PeakIsBelow(100));
   EXPECT_TRUE(server.ResidentIsBelow(before + 50));

@@ -46,7 +46,7 @@ TEST(TlsFailsOpenTest, ClientWithoutCertificatesMakesNoConnection) {
                                  [&] { plain.Signal(SIGKILL); });
   testing::RawStream stream(
       client::MakeChannel(plain.address(), {.tls_roots = ""}));
-  stream.Write(testing::ConfigRequest());
+  stream.Write(testing::ConfigRequest(testing::kModelWithoutPoses));
   EXPECT_FALSE(stream.Finish().ok());
   Bystander robot(plain.address());
   EXPECT_TRUE(robot.IsServed());

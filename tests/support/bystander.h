@@ -59,7 +59,8 @@ class Bystander {
  private:
   void Play() {
     uint64_t sequence = 0;
-    bool alive = stream_.Write(ConfigRequest()) && stream_.Read().has_started();
+    bool alive = stream_.Write(ConfigRequest(kModelWithoutPoses)) &&
+                 stream_.Read().has_started();
     while (alive && !stop_) {
       alive = stream_.Write(DenseU16(++sequence, {Touch(1)})) &&
               stream_.Read().posterior().sequence() == sequence;

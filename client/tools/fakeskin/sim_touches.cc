@@ -22,7 +22,8 @@ size_t FrameAt(const Trial& trial, int64_t since_ns) {
 
 SimTouches::SimTouches(const SimTouchesOptions& options)
     : options_(options),
-      driver_({.seed = options.seed}, options.contacts, {}) {
+      driver_({.seed = options.seed, .centre = options.centre},
+              options.contacts, {}) {
   patch_.boards = {{.address = 1}, {.address = 2}};
   patch_.layout = *LayoutPreset("cody-forearm");
   patch_.cells.resize(2 * icub::kBoardValues);

@@ -31,8 +31,8 @@ struct SimTouchesOptions {
   int64_t begin_ns = 0;
   // Between the contacts: longer than the model waits for a release.
   int64_t pause_ns = 1'000'000'000;
-  // Where the contacts are and how the skin reads them.
-  RenderOptions render = {};
+  // Where the contacts are; nothing for places drawn from the seed.
+  std::optional<SkinPoint> centre = std::nullopt;
   // What one count of a board stands for: at most the contact threshold, or
   // the answers get worse.
   double newton_per_count = 0.01;

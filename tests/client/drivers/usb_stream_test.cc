@@ -28,10 +28,10 @@ TEST(UsbStreamTest, ContactsAreClassifiedOverUsb) {
   ASSERT_NE(server.port(), 0);
   // Eight triangles, rows 4 to 7 of the skin, and contacts on them: the adapter
   // is played too slowly for 32 triangles at 100 Hz.
-  RenderOptions render;
-  render.centre = SkinPoint{.row = 5.5, .column = 11};
-  SimTouches touches(
-      {.seed = 5, .contacts = 4, .render = render, .newton_per_count = 0.01});
+  SimTouches touches({.seed = 5,
+                      .contacts = 4,
+                      .centre = SkinPoint{.row = 5.5, .column = 11},
+                      .newton_per_count = 0.01});
   touches.MakeAll();
   touches.BeginAt(Clock::System().NowNs() + 3'000'000'000);
   // The adapter's thread and the driver's ask for contacts.

@@ -47,7 +47,8 @@ TEST(TactusdTest, ServesItsBuiltInModelAndStopsOnSigterm) {
   ASSERT_NE(daemon.port(), 0) << daemon.Log();
   const std::string address = daemon.address();
   EXPECT_EQ(ChildTactusd::Run({"--health-check=" + address}), 0);
-  v1::StreamConfig config = testing::ConfigRequest().config();
+  v1::StreamConfig config =
+      testing::ConfigRequest(testing::kModelWithoutPoses).config();
   bool noticed = false;
   bool final = false;
   auto stream = client::ContactStream::Open(
@@ -56,7 +57,7 @@ TEST(TactusdTest, ServesItsBuiltInModelAndStopsOnSigterm) {
         final |= response.posterior().is_final();
       });
   ASSERT_TRUE(stream.ok()) << stream.status();
-  EXPECT_EQ((*stream)->started().model_version(), "models/default/versions/1");
+  EXPECT_EQ((*stream)->started().model_version(), "models/no-poses/versions/1");
   EXPECT_EQ((*stream)->started().server().version(), kVersion);
   ASSERT_TRUE((*stream)->Send(testing::DenseU16(1, {testing::Touch(1)})).ok());
   daemon.Signal(SIGTERM);
@@ -74,7 +75,8 @@ TEST(TactusdTest, DrainEndsItAsSigtermDoes) {
   bool noticed = false;
   bool final = false;
   auto stream = client::ContactStream::Open(
-      channel, testing::ConfigRequest().config(), [&](const auto& response) {
+      channel, testing::ConfigRequest(testing::kModelWithoutPoses).config(),
+      [&](const auto& response) {
         noticed |= response.has_notice();
         final |= response.posterior().is_final();
       });
@@ -118,7 +120,8 @@ TEST(TactusdTlsTest, SpeaksTlsOnPortsAndPlainOnUnixSockets) {
   for (const std::string& server : {address, socket}) {
     const auto stream = client::ContactStream::Open(
         client::MakeChannel(server, {.tls_roots = *roots}),
-        testing::ConfigRequest().config(), [](const auto&) {});
+        testing::ConfigRequest(testing::kModelWithoutPoses).config(),
+        [](const auto&) {});
     EXPECT_TRUE(stream.ok()) << server << ": " << stream.status();
   }
 }
@@ -126,7 +129,8 @@ TEST(TactusdTlsTest, SpeaksTlsOnPortsAndPlainOnUnixSockets) {
 // "open", or why a stream with this token is refused.
 std::string OpenOutcome(const ChildTactusd& daemon, const std::string& token) {
   const auto stream = client::ContactStream::Open(
-      client::MakeChannel(daemon.address()), testing::ConfigRequest().config(),
+      client::MakeChannel(daemon.address()),
+      testing::ConfigRequest(testing::kModelWithoutPoses).config(),
       [](const auto&) {}, {}, token);
   return stream.ok() ? "open" : ReasonOf(stream.status());
 }
@@ -219,7 +223,8 @@ TEST(TactusdTest, ASecondSignalEndsItAtOnce) {
   ASSERT_NE(daemon.port(), 0) << daemon.Log();
   std::atomic<bool> noticed = false;
   auto stream = client::ContactStream::Open(
-      client::MakeChannel(daemon.address()), testing::ConfigRequest().config(),
+      client::MakeChannel(daemon.address()),
+      testing::ConfigRequest(testing::kModelWithoutPoses).config(),
       [&](const auto& response) { noticed = response.has_notice(); });
   ASSERT_TRUE(stream.ok()) << stream.status();
   daemon.Signal(SIGINT);

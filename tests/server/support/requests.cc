@@ -63,9 +63,10 @@ float AsNewton(uint16_t count) { return static_cast<float>(count * kStep); }
 
 }  // namespace
 
-v1::ClassifyContactRequest ConfigRequest() {
+v1::ClassifyContactRequest ConfigRequest(const std::string& model) {
   v1::ClassifyContactRequest request;
   v1::StreamConfig* config = request.mutable_config();
+  config->set_model(model);
   config->mutable_geometry()->set_layout("cody-forearm");
   config->set_taxel_type(v1::TAXEL_TYPE_UINT16);
   config->set_scale(kStep);

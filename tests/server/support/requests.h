@@ -21,7 +21,9 @@ inline constexpr double kStep = 1.0 / 1024;
 using Counts = std::vector<uint16_t>;
 
 // cody-forearm, u16, every frame, release only by end_of_trial.
-v1::ClassifyContactRequest ConfigRequest();
+// The built-in model that serves streams without poses.
+inline constexpr char kModelWithoutPoses[] = "models/no-poses";
+v1::ClassifyContactRequest ConfigRequest(const std::string& model = "");
 v1::ClassifyContactRequest EndOfTrialRequest();
 
 // An untouched frame, and one with `taxels` neighbours pressed at `newton`.

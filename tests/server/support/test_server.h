@@ -103,9 +103,10 @@ class RawStream {
 };
 
 // A short good stream must work from start to end.
-inline void ExpectGoodStream(const std::shared_ptr<grpc::Channel>& channel) {
+inline void ExpectGoodStream(const std::shared_ptr<grpc::Channel>& channel,
+                             const std::string& model = "") {
   RawStream stream(channel);
-  ASSERT_TRUE(stream.Write(ConfigRequest()));
+  ASSERT_TRUE(stream.Write(ConfigRequest(model)));
   ASSERT_TRUE(stream.Read().has_started());
   ASSERT_TRUE(stream.Write(DenseU16(1, {Untouched(), Touch(1), Touch(2)})));
   for (uint64_t sequence = 1; sequence <= 3; ++sequence) {
