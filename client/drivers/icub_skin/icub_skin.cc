@@ -11,6 +11,9 @@
 namespace tactus::client::icub {
 namespace {
 
+// Periods that are waited at most until stopped boards are silent.
+constexpr int kMaxDrains = 50;
+
 // "triangles 3, 5, 9".
 std::string TriangleList(uint16_t triangles) {
   std::vector<int> list;
@@ -133,9 +136,15 @@ absl::Status IcubSkin::Probe(CanBus& bus, Clock& clock) {
       bus, clock, (options_.probe_scans + 1) * period_ns(),
       [this](const CanFrame& frame) { assembler_->Take(frame, scan_); }));
   TACTUS_RETURN_IF_ERROR(SendAll(bus, false));
-  // What they had begun to send, so that it is no part of the first scan.
-  TACTUS_RETURN_IF_ERROR(
-      Listen(bus, clock, period_ns(), [](const CanFrame&) {}));
+  // What they had begun to send must be no part of the first scan. A busy host
+  // gets it late.
+  int64_t frames = 0;
+  for (int i = 0; i < kMaxDrains; ++i) {
+    const int64_t before = frames;
+    TACTUS_RETURN_IF_ERROR(
+        Listen(bus, clock, period_ns(), [&](const CanFrame&) { ++frames; }));
+    if (frames == before) break;
+  }
   std::vector<SkinBoard> heard = patch_.boards;
   std::vector<std::string> remarks;
   uint16_t any = 0;

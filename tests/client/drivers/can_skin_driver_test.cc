@@ -2,6 +2,8 @@
 // something breaks.
 #include "client/drivers/can_skin_driver.h"
 
+#include <deque>
+
 #include "client/drivers/icub_skin/icub_skin.h"
 #include "client/tools/fakeskin/icub_boards.h"
 #include "client/tools/fakeskin/play_peer.h"
@@ -114,6 +116,61 @@ TEST(CanSkinDriverTest, AFrameHoldsWhatWasPressed) {
   ASSERT_TRUE(arm.ReadFor(3).ok());
   for (size_t i = 0; i < arm.frame.u16.size(); ++i) {
     EXPECT_EQ(arm.frame.u16[i], i == 192 + 3 * 12 + 5 ? 30 : 0) << i;
+  }
+}
+
+// Hands on what boards send 60 ms late, as a busy host does.
+class LatePeer : public CanPeer {
+ public:
+  explicit LatePeer(CanPeer* peer) : peer_(peer) {}
+  void OnFrame(const CanFrame& frame, int64_t now_ns) override {
+    Pull(now_ns);
+    peer_->OnFrame(frame, now_ns);
+  }
+  int64_t NextNs() override {
+    const int64_t next_ns = peer_->NextNs();
+    return waiting_.empty()
+               ? next_ns
+               : std::min(next_ns, waiting_.front().time_ns + kDelayNs);
+  }
+  bool Emit(int64_t now_ns, CanFrame& frame) override {
+    Pull(now_ns);
+    if (waiting_.empty() || waiting_.front().time_ns + kDelayNs > now_ns) {
+      return false;
+    }
+    frame = waiting_.front();
+    waiting_.pop_front();
+    return true;
+  }
+
+ private:
+  static constexpr int64_t kDelayNs = 60'000'000;
+
+  void Pull(int64_t now_ns) {
+    for (CanFrame frame; peer_->Emit(now_ns, frame);) waiting_.push_back(frame);
+  }
+
+  CanPeer* const peer_;
+  std::deque<CanFrame> waiting_;
+};
+
+TEST(CanSkinDriverTest, ScansFromBeforeTheStartAreNotItsFirstFrames) {
+  ManualClock clock;
+  IcubBoards boards({{.address = 1}}, RisingCounts);
+  LatePeer late(&boards);
+  MemoryBus bus(&late, &clock);
+  icub::IcubSkin skin(*icub::PortPatch({{.address = 1}}), {.period_ms = 20});
+  CanSkinDriver driver(&bus, &skin, {}, &clock);
+  ASSERT_TRUE(driver.Configure().ok());
+  clock.SleepNs(100'000'000);
+  const int64_t start_ns = clock.NowNs();
+  ASSERT_TRUE(driver.Activate().ok());
+  SkinFrame frame;
+  for (int frames = 0; frames < 20;) {
+    if (*driver.Read(frame) != ReadResult::kFrame) continue;
+    ++frames;
+    EXPECT_GE(frame.capture_time_ns, start_ns);
+    EXPECT_EQ(frame.missing_before, 0u);
   }
 }
 
