@@ -37,7 +37,7 @@ for ends in vcan0:vcan0 can0:can1; do
     sleep 0.1
   done
   sleep 0.5
-  time "$build/bin/tactus-stream" --driver=icub-can --interface="${ends#*:}" \
+  time "$build/bin/tactus-stream" --model=models/no-poses --driver=icub-can --interface="${ends#*:}" \
     --server=unix:/tmp/tactusd --boards=1,2 --layout=/tmp/cody.json \
     --scale=0.01 --period-ms=10 --seconds=20 --json >/tmp/out ||
     fail "tactus-stream on $ends"
