@@ -55,8 +55,8 @@ absl::Status ContactPipeline::Check(const SkinLayout& layout,
   const Model& m = model.model();
   TACTUS_RETURN_IF_ERROR(
       CheckRate(options.sample_rate_hz, m.inputs.sample_rate_hz));
-  TACTUS_RETURN_IF_ERROR(CheckPoses(options.with_poses, m));
-  return CheckSkin(layout, m);
+  TACTUS_RETURN_IF_ERROR(CheckSkin(layout, m));
+  return CheckPoses(options.with_poses, m);
 }
 
 absl::StatusOr<std::unique_ptr<ContactPipeline>> ContactPipeline::Create(

@@ -100,9 +100,10 @@ std::unique_ptr<Benchmark> MakeStartupBenchmark();
 // The training service of one tactusd. Row training/upload: MB of records a
 // second over a unix socket, with reading the trials. Row
 // training/first_iteration: time from TrainModel to the first point of the
-// learning curve; _signals for the paper's trials as ideal signals. Row training/100x100_p99: ms from due time to answer of 100
-// robots at 100 Hz during a training and promotions; the peer is the same
-// server without them, measured in turns.
+// learning curve; _signals for the paper's trials as ideal signals. Row
+// training/100x100_p99: ms from due time to answer of 100 robots at 100 Hz
+// during a training and promotions; the peer is the same server without them,
+// measured in turns.
 std::unique_ptr<Benchmark> MakeTrainingBenchmark();
 
 // Run time and error of three kinds of variants, each kind on the same

@@ -76,10 +76,12 @@ absl::StatusOr<std::vector<double>> MeasureIdle(const IdleOptions& options) {
   SkinInfo info;
   TACTUS_ASSIGN_OR_RETURN(info.layout, LayoutPreset("cody-forearm"));
   info.scale = 0.001;
+  v1::StreamConfig config = MakeConfig(info);
+  config.set_model("models/no-poses");
   AnswerClock clock;
   TACTUS_ASSIGN_OR_RETURN(
       const auto stream,
-      ContactStream::Open(MakeChannel(address), MakeConfig(info),
+      ContactStream::Open(MakeChannel(address), config,
                           [&](const auto& r) { clock.OnResponse(r); }));
   FrameEncoder encoder(info, {});
   std::vector<double> milliseconds;

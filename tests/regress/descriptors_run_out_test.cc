@@ -99,7 +99,7 @@ TEST(DescriptorsRunOutTest, UnfinishedHandshakesAndIdleConnectionsAreClosed) {
   options.connection_idle_ms = 1'000;
   testing::TestServer server(options);
   const int port = server.server().ports()[0];
-  Bystander robot("127.0.0.1:" + std::to_string(port));
+  Bystander robot("127.0.0.1:" + std::to_string(port), /*model=*/"");
   std::vector<FileDescriptor> idle;
   for (int i = 0; i < 10; ++i) idle.push_back(ConnectTo(port));
   EXPECT_TRUE(Eventually([&] { return CountClosed(idle) == 10; }));

@@ -46,7 +46,7 @@ void SendTrials(RawHttp2& attacker) {
 TEST(TrialsWithoutAReaderTest, LeaveTheArrivalGate) {
   TestServer server(TestServer::OnLoopback(100));
   const int port = server.server().ports()[0];
-  testing::Bystander robot(absl::StrCat("127.0.0.1:", port));
+  testing::Bystander robot(absl::StrCat("127.0.0.1:", port), "");
   ASSERT_TRUE(robot.IsServed());
   RawHttp2 attacker(port);
   SendTrials(attacker);

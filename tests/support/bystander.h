@@ -16,6 +16,7 @@
 #include <chrono>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "tests/server/support/test_server.h"
 
@@ -23,8 +24,12 @@ namespace tactus::testing {
 
 class Bystander {
  public:
-  explicit Bystander(const std::string& address)
-      : stream_(OwnConnection(address)), thread_([this] { Play(); }) {}
+  // `model` takes streams without poses; empty for the server's default.
+  explicit Bystander(const std::string& address,
+                     std::string model = kModelWithoutPoses)
+      : model_(std::move(model)),
+        stream_(OwnConnection(address)),
+        thread_([this] { Play(); }) {}
   ~Bystander() {
     if (thread_.joinable()) Finish().IgnoreError();
   }
@@ -59,8 +64,8 @@ class Bystander {
  private:
   void Play() {
     uint64_t sequence = 0;
-    bool alive = stream_.Write(ConfigRequest(kModelWithoutPoses)) &&
-                 stream_.Read().has_started();
+    bool alive =
+        stream_.Write(ConfigRequest(model_)) && stream_.Read().has_started();
     while (alive && !stop_) {
       alive = stream_.Write(DenseU16(++sequence, {Touch(1)})) &&
               stream_.Read().posterior().sequence() == sequence;
@@ -70,6 +75,7 @@ class Bystander {
     over_ = true;
   }
 
+  const std::string model_;
   RawStream stream_;
   std::atomic<bool> stop_ = false;
   std::atomic<bool> over_ = false;

@@ -8,8 +8,8 @@
 #include "client/drivers/can/socket_can.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
-#include "core/files/file_bytes.h"
 #include "core/data/trial_layout.h"
+#include "core/files/file_bytes.h"
 
 namespace tactus::client {
 namespace {
