@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Trains the bundles that tactusd carries: 100,000 contacts of the random world
-# (docs/simulator.md) on the skins good and measured, with poses of the arm and
-# without.
+# Trains the bundles that tactusd carries, on contacts of the random world
+# (docs/simulator.md) and the skins good and measured: 100,000 with poses of the
+# arm, 40,000 without.
 #
 #   deploy/train-default-bundle.sh           writes server/registry/*.tactus
 #   deploy/train-default-bundle.sh --check   trains elsewhere and fails unless
@@ -17,18 +17,20 @@ trainctl=$PWD/build/release/bin/trainctl
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# fit NAME RECIPE: relative names, because the command line becomes part of the
-# bundle.
+# fit NAME RECIPE NOTE: relative names, because the command line becomes part of
+# the bundle.
 fit() {
   (
     cd "$work"
-    "$trainctl" fit --data="world:skin=good+measured,contacts=100000,seed=1$2" \
-      --preset=world --features=f,m,a --seed=1 --out="$1.tactus" \
-      --note="100,000 contacts of the random world on the skins good and measured"
+    PATH=$(dirname "$trainctl"):$PATH
+    trainctl fit --data="world:skin=good+measured,$2" --preset=world \
+      --features=f,m,a --seed=1 --skip-unusable --out="$1.tactus" --note="$3"
   )
 }
-fit default ""
-fit no-poses ",poses=no"
+fit default contacts=100000,seed=1 \
+  "100,000 contacts of the random world on the skins good and measured"
+fit no-poses contacts=40000,seed=1,poses=no \
+  "40,000 contacts of the random world on the skins good and measured, without poses"
 for name in default no-poses; do
   if [[ ${1-} == --check ]]; then
     cmp "$work/$name.tactus" "$BUNDLES/$name.tactus"

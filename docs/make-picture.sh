@@ -15,7 +15,7 @@ trainctl=build/release/bin/trainctl
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-"$trainctl" simulate --protocol=paper --sensor=taxels --stiffness=900 \
+"$trainctl" simulate --protocol=paper --skin=good --stiffness=900 \
   --velocity=0.012 --seed=7 --out="$work/unseen.h5"
 "$trainctl" show "$work/unseen.h5" --trial="$trial" \
   --model=server/registry/default.tactus --out=docs/contact.png
