@@ -101,7 +101,10 @@ inline constexpr size_t kMaxQueuedFinals = 64;
 // Models.
 inline constexpr int kMaxClasses = 64;
 inline constexpr int kMaxHmmStates = 256;
-inline constexpr int kMaxHmmDimensions = 16;
+inline constexpr int kMaxHmmDimensions = 32;
+// Taxels that a learned embedding may have ever seen touched: its fit takes
+// time with their third power.
+inline constexpr int kMaxEmbeddedTaxels = 1'024;
 inline constexpr int kMaxHmmsPerClass = 256;
 inline constexpr int kMaxLstms = 16;
 inline constexpr int kMaxLstmLayers = 8;

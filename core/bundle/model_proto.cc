@@ -122,6 +122,11 @@ void ToProto(const InputSpec& spec, v1::InputSpec* out) {
   out->set_lstm_min_interval(spec.lstm_steps.min);
   out->set_lstm_max_interval(spec.lstm_steps.max);
   out->set_sample_rate_hz(spec.sample_rate_hz);
+  if (spec.embedding.taxels == 0) return;
+  v1::TaxelEmbedding* embedding = out->mutable_embedding();
+  embedding->set_taxels(spec.embedding.taxels);
+  embedding->set_dimensions(spec.embedding.dimensions);
+  Assign(spec.embedding.weights, embedding->mutable_weights());
 }
 
 absl::StatusOr<InputSpec> FromProto(const v1::InputSpec& in) {
@@ -143,6 +148,18 @@ absl::StatusOr<InputSpec> FromProto(const v1::InputSpec& in) {
                     std::max(in.hmm_max_interval(), 1U)};
   spec.lstm_steps = {in.lstm_min_interval(), in.lstm_max_interval()};
   spec.sample_rate_hz = in.sample_rate_hz();
+  const v1::TaxelEmbedding& embedding = in.embedding();
+  // Validate(Model) compares them with the skin.
+  if (embedding.taxels() > limits::kMaxTaxels ||
+      embedding.dimensions() > kMaxEmbedding) {
+    return InvalidModel(
+        "embedding taxels, dimensions",
+        absl::StrCat(embedding.taxels(), ", ", embedding.dimensions()),
+        absl::StrCat("at most ", limits::kMaxTaxels, ", ", kMaxEmbedding));
+  }
+  spec.embedding.taxels = static_cast<int>(embedding.taxels());
+  spec.embedding.dimensions = static_cast<int>(embedding.dimensions());
+  spec.embedding.weights = ToVector(embedding.weights());
   return spec;
 }
 
@@ -279,6 +296,11 @@ void ToProto(const WarmUpTrial& trial, bool has_profile, v1::WarmUpTrial* out) {
       for (double value : sample.profile) out->add_profile(value);
     }
   }
+  Assign(trial.load_ends, out->mutable_load_ends());
+  for (const TaxelLoad& load : trial.loads) {
+    out->add_load_taxel(load.taxel);
+    out->add_load_root(load.root);
+  }
   Assign(trial.probability, out->mutable_probability());
   Assign(trial.log_likelihood, out->mutable_log_likelihood());
 }
@@ -309,6 +331,15 @@ absl::StatusOr<WarmUpTrial> FromProto(const v1::WarmUpTrial& in,
   }
   for (int i = 0; i < in.profile_size(); ++i) {
     trial.samples[i / kProfileSize].profile[i % kProfileSize] = in.profile(i);
+  }
+  if (in.load_root_size() != in.load_taxel_size()) {
+    return InvalidModel("warm_up.load_root size", in.load_root_size(),
+                        absl::StrCat(in.load_taxel_size(), ", one per taxel"));
+  }
+  trial.load_ends = ToVector(in.load_ends());
+  trial.loads.resize(in.load_taxel_size());
+  for (int i = 0; i < in.load_taxel_size(); ++i) {
+    trial.loads[i] = {in.load_taxel(i), in.load_root(i)};
   }
   trial.probability = ToVector(in.probability());
   trial.log_likelihood = ToVector(in.log_likelihood());

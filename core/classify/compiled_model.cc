@@ -34,8 +34,8 @@ absl::Status RunWarmUp(const CompiledModel& model) {
   ContactClassifier classifier(
       std::shared_ptr<const CompiledModel>(std::shared_ptr<void>(), &model),
       {});
-  for (const ContactSample& sample : trial.samples) {
-    classifier.Step(sample, 0);
+  for (size_t i = 0; i < trial.samples.size(); ++i) {
+    classifier.Step(trial.Sample(i), 0);
   }
   for (size_t k = 0; k < trial.probability.size(); ++k) {
     const double got = classifier.probability()[k];

@@ -105,6 +105,8 @@ class ContactClassifier {
   int best_class() const { return best_class_; }
   // False if no input is made from ContactSample::profile.
   bool uses_profile() const { return cue_needs_.profile; }
+  // True if an input is made from ContactSample::loads.
+  bool uses_taxels() const { return UsesTaxels(model_->model().inputs); }
   // Counts over all contacts; never reset.
   const SkipCounters& skipped() const { return skipped_; }
   // Set once per contact; unchanged until Reset().

@@ -78,6 +78,7 @@ ContactPipeline::ContactPipeline(
                                        ? model->model().release_after_s
                                        : options.release_after_s,
                 .load_profile = classifier_.uses_profile(),
+                .taxel_loads = classifier_.uses_taxels(),
                 .skip_untouched = options.skip[SkipRule::kUntouchedFrames],
                 .reuse_unchanged = options.skip[SkipRule::kUnchangedFrames]}),
       skip_(options.skip) {}

@@ -85,6 +85,15 @@ bool UsesProfile(const InputSpec& spec) {
   return CuesNeeded(spec, /*with_lstms=*/true).profile;
 }
 
+bool UsesTaxels(const InputSpec& spec) {
+  const CueGroups groups = CuesNeeded(spec, /*with_lstms=*/true).groups;
+  return (groups & (kWholeSkinCues | kEmbeddingCues)) != 0;
+}
+
+bool NeedsSkin(const InputSpec& spec) {
+  return UsesProfile(spec) || UsesTaxels(spec);
+}
+
 CueNeeds CuesNeeded(const InputSpec& spec, bool with_lstms) {
   CueNeeds needs = {.groups = 0, .profile = false};
   auto add = [&needs](const ModelInput& input) {

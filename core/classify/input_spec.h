@@ -25,9 +25,15 @@ void MakeInput(std::span<const ModelInput> inputs, CueTracker& cues,
 // Returns the features that the inputs of HMMs and LSTMs are computed from.
 std::vector<Feature> FeaturesUsed(const InputSpec& spec);
 
-// True if an input is made from the load profile, so that the model needs a
-// skin.
+// True if an input is made from the load profile.
 bool UsesProfile(const InputSpec& spec);
+
+// True if an input is made from the taxels of a skin (ContactSample::loads).
+bool UsesTaxels(const InputSpec& spec);
+
+// True if an input is made from the load profile or from taxels, so that ideal
+// signals cannot be classified.
+bool NeedsSkin(const InputSpec& spec);
 
 // The cues that inputs are made from, besides the raw features.
 struct CueNeeds {

@@ -136,6 +136,49 @@ absl::Status CheckWarmUpAnswer(absl::string_view name,
   return absl::OkStatus();
 }
 
+// The taxels of the warm-up trial.
+absl::Status CheckLoads(const Model& model) {
+  const WarmUpTrial& trial = model.warm_up;
+  const bool needed = model.inputs.embedding.taxels > 0;
+  const size_t ends = needed ? trial.samples.size() : 0;
+  if (trial.load_ends.size() != ends) {
+    return InvalidModel("warm_up.load_ends size", trial.load_ends.size(),
+                        absl::StrCat(ends));
+  }
+  const size_t loads = ends == 0 ? 0 : trial.load_ends.back();
+  if (trial.loads.size() != loads || !std::ranges::is_sorted(trial.load_ends)) {
+    return InvalidModel("warm_up.loads size", trial.loads.size(),
+                        "the last of rising warm_up.load_ends");
+  }
+  for (const TaxelLoad& load : trial.loads) {
+    if (load.taxel >= static_cast<uint32_t>(model.inputs.embedding.taxels)) {
+      return InvalidModel(
+          "warm_up taxel", load.taxel,
+          absl::StrCat("below ", model.inputs.embedding.taxels));
+    }
+    // Written so that a NaN fails.
+    if (!(load.root >= 0 && load.root <= limits::kMaxSignal)) {
+      return InvalidModel("warm_up load", load.root,
+                          absl::StrCat("0 to ", limits::kMaxSignal));
+    }
+  }
+  return absl::OkStatus();
+}
+
+// Inputs made from taxels need a skin that has them.
+absl::Status CheckEmbedding(const Model& model) {
+  const TaxelEmbedding& embedding = model.inputs.embedding;
+  TACTUS_RETURN_IF_ERROR(Validate(embedding));
+  const bool used = UsesTaxels(model.inputs);
+  const int taxels = used ? model.layout.taxels() : 0;
+  if (embedding.taxels != taxels) {
+    return InvalidModel("taxels of the embedding", embedding.taxels,
+                        absl::StrCat(taxels, used ? ", as the skin has"
+                                                  : ": no input needs them"));
+  }
+  return absl::OkStatus();
+}
+
 absl::Status CheckWarmUp(const Model& model) {
   const WarmUpTrial& trial = model.warm_up;
   TACTUS_RETURN_IF_ERROR(
@@ -152,6 +195,7 @@ absl::Status CheckWarmUp(const Model& model) {
     return InvalidModel(name, value,
                         absl::StrCat("within ", limits::kMaxSignal, " of 0"));
   };
+  TACTUS_RETURN_IF_ERROR(CheckLoads(model));
   for (const ContactSample& sample : trial.samples) {
     for (const double value : sample.features) {
       TACTUS_RETURN_IF_ERROR(check("warm_up.signals", value));
@@ -178,9 +222,18 @@ absl::Status Validate(const Model& model) {
   for (const SkinLayout& layout : model.more_layouts) {
     TACTUS_RETURN_IF_ERROR(CheckLayout(layout));
   }
+  TACTUS_RETURN_IF_ERROR(CheckEmbedding(model));
   TACTUS_RETURN_IF_ERROR(CheckRelease(model.release_after_s));
   TACTUS_RETURN_IF_ERROR(CheckProvenance(model.provenance));
   return CheckWarmUp(model);
+}
+
+ContactSample WarmUpTrial::Sample(size_t i) const {
+  ContactSample sample = samples[i];
+  if (load_ends.empty()) return sample;
+  const size_t begin = i == 0 ? 0 : load_ends[i - 1];
+  sample.loads = std::span(loads).subspan(begin, load_ends[i] - begin);
+  return sample;
 }
 
 std::string SkinMisfit(const Model& model, const SkinLayout& layout) {

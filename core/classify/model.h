@@ -52,6 +52,8 @@ struct InputSpec {
   StepIntervals lstm_steps;
   // Frames per second the models were trained at.
   double sample_rate_hz = 100;
+  // Of no taxels unless an input is made from them.
+  TaxelEmbedding embedding;
 };
 
 // What a posterior is about: the category that the contact has in the end, or
@@ -107,9 +109,17 @@ struct Provenance {
 
 // Touched frames of one contact and the answers that they must give.
 struct WarmUpTrial {
+  // Without their taxels.
   std::vector<ContactSample> samples;
+  // The taxels of all samples, and where those of each sample end; empty if no
+  // input is made from taxels.
+  std::vector<TaxelLoad> loads;
+  std::vector<uint32_t> load_ends;
   std::vector<double> probability;
   std::vector<double> log_likelihood;
+
+  // The sample number `i` with its taxels, which refer to this trial.
+  ContactSample Sample(size_t i) const;
 };
 
 inline constexpr double kDefaultReleaseAfterS = 0.5;

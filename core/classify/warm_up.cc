@@ -10,8 +10,8 @@ absl::Status AnswerWarmUp(Model& model) {
   model.warm_up.log_likelihood = model.warm_up.probability;
   TACTUS_ASSIGN_OR_RETURN(auto compiled, CompiledModel::Create(model));
   ContactClassifier classifier(compiled, {});
-  for (const ContactSample& sample : model.warm_up.samples) {
-    classifier.Step(sample, 0);
+  for (size_t i = 0; i < model.warm_up.samples.size(); ++i) {
+    classifier.Step(compiled->model().warm_up.Sample(i), 0);
   }
   const auto probability = classifier.probability();
   const auto scores = classifier.log_likelihood();

@@ -7,6 +7,8 @@ void ContactFrames::clear() {
   net_force_.clear();
   profile_.clear();
   touched_.clear();
+  loads_.clear();
+  load_ends_.clear();
 }
 
 void ContactFrames::shrink_to_fit() {
@@ -14,6 +16,8 @@ void ContactFrames::shrink_to_fit() {
   net_force_.shrink_to_fit();
   profile_.shrink_to_fit();
   touched_.shrink_to_fit();
+  loads_.shrink_to_fit();
+  load_ends_.shrink_to_fit();
 }
 
 void ContactFrames::MakeRoomFor(const ContactFrame& frame) {
@@ -41,6 +45,12 @@ void ContactFrames::push_back(const ContactFrame& frame) {
   put(net_force_, frame.sample.net_force);
   put(profile_, frame.sample.profile);
   put(touched_, frame.touched);
+  const auto& loads = frame.sample.loads;
+  if (loads_.empty() && loads.empty()) return;
+  // Frames before the first one with taxels have none.
+  load_ends_.resize(size() - 1);
+  loads_.insert(loads_.end(), loads.begin(), loads.end());
+  load_ends_.push_back(static_cast<uint32_t>(loads_.size()));
 }
 
 void ContactFrames::Set(size_t t, const ContactFrame& frame) {

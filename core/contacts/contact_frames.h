@@ -1,19 +1,22 @@
 // File: contact_frames.h
 //
 // ContactFrames: the frames of a contact in little memory. A frame has 21
-// numbers, but contacts of ideal signals need three of them: the net force is
-// the force, and there is no load profile.
+// numbers and the touched taxels, but contacts of ideal signals need three
+// numbers: the net force is the force, and there are no taxels.
 //
 //   ContactFrames frames;
 //   frames.push_back({IdealSample(signals), true});
 //   const ContactFrame first = frames[0];
 //
-// Frames are returned as copies. Owns its numbers; copyable. Thread-safe while
+// Frames are returned as copies, whose taxels refer to this object. Owns its
+// numbers; copyable. Thread-safe while
 // no thread changes it.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <iterator>
+#include <span>
 #include <vector>
 
 #include "core/features/feature.h"
@@ -54,7 +57,7 @@ class ContactFrames {
   // Inline, so that a caller that drops a part of the frame does not copy it.
   ContactFrame operator[](size_t t) const {
     return {{features_[t], net_force(t),
-             profile_.empty() ? LoadProfile{} : profile_[t]},
+             profile_.empty() ? LoadProfile{} : profile_[t], loads(t)},
             touched(t)};
   }
   ContactFrame front() const { return (*this)[0]; }
@@ -65,10 +68,17 @@ class ContactFrames {
     return net_force_.empty() ? features_[t][kForceAt] : net_force_[t];
   }
 
+  std::span<const TaxelLoad> loads(size_t t) const {
+    if (load_ends_.empty()) return {};
+    const size_t begin = t == 0 ? 0 : load_ends_[t - 1];
+    return std::span(loads_).subspan(begin, load_ends_[t] - begin);
+  }
+
   // True if all frames are touched frames of ideal signals, for which features
   // are enough.
   bool plain() const {
-    return net_force_.empty() && profile_.empty() && touched_.empty();
+    return net_force_.empty() && profile_.empty() && touched_.empty() &&
+           load_ends_.empty();
   }
   // Of plain frames.
   void push_back_plain(const FeatureVector& features) {
@@ -81,6 +91,7 @@ class ContactFrames {
   // Releases memory that is not used.
   void shrink_to_fit();
   void push_back(const ContactFrame& frame);
+  // Replaces all of a frame but its taxels.
   void Set(size_t t, const ContactFrame& frame);
 
  private:
@@ -96,6 +107,9 @@ class ContactFrames {
   std::vector<double> net_force_;
   std::vector<LoadProfile> profile_;
   std::vector<bool> touched_;
+  // The taxels of all frames, and where those of each frame end.
+  std::vector<TaxelLoad> loads_;
+  std::vector<uint32_t> load_ends_;
 };
 
 }  // namespace tactus

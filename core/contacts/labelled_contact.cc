@@ -13,7 +13,8 @@ void TakeTaxels(const Trial& trial, const SkinLayout& layout,
                 const ExtractOptions& options, LabelledContact& contact) {
   ContactTracker tracker(layout, {.sample_rate_hz = trial.sample_rate_hz,
                                   .release_after_s = options.release_after_s,
-                                  .load_profile = options.load_profile});
+                                  .load_profile = options.whole_skin,
+                                  .taxel_loads = options.whole_skin});
   std::vector<float> taxels(layout.taxels());
   for (size_t t = 0; t < trial.taxels.frames(); ++t) {
     trial.taxels.Decode(t, taxels.data());

@@ -72,9 +72,9 @@ struct ExtractOptions {
   // For trials that carry no skin (LayoutOfTrial). May be null.
   const SkinLayout* layout = nullptr;
   double release_after_s = kNeverReleased;
-  // Without it, a frame takes a third of the memory, and models cannot use the
-  // load profile.
-  bool load_profile = true;
+  // Without it, a frame takes a third of the memory or less, and models cannot
+  // use the load profile and the taxels.
+  bool whole_skin = true;
 };
 absl::StatusOr<std::optional<LabelledContact>> ExtractContact(
     const Trial& trial, const ExtractOptions& options = {});

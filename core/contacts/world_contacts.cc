@@ -78,7 +78,7 @@ absl::StatusOr<std::optional<LabelledContact>> MakeContact(
   }
   TACTUS_ASSIGN_OR_RETURN(Trial trial, WorldTrial(*skin, recipe.seed, number));
   if (!recipe.poses) trial.poses.clear();
-  return ExtractContact(trial, {.load_profile = false});
+  return ExtractContact(trial, {.whole_skin = false});
 }
 
 }  // namespace

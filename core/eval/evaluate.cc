@@ -150,12 +150,12 @@ absl::StatusOr<Evaluation> EvaluateModel(
     return InvalidConfig("algorithm", "lstm",
                          "hmm or fused: the bundle holds no LSTM");
   }
-  if (UsesProfile(model->model().inputs) &&
+  if (NeedsSkin(model->model().inputs) &&
       std::any_of(
           contacts.begin(), contacts.end(),
           [](const LabelledContact* contact) { return IsIdeal(*contact); })) {
     return InvalidConfig("data", "ideal signals",
-                         "taxels: the model sees the load profile of a skin");
+                         "taxels: the model sees the whole skin");
   }
   if (model->lstms().empty()) algorithm = Algorithm::kHmm;
   TACTUS_ASSIGN_OR_RETURN(

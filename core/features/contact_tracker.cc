@@ -59,6 +59,7 @@ ContactTracker::ContactTracker(const SkinLayout& layout, const Options& options)
       recent_poses_(options.sample_rate_hz),
       row_loads_(options.load_profile ? layout.rows : 0),
       column_loads_(options.load_profile ? layout.columns : 0) {
+  if (options.taxel_loads) loads_.reserve(layout.taxels());
   if (!layout.light_touch) return;
   const LightTouch& light = *layout.light_touch;
   light_.emplace(layout, options.sample_rate_hz);
@@ -186,6 +187,10 @@ void ContactTracker::Measure(const FrameView& frame) {
                           column_loads_);
       features_.profile = MakeLoadProfile(row_loads_, column_loads_);
     }
+    if (loads_.capacity() > 0) {
+      segmenter_.CopyLoads(light_ ? light_->values() : frame.taxels, loads_);
+      features_.loads = loads_;
+    }
     features_.centroid = {region.centroid_row, region.centroid_column};
     // A region with a hole, or in the shape of an L, may not hold the place of
     // its own centroid; a long one may not reach one that it holds.
@@ -198,6 +203,7 @@ void ContactTracker::Measure(const FrameView& frame) {
     features_.area_taxels = 0;
     features_.area_m2 = 0;
     features_.profile = {};
+    features_.loads = {};
   }
 }
 

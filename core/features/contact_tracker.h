@@ -52,13 +52,16 @@ struct FrameFeatures {
   // Load profile of the whole skin; zero if untouched, or if the tracker does
   // not compute it.
   LoadProfile profile = {};
+  // The touched taxels of the whole skin; empty if untouched, or if the tracker
+  // does not copy them. Valid until the next Step().
+  std::span<const TaxelLoad> loads = {};
   // Number of regions on the skin.
   int region_count = 0;
   // Centroid of the largest region; while touch is lost, the last one.
   SkinPoint centroid = {};
 
   ContactSample sample() const {
-    return {{max_force, area_m2, motion_m}, net_force, profile};
+    return {{max_force, area_m2, motion_m}, net_force, profile, loads};
   }
 };
 
@@ -106,6 +109,8 @@ class ContactTracker {
     double release_after_s = 0.5;
     // If false, the load profile stays 0. For models that do not use it.
     bool load_profile = true;
+    // If true, `loads` has the touched taxels.
+    bool taxel_loads = false;
     // Skips that change no bit. skip_untouched: frames without a touched taxel
     // are not segmented. reuse_unchanged: a frame whose taxels equal those of
     // the touched frame before it keeps the features, except for the motion.
@@ -191,6 +196,8 @@ class ContactTracker {
   // Empty without the load profile.
   std::vector<double> row_loads_;
   std::vector<double> column_loads_;
+  // Room for all taxels, or none if they are not copied.
+  std::vector<TaxelLoad> loads_;
 };
 
 }  // namespace tactus

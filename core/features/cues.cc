@@ -65,11 +65,50 @@ constexpr CueRow kCues[] = {
     {"column_load_7", kNeedsForce},
     {"column_load_8", kNeedsForce},
     {"column_load_9", kNeedsForce},
+    {"skin_force", kNeedsForce},
+    {"skin_taxels", kNeedsForce | kNeedsArea},
+    {"skin_peak_share", kNeedsForce},
+    {"skin_spread", kNeedsForce | kNeedsArea},
+    {"skin_force_rate", kNeedsForce},
+    {"skin_taxels_rate", kNeedsForce | kNeedsArea},
+    {"skin_peak_share_rate", kNeedsForce},
+    {"skin_spread_rate", kNeedsForce | kNeedsArea},
+    {"skin_change_short", kNeedsForce | kNeedsMotion},
+    {"skin_change_long", kNeedsForce | kNeedsMotion},
+    {"skin_change_since_onset", kNeedsForce | kNeedsMotion},
+    {"skin_travel", kNeedsForce | kNeedsMotion},
+    {"embedding_0", kNeedsForce},
+    {"embedding_1", kNeedsForce},
+    {"embedding_2", kNeedsForce},
+    {"embedding_3", kNeedsForce},
+    {"embedding_4", kNeedsForce},
+    {"embedding_5", kNeedsForce},
+    {"embedding_6", kNeedsForce},
+    {"embedding_7", kNeedsForce},
+    {"embedding_8", kNeedsForce},
+    {"embedding_9", kNeedsForce},
+    {"embedding_10", kNeedsForce},
+    {"embedding_11", kNeedsForce},
+    {"embedding_12", kNeedsForce},
+    {"embedding_13", kNeedsForce},
+    {"embedding_14", kNeedsForce},
+    {"embedding_15", kNeedsForce},
+    {"embedding_16", kNeedsForce},
+    {"embedding_17", kNeedsForce},
+    {"embedding_18", kNeedsForce},
+    {"embedding_19", kNeedsForce},
+    {"embedding_20", kNeedsForce},
+    {"embedding_21", kNeedsForce},
+    {"embedding_22", kNeedsForce},
+    {"embedding_23", kNeedsForce},
 };
 static_assert(std::size(kCues) == kCueCount);
 
 constexpr int kFirstProfileCue = static_cast<int>(Cue::kRowLoad0);
-static_assert(kFirstProfileCue + kProfileSize == kCueCount);
+constexpr int kFirstWholeSkinCue = static_cast<int>(Cue::kSkinForce);
+constexpr int kFirstEmbeddingCue = static_cast<int>(Cue::kEmbedding0);
+static_assert(kFirstProfileCue + kProfileSize == kFirstWholeSkinCue);
+static_assert(kFirstEmbeddingCue + kMaxEmbedding == kCueCount);
 
 constexpr int kF = static_cast<int>(Feature::kForce);
 constexpr int kA = static_cast<int>(Feature::kArea);
@@ -139,7 +178,17 @@ std::vector<Cue> DerivedCues() {
   return CueRange(kFeatureCount, kFirstProfileCue);
 }
 
-std::vector<Cue> ProfileCues() { return CueRange(kFirstProfileCue, kCueCount); }
+std::vector<Cue> ProfileCues() {
+  return CueRange(kFirstProfileCue, kFirstWholeSkinCue);
+}
+
+std::vector<Cue> WholeSkinCues() {
+  return CueRange(kFirstWholeSkinCue, kFirstEmbeddingCue);
+}
+
+std::vector<Cue> EmbeddingCues(int count) {
+  return CueRange(kFirstEmbeddingCue, kFirstEmbeddingCue + count);
+}
 
 void CueTracker::Moments::Step(const FeatureVector& x, double weight) {
   FeatureVector change;
@@ -156,6 +205,8 @@ void CueTracker::Moments::Step(const FeatureVector& x, double weight) {
 }
 
 CueGroups GroupOf(Cue cue) {
+  if (IsEmbeddingCue(cue)) return kEmbeddingCues;
+  if (IsTaxelCue(cue)) return kWholeSkinCues;
   if (!IsDerived(cue)) return 0;
   if (cue < Cue::kLogSpring) return kLevelCues;
   if (cue < Cue::kStiffnessShort) return kSpringCues;
@@ -164,13 +215,25 @@ CueGroups GroupOf(Cue cue) {
   return cue < Cue::kForceRoughness ? kLevelCues : kRoughnessCues;
 }
 
-CueTracker::CueTracker(double sample_rate_hz, CueGroups groups)
+CueTracker::CueTracker(double sample_rate_hz, CueGroups groups,
+                       const TaxelEmbedding* embedding)
     : sample_rate_hz_(sample_rate_hz),
       groups_(groups),
       smooth_window_(std::max(1.0, kSmooth * sample_rate_hz)),
       short_window_(std::max(1.0, kShort * sample_rate_hz)),
       long_window_(std::max(1.0, kLong * sample_rate_hz)),
-      settled_frames_(kSettled * sample_rate_hz) {}
+      settled_frames_(kSettled * sample_rate_hz),
+      embedding_(Has(kEmbeddingCues) ? embedding : nullptr, sample_rate_hz) {
+  if (Has(kWholeSkinCues) && embedding != nullptr && embedding->taxels > 0) {
+    whole_skin_.emplace(embedding->taxels, sample_rate_hz);
+  }
+}
+
+void CueTracker::Reset() {
+  state_ = {};
+  if (whole_skin_) whole_skin_->Reset();
+  embedding_.Reset();
+}
 
 double CueTracker::Weight(double window) const {
   return 1 / std::min(static_cast<double>(state_.frames), window);
@@ -191,12 +254,33 @@ void CueTracker::Step(const ContactSample& sample,
     state_.values[kFirstProfileCue + i] =
         std::clamp(sample.profile[i], -kLargest, kLargest);
   }
+  StepTaxels(sample.loads);
   const double weight = 1 / static_cast<double>(state_.frames);
   if (Has(kShortWindowCues)) state_.short_window.Step(x, Weight(short_window_));
   if (Has(kLongWindowCues)) state_.long_window.Step(x, Weight(long_window_));
   if (Has(kLevelCues)) StepLevels(x, state_.values[kF]);
   if (Has(kSpringCues)) StepSprings(x, weight);
   if (Has(kRoughnessCues)) StepRoughness(x, weight);
+}
+
+void CueTracker::StepTaxels(std::span<const TaxelLoad> loads) {
+  if (embedding_.dimensions() > 0) {
+    embedding_.Step(loads);
+    const auto values = embedding_.values();
+    for (size_t i = 0; i < values.size(); ++i) {
+      state_.values[kFirstEmbeddingCue + i] =
+          std::clamp(values[i], -kLargest, kLargest);
+    }
+  }
+  if (!whole_skin_) return;
+  whole_skin_->Step(loads);
+  const WholeSkinTracker::Numbers& n = whole_skin_->numbers();
+  const double values[] = {
+      n.root_force,   n.root_taxels, n.peak_share,         n.log_spread,
+      n.force_rate,   n.taxels_rate, n.peak_share_rate,    n.spread_rate,
+      n.change_short, n.change_long, n.change_since_onset, n.log_travel};
+  static_assert(std::size(values) == kFirstEmbeddingCue - kFirstWholeSkinCue);
+  std::ranges::copy(values, &state_.values[kFirstWholeSkinCue]);
 }
 
 void CueTracker::StepLevels(const FeatureVector& x, double peak_force) {

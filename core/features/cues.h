@@ -21,10 +21,13 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "absl/strings/string_view.h"
 #include "core/features/feature.h"
+#include "core/features/taxel_embedding.h"
+#include "core/features/whole_skin.h"
 
 namespace tactus {
 
@@ -96,8 +99,46 @@ enum class Cue {
   kColumnLoad7,
   kColumnLoad8,
   kColumnLoad9,
+  // The whole skin without places: WholeSkinTracker::Numbers, in their order.
+  kSkinForce,
+  kSkinTaxels,
+  kSkinPeakShare,
+  kSkinSpread,
+  kSkinForceRate,
+  kSkinTaxelsRate,
+  kSkinPeakShareRate,
+  kSkinSpreadRate,
+  kSkinChangeShort,
+  kSkinChangeLong,
+  kSkinChangeSinceOnset,
+  kSkinTravel,
+  // The numbers of the taxel embedding; 0 beyond its dimensions.
+  kEmbedding0,
+  kEmbedding1,
+  kEmbedding2,
+  kEmbedding3,
+  kEmbedding4,
+  kEmbedding5,
+  kEmbedding6,
+  kEmbedding7,
+  kEmbedding8,
+  kEmbedding9,
+  kEmbedding10,
+  kEmbedding11,
+  kEmbedding12,
+  kEmbedding13,
+  kEmbedding14,
+  kEmbedding15,
+  kEmbedding16,
+  kEmbedding17,
+  kEmbedding18,
+  kEmbedding19,
+  kEmbedding20,
+  kEmbedding21,
+  kEmbedding22,
+  kEmbedding23,
 };
-inline constexpr int kCueCount = static_cast<int>(Cue::kColumnLoad9) + 1;
+inline constexpr int kCueCount = static_cast<int>(Cue::kEmbedding23) + 1;
 
 // "log_spring".
 absl::string_view CueName(Cue cue);
@@ -112,11 +153,20 @@ Cue RawCue(Feature feature);
 bool NeedsFeature(Cue cue, Feature feature);
 
 // True for the cues of the load profile. They are 0 for ideal signals.
-constexpr bool IsProfileCue(Cue cue) { return cue >= Cue::kRowLoad0; }
+constexpr bool IsProfileCue(Cue cue) {
+  return cue >= Cue::kRowLoad0 && cue <= Cue::kColumnLoad9;
+}
 
-// True for all cues but the raw features and the load profile.
+// True for the cues of the taxel embedding.
+constexpr bool IsEmbeddingCue(Cue cue) { return cue >= Cue::kEmbedding0; }
+
+// True for the cues that are made from ContactSample::loads. They are 0 for
+// ideal signals.
+constexpr bool IsTaxelCue(Cue cue) { return cue >= Cue::kSkinForce; }
+
+// True for the cues that are derived from the features.
 constexpr bool IsDerived(Cue cue) {
-  return cue > Cue::kMotion && !IsProfileCue(cue);
+  return cue > Cue::kMotion && cue < Cue::kRowLoad0;
 }
 
 // Returns all derived cues.
@@ -125,25 +175,37 @@ std::vector<Cue> DerivedCues();
 // Returns all cues of the load profile.
 std::vector<Cue> ProfileCues();
 
-// Derived cues are computed by groups. A set of groups is a sum of these.
+// Returns all cues of the whole skin without places.
+std::vector<Cue> WholeSkinCues();
+
+// Returns the first `count` cues of the taxel embedding.
+std::vector<Cue> EmbeddingCues(int count = kMaxEmbedding);
+
+// Cues other than the features and the load profile are computed by groups. A
+// set of groups is a sum of these.
 using CueGroups = unsigned;
 inline constexpr CueGroups kLevelCues = 1;        // kLogPeak and others
 inline constexpr CueGroups kSpringCues = 2;       // kLogSpring to misfits
 inline constexpr CueGroups kShortWindowCues = 4;  // of the last 0.1 s
 inline constexpr CueGroups kLongWindowCues = 8;   // of the last 0.4 s
 inline constexpr CueGroups kRoughnessCues = 16;
-inline constexpr CueGroups kAllCueGroups = 31;
+inline constexpr CueGroups kWholeSkinCues = 32;
+inline constexpr CueGroups kEmbeddingCues = 64;
+inline constexpr CueGroups kAllCueGroups = 127;
 
-// Returns the group of a derived cue; 0 for other cues.
+// Returns the group of a cue; 0 for features and the load profile.
 CueGroups GroupOf(Cue cue);
 
 class CueTracker {
  public:
-  // `sample_rate_hz` must be above 0. Derived cues outside of `groups` stay 0.
-  explicit CueTracker(double sample_rate_hz, CueGroups groups = kAllCueGroups);
+  // `sample_rate_hz` must be above 0. Cues of groups outside of `groups` stay
+  // 0. `embedding` must outlive the tracker; without one, or if it is of no
+  // taxels, the cues made from taxels stay 0.
+  explicit CueTracker(double sample_rate_hz, CueGroups groups = kAllCueGroups,
+                      const TaxelEmbedding* embedding = nullptr);
 
   // Forgets the contact.
-  void Reset() { state_ = {}; }
+  void Reset();
 
   // Takes the next touched frame. `frames_since_onset` counts from 1 and
   // includes lost and untouched frames. Any finite values are safe.
@@ -200,6 +262,7 @@ class CueTracker {
   void Set(Cue cue, double value) {
     state_.values[static_cast<int>(cue)] = value;
   }
+  void StepTaxels(std::span<const TaxelLoad> loads);
   void StepLevels(const FeatureVector& x, double peak_force);
   void StepSprings(const FeatureVector& x, double weight);
   void StepRoughness(const FeatureVector& x, double weight);
@@ -220,6 +283,8 @@ class CueTracker {
   double long_window_;
   double settled_frames_;
   State state_;
+  std::optional<WholeSkinTracker> whole_skin_;
+  EmbeddingTracker embedding_;
 };
 
 }  // namespace tactus

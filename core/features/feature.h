@@ -10,6 +10,8 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -31,6 +33,16 @@ inline constexpr int kColumnBands = 10;
 inline constexpr int kProfileSize = kRowBands + kColumnBands;
 using LoadProfile = std::array<double, kProfileSize>;
 
+// A touched taxel: its row-major index, and the square root of its load, in the
+// square root of the layout's unit. The root makes the spread independent of
+// the load, because larger loads vary more.
+struct TaxelLoad {
+  uint32_t taxel = 0;
+  float root = 0;
+
+  bool operator==(const TaxelLoad&) const = default;
+};
+
 // The numbers of one touched frame of a contact.
 struct ContactSample {
   FeatureVector features = {};
@@ -39,6 +51,10 @@ struct ContactSample {
   double net_force = 0;
   // Zero for ideal signals, which have no place on a skin.
   LoadProfile profile = {};
+  // The touched taxels of the whole skin, by rising index. Empty for ideal
+  // signals, and if nobody needs them. Refers to the memory of whoever made the
+  // sample.
+  std::span<const TaxelLoad> loads = {};
 };
 
 // One frame of a contact.

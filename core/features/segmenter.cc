@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 
@@ -272,6 +273,21 @@ void Segmenter::SumLoads(std::span<const float> taxels,
       const int column = std::countr_zero(rest);
       row_loads[row] += values[column];
       column_loads[column] += values[column];
+    }
+  }
+}
+
+void Segmenter::CopyLoads(std::span<const float> taxels,
+                          std::vector<TaxelLoad>& loads) const {
+  loads.clear();
+  if (regions_ == 0) return;
+  for (int row = first_row_; row < end_row_; ++row) {
+    const int first = row * columns_;
+    for (uint64_t rest = row_columns_[row]; rest != 0; rest &= rest - 1) {
+      const int taxel = first + std::countr_zero(rest);
+      // A taxel of a region of light touch may read nothing at once.
+      const float load = std::max(taxels[taxel], 0.0F);
+      loads.push_back({static_cast<uint32_t>(taxel), std::sqrt(load)});
     }
   }
 }

@@ -18,6 +18,7 @@
 #include <span>
 #include <vector>
 
+#include "core/features/feature.h"
 #include "core/skin/layout.h"
 
 namespace tactus {
@@ -78,6 +79,11 @@ class Segmenter {
   // `taxels` are those last segmented, or their values.
   void SumLoads(std::span<const float> taxels, std::span<double> row_loads,
                 std::span<double> column_loads) const;
+
+  // Writes the touched taxels of the whole skin to `loads`, by rising index;
+  // `taxels` as for SumLoads. Reuses the memory of `loads`.
+  void CopyLoads(std::span<const float> taxels,
+                 std::vector<TaxelLoad>& loads) const;
 
   // Writes rows x columns labels, row-major: 0 is background, regions are
   // numbered from 1 in the order of their first taxels.

@@ -109,23 +109,29 @@ void SetRequirements(const std::vector<const LabelledContact*>& contacts,
       contacts.front()->with_poses ? PoseNeed::kNeeded : PoseNeed::kIgnored;
 }
 
-// Ideal signals have no place on a skin, so they have no load profile.
+// Ideal signals have no taxels, so they have no load profile. Copies of
+// contacts have none either.
 absl::Status CheckCues(const std::vector<const LabelledContact*>& contacts,
                        const std::vector<Cue>& wanted,
-                       const std::vector<Feature>& features) {
-  const std::vector<Cue> cues = CuesFor(wanted, features);
+                       const FitOptions& options) {
+  const std::vector<Cue> cues = CuesFor(wanted, options.features);
   if (cues.empty()) {
-    return InvalidConfig("features", FeaturesToString(features),
+    return InvalidConfig("features", FeaturesToString(options.features),
                          "some that the cues are computed from");
   }
-  if (std::none_of(cues.begin(), cues.end(), IsProfileCue)) {
+  const bool taxels = std::ranges::any_of(cues, IsTaxelCue);
+  if (taxels && options.variations.copies > 0) {
+    return InvalidConfig("copies", options.variations.copies,
+                         "0 with cues that are made from taxels");
+  }
+  if (!taxels && std::ranges::none_of(cues, IsProfileCue)) {
     return absl::OkStatus();
   }
   for (const LabelledContact* contact : contacts) {
     if (IsIdeal(*contact)) {
       return InvalidTrainingData(absl::StrCat(
           "contact ", contact->id,
-          " is of ideal signals, but the load profile takes taxels of a skin"));
+          " is of ideal signals, but the cues take taxels of a skin"));
     }
   }
   return absl::OkStatus();
@@ -383,7 +389,14 @@ absl::Status AddWarmUp(const std::vector<const LabelledContact*>& contacts,
   constexpr size_t kMaxFrames = 120;
   for (const ContactFrame& frame : sorted[sorted.size() / 2]->frames) {
     if (model.warm_up.samples.size() == kMaxFrames) break;
-    if (frame.touched) model.warm_up.samples.push_back(frame.sample);
+    if (!frame.touched) continue;
+    WarmUpTrial& trial = model.warm_up;
+    trial.samples.push_back(frame.sample);
+    trial.samples.back().loads = {};
+    if (model.inputs.embedding.taxels == 0) continue;
+    trial.loads.insert(trial.loads.end(), frame.sample.loads.begin(),
+                       frame.sample.loads.end());
+    trial.load_ends.push_back(static_cast<uint32_t>(trial.loads.size()));
   }
   return AnswerWarmUp(model);
 }
@@ -412,11 +425,9 @@ absl::StatusOr<Model> FitModel(
   }
   const std::vector<std::string> class_names = ClassNames(contacts);
   TACTUS_RETURN_IF_ERROR(CheckContacts(contacts, class_names));
-  TACTUS_RETURN_IF_ERROR(
-      CheckCues(contacts, options.hmm_cues, options.features));
+  TACTUS_RETURN_IF_ERROR(CheckCues(contacts, options.hmm_cues, options));
   if (options.lstm.networks > 0) {
-    TACTUS_RETURN_IF_ERROR(
-        CheckCues(contacts, options.lstm.cues, options.features));
+    TACTUS_RETURN_IF_ERROR(CheckCues(contacts, options.lstm.cues, options));
   }
   TACTUS_RETURN_IF_ERROR(CheckPoses(contacts, options.features));
   TACTUS_RETURN_IF_ERROR(CheckUsable(contacts, options));

@@ -75,9 +75,13 @@ void Fields(Archive& archive, ModelInput& input) {
   archive(input.cue, input.log_offset, input.offset, input.gain, input.limit);
 }
 template <class Archive>
+void Fields(Archive& archive, TaxelEmbedding& embedding) {
+  archive(embedding.taxels, embedding.dimensions, embedding.weights);
+}
+template <class Archive>
 void Fields(Archive& archive, InputSpec& spec) {
   archive(spec.hmm, spec.hmm_steps, spec.lstm, spec.lstm_steps,
-          spec.sample_rate_hz);
+          spec.sample_rate_hz, spec.embedding);
 }
 
 template <class Archive>

@@ -11,9 +11,10 @@ namespace {
 size_t StepsBeforeMotion(const LabelledContact& contact,
                          const StepIntervals& steps) {
   size_t count = 0;
-  WalkCues(contact, steps, /*groups=*/0, [&](CueTracker&, size_t frame) {
-    count += contact.object_motion[frame] <= kMovedM;
-  });
+  WalkCues(contact, steps, /*groups=*/0, nullptr,
+           [&](CueTracker&, size_t frame) {
+             count += contact.object_motion[frame] <= kMovedM;
+           });
   return count;
 }
 
@@ -39,7 +40,8 @@ absl::StatusOr<HmmMixture> FitClassHmms(const FitRun& run,
     const bool ends_so = original.label == name;
     if (!ends_so && !(so_far && LabelSoFar(original, 0) == name)) continue;
     const LabelledContact& contact = contacts.Get(i, made);
-    sequences.push_back(MakeSequence(contact, spec.hmm, spec.hmm_steps));
+    sequences.push_back(
+        MakeSequence(contact, spec.hmm, spec.hmm_steps, &spec.embedding));
     // Of a contact that only begins in this class, the beginning.
     if (!ends_so) {
       sequences.back().resize(dimensions *

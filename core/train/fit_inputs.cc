@@ -1,8 +1,49 @@
+#include <algorithm>
+#include <iterator>
+#include <vector>
+
 #include "core/base/status_macros.h"
+#include "core/train/fit_embedding.h"
 #include "core/train/fit_models.h"
 #include "core/train/inputs.h"
 
 namespace tactus {
+namespace {
+
+// The taxels that the inputs of HMMs and LSTMs are made from, if any are.
+absl::StatusOr<TaxelEmbedding> EmbeddingFor(const FitRun& run,
+                                            const VariedContacts& contacts) {
+  const FitOptions& options = run.options;
+  std::vector<Cue> cues = CuesFor(options.hmm_cues, options.features);
+  if (options.lstm.networks > 0) {
+    std::ranges::copy(CuesFor(options.lstm.cues, options.features),
+                      std::back_inserter(cues));
+  }
+  if (std::ranges::any_of(cues, IsEmbeddingCue)) {
+    return FitTaxelEmbedding(contacts.originals(), run.class_names,
+                             options.hmm_steps);
+  }
+  TaxelEmbedding none;
+  if (std::ranges::any_of(cues, IsTaxelCue)) {
+    none.taxels = contacts.Original(0).layout.taxels();
+  }
+  return none;
+}
+
+// The cues that the options ask for and the embedding has.
+std::vector<Cue> Available(const std::vector<Cue>& wanted,
+                           const FitOptions& options,
+                           const TaxelEmbedding& embedding) {
+  std::vector<Cue> cues = CuesFor(wanted, options.features);
+  std::erase_if(cues, [&](Cue cue) {
+    return IsEmbeddingCue(cue) &&
+           static_cast<int>(cue) - static_cast<int>(Cue::kEmbedding0) >=
+               embedding.dimensions;
+  });
+  return cues;
+}
+
+}  // namespace
 
 absl::StatusOr<InputSpec> FitHmmInputs(const FitRun& run,
                                        const std::string& part,
@@ -12,9 +53,12 @@ absl::StatusOr<InputSpec> FitHmmInputs(const FitRun& run,
   const FitOptions& options = run.options;
   InputSpec spec;
   spec.hmm_steps = options.hmm_steps;
-  spec.hmm = FitInputs(
-      contacts, CuesFor(options.hmm_cues, options.features),
-      {.log_features = options.log_features, .steps = options.hmm_steps});
+  TACTUS_ASSIGN_OR_RETURN(spec.embedding, EmbeddingFor(run, contacts));
+  spec.hmm =
+      FitInputs(contacts, Available(options.hmm_cues, options, spec.embedding),
+                {.log_features = options.log_features,
+                 .steps = options.hmm_steps,
+                 .embedding = &spec.embedding});
   spec.sample_rate_hz = contacts.Original(0).sample_rate_hz;
   return spec;
 }
@@ -32,12 +76,13 @@ absl::Status FitLstmInputs(const FitRun& run, const std::string& part,
     TACTUS_RETURN_IF_ERROR(run.GoOn());
     spec->lstm_steps = fit.steps;
     spec->lstm = FitInputs(
-        contacts, CuesFor(fit.cues, options.features),
+        contacts, Available(fit.cues, options, spec->embedding),
         {.scaling = fit.scaling,
          .steps = fit.steps,
          .stretched_cues = CuesFor(fit.stretched_cues, options.features),
          .stretches = fit.stretches,
-         .limit = fit.limit});
+         .limit = fit.limit,
+         .embedding = &spec->embedding});
   }
   return run.saved.Put(part, *spec);
 }

@@ -80,6 +80,40 @@ FitOptions ProfilePreset() {
   return options;
 }
 
+// LSTMs for recordings of a skin. None by default: with a few hundred contacts
+// the HMMs alone did better.
+LstmFit RecordingsLstm(std::vector<Cue> cues) {
+  LstmFit lstm = TunedPreset().lstm;
+  lstm.networks = 0;
+  lstm.cues = std::move(cues);
+  lstm.stretched_cues.clear();
+  lstm.stretches = 0;
+  lstm.estimates = false;
+  lstm.training.epochs = 60;
+  lstm.training.noise = {.dropout = 0.3, .input = 0.3};
+  return lstm;
+}
+
+// Which taxels are loaded, and how that changes.
+FitOptions PatternPreset() {
+  constexpr int kHmmDimensions = 16;
+  FitOptions options = ProfilePreset();
+  options.hmm_cues = EmbeddingCues(kHmmDimensions);
+  options.lstm = RecordingsLstm(EmbeddingCues());
+  return options;
+}
+
+// The whole skin, wherever it is touched.
+FitOptions WholeSkinPreset() {
+  FitOptions options = ProfilePreset();
+  options.hmm_cues = {Cue::kSkinForce,       Cue::kSkinTaxels,
+                      Cue::kSkinPeakShare,   Cue::kSkinSpread,
+                      Cue::kSkinChangeShort, Cue::kSkinChangeLong,
+                      Cue::kSkinTravel};
+  options.lstm = RecordingsLstm(WholeSkinCues());
+  return options;
+}
+
 }  // namespace
 
 absl::StatusOr<FitOptions> FitPreset(absl::string_view name) {
@@ -87,7 +121,10 @@ absl::StatusOr<FitOptions> FitPreset(absl::string_view name) {
   if (name == "paper") return PaperPreset();
   if (name == "world") return WorldPreset();
   if (name == "profile") return ProfilePreset();
-  return InvalidConfig("preset", name, "tuned, world, paper or profile");
+  if (name == "pattern") return PatternPreset();
+  if (name == "whole-skin") return WholeSkinPreset();
+  return InvalidConfig("preset", name,
+                       "tuned, world, paper, pattern, whole-skin or profile");
 }
 
 std::vector<Cue> CuesFor(const std::vector<Cue>& cues,

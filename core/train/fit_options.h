@@ -103,6 +103,10 @@ std::vector<Cue> CuesFor(const std::vector<Cue>& cues,
 // answers about the category so far.
 // "profile": mixtures of HMMs on the load profile, for recordings on a skin
 // whose place matters (docs/recordings.md).
+// "pattern": mixtures of HMMs on a learned linear embedding of all taxels, for
+// skins on which the place or the pattern of the load is the information.
+// "whole-skin": the same on the whole skin's load without its places, for
+// skins that are touched anywhere.
 absl::StatusOr<FitOptions> FitPreset(absl::string_view name);
 
 }  // namespace tactus

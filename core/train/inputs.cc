@@ -84,9 +84,9 @@ CueGroups GroupsOf(std::span<const ModelInput> inputs) {
 }
 
 void WalkCues(const LabelledContact& contact, const StepIntervals& steps,
-              CueGroups groups,
+              CueGroups groups, const TaxelEmbedding* embedding,
               absl::FunctionRef<void(CueTracker& cues, size_t frame)> visit) {
-  CueTracker cues(contact.sample_rate_hz, groups);
+  CueTracker cues(contact.sample_rate_hz, groups, embedding);
   StepClock clock(steps);
   for (size_t i = 0; i < contact.frames.size(); ++i) {
     if (!contact.frames.touched(i)) continue;
@@ -117,7 +117,7 @@ std::vector<ModelInput> FitInputs(const VariedContacts& contacts,
   for (const Cue cue : options.stretched_cues) groups |= GroupOf(cue);
   LabelledContact made;
   for (size_t c = 0; c < contacts.size(); ++c) {
-    WalkCues(contacts.Get(c, made), options.steps, groups,
+    WalkCues(contacts.Get(c, made), options.steps, groups, options.embedding,
              [&](CueTracker& tracker, size_t) {
                for (size_t i = 0; i < inputs.size(); ++i) {
                  ranges[i].Add(TransformCue(tracker.value(inputs[i].cue),
@@ -147,14 +147,16 @@ std::vector<ModelInput> FitInputs(const VariedContacts& contacts,
 
 std::vector<double> MakeSequence(const LabelledContact& contact,
                                  std::span<const ModelInput> inputs,
-                                 const StepIntervals& steps) {
+                                 const StepIntervals& steps,
+                                 const TaxelEmbedding* embedding) {
   std::vector<double> sequence;
   sequence.reserve(CountSteps(contact, steps) * inputs.size());
   std::vector<double> row(inputs.size());
-  WalkCues(contact, steps, GroupsOf(inputs), [&](CueTracker& cues, size_t) {
-    MakeInput(inputs, cues, row);
-    sequence.insert(sequence.end(), row.begin(), row.end());
-  });
+  WalkCues(contact, steps, GroupsOf(inputs), embedding,
+           [&](CueTracker& cues, size_t) {
+             MakeInput(inputs, cues, row);
+             sequence.insert(sequence.end(), row.begin(), row.end());
+           });
   return sequence;
 }
 

@@ -41,16 +41,18 @@ struct InputOptions {
   // Scaled inputs are clamped to plus and minus this. Beyond it a cue is
   // outside of the training range, and its distance does not matter.
   double limit = std::numeric_limits<double>::infinity();
+  // For cues made from taxels, without which they are 0. Not owned.
+  const TaxelEmbedding* embedding = nullptr;
 };
 
 // Returns the number of frames that WalkCues visits.
 size_t CountSteps(const LabelledContact& contact, const StepIntervals& steps);
 
 // Calls `visit` for every touched frame at which `steps` makes a step due, with
-// the cues and the index of the frame in the contact. Derived cues outside of
-// `groups` are 0.
+// the cues and the index of the frame in the contact. Cues of groups outside of
+// `groups` are 0, and so are those made from taxels without an `embedding`.
 void WalkCues(const LabelledContact& contact, const StepIntervals& steps,
-              CueGroups groups,
+              CueGroups groups, const TaxelEmbedding* embedding,
               absl::FunctionRef<void(CueTracker& cues, size_t frame)> visit);
 
 // The groups of the cues that `inputs` are made from.
@@ -66,5 +68,6 @@ std::vector<ModelInput> FitInputs(const VariedContacts& contacts,
 // inputs, row-major.
 std::vector<double> MakeSequence(const LabelledContact& contact,
                                  std::span<const ModelInput> inputs,
-                                 const StepIntervals& steps);
+                                 const StepIntervals& steps,
+                                 const TaxelEmbedding* embedding = nullptr);
 }  // namespace tactus

@@ -83,7 +83,7 @@ void LstmInputs::Make(const LabelledContact& contact, bool with_targets,
   rows.labels.clear();
   if (with_targets) rows.targets.reserve(steps * kEstimateRegressions);
   std::vector<double> row(spec_.lstm.size());
-  WalkCues(contact, spec_.lstm_steps, GroupsOf(spec_.lstm),
+  WalkCues(contact, spec_.lstm_steps, GroupsOf(spec_.lstm), &spec_.embedding,
            [&](CueTracker& cues, size_t frame) {
              MakeInput(spec_.lstm, cues, row);
              for (const double value : row) {

@@ -18,6 +18,7 @@ void AddContact(const LabelledContact& contact, Sha256& hash) {
     const ContactSample& sample = frame.sample;
     for (const double feature : sample.features) writer(feature);
     for (const double load : sample.profile) writer(load);
+    for (const TaxelLoad& load : sample.loads) writer(load.taxel, load.root);
     writer(sample.net_force, frame.touched);
   }
   hash.Add(writer.bytes());

@@ -14,7 +14,9 @@
 #include "core/features/recent_poses.h"
 #include "core/features/region_sum.h"
 #include "core/features/segmenter.h"
+#include "core/features/taxel_embedding.h"
 #include "core/features/touched.h"
+#include "core/features/whole_skin.h"
 #include "core/skin/taxel_values.h"
 
 namespace tactus::examples {
@@ -43,6 +45,19 @@ void CuesExample(const ContactSample& sample) {
   CueTracker tracker(/*sample_rate_hz=*/100);
   tracker.Step(sample, /*frames_since_onset=*/1);
   double cue = tracker.value(Cue::kLogSpring);
+}
+
+void TaxelEmbeddingExample(const TaxelEmbedding& embedding,
+                           const ContactSample& sample) {
+  EmbeddingTracker tracker(&embedding, /*sample_rate_hz=*/100);
+  tracker.Step(sample.loads);
+  const double first = tracker.values()[0];
+}
+
+void WholeSkinExample(const ContactSample& sample) {
+  WholeSkinTracker tracker(/*taxels=*/384, /*sample_rate_hz=*/100);
+  tracker.Step(sample.loads);
+  const double root_force = tracker.numbers().root_force;
 }
 
 void LightTouchExample(const SkinLayout& layout, const FrameView& frame,

@@ -27,6 +27,7 @@
 #include "core/train/archive.h"
 #include "core/train/calibrate.h"
 #include "core/train/fit.h"
+#include "core/train/fit_embedding.h"
 #include "core/train/fit_fields.h"
 #include "core/train/fit_journal.h"
 #include "core/train/fit_models.h"
@@ -123,6 +124,14 @@ absl::Status LabelledContactExample(const Trial& trial) {
   int undetectable = 0;
   TACTUS_ASSIGN_OR_RETURN(auto contact, ExtractContact(trial));
   if (!contact.has_value()) ++undetectable;
+  return absl::OkStatus();
+}
+
+absl::Status FitEmbeddingExample(const Contacts& contacts,
+                                 const std::vector<std::string>& class_names,
+                                 InputSpec& spec) {
+  TACTUS_ASSIGN_OR_RETURN(
+      spec.embedding, FitTaxelEmbedding(contacts, class_names, spec.hmm_steps));
   return absl::OkStatus();
 }
 

@@ -33,7 +33,8 @@ absl::StatusOr<ChosenOptions> ChooseOptions(const FitFlags& flags,
     return chosen;
   }
   std::vector<std::pair<std::string, FitOptions>> candidates;
-  for (const char* preset : {"profile", "tuned", "paper"}) {
+  for (const char* preset :
+       {"profile", "pattern", "whole-skin", "tuned", "paper"}) {
     TACTUS_ASSIGN_OR_RETURN(FitOptions options, flags.Options(preset));
     skip(options);
     candidates.emplace_back(preset, std::move(options));

@@ -70,9 +70,9 @@ absl::StatusOr<Json> ClassifyTaxels(
 
 absl::StatusOr<Json> ClassifySignals(
     const Trial& trial, const std::shared_ptr<const CompiledModel>& model) {
-  if (UsesProfile(model->model().inputs)) {
+  if (NeedsSkin(model->model().inputs)) {
     return InvalidConfig(absl::StrCat("trial ", trial.id), "ideal signals",
-                         "taxels: the model sees the load profile of a skin");
+                         "taxels: the model sees the whole skin");
   }
   ContactClassifier classifier(model, {});
   for (const FeatureVector& signals : trial.signals) {

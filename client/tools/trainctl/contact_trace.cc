@@ -116,9 +116,9 @@ absl::Status TraceSignals(const Trial& trial,
   SetTimes(0, std::vector<bool>(trial.signals.size(), true),
            trial.sample_rate_hz, trace);
   if (model == nullptr) return absl::OkStatus();
-  if (UsesProfile(model->model().inputs)) {
+  if (NeedsSkin(model->model().inputs)) {
     return InvalidConfig(absl::StrCat("trial ", trial.id), "ideal signals",
-                         "taxels: the model sees the load profile of a skin");
+                         "taxels: the model sees the whole skin");
   }
   ContactClassifier classifier(model, {});
   for (const FeatureVector& signals : trial.signals) {

@@ -14,10 +14,10 @@ namespace tactus::client {
 
 void FitFlags::Add(CLI::App& command) {
   options_ = {
-      command.add_option(
-          "--preset", preset,
-          "auto, tuned, world, paper or profile; default: auto for a "
-          "skin without poses, else tuned"),
+      command.add_option("--preset", preset,
+                         "auto, tuned, world, paper, pattern, whole-skin or "
+                         "profile; default: auto for a "
+                         "skin without poses, else tuned"),
       command.add_option("--features", features,
                          "Features that models may use: any of f (force), m "
                          "(motion), a (area), like f,m"),

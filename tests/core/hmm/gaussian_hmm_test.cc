@@ -37,7 +37,7 @@ TEST(GaussianHmmTest, EachFaultIsRefusedByName) {
       {"states", [](GaussianHmm& m) { m.states = -4; }},
       {"states", [](GaussianHmm& m) { m.states = 257; }},
       {"dimensions", [](GaussianHmm& m) { m.dimensions = 0; }},
-      {"dimensions", [](GaussianHmm& m) { m.dimensions = 17; }},
+      {"dimensions", [](GaussianHmm& m) { m.dimensions = 33; }},
       {"covariance_type",
        [](GaussianHmm& m) {
          m.covariance_type = static_cast<CovarianceType>(9);

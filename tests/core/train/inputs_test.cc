@@ -64,7 +64,7 @@ TEST(WalkCuesTest, VisitsTouchedFramesThatAreDue) {
   LabelledContact contact = Ramp(1, 60);
   contact.frames.Set(9, {contact.frames[9].sample, false});
   std::vector<size_t> visited;
-  WalkCues(contact, {5, 20}, kAllCueGroups,
+  WalkCues(contact, {5, 20}, kAllCueGroups, nullptr,
            [&](CueTracker&, size_t frame) { visited.push_back(frame + 1); });
   EXPECT_EQ(visited,
             (std::vector<size_t>{5, 11, 16, 21, 26, 31, 36, 41, 46, 51, 56}));

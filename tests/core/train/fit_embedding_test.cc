@@ -1,0 +1,173 @@
+#include "core/train/fit_embedding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "core/base/errors.h"
+#include "core/base/random.h"
+#include "core/bundle/model_proto.h"
+#include "core/classify/compiled_model.h"
+#include "core/classify/contact_classifier.h"
+#include "core/train/fit.h"
+#include "gtest/gtest.h"
+#include "tests/core/eval/synthetic_contacts.h"
+
+namespace tactus {
+namespace {
+
+// Contacts of three classes that differ in the shares of the load on two of
+// twelve taxels; the others only vary.
+std::vector<LabelledContact> ContactsByPattern() {
+  constexpr double kShift[][2] = {{0.6, 0}, {-0.6, 0}, {0, 0.6}};
+  Random random(11);
+  std::vector<LabelledContact> contacts;
+  for (int i = 0; i < 36; ++i) {
+    LabelledContact contact;
+    contact.id = std::to_string(i);
+    contact.label = std::string(1, static_cast<char>('a' + i % 3));
+    contact.layout = {.name = "patch", .rows = 3, .columns = 4};
+    contact.with_poses = false;
+    for (int n = 0; n < 30; ++n) {
+      std::vector<TaxelLoad> loads;
+      for (uint32_t t = 0; t < 12; ++t) {
+        double root = 3 + 0.5 * random.Gaussian();
+        if (t == 4) root += kShift[i % 3][0];
+        if (t == 9) root += kShift[i % 3][1];
+        loads.push_back({t, static_cast<float>(std::max(root, 0.01))});
+      }
+      ContactFrame frame = {IdealSample({1, 1e-4, 0})};
+      frame.sample.loads = loads;
+      contact.frames.push_back(frame);
+    }
+    contacts.push_back(std::move(contact));
+  }
+  return contacts;
+}
+
+// Between over within variance of number `d` of the last frames.
+double Separation(const std::vector<LabelledContact>& contacts,
+                  const TaxelEmbedding& embedding, int d) {
+  double sum[3] = {};
+  double squares = 0;
+  double total = 0;
+  for (size_t i = 0; i < contacts.size(); ++i) {
+    EmbeddingTracker tracker(&embedding, 100);
+    for (const ContactFrame& frame : contacts[i].frames) {
+      tracker.Step(frame.sample.loads);
+    }
+    const double value = tracker.values()[d];
+    sum[i % 3] += value;
+    squares += value * value;
+    total += value;
+  }
+  const double n = static_cast<double>(contacts.size());
+  double between = 0;
+  for (const double s : sum) between += 3 * s * s / n;
+  const double all = squares - total * total / n;
+  between -= total * total / n;
+  return between / (all - between);
+}
+
+TEST(FitTaxelEmbeddingTest, SeparatesClassesBetterThanAnyTaxel) {
+  const auto contacts = ContactsByPattern();
+  auto embedding =
+      FitTaxelEmbedding(testing::PointersTo(contacts), {"a", "b", "c"}, {});
+  ASSERT_TRUE(embedding.ok()) << embedding.status();
+  // Two discriminants of three classes; as many components as taxels.
+  ASSERT_EQ(embedding->dimensions, 2 + 12);
+  EXPECT_TRUE(Validate(*embedding).ok());
+  const double best = Separation(contacts, *embedding, 0);
+  for (int t = 0; t < 12; ++t) {
+    TaxelEmbedding single{.taxels = 12, .dimensions = 1};
+    single.weights.assign(24, 0);
+    single.weights[2 * t] = 1;
+    EXPECT_GT(best, Separation(contacts, single, 0)) << t;
+  }
+  EXPECT_GT(best, 1);
+  EXPECT_GT(Separation(contacts, *embedding, 1), 0.5);
+}
+
+TEST(FitTaxelEmbeddingTest, TooManyOrNoTaxelsAreRefused) {
+  auto contacts = ContactsByPattern();
+  for (LabelledContact& contact : contacts) {
+    contact.layout = {.name = "large", .rows = 64, .columns = 64};
+    std::vector<TaxelLoad> loads;
+    for (uint32_t t = 0; t < 1'025; ++t) loads.push_back({t, 1});
+    ContactFrame frame = {IdealSample({1, 1e-4, 0})};
+    frame.sample.loads = loads;
+    contact.frames.push_back(frame);
+  }
+  EXPECT_EQ(ReasonOf(FitTaxelEmbedding(testing::PointersTo(contacts),
+                                       {"a", "b", "c"}, {})
+                         .status()),
+            "INVALID_TRAINING_DATA");
+  for (LabelledContact& contact : contacts) {
+    contact.frames.clear();
+    contact.frames.push_back({IdealSample({1, 1e-4, 0})});
+  }
+  EXPECT_EQ(ReasonOf(FitTaxelEmbedding(testing::PointersTo(contacts),
+                                       {"a", "b", "c"}, {})
+                         .status()),
+            "INVALID_TRAINING_DATA");
+}
+
+TEST(FitPatternTest, AModelOfTaxelsSurvivesItsFile) {
+  const auto contacts = ContactsByPattern();
+  for (const char* preset : {"pattern", "whole-skin"}) {
+    SCOPED_TRACE(preset);
+    FitOptions options = *FitPreset(preset);
+    options.lstm.networks = 1;
+    options.lstm.training.epochs = 2;
+    auto model = FitModel(testing::PointersTo(contacts), options, RunSerially);
+    ASSERT_TRUE(model.ok()) << model.status();
+    auto back = ModelFromProto(ModelToProto(*model));
+    ASSERT_TRUE(back.ok()) << back.status();
+    auto compiled = CompiledModel::Create(*back);
+    ASSERT_TRUE(compiled.ok()) << compiled.status();
+    EXPECT_TRUE(RunWarmUp(**compiled).ok());
+    // A warm-up whose taxels got lost is found.
+    Model broken = *model;
+    for (TaxelLoad& load : broken.warm_up.loads) load.root = 0;
+    EXPECT_FALSE(RunWarmUp(**CompiledModel::Create(broken)).ok());
+    broken = *model;
+    broken.warm_up.load_ends.pop_back();
+    EXPECT_EQ(ReasonOf(Validate(broken)), "INVALID_MODEL");
+    broken = *model;
+    broken.inputs.embedding = {};
+    EXPECT_EQ(ReasonOf(Validate(broken)), "INVALID_MODEL");
+  }
+}
+
+TEST(FitPatternTest, ThePresetPatternFindsThePattern) {
+  const auto contacts = ContactsByPattern();
+  auto model = FitModel(testing::PointersTo(contacts), *FitPreset("pattern"),
+                        RunSerially);
+  ASSERT_TRUE(model.ok()) << model.status();
+  auto compiled = CompiledModel::Create(*std::move(model));
+  ASSERT_TRUE(compiled.ok()) << compiled.status();
+  for (const LabelledContact& contact : contacts) {
+    ContactClassifier classifier(*compiled, {});
+    for (const auto& frame : contact.frames) classifier.StepOrHold(frame, 0);
+    EXPECT_GT(classifier.probability()[contact.label[0] - 'a'], 0.5)
+        << contact.id;
+  }
+}
+
+TEST(FitPatternTest, CopiesAndIdealSignalsAreRefused) {
+  auto contacts = ContactsByPattern();
+  FitOptions options = *FitPreset("pattern");
+  options.variations.copies = 1;
+  const auto reason = [&] {
+    return ReasonOf(
+        FitModel(testing::PointersTo(contacts), options, RunSerially).status());
+  };
+  EXPECT_EQ(reason(), "INVALID_CONFIG");
+  options.variations.copies = 0;
+  contacts.back().layout = {};
+  EXPECT_EQ(reason(), "INVALID_TRAINING_DATA");
+}
+
+}  // namespace
+}  // namespace tactus
