@@ -1,6 +1,9 @@
 #include "client/stream/status.h"
 
+#include <string>
+
 #include "absl/strings/cord.h"
+#include "core/base/errors.h"
 
 namespace tactus::client {
 
@@ -22,6 +25,25 @@ absl::Status FromGrpcStatus(const grpc::Status& status) {
   details.set_code(status.error_code());
   details.set_message(status.error_message());
   return FromStatusProto(details);
+}
+
+bool MayRetry(const absl::Status& status) {
+  const std::string reason = ReasonOf(status);
+  switch (status.code()) {
+    case absl::StatusCode::kUnavailable:
+      return true;
+    case absl::StatusCode::kAborted:
+      return reason == "UPLOAD_BUSY";
+    case absl::StatusCode::kDeadlineExceeded:
+      return reason.empty() || reason == "NO_RESPONSE";
+    case absl::StatusCode::kCancelled:
+    case absl::StatusCode::kInternal:
+    case absl::StatusCode::kUnknown:
+      // gRPC reports broken connections and streams with these.
+      return reason.empty();
+    default:
+      return false;
+  }
 }
 
 }  // namespace tactus::client

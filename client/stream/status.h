@@ -16,4 +16,8 @@ absl::Status FromGrpcStatus(const grpc::Status& status);
 // The same for a status inside a message.
 absl::Status FromStatusProto(const v1::Status& status);
 
+// True if the call broke on its way, or the server asks to come again: the
+// same call may succeed later. False for every answer of the server itself.
+bool MayRetry(const absl::Status& status);
+
 }  // namespace tactus::client

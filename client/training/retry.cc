@@ -3,28 +3,7 @@
 #include <thread>
 #include <utility>
 
-#include "core/base/errors.h"
-
 namespace tactus::client {
-
-bool MayRetry(const absl::Status& status) {
-  const std::string reason = ReasonOf(status);
-  switch (status.code()) {
-    case absl::StatusCode::kUnavailable:
-      return true;
-    case absl::StatusCode::kAborted:
-      return reason == "UPLOAD_BUSY";
-    case absl::StatusCode::kDeadlineExceeded:
-      return reason.empty() || reason == "NO_RESPONSE";
-    case absl::StatusCode::kCancelled:
-    case absl::StatusCode::kInternal:
-    case absl::StatusCode::kUnknown:
-      // gRPC reports broken connections and streams with these.
-      return reason.empty();
-    default:
-      return false;
-  }
-}
 
 Retries::Retries(RetryOptions options, uint64_t seed)
     : options_(std::move(options)), backoff_(seed) {}

@@ -17,13 +17,10 @@
 #include <functional>
 
 #include "absl/status/status.h"
-#include "client/training/backoff.h"
+#include "client/stream/backoff.h"
+#include "client/stream/status.h"
 
 namespace tactus::client {
-
-// True if the call broke on its way, or the server asks to come again: the
-// same call may succeed later. False for every answer of the server itself.
-bool MayRetry(const absl::Status& status);
 
 struct RetryOptions {
   // Failures in a row, without progress between them, that are repeated. Eight

@@ -4,8 +4,8 @@
 #include <string>
 #include <thread>
 
+#include "client/stream/backoff.h"
 #include "client/training/admin_client.h"
-#include "client/training/backoff.h"
 #include "client/training/operation_watcher.h"
 #include "client/training/retry.h"
 #include "client/training/training_client.h"

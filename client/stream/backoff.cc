@@ -1,4 +1,4 @@
-#include "client/training/backoff.h"
+#include "client/stream/backoff.h"
 
 #include <algorithm>
 #include <cmath>
