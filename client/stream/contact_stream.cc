@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client/stream/robot_id.h"
 #include "client/stream/status.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
@@ -31,20 +32,25 @@ class Watch {
 absl::StatusOr<std::unique_ptr<ContactStream>> ContactStream::Open(
     const std::shared_ptr<grpc::Channel>& channel,
     const v1::StreamConfig& config, OnResponse on_response,
-    const StreamTimeouts& timeouts, const std::string& token) {
+    const StreamTimeouts& timeouts, const std::string& token, OnEnd on_end) {
   std::unique_ptr<ContactStream> stream(
-      new ContactStream(std::move(on_response), timeouts));
+      new ContactStream(std::move(on_response), std::move(on_end), timeouts));
   if (!token.empty()) {
     stream->context_.AddMetadata("authorization",
                                  absl::StrCat("Bearer ", token));
+  }
+  if (IsRobotId(config.client_id())) {
+    stream->context_.AddMetadata(kRobotIdKey, config.client_id());
   }
   TACTUS_RETURN_IF_ERROR(stream->Begin(channel, config));
   return stream;
 }
 
-ContactStream::ContactStream(OnResponse on_response,
+ContactStream::ContactStream(OnResponse on_response, OnEnd on_end,
                              const StreamTimeouts& timeouts)
-    : on_response_(std::move(on_response)), timeouts_(timeouts) {
+    : on_response_(std::move(on_response)),
+      on_end_(std::move(on_end)),
+      timeouts_(timeouts) {
   end_of_trial_.mutable_end_of_trial();
 }
 
@@ -91,9 +97,12 @@ void ContactStream::ReadAll() {
   }
   final_status_ = FromGrpcStatus(rpc_->Finish());
   if (!invalid.ok()) final_status_ = invalid;
-  const std::lock_guard lock(mutex_);
-  ended_ = true;
-  answered_.notify_all();
+  {
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+    answered_.notify_all();
+  }
+  if (on_end_) on_end_();
 }
 
 void ContactStream::OnChecked(const v1::ClassifyContactResponse& response) {

@@ -68,15 +68,22 @@ class ContactStream {
  public:
   // Called for every response after `started`.
   using OnResponse = std::function<void(const v1::ClassifyContactResponse&)>;
+  // Called once, on the reading thread, when no further response can come.
+  using OnEnd = std::function<void()>;
 
   // Returns the stream once the server has accepted the configuration, or the
   // server's error. NO_RESPONSE after the timeout. `token`, if not empty, is
   // sent as the caller's bearer token; only TLS, a unix socket or a loopback
   // address keep it secret.
+  //
+  // The client_id of `config` is also sent as the metadata x-robot-id, so that
+  // a proxy can send all streams of a robot to one server. It is left out if
+  // it is empty or no legal metadata value (robot_id.h).
   static absl::StatusOr<std::unique_ptr<ContactStream>> Open(
       const std::shared_ptr<grpc::Channel>& channel,
       const v1::StreamConfig& config, OnResponse on_response,
-      const StreamTimeouts& timeouts = {}, const std::string& token = "");
+      const StreamTimeouts& timeouts = {}, const std::string& token = "",
+      OnEnd on_end = {});
 
   // Cancels the stream unless it has ended.
   ~ContactStream();
@@ -100,7 +107,8 @@ class ContactStream {
   void Cancel() { context_.TryCancel(); }
 
  private:
-  ContactStream(OnResponse on_response, const StreamTimeouts& timeouts);
+  ContactStream(OnResponse on_response, OnEnd on_end,
+                const StreamTimeouts& timeouts);
 
   absl::Status Begin(const std::shared_ptr<grpc::Channel>& channel,
                      const v1::StreamConfig& config);
@@ -112,6 +120,7 @@ class ContactStream {
   absl::Status Join();
 
   const OnResponse on_response_;
+  const OnEnd on_end_;
   const StreamTimeouts timeouts_;
   grpc::ClientContext context_;
   Watchdog watchdog_{[this] { Cancel(); }};

@@ -4,9 +4,11 @@
 #include <mutex>
 
 #include "client/stream/frame_encoder.h"
+#include "client/stream/robot_id.h"
 #include "core/base/errors.h"
 #include "gtest/gtest.h"
 #include "tests/server/support/test_server.h"
+#include "tests/support/scripted_server.h"
 
 namespace tactus::client {
 namespace {
@@ -118,6 +120,46 @@ TEST(ContactStreamTest, ARobotGivesItsOwnGeometry) {
   stream = *ContactStream::Open(server.channel(), MakeConfig(info), Ignore);
   EXPECT_EQ(stream->started().geometry().layout(), "my-palm");
   EXPECT_EQ(stream->started().geometry().rows(), 8u);
+}
+
+// The values of x-robot-id that a server sees from a robot with this client_id.
+std::vector<std::string> RobotIds(const std::string& client_id) {
+  std::vector<std::string> ids;
+  testing::ScriptedServer server([&](grpc::ServerContext* context,
+                                     testing::ScriptedServer::Stream* stream) {
+    const auto [begin, end] =
+        context->client_metadata().equal_range(kRobotIdKey);
+    for (auto id = begin; id != end; ++id) {
+      ids.emplace_back(id->second.data(), id->second.size());
+    }
+    stream->Write(testing::GoodStarted());
+    return grpc::Status::OK;
+  });
+  v1::StreamConfig config = GoodConfig();
+  config.set_client_id(client_id);
+  const auto stream =
+      ContactStream::Open(MakeChannel(server.address()), config, Ignore);
+  EXPECT_TRUE(stream.ok()) << stream.status();
+  return ids;
+}
+
+TEST(ContactStreamTest, AProxySeesWhichRobotItIs) {
+  EXPECT_EQ(RobotIds("left arm 7"), std::vector<std::string>{"left arm 7"});
+  // gRPC ends the process if a value has other bytes.
+  for (const char* id : {"", " arm", "arm ", "Ärm", "a\nb", "a\tb", "\x7f"}) {
+    EXPECT_EQ(RobotIds(id), std::vector<std::string>{}) << id;
+  }
+}
+
+TEST(ContactStreamTest, ReportsItsEndOnce) {
+  TestServer server;
+  std::atomic<int> ends = 0;
+  auto stream = *ContactStream::Open(server.channel(), GoodConfig(), Ignore, {},
+                                     "", [&] { ++ends; });
+  EXPECT_EQ(ends, 0);
+  EXPECT_TRUE(stream->Close().ok());
+  stream.reset();
+  EXPECT_EQ(ends, 1);
 }
 
 TEST(ContactStreamTest, NobodyListens) {

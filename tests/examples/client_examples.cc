@@ -11,6 +11,7 @@
 #include "client/stream/contact_stream.h"
 #include "client/stream/frame_encoder.h"
 #include "client/stream/response_checker.h"
+#include "client/stream/robot_id.h"
 #include "client/stream/skin_frame.h"
 #include "client/stream/watchdog.h"
 #include "core/base/status_macros.h"
@@ -63,6 +64,13 @@ absl::Status ResponseCheckerExample(
   checker.OnSent(request);  // before the request is written
   TACTUS_RETURN_IF_ERROR(checker.Check(response));
   return absl::OkStatus();
+}
+
+void RobotIdExample(const v1::StreamConfig& config,
+                    grpc::ClientContext& context) {
+  if (IsRobotId(config.client_id())) {
+    context.AddMetadata(kRobotIdKey, config.client_id());
+  }
 }
 
 absl::Status SkinFrameExample() {
