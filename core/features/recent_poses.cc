@@ -6,16 +6,9 @@
 namespace tactus {
 namespace {
 
-constexpr double kWindow = 0.2;    // s
-constexpr double kSpacing = 0.01;  // s
 constexpr int kLinePoses = 4;
 // Standard deviations by which two estimates may differ.
 constexpr double kAgree = 3;
-
-uint64_t Frames(double seconds, double sample_rate_hz) {
-  return static_cast<uint64_t>(
-      std::max(1.0, std::round(seconds * sample_rate_hz)));
-}
 
 // A coordinate at regular or irregular times, the newest first.
 struct Way {
@@ -94,26 +87,23 @@ double Smoothest(const Way& way) {
 
 }  // namespace
 
-RecentPoses::RecentPoses(double sample_rate_hz)
-    : spacing_(Frames(kSpacing, sample_rate_hz)),
-      window_(Frames(kWindow, sample_rate_hz)) {}
+RecentPoses::RecentPoses(double sample_rate_hz) : spacing_(sample_rate_hz) {}
 
 void RecentPoses::Reset() {
-  frame_ = 0;
+  spacing_.Reset();
   count_ = 0;
 }
 
 void RecentPoses::Add(const Pose* pose, uint64_t missing_before) {
-  // So that frame_ never overflows.
-  if (missing_before >= window_) Reset();
-  frame_ += std::min(missing_before, window_) + 1;
+  if (missing_before >= spacing_.window()) Reset();
+  spacing_.Step(missing_before);
   if (pose == nullptr) return;
-  // The newest entry stays only once it is far enough from the one before.
-  if (count_ < 2 || At(0).frame - At(1).frame >= spacing_) {
+  if (count_ == 0 || newest_is_kept_) {
     newest_ = (newest_ + 1) % kMaxPoses;
     count_ = std::min(count_ + 1, kMaxPoses);
   }
-  entries_[newest_] = {frame_, *pose};
+  entries_[newest_] = {spacing_.frame(), *pose};
+  newest_is_kept_ = spacing_.Keep();
 }
 
 double RecentPoses::NewestError(const Eigen::Vector3d& link_position,
@@ -127,7 +117,7 @@ double RecentPoses::NewestError(const Eigen::Vector3d& link_position,
   for (; way.size < count_; ++way.size) {
     const Entry& entry = At(way.size);
     const uint64_t age = newest.frame - entry.frame;
-    if (age >= window_) break;
+    if (age >= spacing_.window()) break;
     const Eigen::Vector3d moved =
         (entry.pose.position - newest.pose.position) +
         (entry.pose.orientation * link_position - newest_arm);

@@ -8,14 +8,15 @@
 //   poses.Add(&pose, /*missing_before=*/0);
 //   const double error_m = poses.NewestError(place, direction);
 //
-// Memory is constant: 20 poses, at least 0.01 s apart except for the newest.
-// Nothing allocates. Not thread-safe; one per stream.
+// Memory is constant: 20 poses, at least 0.01 s apart except for the newest
+// (pose_spacing.h). Nothing allocates. Not thread-safe; one per stream.
 #pragma once
 
 #include <array>
 #include <cstdint>
 
 #include "Eigen/Core"
+#include "core/features/pose_spacing.h"
 #include "core/skin/frame.h"
 
 namespace tactus {
@@ -60,14 +61,12 @@ class RecentPoses {
     return entries_[(newest_ + kMaxPoses - back) % kMaxPoses];
   }
 
-  // Frames between two entries, and frames of the window.
-  uint64_t spacing_;
-  uint64_t window_;
-  // Number of the last frame.
-  uint64_t frame_ = 0;
+  PoseSpacing spacing_;
   std::array<Entry, kMaxPoses> entries_;
   int count_ = 0;
   int newest_ = 0;
+  // False if the next pose replaces the newest.
+  bool newest_is_kept_ = false;
 };
 
 }  // namespace tactus

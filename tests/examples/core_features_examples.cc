@@ -11,6 +11,7 @@
 #include "core/features/light_touch.h"
 #include "core/features/light_touch_kernels.h"
 #include "core/features/load_profile.h"
+#include "core/features/pose_spacing.h"
 #include "core/features/recent_poses.h"
 #include "core/features/region_sum.h"
 #include "core/features/segmenter.h"
@@ -86,6 +87,12 @@ void LoadProfileExample(Segmenter& segmenter, const FrameView& frame,
   segmenter.Segment(frame.taxels);
   segmenter.SumLoads(frame.taxels, row_loads, column_loads);
   const LoadProfile profile = MakeLoadProfile(row_loads, column_loads);
+}
+
+void PoseSpacingExample() {
+  PoseSpacing spacing(/*sample_rate_hz=*/100);
+  spacing.Step(/*missing_before=*/0);
+  const bool kept = spacing.Keep();
 }
 
 void RecentPosesExample(const Pose& pose, const Eigen::Vector3d& place,

@@ -217,5 +217,43 @@ TEST(RecentPosesTest, LongStreamsLoseNoDigits) {
               few.NewestError({1, 2, 3}, {0, 0, 1}), 2e-12);
 }
 
+// A client that replays frames from a kept pose on, older than the window, gets
+// the bits of the whole stream; from most other poses on it would not.
+TEST(RecentPosesTest, AReplayFromAKeptPoseIsEqual) {
+  int unequal = 0;
+  for (const double rate : {30.0, 100.0, 1000.0, 1490.0}) {
+    Random random(7);
+    constexpr int kFrames = 3000;
+    std::vector<Pose> poses;
+    std::vector<uint64_t> missing;
+    for (int t = 0; t < kFrames; ++t) {
+      const double way = 1e-4 * t + 1e-5 * random.Gaussian();
+      poses.push_back(PoseOf(way * kWayOutwards));
+      missing.push_back(t % 37 == 0 ? t % 5 : 0);
+    }
+    const auto replay = [&](int begin) {
+      RecentPoses recent(rate);
+      for (int t = begin; t < kFrames; ++t) {
+        recent.Add(&poses[t], t == begin ? 0 : missing[t]);
+      }
+      return recent.NewestError({0.1, -0.2, 0.3}, kWayOutwards);
+    };
+    const double whole = replay(0);
+    PoseSpacing spacing(rate);
+    for (int t = 0; t < kFrames; ++t) {
+      spacing.Step(missing[t]);
+      const bool kept = spacing.Keep();
+      if (t % 97 != 0 && t % 100 != 0) continue;
+      if (t + static_cast<int>(spacing.window()) >= kFrames) break;
+      if (kept) {
+        EXPECT_EQ(replay(t), whole) << rate << " Hz, from frame " << t;
+      } else {
+        unequal += replay(t) != whole;
+      }
+    }
+  }
+  EXPECT_GT(unequal, 10);
+}
+
 }  // namespace
 }  // namespace tactus
