@@ -34,7 +34,7 @@ install(FILES ${PROJECT_BINARY_DIR}/TactusConfig.cmake
 
 foreach(folder client/stream client/drivers client/drivers/can
     client/drivers/icub_skin client/drivers/serial client/drivers/xela core/base
-    core/skin)
+    core/features core/skin)
   file(GLOB public RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS
     ${PROJECT_SOURCE_DIR}/${folder}/*.h)
   # The other drivers need trial files and the simulator.

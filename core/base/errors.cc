@@ -437,4 +437,25 @@ absl::Status NoResponse(absl::string_view request, int64_t timeout_ms) {
       {{"value", std::string(request)}, {"limit", absl::StrCat(timeout_ms)}});
 }
 
+absl::Status NotResumed(int64_t limit_ms, const absl::Status& last) {
+  return MakeError(
+      StatusCode::kDeadlineExceeded, v1::ERROR_REASON_NO_RESPONSE,
+      absl::StrCat("the stream could not be resumed within ", limit_ms,
+                   " ms; the last attempt ended with: ", last.message(),
+                   "; start the server or check its address, then open a new "
+                   "stream"),
+      {{"value", "a lost stream"}, {"limit", absl::StrCat(limit_ms)}});
+}
+
+absl::Status BundleChanged(absl::string_view version, absl::string_view got,
+                           absl::string_view want) {
+  return MakeError(
+      StatusCode::kFailedPrecondition, v1::ERROR_REASON_MODEL_NOT_FOUND,
+      absl::StrCat("the server's bundle of ", version, " has the SHA-256 ", got,
+                   "; the stream began with ", want, "; open a new stream"),
+      {{"model", std::string(version)},
+       {"value", std::string(got)},
+       {"expected", std::string(want)}});
+}
+
 }  // namespace tactus

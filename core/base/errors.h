@@ -157,4 +157,13 @@ absl::Status InvalidResponse(absl::string_view what, const Value& got,
 // DEADLINE_EXCEEDED: the server did not respond to `request` in time.
 absl::Status NoResponse(absl::string_view request, int64_t timeout_ms);
 
+// DEADLINE_EXCEEDED: a lost stream could not be resumed in time. `last` is the
+// error of the last attempt.
+absl::Status NotResumed(int64_t limit_ms, const absl::Status& last);
+
+// FAILED_PRECONDITION: the server has another bundle under the name of the
+// version that the stream began with.
+absl::Status BundleChanged(absl::string_view version, absl::string_view got,
+                           absl::string_view want);
+
 }  // namespace tactus

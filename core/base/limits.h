@@ -24,6 +24,11 @@ inline constexpr double kMaxTaxelAreaM2 = 1;
 inline constexpr uint32_t kMaxFramesPerMessage = 64;
 inline constexpr size_t kMaxMessageBytes = 64 * 1024;
 
+// What a client keeps of a trial to resume its stream: at most this many bytes
+// of messages. 200 s of 16 x 24 taxels as u16 with poses at 100 Hz.
+inline constexpr size_t kMaxReplayBytes = 16UL * 1024 * 1024;
+inline constexpr size_t kMinReplayBytes = 256UL * 1024;
+
 // Stream configuration.
 inline constexpr double kMinSampleRateHz = 0.01;
 inline constexpr double kMaxSampleRateHz = 10'000.0;

@@ -10,16 +10,23 @@
 #include "client/stream/channel.h"
 #include "client/stream/contact_stream.h"
 #include "client/stream/frame_encoder.h"
+#include "client/stream/message_ring.h"
 #include "client/stream/response_checker.h"
+#include "client/stream/resumable_stream.h"
 #include "client/stream/robot_id.h"
 #include "client/stream/skin_frame.h"
+#include "client/stream/stream_history.h"
 #include "client/stream/watchdog.h"
+#include "core/base/limits.h"
 #include "core/base/status_macros.h"
 
 namespace tactus::client::examples {
 
 void Use(const v1::Posterior& posterior);
 void Use(const SkinFrame& frame);
+void Use(const v1::ClassifyContactResponse& response);
+void Send(const v1::FrameBatch& batch);
+void Send(absl::string_view bytes);
 
 void ChannelExample() { const auto channel = MakeChannel("127.0.0.1:50051"); }
 
@@ -55,6 +62,44 @@ absl::Status FrameEncoderExample(const SkinInfo& info, const SkinFrame& frame,
   TACTUS_RETURN_IF_ERROR(stream->Send(encoder.request()));
   encoder.Clear();
   return absl::OkStatus();
+}
+
+void MessageRingExample(const v1::FrameBatch& message, int size) {
+  MessageRing ring(limits::kMaxReplayBytes);
+  if (char* bytes = ring.Append(message.ByteSizeLong())) {
+    message.SerializeToArray(bytes, size);
+  }
+  for (auto at = ring.begin(); at != ring.end(); at = ring.Next(at)) {
+    Send(ring.At(at));
+  }
+  ring.PopFront();
+}
+
+absl::Status ResumableStreamExample(const SkinInfo& info,
+                                    const SkinFrame& frame) {
+  TACTUS_ASSIGN_OR_RETURN(
+      auto stream,
+      ResumableStream::Open(MakeChannel("arm.lab:50051"), MakeConfig(info),
+                            [](const auto& response) { Use(response); },
+                            {.resume_for = std::chrono::seconds(30)}));
+  FrameEncoder encoder(info, {});
+  encoder.Add(frame);
+  TACTUS_RETURN_IF_ERROR(stream->Send(encoder.request()));
+  TACTUS_ASSIGN_OR_RETURN(const v1::Posterior answer, stream->EndTrial());
+  TACTUS_RETURN_IF_ERROR(stream->Close());
+  return absl::OkStatus();
+}
+
+void StreamHistoryExample(const v1::StreamConfig& config,
+                          const v1::StreamStarted& started,
+                          v1::FrameBatch batch,
+                          const v1::ClassifyContactResponse& posterior) {
+  StreamHistory history(config, started, limits::kMaxReplayBytes);
+  history.Add(batch);  // before it is sent
+  if (const auto* response = history.Take(posterior)) Use(*response);
+  // The connection is lost.
+  history.BeginStream();
+  while (history.NextUnsent(&batch)) Send(batch);
 }
 
 absl::Status ResponseCheckerExample(
