@@ -16,7 +16,8 @@ using std::chrono::milliseconds;
 
 // How often an attempt looks whether it is still wanted.
 constexpr milliseconds kLook{100};
-// A message may wait so long for its answer before the next one is sent.
+// A message waits so long for its answer before the next one is sent: the least
+// if no answer may come.
 constexpr milliseconds kLeastPause{1};
 constexpr milliseconds kLongestPause{100};
 
@@ -385,13 +386,23 @@ bool ResumableStream::CatchUp(Lock& lock) {
 
 void ResumableStream::AwaitAnswer(uint64_t sequence, uint32_t frames,
                                   Lock& lock) {
-  // Answers that the robot has may supersede each other.
-  if (sequence < history_->delivered()) return;
-  const double rate =
-      config_.sample_rate_hz() > 0 ? config_.sample_rate_hz() : 100;
-  const milliseconds pause =
-      std::clamp(milliseconds(static_cast<int64_t>(500.0 * frames / rate)),
-                 kLeastPause, kLongestPause);
+  // Answers that the robot has may supersede each other. Decisions and ends of
+  // contacts are never superseded.
+  if (sequence < history_->delivered() ||
+      config_.cadence() == v1::RESULT_CADENCE_ON_DECISION) {
+    return;
+  }
+  // Half of the time that the frames span, so that the rest catches up with a
+  // robot that goes on.
+  milliseconds pause = kLeastPause;
+  if (config_.cadence() != v1::RESULT_CADENCE_EVERY_N_FRAMES &&
+      config_.cadence() != v1::RESULT_CADENCE_ON_CHANGE) {
+    const double rate =
+        config_.sample_rate_hz() > 0 ? config_.sample_rate_hz() : 100;
+    pause =
+        std::clamp(milliseconds(static_cast<int64_t>(500.0 * frames / rate)),
+                   kLeastPause, kLongestPause);
+  }
   changed_.wait_for(lock, pause, [&] {
     return history_->answered() >= sequence || is_over_ || is_cancelled_;
   });

@@ -44,8 +44,9 @@
 // KIND_MODEL_SUPERSEDED.
 //
 // While the stream is lost, Send keeps the frames and returns at once. It waits
-// only if there is no room for frames that no server has got yet. Then the
-// frames go out as fast as they are answered, or at twice the sample rate.
+// only if there is no room for frames that no server has got yet. Then each of
+// these frames waits for the answer to the one before, for at most half of its
+// sample period, so that their answers do not supersede each other.
 //
 // If a trial, or on most skins a contact, is longer than `replay_bytes`, its
 // beginning is not kept. Resumed there, the rest of the contact is answered as

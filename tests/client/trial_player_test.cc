@@ -363,7 +363,7 @@ TEST(ReportTest, CountsUndetectableTrialsApart) {
             "{\"trials\":4,\"accuracy\":0.6666666666666666,\"confusion\":"
             "[[1,1],[0,1]],\"decision_ms\":{\"p50\":100.0,\"p90\":300.0},"
             "\"rtt_us\":{\"p50\":3.0,\"p99\":5.0},\"frames\":10,\"lost\":1,"
-            "\"undetectable\":1}");
+            "\"undetectable\":1,\"resumed\":0}");
   const std::string path = ::testing::TempDir() + "report_test.jsonl";
   ASSERT_TRUE(report.WritePosteriors(path).ok());
   std::ifstream file(path);

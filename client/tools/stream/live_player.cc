@@ -63,9 +63,11 @@ absl::Status LivePlayer::Stream() {
   config.set_cadence(v1::RESULT_CADENCE_ON_CHANGE);
   config.set_release_after_ms(options_.release_after_ms);
   TACTUS_ASSIGN_OR_RETURN(
-      stream_, ContactStream::Open(
-                   channel_, config, [this](const auto& r) { OnResponse(r); },
-                   options_.timeouts, options_.token));
+      stream_, ResumableStream::Open(channel_, config,
+                                     [this](const auto& r) { OnResponse(r); },
+                                     {.timeouts = options_.timeouts,
+                                      .token = options_.token,
+                                      .resume_for = options_.resume_for}));
   const v1::StreamStarted& started = stream_->started();
   class_names_.assign(started.class_names().begin(),
                       started.class_names().end());
@@ -76,6 +78,7 @@ absl::Status LivePlayer::Stream() {
   if (!remarks.empty()) on_news_(remarks);
   TACTUS_RETURN_IF_ERROR(driver_->Activate());
   const absl::Status played = Play();
+  if (stop_ && stream_->resuming()) stream_->Cancel();
   // An open contact ends here too.
   const absl::Status closed = stream_->Close();
   ReportContacts();
@@ -98,6 +101,7 @@ absl::Status LivePlayer::Play() {
       TACTUS_RETURN_IF_ERROR(SendFrame(frame));
     }
     if (result == ReadResult::kNoFrame || frames_ % 64 == 0) ReportNews();
+    ReportConnection();
     ReportContacts();
     // Close returns the reason.
     if (stream_->ended()) break;
@@ -133,6 +137,22 @@ void LivePlayer::ReportContacts() {
     contacts.swap(contacts_);
   }
   for (const LiveContact& contact : contacts) on_contact_(contact);
+}
+
+void LivePlayer::ReportConnection() {
+  const bool resuming = stream_->resuming();
+  const ResumableStream::Statistics statistics = stream_->statistics();
+  if (resuming && !was_resuming_) {
+    on_news_("the stream is lost; frames are kept until it goes on");
+  } else if (!resuming && was_resuming_ && !stream_->ended()) {
+    on_news_(absl::StrCat("the stream goes on; ", statistics.replayed_frames,
+                          " frames were sent again so far"));
+  }
+  was_resuming_ = resuming;
+  if (statistics.without_beginning > without_beginning_) {
+    on_news_("the contact goes on without its beginning, as a new contact");
+  }
+  without_beginning_ = statistics.without_beginning;
 }
 
 void LivePlayer::ReportNews() {

@@ -10,11 +10,14 @@
 //
 // Lost frames become jumps in the sequence numbers. If the skin sends nothing,
 // the stream waits; an error of the driver ends it, after the server's last
-// answers have been taken. Run belongs to one thread; contacts and news are
-// reported on it. Stop may be called from any thread and from a signal handler.
+// answers have been taken. If the connection to the server is lost, frames are
+// kept until it stands again (resumable_stream.h); Stop does not wait for it.
+// Run belongs to one thread; contacts and news are reported on it. Stop may be
+// called from any thread and from a signal handler.
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -26,8 +29,8 @@
 
 #include "absl/status/status.h"
 #include "client/drivers/skin_driver.h"
-#include "client/stream/contact_stream.h"
 #include "client/stream/frame_encoder.h"
+#include "client/stream/resumable_stream.h"
 #include "grpcpp/channel.h"
 
 namespace tactus::client {
@@ -58,6 +61,9 @@ class LivePlayer {
     // 0: until Stop or the end of the driver's data.
     double seconds = 0;
     StreamTimeouts timeouts = {};
+    // How long a lost stream may take to go on (resumable_stream.h); 0: a loss
+    // is an error.
+    std::chrono::milliseconds resume_for{0};
     std::string token = {};
     // Milliseconds without a touch after which a contact ends; 0: the model's.
     int release_after_ms = 0;
@@ -85,6 +91,7 @@ class LivePlayer {
   void OnResponse(const v1::ClassifyContactResponse& response);
   void ReportContacts();
   void ReportNews();
+  void ReportConnection();
 
   const std::shared_ptr<grpc::Channel> channel_;
   SkinDriver* const driver_;
@@ -92,7 +99,7 @@ class LivePlayer {
   const OnContact on_contact_;
   const OnNews on_news_;
   std::atomic<bool> stop_ = false;
-  std::unique_ptr<ContactStream> stream_;
+  std::unique_ptr<ResumableStream> stream_;
   std::optional<FrameEncoder> encoder_;
   std::vector<std::string> class_names_;
   uint64_t frames_ = 0;
@@ -101,6 +108,8 @@ class LivePlayer {
   // Reported so far.
   std::string last_problem_;
   bool was_connected_ = true;
+  bool was_resuming_ = false;
+  uint64_t without_beginning_ = 0;
   std::vector<int> stuck_;
 
   // Shared with the stream's reading thread.

@@ -47,6 +47,7 @@ struct Flags {
   std::string layout;
   std::string skin = "good";
   double timeout_s = 10;
+  double reconnect_s = 30;
   double seconds = 0;
   IcubSourceOptions icub;
   TrialPlayer::Options player;
@@ -85,6 +86,7 @@ absl::Status RunSkin(const Flags& flags,
                                       .sparse = flags.player.sparse,
                                       .seconds = flags.seconds,
                                       .timeouts = flags.player.timeouts,
+                                      .resume_for = flags.player.resume_for,
                                       .token = token};
   if (flags.driver == "serial") {
     SerialSkinOptions options = {.format = flags.format == "ascii"
@@ -258,6 +260,11 @@ int Main(int argc, char** argv) {
                  "Seconds that the server may take to respond; 0: no limit")
       ->check(CLI::Range(0.0, 86'400.0))
       ->capture_default_str();
+  app.add_option("--reconnect", flags.reconnect_s,
+                 "Seconds within which a lost stream must go on; 0: a loss is "
+                 "an error")
+      ->check(CLI::Range(0.0, 86'400.0))
+      ->capture_default_str();
   app.add_flag("--json", flags.json, "Print one JSON object");
   app.add_option("--posteriors", flags.posteriors,
                  "File for each trial's final scores, JSON lines");
@@ -294,6 +301,8 @@ int Main(int argc, char** argv) {
   flags.player.real_time = flags.rate == "real";
   const std::chrono::milliseconds timeout(std::llround(1e3 * flags.timeout_s));
   flags.player.timeouts = {timeout, timeout, timeout, timeout};
+  flags.player.resume_for =
+      std::chrono::milliseconds(std::llround(1e3 * flags.reconnect_s));
   const absl::Status status = Run(flags);
   if (status.ok()) return 0;
   std::fprintf(stderr, "tactus-stream: %s\n",

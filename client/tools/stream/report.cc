@@ -37,6 +37,7 @@ void Report::Add(const TrialResult& result) { results_[result.index] = result; }
 void Report::AddTotals(const TrialPlayer::Totals& totals) {
   totals_.frames += totals.frames;
   totals_.lost += totals.lost;
+  totals_.resumed += totals.resumed;
   totals_.rtt_us.insert(totals_.rtt_us.end(), totals.rtt_us.begin(),
                         totals.rtt_us.end());
 }
@@ -107,6 +108,9 @@ void Report::PrintTables() const {
                Percentile(totals_.rtt_us, 0.99),
                static_cast<unsigned long long>(totals_.frames),
                static_cast<unsigned long long>(totals_.lost));
+  if (totals_.resumed == 0) return;
+  std::fprintf(out_, "lost streams that went on %llu\n",
+               static_cast<unsigned long long>(totals_.resumed));
 }
 
 Json Report::ToJson() const {
@@ -122,6 +126,7 @@ Json Report::ToJson() const {
   json["frames"] = totals_.frames;
   json["lost"] = totals_.lost;
   json["undetectable"] = Undetectable();
+  json["resumed"] = totals_.resumed;
   return json;
 }
 

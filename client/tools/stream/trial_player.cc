@@ -40,13 +40,16 @@ absl::Status TrialPlayer::Run() {
   v1::StreamConfig config = MakeConfig(info);
   config.set_model(options_.model);
   TACTUS_ASSIGN_OR_RETURN(
-      stream_, ContactStream::Open(
-                   channel_, config, [this](const auto& r) { OnResponse(r); },
-                   options_.timeouts, options_.token));
+      stream_, ResumableStream::Open(channel_, config,
+                                     [this](const auto& r) { OnResponse(r); },
+                                     {.timeouts = options_.timeouts,
+                                      .token = options_.token,
+                                      .resume_for = options_.resume_for}));
   const auto& names = stream_->started().class_names();
   class_names_.assign(names.begin(), names.end());
   const absl::Status played = Play();
   totals_.rtt_us = std::move(rtt_us_);
+  totals_.resumed = stream_->statistics().resumed;
   TACTUS_RETURN_IF_ERROR(played);
   TACTUS_RETURN_IF_ERROR(stream_->Close());
   return driver_->Deactivate();
@@ -165,7 +168,7 @@ void TrialPlayer::OnResponse(const v1::ClassifyContactResponse& response) {
 
 absl::Status TrialPlayer::AwaitAnswer(uint64_t sequence) {
   const auto limit = options_.timeouts.final_posterior;
-  const auto deadline = steady_clock::now() + limit;
+  auto deadline = steady_clock::now() + limit;
   const auto is_answered = [&] { return last_answer_ >= sequence; };
   std::unique_lock lock(mutex_);
   while (
@@ -176,6 +179,8 @@ absl::Status TrialPlayer::AwaitAnswer(uint64_t sequence) {
       const absl::Status status = stream_->Close();
       return status.ok() ? StreamFinished() : status;
     }
+    // A lost stream has another limit.
+    if (stream_->resuming()) deadline = steady_clock::now() + limit;
     if (limit.count() > 0 && steady_clock::now() > deadline) {
       stream_->Cancel();
       return NoResponse("frames", limit.count());

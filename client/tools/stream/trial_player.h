@@ -12,6 +12,7 @@
 // several threads may share a channel.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
@@ -23,8 +24,8 @@
 
 #include "absl/status/status.h"
 #include "client/drivers/trial_driver.h"
-#include "client/stream/contact_stream.h"
 #include "client/stream/frame_encoder.h"
+#include "client/stream/resumable_stream.h"
 #include "grpcpp/channel.h"
 
 namespace tactus::client {
@@ -58,6 +59,9 @@ class TrialPlayer {
     bool real_time = false;
     // `final_posterior` also bounds the wait for the answer to a message.
     StreamTimeouts timeouts = {};
+    // How long a lost stream may take to go on (resumable_stream.h); 0: a loss
+    // is an error.
+    std::chrono::milliseconds resume_for{0};
     // The robot's bearer token; empty: none.
     std::string token = {};
   };
@@ -65,6 +69,8 @@ class TrialPlayer {
     uint64_t frames = 0;
     // Frames that were neither answered nor superseded by newer answers.
     uint64_t lost = 0;
+    // How often a lost stream was resumed.
+    uint64_t resumed = 0;
     // For each message, the time from sending it to the answer to its last
     // frame.
     std::vector<double> rtt_us;
@@ -98,7 +104,7 @@ class TrialPlayer {
   TrialDriver* const driver_;
   const Options options_;
   const OnTrial on_trial_;
-  std::unique_ptr<ContactStream> stream_;
+  std::unique_ptr<ResumableStream> stream_;
   std::optional<FrameEncoder> encoder_;
   std::vector<std::string> class_names_;
   // The running trial: when its first frame was due and captured.
