@@ -3,27 +3,53 @@
 # Tactus::client_skins, and for USB adapters Tactus::client_gs_usb (libusb).
 #
 #   cmake --install build/release --component client --prefix /usr/local
+#
+# A program that classifies without a server also needs the component core: the
+# library Tactus::core, models and trial files.
+#
+#   cmake --install build/release --component core --prefix /usr/local
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
 set(headers ${CMAKE_INSTALL_INCLUDEDIR}/tactus)
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/Tactus)
 
-set(libraries tactus_proto tactus_proto_grpc tactus_core_base tactus_core_skin
-    tactus_client tactus_client_can tactus_client_gs_usb tactus_client_serial
-    tactus_client_skins)
-foreach(library ${libraries})
+# What both components need, what the client adds, and what core adds.
+set(base_libraries tactus_proto tactus_core_base tactus_core_skin)
+set(client_libraries tactus_proto_grpc tactus_client tactus_client_can
+    tactus_client_gs_usb tactus_client_serial tactus_client_skins)
+add_library(tactus_core INTERFACE)
+target_link_libraries(tactus_core
+  INTERFACE tactus_core_bundle tactus_core_data)
+set(core_libraries tactus_core tactus_core_bundle tactus_core_checksum
+    tactus_core_classify tactus_core_data tactus_core_features
+    tactus_core_file_bytes tactus_core_files tactus_core_hmm tactus_core_lstm
+    tactus_core_trial)
+foreach(library ${base_libraries} ${client_libraries} ${core_libraries})
   string(REPLACE "tactus_" "" name ${library})
   set_target_properties(${library} PROPERTIES EXPORT_NAME ${name})
-  target_include_directories(${library} SYSTEM
-    PUBLIC $<INSTALL_INTERFACE:${headers}>)
+  get_target_property(type ${library} TYPE)
+  if(NOT type STREQUAL "INTERFACE_LIBRARY")
+    target_include_directories(${library} SYSTEM
+      PUBLIC $<INSTALL_INTERFACE:${headers}>)
+  endif()
 endforeach()
 target_compile_features(tactus_client PUBLIC cxx_std_20)
 
-install(TARGETS ${libraries} EXPORT TactusTargets
-  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT client)
-install(EXPORT TactusTargets NAMESPACE Tactus::
-  DESTINATION ${package} COMPONENT client)
+target_compile_features(tactus_core INTERFACE cxx_std_20)
+
+foreach(part base client core)
+  # All that core adds is of its component.
+  set(component client)
+  if(part STREQUAL "core")
+    set(component core)
+  endif()
+  install(TARGETS ${${part}_libraries} EXPORT Tactus_${part}
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${component})
+  install(EXPORT Tactus_${part} NAMESPACE Tactus::
+    FILE Tactus_${part}.cmake
+    DESTINATION ${package} COMPONENT ${component})
+endforeach()
 configure_package_config_file(cmake/TactusConfig.cmake.in
   ${PROJECT_BINARY_DIR}/TactusConfig.cmake INSTALL_DESTINATION ${package})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/TactusConfigVersion.cmake
@@ -32,15 +58,22 @@ install(FILES ${PROJECT_BINARY_DIR}/TactusConfig.cmake
               ${PROJECT_BINARY_DIR}/TactusConfigVersion.cmake
   DESTINATION ${package} COMPONENT client)
 
-foreach(folder client/stream client/drivers client/drivers/can
-    client/drivers/icub_skin client/drivers/serial client/drivers/xela core/base
-    core/features core/skin)
-  file(GLOB public RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS
-    ${PROJECT_SOURCE_DIR}/${folder}/*.h)
-  # The other drivers need trial files and the simulator.
-  list(FILTER public EXCLUDE REGEX "(replay|sim|trial)_driver.h")
-  install(FILES ${public} DESTINATION ${headers}/${folder} COMPONENT client)
-endforeach()
+# install_headers(COMPONENT folder...)
+function(install_headers component)
+  foreach(folder ${ARGN})
+    file(GLOB public RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS
+      ${PROJECT_SOURCE_DIR}/${folder}/*.h)
+    # The other drivers need trial files and the simulator.
+    list(FILTER public EXCLUDE REGEX "(replay|sim|trial)_driver.h")
+    install(FILES ${public} DESTINATION ${headers}/${folder}
+      COMPONENT ${component})
+  endforeach()
+endfunction()
+install_headers(client client/stream client/drivers client/drivers/can
+  client/drivers/icub_skin client/drivers/serial client/drivers/xela core/base
+  core/features core/skin)
+install_headers(core core/bundle core/classify core/data core/files core/hmm
+  core/lstm)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/generated/tactus
   DESTINATION ${headers} COMPONENT client FILES_MATCHING PATTERN "*.h")
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/proto/tactus

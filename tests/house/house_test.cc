@@ -111,12 +111,13 @@ TEST(HouseTest, TheFirstClientIsPrintedAsItIsBuilt) {
   const std::string page =
       ReadText(fs::path(Root()) / "docs/your-first-client.md");
   const std::pair<const char*, const char*> files[] = {
-      {"cmake", "CMakeLists.txt"},
-      {"cpp", "first_client.cc"},
-      {"python", "first_client.py"}};
+      {"cmake", "first_client/CMakeLists.txt"},
+      {"cpp", "first_client/first_client.cc"},
+      {"python", "first_client/first_client.py"},
+      {"cmake", "in_process/CMakeLists.txt"},
+      {"cpp", "in_process/in_process.cc"}};
   for (const auto& [language, name] : files) {
-    const std::string text =
-        ReadText(fs::path(Root()) / "examples/first_client" / name);
+    const std::string text = ReadText(fs::path(Root()) / "examples" / name);
     EXPECT_THAT(page,
                 HasSubstr(std::string("```") + language + "\n" + text + "```"))
         << name;
