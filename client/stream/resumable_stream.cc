@@ -20,6 +20,8 @@ constexpr milliseconds kLook{100};
 // if no answer may come.
 constexpr milliseconds kLeastPause{1};
 constexpr milliseconds kLongestPause{100};
+// The same for the last frame that was answered on an earlier stream.
+constexpr milliseconds kRepeatedPause{2'000};
 
 uint64_t Seed() {
   return std::chrono::steady_clock::now().time_since_epoch().count();
@@ -168,10 +170,8 @@ absl::StatusOr<v1::Posterior> ResumableStream::EndTrial() {
   if (state_ == State::kEnded) return EndStatus();
   history_->EndTrial();
   final_.reset();
-  if (state_ == State::kConnected && !is_over_) {
-    StartFinalTimeout();
-    SendNow(end_of_trial_, lock);
-  }
+  end_is_sent_ = false;
+  if (state_ == State::kConnected && !is_over_) SendEnd(lock);
   changed_.notify_all();
   changed_.wait(lock, [this] { return final_ || state_ == State::kEnded; });
   if (final_) return *final_;
@@ -217,11 +217,13 @@ void ResumableStream::Cancel() {
   changed_.notify_all();
 }
 
-void ResumableStream::StartFinalTimeout() {
+void ResumableStream::SendEnd(Lock& lock) {
+  end_is_sent_ = true;
   final_due_.reset();
   if (options_.timeouts.final_posterior.count() > 0) {
     final_due_ = Clock::now() + options_.timeouts.final_posterior;
   }
+  SendNow(end_of_trial_, lock);
 }
 
 void ResumableStream::Run() {
@@ -316,6 +318,7 @@ std::optional<absl::Status> ResumableStream::Resume(absl::Status status,
 absl::Status ResumableStream::OpenAgain(Clock::time_point deadline,
                                         Lock& lock) {
   is_over_ = false;
+  end_is_sent_ = false;
   const StreamHistory::Beginning beginning = history_->BeginStream();
   StreamTimeouts timeouts = options_.timeouts;
   const milliseconds left =
@@ -366,9 +369,10 @@ bool ResumableStream::CatchUp(Lock& lock) {
   v1::FrameBatch* batch = request_.mutable_frames();
   while (!is_over_ && !is_cancelled_) {
     if (!history_->NextUnsent(batch)) {
-      if (history_->ending() && !is_closing_) {
-        StartFinalTimeout();
-        SendNow(end_of_trial_, lock);
+      if (history_->ending() && !is_closing_ && !end_is_sent_) {
+        SendEnd(lock);
+        // The final may have come, and the robot may have gone on.
+        continue;
       }
       state_ = State::kConnected;
       resumed_at_ = Clock::now();
@@ -378,34 +382,40 @@ bool ResumableStream::CatchUp(Lock& lock) {
     // Send may wait for room.
     changed_.notify_all();
     SendNow(request_, lock);
-    AwaitAnswer(batch->first_sequence() + batch->frame_count() - 1,
-                batch->frame_count(), lock);
+    AwaitAnswer(*batch, lock);
   }
   return false;
 }
 
-void ResumableStream::AwaitAnswer(uint64_t sequence, uint32_t frames,
-                                  Lock& lock) {
+void ResumableStream::AwaitAnswer(const v1::FrameBatch& batch, Lock& lock) {
+  const uint64_t last = batch.first_sequence() + batch.frame_count() - 1;
   // Answers that the robot has may supersede each other. Decisions and ends of
   // contacts are never superseded.
-  if (sequence < history_->delivered() ||
+  if (last < history_->delivered() ||
       config_.cadence() == v1::RESULT_CADENCE_ON_DECISION) {
     return;
   }
-  // Half of the time that the frames span, so that the rest catches up with a
-  // robot that goes on.
   milliseconds pause = kLeastPause;
   if (config_.cadence() != v1::RESULT_CADENCE_EVERY_N_FRAMES &&
       config_.cadence() != v1::RESULT_CADENCE_ON_CHANGE) {
-    const double rate =
-        config_.sample_rate_hz() > 0 ? config_.sample_rate_hz() : 100;
-    pause =
-        std::clamp(milliseconds(static_cast<int64_t>(500.0 * frames / rate)),
-                   kLeastPause, kLongestPause);
+    pause = PauseFor(batch);
   }
   changed_.wait_for(lock, pause, [&] {
-    return history_->answered() >= sequence || is_over_ || is_cancelled_;
+    return history_->answered() >= last || is_over_ || is_cancelled_;
   });
+}
+
+milliseconds ResumableStream::PauseFor(const v1::FrameBatch& batch) const {
+  // With the answer to the last frame that the robot has an answer to, it is
+  // known how many of the repeated answers were superseded.
+  if (batch.first_sequence() <= history_->delivered()) return kRepeatedPause;
+  // Half of the time that the frames span, so that the rest catches up with a
+  // robot that goes on.
+  const double rate =
+      config_.sample_rate_hz() > 0 ? config_.sample_rate_hz() : 100;
+  return std::clamp(
+      milliseconds(static_cast<int64_t>(500.0 * batch.frame_count() / rate)),
+      kLeastPause, kLongestPause);
 }
 
 }  // namespace tactus::client

@@ -149,6 +149,7 @@ class ResumableStream {
   // does not matter: the other thread sees the end of the stream.
   absl::Status CheckFrames(const v1::ClassifyContactRequest& request) const;
   void SendNow(const v1::ClassifyContactRequest& request, Lock& lock);
+  void SendEnd(Lock& lock);
   absl::Status EndStatus() const;
   // The robot waits for a final, or will by Close.
   bool Owes() const;
@@ -173,8 +174,9 @@ class ResumableStream {
       const StreamTimeouts& timeouts);
   // Sends all that the stream has not got. False if the stream ended.
   bool CatchUp(Lock& lock);
-  void AwaitAnswer(uint64_t sequence, uint32_t frames, Lock& lock);
-  void StartFinalTimeout();
+  // Waits until a batch that was sent again is answered, or long enough.
+  void AwaitAnswer(const v1::FrameBatch& batch, Lock& lock);
+  std::chrono::milliseconds PauseFor(const v1::FrameBatch& batch) const;
 
   const std::shared_ptr<grpc::Channel> channel_;
   v1::StreamConfig config_;
@@ -196,6 +198,8 @@ class ResumableStream {
   bool is_sending_ = false;
   bool is_closing_ = false;
   bool is_cancelled_ = false;
+  // The current stream has got end_of_trial for this trial.
+  bool end_is_sent_ = false;
   std::optional<Clock::time_point> final_due_;
   std::optional<v1::Posterior> final_;
   Statistics statistics_;

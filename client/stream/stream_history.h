@@ -28,7 +28,8 @@
 // superseded count on; after the release of a contact that is not sent again,
 // the posteriors show this contact, as they did before. All other fields are
 // equal bit for bit, because the server computes them from equal frames. No
-// posterior is returned twice.
+// posterior is returned twice. With other cadences than every frame,
+// `superseded` may also count some posteriors that the robot has had.
 //
 // No threads, no clock, no gRPC. After warm-up, nothing is allocated per frame
 // until the first replay. Not thread-safe.
