@@ -22,7 +22,8 @@
 //
 // The final status is kept. Once the stream has ended, every call returns the
 // error that it ended with. After an end without error, Close returns OK and
-// all other calls return STREAM_FINISHED.
+// all other calls return STREAM_FINISHED. A stream that goes on after a lost
+// connection is a ResumableStream (resumable_stream.h).
 //
 // One thread reads the responses with gRPC's blocking interface, because its
 // callback interface may sleep 100 ms when a silence ends. A second thread

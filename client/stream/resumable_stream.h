@@ -125,7 +125,7 @@ class ResumableStream {
   // Ends the trial and returns its final posterior.
   absl::StatusOr<v1::Posterior> EndTrial();
   // Ends the stream: the server first sends what it still owes, with the final
-  // posterior of an open trial.
+  // posterior of an open trial. A stream that is lost is resumed for it.
   absl::Status Close();
 
   // True once no further response can come.

@@ -137,6 +137,40 @@ TEST(ResumableStreamFaultsTest, AStreamThatTheServerEndsEarlyIsResumed) {
   EXPECT_EQ(ReasonOf(stream->Send(DenseU16(6, {Touch(1)}))), "STREAM_FINISHED");
 }
 
+TEST(ResumableStreamFaultsTest, KilledWhileTheFirstFrameIsOnItsWay) {
+  RestartedServer server;
+  for (int i = 0; i < 5; ++i) {
+    Answers answers;
+    auto stream = *ResumableStream::Open(MakeChannel(server.address()),
+                                         NoPoses(), answers.Callback());
+    ASSERT_TRUE(stream->Send(DenseU16(1, {Touch(1)})).ok());
+    server.Restart();
+    ASSERT_TRUE(answers.Await(1));
+    const auto answer = stream->EndTrial();
+    ASSERT_TRUE(answer.ok()) << answer.status();
+    EXPECT_EQ(answer->contact_id(), 1u);
+    EXPECT_TRUE(stream->Close().ok());
+    EXPECT_EQ(answers.sequences(), (std::vector<uint64_t>{1, 1}));
+    EXPECT_EQ(stream->statistics().resumed, 1u);
+  }
+}
+
+// Notices are for the robot too: it may finish what it does elsewhere.
+TEST(ResumableStreamFaultsTest, TheRobotLearnsOfADrain) {
+  RestartedServer server({"--drain-grace-ms=300"});
+  std::atomic<int> drains = 0;
+  auto stream = *ResumableStream::Open(
+      MakeChannel(server.address()), NoPoses(), [&](const auto& response) {
+        drains += response.notice().kind() == v1::StreamNotice::KIND_DRAINING;
+      });
+  ASSERT_TRUE(stream->Send(DenseU16(1, {Touch(1)})).ok());
+  server.Drain();
+  server.Start();
+  EXPECT_TRUE(stream->EndTrial().ok());
+  EXPECT_EQ(drains, 1);
+  EXPECT_EQ(stream->statistics().resumed, 1u);
+}
+
 TEST(ResumableStreamFaultsTest, AServerThatDoesNotComeBackIsAnError) {
   RestartedServer server;
   Answers answers;
