@@ -50,8 +50,8 @@
 //
 // If a trial, or on most skins a contact, is longer than `replay_bytes`, its
 // beginning is not kept. Resumed there, the rest of the contact is answered as
-// a new contact with a new contact_id; statistics().without_beginning counts
-// it.
+// a new contact with a new contact_id, and answers that were owed for frames
+// that are not kept do not come; statistics().without_beginning counts it.
 //
 // A thread resumes; it sleeps while the stream is in order. Send, EndTrial and
 // Close belong to one thread. The callback runs on a reading thread and must

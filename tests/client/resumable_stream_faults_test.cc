@@ -23,6 +23,7 @@ namespace {
 
 using std::chrono::milliseconds;
 using testing::DenseU16;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::RestartedServer;
 using testing::ScriptedServer;
@@ -79,14 +80,25 @@ class ScriptedCalls {
           const size_t call = std::min<size_t>(count_++, calls_.size() - 1);
           v1::ClassifyContactRequest config;
           stream->Read(&config);
+          {
+            const std::lock_guard lock(mutex_);
+            models_.push_back(config.config().model());
+          }
           return calls_[call](stream);
         }) {}
 
   std::string address() const { return server_.address(); }
   size_t count() const { return count_; }
+  // What the calls asked for.
+  std::vector<std::string> models() {
+    const std::lock_guard lock(mutex_);
+    return models_;
+  }
 
  private:
   const std::vector<Call> calls_;
+  std::mutex mutex_;
+  std::vector<std::string> models_;
   std::atomic<size_t> count_ = 0;
   ScriptedServer server_;
 };
@@ -95,7 +107,9 @@ class ScriptedCalls {
 // are wanted.
 ScriptedCalls::Call Answering(int frames, bool with_finals = true) {
   return [=](ScriptedServer::Stream* stream) {
-    stream->Write(testing::GoodStarted());
+    auto started = testing::GoodStarted();
+    started.mutable_started()->set_model_version("models/m/versions/7");
+    stream->Write(started);
     v1::ClassifyContactRequest request;
     uint64_t sequence = 0;
     for (int i = 0; i < frames && stream->Read(&request); ++i) {
@@ -132,7 +146,9 @@ TEST(ResumableStreamFaultsTest, AStreamThatTheServerEndsEarlyIsResumed) {
   EXPECT_TRUE(stream->EndTrial().ok());
   EXPECT_TRUE(stream->Close().ok());
   EXPECT_EQ(answers.sequences(), (std::vector<uint64_t>{1, 2, 3, 4, 5, 5}));
-  EXPECT_EQ(server.count(), 2u);
+  // The second stream asks for the version that the first one got.
+  EXPECT_THAT(server.models(),
+              ElementsAre(testing::kModelWithoutPoses, "models/m/versions/7"));
   EXPECT_EQ(stream->statistics().resumed, 1u);
   EXPECT_EQ(ReasonOf(stream->Send(DenseU16(6, {Touch(1)}))), "STREAM_FINISHED");
 }
@@ -395,6 +411,8 @@ TEST(ResumableStreamFaultsTest, SendWaitsForRoom) {
       MakeChannel(server.address()), NoPoses(), answers.Callback(),
       {.replay_bytes = limits::kMinReplayBytes});
   server.Kill();
+  // Frames that the server may have got would make room.
+  while (!stream->resuming()) std::this_thread::sleep_for(milliseconds(5));
   constexpr uint64_t kFrames = 500;
   std::atomic<uint64_t> sent = 0;
   std::thread robot([&] {
