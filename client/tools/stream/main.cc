@@ -11,15 +11,8 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
-#include "client/drivers/buffered_driver.h"
-#include "client/drivers/can/socket_can.h"
-#include "client/drivers/can_skin_driver.h"
-#include "client/drivers/replay_driver.h"
-#include "client/drivers/serial/serial_skin.h"
-#include "client/drivers/sim_driver.h"
-#include "client/drivers/xela/xela_skin.h"
+#include "client/tools/common/skin_source.h"
 #include "client/tools/common/token_file.h"
-#include "client/tools/stream/icub_source.h"
 #include "client/tools/stream/live_command.h"
 #include "client/tools/stream/report.h"
 #include "client/tools/stream/trial_player.h"
@@ -27,7 +20,6 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/base/version.h"
-#include "core/data/trial_layout.h"
 
 namespace tactus::client {
 namespace {
@@ -36,48 +28,16 @@ struct Flags {
   std::string server = "127.0.0.1:50051";
   std::optional<std::string> tls_ca;
   std::string token_file;
-  std::string driver = "sim";
-  std::string data;
-  size_t trials = 0;
-  uint64_t seed = 1;
   std::string rate = "max";
   int parallel = 1;
   bool json = false;
   std::string posteriors;
-  std::string layout;
-  std::string skin = "good";
   double timeout_s = 10;
   double reconnect_s = 30;
   double seconds = 0;
-  IcubSourceOptions icub;
+  SkinSourceOptions source;
   TrialPlayer::Options player;
-
-  // A serial skin.
-  std::string port;
-  std::string format = "ascii";
-  int baud = 2'000'000;
-  double rate_hz = 30;
-
-  bool IsLive() const {
-    return driver == "icub-can" || driver == "icub-usb" || driver == "serial" ||
-           driver == "xela-can";
-  }
 };
-
-constexpr size_t kDefaultSimTrials = 40;
-
-std::unique_ptr<TrialDriver> MakeDriver(
-    const Flags& flags, size_t shard, const std::optional<SkinLayout>& layout) {
-  const Shard share{shard, static_cast<size_t>(flags.parallel)};
-  if (flags.driver == "replay") {
-    return std::make_unique<ReplayDriver>(
-        flags.data, share,
-        ReplayDriver::Options{.max_trials = flags.trials, .layout = layout});
-  }
-  return std::make_unique<SimDriver>(
-      SimDriver::Options{.seed = flags.seed, .skin = flags.skin},
-      flags.trials == 0 ? kDefaultSimTrials : flags.trials, share);
-}
 
 absl::Status RunSkin(const Flags& flags,
                      const std::shared_ptr<grpc::Channel>& channel,
@@ -88,48 +48,13 @@ absl::Status RunSkin(const Flags& flags,
                                       .timeouts = flags.player.timeouts,
                                       .resume_for = flags.player.resume_for,
                                       .token = token};
-  if (flags.driver == "serial") {
-    SerialSkinOptions options = {.format = flags.format == "ascii"
-                                               ? SerialFormat::kAscii
-                                               : SerialFormat::kAa55,
-                                 .baud = flags.baud,
-                                 .scale = flags.icub.scale,
-                                 .sample_rate_hz = flags.rate_hz};
-    TACTUS_ASSIGN_OR_RETURN(options.layout, flags.layout.empty()
-                                                ? LayoutPreset("vitac-12x32")
-                                                : ReadLayoutFile(flags.layout));
-    TACTUS_RETURN_IF_ERROR(AddMask(flags.icub.mask, options.layout));
-    SerialSkin skin(flags.port, options);
-    HardwareDriver driver(&skin, {});
-    BufferedDriver buffered(&driver, {});
-    return RunLive(channel, buffered, player, flags.json);
-  }
-  if (flags.driver == "xela-can") {
-    XelaSkinOptions options = {.scale = flags.icub.scale};
-    if (!flags.layout.empty()) {
-      TACTUS_ASSIGN_OR_RETURN(options.layout, ReadLayoutFile(flags.layout));
-    }
-    TACTUS_RETURN_IF_ERROR(AddMask(flags.icub.mask, options.layout));
-    SocketCan bus(flags.icub.interface);
-    XelaSkin skin(options);
-    CanSkinDriver driver(&bus, &skin, {});
-    BufferedDriver buffered(&driver, {});
-    return RunLive(channel, buffered, player, flags.json);
-  }
-  IcubSourceOptions options = flags.icub;
-  options.usb = flags.driver == "icub-usb";
-  options.layout = flags.layout;
-  TACTUS_ASSIGN_OR_RETURN(const auto source, IcubSource::Make(options));
+  TACTUS_ASSIGN_OR_RETURN(const auto source, SkinSource::Make(flags.source));
   return RunLive(channel, source->driver(), player, flags.json);
 }
 
 absl::Status Run(const Flags& flags) {
   // Standard output is for the one JSON object.
   Report report(flags.json ? stderr : stdout);
-  std::optional<SkinLayout> layout;
-  if (!flags.layout.empty() && !flags.IsLive()) {
-    TACTUS_ASSIGN_OR_RETURN(layout, ReadLayoutFile(flags.layout));
-  }
   ChannelOptions options;
   if (flags.tls_ca) {
     TACTUS_ASSIGN_OR_RETURN(options.tls_roots,
@@ -142,15 +67,22 @@ absl::Status Run(const Flags& flags) {
         ReadToken(flags.token_file, flags.server, flags.tls_ca.has_value()));
   }
   const auto channel = MakeChannel(flags.server, options);
-  if (flags.IsLive()) return RunSkin(flags, channel, player_options.token);
+  if (flags.source.IsLive())
+    return RunSkin(flags, channel, player_options.token);
   std::mutex mutex;
   std::vector<absl::Status> statuses(flags.parallel);
   std::vector<std::thread> threads;
   for (int i = 0; i < flags.parallel; ++i) {
     threads.emplace_back([&, i] {
-      const auto driver = MakeDriver(flags, i, layout);
+      const auto driver = MakeTrialDriver(
+          flags.source,
+          {static_cast<size_t>(i), static_cast<size_t>(flags.parallel)});
+      if (!driver.ok()) {
+        statuses[i] = driver.status();
+        return;
+      }
       TrialPlayer* self = nullptr;
-      TrialPlayer player(channel, driver.get(), player_options,
+      TrialPlayer player(channel, driver->get(), player_options,
                          [&](const TrialResult& result) {
                            const std::lock_guard lock(mutex);
                            report.Add(result);
@@ -188,61 +120,13 @@ int Main(int argc, char** argv) {
   app.add_option("--token-file", flags.token_file,
                  "File with the token that the server knows the robot by")
       ->check(CLI::ExistingFile);
-  app.add_option("--driver", flags.driver,
-                 "sim, replay, icub-can, icub-usb, xela-can or serial "
-                 "(docs/drivers.md)")
-      ->check(CLI::IsMember(
-          {"sim", "replay", "icub-can", "icub-usb", "xela-can", "serial"}))
-      ->capture_default_str();
-  app.add_option("--skin", flags.skin,
-                 "Skin of --driver=sim: paper, good or measured")
-      ->capture_default_str();
-  app.add_option("--data", flags.data, "Trial file for --driver=replay")
-      ->check(CLI::ExistingFile);
-  app.add_option("--layout", flags.layout,
-                 "JSON file with the skin of trials that carry none, or whose "
-                 "cells are a real skin's values in their order")
-      ->check(CLI::ExistingFile);
-  app.add_option("--interface", flags.icub.interface,
-                 "CAN interface for icub-can and xela-can, such as can0");
-  app.add_option("--port", flags.port,
-                 "Serial line for --driver=serial, such as /dev/ttyUSB0");
-  app.add_option("--format", flags.format,
-                 "What a serial skin sends: ascii (3D-ViTac) or aa55 "
-                 "(FlexiTac)")
-      ->check(CLI::IsMember({"ascii", "aa55"}))
-      ->capture_default_str();
-  app.add_option("--baud", flags.baud, "Rate of the serial line")
-      ->capture_default_str();
-  app.add_option("--rate-hz", flags.rate_hz, "Frames per second of the skin")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--usb-serial", flags.icub.usb_serial,
-                 "Serial number of the adapter for --driver=icub-usb");
-  app.add_option("--boards", flags.icub.boards,
-                 "Skin boards in the order of the port: forearm-v1, "
-                 "forearm-v2, or addresses and triangles, as in 13,12:0-1+3")
-      ->capture_default_str();
-  app.add_option("--positions", flags.icub.positions,
-                 "Position file of the skin, as icub-main has them")
-      ->check(CLI::ExistingFile);
-  app.add_option("--period-ms", flags.icub.period_ms,
-                 "From one scan of the skin to the next")
-      ->check(CLI::Range(1, 255))
-      ->capture_default_str();
-  app.add_option("--scale", flags.icub.scale,
-                 "The layout's unit for each count of the skin")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--mask", flags.icub.mask,
-                 "Taxels of a real skin to ignore, row-major, as in 17,203")
-      ->delimiter(',');
+  AddSkinFlags(app, flags.source);
   app.add_option("--seconds", flags.seconds,
                  "How long to stream a real skin; 0: until Ctrl-C")
       ->check(CLI::Range(0.0, 1e9));
-  app.add_option("--trials", flags.trials,
+  app.add_option("--trials", flags.source.trials,
                  "Contacts to stream; 0: 40 simulated ones, or all recorded");
-  app.add_option("--seed", flags.seed, "Seed of the simulated contacts")
+  app.add_option("--seed", flags.source.seed, "Seed of the simulated contacts")
       ->capture_default_str();
   app.add_option("--rate", flags.rate,
                  "real: by capture time; max: as fast as answers come")
@@ -274,28 +158,9 @@ int Main(int argc, char** argv) {
     return 2;
   }
   CLI11_PARSE(app, argc, argv);
-  if (flags.driver == "replay" && flags.data.empty()) {
-    std::fprintf(stderr, "tactus-stream: --driver=replay needs --data\n");
-    return 2;
-  }
-  if (flags.driver == "sim" && !flags.layout.empty()) {
-    std::fprintf(stderr, "tactus-stream: --driver=sim has no --layout\n");
-    return 2;
-  }
-  if ((flags.driver == "icub-can" || flags.driver == "xela-can") &&
-      flags.icub.interface.empty()) {
-    std::fprintf(stderr, "tactus-stream: --driver=%s needs --interface\n",
-                 flags.driver.c_str());
-    return 2;
-  }
-  if (flags.driver == "serial" && flags.port.empty()) {
-    std::fprintf(stderr, "tactus-stream: --driver=serial needs --port\n");
-    return 2;
-  }
-  if (!flags.layout.empty() && !flags.icub.positions.empty()) {
-    std::fprintf(stderr,
-                 "tactus-stream: --layout and --positions exclude each "
-                 "other\n");
+  if (const absl::Status status = CheckSkinFlags(flags.source); !status.ok()) {
+    std::fprintf(stderr, "tactus-stream: %s\n",
+                 std::string(status.message()).c_str());
     return 2;
   }
   flags.player.real_time = flags.rate == "real";

@@ -1,4 +1,4 @@
-#include "client/tools/stream/icub_source.h"
+#include "client/tools/common/icub_source.h"
 
 #include <numeric>
 #include <utility>

@@ -1,6 +1,6 @@
 // File: icub_source.h
 //
-// IcubSource: the iCub's skin as the flags of tactus-stream describe it: bus,
+// IcubSource: the iCub's skin as a program's flags describe it: bus,
 // protocol, driver, and the thread that reads it.
 //
 //   TACTUS_ASSIGN_OR_RETURN(

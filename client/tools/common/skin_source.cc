@@ -1,0 +1,162 @@
+#include "client/tools/common/skin_source.h"
+
+#include <optional>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client/drivers/can/socket_can.h"
+#include "client/drivers/replay_driver.h"
+#include "client/drivers/sim_driver.h"
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+#include "core/data/trial_layout.h"
+
+namespace tactus::client {
+
+void AddSkinFlags(CLI::App& app, SkinSourceOptions& options) {
+  app.add_option("--driver", options.driver,
+                 "sim, replay, icub-can, icub-usb, xela-can or serial "
+                 "(docs/drivers.md)")
+      ->check(CLI::IsMember(
+          {"sim", "replay", "icub-can", "icub-usb", "xela-can", "serial"}))
+      ->capture_default_str();
+  app.add_option("--skin", options.skin,
+                 "Skin of --driver=sim: paper, good or measured")
+      ->capture_default_str();
+  app.add_option("--data", options.data, "Trial file for --driver=replay")
+      ->check(CLI::ExistingFile);
+  app.add_option("--layout", options.layout,
+                 "JSON file with the skin of trials that carry none, or whose "
+                 "cells are a real skin's values in their order")
+      ->check(CLI::ExistingFile);
+  app.add_option("--interface", options.icub.interface,
+                 "CAN interface for icub-can and xela-can, such as can0");
+  app.add_option("--port", options.port,
+                 "Serial line for --driver=serial, such as /dev/ttyUSB0");
+  app.add_option("--format", options.format,
+                 "What a serial skin sends: ascii (3D-ViTac) or aa55 "
+                 "(FlexiTac)")
+      ->check(CLI::IsMember({"ascii", "aa55"}))
+      ->capture_default_str();
+  app.add_option("--baud", options.baud, "Rate of the serial line")
+      ->capture_default_str();
+  app.add_option("--rate-hz", options.rate_hz, "Frames per second of the skin")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--usb-serial", options.icub.usb_serial,
+                 "Serial number of the adapter for --driver=icub-usb");
+  app.add_option("--boards", options.icub.boards,
+                 "Skin boards in the order of the port: forearm-v1, "
+                 "forearm-v2, or addresses and triangles, as in 13,12:0-1+3")
+      ->capture_default_str();
+  app.add_option("--positions", options.icub.positions,
+                 "Position file of the skin, as icub-main has them")
+      ->check(CLI::ExistingFile);
+  app.add_option("--period-ms", options.icub.period_ms,
+                 "From one scan of the skin to the next")
+      ->check(CLI::Range(1, 255))
+      ->capture_default_str();
+  app.add_option("--scale", options.icub.scale,
+                 "The layout's unit for each count of the skin")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--mask", options.icub.mask,
+                 "Taxels of a real skin to ignore, row-major, as in 17,203")
+      ->delimiter(',');
+}
+
+absl::Status CheckSkinFlags(const SkinSourceOptions& options) {
+  const std::string& driver = options.driver;
+  const auto needs = [&](const std::string& flag) {
+    return InvalidConfig(flag, "absent",
+                         absl::StrCat("given with --driver=", driver));
+  };
+  if (driver == "replay" && options.data.empty()) return needs("--data");
+  if ((driver == "icub-can" || driver == "xela-can") &&
+      options.icub.interface.empty()) {
+    return needs("--interface");
+  }
+  if (driver == "serial" && options.port.empty()) return needs("--port");
+  if (driver == "sim" && !options.layout.empty()) {
+    return InvalidConfig("--layout", "given", "absent with --driver=sim");
+  }
+  if (!options.layout.empty() && !options.icub.positions.empty()) {
+    return InvalidConfig("--layout and --positions", "both given",
+                         "one of the two");
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::unique_ptr<TrialDriver>> MakeTrialDriver(
+    const SkinSourceOptions& options, const Shard& shard) {
+  if (options.driver == "replay") {
+    std::optional<SkinLayout> layout;
+    if (!options.layout.empty()) {
+      TACTUS_ASSIGN_OR_RETURN(layout, ReadLayoutFile(options.layout));
+    }
+    return std::make_unique<ReplayDriver>(
+        options.data, shard,
+        ReplayDriver::Options{.max_trials = options.trials, .layout = layout});
+  }
+  return std::make_unique<SimDriver>(
+      SimDriver::Options{.seed = options.seed, .skin = options.skin},
+      options.trials == 0 ? kSimulatedTrials : options.trials, shard);
+}
+
+absl::Status SkinSource::MakeSerial(const SkinSourceOptions& options) {
+  SerialSkinOptions skin = {.format = options.format == "ascii"
+                                          ? SerialFormat::kAscii
+                                          : SerialFormat::kAa55,
+                            .baud = options.baud,
+                            .scale = options.icub.scale,
+                            .sample_rate_hz = options.rate_hz};
+  TACTUS_ASSIGN_OR_RETURN(skin.layout, options.layout.empty()
+                                           ? LayoutPreset("vitac-12x32")
+                                           : ReadLayoutFile(options.layout));
+  TACTUS_RETURN_IF_ERROR(AddMask(options.icub.mask, skin.layout));
+  serial_ = std::make_unique<SerialSkin>(options.port, skin);
+  hardware_ =
+      std::make_unique<HardwareDriver>(serial_.get(), HardwareDriverOptions{});
+  return absl::OkStatus();
+}
+
+absl::Status SkinSource::MakeXela(const SkinSourceOptions& options) {
+  XelaSkinOptions skin = {.scale = options.icub.scale};
+  if (!options.layout.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(skin.layout, ReadLayoutFile(options.layout));
+  }
+  TACTUS_RETURN_IF_ERROR(AddMask(options.icub.mask, skin.layout));
+  bus_ = std::make_unique<SocketCan>(options.icub.interface);
+  xela_ = std::make_unique<XelaSkin>(skin);
+  hardware_ = std::make_unique<CanSkinDriver>(bus_.get(), xela_.get(),
+                                              HardwareDriverOptions{});
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::unique_ptr<SkinSource>> SkinSource::Make(
+    const SkinSourceOptions& options) {
+  std::unique_ptr<SkinSource> source(new SkinSource());
+  if (!options.IsLive()) {
+    TACTUS_ASSIGN_OR_RETURN(source->trials_, MakeTrialDriver(options, {}));
+    source->paced_ = std::make_unique<PacedDriver>(source->trials_.get());
+    source->driver_ = source->paced_.get();
+    return source;
+  }
+  if (options.driver == "serial" || options.driver == "xela-can") {
+    TACTUS_RETURN_IF_ERROR(options.driver == "serial"
+                               ? source->MakeSerial(options)
+                               : source->MakeXela(options));
+    source->buffered_ = std::make_unique<BufferedDriver>(
+        source->hardware_.get(), BufferedDriverOptions{});
+    source->driver_ = source->buffered_.get();
+    return source;
+  }
+  IcubSourceOptions icub = options.icub;
+  icub.usb = options.driver == "icub-usb";
+  icub.layout = options.layout;
+  TACTUS_ASSIGN_OR_RETURN(source->icub_, IcubSource::Make(icub));
+  source->driver_ = &source->icub_->driver();
+  return source;
+}
+
+}  // namespace tactus::client

@@ -1,0 +1,95 @@
+// File: skin_source.h
+//
+// SkinSource: the driver that a program's flags ask for, and all that it needs.
+//
+//   SkinSourceOptions options;
+//   AddSkinFlags(app, options);
+//   CLI11_PARSE(app, argc, argv);
+//   TACTUS_ASSIGN_OR_RETURN(const auto source, SkinSource::Make(options));
+//   LivePlayer player(channel, &source->driver(), ...);
+//
+// The flags write to the options. Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "CLI/CLI.hpp"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "client/drivers/serial/serial_skin.h"
+#include "client/drivers/trial_driver.h"
+#include "client/drivers/xela/xela_skin.h"
+#include "client/tools/common/icub_source.h"
+#include "client/tools/common/paced_driver.h"
+
+namespace tactus::client {
+
+struct SkinSourceOptions {
+  // "sim", "replay", "icub-can", "icub-usb", "xela-can" or "serial".
+  std::string driver = "sim";
+  // JSON file with the skin.
+  std::string layout = {};
+  // Simulated contacts.
+  std::string skin = "good";
+  uint64_t seed = 1;
+  // Recorded ones.
+  std::string data = {};
+  // Contacts to play; 0: all recorded ones, or kSimulatedTrials.
+  size_t trials = 0;
+  // Skins on CAN; scale and mask are those of all real skins.
+  IcubSourceOptions icub = {};
+  // A serial skin.
+  std::string port = {};
+  std::string format = "ascii";
+  int baud = 2'000'000;
+  double rate_hz = 30;
+
+  // The skin is a real one.
+  bool IsLive() const { return driver != "sim" && driver != "replay"; }
+};
+
+// Contacts of --driver=sim unless the user gives a number.
+inline constexpr size_t kSimulatedTrials = 40;
+
+// The flags of all drivers but --seed and --trials.
+void AddSkinFlags(CLI::App& app, SkinSourceOptions& options);
+
+// INVALID_CONFIG, which begins with a flag, if flags are absent that the driver
+// needs, or if flags exclude each other.
+absl::Status CheckSkinFlags(const SkinSourceOptions& options);
+
+// Simulated or recorded trials: every `shard.shards`-th of them.
+absl::StatusOr<std::unique_ptr<TrialDriver>> MakeTrialDriver(
+    const SkinSourceOptions& options, const Shard& shard);
+
+class SkinSource {
+ public:
+  // INVALID_CONFIG or IO; opens no device. Simulated and recorded contacts are
+  // played at the rate of their skin.
+  static absl::StatusOr<std::unique_ptr<SkinSource>> Make(
+      const SkinSourceOptions& options);
+
+  // Lives as long as the source.
+  SkinDriver& driver() { return *driver_; }
+
+ private:
+  SkinSource() = default;
+
+  absl::Status MakeSerial(const SkinSourceOptions& options);
+  absl::Status MakeXela(const SkinSourceOptions& options);
+
+  // In the order of their use; the last ends first. Most are null.
+  std::unique_ptr<CanBus> bus_;
+  std::unique_ptr<XelaSkin> xela_;
+  std::unique_ptr<SerialSkin> serial_;
+  std::unique_ptr<HardwareDriver> hardware_;
+  std::unique_ptr<BufferedDriver> buffered_;
+  std::unique_ptr<IcubSource> icub_;
+  std::unique_ptr<TrialDriver> trials_;
+  std::unique_ptr<PacedDriver> paced_;
+  SkinDriver* driver_ = nullptr;
+};
+
+}  // namespace tactus::client
