@@ -16,8 +16,9 @@ set(package ${CMAKE_INSTALL_LIBDIR}/cmake/Tactus)
 
 # What both components need, what the client adds, and what core adds.
 set(base_libraries tactus_proto tactus_core_base tactus_core_skin)
-set(client_libraries tactus_proto_grpc tactus_client tactus_client_can
-    tactus_client_gs_usb tactus_client_serial tactus_client_skins)
+set(client_libraries tactus_proto_grpc tactus_client
+    tactus_client_calibration tactus_client_can tactus_client_gs_usb tactus_client_serial
+    tactus_client_skins)
 add_library(tactus_core INTERFACE)
 target_link_libraries(tactus_core
   INTERFACE tactus_core_bundle tactus_core_data)
@@ -69,7 +70,7 @@ function(install_headers component)
       COMPONENT ${component})
   endforeach()
 endfunction()
-install_headers(client client/stream client/drivers client/drivers/can
+install_headers(client client/stream client/drivers client/drivers/calibration client/drivers/can
   client/drivers/icub_skin client/drivers/serial client/drivers/xela core/base
   core/features core/skin)
 install_headers(core core/bundle core/classify core/data core/files core/hmm

@@ -5,21 +5,12 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
+#include "core/skin/idle_thresholds.h"
 
 namespace tactus {
 namespace {
 
 constexpr size_t kMaxValues = 4'000'000;
-
-// The smallest value that `fraction` of the values do not exceed.
-double Percentile(std::vector<float> values, double fraction) {
-  const auto place = std::min(
-      static_cast<size_t>(fraction * static_cast<double>(values.size())),
-      values.size() - 1);
-  const auto at = values.begin() + static_cast<ptrdiff_t>(place);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 }  // namespace
 
@@ -74,14 +65,15 @@ absl::StatusOr<IdleEstimate> IdleNoise::Estimate() const {
   }
   IdleEstimate found;
   found.values = values_.size();
-  found.median = Percentile(values_, 0.5);
-  found.percentile_999 = Percentile(values_, 0.999);
+  found.median = IdleQuantile(values_, 0.5);
+  found.percentile_999 = IdleQuantile(values_, kIdleFraction);
   found.largest = *std::max_element(values_.begin(), values_.end());
-  found.peak = Percentile(peaks_, 0.5);
-  found.margin =
-      std::max((found.percentile_999 - found.median) / 2, found.peak / 50);
-  found.contact_threshold = found.percentile_999 + found.margin;
-  found.onset_threshold = found.contact_threshold + found.margin;
+  found.peak = IdleQuantile(peaks_, 0.5);
+  const IdleThresholds thresholds =
+      ThresholdsAbove(found.median, found.percentile_999, found.peak / 50);
+  found.margin = thresholds.margin;
+  found.contact_threshold = thresholds.contact_threshold;
+  found.onset_threshold = thresholds.onset_threshold;
   if (!(found.contact_threshold <= found.peak / 2) || found.peak == 0) {
     return InvalidTrainingData(absl::StrCat(
         "the idle values are not idle: their 99.9th percentile is ",

@@ -3,6 +3,9 @@
 #include <string>
 
 #include "client/drivers/buffered_driver.h"
+#include "client/drivers/calibrated_driver.h"
+#include "client/drivers/calibration/calibration_json.h"
+#include "client/drivers/calibration/tare.h"
 #include "client/drivers/can/can_error.h"
 #include "client/drivers/can/gs_usb.h"
 #include "client/drivers/can/gs_usb_protocol.h"
@@ -13,6 +16,7 @@
 #include "client/drivers/serial/serial_skin.h"
 #include "client/drivers/xela/xela_skin.h"
 #include "core/base/status_macros.h"
+#include "core/skin/idle_thresholds.h"
 
 namespace tactus::client::examples {
 
@@ -202,6 +206,84 @@ void StuckTaxelsExample(const SkinFrame& frame) {
   StuckTaxels stuck(/*frames=*/500);
   stuck.Add(frame.u16);
   for (int taxel : stuck.Taxels()) Mask(taxel);
+}
+
+void IdleThresholdsExample(const std::vector<float>& values) {
+  const double median = IdleQuantile(values, 0.5);
+  const double high = IdleQuantile(values, kIdleFraction);
+  const IdleThresholds found = ThresholdsAbove(median, high, 1);
+}
+
+absl::Status IdleFramesExample(const SkinInfo& info, SkinDriver& driver,
+                               SkinFrame& frame) {
+  IdleFrames idle(info, /*frames=*/100);
+  while (!idle.complete()) {
+    TACTUS_ASSIGN_OR_RETURN(const ReadResult result, driver.Read(frame));
+    if (result == ReadResult::kFrame) idle.Add(frame);
+  }
+  const std::vector<float> taxel = idle.Series(17);
+  return absl::OkStatus();
+}
+
+absl::Status TareExample(const IdleFrames& idle) {
+  TACTUS_ASSIGN_OR_RETURN(const std::vector<double> baseline,
+                          Tare(idle, /*before=*/nullptr));
+  return absl::OkStatus();
+}
+
+void Touch(int taxel);
+
+void TaxelNoiseExample(const IdleFrames& idle,
+                       const std::vector<double>& baseline, double value) {
+  const std::vector<TaxelNoise> noise = NoiseOf(idle, baseline);
+  if (value - baseline[17] >= noise[17].contact_threshold) Touch(17);
+}
+
+void TaxelFaultsExample(const IdleFrames& idle,
+                        const std::vector<double>& baseline,
+                        const std::vector<TaxelNoise>& noise) {
+  const TaxelFaults faults = FindFaults(idle, baseline, noise);
+  for (const int taxel : faults.All()) Mask(taxel);
+}
+
+absl::Status GainCurveExample() {
+  TACTUS_ASSIGN_OR_RETURN(const GainCurve curve,
+                          GainCurve::Make({{.reading = 40, .load = 0.5},
+                                           {.reading = 120, .load = 2}}));
+  const double newton = curve.Load(80);
+  return absl::OkStatus();
+}
+
+void DriftTrackerExample(size_t taxels, std::span<const double> above_baseline,
+                         std::span<const double> contact_thresholds,
+                         std::span<const uint8_t> mask) {
+  DriftTracker drift(taxels, {.time_s = 60, .sample_rate_hz = 100});
+  drift.Step(above_baseline, contact_thresholds, mask);
+  const double value = above_baseline[17] - drift.drift()[17];
+}
+
+absl::Status CalibrationExample(const IdleFrames& idle, const SkinInfo& info,
+                                const std::string& device) {
+  TACTUS_ASSIGN_OR_RETURN(
+      const Calibration calibration,
+      Calibrate(idle, {.device = "serial usb-Arduino_7523-if00"}));
+  TACTUS_RETURN_IF_ERROR(CheckFits(calibration, device, info.layout));
+  return absl::OkStatus();
+}
+
+absl::Status CalibrationJsonExample(const Calibration& calibration) {
+  const std::string text = CalibrationToJson(calibration);
+  TACTUS_ASSIGN_OR_RETURN(const Calibration again, CalibrationFromJson(text));
+  return absl::OkStatus();
+}
+
+absl::Status CalibratedDriverExample(SkinDriver& buffered_driver,
+                                     const Calibration& calibration) {
+  CalibratedDriver driver(&buffered_driver, {.device = "serial left-palm",
+                                             .calibration = calibration,
+                                             .tare_frames = 100});
+  TACTUS_ASSIGN_OR_RETURN(const SkinInfo info, driver.Configure());
+  return absl::OkStatus();
 }
 
 }  // namespace tactus::client::examples

@@ -1,0 +1,95 @@
+// File: calibration.h
+//
+// Calibration: what was measured of the taxels of one skin: baselines, noise,
+// thresholds, gain curves and faults. All numbers but loads are those that the
+// skin sends.
+//
+//   TACTUS_ASSIGN_OR_RETURN(
+//       const Calibration calibration,
+//       Calibrate(idle, {.device = "serial usb-Arduino_7523-if00"}));
+//   TACTUS_RETURN_IF_ERROR(CheckFits(calibration, device, info.layout));
+//
+// Plain data and free functions without state; thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "client/drivers/calibration/gain_curve.h"
+#include "client/drivers/calibration/idle_frames.h"
+#include "client/drivers/calibration/taxel_faults.h"
+#include "core/skin/layout.h"
+
+namespace tactus::client {
+
+struct Calibration {
+  // Names the skin and how it is connected.
+  std::string device;
+  // The skin as it was configured.
+  SkinLayout layout;
+  // Milliseconds since the beginning of 1970; 0 if unknown.
+  int64_t created_ms = 0;
+  // Frames that were measured, and their rate.
+  int64_t frames = 0;
+  double sample_rate_hz = 0;
+  // One number per taxel. Thresholds are above the baseline.
+  std::vector<double> baseline;
+  std::vector<double> deviation;
+  std::vector<double> contact_threshold;
+  std::vector<double> onset_threshold;
+  // Empty: a load is the layout's scale times the reading. Else one per taxel;
+  // nothing for taxels without a curve.
+  std::vector<std::optional<GainCurve>> gains;
+  TaxelFaults faults;
+
+  bool operator==(const Calibration&) const = default;
+};
+
+struct CalibrateOptions {
+  std::string device = {};
+  // A calibration of the same skin, with which a touch is known more surely.
+  // May be null.
+  const Calibration* before = nullptr;
+};
+
+// The calibration of a skin that nothing touches. INVALID_CONFIG if `before`
+// does not fit; else the errors of Tare.
+absl::StatusOr<Calibration> Calibrate(const IdleFrames& idle,
+                                      const CalibrateOptions& options);
+
+// OK if every part is in range and has one element per taxel; else
+// INVALID_CONFIG.
+absl::Status Validate(const Calibration& calibration);
+
+// OK if the calibration is one of this device and of a skin of this name, shape
+// and unit; else INVALID_CONFIG. Thresholds, lengths and masks of the layout
+// may differ.
+absl::Status CheckFits(const Calibration& calibration,
+                       const std::string& device, const SkinLayout& layout);
+
+// The layout with the taxels of `taxels` masked, and those it masks already.
+SkinLayout WithMasked(SkinLayout layout, const std::vector<int>& taxels);
+
+// The calibrated layout's contact and onset thresholds, in its unit: the
+// largest ones of its taxels without faults. `scale` is that of the skin's
+// numbers.
+struct LayoutThresholds {
+  double contact_threshold = 0;
+  double onset_threshold = 0;
+};
+LayoutThresholds ThresholdsFor(const Calibration& calibration, double scale);
+
+// The load of a reading above the baseline of taxel `taxel`.
+inline double LoadOf(const Calibration& calibration, size_t taxel,
+                     double reading, double scale) {
+  if (calibration.gains.empty() || !calibration.gains[taxel]) {
+    return reading * scale;
+  }
+  return calibration.gains[taxel]->Load(reading);
+}
+
+}  // namespace tactus::client

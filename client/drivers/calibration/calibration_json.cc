@@ -1,0 +1,215 @@
+#include "client/drivers/calibration/calibration_json.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+#include "core/skin/layout_json.h"
+#include "nlohmann/json.hpp"
+
+namespace tactus::client {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr char kFormat[] = "tactus-calibration";
+constexpr int kVersion = 1;
+
+// JSON of text without control characters.
+std::string TextJson(const std::string& text) {
+  std::string json = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') json.push_back('\\');
+    json.push_back(c);
+  }
+  return json + "\"";
+}
+
+std::string NumbersJson(const std::vector<double>& numbers) {
+  const auto exact = [](std::string* out, double number) {
+    absl::StrAppendFormat(out, "%.17g", number);
+  };
+  return absl::StrCat("[", absl::StrJoin(numbers, ",", exact), "]");
+}
+
+std::string CurveJson(const std::optional<GainCurve>& curve) {
+  if (!curve) return "null";
+  const auto point = [](std::string* out, const GainPoint& p) {
+    absl::StrAppendFormat(out, "[%.17g,%.17g]", p.reading, p.load);
+  };
+  return absl::StrCat("[", absl::StrJoin(curve->points(), ",", point), "]");
+}
+
+// Takes the parts out of an object. The first fault is kept.
+class Parts {
+ public:
+  explicit Parts(const Json& object) : object_(object) {}
+
+  const Json* Find(const char* name) {
+    const auto found = object_.find(name);
+    if (found != object_.end()) return &*found;
+    Complain(name, "absent", "given");
+    return nullptr;
+  }
+  double Number(const char* name) {
+    const Json* json = Find(name);
+    if (json == nullptr) return 0;
+    if (!json->is_number()) Complain(name, json->type_name(), "a number");
+    return json->is_number() ? json->get<double>() : 0;
+  }
+  int64_t Whole(const char* name) {
+    const Json* json = Find(name);
+    if (json == nullptr) return 0;
+    const bool whole = json->is_number_integer();
+    if (!whole) Complain(name, json->type_name(), "a whole number");
+    return whole ? json->get<int64_t>() : 0;
+  }
+  std::string Text(const char* name) {
+    const Json* json = Find(name);
+    if (json == nullptr) return "";
+    if (!json->is_string()) Complain(name, json->type_name(), "text");
+    return json->is_string() ? json->get<std::string>() : "";
+  }
+  std::vector<double> Numbers(const char* name) {
+    std::vector<double> numbers;
+    const Json* json = Find(name);
+    if (json == nullptr) return numbers;
+    for (const Json& number : Elements(name, *json)) {
+      if (!number.is_number()) {
+        Complain(name, number.type_name(), "numbers");
+        break;
+      }
+      numbers.push_back(number.get<double>());
+    }
+    return numbers;
+  }
+  std::vector<int> Taxels(const char* name) {
+    std::vector<int> taxels;
+    const Json* json = Find(name);
+    if (json == nullptr) return taxels;
+    for (const Json& taxel : Elements(name, *json)) {
+      // Wider numbers would wrap around.
+      if (!taxel.is_number_unsigned() ||
+          taxel.get<uint64_t>() > (uint64_t{1} << 30)) {
+        Complain(name, taxel.type_name(), "indices of taxels");
+        break;
+      }
+      taxels.push_back(taxel.get<int>());
+    }
+    return taxels;
+  }
+  std::vector<std::optional<GainCurve>> Gains(const char* name) {
+    std::vector<std::optional<GainCurve>> gains;
+    const Json* json = Find(name);
+    if (json == nullptr) return gains;
+    for (const Json& curve : Elements(name, *json)) {
+      if (curve.is_null()) {
+        gains.emplace_back();
+        continue;
+      }
+      auto made = GainCurve::Make(Points(name, curve));
+      if (!made.ok()) {
+        if (fault_.ok()) fault_ = made.status();
+        break;
+      }
+      gains.push_back(*std::move(made));
+    }
+    return gains;
+  }
+
+  const absl::Status& fault() const { return fault_; }
+  void Complain(const char* name, absl::string_view got,
+                absl::string_view want) {
+    if (fault_.ok()) fault_ = InvalidConfig(name, got, want);
+  }
+
+ private:
+  // No elements, and a fault, unless `json` is a list.
+  Json::array_t Elements(const char* name, const Json& json) {
+    if (json.is_array()) return json.get<Json::array_t>();
+    Complain(name, json.type_name(), "a list");
+    return {};
+  }
+  std::vector<GainPoint> Points(const char* name, const Json& curve) {
+    std::vector<GainPoint> points;
+    for (const Json& point : Elements(name, curve)) {
+      if (!point.is_array() || point.size() != 2 || !point[0].is_number() ||
+          !point[1].is_number()) {
+        Complain(name, point.type_name(), "pairs of reading and load");
+        break;
+      }
+      points.push_back({point[0].get<double>(), point[1].get<double>()});
+    }
+    return points;
+  }
+
+  const Json& object_;
+  absl::Status fault_;
+};
+
+}  // namespace
+
+std::string CalibrationToJson(const Calibration& calibration) {
+  const auto taxels = [](const std::vector<int>& list) {
+    return absl::StrCat("[", absl::StrJoin(list, ","), "]");
+  };
+  const auto curve = [](std::string* out,
+                        const std::optional<GainCurve>& gain) {
+    absl::StrAppend(out, CurveJson(gain));
+  };
+  return absl::StrCat(
+      "{\n\"format\": \"", kFormat, "\",\n\"version\": ", kVersion,
+      ",\n\"device\": ", TextJson(calibration.device),
+      ",\n\"layout\": ", LayoutToJson(calibration.layout),
+      ",\n\"created_ms\": ", calibration.created_ms,
+      ",\n\"frames\": ", calibration.frames, ",\n\"sample_rate_hz\": ",
+      absl::StrFormat("%.17g", calibration.sample_rate_hz),
+      ",\n\"baseline\": ", NumbersJson(calibration.baseline),
+      ",\n\"deviation\": ", NumbersJson(calibration.deviation),
+      ",\n\"contact_threshold\": ", NumbersJson(calibration.contact_threshold),
+      ",\n\"onset_threshold\": ", NumbersJson(calibration.onset_threshold),
+      ",\n\"gains\": [", absl::StrJoin(calibration.gains, ",", curve),
+      "],\n\"dead\": ", taxels(calibration.faults.dead),
+      ",\n\"stuck\": ", taxels(calibration.faults.stuck),
+      ",\n\"noisy\": ", taxels(calibration.faults.noisy), "\n}\n");
+}
+
+absl::StatusOr<Calibration> CalibrationFromJson(absl::string_view json) {
+  const Json object = Json::parse(json.begin(), json.end(), nullptr,
+                                  /*allow_exceptions=*/false);
+  if (!object.is_object()) {
+    return InvalidConfig("calibration", "no JSON", "an object in JSON");
+  }
+  Parts parts(object);
+  if (parts.Text("format") != kFormat) {
+    parts.Complain("format", "another", kFormat);
+  }
+  if (parts.Whole("version") != kVersion) {
+    parts.Complain("version", "another", absl::StrCat(kVersion));
+  }
+  Calibration made;
+  made.device = parts.Text("device");
+  const Json* layout = parts.Find("layout");
+  made.created_ms = parts.Whole("created_ms");
+  made.frames = parts.Whole("frames");
+  made.sample_rate_hz = parts.Number("sample_rate_hz");
+  made.baseline = parts.Numbers("baseline");
+  made.deviation = parts.Numbers("deviation");
+  made.contact_threshold = parts.Numbers("contact_threshold");
+  made.onset_threshold = parts.Numbers("onset_threshold");
+  made.gains = parts.Gains("gains");
+  made.faults = {parts.Taxels("dead"), parts.Taxels("stuck"),
+                 parts.Taxels("noisy")};
+  TACTUS_RETURN_IF_ERROR(parts.fault());
+  // Text that is not UTF-8 is not JSON, so this cannot throw.
+  TACTUS_ASSIGN_OR_RETURN(made.layout,
+                          LayoutFromJson(layout->dump(
+                              -1, ' ', false, Json::error_handler_t::replace)));
+  TACTUS_RETURN_IF_ERROR(Validate(made));
+  return made;
+}
+
+}  // namespace tactus::client

@@ -1,0 +1,38 @@
+#include "client/drivers/calibration/idle_frames.h"
+
+#include <algorithm>
+
+namespace tactus::client {
+
+IdleFrames::IdleFrames(const SkinInfo& info, size_t frames)
+    : info_(info),
+      frames_(frames),
+      taxels_(static_cast<size_t>(info.layout.taxels())),
+      values_(frames_ * taxels_) {}
+
+void IdleFrames::Add(const SkinFrame& frame) {
+  if (complete()) return;
+  RawValues(info_, frame, {values_.data() + count_ * taxels_, taxels_});
+  ++count_;
+}
+
+double IdleFrames::resolution() const {
+  return info_.taxel_type == v1::TAXEL_TYPE_UINT16 ? 1 : 0;
+}
+
+std::vector<float> IdleFrames::Series(size_t taxel) const {
+  std::vector<float> series(count_);
+  for (size_t t = 0; t < count_; ++t) series[t] = values_[t * taxels_ + taxel];
+  return series;
+}
+
+void RawValues(const SkinInfo& info, const SkinFrame& frame,
+               std::span<float> values) {
+  if (info.taxel_type == v1::TAXEL_TYPE_UINT16) {
+    std::copy_n(frame.u16.begin(), values.size(), values.begin());
+  } else {
+    std::copy_n(frame.f32.begin(), values.size(), values.begin());
+  }
+}
+
+}  // namespace tactus::client

@@ -1,0 +1,49 @@
+// File: taxel_faults.h
+//
+// Taxels that are better masked, found in frames of an untouched skin:
+//
+// - stuck: reads one value, which OutstandingTaxels lists
+// - dead: reads one value like that of other taxels, although half of the
+//   taxels change in one of ten frames or more
+// - noisy: has more than 6 times the median noise of the skin, and more than 2
+//   steps of its numbers
+//
+//   const TaxelFaults faults = FindFaults(idle, baseline, noise);
+//   for (const int taxel : faults.All()) Mask(taxel);
+//
+// Skins that read 0 where nothing presses show dead taxels only when they are
+// pressed: UnfeltTaxels finds them. Masked taxels are not examined. Plain data
+// and free functions without state; thread-safe.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "client/drivers/calibration/idle_frames.h"
+#include "client/drivers/calibration/taxel_noise.h"
+
+namespace tactus::client {
+
+// Row-major indices, rising. A taxel has one fault at most.
+struct TaxelFaults {
+  std::vector<int> dead;
+  std::vector<int> stuck;
+  std::vector<int> noisy;
+
+  // All of them, rising.
+  std::vector<int> All() const;
+  bool operator==(const TaxelFaults&) const = default;
+};
+
+TaxelFaults FindFaults(const IdleFrames& idle,
+                       const std::vector<double>& baseline,
+                       const std::vector<TaxelNoise>& noise);
+
+// Taxels that never reached their onset threshold while somebody pressed every
+// place of the skin. `largest` holds the largest value of each taxel.
+std::vector<int> UnfeltTaxels(const IdleFrames& idle,
+                              const std::vector<double>& baseline,
+                              const std::vector<TaxelNoise>& noise,
+                              std::span<const float> largest);
+
+}  // namespace tactus::client
