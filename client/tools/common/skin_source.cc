@@ -1,17 +1,56 @@
 #include "client/tools/common/skin_source.h"
 
+#include <filesystem>
 #include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client/drivers/calibration/calibration_json.h"
+#include "client/drivers/calibration/tare.h"
 #include "client/drivers/can/socket_can.h"
 #include "client/drivers/replay_driver.h"
 #include "client/drivers/sim_driver.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/data/trial_layout.h"
+#include "core/files/file_bytes.h"
 
 namespace tactus::client {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The name under /dev/serial/by-id of the adapter behind `port`, or `port`.
+std::string SerialName(const std::string& port) {
+  std::error_code error;
+  const fs::path target = fs::canonical(port, error);
+  if (error) return port;
+  for (const auto& entry : fs::directory_iterator("/dev/serial/by-id", error)) {
+    std::error_code broken;
+    if (fs::canonical(entry.path(), broken) == target && !broken) {
+      return entry.path().filename();
+    }
+  }
+  return port;
+}
+
+absl::StatusOr<std::unique_ptr<TrialDriver>> MakePlayedTrials(
+    const SkinSourceOptions& options, const Shard& shard) {
+  if (options.driver == "replay") {
+    std::optional<SkinLayout> layout;
+    if (!options.layout.empty()) {
+      TACTUS_ASSIGN_OR_RETURN(layout, ReadLayoutFile(options.layout));
+    }
+    return std::make_unique<ReplayDriver>(
+        options.data, shard,
+        ReplayDriver::Options{.max_trials = options.trials, .layout = layout});
+  }
+  return std::make_unique<SimDriver>(
+      SimDriver::Options{.seed = options.seed, .skin = options.skin},
+      options.trials == 0 ? kSimulatedTrials : options.trials, shard);
+}
+
+}  // namespace
 
 void AddSkinFlags(CLI::App& app, SkinSourceOptions& options) {
   app.add_option("--driver", options.driver,
@@ -84,23 +123,54 @@ absl::Status CheckSkinFlags(const SkinSourceOptions& options) {
     return InvalidConfig("--layout and --positions", "both given",
                          "one of the two");
   }
+  if (options.drift_time_s > 0 && options.calibration.empty()) {
+    return InvalidConfig("--drift-s", "given without --calibration",
+                         "given with it");
+  }
   return absl::OkStatus();
+}
+
+void AddDeviceFlag(CLI::App& app, SkinSourceOptions& options) {
+  app.add_option("--device-id", options.device_id,
+                 "Name of the skin in its calibration, instead of that of its "
+                 "adapter or line");
+}
+
+void AddCalibrationFlags(CLI::App& app, SkinSourceOptions& options) {
+  app.add_option("--calibration", options.calibration,
+                 "Calibration of a real skin, from trainctl skin calibrate")
+      ->check(CLI::ExistingFile);
+  app.add_option("--tare", options.tare_frames,
+                 "Take the mean of so many frames at the start for untouched")
+      ->check(CLI::Range(kMinTareFrames, size_t{100'000}));
+  app.add_option("--drift-s", options.drift_time_s,
+                 "Follow the drift of untouched taxels over so many seconds; "
+                 "needs --calibration")
+      ->check(CLI::Range(1.0, 1e6));
+  AddDeviceFlag(app, options);
+}
+
+std::string DeviceId(const SkinSourceOptions& options) {
+  if (!options.device_id.empty()) return options.device_id;
+  if (options.driver == "sim") return "sim " + options.skin;
+  if (options.driver == "replay") return "replay";
+  if (options.driver == "serial") return "serial " + SerialName(options.port);
+  if (options.driver == "xela-can") return "xela-can " + options.icub.interface;
+  const std::string& adapter = options.driver == "icub-usb"
+                                   ? options.icub.usb_serial
+                                   : options.icub.interface;
+  return absl::StrCat(options.driver, " ", adapter, adapter.empty() ? "" : " ",
+                      options.icub.boards);
 }
 
 absl::StatusOr<std::unique_ptr<TrialDriver>> MakeTrialDriver(
     const SkinSourceOptions& options, const Shard& shard) {
-  if (options.driver == "replay") {
-    std::optional<SkinLayout> layout;
-    if (!options.layout.empty()) {
-      TACTUS_ASSIGN_OR_RETURN(layout, ReadLayoutFile(options.layout));
-    }
-    return std::make_unique<ReplayDriver>(
-        options.data, shard,
-        ReplayDriver::Options{.max_trials = options.trials, .layout = layout});
+  if (options.IsCalibrated()) {
+    return InvalidConfig("--calibration or --tare",
+                         absl::StrCat("given with --driver=", options.driver),
+                         "absent without a real skin");
   }
-  return std::make_unique<SimDriver>(
-      SimDriver::Options{.seed = options.seed, .skin = options.skin},
-      options.trials == 0 ? kSimulatedTrials : options.trials, shard);
+  return MakePlayedTrials(options, shard);
 }
 
 absl::Status SkinSource::MakeSerial(const SkinSourceOptions& options) {
@@ -133,29 +203,52 @@ absl::Status SkinSource::MakeXela(const SkinSourceOptions& options) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::unique_ptr<SkinSource>> SkinSource::Make(
-    const SkinSourceOptions& options) {
-  std::unique_ptr<SkinSource> source(new SkinSource());
+absl::Status SkinSource::MakeDriver(const SkinSourceOptions& options) {
   if (!options.IsLive()) {
-    TACTUS_ASSIGN_OR_RETURN(source->trials_, MakeTrialDriver(options, {}));
-    source->paced_ = std::make_unique<PacedDriver>(source->trials_.get());
-    source->driver_ = source->paced_.get();
-    return source;
+    TACTUS_ASSIGN_OR_RETURN(trials_, MakePlayedTrials(options, {}));
+    paced_ = std::make_unique<PacedDriver>(trials_.get());
+    driver_ = paced_.get();
+    return absl::OkStatus();
   }
   if (options.driver == "serial" || options.driver == "xela-can") {
-    TACTUS_RETURN_IF_ERROR(options.driver == "serial"
-                               ? source->MakeSerial(options)
-                               : source->MakeXela(options));
-    source->buffered_ = std::make_unique<BufferedDriver>(
-        source->hardware_.get(), BufferedDriverOptions{});
-    source->driver_ = source->buffered_.get();
-    return source;
+    TACTUS_RETURN_IF_ERROR(options.driver == "serial" ? MakeSerial(options)
+                                                      : MakeXela(options));
+    buffered_ = std::make_unique<BufferedDriver>(hardware_.get(),
+                                                 BufferedDriverOptions{});
+    driver_ = buffered_.get();
+    return absl::OkStatus();
   }
   IcubSourceOptions icub = options.icub;
   icub.usb = options.driver == "icub-usb";
   icub.layout = options.layout;
-  TACTUS_ASSIGN_OR_RETURN(source->icub_, IcubSource::Make(icub));
-  source->driver_ = &source->icub_->driver();
+  TACTUS_ASSIGN_OR_RETURN(icub_, IcubSource::Make(icub));
+  driver_ = &icub_->driver();
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Calibration> ReadCalibration(const std::string& path) {
+  TACTUS_ASSIGN_OR_RETURN(const std::string text,
+                          ReadFileBytes(path, kMaxCalibrationBytes));
+  auto calibration = CalibrationFromJson(text);
+  if (!calibration.ok()) return Annotate(calibration.status(), path);
+  return calibration;
+}
+
+absl::StatusOr<std::unique_ptr<SkinSource>> SkinSource::Make(
+    const SkinSourceOptions& options) {
+  std::unique_ptr<SkinSource> source(new SkinSource());
+  TACTUS_RETURN_IF_ERROR(source->MakeDriver(options));
+  if (!options.IsCalibrated()) return source;
+  CalibratedDriverOptions calibrated = {.device = DeviceId(options),
+                                        .tare_frames = options.tare_frames,
+                                        .drift_time_s = options.drift_time_s};
+  if (!options.calibration.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(calibrated.calibration,
+                            ReadCalibration(options.calibration));
+  }
+  source->calibrated_ = std::make_unique<CalibratedDriver>(
+      source->driver_, std::move(calibrated));
+  source->driver_ = source->calibrated_.get();
   return source;
 }
 

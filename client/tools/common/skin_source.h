@@ -18,6 +18,7 @@
 #include "CLI/CLI.hpp"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/drivers/calibrated_driver.h"
 #include "client/drivers/serial/serial_skin.h"
 #include "client/drivers/trial_driver.h"
 #include "client/drivers/xela/xela_skin.h"
@@ -45,7 +46,16 @@ struct SkinSourceOptions {
   std::string format = "ascii";
   int baud = 2'000'000;
   double rate_hz = 30;
+  // A file that `trainctl skin calibrate` wrote; frames of a tare at the start,
+  // 0: none; seconds over which the drift is followed, 0: not followed.
+  std::string calibration = {};
+  size_t tare_frames = 0;
+  double drift_time_s = 0;
+  // Replaces what DeviceId finds.
+  std::string device_id = {};
 
+  // Frames are converted to loads.
+  bool IsCalibrated() const { return !calibration.empty() || tare_frames > 0; }
   // The skin is a real one.
   bool IsLive() const { return driver != "sim" && driver != "replay"; }
 };
@@ -56,13 +66,27 @@ inline constexpr size_t kSimulatedTrials = 40;
 // The flags of all drivers but --seed and --trials.
 void AddSkinFlags(CLI::App& app, SkinSourceOptions& options);
 
+// --calibration, --tare, --drift-s and --device-id.
+void AddCalibrationFlags(CLI::App& app, SkinSourceOptions& options);
+// --device-id alone.
+void AddDeviceFlag(CLI::App& app, SkinSourceOptions& options);
+
+// Names the skin and how it is connected, for its calibration: the name of a
+// USB adapter of a serial line if it has one, as that stays when the adapter is
+// plugged in elsewhere; else the line or the interface.
+std::string DeviceId(const SkinSourceOptions& options);
+
 // INVALID_CONFIG, which begins with a flag, if flags are absent that the driver
 // needs, or if flags exclude each other.
 absl::Status CheckSkinFlags(const SkinSourceOptions& options);
 
-// Simulated or recorded trials: every `shard.shards`-th of them.
+// Simulated or recorded trials: every `shard.shards`-th of them. INVALID_CONFIG
+// if they are to be calibrated, which only a SkinSource does.
 absl::StatusOr<std::unique_ptr<TrialDriver>> MakeTrialDriver(
     const SkinSourceOptions& options, const Shard& shard);
+
+// The calibration in a file; errors name it.
+absl::StatusOr<Calibration> ReadCalibration(const std::string& path);
 
 class SkinSource {
  public:
@@ -73,10 +97,13 @@ class SkinSource {
 
   // Lives as long as the source.
   SkinDriver& driver() { return *driver_; }
+  // The same driver if it is calibrated; it has the raw frames. Else null.
+  CalibratedDriver* calibrated() { return calibrated_.get(); }
 
  private:
   SkinSource() = default;
 
+  absl::Status MakeDriver(const SkinSourceOptions& options);
   absl::Status MakeSerial(const SkinSourceOptions& options);
   absl::Status MakeXela(const SkinSourceOptions& options);
 
@@ -89,6 +116,7 @@ class SkinSource {
   std::unique_ptr<IcubSource> icub_;
   std::unique_ptr<TrialDriver> trials_;
   std::unique_ptr<PacedDriver> paced_;
+  std::unique_ptr<CalibratedDriver> calibrated_;
   SkinDriver* driver_ = nullptr;
 };
 

@@ -121,6 +121,7 @@ int Main(int argc, char** argv) {
                  "File with the token that the server knows the robot by")
       ->check(CLI::ExistingFile);
   AddSkinFlags(app, flags.source);
+  AddCalibrationFlags(app, flags.source);
   app.add_option("--seconds", flags.seconds,
                  "How long to stream a real skin; 0: until Ctrl-C")
       ->check(CLI::Range(0.0, 1e9));

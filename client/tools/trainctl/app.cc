@@ -7,6 +7,7 @@
 #include "absl/strings/str_split.h"
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/exit_code.h"
+#include "client/tools/trainctl/live_commands.h"
 #include "client/tools/trainctl/remote_flags.h"
 #include "core/base/arguments.h"
 #include "core/base/errors.h"
@@ -76,11 +77,12 @@ int RunTrainctl(int argc, char** argv) {
     command = std::move(chosen);
   };
   for (auto add :
-       {AddSimulate,  AddImport,      AddFit,         AddRemoteEvaluate,
-        AddInspect,   AddClassify,    AddShow,        AddSkin,
-        AddReproduce, AddDatasets,    AddTrain,       AddJobs,
-        AddModels,    AddExportModel, AddImportModel, AddExportTrials,
-        AddServer,    AddDoctor,      AddTokens,      AddCompletion}) {
+       {AddSimulate,      AddImport,    AddFit,         AddRemoteEvaluate,
+        AddInspect,       AddClassify,  AddShow,        AddSkin,
+        AddSkinCalibrate, AddReproduce, AddDatasets,    AddTrain,
+        AddJobs,          AddModels,    AddExportModel, AddImportModel,
+        AddExportTrials,  AddServer,    AddDoctor,      AddTokens,
+        AddCompletion}) {
     add(app, select);
   }
   for (const auto& [name, arguments] : kExamples) {

@@ -115,10 +115,10 @@ absl::Status RunSkin(const SkinFlags& flags) {
 
 void AddSkin(CLI::App& app, const SelectCommand& select) {
   auto flags = std::make_shared<SkinFlags>();
-  CLI::App* skin = app.add_subcommand("skin", "Learn about a skin from data");
-  skin->require_subcommand(1);
-  CLI::App* command = skin->add_subcommand(
-      "estimate", "Propose thresholds from the values of an idle skin");
+  CLI::App* command =
+      CommandGroup(app, "skin", "Learn about a skin")
+          .add_subcommand("estimate",
+                          "Propose thresholds from the values of an idle skin");
   command->footer("Example:\n  trainctl skin estimate mine.h5");
   command->add_option("file", flags->path, "Trial file")->required();
   command->add_option("--idle-frames", flags->idle_frames,

@@ -1,0 +1,38 @@
+// File: measured_rate.h
+//
+// MeasuredRate: the rate at which a skin sends, from the times of its frames,
+// to be compared with the rate that it was configured for.
+//
+//   MeasuredRate rate;
+//   rate.Add(frame);
+//   TACTUS_RETURN_IF_ERROR(rate.Check(info.sample_rate_hz));
+//
+// Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "client/stream/skin_frame.h"
+
+namespace tactus::client {
+
+class MeasuredRate {
+ public:
+  void Add(const SkinFrame& frame);
+  // Frames per second: the mean over the times between frames, without those of
+  // more than three times their median, which are pauses. 0 before the second
+  // frame.
+  double hz() const;
+  // INVALID_CONFIG if the rate differs by more than 5 % from `configured_hz`,
+  // as a model's rate may not either.
+  absl::Status Check(double configured_hz) const;
+
+ private:
+  std::optional<int64_t> last_ns_;
+  std::vector<double> periods_s_;
+};
+
+}  // namespace tactus::client

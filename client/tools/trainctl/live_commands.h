@@ -1,0 +1,18 @@
+// File: live_commands.h
+//
+// The commands of trainctl that read a skin, and what they share.
+//
+//   AddSkinCalibrate(app, select);
+//
+// Not thread-safe.
+#pragma once
+
+#include "CLI/CLI.hpp"
+#include "client/tools/trainctl/command.h"
+
+namespace tactus::client {
+
+// `skin calibrate`.
+void AddSkinCalibrate(CLI::App& app, const SelectCommand& select);
+
+}  // namespace tactus::client
