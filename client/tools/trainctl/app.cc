@@ -26,6 +26,8 @@ constexpr std::pair<const char*, const char*> kExamples[] = {
     {"show", "mine.h5 --trial=000000 --out=contact.png"},
     {"reproduce", "--figures=paper-tables"},
     {"skin", "estimate mine.h5"},
+    {"record",
+     "--driver=serial --port=/dev/ttyUSB0 --labels=HU,HM,SU,SM --out=mine.h5"},
     {"datasets", "upload arm --data=mine.h5"},
     {"jobs", "watch 7"},
     {"models", "promote arm@3"},
@@ -77,12 +79,12 @@ int RunTrainctl(int argc, char** argv) {
     command = std::move(chosen);
   };
   for (auto add :
-       {AddSimulate,      AddImport,    AddFit,         AddRemoteEvaluate,
-        AddInspect,       AddClassify,  AddShow,        AddSkin,
-        AddSkinCalibrate, AddReproduce, AddDatasets,    AddTrain,
-        AddJobs,          AddModels,    AddExportModel, AddImportModel,
-        AddExportTrials,  AddServer,    AddDoctor,      AddTokens,
-        AddCompletion}) {
+       {AddSimulate,      AddImport,       AddFit,       AddRemoteEvaluate,
+        AddInspect,       AddClassify,     AddShow,      AddSkin,
+        AddSkinCalibrate, AddRecord,       AddReproduce, AddDatasets,
+        AddTrain,         AddJobs,         AddModels,    AddExportModel,
+        AddImportModel,   AddExportTrials, AddServer,    AddDoctor,
+        AddTokens,        AddCompletion}) {
     add(app, select);
   }
   for (const auto& [name, arguments] : kExamples) {

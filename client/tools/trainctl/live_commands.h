@@ -1,6 +1,6 @@
 // File: live_commands.h
 //
-// The commands of trainctl that read a skin, and what they share.
+// The commands of trainctl that read a skin.
 //
 //   AddSkinCalibrate(app, select);
 //
@@ -14,5 +14,8 @@ namespace tactus::client {
 
 // `skin calibrate`.
 void AddSkinCalibrate(CLI::App& app, const SelectCommand& select);
+
+// `record`.
+void AddRecord(CLI::App& app, const SelectCommand& select);
 
 }  // namespace tactus::client

@@ -77,8 +77,10 @@ absl::Status CheckSkin(const Trial& trial) {
   return LayoutOfTrial(trial).status();
 }
 
-absl::Status Upload(TrainingClient& client, const std::string& name,
-                    const std::string& path, bool replace, bool json) {
+}  // namespace
+
+absl::Status UploadTrialFile(TrainingClient& client, const std::string& name,
+                             const std::string& path, bool replace, bool json) {
   TACTUS_ASSIGN_OR_RETURN(const TrialFileReader reader,
                           TrialFileReader::Open(path));
   TACTUS_ASSIGN_OR_RETURN(const v1::GetDatasetResponse found,
@@ -116,6 +118,8 @@ absl::Status Upload(TrainingClient& client, const std::string& name,
   }
   return absl::OkStatus();
 }
+
+namespace {
 
 absl::Status ListDatasets(TrainingClient& client, bool json) {
   TACTUS_ASSIGN_OR_RETURN(const auto datasets, client.ListDatasets());
@@ -331,7 +335,7 @@ void AddDatasets(CLI::App& app, const SelectCommand& select) {
                      "version before");
     AddRemoteCommand(
         command, select, [=](TrainingClient& client, const RemoteFlags& flags) {
-          return Upload(client, *dataset, *data, *replace, flags.json);
+          return UploadTrialFile(client, *dataset, *data, *replace, flags.json);
         });
   }
   {

@@ -61,6 +61,11 @@ CLI::App& AddVerb(CLI::App& group, const std::string& verb,
 // stays as it is.
 std::string FullName(absl::string_view collection, absl::string_view text);
 
+// Adds the trials of a file to a dataset, or with `replace` puts them in the
+// place of its trials, and prints the new version.
+absl::Status UploadTrialFile(TrainingClient& client, const std::string& name,
+                             const std::string& path, bool replace, bool json);
+
 // An identifier for a request that no other request has.
 std::string NewRequestId();
 
