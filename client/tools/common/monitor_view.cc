@@ -81,8 +81,7 @@ void ShowContact(const MonitorState& state, Panel& panel) {
                                      state.contact_id, state.contact_s),
                kDim);
   }
-  panel.Line(
-      absl::StrFormat("force %8.4g %s", state.max_force, UnitOf(state)));
+  panel.Line(absl::StrFormat("force %8.4g %s", state.max_force, UnitOf(state)));
   panel.Line(absl::StrFormat("area  %8d taxels %.1f cm2", state.area_taxels,
                              1e4 * state.area_m2));
   panel.Line(absl::StrFormat("motion%+8.1f mm", 1e3 * state.motion_m));

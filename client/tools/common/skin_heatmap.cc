@@ -16,11 +16,13 @@ constexpr char kCharacters[] = ".:-=+*#%@";
 constexpr int kMaskedColour = 242;
 constexpr char kMaskedCharacter = 'x';
 
-// The part of `fraction`, 0 to 1, among `count` steps; the first is no load.
+// A taxel in contact is shown as at least this fraction of the full scale.
+constexpr double kLeastTouch = 1.0 / 9;
+
+// The part of `fraction`, 0 to 1, among `count` steps.
 int StepOf(double fraction, int count) {
   if (!(fraction > 0)) return 0;
-  const int step = 1 + static_cast<int>(fraction * (count - 1));
-  return std::min(step, count - 1);
+  return static_cast<int>(std::min(fraction * count, count - 1.));
 }
 
 // How many dots a taxel has along one side, or how many taxels share a dot.
@@ -56,7 +58,9 @@ class Dots {
                c < std::min(column + across.taxels, layout.columns); ++c) {
             const int taxel = r * layout.columns + c;
             if (!layout.mask.empty() && layout.mask[taxel] == 0) continue;
-            load = std::max(load, values[taxel] / full_scale);
+            const bool touched = values[taxel] >= layout.contact_threshold;
+            load = std::max(load, std::max(values[taxel] / full_scale,
+                                           touched ? kLeastTouch : 0));
           }
         }
       }

@@ -9,7 +9,8 @@
 //
 // Taxels are enlarged by whole numbers as far as the area allows, at most twice
 // as much in one direction as in the other. A skin that is larger than the area
-// is reduced: a dot shows the largest of its taxels. Masked taxels are marked.
+// is reduced: a dot shows the largest of its taxels. Masked taxels are marked,
+// and taxels in contact always differ from others.
 // Thread-safe: free functions without state.
 #pragma once
 

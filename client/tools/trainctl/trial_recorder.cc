@@ -99,7 +99,8 @@ void TrialRecorder::ForgetBefore(int64_t time_ns) {
 }
 
 double TrialRecorder::contact_s() const {
-  return in_contact() ? static_cast<double>(now_ns_ - onset_ns_) / 1e9 : 0;
+  const int64_t end_ns = in_contact() ? now_ns_ : last_touch_ns_;
+  return static_cast<double>(end_ns - onset_ns_) / 1e9;
 }
 
 RecorderStep TrialRecorder::Frame(const SkinFrame& frame,

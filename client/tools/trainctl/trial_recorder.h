@@ -82,6 +82,7 @@ class TrialRecorder {
   const std::optional<size_t>& label() const { return label_; }
   // The contact that is going on is kept if it ends now.
   bool keeping() const { return in_contact() && label_ && !skipped_; }
+  // How long the contact lasts, or lasted.
   double contact_s() const;
   // Of the last frame; contacts so far.
   const FrameFeatures& features() const { return tracker_.features(); }

@@ -173,10 +173,18 @@ TEST(SkinHeatmapTest, TwoTaxelsShareACharacter) {
             "\x1b[0;38;5;234;48;5;230m▀\x1b[0;38;5;230;48;5;234m▀\x1b[0m");
 }
 
+TEST(SkinHeatmapTest, ALightContactIsSeenAndNoiseIsNot) {
+  const std::vector<float> values = {0.011F, 0.009F};
+  TextCanvas canvas(2, 1);
+  DrawHeatmap(Grid(1, 2), values, 1, {.columns = 2, .rows = 1}, false, canvas);
+  EXPECT_EQ(canvas.Lines(false)[0], ":.");
+}
+
 TEST(SkinHeatmapTest, ColoursRiseWithTheLoad) {
   EXPECT_EQ(HeatCharacter(0), '.');
   EXPECT_EQ(HeatCharacter(-1), '.');
-  EXPECT_NE(HeatCharacter(1e-6), '.');
+  EXPECT_EQ(HeatCharacter(0.1), '.');
+  EXPECT_EQ(HeatCharacter(0.12), ':');
   EXPECT_EQ(HeatCharacter(1), '@');
   EXPECT_EQ(HeatCharacter(7), '@');
   EXPECT_EQ(HeatColour(0), 234);
