@@ -29,10 +29,7 @@ absl::Status PacedDriver::OnActivate() {
 absl::StatusOr<ReadResult> PacedDriver::OnRead(SkinFrame& frame) {
   if (!waiting_) {
     TACTUS_ASSIGN_OR_RETURN(const ReadResult result, driver_->Read(next_));
-    if (result == ReadResult::kEndOfTrial) {
-      meter_->Pause();
-      return ReadResult::kNoFrame;
-    }
+    if (result == ReadResult::kEndOfTrial) meter_->Pause();
     if (result != ReadResult::kFrame) return result;
     waiting_ = true;
     if (!start_ns_) start_ns_ = clock_->NowNs() - next_.capture_time_ns;

@@ -7,10 +7,9 @@
 //   SimDriver sim({.seed = 7}, /*trials=*/4, {});
 //   PacedDriver driver(&sim);
 //
-// A frame's capture time is the one on `clock` at which it is due. Trials
-// follow each other like contacts on one skin: kEndOfTrial becomes kNoFrame.
-// The time between two trials passes without frames. Read waits at most 0.1 s.
-// The other driver and the clock outlive this one. Not thread-safe.
+// A frame's capture time is the one on `clock` at which it is due. The time
+// between two trials passes without frames. Read waits at most 0.1 s. The other
+// driver and the clock outlive this one. Not thread-safe.
 #pragma once
 
 #include <cstdint>

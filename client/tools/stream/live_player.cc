@@ -60,7 +60,10 @@ absl::Status LivePlayer::Stream() {
   encoder_.emplace(info, FrameEncoder::Options{.sparse = options_.sparse});
   v1::StreamConfig config = MakeConfig(info);
   config.set_model(options_.model);
-  config.set_cadence(v1::RESULT_CADENCE_ON_CHANGE);
+  config.set_with_features(options_.observer != nullptr);
+  if (options_.observer == nullptr) {
+    config.set_cadence(v1::RESULT_CADENCE_ON_CHANGE);
+  }
   config.set_release_after_ms(options_.release_after_ms);
   TACTUS_ASSIGN_OR_RETURN(
       stream_, ResumableStream::Open(channel_, config,
@@ -74,6 +77,9 @@ absl::Status LivePlayer::Stream() {
   on_news_(absl::StrCat("skin ", info.layout.name, ", ", info.layout.rows,
                         " x ", info.layout.columns, " at ", info.sample_rate_hz,
                         " Hz; ", started.model_version()));
+  if (options_.observer != nullptr) {
+    options_.observer->OnStarted(info, started);
+  }
   const std::string remarks = driver_->Statistics().remarks;
   if (!remarks.empty()) on_news_(remarks);
   TACTUS_RETURN_IF_ERROR(driver_->Activate());
@@ -100,6 +106,11 @@ absl::Status LivePlayer::Play() {
     if (result == ReadResult::kFrame) {
       TACTUS_RETURN_IF_ERROR(SendFrame(frame));
     }
+    // A contact ends with its trial; real skins have none.
+    if (result == ReadResult::kEndOfTrial) {
+      TACTUS_RETURN_IF_ERROR(stream_->EndTrial().status());
+    }
+    if (options_.observer != nullptr) options_.observer->OnRead();
     if (result == ReadResult::kNoFrame || frames_ % 64 == 0) ReportNews();
     ReportConnection();
     ReportContacts();
@@ -112,6 +123,9 @@ absl::Status LivePlayer::Play() {
 absl::Status LivePlayer::SendFrame(const SkinFrame& frame) {
   encoder_->Skip(frame.missing_before);
   encoder_->Add(frame);
+  if (options_.observer != nullptr) {
+    options_.observer->OnFrame(frame, encoder_->last_sequence());
+  }
   ++frames_;
   missing_ += frame.missing_before;
   TACTUS_RETURN_IF_ERROR(stream_->Send(encoder_->request()));
@@ -122,6 +136,7 @@ absl::Status LivePlayer::SendFrame(const SkinFrame& frame) {
 void LivePlayer::OnResponse(const v1::ClassifyContactResponse& response) {
   if (!response.has_posterior()) return;
   const v1::Posterior& posterior = response.posterior();
+  if (options_.observer != nullptr) options_.observer->OnPosterior(posterior);
   const bool open_at_end =
       posterior.is_final() &&
       posterior.contact_state() == v1::CONTACT_STATE_IN_CONTACT;

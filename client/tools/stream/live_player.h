@@ -31,6 +31,7 @@
 #include "client/drivers/skin_driver.h"
 #include "client/stream/frame_encoder.h"
 #include "client/stream/resumable_stream.h"
+#include "client/tools/stream/live_observer.h"
 #include "grpcpp/channel.h"
 
 namespace tactus::client {
@@ -67,6 +68,9 @@ class LivePlayer {
     std::string token = {};
     // Milliseconds without a touch after which a contact ends; 0: the model's.
     int release_after_ms = 0;
+    // Sees all frames, and answers to each of them; may be null. Outlives the
+    // player.
+    LiveObserver* observer = nullptr;
   };
   using OnContact = std::function<void(const LiveContact&)>;
   using OnNews = std::function<void(const std::string&)>;

@@ -14,6 +14,7 @@
 #include "client/tools/common/skin_source.h"
 #include "client/tools/common/token_file.h"
 #include "client/tools/stream/live_command.h"
+#include "client/tools/stream/monitor_command.h"
 #include "client/tools/stream/report.h"
 #include "client/tools/stream/trial_player.h"
 #include "core/base/arguments.h"
@@ -31,6 +32,7 @@ struct Flags {
   std::string rate = "max";
   int parallel = 1;
   bool json = false;
+  bool monitor = false;
   std::string posteriors;
   double timeout_s = 10;
   double reconnect_s = 30;
@@ -49,6 +51,7 @@ absl::Status RunSkin(const Flags& flags,
                                       .resume_for = flags.player.resume_for,
                                       .token = token};
   TACTUS_ASSIGN_OR_RETURN(const auto source, SkinSource::Make(flags.source));
+  if (flags.monitor) return RunMonitor(channel, source->driver(), player);
   return RunLive(channel, source->driver(), player, flags.json);
 }
 
@@ -67,8 +70,9 @@ absl::Status Run(const Flags& flags) {
         ReadToken(flags.token_file, flags.server, flags.tls_ca.has_value()));
   }
   const auto channel = MakeChannel(flags.server, options);
-  if (flags.source.IsLive())
+  if (flags.source.IsLive() || flags.monitor) {
     return RunSkin(flags, channel, player_options.token);
+  }
   std::mutex mutex;
   std::vector<absl::Status> statuses(flags.parallel);
   std::vector<std::thread> threads;
@@ -151,6 +155,10 @@ int Main(int argc, char** argv) {
       ->check(CLI::Range(0.0, 86'400.0))
       ->capture_default_str();
   app.add_flag("--json", flags.json, "Print one JSON object");
+  app.add_flag("--monitor", flags.monitor,
+               "Show the skin and the answers in the terminal; simulated and "
+               "recorded contacts at the rate of their skin")
+      ->excludes("--json");
   app.add_option("--posteriors", flags.posteriors,
                  "File for each trial's final scores, JSON lines");
   if (const absl::Status status = CheckArguments(argc, argv); !status.ok()) {

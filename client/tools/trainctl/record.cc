@@ -106,6 +106,7 @@ class Session {
                               source_.driver().Read(frame));
       if (result == ReadResult::kEndOfData) break;
       if (result == ReadResult::kFrame) TACTUS_RETURN_IF_ERROR(Take(frame));
+      if (result == ReadResult::kEndOfTrial) ShowProblem(model_.EndTrial());
       while (const auto key = terminal->ReadKey()) {
         TACTUS_RETURN_IF_ERROR(Do(recorder_.Key(*key)));
       }
@@ -120,11 +121,14 @@ class Session {
 
  private:
   absl::Status Take(const SkinFrame& frame) {
-    const std::string problem = model_.Send(frame);
-    if (!problem.empty()) news_ = problem;
+    ShowProblem(model_.Send(frame));
     CalibratedDriver* const calibrated = source_.calibrated();
     return Do(recorder_.Frame(
         frame, calibrated == nullptr ? nullptr : &calibrated->raw()));
+  }
+
+  void ShowProblem(const std::string& problem) {
+    if (!problem.empty()) news_ = problem;
   }
 
   absl::Status Do(const RecorderStep& step) {

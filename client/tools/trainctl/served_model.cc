@@ -35,13 +35,22 @@ std::string ServedModel::Send(const SkinFrame& frame) {
   encoder_->Skip(frame.missing_before);
   encoder_->Add(frame);
   monitor_->Frame(frame, encoder_->last_sequence(), Clock::System().NowNs());
-  absl::Status sent = stream_->Send(encoder_->request());
+  const absl::Status sent = stream_->Send(encoder_->request());
   encoder_->Clear();
-  if (sent.ok() && !stream_->ended()) return "";
-  if (sent.ok()) sent = stream_->Close();
+  return sent.ok() && !stream_->ended() ? "" : Ended(sent);
+}
+
+std::string ServedModel::EndTrial() {
+  if (stream_ == nullptr) return "";
+  const auto posterior = stream_->EndTrial();
+  return posterior.ok() ? "" : Ended(posterior.status());
+}
+
+std::string ServedModel::Ended(absl::Status status) {
+  if (status.ok()) status = stream_->Close();
   stream_.reset();
   return absl::StrCat("the model's stream ended, recording goes on: ",
-                      sent.message());
+                      status.message());
 }
 
 }  // namespace tactus::client

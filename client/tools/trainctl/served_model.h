@@ -33,8 +33,12 @@ class ServedModel {
   // Sends a frame if there is a stream, and shows it to the monitor. Returns
   // why the stream ended, once.
   std::string Send(const SkinFrame& frame);
+  // A recorded or simulated trial is over; returns as Send does.
+  std::string EndTrial();
 
  private:
+  std::string Ended(absl::Status status);
+
   Monitor* const monitor_;
   std::optional<FrameEncoder> encoder_;
   std::unique_ptr<ContactStream> stream_;

@@ -1,0 +1,249 @@
+// What an operator sees and does at a terminal: trainctl record, and
+// tactus-stream --monitor.
+#include <filesystem>
+#include <fstream>
+
+#include "client/drivers/calibration/calibration_json.h"
+#include "core/data/trial_file.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/support/child_tactusd.h"
+#include "tests/support/pty_program.h"
+
+namespace tactus::client {
+namespace {
+
+using tactus::testing::ChildTactusd;
+using tactus::testing::PtyProgram;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+constexpr char kLeave[] = "\x1b[0m\x1b[?25h\x1b[?1049l";
+
+// A folder with touches.h5: 0.9 s of nothing, 0.3 s of touch, 0.6 s of
+// nothing, again and again, with an offset of 20 counts and noise.
+class AtTheTerminalTest : public ::testing::Test {
+ protected:
+  AtTheTerminalTest()
+      : folder_(fs::path(::testing::TempDir()) / "at_the_terminal") {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    auto writer = TrialFileWriter::Create(Path("touches.h5"), {});
+    EXPECT_TRUE(writer.ok());
+    for (int i = 0; i < 20; ++i) {
+      EXPECT_TRUE(writer->Append(Touch(i)).ok());
+    }
+    EXPECT_TRUE(writer->Close().ok());
+  }
+  ~AtTheTerminalTest() override { fs::remove_all(folder_); }
+
+  static Trial Touch(int number) {
+    Trial trial;
+    trial.label = "any";
+    SetSkin({.name = "bench",
+             .rows = 4,
+             .columns = 6,
+             .row_pitch_m = 0.01,
+             .column_pitch_m = 0.01,
+             .taxel_area_m2 = 1e-4,
+             .unit = TaxelUnit::kCounts,
+             .contact_threshold = 30,
+             .onset_threshold = 40},
+            trial);
+    trial.taxels.rows = 4;
+    trial.taxels.columns = 6;
+    for (int t = 0; t < 180; ++t) {
+      trial.time.push_back(0.01 * t);
+      for (int i = 0; i < 24; ++i) {
+        const bool touched = t >= 90 && t < 120 && i == 8;
+        trial.taxels.u16.push_back(static_cast<uint16_t>(
+            20 + (t * 7 + i * 3 + number) % 3 + (touched ? 200 : 0)));
+      }
+    }
+    return trial;
+  }
+  std::string Path(const std::string& name) const { return folder_ / name; }
+  std::vector<std::string> Record(std::vector<std::string> more = {}) const {
+    std::vector<std::string> command = {
+        TRAINCTL,          "record",
+        "--driver=replay", "--data=" + Path("touches.h5"),
+        "--labels=HU,HM",  "--out=" + Path("out.h5")};
+    command.insert(command.end(), more.begin(), more.end());
+    return command;
+  }
+  static std::vector<std::string> LabelsIn(const std::string& path) {
+    std::vector<std::string> labels;
+    const auto reader = TrialFileReader::Open(path);
+    EXPECT_TRUE(reader.ok()) << reader.status();
+    for (size_t i = 0; reader.ok() && i < reader->size(); ++i) {
+      labels.push_back(reader->Read(i)->label);
+    }
+    return labels;
+  }
+
+  const fs::path folder_;
+};
+
+TEST_F(AtTheTerminalTest, LabelsTrialsUndoesAndQuits) {
+  PtyProgram program(Record());
+  ASSERT_TRUE(program.WaitFor("bench, 4 x 6 taxels at 100 Hz"));
+  ASSERT_TRUE(program.WaitFor("measured rate: 100.00 Hz"));
+  ASSERT_TRUE(program.WaitFor("press the key of a label"));
+  program.Type("2");
+  ASSERT_TRUE(program.WaitFor("waiting for a touch: HM"));
+  ASSERT_TRUE(program.WaitFor("RECORDING HM"));
+  ASSERT_TRUE(program.WaitFor("kept: HU 0   HM 1"));
+  program.Type("1");
+  ASSERT_TRUE(program.WaitFor("kept: HU 1   HM 1"));
+  program.Type("u");
+  ASSERT_TRUE(program.WaitFor("kept: HU 0   HM 1"));
+  ASSERT_TRUE(program.WaitFor("kept: HU 1   HM 1"));
+  program.Type("q");
+  EXPECT_EQ(program.Wait(), 0);
+  EXPECT_THAT(program.output(), HasSubstr("out.h5: 2 trials"));
+  EXPECT_THAT(program.output(), HasSubstr(kLeave));
+  EXPECT_TRUE(program.IsRestored());
+  EXPECT_THAT(LabelsIn(Path("out.h5")), ElementsAre("HM", "HU"));
+}
+
+TEST_F(AtTheTerminalTest, CtrlCLosesNothing) {
+  PtyProgram program(Record());
+  ASSERT_TRUE(program.WaitFor("press the key"));
+  program.Type("1");
+  ASSERT_TRUE(program.WaitFor("kept: HU 1"));
+  // As the terminal sends it.
+  program.Type("\x03");
+  EXPECT_EQ(program.Wait(), 0);
+  EXPECT_TRUE(program.IsRestored());
+  EXPECT_THAT(LabelsIn(Path("out.h5")), ElementsAre("HU"));
+}
+
+TEST_F(AtTheTerminalTest, AKilledSessionGoesOn) {
+  {
+    PtyProgram program(Record());
+    ASSERT_TRUE(program.WaitFor("press the key"));
+    program.Type("1");
+    ASSERT_TRUE(program.WaitFor("kept: HU 1"));
+    program.Signal(SIGKILL);
+    EXPECT_EQ(program.Wait(), -SIGKILL);
+  }
+  EXPECT_FALSE(fs::exists(Path("out.h5")));
+  PtyProgram program(Record());
+  ASSERT_TRUE(program.WaitFor("1 trials of an interrupted session are kept"));
+  ASSERT_TRUE(program.WaitFor("press the key"));
+  program.Type("q");
+  EXPECT_EQ(program.Wait(), 0);
+  EXPECT_THAT(LabelsIn(Path("out.h5")), ElementsAre("HU"));
+}
+
+// A tare of 50 frames takes the offset away; the raw frames stay.
+TEST_F(AtTheTerminalTest, TaredTrialsHaveTheirRawFramesBesideThem) {
+  PtyProgram program(Record({"--tare=50"}));
+  ASSERT_TRUE(program.WaitFor("nothing must touch the skin"));
+  ASSERT_TRUE(program.WaitFor("press the key"));
+  program.Type("1");
+  ASSERT_TRUE(program.WaitFor("kept: HU 1"));
+  program.Type("q");
+  EXPECT_EQ(program.Wait(), 0);
+  const auto tared = TrialFileReader::Open(Path("out.h5"))->Read(0);
+  const auto raw = TrialFileReader::Open(Path("out.raw.h5"))->Read(0);
+  ASSERT_TRUE(tared.ok() && raw.ok());
+  ASSERT_FALSE(tared->taxels.f32.empty());
+  EXPECT_LT(tared->taxels.f32[0], 3);
+  EXPECT_GE(raw->taxels.u16[0], 20);
+  EXPECT_EQ(raw->time, tared->time);
+}
+
+TEST_F(AtTheTerminalTest, ATouchedSkinIsNotTared) {
+  PtyProgram program(Record({"--tare=110"}));
+  EXPECT_EQ(program.Wait(), 1);
+  EXPECT_THAT(program.output(), HasSubstr("the skin is touched: taxel 8"));
+  EXPECT_TRUE(program.IsRestored());
+}
+
+TEST_F(AtTheTerminalTest, ACalibrationIsMeasuredAndUsed) {
+  PtyProgram calibrate({TRAINCTL, "skin", "calibrate", "--driver=replay",
+                        "--data=" + Path("touches.h5"), "--frames=80",
+                        "--out=" + Path("cal.json"),
+                        "--layout-out=" + Path("skin.json")});
+  EXPECT_EQ(calibrate.Wait(), 0) << calibrate.output();
+  std::ifstream file(Path("cal.json"));
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const auto made = CalibrationFromJson(text);
+  ASSERT_TRUE(made.ok()) << made.status();
+  EXPECT_EQ(made->device, "replay");
+  EXPECT_NEAR(made->baseline[8], 21, 0.2);
+  PtyProgram other(
+      Record({"--calibration=" + Path("cal.json"), "--device-id=other"}));
+  EXPECT_EQ(other.Wait(), 1);
+  EXPECT_THAT(other.output(), HasSubstr("device of the calibration"));
+  PtyProgram program(Record({"--calibration=" + Path("cal.json")}));
+  ASSERT_TRUE(program.WaitFor("press the key"));
+  program.Type("1");
+  ASSERT_TRUE(program.WaitFor("kept: HU 1"));
+  program.Type("q");
+  EXPECT_EQ(program.Wait(), 0);
+  const auto trial = TrialFileReader::Open(Path("out.h5"))->Read(0);
+  ASSERT_TRUE(trial.ok());
+  EXPECT_EQ(trial->taxels.f32[0], 0);
+}
+
+TEST_F(AtTheTerminalTest, AServersModelIsOptional) {
+  PtyProgram program(Record({"--server=unix:" + Path("nobody.sock")}));
+  ASSERT_TRUE(program.WaitFor("no model: "));
+  program.Type("1");
+  ASSERT_TRUE(program.WaitFor("kept: HU 1"));
+  program.Type("q");
+  EXPECT_EQ(program.Wait(), 0);
+}
+
+TEST_F(AtTheTerminalTest, WithoutATerminalBothProgramsSaySo) {
+  const std::pair<std::string, const char*> commands[] = {
+      {std::string(TRAINCTL) + " record --driver=replay --data=" +
+           Path("touches.h5") + " --labels=a --out=" + Path("out.h5"),
+       "trainctl record is used without a terminal"},
+      {std::string(TACTUS_STREAM) + " --driver=sim --monitor",
+       "--monitor is used without a terminal"}};
+  for (const auto& [command, message] : commands) {
+    std::FILE* pipe = popen((command + " 2>&1 </dev/null").c_str(), "r");
+    std::string output(10'000, 0);
+    output.resize(std::fread(output.data(), 1, output.size(), pipe));
+    EXPECT_NE(pclose(pipe), 0);
+    EXPECT_THAT(output, HasSubstr(message));
+  }
+}
+
+TEST_F(AtTheTerminalTest, TheMonitorShowsContactsAndFitsItsTerminal) {
+  ChildTactusd server;
+  ASSERT_NE(server.port(), 0);
+  PtyProgram program({TACTUS_STREAM, "--server=" + server.address(),
+                      "--driver=sim", "--monitor"},
+                     /*colour=*/true);
+  ASSERT_TRUE(program.WaitFor("models/default/versions/1"));
+  ASSERT_TRUE(program.WaitFor("▀"));
+  ASSERT_TRUE(program.WaitFor("contact 1 "));
+  ASSERT_TRUE(program.WaitFor("HU"));
+  program.Resize(100, 30);
+  // Clears the screen, because its size changed.
+  ASSERT_TRUE(program.WaitFor("\x1b[2J"));
+  program.Type("q");
+  EXPECT_EQ(program.Wait(), 0);
+  EXPECT_THAT(program.output(), HasSubstr(kLeave));
+  EXPECT_TRUE(program.IsRestored());
+}
+
+TEST_F(AtTheTerminalTest, AnErrorOfTheServerEndsTheMonitorAndItsScreen) {
+  ChildTactusd server;
+  ASSERT_NE(server.port(), 0);
+  PtyProgram program({TACTUS_STREAM, "--server=" + server.address(),
+                      "--driver=sim", "--model=models/none", "--monitor"});
+  EXPECT_EQ(program.Wait(), 1);
+  EXPECT_TRUE(program.IsRestored());
+  const size_t left = program.output().find(kLeave);
+  ASSERT_NE(left, std::string::npos);
+  EXPECT_THAT(program.output().substr(left), HasSubstr("models/none"));
+}
+
+}  // namespace
+}  // namespace tactus::client
