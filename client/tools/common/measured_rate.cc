@@ -1,6 +1,7 @@
 #include "client/tools/common/measured_rate.h"
 
 #include <cmath>
+#include <limits>
 
 #include "absl/strings/str_format.h"
 #include "client/tools/common/percentile.h"
@@ -10,32 +11,52 @@ namespace tactus::client {
 namespace {
 
 constexpr double kMostDifference = 0.05;
-constexpr double kPauseTimes = 3;
+// Of the median.
+constexpr double kLeastPeriod = 0.5;
+constexpr double kMostPeriod = 1.5;
+constexpr double kPause = 5;
+constexpr double kMost = 0.6;
+
+// Frames per second of the periods within limits, and how many those are.
+struct Mean {
+  double hz = 0;
+  size_t periods = 0;
+};
+
+Mean MeanWithin(const std::vector<double>& periods_s, double least,
+                double most) {
+  double sum = 0;
+  size_t count = 0;
+  for (const double period : periods_s) {
+    if (period < least || period > most) continue;
+    sum += period;
+    ++count;
+  }
+  return {sum > 0 ? static_cast<double>(count) / sum : 0, count};
+}
 
 }  // namespace
 
 void MeasuredRate::Add(const SkinFrame& frame) {
   if (last_ns_) {
-    const double seconds =
-        static_cast<double>(frame.capture_time_ns - *last_ns_) / 1e9;
-    // Lost frames had their periods too.
-    periods_s_.push_back(seconds /
-                         static_cast<double>(frame.missing_before + 1));
+    periods_s_.push_back(
+        static_cast<double>(frame.capture_time_ns - *last_ns_) / 1e9);
   }
   last_ns_ = frame.capture_time_ns;
 }
 
 double MeasuredRate::hz() const {
   if (periods_s_.empty()) return 0;
-  const double longest = kPauseTimes * Percentile(periods_s_, 0.5);
-  double sum = 0;
-  int count = 0;
-  for (const double period : periods_s_) {
-    if (period > longest) continue;
-    sum += period;
-    ++count;
+  const double median = Percentile(periods_s_, 0.5);
+  const Mean usual =
+      MeanWithin(periods_s_, kLeastPeriod * median, kMostPeriod * median);
+  if (static_cast<double>(usual.periods) >=
+      kMost * static_cast<double>(periods_s_.size())) {
+    return usual.hz;
   }
-  return sum > 0 ? count / sum : 0;
+  const double mean_s =
+      1 / MeanWithin(periods_s_, 0, std::numeric_limits<double>::max()).hz;
+  return MeanWithin(periods_s_, 0, kPause * mean_s).hz;
 }
 
 absl::Status MeasuredRate::Check(double configured_hz) const {

@@ -22,9 +22,12 @@ namespace tactus::client {
 class MeasuredRate {
  public:
   void Add(const SkinFrame& frame);
-  // Frames per second: the mean over the times between frames, without those of
-  // more than three times their median, which are pauses. 0 before the second
-  // frame.
+  // Frames per second: the mean over those times between frames that are half
+  // to one and a half of their median, if most are; else, as of a skin that
+  // sends several frames at once, the mean over all that are no pauses. 0
+  // before the second frame. Lost frames are not counted by
+  // SkinFrame::missing_before, because a driver derives it from the configured
+  // rate.
   double hz() const;
   // INVALID_CONFIG if the rate differs by more than 5 % from `configured_hz`,
   // as a model's rate may not either.

@@ -27,7 +27,7 @@ namespace {
 using SteadyClock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kDrawInterval{80};
-constexpr size_t kRateFrames = 30;
+constexpr size_t kRateFrames = 50;
 constexpr double kSilenceS = 10;
 constexpr size_t kMostLabels = 9;
 

@@ -14,8 +14,10 @@ MeasuredRate RateAt(double hz) {
   SkinFrame frame;
   double time_s = 1;
   for (int i = 0; i < 200; ++i) {
-    frame.missing_before = i % 10 == 5 ? 2 : 0;
-    time_s += static_cast<double>(frame.missing_before + 1) / hz;
+    const bool lost = i % 10 == 5;
+    // As of a driver that was configured for twice the rate.
+    frame.missing_before = lost ? 3 : 1;
+    time_s += (lost ? 2 : 1) / hz;
     if (i == 100) time_s += 5;
     frame.capture_time_ns =
         static_cast<int64_t>(1e9 * (time_s + 0.2 / hz * random.Uniform()));
@@ -28,6 +30,28 @@ TEST(MeasuredRateTest, LossesJitterAndPausesDoNotChangeIt) {
   EXPECT_NEAR(RateAt(30).hz(), 30, 0.3);
   EXPECT_NEAR(RateAt(100).hz(), 100, 1);
   EXPECT_EQ(MeasuredRate().hz(), 0);
+}
+
+TEST(MeasuredRateTest, FramesMayComeInPairs) {
+  MeasuredRate rate;
+  SkinFrame frame;
+  for (int i = 0; i < 100; ++i) {
+    if (i % 2 == 0) frame.capture_time_ns += 66'000'000;
+    frame.capture_time_ns += 333'333;
+    rate.Add(frame);
+  }
+  EXPECT_NEAR(rate.hz(), 30, 0.5);
+}
+
+// An adapter had some frames already when it was opened.
+TEST(MeasuredRateTest, ABurstAtTheBeginningDoesNotCount) {
+  MeasuredRate rate;
+  SkinFrame frame;
+  for (int i = 0; i < 50; ++i) {
+    frame.capture_time_ns += i < 5 ? 100'000 : 33'333'333;
+    rate.Add(frame);
+  }
+  EXPECT_NEAR(rate.hz(), 30, 0.1);
 }
 
 TEST(MeasuredRateTest, MoreThanFivePercentIsRefused) {

@@ -151,7 +151,7 @@ TEST(SkinHeatmapTest, IsReducedByTheLargest) {
   SkinLayout layout = Grid(4, 6);
   layout.mask.assign(24, 1);
   std::vector<float> values(24, 0);
-  values[6 * 1 + 3] = 1;
+  values[2] = 1;
   layout.mask[6 * 2 + 0] = 0;
   values[6 * 2 + 0] = 1;
   for (const int masked : {16, 17, 22, 23}) layout.mask[masked] = 0;
