@@ -198,6 +198,42 @@ TEST_F(AtTheTerminalTest, AServersModelIsOptional) {
   EXPECT_EQ(program.Wait(), 0);
 }
 
+// The built-in model does not know this skin; its trials are uploaded all the
+// same.
+TEST_F(AtTheTerminalTest, TrialsAreUploadedInTheEnd) {
+  ChildTactusd server({"--data-dir=" + Path("data")});
+  ASSERT_NE(server.port(), 0);
+  const std::string at = "--server=" + server.address();
+  PtyProgram early(Record({at, "--dataset=bench"}));
+  EXPECT_EQ(early.Wait(), 1);
+  EXPECT_THAT(early.output(), HasSubstr("DATASET_NOT_FOUND"));
+  PtyProgram create({TRAINCTL, "datasets", "create", "bench", at});
+  EXPECT_EQ(create.Wait(), 0) << create.output();
+  PtyProgram program(Record({at, "--dataset=bench"}));
+  ASSERT_TRUE(program.WaitFor("no model: "));
+  program.Type("1");
+  ASSERT_TRUE(program.WaitFor("kept: HU 1"));
+  program.Type("q");
+  EXPECT_EQ(program.Wait(), 0);
+  EXPECT_THAT(program.output(), HasSubstr("datasets/bench/versions/1"));
+  EXPECT_THAT(program.output(), HasSubstr("(HU 1)"));
+}
+
+TEST_F(AtTheTerminalTest, ShowsWhatAServedModelThinks) {
+  ChildTactusd server;
+  ASSERT_NE(server.port(), 0);
+  PtyProgram program({TRAINCTL, "record", "--driver=sim", "--labels=a,b",
+                      "--out=" + Path("sim.h5"),
+                      "--server=" + server.address()});
+  ASSERT_TRUE(program.WaitFor("models/default/versions/1"));
+  ASSERT_TRUE(program.WaitFor("answer p50"));
+  program.Type("2");
+  ASSERT_TRUE(program.WaitFor("decided "));
+  ASSERT_TRUE(program.WaitFor("RECORDING b"));
+  program.Type("q");
+  EXPECT_EQ(program.Wait(), 0);
+}
+
 TEST_F(AtTheTerminalTest, WithoutATerminalBothProgramsSaySo) {
   const std::pair<std::string, const char*> commands[] = {
       {std::string(TRAINCTL) + " record --driver=replay --data=" +
