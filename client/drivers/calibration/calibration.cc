@@ -61,7 +61,8 @@ absl::StatusOr<Calibration> Calibrate(const IdleFrames& idle,
   made.sample_rate_hz = info.sample_rate_hz;
   TACTUS_ASSIGN_OR_RETURN(made.baseline,
                           Tare(idle, earlier ? &*earlier : nullptr));
-  const std::vector<TaxelNoise> noise = NoiseOf(idle, made.baseline);
+  const std::vector<TaxelNoise> noise =
+      NoiseOf(idle, made.baseline, options.least_margin);
   for (const TaxelNoise& taxel : noise) {
     made.deviation.push_back(taxel.deviation);
     made.contact_threshold.push_back(taxel.contact_threshold);

@@ -54,6 +54,8 @@ struct CalibrateOptions {
   // A calibration of the same skin, with which a touch is known more surely.
   // May be null.
   const Calibration* before = nullptr;
+  // Thresholds lie at least so far above the noise, in the skin's numbers.
+  double least_margin = 0;
 };
 
 // The calibration of a skin that nothing touches. INVALID_CONFIG if `before`

@@ -22,7 +22,8 @@ double MedianOf(std::vector<double> values) {
 }
 
 std::vector<TaxelNoise> NoiseOf(const IdleFrames& idle,
-                                const std::vector<double>& baseline) {
+                                const std::vector<double>& baseline,
+                                double least_margin) {
   std::vector<TaxelNoise> all(idle.taxels());
   const auto frames = static_cast<double>(idle.frames());
   for (size_t i = 0; i < idle.taxels(); ++i) {
@@ -34,9 +35,10 @@ std::vector<TaxelNoise> NoiseOf(const IdleFrames& idle,
       if (t > 0 && series[t] != series[t - 1]) noise.changes += 1 / frames;
     }
     noise.deviation = std::sqrt(squares / frames);
-    const IdleThresholds found = ThresholdsAbove(
-        IdleQuantile(series, 0.5) - baseline[i],
-        IdleQuantile(series, kIdleFraction) - baseline[i], idle.resolution());
+    const IdleThresholds found =
+        ThresholdsAbove(IdleQuantile(series, 0.5) - baseline[i],
+                        IdleQuantile(series, kIdleFraction) - baseline[i],
+                        std::max(least_margin, idle.resolution()));
     noise.contact_threshold = found.contact_threshold;
     noise.onset_threshold = found.onset_threshold;
   }

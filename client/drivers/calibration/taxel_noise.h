@@ -27,9 +27,11 @@ struct TaxelNoise {
   double changes = 0;
 };
 
-// The noise of all taxels. A margin is at least one step of the skin's numbers.
+// The noise of all taxels. A margin is at least `least_margin` and one step of
+// the skin's numbers.
 std::vector<TaxelNoise> NoiseOf(const IdleFrames& idle,
-                                const std::vector<double>& baseline);
+                                const std::vector<double>& baseline,
+                                double least_margin = 0);
 
 // The noise of each taxel as a standard deviation, from the median change from
 // a frame to the next, so that slow changes and a single step do not count. At

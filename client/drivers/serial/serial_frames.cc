@@ -16,6 +16,8 @@ constexpr size_t kHeader = 2;
 constexpr size_t kMaxWaiting = 64;
 // Characters for each number of a line, with room.
 constexpr size_t kCharactersPerNumber = 8;
+// Lines of other shapes are understood up to so many numbers.
+constexpr size_t kMostColumns = 64;
 
 }  // namespace
 
@@ -47,7 +49,8 @@ void SerialFrames::Reset() {
   line_.clear();
   current_.taxels.clear();
   lines_ = 0;
-  good_ = long_line_ = false;
+  good_ = long_line_ = whole_block_ = false;
+  seen_shape_ = {};
   bytes_.clear();
   times_.clear();
 }
@@ -64,7 +67,7 @@ void SerialFrames::Deliver(Frame frame) {
 void SerialFrames::AddAscii(uint8_t byte, int64_t now_ns) {
   if (byte == '\r') return;
   if (byte == '\n') return EndLine();
-  if (line_.size() >= columns_ * kCharactersPerNumber) {
+  if (line_.size() >= std::max(columns_, kMostColumns) * kCharactersPerNumber) {
     long_line_ = true;
     ++counters_.skipped_bytes;
     return;
@@ -81,10 +84,14 @@ void SerialFrames::EndLine() {
   } else {
     ++lines_;
     bool good = !long_line_ && words.size() == columns_ && lines_ <= rows_;
+    if (lines_ == 1) block_columns_ = words.size();
+    if (block_columns_ != words.size() || long_line_) block_columns_ = 0;
     for (const absl::string_view word : words) {
       int value = 0;
-      good = good && word[0] >= '0' && word[0] <= '9' &&
-             absl::SimpleAtoi(word, &value) && value <= 255;
+      const bool number = word[0] >= '0' && word[0] <= '9' &&
+                          absl::SimpleAtoi(word, &value) && value <= 255;
+      if (!number) block_columns_ = 0;
+      good = good && number;
       if (good) current_.taxels.push_back(static_cast<uint16_t>(value));
     }
     good_ = good_ && good;
@@ -101,10 +108,13 @@ void SerialFrames::EndAsciiFrame() {
     } else {
       ++counters_.spoiled;
     }
+    if (whole_block_ && block_columns_ > 0) {
+      seen_shape_ = {lines_, block_columns_};
+    }
   }
   current_.taxels.clear();
   lines_ = 0;
-  good_ = true;
+  good_ = whole_block_ = true;
 }
 
 void SerialFrames::AddBinary(uint8_t byte, int64_t now_ns) {

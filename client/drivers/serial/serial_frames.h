@@ -53,6 +53,13 @@ class SerialFrames {
   void Reset();
 
   const SerialCounters& counters() const { return counters_; }
+  // Rows and columns of the last block of numbers between two empty lines, of
+  // any shape; zeros if there was none. Only in ascii.
+  struct Shape {
+    size_t rows = 0;
+    size_t columns = 0;
+  };
+  const Shape& seen_shape() const { return seen_shape_; }
 
  private:
   struct Frame {
@@ -81,6 +88,11 @@ class SerialFrames {
   // False until the first empty line, and after a mistake.
   bool good_ = false;
   bool long_line_ = false;
+  // The block began after an empty line; numbers of each of its lines, 0 if
+  // they differ.
+  bool whole_block_ = false;
+  size_t block_columns_ = 0;
+  Shape seen_shape_;
 
   // aa55: bytes from a supposed header on, with the time of each header.
   std::vector<uint8_t> bytes_;

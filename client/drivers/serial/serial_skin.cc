@@ -66,10 +66,17 @@ int64_t SerialSkin::period_ns() const {
 
 std::string SerialSkin::Missing() const {
   if (bytes_ == bytes_at_start_) return "the skin sends nothing";
-  return absl::StrCat(bytes_ - bytes_at_start_,
-                      " bytes came without a whole frame of ",
-                      options_.layout.rows, " x ", options_.layout.columns,
-                      ": check baud rate, format and layout");
+  std::string text = absl::StrCat(
+      bytes_ - bytes_at_start_, " bytes came without a whole frame of ",
+      options_.layout.rows, " x ", options_.layout.columns);
+  const SerialFrames::Shape& seen = frames_.seen_shape();
+  if (seen.rows > 0) {
+    absl::StrAppend(&text, ", but frames of ", seen.rows, " x ", seen.columns,
+                    ": give a layout of that shape");
+  } else {
+    absl::StrAppend(&text, ": check baud rate, format and layout");
+  }
+  return text;
 }
 
 }  // namespace tactus::client

@@ -317,6 +317,11 @@ void AddRecord(CLI::App& app, const SelectCommand& select) {
       ->check(CLI::Range(0.05, 10.0))
       ->capture_default_str();
   command
+      ->add_option("--shortest-s", flags->recorder.shortest_s,
+                   "A shorter contact is not kept")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
+  command
       ->add_option("--longest-s", flags->recorder.longest_s,
                    "A longer contact is not kept")
       ->check(CLI::Range(0.1, 600.0))

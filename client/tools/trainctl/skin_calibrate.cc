@@ -31,6 +31,7 @@ struct CalibrateFlags {
   std::string before;
   std::string gains;
   double sweep_s = 0;
+  double margin = 0;
   std::string out;
   std::string layout_out;
   bool json = false;
@@ -159,8 +160,9 @@ absl::StatusOr<Measured> Measure(const CalibrateFlags& flags,
   std::cerr << absl::StrFormat("measured rate: %.2f Hz\n", rate.hz());
   TACTUS_ASSIGN_OR_RETURN(
       measured.calibration,
-      Calibrate(idle,
-                {.device = device, .before = before ? &*before : nullptr}));
+      Calibrate(idle, {.device = device,
+                       .before = before ? &*before : nullptr,
+                       .least_margin = flags.margin}));
   Calibration& made = measured.calibration;
   made.created_ms = std::chrono::duration_cast<std::chrono::milliseconds>(
                         std::chrono::system_clock::now().time_since_epoch())
@@ -175,8 +177,8 @@ absl::StatusOr<Measured> Measure(const CalibrateFlags& flags,
         "now press every place of the skin, for %g s\n", flags.sweep_s);
     TACTUS_ASSIGN_OR_RETURN(const std::vector<float> largest,
                             Sweep(driver, info, flags.sweep_s));
-    AddDead(UnfeltTaxels(idle, made.baseline, NoiseOf(idle, made.baseline),
-                         largest),
+    AddDead(UnfeltTaxels(idle, made.baseline,
+                         NoiseOf(idle, made.baseline, flags.margin), largest),
             made.faults);
   }
   TACTUS_RETURN_IF_ERROR(driver.Finalise());
@@ -237,6 +239,11 @@ void AddSkinCalibrate(CLI::App& app, const SelectCommand& select) {
                    "Then press every place of the skin for so many "
                    "seconds; taxels that feel nothing are dead")
       ->check(CLI::Range(1.0, 600.0));
+  command
+      ->add_option("--margin", flags->margin,
+                   "Counts that thresholds lie above the noise at least; "
+                   "default: half of the noise's range, at least 1")
+      ->check(CLI::Range(0.0, 65'535.0));
   command->add_option("--out", flags->out, "Calibration to write")->required();
   command->add_option("--layout-out", flags->layout_out,
                       "Layout to write, with the thresholds found");

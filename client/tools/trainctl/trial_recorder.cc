@@ -163,14 +163,16 @@ RecorderStep TrialRecorder::End() {
     step.news = "the contact is not kept, as you wished";
   } else if (!label_) {
     step.news = "a contact without a label is not kept: choose one";
+  } else if (touched_s() < options_.shortest_s) {
+    step.news = absl::StrFormat("a contact of %.2f s is too short to be kept",
+                                touched_s());
   } else {
     step.trial = {MakeTrial(info_, false), std::nullopt};
     if (raw_info_) step.trial->raw = MakeTrial(*raw_info_, true);
     ++counts_[*label_];
     history_.push_back(*label_);
-    step.news =
-        absl::StrFormat("kept %s, %.2f s of contact", options_.labels[*label_],
-                        static_cast<double>(last_touch_ns_ - onset_ns_) / 1e9);
+    step.news = absl::StrFormat("kept %s, %.2f s of contact",
+                                options_.labels[*label_], touched_s());
     if (missing_ > 0) {
       absl::StrAppend(&step.news, "; ", missing_, " frames were lost in it");
     }

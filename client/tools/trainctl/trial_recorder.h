@@ -41,7 +41,8 @@ struct RecorderOptions {
   std::string group = {};
   double pre_roll_s = 0.5;
   double release_after_s = 0.5;
-  // A longer contact is not kept.
+  // A contact that is shorter or longer is not kept.
+  double shortest_s = 0.2;
   double longest_s = 60;
 };
 
@@ -103,6 +104,10 @@ class TrialRecorder {
   void ForgetBefore(int64_t time_ns);
   std::optional<size_t> LabelOf(char key) const;
   RecorderStep End();
+  // From the onset to the last touch.
+  double touched_s() const {
+    return static_cast<double>(last_touch_ns_ - onset_ns_) / 1e9;
+  }
   Trial MakeTrial(const SkinInfo& info, bool raw) const;
 
   const SkinInfo info_;

@@ -145,6 +145,16 @@ TEST(CalibrateTest, ThresholdsFollowTheNoiseOfEachTaxel) {
     EXPECT_NEAR(made->contact_threshold[i], 1.5 * q, 0.4 * q + 1) << i;
     EXPECT_NEAR(made->onset_threshold[i], 2 * q, 0.5 * q + 1) << i;
   }
+  // A margin of 20 counts is more than half of the range.
+  SyntheticSkin again({});
+  const auto wide =
+      Calibrate(ReadIdle(again, 400), {.device = "bench", .least_margin = 20});
+  ASSERT_TRUE(wide.ok()) << wide.status();
+  for (size_t i = 0; i < 32; ++i) {
+    EXPECT_NEAR(wide->contact_threshold[i], 3 * 2 + 20, 3) << i;
+    EXPECT_NEAR(wide->onset_threshold[i] - wide->contact_threshold[i], 20,
+                1e-9);
+  }
   const LayoutThresholds layout = ThresholdsFor(*made, 0.1);
   EXPECT_EQ(layout.contact_threshold,
             0.1 * *std::ranges::max_element(made->contact_threshold));

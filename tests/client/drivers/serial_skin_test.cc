@@ -83,6 +83,22 @@ TEST(SerialFramesTest, AsciiMistakesSpoilTheirFrameOnly) {
   }
 }
 
+TEST(SerialFramesTest, AnotherShapeIsSeen) {
+  SerialFrames frames(SerialFormat::kAscii, 2, 3);
+  // The first block may have lost its beginning.
+  frames.Add(AsBytes("1 2 3 4\n\n"), 5);
+  EXPECT_EQ(frames.seen_shape().rows, 0u);
+  std::string wide;
+  for (int i = 0; i < 32; ++i) wide += "255 ";
+  frames.Add(AsBytes(wide + "\n" + wide + "\n" + wide + "\n\n"), 5);
+  EXPECT_EQ(frames.seen_shape().rows, 3u);
+  EXPECT_EQ(frames.seen_shape().columns, 32u);
+  // Neither lines of two lengths nor words are a shape.
+  frames.Add(AsBytes("1 2\n3\n\nx y\nz w\n\n"), 5);
+  EXPECT_EQ(frames.seen_shape().rows, 3u);
+  EXPECT_TRUE(AllFrames(frames).empty());
+}
+
 TEST(SerialFramesTest, BinaryFramesCountOnceTheNextOneBegins) {
   Random random(1);
   const Values a = RandomValues(6, random);

@@ -249,6 +249,19 @@ TEST(TrialRecorderTest, AContactThatNeverEndsIsNotKept) {
   EXPECT_EQ(desk.trials.size(), 1u);
 }
 
+TEST(TrialRecorderTest, ABrushIsNotKept) {
+  Desk desk;
+  desk.Key('1');
+  desk.Frames(100, 0);
+  desk.Frames(20, 60);
+  desk.Frames(100, 0);
+  EXPECT_TRUE(desk.trials.empty());
+  EXPECT_EQ(desk.news, "a contact of 0.19 s is too short to be kept");
+  desk.Frames(21, 60);
+  desk.Frames(100, 0);
+  EXPECT_EQ(desk.trials.size(), 1u);
+}
+
 TEST(TrialRecorderTest, KeysThatMeanNothingDoNothing) {
   Desk desk;
   // H is the first letter of two labels; there are three.
