@@ -136,6 +136,9 @@ DriverStatistics CalibratedDriver::Statistics() const {
   if (!options_.calibration) return statistics;
   const std::vector<int> faulty = options_.calibration->faults.All();
   if (faulty.empty()) return statistics;
+  std::erase_if(statistics.stuck_taxels, [&](int taxel) {
+    return std::ranges::binary_search(faulty, taxel);
+  });
   absl::StrAppend(&statistics.remarks, statistics.remarks.empty() ? "" : "; ",
                   "faulty taxels masked: ", absl::StrJoin(faulty, ", "));
   return statistics;

@@ -56,7 +56,8 @@ class CalibratedDriver : public SkinDriver {
                    Clock* clock = &Clock::System());
   ~CalibratedDriver() override { Finalise().IgnoreError(); }
 
-  // Those of the other driver; remarks name the faulty taxels.
+  // Those of the other driver. Remarks name the faulty taxels; the others may
+  // be stuck.
   DriverStatistics Statistics() const override;
 
   // The last frame of Read as the skin sent it, and what such frames are like.

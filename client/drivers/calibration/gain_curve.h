@@ -13,6 +13,7 @@
 // first slope. Immutable; thread-safe.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "absl/status/statusor.h"

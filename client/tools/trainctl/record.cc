@@ -1,7 +1,10 @@
 // trainctl record: labelled trials from a skin, with an operator at a terminal.
 #include <chrono>
 #include <iostream>
+#include <memory>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"

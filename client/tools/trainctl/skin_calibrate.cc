@@ -1,6 +1,11 @@
 // trainctl skin calibrate: measures an untouched skin.
+#include <algorithm>
 #include <chrono>
 #include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -167,7 +172,13 @@ absl::StatusOr<Measured> Measure(const CalibrateFlags& flags,
   made.created_ms = std::chrono::duration_cast<std::chrono::milliseconds>(
                         std::chrono::system_clock::now().time_since_epoch())
                         .count();
-  measured.outstanding = OutstandingTaxels(idle, made.baseline);
+  const std::vector<int> faulty = made.faults.All();
+  for (const int taxel : OutstandingTaxels(idle, made.baseline)) {
+    // A stuck taxel is no load.
+    if (!std::ranges::binary_search(faulty, taxel)) {
+      measured.outstanding.push_back(taxel);
+    }
+  }
   if (!flags.gains.empty()) {
     TACTUS_ASSIGN_OR_RETURN(made.gains,
                             ReadGains(flags.gains, info.layout.taxels()));

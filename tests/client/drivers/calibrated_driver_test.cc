@@ -163,7 +163,9 @@ TEST(CalibratedDriverTest, FaultyTaxelsAreMaskedAndDoNotStopATare) {
     EXPECT_EQ(info->layout.mask[i], i == 4 || i == 9 ? 0 : 1) << i;
   }
   EXPECT_TRUE(driver.Activate().ok());
+  bench.skin.stuck[4] = bench.skin.stuck[5] = 50;
   EXPECT_EQ(driver.Statistics().remarks, "faulty taxels masked: 4, 9");
+  EXPECT_EQ(driver.Statistics().stuck_taxels, (std::vector<int>{5}));
 }
 
 TEST(CalibratedDriverTest, TheDriftIsFollowedOnRequestOnly) {

@@ -62,6 +62,15 @@ class SyntheticSkin : public SkinDriver {
   SkinInfo info;
 
   int64_t frame() const { return frame_; }
+  DriverStatistics Statistics() const override {
+    DriverStatistics statistics;
+    for (size_t i = 0; i < stuck.size(); ++i) {
+      if (stuck[i] > 0) {
+        statistics.stuck_taxels.push_back(static_cast<int>(i));
+      }
+    }
+    return statistics;
+  }
 
  protected:
   absl::StatusOr<SkinInfo> OnConfigure() override { return info; }
