@@ -183,5 +183,10 @@ inline constexpr size_t kMaxCsvBytes = 256UL * 1024 * 1024;
 inline constexpr size_t kMaxCsvColumns = 1'000;
 inline constexpr size_t kMaxCsvMetadata = 100;
 inline constexpr size_t kMaxCsvCells = 20'000'000;
+// MCAP files: a record that is read as a whole (chunks, messages), the schemas
+// and channels of a file together, and one record of metadata.
+inline constexpr size_t kMaxMcapRecordBytes = 64UL * 1024 * 1024;
+inline constexpr size_t kMaxMcapSchemaBytes = 16UL * 1024 * 1024;
+inline constexpr size_t kMaxMcapMetadataBytes = 1024 * 1024;
 
 }  // namespace tactus::limits

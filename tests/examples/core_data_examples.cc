@@ -20,6 +20,9 @@
 #include "core/files/hdf5_handle.h"
 #include "core/files/hdf5_probe.h"
 #include "core/files/hdf5_read.h"
+#include "core/files/mcap/mcap_reader.h"
+#include "core/files/mcap/mcap_records.h"
+#include "core/files/mcap/mcap_writer.h"
 #include "core/files/npy.h"
 #include "core/files/npy_write.h"
 #include "core/files/npz.h"
@@ -103,6 +106,37 @@ absl::Status Hdf5ReadExample(const std::string& path, hid_t group) {
   const Hdf5Complaint complain(path, "000007");
   double rate = 100;
   TACTUS_RETURN_IF_ERROR(ReadNumber(group, "sample_rate_hz", complain, &rate));
+  return absl::OkStatus();
+}
+
+void Use(const McapMessage& message);
+
+absl::Status McapReaderExample() {
+  TACTUS_ASSIGN_OR_RETURN(const auto reader, McapReader::Open("run.mcap"));
+  while (true) {
+    TACTUS_ASSIGN_OR_RETURN(const McapRead read, reader->Next());
+    if (read == McapRead::kEnd) break;
+    if (read == McapRead::kMessage) Use(reader->message());
+  }
+  reader->complete();  // false if the file was cut off
+  return absl::OkStatus();
+}
+
+void McapRecordsExample() {
+  std::string content;
+  PutMcapNumber<uint16_t>(7, &content);
+  PutMcapText("topic", &content);
+  McapCursor cursor(content);
+  cursor.Number<uint16_t>();  // 7
+}
+
+absl::Status McapWriterExample(uint64_t time_ns) {
+  TACTUS_ASSIGN_OR_RETURN(const auto writer,
+                          McapWriter::Create("run.mcap", {}));
+  const uint16_t schema = writer->AddSchema({"Point", "jsonschema", "{}"});
+  const uint16_t topic = writer->AddChannel({schema, "/point", "json", {}});
+  TACTUS_RETURN_IF_ERROR(writer->Write(topic, time_ns, R"({"x": 1})"));
+  TACTUS_RETURN_IF_ERROR(writer->Finish());
   return absl::OkStatus();
 }
 
