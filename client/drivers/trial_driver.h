@@ -14,7 +14,7 @@
 #include <optional>
 #include <utility>
 
-#include "client/drivers/skin_driver.h"
+#include "client/drivers/labelled_driver.h"
 #include "core/data/trial.h"
 
 namespace tactus::client {
@@ -24,12 +24,10 @@ struct Shard {
   size_t shards = 1;
 };
 
-class TrialDriver : public SkinDriver {
+class TrialDriver : public LabelledDriver {
  public:
-  // The trial being played, with its label; the last one after its end.
-  const Trial& trial() const { return trial_; }
-  // Its place in the whole list.
-  size_t trial_index() const { return index_; }
+  const Trial& trial() const override { return trial_; }
+  size_t trial_index() const override { return index_; }
 
  protected:
   // `count` is the number of trials in the whole list. `layout` is the skin of

@@ -7,6 +7,11 @@
 
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
+#include "core/data/recording/foxglove_image.h"
+#include "core/data/recording/message_schema.h"
+#include "core/data/recording/recording.h"
+#include "core/data/recording/recording_reader.h"
+#include "core/data/recording/recording_writer.h"
 #include "core/data/trial.h"
 #include "core/data/trial_csv.h"
 #include "core/data/trial_file.h"
@@ -38,6 +43,51 @@
 #include "core/import/trial_table.h"
 
 namespace tactus::examples {
+
+using v1::TAXEL_TYPE_UINT16;
+
+void FoxgloveImageExample(const SkinLayout& layout,
+                          const v1::FrameBatch& batch) {
+  FoxgloveImage image(layout);
+  const McapSchema schema = FoxgloveImage::Schema();
+  const std::string bytes = image.Encode(batch, TAXEL_TYPE_UINT16, 0.001);
+}
+
+void MessageSchemaExample() {
+  const McapSchema schema = MessageSchema(*v1::Posterior::descriptor());
+}
+
+void RecordingExample() {
+  RecordingEvent event = RecordedTrial{{{"label", "HU"}}};
+  if (const auto* trial = std::get_if<RecordedTrial>(&event)) {
+    trial->Text("label");
+  }
+}
+
+void Use(const v1::FrameBatch& frame);
+
+absl::Status RecordingReaderExample() {
+  TACTUS_ASSIGN_OR_RETURN(const auto reader, RecordingReader::Open("run.mcap"));
+  RecordingEvent event;
+  while (true) {
+    TACTUS_ASSIGN_OR_RETURN(const bool more, reader->Next(event));
+    if (!more) break;
+    if (const auto* frame = std::get_if<v1::FrameBatch>(&event)) Use(*frame);
+  }
+  reader->CutOff();  // empty, or where the recording was cut off
+  return absl::OkStatus();
+}
+
+absl::Status RecordingWriterExample(const v1::StreamConfig& config,
+                                    const v1::FrameBatch& frame) {
+  TACTUS_ASSIGN_OR_RETURN(
+      const auto writer,
+      RecordingWriter::Create("run.mcap", {{"driver", "sim"}}, {}));
+  TACTUS_RETURN_IF_ERROR(writer->Write(config));
+  TACTUS_RETURN_IF_ERROR(writer->Write(frame));
+  TACTUS_RETURN_IF_ERROR(writer->Finish({{"frames", "1"}}));
+  return absl::OkStatus();
+}
 
 absl::Status ArrayFileExample() {
   TACTUS_ASSIGN_OR_RETURN(const ArrayFile file,

@@ -72,6 +72,11 @@ absl::Status LivePlayer::Stream() {
                                       .token = options_.token,
                                       .resume_for = options_.resume_for}));
   const v1::StreamStarted& started = stream_->started();
+  if (options_.recorder) {
+    options_.recorder->Begin(info, config, started);
+    options_.recorder->BeginTrial(options_.trial);
+  }
+  if (options_.check) options_.check->ReceiveModel(started.bundle_sha256());
   class_names_.assign(started.class_names().begin(),
                       started.class_names().end());
   on_news_(absl::StrCat("skin ", info.layout.name, ", ", info.layout.rows,
@@ -121,6 +126,7 @@ absl::Status LivePlayer::Play() {
 }
 
 absl::Status LivePlayer::SendFrame(const SkinFrame& frame) {
+  if (options_.recorder) options_.recorder->Frame(frame);
   encoder_->Skip(frame.missing_before);
   encoder_->Add(frame);
   if (options_.observer != nullptr) {
@@ -137,6 +143,8 @@ void LivePlayer::OnResponse(const v1::ClassifyContactResponse& response) {
   if (!response.has_posterior()) return;
   const v1::Posterior& posterior = response.posterior();
   if (options_.observer != nullptr) options_.observer->OnPosterior(posterior);
+  if (options_.recorder) options_.recorder->Result(posterior);
+  if (options_.check) options_.check->Receive(posterior);
   const bool open_at_end =
       posterior.is_final() &&
       posterior.contact_state() == v1::CONTACT_STATE_IN_CONTACT;

@@ -29,6 +29,8 @@
 
 #include "absl/status/status.h"
 #include "client/drivers/skin_driver.h"
+#include "client/recording/posterior_check.h"
+#include "client/recording/recorder.h"
 #include "client/stream/frame_encoder.h"
 #include "client/stream/resumable_stream.h"
 #include "client/tools/stream/live_observer.h"
@@ -71,6 +73,12 @@ class LivePlayer {
     // Sees all frames, and answers to each of them; may be null. Outlives the
     // player.
     LiveObserver* observer = nullptr;
+    // If set, what the driver returns and what the server answers is recorded,
+    // as one trial with this description.
+    Recorder* recorder = nullptr;
+    RecordingTexts trial = {};
+    // If set, gets the server's answers.
+    PosteriorCheck* check = nullptr;
   };
   using OnContact = std::function<void(const LiveContact&)>;
   using OnNews = std::function<void(const std::string&)>;

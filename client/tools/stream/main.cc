@@ -11,13 +11,16 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
+#include "client/drivers/recording_driver.h"
 #include "client/tools/common/skin_source.h"
 #include "client/tools/common/token_file.h"
 #include "client/tools/stream/live_command.h"
 #include "client/tools/stream/monitor_command.h"
+#include "client/tools/stream/record_replay.h"
 #include "client/tools/stream/report.h"
 #include "client/tools/stream/trial_player.h"
 #include "core/base/arguments.h"
+#include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/base/version.h"
@@ -39,17 +42,96 @@ struct Flags {
   double seconds = 0;
   SkinSourceOptions source;
   TrialPlayer::Options player;
+  std::string record;
+  // Of the trial that a real skin's recording is.
+  std::string label;
+  std::string condition;
+  std::string object;
+
+  bool IsReplayOfRecording() const {
+    return source.driver == "replay" && IsRecording(source.data);
+  }
 };
+
+absl::StatusOr<std::unique_ptr<LabelledDriver>> MakeDriver(
+    const Flags& flags, size_t shard, PosteriorCheck& check) {
+  if (flags.IsReplayOfRecording()) {
+    return std::make_unique<RecordingDriver>(
+        flags.source.data,
+        RecordingDriver::Options{.max_trials = flags.source.trials,
+                                 .on_event = EventsTo(check)});
+  }
+  return MakeTrialDriver(flags.source,
+                         {shard, static_cast<size_t>(flags.parallel)});
+}
+
+// For example that a recording was cut off.
+void PrintProblem(const SkinDriver& driver) {
+  const std::string problem = driver.Statistics().problem;
+  if (problem.empty()) return;
+  std::fprintf(stderr, "tactus-stream: %s\n", problem.c_str());
+}
+
+// Null without --record.
+absl::StatusOr<std::unique_ptr<Recorder>> MakeRecorder(const Flags& flags,
+                                                       bool is_live,
+                                                       uint32_t batch) {
+  if (flags.record.empty()) return nullptr;
+  Recorder::Options options;
+  options.about = {{"program", absl::StrCat("tactus-stream ", kVersion)},
+                   {"driver", flags.source.driver},
+                   {"stream", is_live ? "skin" : "trials"},
+                   {"batch", absl::StrCat(is_live ? 1 : batch)}};
+  if (flags.source.driver == "sim") {
+    options.about["seed"] = absl::StrCat(flags.source.seed);
+    options.about["skin"] = flags.source.skin;
+  }
+  // A real skin does not wait.
+  options.wait_when_full = !flags.source.IsLive();
+  return Recorder::Create(flags.record, options);
+}
+
+// Plays the recording of a real skin.
+absl::Status ReplaySkin(const Flags& flags,
+                        const std::shared_ptr<grpc::Channel>& channel,
+                        LivePlayer::Options player) {
+  TACTUS_ASSIGN_OR_RETURN(const RecordingStart start,
+                          ReadRecordingStart(flags.source.data));
+  PosteriorCheck check;
+  player.check = &check;
+  player.release_after_ms = start.config.release_after_ms();
+  if (player.model.empty()) player.model = start.config.model();
+  for (auto& [key, value] : player.trial) {
+    if (value.empty()) value = start.trial.Text(key);
+  }
+  RecordingDriver driver(flags.source.data,
+                         {.max_trials = flags.source.trials,
+                          .real_time = flags.player.real_time,
+                          .on_event = EventsTo(check)});
+  TACTUS_RETURN_IF_ERROR(RunLive(channel, driver, player, flags.json));
+  PrintProblem(driver);
+  if (flags.json) {
+    std::printf("%s\n", JsonText(Json{{"replay", ToJson(check)}}).c_str());
+  } else {
+    std::printf("%s\n", check.Text().c_str());
+  }
+  return absl::OkStatus();
+}
 
 absl::Status RunSkin(const Flags& flags,
                      const std::shared_ptr<grpc::Channel>& channel,
-                     const std::string& token) {
+                     const std::string& token, Recorder* recorder) {
   const LivePlayer::Options player = {.model = flags.player.model,
                                       .sparse = flags.player.sparse,
                                       .seconds = flags.seconds,
                                       .timeouts = flags.player.timeouts,
                                       .resume_for = flags.player.resume_for,
-                                      .token = token};
+                                      .token = token,
+                                      .recorder = recorder,
+                                      .trial = {{"label", flags.label},
+                                                {"condition", flags.condition},
+                                                {"object", flags.object}}};
+  if (flags.IsReplayOfRecording()) return ReplaySkin(flags, channel, player);
   TACTUS_ASSIGN_OR_RETURN(const auto source, SkinSource::Make(flags.source));
   if (flags.monitor) return RunMonitor(channel, source->driver(), player);
   return RunLive(channel, source->driver(), player, flags.json);
@@ -70,17 +152,49 @@ absl::Status Run(const Flags& flags) {
         ReadToken(flags.token_file, flags.server, flags.tls_ca.has_value()));
   }
   const auto channel = MakeChannel(flags.server, options);
-  if (flags.source.IsLive() || flags.monitor) {
-    return RunSkin(flags, channel, player_options.token);
+  bool is_live = flags.source.IsLive() || flags.monitor;
+  if (flags.IsReplayOfRecording()) {
+    TACTUS_ASSIGN_OR_RETURN(const RecordingStart start,
+                            ReadRecordingStart(flags.source.data));
+    is_live = start.is_live;
+    if (flags.monitor) {
+      return InvalidConfig("--monitor", "a recording",
+                           "a skin, or a trial file (trainctl import)");
+    }
+    // Frames of a message have the times of their first frame.
+    if (player_options.batch != 1 && player_options.batch != start.batch) {
+      return InvalidConfig("--batch", player_options.batch,
+                           absl::StrCat(start.batch, ", as recorded"));
+    }
+    player_options.batch = start.batch;
+    if (player_options.model.empty()) {
+      player_options.model = start.config.model();
+    }
   }
+  for (const std::string* text :
+       {&flags.label, &flags.condition, &flags.object}) {
+    if (is_live || text->empty()) continue;
+    return InvalidConfig("--label, --condition or --object", *text,
+                         "absent: the trials have their own");
+  }
+  TACTUS_ASSIGN_OR_RETURN(const auto recorder,
+                          MakeRecorder(flags, is_live, player_options.batch));
+  if (is_live) {
+    const absl::Status status =
+        RunSkin(flags, channel, player_options.token, recorder.get());
+    const absl::Status recorded =
+        FinishRecorder(recorder.get(), flags.record, stderr);
+    return status.ok() ? recorded : status;
+  }
+  PosteriorCheck check;
+  player_options.recorder = recorder.get();
+  if (flags.IsReplayOfRecording()) player_options.check = &check;
   std::mutex mutex;
   std::vector<absl::Status> statuses(flags.parallel);
   std::vector<std::thread> threads;
   for (int i = 0; i < flags.parallel; ++i) {
     threads.emplace_back([&, i] {
-      const auto driver = MakeTrialDriver(
-          flags.source,
-          {static_cast<size_t>(i), static_cast<size_t>(flags.parallel)});
+      const auto driver = MakeDriver(flags, i, check);
       if (!driver.ok()) {
         statuses[i] = driver.status();
         return;
@@ -94,6 +208,7 @@ absl::Status Run(const Flags& flags) {
                          });
       self = &player;
       statuses[i] = player.Run();
+      PrintProblem(**driver);
       const std::lock_guard lock(mutex);
       report.AddTotals(player.totals());
       if (!player.class_names().empty()) {
@@ -102,12 +217,40 @@ absl::Status Run(const Flags& flags) {
     });
   }
   for (std::thread& thread : threads) thread.join();
+  std::FILE* const out = flags.json ? stderr : stdout;
+  const absl::Status recorded =
+      FinishRecorder(recorder.get(), flags.record, out);
   for (const absl::Status& status : statuses) TACTUS_RETURN_IF_ERROR(status);
+  TACTUS_RETURN_IF_ERROR(recorded);
 
   report.PrintTables();
-  if (flags.json) std::printf("%s\n", JsonText(report.ToJson()).c_str());
+  Json json = report.ToJson();
+  if (flags.IsReplayOfRecording()) {
+    std::fprintf(out, "%s\n", check.Text().c_str());
+    json["replay"] = ToJson(check);
+  }
+  if (flags.json) std::printf("%s\n", JsonText(json).c_str());
   if (flags.posteriors.empty()) return absl::OkStatus();
   return report.WritePosteriors(flags.posteriors);
+}
+
+absl::Status CheckFlags(const Flags& flags) {
+  TACTUS_RETURN_IF_ERROR(CheckSkinFlags(flags.source));
+  if (flags.IsReplayOfRecording() && !flags.source.layout.empty()) {
+    return InvalidConfig("--layout", "given",
+                         "absent: a recording has its skin");
+  }
+  if (flags.parallel > 1 &&
+      (!flags.record.empty() || flags.IsReplayOfRecording())) {
+    return InvalidConfig("--parallel", flags.parallel,
+                         "1: a recording is of one stream");
+  }
+  if (flags.record.empty() && (!flags.label.empty() || !flags.object.empty() ||
+                               !flags.condition.empty())) {
+    return InvalidConfig("--record", "absent",
+                         "given with --label, --condition or --object");
+  }
+  return absl::OkStatus();
 }
 
 int Main(int argc, char** argv) {
@@ -126,6 +269,15 @@ int Main(int argc, char** argv) {
       ->check(CLI::ExistingFile);
   AddSkinFlags(app, flags.source);
   AddCalibrationFlags(app, flags.source);
+  app.add_option("--record", flags.record,
+                 "MCAP file to record frames, poses and answers to; it must "
+                 "not exist");
+  app.add_option("--label", flags.label,
+                 "Category of the contacts in the recording of a real skin");
+  app.add_option("--condition", flags.condition,
+                 "Robot condition in the recording of a real skin");
+  app.add_option("--object", flags.object,
+                 "Object in the recording of a real skin");
   app.add_option("--seconds", flags.seconds,
                  "How long to stream a real skin; 0: until Ctrl-C")
       ->check(CLI::Range(0.0, 1e9));
@@ -134,8 +286,8 @@ int Main(int argc, char** argv) {
   app.add_option("--seed", flags.source.seed, "Seed of the simulated contacts")
       ->capture_default_str();
   app.add_option("--rate", flags.rate,
-                 "real: by capture time; max: as fast as answers come")
-      ->check(CLI::IsMember({"real", "max"}))
+                 "real or 1x: by capture time; max: as fast as answers come")
+      ->check(CLI::IsMember({"real", "1x", "max"}))
       ->capture_default_str();
   app.add_option("--parallel", flags.parallel, "Streams at once")
       ->check(CLI::Range(1, 1000))
@@ -167,12 +319,12 @@ int Main(int argc, char** argv) {
     return 2;
   }
   CLI11_PARSE(app, argc, argv);
-  if (const absl::Status status = CheckSkinFlags(flags.source); !status.ok()) {
+  if (const absl::Status status = CheckFlags(flags); !status.ok()) {
     std::fprintf(stderr, "tactus-stream: %s\n",
                  std::string(status.message()).c_str());
     return 2;
   }
-  flags.player.real_time = flags.rate == "real";
+  flags.player.real_time = flags.rate != "max";
   const std::chrono::milliseconds timeout(std::llround(1e3 * flags.timeout_s));
   flags.player.timeouts = {timeout, timeout, timeout, timeout};
   flags.player.resume_for =

@@ -24,7 +24,7 @@ int64_t NowNs() {
 }  // namespace
 
 TrialPlayer::TrialPlayer(std::shared_ptr<grpc::Channel> channel,
-                         TrialDriver* driver, const Options& options,
+                         LabelledDriver* driver, const Options& options,
                          OnTrial on_trial)
     : channel_(std::move(channel)),
       driver_(driver),
@@ -45,7 +45,10 @@ absl::Status TrialPlayer::Run() {
                                      {.timeouts = options_.timeouts,
                                       .token = options_.token,
                                       .resume_for = options_.resume_for}));
-  const auto& names = stream_->started().class_names();
+  const v1::StreamStarted& started = stream_->started();
+  if (options_.recorder) options_.recorder->Begin(info, config, started);
+  if (options_.check) options_.check->ReceiveModel(started.bundle_sha256());
+  const auto& names = started.class_names();
   class_names_.assign(names.begin(), names.end());
   const absl::Status played = Play();
   totals_.rtt_us = std::move(rtt_us_);
@@ -74,15 +77,31 @@ absl::Status TrialPlayer::Play() {
   }
 }
 
+void TrialPlayer::BeginTrial(const SkinFrame& frame) {
+  in_trial_ = true;
+  trial_start_ns_ = NowNs();
+  trial_capture_ns_ = frame.capture_time_ns;
+  if (!options_.recorder) return;
+  const Trial& trial = driver_->trial();
+  options_.recorder->BeginTrial(
+      {{"id", trial.id},
+       {"index", absl::StrCat(driver_->trial_index())},
+       {"label", trial.label},
+       {"condition", trial.condition},
+       {"object", trial.object},
+       {"material", trial.material}});
+}
+
 absl::Status TrialPlayer::PlayFrame(const SkinFrame& frame) {
-  if (!in_trial_) {
-    in_trial_ = true;
-    trial_start_ns_ = NowNs();
-    trial_capture_ns_ = frame.capture_time_ns;
-  }
+  if (!in_trial_) BeginTrial(frame);
+  if (options_.recorder) options_.recorder->Frame(frame);
   if (options_.real_time) {
     std::this_thread::sleep_until(steady_clock::time_point(nanoseconds(
         trial_start_ns_ + frame.capture_time_ns - trial_capture_ns_)));
+  }
+  if (frame.missing_before > 0) {
+    TACTUS_RETURN_IF_ERROR(SendBatch());
+    encoder_->Skip(frame.missing_before);
   }
   encoder_->Add(frame);
   ++totals_.frames;
@@ -111,6 +130,7 @@ absl::Status TrialPlayer::SendBatch() {
 
 absl::Status TrialPlayer::EndTrial() {
   TACTUS_RETURN_IF_ERROR(SendBatch());
+  if (options_.recorder) options_.recorder->EndTrial();
   TACTUS_ASSIGN_OR_RETURN(const v1::Posterior posterior, stream_->EndTrial());
   in_trial_ = false;
   {
@@ -156,6 +176,8 @@ void TrialPlayer::OnResponse(const v1::ClassifyContactResponse& response) {
   const int64_t now_ns = NowNs();
   if (!response.has_posterior()) return;
   const v1::Posterior& posterior = response.posterior();
+  if (options_.recorder) options_.recorder->Result(posterior);
+  if (options_.check) options_.check->Receive(posterior);
   if (posterior.is_final()) return;
   const std::lock_guard lock(mutex_);
   ++answers_;

@@ -23,7 +23,9 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "client/drivers/trial_driver.h"
+#include "client/drivers/labelled_driver.h"
+#include "client/recording/posterior_check.h"
+#include "client/recording/recorder.h"
 #include "client/stream/frame_encoder.h"
 #include "client/stream/resumable_stream.h"
 #include "grpcpp/channel.h"
@@ -64,6 +66,10 @@ class TrialPlayer {
     std::chrono::milliseconds resume_for{0};
     // The robot's bearer token; empty: none.
     std::string token = {};
+    // If set, what the driver returns and what the server answers is recorded.
+    Recorder* recorder = nullptr;
+    // If set, gets the server's answers.
+    PosteriorCheck* check = nullptr;
   };
   struct Totals {
     uint64_t frames = 0;
@@ -78,7 +84,7 @@ class TrialPlayer {
   using OnTrial = std::function<void(const TrialResult&)>;
 
   // `driver` is unconfigured and outlives the player.
-  TrialPlayer(std::shared_ptr<grpc::Channel> channel, TrialDriver* driver,
+  TrialPlayer(std::shared_ptr<grpc::Channel> channel, LabelledDriver* driver,
               const Options& options, OnTrial on_trial);
 
   // Plays all trials; opens no stream if there are none. INVALID_CONFIG for a
@@ -93,6 +99,7 @@ class TrialPlayer {
  private:
   absl::Status Play();
   absl::Status PlayFrame(const SkinFrame& frame);
+  void BeginTrial(const SkinFrame& frame);
   absl::Status SendBatch();
   absl::Status EndTrial();
   absl::StatusOr<TrialResult> Result(const v1::Posterior& posterior) const;
@@ -101,7 +108,7 @@ class TrialPlayer {
   absl::Status AwaitAnswer(uint64_t sequence);
 
   const std::shared_ptr<grpc::Channel> channel_;
-  TrialDriver* const driver_;
+  LabelledDriver* const driver_;
   const Options options_;
   const OnTrial on_trial_;
   std::unique_ptr<ResumableStream> stream_;

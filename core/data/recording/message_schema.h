@@ -1,0 +1,18 @@
+// File: message_schema.h
+//
+// The schema of a protobuf message for an MCAP file: its FileDescriptorSet, so
+// that other programs decode the messages without our sources.
+//
+//   const McapSchema schema = MessageSchema(*v1::Posterior::descriptor());
+//
+// Thread-safe: a free function without state.
+#pragma once
+
+#include "core/files/mcap/mcap_records.h"
+#include "google/protobuf/descriptor.h"
+
+namespace tactus {
+
+McapSchema MessageSchema(const google::protobuf::Descriptor& message);
+
+}  // namespace tactus

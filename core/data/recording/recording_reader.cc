@@ -1,0 +1,162 @@
+#include "core/data/recording/recording_reader.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+#include "core/base/text.h"
+#include "core/skin/layout_proto.h"
+
+namespace tactus {
+namespace {
+
+// x y z qx qy qz qw.
+constexpr int kPoseNumbers = 7;
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<RecordingReader>> RecordingReader::Open(
+    const std::string& path) {
+  TACTUS_ASSIGN_OR_RETURN(auto file, McapReader::Open(path));
+  return std::unique_ptr<RecordingReader>(
+      new RecordingReader(path, std::move(file)));
+}
+
+absl::StatusOr<bool> RecordingReader::Next(RecordingEvent& event) {
+  bool found = false;
+  while (!found) {
+    TACTUS_ASSIGN_OR_RETURN(const McapRead read, file_->Next());
+    if (read == McapRead::kEnd) {
+      if (about_.empty() && file_->complete()) {
+        return TrialFileInvalid(path_, "is an MCAP file, but no recording");
+      }
+      return false;
+    }
+    TACTUS_RETURN_IF_ERROR(read == McapRead::kMetadata
+                               ? TakeMetadata(event, &found)
+                               : TakeMessage(event, &found));
+  }
+  return true;
+}
+
+std::string RecordingReader::CutOff() const {
+  if (file_->complete()) return "";
+  return absl::StrCat(path_, " was cut off: of its ", file_->file_bytes(),
+                      " bytes the first ", file_->complete_bytes(),
+                      " are complete");
+}
+
+absl::Status RecordingReader::TakeMetadata(RecordingEvent& event, bool* found) {
+  const McapMetadata& metadata = file_->metadata();
+  if (metadata.name == kRecordingMetadata) {
+    const RecordedTrial about{metadata.values};
+    if (about.Text("format") != kRecordingFormat ||
+        about.Text("version") != kRecordingVersion) {
+      return TrialFileInvalid(
+          path_, absl::StrCat("has the format ", Quoted(about.Text("format")),
+                              ", version ", Quoted(about.Text("version")),
+                              "; it must be ", kRecordingFormat, ", version ",
+                              kRecordingVersion));
+    }
+    about_ = metadata.values;
+  } else if (metadata.name == kEndMetadata) {
+    end_ = metadata.values;
+  } else if (metadata.name == kTrialMetadata && !about_.empty()) {
+    event = RecordedTrial{metadata.values};
+    *found = true;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status RecordingReader::TakeMessage(RecordingEvent& event, bool* found) {
+  const std::string& topic = file_->message().channel->topic;
+  *found = true;
+  if (about_.empty()) {
+    return TrialFileInvalid(path_, "is an MCAP file, but no recording");
+  }
+  if (topic == kFrameTopic) {
+    TACTUS_RETURN_IF_ERROR(Parse<v1::FrameBatch>(event));
+    return CheckFrame(std::get<v1::FrameBatch>(event));
+  }
+  if (topic == kResultTopic) return Parse<v1::Posterior>(event);
+  if (topic == kEndOfTrialTopic) return Parse<v1::EndOfTrial>(event);
+  if (topic == kStartedTopic) return Parse<v1::StreamStarted>(event);
+  if (topic == kConfigTopic) {
+    TACTUS_RETURN_IF_ERROR(Parse<v1::StreamConfig>(event));
+    return CheckConfig(std::get<v1::StreamConfig>(event));
+  }
+  *found = false;
+  return absl::OkStatus();
+}
+
+template <typename Message>
+absl::Status RecordingReader::Parse(RecordingEvent& event) const {
+  const McapMessage& message = file_->message();
+  if (!std::holds_alternative<Message>(event)) event = Message();
+  const std::string& name = Message::descriptor()->full_name();
+  if (message.schema == nullptr || message.schema->name != name ||
+      message.channel->message_encoding != "protobuf") {
+    return Invalid(absl::StrCat("must be a ", name, " in protobuf"));
+  }
+  if (!std::get<Message>(event).ParseFromArray(
+          message.data.data(), static_cast<int>(message.data.size()))) {
+    return Invalid(absl::StrCat("is no ", name));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status RecordingReader::CheckConfig(const v1::StreamConfig& config) {
+  if (layout_) return Invalid("is a second configuration");
+  auto layout = LayoutFromProto(config.geometry());
+  if (!layout.ok()) return Invalid(layout.status().message());
+  size_t value = 0;
+  if (config.taxel_type() == v1::TAXEL_TYPE_UINT16) value = 2;
+  if (config.taxel_type() == v1::TAXEL_TYPE_FLOAT32) value = 4;
+  if (value == 0) return Invalid("has an unknown type of taxels");
+  layout_ = *std::move(layout);
+  frame_bytes_ = static_cast<size_t>(layout_->taxels()) * value;
+  pose_numbers_ = config.with_poses() ? kPoseNumbers : 0;
+  return absl::OkStatus();
+}
+
+absl::Status RecordingReader::CheckFrame(const v1::FrameBatch& frame) {
+  if (!layout_) return Invalid("is a frame before the configuration");
+  if (frame.frame_count() != 1 || frame.has_sparse()) {
+    return Invalid("must have one dense frame");
+  }
+  if (frame.taxels().size() != frame_bytes_) {
+    return Invalid(absl::StrCat("has ", frame.taxels().size(),
+                                " bytes of taxels; the skin has ",
+                                frame_bytes_));
+  }
+  if (frame.poses_size() != pose_numbers_) {
+    return Invalid(absl::StrCat("has ", frame.poses_size(),
+                                " numbers of poses; it must have ",
+                                pose_numbers_));
+  }
+  const int64_t time = frame.first_capture_time_ns();
+  if (time > limits::kMaxCaptureTimeNs || time < -limits::kMaxCaptureTimeNs ||
+      (time_ns_ && time <= *time_ns_)) {
+    return Invalid(absl::StrCat("has the capture time ", time,
+                                " ns, which is not above the one before"));
+  }
+  if (frame.first_sequence() <= sequence_) {
+    return Invalid(absl::StrCat("has the sequence number ",
+                                frame.first_sequence(),
+                                ", which is not above the one before"));
+  }
+  time_ns_ = time;
+  sequence_ = frame.first_sequence();
+  return absl::OkStatus();
+}
+
+absl::Status RecordingReader::Invalid(absl::string_view message) const {
+  return TrialFileInvalid(
+      path_,
+      absl::StrCat("message ", file_->message().sequence, " of ",
+                   Printable(file_->message().channel->topic), " ", message));
+}
+
+}  // namespace tactus

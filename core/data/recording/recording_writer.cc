@@ -1,0 +1,129 @@
+#include "core/data/recording/recording_writer.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/base/errors.h"
+#include "core/base/serialize.h"
+#include "core/base/status_macros.h"
+#include "core/data/recording/message_schema.h"
+#include "core/skin/layout_proto.h"
+
+namespace tactus {
+namespace {
+
+template <typename Message>
+uint16_t AddTopic(const char* topic, McapWriter& file) {
+  return file.AddChannel({file.AddSchema(MessageSchema(*Message::descriptor())),
+                          topic,
+                          "protobuf",
+                          {}});
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<RecordingWriter>> RecordingWriter::Create(
+    const std::string& path, const RecordingTexts& about,
+    const McapWriterOptions& options) {
+  TACTUS_ASSIGN_OR_RETURN(auto file, McapWriter::Create(path, options));
+  std::unique_ptr<RecordingWriter> writer(new RecordingWriter(std::move(file)));
+  RecordingTexts values = about;
+  values.insert_or_assign("format", std::string(kRecordingFormat));
+  values.insert_or_assign("version", std::string(kRecordingVersion));
+  TACTUS_RETURN_IF_ERROR(
+      writer->file_->WriteMetadata({kRecordingMetadata, values}));
+  return writer;
+}
+
+RecordingWriter::RecordingWriter(std::unique_ptr<McapWriter> file)
+    : file_(std::move(file)),
+      frames_(AddTopic<v1::FrameBatch>(kFrameTopic, *file_)),
+      images_(file_->AddChannel({file_->AddSchema(FoxgloveImage::Schema()),
+                                 kImageTopic,
+                                 "protobuf",
+                                 {}})),
+      configs_(AddTopic<v1::StreamConfig>(kConfigTopic, *file_)),
+      ends_(AddTopic<v1::EndOfTrial>(kEndOfTrialTopic, *file_)),
+      started_(AddTopic<v1::StreamStarted>(kStartedTopic, *file_)),
+      results_(AddTopic<v1::Posterior>(kResultTopic, *file_)) {}
+
+absl::Status RecordingWriter::Write(const RecordingEvent& event) {
+  const auto* frame = std::get_if<v1::FrameBatch>(&event);
+  if (const auto* config = std::get_if<v1::StreamConfig>(&event)) {
+    TACTUS_ASSIGN_OR_RETURN(SkinLayout layout,
+                            LayoutFromProto(config->geometry()));
+    config_ = *config;
+    const size_t value = config->taxel_type() == v1::TAXEL_TYPE_UINT16 ? 2 : 4;
+    frame_bytes_ = static_cast<size_t>(layout.taxels()) * value;
+    image_.emplace(std::move(layout));
+  }
+  if (frame != nullptr) {
+    if (!image_ || frame->frame_count() != 1 ||
+        frame->taxels().size() != frame_bytes_) {
+      return InvalidConfig("bytes of a recorded frame", frame->taxels().size(),
+                           absl::StrCat(frame_bytes_));
+    }
+    time_ns_ = frame->first_capture_time_ns();
+    if (!has_frame_) {
+      has_frame_ = true;
+      TACTUS_RETURN_IF_ERROR(WriteWaiting());
+    }
+  } else if (!has_frame_) {
+    waiting_.push_back(event);
+    return absl::OkStatus();
+  }
+  return WriteNow(event);
+}
+
+absl::Status RecordingWriter::WriteWaiting() {
+  for (const RecordingEvent& event : std::exchange(waiting_, {})) {
+    TACTUS_RETURN_IF_ERROR(WriteNow(event));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status RecordingWriter::WriteNow(const RecordingEvent& event) {
+  if (const auto* frame = std::get_if<v1::FrameBatch>(&event)) {
+    return WriteFrame(*frame);
+  }
+  if (const auto* result = std::get_if<v1::Posterior>(&event)) {
+    return WriteMessage(results_, result->capture_time_ns(), *result);
+  }
+  if (const auto* trial = std::get_if<RecordedTrial>(&event)) {
+    return file_->WriteMetadata({kTrialMetadata, trial->values});
+  }
+  if (const auto* config = std::get_if<v1::StreamConfig>(&event)) {
+    return WriteMessage(configs_, time_ns_, *config);
+  }
+  if (const auto* started = std::get_if<v1::StreamStarted>(&event)) {
+    return WriteMessage(started_, time_ns_, *started);
+  }
+  return WriteMessage(ends_, time_ns_, v1::EndOfTrial());
+}
+
+absl::Status RecordingWriter::WriteFrame(const v1::FrameBatch& frame) {
+  TACTUS_RETURN_IF_ERROR(WriteMessage(frames_, time_ns_, frame));
+  const double scale = config_.scale() == 0 ? 1 : config_.scale();
+  return file_->Write(images_,
+                      static_cast<uint64_t>(std::max<int64_t>(time_ns_, 0)),
+                      image_->Encode(frame, config_.taxel_type(), scale));
+}
+
+absl::Status RecordingWriter::WriteMessage(
+    uint16_t channel, int64_t time_ns,
+    const google::protobuf::MessageLite& message) {
+  // The file has no times before 1970; the message itself keeps its own.
+  return file_->Write(channel,
+                      static_cast<uint64_t>(std::max<int64_t>(time_ns, 0)),
+                      SerializeDeterministic(message));
+}
+
+absl::Status RecordingWriter::Flush() { return file_->Flush(); }
+
+absl::Status RecordingWriter::Finish(const RecordingTexts& values) {
+  TACTUS_RETURN_IF_ERROR(WriteWaiting());
+  TACTUS_RETURN_IF_ERROR(file_->WriteMetadata({kEndMetadata, values}));
+  return file_->Finish();
+}
+
+}  // namespace tactus
