@@ -17,6 +17,7 @@
 #include "core/data/trial_npz.h"
 #include "core/files/csv.h"
 #include "core/files/file_bytes.h"
+#include "core/import/import_recording.h"
 #include "core/import/import_skin_folder.h"
 #include "core/import/skin_file.h"
 
@@ -191,6 +192,9 @@ absl::StatusOr<size_t> ImportTrials(const std::string& path, TrialSink sink,
   }
   if (absl::EndsWith(path, ".h5")) {
     return ImportTrialFile(path, options, sink);
+  }
+  if (absl::EndsWith(path, ".mcap")) {
+    return ImportRecording(path, options, sink);
   }
   TACTUS_RETURN_IF_ERROR(RefuseOptions(path, options));
   if (absl::EndsWith(path, ".json")) {

@@ -10,6 +10,8 @@
 //   - a folder with a skin.json, or that file: recordings of any skin
 //     (import_skin_folder.h);
 //   - a trial file (.h5), for trials that get another skin;
+//   - a recording of tactus-stream (.mcap), whose contacts become trials
+//     (import_recording.h);
 //   - a CSV file, one trial, header exactly `time,force,area,motion` (s, N or
 //     counts, m^2, m), before it optional lines `# key=value` with the keys
 //     label, condition, object, material, stiffness, velocity, sample_rate_hz
@@ -20,6 +22,7 @@
 // itself.
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "absl/functional/function_ref.h"
@@ -36,8 +39,10 @@ struct ImportOptions {
   // folder's own.
   std::string skin = {};
   // The table of a folder; empty: as the skin.json says, beside it or in the
-  // folder.
+  // folder. Or of a recording's contacts.
   std::string table = {};
+  // If set, is told what was left out, for people.
+  std::function<void(const std::string&)> remark = {};
 };
 
 // Hands each trial to `sink`; stops at the first error, the sink's included.

@@ -7,6 +7,7 @@
 
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
+#include "core/data/recording/contact_cutter.h"
 #include "core/data/recording/foxglove_image.h"
 #include "core/data/recording/message_schema.h"
 #include "core/data/recording/recording.h"
@@ -34,6 +35,7 @@
 #include "core/import/event_frames.h"
 #include "core/import/idle_noise.h"
 #include "core/import/import.h"
+#include "core/import/import_recording.h"
 #include "core/import/import_skin_folder.h"
 #include "core/import/light_noise.h"
 #include "core/import/recorded_frames.h"
@@ -43,6 +45,18 @@
 #include "core/import/trial_table.h"
 
 namespace tactus::examples {
+
+absl::Status Use(Trial trial);
+
+absl::Status ContactCutterExample(const v1::StreamConfig& config,
+                                  const SkinLayout& layout,
+                                  const v1::FrameBatch& frame) {
+  ContactCutter cutter("run.mcap", config, layout);
+  TACTUS_ASSIGN_OR_RETURN(const bool ended, cutter.Add(frame));
+  if (ended) Use(cutter.Take());
+  if (cutter.EndTrial()) Use(cutter.Take());
+  return absl::OkStatus();
+}
 
 using v1::TAXEL_TYPE_UINT16;
 
@@ -228,7 +242,12 @@ void LightNoiseExample(const std::vector<Trial>& trials, SkinLayout& layout) {
   if (const auto light = noise.Estimate()) layout.light_touch = *light;
 }
 
-absl::Status Use(Trial trial);
+absl::Status ImportRecordingExample() {
+  TACTUS_ASSIGN_OR_RETURN(
+      const size_t trials,
+      ImportRecording("run.mcap", {}, [&](Trial t) { return Use(t); }));
+  return absl::OkStatus();
+}
 
 absl::Status ImportSkinFolderExample() {
   TACTUS_ASSIGN_OR_RETURN(

@@ -49,6 +49,11 @@ absl::Status RunImport(const ImportFlags& flags) {
   size_t frames = 0;
   size_t with_poses = 0;
   int never_felt = 0;
+  ImportOptions options = flags.options;
+  options.remark = [&](const std::string& remark) {
+    display.Clear();
+    std::cerr << "trainctl: " << remark << "\n";
+  };
   TACTUS_ASSIGN_OR_RETURN(const size_t trials,
                           ImportTrials(
                               flags.path,
@@ -66,7 +71,7 @@ absl::Status RunImport(const ImportFlags& flags) {
                                 display.Count("import trials", ++imported);
                                 return writer.Append(trial);
                               },
-                              flags.options));
+                              options));
   TACTUS_RETURN_IF_ERROR(writer.Close());
   display.Clear();
   if (flags.json) {
@@ -102,14 +107,14 @@ void AddImport(CLI::App& app, const SelectCommand& select) {
   CLI::App* command = app.add_subcommand(
       "import",
       "Read recordings: a folder with a skin.json (docs/your-own-skin.md), CSV "
-      "files of signals, or a trial file");
+      "files of signals, a trial file, or a recording of tactus-stream");
   command->add_option("source", flags->path, "Folder or file")->required();
   command->add_option("--skin", flags->options.skin,
                       "skin.json of a folder that has none, or a new skin for "
-                      "a trial file");
+                      "a trial file or a recording");
   command->add_option("--table", flags->options.table,
                       "Table of the folder's trials, instead of the one that "
-                      "skin.json names");
+                      "skin.json names; or of a recording's contacts");
   command->add_option("--out", flags->out, "Trial file to write")->required();
   command->add_flag("--json", flags->json, "Print one JSON object on stdout");
   command->callback([=] { select([=] { return RunImport(*flags); }); });
