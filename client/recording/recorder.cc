@@ -75,9 +75,9 @@ bool Recorder::Push(RecordingEvent event, size_t bytes, bool must) {
     return queue_.empty() || queued_bytes_ + bytes <= options_.queue_bytes;
   };
   if (!must && options_.wait_when_full) {
-    changed_.wait(lock, [&] { return has_room() || !status_.ok(); });
+    changed_.wait(lock, [&] { return has_room() || stop_ || !status_.ok(); });
   }
-  if (!status_.ok() || (!must && !has_room())) return false;
+  if (stop_ || !status_.ok() || (!must && !has_room())) return false;
   queued_bytes_ += bytes;
   queue_.push_back({std::move(event), bytes});
   changed_.notify_all();
