@@ -55,10 +55,16 @@ Json ToJson(const PosteriorCheck& check) {
           {"only_received", counts.only_received}};
 }
 
-absl::Status FinishRecorder(Recorder* recorder, std::FILE* out) {
+absl::Status FinishRecorder(Recorder* recorder, const std::string& path,
+                            std::FILE* out) {
   if (recorder == nullptr) return absl::OkStatus();
   const absl::Status status = recorder->Finish();
   const Recorder::Totals& totals = recorder->totals();
+  if (totals.frames + totals.lost_frames == 0) {
+    std::remove(path.c_str());
+    std::fprintf(out, "nothing was recorded\n");
+    return status;
+  }
   const auto number = [](uint64_t value) {
     return static_cast<unsigned long long>(value);
   };

@@ -8,7 +8,7 @@
 //   PosteriorCheck check;
 //   RecordingDriver driver("run.mcap", {.on_event = EventsTo(check)});
 //   LivePlayer player(channel, &driver, {.check = &check}, ...);
-//   TACTUS_RETURN_IF_ERROR(FinishRecorder(recorder.get(), stderr));
+//   TACTUS_RETURN_IF_ERROR(FinishRecorder(recorder.get(), path, stderr));
 //
 // Thread-safe: free functions without state.
 #pragma once
@@ -48,7 +48,9 @@ std::function<void(const RecordingEvent&)> EventsTo(PosteriorCheck& check);
 // {"equal": 40, ...}.
 Json ToJson(const PosteriorCheck& check);
 
-// Completes the file, prints what it holds and what was lost. OK for null.
-absl::Status FinishRecorder(Recorder* recorder, std::FILE* out);
+// Completes the file `path` and prints what it holds and what was lost. A file
+// without a frame, as of a stream that was refused, is removed. OK for null.
+absl::Status FinishRecorder(Recorder* recorder, const std::string& path,
+                            std::FILE* out);
 
 }  // namespace tactus::client
