@@ -1,6 +1,7 @@
 // Reads an MCAP file with npm's @mcap/core, by its index and as a stream, with
 // all checksums compared, and prints what it holds as one JSON object, as
-// mcap_content.cc does. Fails if the two ways differ.
+// mcap_content.cc does. Fails if the two ways differ. Decodes all messages with
+// protobufjs and the schemas in the file, as Foxglove does.
 //
 //   NODE_PATH=.../node_modules node mcap_peer.mjs FILE.mcap
 //
@@ -12,6 +13,8 @@ import { open, readFile } from "node:fs/promises";
 const require = createRequire(`${process.env.NODE_PATH}/`);
 const { McapIndexedReader, McapStreamReader } = require("@mcap/core");
 const { crc32 } = require("@foxglove/crc");
+const protobuf = require("protobufjs");
+const { FileDescriptorSet } = require("protobufjs/ext/descriptor");
 
 const path = process.argv[2];
 const bytes = new Uint8Array(await readFile(path));
@@ -44,19 +47,26 @@ function readStream() {
   const topics = {};
   const metadata = [];
   let dataEnd;
+  // Schema and bytes of each message.
+  const contents = [];
   let messages = 0;
   reader.append(bytes);
   for (let record; (record = reader.nextRecord()); ) {
     if (record.type === "Channel") channels.set(record.id, record);
     if (record.type === "Schema" && dataEnd === undefined) schemas.push(record);
     if (record.type === "DataEnd") dataEnd = record.dataSectionCrc;
-    if (record.type === "Message") messages += 1;
+    if (record.type === "Message") {
+      messages += 1;
+      const { schemaId } = channels.get(record.channelId);
+      contents.push({ schemaId, data: record.data });
+    }
     if (record.type === "Metadata") {
       metadata.push([record.name, entries(record.metadata)]);
     }
     add(topics, record, channels);
   }
-  return { done: reader.done(), messages, topics, metadata, schemas, dataEnd };
+  const done = reader.done();
+  return { done, messages, contents, topics, metadata, schemas, dataEnd };
 }
 
 const stream = readStream();
@@ -103,11 +113,32 @@ const end = Number(indexed.dataEndOffset);
 check("checksum of the data", crc32(bytes.subarray(0, end)), stream.dataEnd);
 check("schemas", indexed.schemasById.size, stream.schemas.length);
 
+const types = new Map();
+for (const schema of stream.schemas) {
+  const root = protobuf.Root.fromDescriptor(
+    FileDescriptorSet.decode(schema.data),
+  );
+  root.resolveAll();
+  types.set(schema.id, root.lookupType(schema.name));
+}
+let images = 0;
+for (const { schemaId, data } of stream.contents) {
+  const message = types.get(schemaId).decode(data);
+  if (types.get(schemaId).fullName !== ".foxglove.RawImage") continue;
+  check("encoding", message.encoding, "mono8");
+  check("size", message.data.length, message.width * message.height);
+  check("step", message.step, message.width);
+  check("name", message.frameId ?? message.frame_id, "cody-forearm");
+  images += 1;
+}
+check("images", images, topics["/skin/frames"].count);
+
 // In the form of mcap_content.cc.
 const bytesOf = (object) => Object.fromEntries(sorted(object));
 console.log(JSON.stringify({ metadata, topics: bytesOf(topics) }));
 console.error(
   `@mcap/core: ${stream.messages} messages, ${indexed.chunkIndexes.length} ` +
     `chunks, ${metadata.length} metadata, ${stream.schemas.length} schemas, ` +
-    "by index and as a stream, checksums compared",
+    "by index and as a stream, checksums compared; protobufjs: all decoded, " +
+    `${images} images`,
 );

@@ -5,8 +5,8 @@
 #
 #   tests/client/recording_check.sh BUILD_FOLDER
 #
-# Needs nodejs and npm; fetches @mcap/core (2 MB) to a temporary folder unless
-# NODE_PATH holds it. Prints "skipped" without them.
+# Needs nodejs and npm; fetches @mcap/core and protobufjs to a temporary
+# folder unless NODE_PATH holds them. Prints "skipped" without them.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 bin=$1/bin
@@ -28,10 +28,10 @@ for program in node npm; do
     exit 0
   fi
 done
-if [[ ! -d ${NODE_PATH-}/@mcap/core ]]; then
+if [[ ! -d ${NODE_PATH-}/@mcap/core || ! -d ${NODE_PATH-}/protobufjs ]]; then
   if ! (cd "$work" && npm install --ignore-scripts --no-audit --no-fund \
-    --prefix "$work/npm" @mcap/core@2 >"$work/npm.log" 2>&1); then
-    echo "recording_check: skipped, npm cannot fetch @mcap/core"
+    --prefix "$work/npm" @mcap/core@2 protobufjs@7 >"$work/npm.log" 2>&1); then
+    echo "recording_check: skipped, npm cannot fetch its packages"
     exit 0
   fi
   export NODE_PATH=$work/npm/node_modules
