@@ -43,9 +43,9 @@ absl::StatusOr<bool> RecordingReader::Next(RecordingEvent& event) {
 
 std::string RecordingReader::CutOff() const {
   if (file_->complete()) return "";
-  return absl::StrCat(path_, " was cut off: of its ", file_->file_bytes(),
-                      " bytes the first ", file_->complete_bytes(),
-                      " are complete");
+  return absl::StrCat(path_, " was cut off or its end is damaged: of its ",
+                      file_->file_bytes(), " bytes the first ",
+                      file_->complete_bytes(), " were read");
 }
 
 absl::Status RecordingReader::TakeMetadata(RecordingEvent& event, bool* found) {

@@ -56,6 +56,7 @@ absl::StatusOr<std::unique_ptr<McapReader>> McapReader::Open(
   }
   reader->crc_ = McapCrc(0, magic);
   reader->offset_ = bytes;
+  reader->good_bytes_ = bytes;
   return reader;
 }
 
@@ -102,7 +103,8 @@ absl::StatusOr<McapRead> McapReader::ReadRecord(bool* found) {
   }
   McapRead read = McapRead::kEnd;
   *found = false;
-  if (!in_summary_) {
+  const bool in_data = !in_summary_;
+  if (in_data) {
     switch (opcode) {
       case McapOpcode::kSchema:
         TACTUS_RETURN_IF_ERROR(TakeSchema(content_));
@@ -136,7 +138,8 @@ absl::StatusOr<McapRead> McapReader::ReadRecord(bool* found) {
     *found = true;
   }
   offset_ += kMcapPrefixBytes + length;
-  if (complete_) offset_ = size_;
+  if (in_data) good_bytes_ = offset_;
+  if (complete_) good_bytes_ = size_;
   return read;
 }
 
@@ -207,7 +210,7 @@ absl::Status McapReader::OpenChunk() {
                                 " bytes of records but has ", records.size()));
   }
   if (crc != 0 && McapCrc(0, records) != crc) {
-    return WrongChecksum("the chunk", McapCrc(0, records), crc);
+    return WrongChecksum("the chunk at", McapCrc(0, records), crc);
   }
   chunk_ = records;
   return absl::OkStatus();
@@ -299,7 +302,8 @@ absl::Status McapReader::TakeDataEnd() {
   McapCursor cursor(content_);
   const auto crc = cursor.Number<uint32_t>();
   if (!cursor.good()) return Invalid("is an end of data without its parts");
-  if (crc != 0 && crc != crc_) return WrongChecksum("the data", crc_, crc);
+  if (crc != 0 && crc != crc_)
+    return WrongChecksum("the data before", crc_, crc);
   in_summary_ = true;
   crc_ = 0;
   return absl::OkStatus();
@@ -309,17 +313,12 @@ absl::Status McapReader::TakeFooter() {
   McapCursor cursor(content_);
   crc_ = McapCrc(crc_, cursor.Take(2 * sizeof(uint64_t)));
   const auto crc = cursor.Number<uint32_t>();
-  if (!cursor.good()) return Invalid("is a footer without its parts");
-  if (crc != 0 && crc != crc_) return WrongChecksum("the summary", crc_, crc);
   std::string magic;
-  const uint64_t end = offset_ + kMcapPrefixBytes + content_.size();
-  const uint64_t left = size_ - end;
+  const uint64_t left = size_ - offset_ - kMcapPrefixBytes - content_.size();
   TACTUS_RETURN_IF_ERROR(
       ReadBytes(std::min<uint64_t>(left, kMcapMagic.size()), &magic));
-  if (!absl::StartsWith(kMcapMagic, magic) || left > kMcapMagic.size()) {
-    return Invalid("is a footer without the end of an MCAP file after it");
-  }
-  complete_ = left == kMcapMagic.size();
+  complete_ = cursor.good() && (crc == 0 || crc == crc_) &&
+              left == kMcapMagic.size() && magic == kMcapMagic;
   return absl::OkStatus();
 }
 
@@ -330,7 +329,7 @@ absl::Status McapReader::Invalid(absl::string_view message) const {
 
 absl::Status McapReader::WrongChecksum(absl::string_view what, uint32_t found,
                                        uint32_t stated) const {
-  return DataLost(path_, absl::StrFormat("%s up to the record at byte %d is "
+  return DataLost(path_, absl::StrFormat("%s byte %d is "
                                          "damaged: CRC-32 %08x, not %08x",
                                          what, record_offset_, found, stated));
 }

@@ -14,8 +14,9 @@
 //   }
 //   reader->complete();  // false if the file was cut off
 //
-// Checksums of chunks, of the data and of the summary are compared where the
-// file has them. Chunks must not be compressed. Owns the file. Not thread-safe.
+// Checksums of chunks and of the data are compared where the file has them. A
+// damaged summary, which is not needed, counts as cut off. Chunks must not be
+// compressed. Owns the file. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -61,10 +62,10 @@ class McapReader {
   const McapMessage& message() const { return message_; }
   const McapMetadata& metadata() const { return metadata_; }
 
-  // After kEnd: whether the file ends as it should. If not, what is before
-  // `complete_bytes` was read.
+  // After kEnd: whether the file ends as it should, with a summary whose
+  // checksum is right. If not, what is before `complete_bytes` was read.
   bool complete() const { return complete_; }
-  uint64_t complete_bytes() const { return offset_; }
+  uint64_t complete_bytes() const { return good_bytes_; }
   uint64_t file_bytes() const { return size_; }
 
  private:
@@ -96,6 +97,8 @@ class McapReader {
   // Where the next record begins, and where the last one began.
   uint64_t offset_ = 0;
   uint64_t record_offset_ = 0;
+  // The end of the last whole record of the data; of the file, if complete.
+  uint64_t good_bytes_ = 0;
   bool has_header_ = false;
   // The end of the data was read; the summary follows.
   bool in_summary_ = false;
