@@ -210,6 +210,7 @@ TEST(ReplayTest, ASkinWithLostFramesGivesTheRecordedPosteriorsBitForBit) {
     ASSERT_TRUE(start.ok()) << start.status();
     EXPECT_TRUE(start->is_live);
     EXPECT_EQ(start->config.release_after_ms(), 300);
+    EXPECT_EQ(start->trial.Text("label"), "HU");
     PosteriorCheck check;
     RecordingDriver driver(path, {.on_event = EventsTo(check)});
     int contacts = 0;
@@ -295,6 +296,25 @@ TEST(RecorderTest, NothingThatExistsIsWrittenOver) {
   EXPECT_EQ(ReasonOf(Recorder::Create(folder / "a.mcap", {}).status()), "IO");
   EXPECT_EQ(ReasonOf(Recorder::Create(folder / "no/a.mcap", {}).status()),
             "IO");
+}
+
+TEST(RecorderTest, ARecordingWithoutAFrameIsRemoved) {
+  const ScratchDir folder;
+  std::FILE* const out = std::tmpfile();
+  for (const bool with_frame : {false, true}) {
+    const std::string path = folder / "a.mcap";
+    const auto recorder = *Recorder::Create(path, {.sync = false});
+    LossySkin skin(true, false);
+    const SkinInfo info = *skin.Configure();
+    ASSERT_TRUE(skin.Activate().ok());
+    recorder->Begin(info, MakeConfig(info), {});
+    SkinFrame frame;
+    ASSERT_EQ(*skin.Read(frame), ReadResult::kFrame);
+    if (with_frame) recorder->Frame(frame);
+    EXPECT_TRUE(FinishRecorder(recorder.get(), path, out).ok());
+    EXPECT_EQ(std::filesystem::exists(path), with_frame);
+  }
+  std::fclose(out);
 }
 
 // A file that may not grow stands for a full disk.

@@ -58,6 +58,8 @@ std::string GoodRecording(bool u16, bool poses, bool light_touch) {
     config.set_taxel_type(u16 ? v1::TAXEL_TYPE_UINT16 : v1::TAXEL_TYPE_FLOAT32);
     config.set_with_poses(poses);
     config.set_release_after_ms(50);
+    config.set_scale(u16 ? 0.9 : 1);
+    config.set_sample_rate_hz(100);
     REQUIRE(file->Write(configs, 0, config.SerializeAsString()).ok());
     for (int i = 0; i < 60; ++i) {
       v1::FrameBatch frame;

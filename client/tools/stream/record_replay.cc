@@ -24,6 +24,9 @@ absl::StatusOr<RecordingStart> ReadRecordingStart(const std::string& path) {
     }
     if (const auto* config = std::get_if<v1::StreamConfig>(&event)) {
       start.config = *config;
+    } else if (const auto* trial = std::get_if<RecordedTrial>(&event)) {
+      start.trial = *trial;
+    } else if (std::holds_alternative<v1::FrameBatch>(event)) {
       break;
     }
   }

@@ -36,9 +36,11 @@ struct RecordingStart {
   bool is_live = false;
   // Frames of one message.
   uint32_t batch = 1;
+  // The first trial.
+  RecordedTrial trial;
 };
 
-// Reads as far as the configuration. TRIAL_FILE_INVALID or IO.
+// Reads as far as the first frame. TRIAL_FILE_INVALID or IO.
 absl::StatusOr<RecordingStart> ReadRecordingStart(const std::string& path);
 
 // Hands what the server answered and the model's checksum to `check`, which

@@ -100,7 +100,10 @@ absl::StatusOr<bool> ContactCutter::Add(const v1::FrameBatch& frame) {
     return true;
   }
   if (tracker_.onset() || tracker_.state() != ContactState::kInContact) {
-    while (now_ns - frames_.front().first_capture_time_ns() > kBeforeNs) {
+    // Frames may come faster than they should.
+    const auto most = static_cast<size_t>(2 * rate_hz_) + 1;
+    while (now_ns - frames_.front().first_capture_time_ns() > kBeforeNs ||
+           frames_.size() > most) {
       frames_.pop_front();
     }
   } else if (frames_.size() * frame.taxels().size() >

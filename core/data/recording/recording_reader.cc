@@ -1,5 +1,6 @@
 #include "core/data/recording/recording_reader.h"
 
+#include <cmath>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -111,6 +112,19 @@ absl::Status RecordingReader::CheckConfig(const v1::StreamConfig& config) {
   if (layout_) return Invalid("is a second configuration");
   auto layout = LayoutFromProto(config.geometry());
   if (!layout.ok()) return Invalid(layout.status().message());
+  const double rate = config.sample_rate_hz();
+  // Written so that NaN is refused.
+  if (rate != 0 &&
+      !(rate >= limits::kMinSampleRateHz && rate <= limits::kMaxSampleRateHz)) {
+    return Invalid(absl::StrCat("has the sample_rate_hz ", rate));
+  }
+  if (!std::isfinite(config.scale()) || config.scale() < 0) {
+    return Invalid(absl::StrCat("has the scale ", config.scale()));
+  }
+  if (config.release_after_ms() > limits::kMaxReleaseAfterMs) {
+    return Invalid(
+        absl::StrCat("has the release_after_ms ", config.release_after_ms()));
+  }
   size_t value = 0;
   if (config.taxel_type() == v1::TAXEL_TYPE_UINT16) value = 2;
   if (config.taxel_type() == v1::TAXEL_TYPE_FLOAT32) value = 4;

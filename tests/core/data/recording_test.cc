@@ -1,5 +1,6 @@
 // Recordings: what is written is read, and what other programs see in the file.
 #include <cstring>
+#include <limits>
 
 #include "core/base/errors.h"
 #include "core/data/recording/recording_reader.h"
@@ -293,6 +294,31 @@ TEST(RecordingTest, NamesEveryMistake) {
               HasSubstr("has the sequence number 6"));
   EXPECT_THAT(outcome([](Batch& b) { b.set_first_capture_time_ns(1); }),
               HasSubstr("has the capture time 1 ns"));
+}
+
+TEST(RecordingTest, RefusesConfigurationsThatNoStreamHas) {
+  const ScratchDir folder;
+  const auto outcome = [&](auto change) {
+    v1::StreamConfig config = RecordedConfig(true, false);
+    change(config);
+    WriteRecording(folder / "a",
+                   {config, RecordedFrame(RecordedConfig(true, false), 0)});
+    return std::string(ReadRecording(folder / "a").status.message());
+  };
+  using Config = v1::StreamConfig;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(outcome([](Config&) {}), "");
+  for (const double rate : {1e300, -1.0, 1e-9, nan}) {
+    EXPECT_THAT(outcome([=](Config& c) { c.set_sample_rate_hz(rate); }),
+                HasSubstr("has the sample_rate_hz"));
+  }
+  for (const double scale :
+       {-1.0, nan, std::numeric_limits<double>::infinity()}) {
+    EXPECT_THAT(outcome([=](Config& c) { c.set_scale(scale); }),
+                HasSubstr("has the scale"));
+  }
+  EXPECT_THAT(outcome([](Config& c) { c.set_release_after_ms(60'001); }),
+              HasSubstr("has the release_after_ms"));
 }
 
 TEST(RecordingTest, OtherMcapFilesAreNoRecordings) {
