@@ -41,7 +41,7 @@ struct ImportOptions {
   // The table of a folder; empty: as the skin.json says, beside it or in the
   // folder. Or of a recording's contacts.
   std::string table = {};
-  // If set, is told what was left out, for people.
+  // If set, gets texts for people about what was left out.
   std::function<void(const std::string&)> remark = {};
 };
 
