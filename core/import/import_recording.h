@@ -20,8 +20,8 @@
 namespace tactus {
 
 // TRIAL_FILE_INVALID, DATA_LOST or IO with the file and the contact, or the
-// line of the table. What is left out, and a recording that was cut off, is
-// told to options.remark.
+// line of the table. options.remark gets a text for everything that is left
+// out, and for a recording that was cut off.
 absl::StatusOr<size_t> ImportRecording(const std::string& path,
                                        const ImportOptions& options,
                                        TrialSink sink);
