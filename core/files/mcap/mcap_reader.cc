@@ -91,6 +91,11 @@ absl::StatusOr<McapRead> McapReader::ReadRecord(bool* found) {
   if (opcode == McapOpcode{0} || length > size_ - offset_ - kMcapPrefixBytes) {
     return McapRead::kEnd;
   }
+  // Only the data must be good.
+  if (in_summary_ && opcode == McapOpcode::kFooter &&
+      length > MaxBytes(opcode)) {
+    return McapRead::kEnd;
+  }
   if (!has_header_ && opcode != McapOpcode::kHeader) {
     return Invalid("must be a header");
   }

@@ -162,6 +162,27 @@ TEST(McapTest, OpensUpToTheLastCompleteChunk) {
   }
 }
 
+TEST(McapTest, ADamagedSummaryKeepsNoMessageBack) {
+  const ScratchDir folder;
+  const auto writer = *McapWriter::Create(folder / "a", {.sync = false});
+  const uint16_t schema =
+      writer->AddSchema({"Point", "jsonschema", std::string(2000, ' ')});
+  const uint16_t topic = writer->AddChannel({schema, "/a", "json", {}});
+  ASSERT_TRUE(writer->Write(topic, 1, "{}").ok());
+  ASSERT_TRUE(writer->Finish().ok());
+  std::string bytes = ReadBytes(folder / "a");
+  // The schema becomes a footer that is too long.
+  const size_t schema_at = bytes.rfind("Point") - 2 - 4 - kMcapPrefixBytes;
+  ASSERT_EQ(bytes[schema_at], 3);
+  bytes[schema_at] = 2;
+  WriteBytes(folder / "b", bytes);
+  const McapContent content = ReadMcap(folder / "b");
+  EXPECT_TRUE(content.status.ok()) << content.status;
+  EXPECT_EQ(content.messages.size(), 1U);
+  EXPECT_FALSE(content.complete);
+  EXPECT_EQ(content.complete_bytes, schema_at);
+}
+
 TEST(McapTest, TakesZerosForTheEnd) {
   const ScratchDir folder;
   const std::string bytes = WriteMcap(folder / "a", true);
