@@ -230,6 +230,41 @@ TEST(ReplayTest, ASkinWithLostFramesGivesTheRecordedPosteriorsBitForBit) {
   }
 }
 
+// At the pace of their capture times, across a gap of a quarter of a second,
+// frames are the same as at once.
+TEST(ReplayTest, ThePaceChangesNoFrame) {
+  const ScratchDir folder;
+  const auto recorder = *Recorder::Create(folder / "a.mcap", {.sync = false});
+  LossySkin skin(true, true);
+  const SkinInfo info = *skin.Configure();
+  ASSERT_TRUE(skin.Activate().ok());
+  recorder->Begin(info, MakeConfig(info), {});
+  recorder->BeginTrial({});
+  SkinFrame frame;
+  for (int i = 0; i < 60; ++i) {
+    ASSERT_EQ(*skin.Read(frame), ReadResult::kFrame);
+    frame.capture_time_ns = 1'000'000 * (i + (i < 30 ? 0 : 250));
+    recorder->Frame(frame);
+  }
+  ASSERT_TRUE(recorder->Finish().ok());
+  const auto read = [&](bool real_time) {
+    RecordingDriver driver(folder / "a.mcap", {.real_time = real_time});
+    EXPECT_EQ(*driver.Configure(), info);
+    EXPECT_TRUE(driver.Activate().ok());
+    std::vector<std::tuple<int64_t, uint64_t, std::vector<uint16_t>>> frames;
+    SkinFrame f;
+    while (true) {
+      const ReadResult result = *driver.Read(f);
+      if (result == ReadResult::kEndOfData) return frames;
+      if (result != ReadResult::kFrame) continue;
+      frames.emplace_back(f.capture_time_ns, f.missing_before, f.u16);
+    }
+  };
+  const auto frames = read(false);
+  EXPECT_EQ(frames.size(), 60U);
+  EXPECT_EQ(read(true), frames);
+}
+
 TEST(PosteriorCheckTest, FindsOneBitAndAnotherModel) {
   v1::Posterior recorded;
   recorded.set_sequence(7);
