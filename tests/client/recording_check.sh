@@ -30,6 +30,7 @@ for program in node npm; do
 done
 if [[ ! -d ${NODE_PATH-}/@mcap/core || ! -d ${NODE_PATH-}/protobufjs ]]; then
   if ! (cd "$work" && npm install --ignore-scripts --no-audit --no-fund \
+    --fetch-retries=0 --fetch-timeout=30000 \
     --prefix "$work/npm" @mcap/core@2 protobufjs@7 >"$work/npm.log" 2>&1); then
     echo "recording_check: skipped, npm cannot fetch its packages"
     exit 0
