@@ -25,7 +25,7 @@ target_link_libraries(tactus_core
 set(core_libraries tactus_core tactus_core_bundle tactus_core_checksum
     tactus_core_classify tactus_core_data tactus_core_features
     tactus_core_file_bytes tactus_core_files tactus_core_hmm tactus_core_lstm
-    tactus_core_trial)
+    tactus_core_taxels tactus_core_trial)
 foreach(library ${base_libraries} ${client_libraries} ${core_libraries})
   string(REPLACE "tactus_" "" name ${library})
   set_target_properties(${library} PROPERTIES EXPORT_NAME ${name})
@@ -72,7 +72,7 @@ function(install_headers component)
 endfunction()
 install_headers(client client/stream client/drivers client/drivers/calibration client/drivers/can
   client/drivers/icub_skin client/drivers/serial client/drivers/xela core/base
-  core/features core/skin)
+  core/features core/skin core/taxels)
 install_headers(core core/bundle core/classify core/data core/files core/hmm
   core/lstm)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/generated/tactus

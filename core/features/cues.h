@@ -26,8 +26,8 @@
 
 #include "absl/strings/string_view.h"
 #include "core/features/feature.h"
-#include "core/features/taxel_embedding.h"
-#include "core/features/whole_skin.h"
+#include "core/taxels/taxel_embedding.h"
+#include "core/taxels/whole_skin.h"
 
 namespace tactus {
 

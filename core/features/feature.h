@@ -10,13 +10,13 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "core/taxels/taxel_load.h"
 
 namespace tactus {
 
@@ -32,16 +32,6 @@ inline constexpr int kRowBands = 6;
 inline constexpr int kColumnBands = 10;
 inline constexpr int kProfileSize = kRowBands + kColumnBands;
 using LoadProfile = std::array<double, kProfileSize>;
-
-// A touched taxel: its row-major index, and the square root of its load, in the
-// square root of the layout's unit. The root makes the spread independent of
-// the load, because larger loads vary more.
-struct TaxelLoad {
-  uint32_t taxel = 0;
-  float root = 0;
-
-  bool operator==(const TaxelLoad&) const = default;
-};
 
 // The numbers of one touched frame of a contact.
 struct ContactSample {

@@ -1,8 +1,8 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
 #include "core/hmm/train_mixture.h"
+#include "core/inputs/inputs.h"
 #include "core/train/fit_models.h"
-#include "core/train/inputs.h"
 
 namespace tactus {
 namespace {

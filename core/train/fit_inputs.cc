@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "core/base/status_macros.h"
-#include "core/train/fit_embedding.h"
+#include "core/inputs/fit_embedding.h"
+#include "core/inputs/inputs.h"
 #include "core/train/fit_models.h"
-#include "core/train/inputs.h"
 
 namespace tactus {
 namespace {

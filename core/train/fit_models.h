@@ -19,8 +19,8 @@
 #include "core/base/work.h"
 #include "core/classify/model.h"
 #include "core/contacts/varied_contacts.h"
+#include "core/inputs/lstm_inputs.h"
 #include "core/train/fit_run.h"
-#include "core/train/lstm_inputs.h"
 
 namespace tactus {
 

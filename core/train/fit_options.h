@@ -18,8 +18,8 @@
 #include "absl/strings/string_view.h"
 #include "core/classify/model.h"
 #include "core/contacts/varied_contacts.h"
+#include "core/inputs/inputs.h"
 #include "core/lstm/train.h"
-#include "core/train/inputs.h"
 
 namespace tactus {
 

@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "core/base/errors.h"
-#include "core/train/inputs.h"
+#include "core/inputs/inputs.h"
 
 namespace tactus {
 namespace {

@@ -15,10 +15,10 @@
 #include "core/features/recent_poses.h"
 #include "core/features/region_sum.h"
 #include "core/features/segmenter.h"
-#include "core/features/taxel_embedding.h"
 #include "core/features/touched.h"
-#include "core/features/whole_skin.h"
 #include "core/skin/taxel_values.h"
+#include "core/taxels/taxel_embedding.h"
+#include "core/taxels/whole_skin.h"
 
 namespace tactus::examples {
 
@@ -46,6 +46,10 @@ void CuesExample(const ContactSample& sample) {
   CueTracker tracker(/*sample_rate_hz=*/100);
   tracker.Step(sample, /*frames_since_onset=*/1);
   double cue = tracker.value(Cue::kLogSpring);
+}
+
+void TaxelLoadExample() {
+  std::vector<TaxelLoad> loads = {{.taxel = 17, .root = 0.5F}};
 }
 
 void TaxelEmbeddingExample(const TaxelEmbedding& embedding,

@@ -170,8 +170,9 @@ TEST(CueTest, TheLoadProfileIsPassedOnAsItIs) {
   }
 }
 
-TEST(CueTest, EveryCueIsRawOrDerivedOrOfTheProfile) {
-  EXPECT_EQ(DerivedCues().size() + ProfileCues().size() + kFeatureCount,
+TEST(CueTest, EveryCueIsRawOrDerivedOrOfTheSkin) {
+  EXPECT_EQ(DerivedCues().size() + ProfileCues().size() +
+                WholeSkinCues().size() + EmbeddingCues().size() + kFeatureCount,
             static_cast<size_t>(kCueCount));
   for (Cue cue : DerivedCues()) {
     EXPECT_FALSE(IsProfileCue(cue));

@@ -1,4 +1,4 @@
-#include "core/train/fit_embedding.h"
+#include "core/inputs/fit_embedding.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +13,7 @@
 #include "core/train/fit.h"
 #include "gtest/gtest.h"
 #include "tests/core/eval/synthetic_contacts.h"
+#include "tests/support/flat_layout.h"
 
 namespace tactus {
 namespace {
@@ -27,7 +28,8 @@ std::vector<LabelledContact> ContactsByPattern() {
     LabelledContact contact;
     contact.id = std::to_string(i);
     contact.label = std::string(1, static_cast<char>('a' + i % 3));
-    contact.layout = {.name = "patch", .rows = 3, .columns = 4};
+    contact.layout = testing::FlatLayout(3, 4);
+    contact.layout.name = "patch";
     contact.with_poses = false;
     for (int n = 0; n < 30; ++n) {
       std::vector<TaxelLoad> loads;
@@ -80,8 +82,8 @@ TEST(FitTaxelEmbeddingTest, SeparatesClassesBetterThanAnyTaxel) {
   EXPECT_TRUE(Validate(*embedding).ok());
   const double best = Separation(contacts, *embedding, 0);
   for (int t = 0; t < 12; ++t) {
-    TaxelEmbedding single{.taxels = 12, .dimensions = 1};
-    single.weights.assign(24, 0);
+    TaxelEmbedding single = {
+        .taxels = 12, .dimensions = 1, .weights = std::vector<float>(24)};
     single.weights[2 * t] = 1;
     EXPECT_GT(best, Separation(contacts, single, 0)) << t;
   }
@@ -92,7 +94,8 @@ TEST(FitTaxelEmbeddingTest, SeparatesClassesBetterThanAnyTaxel) {
 TEST(FitTaxelEmbeddingTest, TooManyOrNoTaxelsAreRefused) {
   auto contacts = ContactsByPattern();
   for (LabelledContact& contact : contacts) {
-    contact.layout = {.name = "large", .rows = 64, .columns = 64};
+    contact.layout = testing::FlatLayout(64, 64);
+    contact.layout.name = "large";
     std::vector<TaxelLoad> loads;
     for (uint32_t t = 0; t < 1'025; ++t) loads.push_back({t, 1});
     ContactFrame frame = {IdealSample({1, 1e-4, 0})};

@@ -1,8 +1,8 @@
-#include "core/train/lstm_inputs.h"
+#include "core/inputs/lstm_inputs.h"
 
 #include <algorithm>
 
-#include "core/train/inputs.h"
+#include "core/inputs/inputs.h"
 #include "gtest/gtest.h"
 #include "tests/core/eval/synthetic_contacts.h"
 

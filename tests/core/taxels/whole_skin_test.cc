@@ -1,4 +1,4 @@
-#include "core/features/whole_skin.h"
+#include "core/taxels/whole_skin.h"
 
 #include <cmath>
 #include <vector>

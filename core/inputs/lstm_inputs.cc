@@ -1,10 +1,10 @@
-#include "core/train/lstm_inputs.h"
+#include "core/inputs/lstm_inputs.h"
 
 #include <algorithm>
 
 #include "core/classify/input_spec.h"
 #include "core/classify/object_estimate.h"
-#include "core/train/inputs.h"
+#include "core/inputs/inputs.h"
 
 namespace tactus {
 

@@ -21,7 +21,7 @@
 #include "absl/status/statusor.h"
 #include "core/classify/step_clock.h"
 #include "core/contacts/labelled_contact.h"
-#include "core/features/taxel_embedding.h"
+#include "core/taxels/taxel_embedding.h"
 
 namespace tactus {
 

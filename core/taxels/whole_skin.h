@@ -22,7 +22,7 @@
 #include <span>
 #include <vector>
 
-#include "core/features/feature.h"
+#include "core/taxels/taxel_load.h"
 
 namespace tactus {
 

@@ -1,4 +1,4 @@
-#include "core/features/taxel_embedding.h"
+#include "core/taxels/taxel_embedding.h"
 
 #include <algorithm>
 #include <cmath>

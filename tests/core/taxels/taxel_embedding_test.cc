@@ -1,4 +1,4 @@
-#include "core/features/taxel_embedding.h"
+#include "core/taxels/taxel_embedding.h"
 
 #include <algorithm>
 #include <limits>
@@ -15,19 +15,21 @@ namespace {
 
 constexpr int kTaxels = 30;
 constexpr int kDimensions = 5;
-using Frame = std::vector<float>;  // the root of each taxel's load
+using Roots = std::vector<float>;  // the root of each taxel's load
 
 TaxelEmbedding RandomEmbedding(Random& random) {
-  TaxelEmbedding embedding{.taxels = kTaxels, .dimensions = kDimensions};
+  TaxelEmbedding embedding;
+  embedding.taxels = kTaxels;
+  embedding.dimensions = kDimensions;
   for (int i = 0; i < 2 * kTaxels * kDimensions; ++i) {
     embedding.weights.push_back(static_cast<float>(random.Gaussian()));
   }
   return embedding;
 }
 
-std::vector<Frame> RandomFrames(Random& random, int count) {
-  std::vector<Frame> frames(count, Frame(kTaxels));
-  for (Frame& frame : frames) {
+std::vector<Roots> RandomFrames(Random& random, int count) {
+  std::vector<Roots> frames(count, Roots(kTaxels));
+  for (Roots& frame : frames) {
     for (float& root : frame) {
       if (random.Uniform() < 0.4) root = static_cast<float>(random.Uniform());
     }
@@ -35,7 +37,7 @@ std::vector<Frame> RandomFrames(Random& random, int count) {
   return frames;
 }
 
-std::vector<TaxelLoad> Touched(const Frame& frame) {
+std::vector<TaxelLoad> Touched(const Roots& frame) {
   std::vector<TaxelLoad> loads;
   for (uint32_t t = 0; t < frame.size(); ++t) {
     if (frame[t] > 0) loads.push_back({t, frame[t]});
@@ -46,7 +48,7 @@ std::vector<TaxelLoad> Touched(const Frame& frame) {
 // From the definition: the level, and the level less its running mean over 20
 // frames (0.2 s at 100 Hz).
 std::vector<double> Direct(const TaxelEmbedding& embedding,
-                           const std::vector<Frame>& frames) {
+                           const std::vector<Roots>& frames) {
   std::vector<double> mean(kTaxels);
   for (size_t n = 0; n < frames.size(); ++n) {
     const double weight = 1 / std::min(static_cast<double>(n + 1), 20.0);
@@ -58,16 +60,17 @@ std::vector<double> Direct(const TaxelEmbedding& embedding,
   for (int t = 0; t < kTaxels; ++t) {
     const float* weights = &embedding.weights[2 * t * kDimensions];
     for (int d = 0; d < kDimensions; ++d) {
-      values[d] += weights[d] * frames.back()[t] +
-                   weights[kDimensions + d] * (frames.back()[t] - mean[t]);
+      const double level = frames.back()[t];
+      values[d] +=
+          weights[d] * level + weights[kDimensions + d] * (level - mean[t]);
     }
   }
   return values;
 }
 
 std::vector<double> Tracked(EmbeddingTracker& tracker,
-                            const std::vector<Frame>& frames) {
-  for (const Frame& frame : frames) tracker.Step(Touched(frame));
+                            const std::vector<Roots>& frames) {
+  for (const Roots& frame : frames) tracker.Step(Touched(frame));
   return {tracker.values().begin(), tracker.values().end()};
 }
 
@@ -79,7 +82,7 @@ TEST(EmbeddingTrackerTest, IsTheMapOfLevelAndChange) {
     const auto frames = RandomFrames(random, count);
     tracker.Reset();
     EXPECT_THAT(Tracked(tracker, frames),
-                ::testing::Pointwise(::testing::DoubleNear(1e-9),
+                ::testing::Pointwise(::testing::DoubleNear(1e-12),
                                      Direct(embedding, frames)))
         << count;
   }

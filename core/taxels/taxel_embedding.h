@@ -25,7 +25,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "core/features/feature.h"
+#include "core/taxels/taxel_load.h"
 
 namespace tactus {
 

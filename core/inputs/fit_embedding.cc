@@ -1,4 +1,4 @@
-#include "core/train/fit_embedding.h"
+#include "core/inputs/fit_embedding.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/train/inputs.h"
+#include "core/inputs/inputs.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,26 @@
+// File: taxel_load.h
+//
+// TaxelLoad: one touched taxel of a frame. A frame's touched taxels are a list
+// of these, by rising index.
+//
+//   std::vector<TaxelLoad> loads = {{.taxel = 17, .root = 0.5F}};
+//
+// Plain data.
+#pragma once
+
+#include <cstdint>
+
+namespace tactus {
+
+struct TaxelLoad {
+  // Row-major.
+  uint32_t taxel = 0;
+  // The square root of the load, in the square root of the layout's unit. The
+  // root makes the spread independent of the load, because larger loads vary
+  // more.
+  float root = 0;
+
+  bool operator==(const TaxelLoad&) const = default;
+};
+
+}  // namespace tactus
