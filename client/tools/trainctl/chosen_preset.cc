@@ -56,17 +56,18 @@ std::string ChoiceText(const ChosenOptions& chosen) {
       choice.by_condition ? "one condition left out in each" : "stratified");
   int best = 0;
   for (const auto& [name, right] : choice.right) {
-    absl::StrAppendFormat(&text, "  %-8s %s\n", name,
+    absl::StrAppendFormat(&text, "  %-10s %s\n", name,
                           PercentOf(right, choice.contacts));
     best = std::max(best, right);
   }
   for (const auto& [name, why] : choice.unfit) {
-    absl::StrAppendFormat(&text, "  %-8s not fitted: %s\n", name, why);
+    absl::StrAppendFormat(&text, "  %-10s not fitted: %s\n", name, why);
   }
-  absl::StrAppendFormat(&text, "  %-8s %s, on summaries of the contacts\n",
+  absl::StrAppendFormat(&text, "  %-10s %s, on summaries of the contacts\n",
                         "1-NN",
                         PercentOf(choice.nearest_right, choice.contacts));
-  absl::StrAppendFormat(&text, "  %-8s %s\n", "chance", Percent(choice.chance));
+  absl::StrAppendFormat(&text, "  %-10s %s\n", "chance",
+                        Percent(choice.chance));
   if (WilsonInterval(best, choice.contacts).high <
       WilsonInterval(choice.nearest_right, choice.contacts).low) {
     text +=
