@@ -51,7 +51,8 @@ void TextCanvas::Text(int column, int row, absl::string_view text,
 std::vector<std::string> TextCanvas::Lines(bool colour) const {
   std::vector<std::string> lines(rows_);
   for (int row = 0; row < rows_; ++row) {
-    const Cell* const cells = &cells_[static_cast<size_t>(row) * columns_];
+    const Cell* const cells =
+        cells_.data() + static_cast<size_t>(row) * columns_;
     int end = columns_;
     while (end > 0 && cells[end - 1].character == " " &&
            (!colour || cells[end - 1].background == kUsual)) {
