@@ -20,6 +20,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/base/thread_priority.h"
 #include "core/base/version.h"
 #include "grpcpp/create_channel.h"
 #include "server/jobs/training_backend.h"
@@ -443,8 +444,10 @@ int Main(int argc, char** argv) {
   }
   if (flags.server.listen.empty()) flags.server.listen = {"127.0.0.1:50051"};
 
-  // Before any thread starts, so that all inherit the blocked signals.
+  // Before any thread starts, so that all inherit the blocked signals and the
+  // priority.
   StopSignals signals;
+  SetThreadPriority(ThreadPriority::kPrompt);
   const absl::Status status = Serve(flags, signals);
   if (!status.ok()) {
     std::fprintf(stderr, "tactusd: %s\n",

@@ -15,11 +15,11 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
+#include "core/base/thread_priority.h"
 
 namespace tactus::server {
 namespace {
 
-constexpr int kNiceness = 10;
 constexpr size_t kLengthBytes = 4;
 constexpr size_t kReadBytes = 64 * 1024;
 // How often a process that closed its output is asked whether it has ended.
@@ -34,7 +34,7 @@ constexpr std::chrono::milliseconds kEndPoll(2);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   // The parent may have died before that.
   if (getppid() != parent) _exit(127);
-  setpriority(PRIO_PROCESS, 0, kNiceness);
+  SetThreadPriority(ThreadPriority::kBackground);
   if (options.memory_bytes > 0) {
     const rlimit limit = {static_cast<rlim_t>(options.memory_bytes),
                           static_cast<rlim_t>(options.memory_bytes)};

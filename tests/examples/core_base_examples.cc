@@ -16,6 +16,7 @@
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
+#include "core/base/thread_priority.h"
 #include "core/bundle/model_proto.h"
 #include "core/classify/contact_pipeline.h"
 #include "core/skin/frame.h"
@@ -126,6 +127,11 @@ absl::Status AddressExample(const std::string& address) {
   if (IsUnixAddress(address)) path = UnixPath(address);
   TACTUS_ASSIGN_OR_RETURN(const HostPort at, ParseHostPort("[::1]:50051"));
   return absl::OkStatus();
+}
+
+void ThreadPriorityExample() {
+  SetThreadPriority(ThreadPriority::kPrompt);
+  SetThreadPriority(ThreadPriority::kBackground);
 }
 
 }  // namespace tactus::examples

@@ -15,6 +15,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/base/thread_priority.h"
 
 namespace tactus::client {
 namespace {
@@ -100,8 +101,10 @@ class LoadTest {
   }
 
   void SendAll() {
-    // Sleeps end when asked to, not 50 us later.
+    // Robots do not share the server's processors: sleeps end when asked to,
+    // not 50 us later or when a training on this machine leaves a processor.
     prctl(PR_SET_TIMERSLACK, 1);
+    SetThreadPriority(ThreadPriority::kPrompt);
     const double period_ns =
         1e9 * options_.frames_per_message / options_.rate_hz;
     const auto period = static_cast<int64_t>(std::llround(period_ns));

@@ -220,6 +220,12 @@ TEST_F(JobQueueTest, PublishesWhatTheProcessMade) {
   EXPECT_TRUE(files_.List(stores_->data->JobFolder())->empty());
 }
 
+TEST_F(JobQueueTest, ThePriorityIsTheLowest) {
+  const Operation job = Run(std::string("nice > $HERE/nice\n") + kSucceed);
+  EXPECT_EQ(job.state(), Operation::STATE_SUCCEEDED) << job.error().message();
+  EXPECT_EQ(ReadBytes(folder_ / "nice"), "19\n");
+}
+
 TEST_F(JobQueueTest, GoesOnAfterACrash) {
   const Operation job = Run(std::string(kCount) +
                             "if [ $N = 1 ]; then exit 3; fi\n"
