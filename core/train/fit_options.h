@@ -109,4 +109,7 @@ std::vector<Cue> CuesFor(const std::vector<Cue>& cues,
 // skins that are touched anywhere.
 absl::StatusOr<FitOptions> FitPreset(absl::string_view name);
 
+// Stands for the preset that suits the contacts best (core/eval).
+inline constexpr absl::string_view kAutoPreset = "auto";
+
 }  // namespace tactus

@@ -23,10 +23,9 @@ absl::StatusOr<std::string> Letter(const std::string& feature) {
 
 }  // namespace
 
-absl::StatusOr<FitOptions> OptionsOf(const v1::TrainSpec& spec) {
-  TACTUS_ASSIGN_OR_RETURN(
-      FitOptions options,
-      FitPreset(spec.preset().empty() ? "tuned" : spec.preset()));
+absl::StatusOr<FitOptions> OptionsOf(const v1::TrainSpec& spec,
+                                     absl::string_view preset) {
+  TACTUS_ASSIGN_OR_RETURN(FitOptions options, FitPreset(preset));
   if (spec.features_size() > 0) {
     std::vector<std::string> letters;
     for (const std::string& feature : spec.features()) {
@@ -60,6 +59,11 @@ absl::StatusOr<FitOptions> OptionsOf(const v1::TrainSpec& spec) {
     options.hmms_per_class = static_cast<int>(spec.hmms_per_class());
   }
   return options;
+}
+
+absl::Status CheckOptions(const v1::TrainSpec& spec) {
+  const bool chosen = spec.preset().empty() || spec.preset() == kAutoPreset;
+  return OptionsOf(spec, chosen ? "tuned" : spec.preset()).status();
 }
 
 }  // namespace tactus

@@ -363,8 +363,8 @@ absl::Status JobQueue::Follow(const std::string& name, JobProcess& process) {
   std::optional<steady_clock::time_point> asked;
   TACTUS_ASSIGN_OR_RETURN(const Operation operation, operations_->Get(name));
   const auto store = [&]() -> absl::Status {
-    stored = steady_clock::now();
     if (points.empty()) return absl::OkStatus();
+    stored = steady_clock::now();
     TACTUS_RETURN_IF_ERROR(operations_->AddPoints(name, points));
     points.clear();
     return operations_

@@ -28,7 +28,7 @@ absl::Status CheckTrainSpec(TrainingBackend& backend,
       !fault.empty()) {
     return InvalidConfig("note", Quoted(spec.note()), fault);
   }
-  TACTUS_RETURN_IF_ERROR(OptionsOf(spec).status());
+  TACTUS_RETURN_IF_ERROR(CheckOptions(spec));
   return backend.datasets().Version(spec.dataset_version()).status();
 }
 
@@ -42,7 +42,7 @@ absl::Status CheckEvaluateSpec(TrainingBackend& backend,
     return backend.models().Bundle(version).status();
   }
   TACTUS_RETURN_IF_ERROR(ParseProtocol(spec.protocol()).status());
-  return OptionsOf(spec.train()).status();
+  return CheckOptions(spec.train());
 }
 
 // Fixes the versions that a request names, so that the job uses the same ones

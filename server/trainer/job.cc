@@ -15,6 +15,7 @@
 #include "core/bundle/bundle.h"
 #include "core/contacts/contact_set.h"
 #include "core/data/trial_record.h"
+#include "core/eval/chosen_options.h"
 #include "core/eval/evaluate.h"
 #include "core/store/blob_store.h"
 #include "core/train/fit.h"
@@ -34,6 +35,8 @@ constexpr int64_t kMaxSpecBytes = 256L * 1024 * 1024;
 struct Contacts {
   std::vector<LabelledContact> felt;
   uint32_t never_felt = 0;
+  // Some trial comes from taxels without poses.
+  bool without_poses = false;
 
   std::vector<const LabelledContact*> Pointers() const {
     std::vector<const LabelledContact*> pointers;
@@ -42,9 +45,15 @@ struct Contacts {
   }
 };
 
-// Nothing if the trial was never felt.
-absl::StatusOr<std::optional<LabelledContact>> ReadContact(
-    FileSystem& files, const v1::JobSpec& spec, const std::string& sha256) {
+struct ReadTrial {
+  // Nothing if the trial was never felt.
+  std::optional<LabelledContact> contact = {};
+  bool without_poses = false;
+};
+
+absl::StatusOr<ReadTrial> ReadContact(FileSystem& files,
+                                      const v1::JobSpec& spec,
+                                      const std::string& sha256) {
   const std::string path =
       absl::StrCat(spec.blob_folder(), "/",
                    absl::string_view(sha256).substr(0, 2), "/", sha256);
@@ -56,7 +65,10 @@ absl::StatusOr<std::optional<LabelledContact>> ReadContact(
     return DataLost(path, "the trial cannot be parsed");
   }
   TACTUS_ASSIGN_OR_RETURN(const Trial trial, FromRecord(record));
-  return ExtractContact(trial);
+  ReadTrial read = {.without_poses =
+                        !trial.taxels.empty() && trial.poses.empty()};
+  TACTUS_ASSIGN_OR_RETURN(read.contact, ExtractContact(trial));
+  return read;
 }
 
 // The contacts are in the order of the trials, whatever the threads do.
@@ -66,25 +78,27 @@ absl::StatusOr<Contacts> ReadContacts(FileSystem& files,
                                       const Progress& progress) {
   const Progress part = progress.Part("read trials", 1);
   const int count = spec.trials_size();
-  std::vector<std::optional<LabelledContact>> read(count);
+  std::vector<ReadTrial> read(count);
   std::vector<absl::Status> failures(count);
   parallel(count, [&](int i) {
-    auto contact = ReadContact(files, spec, spec.trials(i));
-    if (contact.ok()) read[i] = *std::move(contact);
-    failures[i] = contact.status();
+    auto trial = ReadContact(files, spec, spec.trials(i));
+    if (trial.ok()) read[i] = *std::move(trial);
+    failures[i] = trial.status();
     part.Add(1.0 / count);
   });
   Contacts contacts;
   for (int i = 0; i < count; ++i) {
     TACTUS_RETURN_IF_ERROR(failures[i]);
-    if (!read[i].has_value()) {
+    contacts.without_poses |= read[i].without_poses;
+    auto& contact = read[i].contact;
+    if (!contact.has_value()) {
       ++contacts.never_felt;
       continue;
     }
     if (!contacts.felt.empty()) {
-      TACTUS_RETURN_IF_ERROR(CheckOneSkin(contacts.felt.front(), *read[i]));
+      TACTUS_RETURN_IF_ERROR(CheckOneSkin(contacts.felt.front(), *contact));
     }
-    contacts.felt.push_back(*std::move(read[i]));
+    contacts.felt.push_back(*std::move(contact));
   }
   if (contacts.felt.empty()) {
     return InvalidTrainingData("no trial of the dataset has a contact");
@@ -92,17 +106,47 @@ absl::StatusOr<Contacts> ReadContacts(FileSystem& files,
   return contacts;
 }
 
-// Leaves contacts out that models cannot be fitted to, or refuses them.
-absl::Status SelectUsable(const v1::TrainSpec& spec, const FitOptions& options,
-                          std::vector<const LabelledContact*>& contacts,
-                          v1::OperationResult& result) {
-  if (!spec.skip_unusable()) return CheckUsable(contacts, options);
-  std::erase_if(contacts, [&](const LabelledContact* contact) {
-    if (IsUsable(*contact, options)) return false;
-    result.add_unusable_trials(contact->id);
-    return true;
-  });
-  return absl::OkStatus();
+v1::PresetChoice ToProto(const PresetChoice& choice) {
+  v1::PresetChoice proto;
+  proto.set_preset(choice.name);
+  for (const auto& [name, right] : choice.right) {
+    v1::PresetCandidate& candidate = *proto.add_candidates();
+    candidate.set_preset(name);
+    candidate.set_correct(right);
+  }
+  for (const auto& [name, why] : choice.unfit) {
+    v1::PresetCandidate& candidate = *proto.add_candidates();
+    candidate.set_preset(name);
+    candidate.set_unfit(why);
+  }
+  proto.set_contacts(choice.contacts);
+  proto.set_folds(choice.folds);
+  proto.set_by_condition(choice.by_condition);
+  proto.set_nearest_correct(choice.nearest_right);
+  proto.set_chance(choice.chance);
+  return proto;
+}
+
+// The options that the spec asks for, and the contacts to fit models to.
+absl::StatusOr<ChosenOptions> Choose(const v1::TrainSpec& spec,
+                                     const Contacts& contacts,
+                                     const ParallelFor& parallel,
+                                     const Progress& progress,
+                                     v1::OperationResult& result) {
+  const OptionsRequest request = {.preset = spec.preset(),
+                                  .without_poses = contacts.without_poses,
+                                  .skip_unusable = spec.skip_unusable(),
+                                  .options_of = [&](absl::string_view name) {
+                                    return OptionsOf(spec, name);
+                                  }};
+  TACTUS_ASSIGN_OR_RETURN(
+      ChosenOptions chosen,
+      ChooseOptions(contacts.Pointers(), request, parallel, progress));
+  TACTUS_RETURN_IF_ERROR(CheckUsable(chosen.contacts, chosen.options));
+  result.mutable_unusable_trials()->Assign(chosen.unusable.begin(),
+                                           chosen.unusable.end());
+  if (chosen.choice) *result.mutable_preset_choice() = ToProto(*chosen.choice);
+  return chosen;
 }
 
 absl::Status Train(FileSystem& files, const std::string& folder,
@@ -110,14 +154,16 @@ absl::Status Train(FileSystem& files, const std::string& folder,
                    EventWriter* events, FileJournal* journal,
                    v1::OperationResult& result) {
   const v1::TrainSpec& train = spec.operation().train();
-  TACTUS_ASSIGN_OR_RETURN(const FitOptions options, OptionsOf(train));
+  TACTUS_RETURN_IF_ERROR(CheckOptions(train));
   TACTUS_ASSIGN_OR_RETURN(
       const Contacts contacts,
       ReadContacts(files, spec, parallel, events->progress()));
-  auto used = contacts.Pointers();
-  TACTUS_RETURN_IF_ERROR(SelectUsable(train, options, used, result));
-  TACTUS_ASSIGN_OR_RETURN(Model model, FitModel(used, options, parallel,
-                                                events->progress(), journal));
+  TACTUS_ASSIGN_OR_RETURN(
+      const ChosenOptions chosen,
+      Choose(train, contacts, parallel, events->progress(), result));
+  TACTUS_ASSIGN_OR_RETURN(Model model,
+                          FitModel(chosen.contacts, chosen.options, parallel,
+                                   events->progress(), journal));
   // Nothing that differs between two runs of one job: its bundle has the same
   // bytes however often the job was interrupted.
   model.provenance.command = absl::StrCat("train ", spec.operation().name());
@@ -148,24 +194,24 @@ absl::Status Evaluate(FileSystem& files, const std::string& folder,
                       const v1::JobSpec& spec, const ParallelFor& parallel,
                       EventWriter* events, v1::OperationResult& result) {
   const v1::EvaluateSpec& evaluate = spec.operation().evaluate();
+  TACTUS_RETURN_IF_ERROR(CheckOptions(evaluate.train()));
   TACTUS_ASSIGN_OR_RETURN(
       const Contacts contacts,
       ReadContacts(files, spec, parallel, events->progress()));
-  auto used = contacts.Pointers();
   absl::StatusOr<Evaluation> evaluation;
   if (evaluate.model_version().empty()) {
-    TACTUS_ASSIGN_OR_RETURN(const FitOptions options,
-                            OptionsOf(evaluate.train()));
     TACTUS_ASSIGN_OR_RETURN(const Protocol protocol,
                             ParseProtocol(evaluate.protocol()));
-    TACTUS_RETURN_IF_ERROR(
-        SelectUsable(evaluate.train(), options, used, result));
-    evaluation = EvaluateProtocol(used, protocol,
-                                  ServedAlgorithm(options.lstm.networks > 0),
-                                  options, parallel, events->progress());
+    TACTUS_ASSIGN_OR_RETURN(const ChosenOptions chosen,
+                            Choose(evaluate.train(), contacts, parallel,
+                                   events->progress(), result));
+    evaluation =
+        EvaluateProtocol(chosen.contacts, protocol,
+                         ServedAlgorithm(chosen.options.lstm.networks > 0),
+                         chosen.options, parallel, events->progress());
   } else {
-    evaluation = EvaluateBundle(files, folder + "/candidate.tactus", used,
-                                parallel, events);
+    evaluation = EvaluateBundle(files, folder + "/candidate.tactus",
+                                contacts.Pointers(), parallel, events);
   }
   TACTUS_RETURN_IF_ERROR(evaluation.status());
   *result.mutable_evaluation() = ReportOf(*evaluation, contacts.never_felt);

@@ -45,7 +45,8 @@ absl::Status TrialRecordExample(const Trial& trial) {
 }
 
 absl::Status TrainSpecExample(const v1::TrainSpec& spec) {
-  TACTUS_ASSIGN_OR_RETURN(FitOptions options, OptionsOf(spec));
+  TACTUS_RETURN_IF_ERROR(CheckOptions(spec));
+  TACTUS_ASSIGN_OR_RETURN(FitOptions options, OptionsOf(spec, "tuned"));
   return absl::OkStatus();
 }
 

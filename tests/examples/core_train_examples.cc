@@ -18,6 +18,7 @@
 #include "core/contacts/world_contacts.h"
 #include "core/eval/auto_preset.h"
 #include "core/eval/baselines.h"
+#include "core/eval/chosen_options.h"
 #include "core/eval/evaluate.h"
 #include "core/eval/evaluate_nearest.h"
 #include "core/eval/evaluation.h"
@@ -62,6 +63,15 @@ absl::Status AutoPresetExample(const Contacts& contacts,
       ChoosePreset(contacts, {{"tuned", tuned}, {"profile", profile}},
                    RunSerially));
   FitModel(contacts, choice.options, RunSerially);
+  return absl::OkStatus();
+}
+
+absl::Status ChosenOptionsExample(const Contacts& contacts) {
+  TACTUS_ASSIGN_OR_RETURN(
+      const ChosenOptions chosen,
+      ChooseOptions(contacts, {.preset = "auto", .options_of = FitPreset},
+                    RunSerially));
+  FitModel(chosen.contacts, chosen.options, RunSerially);
   return absl::OkStatus();
 }
 

@@ -9,7 +9,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/strip.h"
 #include "client/tools/figures/figure.h"
-#include "client/tools/trainctl/chosen_preset.h"
+#include "client/tools/trainctl/choice_text.h"
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/evaluate_figures.h"
 #include "client/tools/trainctl/evaluate_page.h"
@@ -112,7 +112,7 @@ absl::Status RunUnknown(const EvaluateFlags& flags) {
       const LoadedContacts loaded,
       LoadContacts(flags.data, flags.layout, display.progress()));
   TACTUS_ASSIGN_OR_RETURN(const ChosenOptions chosen,
-                          ChooseOptions(flags.fit, loaded, display.progress()));
+                          flags.fit.Choose(loaded, display.progress()));
   TACTUS_ASSIGN_OR_RETURN(const auto results,
                           EvaluateUnknown(chosen.contacts, chosen.options,
                                           RunOnThreads, display.progress()));
@@ -121,12 +121,12 @@ absl::Status RunUnknown(const EvaluateFlags& flags) {
     std::cout << JsonText(Json({{"protocol", flags.protocol},
                                 {"seed", flags.fit.seed},
                                 {"preset", chosen.preset},
-                                {"choice", ChoiceToJson(chosen)},
+                                {"choice", ChoiceToJson(chosen.choice)},
                                 {"categories", UnknownToJson(results)},
                                 {"seconds", SecondsSinceStart()}}))
               << "\n";
   } else {
-    std::cout << ChoiceText(chosen) << UnknownText(results)
+    std::cout << ChoiceText(chosen.choice) << UnknownText(results)
               << absl::StrFormat("seed %d, %.1f s\n", flags.fit.seed,
                                  SecondsSinceStart());
   }
@@ -147,8 +147,7 @@ absl::StatusOr<EvaluationRun> RunProtocol(const EvaluateFlags& flags,
   // Nearest neighbours are not fitted by a preset.
   FitFlags fit = flags.fit;
   if (flags.algorithm == "1nn" && fit.preset.empty()) fit.preset = "tuned";
-  TACTUS_ASSIGN_OR_RETURN(ChosenOptions chosen,
-                          ChooseOptions(fit, loaded, progress));
+  TACTUS_ASSIGN_OR_RETURN(ChosenOptions chosen, fit.Choose(loaded, progress));
   const FitOptions& options = chosen.options;
   TACTUS_ASSIGN_OR_RETURN(const Algorithm algorithm,
                           ChosenAlgorithm(flags, options.lstm.networks > 0));
@@ -201,14 +200,14 @@ void Print(const EvaluateFlags& flags, const EvaluationRun& run,
     json.update(evaluation);
     if (fitted) {
       json["preset"] = run.chosen.preset;
-      json["choice"] = ChoiceToJson(run.chosen);
+      json["choice"] = ChoiceToJson(run.chosen.choice);
       json["seed"] = flags.fit.seed;
     }
     json["seconds"] = SecondsSinceStart();
     std::cout << JsonText(json) << "\n";
     return;
   }
-  std::cout << ChoiceText(run.chosen) << Title(flags, run) << ": "
+  std::cout << ChoiceText(run.chosen.choice) << Title(flags, run) << ": "
             << EvaluationText(evaluation);
   if (fitted) {
     std::cout << absl::StrFormat("preset %s, seed %d, ", run.chosen.preset,

@@ -3,7 +3,7 @@
 #include <mutex>
 
 #include "absl/strings/str_format.h"
-#include "client/tools/trainctl/chosen_preset.h"
+#include "client/tools/trainctl/choice_text.h"
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/fit_flags.h"
 #include "client/tools/trainctl/learning_curves.h"
@@ -53,7 +53,7 @@ absl::Status RunFit(const FitCommandFlags& flags) {
       const LoadedContacts loaded,
       LoadContacts(flags.data, flags.layout, display.progress()));
   TACTUS_ASSIGN_OR_RETURN(const ChosenOptions chosen,
-                          ChooseOptions(flags.fit, loaded, display.progress()));
+                          flags.fit.Choose(loaded, display.progress()));
   const FitOptions& options = chosen.options;
   FitCurves curves(&display);
   TACTUS_ASSIGN_OR_RETURN(
@@ -78,12 +78,12 @@ absl::Status RunFit(const FitCommandFlags& flags) {
                                {"classes", model.class_names},
                                {"features", FeaturesToString(options.features)},
                                {"preset", chosen.preset},
-                               {"choice", ChoiceToJson(chosen)},
+                               {"choice", ChoiceToJson(chosen.choice)},
                                {"seed", options.seed},
                                {"seconds", SecondsSinceStart()}})
               << "\n";
   } else {
-    std::cout << ChoiceText(chosen)
+    std::cout << ChoiceText(chosen.choice)
               << absl::StrFormat(
                      "%s: preset %s, %d bytes, %d trials, %d undetectable, "
                      "%sseed %d, %.1f s\n"

@@ -7,8 +7,8 @@
 #include "client/tools/trainctl/exit_code.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
+#include "core/base/run_on_threads.h"
 #include "core/base/status_macros.h"
-#include "core/train/usable.h"
 
 namespace tactus::client {
 
@@ -73,20 +73,17 @@ absl::StatusOr<std::vector<Cue>> ParseCues(absl::string_view flag,
 
 }  // namespace
 
-std::vector<std::string> FitFlags::SkipUnusable(
-    const FitOptions& options,
-    std::vector<const LabelledContact*>& contacts) const {
-  std::vector<std::string> skipped;
-  if (!skip_unusable) return skipped;
-  std::erase_if(contacts, [&](const LabelledContact* contact) {
-    if (IsUsable(*contact, options)) return false;
-    skipped.push_back(contact->id);
-    return true;
-  });
-  return skipped;
+absl::StatusOr<ChosenOptions> FitFlags::Choose(const LoadedContacts& loaded,
+                                               const Progress& progress) const {
+  const OptionsRequest request = {
+      .preset = preset,
+      .without_poses = loaded.without_poses,
+      .skip_unusable = skip_unusable,
+      .options_of = [&](absl::string_view name) { return Options(name); }};
+  return ChooseOptions(loaded.Pointers(), request, RunOnThreads, progress);
 }
 
-absl::StatusOr<FitOptions> FitFlags::Options(const std::string& preset) const {
+absl::StatusOr<FitOptions> FitFlags::Options(absl::string_view preset) const {
   auto known = FitPreset(preset);
   if (!known.ok()) return WithExitCode(known.status(), kExitUsage);
   FitOptions options = *std::move(known);

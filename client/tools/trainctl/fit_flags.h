@@ -4,7 +4,8 @@
 //
 //   FitFlags flags;
 //   flags.Add(*command);
-//   TACTUS_ASSIGN_OR_RETURN(FitOptions options, flags.Options("tuned"));
+//   TACTUS_ASSIGN_OR_RETURN(const ChosenOptions chosen,
+//                           flags.Choose(loaded, display.progress()));
 //
 // The command line writes to the FitFlags, which must not move after Add(). Not
 // thread-safe.
@@ -16,12 +17,15 @@
 
 #include "CLI/CLI.hpp"
 #include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "client/tools/trainctl/command.h"
+#include "core/eval/chosen_options.h"
 #include "core/train/fit.h"
 
 namespace tactus::client {
 
 struct FitFlags {
-  // Empty: as chosen_preset.h says.
+  // Empty: as chosen_options.h says.
   std::string preset;
   std::string features = "f,m,a";
   std::string truth;  // empty: the preset's
@@ -41,12 +45,10 @@ struct FitFlags {
   // none was.
   std::string FirstGiven() const;
   // Returns the options of a preset, changed as the other flags say.
-  absl::StatusOr<FitOptions> Options(const std::string& preset) const;
-  // With --skip-unusable, removes the contacts that models cannot be fitted to
-  // (usable.h), and returns their ids.
-  std::vector<std::string> SkipUnusable(
-      const FitOptions& options,
-      std::vector<const LabelledContact*>& contacts) const;
+  absl::StatusOr<FitOptions> Options(absl::string_view preset) const;
+  // The options for these contacts, which the result points to.
+  absl::StatusOr<ChosenOptions> Choose(const LoadedContacts& loaded,
+                                       const Progress& progress) const;
 
  private:
   // Those that Add() made; the command owns them.

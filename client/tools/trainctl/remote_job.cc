@@ -8,6 +8,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/strip.h"
 #include "client/stream/status.h"
+#include "client/tools/trainctl/choice_text.h"
 #include "client/tools/trainctl/exit_code.h"
 #include "client/tools/trainctl/interrupt.h"
 #include "client/tools/trainctl/job_display.h"
@@ -96,6 +97,26 @@ std::string ComparisonText(const v1::Comparison& comparison) {
           : absl::StrCat("gate not passed: ", comparison.failure(), "\n"));
 }
 
+std::optional<PresetChoice> ChoiceOf(const v1::OperationResult& result) {
+  if (!result.has_preset_choice()) return std::nullopt;
+  const v1::PresetChoice& proto = result.preset_choice();
+  PresetChoice choice;
+  choice.name = proto.preset();
+  for (const v1::PresetCandidate& candidate : proto.candidates()) {
+    if (candidate.unfit().empty()) {
+      choice.right.emplace_back(candidate.preset(), candidate.correct());
+    } else {
+      choice.unfit.emplace_back(candidate.preset(), candidate.unfit());
+    }
+  }
+  choice.contacts = static_cast<int>(proto.contacts());
+  choice.folds = static_cast<int>(proto.folds());
+  choice.by_condition = proto.by_condition();
+  choice.nearest_right = static_cast<int>(proto.nearest_correct());
+  choice.chance = proto.chance();
+  return choice;
+}
+
 // How to see the job again.
 std::string WatchCommand(const v1::Operation& job, const RemoteFlags& flags) {
   return absl::StrCat("trainctl jobs watch ",
@@ -127,7 +148,7 @@ std::string JobLine(const v1::Operation& job) {
 
 std::string ResultText(const v1::Operation& job) {
   const v1::OperationResult& result = job.result();
-  std::string text;
+  std::string text = ChoiceText(ChoiceOf(result));
   if (!result.model_version().empty()) {
     absl::StrAppendFormat(
         &text, "%s, in %s\n", result.model_version(),

@@ -86,7 +86,9 @@ void AddTrain(CLI::App& app, const SelectCommand& select) {
                    "Model that gets a new version; it may be new")
       ->required();
   command->add_option("--preset", flags->preset,
-                      "tuned, world, paper or profile; default: tuned");
+                      "auto, tuned, world, paper, pattern, whole-skin or "
+                      "profile; default: auto for a skin without poses, else "
+                      "tuned");
   command->add_option("--features", flags->features,
                       "Features that models may use: any of f (force), m "
                       "(motion), a (area), like f,m");

@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -159,6 +160,35 @@ TEST_F(ResumeTest, TrialsAreReadByAllThreads) {
   EXPECT_FALSE(backwards.empty());
   EXPECT_EQ(backwards, bundle("forwards", RunSerially));
   close(null);
+}
+
+TEST_F(ResumeTest, AutoChoosesAPreset) {
+  spec_.mutable_operation()->mutable_train()->set_preset("auto");
+  spec_.mutable_operation()->mutable_train()->set_networks(0);
+  const std::string folder = NewJob("auto");
+  ASSERT_EQ(Wait(Start(folder)), 0);
+  v1::JobOutcome outcome;
+  ASSERT_TRUE(outcome.ParseFromString(ReadBytes(folder + "/result.pb")));
+  ASSERT_TRUE(outcome.has_result()) << outcome.error().message();
+  const v1::PresetChoice& choice = outcome.result().preset_choice();
+  EXPECT_EQ(choice.contacts(), 24u);
+  EXPECT_EQ(choice.folds(), 3u);
+  ASSERT_EQ(choice.candidates_size(), 5);
+  uint32_t most = 0;
+  int unfit = 0;
+  for (const v1::PresetCandidate& candidate : choice.candidates()) {
+    most = std::max(most, candidate.correct());
+    unfit += candidate.unfit().empty() ? 0 : 1;
+  }
+  // Those for taxels: the trials are ideal signals.
+  EXPECT_EQ(unfit, 3);
+  for (const v1::PresetCandidate& candidate : choice.candidates()) {
+    if (candidate.preset() == choice.preset()) {
+      EXPECT_EQ(candidate.correct(), most);
+    }
+  }
+  EXPECT_TRUE(choice.preset() == "tuned" || choice.preset() == "paper");
+  EXPECT_TRUE(DecodeBundle(ReadBytes(folder + "/bundle.tactus")).ok());
 }
 
 TEST_F(ResumeTest, BadJobsEndWithAnOutcomeOrAStatus) {

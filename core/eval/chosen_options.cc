@@ -1,0 +1,53 @@
+#include "core/eval/chosen_options.h"
+
+#include <utility>
+
+#include "core/base/status_macros.h"
+#include "core/train/usable.h"
+
+namespace tactus {
+namespace {
+
+constexpr char kDefault[] = "tuned";
+
+// Removes the contacts that models of these options cannot be fitted to.
+void SkipUnusable(const FitOptions& options, ChosenOptions& chosen) {
+  std::erase_if(chosen.contacts, [&](const LabelledContact* contact) {
+    if (IsUsable(*contact, options)) return false;
+    chosen.unusable.push_back(contact->id);
+    return true;
+  });
+}
+
+}  // namespace
+
+absl::StatusOr<ChosenOptions> ChooseOptions(
+    const std::vector<const LabelledContact*>& contacts,
+    const OptionsRequest& request, const ParallelFor& parallel,
+    const Progress& progress) {
+  ChosenOptions chosen;
+  chosen.contacts = contacts;
+  const bool choose = request.preset == kAutoPreset ||
+                      (request.preset.empty() && request.without_poses);
+  if (!choose) {
+    chosen.preset = request.preset.empty() ? kDefault : request.preset;
+    TACTUS_ASSIGN_OR_RETURN(chosen.options, request.options_of(chosen.preset));
+    if (request.skip_unusable) SkipUnusable(chosen.options, chosen);
+    return chosen;
+  }
+  std::vector<std::pair<std::string, FitOptions>> candidates;
+  for (const char* preset :
+       {"profile", "pattern", "whole-skin", "tuned", "paper"}) {
+    TACTUS_ASSIGN_OR_RETURN(FitOptions options, request.options_of(preset));
+    if (request.skip_unusable) SkipUnusable(options, chosen);
+    candidates.emplace_back(preset, std::move(options));
+  }
+  TACTUS_ASSIGN_OR_RETURN(
+      chosen.choice,
+      ChoosePreset(chosen.contacts, candidates, parallel, progress));
+  chosen.preset = chosen.choice->name;
+  chosen.options = chosen.choice->options;
+  return chosen;
+}
+
+}  // namespace tactus

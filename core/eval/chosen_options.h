@@ -1,0 +1,61 @@
+// File: chosen_options.h
+//
+// How a fit's options follow from what was asked for and from the contacts: the
+// preset that was named, or with "auto" the one that an inner cross-validation
+// chooses (auto_preset.h). Without a name, contacts of a skin without poses get
+// "auto", and all others "tuned".
+//
+//   TACTUS_ASSIGN_OR_RETURN(
+//       const ChosenOptions chosen,
+//       ChooseOptions(contacts, {.preset = "auto", .options_of = FitPreset},
+//                     RunSerially));
+//   FitModel(chosen.contacts, chosen.options, RunSerially);
+//
+// Deterministic. Thread-safe: free functions without state.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "core/base/work.h"
+#include "core/contacts/labelled_contact.h"
+#include "core/eval/auto_preset.h"
+#include "core/train/fit_options.h"
+
+namespace tactus {
+
+struct OptionsRequest {
+  // A name that `options_of` knows, kAutoPreset, or empty.
+  std::string preset = {};
+  // Some contact comes from taxels without poses.
+  bool without_poses = false;
+  // Leaves out the contacts that models cannot be fitted to (usable.h).
+  bool skip_unusable = false;
+  // The options of a preset, with what else was asked for.
+  std::function<absl::StatusOr<FitOptions>(absl::string_view preset)>
+      options_of;
+};
+
+struct ChosenOptions {
+  FitOptions options;
+  // The preset that the options are made of.
+  std::string preset;
+  // How it was chosen; nothing if it was named.
+  std::optional<PresetChoice> choice;
+  // All contacts; if unusable ones are skipped, those that models can be fitted
+  // to with each preset in question, and the ids of the others.
+  std::vector<const LabelledContact*> contacts;
+  std::vector<std::string> unusable;
+};
+
+// The errors of `options_of` and of ChoosePreset.
+absl::StatusOr<ChosenOptions> ChooseOptions(
+    const std::vector<const LabelledContact*>& contacts,
+    const OptionsRequest& request, const ParallelFor& parallel,
+    const Progress& progress = {});
+
+}  // namespace tactus

@@ -1,0 +1,80 @@
+#include "core/eval/chosen_options.h"
+
+#include "core/base/errors.h"
+#include "gtest/gtest.h"
+#include "tests/core/eval/synthetic_contacts.h"
+
+namespace tactus {
+namespace {
+
+using testing::PointersTo;
+using testing::SyntheticContacts;
+
+// Small models, so that all presets are fitted quickly.
+absl::StatusOr<FitOptions> SmallOptions(absl::string_view preset) {
+  absl::StatusOr<FitOptions> options = FitPreset(preset);
+  if (options.ok()) {
+    options->hmms_per_class = 1;
+    options->max_iterations = 3;
+  }
+  return options;
+}
+
+TEST(ChosenOptionsTest, APresetThatWasNamedIsTaken) {
+  const auto contacts = SyntheticContacts(6, 30, 0.05, 1);
+  const auto chosen = ChooseOptions(
+      PointersTo(contacts),
+      {.preset = "paper", .without_poses = true, .options_of = SmallOptions},
+      RunSerially);
+  ASSERT_TRUE(chosen.ok()) << chosen.status();
+  EXPECT_EQ(chosen->preset, "paper");
+  EXPECT_FALSE(chosen->choice.has_value());
+  EXPECT_EQ(chosen->contacts.size(), contacts.size());
+}
+
+TEST(ChosenOptionsTest, WithoutANameItDependsOnThePoses) {
+  const auto contacts = SyntheticContacts(6, 30, 0.05, 1);
+  const auto with_poses = ChooseOptions(
+      PointersTo(contacts), {.options_of = SmallOptions}, RunSerially);
+  ASSERT_TRUE(with_poses.ok()) << with_poses.status();
+  EXPECT_EQ(with_poses->preset, "tuned");
+  EXPECT_FALSE(with_poses->choice.has_value());
+  const auto without = ChooseOptions(
+      PointersTo(contacts), {.without_poses = true, .options_of = SmallOptions},
+      RunSerially);
+  ASSERT_TRUE(without.ok()) << without.status();
+  ASSERT_TRUE(without->choice.has_value());
+  EXPECT_EQ(without->preset, without->choice->name);
+  // The contacts are ideal signals, which three presets are not for.
+  EXPECT_EQ(without->choice->right.size(), 2u);
+  EXPECT_EQ(without->choice->unfit.size(), 3u);
+}
+
+TEST(ChosenOptionsTest, ContactsThatAreTooShortAreLeftOutIfWanted) {
+  auto contacts = SyntheticContacts(6, 30, 0.05, 1);
+  const ContactFrame first = contacts[2].frames.front();
+  contacts[2].frames.clear();
+  contacts[2].frames.push_back(first);
+  OptionsRequest request = {.preset = "tuned", .options_of = SmallOptions};
+  EXPECT_EQ(ChooseOptions(PointersTo(contacts), request, RunSerially)
+                ->contacts.size(),
+            contacts.size());
+  request.skip_unusable = true;
+  const auto chosen = ChooseOptions(PointersTo(contacts), request, RunSerially);
+  ASSERT_TRUE(chosen.ok()) << chosen.status();
+  EXPECT_EQ(chosen->contacts.size(), contacts.size() - 1);
+  EXPECT_EQ(chosen->unusable, std::vector<std::string>{contacts[2].id});
+}
+
+TEST(ChosenOptionsTest, AnUnknownPresetIsRefused) {
+  const auto contacts = SyntheticContacts(6, 30, 0.05, 1);
+  EXPECT_EQ(
+      ReasonOf(ChooseOptions(PointersTo(contacts),
+                             {.preset = "magic", .options_of = SmallOptions},
+                             RunSerially)
+                   .status()),
+      "INVALID_CONFIG");
+}
+
+}  // namespace
+}  // namespace tactus
