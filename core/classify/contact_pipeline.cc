@@ -80,7 +80,8 @@ ContactPipeline::ContactPipeline(
                 .load_profile = classifier_.uses_profile(),
                 .taxel_loads = classifier_.uses_taxels(),
                 .skip_untouched = options.skip[SkipRule::kUntouchedFrames],
-                .reuse_unchanged = options.skip[SkipRule::kUnchangedFrames]}),
+                .reuse_unchanged = options.skip[SkipRule::kUnchangedFrames],
+                .skip_quiet_rows = options.skip[SkipRule::kQuietRows]}),
       skip_(options.skip) {}
 
 const ContactReport& ContactPipeline::Step(const FrameView& frame) {
@@ -109,6 +110,7 @@ const ContactReport& ContactPipeline::Step(const FrameView& frame) {
 
 void ContactPipeline::CountSkipped() {
   skipped_[SkipRule::kUnchangedFrames] += tracker_.reused();
+  skipped_[SkipRule::kQuietRows] += tracker_.quiet_rows();
   skipped_[SkipRule::kUntouchedFrames] +=
       skip_[SkipRule::kUntouchedFrames] && !report_.features.touched &&
       report_.state != ContactState::kInContact;

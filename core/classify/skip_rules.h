@@ -36,8 +36,11 @@ enum class SkipRule {
   kUnchangedScores,
   // Writes and checks only the listed taxels of sparse frames.
   kUnlistedTaxels,
+  // Does not sum regions of light touch where no taxel feels enough. The
+  // counter is the number of rows of the skin.
+  kQuietRows,
 };
-inline constexpr int kSkipRuleCount = 7;
+inline constexpr int kSkipRuleCount = 8;
 
 // One value of Type per rule.
 template <typename Type>

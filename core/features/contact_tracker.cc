@@ -62,7 +62,7 @@ ContactTracker::ContactTracker(const SkinLayout& layout, const Options& options)
   if (options.taxel_loads) loads_.reserve(layout.taxels());
   if (!layout.light_touch) return;
   const LightTouch& light = *layout.light_touch;
-  light_.emplace(layout, options.sample_rate_hz);
+  light_.emplace(layout, options.sample_rate_hz, options.skip_quiet_rows);
   light_taxel_ = static_cast<float>(light.contact_threshold *
                                     std::sqrt(light.rows * light.columns));
 }
@@ -72,6 +72,7 @@ void ContactTracker::Reset() {
   onset_ = false;
   released_ = false;
   reused_ = false;
+  quiet_rows_ = 0;
   measured_ = false;
   recent_poses_.Reset();
   if (light_) light_->Reset();
@@ -132,7 +133,13 @@ int ContactTracker::SegmentLight(std::span<const float> taxels, bool* begins) {
   };
   *begins = light_->peak() >= onset_threshold_ ||
             light_->region_peak() >= static_cast<float>(light.onset_threshold);
-  int regions = segment(light_->shape(), light_taxel_);
+  quiet_rows_ = light_->quiet_rows();
+  int regions = 0;
+  if (light_->has_shape()) {
+    regions = segment(light_->shape(), light_taxel_);
+  } else {
+    segmenter_.Clear();
+  }
   if (regions == 0 && light_->peak() >= contact_threshold_) {
     regions = segment(light_->values(), contact_threshold_);
   }

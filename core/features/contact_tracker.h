@@ -114,8 +114,11 @@ class ContactTracker {
     // Skips that change no bit. skip_untouched: frames without a touched taxel
     // are not segmented. reuse_unchanged: a frame whose taxels equal those of
     // the touched frame before it keeps the features, except for the motion.
+    // skip_quiet_rows: of a skin with light touch, only regions near taxels
+    // that feel something are summed.
     bool skip_untouched = true;
     bool reuse_unchanged = true;
+    bool skip_quiet_rows = true;
   };
 
   // `layout` must be valid.
@@ -137,6 +140,8 @@ class ContactTracker {
   bool released() const { return released_; }
   // True if the last frame's taxels equalled those of the frame before.
   bool reused() const { return reused_; }
+  // Rows of the last frame whose regions were not summed.
+  int quiet_rows() const { return quiet_rows_; }
 
   // The segmentation of the last frame.
   const Segmenter& segmenter() const { return segmenter_; }
@@ -169,6 +174,7 @@ class ContactTracker {
   bool onset_ = false;
   bool released_ = false;
   bool reused_ = false;
+  int quiet_rows_ = 0;
   FrameFeatures features_;
   // The taxels of the last frame, if it was touched and part of a contact.
   // Empty if frames are never compared, as on a skin with light touch, whose

@@ -21,8 +21,11 @@ uint64_t WholeFrames(double seconds, double sample_rate_hz) {
 }  // namespace
 
 LightTouchFilter::LightTouchFilter(const SkinLayout& layout,
-                                   double sample_rate_hz)
+                                   double sample_rate_hz, bool skip_quiet_rows)
     : taxels_(layout.taxels()),
+      rows_(layout.rows),
+      columns_(layout.columns),
+      skip_quiet_rows_(skip_quiet_rows),
       light_(*layout.light_touch),
       contact_threshold_(static_cast<float>(layout.contact_threshold)),
       window_weight_(-std::expm1(-1 / (light_.window_s * sample_rate_hz))),
@@ -56,10 +59,12 @@ void LightTouchFilter::Reset() {
   light_frames_ = 0;
   peak_ = 0;
   region_peak_ = 0;
-  marked_ = false;
+  summed_ = {};
+  marked_ = {};
+  shaped_ = {};
+  quiet_rows_ = 0;
   for (AlignedVector<float>* const each :
-       {&smooth_, &background_, &values_, &regions_, &marks_, &mark_sums_,
-        &shape_}) {
+       {&smooth_, &background_, &values_, &regions_, &marks_, &shape_}) {
     std::ranges::fill(*each, 0.0F);
   }
 }
@@ -76,39 +81,97 @@ void LightTouchFilter::Step(std::span<const float> taxels) {
     light_touch::MoveTowards(taxels, background, background_.data());
     return;
   }
-  peak_ = light_touch::StepMeans(taxels, window, contact_threshold_,
-                                 {.valid = valid_.data(),
-                                  .background = background_.data(),
-                                  .smooth = smooth_.data(),
-                                  .values = values_.data(),
-                                  .difference = difference_.data()});
-  region_peak_ = region_sum_.Run(
-      difference_, 1.0F / static_cast<float>(light_.rows * light_.columns),
-      regions_);
-  const auto contact = static_cast<float>(light_.contact_threshold);
-  const bool light = region_peak_ >= contact && peak_ < contact_threshold_;
+  StepMeans(taxels, window);
+  const bool light =
+      region_peak_ >= static_cast<float>(light_.contact_threshold) &&
+      peak_ < contact_threshold_;
   light_frames_ = light ? std::min(light_frames_ + 1, drift_frames_ + 1) : 0;
-  // Else nothing is marked, and nothing was.
-  float mark = 0;
-  if (marked_ || region_peak_ >= contact || peak_ >= contact_threshold_) {
-    mark =
-        light_touch::Mark(regions_, values_.data(),
-                          {.begin = static_cast<float>(light_.onset_threshold),
-                           .contact = contact,
-                           .strong = contact_threshold_},
-                          marks_.data());
-  }
-  if (mark > 0) {
-    mark_sum_.Run(marks_, 1, mark_sums_);
-  } else if (marked_) {
-    std::ranges::fill(mark_sums_, 0.0F);
-  }
-  marked_ = mark > 0;
   const float resting = light_frames_ > drift_frames_
                             ? std::numeric_limits<float>::infinity()
                             : light_touch::kTouchedMark;
-  light_touch::Learn(taxels, mark_sums_.data(), difference_.data(), background,
-                     resting, background_.data(), shape_.data());
+  Learn(taxels, background, resting);
+}
+
+void LightTouchFilter::StepMeans(std::span<const float> taxels, float weight) {
+  // A region's mean is rounded by less than the tenth part of this.
+  constexpr float kRounding = 1e-4F;
+  const auto contact = static_cast<float>(light_.contact_threshold);
+  const light_touch::Felt felt =
+      light_touch::StepMeans(taxels, weight, contact_threshold_,
+                             contact * (1 - kRounding), contact_threshold_,
+                             {.valid = valid_.data(),
+                              .background = background_.data(),
+                              .smooth = smooth_.data(),
+                              .values = values_.data(),
+                              .difference = difference_.data()});
+  peak_ = felt.peak;
+  const RowRange all = {0, rows_};
+  const auto rows_of = [this](const light_touch::Stretch& stretch) {
+    return RowRange::Of(stretch.begin, stretch.end, columns_);
+  };
+  const RowRange summed =
+      skip_quiet_rows_ ? Around(rows_of(felt.differences), region_sum_.region())
+                       : all;
+  Clear(summed_, summed, regions_);
+  summed_ = summed;
+  quiet_rows_ = static_cast<int>(rows_ - summed.size());
+  const RegionSum::Found found = region_sum_.Run(
+      difference_, 1.0F / static_cast<float>(light_.rows * light_.columns),
+      summed, contact, regions_);
+  region_peak_ = found.peak;
+  FindMarks(skip_quiet_rows_ ? RowRange::Join(found.loud, rows_of(felt.values))
+                             : all);
+}
+
+void LightTouchFilter::FindMarks(const RowRange& rows) {
+  Clear(marked_, rows, marks_);
+  marked_ = rows;
+  const float mark = light_touch::Mark(
+      Part(regions_, rows), Part(values_, rows).data(),
+      {.begin = static_cast<float>(light_.onset_threshold),
+       .contact = static_cast<float>(light_.contact_threshold),
+       .strong = contact_threshold_},
+      Part(marks_, rows).data());
+  const RowRange shaped =
+      mark > 0 ? Around(rows, mark_sum_.region()) : RowRange();
+  Clear(shaped_, shaped, shape_);
+  shaped_ = shaped;
+}
+
+void LightTouchFilter::Learn(std::span<const float> taxels, float weight,
+                             float resting) {
+  mark_sum_.Run(marks_, 1, shaped_, 1, mark_sums_);
+  light_touch::Learn(Part(taxels, shaped_), Part(mark_sums_, shaped_).data(),
+                     Part(difference_, shaped_).data(), weight, resting,
+                     Part(background_, shaped_).data(),
+                     Part(shape_, shaped_).data());
+  // Nothing is marked around the other rows.
+  for (const RowRange& rest :
+       {RowRange{0, shaped_.begin}, RowRange{shaped_.end, rows_}}) {
+    light_touch::MoveTowards(Part(taxels, rest), weight,
+                             Part(background_, rest).data());
+  }
+}
+
+RowRange LightTouchFilter::Around(const RowRange& rows,
+                                  const RegionSum::Region& region) const {
+  if (rows.empty()) return rows;
+  const auto above = static_cast<size_t>(region.above);
+  const auto below = static_cast<size_t>(region.below);
+  return {rows.begin - std::min(rows.begin, below),
+          std::min(rows.end + above, rows_)};
+}
+
+void LightTouchFilter::Clear(const RowRange& was, const RowRange& now,
+                             AlignedVector<float>& taxels) const {
+  const RowRange before = {was.begin, std::min(was.end, now.begin)};
+  const RowRange after = {std::max(was.begin, now.end), was.end};
+  if (now.empty()) {
+    std::ranges::fill(Part(taxels, was), 0.0F);
+    return;
+  }
+  if (!before.empty()) std::ranges::fill(Part(taxels, before), 0.0F);
+  if (!after.empty()) std::ranges::fill(Part(taxels, after), 0.0F);
 }
 
 }  // namespace tactus

@@ -37,7 +37,11 @@ namespace tactus {
 class LightTouchFilter {
  public:
   // `layout` must be valid and have light_touch; `sample_rate_hz` above 0.
-  LightTouchFilter(const SkinLayout& layout, double sample_rate_hz);
+  // With `skip_quiet_rows`, rows in which no region can reach contact_threshold
+  // and no taxel the layout's are left out: their regions() read 0, and
+  // region_peak() is that of the other rows. All else keeps its bits.
+  LightTouchFilter(const SkinLayout& layout, double sample_rate_hz,
+                   bool skip_quiet_rows = false);
 
   // Forgets everything, as if new.
   void Reset();
@@ -68,9 +72,38 @@ class LightTouchFilter {
   // by more than the layout's contact_threshold from the reading, so that
   // strong contacts begin and end at once.
   std::span<const float> shape() const { return {shape_.data(), taxels_}; }
+  // False if all of the shape is 0.
+  bool has_shape() const { return !shaped_.empty(); }
+
+  // Rows that the last Step() left out.
+  int quiet_rows() const { return quiet_rows_; }
 
  private:
+  // Writes all but the backgrounds and the shape.
+  void StepMeans(std::span<const float> taxels, float weight);
+  // Writes the marks of `rows`; all others are 0.
+  void FindMarks(const RowRange& rows);
+  // Writes the shape and moves the backgrounds.
+  void Learn(std::span<const float> taxels, float weight, float resting);
+  // The rows of all regions that hold a taxel of `rows`.
+  RowRange Around(const RowRange& rows, const RegionSum::Region& region) const;
+  std::span<const float> Part(std::span<const float> taxels,
+                              const RowRange& rows) const {
+    return taxels.subspan(rows.begin * columns_, rows.size() * columns_);
+  }
+  std::span<float> Part(AlignedVector<float>& taxels,
+                        const RowRange& rows) const {
+    return std::span(taxels).subspan(rows.begin * columns_,
+                                     rows.size() * columns_);
+  }
+  // Sets the rows that are in `was` and not in `now` to 0.
+  void Clear(const RowRange& was, const RowRange& now,
+             AlignedVector<float>& taxels) const;
+
   size_t taxels_;
+  size_t rows_;
+  size_t columns_;
+  bool skip_quiet_rows_;
   LightTouch light_;
   float contact_threshold_;
   // Weights of a frame in the means, once there are many.
@@ -97,8 +130,11 @@ class LightTouchFilter {
   AlignedVector<float> shape_;
   RegionSum region_sum_;
   RegionSum mark_sum_;
-  // True if mark_sums_ are not all 0.
-  bool marked_ = false;
+  // Rows outside of which regions_, marks_ and shape_ are 0.
+  RowRange summed_;
+  RowRange marked_;
+  RowRange shaped_;
+  int quiet_rows_ = 0;
   float peak_ = 0;
   float region_peak_ = 0;
 };

@@ -13,12 +13,20 @@ namespace hn = hwy::HWY_NAMESPACE;
 // slow to compute with.
 constexpr float kAlmostZero = 1e-20F;
 
-// Runs step(d, i) for i = 0, lanes, ...; the rest one by one.
+// Runs step(d, i) for the widest vectors, then for one of half their width,
+// then one by one.
+constexpr size_t kWidest = 16;
 template <class Step>
 HWY_INLINE void ForEach(size_t count, const Step& step) {
-  constexpr hn::CappedTag<float, 8> d;
+  constexpr hn::CappedTag<float, kWidest> d;
+  constexpr size_t kLanes = hn::MaxLanes(d);
   size_t i = 0;
-  for (; i + hn::MaxLanes(d) <= count; i += hn::MaxLanes(d)) step(d, i);
+  for (; i + kLanes <= count; i += kLanes) step(d, i);
+  constexpr size_t kHalf = kLanes > 1 ? kLanes / 2 : 1;
+  if (i + kHalf <= count) {
+    step(hn::CappedTag<float, kHalf>(), i);
+    i += kHalf;
+  }
   for (; i < count; ++i) step(hn::CappedTag<float, 1>(), i);
 }
 
@@ -33,13 +41,56 @@ HWY_INLINE hn::Vec<D> Reading(D d, const float* taxel) {
   return hn::Add(hn::LoadU(d, taxel), hn::Set(d, kAlmostZero));
 }
 
-// The larger of `so_far` and the lanes of `x`.
-template <class D>
-HWY_INLINE void Raise(D d, hn::Vec<D> x, float* so_far) {
-  float lanes[hn::MaxLanes(d)];
-  hn::StoreU(x, d, lanes);
-  for (const float lane : lanes) *so_far = lane > *so_far ? lane : *so_far;
-}
+// The largest lane that was added, and at least 0.
+class Largest {
+ public:
+  HWY_INLINE Largest() : widest_(hn::Zero(Wide())) {}
+
+  template <class D>
+  HWY_INLINE void Add(D d, hn::Vec<D> x) {
+    if constexpr (hn::MaxLanes(d) == hn::MaxLanes(Wide())) {
+      widest_ = hn::Max(widest_, x);
+    } else {
+      Raise(d, x);
+    }
+  }
+  HWY_INLINE float Result() {
+    Raise(Wide(), widest_);
+    return rest_;
+  }
+
+ private:
+  using Wide = hn::CappedTag<float, kWidest>;
+
+  template <class D>
+  HWY_INLINE void Raise(D d, hn::Vec<D> x) {
+    const float lane = hn::GetLane(hn::MaxOfLanes(d, x));
+    rest_ = lane > rest_ ? lane : rest_;
+  }
+
+  hn::Vec<Wide> widest_;
+  float rest_ = 0;
+};
+
+// Where numbers reached a level. Without branches: noise about the level would
+// make them unpredictable.
+class Reached {
+ public:
+  template <class D>
+  HWY_INLINE void Add(D d, size_t i, hn::Vec<D> x, float level) {
+    const size_t any =
+        size_t{0} - !hn::AllFalse(d, hn::Ge(x, hn::Set(d, level)));
+    const size_t begin = i | ~any;
+    const size_t end = (i + hn::MaxLanes(d)) & any;
+    begin_ = begin < begin_ ? begin : begin_;
+    end_ = end > end_ ? end : end_;
+  }
+  HWY_INLINE Stretch Result() const { return {end_ == 0 ? 0 : begin_, end_}; }
+
+ private:
+  size_t begin_ = ~size_t{0};
+  size_t end_ = 0;
+};
 
 void MoveTowards(const float* taxels, size_t count, float weight,
                  float* means) {
@@ -50,43 +101,46 @@ void MoveTowards(const float* taxels, size_t count, float weight,
   });
 }
 
-float StepMeans(const float* taxels, size_t count, float weight, float reach,
-                const Means& means) {
-  float peak = 0;
-  constexpr hn::CappedTag<float, 8> wide;
-  auto largest = hn::Zero(wide);
+void StepMeans(const float* HWY_RESTRICT taxels, size_t count, float weight,
+               float reach, float difference_level, float value_level,
+               Means means, Felt* felt) {
+  const float* HWY_RESTRICT const valid_of = means.valid;
+  const float* HWY_RESTRICT const background_of = means.background;
+  float* HWY_RESTRICT const smooth_of = means.smooth;
+  float* HWY_RESTRICT const values = means.values;
+  float* HWY_RESTRICT const differences = means.difference;
+  Largest largest;
+  Reached different;
+  Reached strong;
   ForEach(count, [&](auto d, size_t i) HWY_ATTR {
     const auto x = Reading(d, taxels + i);
     const auto far = hn::Set(d, reach);
     const auto smooth =
-        hn::Clamp(Towards(d, hn::LoadU(d, means.smooth + i), x, weight),
+        hn::Clamp(Towards(d, hn::LoadU(d, smooth_of + i), x, weight),
                   hn::Sub(x, far), hn::Add(x, far));
-    hn::StoreU(smooth, d, means.smooth + i);
-    const auto valid = hn::LoadU(d, means.valid + i);
-    const auto background = hn::LoadU(d, means.background + i);
+    hn::StoreU(smooth, d, smooth_of + i);
+    const auto valid = hn::LoadU(d, valid_of + i);
+    const auto background = hn::LoadU(d, background_of + i);
     const auto value =
         hn::Mul(valid, hn::Max(hn::Zero(d), hn::Sub(x, background)));
-    hn::StoreU(value, d, means.values + i);
-    hn::StoreU(hn::Mul(valid, hn::Sub(smooth, background)), d,
-               means.difference + i);
-    if constexpr (hn::MaxLanes(d) == hn::MaxLanes(wide)) {
-      largest = hn::Max(largest, value);
-    } else {
-      Raise(d, value, &peak);
-    }
+    hn::StoreU(value, d, values + i);
+    const auto difference = hn::Mul(valid, hn::Sub(smooth, background));
+    hn::StoreU(difference, d, differences + i);
+    largest.Add(d, value);
+    different.Add(d, i, difference, difference_level);
+    strong.Add(d, i, value, value_level);
   });
-  Raise(wide, largest, &peak);
-  return peak;
+  *felt = {largest.Result(), different.Result(), strong.Result()};
 }
 
 // With `kTerms` above 0, that many terms.
 template <int kTerms>
-float SumTerms(const float* from, size_t count, size_t stride, int any_terms,
-               float scale, float* sums) {
+void SumTerms(const float* HWY_RESTRICT from, size_t count, size_t stride,
+              int any_terms, float scale, float level, float* HWY_RESTRICT sums,
+              Sums* result) {
   const int terms = kTerms > 0 ? kTerms : any_terms;
-  float peak = 0;
-  constexpr hn::CappedTag<float, 8> wide;
-  auto largest = hn::Zero(wide);
+  Largest largest;
+  Reached loud;
   ForEach(count, [&](auto d, size_t i) HWY_ATTR {
     auto sum = hn::LoadU(d, from + i);
     for (int term = 1; term < terms; ++term) {
@@ -94,28 +148,24 @@ float SumTerms(const float* from, size_t count, size_t stride, int any_terms,
     }
     sum = hn::Mul(sum, hn::Set(d, scale));
     hn::StoreU(sum, d, sums + i);
-    if constexpr (hn::MaxLanes(d) == hn::MaxLanes(wide)) {
-      largest = hn::Max(largest, sum);
-    } else {
-      Raise(d, sum, &peak);
-    }
+    largest.Add(d, sum);
+    loud.Add(d, i, sum, level);
   });
-  Raise(wide, largest, &peak);
-  return peak;
+  *result = {largest.Result(), loud.Result()};
 }
 
-float SumAlong(const float* from, size_t count, size_t stride, int terms,
-               float scale, float* sums) {
+void SumAlong(const float* from, size_t count, size_t stride, int terms,
+              float scale, float level, float* sums, Sums* result) {
   // The usual number, without a loop.
-  if (terms == 3) return SumTerms<3>(from, count, stride, 3, scale, sums);
-  return SumTerms<0>(from, count, stride, terms, scale, sums);
+  if (terms == 3) {
+    return SumTerms<3>(from, count, stride, 3, scale, level, sums, result);
+  }
+  SumTerms<0>(from, count, stride, terms, scale, level, sums, result);
 }
 
 float Mark(const float* regions, size_t count, const float* values,
            const Levels& levels, float* marks) {
-  float peak = 0;
-  constexpr hn::CappedTag<float, 8> wide;
-  auto largest = hn::Zero(wide);
+  Largest largest;
   ForEach(count, [&](auto d, size_t i) HWY_ATTR {
     const auto region = hn::LoadU(d, regions + i);
     const auto felt = hn::Ge(region, hn::Set(d, levels.contact));
@@ -127,14 +177,9 @@ float Mark(const float* regions, size_t count, const float* values,
         hn::Or(begins, hn::And(was, felt)), hn::Set(d, kTouchedMark),
         hn::IfThenElseZero(felt, hn::Set(d, kFeltMark)));
     hn::StoreU(mark, d, marks + i);
-    if constexpr (hn::MaxLanes(d) == hn::MaxLanes(wide)) {
-      largest = hn::Max(largest, mark);
-    } else {
-      Raise(d, mark, &peak);
-    }
+    largest.Add(d, mark);
   });
-  Raise(wide, largest, &peak);
-  return peak;
+  return largest.Result();
 }
 
 void Learn(const float* taxels, size_t count, const float* mark_sums,
@@ -169,16 +214,21 @@ void MoveTowards(std::span<const float> taxels, float weight, float* means) {
   (taxels.data(), taxels.size(), weight, means);
 }
 
-float StepMeans(std::span<const float> taxels, float weight, float reach,
-                const Means& means) {
-  return HWY_DYNAMIC_DISPATCH(StepMeans)(taxels.data(), taxels.size(), weight,
-                                         reach, means);
+Felt StepMeans(std::span<const float> taxels, float weight, float reach,
+               float difference, float value, const Means& means) {
+  Felt felt;
+  HWY_DYNAMIC_DISPATCH(StepMeans)
+  (taxels.data(), taxels.size(), weight, reach, difference, value, means,
+   &felt);
+  return felt;
 }
 
-float SumAlong(const float* from, size_t count, size_t stride, int terms,
-               float scale, float* sums) {
-  return HWY_DYNAMIC_DISPATCH(SumAlong)(from, count, stride, terms, scale,
-                                        sums);
+Sums SumAlong(const float* from, size_t count, size_t stride, int terms,
+              float scale, float level, float* sums) {
+  Sums result;
+  HWY_DYNAMIC_DISPATCH(SumAlong)
+  (from, count, stride, terms, scale, level, sums, &result);
+  return result;
 }
 
 float Mark(std::span<const float> regions, const float* values,

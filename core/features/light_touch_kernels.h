@@ -4,7 +4,9 @@
 // numbers are computed alike at any vector width, so all widths give the same
 // bits.
 //
-//   const float peak = light_touch::StepMeans(taxels, 0.05F, 0.01F, means);
+//   const float peak =
+//       light_touch::StepMeans(taxels, 0.05F, 0.01F, 0.001F, 0.01F,
+//       means).peak;
 //
 // Compiled for several vector widths by Highway. Thread-safe: free functions
 // without state. Nothing allocates.
@@ -31,15 +33,36 @@ struct Means {
 // Moves each mean towards its taxel by `weight`.
 void MoveTowards(std::span<const float> taxels, float weight, float* means);
 
+// The numbers that reach some level are all among begin .. end-1; both are 0 if
+// there are none.
+struct Stretch {
+  size_t begin = 0;
+  size_t end = 0;
+};
+
+// The largest of `values`, and where `difference` and `values` reach a level.
+struct Felt {
+  float peak = 0;
+  Stretch differences;
+  Stretch values;
+};
+
 // Moves `smooth` likewise, but leaves it no further than `reach` from the
-// taxel. Returns the largest of `values`.
-float StepMeans(std::span<const float> taxels, float weight, float reach,
-                const Means& means);
+// taxel. `difference` and `value` are the levels of the result.
+Felt StepMeans(std::span<const float> taxels, float weight, float reach,
+               float difference, float value, const Means& means);
+
+// The largest of some numbers, or 0 if all are below, and where they reach a
+// level.
+struct Sums {
+  float peak = 0;
+  Stretch loud;
+};
 
 // Writes sums[i] = scale (from[i] + from[i + stride] + ...) of `terms` terms
-// for i < count. Returns the largest, or 0 if all are below.
-float SumAlong(const float* from, size_t count, size_t stride, int terms,
-               float scale, float* sums);
+// for i < count. `level` is the level of the result.
+Sums SumAlong(const float* from, size_t count, size_t stride, int terms,
+              float scale, float level, float* sums);
 
 // A taxel is touched from when its region is at `begin` or its value at
 // `strong`, and as long as its region is at `contact`.

@@ -41,12 +41,16 @@ Segmenter::Segmenter(const SkinLayout& layout, bool skip_untouched)
   runs_.reserve(rows_ * ((columns_ + 1) / 2));
 }
 
-int Segmenter::Segment(std::span<const float> shape, float threshold,
-                       std::span<const float> values) {
+void Segmenter::Clear() {
   runs_.clear();
   largest_ = Region();
   peak_ = 0;
   regions_ = 0;
+}
+
+int Segmenter::Segment(std::span<const float> shape, float threshold,
+                       std::span<const float> values) {
+  Clear();
   const bool touched = FindRows(shape, threshold);
   if (!touched && skip_untouched_) return 0;
   TouchedSum sum = SumTouched(values, touched_);

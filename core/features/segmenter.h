@@ -63,6 +63,9 @@ class Segmenter {
   int Segment(std::span<const float> shape, float threshold,
               std::span<const float> values);
 
+  // Forgets the last frame: the results are those of an untouched one.
+  void Clear();
+
   // The results of the last Segment():
 
   // The region with the most taxels. Ties go to the larger max_value, then to

@@ -38,7 +38,8 @@ class SkipTotals {
         total(SkipRule::kUnchangedScores), " unchanged scores, ",
         total(SkipRule::kUnusedLstms), " unused LSTM steps, ",
         total(SkipRule::kLstmsAfterDecision), " LSTM steps after decisions, ",
-        total(SkipRule::kUnlistedTaxels), " sparse frames");
+        total(SkipRule::kUnlistedTaxels), " sparse frames, ",
+        total(SkipRule::kQuietRows), " quiet rows");
   }
 
  private:

@@ -39,9 +39,11 @@ std::unique_ptr<Benchmark> MakeLstmBenchmark();
 std::unique_ptr<Benchmark> MakeTrainLstmBenchmark();
 
 // The whole per-frame path with the default bundle: the server's cost of a
-// stream without its messages. Rows session/contact (ns per frame of a contact
-// at 100 Hz, from the first touch on) and session/idle (ns per frame without
-// touch). Fails if the bundle does not give its stored answers.
+// stream without its messages, on contacts of the random world as the skin
+// `good` records them. Rows session/contact (ns per frame of a contact at 100
+// Hz, from the first touch on), session/idle (ns per frame without touch), the
+// same of the features alone, and all of these without light touch. Fails if
+// the bundle does not give its stored answers.
 std::unique_ptr<Benchmark> MakeSessionBenchmark();
 
 // Work and precision of the contact simulator: processor time on one core and

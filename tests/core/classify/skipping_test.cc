@@ -87,10 +87,9 @@ class SkippingTest : public ::testing::Test {
   Trace Run(const SkipRules& skip) const {
     ContactPipeline::Options options = options_;
     options.skip = skip;
-    const SkinLayout layout = *LayoutPreset("cody-forearm");
-    auto pipeline = *ContactPipeline::Create(layout, model_, options);
+    auto pipeline = *ContactPipeline::Create(layout_, model_, options);
     Random random(8);
-    std::vector<float> taxels(layout.taxels());
+    std::vector<float> taxels(layout_.taxels());
     Trace trace;
     int left = 0;
     bool touched = false;
@@ -134,6 +133,7 @@ class SkippingTest : public ::testing::Test {
   }
 
   std::shared_ptr<const CompiledModel> model_;
+  SkinLayout layout_ = *LayoutPreset("cody-forearm");
   ContactPipeline::Options options_;
 };
 
@@ -143,6 +143,11 @@ TEST_F(SkippingTest, UntouchedFrames) {
 
 TEST_F(SkippingTest, UnchangedFrames) {
   ExpectExact(SkipRule::kUnchangedFrames);
+}
+
+TEST_F(SkippingTest, QuietRows) {
+  layout_.light_touch = LightTouch{0.1, 3, 3, 0.001, 0.002};
+  ExpectExact(SkipRule::kQuietRows);
 }
 
 TEST_F(SkippingTest, UnusedCues) {
@@ -224,6 +229,13 @@ TEST_F(SkippingTest, ADecisionIsTheSameHoweverTheLstmsRestAfterIt) {
     }
     EXPECT_TRUE(every.decision());
   }
+}
+
+TEST_F(SkippingTest, AllRulesTogetherAreAsExactWithLightTouch) {
+  layout_.light_touch = LightTouch{0.1, 3, 3, 0.001, 0.002};
+  SkipRules nothing;
+  for (bool& on : nothing) on = false;
+  EXPECT_TRUE(Run({}).all == Run(nothing).all);
 }
 
 TEST_F(SkippingTest, AllRulesTogetherAreAsExact) {

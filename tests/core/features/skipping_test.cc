@@ -1,4 +1,6 @@
 // Skipping changes no bit of the features.
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "core/base/random.h"
@@ -116,6 +118,123 @@ TEST(SkippingTest, OnlyTheBytesOfTheFrameBeforeCount) {
   tracker.Reset();
   tracker.Step({.taxels = taxels});
   EXPECT_FALSE(tracker.reused());
+}
+
+// A skin of any size with regions of any size, some of its taxels masked.
+SkinLayout DrawLightLayout(Random& random) {
+  SkinLayout layout = *LayoutPreset("cody-forearm");
+  layout.rows = static_cast<int>(3 + random.Index(20));
+  layout.columns = static_cast<int>(3 + random.Index(30));
+  layout.wrap_columns = random.Index(2) == 0;
+  layout.contact_threshold = 0.3;
+  layout.onset_threshold = 0.5;
+  const bool usual = random.Index(2) == 0;
+  const auto size = [&](int most) {
+    return usual ? 3 : static_cast<int>(1 + random.Index(std::min(most, 16)));
+  };
+  layout.light_touch = LightTouch{.window_s = 0.1,
+                                  .rows = size(layout.rows),
+                                  .columns = size(layout.columns),
+                                  .contact_threshold = 0.05,
+                                  .onset_threshold = 0.08};
+  if (random.Index(3) == 0) {
+    layout.mask.assign(layout.taxels(), 1);
+    for (uint8_t& taxel : layout.mask) taxel = random.Index(5) != 0;
+    layout.mask[0] = 1;
+  }
+  return layout;
+}
+
+// Noise about offsets, and every 0.4 s another load of any size somewhere, some
+// of them too light for a single taxel.
+class LightFrames {
+ public:
+  LightFrames(const SkinLayout& layout, uint64_t seed)
+      : random_(seed), load_(layout.taxels()), taxels_(layout.taxels()) {}
+
+  const std::vector<float>& Next() {
+    if (++frame_ % 40 == 0) {
+      std::ranges::fill(load_, 0.0);
+      const double force = std::exp(random_.Uniform(-5, 2));
+      const size_t first = random_.Index(load_.size());
+      const size_t end = std::min(first + random_.Index(40), load_.size());
+      for (size_t i = first; i < end; ++i) load_[i] = force;
+    }
+    for (size_t i = 0; i < taxels_.size(); ++i) {
+      taxels_[i] = static_cast<float>(
+          std::max(0.0, 0.1 + load_[i] + 0.01 * random_.Gaussian()));
+    }
+    return taxels_;
+  }
+
+ private:
+  Random random_;
+  int frame_ = 0;
+  std::vector<double> load_;
+  std::vector<float> taxels_;
+};
+
+TEST(SkippingTest, QuietRowsOfLightTouchAreNotSummed) {
+  int quiet = 0;
+  int felt = 0;
+  for (uint64_t seed = 1; seed <= 60; ++seed) {
+    Random random(seed);
+    const SkinLayout layout = DrawLightLayout(random);
+    const auto contact =
+        static_cast<float>(layout.light_touch->contact_threshold);
+    LightTouchFilter full(layout, 100);
+    LightTouchFilter skipping(layout, 100, /*skip_quiet_rows=*/true);
+    LightFrames frames(layout, seed);
+    for (int t = 0; t < 400; ++t) {
+      const std::vector<float>& taxels = frames.Next();
+      full.Step(taxels);
+      skipping.Step(taxels);
+      EXPECT_EQ(full.quiet_rows(), 0);
+      quiet += skipping.quiet_rows();
+      EXPECT_EQ(full.peak(), skipping.peak());
+      EXPECT_TRUE(std::ranges::equal(full.values(), skipping.values()));
+      EXPECT_TRUE(std::ranges::equal(full.shape(), skipping.shape())) << t;
+      EXPECT_EQ(full.has_shape(), skipping.has_shape());
+      if (full.region_peak() >= contact) {
+        ++felt;
+        EXPECT_EQ(full.region_peak(), skipping.region_peak());
+      } else {
+        EXPECT_LT(skipping.region_peak(), contact);
+      }
+      for (size_t i = 0; i < taxels.size(); ++i) {
+        const float region = full.regions()[i];
+        const float seen = skipping.regions()[i];
+        EXPECT_TRUE(seen == region || (seen == 0 && region < contact)) << i;
+      }
+      if (::testing::Test::HasFailure()) return;
+    }
+  }
+  EXPECT_GT(quiet, 50'000);
+  EXPECT_GT(felt, 5'000);
+}
+
+TEST(SkippingTest, QuietRowsOfLightTouchChangeNoFeature) {
+  int onsets = 0;
+  for (uint64_t seed = 1; seed <= 30; ++seed) {
+    Random random(seed);
+    const SkinLayout layout = DrawLightLayout(random);
+    ContactTracker full(layout, {.release_after_s = 0.05,
+                                 .skip_untouched = false,
+                                 .skip_quiet_rows = false});
+    ContactTracker skipping(layout, {.release_after_s = 0.05});
+    LightFrames frames(layout, seed + 100);
+    for (int t = 0; t < 400; ++t) {
+      const std::vector<float>& taxels = frames.Next();
+      full.Step({.taxels = taxels});
+      skipping.Step({.taxels = taxels});
+      ExpectEqual(full.features(), skipping.features());
+      EXPECT_EQ(full.state(), skipping.state());
+      EXPECT_EQ(full.onset(), skipping.onset());
+      onsets += full.onset();
+      if (::testing::Test::HasFailure()) return;
+    }
+  }
+  EXPECT_GT(onsets, 50);
 }
 
 TEST(SkippingTest, AGroupOfCuesNeedsNoOther) {
