@@ -97,10 +97,12 @@ void TemperedPosterior(std::span<const double> log_prior,
 void FusePosteriors(std::span<const double> hmm, std::span<const double> lstm,
                     const CalibrationPoint& point, std::span<const double> bias,
                     std::span<double> fused) {
+  const auto part = [](double weight, std::span<const double> model, size_t k) {
+    return weight == 0 ? 0 : weight * std::log(std::max(model[k], kMinFused));
+  };
   for (size_t k = 0; k < fused.size(); ++k) {
-    fused[k] = point.hmm_weight * std::log(std::max(hmm[k], kMinFused)) +
-               point.lstm_weight * std::log(std::max(lstm[k], kMinFused)) +
-               bias[k];
+    fused[k] = part(point.hmm_weight, hmm, k) +
+               part(point.lstm_weight, lstm, k) + bias[k];
   }
   NormaliseLogs(fused);
 }

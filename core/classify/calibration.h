@@ -54,7 +54,7 @@ void TemperedPosterior(std::span<const double> log_prior,
 
 // fused ~ hmm^hmm_weight * lstm^lstm_weight * exp(bias), normalised. A
 // probability below kMinFused counts as kMinFused, so that the zero of one
-// model does not overrule the other.
+// model does not overrule the other. A model of weight 0 is not read.
 inline constexpr double kMinFused = 1e-300;
 void FusePosteriors(std::span<const double> hmm, std::span<const double> lstm,
                     const CalibrationPoint& point, std::span<const double> bias,

@@ -83,6 +83,7 @@ void ContactClassifier::Reset() {
   if (estimator_) estimator_->Reset();
   std::fill(log_likelihood_.begin(), log_likelihood_.end(), 0.0);
   std::copy(prior.begin(), prior.end(), hmm_probability_.begin());
+  hmm_probability_known_ = true;
   std::copy(prior.begin(), prior.end(), probability_.begin());
   if (!lstm_score_.empty()) {
     std::copy(prior.begin(), prior.end(), lstm_probability_.begin());
@@ -171,8 +172,7 @@ void ContactClassifier::EstimateObject() {
 }
 
 void ContactClassifier::UpdateProbabilities() {
-  const CalibrationPoint point =
-      CalibrationAt(model_->model().calibration, static_cast<double>(frames_));
+  const CalibrationPoint point = model_->CalibrationAt(frames_);
   if (!scores_changed_ && point == calibration_point_ &&
       skip_[SkipRule::kUnchangedScores]) {
     ++skipped_[SkipRule::kUnchangedScores];
@@ -181,11 +181,9 @@ void ContactClassifier::UpdateProbabilities() {
   scores_changed_ = false;
   calibration_point_ = point;
   const Calibration& c = model_->model().calibration;
-  BiasAt(c.hmm_bias, point, bias_);
-  TemperedPosterior(log_prior_, log_likelihood_, point.hmm_inverse_temperature,
-                    bias_, hmm_probability_);
+  hmm_probability_known_ = false;
   if (lstm_score_.empty()) {
-    std::ranges::copy(hmm_probability_, probability_.begin());
+    std::ranges::copy(hmm_probability(), probability_.begin());
   } else {
     BiasAt(c.lstm_bias, point, bias_);
     TemperedPosterior(log_prior_, lstm_score_, point.lstm_inverse_temperature,
@@ -193,6 +191,7 @@ void ContactClassifier::UpdateProbabilities() {
     if (options_.scorers == Scorers::kLstms) {
       std::ranges::copy(lstm_probability_, probability_.begin());
     } else {
+      if (point.hmm_weight != 0) UpdateHmmProbability();
       BiasAt(c.fused_bias, point, bias_);
       FusePosteriors(hmm_probability_, lstm_probability_, point, bias_,
                      probability_);
@@ -202,6 +201,14 @@ void ContactClassifier::UpdateProbabilities() {
   const double best =
       *std::max_element(log_likelihood_.begin(), log_likelihood_.end());
   unknown_ = UnknownProbability(point, best / static_cast<double>(hmm_steps_));
+}
+
+void ContactClassifier::UpdateHmmProbability() const {
+  BiasAt(model_->model().calibration.hmm_bias, calibration_point_, bias_);
+  TemperedPosterior(log_prior_, log_likelihood_,
+                    calibration_point_.hmm_inverse_temperature, bias_,
+                    hmm_probability_);
+  hmm_probability_known_ = true;
 }
 
 void ContactClassifier::UpdateDecision() {

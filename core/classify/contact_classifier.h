@@ -92,7 +92,11 @@ class ContactClassifier {
   std::span<const double> lstm_score() const { return lstm_score_; }
   // One probability per class; they sum to 1. The prior before the first frame.
   std::span<const double> probability() const { return probability_; }
-  std::span<const double> hmm_probability() const { return hmm_probability_; }
+  // Computed when it is read, unless the answer needs it.
+  std::span<const double> hmm_probability() const {
+    if (!hmm_probability_known_) UpdateHmmProbability();
+    return hmm_probability_;
+  }
   // Empty unless LSTMs take part.
   std::span<const double> lstm_probability() const { return lstm_probability_; }
   // The estimate of the object at the last step of the LSTMs. Nothing before
@@ -122,6 +126,7 @@ class ContactClassifier {
   void StepLstms();
   void EstimateObject();
   void UpdateProbabilities();
+  void UpdateHmmProbability() const;
   void UpdateDecision();
 
   std::shared_ptr<const CompiledModel> model_;
@@ -140,12 +145,14 @@ class ContactClassifier {
   std::vector<double> lstm_input_;
   std::vector<double> log_likelihood_;
   std::vector<double> log_prior_;
-  std::vector<double> hmm_probability_;
+  // That of log_likelihood_ and calibration_point_, once it is known.
+  mutable std::vector<double> hmm_probability_;
+  mutable bool hmm_probability_known_ = true;
   // Log of the networks' mean probability; 0 before their first step.
   std::vector<double> lstm_score_;
   std::vector<double> lstm_probability_;
   std::vector<double> probability_;
-  std::vector<double> bias_;
+  mutable std::vector<double> bias_;
   // The calibration that the probabilities were computed with.
   CalibrationPoint calibration_point_;
   bool scores_changed_ = true;
