@@ -125,6 +125,9 @@ constexpr double kMotionFloor = 1e-7;
 constexpr double kRippleFloor = 1e-6;
 // Floor of the fraction of variance that is not explained.
 constexpr double kMisfitFloor = 1e-4;
+// A signal that varies by a smaller fraction of its mean rests: only rounding
+// is left of its deviations.
+constexpr double kRest = 1e-7;
 // Below these, signed logarithms are nearly linear: N/m, fractions.
 constexpr double kStiffnessKnee = 1e3;
 constexpr double kAreaKnee = 1e-5;
@@ -386,13 +389,17 @@ void CueTracker::DeriveWindow(const Moments& window, Cue stiffness) {
     const double relative = window.variance[feature] / (mean * mean);
     return 0.5 * std::log(relative + kRippleFloor * kRippleFloor);
   };
-  set(0, SignedLog(Ratio(window.force_motion, window.variance[kM]),
-                   kStiffnessKnee));
+  const auto slope = [&](double product, int feature) {
+    const double rest = kRest * window.mean[feature];
+    const double variance = window.variance[feature];
+    return variance > rest * rest ? product / variance : 0;
+  };
+  set(0, SignedLog(slope(window.force_motion, kM), kStiffnessKnee));
   set(1, ripple(kF, kForceFloor));
   set(2, ripple(kM, kMotionFloor));
   set(3, ripple(kA, kAreaFloor));
-  set(4, SignedLog(Ratio(window.force_area, window.variance[kF]) *
-                       window.mean[kF] / std::max(window.mean[kA], kAreaFloor),
+  set(4, SignedLog(slope(window.force_area, kF) * window.mean[kF] /
+                       std::max(window.mean[kA], kAreaFloor),
                    kAreaKnee));
 }
 

@@ -44,7 +44,13 @@ struct Range {
   }
 };
 
-double Inverse(double spread) { return spread > 0 ? 1 / spread : 1; }
+// The rounding of a cue's means, as a fraction of the cue. A cue that varies no
+// more is constant.
+constexpr double kRounding = 1e-12;
+
+bool Varies(double spread, double low, double high) {
+  return spread > kRounding * std::max(std::abs(low), std::abs(high));
+}
 
 // Adds the inputs of a stretched cue. Sorts its `values`.
 void AddStretches(Cue cue, int stretches, std::vector<double>& values,
@@ -57,7 +63,7 @@ void AddStretches(Cue cue, int stretches, std::vector<double>& values,
   for (int n = 0; n < stretches; ++n) {
     const double low = quantile(n);
     const double high = quantile(n + 1);
-    if (high > low) {
+    if (Varies(high - low, low, high)) {
       inputs.push_back({.cue = cue,
                         .offset = (low + high) / 2,
                         .gain = 2 / (high - low),
@@ -130,13 +136,11 @@ std::vector<ModelInput> FitInputs(const VariedContacts& contacts,
   }
   for (size_t i = 0; i < inputs.size(); ++i) {
     const Range& range = ranges[i];
-    if (options.scaling == Scaling::kStandard) {
-      inputs[i].offset = range.mean;
-      inputs[i].gain = Inverse(std::sqrt(range.squares / range.count));
-    } else {
-      inputs[i].offset = range.min;
-      inputs[i].gain = Inverse(range.max - range.min);
-    }
+    const bool standard = options.scaling == Scaling::kStandard;
+    const double spread = standard ? std::sqrt(range.squares / range.count)
+                                   : range.max - range.min;
+    inputs[i].offset = standard ? range.mean : range.min;
+    inputs[i].gain = Varies(spread, range.min, range.max) ? 1 / spread : 1;
   }
   for (size_t i = 0; i < values.size(); ++i) {
     AddStretches(options.stretched_cues[i], options.stretches, values[i],
