@@ -233,6 +233,59 @@ TEST(CueTest, AnyFiniteSampleGivesFiniteCues) {
   }
 }
 
+// Ten million frames of one contact that repeats itself each second. Cues of a
+// window return to their values; those of the whole contact are compared with
+// sums in long double.
+TEST(CueTest, TenMillionFramesDoNotDrift) {
+  constexpr int kPeriod = 100;
+  constexpr uint64_t kFrames = 10'000'000;
+  std::vector<ContactSample> period;
+  for (int t = 0; t < kPeriod; ++t) {
+    const double wave = std::sin(2 * M_PI * t / kPeriod);
+    period.push_back(
+        Sample(1 + 0.1 * wave, 1e-3 * (1 + 0.2 * wave * wave),
+               0.01 + 0.002 * std::cos(2 * M_PI * t / kPeriod) + 1e-3 * wave));
+  }
+  // Mean products of a period; the samples are exact, so these are.
+  long double force = 0, motion = 0, product = 0, forces = 0, motions = 0;
+  for (const ContactSample& sample : period) {
+    const long double f = sample.net_force / kPeriod;
+    const long double m = sample.features[static_cast<int>(Feature::kMotion)];
+    force += f;
+    motion += m / kPeriod;
+    product += f * m;
+    forces += f * sample.net_force;
+    motions += m * m / kPeriod;
+  }
+  CueTracker tracker(100);
+  const auto values = [&] {
+    std::vector<double> all;
+    for (const Cue cue : DerivedCues()) all.push_back(tracker.value(cue));
+    return all;
+  };
+  std::vector<double> early;
+  for (uint64_t t = 1; t <= kFrames; ++t) {
+    tracker.Step(period[t % kPeriod], t);
+    if (t == 100 * kPeriod) early = values();
+  }
+  const std::vector<double> late = values();
+  const std::vector<Cue> cues = DerivedCues();
+  for (size_t i = 0; i < cues.size(); ++i) {
+    ASSERT_TRUE(std::isfinite(late[i])) << CueName(cues[i]);
+    const CueGroups group = GroupOf(cues[i]);
+    const bool of_time = cues[i] == Cue::kLogTime || cues[i] == Cue::kLogSpeed;
+    if (of_time || group == kSpringCues || group == kRoughnessCues) continue;
+    EXPECT_NEAR(late[i], early[i], 1e-9) << CueName(cues[i]);
+  }
+  EXPECT_NEAR(tracker.value(Cue::kLogTime), std::log(kFrames / 100.0), 1e-12);
+  EXPECT_NEAR(tracker.value(Cue::kLogSpring),
+              static_cast<double>(std::log(product / motions)), 1e-9);
+  EXPECT_NEAR(tracker.value(Cue::kLogSlope),
+              static_cast<double>(std::log((forces - force * force) /
+                                           (product - force * motion))),
+              1e-8);
+}
+
 TEST(CueTest, ResetForgetsAndStepAllocatesNothing) {
   CueTracker tracker(100);
   testing::AllocationCounter counter;

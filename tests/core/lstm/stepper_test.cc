@@ -8,6 +8,7 @@
 
 #include "gtest/gtest.h"
 #include "tests/core/lstm/lstm_cases.h"
+#include "tests/core/lstm/many_steps.h"
 #include "tests/reference/lstm/plain_lstm.h"
 #include "tests/support/allocation_counter.h"
 
@@ -192,6 +193,10 @@ TEST(LstmStepperTest, ExtremeInputsAndWeightsStayFinite) {
       }
     }
   }
+}
+
+TEST(LstmStepperTest, AHundredThousandStepsDoNotDrift) {
+  testing::ExpectNoDrift(100'000);
 }
 
 TEST(LstmStepperTest, StepAllocatesNothing) {

@@ -1,0 +1,77 @@
+// File: plain_classifier.h
+//
+// The answers of a Model about one contact in long double, written from the
+// formulas of the headers in plain loops: cues, inputs, mixtures of HMMs by the
+// forward algorithm in the domain of logarithms, LSTMs, calibration, `unknown`
+// and the object estimate. Shares no code with ContactClassifier but plain data
+// and the schedule of the steps. The tests compare the two.
+//
+//   PlainClassifier plain(model);
+//   plain.StepOrHold(frame);
+//   plain.probability();
+//
+// For models scored by the forward algorithm that need no taxels. `model` must
+// outlive it. Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/classify/model.h"
+#include "core/classify/object_estimate.h"
+#include "tests/reference/classify/plain_cues.h"
+
+namespace tactus {
+
+class PlainClassifier {
+ public:
+  using Numbers = std::vector<long double>;
+
+  explicit PlainClassifier(const Model& model);
+
+  void Reset();
+  void StepOrHold(const ContactFrame& frame);
+
+  // One per class.
+  const Numbers& log_likelihood() const { return log_likelihood_; }
+  const Numbers& hmm_probability() const { return hmm_probability_; }
+  const Numbers& lstm_probability() const { return lstm_probability_; }
+  const Numbers& probability() const { return probability_; }
+  long double unknown() const { return unknown_; }
+  const std::optional<ObjectEstimate>& object() const { return object_; }
+
+ private:
+  // Output and cell of each layer.
+  struct Memory {
+    std::vector<Numbers> output;
+    std::vector<Numbers> cell;
+  };
+
+  Numbers Inputs(const std::vector<ModelInput>& inputs) const;
+  void StepHmms();
+  void StepLstms();
+  void UpdateProbabilities();
+  // Outputs of the dense layer.
+  static Numbers StepNetwork(const LstmNetwork& network, Numbers x,
+                             Memory& memory);
+
+  const Model* model_;
+  PlainCues cues_;
+  uint64_t frames_ = 0;
+  uint64_t hmm_steps_ = 0;
+  StepClock hmm_clock_;
+  StepClock lstm_clock_;
+  // [class][component][state]: log p(inputs so far, state).
+  std::vector<std::vector<Numbers>> log_alpha_;
+  std::vector<Memory> memories_;
+  Memory estimator_memory_;
+  Numbers log_likelihood_;
+  Numbers lstm_score_;
+  Numbers hmm_probability_;
+  Numbers lstm_probability_;
+  Numbers probability_;
+  long double unknown_ = 0;
+  std::optional<ObjectEstimate> object_;
+};
+
+}  // namespace tactus
