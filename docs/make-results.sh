@@ -7,8 +7,10 @@
 #
 # Pages, with minutes on two quiet cores: signals (6), materials (20), taxels
 # (6), grid (4), unknown (3), default-bundle (1), cody (1), recordings (1),
-# paper-tables (15), simulator (12), world (5), fine-skin (10), breadth (4). Needs a release build. Real recordings are evaluated when
-# TACTUS_DATA_DIR, or ../shared/data beside the project, has them.
+# paper-tables (15), simulator (12), world (5), served (8; less with
+# TACTUS_SERVED_CONTACTS), fine-skin (10), breadth (4). Needs a release build.
+# Real recordings are evaluated when TACTUS_DATA_DIR, or ../shared/data beside the
+# project, has them.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -94,6 +96,25 @@ world() {
   show evaluate --data=world:skin=good,contacts=20000,seed=1001,poses=no --model=no-poses.tactus
 }
 
+# What each point of the front costs and gets wrong. Processor times are this
+# machine's; their ratios are what counts. TACTUS_SERVED_FLAGS adds flags, such
+# as --bundle=older=FILE.
+served() {
+  title "The default bundle: what an answer costs"
+  local command="served --data=world:skin=good,contacts=${TACTUS_SERVED_CONTACTS:-20000},seed=1001"
+  printf '\n```\n$ tactus-bench %s\n```\n\n' "$command"
+  # shellcheck disable=SC2086
+  "$bench" $command ${TACTUS_SERVED_FLAGS:-} --table=served-table.md \
+    --figure="$out/served.png" >/dev/null
+  cat <<'TEXT'
+Time is processor time of the classifier on a contact frame, without the features of the frame: the median of 15 rounds in which the variants take turns on 64 whole contacts. "Wrong" is the fraction of wrong answers about the category so far, mean over 0.1, 0.25, 0.5, 1.2, 2.5 and 5 s after onset; the log loss is the mean over the same times. [skipping.md](../skipping.md#leaving-out-steps-of-the-lstms) explains the variants. A point is on the front if no other is faster and at most as often wrong, or as fast and less often wrong.
+
+![Time and errors](served.png)
+
+TEXT
+  cat served-table.md
+}
+
 fine-skin() {
   title "The random world on a skin as fine as the paper's"
   show fit --data=world:skin=paper,contacts=100000,seed=1 --preset=world --seed=1 --skip-unusable --out=paper-skin.tactus
@@ -144,11 +165,11 @@ simulator() {
 
 pages=("$@")
 [[ $# -gt 0 ]] || pages=(signals materials taxels grid unknown default-bundle cody
-  recordings paper-tables simulator world fine-skin breadth)
+  recordings paper-tables simulator world served fine-skin breadth)
 for page in "${pages[@]}"; do
   case "$page" in
     signals | materials | taxels | grid | unknown | default-bundle | cody | \
-      recordings | paper-tables | simulator | world | fine-skin | breadth) ;;
+      recordings | paper-tables | simulator | world | served | fine-skin | breadth) ;;
     *) echo "make-results: unknown page '$page'" >&2; exit 2 ;;
   esac
   "$page" >"$work/$page.md"

@@ -71,6 +71,7 @@ void ContactClassifier::MakeLstms() {
     return;
   }
   lstm_input_.resize(m.inputs.lstm.size());
+  next_input_.resize(m.inputs.lstm.size());
   for (const CompiledLstm& lstm : model_->lstms()) lstms_.emplace_back(lstm);
 }
 
@@ -101,6 +102,11 @@ void ContactClassifier::Reset() {
                                  prior.begin());
   frames_above_ = 0;
   decision_.reset();
+  settled_steps_ = 0;
+  left_out_ = 0;
+  unchanged_ = 0;
+  lstms_stepped_ = false;
+  hmms_are_sure_ = false;
 }
 
 void ContactClassifier::Step(const ContactSample& sample,
@@ -109,8 +115,9 @@ void ContactClassifier::Step(const ContactSample& sample,
   ++scored_frames_;
   cues_.Step(sample, frames_);
   StepHmms(missing_before);
-  StepLstmsIfDue();
+  const bool stepped = StepLstmsIfDue();
   UpdateProbabilities();
+  if (stepped) UpdateSettled();
   UpdateDecision();
 }
 
@@ -126,23 +133,56 @@ void ContactClassifier::StepHmms(uint64_t missing_before) {
   hmms_.LogLikelihood(log_likelihood_);
 }
 
-void ContactClassifier::StepLstmsIfDue() {
+bool ContactClassifier::StepLstmsIfDue() {
   const Model& m = model_->model();
-  if (m.lstms.empty() || !lstm_clock_.Tick(frames_)) return;
+  if (m.lstms.empty() || !lstm_clock_.Tick(frames_)) return false;
   if (lstms_.empty()) {
     ++skipped_[SkipRule::kUnusedLstms];
   } else if (options_.decisions_only && decision_ &&
              skip_[SkipRule::kLstmsAfterDecision]) {
     ++skipped_[SkipRule::kLstmsAfterDecision];
+  } else if (options_.savings.any() && SavesStep()) {
+    ++saved_steps_;
   } else {
+    MakeInput(m.inputs.lstm, cues_, lstm_input_);
     StepLstms();
+    return true;
   }
+  return false;
+}
+
+bool ContactClassifier::SavesStep() {
+  const StepSavings& s = options_.savings;
+  if (hmms_are_sure_) return true;
+  if (settled_steps_ >= s.settled_steps &&
+      (s.settled_stride == 0 || left_out_ + 1 < s.settled_stride)) {
+    ++left_out_;
+    return true;
+  }
+  left_out_ = 0;
+  if (s.unchanged_input > 0 && lstms_stepped_ &&
+      unchanged_ < s.most_unchanged && !InputsChanged()) {
+    ++unchanged_;
+    return true;
+  }
+  unchanged_ = 0;
+  return false;
+}
+
+bool ContactClassifier::InputsChanged() {
+  MakeInput(model_->model().inputs.lstm, cues_, next_input_);
+  for (size_t i = 0; i < next_input_.size(); ++i) {
+    if (!(std::abs(next_input_[i] - lstm_input_[i]) <
+          options_.savings.unchanged_input)) {
+      return true;
+    }
+  }
+  return false;
 }
 
 void ContactClassifier::StepLstms() {
-  const InputSpec& spec = model_->model().inputs;
   scores_changed_ = true;
-  MakeInput(spec.lstm, cues_, lstm_input_);
+  lstms_stepped_ = true;
   for (LstmStepper& lstm : lstms_) lstm.Step(lstm_input_);
   const double weight = 1 / static_cast<double>(lstms_.size());
   for (size_t k = 0; k < lstm_score_.size(); ++k) {
@@ -195,6 +235,7 @@ void ContactClassifier::UpdateProbabilities() {
       BiasAt(c.fused_bias, point, bias_);
       FusePosteriors(hmm_probability_, lstm_probability_, point, bias_,
                      probability_);
+      AskHmmsFirst();
     }
   }
   if (hmm_steps_ == 0) return;
@@ -203,12 +244,32 @@ void ContactClassifier::UpdateProbabilities() {
   unknown_ = UnknownProbability(point, best / static_cast<double>(hmm_steps_));
 }
 
+void ContactClassifier::AskHmmsFirst() {
+  const double sure = options_.savings.sure_hmm_probability;
+  if (sure > 1 || hmm_steps_ == 0) return;
+  hmms_are_sure_ = *std::ranges::max_element(hmm_probability()) >= sure;
+  if (hmms_are_sure_) {
+    std::ranges::copy(hmm_probability_, probability_.begin());
+  }
+}
+
 void ContactClassifier::UpdateHmmProbability() const {
   BiasAt(model_->model().calibration.hmm_bias, calibration_point_, bias_);
   TemperedPosterior(log_prior_, log_likelihood_,
                     calibration_point_.hmm_inverse_temperature, bias_,
                     hmm_probability_);
   hmm_probability_known_ = true;
+}
+
+void ContactClassifier::UpdateSettled() {
+  const auto best = std::max_element(probability_.begin(), probability_.end());
+  const int best_class = static_cast<int>(best - probability_.begin());
+  if (*best < options_.savings.settled_probability) {
+    settled_steps_ = 0;
+  } else {
+    settled_steps_ = best_class == settled_class_ ? settled_steps_ + 1 : 1;
+    settled_class_ = best_class;
+  }
 }
 
 void ContactClassifier::UpdateDecision() {

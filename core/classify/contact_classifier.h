@@ -24,6 +24,7 @@
 #include "core/classify/input_spec.h"
 #include "core/classify/object_estimate.h"
 #include "core/classify/skip_rules.h"
+#include "core/classify/step_savings.h"
 #include "core/features/cues.h"
 
 namespace tactus {
@@ -55,6 +56,8 @@ class ContactClassifier {
     // The caller reads nothing between a contact's decision and its end, so
     // the LSTMs and the object estimate may stop at the decision.
     bool decisions_only = false;
+    // Steps of the LSTMs that are left out; none by default.
+    StepSavings savings = {};
   };
 
   ContactClassifier(std::shared_ptr<const CompiledModel> model,
@@ -111,6 +114,8 @@ class ContactClassifier {
   bool uses_profile() const { return cue_needs_.profile; }
   // True if an input is made from ContactSample::loads.
   bool uses_taxels() const { return UsesTaxels(model_->model().inputs); }
+  // Steps of the LSTMs that Options::savings left out, over all contacts.
+  uint64_t saved_steps() const { return saved_steps_; }
   // Counts over all contacts; never reset.
   const SkipCounters& skipped() const { return skipped_; }
   // Set once per contact; unchanged until Reset().
@@ -122,11 +127,17 @@ class ContactClassifier {
   void MakeLstms();
   void StepHmms(uint64_t missing_before);
   // Steps the LSTMs if a step is due, or counts why the step was skipped.
-  void StepLstmsIfDue();
+  // Returns true if they were stepped.
+  bool StepLstmsIfDue();
+  // True if Options::savings leave out the step that is due.
+  bool SavesStep();
+  bool InputsChanged();
   void StepLstms();
   void EstimateObject();
   void UpdateProbabilities();
   void UpdateHmmProbability() const;
+  void AskHmmsFirst();
+  void UpdateSettled();
   void UpdateDecision();
 
   std::shared_ptr<const CompiledModel> model_;
@@ -168,6 +179,16 @@ class ContactClassifier {
   // Ring of the best classes of the last frames.
   std::vector<int> recent_best_;
   uint32_t frames_above_ = 0;
+  // For Options::savings. LSTM steps in a row after which the answer was
+  // settled_class_ with the wanted probability; steps left out since the last.
+  uint64_t settled_steps_ = 0;
+  int settled_class_ = 0;
+  uint32_t left_out_ = 0;
+  uint32_t unchanged_ = 0;
+  bool lstms_stepped_ = false;
+  bool hmms_are_sure_ = false;
+  uint64_t saved_steps_ = 0;
+  std::vector<double> next_input_;
   std::optional<Decision> decision_;
 };
 

@@ -46,6 +46,11 @@ std::unique_ptr<Benchmark> MakeTrainLstmBenchmark();
 // the bundle does not give its stored answers.
 std::unique_ptr<Benchmark> MakeSessionBenchmark();
 
+// The built-in model on held-out contacts of the random world, as it is served
+// and with steps of its LSTMs left out: run time of the classifier against
+// wrong answers. Rows served/FAMILY/VARIANT (ns per contact frame).
+std::unique_ptr<Benchmark> MakeServedBenchmark();
+
 // Work and precision of the contact simulator: processor time on one core and
 // the largest error of the noiseless features, for the exact method and for
 // CVODE at several tolerances, on the same trials. Errors are relative to the

@@ -40,6 +40,7 @@ int Main(int argc, char** argv) {
   add(MakeStartupBenchmark());
   add(MakeTrainingBenchmark());
   add(MakeFrontierBenchmark());
+  add(MakeServedBenchmark());
 
   CLI::App app("Measures Tactus and its peers, side by side.", "tactus-bench");
   app.set_version_flag("--version", std::string("tactus-bench ") + kVersion);

@@ -19,6 +19,7 @@
 #include "core/classify/object_estimate.h"
 #include "core/classify/skip_rules.h"
 #include "core/classify/step_clock.h"
+#include "core/classify/step_savings.h"
 #include "core/classify/warm_up.h"
 #include "core/hmm/hmm_bank.h"
 
@@ -58,6 +59,13 @@ absl::Status SkipRulesExample(const SkinLayout& layout,
                           ContactPipeline::Create(layout, model, options));
   pipeline->skipped()[SkipRule::kUntouchedFrames];
   return absl::OkStatus();
+}
+
+void StepSavingsExample(std::shared_ptr<const CompiledModel> model) {
+  ContactClassifier::Options options;
+  options.savings = {
+      .settled_probability = 0.98, .settled_steps = 4, .settled_stride = 4};
+  ContactClassifier classifier(model, options);
 }
 
 void CalibrationExample(const Calibration& calibration, double frames,

@@ -231,6 +231,87 @@ TEST_F(SkippingTest, ADecisionIsTheSameHoweverTheLstmsRestAfterIt) {
   }
 }
 
+// Steps that StepSavings leave out, on 400 random frames of one contact.
+class StepSavingsTest : public SkippingTest {
+ protected:
+  struct Result {
+    uint64_t saved = 0;
+    std::vector<Numbers> answers;
+  };
+
+  Result RunSaving(const StepSavings& savings) const {
+    ContactClassifier::Options options;
+    options.savings = savings;
+    ContactClassifier classifier(model_, options);
+    Random random(2);
+    Result result;
+    for (int t = 0; t < 400; ++t) {
+      const double force = random.Uniform(1, 3);
+      classifier.Step({{force, 1e-3, 0.01}, force}, 0);
+      const auto p = classifier.probability();
+      double sum = 0;
+      for (const double value : p) sum += value;
+      EXPECT_NEAR(sum, 1, 1e-12);
+      result.answers.emplace_back(p.begin(), p.end());
+    }
+    result.saved = classifier.saved_steps();
+    return result;
+  }
+
+  // Steps that are due in 400 frames.
+  uint64_t Due() const {
+    StepClock clock(model_->model().inputs.lstm_steps);
+    uint64_t due = 0;
+    for (uint64_t t = 1; t <= 400; ++t) due += clock.Tick(t);
+    return due;
+  }
+};
+
+TEST_F(StepSavingsTest, NoneUnlessAskedFor) {
+  const Result plain = RunSaving({});
+  EXPECT_EQ(plain.saved, 0u);
+  // No input is the same twice, and no probability is above 1.
+  EXPECT_EQ(RunSaving({.settled_probability = 1, .settled_steps = 1}).saved,
+            0u);
+  EXPECT_TRUE(RunSaving({.unchanged_input = 1e-12}).answers == plain.answers);
+}
+
+TEST_F(StepSavingsTest, ASettledAnswerIsCheckedAtEachStride) {
+  const uint64_t due = Due();
+  // Any answer settles this: three steps in four are left out after the first.
+  const Result often =
+      RunSaving({.settled_probability = 0.01, .settled_stride = 4});
+  EXPECT_GE(often.saved, (due - 4) * 3 / 4 - 3);
+  EXPECT_LE(often.saved, due * 3 / 4);
+  const Result once =
+      RunSaving({.settled_probability = 0.01, .settled_stride = 0});
+  EXPECT_EQ(once.saved, due - 1);
+}
+
+TEST_F(StepSavingsTest, UnchangedInputsAreLeftOutSomeTimesInARow) {
+  const uint64_t due = Due();
+  // Whatever the inputs, every fourth step is taken.
+  const Result result =
+      RunSaving({.unchanged_input = 1e6, .most_unchanged = 3});
+  EXPECT_GE(result.saved, (due - 1) * 3 / 4 - 3);
+  EXPECT_LE(result.saved, due * 3 / 4);
+}
+
+TEST_F(StepSavingsTest, SureHmmsAnswerAlone) {
+  const Result hmms_first = RunSaving({.sure_hmm_probability = 0});
+  options_.decision.scorers = Scorers::kHmms;
+  ContactClassifier hmms(model_, options_.decision);
+  Random random(2);
+  for (int t = 0; t < 400; ++t) {
+    const double force = random.Uniform(1, 3);
+    hmms.Step({{force, 1e-3, 0.01}, force}, 0);
+    // Before their first step the HMMs are not asked.
+    if (t < 10) continue;
+    EXPECT_TRUE(std::ranges::equal(hmms.probability(), hmms_first.answers[t]));
+  }
+  EXPECT_GE(hmms_first.saved, Due() - 1);
+}
+
 TEST_F(SkippingTest, AllRulesTogetherAreAsExactWithLightTouch) {
   layout_.light_touch = LightTouch{0.1, 3, 3, 0.001, 0.002};
   SkipRules nothing;
