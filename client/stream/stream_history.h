@@ -41,7 +41,7 @@
 
 #include "absl/strings/string_view.h"
 #include "client/stream/message_ring.h"
-#include "core/features/pose_spacing.h"
+#include "core/skin/pose_spacing.h"
 #include "tactus/v1/contact.pb.h"
 
 namespace tactus::client {

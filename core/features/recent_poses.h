@@ -16,8 +16,8 @@
 #include <cstdint>
 
 #include "Eigen/Core"
-#include "core/features/pose_spacing.h"
 #include "core/skin/frame.h"
+#include "core/skin/pose_spacing.h"
 
 namespace tactus {
 
