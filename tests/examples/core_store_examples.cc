@@ -8,7 +8,6 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/base/status_proto.h"
-#include "core/data/trial_record.h"
 #include "core/store/abandoned_uploads.h"
 #include "core/store/audit.h"
 #include "core/store/blob_store.h"
@@ -34,14 +33,6 @@ void Crc32cExample(const std::vector<std::string>& chunks) {
 void StatusProtoExample(v1::Operation& operation, const absl::Status& status) {
   *operation.mutable_error() = ToStatusProto(status);
   const absl::Status same = FromStatusProto(operation.error());
-}
-
-absl::Status TrialRecordExample(const Trial& trial) {
-  const std::string bytes = ToRecord(trial).SerializeAsString();
-  v1::TrialRecord record;
-  record.ParseFromString(bytes);
-  TACTUS_ASSIGN_OR_RETURN(Trial same, FromRecord(record));
-  return absl::OkStatus();
 }
 
 absl::Status TrainSpecExample(const v1::TrainSpec& spec) {
