@@ -24,6 +24,9 @@ struct DriverStatistics {
   // between them.
   uint64_t frames = 0;
   uint64_t lost = 0;
+  // Whole frames that were dropped because their pose was not known; the next
+  // frame's gap counts them in `lost`.
+  uint64_t without_pose = 0;
   // Parts of lost frames came: boards' scans that were not complete.
   uint64_t incomplete = 0;
   // Frames that nobody read in time (BufferedDriver); they are not in `lost`.
@@ -40,6 +43,8 @@ struct DriverStatistics {
   bool connected = false;
   // The last reason for a break; stays after it.
   std::string problem;
+  // Why frames are dropped for want of a pose, while this goes on.
+  std::string pose_problem;
   // What was found when the skin was configured, e.g. masked triangles.
   std::string remarks;
   // Taxels, row-major, that have read the same value above 0 for 10 s.

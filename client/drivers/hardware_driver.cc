@@ -49,6 +49,7 @@ absl::Status HardwareDriver::OnActivate() {
   meter_->Pause();
   connected_ = true;
   attempts_ = 0;
+  without_pose_since_ns_ = 0;
   last_frame_ns_ = quiet_since_ns_ = clock_->NowNs();
   return absl::OkStatus();
 }
@@ -68,6 +69,7 @@ absl::Status HardwareDriver::OnFinalise() {
 void HardwareDriver::Break(absl::string_view problem) {
   problem_ = std::string(problem);
   connected_ = false;
+  without_pose_since_ns_ = 0;
   // The pause grows until a frame comes.
   pause_ns_ = attempts_ == 0
                   ? options_.first_pause_ns
@@ -128,6 +130,15 @@ absl::StatusOr<ReadResult> HardwareDriver::OnRead(SkinFrame& frame) {
               " s: ", problem_.empty() ? device_->Missing() : problem_));
       return failed_;
     }
+    if (options_.give_up_ns > 0 && without_pose_since_ns_ > 0 &&
+        now_ns - without_pose_since_ns_ > options_.give_up_ns) {
+      failed_ =
+          IoError(device_->name(),
+                  absl::StrCat("frames come, but no poses for ",
+                               static_cast<double>(options_.give_up_ns) / 1e9,
+                               " s: ", PoseProblem()));
+      return failed_;
+    }
     if (!connected_) {
       WaitForConnection(deadline_ns);
       continue;
@@ -156,7 +167,12 @@ bool HardwareDriver::Finish(SkinFrame& frame) {
   stuck_->Add(frame.u16);
   if (options_.pose_at) {
     const auto pose = options_.pose_at(frame.capture_time_ns);
-    if (!pose) return false;
+    if (!pose) {
+      ++without_pose_;
+      if (without_pose_since_ns_ == 0) without_pose_since_ns_ = now_ns;
+      return false;
+    }
+    without_pose_since_ns_ = 0;
     frame.pose = *pose;
   }
   // A stream needs rising times; stamps of two adapters may differ a little.
@@ -166,11 +182,23 @@ bool HardwareDriver::Finish(SkinFrame& frame) {
   return true;
 }
 
+std::string HardwareDriver::PoseProblem() const {
+  const std::string problem =
+      options_.pose_problem ? options_.pose_problem() : "";
+  return problem.empty() ? "the arm's pose is not known" : problem;
+}
+
 DriverStatistics HardwareDriver::Statistics() const {
   DriverStatistics statistics;
   if (meter_) meter_->Write(statistics);
   if (stuck_) statistics.stuck_taxels = stuck_->Taxels();
   statistics.incomplete = device_->incomplete();
+  statistics.without_pose = without_pose_;
+  // Single frames are only counted.
+  if (without_pose_since_ns_ > 0 &&
+      clock_->NowNs() - without_pose_since_ns_ >= options_.silence_ns) {
+    statistics.pose_problem = PoseProblem();
+  }
   statistics.reconnects = reconnects_;
   statistics.connected = connected_ && attempts_ == 0;
   statistics.problem = problem_;

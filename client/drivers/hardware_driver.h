@@ -18,6 +18,9 @@
 // taxels, Read fails for good with the reason IO. docs/drivers.md lists what a
 // user sees.
 //
+// With `pose_at`, a frame whose pose is not known is dropped and counted as
+// lost. If that goes on for `give_up_ns`, Read fails as well.
+//
 // Not thread-safe.
 #pragma once
 
@@ -42,8 +45,11 @@ struct HardwareDriverOptions {
   int64_t first_pause_ns = 100'000'000;
   int64_t longest_pause_ns = 5'000'000'000;
   // The pose of the skin's link at a capture time; nothing if it is not known,
-  // and the frame is lost then. Unset: frames without poses.
+  // and the frame is lost then. Unset: frames without poses. JointPoses
+  // (client/kinematics/joint_poses.h) computes it from joint angles.
   std::function<std::optional<Pose>(int64_t capture_time_ns)> pose_at = {};
+  // Why pose_at returned nothing, for users; may be unset.
+  std::function<std::string()> pose_problem = {};
 };
 
 class HardwareDriver : public SkinDriver {
@@ -71,6 +77,8 @@ class HardwareDriver : public SkinDriver {
   void WaitForConnection(int64_t deadline_ns);
   // False if the frame must not be handed on.
   bool Finish(SkinFrame& frame);
+  // Why there are no poses.
+  std::string PoseProblem() const;
 
   SkinDevice* const device_;
   const HardwareDriverOptions options_;
@@ -83,6 +91,11 @@ class HardwareDriver : public SkinDriver {
   int64_t last_frame_ns_ = 0;
   // The last frame or reconnection.
   int64_t quiet_since_ns_ = 0;
+
+  // Frames without a known pose, and since when each frame was one; 0: the
+  // last frame had a pose.
+  uint64_t without_pose_ = 0;
+  int64_t without_pose_since_ns_ = 0;
 
   bool connected_ = false;
   // The device may be used; frames need not have come yet.

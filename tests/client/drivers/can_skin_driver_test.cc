@@ -413,6 +413,82 @@ TEST(SkinFaultTest, ATriangleThatFailsEndsTheStreamWithItsName) {
   EXPECT_THAT(std::string(status.message()), HasSubstr("begin a new stream"));
 }
 
+// An arm whose pose is known except between two times.
+struct ForgetfulArm {
+  std::optional<Pose> At(int64_t time_ns) const {
+    if (time_ns >= from_ns && time_ns < until_ns) return std::nullopt;
+    return Pose{.position = {0, 0, static_cast<double>(time_ns) / 1e9}};
+  }
+  HardwareDriverOptions Options() const {
+    return {.pose_at = [this](int64_t time_ns) { return At(time_ns); },
+            .pose_problem = [] { return "the encoders sleep"; }};
+  }
+
+  int64_t from_ns = 0;
+  int64_t until_ns = 0;
+};
+
+TEST(SkinPoseTest, FramesWithoutAPoseAreLostAndCounted) {
+  ForgetfulArm poses;
+  Forearm arm(poses.Options());
+  arm.Start();
+  ASSERT_TRUE(arm.ReadFor(2).ok());
+  EXPECT_EQ(arm.frame.pose.position.z(),
+            static_cast<double>(arm.frame.capture_time_ns) / 1e9);
+  poses.from_ns = arm.clock.NowNs();
+  poses.until_ns = poses.from_ns + 2 * kSecondNs;
+  const auto during = arm.ReadFor(0.9);
+  ASSERT_TRUE(during.ok()) << during.status();
+  EXPECT_EQ(*during, 0);
+  // Not yet: a single frame is no problem.
+  EXPECT_THAT(arm.driver.Statistics().pose_problem, IsEmpty());
+  ASSERT_TRUE(arm.ReadFor(0.5).ok());
+  EXPECT_EQ(arm.driver.Statistics().pose_problem, "the encoders sleep");
+  // The skin itself is well.
+  EXPECT_TRUE(arm.driver.Statistics().connected);
+  const auto after = arm.ReadFor(2);
+  ASSERT_TRUE(after.ok()) << after.status();
+  EXPECT_NEAR(*after, 70, 2);
+  const DriverStatistics statistics = arm.driver.Statistics();
+  EXPECT_NEAR(static_cast<double>(statistics.without_pose), 100, 1);
+  EXPECT_EQ(statistics.lost, statistics.without_pose);
+  EXPECT_EQ(arm.missing, statistics.without_pose);
+  EXPECT_THAT(statistics.pose_problem, IsEmpty());
+  EXPECT_EQ(statistics.reconnects, 0u);
+}
+
+TEST(SkinPoseTest, PosesThatStayAwayEndTheStreamWithTheReason) {
+  ForgetfulArm poses;
+  Forearm arm(poses.Options());
+  arm.Start();
+  ASSERT_TRUE(arm.ReadFor(2).ok());
+  poses.from_ns = arm.clock.NowNs();
+  poses.until_ns = poses.from_ns + 100 * kSecondNs;
+  ASSERT_TRUE(arm.ReadFor(29).ok());
+  const auto end = arm.ReadFor(2);
+  EXPECT_EQ(ReasonOf(end.status()), "IO");
+  EXPECT_THAT(std::string(end.status().message()),
+              HasSubstr("no poses for 30 s: the encoders sleep"));
+}
+
+// The 30 s begin anew: while the skin is away, no pose is asked for.
+TEST(SkinPoseTest, ABreakOfTheSkinIsNoWantOfPoses) {
+  ForgetfulArm poses;
+  Forearm arm(poses.Options());
+  arm.Start();
+  ASSERT_TRUE(arm.ReadFor(2).ok());
+  poses.from_ns = arm.clock.NowNs();
+  poses.until_ns = poses.from_ns + 38 * kSecondNs;
+  ASSERT_TRUE(arm.ReadFor(15).ok());
+  arm.bus.gone = "unplugged";
+  ASSERT_TRUE(arm.ReadFor(10).ok());
+  EXPECT_THAT(arm.driver.Statistics().pose_problem, IsEmpty());
+  arm.bus.gone.clear();
+  const auto after = arm.ReadFor(25);
+  ASSERT_TRUE(after.ok()) << after.status();
+  EXPECT_GT(*after, 400);
+}
+
 TEST(SkinFaultTest, AStuckTaxelIsListedAndNotHidden) {
   Forearm arm;
   arm.boards.fault(0).stuck[26] = 200;
