@@ -1,6 +1,7 @@
 # What a robot's program needs from an installed Tactus: the library
 # Tactus::client, its headers and the protos. With a real skin also
-# Tactus::client_skins, and for USB adapters Tactus::client_gs_usb (libusb).
+# Tactus::client_skins, for USB adapters Tactus::client_gs_usb (libusb), and for
+# a skin on a moving arm Tactus::client_kinematics (urdfdom, KDL).
 #
 #   cmake --install build/release --component client --prefix /usr/local
 #
@@ -17,8 +18,8 @@ set(package ${CMAKE_INSTALL_LIBDIR}/cmake/Tactus)
 # What both components need, what the client adds, and what core adds.
 set(base_libraries tactus_proto tactus_core_base tactus_core_skin)
 set(client_libraries tactus_proto_grpc tactus_client
-    tactus_client_calibration tactus_client_can tactus_client_gs_usb tactus_client_serial
-    tactus_client_skins)
+    tactus_client_calibration tactus_client_can tactus_client_gs_usb
+    tactus_client_kinematics tactus_client_serial tactus_client_skins)
 add_library(tactus_core INTERFACE)
 target_link_libraries(tactus_core
   INTERFACE tactus_core_bundle tactus_core_data)
@@ -71,7 +72,8 @@ function(install_headers component)
   endforeach()
 endfunction()
 install_headers(client client/stream client/drivers client/drivers/calibration client/drivers/can
-  client/drivers/icub_skin client/drivers/serial client/drivers/xela core/base
+  client/drivers/icub_skin client/drivers/serial client/drivers/xela
+  client/kinematics core/base
   core/features core/skin core/taxels)
 install_headers(core core/bundle core/classify core/data core/files core/hmm
   core/lstm)

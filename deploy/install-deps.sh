@@ -46,11 +46,14 @@ readonly IMAGE=(
   buildah
   mmdebstrap
 )
-# The client and the tools: trial files, JSON, pictures of skins, USB adapters.
+# The client and the tools: trial files, JSON, pictures of skins, USB adapters,
+# robots' URDF files and their kinematics.
 readonly PROGRAMS=(
   libhdf5-dev
   libopencv-core-dev
   libopencv-imgproc-dev
+  liborocos-kdl-dev
+  liburdfdom-dev
   libusb-1.0-0-dev
   nlohmann-json3-dev
   pkgconf

@@ -54,6 +54,14 @@ inline constexpr double kMaxPositionM = 1e6;
 // How far a pose's quaternion may be from unit length.
 inline constexpr double kQuaternionTolerance = 1e-3;
 
+// URDF files: their size, elements within each other, and joints.
+inline constexpr size_t kMaxUrdfBytes = 4UL * 1024 * 1024;
+inline constexpr int kMaxUrdfDepth = 50;
+inline constexpr int kMaxUrdfJoints = 2'000;
+// Largest accepted value of a joint, in radians or metres, and largest accepted
+// number in the description of one.
+inline constexpr double kMaxJointValue = 1e4;
+
 // Largest accepted distance of a capture time from 0, in nanoseconds: 126
 // years, so that no difference of two overflows.
 inline constexpr int64_t kMaxCaptureTimeNs = 4'000'000'000'000'000'000;

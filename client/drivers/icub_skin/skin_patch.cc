@@ -218,6 +218,25 @@ absl::StatusOr<SkinPatch> PlacedPatch(const std::vector<SkinBoard>& boards,
   return patch;
 }
 
+std::vector<std::optional<Eigen::Vector3d>> CellPositions(
+    const SkinPatch& patch, const TaxelPositions& positions) {
+  const auto cells = static_cast<size_t>(patch.layout.taxels());
+  std::vector<std::optional<Eigen::Vector3d>> places(cells);
+  std::vector<double> counts(cells, 0);
+  const size_t values = std::min(patch.cells.size(), positions.values.size());
+  for (size_t i = 0; i < values; ++i) {
+    if (patch.cells[i] < 0 || !positions.values[i].present) continue;
+    const auto cell = static_cast<size_t>(patch.cells[i]);
+    places[cell] = places[cell].value_or(Eigen::Vector3d::Zero()) +
+                   positions.values[i].position;
+    ++counts[cell];
+  }
+  for (size_t cell = 0; cell < cells; ++cell) {
+    if (places[cell]) *places[cell] /= counts[cell];
+  }
+  return places;
+}
+
 absl::Status Validate(const SkinPatch& patch) {
   TACTUS_RETURN_IF_ERROR(tactus::Validate(patch.layout));
   if (patch.boards.empty()) {

@@ -14,8 +14,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "Eigen/Core"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "client/drivers/icub_skin/position_file.h"
@@ -56,6 +58,12 @@ absl::StatusOr<SkinPatch> PortPatch(const std::vector<SkinBoard>& boards);
 absl::StatusOr<SkinPatch> PlacedPatch(const std::vector<SkinBoard>& boards,
                                       const TaxelPositions& positions,
                                       uint16_t thermal_dots = kThermalDots);
+
+// Where the cells of a patch lie on the link, in metres: for each cell of the
+// layout, the mean position of the values in it; nothing for a cell without a
+// taxel. `positions` is that of PlacedPatch.
+std::vector<std::optional<Eigen::Vector3d>> CellPositions(
+    const SkinPatch& patch, const TaxelPositions& positions);
 
 // OK if boards, layout and cells fit each other: every value has an entry,
 // which is a cell or -1.
