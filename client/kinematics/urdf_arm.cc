@@ -57,7 +57,7 @@ absl::StatusOr<urdf::ModelInterfaceSharedPtr> Parse(absl::string_view text) {
   } catch (const std::exception& e) {
     problem = e.what();
   }
-  return InvalidConfig("the file", problem.empty() ? "not readable" : problem,
+  return InvalidConfig("the file", absl::StrCat("not readable (", problem, ")"),
                        "a URDF");
 }
 

@@ -56,14 +56,15 @@ absl::Status AddMask(const std::vector<int>& taxels, SkinLayout& layout) {
 }
 
 IcubSource::IcubSource(std::unique_ptr<CanBus> bus, icub::SkinPatch patch,
-                       const icub::IcubSkinOptions& options)
+                       const icub::IcubSkinOptions& options,
+                       const HardwareDriverOptions& driver)
     : bus_(std::move(bus)),
       skin_(std::move(patch), options),
-      driver_(bus_.get(), &skin_, {}),
+      driver_(bus_.get(), &skin_, driver),
       buffered_(&driver_, {}) {}
 
 absl::StatusOr<std::unique_ptr<IcubSource>> IcubSource::Make(
-    const IcubSourceOptions& options) {
+    const IcubSourceOptions& options, const HardwareDriverOptions& driver) {
   TACTUS_ASSIGN_OR_RETURN(icub::SkinPatch patch, MakePatch(options));
   TACTUS_RETURN_IF_ERROR(AddMask(options.mask, patch.layout));
   std::unique_ptr<CanBus> bus;
@@ -72,9 +73,9 @@ absl::StatusOr<std::unique_ptr<IcubSource>> IcubSource::Make(
   } else {
     bus = std::make_unique<SocketCan>(options.interface);
   }
-  return std::unique_ptr<IcubSource>(
-      new IcubSource(std::move(bus), std::move(patch),
-                     {.period_ms = options.period_ms, .scale = options.scale}));
+  return std::unique_ptr<IcubSource>(new IcubSource(
+      std::move(bus), std::move(patch),
+      {.period_ms = options.period_ms, .scale = options.scale}, driver));
 }
 
 }  // namespace tactus::client

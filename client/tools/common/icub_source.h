@@ -46,14 +46,16 @@ class IcubSource {
  public:
   // INVALID_CONFIG or IO; opens no bus.
   static absl::StatusOr<std::unique_ptr<IcubSource>> Make(
-      const IcubSourceOptions& options);
+      const IcubSourceOptions& options,
+      const HardwareDriverOptions& driver = {});
 
   SkinDriver& driver() { return buffered_; }
   const CanBus& bus() const { return *bus_; }
 
  private:
   IcubSource(std::unique_ptr<CanBus> bus, icub::SkinPatch patch,
-             const icub::IcubSkinOptions& options);
+             const icub::IcubSkinOptions& options,
+             const HardwareDriverOptions& driver);
 
   // In the order of their use; the last ends first.
   const std::unique_ptr<CanBus> bus_;

@@ -50,6 +50,29 @@ absl::StatusOr<std::unique_ptr<TrialDriver>> MakePlayedTrials(
       options.trials == 0 ? kSimulatedTrials : options.trials, shard);
 }
 
+absl::Status CheckPoseFlags(const SkinSourceOptions& options) {
+  const ArmSourceOptions& arm = options.arm;
+  const int given =
+      !arm.urdf.empty() + !arm.skin_link.empty() + !arm.joints.empty();
+  if (given == 0) return absl::OkStatus();
+  if (given < 3) {
+    return InvalidConfig("number of --urdf, --skin-link and --joints", given,
+                         "3, or 0: they belong together");
+  }
+  if (!options.IsLive()) {
+    return InvalidConfig("--urdf",
+                         absl::StrCat("given with --driver=", options.driver),
+                         "absent without a real skin");
+  }
+  if (!options.icub.positions.empty()) {
+    return InvalidConfig(
+        "--urdf", "given with --positions",
+        "given with a skin that is flat in the x-y plane of its link, or a "
+        "cylinder around z: a position file's patch is curved otherwise");
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 void AddSkinFlags(CLI::App& app, SkinSourceOptions& options) {
@@ -104,7 +127,20 @@ void AddSkinFlags(CLI::App& app, SkinSourceOptions& options) {
       ->delimiter(',');
 }
 
+void AddPoseFlags(CLI::App& app, SkinSourceOptions& options) {
+  app.add_option("--urdf", options.arm.urdf,
+                 "URDF file of the arm that carries a real skin; frames have "
+                 "poses then")
+      ->check(CLI::ExistingFile);
+  app.add_option("--skin-link", options.arm.skin_link,
+                 "Link of the URDF in whose frame the skin's layout is");
+  app.add_option("--joints", options.arm.joints,
+                 "host:port to receive the joint values at, one line in each "
+                 "UDP datagram: time_ns q1 q2 ... (docs/drivers.md)");
+}
+
 absl::Status CheckSkinFlags(const SkinSourceOptions& options) {
+  TACTUS_RETURN_IF_ERROR(CheckPoseFlags(options));
   const std::string& driver = options.driver;
   const auto needs = [&](const std::string& flag) {
     return InvalidConfig(flag, "absent",
@@ -173,6 +209,10 @@ absl::StatusOr<std::unique_ptr<TrialDriver>> MakeTrialDriver(
   return MakePlayedTrials(options, shard);
 }
 
+HardwareDriverOptions SkinSource::Poses() {
+  return arm_ == nullptr ? HardwareDriverOptions{} : arm_->DriverOptions();
+}
+
 absl::Status SkinSource::MakeSerial(const SkinSourceOptions& options) {
   SerialSkinOptions skin = {.format = options.format == "ascii"
                                           ? SerialFormat::kAscii
@@ -185,8 +225,7 @@ absl::Status SkinSource::MakeSerial(const SkinSourceOptions& options) {
                                            : ReadLayoutFile(options.layout));
   TACTUS_RETURN_IF_ERROR(AddMask(options.icub.mask, skin.layout));
   serial_ = std::make_unique<SerialSkin>(options.port, skin);
-  hardware_ =
-      std::make_unique<HardwareDriver>(serial_.get(), HardwareDriverOptions{});
+  hardware_ = std::make_unique<HardwareDriver>(serial_.get(), Poses());
   return absl::OkStatus();
 }
 
@@ -198,8 +237,7 @@ absl::Status SkinSource::MakeXela(const SkinSourceOptions& options) {
   TACTUS_RETURN_IF_ERROR(AddMask(options.icub.mask, skin.layout));
   bus_ = std::make_unique<SocketCan>(options.icub.interface);
   xela_ = std::make_unique<XelaSkin>(skin);
-  hardware_ = std::make_unique<CanSkinDriver>(bus_.get(), xela_.get(),
-                                              HardwareDriverOptions{});
+  hardware_ = std::make_unique<CanSkinDriver>(bus_.get(), xela_.get(), Poses());
   return absl::OkStatus();
 }
 
@@ -209,6 +247,9 @@ absl::Status SkinSource::MakeDriver(const SkinSourceOptions& options) {
     paced_ = std::make_unique<PacedDriver>(trials_.get());
     driver_ = paced_.get();
     return absl::OkStatus();
+  }
+  if (!options.arm.urdf.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(arm_, ArmSource::Make(options.arm));
   }
   if (options.driver == "serial" || options.driver == "xela-can") {
     TACTUS_RETURN_IF_ERROR(options.driver == "serial" ? MakeSerial(options)
@@ -221,7 +262,7 @@ absl::Status SkinSource::MakeDriver(const SkinSourceOptions& options) {
   IcubSourceOptions icub = options.icub;
   icub.usb = options.driver == "icub-usb";
   icub.layout = options.layout;
-  TACTUS_ASSIGN_OR_RETURN(icub_, IcubSource::Make(icub));
+  TACTUS_ASSIGN_OR_RETURN(icub_, IcubSource::Make(icub, Poses()));
   driver_ = &icub_->driver();
   return absl::OkStatus();
 }

@@ -22,6 +22,7 @@
 #include "client/drivers/serial/serial_skin.h"
 #include "client/drivers/trial_driver.h"
 #include "client/drivers/xela/xela_skin.h"
+#include "client/tools/common/arm_source.h"
 #include "client/tools/common/icub_source.h"
 #include "client/tools/common/paced_driver.h"
 
@@ -46,6 +47,8 @@ struct SkinSourceOptions {
   std::string format = "ascii";
   int baud = 2'000'000;
   double rate_hz = 30;
+  // Where a real skin is; without a URDF, frames have no poses.
+  ArmSourceOptions arm = {};
   // A file that `trainctl skin calibrate` wrote; frames of a tare at the start,
   // 0: none; seconds over which the drift is followed, 0: not followed.
   std::string calibration = {};
@@ -68,6 +71,8 @@ void AddSkinFlags(CLI::App& app, SkinSourceOptions& options);
 
 // --calibration, --tare, --drift-s and --device-id.
 void AddCalibrationFlags(CLI::App& app, SkinSourceOptions& options);
+// --urdf, --skin-link and --joints.
+void AddPoseFlags(CLI::App& app, SkinSourceOptions& options);
 // --device-id alone.
 void AddDeviceFlag(CLI::App& app, SkinSourceOptions& options);
 
@@ -90,7 +95,8 @@ absl::StatusOr<Calibration> ReadCalibration(const std::string& path);
 
 class SkinSource {
  public:
-  // INVALID_CONFIG or IO; opens no device. Simulated and recorded contacts are
+  // INVALID_CONFIG or IO; opens no device, but the socket for joint values if
+  // there is a URDF. Simulated and recorded contacts are
   // played at the rate of their skin.
   static absl::StatusOr<std::unique_ptr<SkinSource>> Make(
       const SkinSourceOptions& options);
@@ -99,6 +105,8 @@ class SkinSource {
   SkinDriver& driver() { return *driver_; }
   // The same driver if it is calibrated; it has the raw frames. Else null.
   CalibratedDriver* calibrated() { return calibrated_.get(); }
+  // Null if frames have no poses, or have them from elsewhere.
+  ArmSource* arm() { return arm_.get(); }
 
  private:
   SkinSource() = default;
@@ -106,8 +114,11 @@ class SkinSource {
   absl::Status MakeDriver(const SkinSourceOptions& options);
   absl::Status MakeSerial(const SkinSourceOptions& options);
   absl::Status MakeXela(const SkinSourceOptions& options);
+  // How the driver gets its poses.
+  HardwareDriverOptions Poses();
 
   // In the order of their use; the last ends first. Most are null.
+  std::unique_ptr<ArmSource> arm_;
   std::unique_ptr<CanBus> bus_;
   std::unique_ptr<XelaSkin> xela_;
   std::unique_ptr<SerialSkin> serial_;

@@ -30,6 +30,10 @@ void PrintContact(const LiveContact& contact,
       line["decision"] = names[*contact.decision];
       line["decision_ms"] = contact.decision_ms;
     }
+    if (contact.place) {
+      const Eigen::Vector3d& p = *contact.place;
+      line["place_m"] = {p.x(), p.y(), p.z()};
+    }
     std::printf("%s\n", JsonText(line).c_str());
   } else {
     std::printf("contact %llu  %.2f s  %s  p %.3f  unknown %.3f",
@@ -38,6 +42,10 @@ void PrintContact(const LiveContact& contact,
     if (contact.decision) {
       std::printf("  decided %s after %.0f ms",
                   names[*contact.decision].c_str(), contact.decision_ms);
+    }
+    if (contact.place) {
+      const Eigen::Vector3d& p = *contact.place;
+      std::printf("  at %.3f %.3f %.3f m", p.x(), p.y(), p.z());
     }
     std::printf("\n");
   }
@@ -48,11 +56,11 @@ void PrintEnd(const LivePlayer& player, bool json) {
   const DriverStatistics& s = player.statistics();
   if (json) {
     const Json line = {
-        {"frames", player.frames()},     {"lost", s.lost},
-        {"incomplete", s.incomplete},    {"overwritten", s.overwritten},
-        {"reconnects", s.reconnects},    {"rate_hz", s.rate_hz},
-        {"jitter_ms", s.jitter_ms},      {"longest_age_ms", s.longest_age_ms},
-        {"stuck_taxels", s.stuck_taxels}};
+        {"frames", player.frames()},      {"lost", s.lost},
+        {"incomplete", s.incomplete},     {"overwritten", s.overwritten},
+        {"reconnects", s.reconnects},     {"rate_hz", s.rate_hz},
+        {"jitter_ms", s.jitter_ms},       {"longest_age_ms", s.longest_age_ms},
+        {"without_pose", s.without_pose}, {"stuck_taxels", s.stuck_taxels}};
     std::printf("%s\n", JsonText(line).c_str());
     return;
   }
@@ -64,6 +72,10 @@ void PrintEnd(const LivePlayer& player, bool json) {
       static_cast<unsigned long long>(s.overwritten),
       static_cast<unsigned long long>(s.reconnects), s.rate_hz, s.jitter_ms,
       s.longest_age_ms);
+  if (s.without_pose > 0) {
+    std::printf("without pose %llu\n",
+                static_cast<unsigned long long>(s.without_pose));
+  }
   if (!s.stuck_taxels.empty()) {
     std::printf("stuck taxels: %s\n",
                 absl::StrJoin(s.stuck_taxels, ", ").c_str());

@@ -60,7 +60,9 @@ absl::Status LivePlayer::Stream() {
   encoder_.emplace(info, FrameEncoder::Options{.sparse = options_.sparse});
   v1::StreamConfig config = MakeConfig(info);
   config.set_model(options_.model);
-  config.set_with_features(options_.observer != nullptr);
+  config.set_with_features(options_.observer != nullptr ||
+                           options_.with_features);
+  places_.emplace(info.layout);
   if (options_.observer == nullptr) {
     config.set_cadence(v1::RESULT_CADENCE_ON_CHANGE);
   }
@@ -145,12 +147,32 @@ void LivePlayer::OnResponse(const v1::ClassifyContactResponse& response) {
   if (options_.observer != nullptr) options_.observer->OnPosterior(posterior);
   if (options_.recorder) options_.recorder->Result(posterior);
   if (options_.check) options_.check->Receive(posterior);
+  const auto place = PlaceOf(posterior);
   const bool open_at_end =
       posterior.is_final() &&
       posterior.contact_state() == v1::CONTACT_STATE_IN_CONTACT;
   if (!posterior.is_contact_end() && !open_at_end) return;
   const std::lock_guard lock(mutex_);
   contacts_.push_back(ContactOf(posterior));
+  contacts_.back().place = place;
+}
+
+std::optional<Eigen::Vector3d> LivePlayer::PlaceOf(
+    const v1::Posterior& posterior) {
+  if (!options_.pose_at || posterior.contact_id() == 0) return std::nullopt;
+  if (posterior.contact_id() == placed_contact_) return place_;
+  placed_contact_ = posterior.contact_id();
+  place_.reset();
+  const auto pose = options_.pose_at(posterior.capture_time_ns());
+  const bool is_felt =
+      posterior.contact_state() == v1::CONTACT_STATE_IN_CONTACT &&
+      posterior.has_features();
+  if (pose && is_felt) {
+    const v1::ContactFeatures& features = posterior.features();
+    place_ = places_->InWorld(
+        {features.centroid_row(), features.centroid_column()}, *pose);
+  }
+  return place_;
 }
 
 void LivePlayer::ReportContacts() {
@@ -190,6 +212,14 @@ void LivePlayer::ReportNews() {
   }
   was_connected_ = statistics.connected || frames_ == 0;
   last_problem_ = statistics.problem;
+  const bool has_poses = statistics.pose_problem.empty();
+  if (!has_poses && had_poses_) {
+    on_news_("frames are lost without poses: " + statistics.pose_problem);
+  } else if (has_poses && !had_poses_) {
+    on_news_(absl::StrCat("poses come again; ", statistics.without_pose,
+                          " frames lost without poses so far"));
+  }
+  had_poses_ = has_poses;
   if (statistics.stuck_taxels != stuck_ && !statistics.stuck_taxels.empty()) {
     on_news_(absl::StrCat("stuck taxels, better masked: ",
                           absl::StrJoin(statistics.stuck_taxels, ", ")));

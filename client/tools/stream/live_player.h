@@ -29,6 +29,7 @@
 
 #include "absl/status/status.h"
 #include "client/drivers/skin_driver.h"
+#include "client/kinematics/skin_places.h"
 #include "client/recording/posterior_check.h"
 #include "client/recording/recorder.h"
 #include "client/stream/frame_encoder.h"
@@ -52,6 +53,9 @@ struct LiveContact {
   // The decision's class and time since onset, if one was reached.
   std::optional<int> decision;
   double decision_ms = 0;
+  // Where it began, in the world, metres. With Options::pose_at, if the pose
+  // was known.
+  std::optional<Eigen::Vector3d> place = std::nullopt;
   // Frames of the stream that the server knows to be lost, until its end.
   uint64_t frames_missing = 0;
 };
@@ -79,6 +83,11 @@ class LivePlayer {
     RecordingTexts trial = {};
     // If set, gets the server's answers.
     PosteriorCheck* check = nullptr;
+    // Answers have features, as they have for an observer.
+    bool with_features = false;
+    // If set, contacts have their place: the pose of the skin's link at a
+    // capture time. Thread-safe. Needs with_features.
+    std::function<std::optional<Pose>(int64_t capture_time_ns)> pose_at = {};
   };
   using OnContact = std::function<void(const LiveContact&)>;
   using OnNews = std::function<void(const std::string&)>;
@@ -101,6 +110,8 @@ class LivePlayer {
   absl::Status Play();
   absl::Status SendFrame(const SkinFrame& frame);
   void OnResponse(const v1::ClassifyContactResponse& response);
+  // The place of the contact of `posterior`: found in its first posterior.
+  std::optional<Eigen::Vector3d> PlaceOf(const v1::Posterior& posterior);
   void ReportContacts();
   void ReportNews();
   void ReportConnection();
@@ -120,9 +131,15 @@ class LivePlayer {
   // Reported so far.
   std::string last_problem_;
   bool was_connected_ = true;
+  bool had_poses_ = true;
   bool was_resuming_ = false;
   uint64_t without_beginning_ = 0;
   std::vector<int> stuck_;
+
+  // Of the stream's reading thread: the last contact and its place.
+  std::optional<SkinPlaces> places_;
+  uint64_t placed_contact_ = 0;
+  std::optional<Eigen::Vector3d> place_;
 
   // Shared with the stream's reading thread.
   std::mutex mutex_;

@@ -100,6 +100,7 @@ absl::Status ReplaySkin(const Flags& flags,
   PosteriorCheck check;
   player.check = &check;
   player.release_after_ms = start.config.release_after_ms();
+  player.with_features = start.config.with_features();
   if (player.model.empty()) player.model = start.config.model();
   for (auto& [key, value] : player.trial) {
     if (value.empty()) value = start.trial.Text(key);
@@ -121,20 +122,31 @@ absl::Status ReplaySkin(const Flags& flags,
 absl::Status RunSkin(const Flags& flags,
                      const std::shared_ptr<grpc::Channel>& channel,
                      const std::string& token, Recorder* recorder) {
-  const LivePlayer::Options player = {.model = flags.player.model,
-                                      .sparse = flags.player.sparse,
-                                      .seconds = flags.seconds,
-                                      .timeouts = flags.player.timeouts,
-                                      .resume_for = flags.player.resume_for,
-                                      .token = token,
-                                      .recorder = recorder,
-                                      .trial = {{"label", flags.label},
-                                                {"condition", flags.condition},
-                                                {"object", flags.object}}};
+  LivePlayer::Options player = {.model = flags.player.model,
+                                .sparse = flags.player.sparse,
+                                .seconds = flags.seconds,
+                                .timeouts = flags.player.timeouts,
+                                .resume_for = flags.player.resume_for,
+                                .token = token,
+                                .recorder = recorder,
+                                .trial = {{"label", flags.label},
+                                          {"condition", flags.condition},
+                                          {"object", flags.object}}};
   if (flags.IsReplayOfRecording()) return ReplaySkin(flags, channel, player);
   TACTUS_ASSIGN_OR_RETURN(const auto source, SkinSource::Make(flags.source));
-  if (flags.monitor) return RunMonitor(channel, source->driver(), player);
-  return RunLive(channel, source->driver(), player, flags.json);
+  ArmSource* const arm = source->arm();
+  if (arm != nullptr) {
+    player.with_features = true;
+    player.pose_at = [arm](int64_t time_ns) { return arm->PoseAt(time_ns); };
+    std::fprintf(stderr, "tactus-stream: %s\n", arm->Usage().c_str());
+  }
+  const absl::Status status =
+      flags.monitor ? RunMonitor(channel, source->driver(), player)
+                    : RunLive(channel, source->driver(), player, flags.json);
+  if (arm != nullptr) {
+    std::fprintf(stderr, "tactus-stream: %s\n", arm->Summary().c_str());
+  }
+  return status;
 }
 
 absl::Status Run(const Flags& flags) {
@@ -269,6 +281,7 @@ int Main(int argc, char** argv) {
       ->check(CLI::ExistingFile);
   AddSkinFlags(app, flags.source);
   AddCalibrationFlags(app, flags.source);
+  AddPoseFlags(app, flags.source);
   app.add_option("--record", flags.record,
                  "MCAP file to record frames, poses and answers to; it must "
                  "not exist");

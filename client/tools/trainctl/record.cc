@@ -160,10 +160,11 @@ class Session {
       absl::StrAppend(&counts, flags_.recorder.labels[i], " ",
                       recorder_.counts()[i], "   ");
     }
+    const std::string no_poses = source_.driver().Statistics().pose_problem;
     state.footer = {
         StateText(),
         absl::StrCat("kept: ", counts),
-        news_,
+        no_poses.empty() ? news_ : "no poses: " + no_poses,
         recorder_.KeysText(),
     };
     const TerminalSize size = terminal.Size();
@@ -211,7 +212,11 @@ absl::StatusOr<double> MeasureRate(SkinDriver& driver, const SkinInfo& info) {
     }
     if (result == ReadResult::kEndOfData ||
         std::chrono::duration<double>(now - last).count() > kSilenceS) {
-      return IoError("skin", absl::StrCat("sent only ", frames, " frames"));
+      const std::string no_poses = driver.Statistics().pose_problem;
+      return IoError("skin",
+                     absl::StrCat("sent only ", frames, " frames",
+                                  no_poses.empty() ? "" : " with poses",
+                                  no_poses.empty() ? "" : ": ", no_poses));
     }
   }
   TACTUS_RETURN_IF_ERROR(rate.Check(info.sample_rate_hz));
@@ -253,6 +258,7 @@ absl::Status RunRecord(const RecordFlags& flags) {
                                info.sample_rate_hz);
   const std::string remarks = driver.Statistics().remarks;
   if (!remarks.empty()) std::cerr << remarks << "\n";
+  if (ArmSource* const arm = source->arm()) std::cerr << arm->Usage() << "\n";
   if (flags.source.tare_frames > 0) {
     std::cerr << "tare: nothing must touch the skin\n";
   }
@@ -298,6 +304,7 @@ void AddRecord(CLI::App& app, const SelectCommand& select) {
       ->required();
   AddSkinFlags(*command, flags->source);
   AddCalibrationFlags(*command, flags->source);
+  AddPoseFlags(*command, flags->source);
   command->add_option("--seed", flags->source.seed,
                       "Seed of the simulated contacts");
   command->add_option("--trials", flags->source.trials,
