@@ -43,6 +43,16 @@ class FirstError : public console_bridge::OutputHandler {
   std::string text_;
 };
 
+// Ends a model. Its links own their children, so those of a loop would never
+// end, and those of a chain would end within each other.
+struct TakeApart {
+  void operator()(urdf::ModelInterface* model) const {
+    for (auto& [name, link] : model->links_) link->child_links.clear();
+  }
+
+  urdf::ModelInterfaceSharedPtr owner;
+};
+
 absl::StatusOr<urdf::ModelInterfaceSharedPtr> Parse(absl::string_view text) {
   TACTUS_RETURN_IF_ERROR(CheckUrdfText(text));
   // The handler of messages is one for the process.
@@ -52,7 +62,9 @@ absl::StatusOr<urdf::ModelInterfaceSharedPtr> Parse(absl::string_view text) {
   std::string problem;
   try {
     const auto model = urdf::parseURDF(std::string(text));
-    if (model != nullptr) return model;
+    if (model != nullptr) {
+      return urdf::ModelInterfaceSharedPtr(model.get(), TakeApart{model});
+    }
     problem = error.text();
   } catch (const std::exception& e) {
     problem = e.what();
