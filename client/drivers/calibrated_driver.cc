@@ -28,7 +28,7 @@ CalibratedDriver::CalibratedDriver(SkinDriver* driver,
 
 absl::StatusOr<SkinInfo> CalibratedDriver::OnConfigure() {
   const auto& calibration = options_.calibration;
-  if (!calibration && options_.tare_frames == 0) {
+  if (!calibration && options_.tare_frames == 0 && options_.tare.empty()) {
     return InvalidConfig("calibration", "absent", "given, or a tare");
   }
   if (options_.tare_frames > 0 && options_.tare_frames < kMinTareFrames) {
@@ -52,6 +52,14 @@ absl::StatusOr<SkinInfo> CalibratedDriver::OnConfigure() {
     layout_ = WithMasked(std::move(layout_), calibration->faults.All());
     baseline_ = calibration->baseline;
     if (!layout_.light_touch) gate_ = calibration->contact_threshold;
+  }
+  if (!options_.tare.empty()) {
+    if (options_.tare.size() != taxels) {
+      return InvalidConfig("numbers of the earlier tare", options_.tare.size(),
+                           absl::StrCat(taxels));
+    }
+    baseline_ = options_.tare;
+    tared_ = true;
   }
   SkinInfo info = raw_info_;
   info.layout = layout_;
@@ -97,7 +105,15 @@ absl::Status CalibratedDriver::TareNow() {
               options_.calibration->contact_threshold};
   }
   TACTUS_ASSIGN_OR_RETURN(baseline_, Tare(idle, before ? &*before : nullptr));
+  tared_ = true;
   return absl::OkStatus();
+}
+
+CalibrationInUse CalibratedDriver::in_use() const {
+  return {.device = options_.device,
+          .calibration = options_.calibration,
+          .tare = tared_ ? baseline_ : std::vector<double>(),
+          .drift_time_s = options_.drift_time_s};
 }
 
 absl::StatusOr<ReadResult> CalibratedDriver::OnRead(SkinFrame& frame) {

@@ -33,6 +33,7 @@
 #include <vector>
 
 #include "client/drivers/calibration/calibration.h"
+#include "client/drivers/calibration/calibration_in_use.h"
 #include "client/drivers/calibration/drift_tracker.h"
 #include "client/drivers/clock.h"
 #include "client/drivers/skin_driver.h"
@@ -45,6 +46,9 @@ struct CalibratedDriverOptions {
   std::optional<Calibration> calibration = std::nullopt;
   // 0: no tare; then there must be a calibration. Else kMinTareFrames or more.
   size_t tare_frames = 0;
+  // Of an earlier tare of these very frames, in the place of a new one; empty:
+  // none.
+  std::vector<double> tare = {};
   // 0: the drift is not followed. Needs a calibration.
   double drift_time_s = 0;
 };
@@ -63,6 +67,8 @@ class CalibratedDriver : public SkinDriver {
   // The last frame of Read as the skin sent it, and what such frames are like.
   const SkinFrame& raw() const { return raw_; }
   const SkinInfo& raw_info() const { return raw_info_; }
+  // What loads are made by since Activate.
+  CalibrationInUse in_use() const;
   // In use since Activate.
   const std::vector<double>& baseline() const { return baseline_; }
   // The drift is followed, and the last frame left it as it was.
@@ -87,6 +93,8 @@ class CalibratedDriver : public SkinDriver {
   // Per taxel: readings below it are 0; 0 if there is none.
   std::vector<double> gate_;
   std::vector<double> baseline_;
+  // The baseline is that of a tare.
+  bool tared_ = false;
   std::optional<DriftTracker> drift_;
   SkinFrame raw_;
   std::vector<float> numbers_;

@@ -8,6 +8,7 @@
 
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
+#include "core/skin/layout_proto.h"
 
 namespace tactus::client {
 namespace {
@@ -42,14 +43,48 @@ absl::StatusOr<SkinInfo> RecordingDriver::OnConfigure() {
       break;
     }
   }
+  if (options_.raw) TACTUS_RETURN_IF_ERROR(FindCalibration());
+  const v1::StreamConfig& played = calibration_ ? calibration_->raw : config_;
   SkinInfo info;
   info.layout = reader_->layout();
-  info.taxel_type = config_.taxel_type();
-  info.scale = config_.scale() == 0 ? 1 : config_.scale();
+  if (calibration_) {
+    TACTUS_ASSIGN_OR_RETURN(info.layout, LayoutFromProto(played.geometry()));
+  }
+  info.taxel_type = played.taxel_type();
+  info.scale = played.scale() == 0 ? 1 : played.scale();
   info.sample_rate_hz =
-      config_.sample_rate_hz() == 0 ? 100 : config_.sample_rate_hz();
+      played.sample_rate_hz() == 0 ? 100 : played.sample_rate_hz();
   info.with_poses = config_.with_poses();
+  is_u16_ = info.taxel_type == v1::TAXEL_TYPE_UINT16;
   return info;
+}
+
+absl::Status RecordingDriver::FindCalibration() {
+  while (true) {
+    TACTUS_ASSIGN_OR_RETURN(const bool more, NextEvent(event_));
+    if (!more) {
+      return TrialFileInvalid(path_, "is a recording without a frame");
+    }
+    if (const auto* trial = std::get_if<RecordedTrial>(&event_)) {
+      TakeTrial(*trial);
+    }
+    if (const auto* found = std::get_if<RecordedCalibration>(&event_)) {
+      calibration_ = *found;
+      return absl::OkStatus();
+    }
+    if (std::holds_alternative<v1::FrameBatch>(event_)) {
+      waiting_ = true;
+      return absl::OkStatus();
+    }
+  }
+}
+
+const v1::FrameBatch* RecordingDriver::PlayedFrame() const {
+  if (calibration_) {
+    const auto* raw = std::get_if<RawFrame>(&event_);
+    return raw != nullptr ? &raw->batch : nullptr;
+  }
+  return std::get_if<v1::FrameBatch>(&event_);
 }
 
 absl::StatusOr<bool> RecordingDriver::NextEvent(RecordingEvent& event) {
@@ -68,9 +103,12 @@ absl::StatusOr<ReadResult> RecordingDriver::OnRead(SkinFrame& frame) {
         break;
       }
     }
+    if (const auto* calibrated = std::get_if<v1::FrameBatch>(&event_)) {
+      TakePose(*calibrated);
+    }
     if (const auto* trial = std::get_if<RecordedTrial>(&event_)) {
       TakeTrial(*trial);
-    } else if (const auto* batch = std::get_if<v1::FrameBatch>(&event_)) {
+    } else if (const v1::FrameBatch* batch = PlayedFrame()) {
       waiting_ = !IsDue(batch->first_capture_time_ns());
       if (waiting_) return ReadResult::kNoFrame;
       TakeFrame(*batch, frame);
@@ -107,17 +145,21 @@ void RecordingDriver::TakeFrame(const v1::FrameBatch& batch, SkinFrame& frame) {
   frame.capture_time_ns = batch.first_capture_time_ns();
   frame.missing_before = batch.first_sequence() - sequence_ - 1;
   sequence_ = batch.first_sequence();
-  if (config_.taxel_type() == v1::TAXEL_TYPE_UINT16) {
+  if (is_u16_) {
     CopyTaxels(batch.taxels(), frame.u16);
   } else {
     CopyTaxels(batch.taxels(), frame.f32);
   }
   ++statistics_.frames;
   statistics_.lost += frame.missing_before;
+  if (config_.with_poses()) frame.pose = pose_;
+}
+
+void RecordingDriver::TakePose(const v1::FrameBatch& batch) {
   if (!config_.with_poses()) return;
   const auto& p = batch.poses();
-  frame.pose.position = {p[0], p[1], p[2]};
-  frame.pose.orientation = Eigen::Quaterniond(p[6], p[3], p[4], p[5]);
+  pose_.position = {p[0], p[1], p[2]};
+  pose_.orientation = Eigen::Quaterniond(p[6], p[3], p[4], p[5]);
 }
 
 bool RecordingDriver::IsDue(int64_t capture_time_ns) {

@@ -9,6 +9,10 @@
 //   }});
 //   TACTUS_ASSIGN_OR_RETURN(const SkinInfo info, driver.Configure());
 //
+// With `raw` the frames are those that the skin sent, with the poses of the
+// calibrated ones. A recording of a skin without a calibration has the same
+// frames either way.
+//
 // An open trial of a recording that was cut off ends with it. Not thread-safe.
 #pragma once
 
@@ -31,6 +35,7 @@ class RecordingDriver : public LabelledDriver {
     size_t max_trials = 0;
     // True: Read returns frames at the pace of their capture times.
     bool real_time = false;
+    bool raw = false;
     // Called for each event of the recording, on the thread that reads.
     std::function<void(const RecordingEvent&)> on_event = {};
   };
@@ -47,6 +52,10 @@ class RecordingDriver : public LabelledDriver {
   // the recording.
   const v1::StreamConfig& config() const { return config_; }
   const RecordingTexts& about() const { return reader_->about(); }
+  // Valid after Configure with `raw`: of a calibrated skin.
+  const std::optional<RecordedCalibration>& calibration() const {
+    return calibration_;
+  }
 
  protected:
   // TRIAL_FILE_INVALID if the recording has no configuration.
@@ -57,7 +66,12 @@ class RecordingDriver : public LabelledDriver {
   // True if `event` is the next one.
   absl::StatusOr<bool> NextEvent(RecordingEvent& event);
   void TakeTrial(const RecordedTrial& trial);
+  // With `raw`: reads on to the calibration, or to the first frame.
+  absl::Status FindCalibration();
+  // The frame that `event_` is; null if it is none, or not one that is played.
+  const v1::FrameBatch* PlayedFrame() const;
   void TakeFrame(const v1::FrameBatch& batch, SkinFrame& frame);
+  void TakePose(const v1::FrameBatch& batch);
   // With real_time: waits a short time. True once the frame is due.
   bool IsDue(int64_t capture_time_ns);
 
@@ -65,6 +79,11 @@ class RecordingDriver : public LabelledDriver {
   const Options options_;
   std::unique_ptr<RecordingReader> reader_;
   v1::StreamConfig config_;
+  std::optional<RecordedCalibration> calibration_;
+  // Frames that are played are u16.
+  bool is_u16_ = false;
+  // Of the last frame.
+  Pose pose_;
   Trial trial_;
   // Trials that have begun.
   size_t trials_ = 0;
@@ -72,7 +91,7 @@ class RecordingDriver : public LabelledDriver {
   bool at_end_ = false;
   uint64_t sequence_ = 0;
   RecordingEvent event_;
-  // `event_` is a frame that waits for its time.
+  // `event_` is a frame that was not played yet.
   bool waiting_ = false;
   // Capture time minus time of the clock; once a frame was read.
   std::optional<int64_t> offset_ns_;

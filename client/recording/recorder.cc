@@ -43,6 +43,17 @@ void Recorder::Begin(const SkinInfo& info, const v1::StreamConfig& config,
   Push(started, started.ByteSizeLong(), /*must=*/true);
 }
 
+void Recorder::BeginRaw(const SkinInfo& raw_info,
+                        std::string calibration_json) {
+  SkinInfo info = raw_info;
+  // Poses are those of the frames.
+  info.with_poses = false;
+  raw_encoder_.emplace(info, FrameEncoder::Options{});
+  const size_t bytes = calibration_json.size();
+  Push(RecordedCalibration{MakeConfig(info), std::move(calibration_json)},
+       bytes, /*must=*/true);
+}
+
 void Recorder::BeginTrial(RecordingTexts values) {
   values.insert(model_.begin(), model_.end());
   values.insert(options_.about.begin(), options_.about.end());
@@ -50,11 +61,20 @@ void Recorder::BeginTrial(RecordingTexts values) {
   Push(RecordedTrial{std::move(values)}, 0, /*must=*/true);
 }
 
-void Recorder::Frame(const SkinFrame& frame) {
+void Recorder::Frame(const SkinFrame& frame, const SkinFrame* raw) {
   encoder_->Skip(frame.missing_before);
   encoder_->Add(frame);
-  const v1::FrameBatch& batch = encoder_->request().frames();
-  const bool kept = Push(batch, encoder_->bytes(), /*must=*/false);
+  size_t bytes = encoder_->bytes();
+  std::optional<RawFrame> raw_frame;
+  if (raw_encoder_) {
+    raw_encoder_->Skip(frame.missing_before);
+    raw_encoder_->Add(*raw);
+    bytes += raw_encoder_->bytes();
+    raw_frame = {raw_encoder_->request().frames()};
+    raw_encoder_->Clear();
+  }
+  const bool kept = Push(encoder_->request().frames(), bytes, /*must=*/false,
+                         std::move(raw_frame));
   encoder_->Clear();
   const std::lock_guard lock(mutex_);
   ++(kept ? totals_.frames : totals_.lost_frames);
@@ -68,7 +88,8 @@ void Recorder::Result(const v1::Posterior& posterior) {
   ++(kept ? totals_.results : totals_.lost_results);
 }
 
-bool Recorder::Push(RecordingEvent event, size_t bytes, bool must) {
+bool Recorder::Push(RecordingEvent event, size_t bytes, bool must,
+                    std::optional<RawFrame> raw) {
   bytes += kEntryBytes;
   std::unique_lock lock(mutex_);
   const auto has_room = [&] {
@@ -79,9 +100,14 @@ bool Recorder::Push(RecordingEvent event, size_t bytes, bool must) {
   }
   if (stop_ || !status_.ok() || (!must && !has_room())) return false;
   queued_bytes_ += bytes;
-  queue_.push_back({std::move(event), bytes});
+  queue_.push_back({std::move(event), std::move(raw), bytes});
   changed_.notify_all();
   return true;
+}
+
+absl::Status Recorder::Write(const Entry& entry) {
+  TACTUS_RETURN_IF_ERROR(writer_->Write(entry.event));
+  return entry.raw ? writer_->Write(*entry.raw) : absl::OkStatus();
 }
 
 void Recorder::WriteAll() {
@@ -96,7 +122,7 @@ void Recorder::WriteAll() {
       const Entry entry = std::move(queue_.front());
       queue_.pop_front();
       lock.unlock();
-      status = writer_->Write(entry.event);
+      status = Write(entry);
       lock.lock();
       queued_bytes_ -= entry.bytes;
       flushed = false;

@@ -13,6 +13,9 @@
 //   recorder->EndTrial();
 //   TACTUS_RETURN_IF_ERROR(recorder->Finish());
 //
+// Frames of a calibrated skin are recorded as the stream gets them and as the
+// skin sent them: BeginRaw, then Frame(frame, &calibrated_driver.raw()).
+//
 // Events wait in a queue of bounded size. If it is full, the event is dropped
 // and counted, or with `wait_when_full` the caller waits. The numbers of
 // dropped events are in the file's last metadata and in totals(). A chunk of
@@ -69,10 +72,14 @@ class Recorder {
   // Once: what the stream was opened with, and the server's answer.
   void Begin(const SkinInfo& info, const v1::StreamConfig& config,
              const v1::StreamStarted& started);
+  // Once, before the first frame, if raw frames follow: what they are like, and
+  // how loads are made of them, as JSON (calibration_in_use.h).
+  void BeginRaw(const SkinInfo& raw_info, std::string calibration_json);
   // `values` describes the trial of the frames that follow.
   void BeginTrial(RecordingTexts values);
-  // `frame.missing_before` frames are missing in the recording too.
-  void Frame(const SkinFrame& frame);
+  // `frame.missing_before` frames are missing in the recording too. `raw` is
+  // the same frame as the skin sent it; kept or lost with it.
+  void Frame(const SkinFrame& frame, const SkinFrame* raw = nullptr);
   void EndTrial();
   void Result(const v1::Posterior& posterior);
   // Writes what waits and completes the file. Further calls return the same.
@@ -84,18 +91,22 @@ class Recorder {
  private:
   struct Entry {
     RecordingEvent event;
+    std::optional<RawFrame> raw;
     size_t bytes = 0;
   };
 
   Recorder(std::unique_ptr<RecordingWriter> writer, const Options& options);
 
   // False if the event was dropped. Events that `must` be kept never are.
-  bool Push(RecordingEvent event, size_t bytes, bool must);
+  bool Push(RecordingEvent event, size_t bytes, bool must,
+            std::optional<RawFrame> raw = std::nullopt);
+  absl::Status Write(const Entry& entry);
   void WriteAll();
 
   const std::unique_ptr<RecordingWriter> writer_;
   const Options options_;
   std::optional<FrameEncoder> encoder_;
+  std::optional<FrameEncoder> raw_encoder_;
   RecordingTexts model_;
   bool finished_ = false;
   std::thread thread_;

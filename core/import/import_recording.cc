@@ -88,9 +88,12 @@ class RecordingImport {
         if (ended) TACTUS_RETURN_IF_ERROR(EndContact());
       } else if (std::holds_alternative<v1::EndOfTrial>(event)) {
         TACTUS_RETURN_IF_ERROR(EndTrial());
+      } else if (std::holds_alternative<RawFrame>(event)) {
+        ++raw_frames_;
       }
     }
     TACTUS_RETURN_IF_ERROR(EndTrial());
+    RemarkRaw(RecordedTrial{reader->about()}.Text("device"));
     Remark(reader->CutOff());
     for (const auto& [contact, row] : table_.rows) {
       if (contact <= contacts_) continue;
@@ -123,6 +126,15 @@ class RecordingImport {
 
   void Remark(const std::string& text) const {
     if (!text.empty() && options_.remark) options_.remark(text);
+  }
+
+  // Which of its two kinds of frames were taken.
+  void RemarkRaw(const std::string& device) const {
+    if (raw_frames_ == 0) return;
+    Remark(absl::StrCat(path_, ": the trials hold the loads of ", kFrameTopic,
+                        "; ", raw_frames_, " frames of ", kRawTopic,
+                        ", as the skin ", Quoted(device),
+                        " sent them, stay in the recording"));
   }
 
   absl::Status EndTrial() {
@@ -192,6 +204,7 @@ class RecordingImport {
   size_t contacts_ = 0;
   size_t contacts_before_ = 0;
   size_t imported_ = 0;
+  size_t raw_frames_ = 0;
   // Of the trial.
   size_t frames_ = 0;
 };

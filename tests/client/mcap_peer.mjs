@@ -1,7 +1,7 @@
 // Reads an MCAP file with npm's @mcap/core, by its index and as a stream, with
 // all checksums compared, and prints what it holds as one JSON object, as
 // mcap_content.cc does. Fails if the two ways differ. Decodes all messages with
-// protobufjs and the schemas in the file, as Foxglove does.
+// protobufjs and the schemas in the file, or as JSON, as Foxglove does.
 //
 //   NODE_PATH=.../node_modules node mcap_peer.mjs FILE.mcap
 //
@@ -115,6 +115,10 @@ check("schemas", indexed.schemasById.size, stream.schemas.length);
 
 const types = new Map();
 for (const schema of stream.schemas) {
+  if (schema.encoding === "jsonschema") {
+    JSON.parse(new TextDecoder().decode(schema.data));
+    continue;
+  }
   const root = protobuf.Root.fromDescriptor(
     FileDescriptorSet.decode(schema.data),
   );
@@ -123,6 +127,10 @@ for (const schema of stream.schemas) {
 }
 let images = 0;
 for (const { schemaId, data } of stream.contents) {
+  if (!types.has(schemaId)) {
+    JSON.parse(new TextDecoder().decode(data));
+    continue;
+  }
   const message = types.get(schemaId).decode(data);
   if (types.get(schemaId).fullName !== ".foxglove.RawImage") continue;
   check("encoding", message.encoding, "mono8");

@@ -12,6 +12,7 @@
 #include "client/tools/stream/trial_player.h"
 #include "core/base/errors.h"
 #include "core/base/random.h"
+#include "core/base/status_macros.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/server/support/test_server.h"
@@ -228,6 +229,188 @@ TEST(ReplayTest, ASkinWithLostFramesGivesTheRecordedPosteriorsBitForBit) {
     EXPECT_EQ(counts.different, 0U) << check.Text();
     EXPECT_TRUE(check.SameModel());
   }
+}
+
+// A skin whose taxels have offsets, and what was measured of it.
+class OffsetSkin : public LossySkin {
+ public:
+  OffsetSkin() : LossySkin(true, true) {}
+
+  static double Offset(size_t taxel) {
+    return 20 + static_cast<double>(taxel % 7);
+  }
+
+ protected:
+  absl::StatusOr<ReadResult> OnRead(SkinFrame& frame) override {
+    TACTUS_ASSIGN_OR_RETURN(const ReadResult result, LossySkin::OnRead(frame));
+    for (size_t i = 0; i < frame.u16.size(); ++i) {
+      frame.u16[i] += static_cast<uint16_t>(Offset(i));
+    }
+    return result;
+  }
+};
+
+Calibration OffsetCalibration(double threshold) {
+  Calibration calibration;
+  calibration.device = "palm";
+  calibration.layout = *LayoutPreset("cody-forearm");
+  calibration.frames = 100;
+  for (size_t i = 0; i < 384; ++i) {
+    calibration.baseline.push_back(OffsetSkin::Offset(i));
+    calibration.deviation.push_back(1);
+    calibration.contact_threshold.push_back(threshold);
+    calibration.onset_threshold.push_back(threshold + 2);
+  }
+  return calibration;
+}
+
+std::vector<v1::FrameBatch> FramesOf(const std::string& path, bool raw) {
+  const auto reader = *RecordingReader::Open(path);
+  std::vector<v1::FrameBatch> frames;
+  RecordingEvent event;
+  while (*reader->Next(event)) {
+    if (const auto* f = std::get_if<v1::FrameBatch>(&event); f && !raw) {
+      frames.push_back(*f);
+    }
+    if (const auto* f = std::get_if<RawFrame>(&event); f && raw) {
+      frames.push_back(f->batch);
+    }
+  }
+  EXPECT_TRUE(reader->end().contains("frames"));
+  return frames;
+}
+
+// Streams and records a calibrated skin; the posteriors go to `check`.
+absl::Status RecordCalibrated(TestServer& server, SkinDriver& skin,
+                              CalibratedDriverOptions options,
+                              const std::string& path, PosteriorCheck* check) {
+  const auto recorder = *Recorder::Create(
+      path, {.about = {{"stream", "skin"}, {"device", options.device}},
+             .sync = false});
+  CalibratedDriver driver(&skin, std::move(options));
+  LivePlayer player(server.channel(), &driver,
+                    {.release_after_ms = 300,
+                     .recorder = recorder.get(),
+                     .calibrated = &driver,
+                     .check = check},
+                    Drop, DropNews);
+  TACTUS_RETURN_IF_ERROR(player.Run());
+  return recorder->Finish();
+}
+
+TEST(ReplayTest, ACalibratedSkinIsRecordedAsItSentAndCalibratedAgain) {
+  const ScratchDir folder;
+  TestServer server;
+  const std::vector<double> tare(384, 19);
+  OffsetSkin skin;
+  absl::Status status = RecordCalibrated(
+      server, skin,
+      {.device = "palm", .calibration = OffsetCalibration(8), .tare = tare},
+      folder / "a.mcap", nullptr);
+  ASSERT_TRUE(status.ok()) << status;
+  // Raw frames are what the skin sent.
+  const auto raw = FramesOf(folder / "a.mcap", true);
+  OffsetSkin again;
+  ASSERT_TRUE(again.Configure().ok() && again.Activate().ok());
+  SkinFrame frame;
+  for (const v1::FrameBatch& batch : raw) {
+    ASSERT_EQ(*again.Read(frame), ReadResult::kFrame);
+    ASSERT_EQ(batch.taxels(),
+              std::string(reinterpret_cast<const char*>(frame.u16.data()),
+                          2 * frame.u16.size()));
+    ASSERT_EQ(batch.first_capture_time_ns(), frame.capture_time_ns);
+  }
+  EXPECT_EQ(*again.Read(frame), ReadResult::kEndOfData);
+  const auto start = ReadRecordingStart(folder / "a.mcap");
+  ASSERT_TRUE(start.ok()) << start.status();
+  EXPECT_EQ(start->device, "palm");
+  ASSERT_TRUE(start->calibration);
+  EXPECT_EQ(start->calibration->calibration, OffsetCalibration(8));
+  EXPECT_EQ(start->calibration->tare, tare);
+  // Without a calibration, the loads are played; with the same one, the same
+  // loads are made again, with the tare of the recording; with another one,
+  // other loads.
+  const auto loads = FramesOf(folder / "a.mcap", false);
+  ASSERT_EQ(loads.size(), raw.size());
+  for (const double threshold : {0.0, 8.0, 300.0}) {
+    PosteriorCheck check;
+    RecordingDriver recording(
+        folder / "a.mcap", {.raw = threshold > 0, .on_event = EventsTo(check)});
+    const std::string path = folder / absl::StrCat(threshold, ".mcap");
+    if (threshold == 0) {
+      LivePlayer player(server.channel(), &recording,
+                        {.release_after_ms = 300, .check = &check}, Drop,
+                        DropNews);
+      status = player.Run();
+      ASSERT_TRUE(status.ok()) << status;
+    } else {
+      status = RecordCalibrated(
+          server, recording,
+          Recalibration(*start, {.calibration = OffsetCalibration(threshold)}),
+          path, &check);
+      ASSERT_TRUE(status.ok()) << status;
+      const auto made = FramesOf(path, false);
+      ASSERT_EQ(made.size(), loads.size());
+      size_t equal = 0;
+      for (size_t i = 0; i < loads.size(); ++i) {
+        equal += made[i].SerializeAsString() == loads[i].SerializeAsString();
+      }
+      EXPECT_EQ(equal == loads.size(), threshold == 8) << equal;
+      const auto made_raw = FramesOf(path, true);
+      ASSERT_EQ(made_raw.size(), raw.size());
+      for (size_t i = 0; i < raw.size(); ++i) {
+        ASSERT_EQ(made_raw[i].SerializeAsString(), raw[i].SerializeAsString());
+      }
+    }
+    const PosteriorCheck::Counts counts = check.Result();
+    EXPECT_EQ(counts.different == 0, threshold < 300) << check.Text();
+    if (threshold < 300) {
+      EXPECT_GT(counts.equal, 6U);
+      EXPECT_EQ(counts.only_recorded, 0U);
+    }
+  }
+}
+
+// A skin that was recorded without a calibration gets one afterwards.
+TEST(ReplayTest, ASkinWithoutACalibrationIsCalibratedAfterwards) {
+  const ScratchDir folder;
+  TestServer server;
+  {
+    const auto recorder = *Recorder::Create(
+        folder / "a.mcap",
+        {.about = {{"stream", "skin"}, {"device", "palm"}}, .sync = false});
+    OffsetSkin skin;
+    LivePlayer player(server.channel(), &skin, {.recorder = recorder.get()},
+                      Drop, DropNews);
+    ASSERT_TRUE(player.Run().ok());
+    ASSERT_TRUE(recorder->Finish().ok());
+  }
+  const auto start = ReadRecordingStart(folder / "a.mcap");
+  ASSERT_TRUE(start.ok()) << start.status();
+  EXPECT_FALSE(start->calibration);
+  RecordingDriver recording(folder / "a.mcap", {.raw = true});
+  OffsetSkin skin;
+  const CalibratedDriverOptions options =
+      Recalibration(*start, {.calibration = OffsetCalibration(8)});
+  CalibratedDriver afterwards(&recording, options);
+  CalibratedDriver at_once(&skin, options);
+  for (CalibratedDriver* driver : {&afterwards, &at_once}) {
+    const auto info = driver->Configure();
+    ASSERT_TRUE(info.ok()) << info.status();
+    ASSERT_TRUE(driver->Activate().ok());
+  }
+  SkinFrame a;
+  SkinFrame b;
+  int frames = 0;
+  while (*at_once.Read(a) == ReadResult::kFrame) {
+    ASSERT_EQ(*afterwards.Read(b), ReadResult::kFrame);
+    ASSERT_EQ(a.f32, b.f32);
+    ASSERT_EQ(a.missing_before, b.missing_before);
+    ASSERT_EQ(a.capture_time_ns, b.capture_time_ns);
+    ASSERT_EQ(a.pose.position, b.pose.position);
+    ++frames;
+  }
+  EXPECT_GT(frames, 300);
 }
 
 // At the pace of their capture times, across a gap of a quarter of a second,

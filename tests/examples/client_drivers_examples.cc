@@ -4,6 +4,7 @@
 
 #include "client/drivers/buffered_driver.h"
 #include "client/drivers/calibrated_driver.h"
+#include "client/drivers/calibration/calibration_in_use.h"
 #include "client/drivers/calibration/calibration_json.h"
 #include "client/drivers/calibration/tare.h"
 #include "client/drivers/can/can_error.h"
@@ -274,6 +275,13 @@ absl::Status CalibrationExample(const IdleFrames& idle, const SkinInfo& info,
 absl::Status CalibrationJsonExample(const Calibration& calibration) {
   const std::string text = CalibrationToJson(calibration);
   TACTUS_ASSIGN_OR_RETURN(const Calibration again, CalibrationFromJson(text));
+  return absl::OkStatus();
+}
+
+absl::Status CalibrationInUseExample(const CalibratedDriver& driver) {
+  const std::string json = ToJson(driver.in_use());
+  TACTUS_ASSIGN_OR_RETURN(const CalibrationInUse again,
+                          CalibrationInUseFromJson(json));
   return absl::OkStatus();
 }
 

@@ -275,18 +275,25 @@ absl::StatusOr<Calibration> ReadCalibration(const std::string& path) {
   return calibration;
 }
 
-absl::StatusOr<std::unique_ptr<SkinSource>> SkinSource::Make(
-    const SkinSourceOptions& options) {
-  std::unique_ptr<SkinSource> source(new SkinSource());
-  TACTUS_RETURN_IF_ERROR(source->MakeDriver(options));
-  if (!options.IsCalibrated()) return source;
-  CalibratedDriverOptions calibrated = {.device = DeviceId(options),
+absl::StatusOr<CalibratedDriverOptions> CalibratedOptions(
+    const SkinSourceOptions& options, const std::string& device) {
+  CalibratedDriverOptions calibrated = {.device = device,
                                         .tare_frames = options.tare_frames,
                                         .drift_time_s = options.drift_time_s};
   if (!options.calibration.empty()) {
     TACTUS_ASSIGN_OR_RETURN(calibrated.calibration,
                             ReadCalibration(options.calibration));
   }
+  return calibrated;
+}
+
+absl::StatusOr<std::unique_ptr<SkinSource>> SkinSource::Make(
+    const SkinSourceOptions& options) {
+  std::unique_ptr<SkinSource> source(new SkinSource());
+  TACTUS_RETURN_IF_ERROR(source->MakeDriver(options));
+  if (!options.IsCalibrated()) return source;
+  TACTUS_ASSIGN_OR_RETURN(CalibratedDriverOptions calibrated,
+                          CalibratedOptions(options, DeviceId(options)));
   source->calibrated_ = std::make_unique<CalibratedDriver>(
       source->driver_, std::move(calibrated));
   source->driver_ = source->calibrated_.get();

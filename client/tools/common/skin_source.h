@@ -93,6 +93,10 @@ absl::StatusOr<std::unique_ptr<TrialDriver>> MakeTrialDriver(
 // The calibration in a file; errors name it.
 absl::StatusOr<Calibration> ReadCalibration(const std::string& path);
 
+// What --calibration, --tare and --drift-s say, for the skin `device`.
+absl::StatusOr<CalibratedDriverOptions> CalibratedOptions(
+    const SkinSourceOptions& options, const std::string& device);
+
 class SkinSource {
  public:
   // INVALID_CONFIG or IO; opens no device, but the socket for joint values if

@@ -90,6 +90,10 @@ absl::Status LivePlayer::Stream() {
   const std::string remarks = driver_->Statistics().remarks;
   if (!remarks.empty()) on_news_(remarks);
   TACTUS_RETURN_IF_ERROR(driver_->Activate());
+  if (options_.recorder && options_.calibrated) {
+    options_.recorder->BeginRaw(options_.calibrated->raw_info(),
+                                ToJson(options_.calibrated->in_use()));
+  }
   const absl::Status played = Play();
   if (stop_ && stream_->resuming()) stream_->Cancel();
   // An open contact ends here too.
@@ -128,7 +132,10 @@ absl::Status LivePlayer::Play() {
 }
 
 absl::Status LivePlayer::SendFrame(const SkinFrame& frame) {
-  if (options_.recorder) options_.recorder->Frame(frame);
+  if (options_.recorder) {
+    options_.recorder->Frame(
+        frame, options_.calibrated ? &options_.calibrated->raw() : nullptr);
+  }
   encoder_->Skip(frame.missing_before);
   encoder_->Add(frame);
   if (options_.observer != nullptr) {

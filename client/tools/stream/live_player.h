@@ -28,6 +28,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "client/drivers/calibrated_driver.h"
 #include "client/drivers/skin_driver.h"
 #include "client/kinematics/skin_places.h"
 #include "client/recording/posterior_check.h"
@@ -81,6 +82,9 @@ class LivePlayer {
     // as one trial with this description.
     Recorder* recorder = nullptr;
     RecordingTexts trial = {};
+    // The driver, if it is a calibrated one: what the skin sent is recorded
+    // too.
+    const CalibratedDriver* calibrated = nullptr;
     // If set, gets the server's answers.
     PosteriorCheck* check = nullptr;
     // Answers have features, as they have for an observer.

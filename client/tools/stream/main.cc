@@ -72,16 +72,17 @@ void PrintProblem(const SkinDriver& driver) {
   std::fprintf(stderr, "tactus-stream: %s\n", problem.c_str());
 }
 
-// Null without --record.
-absl::StatusOr<std::unique_ptr<Recorder>> MakeRecorder(const Flags& flags,
-                                                       bool is_live,
-                                                       uint32_t batch) {
+// Null without --record. `device` names a real skin.
+absl::StatusOr<std::unique_ptr<Recorder>> MakeRecorder(
+    const Flags& flags, bool is_live, uint32_t batch,
+    const std::string& device) {
   if (flags.record.empty()) return nullptr;
   Recorder::Options options;
   options.about = {{"program", absl::StrCat("tactus-stream ", kVersion)},
                    {"driver", flags.source.driver},
                    {"stream", is_live ? "skin" : "trials"},
                    {"batch", absl::StrCat(is_live ? 1 : batch)}};
+  if (!device.empty()) options.about["device"] = device;
   if (flags.source.driver == "sim") {
     options.about["seed"] = absl::StrCat(flags.source.seed);
     options.about["skin"] = flags.source.skin;
@@ -105,12 +106,23 @@ absl::Status ReplaySkin(const Flags& flags,
   for (auto& [key, value] : player.trial) {
     if (value.empty()) value = start.trial.Text(key);
   }
-  RecordingDriver driver(flags.source.data,
-                         {.max_trials = flags.source.trials,
-                          .real_time = flags.player.real_time,
-                          .on_event = EventsTo(check)});
-  TACTUS_RETURN_IF_ERROR(RunLive(channel, driver, player, flags.json));
-  PrintProblem(driver);
+  RecordingDriver recording(flags.source.data,
+                            {.max_trials = flags.source.trials,
+                             .real_time = flags.player.real_time,
+                             .raw = flags.source.IsCalibrated(),
+                             .on_event = EventsTo(check)});
+  SkinDriver* driver = &recording;
+  std::optional<CalibratedDriver> calibrated;
+  if (flags.source.IsCalibrated()) {
+    TACTUS_ASSIGN_OR_RETURN(
+        CalibratedDriverOptions options,
+        CalibratedOptions(flags.source, flags.source.device_id));
+    calibrated.emplace(&recording, Recalibration(start, std::move(options)));
+    driver = &*calibrated;
+    player.calibrated = &*calibrated;
+  }
+  TACTUS_RETURN_IF_ERROR(RunLive(channel, *driver, player, flags.json));
+  PrintProblem(recording);
   if (flags.json) {
     std::printf("%s\n", JsonText(Json{{"replay", ToJson(check)}}).c_str());
   } else {
@@ -134,6 +146,7 @@ absl::Status RunSkin(const Flags& flags,
                                           {"object", flags.object}}};
   if (flags.IsReplayOfRecording()) return ReplaySkin(flags, channel, player);
   TACTUS_ASSIGN_OR_RETURN(const auto source, SkinSource::Make(flags.source));
+  player.calibrated = source->calibrated();
   ArmSource* const arm = source->arm();
   if (arm != nullptr) {
     player.with_features = true;
@@ -165,10 +178,18 @@ absl::Status Run(const Flags& flags) {
   }
   const auto channel = MakeChannel(flags.server, options);
   bool is_live = flags.source.IsLive() || flags.monitor;
+  std::string device = is_live ? DeviceId(flags.source) : "";
   if (flags.IsReplayOfRecording()) {
     TACTUS_ASSIGN_OR_RETURN(const RecordingStart start,
                             ReadRecordingStart(flags.source.data));
     is_live = start.is_live;
+    device =
+        flags.source.device_id.empty() ? start.device : flags.source.device_id;
+    if (!is_live && flags.source.IsCalibrated()) {
+      return InvalidConfig("--calibration or --tare",
+                           "given with a recording of trials",
+                           "absent without a real skin");
+    }
     if (flags.monitor) {
       return InvalidConfig("--monitor", "a recording",
                            "a skin, or a trial file (trainctl import)");
@@ -189,8 +210,9 @@ absl::Status Run(const Flags& flags) {
     return InvalidConfig("--label, --condition or --object", *text,
                          "absent: the trials have their own");
   }
-  TACTUS_ASSIGN_OR_RETURN(const auto recorder,
-                          MakeRecorder(flags, is_live, player_options.batch));
+  TACTUS_ASSIGN_OR_RETURN(
+      const auto recorder,
+      MakeRecorder(flags, is_live, player_options.batch, device));
   if (is_live) {
     const absl::Status status =
         RunSkin(flags, channel, player_options.token, recorder.get());

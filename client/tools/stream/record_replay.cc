@@ -26,17 +26,33 @@ absl::StatusOr<RecordingStart> ReadRecordingStart(const std::string& path) {
       start.config = *config;
     } else if (const auto* trial = std::get_if<RecordedTrial>(&event)) {
       start.trial = *trial;
+    } else if (const auto* raw = std::get_if<RecordedCalibration>(&event)) {
+      auto in_use = CalibrationInUseFromJson(raw->json);
+      if (!in_use.ok()) return Annotate(in_use.status(), path);
+      start.calibration = *std::move(in_use);
     } else if (std::holds_alternative<v1::FrameBatch>(event)) {
       break;
     }
   }
   const RecordedTrial about{reader->about()};
   start.is_live = about.Text("stream") == "skin";
+  start.device = about.Text("device");
   if (!absl::SimpleAtoi(about.Text("batch"), &start.batch) ||
       start.batch == 0 || start.batch > limits::kMaxFramesPerMessage) {
     start.batch = 1;
   }
   return start;
+}
+
+CalibratedDriverOptions Recalibration(const RecordingStart& start,
+                                      CalibratedDriverOptions options) {
+  if (options.device.empty()) options.device = start.device;
+  if (!start.calibration) return options;
+  if (options.tare_frames == 0) options.tare = start.calibration->tare;
+  if (options.drift_time_s == 0 && options.calibration) {
+    options.drift_time_s = start.calibration->drift_time_s;
+  }
+  return options;
 }
 
 std::function<void(const RecordingEvent&)> EventsTo(PosteriorCheck& check) {

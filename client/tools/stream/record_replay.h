@@ -16,11 +16,13 @@
 #include <cstdint>
 #include <cstdio>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "client/drivers/calibrated_driver.h"
 #include "client/recording/posterior_check.h"
 #include "client/recording/recorder.h"
 #include "client/tools/json.h"
@@ -36,12 +38,23 @@ struct RecordingStart {
   bool is_live = false;
   // Frames of one message.
   uint32_t batch = 1;
+  // Names the skin; empty if it was not recorded.
+  std::string device;
   // The first trial.
   RecordedTrial trial;
+  // Of a calibrated skin.
+  std::optional<CalibrationInUse> calibration;
 };
 
-// Reads as far as the first frame. TRIAL_FILE_INVALID or IO.
+// Reads as far as the first frame. TRIAL_FILE_INVALID or IO; INVALID_CONFIG for
+// a calibration that is none.
 absl::StatusOr<RecordingStart> ReadRecordingStart(const std::string& path);
+
+// How the raw frames of a recording become loads: as `options` says. What it
+// leaves open is as it was when they were recorded: the device, the tare if
+// there was one, and the drift if it was followed.
+CalibratedDriverOptions Recalibration(const RecordingStart& start,
+                                      CalibratedDriverOptions options);
 
 // Hands what the server answered and the model's checksum to `check`, which
 // outlives the result.

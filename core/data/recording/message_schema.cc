@@ -28,4 +28,8 @@ McapSchema MessageSchema(const google::protobuf::Descriptor& message) {
   return {message.full_name(), "protobuf", SerializeDeterministic(files)};
 }
 
+McapSchema JsonSchema(const std::string& name) {
+  return {name, "jsonschema", R"({"type": "object"})"};
+}
+
 }  // namespace tactus

@@ -5,8 +5,10 @@
 //
 //   const McapSchema schema = MessageSchema(*v1::Posterior::descriptor());
 //
-// Thread-safe: a free function without state.
+// Thread-safe: free functions without state.
 #pragma once
+
+#include <string>
 
 #include "core/files/mcap/mcap_records.h"
 #include "google/protobuf/descriptor.h"
@@ -14,5 +16,8 @@
 namespace tactus {
 
 McapSchema MessageSchema(const google::protobuf::Descriptor& message);
+
+// Of JSON objects of any kind.
+McapSchema JsonSchema(const std::string& name);
 
 }  // namespace tactus

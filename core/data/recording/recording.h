@@ -21,13 +21,18 @@
 
 namespace tactus {
 
-// Topics. All messages are protobuf.
+// Topics. All messages but the calibration, which is JSON, are protobuf.
 inline constexpr char kFrameTopic[] = "/skin/frames";
 inline constexpr char kImageTopic[] = "/skin/image";
 inline constexpr char kConfigTopic[] = "/skin/config";
 inline constexpr char kEndOfTrialTopic[] = "/skin/end_of_trial";
 inline constexpr char kStartedTopic[] = "/contact/started";
 inline constexpr char kResultTopic[] = "/contact/result";
+// Of a calibrated skin: what it sent, what that is like, and how loads were
+// made of it.
+inline constexpr char kRawTopic[] = "/skin/raw";
+inline constexpr char kRawConfigTopic[] = "/skin/raw_config";
+inline constexpr char kCalibrationTopic[] = "/skin/calibration";
 // Names of metadata: of the whole recording, of a trial, and at the end.
 inline constexpr char kRecordingMetadata[] = "recording";
 inline constexpr char kTrialMetadata[] = "trial";
@@ -49,11 +54,27 @@ struct RecordedTrial {
   }
 };
 
+// Of a calibrated skin, once, before the first frame.
+struct RecordedCalibration {
+  // What the skin sends: geometry, type and scale of its numbers, rate.
+  v1::StreamConfig raw;
+  // How the loads are made of that
+  // (client/drivers/calibration/calibration_in_use.h).
+  std::string json;
+};
+
+// What the skin sent for the frame before it: one dense frame without poses,
+// with that frame's sequence number and capture time.
+struct RawFrame {
+  v1::FrameBatch batch;
+};
+
 // The stream's configuration, once; what the server answered to it, once;
-// trials; frames as the driver read them, one dense frame each; ends of trials;
-// and results.
+// trials; frames as the driver read them, one dense frame each; of a calibrated
+// skin, its calibration and what it sent; ends of trials; and results.
 using RecordingEvent =
     std::variant<v1::StreamConfig, v1::StreamStarted, RecordedTrial,
-                 v1::FrameBatch, v1::EndOfTrial, v1::Posterior>;
+                 v1::FrameBatch, v1::EndOfTrial, v1::Posterior,
+                 RecordedCalibration, RawFrame>;
 
 }  // namespace tactus

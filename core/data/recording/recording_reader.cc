@@ -78,38 +78,87 @@ absl::Status RecordingReader::TakeMessage(RecordingEvent& event, bool* found) {
     return TrialFileInvalid(path_, "is an MCAP file, but no recording");
   }
   if (topic == kFrameTopic) {
-    TACTUS_RETURN_IF_ERROR(Parse<v1::FrameBatch>(event));
+    TACTUS_RETURN_IF_ERROR(ParseEvent<v1::FrameBatch>(event));
     return CheckFrame(std::get<v1::FrameBatch>(event));
   }
-  if (topic == kResultTopic) return Parse<v1::Posterior>(event);
-  if (topic == kEndOfTrialTopic) return Parse<v1::EndOfTrial>(event);
-  if (topic == kStartedTopic) return Parse<v1::StreamStarted>(event);
+  if (topic == kResultTopic) return ParseEvent<v1::Posterior>(event);
+  if (topic == kEndOfTrialTopic) return ParseEvent<v1::EndOfTrial>(event);
+  if (topic == kStartedTopic) return ParseEvent<v1::StreamStarted>(event);
   if (topic == kConfigTopic) {
-    TACTUS_RETURN_IF_ERROR(Parse<v1::StreamConfig>(event));
-    return CheckConfig(std::get<v1::StreamConfig>(event));
+    TACTUS_RETURN_IF_ERROR(ParseEvent<v1::StreamConfig>(event));
+    if (layout_) return Invalid("is a second configuration");
+    TACTUS_ASSIGN_OR_RETURN(
+        layout_, CheckConfig(std::get<v1::StreamConfig>(event), &sizes_));
+    return absl::OkStatus();
+  }
+  return TakeRaw(event, found);
+}
+
+absl::Status RecordingReader::TakeRaw(RecordingEvent& event, bool* found) {
+  const std::string& topic = file_->message().channel->topic;
+  *found = false;
+  if (topic == kRawConfigTopic) {
+    if (raw_config_) return Invalid("is a second configuration");
+    raw_config_.emplace();
+    TACTUS_RETURN_IF_ERROR(Parse(*raw_config_));
+    return CheckConfig(*raw_config_, &raw_sizes_).status();
+  }
+  *found = true;
+  if (topic == kCalibrationTopic) return TakeCalibration(event);
+  if (topic == kRawTopic) {
+    if (!std::holds_alternative<RawFrame>(event)) event = RawFrame();
+    v1::FrameBatch& batch = std::get<RawFrame>(event).batch;
+    TACTUS_RETURN_IF_ERROR(Parse(batch));
+    if (!has_calibration_) return Invalid("comes before the calibration");
+    TACTUS_RETURN_IF_ERROR(CheckSize(batch, raw_sizes_));
+    if (!time_ns_ || has_raw_ || batch.first_sequence() != sequence_ ||
+        batch.first_capture_time_ns() != *time_ns_) {
+      return Invalid("must be what the skin sent for the frame before it");
+    }
+    has_raw_ = true;
+    return absl::OkStatus();
   }
   *found = false;
   return absl::OkStatus();
 }
 
-template <typename Message>
-absl::Status RecordingReader::Parse(RecordingEvent& event) const {
+absl::Status RecordingReader::TakeCalibration(RecordingEvent& event) {
   const McapMessage& message = file_->message();
-  if (!std::holds_alternative<Message>(event)) event = Message();
+  if (message.channel->message_encoding != "json") {
+    return Invalid("must be JSON");
+  }
+  if (!raw_config_ || has_calibration_) {
+    return Invalid(has_calibration_ ? "is a second calibration"
+                                    : "comes before its configuration");
+  }
+  has_calibration_ = true;
+  event = RecordedCalibration{*raw_config_, std::string(message.data)};
+  return absl::OkStatus();
+}
+
+template <typename Message>
+absl::Status RecordingReader::Parse(Message& parsed) const {
+  const McapMessage& message = file_->message();
   const std::string& name = Message::descriptor()->full_name();
   if (message.schema == nullptr || message.schema->name != name ||
       message.channel->message_encoding != "protobuf") {
     return Invalid(absl::StrCat("must be a ", name, " in protobuf"));
   }
-  if (!std::get<Message>(event).ParseFromArray(
-          message.data.data(), static_cast<int>(message.data.size()))) {
+  if (!parsed.ParseFromArray(message.data.data(),
+                             static_cast<int>(message.data.size()))) {
     return Invalid(absl::StrCat("is no ", name));
   }
   return absl::OkStatus();
 }
 
-absl::Status RecordingReader::CheckConfig(const v1::StreamConfig& config) {
-  if (layout_) return Invalid("is a second configuration");
+template <typename Message>
+absl::Status RecordingReader::ParseEvent(RecordingEvent& event) const {
+  if (!std::holds_alternative<Message>(event)) event = Message();
+  return Parse(std::get<Message>(event));
+}
+
+absl::StatusOr<SkinLayout> RecordingReader::CheckConfig(
+    const v1::StreamConfig& config, Sizes* sizes) const {
   auto layout = LayoutFromProto(config.geometry());
   if (!layout.ok()) return Invalid(layout.status().message());
   const double rate = config.sample_rate_hz();
@@ -129,27 +178,32 @@ absl::Status RecordingReader::CheckConfig(const v1::StreamConfig& config) {
   if (config.taxel_type() == v1::TAXEL_TYPE_UINT16) value = 2;
   if (config.taxel_type() == v1::TAXEL_TYPE_FLOAT32) value = 4;
   if (value == 0) return Invalid("has an unknown type of taxels");
-  layout_ = *std::move(layout);
-  frame_bytes_ = static_cast<size_t>(layout_->taxels()) * value;
-  pose_numbers_ = config.with_poses() ? kPoseNumbers : 0;
+  *sizes = {static_cast<size_t>(layout->taxels()) * value,
+            config.with_poses() ? kPoseNumbers : 0};
+  return *std::move(layout);
+}
+
+absl::Status RecordingReader::CheckSize(const v1::FrameBatch& frame,
+                                        const Sizes& sizes) const {
+  if (frame.frame_count() != 1 || frame.has_sparse()) {
+    return Invalid("must have one dense frame");
+  }
+  if (frame.taxels().size() != sizes.frame_bytes) {
+    return Invalid(absl::StrCat("has ", frame.taxels().size(),
+                                " bytes of taxels; the skin has ",
+                                sizes.frame_bytes));
+  }
+  if (frame.poses_size() != sizes.pose_numbers) {
+    return Invalid(absl::StrCat("has ", frame.poses_size(),
+                                " numbers of poses; it must have ",
+                                sizes.pose_numbers));
+  }
   return absl::OkStatus();
 }
 
 absl::Status RecordingReader::CheckFrame(const v1::FrameBatch& frame) {
   if (!layout_) return Invalid("is a frame before the configuration");
-  if (frame.frame_count() != 1 || frame.has_sparse()) {
-    return Invalid("must have one dense frame");
-  }
-  if (frame.taxels().size() != frame_bytes_) {
-    return Invalid(absl::StrCat("has ", frame.taxels().size(),
-                                " bytes of taxels; the skin has ",
-                                frame_bytes_));
-  }
-  if (frame.poses_size() != pose_numbers_) {
-    return Invalid(absl::StrCat("has ", frame.poses_size(),
-                                " numbers of poses; it must have ",
-                                pose_numbers_));
-  }
+  TACTUS_RETURN_IF_ERROR(CheckSize(frame, sizes_));
   const int64_t time = frame.first_capture_time_ns();
   if (time > limits::kMaxCaptureTimeNs || time < -limits::kMaxCaptureTimeNs ||
       (time_ns_ && time <= *time_ns_)) {
@@ -163,6 +217,7 @@ absl::Status RecordingReader::CheckFrame(const v1::FrameBatch& frame) {
   }
   time_ns_ = time;
   sequence_ = frame.first_sequence();
+  has_raw_ = false;
   return absl::OkStatus();
 }
 

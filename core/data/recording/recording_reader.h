@@ -13,8 +13,10 @@
 //   reader->CutOff();  // empty, or where the recording was cut off
 //
 // A configuration comes before the first frame; each frame has the skin's size,
-// a higher sequence number and a later time than the one before. Values are not
-// checked. Other topics are passed over. Not thread-safe.
+// a higher sequence number and a later time than the one before. A calibration
+// comes before the first raw frame, which has the size that it states, and
+// number and time of the frame before it. Values and the text of the
+// calibration are not checked. Other topics are passed over. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -53,12 +55,26 @@ class RecordingReader {
   RecordingReader(std::string path, std::unique_ptr<McapReader> file)
       : path_(std::move(path)), file_(std::move(file)) {}
 
+  // What a frame must have.
+  struct Sizes {
+    size_t frame_bytes = 0;
+    int pose_numbers = 0;
+  };
+
   absl::Status TakeMetadata(RecordingEvent& event, bool* found);
   absl::Status TakeMessage(RecordingEvent& event, bool* found);
+  // The same for the topics of a calibrated skin.
+  absl::Status TakeRaw(RecordingEvent& event, bool* found);
+  absl::Status TakeCalibration(RecordingEvent& event);
+  template <typename Message>
+  absl::Status Parse(Message& message) const;
   // Parses the message as a `Message`.
   template <typename Message>
-  absl::Status Parse(RecordingEvent& event) const;
-  absl::Status CheckConfig(const v1::StreamConfig& config);
+  absl::Status ParseEvent(RecordingEvent& event) const;
+  // OK and the skin if a stream may have the configuration.
+  absl::StatusOr<SkinLayout> CheckConfig(const v1::StreamConfig& config,
+                                         Sizes* sizes) const;
+  absl::Status CheckSize(const v1::FrameBatch& frame, const Sizes& sizes) const;
   absl::Status CheckFrame(const v1::FrameBatch& frame);
   absl::Status Invalid(absl::string_view message) const;
 
@@ -67,11 +83,17 @@ class RecordingReader {
   RecordingTexts about_;
   RecordingTexts end_;
   std::optional<SkinLayout> layout_;
-  size_t frame_bytes_ = 0;
-  int pose_numbers_ = 0;
+  Sizes sizes_;
+  // Of a calibrated skin: what it sends, and its frames, once both topics were
+  // read.
+  std::optional<v1::StreamConfig> raw_config_;
+  bool has_calibration_ = false;
+  Sizes raw_sizes_;
   // Of the last frame.
   uint64_t sequence_ = 0;
   std::optional<int64_t> time_ns_;
+  // Its raw frame was read.
+  bool has_raw_ = false;
 };
 
 }  // namespace tactus

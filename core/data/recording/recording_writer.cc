@@ -13,11 +13,32 @@ namespace tactus {
 namespace {
 
 template <typename Message>
+uint16_t AddMessage(McapWriter& file) {
+  return file.AddSchema(MessageSchema(*Message::descriptor()));
+}
+
+uint16_t AddTopic(const char* topic, uint16_t schema, McapWriter& file) {
+  return file.AddChannel({schema, topic, "protobuf", {}});
+}
+
+template <typename Message>
 uint16_t AddTopic(const char* topic, McapWriter& file) {
-  return file.AddChannel({file.AddSchema(MessageSchema(*Message::descriptor())),
-                          topic,
-                          "protobuf",
-                          {}});
+  return AddTopic(topic, AddMessage<Message>(file), file);
+}
+
+// Of a frame of a stream with this configuration, whose skin is `layout`.
+size_t TaxelBytes(const v1::StreamConfig& config, const SkinLayout& layout) {
+  const size_t value = config.taxel_type() == v1::TAXEL_TYPE_UINT16 ? 2 : 4;
+  return static_cast<size_t>(layout.taxels()) * value;
+}
+
+// `bytes` is 0 before the configuration.
+absl::Status CheckSize(const v1::FrameBatch& frame, size_t bytes) {
+  if (bytes > 0 && frame.frame_count() == 1 && frame.taxels().size() == bytes) {
+    return absl::OkStatus();
+  }
+  return InvalidConfig("bytes of a recorded frame", frame.taxels().size(),
+                       absl::StrCat(bytes));
 }
 
 }  // namespace
@@ -37,12 +58,14 @@ absl::StatusOr<std::unique_ptr<RecordingWriter>> RecordingWriter::Create(
 
 RecordingWriter::RecordingWriter(std::unique_ptr<McapWriter> file)
     : file_(std::move(file)),
-      frames_(AddTopic<v1::FrameBatch>(kFrameTopic, *file_)),
+      frame_schema_(AddMessage<v1::FrameBatch>(*file_)),
+      config_schema_(AddMessage<v1::StreamConfig>(*file_)),
+      frames_(AddTopic(kFrameTopic, frame_schema_, *file_)),
       images_(file_->AddChannel({file_->AddSchema(FoxgloveImage::Schema()),
                                  kImageTopic,
                                  "protobuf",
                                  {}})),
-      configs_(AddTopic<v1::StreamConfig>(kConfigTopic, *file_)),
+      configs_(AddTopic(kConfigTopic, config_schema_, *file_)),
       ends_(AddTopic<v1::EndOfTrial>(kEndOfTrialTopic, *file_)),
       started_(AddTopic<v1::StreamStarted>(kStartedTopic, *file_)),
       results_(AddTopic<v1::Posterior>(kResultTopic, *file_)) {}
@@ -53,16 +76,19 @@ absl::Status RecordingWriter::Write(const RecordingEvent& event) {
     TACTUS_ASSIGN_OR_RETURN(SkinLayout layout,
                             LayoutFromProto(config->geometry()));
     config_ = *config;
-    const size_t value = config->taxel_type() == v1::TAXEL_TYPE_UINT16 ? 2 : 4;
-    frame_bytes_ = static_cast<size_t>(layout.taxels()) * value;
+    frame_bytes_ = TaxelBytes(*config, layout);
     image_.emplace(std::move(layout));
   }
+  if (const auto* raw = std::get_if<RecordedCalibration>(&event)) {
+    TACTUS_ASSIGN_OR_RETURN(const SkinLayout layout,
+                            LayoutFromProto(raw->raw.geometry()));
+    raw_bytes_ = TaxelBytes(raw->raw, layout);
+  }
+  if (const auto* raw = std::get_if<RawFrame>(&event)) {
+    TACTUS_RETURN_IF_ERROR(CheckSize(raw->batch, raw_bytes_));
+  }
   if (frame != nullptr) {
-    if (!image_ || frame->frame_count() != 1 ||
-        frame->taxels().size() != frame_bytes_) {
-      return InvalidConfig("bytes of a recorded frame", frame->taxels().size(),
-                           absl::StrCat(frame_bytes_));
-    }
+    TACTUS_RETURN_IF_ERROR(CheckSize(*frame, frame_bytes_));
     time_ns_ = frame->first_capture_time_ns();
     if (!has_frame_) {
       has_frame_ = true;
@@ -98,7 +124,28 @@ absl::Status RecordingWriter::WriteNow(const RecordingEvent& event) {
   if (const auto* started = std::get_if<v1::StreamStarted>(&event)) {
     return WriteMessage(started_, time_ns_, *started);
   }
+  if (const auto* calibration = std::get_if<RecordedCalibration>(&event)) {
+    return WriteCalibration(*calibration);
+  }
+  if (const auto* raw = std::get_if<RawFrame>(&event)) {
+    return WriteMessage(raw_, time_ns_, raw->batch);
+  }
   return WriteMessage(ends_, time_ns_, v1::EndOfTrial());
+}
+
+absl::Status RecordingWriter::WriteCalibration(
+    const RecordedCalibration& calibration) {
+  raw_ = AddTopic(kRawTopic, frame_schema_, *file_);
+  const uint16_t config = AddTopic(kRawConfigTopic, config_schema_, *file_);
+  const uint16_t json =
+      file_->AddChannel({file_->AddSchema(JsonSchema("tactus.Calibration")),
+                         kCalibrationTopic,
+                         "json",
+                         {}});
+  TACTUS_RETURN_IF_ERROR(WriteMessage(config, time_ns_, calibration.raw));
+  return file_->Write(json,
+                      static_cast<uint64_t>(std::max<int64_t>(time_ns_, 0)),
+                      calibration.json);
 }
 
 absl::Status RecordingWriter::WriteFrame(const v1::FrameBatch& frame) {

@@ -35,8 +35,9 @@ class RecordingWriter {
       const std::string& path, const RecordingTexts& about,
       const McapWriterOptions& options);
 
-  // The configuration comes before the first frame. INVALID_CONFIG for a frame
-  // without it, or of another size.
+  // The configuration comes before the first frame, and a calibration before
+  // the first raw frame. INVALID_CONFIG for a frame without it, or of another
+  // size.
   absl::Status Write(const RecordingEvent& event);
   // Writes what waits in the open chunk.
   absl::Status Flush();
@@ -50,21 +51,27 @@ class RecordingWriter {
 
   absl::Status WriteNow(const RecordingEvent& event);
   absl::Status WriteFrame(const v1::FrameBatch& frame);
+  absl::Status WriteCalibration(const RecordedCalibration& calibration);
   absl::Status WriteMessage(uint16_t channel, int64_t time_ns,
                             const google::protobuf::MessageLite& message);
   absl::Status WriteWaiting();
 
   const std::unique_ptr<McapWriter> file_;
+  const uint16_t frame_schema_;
+  const uint16_t config_schema_;
   uint16_t frames_;
   uint16_t images_;
   uint16_t configs_;
   uint16_t ends_;
   uint16_t started_;
   uint16_t results_;
+  // Of a calibrated skin; 0 before its calibration.
+  uint16_t raw_ = 0;
   v1::StreamConfig config_;
   // Once configured.
   std::optional<FoxgloveImage> image_;
   size_t frame_bytes_ = 0;
+  size_t raw_bytes_ = 0;
   // Events before the first frame.
   bool has_frame_ = false;
   std::vector<RecordingEvent> waiting_;

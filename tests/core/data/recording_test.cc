@@ -74,8 +74,50 @@ std::vector<RecordingEvent> RecordedEvents(bool u16, bool poses) {
   return events;
 }
 
+// What the skin sent for a frame of RecordedFrame: a 3 x 5 skin of counts.
+RawFrame RecordedRaw(const v1::FrameBatch& frame) {
+  RawFrame raw;
+  raw.batch.set_first_sequence(frame.first_sequence());
+  raw.batch.set_first_capture_time_ns(frame.first_capture_time_ns());
+  raw.batch.set_frame_count(1);
+  raw.batch.mutable_taxels()->assign(3 * 5 * 2, 'r');
+  return raw;
+}
+
+RecordedCalibration CalibrationOfRaw() {
+  RecordedCalibration calibration{.raw = {}, .json = R"({"a": [1, "b"]})"};
+  SkinLayout layout = *LayoutPreset("vitac-12x32");
+  layout.rows = 3;
+  layout.columns = 5;
+  *calibration.raw.mutable_geometry() = LayoutToProto(layout);
+  calibration.raw.set_taxel_type(v1::TAXEL_TYPE_UINT16);
+  return calibration;
+}
+
+// The events of a calibrated skin. One raw frame is missing.
+std::vector<RecordingEvent> CalibratedEvents() {
+  std::vector<RecordingEvent> events;
+  for (const RecordingEvent& event : RecordedEvents(false, true)) {
+    if (std::holds_alternative<RecordedTrial>(event) && events.size() == 2) {
+      events.emplace_back(CalibrationOfRaw());
+    }
+    events.push_back(event);
+    const auto* frame = std::get_if<v1::FrameBatch>(&event);
+    if (frame == nullptr || frame->first_sequence() == 4) continue;
+    events.emplace_back(RecordedRaw(*frame));
+  }
+  return events;
+}
+
 // An event as text, to compare.
 std::string EventText(const RecordingEvent& event) {
+  if (const auto* raw = std::get_if<RawFrame>(&event)) {
+    return "raw " + raw->batch.SerializeAsString();
+  }
+  if (const auto* calibration = std::get_if<RecordedCalibration>(&event)) {
+    return absl::StrCat("calibration ", calibration->raw.SerializeAsString(),
+                        calibration->json);
+  }
   if (const auto* trial = std::get_if<RecordedTrial>(&event)) {
     std::string text = "trial";
     for (const auto& [key, value] : trial->values) {
@@ -85,11 +127,11 @@ std::string EventText(const RecordingEvent& event) {
   }
   return std::visit(
       [](const auto& message) -> std::string {
-        if constexpr (std::is_same_v<std::decay_t<decltype(message)>,
-                                     RecordedTrial>) {
-          return "";
-        } else {
+        if constexpr (std::is_base_of_v<google::protobuf::Message,
+                                        std::decay_t<decltype(message)>>) {
           return message.GetTypeName() + " " + message.SerializeAsString();
+        } else {
+          return "";
         }
       },
       event);
@@ -148,6 +190,54 @@ TEST(RecordingTest, ReturnsTheEventsThatWereWritten) {
   }
 }
 
+TEST(RecordingTest, ReturnsWhatACalibratedSkinSent) {
+  const ScratchDir folder;
+  const auto events = CalibratedEvents();
+  WriteRecording(folder / "a.mcap", events);
+  const ReadRecordingResult read = ReadRecording(folder / "a.mcap");
+  ASSERT_TRUE(read.status.ok()) << read.status;
+  ASSERT_EQ(read.events.size(), events.size());
+  for (size_t i = 0; i < events.size(); ++i) {
+    EXPECT_EQ(read.events[i], EventText(events[i])) << i;
+  }
+}
+
+TEST(RecordingTest, NamesMistakesOfRawFrames) {
+  const ScratchDir folder;
+  const v1::StreamConfig config = RecordedConfig(false, false);
+  const v1::FrameBatch frame = RecordedFrame(config, 5);
+  const auto outcome = [&](const std::vector<RecordingEvent>& events) {
+    WriteRecording(folder / "a", events);
+    const absl::Status status = ReadRecording(folder / "a").status;
+    EXPECT_TRUE(status.ok() || ReasonOf(status) == "TRIAL_FILE_INVALID");
+    return std::string(status.message());
+  };
+  const RecordedCalibration calibration = CalibrationOfRaw();
+  const RawFrame raw = RecordedRaw(frame);
+  EXPECT_EQ(outcome({config, calibration, frame, raw}), "");
+  RawFrame other = raw;
+  other.batch.set_first_sequence(7);
+  RawFrame late = raw;
+  late.batch.set_first_capture_time_ns(7);
+  RawFrame posed = raw;
+  posed.batch.add_poses(1);
+  const char kNotThis[] = "must be what the skin sent for the frame before it";
+  EXPECT_THAT(outcome({config, calibration, frame, other}),
+              HasSubstr(kNotThis));
+  EXPECT_THAT(outcome({config, calibration, frame, late}), HasSubstr(kNotThis));
+  EXPECT_THAT(outcome({config, calibration, frame, raw, raw}),
+              HasSubstr(kNotThis));
+  EXPECT_THAT(outcome({config, calibration, frame, posed}),
+              HasSubstr("has 1 numbers of poses; it must have 0"));
+  EXPECT_THAT(outcome({config, calibration, calibration, frame}),
+              HasSubstr("is a second configuration"));
+  const auto writer =
+      *RecordingWriter::Create(folder / "b", {}, {.sync = false});
+  ASSERT_TRUE(writer->Write(config).ok());
+  ASSERT_TRUE(writer->Write(frame).ok());
+  EXPECT_EQ(ReasonOf(writer->Write(raw)), "INVALID_CONFIG");
+}
+
 TEST(RecordingTest, TheSameEventsGiveTheSameBytes) {
   const ScratchDir folder;
   WriteRecording(folder / "a.mcap", RecordedEvents(true, true));
@@ -157,33 +247,36 @@ TEST(RecordingTest, TheSameEventsGiveTheSameBytes) {
 
 TEST(RecordingTest, CutOffAtEachByteOfItsLastChunkItReturnsWhatIsBefore) {
   const ScratchDir folder;
-  WriteRecording(folder / "a.mcap", RecordedEvents(true, true));
-  const std::string bytes = ReadBytes(folder / "a.mcap");
-  const ReadRecordingResult whole = ReadRecording(folder / "a.mcap");
-  // The last chunk, by walking over the records.
-  size_t begin = 0;
-  size_t end = 0;
-  for (size_t at = kMcapMagic.size(); at + kMcapPrefixBytes < bytes.size();) {
-    McapCursor cursor(absl::string_view(bytes).substr(at));
-    const auto opcode = cursor.Number<uint8_t>();
-    const size_t next = at + kMcapPrefixBytes + cursor.Number<uint64_t>();
-    if (opcode == 6) std::tie(begin, end) = std::pair(at, next);
-    at = next;
-  }
-  WriteBytes(folder / "cut", bytes.substr(0, begin));
-  const size_t before = ReadRecording(folder / "cut").events.size();
-  EXPECT_GT(before, 30U);
-  ASSERT_LT(before, whole.events.size());
-  for (size_t size = begin; size <= end; ++size) {
-    WriteBytes(folder / "cut", bytes.substr(0, size));
-    const ReadRecordingResult cut = ReadRecording(folder / "cut");
-    ASSERT_TRUE(cut.status.ok()) << size << ": " << cut.status;
-    ASSERT_EQ(cut.events.size(), size < end ? before : whole.events.size())
-        << size;
-    ASSERT_TRUE(
-        std::equal(cut.events.begin(), cut.events.end(), whole.events.begin()));
-    ASSERT_THAT(cut.cut_off,
-                HasSubstr(absl::StrCat("first ", size < end ? begin : end)));
+  for (const bool calibrated : {false, true}) {
+    WriteRecording(folder / "a.mcap", calibrated ? CalibratedEvents()
+                                                 : RecordedEvents(true, true));
+    const std::string bytes = ReadBytes(folder / "a.mcap");
+    const ReadRecordingResult whole = ReadRecording(folder / "a.mcap");
+    // The last chunk, by walking over the records.
+    size_t begin = 0;
+    size_t end = 0;
+    for (size_t at = kMcapMagic.size(); at + kMcapPrefixBytes < bytes.size();) {
+      McapCursor cursor(absl::string_view(bytes).substr(at));
+      const auto opcode = cursor.Number<uint8_t>();
+      const size_t next = at + kMcapPrefixBytes + cursor.Number<uint64_t>();
+      if (opcode == 6) std::tie(begin, end) = std::pair(at, next);
+      at = next;
+    }
+    WriteBytes(folder / "cut", bytes.substr(0, begin));
+    const size_t before = ReadRecording(folder / "cut").events.size();
+    EXPECT_GT(before, 30U);
+    ASSERT_LT(before, whole.events.size());
+    for (size_t size = begin; size <= end; ++size) {
+      WriteBytes(folder / "cut", bytes.substr(0, size));
+      const ReadRecordingResult cut = ReadRecording(folder / "cut");
+      ASSERT_TRUE(cut.status.ok()) << size << ": " << cut.status;
+      ASSERT_EQ(cut.events.size(), size < end ? before : whole.events.size())
+          << size;
+      ASSERT_TRUE(std::equal(cut.events.begin(), cut.events.end(),
+                             whole.events.begin()));
+      ASSERT_THAT(cut.cut_off,
+                  HasSubstr(absl::StrCat("first ", size < end ? begin : end)));
+    }
   }
 }
 

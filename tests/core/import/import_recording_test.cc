@@ -17,6 +17,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using namespace std::string_literals;
 
 // 2 x 2 counts at 100 Hz; a contact begins at 20 and goes on from 10.
 SkinLayout RecordedSkin() {
@@ -122,6 +123,46 @@ TEST(ImportRecordingTest, CutsAtOnsetAndRelease) {
     }
     EXPECT_EQ(onsets, 1);
   }
+}
+
+// The trials are those of the loads, and the remark says so.
+TEST(ImportRecordingTest, OfACalibratedSkinTheLoadsAreImported) {
+  const ScratchDir folder;
+  {
+    const auto writer = *RecordingWriter::Create(
+        folder / "a.mcap", {{"device", "palm"}}, {.sync = false});
+    v1::StreamConfig config;
+    *config.mutable_geometry() = LayoutToProto(RecordedSkin());
+    config.set_taxel_type(v1::TAXEL_TYPE_UINT16);
+    ASSERT_TRUE(writer->Write(config).ok());
+    ASSERT_TRUE(writer->Write(RecordedTrial{{{"label", "HU"}}}).ok());
+    ASSERT_TRUE(writer->Write(RecordedCalibration{config, "{}"}).ok());
+    for (int i = 1; i <= 40; ++i) {
+      v1::FrameBatch frame;
+      frame.set_frame_count(1);
+      frame.set_first_sequence(i);
+      frame.set_first_capture_time_ns(10'000'000 * i);
+      *frame.mutable_taxels() = i < 20 ? std::string(8, '\0') : "d\0d\0d\0d\0"s;
+      ASSERT_TRUE(writer->Write(frame).ok());
+      RawFrame raw{frame};
+      *raw.batch.mutable_taxels() = "zzzzzzzz";
+      ASSERT_TRUE(writer->Write(raw).ok());
+    }
+    ASSERT_TRUE(writer->Finish({}).ok());
+  }
+  std::vector<std::string> remarks;
+  const auto trials = ImportAll(
+      folder / "a.mcap",
+      {.remark = [&](const std::string& text) { remarks.push_back(text); }});
+  ASSERT_TRUE(trials.ok()) << trials.status();
+  ASSERT_EQ(trials->size(), 1U);
+  EXPECT_EQ((*trials)[0].taxels.u16.front(), 0);
+  EXPECT_EQ((*trials)[0].taxels.u16.back(), 'd');
+  EXPECT_THAT(remarks,
+              ElementsAre(folder / "a.mcap" +
+                          ": the trials hold the loads of /skin/frames; 40 "
+                          "frames of /skin/raw, as the skin \"palm\" sent "
+                          "them, stay in the recording"));
 }
 
 TEST(ImportRecordingTest, ATableNamesTheContacts) {
