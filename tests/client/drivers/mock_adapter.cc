@@ -15,7 +15,6 @@ namespace tactus::client {
 namespace {
 
 constexpr char kNode[] = "/dev/bus/usb/001/007";
-constexpr char kSysPath[] = "/sys/devices/usb1/1-1";
 
 uint32_t MockNumber(const std::vector<uint8_t>& bytes, size_t at) {
   uint32_t number = 0;
@@ -37,7 +36,7 @@ MockAdapter::MockAdapter(CanPeer* peer, const Options& options)
   g_signal_connect(handler_, "handle-ioctl", G_CALLBACK(&MockAdapter::OnIoctl),
                    this);
   umockdev_testbed_attach_ioctl(testbed_, kNode, handler_, nullptr);
-  Add();
+  AddMockAdapter(testbed_);
 }
 
 MockAdapter::~MockAdapter() {
@@ -52,9 +51,9 @@ MockAdapter::~MockAdapter() {
   }
 }
 
-void MockAdapter::Add() {
+void AddMockAdapter(UMockdevTestbed* testbed) {
   // Device 1d50:606f, one interface FF/FF/FF, bulk 0x81 and 0x02 of 32 bytes.
-  umockdev_testbed_add_from_string(testbed_,
+  umockdev_testbed_add_from_string(testbed,
                                    "P: /devices/usb1/1-1\n"
                                    "N: bus/usb/001/007\n"
                                    "E: SUBSYSTEM=usb\n"
@@ -89,7 +88,7 @@ void MockAdapter::Unplug() {
       waiting_.pop_front();
     }
   }
-  umockdev_testbed_remove_device(testbed_, kSysPath);
+  umockdev_testbed_remove_device(testbed_, kMockAdapterSysPath);
 }
 
 void MockAdapter::Plug() {
@@ -97,7 +96,7 @@ void MockAdapter::Plug() {
     const std::lock_guard lock(mutex_);
     plugged_ = true;
   }
-  Add();
+  AddMockAdapter(testbed_);
 }
 
 void MockAdapter::SendRaw(std::vector<uint8_t> bytes) {

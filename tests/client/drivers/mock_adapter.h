@@ -24,6 +24,10 @@
 
 namespace tactus::client {
 
+// The USB device of a gs_usb adapter in /sys of `testbed`, number 7 on bus 1.
+inline constexpr char kMockAdapterSysPath[] = "/sys/devices/usb1/1-1";
+void AddMockAdapter(UMockdevTestbed* testbed);
+
 class MockAdapter {
  public:
   struct Options {
@@ -78,7 +82,6 @@ class MockAdapter {
   // Fills waiting transfers with what there is.
   void Pump();
   int64_t NowNs() const;
-  void Add();
 
   struct Urb {
     UMockdevIoctlData* data = nullptr;
