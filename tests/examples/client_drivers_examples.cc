@@ -14,6 +14,7 @@
 #include "client/drivers/can_skin_driver.h"
 #include "client/drivers/icub_skin/icub_skin.h"
 #include "client/drivers/icub_skin/unroll.h"
+#include "client/drivers/serial/serial_search.h"
 #include "client/drivers/serial/serial_skin.h"
 #include "client/drivers/xela/xela_skin.h"
 #include "core/base/status_macros.h"
@@ -184,6 +185,20 @@ absl::Status SerialPortExample() {
   uint8_t bytes[4096];
   TACTUS_ASSIGN_OR_RETURN(const size_t count,
                           port.Read(bytes, /*timeout_ns=*/100'000'000));
+  return absl::OkStatus();
+}
+
+void SerialShapeExample(std::span<const uint8_t> bytes, int64_t now_ns,
+                        void (*Use)(size_t rows, double rate_hz)) {
+  SerialShapeFinder finder(SerialFormat::kAscii);
+  finder.Add(bytes, now_ns);
+  if (finder.shape()) Use(finder.shape()->rows, finder.shape()->rate_hz);
+}
+
+absl::Status SerialSearchExample(const SerialSkinOptions& options) {
+  TACTUS_ASSIGN_OR_RETURN(const SerialFound found,
+                          FindSerialSkin(SerialFormat::kAscii, {}));
+  SerialSkin skin(found.path, options);
   return absl::OkStatus();
 }
 

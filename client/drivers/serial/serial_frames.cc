@@ -109,7 +109,10 @@ void SerialFrames::EndAsciiFrame() {
       ++counters_.spoiled;
     }
     if (whole_block_ && block_columns_ > 0) {
-      seen_shape_ = {lines_, block_columns_};
+      seen_shape_ = {.rows = lines_,
+                     .columns = block_columns_,
+                     .time_ns = current_.time_ns,
+                     .blocks = seen_shape_.blocks + 1};
     }
   }
   current_.taxels.clear();

@@ -58,6 +58,9 @@ class SerialFrames {
   struct Shape {
     size_t rows = 0;
     size_t columns = 0;
+    // When the block began, and how many there were so far.
+    int64_t time_ns = 0;
+    uint64_t blocks = 0;
   };
   const Shape& seen_shape() const { return seen_shape_; }
 

@@ -53,6 +53,7 @@ absl::Status SerialPort::Open() {
     Close();
     return status;
   }
+  before_ = settings;
   cfmakeraw(&settings);
   settings.c_cflag |= CLOCAL | CREAD;
   settings.c_cflag &= ~static_cast<tcflag_t>(CRTSCTS);
@@ -68,8 +69,12 @@ absl::Status SerialPort::Open() {
 }
 
 void SerialPort::Close() {
-  if (file_ >= 0) ::close(file_);
+  if (file_ >= 0) {
+    if (before_) tcsetattr(file_, TCSANOW, &*before_);
+    ::close(file_);
+  }
   file_ = -1;
+  before_.reset();
 }
 
 absl::StatusOr<size_t> SerialPort::Read(std::span<uint8_t> bytes,

@@ -11,8 +11,11 @@
 // Not thread-safe.
 #pragma once
 
+#include <termios.h>
+
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -33,6 +36,7 @@ class SerialPort {
   // INVALID_CONFIG for a rate that the kernel has no name for; IO if the line
   // cannot be opened or is no terminal. What came before is dropped.
   absl::Status Open();
+  // Puts the line's settings back.
   void Close();
   // Number of bytes read; 0 if none came in time. IO if the device is gone.
   absl::StatusOr<size_t> Read(std::span<uint8_t> bytes, int64_t timeout_ns);
@@ -41,6 +45,8 @@ class SerialPort {
   const std::string path_;
   const int baud_;
   int file_ = -1;
+  // The settings before Open.
+  std::optional<termios> before_;
 };
 
 }  // namespace tactus::client

@@ -30,6 +30,7 @@ absl::Status SerialSkin::Open() {
 
 absl::StatusOr<SkinInfo> SerialSkin::Setup(Clock& clock) {
   TACTUS_RETURN_IF_ERROR(Start());
+  finder_.emplace(options_.format);
   const int64_t end_ns = clock.NowNs() + options_.first_frame_ns;
   SkinFrame frame;
   while (true) {
@@ -38,6 +39,7 @@ absl::StatusOr<SkinInfo> SerialSkin::Setup(Clock& clock) {
     TACTUS_ASSIGN_OR_RETURN(const bool whole, Poll(frame, left_ns));
     if (whole) break;
   }
+  finder_.reset();
   SkinInfo info;
   info.layout = options_.layout;
   info.scale = options_.scale;
@@ -57,6 +59,7 @@ absl::StatusOr<bool> SerialSkin::Poll(SkinFrame& frame, int64_t timeout_ns) {
   TACTUS_ASSIGN_OR_RETURN(const size_t count, port_.Read(buffer_, timeout_ns));
   bytes_ += count;
   frames_.Add({buffer_.data(), count}, clock_->NowNs());
+  if (finder_) finder_->Add({buffer_.data(), count}, clock_->NowNs());
   return frames_.Next(frame.u16, frame.capture_time_ns);
 }
 
@@ -70,7 +73,12 @@ std::string SerialSkin::Missing() const {
       bytes_ - bytes_at_start_, " bytes came without a whole frame of ",
       options_.layout.rows, " x ", options_.layout.columns);
   const SerialFrames::Shape& seen = frames_.seen_shape();
-  if (seen.rows > 0) {
+  const auto found = finder_ ? finder_->shape() : std::nullopt;
+  if (found && found->format == SerialFormat::kAa55) {
+    absl::StrAppend(&text, ", but frames of ", found->taxels,
+                    " taxels: give a layout of that size, which may be ",
+                    ShapesOf(found->taxels));
+  } else if (seen.rows > 0) {
     absl::StrAppend(&text, ", but frames of ", seen.rows, " x ", seen.columns,
                     ": give a layout of that shape");
   } else {

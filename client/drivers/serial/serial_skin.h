@@ -13,10 +13,12 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 
 #include "client/drivers/serial/serial_frames.h"
 #include "client/drivers/serial/serial_port.h"
+#include "client/drivers/serial/serial_shape.h"
 #include "client/drivers/skin_device.h"
 #include "core/skin/layout.h"
 
@@ -59,6 +61,8 @@ class SerialSkin : public SkinDevice {
   Clock* const clock_;
   SerialPort port_;
   SerialFrames frames_;
+  // What comes if it is not what the layout says; until the first frame.
+  std::optional<SerialShapeFinder> finder_;
   std::array<uint8_t, 4096> buffer_;
   uint64_t bytes_ = 0;
   uint64_t bytes_at_start_ = 0;

@@ -20,6 +20,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr char kAutoPort[] = "auto";
+
+SerialFormat FormatOf(const SkinSourceOptions& options) {
+  return options.format == "ascii" ? SerialFormat::kAscii : SerialFormat::kAa55;
+}
+
 // The name under /dev/serial/by-id of the adapter behind `port`, or `port`.
 std::string SerialName(const std::string& port) {
   std::error_code error;
@@ -94,7 +100,8 @@ void AddSkinFlags(CLI::App& app, SkinSourceOptions& options) {
   app.add_option("--interface", options.icub.interface,
                  "CAN interface for icub-can and xela-can, such as can0");
   app.add_option("--port", options.port,
-                 "Serial line for --driver=serial, such as /dev/ttyUSB0");
+                 "Serial line for --driver=serial, such as /dev/ttyUSB0; auto: "
+                 "the one on which a skin sends");
   app.add_option("--format", options.format,
                  "What a serial skin sends: ascii (3D-ViTac) or aa55 "
                  "(FlexiTac)")
@@ -199,6 +206,16 @@ std::string DeviceId(const SkinSourceOptions& options) {
                       options.icub.boards);
 }
 
+absl::StatusOr<std::string> FindPort(SkinSourceOptions& options,
+                                     SerialSearch search) {
+  if (options.driver != "serial" || options.port != kAutoPort) return "";
+  search.baud = options.baud;
+  TACTUS_ASSIGN_OR_RETURN(const SerialFound found,
+                          FindSerialSkin(FormatOf(options), search));
+  options.port = found.path;
+  return ToText(found);
+}
+
 absl::StatusOr<std::unique_ptr<TrialDriver>> MakeTrialDriver(
     const SkinSourceOptions& options, const Shard& shard) {
   if (options.IsCalibrated()) {
@@ -214,9 +231,7 @@ HardwareDriverOptions SkinSource::Poses() {
 }
 
 absl::Status SkinSource::MakeSerial(const SkinSourceOptions& options) {
-  SerialSkinOptions skin = {.format = options.format == "ascii"
-                                          ? SerialFormat::kAscii
-                                          : SerialFormat::kAa55,
+  SerialSkinOptions skin = {.format = FormatOf(options),
                             .baud = options.baud,
                             .scale = options.icub.scale,
                             .sample_rate_hz = options.rate_hz};

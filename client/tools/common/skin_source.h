@@ -19,6 +19,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "client/drivers/calibrated_driver.h"
+#include "client/drivers/serial/serial_search.h"
 #include "client/drivers/serial/serial_skin.h"
 #include "client/drivers/trial_driver.h"
 #include "client/drivers/xela/xela_skin.h"
@@ -42,7 +43,7 @@ struct SkinSourceOptions {
   size_t trials = 0;
   // Skins on CAN; scale and mask are those of all real skins.
   IcubSourceOptions icub = {};
-  // A serial skin.
+  // A serial skin; "auto" until FindPort has found it.
   std::string port = {};
   std::string format = "ascii";
   int baud = 2'000'000;
@@ -80,6 +81,12 @@ void AddDeviceFlag(CLI::App& app, SkinSourceOptions& options);
 // USB adapter of a serial line if it has one, as that stays when the adapter is
 // plugged in elsewhere; else the line or the interface.
 std::string DeviceId(const SkinSourceOptions& options);
+
+// With --port=auto listens to the serial lines of the machine and puts the one
+// line of a skin in its place; else does nothing. Returns a text for people,
+// empty if it did nothing. The errors are those of FindSerialSkin.
+absl::StatusOr<std::string> FindPort(SkinSourceOptions& options,
+                                     SerialSearch search = {});
 
 // INVALID_CONFIG, which begins with a flag, if flags are absent that the driver
 // needs, or if flags exclude each other.

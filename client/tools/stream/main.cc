@@ -359,6 +359,13 @@ int Main(int argc, char** argv) {
                  std::string(status.message()).c_str());
     return 2;
   }
+  const auto port = FindPort(flags.source);
+  if (!port.ok() || !port->empty()) {
+    std::fprintf(stderr, "tactus-stream: %s\n",
+                 port.ok() ? port->c_str()
+                           : std::string(port.status().message()).c_str());
+  }
+  if (!port.ok()) return 1;
   flags.player.real_time = flags.rate != "max";
   const std::chrono::milliseconds timeout(std::llround(1e3 * flags.timeout_s));
   flags.player.timeouts = {timeout, timeout, timeout, timeout};

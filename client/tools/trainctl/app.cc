@@ -79,12 +79,12 @@ int RunTrainctl(int argc, char** argv) {
     command = std::move(chosen);
   };
   for (auto add :
-       {AddSimulate,      AddImport,       AddFit,       AddRemoteEvaluate,
-        AddInspect,       AddClassify,     AddShow,      AddSkin,
-        AddSkinCalibrate, AddRecord,       AddReproduce, AddDatasets,
-        AddTrain,         AddJobs,         AddModels,    AddExportModel,
-        AddImportModel,   AddExportTrials, AddServer,    AddDoctor,
-        AddTokens,        AddCompletion}) {
+       {AddSimulate,      AddImport,      AddFit,          AddRemoteEvaluate,
+        AddInspect,       AddClassify,    AddShow,         AddSkin,
+        AddSkinCalibrate, AddSkinFind,    AddRecord,       AddReproduce,
+        AddDatasets,      AddTrain,       AddJobs,         AddModels,
+        AddExportModel,   AddImportModel, AddExportTrials, AddServer,
+        AddDoctor,        AddTokens,      AddCompletion}) {
     add(app, select);
   }
   for (const auto& [name, arguments] : kExamples) {

@@ -8,12 +8,19 @@
 #pragma once
 
 #include "CLI/CLI.hpp"
+#include "client/tools/common/skin_source.h"
 #include "client/tools/trainctl/command.h"
 
 namespace tactus::client {
 
 // `skin calibrate`.
 void AddSkinCalibrate(CLI::App& app, const SelectCommand& select);
+
+// `skin find`.
+void AddSkinFind(CLI::App& app, const SelectCommand& select);
+
+// FindPort, which prints on standard error what it found.
+absl::Status FindPortAloud(SkinSourceOptions& options);
 
 // `record`.
 void AddRecord(CLI::App& app, const SelectCommand& select);

@@ -241,8 +241,9 @@ absl::Status CheckDataset(const RecordFlags& flags) {
       });
 }
 
-absl::Status RunRecord(const RecordFlags& flags) {
+absl::Status RunRecord(RecordFlags flags) {
   TACTUS_RETURN_IF_ERROR(CheckFlags(flags));
+  TACTUS_RETURN_IF_ERROR(FindPortAloud(flags.source));
   TACTUS_RETURN_IF_ERROR(CheckDataset(flags));
   TACTUS_ASSIGN_OR_RETURN(const auto source, SkinSource::Make(flags.source));
   SkinDriver& driver = source->driver();

@@ -196,8 +196,9 @@ absl::StatusOr<Measured> Measure(const CalibrateFlags& flags,
   return measured;
 }
 
-absl::Status RunCalibrate(const CalibrateFlags& flags) {
+absl::Status RunCalibrate(CalibrateFlags flags) {
   TACTUS_RETURN_IF_ERROR(CheckSkinFlags(flags.source));
+  TACTUS_RETURN_IF_ERROR(FindPortAloud(flags.source));
   TACTUS_ASSIGN_OR_RETURN(const auto source, SkinSource::Make(flags.source));
   TACTUS_ASSIGN_OR_RETURN(const Measured measured,
                           Measure(flags, source->driver()));

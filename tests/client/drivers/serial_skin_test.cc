@@ -1,13 +1,7 @@
 // Skins on serial lines: their bytes, and the driver over a pseudo-terminal.
 #include "client/drivers/serial/serial_skin.h"
 
-#include <fcntl.h>
-#include <stdlib.h>
-#include <unistd.h>
-
-#include <atomic>
 #include <filesystem>
-#include <thread>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -18,33 +12,20 @@
 #include "core/files/npy.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/client/drivers/talking_skin.h"
 #include "tests/support/shared_data.h"
 
 namespace tactus::client {
 namespace {
 
+using testing::AsBytes;
+using testing::AsciiFrame;
+using testing::BinaryFrame;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using Values = std::vector<uint16_t>;
-
-std::string AsciiFrame(const Values& values, int columns) {
-  std::string text;
-  for (size_t i = 0; i < values.size(); ++i) {
-    const bool last = (i + 1) % static_cast<size_t>(columns) == 0;
-    absl::StrAppend(&text, values[i], last ? "\r\n" : " ");
-  }
-  return text + "\r\n";
-}
-
-std::string BinaryFrame(const Values& values) {
-  std::string bytes = "\xAA\x55";
-  for (const uint16_t value : values) bytes.push_back(static_cast<char>(value));
-  return bytes;
-}
-
-std::span<const uint8_t> AsBytes(const std::string& text) {
-  return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
-}
+using testing::Pty;
+using testing::TalkingSkin;
+using testing::Values;
 
 Values RandomValues(size_t count, Random& random) {
   Values values(count);
@@ -174,60 +155,6 @@ TEST(SerialFramesTest, FramesThatNobodyTakesAreOverwritten) {
   EXPECT_EQ(AllFrames(frames).size(), 64u);
 }
 
-// Two ends of a serial line, which is as terminals are until SerialPort has set
-// it up: it would change some bytes and act on others.
-class Pty {
- public:
-  Pty() : master_(posix_openpt(O_RDWR | O_NOCTTY)) {
-    EXPECT_GE(master_, 0);
-    grantpt(master_);
-    unlockpt(master_);
-    char name[128];
-    ptsname_r(master_, name, sizeof(name));
-    path_ = name;
-  }
-  ~Pty() { Close(); }
-  const std::string& path() const { return path_; }
-  void Write(const std::string& bytes) const {
-    size_t done = 0;
-    while (done < bytes.size()) {
-      const ssize_t count =
-          ::write(master_, bytes.data() + done, bytes.size() - done);
-      if (count <= 0) return;
-      done += static_cast<size_t>(count);
-    }
-  }
-  // Pulls the device out.
-  void Close() {
-    if (master_ >= 0) ::close(master_);
-    master_ = -1;
-  }
-
- private:
-  int master_;
-  std::string path_;
-};
-
-// A skin on a thread, that sends the same frames again and again.
-class TalkingSkin {
- public:
-  TalkingSkin(const Pty& pty, std::vector<std::string> frames)
-      : thread_([this, &pty, frames = std::move(frames)] {
-          for (size_t i = 0; !stop_; ++i) {
-            pty.Write(frames[i % frames.size()]);
-            std::this_thread::sleep_for(std::chrono::milliseconds(2));
-          }
-        }) {}
-  ~TalkingSkin() {
-    stop_ = true;
-    thread_.join();
-  }
-
- private:
-  std::atomic<bool> stop_ = false;
-  std::thread thread_;
-};
-
 SerialSkinOptions SmallSkin(SerialFormat format) {
   SerialSkinOptions options{.format = format, .sample_rate_hz = 100};
   options.layout = *LayoutPreset("vitac-12x32");
@@ -287,6 +214,19 @@ TEST(SerialSkinTest, ASilentSkinAndAWrongFormatAreToldApart) {
   HardwareDriver second(&wrong, {});
   EXPECT_THAT(std::string(second.Configure().status().message()),
               HasSubstr("without a whole frame of 2 x 3"));
+}
+
+TEST(SerialSkinTest, FramesOfAnotherSizeAreNamed) {
+  const Pty pty;
+  const TalkingSkin talking(pty, {BinaryFrame({1, 2, 3, 4, 5, 6, 7, 8})});
+  SerialSkinOptions options = SmallSkin(SerialFormat::kAa55);
+  options.first_frame_ns = 500'000'000;
+  SerialSkin skin(pty.path(), options);
+  HardwareDriver driver(&skin, {});
+  EXPECT_THAT(std::string(driver.Configure().status().message()),
+              HasSubstr("without a whole frame of 2 x 3, but frames of 8 "
+                        "taxels: give a layout of that size, which may be 1 x "
+                        "8, 2 x 4, 4 x 2, 8 x 1"));
 }
 
 TEST(SerialSkinTest, ADeviceThatIsPulledOutEndsTheStream) {
