@@ -60,6 +60,7 @@ absl::Status LivePlayer::Stream() {
   encoder_.emplace(info, FrameEncoder::Options{.sparse = options_.sparse});
   v1::StreamConfig config = MakeConfig(info);
   config.set_model(options_.model);
+  config.set_client_id(options_.client_id);
   config.set_with_features(options_.observer != nullptr ||
                            options_.with_features);
   places_.emplace(info.layout);

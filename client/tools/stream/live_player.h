@@ -73,6 +73,8 @@ class LivePlayer {
     // is an error.
     std::chrono::milliseconds resume_for{0};
     std::string token = {};
+    // Names the robot to the server, and to a proxy (robot_id.h).
+    std::string client_id = {};
     // Milliseconds without a touch after which a contact ends; 0: the model's.
     int release_after_ms = 0;
     // Sees all frames, and answers to each of them; may be null. Outlives the

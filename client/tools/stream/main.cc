@@ -12,6 +12,7 @@
 
 #include "CLI/CLI.hpp"
 #include "client/drivers/recording_driver.h"
+#include "client/stream/robot_id.h"
 #include "client/tools/common/skin_source.h"
 #include "client/tools/common/token_file.h"
 #include "client/tools/stream/live_command.h"
@@ -23,6 +24,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/base/text.h"
 #include "core/base/version.h"
 
 namespace tactus::client {
@@ -140,6 +142,7 @@ absl::Status RunSkin(const Flags& flags,
                                 .timeouts = flags.player.timeouts,
                                 .resume_for = flags.player.resume_for,
                                 .token = token,
+                                .client_id = flags.player.client_id,
                                 .recorder = recorder,
                                 .trial = {{"label", flags.label},
                                           {"condition", flags.condition},
@@ -270,6 +273,11 @@ absl::Status Run(const Flags& flags) {
 
 absl::Status CheckFlags(const Flags& flags) {
   TACTUS_RETURN_IF_ERROR(CheckSkinFlags(flags.source));
+  const std::string& client_id = flags.player.client_id;
+  if (!client_id.empty() && !IsRobotId(client_id)) {
+    return InvalidConfig("--client-id", Quoted(client_id),
+                         "printable ASCII without a space at its ends");
+  }
   if (flags.IsReplayOfRecording() && !flags.source.layout.empty()) {
     return InvalidConfig("--layout", "given",
                          "absent: a recording has its skin");
@@ -301,6 +309,9 @@ int Main(int argc, char** argv) {
   app.add_option("--token-file", flags.token_file,
                  "File with the token that the server knows the robot by")
       ->check(CLI::ExistingFile);
+  app.add_option("--client-id", flags.player.client_id,
+                 "Name of the robot, for the server's log and for a proxy: "
+                 "printable ASCII");
   AddSkinFlags(app, flags.source);
   AddCalibrationFlags(app, flags.source);
   AddPoseFlags(app, flags.source);

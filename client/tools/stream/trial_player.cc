@@ -39,6 +39,7 @@ absl::Status TrialPlayer::Run() {
   encoder_.emplace(info, FrameEncoder::Options{.sparse = options_.sparse});
   v1::StreamConfig config = MakeConfig(info);
   config.set_model(options_.model);
+  config.set_client_id(options_.client_id);
   TACTUS_ASSIGN_OR_RETURN(
       stream_, ResumableStream::Open(channel_, config,
                                      [this](const auto& r) { OnResponse(r); },

@@ -66,6 +66,8 @@ class TrialPlayer {
     std::chrono::milliseconds resume_for{0};
     // The robot's bearer token; empty: none.
     std::string token = {};
+    // Names the robot to the server, and to a proxy (robot_id.h).
+    std::string client_id = {};
     // If set, what the driver returns and what the server answers is recorded.
     Recorder* recorder = nullptr;
     // If set, gets the server's answers.
