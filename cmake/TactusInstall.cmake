@@ -17,7 +17,7 @@ set(package ${CMAKE_INSTALL_LIBDIR}/cmake/Tactus)
 
 # What both components need, what the client adds, and what core adds.
 set(base_libraries tactus_proto tactus_core_base tactus_core_skin)
-set(client_libraries tactus_proto_grpc tactus_client
+set(client_libraries tactus_proto_grpc tactus_client tactus_client_frames
     tactus_client_calibration tactus_client_can tactus_client_gs_usb
     tactus_client_kinematics tactus_client_serial tactus_client_skins)
 add_library(tactus_core INTERFACE)

@@ -153,7 +153,7 @@ void Recorder::WriteAll() {
 }
 
 absl::Status Recorder::Finish() {
-  if (finished_) return status_;
+  if (finished_) return final_status_;
   finished_ = true;
   {
     const std::lock_guard lock(mutex_);
@@ -161,13 +161,20 @@ absl::Status Recorder::Finish() {
     changed_.notify_all();
   }
   thread_.join();
-  if (!status_.ok()) return status_;
-  status_ =
-      writer_->Finish({{"frames", absl::StrCat(totals_.frames)},
-                       {"lost_frames", absl::StrCat(totals_.lost_frames)},
-                       {"results", absl::StrCat(totals_.results)},
-                       {"lost_results", absl::StrCat(totals_.lost_results)}});
-  return status_;
+  {
+    // Results may still come; they are too late for the file.
+    const std::lock_guard lock(mutex_);
+    final_totals_ = totals_;
+    final_status_ = status_;
+  }
+  if (!final_status_.ok()) return final_status_;
+  const Totals& totals = final_totals_;
+  final_status_ =
+      writer_->Finish({{"frames", absl::StrCat(totals.frames)},
+                       {"lost_frames", absl::StrCat(totals.lost_frames)},
+                       {"results", absl::StrCat(totals.results)},
+                       {"lost_results", absl::StrCat(totals.lost_results)}});
+  return final_status_;
 }
 
 }  // namespace tactus::client

@@ -85,8 +85,8 @@ class Recorder {
   // Writes what waits and completes the file. Further calls return the same.
   absl::Status Finish();
 
-  // Valid after Finish.
-  const Totals& totals() const { return totals_; }
+  // Valid after Finish; without results that came after it.
+  const Totals& totals() const { return final_totals_; }
 
  private:
   struct Entry {
@@ -109,6 +109,8 @@ class Recorder {
   std::optional<FrameEncoder> raw_encoder_;
   RecordingTexts model_;
   bool finished_ = false;
+  Totals final_totals_;
+  absl::Status final_status_;
   std::thread thread_;
 
   std::mutex mutex_;
