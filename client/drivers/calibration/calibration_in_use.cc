@@ -15,8 +15,8 @@ using InUseJson = nlohmann::json;
 constexpr char kInUseFormat[] = "tactus-calibration-in-use";
 constexpr int kInUseVersion = 1;
 
-std::string Dump(const InUseJson& json) {
-  return json.dump(-1, ' ', false, InUseJson::error_handler_t::replace);
+std::string TextOf(const InUseJson* json) {
+  return json->dump(-1, ' ', false, InUseJson::error_handler_t::replace);
 }
 
 // A list of finite numbers.
@@ -41,11 +41,12 @@ std::string ToJson(const CalibrationInUse& in_use) {
     json["calibration"] =
         InUseJson::parse(CalibrationToJson(*in_use.calibration));
   }
-  return Dump(json);
+  return TextOf(&json);
 }
 
 absl::StatusOr<CalibrationInUse> CalibrationInUseFromJson(
     absl::string_view json) {
+  TACTUS_RETURN_IF_ERROR(CheckDepth(json));
   const InUseJson object = InUseJson::parse(json.begin(), json.end(), nullptr,
                                             /*allow_exceptions=*/false);
   const auto part = [&](const char* name) -> const InUseJson& {
@@ -78,7 +79,7 @@ absl::StatusOr<CalibrationInUse> CalibrationInUseFromJson(
   const InUseJson& calibration = part("calibration");
   if (!calibration.is_null()) {
     TACTUS_ASSIGN_OR_RETURN(in_use.calibration,
-                            CalibrationFromJson(Dump(calibration)));
+                            CalibrationFromJson(TextOf(&calibration)));
     const size_t taxels = in_use.calibration->baseline.size();
     if (!in_use.tare.empty() && in_use.tare.size() != taxels) {
       return InvalidConfig("numbers of tare", in_use.tare.size(),

@@ -177,7 +177,27 @@ std::string CalibrationToJson(const Calibration& calibration) {
       ",\n\"noisy\": ", taxels(calibration.faults.noisy), "\n}\n");
 }
 
+absl::Status CheckDepth(absl::string_view json) {
+  constexpr int kMostDepth = 32;
+  int depth = 0;
+  bool in_text = false;
+  for (size_t i = 0; i < json.size(); ++i) {
+    const char c = json[i];
+    if (in_text && c == '\\') ++i;
+    if (c == '"') in_text = !in_text;
+    if (in_text) continue;
+    depth += c == '[' || c == '{';
+    depth -= c == ']' || c == '}';
+    if (depth > kMostDepth) {
+      return InvalidConfig("depth of brackets", absl::StrCat(depth, " or more"),
+                           absl::StrCat("at most ", kMostDepth));
+    }
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<Calibration> CalibrationFromJson(absl::string_view json) {
+  TACTUS_RETURN_IF_ERROR(CheckDepth(json));
   const Json object = Json::parse(json.begin(), json.end(), nullptr,
                                   /*allow_exceptions=*/false);
   if (!object.is_object()) {

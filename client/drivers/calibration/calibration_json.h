@@ -12,6 +12,7 @@
 
 #include <string>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "client/drivers/calibration/calibration.h"
@@ -23,6 +24,10 @@ inline constexpr size_t kMaxCalibrationBytes = 16 * 1024 * 1024;
 
 // One line per part. The calibration is valid.
 std::string CalibrationToJson(const Calibration& calibration);
+
+// INVALID_CONFIG if brackets are nested much deeper than in any calibration:
+// what takes JSON apart by recursion would not end well.
+absl::Status CheckDepth(absl::string_view json);
 
 // A valid calibration; INVALID_CONFIG, which names the part, for any other
 // text.

@@ -44,6 +44,15 @@ TEST(CalibrationJsonTest, ComesBackWithTheSameBits) {
   EXPECT_EQ(CalibrationToJson(*again), text);
 }
 
+TEST(CalibrationJsonTest, BracketsInTextAreNotNested) {
+  Calibration made = SmallCalibration();
+  made.device =
+      absl::StrCat(std::string(50, '['), "\\\"", std::string(50, '{'));
+  const auto again = CalibrationFromJson(CalibrationToJson(made));
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_EQ(*again, made);
+}
+
 TEST(CalibrationJsonTest, EachFaultIsNamed) {
   const std::string good = CalibrationToJson(SmallCalibration());
   const struct {
@@ -78,6 +87,15 @@ TEST(CalibrationJsonTest, EachFaultIsNamed) {
     const auto read = CalibrationFromJson(text);
     EXPECT_EQ(ReasonOf(read.status()), "INVALID_CONFIG") << c.instead;
     EXPECT_THAT(read.status().message(), HasSubstr(c.named)) << c.instead;
+  }
+  // A million brackets, in a part that is read and in one that is not.
+  for (const char* part : {"\"rows\":1", "\"version\": 1"}) {
+    const std::string deep = absl::StrReplaceAll(
+        good, {{part, absl::StrCat("\"x\": ", std::string(1'000'000, '['),
+                                   std::string(1'000'000, ']'), ",", part)}});
+    const absl::Status status = CalibrationFromJson(deep).status();
+    EXPECT_EQ(ReasonOf(status), "INVALID_CONFIG");
+    EXPECT_THAT(status.message(), HasSubstr("depth"));
   }
   for (const char* text : {"", "[]", "null", "{}", "{\"format\": 3}"}) {
     EXPECT_EQ(ReasonOf(CalibrationFromJson(text).status()), "INVALID_CONFIG")

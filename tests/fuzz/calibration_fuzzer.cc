@@ -1,0 +1,86 @@
+// Any text as a calibration, as what a recording keeps of one, and as gain
+// curves within them. What is read must be valid, and come back with the same
+// bits.
+//
+// Its corpus, tests/fuzz/corpus/calibration, begins with good texts. With
+// TACTUS_SEEDS=FOLDER the empty input writes them there.
+#include "client/drivers/calibration/calibration_in_use.h"
+#include "client/drivers/calibration/calibration_json.h"
+#include "tests/fuzz/damaged.h"
+
+namespace {
+
+using namespace tactus;
+using namespace tactus::client;
+
+Calibration GoodCalibration(bool gains) {
+  Calibration good;
+  good.device = "serial \"left\"";
+  good.layout = {.name = "s",
+                 .rows = 2,
+                 .columns = 2,
+                 .row_pitch_m = 0.01,
+                 .column_pitch_m = 0.01,
+                 .taxel_area_m2 = 1e-4,
+                 .unit = TaxelUnit::kCounts,
+                 .contact_threshold = 10,
+                 .onset_threshold = 20};
+  good.frames = 100;
+  good.sample_rate_hz = 30;
+  good.baseline = {1, 2.5, 0, 1e-3};
+  good.deviation = {1, 0, 2, 1};
+  good.contact_threshold = {3, 3, 3, 3};
+  good.onset_threshold = {4, 4, 4, 5.5};
+  good.faults = {.dead = {1}, .stuck = {}, .noisy = {2}};
+  if (gains) {
+    good.gains.resize(4);
+    good.gains[2] = *GainCurve::Make({{1, 0.5}, {3, 7}});
+  }
+  return good;
+}
+
+// True if it is one of the two.
+bool Read(const std::string& text) {
+  const auto calibration = CalibrationFromJson(text);
+  fuzz::RequireReason(calibration.status());
+  if (calibration.ok()) {
+    REQUIRE(Validate(*calibration).ok());
+    const auto again = CalibrationFromJson(CalibrationToJson(*calibration));
+    REQUIRE(again.ok() && *again == *calibration);
+  }
+  const auto in_use = CalibrationInUseFromJson(text);
+  fuzz::RequireReason(in_use.status());
+  if (in_use.ok()) {
+    const auto again = CalibrationInUseFromJson(ToJson(*in_use));
+    REQUIRE(again.ok() && *again == *in_use);
+  }
+  return calibration.ok() || in_use.ok();
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
+  if (size == 0) {
+    // The good texts are good.
+    int number = 0;
+    for (const bool gains : {false, true}) {
+      const Calibration good = GoodCalibration(gains);
+      const CalibrationInUse in_use = {.device = good.device,
+                                       .calibration = good,
+                                       .tare = good.baseline,
+                                       .drift_time_s = gains ? 0.5 : 0};
+      for (const std::string& text :
+           {CalibrationToJson(good), ToJson(in_use)}) {
+        REQUIRE(Read(text));
+        if (const char* folder = std::getenv("TACTUS_SEEDS")) {
+          std::ofstream(std::string(folder) + "/good" +
+                        std::to_string(number++) + ".json")
+              << text;
+        }
+      }
+    }
+    return 0;
+  }
+  Read(std::string(reinterpret_cast<const char*>(bytes), size));
+  return 0;
+}
