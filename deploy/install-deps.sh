@@ -74,6 +74,7 @@ readonly TESTS=(
   openssl
   python3-grpcio
   python3-h5py
+  python3-sklearn
   umockdev
 )
 
