@@ -1,6 +1,7 @@
 #include "core/eval/unknown.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
@@ -13,6 +14,8 @@ namespace {
 
 constexpr size_t kMinCategories = 3;
 constexpr double kUnknown = 0.5;
+// 97.5 % of a normal distribution lie below.
+constexpr double kNormal95 = 1.959963984540054;
 
 // Returns `unknown` of every contact of `fold`, by a model that is fitted to
 // the contacts outside of `fold` and of `category`.
@@ -64,6 +67,19 @@ double AreaUnderRoc(std::span<const double> positive,
          static_cast<double>(negative.size());
 }
 
+Interval AreaInterval(double area, int positive, int negative) {
+  if (positive == 0 || negative == 0) return {0, 1};
+  const double two_positives = area / (2 - area);
+  const double two_negatives = 2 * area * area / (1 + area);
+  const double square = area * area;
+  const double variance =
+      (area * (1 - area) + (positive - 1) * (two_positives - square) +
+       (negative - 1) * (two_negatives - square)) /
+      (static_cast<double>(positive) * negative);
+  const double half = kNormal95 * std::sqrt(variance);
+  return {std::max(area - half, 0.0), std::min(area + half, 1.0)};
+}
+
 absl::StatusOr<std::vector<UnknownResult>> EvaluateUnknown(
     const std::vector<const LabelledContact*>& contacts,
     const FitOptions& options, const ParallelFor& parallel,
@@ -102,12 +118,16 @@ absl::StatusOr<std::vector<UnknownResult>> EvaluateUnknown(
         (is_known ? known : left_out).push_back((*scores)[i]);
       }
     }
-    results.push_back({.category = categories[c],
-                       .contacts = static_cast<int>(left_out.size()),
-                       .other_contacts = static_cast<int>(known.size()),
-                       .detected = FractionAbove(left_out, kUnknown),
-                       .false_alarms = FractionAbove(known, kUnknown),
-                       .area_under_roc = AreaUnderRoc(left_out, known)});
+    const double area = AreaUnderRoc(left_out, known);
+    results.push_back(
+        {.category = categories[c],
+         .contacts = static_cast<int>(left_out.size()),
+         .other_contacts = static_cast<int>(known.size()),
+         .detected = FractionAbove(left_out, kUnknown),
+         .false_alarms = FractionAbove(known, kUnknown),
+         .area_under_roc = area,
+         .area_interval = AreaInterval(area, static_cast<int>(left_out.size()),
+                                       static_cast<int>(known.size()))});
   }
   return results;
 }

@@ -18,6 +18,7 @@
 #include "absl/status/statusor.h"
 #include "core/base/work.h"
 #include "core/contacts/labelled_contact.h"
+#include "core/eval/metrics.h"
 #include "core/train/fit.h"
 
 namespace tactus {
@@ -35,6 +36,8 @@ struct UnknownResult {
   // Probability that a contact of the category has a larger `unknown` than a
   // contact of the others; 0.5 is chance.
   double area_under_roc = 0;
+  // Its 95 % interval.
+  Interval area_interval;
 };
 
 // Returns one entry per category. `unknown` comes from the HMMs, so no LSTM is
@@ -49,5 +52,11 @@ absl::StatusOr<std::vector<UnknownResult>> EvaluateUnknown(
 // ties count one half. 0.5 if either is empty.
 double AreaUnderRoc(std::span<const double> positive,
                     std::span<const double> negative);
+
+// The 95 % interval of an area under the ROC curve that was measured on so many
+// contacts (J. A. Hanley and B. J. McNeil, "The meaning and use of the area
+// under a receiver operating characteristic (ROC) curve", Radiology 143, 1982,
+// eq. 1). 0 to 1 if either count is 0.
+Interval AreaInterval(double area, int positive, int negative);
 
 }  // namespace tactus

@@ -347,7 +347,8 @@ Json UnknownToJson(const std::vector<UnknownResult>& results) {
                           {"detected", r.detected},
                           {"other_contacts", r.other_contacts},
                           {"false_alarms", r.false_alarms},
-                          {"area_under_roc", r.area_under_roc}});
+                          {"area_under_roc", r.area_under_roc},
+                          {"area_interval", IntervalToJson(r.area_interval)}});
   }
   return categories;
 }
@@ -358,10 +359,10 @@ std::string UnknownText(const std::vector<UnknownResult>& results) {
     absl::StrAppendFormat(
         &text,
         "without %s: unknown are %s of its %s contacts and %s of the %s "
-        "others; area under the ROC curve %.3f\n",
+        "others; area under the ROC curve %.3f (95 %% interval %.3f to %.3f)\n",
         r.category, Percent(r.detected), WithCommas(r.contacts),
-        Percent(r.false_alarms), WithCommas(r.other_contacts),
-        r.area_under_roc);
+        Percent(r.false_alarms), WithCommas(r.other_contacts), r.area_under_roc,
+        r.area_interval.low, r.area_interval.high);
   }
   return text;
 }

@@ -13,6 +13,16 @@ TEST(AreaUnderRocTest, CountsPairsInOrderAndTiesByHalves) {
   EXPECT_DOUBLE_EQ(AreaUnderRoc({}, negative), 0.5);
 }
 
+// Hanley and McNeil's example: 51 abnormal and 58 normal images, area 0.893,
+// standard error 0.0325 by their formula.
+TEST(AreaIntervalTest, IsHanleyAndMcNeils) {
+  const Interval interval = AreaInterval(0.893, 51, 58);
+  EXPECT_NEAR(interval.low, 0.893 - 1.96 * 0.0325, 1e-4);
+  EXPECT_NEAR(interval.high, 0.893 + 1.96 * 0.0325, 1e-4);
+  EXPECT_EQ(AreaInterval(1, 5, 5).high, 1);
+  EXPECT_EQ(AreaInterval(0.5, 0, 5).low, 0);
+}
+
 // Three categories on three levels of force, at two conditions.
 std::vector<LabelledContact> Levels() {
   std::vector<LabelledContact> contacts;
