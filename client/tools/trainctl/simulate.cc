@@ -64,6 +64,10 @@ Json ToJson(const int (&counts)[4]) {
   return json;
 }
 
+std::string NoiseName(const SimulateFlags& flags) {
+  return flags.noise.empty() ? "relative" : flags.noise;
+}
+
 std::string Row(const char* name, const int (&counts)[4]) {
   return absl::StrFormat("%-6s %5d %5d %5d %5d   %5d\n", name, counts[0],
                          counts[1], counts[2], counts[3], Sum(counts));
@@ -87,6 +91,7 @@ void Print(const SimulateFlags& flags, const Tally& tally) {
     json["strain_clamped"] = tally.clamped;
     if (goal) json["goal_m"] = *goal;
     json["sensor"] = flags.sensor;
+    if (!flags.taxels()) json["noise"] = NoiseName(flags);
     if (!flags.skin.empty()) json["skin"] = flags.skin;
     json["seed"] = flags.seed;
     json["seconds"] = SecondsSinceStart();
@@ -99,10 +104,14 @@ void Print(const SimulateFlags& flags, const Tally& tally) {
   std::cout << absl::StrFormat("%d undetectable, %d with clamped strain, ",
                                tally.undetectable, tally.clamped);
   if (goal) std::cout << absl::StrFormat("goal %g m, ", *goal);
-  std::cout << absl::StrFormat("%s %s, seed %d, %.1f s\n",
+  std::cout << absl::StrFormat("%s %s, ",
                                flags.skin.empty() ? "sensor" : "skin",
-                               flags.skin.empty() ? flags.sensor : flags.skin,
-                               flags.seed, SecondsSinceStart());
+                               flags.skin.empty() ? flags.sensor : flags.skin);
+  if (!flags.taxels()) {
+    std::cout << absl::StrFormat("noise %s, ", NoiseName(flags));
+  }
+  std::cout << absl::StrFormat("seed %d, %.1f s\n", flags.seed,
+                               SecondsSinceStart());
 }
 
 absl::Status RunSimulate(const SimulateFlags& flags) {
@@ -167,6 +176,11 @@ void AddSimulate(CLI::App& app, const SelectCommand& select) {
       ->delimiter(',');
   command->add_option("--sensor", flags->sensor,
                       "signals (ideal) or taxels (rendered frames)");
+  command->add_option(
+      "--noise", flags->noise,
+      "Noise of ideal signals: relative (a share of the variance of the "
+      "trial's own signal, which gives away how large it becomes) or absolute "
+      "(the same in every trial); default: relative");
   command->add_option("--seed", flags->seed, "Seed of every random choice");
   command->add_option("--out", flags->out, "Trial file to write");
   command

@@ -38,6 +38,13 @@ absl::StatusOr<std::vector<Material>> ReadMaterials(const std::string& path) {
 // Contacts of the same place and noise come from the same seed and number.
 constexpr uint64_t kSkinStream = uint64_t{1} << 34;
 
+// The noise of ideal signals, once `flags` are checked.
+SignalNoise NoiseOf(const SimulateFlags& flags) {
+  SignalNoise noise;
+  if (!flags.noise.empty()) noise.reading = *ParseNoiseReading(flags.noise);
+  return noise;
+}
+
 using SimulateJob = std::function<absl::StatusOr<std::vector<SensedContact>>()>;
 
 SimulateJobs JobsOf(std::vector<SimulateJob> jobs) {
@@ -60,7 +67,7 @@ absl::StatusOr<SensedContact> Sense(const SimulatedContact& contact,
     TACTUS_ASSIGN_OR_RETURN(
         sensed.trial, TaxelTrial(contact, layout, flags.render, flags.seed));
   } else {
-    sensed.trial = SignalTrial(contact, SignalNoise(), flags.seed);
+    sensed.trial = SignalTrial(contact, NoiseOf(flags), flags.seed);
   }
   return sensed;
 }
@@ -95,7 +102,7 @@ SimulateJob CodyJob(const CodySpec& spec, const SimulateFlags& flags) {
     } else {
       TACTUS_ASSIGN_OR_RETURN(
           sensed.trial,
-          CodySignalTrial(spec, contact, SignalNoise(), flags.seed));
+          CodySignalTrial(spec, contact, NoiseOf(flags), flags.seed));
     }
     return std::vector<SensedContact>{std::move(sensed)};
   };
@@ -172,6 +179,13 @@ absl::StatusOr<SimulateJobs> MakeJobs(const SimulateFlags& flags,
                                       const SkinLayout& layout) {
   if (flags.sensor != "signals" && flags.sensor != "taxels") {
     return InvalidConfig("--sensor", flags.sensor, "signals or taxels");
+  }
+  if (!flags.noise.empty()) {
+    TACTUS_RETURN_IF_ERROR(ParseNoiseReading(flags.noise).status());
+    if (flags.taxels() || flags.protocol == "random") {
+      return InvalidConfig("--noise with taxels", flags.noise,
+                           "absent: a skin's noise is absolute");
+    }
   }
   if (flags.sample < 1) {
     return InvalidConfig("--sample", flags.sample, "at least 1");

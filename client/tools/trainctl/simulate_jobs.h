@@ -26,6 +26,8 @@ namespace tactus::client {
 struct SimulateFlags {
   std::string protocol = "paper";
   std::string sensor = "signals";
+  // Of signals (ParseNoiseReading); empty for relative.
+  std::string noise;
   uint64_t seed = 1;
   std::string out;
   // Empty for those of the protocol.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/errors.h"
 #include "core/base/gaussian.h"
 
 namespace tactus {
@@ -35,10 +36,18 @@ double ContactArea(const Cube& cube, double force) {
          std::pow(1 - Strain(cube, force), -2 * cube.material.poisson_ratio);
 }
 
+absl::StatusOr<NoiseReading> ParseNoiseReading(absl::string_view name) {
+  if (name == "relative") return NoiseReading::kRelative;
+  if (name == "absolute") return NoiseReading::kAbsolute;
+  return InvalidConfig("noise", name, "relative or absolute");
+}
+
 void AddNoise(const SignalNoise& noise, Random& random,
               std::vector<FeatureVector>& samples) {
   const FeatureVector shares = {noise.force, noise.area, noise.motion};
-  FeatureVector deviations = Variances(samples);
+  FeatureVector deviations = noise.reading == NoiseReading::kAbsolute
+                                 ? kMeanVariance
+                                 : Variances(samples);
   for (int f = 0; f < kFeatureCount; ++f) {
     deviations[f] = std::sqrt(shares[f] * deviations[f]);
   }

@@ -42,5 +42,37 @@ TEST(AddNoiseTest, VarianceIsAFractionOfTheSignals) {
   EXPECT_EQ(variance[2], 0);
 }
 
+// A signal a thousand times as large has the same noise.
+TEST(AddNoiseTest, AbsoluteNoiseDoesNotDependOnTheSignal) {
+  const SignalNoise noise = {.reading = NoiseReading::kAbsolute};
+  const FeatureVector shares = {noise.force, noise.area, noise.motion};
+  for (double level : {1.0, 1000.0}) {
+    std::vector<FeatureVector> clean(20000);
+    for (size_t i = 0; i < clean.size(); ++i) {
+      clean[i].fill(i % 2 == 0 ? level : -level);
+    }
+    std::vector<FeatureVector> noisy = clean;
+    Random random(3);
+    AddNoise(noise, random, noisy);
+    FeatureVector variance = {};
+    for (size_t i = 0; i < clean.size(); ++i) {
+      for (int f = 0; f < 3; ++f) {
+        variance[f] += std::pow(noisy[i][f] - clean[i][f], 2) / clean.size();
+      }
+    }
+    for (int f = 0; f < 3; ++f) {
+      const double expected = shares[f] * kMeanVariance[f];
+      EXPECT_NEAR(variance[f], expected, 0.03 * expected);
+    }
+  }
+}
+
+TEST(ParseNoiseReadingTest, KnowsTwoNames) {
+  EXPECT_EQ(*ParseNoiseReading("relative"), NoiseReading::kRelative);
+  EXPECT_EQ(*ParseNoiseReading("absolute"), NoiseReading::kAbsolute);
+  EXPECT_EQ(ParseNoiseReading("own").status().code(),
+            absl::StatusCode::kInvalidArgument);
+}
+
 }  // namespace
 }  // namespace tactus
