@@ -64,6 +64,7 @@ readonly TESTS=(
   ccache
   clang-format
   gnuplot-nox
+  libclang-rt-14-dev
   libghmm-dev
   libgmock-dev
   libgtest-dev
