@@ -1,6 +1,25 @@
 #include "core/contacts/contact_frames.h"
 
 namespace tactus {
+namespace {
+
+// Puts the last frame's value into a part of the frames, if there is such a
+// part. It may have been made for this frame, with room for it.
+template <typename Part, typename Value>
+void PutLast(size_t frames, const Value& value, Part& part) {
+  if (part.empty()) return;
+  part.resize(frames - 1);
+  part.push_back(value);
+}
+
+}  // namespace
+
+size_t ContactFrames::bytes() const {
+  return std::span(features_).size_bytes() +
+         std::span(net_force_).size_bytes() + std::span(profile_).size_bytes() +
+         touched_.size() / 8 + std::span(loads_).size_bytes() +
+         std::span(load_ends_).size_bytes();
+}
 
 void ContactFrames::clear() {
   features_.clear();
@@ -20,31 +39,43 @@ void ContactFrames::shrink_to_fit() {
   load_ends_.shrink_to_fit();
 }
 
-void ContactFrames::MakeRoomFor(const ContactFrame& frame) {
-  const ContactSample& sample = frame.sample;
-  if (net_force_.empty() && sample.net_force != sample.features[kForceAt]) {
+void ContactFrames::MakeRoomFor(const Numbers& numbers) {
+  if (net_force_.empty() && numbers.net_force != numbers.features[kForceAt]) {
     for (const FeatureVector& features : features_) {
       net_force_.push_back(features[kForceAt]);
     }
   }
+  if (touched_.empty() && !numbers.touched) touched_.assign(size(), true);
+}
+
+void ContactFrames::MakeRoomFor(const ContactFrame& frame) {
+  const ContactSample& sample = frame.sample;
+  MakeRoomFor(Numbers{sample.features, sample.net_force, frame.touched});
   if (profile_.empty() && sample.profile != LoadProfile{}) {
     profile_.resize(size());
   }
-  if (touched_.empty() && !frame.touched) touched_.assign(size(), true);
+}
+
+void ContactFrames::push_back_numbers(const Numbers& numbers) {
+  features_.push_back(numbers.features);
+  MakeRoomFor(numbers);
+  PutLast(size(), numbers.net_force, net_force_);
+  PutLast(size(), numbers.touched, touched_);
+}
+
+void ContactFrames::SetNumbers(size_t t, const Numbers& numbers) {
+  MakeRoomFor(numbers);
+  features_[t] = numbers.features;
+  if (!net_force_.empty()) net_force_[t] = numbers.net_force;
+  if (!touched_.empty()) touched_[t] = numbers.touched;
 }
 
 void ContactFrames::push_back(const ContactFrame& frame) {
   features_.push_back(frame.sample.features);
   MakeRoomFor(frame);
-  // A part that has room for this frame was made for it.
-  const auto put = [&](auto& part, const auto& value) {
-    if (part.empty()) return;
-    part.resize(size() - 1);
-    part.push_back(value);
-  };
-  put(net_force_, frame.sample.net_force);
-  put(profile_, frame.sample.profile);
-  put(touched_, frame.touched);
+  PutLast(size(), frame.sample.net_force, net_force_);
+  PutLast(size(), frame.sample.profile, profile_);
+  PutLast(size(), frame.touched, touched_);
   const auto& loads = frame.sample.loads;
   if (loads_.empty() && loads.empty()) return;
   // Frames before the first one with taxels have none.

@@ -74,17 +74,24 @@ class ContactFrames {
     return std::span(loads_).subspan(begin, load_ends_[t] - begin);
   }
 
-  // True if all frames are touched frames of ideal signals, for which features
-  // are enough.
-  bool plain() const {
-    return net_force_.empty() && profile_.empty() && touched_.empty() &&
-           load_ends_.empty();
+  // The numbers of a frame that has no load profile and no taxels.
+  struct Numbers {
+    FeatureVector features = {};
+    double net_force = 0;
+    bool touched = true;
+  };
+  // True if numbers() is all there is of each frame.
+  bool plain() const { return profile_.empty() && load_ends_.empty(); }
+  Numbers numbers(size_t t) const {
+    return {features_[t], net_force(t), touched(t)};
   }
   // Of plain frames.
-  void push_back_plain(const FeatureVector& features) {
-    features_.push_back(features);
-  }
-  FeatureVector& plain_features(size_t t) { return features_[t]; }
+  void push_back_numbers(const Numbers& numbers);
+  // Replaces the numbers, and nothing else, of any frame.
+  void SetNumbers(size_t t, const Numbers& numbers);
+
+  // Of all numbers and taxels.
+  size_t bytes() const;
 
   // Keeps the memory.
   void clear();
@@ -98,6 +105,7 @@ class ContactFrames {
   // Makes room for those parts of a frame that are not numbers of a touched
   // frame of ideal signals, if there is none yet.
   void MakeRoomFor(const ContactFrame& frame);
+  void MakeRoomFor(const Numbers& numbers);
 
   static constexpr int kForceAt = static_cast<int>(Feature::kForce);
 

@@ -22,15 +22,12 @@ FeatureVector Between(const FeatureVector& before, const FeatureVector& after,
   return features;
 }
 
-ContactFrame Between(const ContactFrame& before, const ContactFrame& after,
-                     double fraction) {
-  ContactFrame frame = before;
-  if (!before.touched || !after.touched) return frame;
-  frame.sample.features =
-      Between(before.sample.features, after.sample.features, fraction);
-  frame.sample.net_force =
-      Between(before.sample.net_force, after.sample.net_force, fraction);
-  return frame;
+ContactFrames::Numbers Between(const ContactFrames::Numbers& before,
+                               const ContactFrames::Numbers& after,
+                               double fraction) {
+  if (!before.touched || !after.touched) return before;
+  return {Between(before.features, after.features, fraction),
+          Between(before.net_force, after.net_force, fraction), true};
 }
 
 void AtPace(const LabelledContact& contact, double pace,
@@ -44,19 +41,23 @@ void AtPace(const LabelledContact& contact, double pace,
   warped.layout = contact.layout;
   warped.frames.clear();
   warped.object_motion.clear();
+  const bool plain = contact.frames.plain();
   for (size_t k = 0; k < contact.frames.size(); ++k) {
     // The first frame is one frame after the touch.
     const double place = std::max(0.0, static_cast<double>(k + 1) * pace - 1);
     const auto before = static_cast<size_t>(place);
     if (before + 1 >= contact.frames.size()) break;
     const double fraction = place - static_cast<double>(before);
-    if (contact.frames.plain()) {
-      warped.frames.push_back_plain(Between(contact.frames.features(before),
-                                            contact.frames.features(before + 1),
-                                            fraction));
+    const ContactFrames::Numbers numbers =
+        Between(contact.frames.numbers(before),
+                contact.frames.numbers(before + 1), fraction);
+    if (plain) {
+      warped.frames.push_back_numbers(numbers);
     } else {
-      warped.frames.push_back(Between(contact.frames[before],
-                                      contact.frames[before + 1], fraction));
+      ContactFrame frame = contact.frames[before];
+      frame.sample.features = numbers.features;
+      frame.sample.net_force = numbers.net_force;
+      warped.frames.push_back(frame);
     }
     if (contact.object_motion.empty()) continue;
     warped.object_motion.push_back(Between(contact.object_motion[before],
@@ -131,24 +132,16 @@ void Vary(const LabelledContact& contact, const ContactNoise& noise,
   const auto varied_force = [&](double value, double deviation, size_t t) {
     return std::abs(force * value + deviation * deviates[2 * t]);
   };
-  const auto vary_features = [&](size_t t, FeatureVector& features) {
-    double& motion = features[kMotionAt];
-    features[kForceAt] = varied_force(features[kForceAt], peak_noise, t);
-    motion = load * motion + motion_noise * deviates[2 * t + 1];
-  };
   for (size_t t = 0; t < varied.frames.size(); ++t) {
-    if (varied.frames.plain()) {
-      // The net force is the force, and so is its noise.
-      vary_features(t, varied.frames.plain_features(t));
-      continue;
-    }
     if (!varied.frames.touched(t)) continue;
-    ContactFrame frame = varied.frames[t];
-    ContactSample& sample = frame.sample;
+    ContactFrames::Numbers numbers = varied.frames.numbers(t);
+    double& peak = numbers.features[kForceAt];
+    double& motion = numbers.features[kMotionAt];
     // The largest taxel is part of the region: one draw serves both.
-    vary_features(t, sample.features);
-    sample.net_force = varied_force(sample.net_force, net_noise, t);
-    varied.frames.Set(t, frame);
+    peak = varied_force(peak, peak_noise, t);
+    numbers.net_force = varied_force(numbers.net_force, net_noise, t);
+    motion = load * motion + motion_noise * deviates[2 * t + 1];
+    varied.frames.SetNumbers(t, numbers);
   }
   for (double& moved : varied.object_motion) moved *= load;
 }

@@ -8,7 +8,16 @@
 namespace tactus {
 namespace {
 
-constexpr char kDefault[] = "tuned";
+// True if the preset follows from the contacts.
+bool Chooses(const OptionsRequest& request) {
+  return request.preset == kAutoPreset ||
+         (request.preset.empty() && request.without_poses);
+}
+
+// The preset of a request that does not choose.
+std::string NamedPreset(const OptionsRequest& request) {
+  return request.preset.empty() ? "tuned" : request.preset;
+}
 
 // Removes the contacts that models of these options cannot be fitted to.
 void SkipUnusable(const FitOptions& options, ChosenOptions& chosen) {
@@ -21,16 +30,21 @@ void SkipUnusable(const FitOptions& options, ChosenOptions& chosen) {
 
 }  // namespace
 
+absl::StatusOr<bool> NeedsWholeSkin(const OptionsRequest& request) {
+  if (Chooses(request)) return true;
+  TACTUS_ASSIGN_OR_RETURN(const FitOptions options,
+                          request.options_of(NamedPreset(request)));
+  return UsesWholeSkin(options);
+}
+
 absl::StatusOr<ChosenOptions> ChooseOptions(
     const std::vector<const LabelledContact*>& contacts,
     const OptionsRequest& request, const ParallelFor& parallel,
     const Progress& progress) {
   ChosenOptions chosen;
   chosen.contacts = contacts;
-  const bool choose = request.preset == kAutoPreset ||
-                      (request.preset.empty() && request.without_poses);
-  if (!choose) {
-    chosen.preset = request.preset.empty() ? kDefault : request.preset;
+  if (!Chooses(request)) {
+    chosen.preset = NamedPreset(request);
     TACTUS_ASSIGN_OR_RETURN(chosen.options, request.options_of(chosen.preset));
     if (request.skip_unusable) SkipUnusable(chosen.options, chosen);
     return chosen;

@@ -52,6 +52,11 @@ struct ChosenOptions {
   std::vector<std::string> unusable;
 };
 
+// True if models of the request may look at more of the skin than the features
+// (ExtractOptions::whole_skin). What is known before the contacts are read may
+// say no, and what they show of poses then yes: they are read again.
+absl::StatusOr<bool> NeedsWholeSkin(const OptionsRequest& request);
+
 // The errors of `options_of` and of ChoosePreset.
 absl::StatusOr<ChosenOptions> ChooseOptions(
     const std::vector<const LabelledContact*>& contacts,

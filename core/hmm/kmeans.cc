@@ -13,7 +13,7 @@ namespace {
 constexpr int kStarts = 8;
 constexpr int kMaxRounds = 100;
 
-// Points and centres are columns here, so that each is contiguous.
+// Points and centres are columns, so that each is contiguous.
 using Points = Eigen::MatrixXd;
 
 double SquaredDistance(const Points& a, Eigen::Index i, const Points& b,
@@ -69,7 +69,7 @@ class Clustering {
 
   double inertia() const { return inertia_; }
   KMeansResult Result() && {
-    return {centres_.transpose(), std::move(cluster_of_), inertia_};
+    return {std::move(centres_), std::move(cluster_of_), inertia_};
   }
 
  private:
@@ -159,12 +159,11 @@ class Clustering {
 
 KMeansResult KMeans(const Eigen::MatrixXd& points, int clusters,
                     uint64_t seed) {
-  const Points columns = points.transpose();
   KMeansResult best;
   best.inertia = std::numeric_limits<double>::infinity();
   for (int start = 0; start < kStarts; ++start) {
     Random random = Random::ForStream(seed, start);
-    Clustering clustering(columns, DrawSeeds(columns, clusters, random));
+    Clustering clustering(points, DrawSeeds(points, clusters, random));
     clustering.Run();
     if (clustering.inertia() < best.inertia) {
       best = std::move(clustering).Result();

@@ -19,12 +19,12 @@
 namespace tactus {
 
 struct KMeansResult {
-  Eigen::MatrixXd centres;      // [clusters x dimensions]
+  Eigen::MatrixXd centres;      // [dimensions x clusters]
   std::vector<int> cluster_of;  // [points]
   double inertia = 0;           // sum of squared distances to the centres
 };
 
-// points: [points x dimensions], finite, at least one. Returns `clusters`
+// points: [dimensions x points], finite, at least one. Returns `clusters`
 // clusters, or fewer if there are fewer distinct points. No cluster is empty.
 KMeansResult KMeans(const Eigen::MatrixXd& points, int clusters, uint64_t seed);
 

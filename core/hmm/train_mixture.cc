@@ -33,10 +33,10 @@ absl::Status CheckOptions(const TrainMixtureOptions& options) {
   return absl::OkStatus();
 }
 
-// One row per trial: [trials x (points * D)].
+// One column per trial: [(points * D) x trials].
 Eigen::MatrixXd Summarise(const std::vector<SequenceView>& trials, int points) {
   const int d = trials.front().dimensions;
-  Eigen::MatrixXd summary(trials.size(), points * d);
+  Eigen::MatrixXd summary(points * d, trials.size());
   for (size_t s = 0; s < trials.size(); ++s) {
     const SequenceView& trial = trials[s];
     for (int p = 0; p < points; ++p) {
@@ -47,16 +47,18 @@ Eigen::MatrixXd Summarise(const std::vector<SequenceView>& trials, int points) {
       const int after = std::min(before + 1, trial.frames - 1);
       const double share = place - before;
       for (int k = 0; k < d; ++k) {
-        summary(s, p * d + k) = (1 - share) * trial.frame(before)[k] +
+        summary(p * d + k, s) = (1 - share) * trial.frame(before)[k] +
                                 share * trial.frame(after)[k];
       }
     }
   }
-  for (Eigen::Index c = 0; c < summary.cols(); ++c) {
-    auto column = summary.col(c).array();
-    column -= column.mean();
-    const double deviation = std::sqrt(column.square().mean());
-    if (deviation > 0) column /= deviation;
+  Eigen::ArrayXd values(trials.size());
+  for (Eigen::Index r = 0; r < summary.rows(); ++r) {
+    values = summary.row(r).transpose();
+    values -= values.mean();
+    const double deviation = std::sqrt(values.square().mean());
+    if (deviation > 0) values /= deviation;
+    summary.row(r) = values.transpose();
   }
   return summary;
 }
@@ -67,9 +69,9 @@ Eigen::MatrixXd Summarise(const std::vector<SequenceView>& trials, int points) {
 void DissolveSmallGroups(const Eigen::MatrixXd& summary,
                          const Eigen::MatrixXd& centres, int min_trials,
                          std::vector<int>& group_of) {
-  const int groups = static_cast<int>(centres.rows());
+  const int groups = static_cast<int>(centres.cols());
   const auto cost = [&](size_t s, int g) {
-    return (summary.row(s) - centres.row(g)).squaredNorm();
+    return (summary.col(s) - centres.col(g)).squaredNorm();
   };
   std::vector<bool> alive(groups, true);
   for (int left = groups; left > 1; --left) {

@@ -52,6 +52,10 @@ bool Varies(double spread, double low, double high) {
   return spread > kRounding * std::max(std::abs(low), std::abs(high));
 }
 
+// Quantiles are those of at most so many steps, evenly chosen from all. Enough
+// for any quantile, and 64 MB a cue at most.
+constexpr size_t kMaxQuantileSteps = 8'000'000;
+
 // Adds the inputs of a stretched cue. Sorts its `values`.
 void AddStretches(Cue cue, int stretches, std::vector<double>& values,
                   std::vector<ModelInput>& inputs) {
@@ -119,6 +123,17 @@ std::vector<ModelInput> FitInputs(const VariedContacts& contacts,
   const bool stretched = options.stretches > 0;
   std::vector<std::vector<double>> values(
       stretched ? options.stretched_cues.size() : 0);
+  size_t stride = 1;
+  if (stretched) {
+    // At most: a copy has no more frames than its contact.
+    size_t steps = 0;
+    for (size_t c = 0; c < contacts.size(); ++c) {
+      steps += CountSteps(contacts.Original(c), options.steps);
+    }
+    stride = 1 + steps / kMaxQuantileSteps;
+    for (std::vector<double>& each : values) each.reserve(steps / stride + 1);
+  }
+  size_t step = 0;
   CueGroups groups = GroupsOf(inputs);
   for (const Cue cue : options.stretched_cues) groups |= GroupOf(cue);
   LabelledContact made;
@@ -129,6 +144,7 @@ std::vector<ModelInput> FitInputs(const VariedContacts& contacts,
                  ranges[i].Add(TransformCue(tracker.value(inputs[i].cue),
                                             inputs[i].log_offset));
                }
+               if (step++ % stride != 0) return;
                for (size_t i = 0; i < values.size(); ++i) {
                  values[i].push_back(tracker.value(options.stretched_cues[i]));
                }
@@ -149,19 +165,25 @@ std::vector<ModelInput> FitInputs(const VariedContacts& contacts,
   return inputs;
 }
 
+void AppendSequence(const LabelledContact& contact,
+                    std::span<const ModelInput> inputs,
+                    const StepIntervals& steps, const TaxelEmbedding* embedding,
+                    std::vector<double>& rows) {
+  WalkCues(contact, steps, GroupsOf(inputs), embedding,
+           [&](CueTracker& cues, size_t) {
+             rows.resize(rows.size() + inputs.size());
+             MakeInput(inputs, cues, std::span(rows).last(inputs.size()));
+           });
+}
+
 std::vector<double> MakeSequence(const LabelledContact& contact,
                                  std::span<const ModelInput> inputs,
                                  const StepIntervals& steps,
                                  const TaxelEmbedding* embedding) {
-  std::vector<double> sequence;
-  sequence.reserve(CountSteps(contact, steps) * inputs.size());
-  std::vector<double> row(inputs.size());
-  WalkCues(contact, steps, GroupsOf(inputs), embedding,
-           [&](CueTracker& cues, size_t) {
-             MakeInput(inputs, cues, row);
-             sequence.insert(sequence.end(), row.begin(), row.end());
-           });
-  return sequence;
+  std::vector<double> rows;
+  rows.reserve(CountSteps(contact, steps) * inputs.size());
+  AppendSequence(contact, inputs, steps, embedding, rows);
+  return rows;
 }
 
 }  // namespace tactus

@@ -64,8 +64,14 @@ std::vector<ModelInput> FitInputs(const VariedContacts& contacts,
                                   std::span<const Cue> cues,
                                   const InputOptions& options);
 
-// Returns the scaled inputs of the frames that WalkCues visits, frames x
-// inputs, row-major.
+// Appends the scaled inputs of the frames that WalkCues visits to `rows`,
+// frames x inputs, row-major.
+void AppendSequence(const LabelledContact& contact,
+                    std::span<const ModelInput> inputs,
+                    const StepIntervals& steps, const TaxelEmbedding* embedding,
+                    std::vector<double>& rows);
+
+// Returns them.
 std::vector<double> MakeSequence(const LabelledContact& contact,
                                  std::span<const ModelInput> inputs,
                                  const StepIntervals& steps,

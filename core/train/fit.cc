@@ -29,8 +29,10 @@ constexpr size_t kMaxConditions = 8;
 // calibrated. The more they miss, the more they err, and the lower its
 // probabilities become. Six groups leave out few materials at once.
 constexpr size_t kMaterialGroups = 6;
-// Memory for the LSTMs' inputs at any time.
+// Memory for the LSTMs' inputs at any time, and for the contacts and the inputs
+// together. What else a fit takes lets the whole stay below 2 GB.
 constexpr size_t kKeptInputBytes = size_t{1} << 30;
+constexpr size_t kFitBytes = size_t{3} << 29;
 // Fractions of a fit's time, for the progress.
 constexpr double kInputsWeight = 0.03;
 constexpr double kTrainingWeight = 0.94;
@@ -246,21 +248,31 @@ absl::Status RunAll(const ParallelFor& parallel, size_t count,
   return absl::OkStatus();
 }
 
-// Models that are fitted together because the LSTMs' inputs of all of them fit
-// into kKeptInputBytes. A model whose inputs alone do not fit makes them for
-// each batch.
+// The memory that the LSTMs' inputs may take beside the contacts.
+size_t RoomForInputs(const std::vector<const LabelledContact*>& contacts) {
+  size_t taken = 0;
+  for (const LabelledContact* contact : contacts) {
+    taken += contact->frames.bytes() +
+             contact->object_motion.size() * sizeof(double);
+  }
+  return std::min(kKeptInputBytes, kFitBytes - std::min(kFitBytes, taken));
+}
+
+// Models that are fitted together because there is room for the LSTMs' inputs
+// of all of them. A model whose inputs alone find no room makes them for each
+// batch.
 struct Wave {
   std::vector<ModelFit*> fits;
   size_t bytes = 0;
 };
 
-std::vector<Wave> MakeWaves(const std::vector<ModelFit*>& fits) {
+std::vector<Wave> MakeWaves(const std::vector<ModelFit*>& fits, size_t room) {
   std::vector<Wave> waves;
   for (ModelFit* fit : fits) {
     const size_t bytes = fit->InputBytes();
     // What makes inputs for each batch keeps none of them.
-    const size_t kept = bytes <= kKeptInputBytes ? bytes : 0;
-    if (waves.empty() || waves.back().bytes + kept > kKeptInputBytes) {
+    const size_t kept = bytes <= room ? bytes : 0;
+    if (waves.empty() || waves.back().bytes + kept > room) {
       waves.emplace_back();
     }
     waves.back().fits.push_back(fit);
@@ -273,7 +285,7 @@ std::vector<Wave> MakeWaves(const std::vector<ModelFit*>& fits) {
 // for the end of one model before the next begins. One task of HMMs of the
 // first model is done between its two kinds of inputs: whoever watches the fit
 // sees its first iterations before all inputs of all models are made.
-absl::Status FitWave(const Wave& wave, const ParallelFor& parallel,
+absl::Status FitWave(const Wave& wave, size_t room, const ParallelFor& parallel,
                      const Progress& inputs, const Progress& training) {
   const std::vector<ModelFit*>& fits = wave.fits;
   const auto fit_task = [&](ModelFit* fit, int task) {
@@ -284,8 +296,7 @@ absl::Status FitWave(const Wave& wave, const ParallelFor& parallel,
     ModelFit* const fit = fits[f];
     TACTUS_RETURN_IF_ERROR(fit->FitHmmInputs());
     if (f == 0) TACTUS_RETURN_IF_ERROR(fit_task(fit, early));
-    TACTUS_RETURN_IF_ERROR(
-        fit->FitLstmInputs(fit->InputBytes() <= kKeptInputBytes));
+    TACTUS_RETURN_IF_ERROR(fit->FitLstmInputs(fit->InputBytes() <= room));
     inputs.Add(1);
     return absl::OkStatus();
   }));
@@ -302,7 +313,7 @@ absl::Status FitWave(const Wave& wave, const ParallelFor& parallel,
   return status;
 }
 
-absl::Status FitAll(const std::vector<ModelFit*>& fits,
+absl::Status FitAll(const std::vector<ModelFit*>& fits, size_t room,
                     const ParallelFor& parallel, const Progress& progress) {
   double work = 0;
   for (const ModelFit* fit : fits) {
@@ -312,8 +323,8 @@ absl::Status FitAll(const std::vector<ModelFit*>& fits,
                               .Part("", 1 / static_cast<double>(fits.size()));
   const Progress training =
       progress.Part("train models", kTrainingWeight).Part("", 1 / work);
-  for (const Wave& wave : MakeWaves(fits)) {
-    TACTUS_RETURN_IF_ERROR(FitWave(wave, parallel, inputs, training));
+  for (const Wave& wave : MakeWaves(fits, room)) {
+    TACTUS_RETURN_IF_ERROR(FitWave(wave, room, parallel, inputs, training));
   }
   return absl::OkStatus();
 }
@@ -448,7 +459,8 @@ absl::StatusOr<Model> FitModel(
   for (const Fold& fold : folds) {
     if (fold.fit != nullptr) fits.push_back(fold.fit.get());
   }
-  TACTUS_RETURN_IF_ERROR(FitAll(fits, parallel, progress));
+  TACTUS_RETURN_IF_ERROR(
+      FitAll(fits, RoomForInputs(contacts), parallel, progress));
   Model model = whole.TakeModel();
   if (!held.left_out.empty()) {
     TACTUS_ASSIGN_OR_RETURN(auto compiled, CompiledModel::Create(model));

@@ -31,30 +31,46 @@ absl::StatusOr<HmmMixture> FitClassHmms(const FitRun& run,
     return *std::move(saved);
   }
   const int dimensions = static_cast<int>(spec.hmm.size());
-  const bool so_far = run.options.truth == Truth::kSoFar;
-  std::vector<std::vector<double>> sequences;
+  const auto begins_so = [&](const LabelledContact& contact) {
+    return run.options.truth == Truth::kSoFar &&
+           LabelSoFar(contact, 0) == run.class_names[label];
+  };
+  const auto ends_so = [&](const LabelledContact& contact) {
+    return contact.label == run.class_names[label];
+  };
+  // All sequences lie in one array, whose memory is returned when it is
+  // dropped; that of many small ones is not. A copy has at most as many frames.
+  std::vector<double> rows;
+  size_t steps = 0;
+  for (size_t i = 0; i < contacts.size(); ++i) {
+    const LabelledContact& original = contacts.Original(i);
+    if (!ends_so(original) && !begins_so(original)) continue;
+    steps += CountSteps(original, spec.hmm_steps);
+  }
+  rows.reserve(steps * dimensions);
+  std::vector<int> lengths;
   LabelledContact made;
   for (size_t i = 0; i < contacts.size(); ++i) {
     const LabelledContact& original = contacts.Original(i);
-    const std::string& name = run.class_names[label];
-    const bool ends_so = original.label == name;
-    if (!ends_so && !(so_far && LabelSoFar(original, 0) == name)) continue;
+    const bool whole = ends_so(original);
+    if (!whole && !begins_so(original)) continue;
     const LabelledContact& contact = contacts.Get(i, made);
-    sequences.push_back(
-        MakeSequence(contact, spec.hmm, spec.hmm_steps, &spec.embedding));
+    const size_t begin = rows.size();
+    AppendSequence(contact, spec.hmm, spec.hmm_steps, &spec.embedding, rows);
     // Of a contact that only begins in this class, the beginning.
-    if (!ends_so) {
-      sequences.back().resize(dimensions *
-                              StepsBeforeMotion(contact, spec.hmm_steps));
+    if (!whole) {
+      rows.resize(begin +
+                  dimensions * StepsBeforeMotion(contact, spec.hmm_steps));
     }
     // A copy may be too short for a step.
-    if (sequences.back().empty()) sequences.pop_back();
+    if (rows.size() == begin) continue;
+    lengths.push_back(static_cast<int>((rows.size() - begin) / dimensions));
   }
   std::vector<SequenceView> views;
-  for (const auto& sequence : sequences) {
-    views.push_back({sequence.data(),
-                     static_cast<int>(sequence.size()) / dimensions,
-                     dimensions});
+  const double* next = rows.data();
+  for (const int length : lengths) {
+    views.push_back({next, length, dimensions});
+    next += static_cast<size_t>(length) * dimensions;
   }
   const FitOptions& options = run.options;
   TrainMixtureOptions training;

@@ -149,4 +149,14 @@ std::vector<Cue> CuesFor(const std::vector<Cue>& cues,
   return usable;
 }
 
+bool UsesWholeSkin(const FitOptions& options) {
+  const auto of_skin = [](Cue cue) {
+    return IsTaxelCue(cue) || IsProfileCue(cue);
+  };
+  return std::ranges::any_of(options.hmm_cues, of_skin) ||
+         (options.lstm.networks > 0 &&
+          (std::ranges::any_of(options.lstm.cues, of_skin) ||
+           std::ranges::any_of(options.lstm.stretched_cues, of_skin)));
+}
+
 }  // namespace tactus

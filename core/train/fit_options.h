@@ -94,6 +94,10 @@ struct FitOptions {
 std::vector<Cue> CuesFor(const std::vector<Cue>& cues,
                          const std::vector<Feature>& features);
 
+// True if the models look at more of the skin than the features
+// (ExtractOptions::whole_skin).
+bool UsesWholeSkin(const FitOptions& options);
+
 // "paper": one 10-state left-right HMM a category on the scaled features,
 // scored by Viterbi, and a 2 x 50 softsign LSTM on every frame (Section
 // "Algorithm Parameters").

@@ -53,7 +53,8 @@ struct ReadTrial {
 
 absl::StatusOr<ReadTrial> ReadContact(FileSystem& files,
                                       const v1::JobSpec& spec,
-                                      const std::string& sha256) {
+                                      const std::string& sha256,
+                                      bool whole_skin) {
   const std::string path =
       absl::StrCat(spec.blob_folder(), "/",
                    absl::string_view(sha256).substr(0, 2), "/", sha256);
@@ -67,7 +68,8 @@ absl::StatusOr<ReadTrial> ReadContact(FileSystem& files,
   TACTUS_ASSIGN_OR_RETURN(const Trial trial, FromRecord(record));
   ReadTrial read = {.without_poses =
                         !trial.taxels.empty() && trial.poses.empty()};
-  TACTUS_ASSIGN_OR_RETURN(read.contact, ExtractContact(trial));
+  TACTUS_ASSIGN_OR_RETURN(read.contact,
+                          ExtractContact(trial, {.whole_skin = whole_skin}));
   return read;
 }
 
@@ -75,13 +77,14 @@ absl::StatusOr<ReadTrial> ReadContact(FileSystem& files,
 absl::StatusOr<Contacts> ReadContacts(FileSystem& files,
                                       const v1::JobSpec& spec,
                                       const ParallelFor& parallel,
-                                      const Progress& progress) {
+                                      const Progress& progress,
+                                      bool whole_skin = true) {
   const Progress part = progress.Part("read trials", 1);
   const int count = spec.trials_size();
   std::vector<ReadTrial> read(count);
   std::vector<absl::Status> failures(count);
   parallel(count, [&](int i) {
-    auto trial = ReadContact(files, spec, spec.trials(i));
+    auto trial = ReadContact(files, spec, spec.trials(i), whole_skin);
     if (trial.ok()) read[i] = *std::move(trial);
     failures[i] = trial.status();
     part.Add(1.0 / count);
@@ -127,21 +130,41 @@ v1::PresetChoice ToProto(const PresetChoice& choice) {
   return proto;
 }
 
+OptionsRequest RequestOf(const v1::TrainSpec& spec, bool without_poses) {
+  return {.preset = spec.preset(),
+          .without_poses = without_poses,
+          .skip_unusable = spec.skip_unusable(),
+          .options_of = [&spec](absl::string_view name) {
+            return OptionsOf(spec, name);
+          }};
+}
+
+// The contacts, with what models of the spec can use of them.
+absl::StatusOr<Contacts> ReadForFit(FileSystem& files, const v1::JobSpec& spec,
+                                    const v1::TrainSpec& train,
+                                    const ParallelFor& parallel,
+                                    const Progress& progress) {
+  TACTUS_ASSIGN_OR_RETURN(const bool at_first,
+                          NeedsWholeSkin(RequestOf(train, false)));
+  TACTUS_ASSIGN_OR_RETURN(Contacts contacts, ReadContacts(files, spec, parallel,
+                                                          progress, at_first));
+  TACTUS_ASSIGN_OR_RETURN(
+      const bool whole_skin,
+      NeedsWholeSkin(RequestOf(train, contacts.without_poses)));
+  if (whole_skin == at_first) return contacts;
+  return ReadContacts(files, spec, parallel, progress, whole_skin);
+}
+
 // The options that the spec asks for, and the contacts to fit models to.
 absl::StatusOr<ChosenOptions> Choose(const v1::TrainSpec& spec,
                                      const Contacts& contacts,
                                      const ParallelFor& parallel,
                                      const Progress& progress,
                                      v1::OperationResult& result) {
-  const OptionsRequest request = {.preset = spec.preset(),
-                                  .without_poses = contacts.without_poses,
-                                  .skip_unusable = spec.skip_unusable(),
-                                  .options_of = [&](absl::string_view name) {
-                                    return OptionsOf(spec, name);
-                                  }};
-  TACTUS_ASSIGN_OR_RETURN(
-      ChosenOptions chosen,
-      ChooseOptions(contacts.Pointers(), request, parallel, progress));
+  TACTUS_ASSIGN_OR_RETURN(ChosenOptions chosen,
+                          ChooseOptions(contacts.Pointers(),
+                                        RequestOf(spec, contacts.without_poses),
+                                        parallel, progress));
   TACTUS_RETURN_IF_ERROR(CheckUsable(chosen.contacts, chosen.options));
   result.mutable_unusable_trials()->Assign(chosen.unusable.begin(),
                                            chosen.unusable.end());
@@ -157,7 +180,7 @@ absl::Status Train(FileSystem& files, const std::string& folder,
   TACTUS_RETURN_IF_ERROR(CheckOptions(train));
   TACTUS_ASSIGN_OR_RETURN(
       const Contacts contacts,
-      ReadContacts(files, spec, parallel, events->progress()));
+      ReadForFit(files, spec, train, parallel, events->progress()));
   TACTUS_ASSIGN_OR_RETURN(
       const ChosenOptions chosen,
       Choose(train, contacts, parallel, events->progress(), result));
@@ -195,11 +218,14 @@ absl::Status Evaluate(FileSystem& files, const std::string& folder,
                       EventWriter* events, v1::OperationResult& result) {
   const v1::EvaluateSpec& evaluate = spec.operation().evaluate();
   TACTUS_RETURN_IF_ERROR(CheckOptions(evaluate.train()));
+  const bool fits = evaluate.model_version().empty();
   TACTUS_ASSIGN_OR_RETURN(
       const Contacts contacts,
-      ReadContacts(files, spec, parallel, events->progress()));
+      fits ? ReadForFit(files, spec, evaluate.train(), parallel,
+                        events->progress())
+           : ReadContacts(files, spec, parallel, events->progress()));
   absl::StatusOr<Evaluation> evaluation;
-  if (evaluate.model_version().empty()) {
+  if (fits) {
     TACTUS_ASSIGN_OR_RETURN(const Protocol protocol,
                             ParseProtocol(evaluate.protocol()));
     TACTUS_ASSIGN_OR_RETURN(const ChosenOptions chosen,

@@ -85,21 +85,19 @@ absl::StatusOr<LoadedContacts> LoadWorld(const std::string& text,
 absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
                                             const std::string& layout_path,
                                             const Progress& progress,
-                                            double release_after_s) {
+                                            ExtractOptions extract) {
   if (IsWorldRecipe(path)) return LoadWorld(path, progress);
   SkinLayout layout;
   if (!layout_path.empty()) {
     TACTUS_ASSIGN_OR_RETURN(layout, ReadLayoutFile(layout_path));
   }
+  extract.layout = &layout;
   TACTUS_ASSIGN_OR_RETURN(auto reader, TrialFileReader::Open(path));
   LoadedContacts loaded;
   const Progress reading = progress.Part("read trials", 1);
   for (size_t i = 0; i < reader.size(); ++i) {
     TACTUS_ASSIGN_OR_RETURN(const Trial trial, reader.Read(i));
-    TACTUS_ASSIGN_OR_RETURN(
-        auto contact,
-        ExtractContact(
-            trial, {.layout = &layout, .release_after_s = release_after_s}));
+    TACTUS_ASSIGN_OR_RETURN(auto contact, ExtractContact(trial, extract));
     ++loaded.trials;
     loaded.without_poses |= !trial.taxels.empty() && trial.poses.empty();
     if (contact) {

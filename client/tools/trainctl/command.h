@@ -67,11 +67,13 @@ struct LoadedContacts {
 };
 
 // Reads the trial file at `path`. `layout_path`, if not empty, is a JSON file
-// with the skin of trials that carry none. INVALID_TRAINING_DATA if the trials
-// have several skins or rates. `release_after_s` is that of ExtractContact().
-absl::StatusOr<LoadedContacts> LoadContacts(
-    const std::string& path, const std::string& layout_path,
-    const Progress& progress, double release_after_s = kNeverReleased);
+// with the skin of trials that carry none; `extract` holds the other options of
+// ExtractContact(). INVALID_TRAINING_DATA if the trials have several skins or
+// rates.
+absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
+                                            const std::string& layout_path,
+                                            const Progress& progress,
+                                            ExtractOptions extract = {});
 
 // Makes the folder `path`, and those above it, if they are not there. IO if
 // that fails.

@@ -327,7 +327,8 @@ absl::Status RunEvaluate(const EvaluateFlags& flags) {
   TACTUS_ASSIGN_OR_RETURN(
       const LoadedContacts loaded,
       LoadContacts(flags.data, flags.layout, display.progress(),
-                   model ? model->model().release_after_s : kNeverReleased));
+                   {.release_after_s = model ? model->model().release_after_s
+                                             : kNeverReleased}));
   TACTUS_ASSIGN_OR_RETURN(
       const EvaluationRun run,
       model ? RunModel(flags, model, loaded, display.progress())

@@ -51,7 +51,7 @@ absl::Status RunFit(const FitCommandFlags& flags) {
   ProgressDisplay display;
   TACTUS_ASSIGN_OR_RETURN(
       const LoadedContacts loaded,
-      LoadContacts(flags.data, flags.layout, display.progress()));
+      flags.fit.Load(flags.data, flags.layout, display.progress()));
   TACTUS_ASSIGN_OR_RETURN(const ChosenOptions chosen,
                           flags.fit.Choose(loaded, display.progress()));
   const FitOptions& options = chosen.options;

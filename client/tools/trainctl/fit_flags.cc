@@ -73,14 +73,31 @@ absl::StatusOr<std::vector<Cue>> ParseCues(absl::string_view flag,
 
 }  // namespace
 
+OptionsRequest FitFlags::Request(bool without_poses) const {
+  return {
+      .preset = preset,
+      .without_poses = without_poses,
+      .skip_unusable = skip_unusable,
+      .options_of = [this](absl::string_view name) { return Options(name); }};
+}
+
+absl::StatusOr<LoadedContacts> FitFlags::Load(const std::string& data,
+                                              const std::string& layout,
+                                              const Progress& progress) const {
+  TACTUS_ASSIGN_OR_RETURN(const bool at_first, NeedsWholeSkin(Request(false)));
+  TACTUS_ASSIGN_OR_RETURN(
+      LoadedContacts loaded,
+      LoadContacts(data, layout, progress, {.whole_skin = at_first}));
+  TACTUS_ASSIGN_OR_RETURN(const bool whole_skin,
+                          NeedsWholeSkin(Request(loaded.without_poses)));
+  if (whole_skin == at_first) return loaded;
+  return LoadContacts(data, layout, progress, {.whole_skin = whole_skin});
+}
+
 absl::StatusOr<ChosenOptions> FitFlags::Choose(const LoadedContacts& loaded,
                                                const Progress& progress) const {
-  const OptionsRequest request = {
-      .preset = preset,
-      .without_poses = loaded.without_poses,
-      .skip_unusable = skip_unusable,
-      .options_of = [&](absl::string_view name) { return Options(name); }};
-  return ChooseOptions(loaded.Pointers(), request, RunOnThreads, progress);
+  return ChooseOptions(loaded.Pointers(), Request(loaded.without_poses),
+                       RunOnThreads, progress);
 }
 
 absl::StatusOr<FitOptions> FitFlags::Options(absl::string_view preset) const {

@@ -46,11 +46,18 @@ struct FitFlags {
   std::string FirstGiven() const;
   // Returns the options of a preset, changed as the other flags say.
   absl::StatusOr<FitOptions> Options(absl::string_view preset) const;
+  // The contacts of a trial file, with what models of these flags can use of
+  // them.
+  absl::StatusOr<LoadedContacts> Load(const std::string& data,
+                                      const std::string& layout,
+                                      const Progress& progress) const;
   // The options for these contacts, which the result points to.
   absl::StatusOr<ChosenOptions> Choose(const LoadedContacts& loaded,
                                        const Progress& progress) const;
 
  private:
+  OptionsRequest Request(bool without_poses) const;
+
   // Those that Add() made; the command owns them.
   std::vector<const CLI::Option*> options_;
 };

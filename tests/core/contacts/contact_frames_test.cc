@@ -46,5 +46,51 @@ TEST(ContactFramesTest, KeepsEveryNumber) {
   }
 }
 
+// Without a whole skin, numbers() is all there is of a frame.
+TEST(ContactFramesTest, NumbersMakeTheSameFrames) {
+  Random random(2);
+  for (int round = 0; round < 200; ++round) {
+    ContactFrames frames;
+    ContactFrames copy;
+    for (int t = 0; t < 12; ++t) {
+      ContactFrame frame;
+      frame.sample.features = {random.Uniform(), random.Uniform(), -0.0};
+      frame.sample.net_force = frame.sample.features[0];
+      if (random.Index(12) == 0) frame.sample.net_force += 1;
+      if (random.Index(12) == 0) frame.touched = false;
+      frames.push_back(frame);
+      copy.push_back_numbers(
+          {frame.sample.features, frame.sample.net_force, frame.touched});
+      if (t > 6) {
+        frames.Set(t - 6, frame);
+        copy.SetNumbers(t - 6, frames.numbers(t));
+      }
+    }
+    EXPECT_TRUE(copy.plain());
+    ASSERT_EQ(copy.size(), frames.size());
+    for (size_t t = 0; t < frames.size(); ++t) {
+      ASSERT_TRUE(Same(copy[t], frames[t])) << t;
+    }
+    EXPECT_EQ(copy.bytes(), frames.bytes());
+  }
+}
+
+// The numbers of a frame are replaced, and its place on the skin stays.
+TEST(ContactFramesTest, NumbersLeaveTheWholeSkinAlone) {
+  ContactFrames frames;
+  const TaxelLoad load = {.taxel = 7, .root = 0.5f};
+  ContactFrame frame;
+  frame.sample.loads = std::span(&load, 1);
+  frame.sample.profile[3] = 1;
+  frames.push_back(frame);
+  EXPECT_FALSE(frames.plain());
+  frames.SetNumbers(0, {{1, 2, 3}, 4, true});
+  EXPECT_EQ(frames.features(0), (FeatureVector{1, 2, 3}));
+  EXPECT_EQ(frames.net_force(0), 4);
+  EXPECT_EQ(frames[0].sample.profile[3], 1);
+  ASSERT_EQ(frames.loads(0).size(), 1u);
+  EXPECT_EQ(frames.loads(0)[0].taxel, 7u);
+}
+
 }  // namespace
 }  // namespace tactus

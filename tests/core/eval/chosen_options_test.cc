@@ -50,6 +50,40 @@ TEST(ChosenOptionsTest, WithoutANameItDependsOnThePoses) {
   EXPECT_EQ(without->choice->unfit.size(), 3u);
 }
 
+// Whether `preset` needs the whole skin, with an LSTM on these cues.
+bool NeedsIt(const std::string& preset, bool without_poses = false,
+             const std::vector<Cue>& lstm_cues = {}) {
+  const auto needs = NeedsWholeSkin(
+      {.preset = preset,
+       .without_poses = without_poses,
+       .options_of = [&](absl::string_view name) -> absl::StatusOr<FitOptions> {
+         absl::StatusOr<FitOptions> options = FitPreset(name);
+         if (options.ok() && !lstm_cues.empty()) options->lstm.cues = lstm_cues;
+         return options;
+       }});
+  EXPECT_TRUE(needs.ok()) << needs.status();
+  return needs.ok() && *needs;
+}
+
+TEST(ChosenOptionsTest, OnlySomeModelsNeedTheWholeSkin) {
+  EXPECT_FALSE(NeedsIt("tuned"));
+  EXPECT_FALSE(NeedsIt("tuned", true));
+  EXPECT_FALSE(NeedsIt("paper"));
+  EXPECT_FALSE(NeedsIt("world"));
+  EXPECT_TRUE(NeedsIt("profile"));
+  EXPECT_TRUE(NeedsIt("pattern"));
+  EXPECT_TRUE(NeedsIt("whole-skin"));
+  EXPECT_TRUE(NeedsIt("auto"));
+  EXPECT_FALSE(NeedsIt(""));
+  EXPECT_TRUE(NeedsIt("", true));
+  EXPECT_TRUE(NeedsIt("tuned", false, {Cue::kSkinSpread}));
+  EXPECT_TRUE(NeedsIt("tuned", false, {Cue::kRowLoad0}));
+  EXPECT_EQ(
+      ReasonOf(NeedsWholeSkin({.preset = "magic", .options_of = FitPreset})
+                   .status()),
+      "INVALID_CONFIG");
+}
+
 TEST(ChosenOptionsTest, ContactsThatAreTooShortAreLeftOutIfWanted) {
   auto contacts = SyntheticContacts(6, 30, 0.05, 1);
   const ContactFrame first = contacts[2].frames.front();

@@ -14,18 +14,18 @@ namespace {
 
 TEST(KMeansTest, FindsWellSeparatedGroups) {
   Random random(71);
-  Eigen::MatrixXd points(60, 3);
+  Eigen::MatrixXd points(3, 60);
   for (int p = 0; p < 60; ++p) {
     for (int k = 0; k < 3; ++k) {
-      points(p, k) = 10 * (p % 4 == k) + 0.1 * random.Gaussian();
+      points(k, p) = 10 * (p % 4 == k) + 0.1 * random.Gaussian();
     }
   }
   const KMeansResult result = KMeans(points, 4, 5);
-  ASSERT_EQ(result.centres.rows(), 4);
+  ASSERT_EQ(result.centres.cols(), 4);
   double inertia = 0;
   for (int p = 0; p < 60; ++p) {
     EXPECT_EQ(result.cluster_of[p], result.cluster_of[p % 4]);
-    inertia += (points.row(p) - result.centres.row(result.cluster_of[p]))
+    inertia += (points.col(p) - result.centres.col(result.cluster_of[p]))
                    .squaredNorm();
   }
   EXPECT_NEAR(result.inertia, inertia, 1e-9);
@@ -36,10 +36,10 @@ TEST(KMeansTest, FindsWellSeparatedGroups) {
 }
 
 TEST(KMeansTest, FewerDistinctPointsGiveFewerClusters) {
-  Eigen::MatrixXd points = Eigen::MatrixXd::Zero(5, 2);
-  EXPECT_EQ(KMeans(points, 3, 1).centres.rows(), 1);
-  points(4, 0) = 1;
-  EXPECT_EQ(KMeans(points, 3, 1).centres.rows(), 2);
+  Eigen::MatrixXd points = Eigen::MatrixXd::Zero(2, 5);
+  EXPECT_EQ(KMeans(points, 3, 1).centres.cols(), 1);
+  points(0, 4) = 1;
+  EXPECT_EQ(KMeans(points, 3, 1).centres.cols(), 2);
 }
 
 // Two kinds of trials, rising and falling, and their index.
