@@ -38,6 +38,15 @@ absl::StatusOr<pid_t> SpawnBeside(const std::string& name,
   return pid;
 }
 
+absl::Status AwaitSuccess(pid_t pid, absl::string_view what) {
+  int status = 0;
+  if (waitpid(pid, &status, 0) == pid && WIFEXITED(status) &&
+      WEXITSTATUS(status) == 0) {
+    return absl::OkStatus();
+  }
+  return IoError(what, absl::StrCat("ended with wait status ", status));
+}
+
 void EndProcess(pid_t pid) {
   kill(pid, SIGTERM);
   waitpid(pid, nullptr, 0);

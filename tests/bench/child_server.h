@@ -16,7 +16,9 @@
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
 
 namespace tactus::client {
 
@@ -51,6 +53,8 @@ std::string ProgramBeside(const std::string& name);
 // Starts a program of this program's directory. Returns its process id, or IO.
 absl::StatusOr<pid_t> SpawnBeside(const std::string& name,
                                   const std::vector<std::string>& arguments);
+// Waits until the process has ended. IO, naming `what`, unless it ended well.
+absl::Status AwaitSuccess(pid_t pid, absl::string_view what);
 // Sends SIGTERM and waits until the process has ended.
 void EndProcess(pid_t pid);
 

@@ -89,7 +89,9 @@ int Main(int argc, char** argv) {
     }
     rows.insert(rows.end(), measured->begin(), measured->end());
   }
-  std::printf("%s\n", (json ? RowsToJson(rows) : RowsToText(rows)).c_str());
+  if (!rows.empty()) {
+    std::printf("%s\n", (json ? RowsToJson(rows) : RowsToText(rows)).c_str());
+  }
   return 0;
 }
 

@@ -46,6 +46,8 @@ struct TrainingBenchOptions {
   std::vector<std::string> server;
   int turns = 3;
   int activations = 100;
+  // Not empty: only promotes, on this server.
+  std::string promote_on;
   LoadOptions load = {.address = "", .robots = 100, .seconds = 10};
 };
 
@@ -157,21 +159,35 @@ absl::StatusOr<BenchRow> FirstIterations(const std::string& name,
   return BenchRow{.name = name, .unit = "s", .ours = Percentile(seconds, 0.5)};
 }
 
-// Moves the alias between two versions, evenly over `seconds`.
-absl::Status Activate(TrainingClient& client,
-                      const std::vector<std::string>& versions, int count,
-                      double seconds) {
+// Moves the alias between the versions of kModel, evenly over the seconds of a
+// measurement.
+absl::Status Promote(const TrainingBenchOptions& options) {
+  TrainingClient client(MakeTrainingChannel(options.promote_on, {}));
+  TACTUS_ASSIGN_OR_RETURN(const auto versions,
+                          client.ListModelVersions(kModel));
   const auto begin = steady_clock::now();
-  for (int i = 0; i < count; ++i) {
+  for (int i = 0; i < options.activations; ++i) {
     std::this_thread::sleep_until(
-        begin + std::chrono::duration_cast<steady_clock::duration>(
-                    duration<double>(seconds * i / count)));
+        begin +
+        std::chrono::duration_cast<steady_clock::duration>(
+            duration<double>(options.load.seconds * i / options.activations)));
     v1::PromoteModelRequest request;
     request.mutable_spec()->set_alias(kAlias);
-    request.mutable_spec()->set_model_version(versions[i % versions.size()]);
+    request.mutable_spec()->set_model_version(
+        versions[i % versions.size()].name());
     TACTUS_RETURN_IF_ERROR(client.PromoteModel(request).status());
   }
   return absl::OkStatus();
+}
+
+// The same in a process of its own, as an operator's program would: calls from
+// this process would delay its robots.
+absl::StatusOr<pid_t> StartPromotions(const TrainingBenchOptions& options,
+                                      const std::string& address) {
+  return SpawnBeside("tactus-bench",
+                     {"training", absl::StrCat("--promote-on=", address),
+                      absl::StrCat("--activations=", options.activations),
+                      absl::StrCat("--seconds=", options.load.seconds)});
 }
 
 class TrainingBenchmark : public Benchmark {
@@ -198,12 +214,18 @@ class TrainingBenchmark : public Benchmark {
         ->capture_default_str();
     command
         .add_option("--seconds", options_.load.seconds, "Of each measurement")
-        ->check(CLI::Range(1.5, 1e6))
+        ->check(CLI::Range(0.1, 1e6))
         ->capture_default_str();
+    command.add_option("--promote-on", options_.promote_on,
+                       "Only promotes, on this server: the program's own use");
   }
 
   absl::StatusOr<std::vector<BenchRow>> Run(bool quick) override {
     TrainingBenchOptions options = options_;
+    if (!options.promote_on.empty()) {
+      TACTUS_RETURN_IF_ERROR(Promote(options));
+      return std::vector<BenchRow>();
+    }
     size_t simulated = 1835;
     if (quick) {
       simulated = 120;
@@ -252,7 +274,8 @@ class TrainingBenchmark : public Benchmark {
           FirstIterations("training/first_iteration_signals", client,
                           signals_version.name(), options.turns));
     }
-    TACTUS_RETURN_IF_ERROR(AddStreams(options, client, version.name(), &rows));
+    TACTUS_RETURN_IF_ERROR(
+        AddStreams(options, socket, client, version.name(), &rows));
     return rows;
   }
 
@@ -260,6 +283,7 @@ class TrainingBenchmark : public Benchmark {
   // The streams' delays while nothing else happens, and, in turns with that,
   // during training and promotions.
   static absl::Status AddStreams(const TrainingBenchOptions& options,
+                                 const std::string& socket,
                                  TrainingClient& client,
                                  const std::string& dataset,
                                  std::vector<BenchRow>* rows) {
@@ -267,11 +291,8 @@ class TrainingBenchmark : public Benchmark {
                             DecodeBundle(server::DefaultBundle()));
     TACTUS_ASSIGN_OR_RETURN(const std::string bundle,
                             EncodeBundle(model->model()));
-    std::vector<std::string> versions;
     for (int i = 0; i < 2; ++i) {
-      TACTUS_ASSIGN_OR_RETURN(const v1::ModelVersion version,
-                              client.ImportModel(kModel, bundle));
-      versions.push_back(version.name());
+      TACTUS_RETURN_IF_ERROR(client.ImportModel(kModel, bundle).status());
     }
     TACTUS_ASSIGN_OR_RETURN(const FrameScript script, MakeScript(options.load));
     std::vector<double> idle;
@@ -280,14 +301,10 @@ class TrainingBenchmark : public Benchmark {
       TACTUS_ASSIGN_OR_RETURN(idle.emplace_back(), P99(options.load, script));
       TACTUS_ASSIGN_OR_RETURN(const std::string job,
                               BeginTraining(client, dataset));
-      absl::Status activated;
-      std::thread activations([&] {
-        activated = Activate(client, versions, options.activations,
-                             options.load.seconds);
-      });
+      TACTUS_ASSIGN_OR_RETURN(const pid_t promotions,
+                              StartPromotions(options, socket));
       const auto p99 = P99(options.load, script);
-      activations.join();
-      TACTUS_RETURN_IF_ERROR(activated);
+      TACTUS_RETURN_IF_ERROR(AwaitSuccess(promotions, "the promotions"));
       TACTUS_RETURN_IF_ERROR(p99.status());
       busy.push_back(*p99);
       TACTUS_RETURN_IF_ERROR(EndTraining(client, job));
