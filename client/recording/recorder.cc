@@ -61,6 +61,16 @@ void Recorder::BeginTrial(RecordingTexts values) {
   Push(RecordedTrial{std::move(values)}, 0, /*must=*/true);
 }
 
+void Recorder::BeginTrial(const LabelledDriver& driver) {
+  const Trial& trial = driver.trial();
+  BeginTrial({{"id", trial.id},
+              {"index", absl::StrCat(driver.trial_index())},
+              {"label", trial.label},
+              {"condition", trial.condition},
+              {"object", trial.object},
+              {"material", trial.material}});
+}
+
 void Recorder::Frame(const SkinFrame& frame, const SkinFrame* raw) {
   encoder_->Skip(frame.missing_before);
   encoder_->Add(frame);

@@ -37,6 +37,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/drivers/labelled_driver.h"
 #include "client/stream/frame_encoder.h"
 #include "core/data/recording/recording_writer.h"
 
@@ -77,6 +78,8 @@ class Recorder {
   void BeginRaw(const SkinInfo& raw_info, std::string calibration_json);
   // `values` describes the trial of the frames that follow.
   void BeginTrial(RecordingTexts values);
+  // The trial that the driver plays.
+  void BeginTrial(const LabelledDriver& driver);
   // `frame.missing_before` frames are missing in the recording too. `raw` is
   // the same frame as the skin sent it; kept or lost with it.
   void Frame(const SkinFrame& frame, const SkinFrame* raw = nullptr);

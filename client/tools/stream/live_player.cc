@@ -64,7 +64,9 @@ absl::Status LivePlayer::Stream() {
   config.set_with_features(options_.observer != nullptr ||
                            options_.with_features);
   places_.emplace(info.layout);
-  if (options_.observer == nullptr) {
+  if (options_.cadence) {
+    config.set_cadence(*options_.cadence);
+  } else if (options_.observer == nullptr) {
     config.set_cadence(v1::RESULT_CADENCE_ON_CHANGE);
   }
   config.set_release_after_ms(options_.release_after_ms);
@@ -75,10 +77,7 @@ absl::Status LivePlayer::Stream() {
                                       .token = options_.token,
                                       .resume_for = options_.resume_for}));
   const v1::StreamStarted& started = stream_->started();
-  if (options_.recorder) {
-    options_.recorder->Begin(info, config, started);
-    options_.recorder->BeginTrial(options_.trial);
-  }
+  if (options_.recorder) options_.recorder->Begin(info, config, started);
   if (options_.check) options_.check->ReceiveModel(started.bundle_sha256());
   class_names_.assign(started.class_names().begin(),
                       started.class_names().end());
@@ -118,10 +117,7 @@ absl::Status LivePlayer::Play() {
     if (result == ReadResult::kFrame) {
       TACTUS_RETURN_IF_ERROR(SendFrame(frame));
     }
-    // A contact ends with its trial; real skins have none.
-    if (result == ReadResult::kEndOfTrial) {
-      TACTUS_RETURN_IF_ERROR(stream_->EndTrial().status());
-    }
+    if (result == ReadResult::kEndOfTrial) TACTUS_RETURN_IF_ERROR(EndTrial());
     if (options_.observer != nullptr) options_.observer->OnRead();
     if (result == ReadResult::kNoFrame || frames_ % 64 == 0) ReportNews();
     ReportConnection();
@@ -132,8 +128,21 @@ absl::Status LivePlayer::Play() {
   return absl::OkStatus();
 }
 
+// A contact ends with its trial. Real skins have no trials that end.
+absl::Status LivePlayer::EndTrial() {
+  if (options_.recorder) options_.recorder->EndTrial();
+  in_trial_ = false;
+  return stream_->EndTrial().status();
+}
+
 absl::Status LivePlayer::SendFrame(const SkinFrame& frame) {
   if (options_.recorder) {
+    if (!in_trial_ && options_.labelled != nullptr) {
+      options_.recorder->BeginTrial(*options_.labelled);
+    } else if (!in_trial_) {
+      options_.recorder->BeginTrial(options_.trial);
+    }
+    in_trial_ = true;
     options_.recorder->Frame(
         frame, options_.calibrated ? &options_.calibrated->raw() : nullptr);
   }

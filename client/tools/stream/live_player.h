@@ -29,6 +29,7 @@
 
 #include "absl/status/status.h"
 #include "client/drivers/calibrated_driver.h"
+#include "client/drivers/labelled_driver.h"
 #include "client/drivers/skin_driver.h"
 #include "client/kinematics/skin_places.h"
 #include "client/recording/posterior_check.h"
@@ -80,9 +81,10 @@ class LivePlayer {
     // Sees all frames, and answers to each of them; may be null. Outlives the
     // player.
     LiveObserver* observer = nullptr;
-    // If set, what the driver returns and what the server answers is recorded,
-    // as one trial with this description.
+    // If set, what the driver returns and what the server answers is recorded.
+    // A trial is described as the driver says, if it knows, or like this.
     Recorder* recorder = nullptr;
+    const LabelledDriver* labelled = nullptr;
     RecordingTexts trial = {};
     // The driver, if it is a calibrated one: what the skin sent is recorded
     // too.
@@ -91,6 +93,9 @@ class LivePlayer {
     PosteriorCheck* check = nullptr;
     // Answers have features, as they have for an observer.
     bool with_features = false;
+    // The frames that are answered. Without it, all for an observer, and else
+    // those that change the answer.
+    std::optional<v1::ResultCadence> cadence = {};
     // If set, contacts have their place: the pose of the skin's link at a
     // capture time. Thread-safe. Needs with_features.
     std::function<std::optional<Pose>(int64_t capture_time_ns)> pose_at = {};
@@ -115,6 +120,7 @@ class LivePlayer {
   absl::Status Stream();
   absl::Status Play();
   absl::Status SendFrame(const SkinFrame& frame);
+  absl::Status EndTrial();
   void OnResponse(const v1::ClassifyContactResponse& response);
   // The place of the contact of `posterior`: found in its first posterior.
   std::optional<Eigen::Vector3d> PlaceOf(const v1::Posterior& posterior);
@@ -131,6 +137,8 @@ class LivePlayer {
   std::unique_ptr<ResumableStream> stream_;
   std::optional<FrameEncoder> encoder_;
   std::vector<std::string> class_names_;
+  // The recorder has the beginning of a trial, and not its end.
+  bool in_trial_ = false;
   uint64_t frames_ = 0;
   uint64_t missing_ = 0;
   DriverStatistics statistics_;

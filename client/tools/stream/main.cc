@@ -104,6 +104,7 @@ absl::Status ReplaySkin(const Flags& flags,
   player.check = &check;
   player.release_after_ms = start.config.release_after_ms();
   player.with_features = start.config.with_features();
+  player.cadence = start.config.cadence();
   if (player.model.empty()) player.model = start.config.model();
   for (auto& [key, value] : player.trial) {
     if (value.empty()) value = start.trial.Text(key);
@@ -150,6 +151,7 @@ absl::Status RunSkin(const Flags& flags,
   if (flags.IsReplayOfRecording()) return ReplaySkin(flags, channel, player);
   TACTUS_ASSIGN_OR_RETURN(const auto source, SkinSource::Make(flags.source));
   player.calibrated = source->calibrated();
+  player.labelled = dynamic_cast<const LabelledDriver*>(&source->driver());
   ArmSource* const arm = source->arm();
   if (arm != nullptr) {
     player.with_features = true;

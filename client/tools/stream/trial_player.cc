@@ -82,15 +82,7 @@ void TrialPlayer::BeginTrial(const SkinFrame& frame) {
   in_trial_ = true;
   trial_start_ns_ = NowNs();
   trial_capture_ns_ = frame.capture_time_ns;
-  if (!options_.recorder) return;
-  const Trial& trial = driver_->trial();
-  options_.recorder->BeginTrial(
-      {{"id", trial.id},
-       {"index", absl::StrCat(driver_->trial_index())},
-       {"label", trial.label},
-       {"condition", trial.condition},
-       {"object", trial.object},
-       {"material", trial.material}});
+  if (options_.recorder) options_.recorder->BeginTrial(*driver_);
 }
 
 absl::Status TrialPlayer::PlayFrame(const SkinFrame& frame) {

@@ -1,0 +1,64 @@
+// A recording of trials that a monitor showed did not replay: its ends of
+// trials were not recorded, and the replay asked for fewer answers.
+#include <string>
+#include <vector>
+
+#include "client/drivers/recording_driver.h"
+#include "client/drivers/sim_driver.h"
+#include "client/recording/posterior_check.h"
+#include "client/recording/recorder.h"
+#include "client/tools/stream/live_player.h"
+#include "client/tools/stream/record_replay.h"
+#include "gtest/gtest.h"
+#include "tests/server/support/test_server.h"
+#include "tests/support/scratch_dir.h"
+
+namespace tactus::client {
+namespace {
+
+using testing::TestServer;
+
+TEST(RegressTest, AMonitoredRecordingReplaysBitForBit) {
+  class Watcher : public LiveObserver {
+   public:
+    void OnStarted(const SkinInfo&, const v1::StreamStarted&) override {}
+    void OnFrame(const SkinFrame&, uint64_t) override {}
+    void OnPosterior(const v1::Posterior&) override {}
+    void OnRead() override {}
+  };
+  const ScratchDir folder;
+  const std::string path = folder / "monitored.mcap";
+  TestServer server;
+  Watcher watcher;
+  const auto recorder =
+      *Recorder::Create(path, {.about = {{"stream", "skin"}}, .sync = false});
+  SimDriver sim({.seed = 5, .lead_in_frames = 20}, 3, {});
+  LivePlayer player(
+      server.channel(), &sim,
+      {.observer = &watcher, .recorder = recorder.get(), .labelled = &sim},
+      [](const LiveContact&) {}, [](const std::string&) {});
+  ASSERT_TRUE(player.Run().ok());
+  ASSERT_TRUE(recorder->Finish().ok());
+  const auto start = ReadRecordingStart(path);
+  ASSERT_TRUE(start.ok()) << start.status();
+  EXPECT_EQ(start->trial.Text("label"), "HU");
+  PosteriorCheck check;
+  RecordingDriver driver(path, {.on_event = EventsTo(check)});
+  std::vector<std::string> labels;
+  LivePlayer again(
+      server.channel(), &driver,
+      {.check = &check,
+       .with_features = start->config.with_features(),
+       .cadence = start->config.cadence()},
+      [&](const LiveContact&) { labels.push_back(driver.trial().label); },
+      [](const std::string&) {});
+  ASSERT_TRUE(again.Run().ok());
+  EXPECT_EQ(labels, (std::vector<std::string>{"HU", "HM", "SU"}));
+  const PosteriorCheck::Counts counts = check.Result();
+  EXPECT_GT(counts.equal, player.frames() / 2);
+  // A frame whose answer was late, then or now, has none.
+  EXPECT_EQ(counts.different, 0U) << check.Text();
+}
+
+}  // namespace
+}  // namespace tactus::client
