@@ -290,6 +290,26 @@ class ServedBenchmark : public Benchmark {
     return absl::OkStatus();
   }
 
+  // The points that get their name: what is served, and those of the front that
+  // lie apart from one with a name. Names of all points would cover each other.
+  static std::vector<bool> Named(const std::vector<ServedPoint>& points) {
+    constexpr double kApart = 1.08;
+    const auto close = [](double a, double b) {
+      return std::max(a, b) < kApart * std::min(a, b);
+    };
+    std::vector<bool> named(points.size());
+    for (size_t v = 0; v < points.size(); ++v) {
+      named[v] = v == 0 || points[v].front;
+      for (size_t u = 0; u < v && v > 0; ++u) {
+        if (named[u] && close(points[u].nanoseconds, points[v].nanoseconds) &&
+            close(points[u].wrong, points[v].wrong)) {
+          named[v] = false;
+        }
+      }
+    }
+    return named;
+  }
+
   absl::Status Draw(const std::vector<ServedVariant>& variants,
                     const std::vector<ServedPoint>& points) const {
     ScatterPlot plot;
@@ -299,6 +319,7 @@ class ServedBenchmark : public Benchmark {
     plot.x = {.title = "time per contact frame (ns)", .scale = AxisScale::kLog};
     plot.y = {.title = "wrong, mean of six times (%)",
               .scale = AxisScale::kLog};
+    const std::vector<bool> named = Named(points);
     for (size_t v = 0; v < variants.size(); ++v) {
       auto series = std::ranges::find(plot.series, variants[v].family,
                                       &ScatterSeries::name);
@@ -306,10 +327,8 @@ class ServedBenchmark : public Benchmark {
         plot.series.push_back({.name = variants[v].family});
         series = plot.series.end() - 1;
       }
-      // Names of all points would cover each other.
-      const bool named = points[v].front || v == 0;
       series->points.push_back({points[v].nanoseconds, 100 * points[v].wrong,
-                                named ? variants[v].name : ""});
+                                named[v] ? variants[v].name : ""});
     }
     return DrawFigure(plot, figure_);
   }
