@@ -53,8 +53,9 @@ struct ChosenOptions {
 };
 
 // True if models of the request may look at more of the skin than the features
-// (ExtractOptions::whole_skin). What is known before the contacts are read may
-// say no, and what they show of poses then yes: they are read again.
+// (ExtractOptions::whole_skin). Ask before the contacts are read, and again
+// once they have shown that there are no poses: no may become yes, and then
+// they must be read again.
 absl::StatusOr<bool> NeedsWholeSkin(const OptionsRequest& request);
 
 // The errors of `options_of` and of ChoosePreset.

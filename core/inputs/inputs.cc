@@ -52,8 +52,8 @@ bool Varies(double spread, double low, double high) {
   return spread > kRounding * std::max(std::abs(low), std::abs(high));
 }
 
-// Quantiles are those of at most so many steps, evenly chosen from all. Enough
-// for any quantile, and 64 MB a cue at most.
+// Quantiles are taken from at most so many steps, evenly chosen from all: 64 MB
+// a cue.
 constexpr size_t kMaxQuantileSteps = 8'000'000;
 
 // Adds the inputs of a stretched cue. Sorts its `values`.

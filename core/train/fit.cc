@@ -30,7 +30,8 @@ constexpr size_t kMaxConditions = 8;
 // probabilities become. Six groups leave out few materials at once.
 constexpr size_t kMaterialGroups = 6;
 // Memory for the LSTMs' inputs at any time, and for the contacts and the inputs
-// together. What else a fit takes lets the whole stay below 2 GB.
+// together. A fit takes up to 0.5 GB beside them. Contacts that exceed the
+// second leave no room for inputs.
 constexpr size_t kKeptInputBytes = size_t{1} << 30;
 constexpr size_t kFitBytes = size_t{3} << 29;
 // Fractions of a fit's time, for the progress.

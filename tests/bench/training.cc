@@ -180,8 +180,8 @@ absl::Status Promote(const TrainingBenchOptions& options) {
   return absl::OkStatus();
 }
 
-// The same in a process of its own, as an operator's program would: calls from
-// this process would delay its robots.
+// Promotes in a second process. Calls from this one delay the robots that it
+// plays.
 absl::StatusOr<pid_t> StartPromotions(const TrainingBenchOptions& options,
                                       const std::string& address) {
   return SpawnBeside("tactus-bench",

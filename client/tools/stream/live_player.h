@@ -82,9 +82,10 @@ class LivePlayer {
     // player.
     LiveObserver* observer = nullptr;
     // If set, what the driver returns and what the server answers is recorded.
-    // A trial is described as the driver says, if it knows, or like this.
     Recorder* recorder = nullptr;
+    // The driver, if it is a labelled one: it describes each recorded trial.
     const LabelledDriver* labelled = nullptr;
+    // Describes the recorded trials of another driver.
     RecordingTexts trial = {};
     // The driver, if it is a calibrated one: what the skin sent is recorded
     // too.
@@ -93,8 +94,8 @@ class LivePlayer {
     PosteriorCheck* check = nullptr;
     // Answers have features, as they have for an observer.
     bool with_features = false;
-    // The frames that are answered. Without it, all for an observer, and else
-    // those that change the answer.
+    // Which frames the server answers. If not set: all of them if there is an
+    // observer, else those that change the answer.
     std::optional<v1::ResultCadence> cadence = {};
     // If set, contacts have their place: the pose of the skin's link at a
     // capture time. Thread-safe. Needs with_features.

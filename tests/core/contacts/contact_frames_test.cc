@@ -12,6 +12,17 @@ bool Same(const ContactFrame& a, const ContactFrame& b) {
          a.sample.profile == b.sample.profile && a.touched == b.touched;
 }
 
+// A frame of ideal signals, now and then with a net force of its own or without
+// touch.
+ContactFrame SometimesSpecial(Random& random) {
+  ContactFrame frame;
+  frame.sample.features = {random.Uniform(), random.Uniform(), -0.0};
+  frame.sample.net_force = frame.sample.features[0];
+  if (random.Index(12) == 0) frame.sample.net_force += 1;
+  if (random.Index(12) == 0) frame.touched = false;
+  return frame;
+}
+
 // Against a plain vector, for any order of ordinary and special frames.
 TEST(ContactFramesTest, KeepsEveryNumber) {
   Random random(1);
@@ -19,12 +30,8 @@ TEST(ContactFramesTest, KeepsEveryNumber) {
     std::vector<ContactFrame> plain;
     ContactFrames frames;
     for (int t = 0; t < 12; ++t) {
-      ContactFrame frame;
-      frame.sample.features = {random.Uniform(), random.Uniform(), -0.0};
-      frame.sample.net_force = frame.sample.features[0];
-      if (random.Index(12) == 0) frame.sample.net_force += 1;
+      ContactFrame frame = SometimesSpecial(random);
       if (random.Index(12) == 0) frame.sample.profile[15] = random.Uniform();
-      if (random.Index(12) == 0) frame.touched = false;
       if (t > 6) {
         frames.Set(t - 6, frame);
         plain[t - 6] = frame;
@@ -53,11 +60,7 @@ TEST(ContactFramesTest, NumbersMakeTheSameFrames) {
     ContactFrames frames;
     ContactFrames copy;
     for (int t = 0; t < 12; ++t) {
-      ContactFrame frame;
-      frame.sample.features = {random.Uniform(), random.Uniform(), -0.0};
-      frame.sample.net_force = frame.sample.features[0];
-      if (random.Index(12) == 0) frame.sample.net_force += 1;
-      if (random.Index(12) == 0) frame.touched = false;
+      const ContactFrame frame = SometimesSpecial(random);
       frames.push_back(frame);
       copy.push_back_numbers(
           {frame.sample.features, frame.sample.net_force, frame.touched});
