@@ -238,6 +238,7 @@ void ToProto(const Calibration& c, v1::Calibration* out) {
   out->set_decision_frames(c.decision_frames);
   out->set_stiffness_deviation_scale(c.stiffness_deviation_scale);
   out->set_moved_deviation_scale(c.moved_deviation_scale);
+  out->set_held(c.held);
 }
 
 // What bundles of earlier releases do not hold.
@@ -270,6 +271,7 @@ Calibration FromProto(const v1::Calibration& in) {
   c.decision_frames = in.decision_frames();
   c.stiffness_deviation_scale = in.stiffness_deviation_scale();
   c.moved_deviation_scale = in.moved_deviation_scale();
+  c.held = in.held();
   FillIn(c);
   return c;
 }

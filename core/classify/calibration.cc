@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
@@ -48,7 +47,9 @@ CalibrationPoint CalibrationAt(const Calibration& c, double frames) {
   point.high = after - c.frames.begin();
   point.low = point.high == 0 ? 0 : point.high - 1;
   if (point.high == c.frames.size()) point.high = point.low;
-  const auto [low, high] = std::pair(point.low, point.high);
+  // clang 14 does not capture structured bindings.
+  const size_t low = point.low;
+  const size_t high = point.high;
   point.fraction = low == high ? 0
                                : std::log(frames / c.frames[low]) /
                                      std::log(c.frames[high] / c.frames[low]);

@@ -1,6 +1,5 @@
 #include "core/classify/compiled_model.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
@@ -10,29 +9,11 @@
 
 namespace tactus {
 
-namespace {
-
-// Some 300 kB a model.
-constexpr double kMaxCalibrationPoints = 4096;
-
-std::vector<CalibrationPoint> FirstPoints(const Calibration& calibration) {
-  std::vector<CalibrationPoint> points;
-  const double last =
-      std::min(calibration.frames.back(), kMaxCalibrationPoints);
-  for (double frames = 1; frames <= last; ++frames) {
-    points.push_back(CalibrationAt(calibration, frames));
-  }
-  return points;
-}
-
-}  // namespace
-
 absl::StatusOr<std::shared_ptr<const CompiledModel>> CompiledModel::Create(
     Model model) {
   TACTUS_RETURN_IF_ERROR(Validate(model));
   std::shared_ptr<CompiledModel> compiled(new CompiledModel(std::move(model)));
   const Model& m = compiled->model_;
-  compiled->calibration_points_ = FirstPoints(m.calibration);
   TACTUS_ASSIGN_OR_RETURN(compiled->hmms_, HmmBank::Create(m.hmms));
   for (const LstmNetwork& network : m.lstms) {
     TACTUS_ASSIGN_OR_RETURN(auto lstm, CompiledLstm::Create(network));

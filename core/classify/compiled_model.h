@@ -16,7 +16,6 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/classify/calibration.h"
 #include "core/classify/model.h"
 #include "core/hmm/hmm_bank.h"
 #include "core/lstm/stepper.h"
@@ -30,13 +29,6 @@ class CompiledModel {
       Model model);
 
   const Model& model() const { return model_; }
-  // The calibration at `frames` >= 1 since onset, as CalibrationAt() reads it.
-  CalibrationPoint CalibrationAt(uint64_t frames) const {
-    return frames <= calibration_points_.size()
-               ? calibration_points_[frames - 1]
-               : tactus::CalibrationAt(model_.calibration,
-                                       static_cast<double>(frames));
-  }
   // The HMMs of all classes.
   const HmmBank& hmms() const { return *hmms_; }
   // Empty without an LSTM.
@@ -50,9 +42,6 @@ class CompiledModel {
   explicit CompiledModel(Model model) : model_(std::move(model)) {}
 
   Model model_;
-  // At the first frames, up to the last entry of the tables: reading these
-  // takes two logarithms.
-  std::vector<CalibrationPoint> calibration_points_;
   std::optional<HmmBank> hmms_;
   std::vector<CompiledLstm> lstms_;
   std::optional<CompiledLstm> estimator_;

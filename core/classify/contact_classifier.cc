@@ -212,7 +212,11 @@ void ContactClassifier::EstimateObject() {
 }
 
 void ContactClassifier::UpdateProbabilities() {
-  const CalibrationPoint point = model_->CalibrationAt(frames_);
+  const Calibration& c = model_->model().calibration;
+  const CalibrationPoint point =
+      c.held && !scores_changed_
+          ? calibration_point_
+          : CalibrationAt(c, static_cast<double>(frames_));
   if (!scores_changed_ && point == calibration_point_ &&
       skip_[SkipRule::kUnchangedScores]) {
     ++skipped_[SkipRule::kUnchangedScores];
@@ -220,7 +224,6 @@ void ContactClassifier::UpdateProbabilities() {
   }
   scores_changed_ = false;
   calibration_point_ = point;
-  const Calibration& c = model_->model().calibration;
   hmm_probability_known_ = false;
   if (lstm_score_.empty()) {
     std::ranges::copy(hmm_probability(), probability_.begin());

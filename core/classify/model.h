@@ -71,6 +71,9 @@ enum class PoseNeed {
 // Maps scores to probabilities. The tables are functions of the frames since
 // onset (CalibrationAt).
 struct Calibration {
+  // True if the tables are read when a model is stepped, so that probabilities
+  // stay as they are between two steps; false if at every frame.
+  bool held = false;
   std::vector<double> frames;
   // Factors on the log-scores before the softmax, above 0; and a bias of each
   // class, entries x classes, because a score may prefer a class.

@@ -290,6 +290,7 @@ HeldOutSkill SkillOf(std::span<const ScoredContact> contacts) {
 void FitCalibration(std::span<const ScoredContact> contacts, double rate,
                     Calibration& calibration) {
   Calibration& c = calibration;
+  c.held = true;
   c.frames = CalibrationFrames(rate);
   for (auto* table :
        {&c.hmm_inverse_temperature, &c.hmm_bias, &c.lstm_inverse_temperature,

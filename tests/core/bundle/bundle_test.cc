@@ -36,6 +36,7 @@ Model FullModel() {
   model.calibration.lstm_inverse_temperature = {1, 0.75};
   model.calibration.hmm_weight = {0.75, 0.125};
   model.calibration.fused_bias[5] = -0.5;
+  model.calibration.held = true;
   model.truth = Truth::kSoFar;
   model.poses = PoseNeed::kNeeded;
   model.more_layouts = {model.layout};
@@ -67,12 +68,14 @@ TEST(BundleTest, CalibrationsOfEarlierReleasesAreFilledIn) {
   calibration.clear_hmm_bias();
   calibration.clear_lstm_bias();
   calibration.clear_fused_bias();
+  calibration.clear_held();
   bundle.clear_truth();
   bundle.clear_poses();
   const auto model = ModelFromProto(bundle);
   ASSERT_TRUE(model.ok()) << model.status();
   EXPECT_EQ(model->calibration.hmm_weight, (std::vector<double>{0.75, 0.5}));
   EXPECT_EQ(model->calibration.fused_bias, std::vector<double>(8, 0));
+  EXPECT_FALSE(model->calibration.held);
   EXPECT_EQ(model->truth, Truth::kFinal);
   EXPECT_EQ(model->poses, PoseNeed::kEither);
   EXPECT_TRUE(Validate(*model).ok()) << Validate(*model);
@@ -95,6 +98,7 @@ TEST(BundleTest, RoundTripKeepsEveryField) {
   EXPECT_EQ(back->more_layouts, model.more_layouts);
   EXPECT_EQ(back->calibration.hmm_weight, model.calibration.hmm_weight);
   EXPECT_EQ(back->calibration.fused_bias, model.calibration.fused_bias);
+  EXPECT_TRUE(back->calibration.held);
   ASSERT_EQ(back->lstms.size(), 2u);
   EXPECT_EQ(back->lstms[1].layers[1].recurrent,
             model.lstms[1].layers[1].recurrent);

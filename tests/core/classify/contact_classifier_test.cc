@@ -1,5 +1,6 @@
 #include "core/classify/contact_classifier.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -176,6 +177,33 @@ TEST(ContactClassifierTest, LstmsRestBetweenTheirIntervals) {
   EXPECT_EQ(std::vector<int>(stepped.begin(), stepped.begin() + 12),
             (std::vector<int>{5, 10, 15, 20, 25, 30, 35, 40, 45, 50, 55, 60}));
   EXPECT_EQ(stepped.back() - stepped[stepped.size() - 2], 20);
+}
+
+// At a step, a held calibration gives the same answer as one that is read at
+// every frame. Between two steps it gives the answer of the first.
+TEST(ContactClassifierTest, AHeldCalibrationIsReadAtSteps) {
+  Model model = testing::SmallModel();
+  testing::AddLstms(1, model);
+  model.inputs.hmm_steps = {4, 4};
+  model.inputs.lstm_steps = {6, 6};
+  model.calibration.frames = {1, 60};
+  ContactClassifier every_frame(*CompiledModel::Create(model), {});
+  model.calibration.held = true;
+  ContactClassifier held(*CompiledModel::Create(model), {});
+  Random random(3);
+  std::vector<double> answer;
+  int moved = 0;
+  for (int t = 1; t <= 60; ++t) {
+    const ContactSample sample = {{random.Uniform(0, 4), 0, 0.001}, 1};
+    every_frame.Step(sample, 0);
+    held.Step(sample, 0);
+    const auto now = every_frame.probability();
+    if (t == 1 || t % 4 == 0 || t % 6 == 0)
+      answer.assign(now.begin(), now.end());
+    EXPECT_TRUE(std::ranges::equal(held.probability(), answer)) << t;
+    moved += !std::ranges::equal(now, answer);
+  }
+  EXPECT_GT(moved, 20);
 }
 
 // Only frames that are due count, however few lie between.

@@ -188,6 +188,13 @@ TEST_F(SkippingTest, UnchangedScores) {
   ExpectExact(SkipRule::kUnchangedScores);
 }
 
+TEST_F(SkippingTest, UnchangedScoresOfAHeldCalibration) {
+  Model model = model_->model();
+  model.calibration.held = true;
+  model_ = *CompiledModel::Create(model);
+  ExpectExact(SkipRule::kUnchangedScores);
+}
+
 // The decision, all answers before it, and all scores of the HMMs are exact.
 TEST_F(SkippingTest, LstmsAfterDecision) {
   const SkipRule rule = SkipRule::kLstmsAfterDecision;

@@ -127,6 +127,7 @@ void PlainClassifier::Reset() {
   probability_.assign(m.calibration.prior.begin(), m.calibration.prior.end());
   hmm_probability_ = lstm_probability_ = probability_;
   unknown_ = 0;
+  answered_ = false;
   object_.reset();
 }
 
@@ -134,9 +135,14 @@ void PlainClassifier::StepOrHold(const ContactFrame& frame) {
   ++frames_;
   if (!frame.touched) return;
   cues_.Step(frame.sample, frames_);
-  if (hmm_clock_.Tick(frames_)) StepHmms();
-  if (!model_->lstms.empty() && lstm_clock_.Tick(frames_)) StepLstms();
-  UpdateProbabilities();
+  const bool hmms_due = hmm_clock_.Tick(frames_);
+  const bool lstms_due = !model_->lstms.empty() && lstm_clock_.Tick(frames_);
+  if (hmms_due) StepHmms();
+  if (lstms_due) StepLstms();
+  if (hmms_due || lstms_due || !answered_ || !model_->calibration.held) {
+    UpdateProbabilities();
+    answered_ = true;
+  }
 }
 
 Numbers PlainClassifier::Inputs(const std::vector<ModelInput>& inputs) const {

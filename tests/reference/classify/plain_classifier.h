@@ -71,6 +71,7 @@ class PlainClassifier {
   Numbers lstm_probability_;
   Numbers probability_;
   long double unknown_ = 0;
+  bool answered_ = false;
   std::optional<ObjectEstimate> object_;
 };
 
