@@ -111,9 +111,11 @@ void Fields(Archive& archive, LstmTrainOptions& options) {
 template <class Archive>
 void Fields(Archive& archive, LstmFit& fit) {
   auto& [networks, cues, scaling, limit, stretched_cues, stretches, steps,
-         cells, estimates, activation, gate_activation, training] = fit;
+         cells, estimates, estimator_cells, activation, gate_activation,
+         training] = fit;
   archive(networks, cues, scaling, limit, stretched_cues, stretches, steps,
-          cells, estimates, activation, gate_activation, training);
+          cells, estimates, estimator_cells, activation, gate_activation,
+          training);
 }
 template <class Archive>
 void Fields(Archive& archive, VariationRange& range) {

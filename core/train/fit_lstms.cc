@@ -13,7 +13,8 @@ absl::StatusOr<LstmNetwork> FitLstm(const FitRun& run, const std::string& part,
   TACTUS_ASSIGN_OR_RETURN(auto from, run.saved.Find<LstmCheckpoint>(part));
   if (!from) {
     from = LstmCheckpoint{
-        .network = RandomNetwork(static_cast<int>(spec.lstm.size()), fit.cells,
+        .network = RandomNetwork(static_cast<int>(spec.lstm.size()),
+                                 estimates ? fit.estimator_cells : fit.cells,
                                  static_cast<int>(run.class_names.size()),
                                  fit.activation, fit.gate_activation,
                                  training.seed, /*forget_bias=*/1,

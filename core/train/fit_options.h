@@ -39,8 +39,9 @@ struct LstmFit {
   StepIntervals steps;
   std::vector<int> cells = {50, 50};
   // Also train an estimator of the object (object_estimate.h), where the truth
-  // is known.
+  // is known. It is a network of its own on the same inputs.
   bool estimates = false;
+  std::vector<int> estimator_cells = {50, 50};
   Activation activation = Activation::kTanh;
   GateActivation gate_activation = GateActivation::kSigmoid;
   // Network n is trained with the seed FitOptions::seed + n.
