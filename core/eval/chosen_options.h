@@ -17,10 +17,12 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "core/base/status_macros.h"
 #include "core/base/work.h"
 #include "core/contacts/labelled_contact.h"
 #include "core/eval/auto_preset.h"
@@ -53,10 +55,24 @@ struct ChosenOptions {
 };
 
 // True if models of the request may look at more of the skin than the features
-// (ExtractOptions::whole_skin). Ask before the contacts are read, and again
-// once they have shown that there are no poses: no may become yes, and then
-// they must be read again.
+// (ExtractOptions::whole_skin).
 absl::StatusOr<bool> NeedsWholeSkin(const OptionsRequest& request);
+
+// Reads contacts with as much of the skin as models of the request look at.
+// `read(whole_skin)` returns a StatusOr of a type with a member without_poses.
+// Only the contacts show that there are no poses, and that may choose other
+// models; then they are read again. The errors of `options_of` and of `read`.
+template <typename Read>
+auto ReadForFit(OptionsRequest request, const Read& read)
+    -> decltype(read(true)) {
+  request.without_poses = false;
+  TACTUS_ASSIGN_OR_RETURN(const bool at_first, NeedsWholeSkin(request));
+  auto contacts = read(at_first);
+  if (!contacts.ok()) return contacts;
+  request.without_poses = contacts->without_poses;
+  TACTUS_ASSIGN_OR_RETURN(const bool whole_skin, NeedsWholeSkin(request));
+  return whole_skin == at_first ? std::move(contacts) : read(whole_skin);
+}
 
 // The errors of `options_of` and of ChoosePreset.
 absl::StatusOr<ChosenOptions> ChooseOptions(

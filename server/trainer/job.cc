@@ -140,19 +140,13 @@ OptionsRequest RequestOf(const v1::TrainSpec& spec, bool without_poses) {
 }
 
 // The contacts, with what models of the spec can use of them.
-absl::StatusOr<Contacts> ReadForFit(FileSystem& files, const v1::JobSpec& spec,
-                                    const v1::TrainSpec& train,
-                                    const ParallelFor& parallel,
-                                    const Progress& progress) {
-  TACTUS_ASSIGN_OR_RETURN(const bool at_first,
-                          NeedsWholeSkin(RequestOf(train, false)));
-  TACTUS_ASSIGN_OR_RETURN(Contacts contacts, ReadContacts(files, spec, parallel,
-                                                          progress, at_first));
-  TACTUS_ASSIGN_OR_RETURN(
-      const bool whole_skin,
-      NeedsWholeSkin(RequestOf(train, contacts.without_poses)));
-  if (whole_skin == at_first) return contacts;
-  return ReadContacts(files, spec, parallel, progress, whole_skin);
+absl::StatusOr<Contacts> ReadForSpec(FileSystem& files, const v1::JobSpec& spec,
+                                     const v1::TrainSpec& train,
+                                     const ParallelFor& parallel,
+                                     const Progress& progress) {
+  return ReadForFit(RequestOf(train, false), [&](bool whole_skin) {
+    return ReadContacts(files, spec, parallel, progress, whole_skin);
+  });
 }
 
 // The options that the spec asks for, and the contacts to fit models to.
@@ -180,7 +174,7 @@ absl::Status Train(FileSystem& files, const std::string& folder,
   TACTUS_RETURN_IF_ERROR(CheckOptions(train));
   TACTUS_ASSIGN_OR_RETURN(
       const Contacts contacts,
-      ReadForFit(files, spec, train, parallel, events->progress()));
+      ReadForSpec(files, spec, train, parallel, events->progress()));
   TACTUS_ASSIGN_OR_RETURN(
       const ChosenOptions chosen,
       Choose(train, contacts, parallel, events->progress(), result));
@@ -221,8 +215,8 @@ absl::Status Evaluate(FileSystem& files, const std::string& folder,
   const bool fits = evaluate.model_version().empty();
   TACTUS_ASSIGN_OR_RETURN(
       const Contacts contacts,
-      fits ? ReadForFit(files, spec, evaluate.train(), parallel,
-                        events->progress())
+      fits ? ReadForSpec(files, spec, evaluate.train(), parallel,
+                         events->progress())
            : ReadContacts(files, spec, parallel, events->progress()));
   absl::StatusOr<Evaluation> evaluation;
   if (fits) {

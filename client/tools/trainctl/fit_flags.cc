@@ -84,14 +84,9 @@ OptionsRequest FitFlags::Request(bool without_poses) const {
 absl::StatusOr<LoadedContacts> FitFlags::Load(const std::string& data,
                                               const std::string& layout,
                                               const Progress& progress) const {
-  TACTUS_ASSIGN_OR_RETURN(const bool at_first, NeedsWholeSkin(Request(false)));
-  TACTUS_ASSIGN_OR_RETURN(
-      LoadedContacts loaded,
-      LoadContacts(data, layout, progress, {.whole_skin = at_first}));
-  TACTUS_ASSIGN_OR_RETURN(const bool whole_skin,
-                          NeedsWholeSkin(Request(loaded.without_poses)));
-  if (whole_skin == at_first) return loaded;
-  return LoadContacts(data, layout, progress, {.whole_skin = whole_skin});
+  return ReadForFit(Request(false), [&](bool whole_skin) {
+    return LoadContacts(data, layout, progress, {.whole_skin = whole_skin});
+  });
 }
 
 absl::StatusOr<ChosenOptions> FitFlags::Choose(const LoadedContacts& loaded,

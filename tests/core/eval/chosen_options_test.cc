@@ -84,6 +84,40 @@ TEST(ChosenOptionsTest, OnlySomeModelsNeedTheWholeSkin) {
       "INVALID_CONFIG");
 }
 
+// What ReadForFit asks for when the contacts have poses, or none.
+std::vector<bool> Readings(const std::string& preset, bool without_poses) {
+  struct Contacts {
+    bool without_poses = false;
+  };
+  std::vector<bool> asked;
+  const auto contacts =
+      ReadForFit({.preset = preset, .options_of = FitPreset},
+                 [&](bool whole_skin) -> absl::StatusOr<Contacts> {
+                   asked.push_back(whole_skin);
+                   return Contacts{without_poses};
+                 });
+  EXPECT_TRUE(contacts.ok()) << contacts.status();
+  return asked;
+}
+
+// Without a name the choice follows from the poses, which only the contacts
+// show.
+TEST(ChosenOptionsTest, ContactsAreReadAgainIfTheyTurnOutToHaveNoPoses) {
+  EXPECT_EQ(Readings("", false), (std::vector<bool>{false}));
+  EXPECT_EQ(Readings("", true), (std::vector<bool>{false, true}));
+  EXPECT_EQ(Readings("tuned", true), (std::vector<bool>{false}));
+  EXPECT_EQ(Readings("pattern", true), (std::vector<bool>{true}));
+}
+
+TEST(ChosenOptionsTest, NothingIsReadForAPresetThatIsUnknown) {
+  const auto contacts = ReadForFit({.preset = "magic", .options_of = FitPreset},
+                                   [](bool) -> absl::StatusOr<OptionsRequest> {
+                                     ADD_FAILURE() << "it was read";
+                                     return OptionsRequest{};
+                                   });
+  EXPECT_EQ(ReasonOf(contacts.status()), "INVALID_CONFIG");
+}
+
 TEST(ChosenOptionsTest, ContactsThatAreTooShortAreLeftOutIfWanted) {
   auto contacts = SyntheticContacts(6, 30, 0.05, 1);
   const ContactFrame first = contacts[2].frames.front();
