@@ -65,7 +65,7 @@ FitOptions WorldPreset() {
   options.hmm_steps = {10, 40};
   options.lstm.steps = {5, 40};
   options.lstm.estimator_cells = {24, 24};
-  options.lstm.training.epochs = 6;
+  options.lstm.training.epochs = 12;
   options.lstm.training.batch_size = 32;
   return options;
 }
