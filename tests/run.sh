@@ -7,8 +7,8 @@
 #                              again
 #   tests/run.sh --sanitize    the quick tests under the asan and tsan presets
 #                              too (tsan: core and server/session)
-#   tests/run.sh --vm          the CAN drivers on a real kernel too, in a guest
-#                              of QEMU (tests/vm/run.sh)
+#   tests/run.sh --vm          the CAN and USB drivers on a real kernel too, in
+#                              a guest of QEMU (tests/vm/run.sh)
 #
 # Stops at the first step that fails. The last lines say what took how long.
 set -euo pipefail

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Runs the CAN drivers on a real kernel, in a guest of QEMU: vcan0, and two CAN
-# cards on one bus. The host needs no CAN.
+# Runs the CAN and USB drivers on a real kernel, in a guest of QEMU: vcan0, two
+# CAN cards on one bus, and a gs_usb adapter that a program plays for the guest's
+# own USB host. The machine needs neither CAN nor USB.
 #
 #   tests/vm/run.sh [--build=build/release]
 #
@@ -8,7 +9,7 @@
 # Debian's kernel package (70 MB, not installed) into build/vm. The guest sees
 # the host's files read-only, so it runs the programs of the build as they are.
 # It boots with TCG and counts instructions instead of time: a slow or busy host
-# makes the run longer, not the guest's times.
+# makes the run longer, not the guest's times, unless the guest waits for files.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
@@ -29,7 +30,7 @@ for program in qemu-system-x86_64 busybox ip; do
 done
 build=$(realpath "$build")
 for program in bin/tactusd bin/tactus-stream bin/tactus-fakeskin \
-  tests/kernel_can_test; do
+  tests/kernel_can_test tests/kernel_usb_test; do
   if [[ ! -x $build/$program ]]; then
     echo "tests/vm: $build/$program is not built" >&2
     exit 1
@@ -46,18 +47,18 @@ if [[ -z $package ]]; then
   exit 77
 fi
 kernel=$work/$package
-if [[ ! -e $kernel/complete ]]; then
+parts=('./boot/vmlinuz*')
+for folder in net/can net/9p drivers/net/can drivers/virtio drivers/usb \
+  fs/9p fs/netfs fs/fscache fs/configfs; do
+  parts+=("./lib/modules/*/kernel/$folder/*")
+done
+if [[ $(cat "$kernel/complete" 2>/dev/null) != "${parts[*]}" ]]; then
   (cd "$work" && apt-get download "$package" >/dev/null)
   mkdir -p "$kernel"
   dpkg-deb --fsys-tarfile "$work/$package"_*.deb |
-    tar -x -C "$kernel" --wildcards './boot/vmlinuz*' \
-      './lib/modules/*/kernel/net/can/*' './lib/modules/*/kernel/net/9p/*' \
-      './lib/modules/*/kernel/drivers/net/can/*' \
-      './lib/modules/*/kernel/drivers/virtio/*' \
-      './lib/modules/*/kernel/fs/9p/*' './lib/modules/*/kernel/fs/netfs/*' \
-      './lib/modules/*/kernel/fs/fscache/*'
+    tar -x -C "$kernel" --wildcards "${parts[@]}"
   rm -f "$work/$package"_*.deb
-  touch "$kernel/complete"
+  echo "${parts[*]}" >"$kernel/complete"
 fi
 
 # A file system in memory: busybox, the modules in the order of their loading,
@@ -68,7 +69,8 @@ mkdir -p "$root/bin" "$root/modules" "$root/host" "$root/proc" "$root/dev"
 cp "$(command -v busybox)" "$root/bin/busybox"
 modules=(virtio_ring virtio virtio_pci_legacy_dev virtio_pci_modern_dev
   virtio_pci netfs fscache 9pnet 9pnet_virtio 9p can can-dev can-raw vcan
-  sja1000 kvaser_pci)
+  sja1000 kvaser_pci usb-common usbcore udc-core dummy_hcd configfs libcomposite
+  usb_f_fs gs_usb)
 number=10
 for module in "${modules[@]}"; do
   # Some are built in.

@@ -31,6 +31,7 @@ enum class Request : uint8_t {
   kMode = 2,
   kBitConstants = 4,
   kDeviceConfig = 5,
+  kTimestamp = 6,
 };
 
 // Features of a device, and flags of the mode that starts it.

@@ -1,12 +1,15 @@
-// tactus-fakeskin: the boards of an iCub's skin on a CAN interface, touched by
-// simulated contacts. For demonstrations and tests without a robot.
+// tactus-fakeskin: the boards of an iCub's skin on a CAN interface, or behind a
+// USB adapter that this program plays, touched by simulated contacts. For
+// demonstrations and tests without a robot.
 #include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <memory>
 #include <string>
 
 #include "CLI/CLI.hpp"
 #include "client/drivers/can/socket_can.h"
+#include "client/tools/fakeskin/gs_usb_gadget.h"
 #include "client/tools/fakeskin/play_peer.h"
 #include "client/tools/fakeskin/sim_touches.h"
 #include "core/base/arguments.h"
@@ -21,15 +24,28 @@ void Interrupt(int /*signal*/) { interrupted = true; }
 
 int Main(int argc, char** argv) {
   std::string interface;
+  FunctionFsOptions usb;
   double first_after_s = 3;
   SimTouchesOptions options;
   CLI::App app(
-      "Plays the boards 1 and 2 of an iCub's skin on a CAN interface, touched "
-      "by simulated contacts, and prints each one's class when it begins.",
+      "Plays the boards 1 and 2 of an iCub's skin on a CAN interface or behind "
+      "a gs_usb adapter, touched by simulated contacts, and prints each one's "
+      "class when it begins.",
       "tactus-fakeskin");
   app.set_version_flag("--version", std::string("tactus-fakeskin ") + kVersion);
-  app.add_option("--interface", interface, "CAN interface, such as vcan0")
-      ->required();
+  auto* bus_options = app.add_option_group("bus");
+  bus_options->add_option("--interface", interface,
+                          "CAN interface, such as vcan0");
+  auto* function_fs =
+      bus_options->add_option("--function-fs", usb.directory,
+                              "Plays a gs_usb adapter for a USB host: where "
+                              "FunctionFS is mounted");
+  bus_options->require_option(1);
+  auto* gadget =
+      app.add_option("--gadget", usb.gadget,
+                     "With --function-fs: the gadget's directory in configfs");
+  gadget->needs(function_fs);
+  function_fs->needs(gadget);
   app.add_option("--contacts", options.contacts, "Contacts to play")
       ->check(CLI::Range(size_t{1}, size_t{10'000}))
       ->capture_default_str();
@@ -57,12 +73,17 @@ int Main(int argc, char** argv) {
   touches.MakeAll();
   touches.BeginAt(clock.NowNs() + static_cast<int64_t>(first_after_s * 1e9));
   IcubBoards boards(touches.patch().boards, touches.Source());
-  SocketCan bus(interface);
+  std::unique_ptr<CanBus> bus;
+  if (interface.empty()) {
+    bus = std::make_unique<GsUsbGadget>(usb);
+  } else {
+    bus = std::make_unique<SocketCan>(interface);
+  }
   std::printf("playing %zu contacts on %s\n", options.contacts,
-              interface.c_str());
+              bus->name().c_str());
   std::fflush(stdout);
   size_t contact = 0;
-  const absl::Status status = PlayPeer(boards, bus, clock, [&] {
+  const absl::Status status = PlayPeer(boards, *bus, clock, [&] {
     const int64_t now_ns = clock.NowNs();
     const size_t begun = touches.Begun(now_ns);
     if (begun != contact) {
@@ -74,6 +95,10 @@ int Main(int argc, char** argv) {
     const auto end_ns = touches.end_ns();
     return !interrupted && !(end_ns && now_ns > *end_ns);
   });
+  if (const CanCounters counters = bus->counters(); counters.overruns > 0) {
+    std::printf("frames that the host did not fetch: %llu\n",
+                static_cast<unsigned long long>(counters.overruns));
+  }
   if (status.ok()) return 0;
   std::fprintf(stderr, "tactus-fakeskin: %s\n",
                std::string(status.message()).c_str());

@@ -7,11 +7,11 @@
 #include "client/drivers/can/socket_can.h"
 #include "client/drivers/can_skin_driver.h"
 #include "client/drivers/icub_skin/icub_skin.h"
-#include "client/tools/fakeskin/icub_boards.h"
 #include "client/tools/fakeskin/play_peer.h"
 #include "core/base/errors.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/client/drivers/driver_cost.h"
 
 namespace tactus::client {
 namespace {
@@ -88,10 +88,9 @@ TEST_P(KernelCanTest, AnInterfaceThatGoesDownIsABreakAndComesBack) {
 TEST_P(KernelCanTest, AForearmAt100HzLosesNothing) {
   const auto list = *icub::ParseBoards("forearm-v2");
   std::atomic<bool> stop = false;
+  NumberedScans scans;
   std::thread player([&] {
-    IcubBoards boards(list, [](int64_t t, size_t, std::span<double> counts) {
-      counts[0] = static_cast<double>(t / 10'000'000 % 100);
-    });
+    IcubBoards boards(list, scans.Source());
     SocketCan bus(GetParam().first);
     const absl::Status played =
         PlayPeer(boards, bus, Clock::System(), [&] { return !stop; });
@@ -100,28 +99,14 @@ TEST_P(KernelCanTest, AForearmAt100HzLosesNothing) {
   SocketCan bus(GetParam().second);
   icub::IcubSkin skin(*icub::PortPatch(list), {.period_ms = 10});
   CanSkinDriver driver(&bus, &skin, {});
-  // The boards may not be there yet.
-  auto info = driver.Configure();
-  for (int i = 0; i < 20 && !info.ok(); ++i) info = driver.Configure();
-  EXPECT_TRUE(info.ok()) << info.status();
-  if (info.ok() && driver.Activate().ok()) {
-    SkinFrame frame;
-    uint64_t missing = 0;
-    for (int frames = 0; frames < 500;) {
-      const auto result = driver.Read(frame);
-      ASSERT_TRUE(result.ok()) << result.status();
-      if (*result != ReadResult::kFrame) continue;
-      ++frames;
-      missing += frame.missing_before;
-    }
-    const DriverStatistics s = driver.Statistics();
-    std::printf(
-        "%s: %llu frames of 24 triangles at %.2f Hz, lost %llu, jitter "
-        "%.2f ms, age at most %.2f ms\n",
-        GetParam().second, static_cast<unsigned long long>(s.frames), s.rate_hz,
-        static_cast<unsigned long long>(s.lost), s.jitter_ms, s.longest_age_ms);
-    EXPECT_EQ(missing, 0u);
-    EXPECT_EQ(s.incomplete, 0u);
+  const auto cost = MeasureDriver(driver, scans, 1'000);
+  EXPECT_TRUE(cost.ok()) << cost.status();
+  if (cost.ok()) {
+    std::printf("24 triangles at 100 Hz over %s: %s\n", GetParam().second,
+                cost->Text().c_str());
+    EXPECT_EQ(cost->missing, 0u);
+    EXPECT_EQ(cost->incomplete, 0u);
+    EXPECT_EQ(cost->overwritten, 0u);
     EXPECT_EQ(bus.counters().overruns, 0u);
   }
   stop = true;

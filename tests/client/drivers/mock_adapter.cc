@@ -16,22 +16,18 @@ namespace {
 
 constexpr char kNode[] = "/dev/bus/usb/001/007";
 
-uint32_t MockNumber(const std::vector<uint8_t>& bytes, size_t at) {
-  uint32_t number = 0;
-  std::memcpy(&number, bytes.data() + at, sizeof(number));
-  return number;
-}
-
 }  // namespace
 
 MockAdapter::MockAdapter(CanPeer* peer, const Options& options)
     : peer_(peer),
       options_(options),
-      begin_ns_(std::chrono::nanoseconds(
-                    std::chrono::steady_clock::now().time_since_epoch())
-                    .count()),
       testbed_(umockdev_testbed_new()),
       handler_(umockdev_ioctl_base_new()),
+      firmware_({.features = options.features,
+                 .clock_hz = options.clock_hz,
+                 .first_stamp_us = options.first_stamp_us,
+                 .old_echoes = true},
+                NowNs()),
       attached_(options.kernel_driver) {
   g_signal_connect(handler_, "handle-ioctl", G_CALLBACK(&MockAdapter::OnIoctl),
                    this);
@@ -80,7 +76,7 @@ void MockAdapter::Unplug() {
   {
     const std::lock_guard lock(mutex_);
     plugged_ = false;
-    started_ = false;
+    firmware_.Reset();
     claimed_ = false;
     to_host_.clear();
     while (!waiting_.empty()) {
@@ -117,17 +113,17 @@ void MockAdapter::SetDeaf(bool deaf) {
 
 bool MockAdapter::started() {
   const std::lock_guard lock(mutex_);
-  return started_;
+  return firmware_.started();
 }
 
 uint32_t MockAdapter::mode_flags() {
   const std::lock_guard lock(mutex_);
-  return flags_;
+  return firmware_.mode_flags();
 }
 
 std::vector<uint8_t> MockAdapter::bit_timing() {
   const std::lock_guard lock(mutex_);
-  return bit_timing_;
+  return firmware_.bit_timing();
 }
 
 bool MockAdapter::kernel_driver_attached() {
@@ -263,11 +259,12 @@ void MockAdapter::Submit(UMockdevIoctlClient* client,
 }
 
 int MockAdapter::Control(std::vector<uint8_t>& buffer) {
-  using gs_usb::Request;
   const uint8_t type = buffer[0];
   const uint8_t request = buffer[1];
   const unsigned length = buffer[6] | buffer[7] << 8;
-  const std::vector<uint8_t> out(buffer.begin() + 8, buffer.end());
+  if (type == 0x41) {
+    return firmware_.Write(request, std::span(buffer).subspan(8)) ? 0 : -EPIPE;
+  }
   std::vector<uint8_t> in;
   if (type == 0x80 && request == 6 && buffer[3] == 3) {
     // String descriptors: languages, then the serial number.
@@ -280,71 +277,32 @@ int MockAdapter::Control(std::vector<uint8_t>& buffer) {
       }
     }
     in[0] = static_cast<uint8_t>(in.size());
-  } else if (type == 0xC1 &&
-             request == static_cast<uint8_t>(Request::kDeviceConfig)) {
-    in.assign(gs_usb::kDeviceConfigSize, 0);
-    in[4] = 2;
-  } else if (type == 0xC1 &&
-             request == static_cast<uint8_t>(Request::kBitConstants)) {
-    in = gs_usb::Bytes(gs_usb::BitConstants{.features = options_.features,
-                                            .clock_hz = options_.clock_hz,
-                                            .tseg1_min = 1,
-                                            .tseg1_max = 16,
-                                            .tseg2_min = 1,
-                                            .tseg2_max = 8,
-                                            .sjw_max = 4,
-                                            .brp_min = 1,
-                                            .brp_max = 1024,
-                                            .brp_increment = 1});
-  } else if (type == 0x41 && request == static_cast<uint8_t>(Request::kMode) &&
-             out.size() == 8) {
-    started_ = MockNumber(out, 0) == gs_usb::kModeStart;
-    flags_ = MockNumber(out, 4);
-    // The real one refuses flags that it does not have, and a start without
-    // a bit timing.
-    if ((flags_ & ~options_.features) != 0 ||
-        (started_ && bit_timing_.empty())) {
-      started_ = false;
-      return -EPIPE;
-    }
-  } else if (type == 0x41 &&
-             request == static_cast<uint8_t>(Request::kBitTiming)) {
-    bit_timing_ = out;
-  } else if (type != 0x41 ||
-             request != static_cast<uint8_t>(Request::kHostFormat)) {
+  } else if (const auto answer = firmware_.Read(request, NowNs());
+             type == 0xC1 && answer) {
+    in = *answer;
+  } else {
     return -EPIPE;
   }
-  if ((type & 0x80) != 0) {
-    in.resize(std::min<size_t>(in.size(), length));
-    buffer.resize(8);
-    buffer.insert(buffer.end(), in.begin(), in.end());
-  }
+  in.resize(std::min<size_t>(in.size(), length));
+  buffer.resize(8);
+  buffer.insert(buffer.end(), in.begin(), in.end());
   return 0;
 }
 
 void MockAdapter::TakeSent(const std::vector<uint8_t>& bytes) {
   last_sent_size_ = bytes.size();
-  const auto frame = gs_usb::ReadHostFrame(bytes, false);
-  if (!frame || !started_ || deaf_) return;
   const int64_t now_ns = NowNs();
-  peer_->OnFrame(gs_usb::ToCanFrame(*frame), now_ns);
-  gs_usb::HostFrame echo = *frame;
-  // As old firmware does.
-  echo.flags = gs_usb::kOverflowFlag;
-  to_host_.push_back(gs_usb::Bytes(echo, false));
+  const auto sent = firmware_.TakeSent(bytes, now_ns);
+  if (!sent || deaf_) return;
+  peer_->OnFrame(sent->frame, now_ns);
+  to_host_.push_back(sent->echo);
 }
 
 void MockAdapter::Pump() {
-  const bool stamps = (flags_ & gs_usb::kHardwareStamps) != 0;
   CanFrame frame;
-  while (started_ && to_host_.size() < waiting_.size() &&
+  while (firmware_.started() && to_host_.size() < waiting_.size() &&
          peer_->Emit(NowNs(), frame)) {
-    gs_usb::HostFrame host = gs_usb::ToHostFrame(frame, gs_usb::kNoEcho);
-    host.stamp_us = static_cast<uint32_t>(options_.first_stamp_us +
-                                          (frame.time_ns - begin_ns_) / 1'000);
-    auto bytes = gs_usb::Bytes(host, stamps);
-    if ((flags_ & gs_usb::kPadded) != 0) bytes.resize(32, 0);
-    to_host_.push_back(std::move(bytes));
+    to_host_.push_back(firmware_.FromBus(frame));
   }
   while (!waiting_.empty() && failures_ > 0) {
     --failures_;

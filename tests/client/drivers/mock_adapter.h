@@ -19,8 +19,8 @@
 #include <string>
 #include <vector>
 
-#include "client/drivers/can/gs_usb_protocol.h"
 #include "client/tools/fakeskin/can_peer.h"
+#include "client/tools/fakeskin/gs_usb_firmware.h"
 
 namespace tactus::client {
 
@@ -92,18 +92,15 @@ class MockAdapter {
 
   CanPeer* const peer_;
   const Options options_;
-  const int64_t begin_ns_;
   UMockdevTestbed* testbed_ = nullptr;
   UMockdevIoctlBase* handler_ = nullptr;
 
   std::mutex mutex_;
+  GsUsbFirmware firmware_;
   bool plugged_ = true;
-  bool started_ = false;
   bool claimed_ = false;
   bool attached_ = false;
   bool deaf_ = false;
-  uint32_t flags_ = 0;
-  std::vector<uint8_t> bit_timing_;
   size_t last_sent_size_ = 0;
   size_t most_waiting_ = 0;
   int failures_ = 0;
