@@ -90,6 +90,7 @@ void ContactClassifier::Reset() {
     std::copy(prior.begin(), prior.end(), lstm_probability_.begin());
     std::fill(lstm_score_.begin(), lstm_score_.end(), 0.0);
   }
+  step_due_ = true;
   scores_changed_ = true;
   hmm_clock_.Reset();
   lstm_clock_.Reset();
@@ -128,6 +129,7 @@ void ContactClassifier::StepHmms(uint64_t missing_before) {
   if (!hmm_clock_.Tick(frames_)) return;
   MakeInput(model_->model().inputs.hmm, cues_, hmm_input_);
   ++hmm_steps_;
+  step_due_ = true;
   scores_changed_ = true;
   hmms_.Step(hmm_input_);
   hmms_.LogLikelihood(log_likelihood_);
@@ -136,6 +138,8 @@ void ContactClassifier::StepHmms(uint64_t missing_before) {
 bool ContactClassifier::StepLstmsIfDue() {
   const Model& m = model_->model();
   if (m.lstms.empty() || !lstm_clock_.Tick(frames_)) return false;
+  // Whether the step is taken or left out.
+  step_due_ = true;
   if (lstms_.empty()) {
     ++skipped_[SkipRule::kUnusedLstms];
   } else if (options_.decisions_only && decision_ &&
@@ -214,9 +218,9 @@ void ContactClassifier::EstimateObject() {
 void ContactClassifier::UpdateProbabilities() {
   const Calibration& c = model_->model().calibration;
   const CalibrationPoint point =
-      c.held && !scores_changed_
-          ? calibration_point_
-          : CalibrationAt(c, static_cast<double>(frames_));
+      c.held && !step_due_ ? calibration_point_
+                           : CalibrationAt(c, static_cast<double>(frames_));
+  step_due_ = false;
   if (!scores_changed_ && point == calibration_point_ &&
       skip_[SkipRule::kUnchangedScores]) {
     ++skipped_[SkipRule::kUnchangedScores];

@@ -166,6 +166,9 @@ class ContactClassifier {
   mutable std::vector<double> bias_;
   // The calibration that the probabilities were computed with.
   CalibrationPoint calibration_point_;
+  // Since these were computed: a step of HMMs or LSTMs was due, and one was
+  // taken.
+  bool step_due_ = true;
   bool scores_changed_ = true;
   std::optional<ObjectEstimate> object_;
   double unknown_ = 0;
