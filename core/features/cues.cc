@@ -189,8 +189,8 @@ std::vector<Cue> WholeSkinCues() {
   return CueRange(kFirstWholeSkinCue, kFirstEmbeddingCue);
 }
 
-std::vector<Cue> EmbeddingCues(int count) {
-  return CueRange(kFirstEmbeddingCue, kFirstEmbeddingCue + count);
+std::vector<Cue> EmbeddingCues() {
+  return CueRange(kFirstEmbeddingCue, kCueCount);
 }
 
 void CueTracker::Moments::Step(const FeatureVector& x, double weight) {

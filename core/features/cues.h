@@ -178,8 +178,8 @@ std::vector<Cue> ProfileCues();
 // Returns all cues of the whole skin without places.
 std::vector<Cue> WholeSkinCues();
 
-// Returns the first `count` cues of the taxel embedding.
-std::vector<Cue> EmbeddingCues(int count = kMaxEmbedding);
+// Returns all cues of the taxel embedding.
+std::vector<Cue> EmbeddingCues();
 
 // Cues other than the features and the load profile are computed by groups. A
 // set of groups is a sum of these.

@@ -17,7 +17,8 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kMaxDiscriminants = 16;
+// With fewer discriminants than this, principal components make up the number.
+constexpr int kFilledDimensions = 16;
 // Fraction of the mean variance that is added to each variance within the
 // classes, because there may be fewer contacts than taxels.
 constexpr double kShrinkage = 0.03;
@@ -136,7 +137,7 @@ MatrixXd Discriminants(const MatrixXd& within, const MatrixXd& means) {
   std::vector<VectorXd> found;
   for (auto i = classes - 1; i > 0; --i) {
     const double variance = between.eigenvalues()[i];
-    if (static_cast<int>(found.size()) == kMaxDiscriminants ||
+    if (static_cast<int>(found.size()) == kMaxEmbedding ||
         !(variance > kLeastVariance * largest)) {
       break;
     }
@@ -210,7 +211,7 @@ absl::StatusOr<TaxelEmbedding> FitTaxelEmbedding(
   MatrixXd best = Discriminants(within, weighted);
   const int discriminants = static_cast<int>(best.cols());
   MatrixXd components =
-      PrincipalComponents(covariance, kMaxEmbedding - discriminants);
+      PrincipalComponents(covariance, kFilledDimensions - discriminants);
   for (int d = 0; d < discriminants; ++d) FixSign(means, best.col(d));
   for (int d = 0; d < components.cols(); ++d) {
     FixSign(means.topRows(taxels), components.col(d));

@@ -2,9 +2,9 @@
 //
 // Learns a TaxelEmbedding from labelled contacts. The first dimensions are
 // those of a linear discriminant analysis: they separate the classes best,
-// relative to the spread within the classes. There are at most 16, and one less
-// than classes. The others, up to kMaxEmbedding in all, are the principal
-// components of the taxels' levels, which also hold what is not linear in the
+// relative to the spread within the classes. There is one less than classes, and
+// at most kMaxEmbedding. If these are fewer than 16, principal components of the
+// taxels' levels make up 16 dimensions; they also hold what is not linear in the
 // class means.
 //
 //   TACTUS_ASSIGN_OR_RETURN(

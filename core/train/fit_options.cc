@@ -98,9 +98,8 @@ LstmFit RecordingsLstm(std::vector<Cue> cues) {
 
 // Which taxels are loaded, and how that changes.
 FitOptions PatternPreset() {
-  constexpr int kHmmDimensions = 16;
   FitOptions options = ProfilePreset();
-  options.hmm_cues = EmbeddingCues(kHmmDimensions);
+  options.hmm_cues = EmbeddingCues();
   options.lstm = RecordingsLstm(EmbeddingCues());
   return options;
 }

@@ -91,6 +91,37 @@ TEST(FitTaxelEmbeddingTest, SeparatesClassesBetterThanAnyTaxel) {
   EXPECT_GT(Separation(contacts, *embedding, 1), 0.5);
 }
 
+// Twenty classes, each of which presses one of twenty taxels harder.
+TEST(FitTaxelEmbeddingTest, ManyClassesHaveAllTheirDiscriminants) {
+  Random random(12);
+  std::vector<LabelledContact> contacts;
+  std::vector<std::string> classes;
+  for (int i = 0; i < 60; ++i) {
+    LabelledContact contact;
+    contact.id = std::to_string(i);
+    contact.label = std::string(1, static_cast<char>('a' + i % 20));
+    if (i < 20) classes.push_back(contact.label);
+    contact.layout = testing::FlatLayout(4, 6);
+    contact.with_poses = false;
+    for (int n = 0; n < 30; ++n) {
+      std::vector<TaxelLoad> loads;
+      for (uint32_t t = 0; t < 20; ++t) {
+        const double level = static_cast<int>(t) == i % 20 ? 4 : 3;
+        loads.push_back(
+            {t, static_cast<float>(level + 0.3 * random.Gaussian())});
+      }
+      ContactFrame frame = {IdealSample({1, 1e-4, 0})};
+      frame.sample.loads = loads;
+      contact.frames.push_back(frame);
+    }
+    contacts.push_back(std::move(contact));
+  }
+  auto embedding =
+      FitTaxelEmbedding(testing::PointersTo(contacts), classes, {});
+  ASSERT_TRUE(embedding.ok()) << embedding.status();
+  EXPECT_EQ(embedding->dimensions, 19);
+}
+
 TEST(FitTaxelEmbeddingTest, TooManyOrNoTaxelsAreRefused) {
   auto contacts = ContactsByPattern();
   for (LabelledContact& contact : contacts) {
