@@ -305,4 +305,27 @@ void FitCalibration(std::span<const ScoredContact> contacts, double rate,
   FitEstimateScales(contacts, c);
 }
 
+void PresumeEvenShares(std::span<const ScoredContact> contacts,
+                       Calibration& calibration) {
+  Calibration& c = calibration;
+  const size_t classes = c.prior.size();
+  std::vector<double> count(classes);
+  for (const ScoredContact& contact : contacts) ++count[contact.labels.back()];
+  for (size_t time = 0; time < c.frames.size(); ++time) {
+    for (size_t k = 0; k < classes; ++k) {
+      // A class that no contact has keeps its probability.
+      if (count[k] == 0) continue;
+      const double log_share =
+          std::log(count[k] / static_cast<double>(contacts.size()));
+      const size_t at = time * classes + k;
+      c.hmm_bias[at] -= log_share;
+      if (c.lstm_bias.empty()) continue;
+      c.lstm_bias[at] -= log_share;
+      // Both members are divided already, by as much as they count.
+      c.fused_bias[at] +=
+          (c.hmm_weight[time] + c.lstm_weight[time] - 1) * log_share;
+    }
+  }
+}
+
 }  // namespace tactus

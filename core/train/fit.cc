@@ -378,7 +378,8 @@ absl::Status ScoreFolds(const std::vector<const LabelledContact*>& contacts,
 
 // Fits the calibration to the scores that each inner fold gets from the models
 // of the other folds.
-absl::Status Calibrate(std::vector<Fold>& folds, Model& model) {
+absl::Status Calibrate(ClassShares shares, std::vector<Fold>& folds,
+                       Model& model) {
   std::vector<ScoredContact> all;
   for (Fold& fold : folds) {
     std::ranges::move(fold.scores, std::back_inserter(all));
@@ -388,6 +389,9 @@ absl::Status Calibrate(std::vector<Fold>& folds, Model& model) {
         "no inner fold leaves contacts of every class to calibrate with");
   }
   FitCalibration(all, model.inputs.sample_rate_hz, model.calibration);
+  if (shares == ClassShares::kEven) {
+    PresumeEvenShares(all, model.calibration);
+  }
   return absl::OkStatus();
 }
 
@@ -472,7 +476,7 @@ absl::StatusOr<Model> FitModel(
   }
   TACTUS_RETURN_IF_ERROR(ScoreFolds(contacts, parallel, progress, run, folds));
   if (options.calibrate) {
-    TACTUS_RETURN_IF_ERROR(Calibrate(folds, model));
+    TACTUS_RETURN_IF_ERROR(Calibrate(options.shares, folds, model));
   }
   SetRequirements(contacts, options.features, model);
   TACTUS_RETURN_IF_ERROR(AddWarmUp(contacts, model));

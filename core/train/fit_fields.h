@@ -126,10 +126,11 @@ template <class Archive>
 void Fields(Archive& archive, FitOptions& options) {
   auto& [features, hmm_cues, log_features, hmm_steps, states, hmms_per_class,
          score, max_iterations, covariance_floor, lstm, truth, variations,
-         inner_folds, calibration_folds, held_out, calibrate, seed] = options;
+         inner_folds, calibration_folds, held_out, calibrate, shares, seed] =
+      options;
   archive(features, hmm_cues, log_features, hmm_steps, states, hmms_per_class,
           score, max_iterations, covariance_floor, lstm, truth, variations,
-          inner_folds, calibration_folds, held_out, calibrate, seed);
+          inner_folds, calibration_folds, held_out, calibrate, shares, seed);
 }
 
 }  // namespace tactus

@@ -51,6 +51,12 @@ struct LstmFit {
 // What each inner fold of a calibration leaves out.
 enum class InnerFolds { kConditions, kMaterials };
 
+// How frequent the classes are where a model will be used.
+enum class ClassShares {
+  kRecorded,  // as among the contacts of the fit
+  kEven,      // equally frequent
+};
+
 struct FitOptions {
   // Features that models may use. Cues that need others are left out.
   std::vector<Feature> features = {Feature::kForce, Feature::kMotion,
@@ -87,6 +93,8 @@ struct FitOptions {
   // Without calibration the scores become probabilities unchanged. The best
   // class of the HMMs alone or of the LSTMs alone stays the same.
   bool calibrate = true;
+  // What calibrated answers presume.
+  ClassShares shares = ClassShares::kRecorded;
   uint64_t seed = 1;
 };
 

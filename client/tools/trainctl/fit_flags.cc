@@ -25,6 +25,9 @@ void FitFlags::Add(CLI::App& command) {
                          "What answers are about: final (the category in the "
                          "end) or so-far (unmoved until the object has moved), "
                          "instead of the preset's"),
+      command.add_option("--shares", shares,
+                         "How frequent answers presume the categories to be: "
+                         "recorded (as among the contacts of the fit) or even"),
       command.add_option("--seed", seed, "Seed of every random choice"),
       command.add_option("--states", states,
                          "States per HMM, instead of the preset's"),
@@ -110,6 +113,11 @@ absl::StatusOr<FitOptions> FitFlags::Options(absl::string_view preset) const {
   if (!truth.empty()) {
     options.truth = truth == "final" ? Truth::kFinal : Truth::kSoFar;
   }
+  if (shares != "recorded" && shares != "even") {
+    return WithExitCode(InvalidConfig("--shares", shares, "recorded or even"),
+                        kExitUsage);
+  }
+  if (shares == "even") options.shares = ClassShares::kEven;
   if (states < 0 || states > limits::kMaxHmmStates) {
     return InvalidConfig("--states", states,
                          absl::StrCat("1 to ", limits::kMaxHmmStates));

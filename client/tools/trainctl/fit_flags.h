@@ -29,6 +29,7 @@ struct FitFlags {
   std::string preset;
   std::string features = "f,m,a";
   std::string truth;  // empty: the preset's
+  std::string shares = "recorded";
   uint64_t seed = 1;
   int states = 0;
   int mixtures = 0;

@@ -53,11 +53,12 @@ TEST(FitCalibrationTest, FindsTheFactorThatMakesScoresHonest) {
 }
 
 // Two sensors of one quantity. What the HMMs and the LSTMs say about a label is
-// drawn independently, or the LSTMs say nothing.
-std::vector<ScoredContact> TwoSensors(double lstm_strength, Random& random) {
+// drawn independently, or the LSTMs say nothing. `share` of the labels are 1.
+std::vector<ScoredContact> TwoSensors(double lstm_strength, Random& random,
+                                      double share = 0.5) {
   std::vector<ScoredContact> contacts;
   for (int i = 0; i < 4000; ++i) {
-    const int label = static_cast<int>(random.Index(2));
+    const int label = random.Uniform() < share ? 1 : 0;
     const double sign = label == 1 ? 1 : -1;
     // A Gaussian at +-1 with deviation 1 has the log-odds 2 x.
     const double hmm = 2 * (sign + random.Gaussian());
@@ -95,6 +96,44 @@ TEST(FitCalibrationTest, AModelThatSaysNothingGetsNoWeight) {
   EXPECT_EQ(c.hmm_weight, std::vector<double>(6, 1));
   EXPECT_EQ(c.lstm_weight, std::vector<double>(6, 0));
   EXPECT_EQ(c.fused_bias, std::vector<double>(12, 0));
+}
+
+// Log-odds of the fused answer to scores that say `hmm` and `lstm`.
+double FusedLogOdds(const Calibration& c, double hmm, double lstm) {
+  const CalibrationPoint point = CalibrationAt(c, c.frames[2]);
+  const double log_prior[] = {std::log(0.5), std::log(0.5)};
+  double bias[2];
+  double of_hmm[2];
+  double of_lstm[2];
+  double fused[2];
+  BiasAt(c.hmm_bias, point, bias);
+  TemperedPosterior(log_prior, std::vector{0.0, hmm},
+                    point.hmm_inverse_temperature, bias, of_hmm);
+  BiasAt(c.lstm_bias, point, bias);
+  TemperedPosterior(
+      log_prior,
+      std::vector{-std::log1p(std::exp(lstm)), -std::log1p(std::exp(-lstm))},
+      point.lstm_inverse_temperature, bias, of_lstm);
+  BiasAt(c.fused_bias, point, bias);
+  FusePosteriors(of_hmm, of_lstm, point, bias, fused);
+  return std::log(fused[1] / fused[0]);
+}
+
+// By Bayes' rule the log-odds of the shares are added to those of the sensors.
+TEST(PresumeEvenSharesTest, TakesAwayTheLogOddsOfTheShares) {
+  constexpr double kShare = 0.9;
+  Random random(9);
+  const auto contacts = TwoSensors(1, random, kShare);
+  Calibration c;
+  c.prior = {0.5, 0.5};
+  FitCalibration(contacts, 100, c);
+  const double odds = std::log(kShare / (1 - kShare));
+  EXPECT_NEAR(FusedLogOdds(c, 0, 0), odds, 0.2);
+  EXPECT_NEAR(FusedLogOdds(c, 1, -2), odds - 1, 0.3);
+  PresumeEvenShares(contacts, c);
+  EXPECT_NEAR(FusedLogOdds(c, 0, 0), 0, 0.2);
+  EXPECT_NEAR(FusedLogOdds(c, 1, -2), -1, 0.3);
+  EXPECT_TRUE(Validate(c, 2, true).ok());
 }
 
 // Evidence 0, -1 .. -100 a step: five contacts in a hundred are beyond -95.
