@@ -6,7 +6,8 @@
 //   std::vector<double> noise(1500);
 //   FillGaussian(random, noise);
 //
-// Uses only arithmetic and square roots, so every platform gives the same bits.
+// Uses only arithmetic and square roots, so every platform and every vector
+// width gives the same bits. Compiled for several widths by Highway.
 // Thread-safe as long as each thread has its generator. Source: Box and Muller,
 // "A note on the generation of random normal deviates" (1958).
 #pragma once

@@ -1,7 +1,7 @@
 // File: random.h
 //
-// Seeded random numbers that give the same bits on every platform: the
-// standard library fixes its engines but not its distributions.
+// Seeded random numbers that give the same bits on every platform. The engine
+// is std::mt19937_64; the standard library does not fix its distributions.
 //
 //   Random random(seed);
 //   double noise = 0.002 * random.Gaussian();
@@ -12,7 +12,9 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
-#include <random>
+#include <span>
+
+#include "core/base/mersenne_twister.h"
 
 namespace tactus {
 
@@ -32,6 +34,10 @@ class Random {
 
   // Uniform in [0, 1).
   double Uniform() { return static_cast<double>(engine_() >> 11) * 0x1.0p-53; }
+
+  // Fills `bits` with random bits. Uniform() would have taken the upper 53 of
+  // each.
+  void Fill(std::span<uint64_t> bits) { engine_.Fill(bits); }
 
   // Uniform in [low, high).
   double Uniform(double low, double high) {
@@ -59,7 +65,7 @@ class Random {
   }
 
  private:
-  std::mt19937_64 engine_;
+  MersenneTwister engine_;
   double spare_ = 0;
   bool has_spare_ = false;
 };

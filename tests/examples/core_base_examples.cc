@@ -1,5 +1,6 @@
 // The examples of public headers, as their comments show them. They only have
 // to compile; HouseTest.ExamplesAreCompiled compares the texts.
+#include <array>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "core/base/errors.h"
 #include "core/base/gaussian.h"
 #include "core/base/limits.h"
+#include "core/base/mersenne_twister.h"
 #include "core/base/random.h"
 #include "core/base/serialize.h"
 #include "core/base/sha256.h"
@@ -54,6 +56,13 @@ absl::Status ErrorsExample(double rate) {
 void GaussianExample(Random& random) {
   std::vector<double> noise(1500);
   FillGaussian(random, noise);
+}
+
+void MersenneTwisterExample(uint64_t seed) {
+  MersenneTwister engine(seed);
+  const uint64_t one = engine();
+  std::array<uint64_t, 100> many;
+  engine.Fill(many);
 }
 
 void RandomExample(uint64_t seed) {

@@ -1,5 +1,6 @@
 #include "core/base/random.h"
 
+#include <random>
 #include <set>
 
 #include "gtest/gtest.h"
