@@ -33,6 +33,7 @@
 #include "core/sim/skin/signals.h"
 #include "core/sim/skin/simulated_contact.h"
 #include "core/sim/skin/skin_model.h"
+#include "core/sim/skin/taxel_kernels.h"
 
 namespace tactus::examples {
 
@@ -225,6 +226,14 @@ absl::Status RandomWorldExample(const SkinModel& skin, uint64_t seed) {
     TACTUS_ASSIGN_OR_RETURN(Trial trial, WorldTrial(skin, seed, n));
   }
   return absl::OkStatus();
+}
+
+void TaxelKernelsExample(const std::vector<double>& forces,
+                         const taxel_kernels::TaxelState& state,
+                         std::vector<double>& readings,
+                         std::vector<uint16_t>& steps) {
+  taxel_kernels::Read(forces, {.noise_n = 0.002}, state, readings.data());
+  taxel_kernels::Quantise(readings, /*step=*/0.001, steps.data());
 }
 
 }  // namespace tactus::examples

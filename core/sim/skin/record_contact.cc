@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <vector>
 
 #include "core/base/gaussian.h"
 #include "core/sim/skin/block_filter.h"
 #include "core/sim/skin/line_contact.h"
+#include "core/sim/skin/taxel_kernels.h"
 
 namespace tactus {
 namespace {
@@ -22,14 +22,19 @@ class TaxelReader {
       : skin_(skin),
         random_(random),
         series_(series),
+        electronics_{.noise_n = skin.noise_n,
+                     .lagging = skin.lagging,
+                     .follow = Follow(skin)},
         alive_(skin.layout.taxels(), 1),
         offset_(skin.layout.taxels()),
         lagging_(skin.layout.taxels()),
-        deviates_(skin.layout.taxels()) {
+        deviates_(skin.layout.taxels()),
+        readings_(skin.layout.taxels()),
+        steps_(skin.layout.taxels()) {
     const size_t taxels = alive_.size();
     for (int left = skin.dead_taxels; left > 0;) {
-      uint8_t& taxel = alive_[random.Index(taxels)];
-      left -= taxel;
+      double& taxel = alive_[random.Index(taxels)];
+      left -= taxel > 0;
       taxel = 0;
     }
     for (int i = 0; i < skin.stray_taxels; ++i) {
@@ -48,36 +53,38 @@ class TaxelReader {
       }
     }
     FillGaussian(random_, deviates_);
-    const double follow =
-        skin_.lagging > 0 ? 1 - std::exp(-1 / (kSkinRateHz * skin_.lag_s)) : 0;
-    for (size_t i = 0; i < forces.size(); ++i) {
-      lagging_[i] += follow * (forces[i] - lagging_[i]);
-      const double reading = (1 - skin_.lagging) * forces[i] +
-                             skin_.lagging * lagging_[i] + offset_[i] +
-                             skin_.noise_n * deviates_[i];
-      Append(alive_[i] != 0 ? std::max(0.0, reading) : 0);
+    taxel_kernels::Read(forces, electronics_,
+                        {.alive = alive_.data(),
+                         .offset = offset_.data(),
+                         .deviates = deviates_.data(),
+                         .lagging = lagging_.data()},
+                        readings_.data());
+    if (skin_.step_n == 0) {
+      series_.f32.insert(series_.f32.end(), readings_.begin(), readings_.end());
+      return;
     }
+    taxel_kernels::Quantise(readings_, skin_.step_n, steps_.data());
+    series_.u16.insert(series_.u16.end(), steps_.begin(), steps_.end());
   }
 
  private:
-  void Append(double reading) {
-    if (skin_.step_n == 0) {
-      series_.f32.push_back(static_cast<float>(reading));
-      return;
-    }
-    constexpr double kMost = std::numeric_limits<uint16_t>::max();
-    series_.u16.push_back(static_cast<uint16_t>(
-        std::min(std::round(reading / skin_.step_n), kMost)));
+  static double Follow(const SkinModel& skin) {
+    return skin.lagging > 0 ? 1 - std::exp(-1 / (kSkinRateHz * skin.lag_s)) : 0;
   }
 
   const SkinModel& skin_;
   Random& random_;
   TaxelSeries& series_;
-  std::vector<uint8_t> alive_;
+  const taxel_kernels::Electronics electronics_;
+  // 1, or 0 for a dead taxel.
+  std::vector<double> alive_;
   std::vector<double> offset_;
   // The forces, delayed.
   std::vector<double> lagging_;
   std::vector<double> deviates_;
+  // The last frame, N and in steps.
+  std::vector<double> readings_;
+  std::vector<uint16_t> steps_;
 };
 
 }  // namespace
