@@ -26,6 +26,7 @@
 #include "core/sim/model/trial_spec.h"
 #include "core/sim/skin/block_filter.h"
 #include "core/sim/skin/butterworth.h"
+#include "core/sim/skin/dent_kernels.h"
 #include "core/sim/skin/line_contact.h"
 #include "core/sim/skin/patch.h"
 #include "core/sim/skin/record_contact.h"
@@ -199,6 +200,14 @@ void TrajectoryExample(const Trajectory& trajectory, size_t i) {
 void ContactPhaseExample(ContactPhase phase) {
   const bool touching = Touching(phase);
   if (touching && !Sliding(phase)) return;  // kStuck
+}
+
+void DentKernelsExample(const std::vector<double>& places,
+                        const std::vector<double>& widths,
+                        std::vector<double>& volumes,
+                        std::vector<double>& areas) {
+  dent_kernels::Cut({.depth = 0.001, .low = -0.02, .high = 0.02}, places,
+                    widths.data(), volumes.data(), areas.data());
 }
 
 void LineContactExample(const SkinLayout& layout) {

@@ -11,6 +11,11 @@ constexpr int kStripsPerRow = 4;
 constexpr int kMaxIterations = 100;
 constexpr double kPrecision = 1e-13;
 
+size_t WholeVectors(size_t strips) {
+  constexpr size_t kStrips = dent_kernels::kStrips;
+  return (strips + kStrips - 1) / kStrips * kStrips;
+}
+
 }  // namespace
 
 double Bedding(double youngs_modulus, double edge_m, double cover_n_m3) {
@@ -26,7 +31,15 @@ LineContact::LineContact(const SkinLayout& layout, const SkinPoint& centre)
       curvature_(wraps_ ? 0.5 / layout.CylinderRadius() : 0),
       centre_(centre),
       taxels_(layout.taxels()) {
-  strips_.reserve(rows_ * kStripsPerRow);
+  const size_t strips = WholeVectors(rows_ * kStripsPerRow);
+  places_.reserve(strips);
+  widths_.reserve(strips);
+  volumes_.resize(strips);
+  areas_.resize(strips);
+  // The ends of the face may be rounded into columns next to the skin.
+  const size_t columns = columns_ + 2;
+  column_volumes_.resize(strips * columns);
+  touched_.reserve(columns);
 }
 
 void LineContact::CutStrips(double edge_m) {
@@ -40,92 +53,115 @@ void LineContact::CutStrips(double edge_m) {
     low_ = std::max(-half, (-0.5 - centre_.column) * column_pitch_);
     high_ = std::min(half, (columns_ - 0.5 - centre_.column) * column_pitch_);
   }
-  strips_.clear();
+  places_.clear();
+  widths_.clear();
   for (int row = 0; row < rows_; ++row) {
     const double middle = (row - centre_.row) * row_pitch_;
     const double begin = std::max(middle - row_pitch_ / 2, -half);
     const double end = std::min(middle + row_pitch_ / 2, half);
     if (end <= begin) continue;
+    if (places_.empty()) first_row_ = row;
     const double width = (end - begin) / kStripsPerRow;
     for (int i = 0; i < kStripsPerRow; ++i) {
-      strips_.push_back({row, begin + (i + 0.5) * width, width});
+      places_.push_back(begin + (i + 0.5) * width);
+      widths_.push_back(width);
     }
   }
+  strips_ = places_.size();
+  places_.resize(WholeVectors(strips_));
+  widths_.resize(places_.size());
 }
 
-double LineContact::Section(double depth, double low, double high,
-                            double* length) const {
-  *length = 0;
-  if (depth <= 0) return 0;
-  if (curvature_ > 0) {
-    const double half = std::sqrt(depth / curvature_);
-    low = std::max(low, -half);
-    high = std::min(high, half);
-  }
-  if (high <= low) return 0;
-  *length = high - low;
-  return depth * (high - low) -
-         curvature_ * (high * high * high - low * low * low) / 3;
-}
-
-double LineContact::Force(double d, const PressedFace& face,
-                          double* slope) const {
-  const double rise = std::tan(face.tilt_rad);
+double LineContact::Force(const dent_kernels::Dent& dent, double bedding,
+                          double* slope) {
+  dent_kernels::Cut(dent, places_, widths_.data(), volumes_.data(),
+                    areas_.data());
   double force = 0;
   *slope = 0;
-  for (const Strip& strip : strips_) {
-    double length = 0;
-    force += strip.width * Section(d + strip.y * rise, low_, high_, &length);
-    *slope += strip.width * length;
+  for (size_t i = 0; i < strips_; ++i) {
+    force += volumes_[i];
+    *slope += areas_[i];
   }
-  *slope *= face.bedding_n_m3;
-  return force * face.bedding_n_m3;
+  *slope *= bedding;
+  return force * bedding;
 }
 
-double LineContact::Solve(double force, const PressedFace& face) const {
-  // The force grows with d ever faster, so Newton's method comes down from any
-  // d that is too large without overshooting. The sum of what a line contact
-  // and a flat one would need is nearly always too large.
+void LineContact::Solve(double force, double bedding,
+                        dent_kernels::Dent& dent) {
+  // The force grows with the depth ever faster, so Newton's method comes down
+  // from any depth that is too large without overshooting. The sum of what a
+  // line contact and a flat one would need is nearly always too large.
   double length = 0;
-  for (const Strip& strip : strips_) length += strip.width;
-  const double line_force = face.bedding_n_m3 * length;
-  double d =
+  for (size_t i = 0; i < strips_; ++i) length += widths_[i];
+  const double line_force = bedding * length;
+  dent.depth =
       force / (line_force * (high_ - low_)) +
       std::pow(0.75 * force * std::sqrt(curvature_) / line_force, 2.0 / 3.0) +
-      edge_ * std::abs(std::tan(face.tilt_rad)) / 2;
+      edge_ * std::abs(dent.rise) / 2;
   double slope = 0;
-  while (Force(d, face, &slope) < force) d *= 2;
-  for (int i = 0; i < kMaxIterations; ++i) {
-    const double excess = Force(d, face, &slope) - force;
-    if (excess <= kPrecision * force) break;
-    d -= excess / slope;
+  double reached = Force(dent, bedding, &slope);
+  while (reached < force) {
+    dent.depth *= 2;
+    reached = Force(dent, bedding, &slope);
   }
-  return d;
+  for (int i = 0; i < kMaxIterations; ++i) {
+    const double excess = reached - force;
+    if (excess <= kPrecision * force) break;
+    dent.depth -= excess / slope;
+    reached = Force(dent, bedding, &slope);
+  }
+}
+
+void LineContact::FindColumns(const dent_kernels::Dent& dent) {
+  const double deepest =
+      dent.depth +
+      std::max(places_[0] * dent.rise, places_[strips_ - 1] * dent.rise);
+  // No strip's dent is longer. Infinite on a flat skin.
+  const double half = std::sqrt(deepest / curvature_);
+  const int first =
+      static_cast<int>(std::floor(centre_.column + low_ / column_pitch_ + 0.5));
+  const int last = static_cast<int>(
+      std::floor(centre_.column + high_ / column_pitch_ + 0.5));
+  touched_.clear();
+  for (int column = first; column <= last; ++column) {
+    const double middle = (column - centre_.column) * column_pitch_;
+    const double low = std::max(low_, middle - column_pitch_ / 2);
+    const double high = std::min(high_, middle + column_pitch_ / 2);
+    if (std::max(low, -half) >= std::min(high, half)) continue;
+    const int number = ((column % columns_) + columns_) % columns_;
+    touched_.push_back({number, low, high});
+  }
 }
 
 void LineContact::Press(double force, const PressedFace& face) {
-  CutStrips(face.edge_m);
+  if (force == force_ && face == face_) return;
+  force_ = force;
+  face_ = face;
   std::fill(taxels_.begin(), taxels_.end(), 0);
   if (force <= 0) return;
-  indentation_ = Solve(force, face);
-  const double rise = std::tan(face.tilt_rad);
+  CutStrips(face.edge_m);
+  dent_kernels::Dent dent = {.rise = std::tan(face.tilt_rad),
+                             .curvature = curvature_,
+                             .low = low_,
+                             .high = high_};
+  Solve(force, face.bedding_n_m3, dent);
+  indentation_ = dent.depth;
+  FindColumns(dent);
+  double* volumes = column_volumes_.data();
+  for (const Column& column : touched_) {
+    dent.low = column.low;
+    dent.high = column.high;
+    dent_kernels::Cut(dent, places_, widths_.data(), volumes, areas_.data());
+    volumes += places_.size();
+  }
   double sum = 0;
-  for (const Strip& strip : strips_) {
-    const double depth = indentation_ + strip.y * rise;
-    const int first = static_cast<int>(
-        std::floor(centre_.column + low_ / column_pitch_ + 0.5));
-    const int last = static_cast<int>(
-        std::floor(centre_.column + high_ / column_pitch_ + 0.5));
-    for (int column = first; column <= last; ++column) {
-      const double middle = (column - centre_.column) * column_pitch_;
-      double length = 0;
-      const double part =
-          strip.width *
-          Section(depth, std::max(low_, middle - column_pitch_ / 2),
-                  std::min(high_, middle + column_pitch_ / 2), &length);
-      const int here = ((column % columns_) + columns_) % columns_;
-      taxels_[strip.row * columns_ + here] += part;
-      sum += part;
+  for (size_t i = 0; i < strips_; ++i) {
+    double* const row = &taxels_[(first_row_ + i / kStripsPerRow) * columns_];
+    volumes = &column_volumes_[i];
+    for (const Column& column : touched_) {
+      row[column.number] += *volumes;
+      sum += *volumes;
+      volumes += places_.size();
     }
   }
   for (double& taxel : taxels_) taxel *= force / sum;

@@ -23,6 +23,7 @@
 
 #include <vector>
 
+#include "core/sim/skin/dent_kernels.h"
 #include "core/skin/geometry.h"
 #include "core/skin/layout.h"
 
@@ -36,6 +37,8 @@ struct PressedFace {
   // Angle between face and cylinder's axis; rows of higher number are pressed
   // more. Between -pi/4 and pi/4.
   double tilt_rad = 0;
+
+  bool operator==(const PressedFace&) const = default;
 };
 
 // The bedding of a cube of `youngs_modulus` (Pa) and `edge_m` behind a cover of
@@ -47,7 +50,7 @@ class LineContact {
   // `layout` must be valid and `centre`, the middle of the face, on the skin.
   LineContact(const SkinLayout& layout, const SkinPoint& centre);
 
-  // Presses with `force` >= 0 N.
+  // Presses with `force` >= 0 N. To press as before takes no time.
   void Press(double force, const PressedFace& face);
 
   // N on each taxel, row-major. They sum to the force.
@@ -57,20 +60,21 @@ class LineContact {
   double indentation_m() const { return indentation_; }
 
  private:
-  // A strip of the face across the axis, in one row of taxels.
-  struct Strip {
-    int row = 0;
-    double y = 0;      // of its middle, m
-    double width = 0;  // along the axis, m
+  // A column of taxels that the face touches, with its part of the face along
+  // the circumference, from the face's middle, m.
+  struct Column {
+    int number = 0;
+    double low = 0;
+    double high = 0;
   };
 
   void CutStrips(double edge_m);
-  // The integral of the indentation over s from `low` to `high`, where the
-  // largest one is `depth`; the length along which it is positive.
-  double Section(double depth, double low, double high, double* length) const;
-  // Sum over all strips at indentation `d`, N, and its derivative.
-  double Force(double d, const PressedFace& face, double* slope) const;
-  double Solve(double force, const PressedFace& face) const;
+  // Sum over all strips of a dent, N, and its derivative by the depth.
+  double Force(const dent_kernels::Dent& dent, double bedding, double* slope);
+  // Finds the dent's depth.
+  void Solve(double force, double bedding, dent_kernels::Dent& dent);
+  // Finds the columns that the dent reaches.
+  void FindColumns(const dent_kernels::Dent& dent);
 
   int rows_;
   int columns_;
@@ -83,7 +87,21 @@ class LineContact {
   double low_ = 0;
   double high_ = 0;
   double edge_ = 0;  // for which the strips were cut
-  std::vector<Strip> strips_;
+  // Strips of the face across the axis, kStripsPerRow to each row of taxels
+  // from first_row_ on: their middles and widths along the axis, m. Filled up
+  // to whole vectors with strips of no width.
+  int first_row_ = 0;
+  size_t strips_ = 0;
+  std::vector<double> places_;
+  std::vector<double> widths_;
+  // Of each strip, and of each strip and touched column.
+  std::vector<double> volumes_;
+  std::vector<double> areas_;
+  std::vector<double> column_volumes_;
+  std::vector<Column> touched_;
+  // What was pressed last.
+  double force_ = 0;
+  PressedFace face_;
   double indentation_ = 0;
   std::vector<double> taxels_;
 };

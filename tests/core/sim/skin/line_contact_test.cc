@@ -98,6 +98,27 @@ TEST(LineContactTest, TheTaxelsCarryTheWholeForce) {
   EXPECT_THAT(contact.taxels(), testing::Each(0));
 }
 
+// One that presses on and off, and the same again, equals new ones.
+TEST(LineContactTest, NothingIsLeftOfTheLastPress) {
+  Random random(9);
+  const SkinPoint centre = {.row = 3.2, .column = 23.4};
+  LineContact one(Forearm(), centre);
+  const PressedFace soft = {
+      .edge_m = 0.09, .bedding_n_m3 = 1e5, .tilt_rad = 0.01};
+  const PressedFace hard = {.edge_m = 0.02, .bedding_n_m3 = 2e7};
+  for (int i = 0; i < 100; ++i) {
+    const double force = random.Index(4) == 0 ? 0 : 1.0 + random.Index(2);
+    const PressedFace& face = random.Index(2) == 0 ? soft : hard;
+    one.Press(force, face);
+    LineContact fresh(Forearm(), centre);
+    fresh.Press(force, face);
+    ASSERT_EQ(one.taxels(), fresh.taxels());
+    if (force > 0) {
+      ASSERT_EQ(one.indentation_m(), fresh.indentation_m());
+    }
+  }
+}
+
 // As long as the line is narrower than the face.
 TEST(LineContactTest, AnUnclippedIndentationHasItsClosedForm) {
   const SkinLayout layout = Forearm();
