@@ -7,25 +7,12 @@
 
 #include "core/base/random.h"
 #include "gtest/gtest.h"
-#include "hwy/targets.h"
+#include "tests/support/for_each_target.h"
 
 namespace tactus {
 namespace {
 
 constexpr float kThreshold = 0.01F;
-
-// Calls check() once for each vector width that this CPU has.
-template <typename Check>
-void ForEachTarget(Check check) {
-  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    SCOPED_TRACE(hwy::TargetName(target));
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    check();
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-}
 
 std::vector<float> Frame(size_t size, Random& random) {
   std::vector<float> taxels(size);
