@@ -73,9 +73,16 @@ void Adapter(FuzzedDataProvider& data) {
     const auto timing = gs_usb::ChooseBitTiming(*constants, rate);
     fuzz::RequireReason(timing.status());
     if (!timing.ok()) continue;
-    const uint64_t quanta = uint64_t{1} + timing->prop_seg +
-                            timing->phase_seg1 + timing->phase_seg2;
+    const uint64_t tseg1 = uint64_t{timing->prop_seg} + timing->phase_seg1;
+    const uint64_t quanta = 1 + tseg1 + timing->phase_seg2;
     REQUIRE(quanta * timing->brp * rate == constants->clock_hz);
+    REQUIRE(tseg1 >= constants->tseg1_min && tseg1 <= constants->tseg1_max);
+    REQUIRE(timing->phase_seg2 >= constants->tseg2_min &&
+            timing->phase_seg2 <= constants->tseg2_max);
+    REQUIRE(timing->brp >= constants->brp_min &&
+            timing->brp <= constants->brp_max);
+    const uint32_t step = std::max(constants->brp_increment, 1U);
+    REQUIRE((timing->brp - constants->brp_min) % step == 0);
   }
 }
 

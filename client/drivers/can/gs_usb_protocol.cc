@@ -60,28 +60,29 @@ absl::StatusOr<BitTiming> ChooseBitTiming(const BitConstants& constants,
   constexpr double kSamplePoint = 0.875;
   constexpr int64_t kUsualQuanta = 16;
   // No device has more; bounds the search whatever the device says.
-  constexpr uint32_t kMaxQuanta = 1'000;
-  constexpr uint32_t kMaxPrescaler = 4'096;
+  constexpr uint64_t kMaxQuanta = 1'000;
+  constexpr uint64_t kMaxPrescaler = 4'096;
   std::optional<BitTiming> best;
   double best_error = 0;
   int64_t best_distance = 0;
-  const uint32_t step = std::max(constants.brp_increment, 1U);
-  const uint32_t last = std::min(constants.brp_max, kMaxPrescaler);
-  for (uint32_t brp = std::max(constants.brp_min, 1U); brp <= last;
-       brp += step) {
-    const uint64_t divisor = uint64_t{brp} * bit_rate;
+  // In 64 bits, because sums of the device's numbers may exceed 32.
+  const uint64_t step = std::max(constants.brp_increment, 1U);
+  const uint64_t last = std::min<uint64_t>(constants.brp_max, kMaxPrescaler);
+  for (uint64_t brp = constants.brp_min; brp <= last; brp += step) {
+    const uint64_t divisor = brp * bit_rate;
     if (divisor == 0 || constants.clock_hz % divisor != 0) continue;
-    const uint64_t whole = constants.clock_hz / divisor;
-    if (whole > kMaxQuanta) continue;
-    const auto quanta = static_cast<uint32_t>(whole);
+    const uint64_t quanta = constants.clock_hz / divisor;
+    if (quanta > kMaxQuanta) continue;
     // One quantum synchronises, and tseg1 has two parts.
-    for (uint32_t tseg2 = std::max(constants.tseg2_min, 1U);
+    for (uint64_t tseg2 = std::max(constants.tseg2_min, 1U);
          tseg2 <= constants.tseg2_max && tseg2 + 3 <= quanta; ++tseg2) {
-      const uint32_t tseg1 = quanta - 1 - tseg2;
+      const uint64_t tseg1 = quanta - 1 - tseg2;
       if (tseg1 < constants.tseg1_min || tseg1 > constants.tseg1_max) continue;
-      const double error =
-          std::abs(static_cast<double>(1 + tseg1) / quanta - kSamplePoint);
-      const int64_t distance = std::abs(int64_t{quanta} - kUsualQuanta);
+      const double error = std::abs(static_cast<double>(1 + tseg1) /
+                                        static_cast<double>(quanta) -
+                                    kSamplePoint);
+      const int64_t distance =
+          std::abs(static_cast<int64_t>(quanta) - kUsualQuanta);
       constexpr double kEqual = 1e-9;
       if (best &&
           (error > best_error + kEqual ||
@@ -89,10 +90,10 @@ absl::StatusOr<BitTiming> ChooseBitTiming(const BitConstants& constants,
         continue;
       }
       best = BitTiming{.prop_seg = 1,
-                       .phase_seg1 = tseg1 - 1,
-                       .phase_seg2 = tseg2,
+                       .phase_seg1 = static_cast<uint32_t>(tseg1 - 1),
+                       .phase_seg2 = static_cast<uint32_t>(tseg2),
                        .sjw = 1,
-                       .brp = brp};
+                       .brp = static_cast<uint32_t>(brp)};
       best_error = error;
       best_distance = distance;
     }
