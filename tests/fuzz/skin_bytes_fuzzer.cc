@@ -28,7 +28,12 @@ void Serial(FuzzedDataProvider& data) {
       data.ConsumeBool() ? SerialFormat::kAscii : SerialFormat::kAa55;
   const size_t piece = data.ConsumeIntegralInRange<size_t>(1, 64);
   SerialFrames frames(format, 3, 4);
-  const std::string bytes = fuzz::Damaged(GoodBytes(format), data);
+  static const auto* const lines =
+      new std::vector<std::string>(GoodBytes(SerialFormat::kAscii));
+  static const auto* const packets =
+      new std::vector<std::string>(GoodBytes(SerialFormat::kAa55));
+  const std::string bytes =
+      fuzz::Damaged(format == SerialFormat::kAscii ? *lines : *packets, data);
   int64_t now_ns = 0;
   uint64_t taken = 0;
   for (size_t i = 0; i < bytes.size(); i += piece) {
