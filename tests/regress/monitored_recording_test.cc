@@ -55,8 +55,9 @@ TEST(RegressTest, AMonitoredRecordingReplaysBitForBit) {
   ASSERT_TRUE(again.Run().ok());
   EXPECT_EQ(labels, (std::vector<std::string>{"HU", "HM", "SU"}));
   const PosteriorCheck::Counts counts = check.Result();
-  EXPECT_GT(counts.equal, player.frames() / 2);
-  // A frame whose answer was late, then or now, has none.
+  // A frame whose answer was late, then or now, has none; ends of trials have.
+  // The bug left two equal answers.
+  EXPECT_GT(counts.equal, 3U);
   EXPECT_EQ(counts.different, 0U) << check.Text();
 }
 
