@@ -25,7 +25,6 @@ namespace {
 
 constexpr uint16_t kPacketBytes = 32;
 constexpr size_t kQueuedReceives = 4;
-constexpr char kControllers[] = "/sys/class/udc";
 
 // The interface and its endpoints, for full speed only.
 struct FunctionDescriptors {
@@ -122,9 +121,10 @@ absl::Status FunctionFs::WriteDescriptors() {
 
 absl::Status FunctionFs::Bind() {
   std::error_code error;
-  const std::filesystem::directory_iterator controllers(kControllers, error);
+  const std::filesystem::directory_iterator controllers(options_.controllers,
+                                                        error);
   if (error || controllers == std::filesystem::directory_iterator()) {
-    return IoError(kControllers,
+    return IoError(options_.controllers,
                    "this machine has no USB device controller (module "
                    "dummy_hcd plays one)");
   }
@@ -209,6 +209,9 @@ void FunctionFs::CancelSends() {
 }
 
 absl::Status FunctionFs::Wait(int64_t timeout_ns) {
+  // Reads that a host's reset ended, too: the kernel may report their end
+  // after it has reported that the host configured the device anew.
+  if (enabled_) SubmitReceives();
   pollfd files[] = {{.fd = control_, .events = POLLIN, .revents = 0},
                     {.fd = done_, .events = POLLIN, .revents = 0}};
   const timespec timeout = {
@@ -217,8 +220,6 @@ absl::Status FunctionFs::Wait(int64_t timeout_ns) {
   if (ppoll(files, 2, &timeout, nullptr) < 0 && errno != EINTR) {
     return Failed("poll");
   }
-  // In this order: the transfers that a host's reset ended are taken before
-  // new ones begin.
   if (files[1].revents != 0) TakeCompletions();
   return files[0].revents != 0 ? TakeEvents() : absl::OkStatus();
 }
@@ -238,7 +239,6 @@ void FunctionFs::TakeCompletions() {
       if (IsSend(transfer) || events[i].res < 0) continue;
       callbacks_.received(
           {transfer.bytes.data(), static_cast<size_t>(events[i].res)});
-      Submit(transfer, IOCB_CMD_PREAD, transfer.bytes.size());
     }
     if (taken < static_cast<long>(events.size())) return;
   }
@@ -255,7 +255,6 @@ absl::Status FunctionFs::TakeEvents() {
     switch (event.type) {
       case FUNCTIONFS_ENABLE:
         enabled_ = true;
-        SubmitReceives();
         break;
       case FUNCTIONFS_DISABLE:
       case FUNCTIONFS_UNBIND:

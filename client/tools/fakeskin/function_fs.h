@@ -38,6 +38,8 @@ struct FunctionFsOptions {
   std::string directory;
   // The gadget's directory in configfs.
   std::string gadget;
+  // Where the kernel lists its USB device controllers.
+  std::string controllers = "/sys/class/udc";
 };
 
 class FunctionFs {
@@ -88,6 +90,7 @@ class FunctionFs {
   void Answer(uint8_t type, uint8_t request, uint16_t length);
   void TakeCompletions();
   bool Submit(Transfer& transfer, uint16_t operation, size_t size);
+  // Begins all reads that are not in flight.
   void SubmitReceives();
   bool IsSend(const Transfer& transfer) const;
   absl::Status Failed(const std::string& what) const;
