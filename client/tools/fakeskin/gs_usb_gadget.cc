@@ -42,6 +42,10 @@ absl::Status GsUsbGadget::Send(const CanFrame& frame) {
 }
 
 void GsUsbGadget::OnReceived(std::span<const uint8_t> bytes) {
+  if (!firmware_.started()) {
+    ++while_stopped_;
+    return;
+  }
   const auto sent = firmware_.TakeSent(bytes, clock_->NowNs());
   if (!sent) {
     ++counters_.malformed;

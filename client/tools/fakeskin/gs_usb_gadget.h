@@ -7,10 +7,10 @@
 //   GsUsbGadget bus({.directory = "/dev/skin", .gadget = gadget});
 //   TACTUS_RETURN_IF_ERROR(PlayPeer(boards, bus, Clock::System(), go_on));
 //
-// Frames are lost, as on a real bus, while the host has not started the
-// adapter. Frames that the host does not fetch are lost and counted in
-// `overruns`. Receive has to be called all the time: it answers the host. Not
-// thread-safe.
+// While the host has not started the adapter, or has stopped it, frames are
+// lost, as on a real bus. Those of the host are counted in `while_stopped`.
+// Frames that the host does not fetch are lost and counted in `overruns`.
+// Receive has to be called all the time: it answers the host. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -39,6 +39,7 @@ class GsUsbGadget : public CanBus {
   absl::Status Send(const CanFrame& frame) override;
   absl::StatusOr<bool> Receive(CanFrame& frame, int64_t timeout_ns) override;
   CanCounters counters() const override { return counters_; }
+  uint64_t while_stopped() const { return while_stopped_; }
 
  private:
   void OnReceived(std::span<const uint8_t> bytes);
@@ -50,6 +51,7 @@ class GsUsbGadget : public CanBus {
   std::vector<CanFilter> filters_;
   std::deque<CanFrame> received_;
   CanCounters counters_;
+  uint64_t while_stopped_ = 0;
 };
 
 }  // namespace tactus::client
