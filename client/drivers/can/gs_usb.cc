@@ -106,6 +106,7 @@ class GsUsb::Device {
   static void OnReceived(libusb_transfer* usb);
   static void OnSent(libusb_transfer* usb);
   void Use(std::span<const uint8_t> bytes);
+  void AwaitEchoes();
   bool AnyInFlight() const;
   absl::Status Gone() const;
 
@@ -265,6 +266,7 @@ absl::Status GsUsb::Device::Prepare() {
 }
 
 void GsUsb::Device::Stop() {
+  if (running_) AwaitEchoes();
   stopping_ = true;
   if (running_ && gone_ == 0) {
     // It would keep running without a host.
@@ -289,6 +291,16 @@ void GsUsb::Device::Stop() {
   for (const auto& transfer : receives_) libusb_free_transfer(transfer->usb);
   for (const Transfer& transfer : sends_) libusb_free_transfer(transfer.usb);
   if (context_ != nullptr) libusb_exit(context_);
+}
+
+// The reset would drop frames that have not been on the wire, such as those
+// that stop a skin.
+void GsUsb::Device::AwaitEchoes() {
+  const int64_t end_ns = clock_->NowNs() + kSendWaitNs;
+  while (waiting_echoes_.any() && gone_ == 0 && !bus_off_ &&
+         clock_->NowNs() < end_ns) {
+    HandleEvents(5'000'000);
+  }
 }
 
 bool GsUsb::Device::AnyInFlight() const {

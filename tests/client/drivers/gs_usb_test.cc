@@ -101,6 +101,18 @@ TEST_F(GsUsbTest, AnAdapterIsSetUpUsedAndReset) {
   EXPECT_TRUE(adapter.started());
 }
 
+// Such as those that stop a skin's boards.
+TEST_F(GsUsbTest, FramesOnTheirWayReachTheBusBeforeTheReset) {
+  MockAdapter adapter(&peer_, {});
+  GsUsb bus({});
+  ASSERT_TRUE(bus.Open({}).ok());
+  ASSERT_TRUE(bus.Send(MakeCanFrame(0x20D, {7, 0})).ok());
+  ASSERT_TRUE(bus.Send(MakeCanFrame(0x20C, {7, 0})).ok());
+  bus.Close();
+  EXPECT_FALSE(adapter.started());
+  EXPECT_EQ(peer_.heard().size(), 2u);
+}
+
 TEST_F(GsUsbTest, TheKernelsDriverIsDetachedAndAttachedAgain) {
   MockAdapter adapter(&peer_, {.kernel_driver = true});
   {

@@ -78,6 +78,7 @@ void MockAdapter::Unplug() {
     plugged_ = false;
     firmware_.Reset();
     claimed_ = false;
+    to_bus_.clear();
     to_host_.clear();
     while (!waiting_.empty()) {
       Finish(waiting_.front(), -ESHUTDOWN, {});
@@ -263,7 +264,9 @@ int MockAdapter::Control(std::vector<uint8_t>& buffer) {
   const uint8_t request = buffer[1];
   const unsigned length = buffer[6] | buffer[7] << 8;
   if (type == 0x41) {
-    return firmware_.Write(request, std::span(buffer).subspan(8)) ? 0 : -EPIPE;
+    const bool done = firmware_.Write(request, std::span(buffer).subspan(8));
+    if (!firmware_.started()) to_bus_.clear();
+    return done ? 0 : -EPIPE;
   }
   std::vector<uint8_t> in;
   if (type == 0x80 && request == 6 && buffer[3] == 3) {
@@ -291,14 +294,17 @@ int MockAdapter::Control(std::vector<uint8_t>& buffer) {
 
 void MockAdapter::TakeSent(const std::vector<uint8_t>& bytes) {
   last_sent_size_ = bytes.size();
-  const int64_t now_ns = NowNs();
-  const auto sent = firmware_.TakeSent(bytes, now_ns);
-  if (!sent || deaf_) return;
-  peer_->OnFrame(sent->frame, now_ns);
-  to_host_.push_back(sent->echo);
+  to_bus_.push_back(bytes);
 }
 
 void MockAdapter::Pump() {
+  const int64_t now_ns = NowNs();
+  for (; !to_bus_.empty(); to_bus_.pop_front()) {
+    const auto sent = firmware_.TakeSent(to_bus_.front(), now_ns);
+    if (!sent || deaf_) continue;
+    peer_->OnFrame(sent->frame, now_ns);
+    to_host_.push_back(sent->echo);
+  }
   CanFrame frame;
   while (firmware_.started() && to_host_.size() < waiting_.size() &&
          peer_->Emit(NowNs(), frame)) {

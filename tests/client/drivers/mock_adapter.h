@@ -79,7 +79,8 @@ class MockAdapter {
   // Answers a control request; the bytes to return, or -errno.
   int Control(std::vector<uint8_t>& buffer);
   void TakeSent(const std::vector<uint8_t>& bytes);
-  // Fills waiting transfers with what there is.
+  // Gives waiting frames to the bus, and fills waiting transfers with what
+  // there is.
   void Pump();
   int64_t NowNs() const;
 
@@ -105,6 +106,8 @@ class MockAdapter {
   size_t most_waiting_ = 0;
   int failures_ = 0;
   int failure_ = 0;
+  // Frames of the host that wait for the bus. A reset drops them.
+  std::deque<std::vector<uint8_t>> to_bus_;
   std::deque<std::vector<uint8_t>> to_host_;
   std::deque<Urb> waiting_;
   std::deque<Urb> done_;
