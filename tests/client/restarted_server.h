@@ -39,8 +39,13 @@ class RestartedServer {
   void Start() {
     std::vector<std::string> flags = flags_;
     flags.push_back(absl::StrCat("--listen=", address_));
-    server_ = std::make_unique<ChildTactusd>(flags);
-    ASSERT_NE(server_->port(), 0) << server_->Log();
+    // The kernel may have given the port to a connection of another process
+    // meanwhile.
+    for (int i = 0; i < 20; ++i) {
+      server_ = std::make_unique<ChildTactusd>(flags);
+      if (server_->port() != 0) return;
+    }
+    FAIL() << server_->Log();
   }
   void Restart() {
     Kill();
