@@ -2,6 +2,8 @@
 // USB stack sees it: read by our driver through libusb and usbfs, and by the
 // kernel's driver and SocketCan. Runs in the guest of tests/vm/run.sh, which
 // makes the gadget; elsewhere it is skipped.
+#include <libusb.h>
+
 #include <atomic>
 #include <cstdlib>
 #include <filesystem>
@@ -46,6 +48,35 @@ std::string GsUsbInterface() {
   }
   return "";
 }
+
+// The adapter as another program opens it, which takes it from the kernel's
+// driver meanwhile.
+class OpenedAdapter {
+ public:
+  OpenedAdapter() {
+    if (libusb_init(&context_) != 0) return;
+    device_ = libusb_open_device_with_vid_pid(context_, 0x1d50, 0x606f);
+    libusb_set_auto_detach_kernel_driver(device_, 1);
+  }
+  ~OpenedAdapter() {
+    if (device_ != nullptr) libusb_close(device_);
+    if (context_ != nullptr) libusb_exit(context_);
+  }
+  OpenedAdapter(const OpenedAdapter&) = delete;
+  OpenedAdapter& operator=(const OpenedAdapter&) = delete;
+
+  // Ends all transfers and begins anew, in one step.
+  bool ResetInterface() {
+    return libusb_claim_interface(device_, 0) == 0 &&
+           libusb_set_interface_alt_setting(device_, 0, 0) == 0 &&
+           libusb_release_interface(device_, 0) == 0;
+  }
+  bool ResetDevice() { return libusb_reset_device(device_) == 0; }
+
+ private:
+  libusb_context* context_ = nullptr;
+  libusb_device_handle* device_ = nullptr;
+};
 
 // The boards of a forearm behind the adapter, in a thread.
 class PlayedAdapter {
@@ -165,6 +196,18 @@ TEST_F(KernelUsbTest, AnUnpluggedAdapterComesBack) {
   EXPECT_GT(read(50), 0u);
   EXPECT_TRUE(buffered.Finalise().ok());
   EXPECT_EQ(driver.Statistics().reconnects, 1u);
+}
+
+TEST_F(KernelUsbTest, AnAdapterThatIsResetGoesOn) {
+  const PlayedAdapter adapter(boards_, scans_.Source());
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_NE(GsUsbInterface(), "") << i;
+    OpenedAdapter opened;
+    ASSERT_TRUE(i % 2 == 0 ? opened.ResetInterface() : opened.ResetDevice())
+        << i;
+  }
+  GsUsb bus({});
+  ReadAForearm(bus, 20, "libusb after 20 resets");
 }
 
 }  // namespace
