@@ -21,6 +21,8 @@ constexpr absl::string_view kPrefix = "world:";
 constexpr absl::string_view kIdeal = "ideal";
 // Contacts that one task makes.
 constexpr uint64_t kChunk = 64;
+// Beyond it poses say nothing about any contact.
+constexpr double kMaxPoseNoiseMm = 100;
 
 absl::Status SetSkins(absl::string_view names, WorldRecipe& recipe) {
   recipe.skins.clear();
@@ -43,6 +45,18 @@ absl::Status SetNumber(absl::string_view field, absl::string_view value,
   return absl::OkStatus();
 }
 
+absl::Status SetPoseNoise(absl::string_view value, WorldRecipe& recipe) {
+  double millimetres = 0;
+  // Written so that NaN is refused.
+  if (!absl::SimpleAtod(value, &millimetres) ||
+      !(millimetres >= 0 && millimetres <= kMaxPoseNoiseMm)) {
+    return InvalidConfig("pose-noise", value,
+                         absl::StrCat("0 to ", kMaxPoseNoiseMm, " mm"));
+  }
+  recipe.pose_noise_m = millimetres / 1000;
+  return absl::OkStatus();
+}
+
 absl::Status SetPart(absl::string_view part, WorldRecipe& recipe) {
   const std::pair<absl::string_view, absl::string_view> field =
       absl::StrSplit(part, absl::MaxSplits('=', 1));
@@ -61,8 +75,10 @@ absl::Status SetPart(absl::string_view part, WorldRecipe& recipe) {
     recipe.poses = field.second == "yes";
     return absl::OkStatus();
   }
+  if (field.first == "pose-noise") return SetPoseNoise(field.second, recipe);
   return InvalidConfig("part of the recipe", part,
-                       "skin=..., contacts=..., seed=... or poses=...");
+                       "skin=..., contacts=..., seed=..., poses=... or "
+                       "pose-noise=...");
 }
 
 // A skin that records, or none for ideal signals.
@@ -95,6 +111,13 @@ absl::StatusOr<WorldRecipe> ParseWorldRecipe(absl::string_view text) {
   for (absl::string_view part : absl::StrSplit(text, ',', absl::SkipEmpty())) {
     TACTUS_RETURN_IF_ERROR(SetPart(part, recipe));
   }
+  if (recipe.pose_noise_m &&
+      (!recipe.poses || recipe.skins.front() == kIdeal)) {
+    return InvalidConfig(
+        "pose-noise", "given",
+        "absent: ideal signals and contacts without poses have "
+        "no noise of poses");
+  }
   return recipe;
 }
 
@@ -105,7 +128,11 @@ absl::StatusOr<WorldContacts> MakeWorldContacts(const WorldRecipe& recipe,
   for (const std::string& name : recipe.skins) {
     skins.emplace_back();
     if (name == kIdeal) continue;
-    TACTUS_ASSIGN_OR_RETURN(skins.back(), SkinModelNamed(name));
+    TACTUS_ASSIGN_OR_RETURN(SkinModel skin, SkinModelNamed(name));
+    if (recipe.pose_noise_m) {
+      skin.pose_noise_min_m = skin.pose_noise_max_m = *recipe.pose_noise_m;
+    }
+    skins.back() = std::move(skin);
   }
   std::vector<std::optional<LabelledContact>> made(recipe.contacts);
   const auto chunks = static_cast<int>((recipe.contacts + kChunk - 1) / kChunk);

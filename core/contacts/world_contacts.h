@@ -16,6 +16,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,13 +38,17 @@ struct WorldRecipe {
   SignalNoise noise;
   // Without poses the motion is that of the centroid along the skin.
   bool poses = true;
+  // Standard deviation of each coordinate of a pose, m, the same in all
+  // contacts. If absent, each contact draws its own.
+  std::optional<double> pose_noise_m;
 };
 
 // True if `text` names a recipe and not a file.
 bool IsWorldRecipe(absl::string_view text);
 
 // Parses "world:" and any of skin=NAME+NAME, contacts=N, seed=S, poses=yes|no,
-// separated by commas. INVALID_CONFIG, which names the part.
+// pose-noise=MILLIMETRES, separated by commas. INVALID_CONFIG, which names the
+// part, also if pose-noise is given where there are no noisy poses.
 absl::StatusOr<WorldRecipe> ParseWorldRecipe(absl::string_view text);
 
 struct WorldContacts {

@@ -13,7 +13,9 @@ namespace {
 constexpr uint64_t kWorldStream = uint64_t{1} << 33;
 
 double LogUniformBetween(double low, double high, Random& random) {
-  return low * std::exp(random.Uniform() * std::log(high / low));
+  const double place = random.Uniform();
+  // 0 has no logarithm.
+  return low == high ? low : low * std::exp(place * std::log(high / low));
 }
 
 Material DrawMaterial(Random& random) {

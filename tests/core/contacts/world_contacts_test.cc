@@ -1,5 +1,7 @@
 #include "core/contacts/world_contacts.h"
 
+#include <cmath>
+
 #include "core/base/errors.h"
 #include "core/base/run_on_threads.h"
 #include "gtest/gtest.h"
@@ -15,7 +17,12 @@ TEST(ParseWorldRecipeTest, TakesEveryPart) {
   EXPECT_EQ(recipe->contacts, 100'000u);
   EXPECT_EQ(recipe->seed, 7u);
   EXPECT_FALSE(recipe->poses);
+  EXPECT_EQ(recipe->pose_noise_m, std::nullopt);
   EXPECT_TRUE(ParseWorldRecipe("world:").ok());
+  EXPECT_DOUBLE_EQ(*ParseWorldRecipe("world:pose-noise=2.5")->pose_noise_m,
+                   0.0025);
+  EXPECT_EQ(ParseWorldRecipe("world:pose-noise=0")->pose_noise_m, 0);
+  EXPECT_TRUE(ParseWorldRecipe("world:pose-noise=100").ok());
 }
 
 TEST(ParseWorldRecipeTest, NamesWhatIsWrong) {
@@ -25,6 +32,12 @@ TEST(ParseWorldRecipeTest, NamesWhatIsWrong) {
       {"world:contacts=0", "contacts"},
       {"world:contacts=many", "many"},
       {"world:poses=maybe", "poses"},
+      {"world:pose-noise=-1", "-1"},
+      {"world:pose-noise=100.1", "100.1"},
+      {"world:pose-noise=nan", "nan"},
+      {"world:pose-noise=", "pose-noise"},
+      {"world:pose-noise=1,poses=no", "pose-noise"},
+      {"world:pose-noise=1,skin=ideal", "pose-noise"},
       {"world:colour=red", "colour"},
       {"file.h5", "file.h5"}};
   for (const auto& [text, named] : kBad) {
@@ -68,6 +81,50 @@ TEST(MakeWorldContactsTest, WithoutPosesMotionIsThatOfTheCentroid) {
   ASSERT_TRUE(contacts.ok());
   for (const LabelledContact& contact : contacts->contacts) {
     EXPECT_FALSE(contact.with_poses);
+  }
+}
+
+// The noise of the poses is all that differs: the skin feels the same, and the
+// motion is as noisy as the poses are.
+TEST(MakeWorldContactsTest, PoseNoiseIsTheSameInAllContacts) {
+  const auto made = [](std::optional<double> noise_m) {
+    WorldRecipe recipe;
+    recipe.contacts = 12;
+    recipe.pose_noise_m = noise_m;
+    auto world = MakeWorldContacts(recipe, RunSerially);
+    EXPECT_TRUE(world.ok()) << world.status();
+    return std::move(world->contacts);
+  };
+  const auto feature = [](const LabelledContact& contact, size_t frame,
+                          Feature which) {
+    return contact.frames.features(frame)[static_cast<int>(which)];
+  };
+  // Root mean square of the steps of the motion from frame to frame, m.
+  const auto roughness = [&](const LabelledContact& contact) {
+    double sum = 0;
+    for (size_t i = 1; i < contact.frames.size(); ++i) {
+      const double step = feature(contact, i, Feature::kMotion) -
+                          feature(contact, i - 1, Feature::kMotion);
+      sum += step * step;
+    }
+    return std::sqrt(sum / static_cast<double>(contact.frames.size() - 1));
+  };
+  const auto drawn = made(std::nullopt);
+  const auto none = made(0);
+  const auto coarse = made(0.01);
+  ASSERT_GT(drawn.size(), 8u);
+  ASSERT_EQ(none.size(), drawn.size());
+  ASSERT_EQ(coarse.size(), drawn.size());
+  for (size_t i = 0; i < drawn.size(); ++i) {
+    const size_t last = drawn[i].frames.size() - 1;
+    EXPECT_EQ(none[i].id, drawn[i].id);
+    for (const Feature which : {Feature::kForce, Feature::kArea}) {
+      EXPECT_EQ(feature(none[i], last, which), feature(coarse[i], last, which));
+      EXPECT_EQ(feature(none[i], last, which), feature(drawn[i], last, which));
+    }
+    // Motion along the normal: of two frames, each with 10 mm.
+    EXPECT_NEAR(roughness(coarse[i]), 0.01 * std::sqrt(2.0), 0.002);
+    EXPECT_LT(roughness(none[i]), 0.001);
   }
 }
 
