@@ -1,6 +1,7 @@
 #include "client/tools/trainctl/evaluate_report.h"
 
 #include "absl/strings/escaping.h"
+#include "client/tools/trainctl/evaluate_answers.h"
 #include "client/tools/trainctl/evaluate_page.h"
 #include "core/base/text.h"
 #include "gmock/gmock.h"
@@ -79,6 +80,26 @@ struct NamedContacts {
   std::vector<LabelledContact> contacts;
   std::vector<const LabelledContact*> pointers;
 };
+
+TEST(EvaluateAnswersTest, OneLineATrialInTheEnd) {
+  Evaluation result = Made(3, {0, 0, 0});
+  result.class_names = {"HU", "HM", "foil, \"thin\""};
+  result.final = {result.final[0], result.final[10], result.final[20]};
+  result.final[1].probability = {0.5, 0.25, 0.25};
+  NamedContacts named(3, "trial-");
+  for (int i = 0; i < 3; ++i) {
+    named.contacts[i].label = result.class_names[i];
+    named.contacts[i].frames.push_back_numbers({});
+    named.contacts[i].object_motion = {0.0005};
+  }
+  EXPECT_EQ(
+      AnswersCsv(result, named.pointers),
+      "trial,label,label_so_far,answer,probability_HU,probability_HM,"
+      "\"probability_foil, \"\"thin\"\"\"\n"
+      "trial-0,HU,,HU,0.9,0.05,0.05\n"
+      "trial-1,HM,HU,HU,0.5,0.25,0.25\n"
+      "trial-2,\"foil, \"\"thin\"\"\",,\"foil, \"\"thin\"\"\",0.05,0.05,0.9\n");
+}
 
 TEST(EvaluatePageTest, TheWorstTrialsComeFirst) {
   Evaluation result = Made(3, {0, 4, 1});

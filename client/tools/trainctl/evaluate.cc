@@ -11,6 +11,7 @@
 #include "client/tools/figures/figure.h"
 #include "client/tools/trainctl/choice_text.h"
 #include "client/tools/trainctl/command.h"
+#include "client/tools/trainctl/evaluate_answers.h"
 #include "client/tools/trainctl/evaluate_figures.h"
 #include "client/tools/trainctl/evaluate_page.h"
 #include "client/tools/trainctl/evaluate_pictures.h"
@@ -44,6 +45,7 @@ struct EvaluateFlags {
   std::string layout;
   std::string figures;
   std::string report;
+  std::string answers;
   bool json = false;
   FitFlags fit;
 };
@@ -68,15 +70,18 @@ absl::Status Check(const EvaluateFlags& flags) {
     return InvalidConfig("--folds", *flags.folds,
                          "given with --protocol=k-fold only");
   }
-  if (flags.protocol == kLeaveOneCategoryOut &&
-      !(flags.algorithm.empty() && flags.figures.empty() &&
-        flags.report.empty())) {
-    return InvalidConfig(
-        !flags.algorithm.empty() ? "--algorithm"
-        : !flags.figures.empty() ? "--figures"
-                                 : "--report",
-        absl::StrCat("given with ", kLeaveOneCategoryOut),
-        "absent: the HMMs alone estimate the probability of unknown");
+  if (flags.protocol == kLeaveOneCategoryOut) {
+    const std::pair<const char*, const std::string*> unused[] = {
+        {"--algorithm", &flags.algorithm},
+        {"--figures", &flags.figures},
+        {"--report", &flags.report},
+        {"--answers", &flags.answers}};
+    for (const auto& [flag, value] : unused) {
+      if (value->empty()) continue;
+      return InvalidConfig(
+          flag, absl::StrCat("given with ", kLeaveOneCategoryOut),
+          "absent: the HMMs alone estimate the probability of unknown");
+    }
   }
   // Found before the trials are read.
   absl::Status names = absl::OkStatus();
@@ -219,6 +224,12 @@ void Print(const EvaluateFlags& flags, const EvaluationRun& run,
 
 using Contacts = std::vector<const LabelledContact*>;
 
+// In the order of the outcomes.
+Contacts TestedContacts(const EvaluateFlags& flags, const EvaluationRun& run,
+                        const LoadedContacts& loaded) {
+  return flags.model.empty() ? run.chosen.contacts : loaded.Pointers();
+}
+
 // The baselines are tested as the evaluation is. A bundle has not been trained
 // here, so the baselines get folds of the contacts that it is tested on. Null
 // if there are too few contacts for folds.
@@ -288,8 +299,7 @@ absl::Status WritePage(const EvaluateFlags& flags, const EvaluationRun& run,
                        const std::shared_ptr<const CompiledModel>& model,
                        const LoadedContacts& loaded, const Json& evaluation,
                        const Progress& progress) {
-  const Contacts contacts =
-      flags.model.empty() ? run.chosen.contacts : loaded.Pointers();
+  const Contacts contacts = TestedContacts(flags, run, loaded);
   SkinLayout layout;
   if (!flags.layout.empty()) {
     TACTUS_ASSIGN_OR_RETURN(layout, ReadLayoutFile(flags.layout));
@@ -318,6 +328,9 @@ absl::Status RunEvaluate(const EvaluateFlags& flags) {
     TACTUS_RETURN_IF_ERROR(MakeFolder(flags.report));
     TACTUS_RETURN_IF_ERROR(CheckPictures());
   }
+  if (!flags.answers.empty()) {
+    TACTUS_RETURN_IF_ERROR(DraftFile::Create(flags.answers).status());
+  }
   if (flags.protocol == kLeaveOneCategoryOut) return RunUnknown(flags);
   std::shared_ptr<const CompiledModel> model;
   if (!flags.model.empty()) {
@@ -335,6 +348,11 @@ absl::Status RunEvaluate(const EvaluateFlags& flags) {
             : RunProtocol(flags, loaded, display.progress()));
   if (!flags.figures.empty()) {
     TACTUS_RETURN_IF_ERROR(Draw(flags, run.result));
+  }
+  if (!flags.answers.empty()) {
+    TACTUS_RETURN_IF_ERROR(WriteFileBytes(
+        flags.answers,
+        AnswersCsv(run.result, TestedContacts(flags, run, loaded))));
   }
   const Json evaluation = EvaluationToJson(run.result, loaded.trials);
   if (!flags.report.empty()) {
@@ -371,6 +389,9 @@ void AddEvaluate(CLI::App& app, const SelectCommand& select) {
                       "accuracy beside baselines, confusion matrix, recall and "
                       "precision per class, accuracy over time, reliability, "
                       "time to decision, pictures of the worst trials");
+  command->add_option("--answers", flags->answers,
+                      "CSV file for the answer to every felt trial: trial, "
+                      "label, answer, probability of each class");
   command->add_flag("--json", flags->json, "Print one JSON object on stdout");
   flags->fit.Add(*command);
   command->callback([=] { select([=] { return RunEvaluate(*flags); }); });
