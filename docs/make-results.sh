@@ -2,28 +2,41 @@
 # Writes the pages of docs/results/: every figure in them comes from the
 # command above it.
 #
-#   docs/make-results.sh              all pages
-#   docs/make-results.sh PAGE...      these alone
+#   docs/make-results.sh              the pages that this build has not written
+#   docs/make-results.sh PAGE...      these alone, written or not
+#
+# After an interruption the first command goes on with the page at which it was
+# interrupted: a page and its figures are replaced when they are complete.
 #
 # Pages, with minutes on two quiet cores: signals (12), materials (20), taxels
-# (6), grid (4), unknown (5), default-bundle (1), cody (2), recordings (1),
+# (6), grid (4), unknown (5), default-bundle (1), cody (8), recordings (1),
 # paper-tables (15), simulator (12), world (5), served (8; less with
-# TACTUS_SERVED_CONTACTS), upper-reference (20), fine-skin (10), breadth (4). Needs
-# a release build. Real recordings are evaluated when TACTUS_DATA_DIR, or
+# TACTUS_SERVED_CONTACTS), upper-reference (20), fine-skin (40), breadth (8).
+# Needs a release build. Real recordings are evaluated when TACTUS_DATA_DIR, or
 # ../shared/data beside the project, has them.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-trainctl=$PWD/build/release/bin/trainctl
-bench=$PWD/build/release/bin/tactus-bench
+all_pages=(signals materials taxels grid unknown default-bundle cody recordings
+  paper-tables simulator world served upper-reference fine-skin breadth)
+
+root=$PWD
+bin=$root/build/release/bin
+trainctl=$bin/trainctl
+bench=$bin/tactus-bench
 data=$(realpath -m "${TACTUS_DATA_DIR:-../shared/data}")
-docs=$PWD/docs
-out=$docs/results
+docs=$root/docs
+# What each page was written by.
+stamps=$root/build/release/results
 work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-mkdir -p "$out"
-cp server/registry/*.tactus "$work"
-cd "$work"
+# The page and its figures, until they are complete.
+out=$work/out
+writing=
+finish() {
+  rm -rf "$work"
+  [[ -z $writing ]] || echo "make-results: $writing: not completed, left as it was" >&2
+}
+trap finish EXIT
 
 # show COMMAND...: the command and what it printed, as one block. Wall-clock
 # times are left out: they are the machine's, not the method's.
@@ -33,15 +46,25 @@ show() {
   printf '```\n'
 }
 
-# title TEXT: the head of a page.
+# title TEXT SKIN SEEDS DENOMINATOR: the head of a page.
 title() {
-  printf '# %s\n\nWritten by `docs/make-results.sh %s`; back to [all results](../results.md).\n' \
-    "$1" "$page"
+  printf '# %s\n\nSkin: %s. Seeds: %s. Of: %s.\n\n' "$1" "$2" "$3" "$4"
+  printf 'Written by `docs/make-results.sh %s`; back to [all results](../results.md).\n' \
+    "$page"
 }
+
+# commas NUMBER: with commas between thousands.
+commas() {
+  sed -E ':a; s/^([0-9]+)([0-9]{3})/\1,\2/; ta' <<<"$1"
+}
+
+# What the paper's set is as ideal signals.
+paper_signals=("none, ideal signals" "contacts 1, training 1"
+  "the 1,835 contacts of the paper's set, all of them felt")
 
 # Both readings of the noise: the absolute one gives nothing away.
 signals() {
-  title "Ideal signals, one robot condition left out"
+  title "Ideal signals, one robot condition left out" "${paper_signals[@]}"
   printf '\nThe paper does not state whose variance the noise is a share of. With the *relative* reading it is that of the trial'"'"'s own signal, so the noise of the first frames shows how large the signals will be in the end ([cues.md](../cues.md#what-ideal-signals-give-away)). With the *absolute* one all trials have the same noise, as strong on the mean ([simulator.md](../simulator.md#signals)); what it costs is not the leak alone, because light contacts disappear in it. The most frequent category is HU: 544 of 1,835 (29.65 %%, 95 %% interval 27.60 to 31.78 %%).\n'
   for noise in relative absolute; do
     printf '\n## Noise: %s\n' "$noise"
@@ -58,14 +81,16 @@ signals() {
 
 # One network and three epochs: thirteen folds of seven fits take long.
 materials() {
-  title "Ideal signals, one material left out"
+  title "Ideal signals, one material left out" "${paper_signals[@]}"
   show simulate --protocol=paper --goal=0.019 --sensor=signals --seed=1 --out=signals.h5
   show evaluate --data=signals.h5 --protocol=leave-one-material-out \
     --preset=tuned --seed=1 --no-estimates --networks=1 --epochs=3
 }
 
 unknown() {
-  title "What no category explains: is it unknown?"
+  title "What no category explains: is it unknown?" "good" \
+    "contacts 3 (categories) and 7 (materials), training 1" \
+    "the felt contacts among 8,000 (categories) and among 600 of each group of materials"
   printf '\n## A category left out\n\nHMMs of the other three categories and of all groups of arms but one score contacts of that category and of the others, with the arms of that group. 0.5 is chance.\n'
   for truth in so-far final; do
     show evaluate --data=world:skin=good,contacts=8000,seed=3 \
@@ -85,7 +110,7 @@ unknown() {
     rm "$group.h5"
   done
   printf '$ docs/unknown_table.py %s\n```\n\n' "${groups[*]/%/.json}"
-  /usr/bin/python3 "$docs/unknown_table.py" "${groups[@]/%/.json}"
+  /usr/bin/python3 -B "$docs/unknown_table.py" "${groups[@]/%/.json}"
   cat <<'EOT'
 
 The softer a material is, the more it is unknown, and the more often the answer is
@@ -108,17 +133,22 @@ EOT
   printf '$ world-signals %s\n$ tests/reference/upper/unknown_scores.py world-3\n```\n\n' \
     "${world[*]}"
   "$(dirname "$trainctl")/world-signals" "${world[@]}"
-  /usr/bin/python3 "$docs/../tests/reference/upper/unknown_scores.py" world-3
+  /usr/bin/python3 -B "$docs/../tests/reference/upper/unknown_scores.py" world-3
 }
 
 taxels() {
-  title "Through taxel frames, one robot condition left out"
+  title "Through taxel frames, one robot condition left out" \
+    "frames with flat patches on the forearm, none of the named skins" \
+    "contacts 1, training 1" \
+    "the felt contacts among the 1,835 of the paper's set; those never felt are counted beside them"
   show simulate --protocol=paper --goal=0.019 --sensor=taxels --seed=1 --out=taxels.h5
   show evaluate --data=taxels.h5 --protocol=loco --preset=tuned --seed=1
 }
 
 grid() {
-  title "A grid of robot conditions that were not trained at"
+  title "A grid of robot conditions that were not trained at" "none, ideal signals" \
+    "contacts 1 (training) and 7 (test), training 1" \
+    "the 2,000 contacts of the grid, all of them felt"
   show simulate --protocol=paper --goal=0.019 --sensor=signals --seed=1 --out=signals.h5
   show fit --data=signals.h5 --preset=tuned --seed=1 --out=signals.tactus
   show simulate --protocol=grid --sensor=signals --seed=7 --out=grid.h5
@@ -126,13 +156,17 @@ grid() {
 }
 
 default-bundle() {
-  title "The default bundle at a robot condition it never saw"
+  title "The default bundle at a robot condition it never saw" "good" \
+    "contacts 7, training 1" \
+    "the felt contacts among 453; those never felt are counted beside them"
   show simulate --protocol=paper --skin=good --stiffness=900 --velocity=0.012 --seed=7 --out=unseen.h5
   show evaluate --data=unseen.h5 --model=default.tactus
 }
 
 cody() {
-  title "Virtual Cody, one robot condition left out"
+  title "Virtual Cody, one robot condition left out" "good" \
+    "contacts and training 1 to 5" \
+    "the felt contacts among the 240 of each seed; those never felt are counted beside them"
   local reports=()
   printf '\n```\n'
   for seed in 1 2 3 4 5; do
@@ -147,14 +181,16 @@ cody() {
     reports+=("$data.json")
   done
   printf '$ docs/pooled_table.py %s\n```\n\n' "${reports[*]}"
-  /usr/bin/python3 "$docs/pooled_table.py" "${reports[@]}"
+  /usr/bin/python3 -B "$docs/pooled_table.py" "${reports[@]}"
   printf '\nIn brackets are 95 %% intervals. A face is as large as that of any other object, whatever its category: a threshold on the size of the face tells hard from soft in less than 60 %% of the contacts ([virtual-cody.md](../virtual-cody.md)). The first seed in full:\n'
   show evaluate --data=cody-1.h5 --protocol=loco --preset=tuned --seed=1 --no-estimates
 }
 
 # 20,000 contacts of another seed: no object, arm or place of them was trained on.
 world() {
-  title "The random world: objects and arms that were never trained on"
+  title "The random world: objects and arms that were never trained on" \
+    "good, then measured, then good without poses" "contacts 1001, training 1" \
+    "the felt contacts among 20,000; those never felt are counted beside them"
   for skin in good measured; do
     show evaluate --data=world:skin="$skin",contacts=20000,seed=1001 --model=default.tactus
   done
@@ -165,8 +201,10 @@ world() {
 # machine's; their ratios are what counts. TACTUS_SERVED_FLAGS adds flags, such
 # as --bundle=older=FILE.
 served() {
-  title "The default bundle: what an answer costs"
-  local command="served --data=world:skin=good,contacts=${TACTUS_SERVED_CONTACTS:-20000},seed=1001"
+  local contacts=${TACTUS_SERVED_CONTACTS:-20000}
+  title "The default bundle: what an answer costs" "good" "contacts 1001, training 1" \
+    "the felt contacts among $(commas "$contacts")"
+  local command="served --data=world:skin=good,contacts=$contacts,seed=1001"
   printf '\n```\n$ tactus-bench %s\n```\n\n' "$command"
   # shellcheck disable=SC2086
   "$bench" $command ${TACTUS_SERVED_FLAGS:-} --table=served-table.md \
@@ -183,7 +221,10 @@ TEXT
 # Boosted trees that see whole contacts, without and with what the simulator
 # alone knows.
 upper-reference() {
-  title "How much is left: other learners on the same contacts"
+  title "How much is left: other learners on the same contacts" \
+    "good, measured and paper" \
+    "contacts 2 (training of the trees) and 1001 (test), training of the bundle 1" \
+    "the felt contacts among 20,000; those never felt are counted beside them"
   cat <<'EOT'
 
 Boosted trees (scikit-learn's `HistGradientBoostingClassifier`) classify some 350
@@ -216,49 +257,63 @@ EOT
     arguments=("$skin-2" "$skin-1001" --contacts=19000)
     [[ $skin != good ]] || arguments+=(--oracle)
     printf '$ tests/reference/upper/upper_reference.py %s\n```\n\n' "${arguments[*]}"
-    OMP_NUM_THREADS=1 /usr/bin/python3 \
+    OMP_NUM_THREADS=1 /usr/bin/python3 -B \
       "$docs/../tests/reference/upper/upper_reference.py" "${arguments[@]}" 2>/dev/null
     rm -r "$skin-2" "$skin-1001"
   done
 }
 
 fine-skin() {
-  title "The random world on a skin as fine as the paper's"
-  show fit --data=world:skin=paper,contacts=100000,seed=1 --preset=world --seed=1 --skip-unusable --out=paper-skin.tactus
+  title "The random world on a skin as fine as the paper's" "paper" \
+    "contacts 1 (training) and 1001 (test), training 1" \
+    "the felt contacts among 20,000; those never felt are counted beside them"
+  show fit --data=world:skin=paper,contacts=400000,seed=1 --preset=world --seed=1 --skip-unusable --out=paper-skin.tactus
   show evaluate --data=world:skin=paper,contacts=20000,seed=1001 --model=paper-skin.tactus
 }
 
+# With the categories as frequent as in the random world, and as if they were
+# equally frequent: in the paper's set they are neither.
 breadth() {
-  title "The paper's contacts by a model of the random world"
-  show fit --data=world:skin=ideal,contacts=100000,seed=1 --preset=world --truth=final --seed=1 --out=world.tactus
+  title "The paper's contacts by a model of the random world" "${paper_signals[@]}"
   show simulate --protocol=paper --goal=0.019 --sensor=signals --seed=1 --out=signals.h5
-  show evaluate --data=signals.h5 --model=world.tactus
+  for shares in recorded even; do
+    printf '\n## Shares of the categories: %s\n' "$shares"
+    show fit --data=world:skin=ideal,contacts=100000,seed=1 --preset=world --truth=final \
+      --shares="$shares" --seed=1 --out="$shares.tactus"
+    show evaluate --data=signals.h5 --model="$shares.tactus"
+  done
 }
 
 recordings() {
-  title "Real recordings"
+  title "Real recordings" "vitac-12x32, then icub-6x10" "training 1" \
+    "all 43 recordings of vitac384, all 680 of icub_slide20; all of them were felt"
   cp -r "$data/vitac384" .
-  /usr/bin/python3 "$docs/../examples/recordings/vitac384.py" vitac384 vitac
+  /usr/bin/python3 -B "$docs/../examples/recordings/vitac384.py" vitac384 vitac
   show import vitac384 --skin=vitac/skin.json --out=vitac384.h5
   show evaluate --data=vitac384.h5 --protocol=leave-one-out --preset=profile
-  /usr/bin/python3 "$docs/../examples/recordings/icub_slide20.py" \
+  /usr/bin/python3 -B "$docs/../examples/recordings/icub_slide20.py" \
     "$data/icub_slide20" icub
   show import icub --out=icub_slide20.h5
   show evaluate --data=icub_slide20.h5 --protocol=k-fold --folds=5 --preset=profile
 }
 
 paper-tables() {
-  title "The paper's tables"
+  title "The paper's tables" \
+    "none, ideal signals (simulation); flat patches on the forearm, none of the named skins (Cody)" \
+    "contacts 1, training 1" \
+    "the felt contacts among the 1,835 of the paper's set and the 240 of Cody"
   printf '\n```\n$ trainctl reproduce --seed=1 --json --figures=paper-tables\n```\n'
   "$trainctl" reproduce --seed=1 --json --figures=paper-tables |
-    python3 "$docs/paper_tables.py"
+    /usr/bin/python3 -B "$docs/paper_tables.py"
   mkdir -p "$out/paper-tables"
   cp paper-tables/*-accuracy.png paper-tables/*-f-m-a.png "$out/paper-tables"
 }
 
 # Processor times are this machine's; their ratios are what counts.
 simulator() {
-  title "The contact simulator: error and work"
+  title "The contact simulator: error and work" "none, signals without noise" \
+    "none, the random scenes are always the same" \
+    "the contacts of each sample, as its line says"
   local command="sim --all --budget=${TACTUS_SIM_BUDGET:-300} --table=work.csv --figure=work.png"
   printf '\n```\n$ tactus-bench %s\n' "$command"
   # shellcheck disable=SC2086
@@ -270,17 +325,70 @@ simulator() {
   printf '\n![Work and precision](sim-work-precision.png)\n'
 }
 
-pages=("$@")
-[[ $# -gt 0 ]] || pages=(signals materials taxels grid unknown default-bundle cody
-  recordings paper-tables simulator world served upper-reference fine-skin breadth)
-for page in "${pages[@]}"; do
-  case "$page" in
-    signals | materials | taxels | grid | unknown | default-bundle | cody | \
-      recordings | paper-tables | simulator | world | served | upper-reference | \
-      fine-skin | breadth) ;;
-    *) echo "make-results: unknown page '$page'" >&2; exit 2 ;;
-  esac
+# fingerprint PAGE: of all that the page is made by and from.
+fingerprint() {
+  local text name
+  text=$(
+    declare -f show title commas "$1"
+    declare -p paper_signals
+  )
+  {
+    echo "$text"
+    cat "$trainctl" "$bench" "$bin/world-signals" server/registry/*.tactus \
+      docs/*.py docs/*.csv tests/reference/upper/*.py examples/recordings/*.py
+    for name in "${!TACTUS_@}"; do
+      [[ $text != *"$name"* ]] || echo "$name=${!name}"
+    done
+    if [[ $text == *'$data'* ]]; then
+      find "$data" -type f -print0 | LC_ALL=C sort -z | xargs -0r sha256sum
+    fi
+  } | sha256sum
+}
+
+# write PAGE: in a folder of its own.
+write() (
+  mkdir -p "$out" "$work/$page"
+  cp "$root"/server/registry/*.tactus "$work/$page"
+  cd "$work/$page"
   "$page" >"$work/$page.md"
   # The folder of this run is no one else's business.
   sed "s#$out#docs/results#g" "$work/$page.md" >"$out/$page.md"
+  mkdir -p "$docs/results"
+  cp -r "$out/." "$docs/results"
+  rm -r "$out" "${work:?}/$page"
+)
+
+pages=("$@")
+[[ $# -gt 0 ]] || pages=("${all_pages[@]}")
+for page in "${pages[@]}"; do
+  if [[ " ${all_pages[*]} " != *" $page "* ]]; then
+    echo "make-results: unknown page '$page'" >&2
+    exit 2
+  fi
 done
+
+for program in "$trainctl" "$bench" "$bin/world-signals"; do
+  if [[ ! -x $program ]]; then
+    echo "make-results: $program is missing: build the preset 'release'" >&2
+    exit 1
+  fi
+done
+
+mkdir -p "$stamps"
+written=0
+for page in "${pages[@]}"; do
+  now=$(fingerprint "$page")
+  if [[ $# -eq 0 && -f docs/results/$page.md &&
+    $now == "$(cat "$stamps/$page" 2>/dev/null)" ]]; then
+    echo "make-results: $page: left alone, this build has written it" >&2
+    continue
+  fi
+  began=$SECONDS
+  writing=$page
+  write
+  writing=
+  echo "$now" >"$stamps/$page"
+  written=$((written + 1))
+  echo "make-results: $page: written in $((SECONDS - began)) s" >&2
+done
+echo "make-results: $written of ${#pages[@]} pages written in $SECONDS s" >&2
