@@ -51,6 +51,9 @@ void FitFlags::Add(CLI::App& command) {
                          "log_force,log_spring"),
       command.add_option("--lstm-cues", lstm_cues,
                          "Cues that the LSTMs take as inputs"),
+      command.add_option(
+          "--without-cues", without_cues,
+          "Cues that neither HMMs nor LSTMs take, like log_drag"),
   };
 }
 
@@ -72,6 +75,26 @@ absl::StatusOr<std::vector<Cue>> ParseCues(absl::string_view flag,
     cues.push_back(*cue);
   }
   return cues;
+}
+
+// Takes `cue` from all inputs of the models.
+absl::Status LeaveOut(Cue cue, FitOptions& options) {
+  LstmFit& lstm = options.lstm;
+  size_t found = std::erase(lstm.stretched_cues, cue);
+  for (std::vector<Cue>* cues : {&options.hmm_cues, &lstm.cues}) {
+    const size_t erased = std::erase(*cues, cue);
+    // No cues would stand for the features.
+    if (erased > 0 && cues->empty()) {
+      return InvalidConfig("--without-cues", CueName(cue),
+                           "other cues: some models have no other input");
+    }
+    found += erased;
+  }
+  if (found == 0) {
+    return InvalidConfig("--without-cues", CueName(cue),
+                         "cues that the models would take");
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -147,6 +170,13 @@ absl::StatusOr<FitOptions> FitFlags::Options(absl::string_view preset) const {
   if (!lstm_cues.empty()) {
     TACTUS_ASSIGN_OR_RETURN(options.lstm.cues,
                             ParseCues("--lstm-cues", lstm_cues));
+  }
+  if (!without_cues.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(const std::vector<Cue> cues,
+                            ParseCues("--without-cues", without_cues));
+    for (const Cue cue : cues) {
+      TACTUS_RETURN_IF_ERROR(LeaveOut(cue, options));
+    }
   }
   return options;
 }
