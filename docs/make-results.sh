@@ -11,14 +11,15 @@
 # Pages, with minutes on two quiet cores: signals (12), materials (20), taxels
 # (6), grid (4), unknown (5), default-bundle (1), cody (8), recordings (1),
 # paper-tables (15), simulator (12), world (5), served (8; less with
-# TACTUS_SERVED_CONTACTS), upper-reference (20), fine-skin (40), breadth (8).
-# Needs a release build. Real recordings are evaluated when TACTUS_DATA_DIR, or
-# ../shared/data beside the project, has them.
+# TACTUS_SERVED_CONTACTS), upper-reference (20), fine-skin (40), breadth (8),
+# inputs (10; less with TACTUS_INPUTS_CONTACTS). Needs a release build. Real
+# recordings are evaluated when TACTUS_DATA_DIR, or ../shared/data beside the
+# project, has them.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 all_pages=(signals materials taxels grid unknown default-bundle cody recordings
-  paper-tables simulator world served upper-reference fine-skin breadth)
+  paper-tables simulator world served upper-reference fine-skin breadth inputs)
 
 root=$PWD
 bin=$root/build/release/bin
@@ -44,6 +45,12 @@ show() {
   printf '\n```\n$ trainctl %s\n' "$*"
   "$trainctl" "$@" | sed -E 's/, [0-9.]+ s$//'
   printf '```\n'
+}
+
+# quietly COMMAND...: the command, inside a block, without what it printed.
+quietly() {
+  printf '$ trainctl %s\n' "$*"
+  "$trainctl" "$@" >/dev/null
 }
 
 # title TEXT SKIN SEEDS DENOMINATOR: the head of a page.
@@ -284,6 +291,62 @@ breadth() {
   done
 }
 
+# What the answers of one model lose when it was fitted without an input, beside
+# what they lose by another seed of the training. TACTUS_INPUTS_CONTACTS trains
+# on other numbers of contacts and tests on two fifths of them.
+inputs() {
+  local trained=${TACTUS_INPUTS_CONTACTS:-10000}
+  local tested=$((trained * 2 / 5))
+  title "What each input is worth" "good" \
+    "contacts 1 (training) and 1001 (test), training 1 to 5" \
+    "the felt contacts among $(commas "$tested"); models are fitted to $(commas "$trained")"
+  cat <<'EOT'
+
+All models are tested on the same contacts. So each table compares its rows, contact by
+contact, with the first one: how many only one of the two answers rightly, and how
+probable so uneven a split would be if both were equally good (McNemar's exact test).
+Answers are those after the last frame. In brackets are 95 % intervals.
+
+```
+EOT
+  local recipe=world:skin=good
+  # fit_and_test NAME SEED PARTS FLAGS...: with parts of the recipe and flags of
+  # the fit.
+  fit_and_test() {
+    quietly fit --data="$recipe,contacts=$trained,seed=1$3" --preset=world --seed="$2" \
+      --skip-unusable "${@:4}" --out="$1.tactus"
+    quietly evaluate --data="$recipe,contacts=$tested,seed=1001$3" --model="$1.tactus" \
+      --answers="$1.csv"
+  }
+  fit_and_test all 1 ""
+  for seed in 2 3 4 5; do
+    fit_and_test "seed-$seed" "$seed" ""
+  done
+  fit_and_test without-log_drag 1 "" --without-cues=log_drag
+  fit_and_test without-area 1 "" --features=f,m
+  fit_and_test without-motion 1 "" --features=f,a
+  fit_and_test without-poses 1 ",poses=no"
+  local millimetres noisy=()
+  for millimetres in 0.01 0.1 1 10; do
+    noisy+=("noise-$millimetres-mm.csv")
+    quietly evaluate --data="$recipe,contacts=$tested,seed=1001,pose-noise=$millimetres" \
+      --model=all.tactus --answers="${noisy[-1]}"
+  done
+  printf '```\n\n## An input left out\n\n'
+  printf 'Without poses the motion is that of the centroid along the skin; without motion there is none.\n'
+  compare all.csv without-{log_drag,area,motion,poses}.csv
+  printf '\n## Another seed of the training\n\nThe same inputs; `all` is seed 1.\n'
+  compare --spread all.csv seed-{2,3,4,5}.csv
+  printf '\n## Noise of the poses\n\nContacts of the world, and those that `all` was fitted to, draw the standard deviation of the coordinates of their poses from 0.05 to 2 mm. In the other rows it is the same in all tested contacts.\n'
+  compare all.csv "${noisy[@]}"
+}
+
+# compare FLAGS AND FILES...: a table of answers to the same contacts.
+compare() {
+  printf '\n```\n$ docs/paired_table.py %s\n```\n\n' "$*"
+  /usr/bin/python3 -B "$docs/paired_table.py" "$@"
+}
+
 recordings() {
   title "Real recordings" "vitac-12x32, then icub-6x10" "training 1" \
     "all 43 recordings of vitac384, all 680 of icub_slide20; all of them were felt"
@@ -329,7 +392,7 @@ simulator() {
 fingerprint() {
   local text name
   text=$(
-    declare -f show title commas "$1"
+    declare -f show quietly title commas compare "$1"
     declare -p paper_signals
   )
   {
