@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Trains the bundles that tactusd carries, on contacts of the random world
-# (docs/simulator.md) and the skins good and measured: 100,000 with poses of the
-# arm, 40,000 without.
+# (docs/simulator.md) and the skins good and measured: 300,000 with poses of the
+# arm, 150,000 without.
 #
 #   deploy/train-default-bundle.sh           writes server/registry/*.tactus
 #   deploy/train-default-bundle.sh --check   trains elsewhere and fails unless
@@ -27,10 +27,10 @@ fit() {
       --features=f,m,a --seed=1 --skip-unusable --out="$1.tactus" --note="$3"
   )
 }
-fit default contacts=100000,seed=1 \
-  "100,000 contacts of the random world on the skins good and measured"
-fit no-poses contacts=40000,seed=1,poses=no \
-  "40,000 contacts of the random world on the skins good and measured, without poses"
+fit default contacts=300000,seed=1 \
+  "300,000 contacts of the random world on the skins good and measured"
+fit no-poses contacts=150000,seed=1,poses=no \
+  "150,000 contacts of the random world on the skins good and measured, without poses"
 for name in default no-poses; do
   if [[ ${1-} == --check ]]; then
     cmp "$work/$name.tactus" "$BUNDLES/$name.tactus"
