@@ -49,15 +49,16 @@ std::vector<int> DrawSeeds(const Points& points, int clusters, Random& random) {
 }
 
 // Lloyd's algorithm from one set of centres. Bounds on distances show that most
-// points stay in their cluster (Hamerly, SDM 2010).
+// points stay in their cluster, and which centres are too far from the others
+// (Elkan, ICML 2003).
 class Clustering {
  public:
   Clustering(const Points& points, const std::vector<int>& seeds)
       : points_(points),
         centres_(points(Eigen::all, seeds)),
         cluster_of_(points.cols(), -1),
-        upper_(points.cols()),
-        lower_(points.cols()) {}
+        upper_(Eigen::VectorXd::Zero(points.cols())),
+        lower_(seeds.size(), points.cols()) {}
 
   void Run() {
     for (int round = 0; round < kMaxRounds && Assign(); ++round) MoveCentres();
@@ -80,35 +81,48 @@ class Clustering {
   bool Assign() {
     bool changed = false;
     for (Eigen::Index p = 0; p < points_.cols(); ++p) {
-      if (bounded_ && upper_[p] * kSlack < lower_[p]) continue;
-      if (bounded_) {
-        upper_[p] =
-            std::sqrt(SquaredDistance(points_, p, centres_, cluster_of_[p]));
-        if (upper_[p] * kSlack < lower_[p]) continue;
-      }
       const int before = cluster_of_[p];
-      FindNearest(p);
+      double to_own = 0;
+      if (bounded_) {
+        if (Stays(p)) continue;
+        to_own = SquaredDistance(points_, p, centres_, before);
+        upper_[p] = std::sqrt(to_own);
+        if (Stays(p)) continue;
+      }
+      FindNearest(p, to_own);
       changed = changed || cluster_of_[p] != before;
     }
     bounded_ = true;
     return changed;
   }
 
-  void FindNearest(Eigen::Index p) {
-    double nearest = std::numeric_limits<double>::infinity();
-    double second = nearest;
+  // True if each other centre is further away than the own one.
+  bool Stays(Eigen::Index p) const {
+    const double reach = upper_[p] * kSlack;
+    bool stays = true;
     for (Eigen::Index c = 0; c < centres_.cols(); ++c) {
-      const double distance = SquaredDistance(points_, p, centres_, c);
+      stays &= c == cluster_of_[p] || lower_(c, p) > reach;
+    }
+    return stays;
+  }
+
+  // `to_own` is the squared distance to the own centre, if there are bounds.
+  void FindNearest(Eigen::Index p, double to_own) {
+    const int own = cluster_of_[p];
+    const double reach = upper_[p] * kSlack;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (Eigen::Index c = 0; c < centres_.cols(); ++c) {
+      const bool known = bounded_ && c == own;
+      if (bounded_ && !known && lower_(c, p) > reach) continue;
+      const double distance =
+          known ? to_own : SquaredDistance(points_, p, centres_, c);
+      lower_(c, p) = std::sqrt(distance);
       if (distance < nearest) {
-        second = nearest;
         nearest = distance;
         cluster_of_[p] = static_cast<int>(c);
-      } else {
-        second = std::min(second, distance);
       }
     }
     upper_[p] = std::sqrt(nearest);
-    lower_[p] = std::sqrt(second);
   }
 
   // Centres move to their points' means; clusters that lost all are removed.
@@ -138,19 +152,18 @@ class Clustering {
 
   void LoosenBounds(const Points& moved) {
     const Eigen::VectorXd way = (moved - centres_).colwise().norm().transpose();
-    const double longest = way.maxCoeff();
     for (Eigen::Index p = 0; p < points_.cols(); ++p) {
       upper_[p] += way[cluster_of_[p]];
-      lower_[p] -= longest;
+      lower_.col(p).head(way.size()) -= way;
     }
   }
 
   const Points& points_;
   Points centres_;
   std::vector<int> cluster_of_;
-  // Of the distance to the own centre, and to any other.
+  // Of the distance to the own centre, and to each centre [clusters x points].
   Eigen::VectorXd upper_;
-  Eigen::VectorXd lower_;
+  Eigen::MatrixXd lower_;
   bool bounded_ = false;
   double inertia_ = 0;
 };

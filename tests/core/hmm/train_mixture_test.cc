@@ -35,6 +35,31 @@ TEST(KMeansTest, FindsWellSeparatedGroups) {
   EXPECT_EQ(KMeans(points, 4, 5).cluster_of, result.cluster_of);
 }
 
+// Where Lloyd's algorithm ends, in spite of all bounds.
+TEST(KMeansTest, PointsAreWithTheNearestCentreAndCentresAreTheirMeans) {
+  Random random(73);
+  for (const int dimensions : {1, 3, 8}) {
+    Eigen::MatrixXd points(dimensions, 400);
+    for (double& x : points.reshaped()) x = random.Gaussian();
+    const KMeansResult result = KMeans(points, 12, dimensions);
+    ASSERT_EQ(result.centres.cols(), 12);
+    Eigen::MatrixXd means = Eigen::MatrixXd::Zero(dimensions, 12);
+    Eigen::VectorXd sizes = Eigen::VectorXd::Zero(12);
+    for (int p = 0; p < points.cols(); ++p) {
+      Eigen::Index nearest = 0;
+      (result.centres.colwise() - points.col(p))
+          .colwise()
+          .squaredNorm()
+          .minCoeff(&nearest);
+      EXPECT_EQ(result.cluster_of[p], nearest) << p;
+      means.col(nearest) += points.col(p);
+      ++sizes[nearest];
+    }
+    means = means * sizes.cwiseInverse().asDiagonal();
+    EXPECT_TRUE(means.isApprox(result.centres, 1e-12));
+  }
+}
+
 TEST(KMeansTest, FewerDistinctPointsGiveFewerClusters) {
   Eigen::MatrixXd points = Eigen::MatrixXd::Zero(2, 5);
   EXPECT_EQ(KMeans(points, 3, 1).centres.cols(), 1);
