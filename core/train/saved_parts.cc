@@ -8,18 +8,23 @@
 namespace tactus {
 namespace {
 
+// A plain frame has 150 bytes of zeros beside its numbers.
 void AddContact(const LabelledContact& contact, Sha256& hash) {
+  const ContactFrames& frames = contact.frames;
   ByteWriter writer;
   writer(contact.id, contact.label, contact.condition, contact.material,
          contact.with_poses, contact.sample_rate_hz, contact.stiffness,
          contact.object_motion,
-         SerializeDeterministic(LayoutToProto(contact.layout)));
-  for (const ContactFrame& frame : contact.frames) {
-    const ContactSample& sample = frame.sample;
-    for (const double feature : sample.features) writer(feature);
+         SerializeDeterministic(LayoutToProto(contact.layout)),
+         uint64_t{frames.size()}, frames.plain());
+  for (size_t t = 0; t < frames.size(); ++t) {
+    const ContactFrames::Numbers numbers = frames.numbers(t);
+    for (const double feature : numbers.features) writer(feature);
+    writer(numbers.net_force, numbers.touched);
+    if (frames.plain()) continue;
+    const ContactSample& sample = frames[t].sample;
     for (const double load : sample.profile) writer(load);
     for (const TaxelLoad& load : sample.loads) writer(load.taxel, load.root);
-    writer(sample.net_force, frame.touched);
   }
   hash.Add(writer.bytes());
 }
