@@ -55,14 +55,16 @@ double TransformCue(double value, double log_offset) {
   return log_offset == 0 ? value : std::log(std::max(value, 0.0) + log_offset);
 }
 
+double ScaleCue(const ModelInput& input, double value) {
+  const double scaled =
+      (TransformCue(value, input.log_offset) - input.offset) * input.gain;
+  return std::clamp(scaled, -input.limit, input.limit);
+}
+
 void MakeInput(std::span<const ModelInput> inputs, CueTracker& cues,
                std::span<double> out) {
   for (size_t i = 0; i < out.size(); ++i) {
-    const ModelInput& input = inputs[i];
-    const double scaled =
-        (TransformCue(cues.value(input.cue), input.log_offset) - input.offset) *
-        input.gain;
-    out[i] = std::clamp(scaled, -input.limit, input.limit);
+    out[i] = ScaleCue(inputs[i], cues.value(inputs[i].cue));
   }
 }
 

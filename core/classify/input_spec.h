@@ -18,6 +18,9 @@ namespace tactus {
 // Returns a cue before scaling: x, or log(max(x, 0) + log_offset).
 double TransformCue(double value, double log_offset);
 
+// Returns the scaled input that a cue's value makes.
+double ScaleCue(const ModelInput& input, double value);
+
 // Writes inputs.size() scaled inputs to `out`.
 void MakeInput(std::span<const ModelInput> inputs, CueTracker& cues,
                std::span<double> out);

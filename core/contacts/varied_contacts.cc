@@ -53,12 +53,11 @@ VariedContacts::VariedContacts(std::vector<const LabelledContact*> contacts,
   if (range_.copies > 0) spans_ = SpansOf(contacts_);
 }
 
-void VariedContacts::MeasureNoise() {
+void VariedContacts::MeasureNoise(const ParallelFor& parallel) {
   if (range_.copies == 0 || !noise_.empty()) return;
-  noise_.reserve(contacts_.size());
-  for (const LabelledContact* contact : contacts_) {
-    noise_.push_back(NoiseIn(*contact));
-  }
+  noise_.resize(contacts_.size());
+  parallel(static_cast<int>(contacts_.size()),
+           [&](int i) { noise_[i] = NoiseIn(*contacts_[i]); });
 }
 
 const LabelledContact& VariedContacts::Get(size_t index,

@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/work.h"
 #include "core/contacts/labelled_contact.h"
 #include "core/contacts/variation.h"
 
@@ -46,7 +47,7 @@ class VariedContacts {
 
   // Measures the noise of each contact, which the copies need. Otherwise it is
   // measured for each copy, which is slower.
-  void MeasureNoise();
+  void MeasureNoise(const ParallelFor& parallel = RunSerially);
 
   // The contacts, then the first copy of each, then the second of each.
   size_t size() const { return contacts_.size() * (1 + range_.copies); }

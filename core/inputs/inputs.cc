@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <utility>
 
 namespace tactus {
 namespace {
@@ -108,7 +110,9 @@ void WalkCues(const LabelledContact& contact, const StepIntervals& steps,
 
 std::vector<ModelInput> FitInputs(const VariedContacts& contacts,
                                   std::span<const Cue> cues,
-                                  const InputOptions& options) {
+                                  const InputOptions& options,
+                                  const ParallelFor& parallel,
+                                  CueTable* table) {
   std::vector<ModelInput> inputs;
   for (Cue cue : cues) {
     const bool raw = static_cast<int>(cue) < kFeatureCount;
@@ -134,22 +138,23 @@ std::vector<ModelInput> FitInputs(const VariedContacts& contacts,
     for (std::vector<double>& each : values) each.reserve(steps / stride + 1);
   }
   size_t step = 0;
-  CueGroups groups = GroupsOf(inputs);
-  for (const Cue cue : options.stretched_cues) groups |= GroupOf(cue);
-  LabelledContact made;
-  for (size_t c = 0; c < contacts.size(); ++c) {
-    WalkCues(contacts.Get(c, made), options.steps, groups, options.embedding,
-             [&](CueTracker& tracker, size_t) {
-               for (size_t i = 0; i < inputs.size(); ++i) {
-                 ranges[i].Add(TransformCue(tracker.value(inputs[i].cue),
-                                            inputs[i].log_offset));
-               }
-               if (step++ % stride != 0) return;
-               for (size_t i = 0; i < values.size(); ++i) {
-                 values[i].push_back(tracker.value(options.stretched_cues[i]));
-               }
-             });
-  }
+  std::vector<Cue> walked(cues.begin(), cues.end());
+  if (stretched)
+    std::ranges::copy(options.stretched_cues, std::back_inserter(walked));
+  CueTable made(contacts, walked,
+                {.steps = options.steps,
+                 .embedding = options.embedding,
+                 .kept_bytes = table != nullptr ? options.kept_bytes : 0});
+  made.Walk(parallel, [&](std::span<const double> row) {
+    for (size_t i = 0; i < inputs.size(); ++i) {
+      ranges[i].Add(TransformCue(row[i], inputs[i].log_offset));
+    }
+    if (step++ % stride != 0) return;
+    for (size_t i = 0; i < values.size(); ++i) {
+      values[i].push_back(row[inputs.size() + i]);
+    }
+  });
+  if (table != nullptr) *table = std::move(made);
   for (size_t i = 0; i < inputs.size(); ++i) {
     const Range& range = ranges[i];
     const bool standard = options.scaling == Scaling::kStandard;

@@ -14,9 +14,11 @@
 #include <vector>
 
 #include "absl/functional/function_ref.h"
+#include "core/base/work.h"
 #include "core/classify/input_spec.h"
 #include "core/contacts/labelled_contact.h"
 #include "core/contacts/varied_contacts.h"
+#include "core/inputs/cue_table.h"
 
 namespace tactus {
 
@@ -43,6 +45,8 @@ struct InputOptions {
   double limit = std::numeric_limits<double>::infinity();
   // For cues made from taxels, without which they are 0. Not owned.
   const TaxelEmbedding* embedding = nullptr;
+  // The cues are kept if they take at most so many bytes.
+  size_t kept_bytes = 0;
 };
 
 // Returns the number of frames that WalkCues visits.
@@ -59,10 +63,14 @@ void WalkCues(const LabelledContact& contact, const StepIntervals& steps,
 CueGroups GroupsOf(std::span<const ModelInput> inputs);
 
 // Returns one input per cue, scaled over all contacts, and then those of the
-// stretched cues. All contacts must have the same rate.
+// stretched cues. All contacts must have the same rate. Writes the cues that it
+// went through to `table`, if that is not null: first `cues`, then the
+// stretched ones. The number of threads does not change a bit.
 std::vector<ModelInput> FitInputs(const VariedContacts& contacts,
                                   std::span<const Cue> cues,
-                                  const InputOptions& options);
+                                  const InputOptions& options,
+                                  const ParallelFor& parallel = RunSerially,
+                                  CueTable* table = nullptr);
 
 // Appends the scaled inputs of the frames that WalkCues visits to `rows`,
 // frames x inputs, row-major.

@@ -283,20 +283,23 @@ std::vector<Wave> MakeWaves(const std::vector<ModelFit*>& fits, size_t room) {
 }
 
 // Fits the models of a wave. Their tasks form one list, so that no thread waits
-// for the end of one model before the next begins. One task of HMMs of the
-// first model is done between its two kinds of inputs: whoever watches the fit
-// sees its first iterations before all inputs of all models are made.
-absl::Status FitWave(const Wave& wave, size_t room, const ParallelFor& parallel,
-                     const Progress& inputs, const Progress& training) {
+// for the end of one model before the next begins. Whoever watches the fit sees
+// its first iterations before all inputs of all models are made: the threads of
+// `start` make the HMMs' inputs of the first model, and one of its tasks of
+// HMMs is done before the LSTMs' inputs.
+absl::Status FitWave(const Wave& wave, size_t room, const ParallelFor& start,
+                     const ParallelFor& parallel, const Progress& inputs,
+                     const Progress& training) {
   const std::vector<ModelFit*>& fits = wave.fits;
   const auto fit_task = [&](ModelFit* fit, int task) {
     return fit->FitTask(task, training.Part("", fit->Weight(task)));
   };
   const int early = fits.front()->first_hmm_task();
+  TACTUS_RETURN_IF_ERROR(fits.front()->FitHmmInputs(start));
   TACTUS_RETURN_IF_ERROR(RunAll(parallel, fits.size(), [&](int f) {
     ModelFit* const fit = fits[f];
-    TACTUS_RETURN_IF_ERROR(fit->FitHmmInputs());
-    if (f == 0) TACTUS_RETURN_IF_ERROR(fit_task(fit, early));
+    TACTUS_RETURN_IF_ERROR(f == 0 ? fit_task(fit, early)
+                                  : fit->FitHmmInputs(RunSerially));
     TACTUS_RETURN_IF_ERROR(fit->FitLstmInputs(fit->InputBytes() <= room));
     inputs.Add(1);
     return absl::OkStatus();
@@ -315,7 +318,8 @@ absl::Status FitWave(const Wave& wave, size_t room, const ParallelFor& parallel,
 }
 
 absl::Status FitAll(const std::vector<ModelFit*>& fits, size_t room,
-                    const ParallelFor& parallel, const Progress& progress) {
+                    const ParallelFor& start, const ParallelFor& parallel,
+                    const Progress& progress) {
   double work = 0;
   for (const ModelFit* fit : fits) {
     for (int task = 0; task < fit->tasks(); ++task) work += fit->Weight(task);
@@ -324,8 +328,11 @@ absl::Status FitAll(const std::vector<ModelFit*>& fits, size_t room,
                               .Part("", 1 / static_cast<double>(fits.size()));
   const Progress training =
       progress.Part("train models", kTrainingWeight).Part("", 1 / work);
+  const ParallelFor* first = &start;
   for (const Wave& wave : MakeWaves(fits, room)) {
-    TACTUS_RETURN_IF_ERROR(FitWave(wave, room, parallel, inputs, training));
+    TACTUS_RETURN_IF_ERROR(
+        FitWave(wave, room, *first, parallel, inputs, training));
+    first = &parallel;
   }
   return absl::OkStatus();
 }
@@ -435,7 +442,7 @@ std::vector<std::string> ClassNames(
 absl::StatusOr<Model> FitModel(
     const std::vector<const LabelledContact*>& contacts,
     const FitOptions& options, const ParallelFor& parallel,
-    const Progress& progress, FitJournal* journal) {
+    const Progress& progress, FitJournal* journal, const ParallelFor& start) {
   if (contacts.empty()) {
     return InvalidTrainingData("there is no contact to fit to");
   }
@@ -464,8 +471,8 @@ absl::StatusOr<Model> FitModel(
   for (const Fold& fold : folds) {
     if (fold.fit != nullptr) fits.push_back(fold.fit.get());
   }
-  TACTUS_RETURN_IF_ERROR(
-      FitAll(fits, RoomForInputs(contacts), parallel, progress));
+  TACTUS_RETURN_IF_ERROR(FitAll(fits, RoomForInputs(contacts),
+                                start ? start : parallel, parallel, progress));
   Model model = whole.TakeModel();
   if (!held.left_out.empty()) {
     TACTUS_ASSIGN_OR_RETURN(auto compiled, CompiledModel::Create(model));

@@ -35,10 +35,13 @@ std::vector<std::string> ClassNames(
 // not usable (usable.h). INVALID_CONFIG if
 // the features allow no cue. CANCELLED or CHECKPOINT_INVALID as fit_journal.h
 // describes. Of the provenance, the caller fills in everything but trials and
-// seed. `journal` may be null and must outlive the call.
+// seed. `journal` may be null and must outlive the call. `start`, if there is
+// one, lends its threads instead of those of `parallel` until the first
+// iteration.
 absl::StatusOr<Model> FitModel(
     const std::vector<const LabelledContact*>& contacts,
     const FitOptions& options, const ParallelFor& parallel,
-    const Progress& progress = {}, FitJournal* journal = nullptr);
+    const Progress& progress = {}, FitJournal* journal = nullptr,
+    const ParallelFor& start = {});
 
 }  // namespace tactus

@@ -18,12 +18,24 @@ size_t StepsBeforeMotion(const LabelledContact& contact,
   return count;
 }
 
+// Appends what AppendSequence would make of a contact.
+void AppendKept(const CueTable& table, size_t contact,
+                std::span<const ModelInput> inputs, std::vector<double>& rows) {
+  for (size_t step = 0; step < table.steps(contact); ++step) {
+    const std::span<const double> cues = table.values(contact, step);
+    for (size_t i = 0; i < inputs.size(); ++i) {
+      rows.push_back(ScaleCue(inputs[i], cues[i]));
+    }
+  }
+}
+
 }  // namespace
 
 absl::StatusOr<HmmMixture> FitClassHmms(const FitRun& run,
                                         const std::string& part,
                                         const VariedContacts& contacts,
-                                        const InputSpec& spec, int label,
+                                        const InputSpec& spec,
+                                        const CueTable& table, int label,
                                         const Progress& progress) {
   TACTUS_ASSIGN_OR_RETURN(auto saved, run.saved.Find<HmmMixture>(part));
   if (saved) {
@@ -54,13 +66,17 @@ absl::StatusOr<HmmMixture> FitClassHmms(const FitRun& run,
     const LabelledContact& original = contacts.Original(i);
     const bool whole = ends_so(original);
     if (!whole && !begins_so(original)) continue;
-    const LabelledContact& contact = contacts.Get(i, made);
     const size_t begin = rows.size();
-    AppendSequence(contact, spec.hmm, spec.hmm_steps, &spec.embedding, rows);
-    // Of a contact that only begins in this class, the beginning.
-    if (!whole) {
-      rows.resize(begin +
-                  dimensions * StepsBeforeMotion(contact, spec.hmm_steps));
+    if (whole && table.kept()) {
+      AppendKept(table, i, spec.hmm, rows);
+    } else {
+      const LabelledContact& contact = contacts.Get(i, made);
+      AppendSequence(contact, spec.hmm, spec.hmm_steps, &spec.embedding, rows);
+      // Of a contact that only begins in this class, the beginning.
+      if (!whole) {
+        rows.resize(begin +
+                    dimensions * StepsBeforeMotion(contact, spec.hmm_steps));
+      }
     }
     // A copy may be too short for a step.
     if (rows.size() == begin) continue;

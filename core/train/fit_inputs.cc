@@ -10,6 +10,10 @@
 namespace tactus {
 namespace {
 
+// Of each model that is fitted at the same time: those of the paper's 1,835
+// trials and their copies take 20 MB.
+constexpr size_t kKeptCueBytes = size_t{32} << 20;
+
 // The taxels that the inputs of HMMs and LSTMs are made from, if any are.
 absl::StatusOr<TaxelEmbedding> EmbeddingFor(const FitRun& run,
                                             const VariedContacts& contacts) {
@@ -47,7 +51,9 @@ std::vector<Cue> Available(const std::vector<Cue>& wanted,
 
 absl::StatusOr<InputSpec> FitHmmInputs(const FitRun& run,
                                        const std::string& part,
-                                       const VariedContacts& contacts) {
+                                       const VariedContacts& contacts,
+                                       const ParallelFor& parallel,
+                                       CueTable* table) {
   TACTUS_ASSIGN_OR_RETURN(auto saved, run.saved.Find<InputSpec>(part));
   if (saved) return *std::move(saved);
   const FitOptions& options = run.options;
@@ -58,7 +64,9 @@ absl::StatusOr<InputSpec> FitHmmInputs(const FitRun& run,
       FitInputs(contacts, Available(options.hmm_cues, options, spec.embedding),
                 {.log_features = options.log_features,
                  .steps = options.hmm_steps,
-                 .embedding = &spec.embedding});
+                 .embedding = &spec.embedding,
+                 .kept_bytes = kKeptCueBytes},
+                parallel, table);
   spec.sample_rate_hz = contacts.Original(0).sample_rate_hz;
   return spec;
 }

@@ -4,7 +4,7 @@
 // each class, each network. ModelFit (model_fit.h) puts them together.
 //
 //   TACTUS_ASSIGN_OR_RETURN(HmmMixture mixture,
-//                           FitClassHmms(run, name, contacts, spec, c,
+//                           FitClassHmms(run, name, contacts, spec, table, c,
 //                                        Progress()));
 //
 // `part` is the name of the part in the journal (fit_journal.h). Each function
@@ -19,26 +19,32 @@
 #include "core/base/work.h"
 #include "core/classify/model.h"
 #include "core/contacts/varied_contacts.h"
+#include "core/inputs/cue_table.h"
 #include "core/inputs/lstm_inputs.h"
 #include "core/train/fit_run.h"
 
 namespace tactus {
 
 // The inputs of HMMs. The journal may have those of LSTMs too; the part is put
-// by FitLstmInputs.
+// by FitLstmInputs. Writes the HMMs' cues to `table` if they were made and are
+// few enough to keep.
 absl::StatusOr<InputSpec> FitHmmInputs(const FitRun& run,
                                        const std::string& part,
-                                       const VariedContacts& contacts);
+                                       const VariedContacts& contacts,
+                                       const ParallelFor& parallel,
+                                       CueTable* table);
 
 // Adds the inputs of LSTMs to those of HMMs, if there are networks.
 absl::Status FitLstmInputs(const FitRun& run, const std::string& part,
                            const VariedContacts& contacts, InputSpec* spec);
 
-// The HMMs of the class number `label`, which must have a contact.
+// The HMMs of the class number `label`, which must have a contact. `table` is
+// that of FitHmmInputs.
 absl::StatusOr<HmmMixture> FitClassHmms(const FitRun& run,
                                         const std::string& part,
                                         const VariedContacts& contacts,
-                                        const InputSpec& spec, int label,
+                                        const InputSpec& spec,
+                                        const CueTable& table, int label,
                                         const Progress& progress);
 
 // Trains the network number `n`. One that estimates the object needs inputs

@@ -56,11 +56,11 @@ size_t ModelFit::InputBytes() const {
   return LstmInputs::KeptBytes(lstm_contacts_, inputs, fit.steps);
 }
 
-absl::Status ModelFit::FitHmmInputs() {
-  hmm_contacts_.MeasureNoise();
+absl::Status ModelFit::FitHmmInputs(const ParallelFor& parallel) {
+  hmm_contacts_.MeasureNoise(parallel);
   TACTUS_ASSIGN_OR_RETURN(
       model_.inputs, tactus::FitHmmInputs(run_, absl::StrCat(prefix_, "inputs"),
-                                          hmm_contacts_));
+                                          hmm_contacts_, parallel, &hmm_cues_));
   return absl::OkStatus();
 }
 
@@ -99,7 +99,7 @@ absl::Status ModelFit::FitTask(int task, const Progress& progress) {
   TACTUS_ASSIGN_OR_RETURN(
       model_.hmms[c],
       FitClassHmms(run_, absl::StrCat(prefix_, "hmm/", run_.class_names[c]),
-                   hmm_contacts_, model_.inputs, c, progress));
+                   hmm_contacts_, model_.inputs, hmm_cues_, c, progress));
   return absl::OkStatus();
 }
 

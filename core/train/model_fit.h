@@ -4,7 +4,7 @@
 // share out.
 //
 //   ModelFit fit(run, "fold/2/", {.lstms = 1}, contacts);
-//   TACTUS_RETURN_IF_ERROR(fit.FitHmmInputs());
+//   TACTUS_RETURN_IF_ERROR(fit.FitHmmInputs(RunOnThreads));
 //   TACTUS_RETURN_IF_ERROR(fit.FitLstmInputs(/*keep=*/true));
 //   for (int task = 0; task < fit.tasks(); ++task) {
 //     TACTUS_RETURN_IF_ERROR(fit.FitTask(task, Progress()));
@@ -49,13 +49,16 @@ class ModelFit {
   // Bytes that the LSTMs' inputs take if they are kept.
   size_t InputBytes() const;
   // Fits the scaling of the HMMs' inputs. After it come the tasks of HMMs.
-  absl::Status FitHmmInputs();
+  absl::Status FitHmmInputs(const ParallelFor& parallel);
   // Fits the scaling of the LSTMs' inputs and makes them, or makes them for
   // each batch if they are not kept. Comes after FitHmmInputs and before the
   // other tasks.
   absl::Status FitLstmInputs(bool keep);
-  // Drops the LSTMs' inputs. Comes after the tasks.
-  void DropInputs() { lstm_inputs_.reset(); }
+  // Drops the inputs. Comes after the tasks.
+  void DropInputs() {
+    hmm_cues_ = CueTable();
+    lstm_inputs_.reset();
+  }
 
   // Tasks: the first network, the HMMs of each class, then further networks.
   int tasks() const { return networks_ + run_.class_names.size(); }
@@ -85,6 +88,7 @@ class ModelFit {
   const int networks_;  // with the estimator
   Model model_;
   std::vector<LstmNetwork> trained_;
+  CueTable hmm_cues_;
   std::optional<LstmInputs> lstm_inputs_;
 };
 

@@ -25,6 +25,7 @@
 #include "core/eval/metrics.h"
 #include "core/eval/paper_tables.h"
 #include "core/eval/unknown.h"
+#include "core/inputs/cue_table.h"
 #include "core/inputs/fit_embedding.h"
 #include "core/inputs/inputs.h"
 #include "core/inputs/lstm_inputs.h"
@@ -202,16 +203,18 @@ void WorkExample(const Contacts& contacts, const FitOptions& options) {
 
 absl::Status FitModelsExample(const FitRun& run, const std::string& name,
                               const VariedContacts& contacts,
-                              const InputSpec& spec, int c) {
+                              const InputSpec& spec, const CueTable& table,
+                              int c) {
   TACTUS_ASSIGN_OR_RETURN(
       HmmMixture mixture,
-      FitClassHmms(run, name, contacts, spec, c, Progress()));
+      FitClassHmms(run, name, contacts, spec, table, c, Progress()));
   return absl::OkStatus();
 }
 
-absl::Status ModelFitExample(const FitRun& run, const Contacts& contacts) {
+absl::Status ModelFitExample(const FitRun& run, const Contacts& contacts,
+                             const ParallelFor& RunOnThreads) {
   ModelFit fit(run, "fold/2/", {.lstms = 1}, contacts);
-  TACTUS_RETURN_IF_ERROR(fit.FitHmmInputs());
+  TACTUS_RETURN_IF_ERROR(fit.FitHmmInputs(RunOnThreads));
   TACTUS_RETURN_IF_ERROR(fit.FitLstmInputs(/*keep=*/true));
   for (int task = 0; task < fit.tasks(); ++task) {
     TACTUS_RETURN_IF_ERROR(fit.FitTask(task, Progress()));
@@ -318,6 +321,23 @@ void InputsExample(const Contacts& contacts, const LabelledContact& contact,
                    const std::vector<Cue>& cues, const StepIntervals& steps) {
   auto inputs = FitInputs(VariedContacts(contacts), cues, {});
   std::vector<double> rows = MakeSequence(contact, inputs, steps);
+}
+
+void CueTableExample(const VariedContacts& contacts,
+                     const std::vector<Cue>& cues,
+                     const ParallelFor& RunOnThreads) {
+  struct Range {
+    void Add(double) {}
+  };
+  std::vector<Range> ranges(cues.size());
+  const auto Use = [](std::span<const double>) {};
+  CueTable table(contacts, cues, {.steps = {5, 20}});
+  table.Walk(RunOnThreads, [&](std::span<const double> values) {
+    for (size_t i = 0; i < values.size(); ++i) ranges[i].Add(values[i]);
+  });
+  for (size_t step = 0; step < table.steps(3); ++step) {
+    Use(table.values(3, step));
+  }
 }
 
 void VariationExample(const LabelledContact& contact, uint64_t seed) {

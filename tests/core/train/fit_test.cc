@@ -212,6 +212,31 @@ TEST(FitModelTest, TheSameSeedGivesTheSameBitsInAnyOrderOfWork) {
             ModelToProto(*b).SerializeAsString());
 }
 
+TEST(FitModelTest, StartLendsItsThreadsUntilTheFirstIteration) {
+  const auto contacts = testing::SyntheticContacts(6, 30, 0.2, 2);
+  const auto pointers = testing::PointersTo(contacts);
+  FitOptions options = QuickOptions();
+  options.variations.copies = 2;
+  struct Points : FitJournal {
+    int count = 0;
+    void OnPoint(const LearningPoint&) override { ++count; }
+  } points;
+  int lent = 0;
+  const ParallelFor start = [&](int count,
+                                const std::function<void(int)>& body) {
+    EXPECT_EQ(points.count, 0);
+    lent += count;
+    for (int i = count; i-- > 0;) body(i);
+  };
+  auto a = FitModel(pointers, options, RunSerially, {}, &points, start);
+  auto b = FitModel(pointers, options, RunSerially);
+  ASSERT_TRUE(a.ok() && b.ok());
+  EXPECT_GT(lent, 0);
+  EXPECT_GT(points.count, 0);
+  EXPECT_EQ(ModelToProto(*a).SerializeAsString(),
+            ModelToProto(*b).SerializeAsString());
+}
+
 TEST(FitModelTest, BadTrainingDataIsRefused) {
   const auto contacts = testing::SyntheticContacts(3, 10, 0.1, 3);
   auto reason = [](std::vector<LabelledContact> spoilt) {
