@@ -119,10 +119,13 @@ std::string TrainerProgram(const Flags& flags) {
   return (self.parent_path() / "tactus-trainer").string();
 }
 
-// One processor remains for the streams, if there are several.
-int JobThreads(const Flags& flags) {
-  if (flags.job_threads > 0) return flags.job_threads;
-  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()) - 1);
+// One processor remains for the streams, if there are several. Until the first
+// iteration, which somebody waits for, a job may have it too.
+void SetJobThreads(const Flags& flags, JobProcess::Options* process) {
+  const int all = static_cast<int>(std::thread::hardware_concurrency());
+  const bool asked = flags.job_threads > 0;
+  process->start_threads = asked ? flags.job_threads : std::max(1, all);
+  process->threads = asked ? flags.job_threads : std::max(1, all - 1);
 }
 
 std::string HostName() {
@@ -134,15 +137,15 @@ std::string HostName() {
 absl::StatusOr<std::unique_ptr<TrainingBackend>> OpenTraining(
     const Flags& flags, ModelRegistry* registry) {
   if (flags.data_dir.empty()) return std::unique_ptr<TrainingBackend>();
+  JobProcess::Options process = {
+      .program = TrainerProgram(flags),
+      .memory_bytes = flags.job_memory_mb * kBytesPerMb};
+  SetJobThreads(flags, &process);
   TACTUS_ASSIGN_OR_RETURN(
       auto training,
       TrainingBackend::Open(
           {.folder = flags.data_dir,
-           .jobs = {.process = {.program = TrainerProgram(flags),
-                                .memory_bytes =
-                                    flags.job_memory_mb * kBytesPerMb,
-                                .threads = JobThreads(flags)},
-                    .host = HostName()},
+           .jobs = {.process = process, .host = HostName()},
            .quotas = {.stored_bytes = flags.quota_stored_mb * kBytesPerMb,
                       .datasets = flags.quota_datasets,
                       .queued_jobs = flags.quota_jobs}},
@@ -354,7 +357,7 @@ int Main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--job-threads", flags.job_threads,
                  "Threads of a job; 0: one less than there are processors, at "
-                 "least 1")
+                 "least 1, and all of them until the first iteration")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   app.add_option("--drain-grace-ms", flags.server.drain_grace_ms,

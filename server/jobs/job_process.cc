@@ -29,6 +29,7 @@ constexpr std::chrono::milliseconds kEndPoll(2);
 // with 127, as a shell does, if the program cannot be run.
 [[noreturn]] void RunProgram(const JobProcess::Options& options,
                              const std::string& folder,
+                             const std::string& start_threads,
                              const std::string& threads, int output, int log,
                              pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -52,7 +53,7 @@ constexpr std::chrono::milliseconds kEndPoll(2);
     std::signal(number, SIG_DFL);
   }
   execl(options.program.c_str(), options.program.c_str(), folder.c_str(),
-        threads.c_str(), nullptr);
+        start_threads.c_str(), threads.c_str(), nullptr);
   _exit(127);
 }
 
@@ -81,10 +82,13 @@ absl::StatusOr<std::unique_ptr<JobProcess>> JobProcess::Start(
     close(log);
     return status;
   }
+  const std::string start_threads = absl::StrCat(options.start_threads);
   const std::string threads = absl::StrCat(options.threads);
   const pid_t parent = getpid();
   const pid_t pid = fork();
-  if (pid == 0) RunProgram(options, folder, threads, ends[1], log, parent);
+  if (pid == 0) {
+    RunProgram(options, folder, start_threads, threads, ends[1], log, parent);
+  }
   const int error = errno;
   close(log);
   close(ends[1]);

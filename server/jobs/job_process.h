@@ -31,7 +31,9 @@ class JobProcess {
     std::string program = {};
     // Memory that it may have; 0 for no limit.
     int64_t memory_bytes = 0;
-    // Processors that it uses at once, at least 1.
+    // Processors that it uses at once, at least 1: until the first iteration,
+    // and then.
+    int start_threads = 1;
     int threads = 1;
   };
   struct End {
@@ -43,8 +45,8 @@ class JobProcess {
     std::string text;
   };
 
-  // Runs `program folder threads`. Its standard error goes to the file "log" in
-  // `folder`. IO.
+  // Runs `program folder start_threads threads`. Its standard error goes to the
+  // file "log" in `folder`. IO.
   static absl::StatusOr<std::unique_ptr<JobProcess>> Start(
       const Options& options, const std::string& folder);
   // Kills it if it still runs.

@@ -76,14 +76,14 @@ absl::StatusOr<ReadTrial> ReadContact(FileSystem& files,
 // The contacts are in the order of the trials, whatever the threads do.
 absl::StatusOr<Contacts> ReadContacts(FileSystem& files,
                                       const v1::JobSpec& spec,
-                                      const ParallelFor& parallel,
+                                      const JobThreads& threads,
                                       const Progress& progress,
                                       bool whole_skin = true) {
   const Progress part = progress.Part("read trials", 1);
   const int count = spec.trials_size();
   std::vector<ReadTrial> read(count);
   std::vector<absl::Status> failures(count);
-  parallel(count, [&](int i) {
+  threads.start(count, [&](int i) {
     auto trial = ReadContact(files, spec, spec.trials(i), whole_skin);
     if (trial.ok()) read[i] = *std::move(trial);
     failures[i] = trial.status();
@@ -142,10 +142,10 @@ OptionsRequest RequestOf(const v1::TrainSpec& spec, bool without_poses) {
 // The contacts, with what models of the spec can use of them.
 absl::StatusOr<Contacts> ReadForSpec(FileSystem& files, const v1::JobSpec& spec,
                                      const v1::TrainSpec& train,
-                                     const ParallelFor& parallel,
+                                     const JobThreads& threads,
                                      const Progress& progress) {
   return ReadForFit(RequestOf(train, false), [&](bool whole_skin) {
-    return ReadContacts(files, spec, parallel, progress, whole_skin);
+    return ReadContacts(files, spec, threads, progress, whole_skin);
   });
 }
 
@@ -167,20 +167,20 @@ absl::StatusOr<ChosenOptions> Choose(const v1::TrainSpec& spec,
 }
 
 absl::Status Train(FileSystem& files, const std::string& folder,
-                   const v1::JobSpec& spec, const ParallelFor& parallel,
+                   const v1::JobSpec& spec, const JobThreads& threads,
                    EventWriter* events, FileJournal* journal,
                    v1::OperationResult& result) {
   const v1::TrainSpec& train = spec.operation().train();
   TACTUS_RETURN_IF_ERROR(CheckOptions(train));
   TACTUS_ASSIGN_OR_RETURN(
       const Contacts contacts,
-      ReadForSpec(files, spec, train, parallel, events->progress()));
+      ReadForSpec(files, spec, train, threads, events->progress()));
   TACTUS_ASSIGN_OR_RETURN(
       const ChosenOptions chosen,
-      Choose(train, contacts, parallel, events->progress(), result));
+      Choose(train, contacts, threads.run, events->progress(), result));
   TACTUS_ASSIGN_OR_RETURN(Model model,
-                          FitModel(chosen.contacts, chosen.options, parallel,
-                                   events->progress(), journal));
+                          FitModel(chosen.contacts, chosen.options, threads.run,
+                                   events->progress(), journal, threads.start));
   // Nothing that differs between two runs of one job: its bundle has the same
   // bytes however often the job was interrupted.
   model.provenance.command = absl::StrCat("train ", spec.operation().name());
@@ -208,30 +208,30 @@ absl::StatusOr<Evaluation> EvaluateBundle(
 }
 
 absl::Status Evaluate(FileSystem& files, const std::string& folder,
-                      const v1::JobSpec& spec, const ParallelFor& parallel,
+                      const v1::JobSpec& spec, const JobThreads& threads,
                       EventWriter* events, v1::OperationResult& result) {
   const v1::EvaluateSpec& evaluate = spec.operation().evaluate();
   TACTUS_RETURN_IF_ERROR(CheckOptions(evaluate.train()));
   const bool fits = evaluate.model_version().empty();
   TACTUS_ASSIGN_OR_RETURN(
       const Contacts contacts,
-      fits ? ReadForSpec(files, spec, evaluate.train(), parallel,
+      fits ? ReadForSpec(files, spec, evaluate.train(), threads,
                          events->progress())
-           : ReadContacts(files, spec, parallel, events->progress()));
+           : ReadContacts(files, spec, threads, events->progress()));
   absl::StatusOr<Evaluation> evaluation;
   if (fits) {
     TACTUS_ASSIGN_OR_RETURN(const Protocol protocol,
                             ParseProtocol(evaluate.protocol()));
     TACTUS_ASSIGN_OR_RETURN(const ChosenOptions chosen,
-                            Choose(evaluate.train(), contacts, parallel,
+                            Choose(evaluate.train(), contacts, threads.run,
                                    events->progress(), result));
     evaluation =
         EvaluateProtocol(chosen.contacts, protocol,
                          ServedAlgorithm(chosen.options.lstm.networks > 0),
-                         chosen.options, parallel, events->progress());
+                         chosen.options, threads.run, events->progress());
   } else {
     evaluation = EvaluateBundle(files, folder + "/candidate.tactus",
-                                contacts.Pointers(), parallel, events);
+                                contacts.Pointers(), threads.run, events);
   }
   TACTUS_RETURN_IF_ERROR(evaluation.status());
   *result.mutable_evaluation() = ReportOf(*evaluation, contacts.never_felt);
@@ -239,18 +239,18 @@ absl::Status Evaluate(FileSystem& files, const std::string& folder,
 }
 
 absl::Status ComparePair(FileSystem& files, const std::string& folder,
-                         const v1::JobSpec& spec, const ParallelFor& parallel,
+                         const v1::JobSpec& spec, const JobThreads& threads,
                          EventWriter* events, v1::OperationResult& result) {
   TACTUS_ASSIGN_OR_RETURN(
       const Contacts contacts,
-      ReadContacts(files, spec, parallel, events->progress()));
+      ReadContacts(files, spec, threads, events->progress()));
   const auto used = contacts.Pointers();
   TACTUS_ASSIGN_OR_RETURN(const Evaluation current,
                           EvaluateBundle(files, folder + "/current.tactus",
-                                         used, parallel, events));
+                                         used, threads.run, events));
   TACTUS_ASSIGN_OR_RETURN(const Evaluation candidate,
                           EvaluateBundle(files, folder + "/candidate.tactus",
-                                         used, parallel, events));
+                                         used, threads.run, events));
   *result.mutable_comparison() =
       Compare(current, candidate, contacts.never_felt, spec.gate());
   return absl::OkStatus();
@@ -259,7 +259,7 @@ absl::Status ComparePair(FileSystem& files, const std::string& folder,
 }  // namespace
 
 absl::Status RunJob(FileSystem& files, const std::string& folder,
-                    const ParallelFor& parallel, EventWriter* events,
+                    const JobThreads& threads, EventWriter* events,
                     FileJournal* journal) {
   TACTUS_ASSIGN_OR_RETURN(const std::string bytes,
                           ReadWhole(files, folder + "/job.pb", kMaxSpecBytes));
@@ -272,13 +272,13 @@ absl::Status RunJob(FileSystem& files, const std::string& folder,
   absl::Status status;
   switch (spec.operation().kind()) {
     case Operation::KIND_TRAIN:
-      status = Train(files, folder, spec, parallel, events, journal, result);
+      status = Train(files, folder, spec, threads, events, journal, result);
       break;
     case Operation::KIND_EVALUATE:
-      status = Evaluate(files, folder, spec, parallel, events, result);
+      status = Evaluate(files, folder, spec, threads, events, result);
       break;
     default:
-      status = ComparePair(files, folder, spec, parallel, events, result);
+      status = ComparePair(files, folder, spec, threads, events, result);
   }
   if (status.ok()) {
     *outcome.mutable_result() = std::move(result);

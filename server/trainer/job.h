@@ -11,7 +11,8 @@
 //   result.pb          the outcome (JobOutcome), written last
 //
 //   const absl::Status status =
-//       RunJob(files, folder, OnThreads(2), &events, &journal);
+//       RunJob(files, folder, {.start = OnThreads(2), .run = OnThreads(1)},
+//              &events, &journal);
 //
 // Not thread-safe: one job per process.
 #pragma once
@@ -25,10 +26,17 @@
 
 namespace tactus::server {
 
+// The threads that a job borrows: until the first iteration of a training, or
+// until an evaluation has read its trials, and then.
+struct JobThreads {
+  ParallelFor start;
+  ParallelFor run;
+};
+
 // Runs the job of a folder. An error of the job itself, such as unfit data, is
 // an outcome too: the result is OK when an outcome was written.
 absl::Status RunJob(FileSystem& files, const std::string& folder,
-                    const ParallelFor& parallel, EventWriter* events,
+                    const JobThreads& threads, EventWriter* events,
                     FileJournal* journal);
 
 }  // namespace tactus::server

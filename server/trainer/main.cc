@@ -45,13 +45,15 @@ void OnTerminate(int) {
 }
 
 int Main(int argc, char** argv) {
+  int start_threads = 0;
   int threads = 0;
-  const bool run =
-      argc == 3 && absl::SimpleAtoi(argv[2], &threads) && threads >= 1;
+  const bool run = argc == 4 && absl::SimpleAtoi(argv[2], &start_threads) &&
+                   absl::SimpleAtoi(argv[3], &threads) && start_threads >= 1 &&
+                   threads >= 1;
   if (!run) {
     const bool asked = argc == 2 && std::string(argv[1]) == "--help";
     std::fprintf(asked ? stdout : stderr,
-                 "usage: tactus-trainer JOB_FOLDER THREADS\n"
+                 "usage: tactus-trainer JOB_FOLDER START_THREADS THREADS\n"
                  "Runs one training or evaluation job; tactusd starts it.\n");
     return asked ? 0 : 2;
   }
@@ -65,7 +67,10 @@ int Main(int argc, char** argv) {
     FileJournal journal(files, parts, &events);
     running_journal = &journal;
     std::signal(SIGTERM, OnTerminate);
-    status = RunJob(files, folder, OnThreads(threads), &events, &journal);
+    status =
+        RunJob(files, folder,
+               {.start = OnThreads(start_threads), .run = OnThreads(threads)},
+               &events, &journal);
     std::signal(SIGTERM, SIG_DFL);
   }
   if (status.ok()) return kExitDone;

@@ -200,7 +200,8 @@ void RunOnThreadsExample(const std::vector<Job>& jobs,
 void JobExample(FileSystem& files, const std::string& folder,
                 EventWriter& events, FileJournal& journal) {
   const absl::Status status =
-      RunJob(files, folder, OnThreads(2), &events, &journal);
+      RunJob(files, folder, {.start = OnThreads(2), .run = OnThreads(1)},
+             &events, &journal);
 }
 
 }  // namespace tactus::server::examples

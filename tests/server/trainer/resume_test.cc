@@ -88,7 +88,8 @@ class ResumeTest : public ::testing::Test {
     if (pid == 0) {
       const int null = open("/dev/null", O_RDWR);
       dup2(null, STDOUT_FILENO);
-      execl(TACTUS_TRAINER, TACTUS_TRAINER, folder.c_str(), threads, nullptr);
+      execl(TACTUS_TRAINER, TACTUS_TRAINER, folder.c_str(), threads, threads,
+            nullptr);
       _exit(127);
     }
     return pid;
@@ -136,7 +137,7 @@ TEST_F(ResumeTest, KilledTenTimesItMakesTheSameBundle) {
 }
 
 // Threads read the trials in any order; the bundle is the same.
-TEST_F(ResumeTest, TrialsAreReadByAllThreads) {
+TEST_F(ResumeTest, TrialsAreReadByTheThreadsOfTheStart) {
   const int null = open("/dev/null", O_WRONLY);
   EventWriter events(null);
   const auto bundle = [&](const std::string& name,
@@ -145,7 +146,8 @@ TEST_F(ResumeTest, TrialsAreReadByAllThreads) {
     std::filesystem::create_directory(folder + "/parts");
     FileJournal journal(PosixFileSystem(), folder + "/parts", &events);
     const absl::Status status =
-        RunJob(PosixFileSystem(), folder, parallel, &events, &journal);
+        RunJob(PosixFileSystem(), folder,
+               {.start = parallel, .run = RunSerially}, &events, &journal);
     EXPECT_TRUE(status.ok()) << status;
     return ReadBytes(folder + "/bundle.tactus");
   };
@@ -219,7 +221,8 @@ TEST_F(ResumeTest, ADiskThatFailsAtEachOperation) {
   EventWriter events(null);
   const auto run = [&](FileSystem& files, const std::string& folder) {
     FileJournal journal(files, folder + "/parts", &events);
-    return RunJob(files, folder, RunSerially, &events, &journal);
+    return RunJob(files, folder, {.start = RunSerially, .run = RunSerially},
+                  &events, &journal);
   };
   const auto new_job = [&] {
     std::filesystem::remove_all(folder_ / "job");
