@@ -101,7 +101,6 @@ absl::StatusOr<Algorithm> ChosenAlgorithm(const EvaluateFlags& flags,
 }
 
 absl::Status Draw(const EvaluateFlags& flags, const Evaluation& result) {
-  std::filesystem::create_directories(flags.figures);
   const NamedEvaluation named{std::string(AlgorithmName(result.algorithm)),
                               &result, 5};
   TACTUS_RETURN_IF_ERROR(DrawFigure(AnytimePlot(named, Experiment::kSimulation),
@@ -324,8 +323,9 @@ absl::Status WritePage(const EvaluateFlags& flags, const EvaluationRun& run,
 absl::Status RunEvaluate(const EvaluateFlags& flags) {
   TACTUS_RETURN_IF_ERROR(Check(flags));
   // Missing programs and folders are found before the work, not after it.
-  if (!flags.report.empty()) {
-    TACTUS_RETURN_IF_ERROR(MakeFolder(flags.report));
+  for (const std::string& folder : {flags.report, flags.figures}) {
+    if (folder.empty()) continue;
+    TACTUS_RETURN_IF_ERROR(MakeFolder(folder));
     TACTUS_RETURN_IF_ERROR(CheckPictures());
   }
   if (!flags.answers.empty()) {

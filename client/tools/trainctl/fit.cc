@@ -48,6 +48,8 @@ class FitCurves : public FitJournal {
 };
 
 absl::Status RunFit(const FitCommandFlags& flags) {
+  // A bundle that cannot be written is found before the work, not after it.
+  TACTUS_RETURN_IF_ERROR(DraftFile::Create(flags.out).status());
   ProgressDisplay display;
   TACTUS_ASSIGN_OR_RETURN(
       const LoadedContacts loaded,
