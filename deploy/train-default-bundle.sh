@@ -7,7 +7,7 @@
 #   deploy/train-default-bundle.sh --check   trains elsewhere and fails unless
 #                                            the committed bundles come out
 #
-# Needs a release build of trainctl, 4 GB of memory, and about 20 minutes on two
+# Needs a release build of trainctl, 8 GB of memory, and about 20 minutes on two
 # cores.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
