@@ -68,7 +68,6 @@ class Clustering {
     }
   }
 
-  double inertia() const { return inertia_; }
   KMeansResult Result() && {
     return {std::move(centres_), std::move(cluster_of_), inertia_};
   }
@@ -170,19 +169,17 @@ class Clustering {
 
 }  // namespace
 
-KMeansResult KMeans(const Eigen::MatrixXd& points, int clusters,
-                    uint64_t seed) {
-  KMeansResult best;
-  best.inertia = std::numeric_limits<double>::infinity();
-  for (int start = 0; start < kStarts; ++start) {
+KMeansResult KMeans(const Eigen::MatrixXd& points, int clusters, uint64_t seed,
+                    const ParallelFor& parallel) {
+  std::vector<KMeansResult> results(kStarts);
+  parallel(kStarts, [&](int start) {
     Random random = Random::ForStream(seed, start);
     Clustering clustering(points, DrawSeeds(points, clusters, random));
     clustering.Run();
-    if (clustering.inertia() < best.inertia) {
-      best = std::move(clustering).Result();
-    }
-  }
-  return best;
+    results[start] = std::move(clustering).Result();
+  });
+  return std::move(*std::ranges::min_element(
+      results, {}, [](const KMeansResult& result) { return result.inertia; }));
 }
 
 }  // namespace tactus

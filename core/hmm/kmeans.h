@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "Eigen/Core"
+#include "core/base/work.h"
 
 namespace tactus {
 
@@ -26,6 +27,7 @@ struct KMeansResult {
 
 // points: [dimensions x points], finite, at least one. Returns `clusters`
 // clusters, or fewer if there are fewer distinct points. No cluster is empty.
-KMeansResult KMeans(const Eigen::MatrixXd& points, int clusters, uint64_t seed);
+KMeansResult KMeans(const Eigen::MatrixXd& points, int clusters, uint64_t seed,
+                    const ParallelFor& parallel = RunSerially);
 
 }  // namespace tactus

@@ -121,10 +121,11 @@ std::vector<SequenceView> Members(const std::vector<SequenceView>& trials,
 
 // The group of each trial. Groups are numbered with gaps.
 std::vector<int> GroupTrials(const std::vector<SequenceView>& trials,
-                             const TrainMixtureOptions& options) {
+                             const TrainMixtureOptions& options,
+                             const ParallelFor& parallel) {
   const Eigen::MatrixXd summary = Summarise(trials, options.summary_points);
   KMeansResult clusters =
-      KMeans(summary, options.components, options.baum_welch.seed);
+      KMeans(summary, options.components, options.baum_welch.seed, parallel);
   std::vector<int> group_of = std::move(clusters.cluster_of);
   DissolveSmallGroups(summary, clusters.centres, options.min_trials, group_of);
   return group_of;
@@ -156,11 +157,11 @@ absl::Status TrainComponents(const std::vector<SequenceView>& trials,
 
 absl::StatusOr<TrainedMixture> TrainMixture(
     const std::vector<SequenceView>& trials, const TrainMixtureOptions& options,
-    MixtureSink on_iteration) {
+    MixtureSink on_iteration, const ParallelFor& parallel) {
   TACTUS_RETURN_IF_ERROR(CheckOptions(options));
   TACTUS_RETURN_IF_ERROR(Validate(trials));
   TrainedMixture trained;
-  trained.component_of = GroupTrials(trials, options);
+  trained.component_of = GroupTrials(trials, options, parallel);
   const int components = Compact(trained.component_of);
   const InitOptions init = {
       .states = options.states,

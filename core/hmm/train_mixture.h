@@ -17,6 +17,7 @@
 #include "absl/functional/function_ref.h"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/base/work.h"
 #include "core/hmm/baum_welch.h"
 #include "core/hmm/mixture.h"
 #include "core/hmm/sequence.h"
@@ -53,6 +54,7 @@ inline absl::Status IgnoreComponent(int, const BaumWelchReport&) {
 // Fails as InitPaper and BaumWelch do.
 absl::StatusOr<TrainedMixture> TrainMixture(
     const std::vector<SequenceView>& trials, const TrainMixtureOptions& options,
-    MixtureSink on_iteration = IgnoreComponent);
+    MixtureSink on_iteration = IgnoreComponent,
+    const ParallelFor& parallel = RunSerially);
 
 }  // namespace tactus

@@ -291,14 +291,15 @@ absl::Status FitWave(const Wave& wave, size_t room, const ParallelFor& start,
                      const ParallelFor& parallel, const Progress& inputs,
                      const Progress& training) {
   const std::vector<ModelFit*>& fits = wave.fits;
-  const auto fit_task = [&](ModelFit* fit, int task) {
-    return fit->FitTask(task, training.Part("", fit->Weight(task)));
+  const auto fit_task = [&](ModelFit* fit, int task,
+                            const ParallelFor& lent = RunSerially) {
+    return fit->FitTask(task, training.Part("", fit->Weight(task)), lent);
   };
-  const int early = fits.front()->first_hmm_task();
+  const int early = fits.front()->QuickestTask();
   TACTUS_RETURN_IF_ERROR(fits.front()->FitHmmInputs(start));
   TACTUS_RETURN_IF_ERROR(RunAll(parallel, fits.size(), [&](int f) {
     ModelFit* const fit = fits[f];
-    TACTUS_RETURN_IF_ERROR(f == 0 ? fit_task(fit, early)
+    TACTUS_RETURN_IF_ERROR(f == 0 ? fit_task(fit, early, start)
                                   : fit->FitHmmInputs(RunSerially));
     TACTUS_RETURN_IF_ERROR(fit->FitLstmInputs(fit->InputBytes() <= room));
     inputs.Add(1);

@@ -31,12 +31,10 @@ void AppendKept(const CueTable& table, size_t contact,
 
 }  // namespace
 
-absl::StatusOr<HmmMixture> FitClassHmms(const FitRun& run,
-                                        const std::string& part,
-                                        const VariedContacts& contacts,
-                                        const InputSpec& spec,
-                                        const CueTable& table, int label,
-                                        const Progress& progress) {
+absl::StatusOr<HmmMixture> FitClassHmms(
+    const FitRun& run, const std::string& part, const VariedContacts& contacts,
+    const InputSpec& spec, const CueTable& table, int label,
+    const ParallelFor& parallel, const Progress& progress) {
   TACTUS_ASSIGN_OR_RETURN(auto saved, run.saved.Find<HmmMixture>(part));
   if (saved) {
     progress.Add(1);
@@ -98,14 +96,16 @@ absl::StatusOr<HmmMixture> FitClassHmms(const FitRun& run,
   TACTUS_ASSIGN_OR_RETURN(
       TrainedMixture trained,
       TrainMixture(
-          views, training, [&](int component, const BaumWelchReport& report) {
+          views, training,
+          [&](int component, const BaumWelchReport& report) {
             run.Report({.phase = "fit HMMs",
                         .part = absl::StrCat(part, "/", component),
                         .iteration = report.iterations,
                         .max_iterations = options.max_iterations,
                         .log_likelihood = report.log_likelihood.back()});
             return run.GoOn();
-          }));
+          },
+          parallel));
   TACTUS_RETURN_IF_ERROR(run.saved.Put(part, trained.mixture));
   progress.Add(1);
   return std::move(trained.mixture);

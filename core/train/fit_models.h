@@ -5,7 +5,7 @@
 //
 //   TACTUS_ASSIGN_OR_RETURN(HmmMixture mixture,
 //                           FitClassHmms(run, name, contacts, spec, table, c,
-//                                        Progress()));
+//                                        RunSerially, Progress()));
 //
 // `part` is the name of the part in the journal (fit_journal.h). Each function
 // returns a part that the journal has, and puts one that it made. Thread-safe:
@@ -40,12 +40,10 @@ absl::Status FitLstmInputs(const FitRun& run, const std::string& part,
 
 // The HMMs of the class number `label`, which must have a contact. `table` is
 // that of FitHmmInputs.
-absl::StatusOr<HmmMixture> FitClassHmms(const FitRun& run,
-                                        const std::string& part,
-                                        const VariedContacts& contacts,
-                                        const InputSpec& spec,
-                                        const CueTable& table, int label,
-                                        const Progress& progress);
+absl::StatusOr<HmmMixture> FitClassHmms(
+    const FitRun& run, const std::string& part, const VariedContacts& contacts,
+    const InputSpec& spec, const CueTable& table, int label,
+    const ParallelFor& parallel, const Progress& progress);
 
 // Trains the network number `n`. One that estimates the object needs inputs
 // with targets.

@@ -88,18 +88,31 @@ int ModelFit::ClassOf(int task) const {
   return networks_ == 0 ? task : task - 1;
 }
 
+int ModelFit::QuickestTask() const {
+  const auto contacts_of = [&](const std::string& name) {
+    return std::ranges::count(hmm_contacts_.originals(), name,
+                              &LabelledContact::label);
+  };
+  const auto smallest =
+      std::ranges::min_element(run_.class_names, {}, contacts_of);
+  const auto c = static_cast<int>(smallest - run_.class_names.begin());
+  return networks_ == 0 ? c : c + 1;
+}
+
 double ModelFit::Weight(int task) const {
   return static_cast<double>(lstm_contacts_.size()) *
          (NetworkOf(task) >= 0 ? 1 : kHmmWeight);
 }
 
-absl::Status ModelFit::FitTask(int task, const Progress& progress) {
+absl::Status ModelFit::FitTask(int task, const Progress& progress,
+                               const ParallelFor& parallel) {
   if (const int n = NetworkOf(task); n >= 0) return FitNetwork(n, progress);
   const int c = ClassOf(task);
   TACTUS_ASSIGN_OR_RETURN(
       model_.hmms[c],
       FitClassHmms(run_, absl::StrCat(prefix_, "hmm/", run_.class_names[c]),
-                   hmm_contacts_, model_.inputs, hmm_cues_, c, progress));
+                   hmm_contacts_, model_.inputs, hmm_cues_, c, parallel,
+                   progress));
   return absl::OkStatus();
 }
 

@@ -62,12 +62,14 @@ class ModelFit {
 
   // Tasks: the first network, the HMMs of each class, then further networks.
   int tasks() const { return networks_ + run_.class_names.size(); }
-  // The number of a task of HMMs: they have the first points of a learning
-  // curve.
-  int first_hmm_task() const { return networks_ == 0 ? 0 : 1; }
+  // The task that comes first to an iteration: the HMMs of the class with the
+  // fewest contacts.
+  int QuickestTask() const;
   // Work of a task, relative to that of other models' tasks.
   double Weight(int task) const;
-  absl::Status FitTask(int task, const Progress& progress);
+  // `parallel` lends threads to the part of the work that can use them.
+  absl::Status FitTask(int task, const Progress& progress,
+                       const ParallelFor& parallel = RunSerially);
 
   // The model, once all tasks are done, with a uniform prior and with
   // temperatures that leave the scores unchanged.

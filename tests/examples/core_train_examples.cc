@@ -205,9 +205,9 @@ absl::Status FitModelsExample(const FitRun& run, const std::string& name,
                               const VariedContacts& contacts,
                               const InputSpec& spec, const CueTable& table,
                               int c) {
-  TACTUS_ASSIGN_OR_RETURN(
-      HmmMixture mixture,
-      FitClassHmms(run, name, contacts, spec, table, c, Progress()));
+  TACTUS_ASSIGN_OR_RETURN(HmmMixture mixture,
+                          FitClassHmms(run, name, contacts, spec, table, c,
+                                       RunSerially, Progress()));
   return absl::OkStatus();
 }
 
