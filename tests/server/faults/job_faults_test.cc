@@ -1,6 +1,7 @@
 // Jobs that are cancelled, wait in a long queue, or run out of memory or room;
 // and clients that want the same thing twice.
 #include <sched.h>
+#include <signal.h>
 #include <sys/mount.h>
 
 #include <cstdlib>
@@ -240,7 +241,8 @@ TEST_F(JobFaultsTest, ADiskThatFillsDuringTraining) {
       mount("tactus-test", disk.c_str(), "tmpfs", 0, "size=8m") != 0) {
     GTEST_SKIP() << "a tmpfs cannot be mounted here";
   }
-  Start({.program = Script("while [ ! -e " + (folder_ / "go") +
+  Start({.program = Script("echo $$ >" + (folder_ / "pid") + "\nwhile [ ! -e " +
+                           (folder_ / "go") +
                            " ]; do sleep 0.02; done\nexec " TACTUS_TRAINER
                            " \"$@\"\n")},
         disk + "/data");
@@ -259,10 +261,14 @@ TEST_F(JobFaultsTest, ADiskThatFillsDuringTraining) {
     while (ballast.write(block.data(), block.size()).flush()) {
     }
   }
+  pid_t trainer = 0;
+  EXPECT_TRUE(testing::Eventually([&] {
+    return static_cast<bool>(std::ifstream(folder_ / "pid") >> trainer);
+  }));
   WriteBytes(folder_ / "go", "");
+  EXPECT_TRUE(testing::Eventually([&] { return kill(trainer, 0) != 0; }));
   // Its end can be stored when the job's own files are gone, or some room is
   // back.
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
   std::filesystem::resize_file(disk + "/ballast", 7 << 20);
   const Operation failed = server_->Await(job.name());
   EXPECT_EQ(failed.state(), Operation::STATE_FAILED)
