@@ -251,9 +251,9 @@ TEST_F(JobFaultsTest, ADiskThatFillsDuringTraining) {
   const auto before = client_->GetDatasetVersion("datasets/arm");
   // The disk fills when the trainer already runs.
   const Operation job = Train();
-  EXPECT_TRUE(testing::Eventually([&] {
-    return client_->GetOperation(job.name())->state() ==
-           Operation::STATE_RUNNING;
+  pid_t trainer = 0;
+  ASSERT_TRUE(testing::Eventually([&] {
+    return static_cast<bool>(std::ifstream(folder_ / "pid") >> trainer);
   }));
   {
     std::ofstream ballast(disk + "/ballast", std::ios::binary);
@@ -261,10 +261,6 @@ TEST_F(JobFaultsTest, ADiskThatFillsDuringTraining) {
     while (ballast.write(block.data(), block.size()).flush()) {
     }
   }
-  pid_t trainer = 0;
-  EXPECT_TRUE(testing::Eventually([&] {
-    return static_cast<bool>(std::ifstream(folder_ / "pid") >> trainer);
-  }));
   WriteBytes(folder_ / "go", "");
   EXPECT_TRUE(testing::Eventually([&] { return kill(trainer, 0) != 0; }));
   // Its end can be stored when the job's own files are gone, or some room is
