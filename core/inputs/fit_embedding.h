@@ -2,10 +2,10 @@
 //
 // Learns a TaxelEmbedding from labelled contacts. The first dimensions are
 // those of a linear discriminant analysis: they separate the classes best,
-// relative to the spread within the classes. There is one less than classes, and
-// at most kMaxEmbedding. If these are fewer than 16, principal components of the
-// taxels' levels make up 16 dimensions; they also hold what is not linear in the
-// class means.
+// relative to the spread within the classes. There is one less than classes,
+// and at most kMaxEmbedding. If these are fewer than 16, principal components
+// of the taxels' levels make up 16 dimensions; they also hold what is not
+// linear in the class means.
 //
 //   TACTUS_ASSIGN_OR_RETURN(
 //       spec.embedding,

@@ -1,5 +1,5 @@
-// A file that cannot be written must end an evaluation before its hours of work,
-// not after them.
+// A file that cannot be written must end an evaluation before its hours of
+// work, not after them.
 #include <filesystem>
 #include <fstream>
 
