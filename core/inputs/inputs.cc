@@ -139,8 +139,9 @@ std::vector<ModelInput> FitInputs(const VariedContacts& contacts,
   }
   size_t step = 0;
   std::vector<Cue> walked(cues.begin(), cues.end());
-  if (stretched)
+  if (stretched) {
     std::ranges::copy(options.stretched_cues, std::back_inserter(walked));
+  }
   CueTable made(contacts, walked,
                 {.steps = options.steps,
                  .embedding = options.embedding,

@@ -71,10 +71,11 @@ HeldOutSkill SkillOf(std::span<const ScoredContact> contacts);
 void FitCalibration(std::span<const ScoredContact> contacts, double rate,
                     Calibration& calibration);
 
-// Makes a fitted calibration answer as if all classes were equally frequent:
-// each probability is divided by the share of its class among the labels that
-// `contacts` have in the end, and the sum is 1 again (M. Saerens et al.,
-// "Adjusting the Outputs of a Classifier to New a Priori Probabilities", 2002).
+// Makes a fitted calibration answer as if all classes were equally frequent.
+// The share of a class is the fraction of `contacts` that have its label in the
+// end. Each probability is divided by the share of its class; then all are
+// scaled to sum to 1. Source: M. Saerens et al., "Adjusting the Outputs of a
+// Classifier to New a Priori Probabilities" (2002).
 void PresumeEvenShares(std::span<const ScoredContact> contacts,
                        Calibration& calibration);
 
