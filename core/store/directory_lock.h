@@ -4,12 +4,15 @@
 //
 //   TACTUS_ASSIGN_OR_RETURN(auto lock, DirectoryLock::Take("/data"));
 //
-// Held until it is destroyed, or the process ends. Thread-safe: it does not
-// change.
+// Held until it is destroyed, or the process ends; forked children do not hold
+// it. Thread-safe: it does not change.
 #pragma once
+
+#include <sys/types.h>
 
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "absl/status/statusor.h"
 
@@ -17,8 +20,11 @@ namespace tactus {
 
 class DirectoryLock {
  public:
-  // IO if another process holds it, or if the file "lock" in `folder` cannot be
-  // opened or made.
+  // Device and number of a file.
+  using FileId = std::pair<dev_t, ino_t>;
+
+  // IO if it is held, by another process or by this one, or if the file
+  // "lock" in `folder` cannot be opened or made.
   static absl::StatusOr<std::unique_ptr<DirectoryLock>> Take(
       const std::string& folder);
   ~DirectoryLock();
@@ -27,9 +33,10 @@ class DirectoryLock {
   DirectoryLock& operator=(const DirectoryLock&) = delete;
 
  private:
-  explicit DirectoryLock(int fd) : fd_(fd) {}
+  DirectoryLock(int fd, FileId file) : fd_(fd), file_(file) {}
 
   const int fd_;
+  const FileId file_;
 };
 
 }  // namespace tactus
