@@ -73,9 +73,9 @@ else
   simulate=(--protocol=paper)
   train=(--preset=tuned)
 fi
-show trainctl simulate "${simulate[@]}" --sensor=taxels --seed=1 \
+show trainctl simulate "${simulate[@]}" --skin=good --seed=1 \
   --out="$work/train.h5"
-show trainctl simulate --protocol=grid --sample=96 --sensor=taxels --seed=2 \
+show trainctl simulate --protocol=grid --sample=96 --skin=good --seed=2 \
   --out="$work/check.h5"
 show trainctl datasets create arm
 show trainctl datasets upload arm --data="$work/train.h5"

@@ -18,7 +18,7 @@ namespace {
 
 // What --help of groups, and of the commands without a server, ends with.
 constexpr std::pair<const char*, const char*> kExamples[] = {
-    {"simulate", "--protocol=paper --sensor=taxels --out=sim.h5"},
+    {"simulate", "--protocol=paper --skin=good --out=sim.h5"},
     {"import", "my_recordings --out=mine.h5"},
     {"fit", "--data=mine.h5 --preset=tuned --out=mine.tactus"},
     {"inspect", "mine.h5"},
