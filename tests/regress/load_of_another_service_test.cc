@@ -1,7 +1,8 @@
 // A server that sends posteriors before it has accepted the stream crashed the
 // load generator: it looked up when the answered message had been due, although
 // no message had been scheduled yet. So did a server that answers frames that
-// were never sent.
+// were never sent. A write that was over after its stream half-closed it on a
+// completion queue that was shut down.
 #include <limits>
 
 #include "client/tools/load/load.h"

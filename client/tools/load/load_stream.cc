@@ -67,8 +67,9 @@ void LoadStream::WriteNext() {
 }
 
 void LoadStream::OnWritten(bool ok) {
-  // After a failure nothing will ever be written again.
-  if (!ok) return;
+  // After a failure or the stream's end nothing will ever be written again. A
+  // write may outlast the end, and the queue is shut down by then.
+  if (!ok || over_) return;
   if (--pending_ > 0) {
     WriteNext();
   } else {
@@ -79,6 +80,7 @@ void LoadStream::OnWritten(bool ok) {
 void LoadStream::OnRead(bool ok) {
   const int64_t now_ns = LoadClockNs();
   if (!ok) {
+    over_ = true;
     Settle();
     call_->Finish(&grpc_status_, finished_.tag());
     return;

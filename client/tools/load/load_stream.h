@@ -101,6 +101,8 @@ class LoadStream {
   // Messages that are due and not written yet; the configuration is the first.
   uint32_t pending_ = 1;
   bool closing_ = false;
+  // The server has sent all that it will.
+  bool over_ = false;
   uint64_t offered_ = 0;
   uint64_t written_ = 0;
   grpc::ByteBuffer read_;
