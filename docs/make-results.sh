@@ -9,17 +9,18 @@
 # interrupted: a page and its figures are replaced when they are complete.
 #
 # Pages, with minutes on two quiet cores: signals (12), materials (20), taxels
-# (6), grid (4), unknown (5), default-bundle (1), cody (8), recordings (1),
+# (6), grid (4), unknown (3), default-bundle (1), cody (1), recordings (1),
 # paper-tables (15), simulator (12), world (5), served (8; less with
-# TACTUS_SERVED_CONTACTS), upper-reference (20), fine-skin (40), breadth (8),
-# inputs (10; less with TACTUS_INPUTS_CONTACTS). Needs a release build. Real
-# recordings are evaluated when TACTUS_DATA_DIR, or ../shared/data beside the
-# project, has them.
+# TACTUS_SERVED_CONTACTS), upper-reference (16), fine-skin (25), breadth (8),
+# inputs (6; less with TACTUS_INPUTS_CONTACTS), fit-scale (5). Needs a release
+# build. Real recordings are evaluated when TACTUS_DATA_DIR, or ../shared/data
+# beside the project, has them.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 all_pages=(signals materials taxels grid unknown default-bundle cody recordings
-  paper-tables simulator world served upper-reference fine-skin breadth inputs)
+  paper-tables simulator world served upper-reference fine-skin breadth inputs
+  fit-scale)
 
 root=$PWD
 bin=$root/build/release/bin
@@ -225,6 +226,23 @@ TEXT
   cat served-table.md
 }
 
+fit-scale() {
+  title "What a fit costs" "none, ideal signals" "contacts 7, training 1" \
+    "one fit of each size"
+  printf '\n```\n$ tactus-bench fit-scale\n```\n\n'
+  "$bench" fit-scale --table=fit-scale-table.md --figure="$out/fit-scale.png" >/dev/null
+  cat <<'TEXT'
+Contacts of the random world, preset `tuned` with one network, two epochs and five HMMs
+a category, and its calibration. The program is `trainctl fit`, which simulates the
+contacts too. Processor time is that of all threads; peak memory is the largest resident
+set. [training-speed.md](../training-speed.md#memory) says what lies where.
+
+![Time and memory](fit-scale.png)
+
+TEXT
+  cat fit-scale-table.md
+}
+
 # Boosted trees that see whole contacts, without and with what the simulator
 # alone knows.
 upper-reference() {
@@ -262,7 +280,7 @@ EOT
       "$(dirname "$trainctl")/world-signals" "${arguments[@]}"
     done
     arguments=("$skin-2" "$skin-1001" --contacts=19000)
-    [[ $skin != good ]] || arguments+=(--oracle)
+    [[ $skin == measured ]] || arguments+=(--oracle)
     printf '$ tests/reference/upper/upper_reference.py %s\n```\n\n' "${arguments[*]}"
     OMP_NUM_THREADS=1 /usr/bin/python3 -B \
       "$docs/../tests/reference/upper/upper_reference.py" "${arguments[@]}" 2>/dev/null

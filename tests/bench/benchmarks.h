@@ -51,6 +51,12 @@ std::unique_ptr<Benchmark> MakeSessionBenchmark();
 // wrong answers. Rows served/FAMILY/VARIANT (ns per contact frame).
 std::unique_ptr<Benchmark> MakeServedBenchmark();
 
+// `trainctl fit` of the preset `tuned` (one network, two epochs, five HMMs a
+// category) on more and more contacts of the random world, ideal signals. Rows
+// fit-scale/TRIALS/time (s of processor time) and fit-scale/TRIALS/memory (MB,
+// the peak). --table and --figure show the same.
+std::unique_ptr<Benchmark> MakeFitScaleBenchmark();
+
 // Work and precision of the contact simulator: processor time on one core and
 // the largest error of the noiseless features, for the exact method and for
 // CVODE at several tolerances, on the same trials. Errors are relative to the

@@ -1,7 +1,9 @@
 #include "tests/bench/child_server.h"
 
+#include <fcntl.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -25,22 +27,30 @@ std::string ProgramBeside(const std::string& name) {
 }
 
 absl::StatusOr<pid_t> SpawnBeside(const std::string& name,
-                                  const std::vector<std::string>& arguments) {
+                                  const std::vector<std::string>& arguments,
+                                  ChildOutput output) {
   std::string program = ProgramBeside(name);
   std::vector<std::string> words = arguments;
   std::vector<char*> argv = {program.data()};
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  if (output == ChildOutput::kErrors) {
+    posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null",
+                                     O_WRONLY, 0);
+  }
   pid_t pid = -1;
-  const int failed = posix_spawn(&pid, program.c_str(), nullptr, nullptr,
-                                 argv.data(), environ);
+  const int failed =
+      posix_spawn(&pid, program.c_str(), &files, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&files);
   if (failed != 0) return IoError(program, std::strerror(failed));
   return pid;
 }
 
-absl::Status AwaitSuccess(pid_t pid, absl::string_view what) {
+absl::Status AwaitSuccess(pid_t pid, absl::string_view what, rusage* used) {
   int status = 0;
-  if (waitpid(pid, &status, 0) == pid && WIFEXITED(status) &&
+  if (wait4(pid, &status, 0, used) == pid && WIFEXITED(status) &&
       WEXITSTATUS(status) == 0) {
     return absl::OkStatus();
   }

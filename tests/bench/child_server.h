@@ -10,6 +10,7 @@
 // Owns the process. Not thread-safe.
 #pragma once
 
+#include <sys/resource.h>
 #include <sys/types.h>
 
 #include <memory>
@@ -50,11 +51,16 @@ class ChildServer {
 
 // The path of a program in this program's directory.
 std::string ProgramBeside(const std::string& name);
+// What of a child process is printed with what this one prints.
+enum class ChildOutput { kAll, kErrors };
 // Starts a program of this program's directory. Returns its process id, or IO.
 absl::StatusOr<pid_t> SpawnBeside(const std::string& name,
-                                  const std::vector<std::string>& arguments);
+                                  const std::vector<std::string>& arguments,
+                                  ChildOutput output = ChildOutput::kAll);
 // Waits until the process has ended. IO, naming `what`, unless it ended well.
-absl::Status AwaitSuccess(pid_t pid, absl::string_view what);
+// `used`, unless null, is what it used of the machine.
+absl::Status AwaitSuccess(pid_t pid, absl::string_view what,
+                          rusage* used = nullptr);
 // Sends SIGTERM and waits until the process has ended.
 void EndProcess(pid_t pid);
 

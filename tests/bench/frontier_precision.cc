@@ -22,7 +22,7 @@ namespace {
 
 constexpr int kContacts = 100;
 constexpr int kQuickContacts = 4;
-constexpr int kRounds = 15;
+constexpr int kPrecisionRounds = 15;
 // The error of dropped states has no bound that is known beforehand.
 constexpr double kNoTolerance = std::numeric_limits<double>::infinity();
 
@@ -162,7 +162,7 @@ absl::StatusOr<std::vector<FrontierPoint>> MeasurePrecision(
   }
   std::vector<double> scores(model.hmms.size());
   std::vector<std::vector<double>> seconds(scorers.size());
-  for (int round = 0; round < (quick ? 2 : kRounds); ++round) {
+  for (int round = 0; round < (quick ? 2 : kPrecisionRounds); ++round) {
     for (size_t r = 0; r < scorers.size(); ++r) {
       const double start = ThreadSeconds();
       for (const Sequence& sequence : sequences) {

@@ -41,6 +41,7 @@ int Main(int argc, char** argv) {
   add(MakeTrainingBenchmark());
   add(MakeFrontierBenchmark());
   add(MakeServedBenchmark());
+  add(MakeFitScaleBenchmark());
 
   CLI::App app("Measures Tactus and its peers, side by side.", "tactus-bench");
   app.set_version_flag("--version", std::string("tactus-bench ") + kVersion);
