@@ -79,6 +79,16 @@ TEST(LabelPlacesTest, LabelsCoverNeitherEachOtherNorPoints) {
   }
 }
 
+// A label across the edge is cut off; one that covers something can be read.
+TEST(LabelPlacesTest, NoLabelIsCutOffHoweverCrowdedTheEdge) {
+  const std::vector<Box> wall = {{300, 100, 1100, 760}};
+  for (const double x : {1000.0, 1050.0, 1090.0}) {
+    const auto places =
+        PlaceLabels({{{x, 400}, "a label of some length"}}, wall, kArea, 20);
+    EXPECT_LE(places[0].box.right, kArea.right) << x;
+  }
+}
+
 TEST(LabelPlacesTest, ALabelThatStandsApartHasALeader) {
   // Two points at one place, walls beside it: the second label has to move up.
   const std::vector<Box> walls = {{505, 300, 1100, 500}, {140, 300, 495, 500}};

@@ -12,6 +12,9 @@ constexpr double kLeaderGap = 14;
 constexpr double kSpace = 5;
 // A covered pixel counts as much as this many pixels of the label's own size.
 constexpr double kCoverCost = 4;
+// A pixel beyond the area, which may be cut off, costs more than any that the
+// label could cover.
+constexpr double kBeyondCost = 1000;
 constexpr double kDistanceCost = 0.06;
 // Rows of labels above and below the point that are tried.
 constexpr int kFurthest = 8;
@@ -89,7 +92,8 @@ double Cost(const Candidate& candidate, const std::vector<Box>& occupied,
   const auto add = [&](double covered) {
     if (covered > 0) cost += pixels + kCoverCost * covered;
   };
-  add(pixels - Overlap(box, area) - 1e-6 * pixels);
+  const double beyond = pixels - Overlap(box, area) - 1e-6 * pixels;
+  if (beyond > 0) cost += kBeyondCost * beyond;
   for (const Box& part : Covered(candidate.place)) {
     for (const Box& other : occupied) add(Overlap(part, other));
   }
