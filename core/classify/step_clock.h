@@ -26,6 +26,8 @@ struct StepIntervals {
   uint32_t min = 1;
   uint32_t max = 1;
 
+  bool operator==(const StepIntervals&) const = default;
+
   // The frame of the step after a step at `frames` since onset.
   uint64_t Next(uint64_t frames) const {
     return frames + std::clamp<uint64_t>(frames / 10, min, max);

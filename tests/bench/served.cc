@@ -194,8 +194,10 @@ absl::StatusOr<std::vector<ServedVariant>> ServedVariants() {
         {.savings = {.sure_hmm_probability = p}});
   }
   for (const StepIntervals steps :
-       {StepIntervals{5, 40}, StepIntervals{10, 20}, StepIntervals{10, 40}}) {
+       {StepIntervals{5, 20}, StepIntervals{5, 40}, StepIntervals{10, 20},
+        StepIntervals{10, 40}}) {
     Model model = served->model();
+    if (steps == model.inputs.lstm_steps) continue;
     model.inputs.lstm_steps = steps;
     TACTUS_ASSIGN_OR_RETURN(auto compiled,
                             CompiledModel::Create(std::move(model)));
