@@ -17,6 +17,7 @@
 #include "server/trainer/exit_status.h"
 #include "server/trainer/file_journal.h"
 #include "server/trainer/job.h"
+#include "server/trainer/yield_timer.h"
 
 namespace tactus::server {
 namespace {
@@ -58,6 +59,7 @@ int Main(int argc, char** argv) {
     return asked ? 0 : 2;
   }
   std::set_terminate(OnUncaught);
+  YieldAtIntervals();
   const std::string folder = argv[1];
   FileSystem& files = PosixFileSystem();
   EventWriter events(STDOUT_FILENO);
@@ -67,10 +69,10 @@ int Main(int argc, char** argv) {
     FileJournal journal(files, parts, &events);
     running_journal = &journal;
     std::signal(SIGTERM, OnTerminate);
-    status =
-        RunJob(files, folder,
-               {.start = OnThreads(start_threads), .run = OnThreads(threads)},
-               &events, &journal);
+    status = RunJob(files, folder,
+                    {.start = Yielding(OnThreads(start_threads)),
+                     .run = Yielding(OnThreads(threads))},
+                    &events, &journal);
     std::signal(SIGTERM, SIG_DFL);
   }
   if (status.ok()) return kExitDone;

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "core/base/errors.h"
+#include "core/base/run_on_threads.h"
 #include "core/base/status_macros.h"
 #include "grpcpp/server_builder.h"
 #include "server/ops/arrival_gate.h"
@@ -44,6 +45,7 @@
 #include "server/session/stream_settings.h"
 #include "server/session/trial_session.h"
 #include "server/tactus_server.h"
+#include "server/trainer/yield_timer.h"
 #include "spdlog/spdlog.h"
 #include "tactus/v1/models.pb.h"
 
@@ -53,6 +55,11 @@ using Bytes = google::protobuf::io::ZeroCopyInputStream;
 
 void Use();
 void Write(const v1::ClassifyContactResponse& response);
+
+void YieldTimerExample() {
+  YieldAtIntervals();
+  const ParallelFor threads = Yielding(OnThreads(2));
+}
 
 void HealthProbeExample(const std::shared_ptr<grpc::Channel>& channel) {
   auto serving = ProbeHealth(channel, "", std::chrono::seconds(2));
