@@ -165,6 +165,9 @@ absl::Status Promote(const TrainingBenchOptions& options) {
   TrainingClient client(MakeTrainingChannel(options.promote_on, {}));
   TACTUS_ASSIGN_OR_RETURN(const auto versions,
                           client.ListModelVersions(kModel));
+  if (versions.empty()) {
+    return InvalidResponse(kModel, "no versions", "some to promote");
+  }
   const auto begin = steady_clock::now();
   for (int i = 0; i < options.activations; ++i) {
     std::this_thread::sleep_until(
