@@ -54,20 +54,19 @@ absl::StatusOr<Selection> Select(const ReproduceFlags& flags) {
 
 // Computes one row. A row that fails holds the reason; the others continue.
 ReproducedRow Reproduce(Experiment experiment, const PaperRow& paper,
-                        const absl::StatusOr<LoadedContacts>& data,
-                        uint64_t seed, const Progress& progress) {
+                        const LoadedContacts& data, uint64_t seed,
+                        const Progress& progress) {
   ReproducedRow row;
   row.experiment = experiment;
   row.paper = paper;
   const double begin = SecondsSinceStart();
   const auto result = [&]() -> absl::StatusOr<Evaluation> {
-    TACTUS_RETURN_IF_ERROR(data.status());
     TACTUS_ASSIGN_OR_RETURN(FitOptions options, FitPreset("paper"));
     options.features = PaperFeatures(paper.features);
     options.seed = seed;
     // Calibration does not change the answers that the table counts.
     options.calibrate = false;
-    return EvaluateProtocol(data->Pointers(), Protocol::kLeaveOneConditionOut,
+    return EvaluateProtocol(data.Pointers(), Protocol::kLeaveOneConditionOut,
                             paper.algorithm, options, RunOnThreads, progress);
   }();
   row.seconds = SecondsSinceStart() - begin;
@@ -75,8 +74,8 @@ ReproducedRow Reproduce(Experiment experiment, const PaperRow& paper,
     row.reason = std::string(result.status().message());
     return row;
   }
-  row.trials = data->trials;
-  row.undetectable = data->undetectable;
+  row.trials = data.trials;
+  row.undetectable = data.undetectable;
   row.ours_percent = 100 * Accuracy(result->final);
   row.class_names = result->class_names;
   row.confusion = CountConfusion(result->final,
@@ -84,17 +83,17 @@ ReproducedRow Reproduce(Experiment experiment, const PaperRow& paper,
   return row;
 }
 
-absl::Status RunExperiment(const ReproduceFlags& flags,
-                           const Selection& selection, Experiment experiment,
-                           Json& rows_json) {
+// Appends the rows of one experiment to `rows_json`. Returns how many could not
+// be computed.
+absl::StatusOr<int> RunExperiment(const ReproduceFlags& flags,
+                                  const Selection& selection,
+                                  Experiment experiment,
+                                  const LoadedContacts& data, Json& rows_json) {
   ProgressDisplay display;
   const std::string name(SourceOf(experiment).name);
-  const auto data = SimulateExperiment(
-      experiment, flags.seed,
-      display.progress().Part(absl::StrCat(name, ": simulate contacts"), 1));
-  display.Clear();
   if (!flags.json) std::cout << TableHeading(experiment) << std::flush;
   std::vector<ReproducedRow> rows;
+  int failed = 0;
   for (const PaperRow& paper : PaperTable(experiment)) {
     if (std::find(selection.algorithms.begin(), selection.algorithms.end(),
                   paper.algorithm) == selection.algorithms.end()) {
@@ -105,19 +104,37 @@ absl::Status RunExperiment(const ReproduceFlags& flags,
     rows.push_back(Reproduce(experiment, paper, data, flags.seed,
                              display.progress().Part(phase, 1)));
     display.Clear();
+    failed += !rows.back().ours_percent.has_value();
     rows_json.push_back(RowToJson(rows.back()));
     if (!flags.json) std::cout << TableLine(rows.back()) << std::flush;
   }
   if (!flags.json) {
-    if (data.ok()) {
-      std::cout << absl::StrFormat(
-          "Accuracies are of %s\n",
-          FeltContacts(data->trials - data->undetectable, data->trials));
-    }
+    std::cout << absl::StrFormat(
+        "Accuracies are of %s\n",
+        FeltContacts(data.trials - data.undetectable, data.trials));
     std::cout << ConfusionBlocks(rows) << "\n";
   }
-  if (flags.figures.empty()) return absl::OkStatus();
-  return WriteFigures(rows, flags.figures);
+  if (!flags.figures.empty()) {
+    TACTUS_RETURN_IF_ERROR(WriteFigures(rows, flags.figures));
+  }
+  return failed;
+}
+
+// The contacts of all experiments, so that one that cannot be simulated ends
+// the command before the long fits.
+absl::StatusOr<std::vector<LoadedContacts>> SimulateAll(
+    const Selection& selection, uint64_t seed) {
+  ProgressDisplay display;
+  std::vector<LoadedContacts> data;
+  for (const Experiment experiment : selection.experiments) {
+    const std::string phase =
+        absl::StrCat(SourceOf(experiment).name, ": simulate contacts");
+    TACTUS_ASSIGN_OR_RETURN(
+        data.emplace_back(),
+        SimulateExperiment(experiment, seed,
+                           display.progress().Part(phase, 1)));
+  }
+  return data;
 }
 
 absl::Status RunReproduce(const ReproduceFlags& flags) {
@@ -125,9 +142,15 @@ absl::Status RunReproduce(const ReproduceFlags& flags) {
   if (!flags.figures.empty()) {
     TACTUS_RETURN_IF_ERROR(MakeFolder(flags.figures));
   }
+  TACTUS_ASSIGN_OR_RETURN(const auto data, SimulateAll(selection, flags.seed));
   Json rows = Json::array();
-  for (Experiment experiment : selection.experiments) {
-    TACTUS_RETURN_IF_ERROR(RunExperiment(flags, selection, experiment, rows));
+  int failed = 0;
+  for (size_t i = 0; i < data.size(); ++i) {
+    TACTUS_ASSIGN_OR_RETURN(
+        const int failed_here,
+        RunExperiment(flags, selection, selection.experiments[i], data[i],
+                      rows));
+    failed += failed_here;
   }
   if (flags.json) {
     std::cout << JsonText(Json{{"rows", rows},
@@ -137,6 +160,11 @@ absl::Status RunReproduce(const ReproduceFlags& flags) {
   } else {
     std::cout << absl::StrFormat("seed %d, %.1f s\n", flags.seed,
                                  SecondsSinceStart());
+  }
+  if (failed > 0) {
+    return NumericalFailure(
+        absl::StrCat(failed, " of ", rows.size(),
+                     " rows could not be computed; each says why"));
   }
   return absl::OkStatus();
 }

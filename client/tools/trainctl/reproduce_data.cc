@@ -20,7 +20,7 @@ SimulateFlags FlagsOf(Experiment experiment, uint64_t seed) {
   flags.seed = seed;
   if (experiment == Experiment::kCody) {
     flags.protocol = "cody";
-    flags.sensor = "taxels";
+    flags.skin = "good";
   }
   return flags;
 }
@@ -42,8 +42,7 @@ absl::StatusOr<LoadedContacts> SimulateExperiment(Experiment experiment,
                                                   uint64_t seed,
                                                   const Progress& progress) {
   const SimulateFlags flags = FlagsOf(experiment, seed);
-  TACTUS_ASSIGN_OR_RETURN(const SkinLayout layout,
-                          LayoutPreset("cody-forearm"));
+  TACTUS_ASSIGN_OR_RETURN(const SkinLayout layout, LayoutOf(flags));
   TACTUS_ASSIGN_OR_RETURN(const SimulateJobs jobs, MakeJobs(flags, layout));
   std::vector<absl::StatusOr<Extracted>> results(jobs.count);
   RunOnThreads(static_cast<int>(jobs.count), [&](int i) {

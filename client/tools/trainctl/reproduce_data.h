@@ -21,7 +21,7 @@ namespace tactus::client {
 // Simulates one experiment and reports to `progress`.
 //
 // kSimulation: the 1,835 trials with ideal signals of 5 s. kCody: the 240
-// trials of 1.2 s with taxel frames, through the feature path.
+// trials of 1.2 s with the frames of the skin `good`, through the feature path.
 absl::StatusOr<LoadedContacts> SimulateExperiment(Experiment experiment,
                                                   uint64_t seed,
                                                   const Progress& progress);
