@@ -145,12 +145,14 @@ EOT
 }
 
 taxels() {
-  title "Through taxel frames, one robot condition left out" \
-    "frames with flat patches on the forearm, none of the named skins" \
+  title "Through taxel frames, one robot condition left out" "paper, then good" \
     "contacts 1, training 1" \
     "the felt contacts among the 1,835 of the paper's set; those never felt are counted beside them"
-  show simulate --protocol=paper --goal=0.019 --sensor=taxels --seed=1 --out=taxels.h5
-  show evaluate --data=taxels.h5 --protocol=loco --preset=tuned --seed=1
+  for skin in paper good; do
+    printf '\n## Skin: %s\n' "$skin"
+    show simulate --protocol=paper --goal=0.019 --skin="$skin" --seed=1 --out="$skin.h5"
+    show evaluate --data="$skin.h5" --protocol=loco --preset=tuned --seed=1
+  done
 }
 
 grid() {
