@@ -21,9 +21,15 @@ struct ReproduceFlags {
   std::vector<std::string> only = {"hmm", "lstm", "1nn"};
   std::vector<std::string> experiments = {"simulation", "cody"};
   std::string figures;
+  // Of ideal signals; empty for the default.
+  std::string noise;
   uint64_t seed = 1;
   bool json = false;
 };
+
+std::string NoiseOf(const ReproduceFlags& flags) {
+  return flags.noise.empty() ? "relative" : flags.noise;
+}
 
 // The rows that are asked for.
 struct Selection {
@@ -48,6 +54,12 @@ absl::StatusOr<Selection> Select(const ReproduceFlags& flags) {
     } else {
       return InvalidConfig("--experiment", name, "simulation or cody");
     }
+  }
+  const bool signals =
+      std::ranges::count(selection.experiments, Experiment::kSimulation) > 0;
+  if (!flags.noise.empty() && !signals) {
+    return InvalidConfig("--noise with Cody alone", flags.noise,
+                         "absent: a skin's noise is absolute");
   }
   return selection;
 }
@@ -123,7 +135,7 @@ absl::StatusOr<int> RunExperiment(const ReproduceFlags& flags,
 // The contacts of all experiments, so that one that cannot be simulated ends
 // the command before the long fits.
 absl::StatusOr<std::vector<LoadedContacts>> SimulateAll(
-    const Selection& selection, uint64_t seed) {
+    const ReproduceFlags& flags, const Selection& selection) {
   ProgressDisplay display;
   std::vector<LoadedContacts> data;
   for (const Experiment experiment : selection.experiments) {
@@ -131,7 +143,7 @@ absl::StatusOr<std::vector<LoadedContacts>> SimulateAll(
         absl::StrCat(SourceOf(experiment).name, ": simulate contacts");
     TACTUS_ASSIGN_OR_RETURN(
         data.emplace_back(),
-        SimulateExperiment(experiment, seed,
+        SimulateExperiment(experiment, flags.seed, flags.noise,
                            display.progress().Part(phase, 1)));
   }
   return data;
@@ -142,7 +154,7 @@ absl::Status RunReproduce(const ReproduceFlags& flags) {
   if (!flags.figures.empty()) {
     TACTUS_RETURN_IF_ERROR(MakeFolder(flags.figures));
   }
-  TACTUS_ASSIGN_OR_RETURN(const auto data, SimulateAll(selection, flags.seed));
+  TACTUS_ASSIGN_OR_RETURN(const auto data, SimulateAll(flags, selection));
   Json rows = Json::array();
   int failed = 0;
   for (size_t i = 0; i < data.size(); ++i) {
@@ -154,12 +166,13 @@ absl::Status RunReproduce(const ReproduceFlags& flags) {
   }
   if (flags.json) {
     std::cout << JsonText(Json{{"rows", rows},
+                               {"noise", NoiseOf(flags)},
                                {"seed", flags.seed},
                                {"seconds", SecondsSinceStart()}})
               << "\n";
   } else {
-    std::cout << absl::StrFormat("seed %d, %.1f s\n", flags.seed,
-                                 SecondsSinceStart());
+    std::cout << absl::StrFormat("noise %s, seed %d, %.1f s\n", NoiseOf(flags),
+                                 flags.seed, SecondsSinceStart());
   }
   if (failed > 0) {
     return NumericalFailure(
@@ -185,6 +198,9 @@ void AddReproduce(CLI::App& app, const SelectCommand& select) {
                    "simulation, cody; default: both")
       ->delimiter(',');
   command->add_option("--figures", flags->figures, "Folder for figures");
+  command->add_option("--noise", flags->noise,
+                      "Noise of the simulation's signals: relative or absolute "
+                      "(trainctl simulate --help); default: relative");
   command->add_option("--seed", flags->seed, "Seed of noise and training");
   command->add_flag("--json", flags->json, "Print one JSON object on stdout");
   command->callback([=] { select([=] { return RunReproduce(*flags); }); });

@@ -15,12 +15,15 @@ namespace {
 using Extracted = std::vector<std::optional<LabelledContact>>;
 
 // The flags of `trainctl simulate` for an experiment.
-SimulateFlags FlagsOf(Experiment experiment, uint64_t seed) {
+SimulateFlags FlagsOf(Experiment experiment, uint64_t seed,
+                      const std::string& noise) {
   SimulateFlags flags;
   flags.seed = seed;
   if (experiment == Experiment::kCody) {
     flags.protocol = "cody";
     flags.skin = "good";
+  } else {
+    flags.noise = noise;
   }
   return flags;
 }
@@ -40,8 +43,9 @@ absl::StatusOr<Extracted> Extract(const SimulateJobs& jobs, size_t number) {
 
 absl::StatusOr<LoadedContacts> SimulateExperiment(Experiment experiment,
                                                   uint64_t seed,
+                                                  const std::string& noise,
                                                   const Progress& progress) {
-  const SimulateFlags flags = FlagsOf(experiment, seed);
+  const SimulateFlags flags = FlagsOf(experiment, seed, noise);
   TACTUS_ASSIGN_OR_RETURN(const SkinLayout layout, LayoutOf(flags));
   TACTUS_ASSIGN_OR_RETURN(const SimulateJobs jobs, MakeJobs(flags, layout));
   std::vector<absl::StatusOr<Extracted>> results(jobs.count);
