@@ -8,13 +8,13 @@
 # After an interruption the first command goes on with the page at which it was
 # interrupted: a page and its figures are replaced when they are complete.
 #
-# Pages, with minutes on two quiet cores: signals (12), materials (20), taxels
-# (6), grid (4), unknown (3), default-bundle (1), cody (1), recordings (1),
-# paper-tables (15), simulator (12), world (5), served (8; less with
-# TACTUS_SERVED_CONTACTS), upper-reference (16), fine-skin (25), breadth (8),
-# inputs (6; less with TACTUS_INPUTS_CONTACTS), fit-scale (5). Needs a release
-# build. Real recordings are evaluated when TACTUS_DATA_DIR, or ../shared/data
-# beside the project, has them.
+# Pages, with minutes on two quiet cores, two hours together: signals (3),
+# materials (2), taxels (3), grid (2), unknown (3), default-bundle (1), cody (1),
+# recordings (1), paper-tables (32), simulator (10), world (2), served (1; less
+# with TACTUS_SERVED_CONTACTS), upper-reference (16), fine-skin (24), breadth
+# (9), inputs (6; less with TACTUS_INPUTS_CONTACTS), fit-scale (5). Needs a
+# release build. Real recordings are evaluated when TACTUS_DATA_DIR, or
+# ../shared/data beside the project, has them.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -396,13 +396,26 @@ recordings() {
 }
 
 paper-tables() {
-  title "The paper's tables" \
-    "none, ideal signals (simulation); flat patches on the forearm, none of the named skins (Cody)" \
-    "contacts 1, training 1" \
-    "the felt contacts among the 1,835 of the paper's set and the 240 of Cody"
-  printf '\n```\n$ trainctl reproduce --seed=1 --json --figures=paper-tables\n```\n'
-  "$trainctl" reproduce --seed=1 --json --figures=paper-tables |
-    /usr/bin/python3 -B "$docs/paper_tables.py"
+  title "The paper's tables" "none, ideal signals (simulation); good (Cody)" \
+    "contacts and training 1 to 5, the same number for both" \
+    "the 1,835 contacts of the paper's set and the 240 of Cody, all of them felt"
+  printf '\n```\n'
+  local runs=()
+  # reproduced NAME FLAGS...
+  reproduced() {
+    printf '$ trainctl reproduce %s --json >%s.json\n' "${*:2}" "$1"
+    "$trainctl" reproduce "${@:2}" --json >"$1.json"
+    runs+=("$1.json")
+  }
+  reproduced relative-1 --seed=1 --figures=paper-tables
+  for seed in 2 3 4 5; do
+    reproduced "relative-$seed" --seed="$seed"
+  done
+  for seed in 1 2 3 4 5; do
+    reproduced "absolute-$seed" --seed="$seed" --noise=absolute --experiment=simulation
+  done
+  printf '$ docs/paper_tables.py {relative,absolute}-{1,2,3,4,5}.json\n```\n'
+  /usr/bin/python3 -B "$docs/paper_tables.py" "${runs[@]}"
   mkdir -p "$out/paper-tables"
   cp paper-tables/*-accuracy.png paper-tables/*-f-m-a.png "$out/paper-tables"
 }
