@@ -10,7 +10,7 @@
 #
 # Pages, with minutes on two quiet cores, two hours together: signals (3),
 # materials (2), taxels (3), grid (2), unknown (3), default-bundle (1), cody (1),
-# recordings (1), paper-tables (32), simulator (10), world (2), served (1; less
+# recordings (1), paper-tables (35), simulator (10), world (2), served (1; less
 # with TACTUS_SERVED_CONTACTS), upper-reference (16), fine-skin (24), breadth
 # (9), inputs (6; less with TACTUS_INPUTS_CONTACTS), fit-scale (5). Needs a
 # release build. Real recordings are evaluated when TACTUS_DATA_DIR, or

@@ -1,6 +1,6 @@
 // Processor time and peak memory of `trainctl fit` as the trials become more.
-// Each fit is a process of its own, because a process only knows the peak of
-// its whole life.
+// Each fit runs in a new process. The kernel counts the peak memory of a
+// process from its start, so a second fit in it would show the peak of both.
 #include <sys/resource.h>
 
 #include <filesystem>
