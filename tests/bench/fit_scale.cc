@@ -3,13 +3,11 @@
 // process from its start, so a second fit in it would show the peak of both.
 #include <sys/resource.h>
 
-#include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
 
 #include "CLI/CLI.hpp"
-#include "absl/cleanup/cleanup.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/tools/figures/figure.h"
@@ -17,11 +15,10 @@
 #include "core/base/status_macros.h"
 #include "tests/bench/benchmarks.h"
 #include "tests/bench/child_server.h"
+#include "tests/bench/temporary_folder.h"
 
 namespace tactus::client {
 namespace {
-
-namespace fs = std::filesystem;
 
 struct FitCost {
   int trials = 0;
@@ -47,19 +44,13 @@ class FitScaleBenchmark : public Benchmark {
   }
 
   absl::StatusOr<std::vector<BenchRow>> Run(bool quick) override {
-    std::string folder = fs::temp_directory_path() / "tactus-bench-XXXXXX";
-    if (mkdtemp(folder.data()) == nullptr) {
-      return IoError(folder, "cannot be created");
-    }
-    const auto remove = absl::MakeCleanup([&] {
-      std::error_code error;
-      fs::remove_all(folder, error);
-    });
+    TACTUS_ASSIGN_OR_RETURN(const TemporaryFolder folder,
+                            TemporaryFolder::Create());
     std::vector<FitCost> costs;
     std::vector<BenchRow> rows;
     for (const int trials : quick ? std::vector<int>{200} : trials_) {
       TACTUS_ASSIGN_OR_RETURN(costs.emplace_back(),
-                              Fit(trials, folder + "/bundle.tactus"));
+                              Fit(trials, folder.path() + "/bundle.tactus"));
       const std::string row = absl::StrCat(name(), "/", trials);
       rows.push_back({.name = row + "/time",
                       .unit = "s",

@@ -1,9 +1,6 @@
-#include <unistd.h>
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,7 +8,6 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
-#include "absl/cleanup/cleanup.h"
 #include "absl/strings/str_cat.h"
 #include "client/tools/common/percentile.h"
 #include "client/tools/load/load.h"
@@ -27,11 +23,11 @@
 #include "server/registry/default_bundle.h"
 #include "tests/bench/benchmarks.h"
 #include "tests/bench/child_server.h"
+#include "tests/bench/temporary_folder.h"
 
 namespace tactus::client {
 namespace {
 
-namespace fs = std::filesystem;
 using std::chrono::duration;
 using std::chrono::steady_clock;
 
@@ -238,18 +234,13 @@ class TrainingBenchmark : public Benchmark {
       options.load.seconds = 0.2;
       options.load.warm_up_seconds = 0.05;
     }
-    std::string folder = fs::temp_directory_path() / "tactus-bench-XXXXXX";
-    if (mkdtemp(folder.data()) == nullptr) {
-      return IoError(folder, "cannot be created");
-    }
-    const auto remove = absl::MakeCleanup([&] {
-      std::error_code error;
-      fs::remove_all(folder, error);
-    });
-    const std::string socket = absl::StrCat("unix:", folder, "/socket");
+    TACTUS_ASSIGN_OR_RETURN(const TemporaryFolder folder,
+                            TemporaryFolder::Create());
+    const std::string socket = absl::StrCat("unix:", folder.path(), "/socket");
     std::vector<std::string> flags = {
         "--listen=127.0.0.1:0", absl::StrCat("--listen=", socket),
-        absl::StrCat("--data-dir=", folder, "/data"), "--log-level=error"};
+        absl::StrCat("--data-dir=", folder.path(), "/data"),
+        "--log-level=error"};
     flags.insert(flags.end(), options.server.begin(), options.server.end());
     TACTUS_ASSIGN_OR_RETURN(const auto server,
                             ChildServer::Start("tactusd", flags));

@@ -8,6 +8,7 @@
 #include "client/tools/trainctl/progress_display.h"
 #include "client/tools/trainctl/reproduce_data.h"
 #include "client/tools/trainctl/reproduce_report.h"
+#include "client/tools/trainctl/simulate_jobs.h"
 #include "client/tools/trainctl/text.h"
 #include "core/base/errors.h"
 #include "core/base/run_on_threads.h"
@@ -26,10 +27,6 @@ struct ReproduceFlags {
   uint64_t seed = 1;
   bool json = false;
 };
-
-std::string NoiseOf(const ReproduceFlags& flags) {
-  return flags.noise.empty() ? "relative" : flags.noise;
-}
 
 // The rows that are asked for.
 struct Selection {
@@ -166,13 +163,14 @@ absl::Status RunReproduce(const ReproduceFlags& flags) {
   }
   if (flags.json) {
     std::cout << JsonText(Json{{"rows", rows},
-                               {"noise", NoiseOf(flags)},
+                               {"noise", NoiseOrDefault(flags.noise)},
                                {"seed", flags.seed},
                                {"seconds", SecondsSinceStart()}})
               << "\n";
   } else {
-    std::cout << absl::StrFormat("noise %s, seed %d, %.1f s\n", NoiseOf(flags),
-                                 flags.seed, SecondsSinceStart());
+    std::cout << absl::StrFormat("noise %s, seed %d, %.1f s\n",
+                                 NoiseOrDefault(flags.noise), flags.seed,
+                                 SecondsSinceStart());
   }
   if (failed > 0) {
     return NumericalFailure(

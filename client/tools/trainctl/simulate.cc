@@ -64,10 +64,6 @@ Json ToJson(const int (&counts)[4]) {
   return json;
 }
 
-std::string NoiseName(const SimulateFlags& flags) {
-  return flags.noise.empty() ? "relative" : flags.noise;
-}
-
 std::string Row(const char* name, const int (&counts)[4]) {
   return absl::StrFormat("%-6s %5d %5d %5d %5d   %5d\n", name, counts[0],
                          counts[1], counts[2], counts[3], Sum(counts));
@@ -91,7 +87,7 @@ void Print(const SimulateFlags& flags, const Tally& tally) {
     json["strain_clamped"] = tally.clamped;
     if (goal) json["goal_m"] = *goal;
     json["sensor"] = flags.sensor;
-    if (!flags.taxels()) json["noise"] = NoiseName(flags);
+    if (!flags.taxels()) json["noise"] = NoiseOrDefault(flags.noise);
     if (!flags.skin.empty()) json["skin"] = flags.skin;
     json["seed"] = flags.seed;
     json["seconds"] = SecondsSinceStart();
@@ -108,7 +104,7 @@ void Print(const SimulateFlags& flags, const Tally& tally) {
                                flags.skin.empty() ? "sensor" : "skin",
                                flags.skin.empty() ? flags.sensor : flags.skin);
   if (!flags.taxels()) {
-    std::cout << absl::StrFormat("noise %s, ", NoiseName(flags));
+    std::cout << absl::StrFormat("noise %s, ", NoiseOrDefault(flags.noise));
   }
   std::cout << absl::StrFormat("seed %d, %.1f s\n", flags.seed,
                                SecondsSinceStart());

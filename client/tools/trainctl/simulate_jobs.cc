@@ -175,6 +175,10 @@ absl::StatusOr<SkinLayout> LayoutOf(const SimulateFlags& flags) {
   return skin.layout;
 }
 
+std::string NoiseOrDefault(const std::string& noise) {
+  return noise.empty() ? "relative" : noise;
+}
+
 absl::StatusOr<SimulateJobs> MakeJobs(const SimulateFlags& flags,
                                       const SkinLayout& layout) {
   if (flags.sensor != "signals" && flags.sensor != "taxels") {

@@ -26,7 +26,7 @@ namespace tactus::client {
 struct SimulateFlags {
   std::string protocol = "paper";
   std::string sensor = "signals";
-  // Of signals (ParseNoiseReading); empty for relative.
+  // Of signals (ParseNoiseReading); empty for the default.
   std::string noise;
   uint64_t seed = 1;
   std::string out;
@@ -66,6 +66,10 @@ struct SimulateJobs {
 
 // The skin whose thresholds decide whether a contact was felt.
 absl::StatusOr<SkinLayout> LayoutOf(const SimulateFlags& flags);
+
+// `noise`, the name of a reading of the noise, or that of the default if it is
+// empty.
+std::string NoiseOrDefault(const std::string& noise);
 
 // Returns INVALID_CONFIG that names the flag if a value is unknown or flags
 // exclude each other; IO or INVALID_SCENE for the table of materials.
