@@ -1,18 +1,21 @@
-// world-signals: writes contacts of the random world as arrays, for learners
-// of other programs (upper_reference.py).
+// world-signals: writes contacts of the random world, or of a trial file, as
+// arrays, for learners of other programs (upper_reference.py).
 //
 //   world-signals --data=world:skin=good,contacts=1000,seed=2 --out=a
+//   world-signals --data=softer.h5 --out=b
 //
 // | array | shape | meaning |
 // |---|---|---|
 // | label | N | category in the end |
+// | material | N | name of the material |
 // | felt | N x 500 x 4 | largest taxel (N), area (m^2), motion (m) and net
 // | | | force (N) since onset; NaN where not touched or after the end |
 // | onset | N | frames from the touch to the onset; below 0 if the skin felt
-// | | | something earlier |
+// | | | something earlier; 0 for a trial file |
 // | moved | N | frames since onset until the object has moved by kMovedM; -1 if
 // | | | it never does |
-// | true | N x 500 x 3 | force, area and motion since the touch, without noise
+// | true | N x 500 x 3 | force, area and motion since the touch, without noise;
+// | | | NaN for a trial file
 // | cues | N x 6 x C | derived cues at kAnytimeSeconds; C names in cue_names |
 // | posterior | N x 6 x 4 | answers of --model at those times |
 //
@@ -23,6 +26,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,6 +41,7 @@
 #include "core/classify/contact_classifier.h"
 #include "core/contacts/anytime.h"
 #include "core/contacts/world_contacts.h"
+#include "core/data/trial_file.h"
 #include "core/files/file_bytes.h"
 #include "core/files/npy_write.h"
 #include "core/sim/experiments/random_world.h"
@@ -71,8 +76,9 @@ struct Arrays {
 
 void WriteFelt(const LabelledContact& contact, size_t row, Arrays& arrays) {
   arrays.moved[row] = -1;
+  const bool known = !contact.object_motion.empty();
   for (size_t t = 0; t < std::min(contact.frames.size(), kFrames); ++t) {
-    if (arrays.moved[row] < 0 && contact.object_motion[t] > kMovedM) {
+    if (known && arrays.moved[row] < 0 && contact.object_motion[t] > kMovedM) {
       arrays.moved[row] = static_cast<float>(t);
     }
     if (!contact.frames.touched(t)) continue;
@@ -137,9 +143,29 @@ void WriteAnswers(const std::shared_ptr<const CompiledModel>& model,
   });
 }
 
+// The contacts that the skin felt.
+struct Felt {
+  std::vector<LabelledContact> contacts;
+  uint64_t recorded = 0;
+};
+
+absl::StatusOr<Felt> ReadTrials(const std::string& path) {
+  TACTUS_ASSIGN_OR_RETURN(auto reader, TrialFileReader::Open(path));
+  Felt felt = {.contacts = {}, .recorded = reader.size()};
+  for (size_t i = 0; i < reader.size(); ++i) {
+    TACTUS_ASSIGN_OR_RETURN(const Trial trial, reader.Read(i));
+    TACTUS_ASSIGN_OR_RETURN(auto contact,
+                            ExtractContact(trial, {.whole_skin = false}));
+    if (contact) felt.contacts.push_back(*std::move(contact));
+  }
+  return felt;
+}
+
 absl::Status Run(const WorldFlags& flags) {
-  TACTUS_ASSIGN_OR_RETURN(const WorldRecipe recipe,
-                          ParseWorldRecipe(flags.data));
+  std::optional<WorldRecipe> recipe;
+  if (IsWorldRecipe(flags.data)) {
+    TACTUS_ASSIGN_OR_RETURN(recipe, ParseWorldRecipe(flags.data));
+  }
   std::shared_ptr<const CompiledModel> model;
   if (!flags.model.empty()) {
     TACTUS_ASSIGN_OR_RETURN(
@@ -147,23 +173,31 @@ absl::Status Run(const WorldFlags& flags) {
         ReadFileBytes(flags.model, limits::kMaxBundleBytes));
     TACTUS_ASSIGN_OR_RETURN(model, DecodeBundle(bytes));
   }
-  TACTUS_ASSIGN_OR_RETURN(const WorldContacts world,
-                          MakeWorldContacts(recipe, RunOnThreads));
-  const auto& contacts = world.contacts;
+  Felt felt;
+  if (recipe) {
+    TACTUS_ASSIGN_OR_RETURN(WorldContacts world,
+                            MakeWorldContacts(*recipe, RunOnThreads));
+    felt = {std::move(world.contacts), recipe->contacts};
+  } else {
+    TACTUS_ASSIGN_OR_RETURN(felt, ReadTrials(flags.data));
+  }
+  const std::vector<LabelledContact>& contacts = felt.contacts;
   const std::vector<Cue> cues = DerivedCues();
   Arrays arrays(contacts.size(), cues.size());
   std::vector<absl::Status> failures(contacts.size());
   RunOnThreads(static_cast<int>(contacts.size()), [&](int i) {
     WriteFelt(contacts[i], i, arrays);
-    failures[i] = WriteTruth(recipe, contacts[i], i, arrays);
+    if (recipe) failures[i] = WriteTruth(*recipe, contacts[i], i, arrays);
     WriteCues(contacts[i], i, cues, arrays);
     if (model) WriteAnswers(model, contacts[i], i, arrays);
   });
   for (const absl::Status& failure : failures) TACTUS_RETURN_IF_ERROR(failure);
 
   std::vector<std::string> labels;
+  std::vector<std::string> materials;
   for (const LabelledContact& contact : contacts) {
     labels.push_back(contact.label);
+    materials.push_back(contact.material);
   }
   std::vector<std::string> cue_names;
   for (Cue cue : cues) cue_names.emplace_back(CueName(cue));
@@ -176,9 +210,10 @@ absl::Status Run(const WorldFlags& flags) {
   };
   std::vector<std::pair<std::string, std::string>> files = {
       {"label", NpyText(labels)},
+      {"material", NpyText(materials)},
       {"cue_names", NpyText(cue_names)},
       {"recorded",
-       NpyBytes({}, std::vector<double>{static_cast<double>(recipe.contacts)})},
+       NpyBytes({}, std::vector<double>{static_cast<double>(felt.recorded)})},
       {"felt", floats({n, kFrames, kFelt}, arrays.felt)},
       {"true", floats({n, kFrames, kTrue}, arrays.truth)},
       {"onset", floats({n}, arrays.onset)},
@@ -200,10 +235,12 @@ absl::Status Run(const WorldFlags& flags) {
 }
 
 int Main(int argc, char** argv) {
-  CLI::App app("Writes contacts of the random world as arrays.",
-               "world-signals");
+  CLI::App app(
+      "Writes contacts of the random world, or of a trial file, as arrays.",
+      "world-signals");
   WorldFlags flags;
-  app.add_option("--data", flags.data, "world:skin=...,contacts=...,seed=...")
+  app.add_option("--data", flags.data,
+                 "world:skin=...,contacts=...,seed=..., or a trial file")
       ->required();
   app.add_option("--out", flags.out, "Folder for the arrays")->required();
   app.add_option("--model", flags.model,
