@@ -7,13 +7,14 @@ tree=$(mktemp -d)
 trap 'rm -rf "$tree"' EXIT
 cd "$tree"
 
-mkdir -p build/release/bin docs server/registry tests/reference/upper examples/recordings
+mkdir -p build/release/bin docs server/registry tests/reference/{paper,upper} \
+  examples/recordings
 cp "$source_dir/docs/make-results.sh" docs
-touch docs/{a.py,a.csv} server/registry/a.tactus tests/reference/upper/a.py \
+touch docs/a.py server/registry/a.tactus tests/reference/{paper,upper}/a.py \
   examples/recordings/a.py
 # build WORD: programs that print WORD and their command.
 build() {
-  for program in trainctl tactus-bench world-signals; do
+  for program in trainctl tactus-bench world-signals paper-hmms; do
     # shellcheck disable=SC2016
     printf '#!/bin/sh\n[ ! -e %s/broken ] || exit 1\necho %s "$@", 1.5 s\n' "$tree" "$1" \
       >"build/release/bin/$program"
