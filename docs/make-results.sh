@@ -8,7 +8,7 @@
 # After an interruption the first command goes on with the page at which it was
 # interrupted: a page and its figures are replaced when they are complete.
 #
-# Pages, with minutes on two cores, two hours together: signals (1), materials
+# Pages, with minutes on two cores, two hours together: signals (2), materials
 # (2), taxels (4), grid (1), unknown (4), default-bundle (1), cody (1),
 # recordings (1), paper-tables (40), explanations (20), simulator (8), world (1),
 # served (1; less with TACTUS_SERVED_CONTACTS), upper-reference (10), fine-skin
@@ -84,6 +84,12 @@ signals() {
       --no-estimates --figures="$figures"
     printf '\n![Accuracy over time](%s/anytime.png)\n\n![Reliability](%s/reliability.png)\n' \
       "$(basename "$figures")" "$(basename "$figures")"
+    printf '\nBoosted trees on some 350 summaries of the same contacts ([other learners](upper-reference.md)), by the category in the end:\n\n```\n'
+    printf '$ world-signals --data=signals-%s.h5 --out=%s\n' "$noise" "$noise"
+    "$bin/world-signals" --data="signals-$noise.h5" --out="$noise"
+    printf '$ tests/reference/upper/left_out_reference.py %s\n```\n\n' "$noise"
+    OMP_NUM_THREADS=1 /usr/bin/python3 -B \
+      "$docs/../tests/reference/upper/left_out_reference.py" "$noise"
   done
 }
 

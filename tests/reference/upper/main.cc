@@ -8,6 +8,7 @@
 // |---|---|---|
 // | label | N | category in the end |
 // | material | N | name of the material |
+// | condition | N | name of the robot condition |
 // | felt | N x 500 x 4 | largest taxel (N), area (m^2), motion (m) and net
 // | | | force (N) since onset; NaN where not touched or after the end |
 // | onset | N | frames from the touch to the onset; below 0 if the skin felt
@@ -195,9 +196,11 @@ absl::Status Run(const WorldFlags& flags) {
 
   std::vector<std::string> labels;
   std::vector<std::string> materials;
+  std::vector<std::string> conditions;
   for (const LabelledContact& contact : contacts) {
     labels.push_back(contact.label);
     materials.push_back(contact.material);
+    conditions.push_back(contact.condition);
   }
   std::vector<std::string> cue_names;
   for (Cue cue : cues) cue_names.emplace_back(CueName(cue));
@@ -211,6 +214,7 @@ absl::Status Run(const WorldFlags& flags) {
   std::vector<std::pair<std::string, std::string>> files = {
       {"label", NpyText(labels)},
       {"material", NpyText(materials)},
+      {"condition", NpyText(conditions)},
       {"cue_names", NpyText(cue_names)},
       {"recorded",
        NpyBytes({}, std::vector<double>{static_cast<double>(felt.recorded)})},
