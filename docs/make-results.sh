@@ -414,6 +414,7 @@ recordings() {
   for preset in profile whole-skin; do
     show evaluate --data=vitac384.h5 --protocol=leave-one-out --preset="$preset"
   done
+  taxel_nearest vitac384.h5
   printf '\n## A rubber pad that no contact of training has touched\n\nThe tables of `without-PAD` and `PAD` have the lines of vitac/trials.csv without those of one of the two rubber pads, and those alone.\n'
   for pad in ramp ellipsoid; do
     mkdir "without-$pad" "$pad"
@@ -425,12 +426,22 @@ recordings() {
     show import vitac384 --skin="$pad/skin.json" --out="$pad.h5"
     show fit --data="without-$pad.h5" --preset=whole-skin --out="without-$pad.tactus"
     show evaluate --data="$pad.h5" --model="without-$pad.tactus"
+    taxel_nearest "--train=without-$pad.h5" "$pad.h5"
   done
   printf '\n## Materials under a sliding finger\n\nNo preset is named, so one is chosen.\n'
   /usr/bin/python3 -B "$docs/../examples/recordings/icub_slide20.py" \
     "$data/icub_slide20" icub
   show import icub --out=icub_slide20.h5
   show evaluate --data=icub_slide20.h5 --protocol=k-fold --folds=5
+  taxel_nearest --folds=5 icub_slide20.h5
+}
+
+# taxel_nearest FLAGS AND FILE...: what the simplest learner makes of it.
+taxel_nearest() {
+  printf '\n1-NN on the mean of every taxel over stretches of the trial, and on the roots of these means:\n\n```\n'
+  printf '$ tests/reference/upper/taxel_nearest.py %s\n```\n\n' "$*"
+  OMP_NUM_THREADS=1 /usr/bin/python3 -B \
+    "$docs/../tests/reference/upper/taxel_nearest.py" "$@"
 }
 
 paper-tables() {
@@ -508,7 +519,7 @@ simulator() {
 fingerprint() {
   local text name
   text=$(
-    declare -f show quietly title commas compare "$1"
+    declare -f show quietly title commas compare taxel_nearest "$1"
     declare -p paper_signals
   )
   {
