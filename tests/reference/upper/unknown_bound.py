@@ -13,11 +13,10 @@ that do not move and that do.
 import sys
 
 import numpy as np
-from sklearn.metrics import roc_auc_score
 from sklearn.model_selection import GroupKFold
 
 from summaries import Contacts
-from unknown_scores import with_interval
+from unknown_scores import area
 from upper_reference import trees
 
 FOLDS = 4
@@ -41,12 +40,6 @@ def foreign(inside, outside):
         learner = trees(table[learn], known[learn], 100)
         answer[test] = learner.predict_proba(table[test])[:, 1]
     return known, answer
-
-
-def area(known, answer):
-    positive = int(known.sum())
-    value = roc_auc_score(known, answer)
-    return with_interval(value, positive, len(known) - positive)
 
 
 def compare(folders):
