@@ -4,10 +4,14 @@
 //   paper-hmms --data=signals.h5
 //
 // Every HMM has 10 states and full covariances, begins as InitPaper says, and
-// is scored by its best path. "Refused" are contacts for which libghmm finds no
-// path through the HMM of their own category; they count as wrong. "Broken" are
-// those that hold a NaN or an invalid covariance after training. Progress goes
-// to stderr, a Markdown table to stdout.
+// is scored by its best path. The table counts what fails:
+//
+// - A broken HMM is invalid after training: it holds a NaN, or a covariance is
+//   not positive definite.
+// - A contact is refused if libghmm finds no path for it in the HMM of its own
+//   category. Its answer counts as wrong.
+//
+// Progress goes to stderr, a Markdown table to stdout.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -170,10 +174,10 @@ Scores ScoreWithLibghmm(const std::vector<Category>& categories,
 
 struct Count {
   int right = 0;
-  // Contacts that the HMM of their own category refuses.
+  // Contacts without a path in the HMM of their own category.
   int refused = 0;
   int hmms = 0;
-  // Those that are no valid HMMs after training.
+  // HMMs that are invalid after training.
   int broken = 0;
 };
 

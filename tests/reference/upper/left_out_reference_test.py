@@ -22,12 +22,12 @@ class LeftOutReferenceTest(unittest.TestCase):
         return np.mean(answer == self.labels)
 
     def test_learns_what_holds_in_all_conditions(self):
-        self.assertGreater(self.right(self.labels[:, None] + [[0.0]]), 0.99)
+        self.assertGreater(self.right(self.labels[:, None].astype(float)), 0.99)
 
     def test_learns_nothing_from_the_condition_left_out(self):
         # In each condition another value tells the labels apart.
         _, number = np.unique(self.conditions, return_inverse=True)
-        table = (10 * number + self.labels)[:, None] + [[0.0]]
+        table = (10.0 * number + self.labels)[:, None]
         self.assertLess(self.right(table), 0.6)
 
 

@@ -74,10 +74,9 @@ def main():
     flags = parser.parse_args()
     taxels, labels = read(flags.test)
     if flags.train:
-        folds = np.zeros(len(labels), dtype=int)
         more, more_labels = read(flags.train)
+        folds = np.repeat([0, -1], [len(labels), len(more_labels)])
         taxels, labels = taxels + more, np.concatenate([labels, more_labels])
-        folds = np.concatenate([folds, np.full(len(more), -1)])
     elif flags.folds:
         folds = folds_of(labels, flags.folds)
     else:
@@ -91,9 +90,8 @@ def main():
         for values in (vectors, np.sqrt(np.maximum(vectors, 0))):
             right = count_right(values, labels, folds)
             low, high = wilson(right, tested)
-            cells.append(
-                f"{100 * right / tested:.2f} ({100 * low:.2f} to {100 * high:.2f}), {right} of {tested}"
-            )
+            interval = f"({100 * low:.2f} to {100 * high:.2f})"
+            cells.append(f"{100 * right / tested:.2f} {interval}, {right} of {tested}")
         print(f"| {bins} | {' | '.join(cells)} |")
 
 

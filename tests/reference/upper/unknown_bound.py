@@ -31,15 +31,15 @@ def read(folder):
 
 
 def foreign(inside, outside):
-    """How probably each contact is one of outside; for the inside ones first."""
+    """Whether each contact is one of outside, and how probable the trees find it."""
     table = np.vstack([inside[0], outside[0]])
-    known = np.repeat([0, 1], [len(inside[0]), len(outside[0])])
+    truth = np.repeat([0, 1], [len(inside[0]), len(outside[0])])
     materials = np.concatenate([inside[1], outside[1]])
-    answer = np.zeros(len(known))
-    for learn, test in GroupKFold(FOLDS).split(table, known, materials):
-        learner = trees(table[learn], known[learn], 100)
+    answer = np.zeros(len(truth))
+    for learn, test in GroupKFold(FOLDS).split(table, truth, materials):
+        learner = trees(table[learn], truth[learn], 100)
         answer[test] = learner.predict_proba(table[test])[:, 1]
-    return known, answer
+    return truth, answer
 
 
 def compare(folders):
@@ -48,12 +48,12 @@ def compare(folders):
     print("|---|---|---|---|---|")
     for folder in folders[1:]:
         outside = read(folder)
-        known, answer = foreign(inside, outside)
+        truth, answer = foreign(inside, outside)
         moved = np.concatenate([inside[2], outside[2]])
-        cells = [area(known, answer)]
+        cells = [area(truth, answer)]
         for part in (~moved, moved):
-            both = len(set(known[part])) == 2
-            cells.append(area(known[part], answer[part]) if both else "none")
+            both = len(set(truth[part])) == 2
+            cells.append(area(truth[part], answer[part]) if both else "none")
         print(f"| {folder} | {len(outside[0])} | {' | '.join(cells)} |", flush=True)
 
 
