@@ -248,7 +248,9 @@ void ContactClassifier::UpdateProbabilities() {
   if (hmm_steps_ == 0) return;
   const double best =
       *std::max_element(log_likelihood_.begin(), log_likelihood_.end());
-  unknown_ = UnknownProbability(point, best / static_cast<double>(hmm_steps_));
+  unknown_ = UnknownProbability(
+      point, best / static_cast<double>(hmm_steps_),
+      object_ ? std::optional(object_->log10_stiffness) : std::nullopt);
 }
 
 void ContactClassifier::AskHmmsFirst() {

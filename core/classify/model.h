@@ -87,10 +87,15 @@ struct Calibration {
   std::vector<double> hmm_weight;
   std::vector<double> lstm_weight;
   std::vector<double> fused_bias;
-  // Log-likelihood of the best class per HMM step: its median over training
-  // contacts, and the deviation that UnknownProbability() divides by.
+  // What UnknownProbability() compares a contact with: the median, over
+  // held-out contacts, of the best class's log-likelihood per HMM step, and how
+  // far below it one deviation is.
   std::vector<double> evidence_median;
   std::vector<double> evidence_deviation;
+  // The estimated stiffnesses that are known, log10 N/m. Empty without an
+  // estimator.
+  std::vector<double> stiffness_low;
+  std::vector<double> stiffness_high;
   // Factors on the standard deviations of the object estimate.
   double stiffness_deviation_scale = 1;
   double moved_deviation_scale = 1;

@@ -92,8 +92,8 @@ absl::StatusOr<std::vector<UnknownResult>> EvaluateUnknown(
   }
   TACTUS_ASSIGN_OR_RETURN(const auto folds,
                           MakeFolds(contacts, Protocol::kLeaveOneConditionOut));
-  FitOptions hmms_only = options;
-  hmms_only.lstm.networks = 0;
+  FitOptions needed = options;
+  if (!options.lstm.estimates) needed.lstm.networks = 0;
 
   const size_t jobs = categories.size() * folds.size();
   std::vector<absl::StatusOr<std::vector<double>>> unknown(
@@ -103,7 +103,7 @@ absl::StatusOr<std::vector<UnknownResult>> EvaluateUnknown(
   parallel(static_cast<int>(jobs), [&](int job) {
     unknown[job] =
         ScoreFold(contacts, folds[job % folds.size()],
-                  categories[job / folds.size()], hmms_only, job_progress);
+                  categories[job / folds.size()], needed, job_progress);
   });
 
   std::vector<UnknownResult> results;

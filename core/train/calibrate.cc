@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <string>
 
 #include "core/classify/calibration.h"
 #include "core/classify/contact_classifier.h"
 #include "core/contacts/anytime.h"
+#include "core/train/fit_unknown.h"
 #include "core/train/softmax_fit.h"
 
 namespace tactus {
@@ -30,10 +32,6 @@ constexpr WeightBounds kFusedBounds = {0, 2};
 // Held-out contacts are split into this many parts, each scored by a fusion
 // that is fitted to the others.
 constexpr size_t kFusionParts = 4;
-// Otherwise a constant score would make every other contact unknown.
-constexpr double kMinEvidenceDeviation = 0.1;
-// Fraction of known contacts that may be called unknown.
-constexpr double kFalseAlarms = 0.05;
 
 // The scores of one model at one time.
 std::vector<ScoredLabel> ScoresAt(std::span<const ScoredContact> contacts,
@@ -175,29 +173,6 @@ void FitAnswers(std::span<const ScoredContact> contacts, Calibration& c) {
   }
 }
 
-// Fits median and deviation of the best class's log-likelihood per step. The
-// deviation makes `unknown` larger than one half for kFalseAlarms of the
-// contacts. It is not the standard deviation, because the lower tail is heavy.
-void FitEvidence(std::span<const ScoredContact> contacts, size_t time,
-                 Calibration& calibration) {
-  std::vector<double> evidence;
-  for (const ScoredContact& contact : contacts) {
-    const auto& scores = contact.log_likelihood[time];
-    evidence.push_back(*std::max_element(scores.begin(), scores.end()) /
-                       std::max(contact.hmm_steps[time], 1.0));
-  }
-  std::sort(evidence.begin(), evidence.end());
-  const auto quantile = [&](double fraction) {
-    return evidence[static_cast<size_t>(
-        fraction * static_cast<double>(evidence.size() - 1))];
-  };
-  const double median = quantile(0.5);
-  calibration.evidence_median.push_back(median);
-  calibration.evidence_deviation.push_back(
-      std::max((median - quantile(kFalseAlarms)) / kUnknownDeviations,
-               kMinEvidenceDeviation));
-}
-
 // Scales the estimated deviations so that 68.3 % of the errors lie within one
 // of them. A few large errors do not change the scales much.
 void FitEstimateScales(std::span<const ScoredContact> contacts,
@@ -256,6 +231,11 @@ ScoredContact ScoreContact(const std::shared_ptr<const CompiledModel>& model,
            contact.object_motion[classifier.frames() - 1]});
     }
     scored.hmm_steps.push_back(static_cast<double>(classifier.hmm_steps()));
+    if (model->estimator() != nullptr) {
+      scored.log10_stiffness.push_back(
+          classifier.object() ? classifier.object()->log10_stiffness
+                              : std::numeric_limits<double>::quiet_NaN());
+    }
   };
   const auto frames = AnytimeFrames(contact.sample_rate_hz);
   WalkContact(contact, classifier, [&](int time) {
@@ -294,13 +274,10 @@ void FitCalibration(std::span<const ScoredContact> contacts, double rate,
   c.frames = CalibrationFrames(rate);
   for (auto* table :
        {&c.hmm_inverse_temperature, &c.hmm_bias, &c.lstm_inverse_temperature,
-        &c.lstm_bias, &c.hmm_weight, &c.lstm_weight, &c.fused_bias,
-        &c.evidence_median, &c.evidence_deviation}) {
+        &c.lstm_bias, &c.hmm_weight, &c.lstm_weight, &c.fused_bias}) {
     table->clear();
   }
-  for (size_t time = 0; time < c.frames.size(); ++time) {
-    FitEvidence(contacts, time, c);
-  }
+  FitUnknown(contacts, c);
   FitAnswers(contacts, c);
   FitEstimateScales(contacts, c);
 }

@@ -51,6 +51,9 @@ struct ScoredContact {
   std::vector<Estimate> estimates;
   // Number of steps of the HMMs up to each time.
   std::vector<double> hmm_steps;
+  // [times]: estimated stiffness, log10 N/m; NaN before the first estimate.
+  // Empty without an estimator.
+  std::vector<double> log10_stiffness;
 };
 
 // Scores one contact with a model that was not fitted to it. Its label must be
@@ -66,8 +69,9 @@ struct HeldOutSkill {
 };
 HeldOutSkill SkillOf(std::span<const ScoredContact> contacts);
 
-// Sets frames, inverse temperatures, biases, weights, the evidence and the
-// scales of the estimates' deviations. Keeps prior and decision rule.
+// Sets frames, inverse temperatures, biases, weights, what `unknown` compares
+// with (fit_unknown.h) and the scales of the estimates' deviations. Keeps prior
+// and decision rule.
 void FitCalibration(std::span<const ScoredContact> contacts, double rate,
                     Calibration& calibration);
 

@@ -63,7 +63,7 @@ void Fields(Archive& archive, ScoredContact::Estimate& estimate) {
 template <class Archive>
 void Fields(Archive& archive, ScoredContact& scored) {
   archive(scored.labels, scored.log_likelihood, scored.lstm_score,
-          scored.estimates, scored.hmm_steps);
+          scored.estimates, scored.hmm_steps, scored.log10_stiffness);
 }
 
 template <class Archive>

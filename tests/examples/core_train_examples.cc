@@ -37,6 +37,7 @@
 #include "core/train/fit_models.h"
 #include "core/train/fit_options.h"
 #include "core/train/fit_run.h"
+#include "core/train/fit_unknown.h"
 #include "core/train/model_fit.h"
 #include "core/train/saved_parts.h"
 #include "core/train/softmax_fit.h"
@@ -168,6 +169,10 @@ void CalibrateExample(
   std::vector<ScoredContact> scored;
   scored.push_back(ScoreContact(model_without_it, contact));
   FitCalibration(scored, /*rate=*/100, model.calibration);
+}
+
+void FitUnknownExample(std::span<const ScoredContact> scored, Model& model) {
+  FitUnknown(scored, model.calibration);
 }
 
 void SoftmaxFitExample(std::span<const ScoredLabel> contacts,

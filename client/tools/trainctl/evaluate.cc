@@ -80,7 +80,7 @@ absl::Status Check(const EvaluateFlags& flags) {
       if (value->empty()) continue;
       return InvalidConfig(
           flag, absl::StrCat("given with ", kLeaveOneCategoryOut),
-          "absent: the HMMs alone estimate the probability of unknown");
+          "absent: only the probability of unknown is measured");
     }
   }
   // Found before the trials are read.

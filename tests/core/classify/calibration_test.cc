@@ -95,10 +95,29 @@ TEST(UnknownProbabilityTest, GrowsAsEvidenceFallsBelowTraining) {
   CalibrationPoint point;
   point.evidence_median = -2;
   point.evidence_deviation = 2;
-  EXPECT_LT(UnknownProbability(point, -2), 0.01);
-  EXPECT_NEAR(UnknownProbability(point, -14), 0.5, 1e-12);
-  EXPECT_GT(UnknownProbability(point, -100), 0.999);
-  EXPECT_EQ(UnknownProbability(point, -kInfinity), 1);
+  EXPECT_LT(UnknownProbability(point, -2, {}), 0.01);
+  EXPECT_NEAR(UnknownProbability(point, -14, {}), 0.5, 1e-12);
+  EXPECT_GT(UnknownProbability(point, -100, {}), 0.999);
+  EXPECT_EQ(UnknownProbability(point, -kInfinity, {}), 1);
+}
+
+TEST(UnknownProbabilityTest, GrowsBeyondTheStiffnessesOfTraining) {
+  Calibration c = testing::SmallModel().calibration;
+  const double likely = c.evidence_median[0];
+  const double unlikely = likely - 100;
+  const auto without = CalibrationAt(c, 1);
+  EXPECT_EQ(UnknownProbability(without, likely, 30),
+            UnknownProbability(without, likely, {}));
+  c.stiffness_low = {3, 3};
+  c.stiffness_high = {8, 8};
+  const auto point = CalibrationAt(c, 1);
+  EXPECT_LT(UnknownProbability(point, likely, 7), 0.01);
+  EXPECT_NEAR(UnknownProbability(point, likely, 3), 0.5, 1e-12);
+  EXPECT_NEAR(UnknownProbability(point, likely, 8), 0.5, 1e-12);
+  EXPECT_GT(UnknownProbability(point, likely, 1), 0.9);
+  EXPECT_GT(UnknownProbability(point, likely, 9), 0.9);
+  // What no class explains is unknown, however stiff it is.
+  EXPECT_GT(UnknownProbability(point, unlikely, 7), 0.999);
 }
 
 TEST(ValidateCalibrationTest, EachSpoiltTableIsRefused) {
@@ -118,6 +137,20 @@ TEST(ValidateCalibrationTest, EachSpoiltTableIsRefused) {
       [](Calibration& c) { c.fused_bias = c.hmm_bias; },
       [](Calibration& c) { c.evidence_deviation[0] = 0; },
       [](Calibration& c) { c.evidence_median[0] = std::nan(""); },
+      [](Calibration& c) {
+        c.stiffness_low = {3, 8};
+        c.stiffness_high = {8, 8};
+      },
+      [](Calibration& c) {
+        c.stiffness_low = {3, 3};
+        c.stiffness_high = {8, std::nan("")};
+      },
+      [](Calibration& c) {
+        c.stiffness_low = {3, 3};
+      },
+      [](Calibration& c) {
+        c.stiffness_high = {8, 8};
+      },
       [](Calibration& c) { c.prior[0] = 0.5; },
       [](Calibration& c) { c.prior.pop_back(); },
       [](Calibration& c) { c.decision_threshold = 0.5; },

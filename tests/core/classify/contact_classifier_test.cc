@@ -108,6 +108,34 @@ TEST(ContactClassifierTest, WhatNoModelExplainsIsUnknownAndUndecided) {
   EXPECT_NEAR(Sum(classifier.probability()), 1, 1e-12);
 }
 
+// HMMs, and an untrained network that estimates some stiffness, known from
+// `low` to `high`.
+std::shared_ptr<const CompiledModel> Estimating(double low, double high) {
+  Model model = testing::SmallModel();
+  testing::AddLstms(1, model);
+  model.estimator = RandomNetwork(2, {5}, 4, Activation::kSoftsign,
+                                  GateActivation::kHardSigmoid, 9, 1, 2);
+  model.calibration.stiffness_low.assign(2, low);
+  model.calibration.stiffness_high.assign(2, high);
+  return *CompiledModel::Create(model);
+}
+
+double UnknownAfter20(const std::shared_ptr<const CompiledModel>& model,
+                      Scorers scorers) {
+  ContactClassifier classifier(model, {.scorers = scorers});
+  for (int t = 0; t < 20; ++t) classifier.Step(kHard, 0);
+  return classifier.unknown();
+}
+
+TEST(ContactClassifierTest, AnObjectSofterThanKnownOnesIsUnknown) {
+  const auto all = Estimating(-50, 50);
+  const auto hard = Estimating(40, 50);
+  EXPECT_LT(UnknownAfter20(all, Scorers::kAll), 0.1);
+  EXPECT_GT(UnknownAfter20(hard, Scorers::kAll), 0.9);
+  // Without the estimator nothing is known of the stiffness.
+  EXPECT_LT(UnknownAfter20(hard, Scorers::kHmms), 0.1);
+}
+
 TEST(ContactClassifierTest, ResetGivesTheSameBitsAgain) {
   ContactClassifier classifier(SmallCompiled(), {});
   auto run = [&] {

@@ -33,8 +33,7 @@ Numbers HmmAnswers(const ContactPipeline& pipeline) {
                  r.features.centroid.column,
                  static_cast<double>(r.features.region_count),
                  static_cast<double>(c.frames()),
-                 static_cast<double>(c.hmm_steps()),
-                 c.unknown()};
+                 static_cast<double>(c.hmm_steps())};
   Append(c.log_likelihood(), out);
   Append(c.hmm_probability(), out);
   return out;
@@ -47,8 +46,9 @@ Numbers AllAnswers(const ContactPipeline& pipeline) {
   Append(c.probability(), out);
   Append(c.lstm_probability(), out);
   Append(c.lstm_score(), out);
-  out.insert(out.end(), {static_cast<double>(pipeline.report().decided),
-                         c.stability(), static_cast<double>(c.best_class())});
+  out.insert(out.end(),
+             {static_cast<double>(pipeline.report().decided), c.stability(),
+              static_cast<double>(c.best_class()), c.unknown()});
   if (c.decision()) {
     out.push_back(static_cast<double>(c.decision()->class_index));
     out.push_back(static_cast<double>(c.decision()->frame));
@@ -77,6 +77,8 @@ class SkippingTest : public ::testing::Test {
     model.inputs.lstm_steps = {3, 10};
     model.estimator = RandomNetwork(2, {5}, 4, Activation::kSoftsign,
                                     GateActivation::kHardSigmoid, 9, 1, 2);
+    model.calibration.stiffness_low = {4, 4};
+    model.calibration.stiffness_high = {6, 6};
     model_ = *CompiledModel::Create(model);
     options_.release_after_s = 0.05;
     options_.decision.decision_threshold = 0.4;

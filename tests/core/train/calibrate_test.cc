@@ -149,8 +149,82 @@ TEST(FitCalibrationTest, FewKnownContactsAreCalledUnknown) {
   FitCalibration(contacts, 100, c);
   EXPECT_NEAR(c.evidence_median[0], -50, 1e-12);
   const CalibrationPoint point = CalibrationAt(c, c.frames[0]);
-  EXPECT_NEAR(UnknownProbability(point, -95), 0.5, 1e-12);
-  EXPECT_LT(UnknownProbability(point, -50), 0.01);
+  EXPECT_NEAR(UnknownProbability(point, -95, {}), 0.5, 1e-12);
+  EXPECT_LT(UnknownProbability(point, -50, {}), 0.01);
+  EXPECT_TRUE(c.stiffness_low.empty());
+}
+
+// Evidence and stiffness that have nothing to do with each other. The stiffness
+// is one of two: few objects lie between soft and hard.
+std::vector<ScoredContact> SoftAndHard(int count) {
+  Random random(10);
+  std::vector<ScoredContact> contacts(count);
+  for (ScoredContact& contact : contacts) {
+    const bool hard = random.Index(2) == 1;
+    contact.labels.assign(6, hard ? 1 : 0);
+    contact.hmm_steps.assign(6, 1);
+    contact.log_likelihood.assign(6, {random.Gaussian(), -10});
+    const double stiffness = (hard ? 8 : 3.5) + 0.2 * random.Gaussian();
+    contact.log10_stiffness.assign(6, stiffness);
+  }
+  return contacts;
+}
+
+double CalledUnknown(const std::vector<ScoredContact>& contacts,
+                     const Calibration& c, size_t time) {
+  const CalibrationPoint point = CalibrationAt(c, c.frames[time]);
+  double called = 0;
+  for (const ScoredContact& contact : contacts) {
+    called += UnknownProbability(point, contact.log_likelihood[time][0],
+                                 contact.log10_stiffness[time]) > 0.5;
+  }
+  return called / static_cast<double>(contacts.size());
+}
+
+TEST(FitCalibrationTest, AnObjectSofterOrHarderThanKnownOnesIsUnknown) {
+  const auto contacts = SoftAndHard(4000);
+  Calibration c;
+  c.prior = {0.5, 0.5};
+  FitCalibration(contacts, 100, c);
+  ASSERT_TRUE(Validate(c, 2, false).ok());
+  ASSERT_EQ(c.stiffness_low.size(), 6u);
+  // Both scores together give no more false alarms than one did.
+  EXPECT_NEAR(CalledUnknown(contacts, c, 3), 0.05, 0.002);
+  const CalibrationPoint point = CalibrationAt(c, c.frames[3]);
+  for (const double known : {3.5, 8.0}) {
+    EXPECT_LT(UnknownProbability(point, 0, known), 0.5) << known;
+  }
+  for (const double foreign : {2.5, 9.0}) {
+    EXPECT_GT(UnknownProbability(point, 0, foreign), 0.5) << foreign;
+  }
+}
+
+TEST(FitCalibrationTest, ObjectsOfOneStiffnessAreKnownWithinAFactorOfTwo) {
+  auto contacts = SoftAndHard(400);
+  for (ScoredContact& contact : contacts) contact.log10_stiffness.assign(6, 5);
+  Calibration c;
+  c.prior = {0.5, 0.5};
+  FitCalibration(contacts, 100, c);
+  ASSERT_TRUE(Validate(c, 2, false).ok());
+  const CalibrationPoint point = CalibrationAt(c, c.frames[3]);
+  EXPECT_LT(UnknownProbability(point, 0, 5.2), 0.5);
+  EXPECT_GT(UnknownProbability(point, 0, 5.4), 0.5);
+}
+
+// Contacts that end before the first estimate have none.
+TEST(FitCalibrationTest, TooFewEstimatesSayNothingOfTheStiffness) {
+  auto contacts = SoftAndHard(400);
+  for (size_t i = 39; i < contacts.size(); ++i) {
+    contacts[i].log10_stiffness[0] = std::nan("");
+  }
+  Calibration c;
+  c.prior = {0.5, 0.5};
+  FitCalibration(contacts, 100, c);
+  EXPECT_TRUE(c.stiffness_low.empty());
+  EXPECT_TRUE(Validate(c, 2, false).ok());
+  contacts[39].log10_stiffness[0] = 8;
+  FitCalibration(contacts, 100, c);
+  EXPECT_EQ(c.stiffness_low.size(), 6u);
 }
 
 }  // namespace

@@ -283,9 +283,14 @@ void PlainClassifier::UpdateProbabilities() {
   if (hmm_steps_ == 0) return;
   const long double evidence = *std::ranges::max_element(log_likelihood_) /
                                static_cast<long double>(hmm_steps_);
-  const long double deviations =
-      (evidence - read(c.evidence_median)) / read(c.evidence_deviation);
-  unknown_ = 1 / (1 + std::exp(deviations + 6));
+  long double log_odds =
+      (read(c.evidence_median) - evidence) / read(c.evidence_deviation) - 6;
+  if (object_ && !c.stiffness_low.empty()) {
+    const long double stiffness = object_->log10_stiffness;
+    log_odds = std::max({log_odds, (read(c.stiffness_low) - stiffness) / 0.05L,
+                         (stiffness - read(c.stiffness_high)) / 0.05L});
+  }
+  unknown_ = 1 / (1 + std::exp(-log_odds));
 }
 
 }  // namespace tactus
