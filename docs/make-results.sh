@@ -105,7 +105,7 @@ unknown() {
   title "What no category explains: is it unknown?" "good" \
     "contacts 3 (categories) and 7 (materials), training 1" \
     "the felt contacts among 8,000 (categories), 2,400 (materials inside of the range) and 1,200 (each other group of materials)"
-  printf '\n## A category left out\n\nHMMs of the other three categories and of all groups of arms but one score contacts of that category and of the others, with the arms of that group. 0.5 is chance.\n'
+  printf '\n## A category left out\n\nModels of the other three categories and of all groups of arms but one score contacts of that category and of the others, with the arms of that group. 0.5 is chance.\n'
   for truth in so-far final; do
     show evaluate --data=world:skin=good,contacts=8000,seed=3 \
       --protocol=leave-one-category-out --preset=world --truth="$truth" --seed=1
@@ -165,9 +165,9 @@ the materials of such a group have one modulus.
 
 ## Would another score do better?
 
-`unknown` compares the likelihood of the best category's HMMs with that of held-out
-contacts. The tables have three other scores. They are computed outside of Tactus from
-the HMMs' cues at 5 s, and no bundle has them:
+`unknown` compares the likelihood of the best category's HMMs, and the stiffness that a
+network estimates, with those of held-out contacts. The tables have three other scores.
+They are computed outside of Tactus from the HMMs' cues at 5 s, and no bundle has them:
 
 - the Mahalanobis distance from the nearest category;
 - the mean distance from the 20 nearest contacts;
