@@ -6,6 +6,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/support/scratch_dir.h"
 
 namespace tactus::client {
 namespace {
@@ -23,8 +24,8 @@ class CompletionTest : public ::testing::Test {
 
   // What bash offers after the words, of which the last one is incomplete.
   std::string Complete(const std::string& words) {
-    const std::string path =
-        ::testing::TempDir() + "/tactus-completion-test.bash";
+    const ScratchDir folder;
+    const std::string path = folder / "completion.bash";
     std::ofstream(path) << CompletionScript(app_, Shell::kBash)
                         << "COMP_WORDS=(trainctl " << words << ")\n"
                         << "COMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n"

@@ -2,6 +2,7 @@
 // skin felt. Accuracies state the contacts that they count.
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/support/scratch_dir.h"
 #include "tests/support/trainctl_run.h"
 
 namespace tactus {
@@ -12,8 +13,9 @@ using ::testing::HasSubstr;
 using testing::RunTrainctl;
 
 TEST(AccuracyOfTrialsNeverFeltTest, CountsFeltContacts) {
-  const std::string data = ::testing::TempDir() + "felt.h5";
-  const std::string bundle = ::testing::TempDir() + "felt.tactus";
+  const ScratchDir folder;
+  const std::string data = folder / "felt.h5";
+  const std::string bundle = folder / "felt.tactus";
   const auto run = [](const std::string& arguments) {
     const auto done = RunTrainctl(arguments);
     EXPECT_TRUE(done.status.ok()) << done.status;

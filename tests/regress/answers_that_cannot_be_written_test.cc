@@ -7,6 +7,7 @@
 #include "core/base/errors.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/support/scratch_dir.h"
 #include "tests/support/trainctl_run.h"
 
 namespace tactus {
@@ -18,8 +19,8 @@ using testing::RunTrainctl;
 
 // The data is missing, too: the first error is the one of the answers.
 TEST(AnswersThatCannotBeWrittenTest, AreFoundBeforeTheWork) {
-  const std::string folder = ::testing::TempDir() + "answers-folder";
-  std::filesystem::create_directories(folder);
+  const ScratchDir scratch;
+  const std::string folder = scratch.path();
   for (const std::string flags : {"--protocol=loco", "--model=none.tactus"}) {
     const std::string command = "evaluate --data=none.h5 " + flags;
     for (const std::string& path :
@@ -36,9 +37,10 @@ TEST(AnswersThatCannotBeWrittenTest, AreFoundBeforeTheWork) {
 }
 
 TEST(AnswersThatCannotBeWrittenTest, ProtocolsAndBundlesWriteThem) {
-  const std::string data = ::testing::TempDir() + "answers.h5";
-  const std::string bundle = ::testing::TempDir() + "answers.tactus";
-  const std::string answers = ::testing::TempDir() + "answers.csv";
+  const ScratchDir folder;
+  const std::string data = folder / "answers.h5";
+  const std::string bundle = folder / "answers.tactus";
+  const std::string answers = folder / "answers.csv";
   const std::string fit = " --preset=paper --networks=0 --states=3";
   const auto run = [](const std::string& arguments) {
     const auto done = RunTrainctl(arguments);

@@ -3,6 +3,7 @@
 // --algorithm=fused and no LSTM it reported fused answers.
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/support/scratch_dir.h"
 #include "tests/support/trainctl_run.h"
 
 namespace tactus {
@@ -26,7 +27,7 @@ class EvaluationOfHalfABundleTest : public ::testing::Test {
     return run.out;
   }
   std::string Fit(const std::string& flags) {
-    const std::string bundle = ::testing::TempDir() + "half.tactus";
+    const std::string bundle = folder_ / "half.tactus";
     Run("fit --data=" + data_ + " --out=" + bundle +
         " --preset=paper --states=3 " + flags);
     return bundle;
@@ -37,7 +38,8 @@ class EvaluationOfHalfABundleTest : public ::testing::Test {
     return json;
   }
 
-  const std::string data_ = ::testing::TempDir() + "half.h5";
+  const ScratchDir folder_;
+  const std::string data_ = folder_ / "half.h5";
 };
 
 TEST_F(EvaluationOfHalfABundleTest, LstmsTakePartUnlessHmmsAreChosen) {

@@ -11,6 +11,7 @@
 #include "gtest/gtest.h"
 #include "nlohmann/json.hpp"
 #include "server/session/stream_session.h"
+#include "tests/support/scratch_dir.h"
 #include "tests/support/small_model.h"
 #include "tests/support/trainctl_run.h"
 
@@ -90,8 +91,9 @@ std::vector<double> ServersFinal(const OneModel& models, const Trial& trial) {
 
 TEST(FinalsOfClassifyAndServerTest, AreEqualWhateverTheBundleSays) {
   constexpr int kTrials = 9;
-  const std::string data = ::testing::TempDir() + "finals.h5";
-  const std::string bundle = ::testing::TempDir() + "finals.tactus";
+  const ScratchDir folder;
+  const std::string data = folder / "finals.h5";
+  const std::string bundle = folder / "finals.tactus";
   {
     auto writer = *TrialFileWriter::Create(data, {.overwrite = true});
     for (int i = 0; i < kTrials; ++i) {

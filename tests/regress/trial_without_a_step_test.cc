@@ -7,6 +7,7 @@
 #include "core/data/trial_file.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/support/scratch_dir.h"
 #include "tests/support/trainctl_run.h"
 
 namespace tactus {
@@ -17,8 +18,8 @@ using testing::RunTrainctl;
 
 // Twelve trials of two classes; number 7 has `frames` frames, the others 40.
 // Returns the path.
-std::string TrialsWithAShortOne(int frames) {
-  const std::string path = ::testing::TempDir() + "/short_trial.h5";
+std::string TrialsWithAShortOne(const ScratchDir& folder, int frames) {
+  const std::string path = folder / "short_trial.h5";
   auto writer = TrialFileWriter::Create(path, {.overwrite = true});
   EXPECT_TRUE(writer.ok()) << writer.status();
   Random random(1);
@@ -38,21 +39,23 @@ std::string TrialsWithAShortOne(int frames) {
   return path;
 }
 
-std::string FitCommand(const std::string& data) {
+std::string FitCommand(const ScratchDir& folder, int frames) {
   return "fit --networks=1 --epochs=1 --mixtures=1 --states=2 --json --data=" +
-         data + " --out=" + ::testing::TempDir() + "/short_trial.tactus";
+         TrialsWithAShortOne(folder, frames) +
+         " --out=" + (folder / "short_trial.tactus");
 }
 
 TEST(TrialWithoutAStepTest, IsNamedBeforeTheFit) {
-  const auto run = RunTrainctl(FitCommand(TrialsWithAShortOne(4)));
+  const ScratchDir folder;
+  const auto run = RunTrainctl(FitCommand(folder, 4));
   EXPECT_EQ(ReasonOf(run.status), "INVALID_TRAINING_DATA");
   EXPECT_THAT(run.status.message(), HasSubstr("1 of 12"));
   EXPECT_THAT(run.status.message(), HasSubstr("000007"));
 }
 
 TEST(TrialWithoutAStepTest, IsLeftOutIfTheUserWishes) {
-  const auto run =
-      RunTrainctl(FitCommand(TrialsWithAShortOne(4)) + " --skip-unusable");
+  const ScratchDir folder;
+  const auto run = RunTrainctl(FitCommand(folder, 4) + " --skip-unusable");
   ASSERT_TRUE(run.status.ok()) << run.status;
   const auto report = client::Json::parse(run.out);
   EXPECT_EQ(report["unusable"], client::Json({"000007"}));
@@ -61,7 +64,8 @@ TEST(TrialWithoutAStepTest, IsLeftOutIfTheUserWishes) {
 
 // Copies at another pace last down to a third of the time.
 TEST(TrialWithoutAStepTest, ACopyWithoutAStepIsLeftOut) {
-  const auto run = RunTrainctl(FitCommand(TrialsWithAShortOne(6)));
+  const ScratchDir folder;
+  const auto run = RunTrainctl(FitCommand(folder, 6));
   ASSERT_TRUE(run.status.ok()) << run.status;
   EXPECT_TRUE(client::Json::parse(run.out)["unusable"].empty());
 }

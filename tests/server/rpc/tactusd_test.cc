@@ -20,6 +20,7 @@
 #include "tests/server/support/requests.h"
 #include "tests/server/support/tls_files.h"
 #include "tests/support/child_tactusd.h"
+#include "tests/support/scratch_dir.h"
 
 namespace tactus {
 namespace {
@@ -106,7 +107,8 @@ TEST(TactusdTlsTest, SpeaksTlsOnPortsAndPlainOnUnixSockets) {
                                "--tls-cert=" + files.key(),
                                "--tls-key=" + files.certificate()}),
             1);
-  const std::string socket = "unix:" + files.key() + ".sock";
+  const ScratchDir folder;
+  const std::string socket = "unix:" + folder / "tactusd.sock";
   ChildTactusd daemon(Quiet({certificate, key, "--listen=" + socket}));
   ASSERT_NE(daemon.port(), 0) << daemon.Log();
   const std::string address = daemon.address();
