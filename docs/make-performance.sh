@@ -5,7 +5,8 @@
 #   docs/make-performance.sh            some ten minutes on two quiet cores
 #   docs/make-performance.sh --quick    only shows that it works
 #
-# Needs a release build.
+# The benchmarks served and fit-scale have pages in docs/results/. Needs a release
+# build.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -16,7 +17,7 @@ trap 'rm -rf "$work"' EXIT
 quick=()
 [[ ${1:-} != --quick ]] || quick=(--quick)
 
-"$bench" all "${quick[@]}" --except=frontier --json >"$work/all.json"
+"$bench" all "${quick[@]}" --except=frontier,served,fit-scale --json >"$work/all.json"
 "$bench" frontier "${quick[@]}" --table="$work/frontier.csv" --figures="$out" \
   >"$work/frontier.txt"
 

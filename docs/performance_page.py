@@ -119,7 +119,7 @@ def main():
     print(f"| system | {system} |")
     print(f"| compiler | {compiler} |")
     print(f"| program | {version} |")
-    print("\n## Beside peers\n\n`tactus-bench all --except=frontier`\n")
+    print("\n## Beside peers\n\n`tactus-bench all --except=frontier,served,fit-scale`\n")
     print(
         "Ours and the peer take turns in one run; medians count. The ratio says how many "
         "times better ours is. An error is the largest difference from the reference.\n"
