@@ -233,8 +233,7 @@ void ToProto(const Calibration& c, v1::Calibration* out) {
   Assign(c.fused_bias, out->mutable_fused_bias());
   Assign(c.evidence_median, out->mutable_evidence_median());
   Assign(c.evidence_deviation, out->mutable_evidence_deviation());
-  Assign(c.stiffness_low, out->mutable_stiffness_low());
-  Assign(c.stiffness_high, out->mutable_stiffness_high());
+  Assign(c.softest, out->mutable_softest());
   Assign(c.prior, out->mutable_prior());
   out->set_decision_threshold(c.decision_threshold);
   out->set_decision_frames(c.decision_frames);
@@ -268,8 +267,7 @@ Calibration FromProto(const v1::Calibration& in) {
   c.fused_bias = ToVector(in.fused_bias());
   c.evidence_median = ToVector(in.evidence_median());
   c.evidence_deviation = ToVector(in.evidence_deviation());
-  c.stiffness_low = ToVector(in.stiffness_low());
-  c.stiffness_high = ToVector(in.stiffness_high());
+  c.softest = ToVector(in.softest());
   c.prior = ToVector(in.prior());
   c.decision_threshold = in.decision_threshold();
   c.decision_frames = in.decision_frames();

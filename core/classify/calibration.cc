@@ -39,24 +39,6 @@ absl::Status CheckTable(absl::string_view name,
   return absl::OkStatus();
 }
 
-// A stiffness is known between two borders.
-absl::Status CheckStiffness(const Calibration& c) {
-  constexpr double kMost = 100;  // log10 N/m
-  const size_t entries = c.stiffness_low.empty() ? 0 : c.frames.size();
-  TACTUS_RETURN_IF_ERROR(
-      CheckTable("stiffness_low", c.stiffness_low, entries, -kMost, kMost));
-  TACTUS_RETURN_IF_ERROR(
-      CheckTable("stiffness_high", c.stiffness_high, entries, -kMost, kMost));
-  for (size_t i = 0; i < entries; ++i) {
-    if (c.stiffness_low[i] >= c.stiffness_high[i]) {
-      return InvalidModel(
-          "calibration.stiffness_low", c.stiffness_low[i],
-          absl::StrCat("below ", c.stiffness_high[i], ", its stiffness_high"));
-    }
-  }
-  return absl::OkStatus();
-}
-
 }  // namespace
 
 CalibrationPoint CalibrationAt(const Calibration& c, double frames) {
@@ -82,10 +64,7 @@ CalibrationPoint CalibrationAt(const Calibration& c, double frames) {
   }
   point.evidence_median = read(c.evidence_median);
   point.evidence_deviation = read(c.evidence_deviation);
-  if (!c.stiffness_low.empty()) {
-    point.stiffness_low = read(c.stiffness_low);
-    point.stiffness_high = read(c.stiffness_high);
-  }
+  if (!c.softest.empty()) point.softest = read(c.softest);
   return point;
 }
 
@@ -136,9 +115,8 @@ double UnknownProbability(const CalibrationPoint& point, double evidence,
       (point.evidence_median - evidence) / point.evidence_deviation -
       kUnknownDeviations;
   if (log10_stiffness) {
-    const double beyond = std::max(point.stiffness_low - *log10_stiffness,
-                                   *log10_stiffness - point.stiffness_high);
-    log_odds = std::max(log_odds, beyond / kStiffnessDeviation);
+    log_odds = std::max(
+        log_odds, (point.softest - *log10_stiffness) / kStiffnessDeviation);
   }
   return 1 / (1 + std::exp(-log_odds));
 }
@@ -181,7 +159,8 @@ absl::Status Validate(const Calibration& c, int classes, bool has_lstm) {
       CheckTable("evidence_median", c.evidence_median, entries, -kHuge, kHuge));
   TACTUS_RETURN_IF_ERROR(CheckTable("evidence_deviation", c.evidence_deviation,
                                     entries, kTiny, kHuge));
-  TACTUS_RETURN_IF_ERROR(CheckStiffness(c));
+  TACTUS_RETURN_IF_ERROR(CheckTable(
+      "softest", c.softest, c.softest.empty() ? 0 : entries, -kHuge, kHuge));
   TACTUS_RETURN_IF_ERROR(CheckTable("prior", c.prior, classes, 0, 1));
   double sum = 0;
   for (double p : c.prior) sum += p;

@@ -33,9 +33,8 @@ struct CalibrationPoint {
   double lstm_weight = 0;
   double evidence_median = 0;
   double evidence_deviation = 1;
-  // Without an estimator every stiffness is known.
-  double stiffness_low = -std::numeric_limits<double>::infinity();
-  double stiffness_high = std::numeric_limits<double>::infinity();
+  // Without an estimator no stiffness is too low.
+  double softest = -std::numeric_limits<double>::infinity();
 
   bool operator==(const CalibrationPoint&) const = default;
 };
@@ -69,22 +68,23 @@ void FusePosteriors(std::span<const double> hmm, std::span<const double> lstm,
 // median. One deviation changes the odds by a factor of e.
 inline constexpr double kUnknownDeviations = 6;
 
-// `unknown` is also one half at the borders of the known stiffnesses. Beyond
-// them the odds change by a factor of e with each 0.05, log10 N/m: a factor of
-// two in stiffness makes `unknown` almost certain.
+// `unknown` is also one half for the softest known object. The odds change by a
+// factor of e with each 0.05, log10 N/m: half of that stiffness is almost
+// certainly unknown.
 inline constexpr double kStiffnessDeviation = 0.05;
 
 // Returns the probability that training had nothing like this contact: either
-// no class explains it, or its object is softer or harder than those of
-// training. The more probable of the two counts. `evidence` is the
-// log-likelihood of the best class per HMM step. `log10_stiffness` is the
+// no class explains it, or its object is softer than those of training. The
+// more probable of the two counts. Objects harder than those of training push
+// back as the hardest of these do, so they are not told apart. `evidence` is
+// the log-likelihood of the best class per HMM step. `log10_stiffness` is the
 // estimated stiffness, log10 N/m; nothing without an estimate.
 double UnknownProbability(const CalibrationPoint& point, double evidence,
                           std::optional<double> log10_stiffness);
 
 // Returns INVALID_MODEL unless all tables have one finite entry per entry of
-// `frames` and the prior has `classes` entries that sum to 1. The tables of the
-// stiffness may be empty.
+// `frames` and the prior has `classes` entries that sum to 1. `softest` may be
+// empty.
 absl::Status Validate(const Calibration& calibration, int classes,
                       bool has_lstm);
 

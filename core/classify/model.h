@@ -92,10 +92,9 @@ struct Calibration {
   // far below it one deviation is.
   std::vector<double> evidence_median;
   std::vector<double> evidence_deviation;
-  // The estimated stiffnesses that are known, log10 N/m. Empty without an
+  // The lowest estimated stiffness that is known, log10 N/m. Empty without an
   // estimator.
-  std::vector<double> stiffness_low;
-  std::vector<double> stiffness_high;
+  std::vector<double> softest;
   // Factors on the standard deviations of the object estimate.
   double stiffness_deviation_scale = 1;
   double moved_deviation_scale = 1;

@@ -93,7 +93,10 @@ absl::StatusOr<std::vector<UnknownResult>> EvaluateUnknown(
   TACTUS_ASSIGN_OR_RETURN(const auto folds,
                           MakeFolds(contacts, Protocol::kLeaveOneConditionOut));
   FitOptions needed = options;
-  if (!options.lstm.estimates) needed.lstm.networks = 0;
+  // The networks that classify do not change `unknown`. An estimator is only
+  // trained beside one, so one is trained and is as small as can be.
+  needed.lstm.networks = options.lstm.estimates ? 1 : 0;
+  needed.lstm.cells = {1};
 
   const size_t jobs = categories.size() * folds.size();
   std::vector<absl::StatusOr<std::vector<double>>> unknown(

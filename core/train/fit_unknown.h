@@ -4,11 +4,11 @@
 // calibration.h): how likely the best class is, and how stiff the object is
 // estimated to be.
 //
-// A contact is called unknown if its likelihood lies below a quantile of the
-// held-out contacts, or its stiffness outside of two quantiles. As many
-// held-out contacts lie below the first as outside of the other two, and one
-// held-out contact in twenty is called unknown for either reason. Quantiles
-// replace a standard deviation, because the likelihood's lower tail is heavy.
+// The borders are quantiles of the held-out contacts, not multiples of a
+// standard deviation, because the lower tail of the likelihood is heavy. Most
+// of the false alarms are left to the likelihood. Few are enough for softness:
+// the estimates of an object half as stiff as the softest of training lie below
+// nearly all of the held-out ones.
 //
 //   FitUnknown(scored, model.calibration);
 //
@@ -21,12 +21,15 @@
 
 namespace tactus {
 
-// Fraction of held-out contacts that `unknown` may be above one half for.
+// Fraction of held-out contacts that are called unknown at most, and that of
+// those called unknown because their object is soft.
 inline constexpr double kFalseAlarms = 0.05;
+inline constexpr double kSoftFalseAlarms = 0.01;
 
-// Sets the tables of evidence and stiffness at each entry of
-// `calibration.frames`. Those of the stiffness stay empty if fewer than
-// kMinEstimates contacts have an estimate at one of the entries.
+// Sets the tables of the evidence and `softest` at each entry of
+// `calibration.frames`. `softest` stays empty if fewer than kMinEstimates
+// contacts have an estimate at one of the entries; then all false alarms are
+// left to the likelihood.
 inline constexpr size_t kMinEstimates = 40;
 void FitUnknown(std::span<const ScoredContact> contacts,
                 Calibration& calibration);

@@ -27,8 +27,7 @@ Model FullModel() {
                                   GateActivation::kHardSigmoid, 5,
                                   /*forget_bias=*/1, /*regressions=*/2);
   model.calibration.stiffness_deviation_scale = 1.5;
-  model.calibration.stiffness_low = {2, 3};
-  model.calibration.stiffness_high = {8, 9};
+  model.calibration.softest = {2, 3};
   model.inputs.lstm = {
       {Cue::kLogSpring, 0, 1, 2}, {Cue::kArea, 0.5, 3, 4}, {Cue::kLogTime}};
   model.inputs.lstm_steps = {5, 20};
@@ -71,8 +70,7 @@ TEST(BundleTest, CalibrationsOfEarlierReleasesAreFilledIn) {
   calibration.clear_lstm_bias();
   calibration.clear_fused_bias();
   calibration.clear_held();
-  calibration.clear_stiffness_low();
-  calibration.clear_stiffness_high();
+  calibration.clear_softest();
   bundle.clear_truth();
   bundle.clear_poses();
   const auto model = ModelFromProto(bundle);
@@ -80,7 +78,7 @@ TEST(BundleTest, CalibrationsOfEarlierReleasesAreFilledIn) {
   EXPECT_EQ(model->calibration.hmm_weight, (std::vector<double>{0.75, 0.5}));
   EXPECT_EQ(model->calibration.fused_bias, std::vector<double>(8, 0));
   EXPECT_FALSE(model->calibration.held);
-  EXPECT_TRUE(model->calibration.stiffness_low.empty());
+  EXPECT_TRUE(model->calibration.softest.empty());
   EXPECT_EQ(model->truth, Truth::kFinal);
   EXPECT_EQ(model->poses, PoseNeed::kEither);
   EXPECT_TRUE(Validate(*model).ok()) << Validate(*model);
@@ -109,8 +107,7 @@ TEST(BundleTest, RoundTripKeepsEveryField) {
             model.lstms[1].layers[1].recurrent);
   EXPECT_EQ(back->estimator->regressions, 2);
   EXPECT_EQ(back->calibration.stiffness_deviation_scale, 1.5);
-  EXPECT_EQ(back->calibration.stiffness_low, (std::vector<double>{2, 3}));
-  EXPECT_EQ(back->calibration.stiffness_high, (std::vector<double>{8, 9}));
+  EXPECT_EQ(back->calibration.softest, (std::vector<double>{2, 3}));
   EXPECT_EQ(back->lstms[0].classes(), 4);
   EXPECT_EQ(back->inputs.lstm[1].cue, Cue::kArea);
   EXPECT_EQ(back->inputs.lstm_steps.max, 20u);

@@ -101,21 +101,18 @@ TEST(UnknownProbabilityTest, GrowsAsEvidenceFallsBelowTraining) {
   EXPECT_EQ(UnknownProbability(point, -kInfinity, {}), 1);
 }
 
-TEST(UnknownProbabilityTest, GrowsBeyondTheStiffnessesOfTraining) {
+TEST(UnknownProbabilityTest, GrowsBelowTheStiffnessesOfTraining) {
   Calibration c = testing::SmallModel().calibration;
   const double likely = c.evidence_median[0];
   const double unlikely = likely - 100;
   const auto without = CalibrationAt(c, 1);
-  EXPECT_EQ(UnknownProbability(without, likely, 30),
+  EXPECT_EQ(UnknownProbability(without, likely, -30),
             UnknownProbability(without, likely, {}));
-  c.stiffness_low = {3, 3};
-  c.stiffness_high = {8, 8};
+  c.softest = {3, 3};
   const auto point = CalibrationAt(c, 1);
   EXPECT_LT(UnknownProbability(point, likely, 7), 0.01);
   EXPECT_NEAR(UnknownProbability(point, likely, 3), 0.5, 1e-12);
-  EXPECT_NEAR(UnknownProbability(point, likely, 8), 0.5, 1e-12);
-  EXPECT_GT(UnknownProbability(point, likely, 1), 0.9);
-  EXPECT_GT(UnknownProbability(point, likely, 9), 0.9);
+  EXPECT_GT(UnknownProbability(point, likely, 2.7), 0.99);
   // What no class explains is unknown, however stiff it is.
   EXPECT_GT(UnknownProbability(point, unlikely, 7), 0.999);
 }
@@ -137,19 +134,9 @@ TEST(ValidateCalibrationTest, EachSpoiltTableIsRefused) {
       [](Calibration& c) { c.fused_bias = c.hmm_bias; },
       [](Calibration& c) { c.evidence_deviation[0] = 0; },
       [](Calibration& c) { c.evidence_median[0] = std::nan(""); },
+      [](Calibration& c) { c.softest = {3}; },
       [](Calibration& c) {
-        c.stiffness_low = {3, 8};
-        c.stiffness_high = {8, 8};
-      },
-      [](Calibration& c) {
-        c.stiffness_low = {3, 3};
-        c.stiffness_high = {8, std::nan("")};
-      },
-      [](Calibration& c) {
-        c.stiffness_low = {3, 3};
-      },
-      [](Calibration& c) {
-        c.stiffness_high = {8, 8};
+        c.softest = {3, std::nan("")};
       },
       [](Calibration& c) { c.prior[0] = 0.5; },
       [](Calibration& c) { c.prior.pop_back(); },

@@ -108,15 +108,13 @@ TEST(ContactClassifierTest, WhatNoModelExplainsIsUnknownAndUndecided) {
   EXPECT_NEAR(Sum(classifier.probability()), 1, 1e-12);
 }
 
-// HMMs, and an untrained network that estimates some stiffness, known from
-// `low` to `high`.
-std::shared_ptr<const CompiledModel> Estimating(double low, double high) {
+// HMMs, and an untrained network that estimates some stiffness.
+std::shared_ptr<const CompiledModel> Estimating(double softest) {
   Model model = testing::SmallModel();
   testing::AddLstms(1, model);
   model.estimator = RandomNetwork(2, {5}, 4, Activation::kSoftsign,
                                   GateActivation::kHardSigmoid, 9, 1, 2);
-  model.calibration.stiffness_low.assign(2, low);
-  model.calibration.stiffness_high.assign(2, high);
+  model.calibration.softest.assign(2, softest);
   return *CompiledModel::Create(model);
 }
 
@@ -128,8 +126,8 @@ double UnknownAfter20(const std::shared_ptr<const CompiledModel>& model,
 }
 
 TEST(ContactClassifierTest, AnObjectSofterThanKnownOnesIsUnknown) {
-  const auto all = Estimating(-50, 50);
-  const auto hard = Estimating(40, 50);
+  const auto all = Estimating(-50);
+  const auto hard = Estimating(50);
   EXPECT_LT(UnknownAfter20(all, Scorers::kAll), 0.1);
   EXPECT_GT(UnknownAfter20(hard, Scorers::kAll), 0.9);
   // Without the estimator nothing is known of the stiffness.

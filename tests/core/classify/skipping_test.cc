@@ -77,8 +77,7 @@ class SkippingTest : public ::testing::Test {
     model.inputs.lstm_steps = {3, 10};
     model.estimator = RandomNetwork(2, {5}, 4, Activation::kSoftsign,
                                     GateActivation::kHardSigmoid, 9, 1, 2);
-    model.calibration.stiffness_low = {4, 4};
-    model.calibration.stiffness_high = {6, 6};
+    model.calibration.softest = {4.8, 4.8};
     model_ = *CompiledModel::Create(model);
     options_.release_after_s = 0.05;
     options_.decision.decision_threshold = 0.4;

@@ -48,8 +48,7 @@ Model FullModel() {
   model.inputs.lstm = {{Cue::kLogSpring}, {Cue::kAreaResponseLong}};
   model.estimator = RandomNetwork(2, {5}, 4, Activation::kSoftsign,
                                   GateActivation::kHardSigmoid, 9, 1, 2);
-  model.calibration.stiffness_low = {4, 4};
-  model.calibration.stiffness_high = {6, 6};
+  model.calibration.softest = {5, 5};
   return model;
 }
 

@@ -285,10 +285,9 @@ void PlainClassifier::UpdateProbabilities() {
                                static_cast<long double>(hmm_steps_);
   long double log_odds =
       (read(c.evidence_median) - evidence) / read(c.evidence_deviation) - 6;
-  if (object_ && !c.stiffness_low.empty()) {
+  if (object_ && !c.softest.empty()) {
     const long double stiffness = object_->log10_stiffness;
-    log_odds = std::max({log_odds, (read(c.stiffness_low) - stiffness) / 0.05L,
-                         (stiffness - read(c.stiffness_high)) / 0.05L});
+    log_odds = std::max(log_odds, (read(c.softest) - stiffness) / 0.05L);
   }
   unknown_ = 1 / (1 + std::exp(-log_odds));
 }
