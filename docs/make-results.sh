@@ -9,7 +9,7 @@
 # interrupted: a page and its figures are replaced when they are complete.
 #
 # Pages, with minutes on two cores, two hours together: signals (2), materials
-# (2), taxels (4), grid (1), unknown (4), default-bundle (1), cody (1),
+# (2), taxels (4), grid (1), unknown (12), default-bundle (1), cody (1),
 # recordings (1), paper-tables (40), explanations (20), simulator (8), world (1),
 # served (1; less with TACTUS_SERVED_CONTACTS), upper-reference (10), fine-skin
 # (18), breadth (5), inputs (4; less with TACTUS_INPUTS_CONTACTS), fit-scale (8).
@@ -54,6 +54,19 @@ quietly() {
   "$trainctl" "$@" >/dev/null
 }
 
+# world_signals ARGUMENTS...: the program, inside a block.
+world_signals() {
+  printf '$ world-signals %s\n' "$*"
+  "$bin/world-signals" "$@"
+}
+
+# reference SCRIPT ARGUMENTS...: ends a block with a script of tests/reference. What
+# it prints is Markdown.
+reference() {
+  printf '$ tests/reference/%s\n```\n\n' "$*"
+  OMP_NUM_THREADS=1 /usr/bin/python3 -B "$docs/../tests/reference/$1" "${@:2}"
+}
+
 # title TEXT SKIN SEEDS DENOMINATOR: the head of a page.
 title() {
   printf '# %s\n\nSkin: %s. Seeds: %s. Of: %s.\n\n' "$1" "$2" "$3" "$4"
@@ -85,11 +98,8 @@ signals() {
     printf '\n![Accuracy over time](%s/anytime.png)\n\n![Reliability](%s/reliability.png)\n' \
       "$(basename "$figures")" "$(basename "$figures")"
     printf '\nBoosted trees on some 350 summaries of the same contacts ([other learners](upper-reference.md)), by the category in the end:\n\n```\n'
-    printf '$ world-signals --data=signals-%s.h5 --out=%s\n' "$noise" "$noise"
-    "$bin/world-signals" --data="signals-$noise.h5" --out="$noise"
-    printf '$ tests/reference/upper/left_out_reference.py %s\n```\n\n' "$noise"
-    OMP_NUM_THREADS=1 /usr/bin/python3 -B \
-      "$docs/../tests/reference/upper/left_out_reference.py" "$noise"
+    world_signals --data="signals-$noise.h5" --out="$noise"
+    reference upper/left_out_reference.py "$noise"
   done
 }
 
@@ -134,8 +144,7 @@ EOT
     printf '$ trainctl classify --data=%s.h5 --model=default.tactus --json >%s.json\n' \
       "$group" "$group"
     "$trainctl" classify --data="$group.h5" --model=default.tactus --json >"$group.json"
-    printf '$ world-signals --data=%s.h5 --out=%s\n' "$group" "$group"
-    "$bin/world-signals" --data="$group.h5" --out="$group"
+    world_signals --data="$group.h5" --out="$group"
     rm "$group.h5"
     sample=1200
   done
@@ -154,9 +163,7 @@ areas under the ROC curve; 95 % intervals are in brackets:
 
 ```
 EOT
-  printf '$ tests/reference/upper/unknown_bound.py %s\n```\n\n' "${groups[*]}"
-  OMP_NUM_THREADS=1 /usr/bin/python3 -B \
-    "$docs/../tests/reference/upper/unknown_bound.py" "${groups[@]}"
+  reference upper/unknown_bound.py "${groups[@]}"
   cat <<'EOT'
 
 Objects that do not move show neither their density nor their friction. Softer
@@ -181,15 +188,10 @@ fitted to the 8,000 contacts alone. In brackets are 95 % intervals, and 0.5 is c
 
 ```
 EOT
-  local world=(--data="world:skin=good,contacts=8000,seed=3" --out=world-3)
-  local scores=$docs/../tests/reference/upper/unknown_scores.py
-  printf '$ world-signals %s\n$ tests/reference/upper/unknown_scores.py world-3\n```\n\n' \
-    "${world[*]}"
-  "$bin/world-signals" "${world[@]}"
-  OMP_NUM_THREADS=1 /usr/bin/python3 -B "$scores" world-3
-  printf '\n```\n$ tests/reference/upper/unknown_scores.py world-3 %s\n```\n\n' \
-    "${groups[*]}"
-  OMP_NUM_THREADS=1 /usr/bin/python3 -B "$scores" world-3 "${groups[@]}"
+  world_signals --data="world:skin=good,contacts=8000,seed=3" --out=world-3
+  reference upper/unknown_scores.py world-3
+  printf '\n```\n'
+  reference upper/unknown_scores.py world-3 "${groups[@]}"
 }
 
 taxels() {
@@ -326,14 +328,11 @@ EOT
       local arguments=(--data="world:skin=$skin,contacts=$set" --out="$skin-${set#*=}")
       # The bundle was not trained on the skin of the paper.
       [[ $skin == paper ]] || arguments+=(--model=default.tactus)
-      printf '$ world-signals %s\n' "${arguments[*]}"
-      "$(dirname "$trainctl")/world-signals" "${arguments[@]}"
+      world_signals "${arguments[@]}"
     done
     arguments=("$skin-2" "$skin-1001" --contacts=19000)
     [[ $skin == measured ]] || arguments+=(--oracle)
-    printf '$ tests/reference/upper/upper_reference.py %s\n```\n\n' "${arguments[*]}"
-    OMP_NUM_THREADS=1 /usr/bin/python3 -B \
-      "$docs/../tests/reference/upper/upper_reference.py" "${arguments[@]}" 2>/dev/null
+    reference upper/upper_reference.py "${arguments[@]}" 2>/dev/null
     rm -r "$skin-2" "$skin-1001"
   done
 }
@@ -449,9 +448,7 @@ recordings() {
 # taxel_nearest FLAGS AND FILE...: what the simplest learner makes of it.
 taxel_nearest() {
   printf '\n1-NN on the mean of every taxel over stretches of the trial, and on the roots of these means:\n\n```\n'
-  printf '$ tests/reference/upper/taxel_nearest.py %s\n```\n\n' "$*"
-  OMP_NUM_THREADS=1 /usr/bin/python3 -B \
-    "$docs/../tests/reference/upper/taxel_nearest.py" "$@"
+  reference upper/taxel_nearest.py "$@"
 }
 
 paper-tables() {
@@ -502,9 +499,7 @@ explanations() {
 
 ```
 EOT
-  printf '$ tests/reference/paper/paper_nearest.py signals.h5\n```\n\n'
-  OMP_NUM_THREADS=1 /usr/bin/python3 -B \
-    "$docs/../tests/reference/paper/paper_nearest.py" signals.h5
+  reference paper/paper_nearest.py signals.h5
 }
 
 # Processor times are this machine's; their ratios are what counts.
@@ -527,7 +522,7 @@ simulator() {
 fingerprint() {
   local text name
   text=$(
-    declare -f show quietly title commas compare taxel_nearest "$1"
+    declare -f show quietly world_signals reference title commas compare taxel_nearest "$1"
     declare -p paper_signals
   )
   {
