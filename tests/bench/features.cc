@@ -30,11 +30,11 @@ SkinLayout Skin(bool wrap) {
 
 // Rendered frames in which something is touched, or nothing is.
 absl::StatusOr<Frames> RenderFrames(bool touched) {
-  const SkinLayout layout = Skin(true);
-  TACTUS_ASSIGN_OR_RETURN(const auto trials, RenderTrials(layout, 8));
+  TACTUS_ASSIGN_OR_RETURN(const SkinModel skin, SkinModelNamed("good"));
+  TACTUS_ASSIGN_OR_RETURN(const auto trials, RenderTrials(skin, 8));
   // As many as the cache next to the core holds beside all else.
   constexpr size_t kFrames = 64;
-  Segmenter segmenter(layout);
+  Segmenter segmenter(Skin(true));
   Frames frames;
   for (int t = 0; frames.size() < kFrames; ++t) {
     for (const RenderedTrial& trial : trials) {

@@ -3,13 +3,12 @@
 #include "core/base/status_macros.h"
 #include "core/sim/exact/simulate_contact.h"
 #include "core/sim/experiments/paper_set.h"
-#include "core/sim/skin/render.h"
+#include "core/sim/skin/record_contact.h"
 
 namespace tactus::client {
 
-absl::StatusOr<std::vector<RenderedTrial>> RenderTrials(
-    const SkinLayout& layout, int count) {
-  RenderOptions options;
+absl::StatusOr<std::vector<RenderedTrial>> RenderTrials(const SkinModel& skin,
+                                                        int count) {
   const std::vector<TrialSpec> specs = TrialSpecs(PaperGrid().Conditions());
   std::vector<RenderedTrial> trials;
   // Prime, so that steps meet every material and size.
@@ -17,12 +16,13 @@ absl::StatusOr<std::vector<RenderedTrial>> RenderTrials(
   for (size_t i = kStride; static_cast<int>(trials.size()) < count;
        i = (i + kStride) % specs.size()) {
     TACTUS_ASSIGN_OR_RETURN(const auto contact, SimulateContact(specs[i]));
-    TACTUS_ASSIGN_OR_RETURN(const Trial trial,
-                            TaxelTrial(contact, layout, options, /*seed=*/1));
-    if (!Detectable(trial, layout)) continue;
+    Random random = Random::ForStream(/*seed=*/1, contact.spec.number);
+    const Placement placement = DrawPlacement(skin.layout, random);
+    const Trial trial = RecordContact(contact, skin, placement, random);
+    if (!Detectable(trial, skin.layout)) continue;
     RenderedTrial& to = trials.emplace_back();
-    to.taxels = layout.taxels();
-    to.lead_in = options.lead_in_frames;
+    to.taxels = skin.layout.taxels();
+    to.lead_in = placement.lead_in_frames;
     to.poses = trial.poses;
     to.values.resize(trial.taxels.frames() * to.taxels);
     for (size_t t = 0; t < trial.taxels.frames(); ++t) {

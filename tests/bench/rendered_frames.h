@@ -1,9 +1,9 @@
 // File: rendered_frames.h
 //
 // Frames for benchmarks, as the robot's skin would send them: one simulated
-// contact at each of several places, rendered with the skin's noise.
+// contact at each of several places, with the skin's noise.
 //
-//   TACTUS_ASSIGN_OR_RETURN(const auto trials, RenderTrials(layout, 8));
+//   TACTUS_ASSIGN_OR_RETURN(const auto trials, RenderTrials(skin, 8));
 //   for (const RenderedTrial& trial : trials) { ... trial.frame(t) ... }
 //
 // Plain data; owns its arrays. Same arguments, same bits.
@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/sim/skin/skin_model.h"
 #include "core/skin/frame.h"
-#include "core/skin/layout.h"
 
 namespace tactus::client {
 
@@ -37,7 +37,7 @@ struct RenderedTrial {
 
 // `count` trials of the paper's set, with hard and soft objects in turns, at
 // places drawn evenly over the skin.
-absl::StatusOr<std::vector<RenderedTrial>> RenderTrials(
-    const SkinLayout& layout, int count);
+absl::StatusOr<std::vector<RenderedTrial>> RenderTrials(const SkinModel& skin,
+                                                        int count);
 
 }  // namespace tactus::client

@@ -28,9 +28,7 @@
 #include "core/sim/skin/butterworth.h"
 #include "core/sim/skin/dent_kernels.h"
 #include "core/sim/skin/line_contact.h"
-#include "core/sim/skin/patch.h"
 #include "core/sim/skin/record_contact.h"
-#include "core/sim/skin/render.h"
 #include "core/sim/skin/signals.h"
 #include "core/sim/skin/simulated_contact.h"
 #include "core/sim/skin/skin_model.h"
@@ -151,21 +149,6 @@ void ButterworthExample(const std::vector<double>& samples) {
   for (double sample : samples) filtered.push_back(filter.Step(sample));
 }
 
-void PatchExample(const SkinLayout& layout, double force, int row, int column) {
-  PatchShares shares;
-  SpreadPatch(layout, {7.5, 3}, /*side_m=*/0.02, shares);
-  float newton = force * shares.Of(row, column);
-}
-
-absl::Status RenderExample(const SimulatedContact& contact,
-                           const SkinLayout& layout, uint64_t seed) {
-  int undetectable = 0;
-  TACTUS_ASSIGN_OR_RETURN(Trial trial,
-                          TaxelTrial(contact, layout, RenderOptions(), seed));
-  if (!Detectable(trial, layout)) ++undetectable;
-  return absl::OkStatus();
-}
-
 void SignalsExample(const Cube& cube, double force, IdealSignals& signals,
                     Random& random) {
   const double area = ContactArea(cube, force);
@@ -223,10 +206,12 @@ absl::Status SkinModelExample() {
 
 absl::Status RecordContactExample(const SimulatedContact& contact,
                                   uint64_t seed) {
+  int undetectable = 0;
   TACTUS_ASSIGN_OR_RETURN(const SkinModel skin, SkinModelNamed("good"));
   Random random = Random::ForStream(seed, contact.spec.number);
   const Placement placement = DrawPlacement(skin.layout, random);
   Trial trial = RecordContact(contact, skin, placement, random);
+  if (!Detectable(trial, skin.layout)) ++undetectable;
   return absl::OkStatus();
 }
 

@@ -21,7 +21,7 @@ TEST(AccuracyOfTrialsNeverFeltTest, CountsFeltContacts) {
     EXPECT_TRUE(done.status.ok()) << done.status;
     return done.out;
   };
-  run("simulate --protocol=grid --sample=40 --sensor=taxels --seed=3 "
+  run("simulate --protocol=grid --sample=40 --skin=good --seed=3 "
       "--stiffness=543,2050 --velocity=0.02 --goal=0.019 --out=" +
       data);
   run("fit --preset=paper --networks=0 --states=3 --data=" + data +

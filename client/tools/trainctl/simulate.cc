@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/progress_display.h"
@@ -13,6 +14,7 @@
 #include "core/base/status_macros.h"
 #include "core/data/trial_file.h"
 #include "core/sim/experiments/paper_set.h"
+#include "core/sim/skin/record_contact.h"
 
 namespace tactus::client {
 namespace {
@@ -48,7 +50,8 @@ void Count(const SensedContact& contact, const SimulateFlags& flags,
   const auto* found = std::find(kLabels, kLabels + 4, contact.trial.label);
   ++tally.counts[found - kLabels];
   tally.clamped += contact.clamped;
-  tally.undetectable += flags.taxels() && !Detectable(contact.trial, layout);
+  tally.undetectable +=
+      !flags.skin.empty() && !Detectable(contact.trial, layout);
 }
 
 const int (*CountsOfPaper(const std::string& protocol))[4] {
@@ -86,9 +89,11 @@ void Print(const SimulateFlags& flags, const Tally& tally) {
     json["undetectable"] = tally.undetectable;
     json["strain_clamped"] = tally.clamped;
     if (goal) json["goal_m"] = *goal;
-    json["sensor"] = flags.sensor;
-    if (!flags.taxels()) json["noise"] = NoiseOrDefault(flags.noise);
-    if (!flags.skin.empty()) json["skin"] = flags.skin;
+    if (flags.skin.empty()) {
+      json["noise"] = NoiseOrDefault(flags.noise);
+    } else {
+      json["skin"] = flags.skin;
+    }
     json["seed"] = flags.seed;
     json["seconds"] = SecondsSinceStart();
     std::cout << JsonText(json) << "\n";
@@ -100,19 +105,16 @@ void Print(const SimulateFlags& flags, const Tally& tally) {
   std::cout << absl::StrFormat("%d undetectable, %d with clamped strain, ",
                                tally.undetectable, tally.clamped);
   if (goal) std::cout << absl::StrFormat("goal %g m, ", *goal);
-  std::cout << absl::StrFormat("%s %s, ",
-                               flags.skin.empty() ? "sensor" : "skin",
-                               flags.skin.empty() ? flags.sensor : flags.skin);
-  if (!flags.taxels()) {
-    std::cout << absl::StrFormat("noise %s, ", NoiseOrDefault(flags.noise));
-  }
+  std::cout << (flags.skin.empty()
+                    ? absl::StrCat("ideal signals, noise ",
+                                   NoiseOrDefault(flags.noise), ", ")
+                    : absl::StrCat("skin ", flags.skin, ", "));
   std::cout << absl::StrFormat("seed %d, %.1f s\n", flags.seed,
                                SecondsSinceStart());
 }
 
 absl::Status RunSimulate(const SimulateFlags& flags) {
   TACTUS_ASSIGN_OR_RETURN(const SkinLayout layout, LayoutOf(flags));
-  TACTUS_RETURN_IF_ERROR(Validate(flags.render, layout));
   TACTUS_ASSIGN_OR_RETURN(const auto jobs, MakeJobs(flags, layout));
   std::optional<TrialFileWriter> writer;
   if (!flags.out.empty()) {
@@ -164,14 +166,13 @@ void AddSimulate(CLI::App& app, const SelectCommand& select) {
                       "Number of contacts of --protocol=random");
   command->add_option("--skin", flags->skin,
                       "Skin that records the contacts: paper, good or measured "
-                      "(docs/simulator.md)");
+                      "(docs/simulator.md); without it, ideal signals are "
+                      "written, but for --protocol=random the skin is good");
   command
       ->add_option("--goal", flags->goals,
                    "Goals of the equilibrium point, m, instead of the "
                    "protocol's")
       ->delimiter(',');
-  command->add_option("--sensor", flags->sensor,
-                      "signals (ideal) or taxels (rendered frames)");
   command->add_option(
       "--noise", flags->noise,
       "Noise of ideal signals: relative (a share of the variance of the "
@@ -194,24 +195,15 @@ void AddSimulate(CLI::App& app, const SelectCommand& select) {
   command->add_option(
       "--sample", flags->sample,
       "Number of trials of the grid, evenly over its conditions");
-  command->add_option("--taxel-noise", flags->render.taxel_noise,
-                      "Noise of a taxel, N");
-  command->add_option("--taxel-step", flags->render.taxel_step,
-                      "Quantisation of a taxel, N");
-  command->add_option("--encoder-noise", flags->render.encoder_noise_m,
-                      "Noise of the arm's position, m");
-  command->add_option("--dead-taxels", flags->render.dead_count,
-                      "Number of dead taxels");
   command->add_flag("--json", flags->json, "Print one JSON object on stdout");
   auto one = std::make_shared<OneContactFlags>();
   AddOneContactFlags(*command, *one);
   command->callback([=] {
     select([=] {
       // What only skins record is recorded by the skin of today's electronics.
-      const bool by_skin =
-          flags->protocol == "random" ||
-          (flags->protocol == "cody" && flags->sensor == "taxels");
-      if (by_skin && flags->skin.empty()) flags->skin = "good";
+      if (flags->protocol == "random" && flags->skin.empty()) {
+        flags->skin = "good";
+      }
       return one->scene.empty() ? RunSimulate(*flags)
                                 : SimulateOne(*one, std::cout);
     });

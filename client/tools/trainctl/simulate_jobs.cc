@@ -3,6 +3,7 @@
 #include <span>
 #include <utility>
 
+#include "client/tools/trainctl/exit_code.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
@@ -63,9 +64,6 @@ absl::StatusOr<SensedContact> Sense(const SimulatedContact& contact,
         Random::ForStream(flags.seed, kSkinStream + contact.spec.number);
     const Placement placement = DrawPlacement(layout, random);
     sensed.trial = RecordContact(contact, skin, placement, random);
-  } else if (flags.taxels()) {
-    TACTUS_ASSIGN_OR_RETURN(
-        sensed.trial, TaxelTrial(contact, layout, flags.render, flags.seed));
   } else {
     sensed.trial = SignalTrial(contact, NoiseOf(flags), flags.seed);
   }
@@ -131,10 +129,6 @@ SimulateJobs GridJobs(const SimulateFlags& flags, const SkinLayout& layout,
 
 absl::StatusOr<SimulateJobs> CodyJobs(const SimulateFlags& flags,
                                       const SkinLayout& layout) {
-  if (flags.taxels() && flags.skin.empty()) {
-    return InvalidConfig("--sensor with --protocol=cody", flags.sensor,
-                         "signals, or --skin");
-  }
   if (!flags.stiffnesses.empty() || !flags.velocities.empty() ||
       !flags.goals.empty() || !flags.materials.empty()) {
     return InvalidConfig("--protocol with other conditions or materials",
@@ -171,8 +165,9 @@ absl::StatusOr<SimulateJobs> WorldJobs(const SimulateFlags& flags) {
 
 absl::StatusOr<SkinLayout> LayoutOf(const SimulateFlags& flags) {
   if (flags.skin.empty()) return LayoutPreset("cody-forearm");
-  TACTUS_ASSIGN_OR_RETURN(SkinModel skin, SkinModelNamed(flags.skin));
-  return skin.layout;
+  const auto skin = SkinModelNamed(flags.skin);
+  if (!skin.ok()) return WithExitCode(skin.status(), kExitUsage);
+  return skin->layout;
 }
 
 std::string NoiseOrDefault(const std::string& noise) {
@@ -181,13 +176,10 @@ std::string NoiseOrDefault(const std::string& noise) {
 
 absl::StatusOr<SimulateJobs> MakeJobs(const SimulateFlags& flags,
                                       const SkinLayout& layout) {
-  if (flags.sensor != "signals" && flags.sensor != "taxels") {
-    return InvalidConfig("--sensor", flags.sensor, "signals or taxels");
-  }
   if (!flags.noise.empty()) {
     TACTUS_RETURN_IF_ERROR(ParseNoiseReading(flags.noise).status());
-    if (flags.taxels() || flags.protocol == "random") {
-      return InvalidConfig("--noise with taxels", flags.noise,
+    if (!flags.skin.empty()) {
+      return InvalidConfig("--noise with a skin", flags.noise,
                            "absent: a skin's noise is absolute");
     }
   }

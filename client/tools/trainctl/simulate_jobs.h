@@ -18,14 +18,12 @@
 
 #include "absl/status/statusor.h"
 #include "core/data/trial.h"
-#include "core/sim/skin/render.h"
 #include "core/skin/layout.h"
 
 namespace tactus::client {
 
 struct SimulateFlags {
   std::string protocol = "paper";
-  std::string sensor = "signals";
   // Of signals (ParseNoiseReading); empty for the default.
   std::string noise;
   uint64_t seed = 1;
@@ -38,15 +36,12 @@ struct SimulateFlags {
   std::string materials;
   // Trials of the grid; the others run in full.
   int sample = 2000;
-  // A named skin (SkinModelNamed) that records the contacts; empty for signals
-  // or for the taxels of `render`.
+  // A named skin (SkinModelNamed) that records the contacts; empty for ideal
+  // signals.
   std::string skin;
   // Contacts of the random world.
   int64_t contacts = 1000;
-  RenderOptions render;
   bool json = false;
-
-  bool taxels() const { return sensor == "taxels" || !skin.empty(); }
 };
 
 // One contact as the sensor measures it.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/gaussian.h"
+#include "core/features/contact_tracker.h"
 #include "core/sim/skin/block_filter.h"
 #include "core/sim/skin/line_contact.h"
 #include "core/sim/skin/taxel_kernels.h"
@@ -146,6 +147,18 @@ Trial RecordContact(const SimulatedContact& contact, const SkinModel& skin,
         i < lead_in ? 0 : contact.signals.object_motion[i - lead_in]);
   }
   return trial;
+}
+
+bool Detectable(const Trial& trial, const SkinLayout& layout) {
+  ContactTracker tracker(
+      layout, {.sample_rate_hz = trial.sample_rate_hz, .load_profile = false});
+  std::vector<float> frame(layout.taxels());
+  for (size_t t = 0; t < trial.taxels.frames(); ++t) {
+    trial.taxels.Decode(t, frame.data());
+    tracker.Step({.taxels = frame});
+    if (tracker.onset()) return true;
+  }
+  return false;
 }
 
 }  // namespace tactus

@@ -7,6 +7,7 @@
 //   Random random = Random::ForStream(seed, contact.spec.number);
 //   const Placement placement = DrawPlacement(skin.layout, random);
 //   Trial trial = RecordContact(contact, skin, placement, random);
+//   if (!Detectable(trial, skin.layout)) ++undetectable;
 //
 // The object's face is pressed against the cover along a line
 // (line_contact.h). Frame `lead_in_frames - 1 + j` is read j / 100 s after the
@@ -45,5 +46,9 @@ Placement DrawPlacement(const SkinLayout& layout, Random& random);
 // skin's outward normal at the centre. `placement` fits the skin's layout.
 Trial RecordContact(const SimulatedContact& contact, const SkinModel& skin,
                     const Placement& placement, Random& random);
+
+// True if a stream of the trial's frames detects a contact: by a valid taxel or
+// by light touch, whichever `layout` has. `trial` has taxels of `layout`.
+bool Detectable(const Trial& trial, const SkinLayout& layout);
 
 }  // namespace tactus

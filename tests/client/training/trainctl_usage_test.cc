@@ -36,7 +36,7 @@ TEST(TrainctlUsageTest, WrongValuesOfFlagsAreWrongUsage) {
   for (const std::vector<std::string>& wrong :
        std::vector<std::vector<std::string>>{
            {"simulate", "--protocol=odd", out},
-           {"simulate", "--protocol=grid", "--sensor=odd", out},
+           {"simulate", "--protocol=grid", "--skin=odd", out},
            {"fit", "--data=" + file, "--preset=odd", out},
            {"fit", "--data=" + file, "--preset=tuned", "--features=z", out},
            {"fit", "--data=" + file, "--preset=tuned", "--epochs=-1", out},

@@ -1,12 +1,12 @@
 #include "core/sim/skin/record_contact.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "core/base/errors.h"
 #include "core/sim/exact/simulate_contact.h"
 #include "core/sim/experiments/paper_set.h"
-#include "core/sim/skin/render.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/support/find_material.h"
@@ -155,6 +155,56 @@ TEST(RecordContactTest, PosesBeforeTheTouchFollowTheApproach) {
   }
 }
 
+TEST(RecordContactTest, NoiseAndStepsHaveTheSizesOfTheSkin) {
+  SkinModel skin = IdealSkin();
+  skin.noise_n = 0.1;
+  skin.step_n = 0.001;
+  Placement placement = Middle();
+  placement.lead_in_frames = 100;
+  Random random(7);
+  const Trial trial = RecordContact(SteadyContact(1), skin, placement, random);
+  EXPECT_EQ(trial.taxels.scale, 0.001);
+  // Readings end at 0, so half of a Gaussian is left: mean square s^2 / 2.
+  double square = 0;
+  for (int i = 0; i < 100 * 384; ++i) {
+    square += std::pow(trial.taxels.u16[i] * 0.001, 2) / (100 * 384);
+  }
+  EXPECT_NEAR(std::sqrt(2 * square), 0.1, 0.002);
+}
+
+TEST(RecordContactTest, ReadingsEndAtTheLargestStep) {
+  SkinModel skin = IdealSkin();
+  skin.step_n = 1e-6;
+  Random random(1);
+  const Trial trial = RecordContact(SteadyContact(1), skin, Middle(), random);
+  EXPECT_EQ(*std::ranges::max_element(trial.taxels.u16), 65535);
+}
+
+TEST(RecordContactTest, SameSeedSameBitsOtherSeedOtherPlaceAndNoise) {
+  const SkinModel skin = *SkinModelNamed("measured");
+  const auto record = [&](uint64_t seed) {
+    Random random(seed);
+    const Placement placement = DrawPlacement(skin.layout, random);
+    return RecordContact(SteadyContact(5), skin, placement, random);
+  };
+  const Trial a = record(7);
+  const Trial b = record(7);
+  const Trial c = record(8);
+  EXPECT_EQ(a.taxels.u16, b.taxels.u16);
+  EXPECT_EQ(a.poses.back().position, b.poses.back().position);
+  EXPECT_NE(a.taxels.u16, c.taxels.u16);
+  EXPECT_NE(a.poses.back().position, c.poses.back().position);
+}
+
+TEST(DetectableTest, MaskedTaxelsFeelNothing) {
+  SkinModel skin = IdealSkin();
+  Random random(1);
+  const Trial trial = RecordContact(SteadyContact(50), skin, Middle(), random);
+  EXPECT_TRUE(Detectable(trial, skin.layout));
+  skin.layout.mask.assign(skin.layout.taxels(), 0);
+  EXPECT_FALSE(Detectable(trial, skin.layout));
+}
+
 TEST(SkinModelTest, AnUnknownNameListsTheSkins) {
   const auto skin = SkinModelNamed("best");
   EXPECT_EQ(ReasonOf(skin.status()), "INVALID_CONFIG");
@@ -204,6 +254,27 @@ TEST(SkinModelTest, LightTouchHalvesWhatIsNeverFelt) {
     }
     EXPECT_LE(never, 0.6 * never_by_taxel) << name;
     EXPECT_GT(never, 0) << name;
+  }
+}
+
+// Demonstrations need contacts of all classes from robots never trained on.
+TEST(SkinModelTest, AnUnseenRobotFeelsContactsOfAllClasses) {
+  const SkinModel skin = *SkinModelNamed("good");
+  std::vector<std::string> labels;
+  for (const TrialSpec& spec : TrialSpecs({{900, 0.012, kPaperGoal}})) {
+    if (spec.number % 14 != 0) continue;
+    const auto contacts = SimulateWithTwin(spec);
+    ASSERT_TRUE(contacts.ok()) << contacts.status();
+    for (const SimulatedContact& contact : *contacts) {
+      Random random(contact.spec.number);
+      const Placement placement = DrawPlacement(skin.layout, random);
+      const Trial trial = RecordContact(contact, skin, placement, random);
+      EXPECT_EQ(trial.condition, "k900-v0.012");
+      if (Detectable(trial, skin.layout)) labels.push_back(trial.label);
+    }
+  }
+  for (const char* label : {"HU", "HM", "SU", "SM"}) {
+    EXPECT_GE(std::count(labels.begin(), labels.end(), label), 2) << label;
   }
 }
 
