@@ -126,6 +126,7 @@ absl::Status Validate(const Calibration& c, int classes, bool has_lstm) {
   constexpr double kHuge = 1e12;
   constexpr double kLargestBias = 1e3;
   constexpr double kLargestWeight = 1e3;
+  constexpr double kLargestLog10 = 100;
   const size_t entries = c.frames.size();
   if (entries == 0 || entries > limits::kMaxCalibrationEntries) {
     return InvalidModel("calibration.frames size", entries,
@@ -159,8 +160,12 @@ absl::Status Validate(const Calibration& c, int classes, bool has_lstm) {
       CheckTable("evidence_median", c.evidence_median, entries, -kHuge, kHuge));
   TACTUS_RETURN_IF_ERROR(CheckTable("evidence_deviation", c.evidence_deviation,
                                     entries, kTiny, kHuge));
-  TACTUS_RETURN_IF_ERROR(CheckTable(
-      "softest", c.softest, c.softest.empty() ? 0 : entries, -kHuge, kHuge));
+  if (!c.softest.empty() && c.softest.size() != entries) {
+    return InvalidModel("calibration.softest size", c.softest.size(),
+                        absl::StrCat("0 or ", entries));
+  }
+  TACTUS_RETURN_IF_ERROR(CheckTable("softest", c.softest, c.softest.size(),
+                                    -kLargestLog10, kLargestLog10));
   TACTUS_RETURN_IF_ERROR(CheckTable("prior", c.prior, classes, 0, 1));
   double sum = 0;
   for (double p : c.prior) sum += p;

@@ -80,7 +80,12 @@ absl::Status CheckLstms(const Model& model) {
   for (const LstmNetwork& network : model.lstms) {
     TACTUS_RETURN_IF_ERROR(CheckNetwork(network, model, 0));
   }
-  if (!model.estimator) return absl::OkStatus();
+  if (!model.estimator) {
+    const size_t entries = model.calibration.softest.size();
+    if (entries == 0) return absl::OkStatus();
+    return InvalidModel("calibration.softest size", entries,
+                        "0 without an estimator");
+  }
   return CheckNetwork(*model.estimator, model, kEstimateRegressions);
 }
 

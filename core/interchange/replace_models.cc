@@ -28,6 +28,16 @@ bool Same(const std::vector<ModelInput>& a, const std::vector<ModelInput>& b) {
       [](const ModelInput& x, const ModelInput& y) { return Same(x, y); });
 }
 
+bool Same(const StepIntervals& a, const StepIntervals& b) {
+  return a.min == b.min && a.max == b.max;
+}
+
+// It was trained on other steps or inputs.
+void RemoveEstimator(Model& model) {
+  model.estimator.reset();
+  model.calibration.softest.clear();
+}
+
 absl::StatusOr<size_t> ClassIndex(const std::string& name, const Model& model) {
   const auto found = std::ranges::find(model.class_names, name);
   if (found != model.class_names.end()) {
@@ -52,8 +62,7 @@ absl::Status ReplaceHmms(const ForeignModel& foreign, Model& model) {
   const StepIntervals steps = foreign.steps.value_or(model.inputs.hmm_steps);
   const bool changed =
       (!foreign.inputs.empty() && !Same(foreign.inputs, model.inputs.hmm)) ||
-      steps.min != model.inputs.hmm_steps.min ||
-      steps.max != model.inputs.hmm_steps.max;
+      !Same(steps, model.inputs.hmm_steps);
   if (changed && replaced.size() != model.class_names.size()) {
     return InvalidModel("inputs", "other than the model's",
                         "the model's unless the HMMs of all classes are there");
@@ -89,11 +98,13 @@ absl::Status ReplaceLstms(const ForeignModel& foreign, Model& model) {
                         "in the file's metadata, or those of a bundle that has "
                         "LSTMs already");
   }
-  if (!foreign.inputs.empty()) {
-    if (!Same(foreign.inputs, model.inputs.lstm)) model.estimator.reset();
-    model.inputs.lstm = foreign.inputs;
-  }
-  if (foreign.steps) model.inputs.lstm_steps = *foreign.steps;
+  const bool same_inputs =
+      foreign.inputs.empty() || Same(foreign.inputs, model.inputs.lstm);
+  const bool same_steps =
+      !foreign.steps || Same(*foreign.steps, model.inputs.lstm_steps);
+  if (!same_inputs || !same_steps) RemoveEstimator(model);
+  if (!same_inputs) model.inputs.lstm = foreign.inputs;
+  if (!same_steps) model.inputs.lstm_steps = *foreign.steps;
   if (model.lstms.empty()) {
     Calibration& c = model.calibration;
     c.hmm_weight.assign(c.frames.size(), kEvenWeight);

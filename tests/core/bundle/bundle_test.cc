@@ -4,6 +4,7 @@
 
 #include "core/base/errors.h"
 #include "core/bundle/model_proto.h"
+#include "gmock/gmock.h"
 #include "google/protobuf/util/message_differencer.h"
 #include "gtest/gtest.h"
 #include "tests/support/small_model.h"
@@ -59,6 +60,15 @@ TEST(BundleTest, WithoutAReleaseItIsHalfASecond) {
     model.release_after_s = bad;
     EXPECT_EQ(ReasonOf(EncodeBundle(model).status()), "INVALID_MODEL") << bad;
   }
+}
+
+TEST(BundleTest, ASoftestObjectNeedsAnEstimator) {
+  Model model = FullModel();
+  model.estimator.reset();
+  const absl::Status status = EncodeBundle(model).status();
+  EXPECT_EQ(ReasonOf(status), "INVALID_MODEL");
+  EXPECT_THAT(std::string(status.message()),
+              ::testing::HasSubstr("calibration.softest size is 2"));
 }
 
 // They pooled log-probabilities with weights that sum to 1 and without biases.

@@ -138,6 +138,9 @@ TEST(ValidateCalibrationTest, EachSpoiltTableIsRefused) {
       [](Calibration& c) {
         c.softest = {3, std::nan("")};
       },
+      [](Calibration& c) {
+        c.softest = {3, 101};
+      },
       [](Calibration& c) { c.prior[0] = 0.5; },
       [](Calibration& c) { c.prior.pop_back(); },
       [](Calibration& c) { c.decision_threshold = 0.5; },

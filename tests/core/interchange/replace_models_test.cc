@@ -78,19 +78,36 @@ TEST(ReplaceModelsTest, AModelWithoutNetworksGetsThem) {
   EXPECT_TRUE(RunWarmUp(**CompiledModel::Create(model)).ok());
 }
 
-TEST(ReplaceModelsTest, AnEstimatorGoesIfItsInputsChange) {
-  Model model = WithLstms();
-  model.estimator =
-      RandomNetwork(2, {3}, 4, Activation::kTanh, GateActivation::kSigmoid, 5,
-                    /*forget_bias=*/1, /*regressions=*/2);
-  ForeignModel foreign;
-  foreign.lstms = {Network(5)};
-  foreign.inputs = model.inputs.lstm;
-  ASSERT_TRUE(ReplaceModels(foreign, model).ok());
+TEST(ReplaceModelsTest, AnEstimatorGoesIfItsInputsOrStepsChange) {
+  const Model estimating = [] {
+    Model model = WithLstms();
+    model.estimator =
+        RandomNetwork(2, {3}, 4, Activation::kTanh, GateActivation::kSigmoid, 5,
+                      /*forget_bias=*/1, /*regressions=*/2);
+    model.calibration.softest = {2, 3};
+    return model;
+  }();
+  ForeignModel same;
+  same.lstms = {Network(5)};
+  same.inputs = estimating.inputs.lstm;
+  same.steps = estimating.inputs.lstm_steps;
+  Model model = estimating;
+  ASSERT_TRUE(ReplaceModels(same, model).ok());
   EXPECT_TRUE(model.estimator.has_value());
-  foreign.inputs[0].offset += 1;
-  ASSERT_TRUE(ReplaceModels(foreign, model).ok());
-  EXPECT_FALSE(model.estimator.has_value());
+  EXPECT_EQ(model.calibration.softest, estimating.calibration.softest);
+
+  ForeignModel other_inputs = same;
+  other_inputs.inputs[0].offset += 1;
+  ForeignModel other_steps = same;
+  other_steps.steps->max += 20;
+  for (const ForeignModel& other : {other_inputs, other_steps}) {
+    model = estimating;
+    const absl::Status status = ReplaceModels(other, model);
+    ASSERT_TRUE(status.ok()) << status;
+    EXPECT_FALSE(model.estimator.has_value());
+    // What the estimates were compared with goes too.
+    EXPECT_TRUE(model.calibration.softest.empty());
+  }
 }
 
 TEST(ReplaceModelsTest, WhatDoesNotFitIsRefused) {
