@@ -95,7 +95,8 @@ absl::StatusOr<std::vector<UnknownResult>> EvaluateUnknown(
   FitOptions needed = options;
   // The networks that classify do not change `unknown`. An estimator is only
   // trained beside one, so one is trained and is as small as can be.
-  needed.lstm.networks = options.lstm.estimates ? 1 : 0;
+  const bool estimates = options.lstm.estimates && options.lstm.networks > 0;
+  needed.lstm.networks = estimates ? 1 : 0;
   needed.lstm.cells = {1};
 
   const size_t jobs = categories.size() * folds.size();

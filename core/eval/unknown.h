@@ -40,9 +40,10 @@ struct UnknownResult {
   Interval area_interval;
 };
 
-// Returns one entry per category. Without estimates `unknown` comes from the
-// HMMs alone, so no LSTM is trained. INVALID_TRAINING_DATA if there are fewer
-// than three categories; else the errors of FitModel.
+// Returns one entry per category. The number and the size of the LSTMs that
+// classify do not change `unknown`; without any, or without estimates, it comes
+// from the HMMs alone. INVALID_TRAINING_DATA if there are fewer than three
+// categories; else the errors of FitModel.
 absl::StatusOr<std::vector<UnknownResult>> EvaluateUnknown(
     const std::vector<const LabelledContact*>& contacts,
     const FitOptions& options, const ParallelFor& parallel,

@@ -1,7 +1,12 @@
 #include "core/eval/unknown.h"
 
+#include <map>
+#include <string>
+#include <vector>
+
 #include "core/base/random.h"
 #include "gtest/gtest.h"
+#include "tests/core/eval/synthetic_contacts.h"
 
 namespace tactus {
 namespace {
@@ -58,6 +63,38 @@ TEST(EvaluateUnknownTest, FindsWhatIsFarFromAllThatWasFitted) {
   EXPECT_EQ(far.detected, 1);
   EXPECT_EQ(far.area_under_roc, 1);
   EXPECT_LT(far.false_alarms, 0.2);
+}
+
+// The HMMs see the area alone, which says nothing of the category, and the
+// estimator the force. Networks that classify are only needed to have an
+// estimator, so their number changes nothing.
+TEST(EvaluateUnknownTest, FindsTheSoftestIfThereAreNetworks) {
+  const std::map<std::string, double> stiffness = {
+      {"HU", 1e6}, {"HM", 1e5}, {"SU", 1e3}, {"SM", 1e2}};
+  std::vector<LabelledContact> contacts =
+      testing::SyntheticContacts(120, 40, 0.02, 1);
+  for (LabelledContact& contact : contacts) {
+    contact.stiffness = stiffness.at(contact.label);
+    contact.object_motion.assign(contact.frames.size(), 0.0);
+  }
+  FitOptions options;
+  options.states = 2;
+  options.hmm_cues = {Cue::kArea};
+  options.lstm.cues = {Cue::kLogForce};
+  options.lstm.estimates = true;
+  options.lstm.estimator_cells = {4};
+  options.lstm.training.epochs = 20;
+  const auto softest = [&](int networks) {
+    options.lstm.networks = networks;
+    const auto results =
+        EvaluateUnknown(testing::PointersTo(contacts), options, RunSerially);
+    EXPECT_TRUE(results.ok()) << results.status();
+    EXPECT_EQ(results->back().category, "SM");
+    return results->back().area_under_roc;
+  };
+  EXPECT_LT(softest(0), 0.6);
+  EXPECT_GT(softest(1), 0.7);
+  EXPECT_EQ(softest(3), softest(1));
 }
 
 TEST(EvaluateUnknownTest, RefusesTwoCategories) {
