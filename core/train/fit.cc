@@ -206,11 +206,16 @@ HeldOut HoldOut(const std::vector<const LabelledContact*>& contacts,
   return held;
 }
 
-// Half of the folds are enough for the two scales of the estimates. With four
-// folds, one for each pair of two stiffnesses and two speeds of the arm, each
-// stiffness and each speed is in one of the folds 0 and 3.
-ModelFit::Networks FoldNetworks(const LstmFit& lstm, size_t fold) {
-  return {.lstms = lstm.networks, .estimator = fold % 4 == 0 || fold % 4 == 3};
+// Half of the folds have enough estimates for the calibration if all materials
+// are in each of them. With four folds, one for each pair of two stiffnesses
+// and two speeds of the arm, each stiffness and each speed is in one of the
+// folds 0 and 3. Folds by material need all estimates, because the softest
+// material is in one of them.
+ModelFit::Networks FoldNetworks(const FitOptions& options, size_t fold) {
+  const bool in_half = fold % 4 == 0 || fold % 4 == 3;
+  return {
+      .lstms = options.lstm.networks,
+      .estimator = in_half || options.inner_folds == InnerFolds::kMaterials};
 }
 
 absl::StatusOr<std::vector<Fold>> MakeFoldFits(
@@ -231,8 +236,7 @@ absl::StatusOr<std::vector<Fold>> MakeFoldFits(
       made.scores = *std::move(scores);
     } else {
       made.fit = std::make_unique<ModelFit>(
-          run, made.prefix, FoldNetworks(run.options.lstm, folds.size() - 1),
-          rest);
+          run, made.prefix, FoldNetworks(run.options, folds.size() - 1), rest);
     }
   }
   return folds;
@@ -395,6 +399,10 @@ absl::Status Calibrate(ClassShares shares, std::vector<Fold>& folds,
   if (all.empty()) {
     return InvalidTrainingData(
         "no inner fold leaves contacts of every class to calibrate with");
+  }
+  // The contacts of a fold may all have a known stiffness when others do not.
+  if (!model.estimator) {
+    for (ScoredContact& contact : all) contact.log10_stiffness.clear();
   }
   FitCalibration(all, model.inputs.sample_rate_hz, model.calibration);
   if (shares == ClassShares::kEven) {

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <map>
 #include <mutex>
+#include <set>
 
 #include "core/base/errors.h"
 #include "core/bundle/model_proto.h"
@@ -196,6 +197,19 @@ TEST_F(FitJournalTest, ReportsEveryCurve) {
   ASSERT_EQ(curves["fold/1"].size(), 1u);
   EXPECT_GT(curves["fold/1"][0].validation_loss.value(), 0);
   EXPECT_GE(curves["fold/1"][0].validation_accuracy.value(), 0.5);
+}
+
+// The softest material is in one fold only.
+TEST_F(FitJournalTest, AllFoldsByMaterialTrainAnEstimator) {
+  FitOptions options = SmallOptions();
+  options.inner_folds = InnerFolds::kMaterials;
+  MemoryJournal journal;
+  ASSERT_TRUE(Fit(&journal, options).ok());
+  std::set<std::string> parts;
+  for (const LearningPoint& point : journal.points) parts.insert(point.part);
+  EXPECT_TRUE(parts.contains("fold/0/estimator"));
+  EXPECT_TRUE(parts.contains("fold/1/estimator"));
+  EXPECT_TRUE(parts.contains("fold/2/estimator"));
 }
 
 }  // namespace

@@ -1,5 +1,9 @@
 #include "core/train/fit.h"
 
+#include <algorithm>
+#include <functional>
+
+#include "absl/strings/string_view.h"
 #include "core/base/errors.h"
 #include "core/bundle/model_proto.h"
 #include "core/classify/compiled_model.h"
@@ -151,6 +155,53 @@ TEST(FitModelTest, EstimatesTheObjectWhereTheTruthIsKnown) {
         estimate->estimate.log10_stiffness / 16;
   }
   EXPECT_GT(hard, soft + 1);
+}
+
+// Two conditions of `per_class` contacts of each class; every one states its
+// stiffness if `known` says so of its condition.
+std::vector<LabelledContact> KnownWhere(
+    int per_class, const std::function<bool(absl::string_view)>& known) {
+  auto contacts = testing::SyntheticContacts(per_class, 40, 0.1, 1);
+  for (LabelledContact& contact : contacts) {
+    if (!known(contact.condition)) continue;
+    contact.stiffness = contact.label[0] == 'H' ? 1e6 : 1e3;
+    contact.object_motion.assign(contact.frames.size(), 0.0);
+  }
+  return contacts;
+}
+
+TEST(FitModelTest, KnowsTheSoftestObject) {
+  const auto contacts = KnownWhere(40, [](auto) { return true; });
+  FitOptions options = QuickOptions();
+  options.variations.copies = 0;
+  options.lstm.training.epochs = 30;
+  options.held_out = 0.5;
+  const auto model =
+      FitModel(testing::PointersTo(contacts), options, RunSerially);
+  ASSERT_TRUE(model.ok()) << model.status();
+  ASSERT_EQ(model->calibration.softest.size(), 6u);
+  // Half of the objects have 1e3 N/m.
+  EXPECT_NEAR(model->calibration.softest.back(), 3, 1);
+}
+
+// A fold of contacts with a known stiffness has an estimator, the model of all
+// contacts has none.
+TEST(FitModelTest, WithoutAnEstimatorNoObjectIsTooSoft) {
+  const auto contacts = KnownWhere(
+      40, [](absl::string_view condition) { return condition == "slow"; });
+  FitOptions options = QuickOptions();
+  options.variations = {.copies = 0, .stiffness = 1};
+  for (const char* left_out : {"slow", "fast"}) {
+    auto sorted = testing::PointersTo(contacts);
+    // The first fold leaves the condition out that comes first.
+    std::ranges::stable_partition(sorted, [&](const LabelledContact* contact) {
+      return contact->condition == left_out;
+    });
+    const auto model = FitModel(sorted, options, RunSerially);
+    ASSERT_TRUE(model.ok()) << model.status();
+    EXPECT_FALSE(model->estimator.has_value());
+    EXPECT_TRUE(model->calibration.softest.empty());
+  }
 }
 
 TEST(FitModelTest, LstmsAloneLearnOtherStiffnesses) {
