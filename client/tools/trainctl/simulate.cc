@@ -166,8 +166,8 @@ void AddSimulate(CLI::App& app, const SelectCommand& select) {
                       "Number of contacts of --protocol=random");
   command->add_option("--skin", flags->skin,
                       "Skin that records the contacts: paper, good or measured "
-                      "(docs/simulator.md); without it, ideal signals are "
-                      "written, but for --protocol=random the skin is good");
+                      "(docs/simulator.md); default: none, so that ideal "
+                      "signals are written (with --protocol=random: good)");
   command
       ->add_option("--goal", flags->goals,
                    "Goals of the equilibrium point, m, instead of the "

@@ -177,7 +177,8 @@ std::string NoiseOrDefault(const std::string& noise) {
 absl::StatusOr<SimulateJobs> MakeJobs(const SimulateFlags& flags,
                                       const SkinLayout& layout) {
   if (!flags.noise.empty()) {
-    TACTUS_RETURN_IF_ERROR(ParseNoiseReading(flags.noise).status());
+    const auto noise = ParseNoiseReading(flags.noise);
+    if (!noise.ok()) return WithExitCode(noise.status(), kExitUsage);
     if (!flags.skin.empty()) {
       return InvalidConfig("--noise with a skin", flags.noise,
                            "absent: a skin's noise is absolute");

@@ -59,7 +59,9 @@ struct SimulateJobs {
   std::function<absl::StatusOr<std::vector<SensedContact>>(size_t)> run;
 };
 
-// The skin whose thresholds decide whether a contact was felt.
+// The layout of the skin `flags` name. Without one, that of the skin on which
+// Cody's contacts are placed. INVALID_CONFIG with the exit code of wrong usage
+// if there is no such skin.
 absl::StatusOr<SkinLayout> LayoutOf(const SimulateFlags& flags);
 
 // `noise`, the name of a reading of the noise, or that of the default if it is

@@ -21,6 +21,7 @@ TEST(TrainctlUsageTest, WrongUsageHasItsExitCode) {
   EXPECT_EQ(testing::Trainctl({"train", "--model=a"}).exit, 2);
   EXPECT_EQ(testing::Trainctl({"datasets", "list", "--nonsense"}).exit, 2);
   EXPECT_EQ(testing::Trainctl({"completion", "fish"}).exit, 2);
+  EXPECT_EQ(testing::Trainctl({"simulate", "--sensor=taxels"}).exit, 2);
   EXPECT_EQ(testing::Trainctl({"--version"}).exit, 0);
 }
 
@@ -37,6 +38,9 @@ TEST(TrainctlUsageTest, WrongValuesOfFlagsAreWrongUsage) {
        std::vector<std::vector<std::string>>{
            {"simulate", "--protocol=odd", out},
            {"simulate", "--protocol=grid", "--skin=odd", out},
+           {"simulate", "--protocol=grid", "--noise=odd", out},
+           {"simulate", "--protocol=grid", "--skin=good", "--noise=absolute"},
+           {"simulate", "--protocol=random", "--noise=absolute", out},
            {"fit", "--data=" + file, "--preset=odd", out},
            {"fit", "--data=" + file, "--preset=tuned", "--features=z", out},
            {"fit", "--data=" + file, "--preset=tuned", "--epochs=-1", out},
@@ -53,6 +57,26 @@ TEST(TrainctlUsageTest, WrongValuesOfFlagsAreWrongUsage) {
   }
   // A file that is not there is no mistake of the command line.
   EXPECT_EQ(testing::Trainctl({"inspect", file + ".absent"}).exit, 1);
+}
+
+// Only ideal signals have a reading of the noise, only taxel frames a skin.
+TEST(TrainctlUsageTest, SimulateSaysItsSkinOrItsNoise) {
+  const auto simulate = [](std::vector<std::string> flags) {
+    flags.insert(flags.begin(), {"simulate", "--json"});
+    const testing::Outcome outcome = testing::Trainctl(flags);
+    EXPECT_EQ(outcome.exit, 0) << outcome.err;
+    return outcome.json();
+  };
+  const Json signals = simulate({"--protocol=grid", "--sample=2"});
+  EXPECT_EQ(signals.at("noise"), "relative");
+  EXPECT_FALSE(signals.contains("skin"));
+  const Json taxels =
+      simulate({"--protocol=grid", "--sample=2", "--skin=paper"});
+  EXPECT_EQ(taxels.at("skin"), "paper");
+  EXPECT_FALSE(taxels.contains("noise"));
+  const Json world = simulate({"--protocol=random", "--contacts=2"});
+  EXPECT_EQ(world.at("skin"), "good");
+  EXPECT_EQ(world.at("trials"), 2);
 }
 
 // All commands, from the table of the completion: "datasets upload", and its
