@@ -285,7 +285,7 @@ void ContactClassifier::UpdateDecision() {
   const auto best = std::max_element(probability_.begin(), probability_.end());
   const int best_class = static_cast<int>(best - probability_.begin());
   recent_best_[(scored_frames_ - 1) % kStabilityWindow] = best_class;
-  // A contact that no class explains is not decided.
+  // An unknown contact is not decided.
   const bool above = *best >= options_.decision_threshold && unknown_ < 0.5;
   const bool same = best_class == best_class_ && frames_above_ > 0;
   frames_above_ = above ? (same ? frames_above_ + 1 : 1) : 0;

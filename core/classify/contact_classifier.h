@@ -105,7 +105,8 @@ class ContactClassifier {
   // The estimate of the object at the last step of the LSTMs. Nothing before
   // their first step, or without an estimator.
   const std::optional<ObjectEstimate>& object() const { return object_; }
-  // Probability that no class explains this contact.
+  // Probability that training had nothing like this contact
+  // (UnknownProbability).
   double unknown() const { return unknown_; }
   // Fraction of the last kStabilityWindow frames with the same best class.
   double stability() const;

@@ -92,8 +92,9 @@ struct Calibration {
   // far below it one deviation is.
   std::vector<double> evidence_median;
   std::vector<double> evidence_deviation;
-  // The lowest estimated stiffness that is known, log10 N/m. Empty without an
-  // estimator.
+  // Objects with a lower estimated stiffness are unknown, log10 N/m. One in a
+  // hundred held-out contacts lies below. Empty if no stiffness is too low:
+  // without an estimator, or if training had too few estimates.
   std::vector<double> softest;
   // Factors on the standard deviations of the object estimate.
   double stiffness_deviation_scale = 1;

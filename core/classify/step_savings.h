@@ -2,8 +2,9 @@
 //
 // StepSavings: leaves out steps of the LSTMs that would probably not change the
 // answer. Unlike the rules of skip_rules.h this changes answers: a network that
-// missed a step has another state. docs/skipping.md states what each setting
-// costs and saves.
+// missed a step has another state, and `unknown` uses the object's estimate of
+// the last step taken. docs/skipping.md states what each setting costs and
+// saves.
 //
 //   ContactClassifier::Options options;
 //   options.savings = {.settled_probability = 0.98,

@@ -71,7 +71,8 @@ struct Evaluation {
   std::vector<std::vector<std::optional<EstimateOutcome>>> anytime_estimates;
   // The decisions of `algorithm`; nothing for contacts that it did not decide.
   std::vector<std::optional<DecisionOutcome>> decisions;
-  // Probability that no class explains the contact, after its last frame.
+  // Probability that training had nothing like the contact, after its last
+  // frame (UnknownProbability).
   std::vector<double> unknown;
 };
 

@@ -11,7 +11,9 @@ namespace {
 
 // Otherwise a constant score would make every other contact unknown.
 constexpr double kMinEvidenceDeviation = 0.1;
-// The same for objects of one stiffness: half of it is known, log10 N/m.
+// The border lies at least this far below the median, log10 N/m. Otherwise
+// small errors would make contacts with objects of one stiffness unknown. 0.3
+// is half of the stiffness.
 constexpr double kMinStiffnessRange = 0.3;
 
 double Quantile(std::span<const double> sorted, double fraction) {

@@ -26,11 +26,14 @@ namespace tactus {
 inline constexpr double kFalseAlarms = 0.05;
 inline constexpr double kSoftFalseAlarms = 0.01;
 
-// Sets the tables of the evidence and `softest` at each entry of
-// `calibration.frames`. `softest` stays empty if fewer than kMinEstimates
-// contacts have an estimate at one of the entries; then all false alarms are
-// left to the likelihood.
+// Fewer estimates say too little of the softest object.
 inline constexpr size_t kMinEstimates = 40;
+
+// Sets the tables of the evidence and `softest` at each entry of
+// `calibration.frames`. `softest` becomes empty if fewer than kMinEstimates
+// contacts have an estimate at one of the entries; then all false alarms are
+// left to the likelihood. There must be at least one contact, and each contact
+// has one score and, if any, one estimate for each entry.
 void FitUnknown(std::span<const ScoredContact> contacts,
                 Calibration& calibration);
 

@@ -2,7 +2,7 @@
 //
 // SimulatedContact: the signals that an ideal skin reads from one simulated
 // contact, and what happened in it. Becomes a Trial with these signals
-// (SignalTrial) or with taxel frames (render.h).
+// (SignalTrial) or with taxel frames (record_contact.h).
 //
 //   TACTUS_ASSIGN_OR_RETURN(auto contact, SimulateContact(spec));
 //   Trial trial = SignalTrial(contact, SignalNoise(), seed);

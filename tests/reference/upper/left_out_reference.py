@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """How well boosted trees classify contacts with one robot condition left out.
 
-    trainctl simulate --protocol=paper --sensor=signals --out=signals.h5
+    trainctl simulate --protocol=paper --out=signals.h5
     world-signals --data=signals.h5 --out=signals
     left_out_reference.py signals
 
