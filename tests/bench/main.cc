@@ -31,6 +31,7 @@ int Main(int argc, char** argv) {
   add(MakeLstmBenchmark());
   add(MakeTrainLstmBenchmark());
   add(MakeSessionBenchmark());
+  add(MakeSkippingBenchmark());
   add(MakeSimBenchmark());
   add(MakeIdleBenchmark());
   add(MakeHmmBenchmark());

@@ -1,11 +1,19 @@
 #include "tests/bench/rendered_frames.h"
 
 #include "core/base/status_macros.h"
+#include "core/features/contact_tracker.h"
 #include "core/sim/exact/simulate_contact.h"
 #include "core/sim/experiments/paper_set.h"
+#include "core/sim/experiments/random_world.h"
 #include "core/sim/skin/record_contact.h"
 
 namespace tactus::client {
+namespace {
+
+// Of the built-in models' test contacts (docs/results/world.md).
+constexpr uint64_t kWorldSeed = 1001;
+
+}  // namespace
 
 absl::StatusOr<std::vector<RenderedTrial>> RenderTrials(const SkinModel& skin,
                                                         int count) {
@@ -28,6 +36,27 @@ absl::StatusOr<std::vector<RenderedTrial>> RenderTrials(const SkinModel& skin,
     for (size_t t = 0; t < trial.taxels.frames(); ++t) {
       trial.taxels.Decode(t, &to.values[t * to.taxels]);
     }
+  }
+  return trials;
+}
+
+absl::StatusOr<std::vector<RenderedTrial>> WorldTrials(const SkinModel& skin,
+                                                       int count) {
+  std::vector<RenderedTrial> trials;
+  for (uint64_t n = 0; static_cast<int>(trials.size()) < count; ++n) {
+    TACTUS_ASSIGN_OR_RETURN(const Trial trial, WorldTrial(skin, kWorldSeed, n));
+    ContactTracker tracker(skin.layout, {.release_after_s = -1});
+    RenderedTrial to;
+    to.taxels = skin.layout.taxels();
+    to.poses = trial.poses;
+    to.lead_in = to.frames();
+    to.values.resize(trial.taxels.frames() * to.taxels);
+    for (int t = 0; t < to.frames(); ++t) {
+      trial.taxels.Decode(t, &to.values[size_t(t) * to.taxels]);
+      tracker.Step(to.frame(t));
+      if (tracker.onset()) to.lead_in = t;
+    }
+    if (to.lead_in < to.frames()) trials.push_back(std::move(to));
   }
   return trials;
 }

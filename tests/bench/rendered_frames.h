@@ -40,4 +40,8 @@ struct RenderedTrial {
 absl::StatusOr<std::vector<RenderedTrial>> RenderTrials(const SkinModel& skin,
                                                         int count);
 
+// The first `count` contacts of the random world that `skin` feels.
+absl::StatusOr<std::vector<RenderedTrial>> WorldTrials(const SkinModel& skin,
+                                                       int count);
+
 }  // namespace tactus::client
