@@ -28,6 +28,6 @@ quick=()
   c++ --version | head -n 1
   "$bench" --version
 } >"$work/machine.txt"
-python3 docs/performance_page.py "$work/machine.txt" "$work/all.json" \
+python3 -B docs/performance_page.py "$work/machine.txt" "$work/all.json" \
   "$work/frontier.csv" "${quick[@]}" >"$work/performance.md"
 mv "$work/performance.md" docs/performance.md

@@ -15,7 +15,7 @@ import os
 import statistics
 import sys
 
-from pooled_table import wilson
+from intervals import wilson
 
 SMALLEST = 1e-12  # of a probability, as in core/eval/metrics.h
 

@@ -8,23 +8,26 @@ import csv
 import json
 import sys
 
+from intervals import wilson
+
 COMPARISONS = {
     "classifier": (
         "Classifiers",
         "Models fitted to the paper's 1,835 trials as ideal signals (seed 1), tested on "
-        "400 contacts at robot conditions that were not trained at (seed 7). Time is processor time of the "
-        "whole classifier on a contact frame, mean over the first 1.2 s of 48 contacts, "
-        "median of 15 rounds in which the variants take turns. Models step at intervals of "
-        "a tenth of the time since onset, but at least 5 and at most 20 frames; "
+        "contacts at robot conditions that were not trained at (seed 7). Time is processor "
+        "time of the whole classifier on a contact frame, mean over the first 1.2 s of 48 "
+        "contacts, median of 15 rounds in which the variants take turns. Models step at "
+        "intervals of a tenth of the time since onset, but at least 5 and at most 20 frames; "
         "\"at 10-40\": at least 10 and at most 40. HMMs are counted per category, of four; "
-        "\"as served\" is the preset `tuned`: 20 HMMs, one network and a network that "
+        "\"tuned\" is the preset for one's own trials: 20 HMMs, one network and a network that "
         "estimates the object; \"nothing skipped\" is the same with all skip rules off, of "
-        "which two apply here ([skipping.md](skipping.md)): unused cues and unchanged scores.",
+        "which two apply here ([skipping.md](skipping.md)): unused cues and unchanged scores. "
+        "What the built-in model costs is in [results/served.md](results/served.md).",
         "wrong after 1.2 s, %",
     ),
     "precision": (
         "Precision of the HMM scores",
-        "The forward algorithm of all HMMs of the model above on what they see of 100 "
+        "The forward algorithm of all HMMs of the model \"tuned\" on what they see of some "
         "of the contacts up to 1.2 s, scores read after each step. Time is processor time of a step; "
         "error is the largest of a category's log-likelihood, nats per step, against "
         "logarithms in long double. \"pruned\": in double, state by state, and without the "
@@ -34,11 +37,11 @@ COMPARISONS = {
     ),
     "simulator": (
         "Methods of the simulator",
-        "48 scenes of the grid of robot conditions, every other one with the object fixed, "
+        "Scenes of the grid of robot conditions, every other one with the object fixed, "
         "without those of more than 20,000 events. Time is processor time per frame of the "
         "100 Hz signals, median of 3 rounds; error is the largest of a noiseless feature as "
-        "a share of its peak, against long double matrix exponentials. The model above "
-        "classifies the contacts of each method.",
+        "a share of its peak, against long double matrix exponentials. The model "
+        "\"tuned\" classifies the contacts of each method.",
         "error / peak",
     ),
 }
@@ -55,8 +58,8 @@ def number(value):
     return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
 
 
-def percent(share):
-    return "-" if share == "" else f"{100 * float(share):.2f}"
+def percent(share, contacts):
+    return "-" if share == "" else wilson(float(share) * contacts, contacts)
 
 
 def print_rows(rows):
@@ -78,13 +81,14 @@ def print_rows(rows):
 
 def print_comparison(comparison, points):
     title, text, wrong = COMPARISONS[comparison]
-    print(f"\n### {title}\n\n{text}\n")
+    points = [point for point in points if point["comparison"] == comparison]
+    contacts = int(points[0]["contacts"])
+    print(f"\n### {title}\n\n{text}")
+    print(f"\nRight answers are of {contacts:,} contacts; in brackets are 95 % intervals.\n")
     print(f"![{title}](performance/frontier-{comparison}.png)\n")
     print(f"| variant | ns | {wrong} | right after 1.2 s, % | right at the end, % | front |")
     print("|---|---|---|---|---|---|")
     for point in points:
-        if point["comparison"] != comparison:
-            continue
         error = (
             number(point["error"])
             if point["error"]
@@ -93,8 +97,8 @@ def print_comparison(comparison, points):
         front = "yes" if point["front"] == "yes" else ""
         print(
             f"| {point['family']}: {point['variant']} | {number(point['ns_per_frame'])} "
-            f"| {error} | {percent(point['accuracy'])} "
-            f"| {percent(point['final_accuracy'])} | {front} |"
+            f"| {error} | {percent(point['accuracy'], contacts)} "
+            f"| {percent(point['final_accuracy'], contacts)} | {front} |"
         )
 
 

@@ -6,19 +6,11 @@ The last row pools the contacts of all seeds: one accuracy, one calibration erro
 """
 
 import json
-import math
 import sys
 
-Z = 1.959963984540054  # 97.5 % of a normal distribution lie below
+from intervals import wilson
+
 AT = "1.2"
-
-
-def wilson(right, count):
-    p = right / count
-    middle = (p + Z * Z / (2 * count)) / (1 + Z * Z / count)
-    half = Z / (1 + Z * Z / count) * math.sqrt(p * (1 - p) / count + Z * Z / (4 * count**2))
-    low, high = max(middle - half, 0), min(middle + half, 1)
-    return f"{100 * p:.2f} ({100 * low:.2f} to {100 * high:.2f})"
 
 
 def calibration_error(bins):

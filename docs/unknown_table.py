@@ -10,15 +10,7 @@ import math
 import os
 import sys
 
-Z = 1.959963984540054  # 97.5 % of a normal distribution lie below
-
-
-def wilson(right, count):
-    p = right / count
-    middle = (p + Z * Z / (2 * count)) / (1 + Z * Z / count)
-    half = Z / (1 + Z * Z / count) * math.sqrt(p * (1 - p) / count + Z * Z / (4 * count**2))
-    low, high = max(middle - half, 0), min(middle + half, 1)
-    return f"{100 * p:.1f} ({100 * low:.1f} to {100 * high:.1f})"
+from intervals import Z, wilson
 
 
 def area(positive, negative):
@@ -49,8 +41,8 @@ def main():
         called = sum(score > 0.5 for score in scores)
         against = "-" if number == 0 else area(scores, known)
         print(
-            f"| {name} | {len(felt)} of {count} | {wilson(right, len(felt))} "
-            f"| {100 * most / len(felt):.1f} | {wilson(called, len(felt))} | {against} |"
+            f"| {name} | {len(felt)} of {count} | {wilson(right, len(felt), 1)} "
+            f"| {100 * most / len(felt):.1f} | {wilson(called, len(felt), 1)} | {against} |"
         )
 
 

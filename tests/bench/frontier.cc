@@ -83,15 +83,15 @@ void MarkFronts(std::vector<FrontierPoint>& points) {
 
 std::string FrontierTable(const std::vector<FrontierPoint>& points) {
   std::string table =
-      "comparison,family,variant,ns_per_frame,error,accuracy,final_accuracy,"
-      "front\n";
+      "comparison,family,variant,ns_per_frame,error,contacts,accuracy,"
+      "final_accuracy,front\n";
   for (const FrontierPoint& point : points) {
     absl::StrAppendFormat(
-        &table, "%s,%s,%s,%.4g,%s,%.4f,%s,%s\n", NameOf(point.comparison),
+        &table, "%s,%s,%s,%.4g,%s,%d,%.6f,%s,%s\n", NameOf(point.comparison),
         point.family, point.variant, point.nanoseconds,
         point.error ? absl::StrFormat("%.3g", *point.error) : "",
-        point.accuracy,
-        point.final_accuracy ? absl::StrFormat("%.4f", *point.final_accuracy)
+        point.contacts, point.accuracy,
+        point.final_accuracy ? absl::StrFormat("%.6f", *point.final_accuracy)
                              : "",
         point.front ? "yes" : "no");
   }
@@ -152,10 +152,10 @@ absl::StatusOr<std::vector<FrontierPoint>> MeasureFrontier(bool quick) {
   };
   TACTUS_ASSIGN_OR_RETURN(
       auto precision,
-      MeasurePrecision(classifiers.served->model(), contacts.test, quick));
+      MeasurePrecision(classifiers.tuned->model(), contacts.test, quick));
   append(std::move(precision));
   TACTUS_ASSIGN_OR_RETURN(auto simulators,
-                          MeasureSimulators(classifiers.served, quick));
+                          MeasureSimulators(classifiers.tuned, quick));
   append(std::move(simulators));
   MarkFronts(points);
   return points;

@@ -37,8 +37,9 @@ struct FrontierPoint {
   // Largest difference from the reference; absent for classifiers.
   std::optional<double> error = {};
   std::string error_reference = {};
-  // Fraction of the test contacts that are classified correctly 1.2 s after
-  // onset.
+  // How many contacts were classified.
+  size_t contacts = 0;
+  // The fraction of them that are classified correctly 1.2 s after onset.
   double accuracy = 0;
   // The same at the end of the contacts; absent if not measured.
   std::optional<double> final_accuracy = {};
@@ -53,7 +54,7 @@ struct FrontierPoint {
 void MarkFronts(std::vector<FrontierPoint>& points);
 
 // CSV with the columns comparison, family, variant, ns_per_frame, error,
-// accuracy, final_accuracy, front. Absent values are empty.
+// contacts, accuracy, final_accuracy, front. Absent values are empty.
 std::string FrontierTable(const std::vector<FrontierPoint>& points);
 
 std::vector<BenchRow> FrontierRows(const std::vector<FrontierPoint>& points);
@@ -72,8 +73,8 @@ inline constexpr double kFrontierSeconds = 1.2;
 
 struct MeasuredClassifiers {
   std::vector<FrontierPoint> points;
-  // The whole model, as served.
-  std::shared_ptr<const CompiledModel> served;
+  // The preset `tuned`.
+  std::shared_ptr<const CompiledModel> tuned;
 };
 
 // The fraction of `contacts` that `model` classifies correctly kFrontierSeconds

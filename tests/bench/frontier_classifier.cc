@@ -18,9 +18,9 @@ namespace {
 constexpr int kTimedContacts = 48;
 constexpr int kRounds = 15;
 // Least accuracy. Guesses among four classes do not reach kGuesses; the preset
-// fitted in full reaches kServed.
+// fitted in full reaches kTuned.
 constexpr double kGuesses = 0.35;
-constexpr double kServed = 0.9;
+constexpr double kTuned = 0.9;
 
 int FrontierTime() {
   return static_cast<int>(std::ranges::find(kAnytimeSeconds, kFrontierSeconds) -
@@ -93,10 +93,10 @@ absl::Status CheckPart(const ClassifierVariant& part,
 }
 
 // Accuracies are measured with the skip rules on. No bit may depend on them.
-absl::Status CheckUnskipped(const ClassifierVariant& served,
+absl::Status CheckUnskipped(const ClassifierVariant& skipped,
                             const ClassifierVariant& unskipped,
                             const std::vector<LabelledContact>& contacts) {
-  ContactClassifier a(served.model, {}, served.skip);
+  ContactClassifier a(skipped.model, {}, skipped.skip);
   ContactClassifier b(unskipped.model, {}, unskipped.skip);
   for (const LabelledContact& contact : contacts) {
     a.Reset();
@@ -128,7 +128,7 @@ absl::StatusOr<MeasuredClassifiers> MeasureClassifiers(
   TACTUS_ASSIGN_OR_RETURN(const std::vector<ClassifierVariant> variants,
                           FitVariants(contacts.training, quick));
   MeasuredClassifiers measured;
-  measured.served = variants[kServedVariant].model;
+  measured.tuned = variants[kTunedVariant].model;
   const std::vector<double> nanoseconds =
       TimeVariants(variants, contacts.test, quick ? 2 : kRounds);
   std::vector<Evaluation> evaluations;
@@ -141,20 +141,21 @@ absl::StatusOr<MeasuredClassifiers> MeasureClassifiers(
          .family = variants[v].family,
          .variant = variants[v].name,
          .nanoseconds = nanoseconds[v],
+         .contacts = contacts.test.size(),
          .accuracy = Accuracy(evaluation.anytime[FrontierTime()]),
          .final_accuracy = Accuracy(evaluation.final)});
   }
   TACTUS_RETURN_IF_ERROR(CheckUnskipped(
-      variants[kServedVariant], variants[kUnskippedVariant], contacts.test));
-  const Evaluation& whole = evaluations[kServedVariant];
+      variants[kTunedVariant], variants[kUnskippedVariant], contacts.test));
+  const Evaluation& whole = evaluations[kTunedVariant];
   TACTUS_RETURN_IF_ERROR(CheckPart(
       variants[kHmmVariant], evaluations[kHmmVariant].anytime[FrontierTime()],
       whole.anytime_hmm[FrontierTime()]));
   TACTUS_RETURN_IF_ERROR(CheckPart(
       variants[kLstmVariant], evaluations[kLstmVariant].anytime[FrontierTime()],
       whole.anytime_lstm[FrontierTime()]));
-  const double right = measured.points[kServedVariant].accuracy;
-  if (right < (quick ? kGuesses : kServed)) {
+  const double right = measured.points[kTunedVariant].accuracy;
+  if (right < (quick ? kGuesses : kTuned)) {
     return NumericalFailure(absl::StrFormat(
         "only %.1f %% of the test contacts are classified correctly",
         100 * right));

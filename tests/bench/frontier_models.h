@@ -42,8 +42,8 @@ std::vector<const LabelledContact*> Pointers(
 absl::StatusOr<LabelledContact> ContactOf(const SimulatedContact& simulated,
                                           uint64_t seed);
 
-// Ideal signals: the paper's 1,835 trials and 400 of the grid; `quick`: about
-// 60 of each.
+// Ideal signals: the paper's 1,835 trials and 6,000 contacts of the grid;
+// `quick`: about 60 of each.
 absl::StatusOr<FrontierContacts> SimulateContacts(bool quick);
 
 // Specs of the grid, spread evenly over its conditions. Every second object is
@@ -57,9 +57,9 @@ struct ClassifierVariant {
   SkipRules skip = {};
 };
 
-// Indices of the first variants: the preset `tuned` as served, the same with
-// all skip rules off, its HMMs alone, its LSTMs alone.
-inline constexpr int kServedVariant = 0;
+// Indices of the first variants: the preset `tuned`, the same with all skip
+// rules off, its HMMs alone, its LSTM alone.
+inline constexpr int kTunedVariant = 0;
 inline constexpr int kUnskippedVariant = 1;
 inline constexpr int kHmmVariant = 2;
 inline constexpr int kLstmVariant = 3;

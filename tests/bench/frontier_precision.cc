@@ -137,6 +137,7 @@ absl::StatusOr<FrontierPoint> Check(const NamedScorer& named,
       .variant = named.name,
       .error = worst,
       .error_reference = "logarithms in long double, nats per scored frame",
+      .contacts = sequences.size(),
       .accuracy =
           static_cast<double>(right) / static_cast<double>(sequences.size())};
 }

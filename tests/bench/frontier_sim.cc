@@ -145,6 +145,7 @@ absl::StatusOr<std::vector<FrontierPoint>> MeasureSimulators(
          .error = total[m].error,
          .error_reference =
              "long double matrix exponentials, share of the peak",
+         .contacts = total[m].contacts.size(),
          .accuracy = accuracy});
   }
   return points;
