@@ -113,6 +113,8 @@ class ContactClassifier {
   int best_class() const { return best_class_; }
   // False if no input is made from ContactSample::profile.
   bool uses_profile() const { return cue_needs_.profile; }
+  // False if no input is made from ContactSample::spread.
+  bool uses_spread() const { return (cue_needs_.groups & kSpreadCues) != 0; }
   // True if an input is made from ContactSample::loads.
   bool uses_taxels() const { return UsesTaxels(model_->model().inputs); }
   // Steps of the LSTMs that Options::savings left out, over all contacts.

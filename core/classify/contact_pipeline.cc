@@ -79,6 +79,7 @@ ContactPipeline::ContactPipeline(
                                        : options.release_after_s,
                 .load_profile = classifier_.uses_profile(),
                 .taxel_loads = classifier_.uses_taxels(),
+                .load_spread = classifier_.uses_spread(),
                 .skip_untouched = options.skip[SkipRule::kUntouchedFrames],
                 .reuse_unchanged = options.skip[SkipRule::kUnchangedFrames],
                 .skip_quiet_rows = options.skip[SkipRule::kQuietRows]}),

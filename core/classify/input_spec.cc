@@ -93,7 +93,8 @@ bool UsesTaxels(const InputSpec& spec) {
 }
 
 bool NeedsSkin(const InputSpec& spec) {
-  return UsesProfile(spec) || UsesTaxels(spec);
+  const CueGroups groups = CuesNeeded(spec, /*with_lstms=*/true).groups;
+  return UsesProfile(spec) || UsesTaxels(spec) || (groups & kSpreadCues) != 0;
 }
 
 CueNeeds CuesNeeded(const InputSpec& spec, bool with_lstms) {
@@ -109,8 +110,8 @@ CueNeeds CuesNeeded(const InputSpec& spec, bool with_lstms) {
 
 int CountUnused(const CueNeeds& needs) {
   int count = needs.profile ? 0 : kProfileSize;
-  for (const Cue cue : DerivedCues()) {
-    count += (GroupOf(cue) & needs.groups) == 0;
+  for (const auto& cues : {DerivedCues(), FineCues()}) {
+    for (const Cue cue : cues) count += (GroupOf(cue) & needs.groups) == 0;
   }
   return count;
 }

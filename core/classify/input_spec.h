@@ -34,8 +34,8 @@ bool UsesProfile(const InputSpec& spec);
 // True if an input is made from the taxels of a skin (ContactSample::loads).
 bool UsesTaxels(const InputSpec& spec);
 
-// True if an input is made from the load profile or from taxels, so that ideal
-// signals cannot be classified.
+// True if an input is made from the load profile, from taxels or from the
+// spread of the load, so that ideal signals cannot be classified.
 bool NeedsSkin(const InputSpec& spec);
 
 // The cues that inputs are made from, besides the raw features.

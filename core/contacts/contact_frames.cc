@@ -17,8 +17,8 @@ void PutLast(size_t frames, const Value& value, Part& part) {
 size_t ContactFrames::bytes() const {
   return std::span(features_).size_bytes() +
          std::span(net_force_).size_bytes() + std::span(profile_).size_bytes() +
-         touched_.size() / 8 + std::span(loads_).size_bytes() +
-         std::span(load_ends_).size_bytes();
+         touched_.size() / 8 + std::span(spread_).size_bytes() +
+         std::span(loads_).size_bytes() + std::span(load_ends_).size_bytes();
 }
 
 void ContactFrames::clear() {
@@ -26,6 +26,7 @@ void ContactFrames::clear() {
   net_force_.clear();
   profile_.clear();
   touched_.clear();
+  spread_.clear();
   loads_.clear();
   load_ends_.clear();
 }
@@ -35,6 +36,7 @@ void ContactFrames::shrink_to_fit() {
   net_force_.shrink_to_fit();
   profile_.shrink_to_fit();
   touched_.shrink_to_fit();
+  spread_.shrink_to_fit();
   loads_.shrink_to_fit();
   load_ends_.shrink_to_fit();
 }
@@ -46,11 +48,15 @@ void ContactFrames::MakeRoomFor(const Numbers& numbers) {
     }
   }
   if (touched_.empty() && !numbers.touched) touched_.assign(size(), true);
+  if (spread_.empty() && numbers.spread != LoadSpread{}) {
+    spread_.resize(size());
+  }
 }
 
 void ContactFrames::MakeRoomFor(const ContactFrame& frame) {
   const ContactSample& sample = frame.sample;
-  MakeRoomFor(Numbers{sample.features, sample.net_force, frame.touched});
+  MakeRoomFor(
+      Numbers{sample.features, sample.net_force, frame.touched, sample.spread});
   if (profile_.empty() && sample.profile != LoadProfile{}) {
     profile_.resize(size());
   }
@@ -61,6 +67,7 @@ void ContactFrames::push_back_numbers(const Numbers& numbers) {
   MakeRoomFor(numbers);
   PutLast(size(), numbers.net_force, net_force_);
   PutLast(size(), numbers.touched, touched_);
+  PutLast(size(), numbers.spread, spread_);
 }
 
 void ContactFrames::SetNumbers(size_t t, const Numbers& numbers) {
@@ -68,6 +75,7 @@ void ContactFrames::SetNumbers(size_t t, const Numbers& numbers) {
   features_[t] = numbers.features;
   if (!net_force_.empty()) net_force_[t] = numbers.net_force;
   if (!touched_.empty()) touched_[t] = numbers.touched;
+  if (!spread_.empty()) spread_[t] = numbers.spread;
 }
 
 void ContactFrames::push_back(const ContactFrame& frame) {
@@ -76,6 +84,7 @@ void ContactFrames::push_back(const ContactFrame& frame) {
   PutLast(size(), frame.sample.net_force, net_force_);
   PutLast(size(), frame.sample.profile, profile_);
   PutLast(size(), frame.touched, touched_);
+  PutLast(size(), frame.sample.spread, spread_);
   const auto& loads = frame.sample.loads;
   if (loads_.empty() && loads.empty()) return;
   // Frames before the first one with taxels have none.
@@ -90,6 +99,7 @@ void ContactFrames::Set(size_t t, const ContactFrame& frame) {
   if (!net_force_.empty()) net_force_[t] = frame.sample.net_force;
   if (!profile_.empty()) profile_[t] = frame.sample.profile;
   if (!touched_.empty()) touched_[t] = frame.touched;
+  if (!spread_.empty()) spread_[t] = frame.sample.spread;
 }
 
 }  // namespace tactus

@@ -1,6 +1,6 @@
 // File: contact_frames.h
 //
-// ContactFrames: the frames of a contact in little memory. A frame has 21
+// ContactFrames: the frames of a contact in little memory. A frame has 23
 // numbers and the touched taxels, but contacts of ideal signals need three
 // numbers: the net force is the force, and there are no taxels.
 //
@@ -56,9 +56,10 @@ class ContactFrames {
   Iterator end() const { return {this, size()}; }
   // Inline, so that a caller that drops a part of the frame does not copy it.
   ContactFrame operator[](size_t t) const {
-    return {{features_[t], net_force(t),
-             profile_.empty() ? LoadProfile{} : profile_[t], loads(t)},
-            touched(t)};
+    return {
+        {features_[t], net_force(t),
+         profile_.empty() ? LoadProfile{} : profile_[t], loads(t), spread(t)},
+        touched(t)};
   }
   ContactFrame front() const { return (*this)[0]; }
   ContactFrame back() const { return (*this)[size() - 1]; }
@@ -66,6 +67,10 @@ class ContactFrames {
   const FeatureVector& features(size_t t) const { return features_[t]; }
   double net_force(size_t t) const {
     return net_force_.empty() ? features_[t][kForceAt] : net_force_[t];
+  }
+
+  LoadSpread spread(size_t t) const {
+    return spread_.empty() ? LoadSpread{} : spread_[t];
   }
 
   std::span<const TaxelLoad> loads(size_t t) const {
@@ -79,11 +84,12 @@ class ContactFrames {
     FeatureVector features = {};
     double net_force = 0;
     bool touched = true;
+    LoadSpread spread = {};
   };
   // True if numbers() is all there is of each frame.
   bool plain() const { return profile_.empty() && load_ends_.empty(); }
   Numbers numbers(size_t t) const {
-    return {features_[t], net_force(t), touched(t)};
+    return {features_[t], net_force(t), touched(t), spread(t)};
   }
   // Of plain frames.
   void push_back_numbers(const Numbers& numbers);
@@ -115,6 +121,7 @@ class ContactFrames {
   std::vector<double> net_force_;
   std::vector<LoadProfile> profile_;
   std::vector<bool> touched_;
+  std::vector<LoadSpread> spread_;
   // The taxels of all frames, and where those of each frame end.
   std::vector<TaxelLoad> loads_;
   std::vector<uint32_t> load_ends_;

@@ -14,7 +14,8 @@ void TakeTaxels(const Trial& trial, const SkinLayout& layout,
   ContactTracker tracker(layout, {.sample_rate_hz = trial.sample_rate_hz,
                                   .release_after_s = options.release_after_s,
                                   .load_profile = options.whole_skin,
-                                  .taxel_loads = options.whole_skin});
+                                  .taxel_loads = options.whole_skin,
+                                  .load_spread = true});
   std::vector<float> taxels(layout.taxels());
   for (size_t t = 0; t < trial.taxels.frames(); ++t) {
     trial.taxels.Decode(t, taxels.data());

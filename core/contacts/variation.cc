@@ -27,7 +27,8 @@ ContactFrames::Numbers Between(const ContactFrames::Numbers& before,
                                double fraction) {
   if (!before.touched || !after.touched) return before;
   return {Between(before.features, after.features, fraction),
-          Between(before.net_force, after.net_force, fraction), true};
+          Between(before.net_force, after.net_force, fraction), true,
+          before.spread};
 }
 
 void AtPace(const LabelledContact& contact, double pace,

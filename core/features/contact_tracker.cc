@@ -54,6 +54,7 @@ ContactTracker::ContactTracker(const SkinLayout& layout, const Options& options)
       contact_threshold_(TaxelThreshold(layout.contact_threshold)),
       onset_threshold_(TaxelThreshold(layout.onset_threshold)),
       release_frames_(ReleaseFrames(options)),
+      measure_spread_(options.load_spread),
       measured_taxels_(
           options.reuse_unchanged && !layout.light_touch ? layout.taxels() : 0),
       recent_poses_(options.sample_rate_hz),
@@ -198,6 +199,14 @@ void ContactTracker::Measure(const FrameView& frame) {
       segmenter_.CopyLoads(light_ ? light_->values() : frame.taxels, loads_);
       features_.loads = loads_;
     }
+    if (measure_spread_) {
+      features_.spread =
+          segmenter_.LargestSpread(light_ ? light_->values() : frame.taxels);
+      features_.spread.rows *=
+          static_cast<float>(layout_.row_pitch_m * layout_.row_pitch_m);
+      features_.spread.columns *=
+          static_cast<float>(layout_.column_pitch_m * layout_.column_pitch_m);
+    }
     features_.centroid = {region.centroid_row, region.centroid_column};
     // A region with a hole, or in the shape of an L, may not hold the place of
     // its own centroid; a long one may not reach one that it holds.
@@ -211,6 +220,7 @@ void ContactTracker::Measure(const FrameView& frame) {
     features_.area_m2 = 0;
     features_.profile = {};
     features_.loads = {};
+    features_.spread = {};
   }
 }
 

@@ -55,13 +55,16 @@ struct FrameFeatures {
   // The touched taxels of the whole skin; empty if untouched, or if the tracker
   // does not copy them. Valid until the next Step().
   std::span<const TaxelLoad> loads = {};
+  // Of the largest region; zero if untouched, or if the tracker does not
+  // measure it.
+  LoadSpread spread = {};
   // Number of regions on the skin.
   int region_count = 0;
   // Centroid of the largest region; while touch is lost, the last one.
   SkinPoint centroid = {};
 
   ContactSample sample() const {
-    return {{max_force, area_m2, motion_m}, net_force, profile, loads};
+    return {{max_force, area_m2, motion_m}, net_force, profile, loads, spread};
   }
 };
 
@@ -111,6 +114,8 @@ class ContactTracker {
     bool load_profile = true;
     // If true, `loads` has the touched taxels.
     bool taxel_loads = false;
+    // If true, `spread` is measured.
+    bool load_spread = false;
     // Skips that change no bit. skip_untouched: frames without a touched taxel
     // are not segmented. reuse_unchanged: a frame whose taxels equal those of
     // the touched frame before it keeps the features, except for the motion.
@@ -169,6 +174,8 @@ class ContactTracker {
   float light_taxel_ = 0;
   // Frames of lost touch that release a contact; the largest value means never.
   uint64_t release_frames_;
+
+  const bool measure_spread_;
 
   ContactState state_ = ContactState::kNoContact;
   bool onset_ = false;

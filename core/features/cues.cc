@@ -101,6 +101,12 @@ constexpr CueRow kCues[] = {
     {"embedding_21", kNeedsForce},
     {"embedding_22", kNeedsForce},
     {"embedding_23", kNeedsForce},
+    {"force_tremor_short", kNeedsForce},
+    {"force_pitch_short", kNeedsForce},
+    {"force_tremor_long", kNeedsForce},
+    {"force_pitch_long", kNeedsForce},
+    {"log_row_spread", kNeedsForce | kNeedsArea},
+    {"log_column_spread", kNeedsForce | kNeedsArea},
 };
 static_assert(std::size(kCues) == kCueCount);
 
@@ -108,7 +114,8 @@ constexpr int kFirstProfileCue = static_cast<int>(Cue::kRowLoad0);
 constexpr int kFirstWholeSkinCue = static_cast<int>(Cue::kSkinForce);
 constexpr int kFirstEmbeddingCue = static_cast<int>(Cue::kEmbedding0);
 static_assert(kFirstProfileCue + kProfileSize == kFirstWholeSkinCue);
-static_assert(kFirstEmbeddingCue + kMaxEmbedding == kCueCount);
+constexpr int kFirstFineCue = static_cast<int>(Cue::kForceTremorShort);
+static_assert(kFirstEmbeddingCue + kMaxEmbedding == kFirstFineCue);
 
 constexpr int kF = static_cast<int>(Feature::kForce);
 constexpr int kA = static_cast<int>(Feature::kArea);
@@ -118,11 +125,12 @@ constexpr int kM = static_cast<int>(Feature::kMotion);
 constexpr double kSmooth = 0.05;
 constexpr double kShort = 0.1;
 constexpr double kLong = 0.4;
-// Floors of the logarithms: N, m^2, m, and fractions of a mean.
+// Floors of the logarithms: N, m^2, m, fractions of a mean, m.
 constexpr double kForceFloor = 1e-6;
 constexpr double kAreaFloor = 1e-7;
 constexpr double kMotionFloor = 1e-7;
 constexpr double kRippleFloor = 1e-6;
+constexpr double kSpreadFloor = 1e-5;
 // Floor of the fraction of variance that is not explained.
 constexpr double kMisfitFloor = 1e-4;
 // A signal that varies by a smaller fraction of its mean rests: only rounding
@@ -190,8 +198,10 @@ std::vector<Cue> WholeSkinCues() {
 }
 
 std::vector<Cue> EmbeddingCues() {
-  return CueRange(kFirstEmbeddingCue, kCueCount);
+  return CueRange(kFirstEmbeddingCue, kFirstFineCue);
 }
+
+std::vector<Cue> FineCues() { return CueRange(kFirstFineCue, kCueCount); }
 
 void CueTracker::Moments::Step(const FeatureVector& x, double weight) {
   FeatureVector change;
@@ -208,6 +218,9 @@ void CueTracker::Moments::Step(const FeatureVector& x, double weight) {
 }
 
 CueGroups GroupOf(Cue cue) {
+  if (IsFineCue(cue)) {
+    return cue < Cue::kLogRowSpread ? kTremorCues : kSpreadCues;
+  }
   if (IsEmbeddingCue(cue)) return kEmbeddingCues;
   if (IsTaxelCue(cue)) return kWholeSkinCues;
   if (!IsDerived(cue)) return 0;
@@ -264,6 +277,8 @@ void CueTracker::Step(const ContactSample& sample,
   if (Has(kLevelCues)) StepLevels(x, state_.values[kF]);
   if (Has(kSpringCues)) StepSprings(x, weight);
   if (Has(kRoughnessCues)) StepRoughness(x, weight);
+  if (Has(kTremorCues)) StepTremor(x[kF]);
+  if (Has(kSpreadCues)) StepSpread(sample.spread);
 }
 
 void CueTracker::StepTaxels(std::span<const TaxelLoad> loads) {
@@ -324,6 +339,27 @@ void CueTracker::StepRoughness(const FeatureVector& x, double weight) {
   s.last = x;
 }
 
+void CueTracker::StepTremor(double force) {
+  State& s = state_;
+  const double change = s.frames == 1 ? 0 : force - s.last_force;
+  const double turn = s.frames <= 2 ? 0 : change - s.last_change;
+  const auto step = [&](Tremor& tremor, double weight) {
+    tremor.level.Step(force, weight);
+    tremor.change.Step(change * change, weight);
+    tremor.turn.Step(turn * turn, weight);
+  };
+  step(s.short_tremor, Weight(short_window_));
+  step(s.long_tremor, Weight(long_window_));
+  s.last_force = force;
+  s.last_change = change;
+}
+
+void CueTracker::StepSpread(const LoadSpread& spread) {
+  const double weight = Weight(smooth_window_);
+  state_.row_spread.Step(spread.rows, weight);
+  state_.column_spread.Step(spread.columns, weight);
+}
+
 void CueTracker::Derive() {
   state_.derived = true;
   if (Has(kLevelCues)) DeriveLevels();
@@ -335,6 +371,11 @@ void CueTracker::Derive() {
     DeriveWindow(state_.long_window, Cue::kStiffnessLong);
   }
   if (Has(kRoughnessCues)) DeriveRoughness();
+  if (Has(kTremorCues)) {
+    DeriveTremor(state_.short_tremor, Cue::kForceTremorShort);
+    DeriveTremor(state_.long_tremor, Cue::kForceTremorLong);
+  }
+  if (Has(kSpreadCues)) DeriveSpread();
 }
 
 void CueTracker::DeriveLevels() {
@@ -412,6 +453,22 @@ void CueTracker::DeriveRoughness() {
     Set(kCue[i], 0.5 * std::log(state_.roughness[i].value +
                                 kFloor[i] * kFloor[i] * kRippleFloor));
   }
+}
+
+void CueTracker::DeriveTremor(const Tremor& window, Cue tremor) {
+  const double mean = std::max(std::abs(window.level.value), kForceFloor);
+  const double rest = kRest * mean * (kRest * mean);
+  const double change = window.change.value;
+  state_.values[static_cast<int>(tremor)] =
+      0.5 * std::log(change / (mean * mean) + kRippleFloor * kRippleFloor);
+  state_.values[static_cast<int>(tremor) + 1] =
+      0.5 * std::log((window.turn.value + rest) / (change + rest));
+}
+
+void CueTracker::DeriveSpread() {
+  constexpr double kFloor = kSpreadFloor * kSpreadFloor;
+  Set(Cue::kLogRowSpread, 0.5 * Log(state_.row_spread.value, kFloor));
+  Set(Cue::kLogColumnSpread, 0.5 * Log(state_.column_spread.value, kFloor));
 }
 
 }  // namespace tactus

@@ -137,8 +137,21 @@ enum class Cue {
   kEmbedding21,
   kEmbedding22,
   kEmbedding23,
+  // How the net force trembles in the last 0.1 s: root mean square of its
+  // change from frame to frame, over its mean (log); root mean square of the
+  // change of that change, over the root mean square of the change (log;
+  // Hjorth's mobility, Electroencephalography and Clinical Neurophysiology 29,
+  // 1970).
+  kForceTremorShort,
+  kForcePitchShort,
+  // The same in the last 0.4 s.
+  kForceTremorLong,
+  kForcePitchLong,
+  // Root of the smooth LoadSpread (log m).
+  kLogRowSpread,
+  kLogColumnSpread,
 };
-inline constexpr int kCueCount = static_cast<int>(Cue::kEmbedding23) + 1;
+inline constexpr int kCueCount = static_cast<int>(Cue::kLogColumnSpread) + 1;
 
 // "log_spring".
 absl::string_view CueName(Cue cue);
@@ -158,11 +171,19 @@ constexpr bool IsProfileCue(Cue cue) {
 }
 
 // True for the cues of the taxel embedding.
-constexpr bool IsEmbeddingCue(Cue cue) { return cue >= Cue::kEmbedding0; }
+constexpr bool IsEmbeddingCue(Cue cue) {
+  return cue >= Cue::kEmbedding0 && cue <= Cue::kEmbedding23;
+}
 
 // True for the cues that are made from ContactSample::loads. They are 0 for
 // ideal signals.
-constexpr bool IsTaxelCue(Cue cue) { return cue >= Cue::kSkinForce; }
+constexpr bool IsTaxelCue(Cue cue) {
+  return cue >= Cue::kSkinForce && cue <= Cue::kEmbedding23;
+}
+
+// True for the cues of a fine skin: the tremor of the force and the spread of
+// the load. The spread is 0 for ideal signals.
+constexpr bool IsFineCue(Cue cue) { return cue >= Cue::kForceTremorShort; }
 
 // True for the cues that are derived from the features.
 constexpr bool IsDerived(Cue cue) {
@@ -181,6 +202,9 @@ std::vector<Cue> WholeSkinCues();
 // Returns all cues of the taxel embedding.
 std::vector<Cue> EmbeddingCues();
 
+// Returns all cues of a fine skin.
+std::vector<Cue> FineCues();
+
 // Cues other than the features and the load profile are computed by groups. A
 // set of groups is a sum of these.
 using CueGroups = unsigned;
@@ -191,7 +215,9 @@ inline constexpr CueGroups kLongWindowCues = 8;   // of the last 0.4 s
 inline constexpr CueGroups kRoughnessCues = 16;
 inline constexpr CueGroups kWholeSkinCues = 32;
 inline constexpr CueGroups kEmbeddingCues = 64;
-inline constexpr CueGroups kAllCueGroups = 127;
+inline constexpr CueGroups kTremorCues = 128;
+inline constexpr CueGroups kSpreadCues = 256;
+inline constexpr CueGroups kAllCueGroups = 511;
 
 // Returns the group of a cue; 0 for features and the load profile.
 CueGroups GroupOf(Cue cue);
@@ -213,7 +239,7 @@ class CueTracker {
 
   // Returns the cue after the last Step(); 0 before the first.
   double value(Cue cue) {
-    if (!state_.derived && IsDerived(cue)) Derive();
+    if (!state_.derived && (IsDerived(cue) || IsFineCue(cue))) Derive();
     return state_.values[static_cast<int>(cue)];
   }
 
@@ -230,6 +256,13 @@ class CueTracker {
     double force_motion = 0;
     double force_area = 0;
     void Step(const FeatureVector& x, double weight);
+  };
+  // Mean squares of a window: of the change from frame to frame, and of the
+  // change of that change.
+  struct Tremor {
+    Mean level;
+    Mean change;
+    Mean turn;
   };
   // The force here is the net force.
   struct State {
@@ -255,6 +288,12 @@ class CueTracker {
     FeatureVector last = {};
     // Mean squared changes.
     std::array<Mean, kFeatureCount> roughness;
+    double last_force = 0;
+    double last_change = 0;
+    Tremor short_tremor;
+    Tremor long_tremor;
+    Mean row_spread;
+    Mean column_spread;
   };
 
   // Weight of the newest sample in a running mean over `window` samples.
@@ -266,6 +305,8 @@ class CueTracker {
   void StepLevels(const FeatureVector& x, double peak_force);
   void StepSprings(const FeatureVector& x, double weight);
   void StepRoughness(const FeatureVector& x, double weight);
+  void StepTremor(double force);
+  void StepSpread(const LoadSpread& spread);
   bool Has(CueGroups group) const { return (groups_ & group) != 0; }
   // Computes the derived cues from the means.
   void Derive();
@@ -274,6 +315,9 @@ class CueTracker {
   // Computes the five cues of a window; `stiffness` is the first of them.
   void DeriveWindow(const Moments& window, Cue stiffness);
   void DeriveRoughness();
+  // Computes the two cues of a window; `tremor` is the first of them.
+  void DeriveTremor(const Tremor& window, Cue tremor);
+  void DeriveSpread();
 
   double sample_rate_hz_;
   CueGroups groups_;

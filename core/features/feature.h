@@ -33,6 +33,16 @@ inline constexpr int kColumnBands = 10;
 inline constexpr int kProfileSize = kRowBands + kColumnBands;
 using LoadProfile = std::array<double, kProfileSize>;
 
+// Mean squared distance of a region's load from its middle, m^2: across the
+// rows and across the columns of the skin. Each taxel counts with its load. 0
+// if the load is in one row, or in one column.
+struct LoadSpread {
+  float rows = 0;
+  float columns = 0;
+
+  bool operator==(const LoadSpread&) const = default;
+};
+
 // The numbers of one touched frame of a contact.
 struct ContactSample {
   FeatureVector features = {};
@@ -45,6 +55,8 @@ struct ContactSample {
   // signals, and if nobody needs them. Refers to the memory of whoever made the
   // sample.
   std::span<const TaxelLoad> loads = {};
+  // Of the whole region. Zero for ideal signals, and if nobody needs it.
+  LoadSpread spread = {};
 };
 
 // One frame of a contact.

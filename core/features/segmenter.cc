@@ -281,6 +281,38 @@ void Segmenter::SumLoads(std::span<const float> taxels,
   }
 }
 
+LoadSpread Segmenter::LargestSpread(std::span<const float> taxels) const {
+  double load = 0;
+  double row_sum = 0;
+  double row_squares = 0;
+  double column_sum = 0;
+  double column_squares = 0;
+  for (int row = first_row_; regions_ > 0 && row < end_row_; ++row) {
+    const int first = row * columns_;
+    for (uint64_t rest = row_columns_[row]; rest != 0; rest &= rest - 1) {
+      const int place = std::countr_zero(rest);
+      if (regions_ > 1 && !LargestHolds(first + place)) continue;
+      const double value = std::max(taxels[first + place], 0.0F);
+      // From the centroid, the short way round.
+      double column = place - largest_.centroid_column;
+      if (wrap_) column -= columns_ * std::round(column / columns_);
+      const double away = row - largest_.centroid_row;
+      load += value;
+      row_sum += value * away;
+      row_squares += value * away * away;
+      column_sum += value * column;
+      column_squares += value * column * column;
+    }
+  }
+  if (!(load > 0)) return {};
+  const auto variance = [load](double squares, double sum) {
+    const double mean = sum / load;
+    return static_cast<float>(std::max(squares / load - mean * mean, 0.0));
+  };
+  return {.rows = variance(row_squares, row_sum),
+          .columns = variance(column_squares, column_sum)};
+}
+
 void Segmenter::CopyLoads(std::span<const float> taxels,
                           std::vector<TaxelLoad>& loads) const {
   loads.clear();

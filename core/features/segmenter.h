@@ -83,6 +83,10 @@ class Segmenter {
   void SumLoads(std::span<const float> taxels, std::span<double> row_loads,
                 std::span<double> column_loads) const;
 
+  // Mean squared distances of the largest region's load from its middle, in
+  // squared rows and columns; zero without load. `taxels` as for SumLoads.
+  LoadSpread LargestSpread(std::span<const float> taxels) const;
+
   // Writes the touched taxels of the whole skin to `loads`, by rising index;
   // `taxels` as for SumLoads. Reuses the memory of `loads`.
   void CopyLoads(std::span<const float> taxels,

@@ -127,9 +127,10 @@ absl::Status CheckCues(const std::vector<const LabelledContact*>& contacts,
     return InvalidConfig("copies", options.variations.copies,
                          "0 with cues that are made from taxels");
   }
-  if (!taxels && std::ranges::none_of(cues, IsProfileCue)) {
-    return absl::OkStatus();
-  }
+  const auto of_skin = [](Cue cue) {
+    return IsTaxelCue(cue) || IsProfileCue(cue) || GroupOf(cue) == kSpreadCues;
+  };
+  if (std::ranges::none_of(cues, of_skin)) return absl::OkStatus();
   for (const LabelledContact* contact : contacts) {
     if (IsIdeal(*contact)) {
       return InvalidTrainingData(absl::StrCat(

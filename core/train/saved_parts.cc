@@ -20,7 +20,8 @@ void AddContact(const LabelledContact& contact, Sha256& hash) {
   for (size_t t = 0; t < frames.size(); ++t) {
     const ContactFrames::Numbers numbers = frames.numbers(t);
     for (const double feature : numbers.features) writer(feature);
-    writer(numbers.net_force, numbers.touched);
+    writer(numbers.net_force, numbers.touched, numbers.spread.rows,
+           numbers.spread.columns);
     if (frames.plain()) continue;
     const ContactSample& sample = frames[t].sample;
     for (const double load : sample.profile) writer(load);

@@ -11,6 +11,32 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
+TEST(FitFlagsTest, WithCuesGivesThemToTheLstms) {
+  const auto preset = FitFlags().Options("world");
+  FitFlags flags;
+  flags.with_cues = "force_pitch_short,log_row_spread";
+  const auto more = flags.Options("world");
+  ASSERT_TRUE(preset.ok() && more.ok()) << more.status();
+  EXPECT_EQ(more->hmm_cues, preset->hmm_cues);
+  std::vector<Cue> expected = preset->lstm.cues;
+  expected.insert(expected.end(), {Cue::kForcePitchShort, Cue::kLogRowSpread});
+  EXPECT_EQ(more->lstm.cues, expected);
+}
+
+TEST(FitFlagsTest, WithCuesRefusesWhatHasNoEffect) {
+  FitFlags flags;
+  const auto refused = [&](const char* cues, const char* preset) {
+    flags.with_cues = cues;
+    const absl::Status status = flags.Options(preset).status();
+    EXPECT_EQ(ReasonOf(status), "INVALID_CONFIG") << cues;
+    EXPECT_THAT(status.message(), HasSubstr("--with-cues"));
+  };
+  refused("log_drag", "world");
+  refused("log_dreg", "world");
+  refused("force_pitch_long,force_pitch_long", "world");
+  refused("force_pitch_long", "profile");
+}
+
 TEST(FitFlagsTest, WithoutCuesTakesThemFromAllInputs) {
   const auto all = FitFlags().Options("world");
   FitFlags flags;

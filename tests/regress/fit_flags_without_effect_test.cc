@@ -16,7 +16,8 @@ TEST(FitFlagsWithoutEffectTest, AreRefusedBesideABundle) {
        {"--preset=paper", "--features=f", "--seed=2", "--states=3",
         "--mixtures=2", "--networks=0", "--epochs=1", "--no-estimates",
         "--stretches=1", "--skip-unusable", "--hmm-cues=force",
-        "--lstm-cues=force", "--without-cues=log_drag"}) {
+        "--lstm-cues=force", "--with-cues=force_pitch_short",
+        "--without-cues=log_drag"}) {
     const auto run =
         RunTrainctl("evaluate --data=none.h5 --model=none.tactus " + flag);
     EXPECT_EQ(ReasonOf(run.status), "INVALID_CONFIG") << flag;

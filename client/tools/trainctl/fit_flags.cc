@@ -1,5 +1,6 @@
 #include "client/tools/trainctl/fit_flags.h"
 
+#include <algorithm>
 #include <optional>
 
 #include "absl/strings/str_cat.h"
@@ -51,6 +52,9 @@ void FitFlags::Add(CLI::App& command) {
                          "log_force,log_spring"),
       command.add_option("--lstm-cues", lstm_cues,
                          "Cues that the LSTMs take as inputs"),
+      command.add_option("--with-cues", with_cues,
+                         "Cues that the LSTMs take beside the preset's, like "
+                         "force_pitch_short"),
       command.add_option(
           "--without-cues", without_cues,
           "Cues that neither HMMs nor LSTMs take, like log_drag"),
@@ -75,6 +79,17 @@ absl::StatusOr<std::vector<Cue>> ParseCues(absl::string_view flag,
     cues.push_back(*cue);
   }
   return cues;
+}
+
+// Gives `cue` to the LSTMs.
+absl::Status Include(Cue cue, FitOptions& options) {
+  std::vector<Cue>& cues = options.lstm.cues;
+  if (options.lstm.networks == 0 || std::ranges::count(cues, cue) > 0) {
+    return InvalidConfig("--with-cues", CueName(cue),
+                         "cues that LSTMs would not take already");
+  }
+  cues.push_back(cue);
+  return absl::OkStatus();
 }
 
 // Takes `cue` from all inputs of the models.
@@ -170,6 +185,13 @@ absl::StatusOr<FitOptions> FitFlags::Options(absl::string_view preset) const {
   if (!lstm_cues.empty()) {
     TACTUS_ASSIGN_OR_RETURN(options.lstm.cues,
                             ParseCues("--lstm-cues", lstm_cues));
+  }
+  if (!with_cues.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(const std::vector<Cue> cues,
+                            ParseCues("--with-cues", with_cues));
+    for (const Cue cue : cues) {
+      TACTUS_RETURN_IF_ERROR(Include(cue, options));
+    }
   }
   if (!without_cues.empty()) {
     TACTUS_ASSIGN_OR_RETURN(const std::vector<Cue> cues,

@@ -40,6 +40,7 @@ struct FitFlags {
   bool skip_unusable = false;
   std::string hmm_cues;
   std::string lstm_cues;
+  std::string with_cues;
   std::string without_cues;
 
   void Add(CLI::App& command);

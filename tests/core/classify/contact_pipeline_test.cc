@@ -1,6 +1,7 @@
 #include "core/classify/contact_pipeline.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/base/errors.h"
 #include "core/skin/geometry.h"
@@ -164,6 +165,24 @@ TEST_F(ContactPipelineTest, PosesAreDemandedOrIgnoredAsTheModelWasTrained) {
   }
   EXPECT_EQ(ignored->report().features.motion_m, 0);
   EXPECT_GT(used->report().features.motion_m, 0.02);
+}
+
+TEST_F(ContactPipelineTest, MeasuresTheSpreadIfTheModelTakesIt) {
+  auto without = Make();
+  Step(*without, 1);
+  EXPECT_EQ(without->report().features.spread, LoadSpread());
+  Model model = testing::SmallModel();
+  model.inputs.hmm[0] = {Cue::kLogColumnSpread, 0, -4};
+  EXPECT_TRUE(NeedsSkin(model.inputs));
+  model_ = *CompiledModel::Create(std::move(model));
+  auto with = Make();
+  Step(*with, 1);
+  // Two columns of the same load.
+  EXPECT_NEAR(std::sqrt(with->report().features.spread.columns),
+              layout_.column_pitch_m / 2, 1e-7);
+  testing::AllocationCounter counter;
+  for (int t = 0; t < 100; ++t) Step(*with, 1);
+  EXPECT_EQ(counter.count(), 0);
 }
 
 TEST_F(ContactPipelineTest, AFrameAllocatesNothing) {

@@ -154,7 +154,8 @@ TEST_F(SkippingTest, QuietRows) {
 TEST_F(SkippingTest, UnusedCues) {
   ExpectExact(SkipRule::kUnusedCues);
   // All but the springs and the load profile.
-  EXPECT_EQ(Run({}).skipped[SkipRule::kUnusedCues], DerivedCues().size() - 5);
+  EXPECT_EQ(Run({}).skipped[SkipRule::kUnusedCues],
+            DerivedCues().size() + FineCues().size() - 5);
 }
 
 TEST_F(SkippingTest, UnusedLstms) {
@@ -171,7 +172,7 @@ TEST_F(SkippingTest, UnusedLstms) {
   EXPECT_FALSE(on.all == with_lstms.all);
   // Cues that only the LSTMs use are skipped with them.
   EXPECT_EQ(on.skipped[SkipRule::kUnusedCues],
-            DerivedCues().size() + kProfileSize);
+            DerivedCues().size() + FineCues().size() + kProfileSize);
 }
 
 // Without LSTMs the probabilities are those of the HMMs.

@@ -9,7 +9,8 @@ namespace {
 bool Same(const ContactFrame& a, const ContactFrame& b) {
   return a.sample.features == b.sample.features &&
          a.sample.net_force == b.sample.net_force &&
-         a.sample.profile == b.sample.profile && a.touched == b.touched;
+         a.sample.profile == b.sample.profile &&
+         a.sample.spread == b.sample.spread && a.touched == b.touched;
 }
 
 // A frame of ideal signals, now and then with a net force of its own or without
@@ -20,6 +21,7 @@ ContactFrame SometimesSpecial(Random& random) {
   frame.sample.net_force = frame.sample.features[0];
   if (random.Index(12) == 0) frame.sample.net_force += 1;
   if (random.Index(12) == 0) frame.touched = false;
+  if (random.Index(12) == 0) frame.sample.spread = {1e-4F, 0};
   return frame;
 }
 
@@ -62,8 +64,8 @@ TEST(ContactFramesTest, NumbersMakeTheSameFrames) {
     for (int t = 0; t < 12; ++t) {
       const ContactFrame frame = SometimesSpecial(random);
       frames.push_back(frame);
-      copy.push_back_numbers(
-          {frame.sample.features, frame.sample.net_force, frame.touched});
+      copy.push_back_numbers({frame.sample.features, frame.sample.net_force,
+                              frame.touched, frame.sample.spread});
       if (t > 6) {
         frames.Set(t - 6, frame);
         copy.SetNumbers(t - 6, frames.numbers(t));
@@ -87,7 +89,7 @@ TEST(ContactFramesTest, NumbersLeaveTheWholeSkinAlone) {
   frame.sample.profile[3] = 1;
   frames.push_back(frame);
   EXPECT_FALSE(frames.plain());
-  frames.SetNumbers(0, {{1, 2, 3}, 4, true});
+  frames.SetNumbers(0, {{1, 2, 3}, 4, true, {}});
   EXPECT_EQ(frames.features(0), (FeatureVector{1, 2, 3}));
   EXPECT_EQ(frames.net_force(0), 4);
   EXPECT_EQ(frames[0].sample.profile[3], 1);

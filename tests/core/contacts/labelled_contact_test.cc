@@ -33,6 +33,18 @@ TEST(ExtractContactTest, BeginsAtOnsetAndEndsWithTheTrial) {
   EXPECT_EQ((*contact)->layout.name, "cody-forearm");
 }
 
+TEST(ExtractContactTest, TheSpreadOfTheLoadIsInMetres) {
+  Trial trial = TaxelTrial(2);
+  // Two taxels of one column, 1 to 3.
+  trial.taxels.u16[384 + 100] = 100;
+  trial.taxels.u16[384 + 124] = 300;
+  const auto contact = ExtractContact(trial, {.whole_skin = false});
+  ASSERT_TRUE(contact.ok() && contact->has_value()) << contact.status();
+  const LoadSpread spread = (*contact)->frames.back().sample.spread;
+  EXPECT_NEAR(spread.rows, 0.0108 * 0.0108 * 3 / 16, 1e-10);
+  EXPECT_EQ(spread.columns, 0);
+}
+
 TEST(ExtractContactTest, BelowOnsetItIsUndetectable) {
   Trial trial = TaxelTrial(20);
   // Above contact_threshold, below onset_threshold.

@@ -149,6 +149,77 @@ TEST(CueTest, WindowsAgreeWithWeightedSumsOverAllSamples) {
   }
 }
 
+// From the definitions, with the weights of a running mean.
+TEST(CueTest, TremorIsTheChangeOfTheForceAndPitchTheChangeOfThat) {
+  Random random(11);
+  CueTracker tracker(100);
+  std::vector<long double> force, change, turn;
+  for (int t = 1; t <= 120; ++t) {
+    force.push_back(random.Uniform(0.5, 0.6));
+    change.push_back(t == 1 ? 0 : force[t - 1] - force[t - 2]);
+    turn.push_back(t <= 2 ? 0 : change[t - 1] - change[t - 2]);
+    tracker.Step(Sample(static_cast<double>(force.back()), 1e-3, 0), t);
+    if (t < 3) continue;
+    const auto expect = [&](Cue tremor, Cue pitch, size_t window) {
+      const std::vector<long double> weights = Weights(t, window);
+      long double level = 0, changes = 0, turns = 0;
+      for (int i = 0; i < t; ++i) {
+        level += weights[i] * force[i];
+        changes += weights[i] * change[i] * change[i];
+        turns += weights[i] * turn[i] * turn[i];
+      }
+      EXPECT_NEAR(tracker.value(tremor),
+                  static_cast<double>(std::log(std::sqrt(changes) / level)),
+                  1e-6);
+      EXPECT_NEAR(tracker.value(pitch),
+                  static_cast<double>(std::log(turns / changes) / 2), 1e-6);
+    };
+    expect(Cue::kForceTremorShort, Cue::kForcePitchShort, 10);
+    expect(Cue::kForceTremorLong, Cue::kForcePitchLong, 40);
+  }
+}
+
+// The change of a sine of frequency w is a sine of the same frequency, whose
+// own change is 2 sin(w / 2) as large.
+TEST(CueTest, PitchIsTheFrequencyOfATremor) {
+  for (const double hertz : {3.0, 10.0, 25.0, 45.0}) {
+    for (const double amplitude : {1e-4, 0.2}) {
+      CueTracker tracker(100);
+      for (int t = 1; t <= 2000; ++t) {
+        const double angle = 2 * M_PI * hertz * t / 100;
+        tracker.Step(Sample(1 + amplitude * std::sin(angle), 1e-3, 0), t);
+      }
+      EXPECT_NEAR(tracker.value(Cue::kForcePitchLong),
+                  std::log(2 * std::sin(M_PI * hertz / 100)), 0.05)
+          << hertz;
+    }
+  }
+}
+
+TEST(CueTest, AForceAtRestHasNoPitch) {
+  CueTracker tracker(100);
+  for (int t = 1; t <= 500; ++t) {
+    tracker.Step(Sample(0.7 * (1 + 1e-13 * (t % 2)), 1e-3, 0), t);
+  }
+  EXPECT_NEAR(tracker.value(Cue::kForcePitchLong), 0, 1e-6);
+  EXPECT_NEAR(tracker.value(Cue::kForceTremorLong), std::log(1e-6), 1e-6);
+}
+
+TEST(CueTest, SpreadIsSmoothAndInMetres) {
+  CueTracker tracker(100);
+  ContactSample sample = Sample(1, 1e-3, 0);
+  for (int t = 1; t <= 100; ++t) {
+    sample.spread = {1e-4F, 0};
+    tracker.Step(sample, t);
+  }
+  EXPECT_NEAR(tracker.value(Cue::kLogRowSpread), std::log(1e-2), 1e-6);
+  EXPECT_NEAR(tracker.value(Cue::kLogColumnSpread), std::log(1e-5), 1e-6);
+  // 50 ms are 5 samples.
+  sample.spread.rows = 6e-4F;
+  tracker.Step(sample, 101);
+  EXPECT_NEAR(tracker.value(Cue::kLogRowSpread), std::log(2e-4) / 2, 1e-6);
+}
+
 TEST(CueTest, TheLoadProfileIsPassedOnAsItIs) {
   const std::vector<Cue> cues = ProfileCues();
   ASSERT_EQ(cues.size(), static_cast<size_t>(kProfileSize));
@@ -172,13 +243,18 @@ TEST(CueTest, TheLoadProfileIsPassedOnAsItIs) {
 
 TEST(CueTest, EveryCueIsRawOrDerivedOrOfTheSkin) {
   EXPECT_EQ(DerivedCues().size() + ProfileCues().size() +
-                WholeSkinCues().size() + EmbeddingCues().size() + kFeatureCount,
+                WholeSkinCues().size() + EmbeddingCues().size() +
+                FineCues().size() + kFeatureCount,
             static_cast<size_t>(kCueCount));
   for (Cue cue : DerivedCues()) {
     EXPECT_FALSE(IsProfileCue(cue));
     EXPECT_TRUE(IsDerived(cue));
   }
   for (Cue cue : ProfileCues()) EXPECT_FALSE(IsDerived(cue));
+  for (Cue cue : FineCues()) {
+    EXPECT_TRUE(IsFineCue(cue));
+    EXPECT_FALSE(IsDerived(cue) || IsTaxelCue(cue) || IsProfileCue(cue));
+  }
   EXPECT_FALSE(IsDerived(Cue::kMotion));
 }
 
@@ -225,6 +301,7 @@ TEST(CueTest, AnyFiniteSampleGivesFiniteCues) {
     if (t % 100 == 0) tracker.Reset();
     ContactSample sample = {{pick(), pick(), pick()}, pick()};
     for (double& load : sample.profile) load = pick();
+    sample.spread = {static_cast<float>(random.Uniform(0, 1e30)), 0};
     tracker.Step(sample, t);
     for (int i = 0; i < kCueCount; ++i) {
       ASSERT_TRUE(std::isfinite(tracker.value(static_cast<Cue>(i))))

@@ -230,6 +230,55 @@ TEST(SegmenterTest, LargestBreaksTiesByValueThenPlace) {
   EXPECT_EQ(segmenter.peak(), 9);
 }
 
+// From the distances between all pairs of taxels.
+TEST(SegmenterTest, SpreadIsHalfTheMeanSquaredDistanceOfTwoPartsOfTheLoad) {
+  Random random(6);
+  for (int round = 0; round < 500; ++round) {
+    const SkinLayout layout = MakeLayout(7, 9, /*wrap=*/false);
+    std::vector<float> taxels(layout.taxels());
+    for (float& taxel : taxels) {
+      taxel =
+          random.Index(3) == 0 ? 2 + static_cast<float>(random.Uniform()) : 0;
+    }
+    Segmenter segmenter(layout);
+    if (segmenter.Segment(taxels) == 0) continue;
+    double load = 0, rows = 0, columns = 0;
+    for (int a = 0; a < layout.taxels(); ++a) {
+      if (!segmenter.LargestHolds(a)) continue;
+      load += taxels[a];
+      for (int b = 0; b < layout.taxels(); ++b) {
+        if (!segmenter.LargestHolds(b)) continue;
+        const double both = double{taxels[a]} * taxels[b] / 2;
+        rows += both * std::pow(a / 9 - b / 9, 2);
+        columns += both * std::pow(a % 9 - b % 9, 2);
+      }
+    }
+    const LoadSpread spread = segmenter.LargestSpread(taxels);
+    ASSERT_NEAR(spread.rows, rows / (load * load), 1e-5);
+    ASSERT_NEAR(spread.columns, columns / (load * load), 1e-5);
+  }
+}
+
+TEST(SegmenterTest, SpreadIsTheSameAcrossTheSeam) {
+  const SkinLayout layout = MakeLayout(3, 8, /*wrap=*/true);
+  Segmenter segmenter(layout);
+  for (int turn = 0; turn < 8; ++turn) {
+    std::vector<float> taxels(layout.taxels());
+    const auto at = [&](int row, int column) -> float& {
+      return taxels[row * 8 + (column + turn) % 8];
+    };
+    at(0, 0) = 3;
+    at(0, 1) = 1;
+    at(1, 1) = 4;
+    ASSERT_EQ(segmenter.Segment(taxels), 1);
+    const LoadSpread spread = segmenter.LargestSpread(taxels);
+    EXPECT_NEAR(spread.rows, 0.25, 1e-7) << turn;
+    EXPECT_NEAR(spread.columns, 3.0 / 8 * 5 / 8, 1e-7) << turn;
+  }
+  EXPECT_EQ(segmenter.Segment(std::vector<float>(24)), 0);
+  EXPECT_EQ(segmenter.LargestSpread(std::vector<float>(24)), LoadSpread());
+}
+
 TEST(SegmenterTest, CheckerboardIsOneRegionByEightAndManyByFour) {
   std::vector<float> taxels(64 * 64);
   for (int i = 0; i < 64 * 64; ++i) {

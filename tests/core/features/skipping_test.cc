@@ -238,8 +238,9 @@ TEST(SkippingTest, QuietRowsOfLightTouchChangeNoFeature) {
 }
 
 TEST(SkippingTest, AGroupOfCuesNeedsNoOther) {
-  for (const CueGroups group : {0U, kLevelCues, kSpringCues, kShortWindowCues,
-                                kLongWindowCues, kRoughnessCues}) {
+  for (const CueGroups group :
+       {0U, kLevelCues, kSpringCues, kShortWindowCues, kLongWindowCues,
+        kRoughnessCues, kTremorCues, kSpreadCues}) {
     Random random(3);
     CueTracker all(100);
     CueTracker some(100, group);
@@ -248,11 +249,13 @@ TEST(SkippingTest, AGroupOfCuesNeedsNoOther) {
                                random.Uniform(0, 0.02)},
                               random.Uniform(0, 9)};
       sample.profile[3] = random.Uniform();
+      sample.spread = {static_cast<float>(random.Uniform()), 1e-4F};
       all.Step(sample, t);
       some.Step(sample, t);
       for (int i = 0; i < kCueCount; ++i) {
         const Cue cue = static_cast<Cue>(i);
-        const bool has = !IsDerived(cue) || GroupOf(cue) == group;
+        const bool has =
+            !(IsDerived(cue) || IsFineCue(cue)) || GroupOf(cue) == group;
         EXPECT_EQ(some.value(cue), has ? all.value(cue) : 0) << CueName(cue);
       }
     }
@@ -264,7 +267,8 @@ TEST(SkippingTest, EveryDerivedCueIsOfOneGroup) {
   for (int i = 0; i < kCueCount; ++i) {
     const Cue cue = static_cast<Cue>(i);
     const CueGroups group = GroupOf(cue);
-    EXPECT_EQ(group != 0, IsDerived(cue) || IsTaxelCue(cue)) << CueName(cue);
+    EXPECT_EQ(group != 0, IsDerived(cue) || IsTaxelCue(cue) || IsFineCue(cue))
+        << CueName(cue);
     EXPECT_EQ(group & (group - 1), 0u) << CueName(cue);
     seen |= group;
   }

@@ -362,6 +362,8 @@ TEST(FitModelTest, CuesThatSayNothingAreRefused) {
   options.lstm.networks = 1;
   options.lstm.cues = {Cue::kLogTime, Cue::kRowLoad3};
   EXPECT_EQ(reason(ideal, options), "INVALID_TRAINING_DATA");
+  options.lstm.cues = {Cue::kLogTime, Cue::kLogRowSpread};
+  EXPECT_EQ(reason(ideal, options), "INVALID_TRAINING_DATA");
   options = *FitPreset("profile");
   options.features = {Feature::kMotion, Feature::kArea};
   EXPECT_EQ(reason(contacts, options), "INVALID_CONFIG");

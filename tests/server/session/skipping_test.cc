@@ -57,7 +57,7 @@ TEST_F(SessionSkippingTest, AStreamCountsWhatItSkips) {
   EXPECT_EQ(skipped[SkipRule::kUntouchedFrames], 18u);
   EXPECT_EQ(skipped[SkipRule::kUnchangedFrames], 54u);
   EXPECT_EQ(skipped[SkipRule::kUnusedCues],
-            DerivedCues().size() + kProfileSize);
+            DerivedCues().size() + FineCues().size() + kProfileSize);
   EXPECT_EQ(skipped[SkipRule::kUnusedLstms], 0u);
   EXPECT_EQ(skipped[SkipRule::kUnlistedTaxels], 80u);
 }
