@@ -345,7 +345,8 @@ fine-skin() {
   title "The random world on a skin as fine as the paper's" "paper" \
     "contacts 1 (training) and 1001 (test), training 1" \
     "the felt contacts among 20,000; those never felt are counted beside them"
-  show fit --data=world:skin=paper,contacts=400000,seed=1 --preset=world --seed=1 --skip-unusable --out=paper-skin.tactus
+  show fit --data=world:skin=paper,contacts=400000,seed=1 --preset=world --seed=1 --skip-unusable --out=paper-skin.tactus \
+    --with-cues=force_tremor_short,force_pitch_short,force_tremor_long,force_pitch_long,log_row_spread,log_column_spread
   show evaluate --data=world:skin=paper,contacts=20000,seed=1001 --model=paper-skin.tactus
 }
 
