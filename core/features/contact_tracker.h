@@ -23,9 +23,9 @@
 
 #include "Eigen/Core"
 #include "core/features/feature.h"
-#include "core/features/light_touch.h"
 #include "core/features/recent_poses.h"
 #include "core/features/segmenter.h"
+#include "core/light_touch/light_touch.h"
 #include "core/skin/frame.h"
 #include "core/skin/geometry.h"
 #include "core/skin/layout.h"

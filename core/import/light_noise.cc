@@ -5,7 +5,7 @@
 
 #include "core/base/limits.h"
 #include "core/data/trial_layout.h"
-#include "core/features/light_touch.h"
+#include "core/light_touch/light_touch.h"
 
 namespace tactus {
 namespace {

@@ -23,8 +23,8 @@ enum class TaxelUnit { kNewton, kCounts };
 enum class Connectivity { kFour, kEight };
 
 // How contacts are felt that are too light for a single taxel
-// (core/features/light_touch.h): by regions of taxels, over a window of time,
-// above each taxel's background.
+// (core/light_touch/light_touch.h): by regions of taxels, over a window of
+// time, above each taxel's background.
 struct LightTouch {
   // Time constant of the mean over frames, s, limits::kMinLightWindowS to
   // kMaxLightWindowS.

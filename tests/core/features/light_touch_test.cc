@@ -1,4 +1,4 @@
-#include "core/features/light_touch.h"
+#include "core/light_touch/light_touch.h"
 
 #include <algorithm>
 #include <cmath>

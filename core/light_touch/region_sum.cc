@@ -1,9 +1,9 @@
-#include "core/features/region_sum.h"
+#include "core/light_touch/region_sum.h"
 
 #include <algorithm>
 #include <cstddef>
 
-#include "core/features/light_touch_kernels.h"
+#include "core/light_touch/light_touch_kernels.h"
 
 namespace tactus {
 

@@ -1,7 +1,7 @@
-#include "core/features/light_touch_kernels.h"
+#include "core/light_touch/light_touch_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "core/features/light_touch_kernels.cc"
+#define HWY_TARGET_INCLUDE "core/light_touch/light_touch_kernels.cc"
 #include "hwy/foreach_target.h"  // before highway.h
 #include "hwy/highway.h"
 

@@ -1,10 +1,10 @@
-#include "core/features/light_touch.h"
+#include "core/light_touch/light_touch.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "core/features/light_touch_kernels.h"
+#include "core/light_touch/light_touch_kernels.h"
 
 namespace tactus {
 namespace {

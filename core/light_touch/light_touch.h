@@ -29,7 +29,7 @@
 #include <span>
 
 #include "core/base/aligned_vector.h"
-#include "core/features/region_sum.h"
+#include "core/light_touch/region_sum.h"
 #include "core/skin/layout.h"
 
 namespace tactus {
