@@ -40,10 +40,10 @@ set(remote_options ${program_options})
 set(gtest_headers [["gmock/gmock.h"]] [["gtest/gtest.h"]])
 set(test_headers ${core_headers} ${gtest_headers})
 set(test_libraries ${core_libraries} GTest::gmock GTest::gtest)
-set(test_options ${program_options})
+set(test_options ${program_options} ${TACTUS_WITHOUT_UBSAN})
 set(rpctest_headers ${grpc_headers} ${gtest_headers})
 set(rpctest_libraries ${test_libraries} gRPC::grpc++)
-set(rpctest_options ${program_options})
+set(rpctest_options ${test_options})
 
 # tactus_code_kind(TARGET KIND): compiles TARGET as code of KIND. The kind's
 # headers are compiled when the first target asks for them.

@@ -6,7 +6,7 @@
 #   tests/run.sh --full        the long tests too, and trains the default bundle
 #                              again
 #   tests/run.sh --sanitize    the quick tests under the asan and tsan presets
-#                              too (tsan: core and server/session)
+#                              too (tsan: those of code that has threads)
 #   tests/run.sh --vm          the CAN and USB drivers on a real kernel too, in
 #                              a guest of QEMU (tests/vm/run.sh)
 #
@@ -44,7 +44,7 @@ report() {
   local status=$?
   printf '\n'
   [[ ${#summary[@]} -eq 0 ]] || printf '%s\n' "${summary[@]}"
-  if [[ $status -eq 0 ]]; then
+  if [[ $status -eq 0 && -z $current ]]; then
     printf '%5d s  all passed\n' "$SECONDS"
   else
     printf 'FAILED: %s\n' "${current:-setup}"
