@@ -8,11 +8,11 @@
 # After an interruption the first command goes on with the page at which it was
 # interrupted: a page and its figures are replaced when they are complete.
 #
-# Pages, with minutes on two cores, two hours together: signals (2), materials
-# (2), taxels (4), grid (1), unknown (11), default-bundle (1), cody (1),
+# Pages, with minutes on two cores, two and a half hours together: signals (2),
+# materials (2), taxels (4), grid (1), unknown (11), default-bundle (1), cody (1),
 # recordings (1), paper-tables (40), explanations (20), simulator (8), world (1),
 # served (1; less with TACTUS_SERVED_CONTACTS), upper-reference (10), fine-skin
-# (18), breadth (5), inputs (4; less with TACTUS_INPUTS_CONTACTS), fit-scale (8).
+# (24), breadth (18), inputs (4; less with TACTUS_INPUTS_CONTACTS), fit-scale (8).
 # Needs a release build. Real recordings are evaluated when TACTUS_DATA_DIR, or
 # ../shared/data beside the project, has them.
 set -euo pipefail
@@ -353,13 +353,22 @@ fine-skin() {
 # With the categories as frequent as in the random world, and as if they were
 # equally frequent: in the paper's set they are neither.
 breadth() {
-  title "The paper's contacts by a model of the random world" "${paper_signals[@]}"
+  title "The paper's contacts by a model of the random world" "none, ideal signals" \
+    "contacts 1, training 1 to 3" "${paper_signals[2]}"
   show simulate --protocol=paper --goal=0.019 --seed=1 --out=signals.h5
   for shares in recorded even; do
     printf '\n## Shares of the categories: %s\n' "$shares"
     show fit --data=world:skin=ideal,contacts=100000,seed=1 --preset=world --truth=final \
       --shares="$shares" --seed=1 --out="$shares.tactus"
     show evaluate --data=signals.h5 --model="$shares.tactus"
+  done
+  local cues=force_tremor_short,force_pitch_short,force_tremor_long,force_pitch_long
+  local seed
+  for seed in 1 2 3; do
+    printf '\n## Even shares and the cues of the tremor, training seed %s\n' "$seed"
+    show fit --data=world:skin=ideal,contacts=100000,seed=1 --preset=world --truth=final \
+      --shares=even --with-cues="$cues" --seed="$seed" --out="tremor-$seed.tactus"
+    show evaluate --data=signals.h5 --model="tremor-$seed.tactus"
   done
 }
 
