@@ -8,11 +8,12 @@
 # After an interruption the first command goes on with the page at which it was
 # interrupted: a page and its figures are replaced when they are complete.
 #
-# Pages, with minutes on two cores, two and a half hours together: signals (2),
+# Pages, with minutes on two cores, less than three hours together: signals (2),
 # materials (2), taxels (4), grid (1), unknown (11), default-bundle (1), cody (1),
 # recordings (1), paper-tables (40), explanations (20), simulator (8), world (1),
-# served (1; less with TACTUS_SERVED_CONTACTS), upper-reference (10), fine-skin
-# (24), breadth (18), inputs (4; less with TACTUS_INPUTS_CONTACTS), fit-scale (8).
+# served (1; less with TACTUS_SERVED_CONTACTS), upper-reference (10), fine-skin (36
+# beside a build), breadth (22), inputs (4; less with TACTUS_INPUTS_CONTACTS),
+# fit-scale (8).
 # Needs a release build. Real recordings are evaluated when TACTUS_DATA_DIR, or
 # ../shared/data beside the project, has them.
 set -euo pipefail
