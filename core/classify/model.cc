@@ -241,6 +241,11 @@ ContactSample WarmUpTrial::Sample(size_t i) const {
   return sample;
 }
 
+void RemoveEstimator(Model& model) {
+  model.estimator.reset();
+  model.calibration.softest.clear();
+}
+
 std::string SkinMisfit(const Model& model, const SkinLayout& layout) {
   if (model.layout.name.empty()) return "";
   const auto differs = [&](SkinLayout trained) {

@@ -166,6 +166,10 @@ struct Model {
 // wrong, or INVALID_CONFIG for the layout.
 absl::Status Validate(const Model& model);
 
+// Removes the estimator with the borders that are its estimates'. Without
+// estimates no object is unknown for being soft.
+void RemoveEstimator(Model& model);
+
 // The first difference between a skin and those of the model's training data;
 // empty if it is one of them. A skin without light touch is one of them if it
 // differs in nothing else: it feels a part of what they feel.

@@ -32,12 +32,6 @@ bool Same(const StepIntervals& a, const StepIntervals& b) {
   return a.min == b.min && a.max == b.max;
 }
 
-// It was trained on other steps or inputs.
-void RemoveEstimator(Model& model) {
-  model.estimator.reset();
-  model.calibration.softest.clear();
-}
-
 absl::StatusOr<size_t> ClassIndex(const std::string& name, const Model& model) {
   const auto found = std::ranges::find(model.class_names, name);
   if (found != model.class_names.end()) {
@@ -102,6 +96,7 @@ absl::Status ReplaceLstms(const ForeignModel& foreign, Model& model) {
       foreign.inputs.empty() || Same(foreign.inputs, model.inputs.lstm);
   const bool same_steps =
       !foreign.steps || Same(*foreign.steps, model.inputs.lstm_steps);
+  // It was trained on the earlier steps and inputs.
   if (!same_inputs || !same_steps) RemoveEstimator(model);
   if (!same_inputs) model.inputs.lstm = foreign.inputs;
   if (!same_steps) model.inputs.lstm_steps = *foreign.steps;

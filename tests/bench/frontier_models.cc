@@ -67,7 +67,7 @@ struct FitJob {
 
 Model HmmsAlone(Model model) {
   model.lstms.clear();
-  model.estimator.reset();
+  RemoveEstimator(model);
   model.inputs.lstm.clear();
   for (auto* table :
        {&model.calibration.lstm_inverse_temperature,
@@ -79,7 +79,7 @@ Model HmmsAlone(Model model) {
 }
 
 Model WithoutEstimator(Model model) {
-  model.estimator.reset();
+  RemoveEstimator(model);
   return model;
 }
 
