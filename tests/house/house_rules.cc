@@ -41,6 +41,10 @@ constexpr std::array<absl::string_view, 6> kRoomsWithoutGrpc = {
 constexpr std::array<absl::string_view, 6> kNotForComputing = {
     "thread", "mutex", "chrono", "fstream", "filesystem", "iostream"};
 
+constexpr std::array<absl::string_view, 5> kOfThreads = {
+    "thread", "mutex", "atomic", "core/base/run_on_threads.h",
+    "core/base/work.h"};
+
 // What stands between `open` and the next `close`, within lines.
 std::vector<absl::string_view> PartsBetween(absl::string_view text,
                                             absl::string_view open,
@@ -214,6 +218,33 @@ std::vector<std::string> IncludeViolations(
     if (why.empty()) continue;
     violations.push_back(
         absl::StrCat(path, ":", number, ": ", header, ": ", why));
+  }
+  return violations;
+}
+
+std::vector<std::string> FoldersUnderThreadSanitizer(
+    const std::string& cmake_text) {
+  return absl::StrSplit(
+      cmake_text.substr(
+          0, cmake_text.find("# ThreadSanitizer has nothing to see")),
+      absl::ByAnyChar(" \n()"), absl::SkipEmpty());
+}
+
+std::vector<std::string> ThreadViolations(
+    const std::string& path, const std::string& text,
+    const std::vector<std::string>& tested) {
+  const std::string room = RoomOf(path);
+  if (room.empty() || Holds(tested, absl::StrCat("core/", room))) return {};
+  std::vector<std::string> violations;
+  for (const std::string& line : Lines(text)) {
+    const std::string header = Included(line);
+    if (!Holds(kOfThreads, header) &&
+        !absl::StartsWith(header, "absl/synchronization/")) {
+      continue;
+    }
+    violations.push_back(absl::StrCat(path, ": ", header,
+                                      ": ThreadSanitizer does not see core/",
+                                      room, " (tests/CMakeLists.txt)"));
   }
   return violations;
 }

@@ -23,6 +23,17 @@ std::vector<std::string> IncludeViolations(
     const std::string& path, const std::string& text,
     const std::vector<std::string>& rooms);
 
+// The folders whose tests tests/CMakeLists.txt builds for ThreadSanitizer: it
+// lists them above those that it leaves out.
+std::vector<std::string> FoldersUnderThreadSanitizer(
+    const std::string& cmake_text);
+
+// What `text`, the source at `path`, includes of threads, if it is of a room of
+// core that is none of the folders `tested`; as "path: header: what".
+std::vector<std::string> ThreadViolations(
+    const std::string& path, const std::string& text,
+    const std::vector<std::string>& tested);
+
 // Adds the lines of `text`, the source at `path`, to those of its room of core,
 // or of its part of a room ("sim/exact"). Nothing outside of core.
 void AddRoomLines(const std::string& path, const std::string& text,

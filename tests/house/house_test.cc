@@ -4,11 +4,8 @@
 #include <functional>
 #include <iterator>
 #include <map>
-#include <set>
 
 #include "absl/strings/match.h"
-#include "absl/strings/str_cat.h"
-#include "absl/strings/str_split.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/house/house_rules.h"
@@ -21,6 +18,7 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 std::string Root() {
   const char* root = std::getenv("TACTUS_SOURCE_DIR");
@@ -48,24 +46,6 @@ int ForEachSource(
     }
   }
   return files;
-}
-
-// "core/hmm/kmeans.cc" -> "core/hmm".
-std::string RoomFolder(const fs::path& path) {
-  auto part = path.begin();
-  const fs::path top = *part++;
-  return top / *part;
-}
-
-// Whether the source at `path` is of core and knows of threads.
-bool HasThreads(const std::string& path, const std::string& code) {
-  if (!absl::StartsWith(path, "core/")) return false;
-  for (const char* header :
-       {"<thread>", "<mutex>", "<atomic>", "\"absl/synchronization/",
-        "\"core/base/run_on_threads.h", "\"core/base/work.h"}) {
-    if (absl::StrContains(code, absl::StrCat("#include ", header))) return true;
-  }
-  return false;
 }
 
 const std::vector<std::string> kRooms = {
@@ -111,21 +91,13 @@ TEST(HouseTest, RoomsOfCoreAreSmall) {
   EXPECT_THAT(RoomSizeViolations(lines), IsEmpty());
 }
 
-// tests/CMakeLists.txt lists them above the folders that it leaves out there.
 TEST(HouseTest, ThreadSanitizerSeesEveryRoomOfCoreThatHasThreads) {
-  const std::string text = ReadText(fs::path(Root()) / "tests/CMakeLists.txt");
-  const size_t end = text.find("# ThreadSanitizer has nothing to see");
-  ASSERT_NE(end, std::string::npos);
-  const std::vector<std::string> seen =
-      absl::StrSplit(text.substr(0, end), absl::ByAnyChar(" \n()"));
-  std::set<std::string> with_threads;
-  ForEachSource([&](const std::string& path, const std::string& code) {
-    if (HasThreads(path, code)) with_threads.insert(RoomFolder(path));
+  const std::vector<std::string> tested = FoldersUnderThreadSanitizer(
+      ReadText(fs::path(Root()) / "tests/CMakeLists.txt"));
+  EXPECT_THAT(tested, Contains("core/train"));
+  ForEachSource([&](const std::string& path, const std::string& text) {
+    EXPECT_THAT(ThreadViolations(path, text, tested), IsEmpty());
   });
-  EXPECT_THAT(with_threads, Contains("core/train"));
-  for (const std::string& room : with_threads) {
-    EXPECT_THAT(seen, Contains(room));
-  }
 }
 
 TEST(HouseTest, PagesNameFilesThatExist) {
@@ -287,6 +259,28 @@ TEST(IncludeRuleTest, EachWrongArrowIsFound) {
   EXPECT_THAT(
       IncludeViolations("client/a.cc", "\n#include \"server/a.h\"\n", kRooms),
       ElementsAre(HasSubstr("client/a.cc:2: server/a.h: ")));
+}
+
+TEST(ThreadRuleTest, ARoomWithThreadsThatIsLeftOutIsFound) {
+  const std::vector<std::string> tested = FoldersUnderThreadSanitizer(
+      "set(test_dirs core/base\n  core/train)\n"
+      "# ThreadSanitizer has nothing to see elsewhere.\n"
+      "list(APPEND test_dirs core/lstm)\n");
+  EXPECT_THAT(tested, Contains("core/base"));
+  EXPECT_THAT(tested, Contains("core/train"));
+  EXPECT_THAT(tested, Not(Contains("core/lstm")));
+  for (const char* line : {"#include <thread>", "# include <atomic>",
+                           "#include \"absl/synchronization/mutex.h\"",
+                           "#include \"core/base/run_on_threads.h\"",
+                           "#include \"core/base/work.h\""}) {
+    EXPECT_THAT(ThreadViolations("core/train/a.cc", line, tested), IsEmpty());
+    EXPECT_THAT(ThreadViolations("server/rpc/a.cc", line, tested), IsEmpty());
+    EXPECT_THAT(ThreadViolations("core/lstm/a.cc", line, tested),
+                ElementsAre(HasSubstr("core/lstm")))
+        << line;
+  }
+  EXPECT_THAT(ThreadViolations("core/lstm/a.cc", "#include <vector>", tested),
+              IsEmpty());
 }
 
 std::string ManyLines(int count) {
