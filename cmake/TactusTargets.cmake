@@ -38,9 +38,6 @@ function(tactus_binary name)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${ARG_DEPS})
   tactus_code_kind(${name} ${TACTUS_KIND})
-  # It reads flags; little optimisation halves its compile time.
-  set_source_files_properties(main.cc PROPERTIES
-    COMPILE_OPTIONS $<$<CONFIG:Release>:-O1> SKIP_PRECOMPILE_HEADERS ON)
 endfunction()
 
 # tactus_test(NAME SOURCES a_test.cc ... DEPS target ... [LABELS long]
