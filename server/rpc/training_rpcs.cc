@@ -8,7 +8,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 #include "core/contacts/folds.h"
-#include "core/train/train_spec.h"
+#include "core/eval/train_spec.h"
 #include "server/names/resource_names.h"
 #include "server/rpc/control_handlers.h"
 #include "tactus/v1/training.pb.h"

@@ -8,6 +8,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/base/status_proto.h"
+#include "core/eval/train_spec.h"
 #include "core/store/abandoned_uploads.h"
 #include "core/store/audit.h"
 #include "core/store/blob_store.h"
@@ -20,7 +21,6 @@
 #include "core/store/numbers.h"
 #include "core/store/records.h"
 #include "core/store/sqlite_catalog.h"
-#include "core/train/train_spec.h"
 #include "tactus/v1/training.pb.h"
 
 namespace tactus::examples {

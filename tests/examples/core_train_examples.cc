@@ -31,6 +31,7 @@
 #include "core/inputs/lstm_inputs.h"
 #include "core/train/archive.h"
 #include "core/train/calibrate.h"
+#include "core/train/choose_cues.h"
 #include "core/train/fit.h"
 #include "core/train/fit_fields.h"
 #include "core/train/fit_journal.h"
@@ -312,6 +313,13 @@ void VariedContactsExample(const Contacts& contacts,
   for (size_t i = 0; i < varied.size(); ++i) {
     MakeSequence(varied.Get(i, made), inputs, steps);
   }
+}
+
+absl::Status ChooseCuesExample(FitOptions& options) {
+  TACTUS_RETURN_IF_ERROR(
+      AddLstmCues("with_cues", {"force_pitch_short"}, options));
+  TACTUS_RETURN_IF_ERROR(LeaveOutCues("without_cues", {"log_drag"}, options));
+  return absl::OkStatus();
 }
 
 absl::Status FitOptionsExample(const Contacts& contacts) {

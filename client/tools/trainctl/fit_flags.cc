@@ -1,8 +1,5 @@
 #include "client/tools/trainctl/fit_flags.h"
 
-#include <algorithm>
-#include <optional>
-
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "client/tools/trainctl/exit_code.h"
@@ -10,6 +7,7 @@
 #include "core/base/limits.h"
 #include "core/base/run_on_threads.h"
 #include "core/base/status_macros.h"
+#include "core/train/choose_cues.h"
 
 namespace tactus::client {
 
@@ -70,46 +68,9 @@ std::string FitFlags::FirstGiven() const {
 
 namespace {
 
-absl::StatusOr<std::vector<Cue>> ParseCues(absl::string_view flag,
-                                           absl::string_view text) {
-  std::vector<Cue> cues;
-  for (absl::string_view name : absl::StrSplit(text, ',')) {
-    const std::optional<Cue> cue = ParseCue(name);
-    if (!cue) return InvalidConfig(flag, name, "names of docs/cues.md");
-    cues.push_back(*cue);
-  }
-  return cues;
-}
-
-// Gives `cue` to the LSTMs.
-absl::Status Include(Cue cue, FitOptions& options) {
-  std::vector<Cue>& cues = options.lstm.cues;
-  if (options.lstm.networks == 0 || std::ranges::count(cues, cue) > 0) {
-    return InvalidConfig("--with-cues", CueName(cue),
-                         "cues that LSTMs would not take already");
-  }
-  cues.push_back(cue);
-  return absl::OkStatus();
-}
-
-// Takes `cue` from all inputs of the models.
-absl::Status LeaveOut(Cue cue, FitOptions& options) {
-  LstmFit& lstm = options.lstm;
-  size_t found = std::erase(lstm.stretched_cues, cue);
-  for (std::vector<Cue>* cues : {&options.hmm_cues, &lstm.cues}) {
-    const size_t erased = std::erase(*cues, cue);
-    // No cues would stand for the features.
-    if (erased > 0 && cues->empty()) {
-      return InvalidConfig("--without-cues", CueName(cue),
-                           "other cues: some models have no other input");
-    }
-    found += erased;
-  }
-  if (found == 0) {
-    return InvalidConfig("--without-cues", CueName(cue),
-                         "cues that the models would take");
-  }
-  return absl::OkStatus();
+std::vector<std::string> Names(const std::string& flag) {
+  if (flag.empty()) return {};
+  return absl::StrSplit(flag, ',');
 }
 
 }  // namespace
@@ -180,26 +141,15 @@ absl::StatusOr<FitOptions> FitFlags::Options(absl::string_view preset) const {
   if (epochs > 0) options.lstm.training.epochs = epochs;
   if (!hmm_cues.empty()) {
     TACTUS_ASSIGN_OR_RETURN(options.hmm_cues,
-                            ParseCues("--hmm-cues", hmm_cues));
+                            CuesNamed("--hmm-cues", Names(hmm_cues)));
   }
   if (!lstm_cues.empty()) {
     TACTUS_ASSIGN_OR_RETURN(options.lstm.cues,
-                            ParseCues("--lstm-cues", lstm_cues));
+                            CuesNamed("--lstm-cues", Names(lstm_cues)));
   }
-  if (!with_cues.empty()) {
-    TACTUS_ASSIGN_OR_RETURN(const std::vector<Cue> cues,
-                            ParseCues("--with-cues", with_cues));
-    for (const Cue cue : cues) {
-      TACTUS_RETURN_IF_ERROR(Include(cue, options));
-    }
-  }
-  if (!without_cues.empty()) {
-    TACTUS_ASSIGN_OR_RETURN(const std::vector<Cue> cues,
-                            ParseCues("--without-cues", without_cues));
-    for (const Cue cue : cues) {
-      TACTUS_RETURN_IF_ERROR(LeaveOut(cue, options));
-    }
-  }
+  TACTUS_RETURN_IF_ERROR(AddLstmCues("--with-cues", Names(with_cues), options));
+  TACTUS_RETURN_IF_ERROR(
+      LeaveOutCues("--without-cues", Names(without_cues), options));
   return options;
 }
 

@@ -7,10 +7,10 @@
 #include "client/tools/trainctl/remote_flags.h"
 #include "client/tools/trainctl/remote_job.h"
 #include "client/tools/trainctl/remote_report.h"
+#include "client/tools/trainctl/remote_spec.h"
 #include "client/training/retry.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
-#include "core/features/feature.h"
 
 namespace tactus::client {
 namespace {
@@ -27,10 +27,11 @@ const std::set<std::string> kProtocols = {"loco", "leave-one-material-out",
 
 // RemoteEvaluateFlags of `evaluate` that a server can follow.
 const std::set<std::string> kKnown = {
-    "--help",   "--dataset",  "--model", "--protocol",
-    "--preset", "--features", "--seed",  "--networks",
-    "--epochs", "--mixtures", "--json",  "--report",
-    "--detach", "--server",   "--ca",    "--token-file"};
+    "--help",      "--dataset",      "--model",  "--protocol",
+    "--preset",    "--features",     "--truth",  "--shares",
+    "--seed",      "--networks",     "--epochs", "--mixtures",
+    "--with-cues", "--without-cues", "--json",   "--report",
+    "--detach",    "--server",       "--ca",     "--token-file"};
 
 // The value of a flag; nothing if it was not given.
 template <typename Value>
@@ -45,26 +46,20 @@ absl::Status Usage(const std::string& flag, const std::string& got,
   return WithExitCode(InvalidConfig(flag, got, want), kExitUsage);
 }
 
-absl::StatusOr<v1::TrainSpec> TrainSpecOf(const CLI::App& command,
-                                          const std::string& dataset) {
-  v1::TrainSpec train;
-  train.set_dataset_version(dataset);
-  train.set_preset(Given<std::string>(command, "--preset").value_or(""));
-  train.set_seed(Given<uint64_t>(command, "--seed").value_or(1));
-  if (const auto text = Given<std::string>(command, "--features")) {
-    TACTUS_ASSIGN_OR_RETURN(const auto features, ParseFeatures(*text));
-    for (const Feature feature : features) {
-      train.add_features(std::string(FeatureName(feature)));
-    }
-  }
-  if (const auto n = Given<uint32_t>(command, "--networks")) {
-    train.set_networks(*n);
-  }
-  if (const auto n = Given<uint32_t>(command, "--epochs")) train.set_epochs(*n);
-  if (const auto n = Given<uint32_t>(command, "--mixtures")) {
-    train.set_hmms_per_class(*n);
-  }
-  return train;
+SpecFlags SpecFlagsOf(const CLI::App& command) {
+  const auto text = [&](const char* flag) {
+    return Given<std::string>(command, flag).value_or("");
+  };
+  return {.preset = text("--preset"),
+          .features = text("--features"),
+          .truth = text("--truth"),
+          .shares = text("--shares"),
+          .seed = Given<uint64_t>(command, "--seed").value_or(1),
+          .networks = Given<uint32_t>(command, "--networks"),
+          .epochs = Given<uint32_t>(command, "--epochs"),
+          .hmms_per_class = Given<uint32_t>(command, "--mixtures"),
+          .with_cues = text("--with-cues"),
+          .without_cues = text("--without-cues")};
 }
 
 absl::StatusOr<v1::EvaluateSpec> EvaluateSpecOf(
@@ -95,7 +90,8 @@ absl::StatusOr<v1::EvaluateSpec> EvaluateSpecOf(
     }
     spec.set_protocol(*protocol);
     TACTUS_ASSIGN_OR_RETURN(*spec.mutable_train(),
-                            TrainSpecOf(command, version.name()));
+                            TrainSpecOf(SpecFlagsOf(command)));
+    spec.mutable_train()->set_dataset_version(version.name());
     return spec;
   }
   if (absl::StartsWith(*model, "aliases/")) {

@@ -4,9 +4,9 @@
 #include "absl/strings/str_cat.h"
 #include "client/tools/trainctl/remote_flags.h"
 #include "client/tools/trainctl/remote_job.h"
+#include "client/tools/trainctl/remote_spec.h"
 #include "client/training/retry.h"
 #include "core/base/status_macros.h"
-#include "core/features/feature.h"
 
 namespace tactus::client {
 namespace {
@@ -14,12 +14,7 @@ namespace {
 struct RemoteTrainFlags {
   std::string dataset;
   std::string model;
-  std::string preset;
-  std::string features;
-  uint64_t seed = 1;
-  std::optional<uint32_t> networks;
-  std::optional<uint32_t> epochs;
-  std::optional<uint32_t> hmms_per_class;
+  SpecFlags spec;
   bool skip_unusable = false;
   std::string note;
   bool detach = false;
@@ -28,23 +23,12 @@ struct RemoteTrainFlags {
 
 absl::StatusOr<v1::TrainSpec> TrainSpecOfFlags(TrainingClient& client,
                                                const RemoteTrainFlags& flags) {
-  v1::TrainSpec spec;
+  TACTUS_ASSIGN_OR_RETURN(v1::TrainSpec spec, TrainSpecOf(flags.spec));
   TACTUS_ASSIGN_OR_RETURN(
       const v1::DatasetVersion version,
       client.GetDatasetVersion(FullName("datasets", flags.dataset)));
   spec.set_dataset_version(version.name());
   spec.set_model(FullName("models", flags.model));
-  spec.set_preset(flags.preset);
-  if (!flags.features.empty()) {
-    TACTUS_ASSIGN_OR_RETURN(const auto features, ParseFeatures(flags.features));
-    for (const Feature feature : features) {
-      spec.add_features(std::string(FeatureName(feature)));
-    }
-  }
-  spec.set_seed(flags.seed);
-  if (flags.networks) spec.set_networks(*flags.networks);
-  if (flags.epochs) spec.set_epochs(*flags.epochs);
-  if (flags.hmms_per_class) spec.set_hmms_per_class(*flags.hmms_per_class);
   spec.set_skip_unusable(flags.skip_unusable);
   spec.set_note(flags.note);
   return spec;
@@ -85,21 +69,33 @@ void AddTrain(CLI::App& app, const SelectCommand& select) {
       ->add_option("--model", flags->model,
                    "Model that gets a new version; it may be new")
       ->required();
-  command->add_option("--preset", flags->preset,
+  command->add_option("--preset", flags->spec.preset,
                       "auto, tuned, world, paper, pattern, whole-skin or "
                       "profile; default: auto for a skin without poses, else "
                       "tuned");
-  command->add_option("--features", flags->features,
+  command->add_option("--features", flags->spec.features,
                       "Features that models may use: any of f (force), m "
                       "(motion), a (area), like f,m");
-  command->add_option("--seed", flags->seed, "Seed of every random choice")
+  command->add_option("--truth", flags->spec.truth,
+                      "What answers are about: final (the category in the end) "
+                      "or so-far (unmoved until the object has moved), instead "
+                      "of the preset's");
+  command->add_option("--shares", flags->spec.shares,
+                      "How frequent answers presume the categories to be: "
+                      "recorded (as among the trials; the default) or even");
+  command->add_option("--seed", flags->spec.seed, "Seed of every random choice")
       ->capture_default_str();
-  command->add_option("--networks", flags->networks,
+  command->add_option("--networks", flags->spec.networks,
                       "Number of LSTMs, instead of the preset's; 0 for none");
-  command->add_option("--epochs", flags->epochs,
+  command->add_option("--epochs", flags->spec.epochs,
                       "Epochs of LSTM training, instead of the preset's");
-  command->add_option("--hmms-per-class", flags->hmms_per_class,
+  command->add_option("--hmms-per-class", flags->spec.hmms_per_class,
                       "HMMs per category, instead of the preset's");
+  command->add_option("--with-cues", flags->spec.with_cues,
+                      "Cues that the LSTMs take beside the preset's, like "
+                      "force_pitch_short");
+  command->add_option("--without-cues", flags->spec.without_cues,
+                      "Cues that neither HMMs nor LSTMs take, like log_drag");
   command->add_flag("--skip-unusable", flags->skip_unusable,
                     "Leave out trials that a model cannot use, instead of "
                     "refusing the dataset");

@@ -227,7 +227,10 @@ TEST_F(TrainctlRemoteTest, TrainWatchesTheJobToItsEnd) {
   const Outcome outcome =
       Trainctl({"train", "--dataset=arm", "--model=arm", "--preset=paper",
                 "--features=f,m", "--seed=7", "--networks=0", "--epochs=3",
-                "--hmms-per-class=2", "--skip-unusable", "--note=first"});
+                "--hmms-per-class=2", "--skip-unusable", "--note=first",
+                "--truth=so-far", "--shares=even",
+                "--with-cues=force_pitch_short,force_pitch_long",
+                "--without-cues=log_drag"});
   job.join();
   EXPECT_EQ(outcome.exit, 0) << outcome.err;
   EXPECT_THAT(outcome.out, AllOf(HasSubstr("models/arm/versions/1"),
@@ -248,6 +251,21 @@ TEST_F(TrainctlRemoteTest, TrainWatchesTheJobToItsEnd) {
   EXPECT_EQ(spec.hmms_per_class(), 2u);
   EXPECT_TRUE(spec.skip_unusable());
   EXPECT_EQ(spec.note(), "first");
+  EXPECT_EQ(spec.truth(), v1::TRUTH_SO_FAR);
+  EXPECT_EQ(spec.shares(), v1::CLASS_SHARES_EVEN);
+  EXPECT_THAT(spec.with_cues(),
+              ::testing::ElementsAre("force_pitch_short", "force_pitch_long"));
+  EXPECT_THAT(spec.without_cues(), ::testing::ElementsAre("log_drag"));
+}
+
+TEST_F(TrainctlRemoteTest, WordsThatNoServerKnowsAreWrongUsage) {
+  MakeDataset();
+  for (const char* flag : {"--truth=soon", "--shares=fair"}) {
+    const Outcome outcome =
+        Trainctl({"train", "--dataset=arm", "--model=arm", flag});
+    EXPECT_EQ(outcome.exit, 2) << flag;
+    EXPECT_THAT(outcome.err, HasSubstr(std::string(flag).substr(0, 6)));
+  }
 }
 
 TEST_F(TrainctlRemoteTest, DetachReturnsAtOnce) {
@@ -320,12 +338,15 @@ TEST_F(TrainctlRemoteTest, EvaluateRunsOnTheServerThatHasTheDataset) {
 
   outcome = Trainctl({"evaluate", "--dataset=arm@1",
                       "--protocol=leave-one-material-out", "--preset=paper",
-                      "--mixtures=2", "--detach", "--json"});
+                      "--mixtures=2", "--truth=so-far",
+                      "--without-cues=log_drag", "--detach", "--json"});
   ASSERT_EQ(outcome.exit, 0) << outcome.err;
   EXPECT_EQ(outcome.json()["evaluate"]["protocol"], "leave-one-material-out");
   spec = server_->operation("operations/2").evaluate();
   EXPECT_EQ(spec.train().preset(), "paper");
   EXPECT_EQ(spec.train().hmms_per_class(), 2u);
+  EXPECT_EQ(spec.train().truth(), v1::TRUTH_SO_FAR);
+  EXPECT_THAT(spec.train().without_cues(), ::testing::ElementsAre("log_drag"));
   EXPECT_EQ(spec.model_version(), "");
 
   for (const std::vector<std::string>& wrong :

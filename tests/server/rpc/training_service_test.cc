@@ -357,6 +357,8 @@ std::vector<BadRequest> BadRequests() {
       "INVALID_CONFIG");
   add(train + "TrainModel", Training([](auto& s) { s.set_networks(1000); }),
       "INVALID_CONFIG");
+  add(train + "TrainModel", Training([](auto& s) { s.add_with_cues("smell"); }),
+      "INVALID_CONFIG");
   add(train + "TrainModel", Training([](auto& s) { s.set_epochs(0); }),
       "INVALID_CONFIG");
   add(train + "TrainModel", Training([](auto& s) { s.set_hmms_per_class(0); }),

@@ -1,4 +1,4 @@
-#include "core/train/train_spec.h"
+#include "core/eval/train_spec.h"
 
 #include <string>
 #include <vector>
@@ -9,6 +9,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/features/feature.h"
+#include "core/train/choose_cues.h"
 
 namespace tactus {
 namespace {
@@ -19,6 +20,36 @@ absl::StatusOr<std::string> Letter(const std::string& feature) {
     return feature.substr(0, 1);
   }
   return InvalidConfig("features", feature, "force, area or motion");
+}
+
+absl::Status SetTruth(v1::Truth truth, FitOptions& options) {
+  switch (truth) {
+    case v1::TRUTH_UNSPECIFIED:
+      return absl::OkStatus();
+    case v1::TRUTH_FINAL:
+      options.truth = Truth::kFinal;
+      return absl::OkStatus();
+    case v1::TRUTH_SO_FAR:
+      options.truth = Truth::kSoFar;
+      return absl::OkStatus();
+    default:
+      return InvalidConfig("truth", static_cast<int>(truth),
+                           "TRUTH_FINAL or TRUTH_SO_FAR");
+  }
+}
+
+absl::Status SetShares(v1::ClassShares shares, FitOptions& options) {
+  switch (shares) {
+    case v1::CLASS_SHARES_UNSPECIFIED:
+    case v1::CLASS_SHARES_RECORDED:
+      return absl::OkStatus();
+    case v1::CLASS_SHARES_EVEN:
+      options.shares = ClassShares::kEven;
+      return absl::OkStatus();
+    default:
+      return InvalidConfig("shares", static_cast<int>(shares),
+                           "CLASS_SHARES_RECORDED or CLASS_SHARES_EVEN");
+  }
 }
 
 }  // namespace
@@ -58,11 +89,24 @@ absl::StatusOr<FitOptions> OptionsOf(const v1::TrainSpec& spec,
     }
     options.hmms_per_class = static_cast<int>(spec.hmms_per_class());
   }
+  TACTUS_RETURN_IF_ERROR(SetTruth(spec.truth(), options));
+  TACTUS_RETURN_IF_ERROR(SetShares(spec.shares(), options));
+  TACTUS_RETURN_IF_ERROR(
+      AddLstmCues("with_cues",
+                  {spec.with_cues().begin(), spec.with_cues().end()}, options));
+  TACTUS_RETURN_IF_ERROR(LeaveOutCues(
+      "without_cues", {spec.without_cues().begin(), spec.without_cues().end()},
+      options));
   return options;
 }
 
 absl::Status CheckOptions(const v1::TrainSpec& spec) {
   const bool chosen = spec.preset().empty() || spec.preset() == kAutoPreset;
+  // What one preset's models take, another's may lack.
+  if (chosen && spec.with_cues_size() + spec.without_cues_size() > 0) {
+    return InvalidConfig("preset", kAutoPreset,
+                         "named with with_cues or without_cues");
+  }
   return OptionsOf(spec, chosen ? "tuned" : spec.preset()).status();
 }
 
