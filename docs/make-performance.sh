@@ -2,11 +2,11 @@
 # Writes docs/performance.md and the pictures in docs/performance/: what Tactus
 # costs on this machine, beside its peers, and run time against error.
 #
-#   docs/make-performance.sh            some ten minutes on two quiet cores
+#   docs/make-performance.sh            a quarter of an hour on two quiet cores
 #   docs/make-performance.sh --quick    only shows that it works
 #
 # The benchmarks served and fit-scale have pages in docs/results/. Needs a release
-# build.
+# build, and PyTorch for the peer of the LSTM (apt-get install python3-torch).
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -15,7 +15,12 @@ out=docs/performance
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 quick=()
-[[ ${1:-} != --quick ]] || quick=(--quick)
+if [[ ${1:-} == --quick ]]; then
+  quick=(--quick)
+elif ! /usr/bin/python3 -c 'import torch' && ! python3 -c 'import torch'; then
+  echo "make-performance.sh: no PyTorch; install python3-torch" >&2
+  exit 1
+fi
 
 "$bench" all "${quick[@]}" --except=frontier,served,fit-scale --json >"$work/all.json"
 "$bench" frontier "${quick[@]}" --table="$work/frontier.csv" --figures="$out" \

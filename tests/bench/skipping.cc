@@ -40,6 +40,10 @@ const RuleCase kCases[] = {
      .rule = SkipRule::kUnchangedFrames,
      .light_touch = false,
      .times = 4},
+    // No frame comes twice: what the comparison costs.
+    {.name = "unchanged_frames_without_any",
+     .rule = SkipRule::kUnchangedFrames,
+     .light_touch = false},
     {.name = "unused_cues", .rule = SkipRule::kUnusedCues},
     {.name = "unchanged_scores", .rule = SkipRule::kUnchangedScores},
     {.name = "unused_lstms",
