@@ -33,7 +33,8 @@ set(program_libraries ${core_libraries} CLI11::CLI11
                       nlohmann_json::nlohmann_json)
 # gcc 12 sees writes past strings at -O1 that are not there.
 set(program_options
-  $<$<CONFIG:Release>:-O1> $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds>)
+  $<$<CONFIG:Release>:-O1> $<$<BOOL:${TACTUS_SANITIZE}>:-O0>
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds>)
 set(remote_headers ${grpc_headers} [["CLI/CLI.hpp"]] [["nlohmann/json.hpp"]])
 set(remote_libraries ${program_libraries} gRPC::grpc++)
 set(remote_options ${program_options})

@@ -62,6 +62,7 @@ readonly PROGRAMS=(
 # The tests, the benchmarks, and the independent references of both.
 readonly TESTS=(
   ccache
+  clang-14
   clang-format
   gnuplot-nox
   libclang-rt-14-dev

@@ -57,7 +57,7 @@ check_format() {
     xargs -0 -r clang-format --dry-run -Werror
 }
 
-# gcc 12's sanitizers lose their way when the kernel randomises addresses by
+# The sanitizers lose their way when the kernel randomises addresses by
 # more than 28 bits; there they run without randomisation.
 plain_addresses=()
 rnd_bits=$(cat /proc/sys/vm/mmap_rnd_bits 2>/dev/null || echo 0)

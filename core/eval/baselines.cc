@@ -83,7 +83,7 @@ Sizes RankSizes(const Contacts& contacts) {
   }
   std::vector<double> sorted = sizes;
   std::ranges::sort(sorted);
-  sorted.erase(std::ranges::unique(sorted).begin(), sorted.end());
+  sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
   const size_t ranks = std::min(sorted.size(), kMostSizes);
   Sizes result;
   result.area.assign(ranks, std::numeric_limits<double>::infinity());

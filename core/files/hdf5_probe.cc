@@ -15,6 +15,7 @@
 #include <iterator>
 #include <new>
 
+#include "absl/base/config.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 #include "core/base/errors.h"
@@ -86,11 +87,11 @@ std::string ReadAll(int fd) {
   }
 }
 
-// gcc's AddressSanitizer leaves the locks of its allocator in a child as other
+// AddressSanitizer leaves the locks of its allocator in a child as other
 // threads held them at the fork, so that the child may wait for ever. glibc's
 // allocator does not.
 bool ForkIsSafe() {
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(ABSL_HAVE_ADDRESS_SANITIZER)
   const std::filesystem::directory_iterator threads("/proc/self/task");
   return std::distance(threads, std::filesystem::directory_iterator()) == 1;
 #else

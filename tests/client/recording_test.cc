@@ -422,7 +422,7 @@ TEST(ReplayTest, ThePaceChangesNoFrame) {
   const SkinInfo info = *skin.Configure();
   ASSERT_TRUE(skin.Activate().ok());
   recorder->Begin(info, MakeConfig(info), {});
-  recorder->BeginTrial({});
+  recorder->BeginTrial(RecordingTexts());
   SkinFrame frame;
   for (int i = 0; i < 60; ++i) {
     ASSERT_EQ(*skin.Read(frame), ReadResult::kFrame);
@@ -485,7 +485,7 @@ TEST(RecorderTest, CountsWhatASmallQueueLoses) {
   const SkinInfo info = *skin.Configure();
   ASSERT_TRUE(skin.Activate().ok());
   recorder->Begin(info, MakeConfig(info), {});
-  recorder->BeginTrial({});
+  recorder->BeginTrial(RecordingTexts());
   SkinFrame frame;
   uint64_t frames = 0;
   while (*skin.Read(frame) == ReadResult::kFrame) {

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "absl/base/config.h"
 #include "absl/strings/match.h"
 #include "core/base/errors.h"
 #include "core/data/trial_file.h"
@@ -16,7 +17,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/data/trial_samples.h"
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(ABSL_HAVE_ADDRESS_SANITIZER) || defined(ABSL_HAVE_THREAD_SANITIZER)
 // A sanitizer reserves more address space than any RLIMIT_AS would allow.
 constexpr bool kMemoryIsLimited = false;
 #else

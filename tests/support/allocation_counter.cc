@@ -4,9 +4,40 @@
 #include <cstdlib>
 #include <new>
 
+#include "absl/base/config.h"
+
+#ifdef ABSL_HAVE_THREAD_SANITIZER
+#include <sanitizer/allocator_interface.h>
+#endif
+
 namespace {
 
 std::atomic<int64_t> allocations = 0;
+
+}  // namespace
+
+namespace tactus::testing {
+
+int64_t AllocationsSoFar() { return allocations.load(); }
+
+}  // namespace tactus::testing
+
+#ifdef ABSL_HAVE_THREAD_SANITIZER
+
+// Its run time defines operator new itself, and calls back.
+namespace {
+
+const int installed = __sanitizer_install_malloc_and_free_hooks(
+    [](const volatile void*, size_t) {
+      allocations.fetch_add(1, std::memory_order_relaxed);
+    },
+    [](const volatile void*) {});
+
+}  // namespace
+
+#else
+
+namespace {
 
 void* Allocate(std::size_t size) {
   allocations.fetch_add(1, std::memory_order_relaxed);
@@ -25,12 +56,6 @@ void* AllocateAligned(std::size_t size, std::align_val_t alignment) {
 }
 
 }  // namespace
-
-namespace tactus::testing {
-
-int64_t AllocationsSoFar() { return allocations.load(); }
-
-}  // namespace tactus::testing
 
 void* operator new(std::size_t size) { return Allocate(size); }
 void* operator new[](std::size_t size) { return Allocate(size); }
@@ -56,3 +81,5 @@ void operator delete(void* place, std::size_t, std::align_val_t) noexcept {
 void operator delete[](void* place, std::size_t, std::align_val_t) noexcept {
   std::free(place);
 }
+
+#endif  // ABSL_HAVE_THREAD_SANITIZER

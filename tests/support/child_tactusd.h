@@ -34,6 +34,7 @@
 #include <thread>
 #include <vector>
 
+#include "absl/base/config.h"
 #include "gtest/gtest.h"
 #include "tests/support/time_limit.h"
 
@@ -145,7 +146,7 @@ class ChildTactusd {
 
  private:
   static ::testing::AssertionResult IsBelow(double used, double mib) {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef ABSL_HAVE_ADDRESS_SANITIZER
     return ::testing::AssertionSuccess();
 #endif
     return (used < mib ? ::testing::AssertionSuccess()

@@ -70,7 +70,7 @@ TEST(TareTest, ATouchWhileItLastsIsRefused) {
        }}};
   for (const auto& [name, load] : touches) {
     SyntheticSkin skin({});
-    skin.load = [&](int64_t frame, size_t taxel) {
+    skin.load = [&load = load](int64_t frame, size_t taxel) {
       return taxel == 13 ? load(frame) : 0;
     };
     const auto baseline = Tare(ReadIdle(skin, 100), nullptr);

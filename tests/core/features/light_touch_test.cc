@@ -40,7 +40,11 @@ class PlainFilter {
         touched_(smooth_),
         regions_(smooth_),
         values_(smooth_),
-        shape_(smooth_) {}
+        shape_(smooth_) {
+    for (size_t i = 0; i < smooth_.size(); ++i) {
+      members_.push_back(RegionOf(static_cast<int>(i)));
+    }
+  }
 
   void Step(const std::vector<float>& taxels) {
     ++frames_;
@@ -65,19 +69,19 @@ class PlainFilter {
     if (!ready) return;
     for (size_t i = 0; i < taxels.size(); ++i) {
       double sum = 0;
-      for (const int j : RegionOf(static_cast<int>(i))) sum += difference[j];
+      for (const int j : members_[i]) sum += difference[j];
       regions_[i] = sum / (light.rows * light.columns);
     }
-    std::vector<bool> felt(taxels.size());
-    std::vector<bool> rests(taxels.size());
+    std::vector<char> felt(taxels.size());
+    std::vector<char> rests(taxels.size());
     for (size_t i = 0; i < taxels.size(); ++i) {
       const bool stays = regions_[i] >= light.contact_threshold;
       touched_[i] = regions_[i] >= light.onset_threshold ||
                     values_[i] >= layout_.contact_threshold ||
                     (touched_[i] > 0 && stays);
-      for (const int j : RegionOf(static_cast<int>(i))) {
-        felt[j] = felt[j] || stays || touched_[i] > 0;
-        rests[j] = rests[j] || touched_[i] > 0;
+      for (const int j : members_[i]) {
+        felt[j] |= stays || touched_[i] > 0;
+        rests[j] |= touched_[i] > 0;
       }
     }
     for (size_t i = 0; i < taxels.size(); ++i) {
@@ -110,6 +114,7 @@ class PlainFilter {
   }
 
   SkinLayout layout_;
+  std::vector<std::vector<int>> members_;  // of each taxel's region
   int frames_ = 0;
   std::vector<double> smooth_, background_, touched_, regions_, values_, shape_;
 };

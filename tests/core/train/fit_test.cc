@@ -194,9 +194,10 @@ TEST(FitModelTest, WithoutAnEstimatorNoObjectIsTooSoft) {
   for (const char* left_out : {"slow", "fast"}) {
     auto sorted = testing::PointersTo(contacts);
     // The first fold leaves the condition out that comes first.
-    std::ranges::stable_partition(sorted, [&](const LabelledContact* contact) {
-      return contact->condition == left_out;
-    });
+    std::stable_partition(sorted.begin(), sorted.end(),
+                          [&](const LabelledContact* contact) {
+                            return contact->condition == left_out;
+                          });
     const auto model = FitModel(sorted, options, RunSerially);
     ASSERT_TRUE(model.ok()) << model.status();
     EXPECT_FALSE(model->estimator.has_value());

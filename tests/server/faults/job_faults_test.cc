@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "absl/base/config.h"
 #include "client/training/operation_watcher.h"
 #include "client/training/training_client.h"
 #include "core/base/errors.h"
@@ -225,7 +226,7 @@ TEST_F(JobFaultsTest, ATrainerThatNeedsTooMuchMemorySaysSo) {
   const Operation failed = server_->Await(Train().name());
   EXPECT_EQ(failed.state(), Operation::STATE_FAILED);
   EXPECT_EQ(Reason(failed), "JOB_CRASHED");
-#ifndef __SANITIZE_ADDRESS__  // whose allocator ends the process itself
+#ifndef ABSL_HAVE_ADDRESS_SANITIZER  // whose allocator ends the process itself
   EXPECT_THAT(failed.error().message(), HasSubstr("memory"));
   EXPECT_THAT(failed.error().message(), HasSubstr("40 MiB"));
 #endif

@@ -1,6 +1,7 @@
 // HMMs as JSON and .npz: what is written is read, and each mistake is named.
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 #include "core/base/errors.h"
 #include "core/files/npy_write.h"
@@ -153,8 +154,8 @@ TEST_P(BadHmmTest, IsRefusedByName) {
               HasSubstr(GetParam().text));
 }
 
-json Classes(json hmms) {
-  return {{"classes", {{{"name", "HU"}, {"hmms", std::move(hmms)}}}}};
+json Classes(std::initializer_list<json> hmms) {
+  return {{"classes", {{{"name", "HU"}, {"hmms", json::array_t(hmms)}}}}};
 }
 
 INSTANTIATE_TEST_SUITE_P(
