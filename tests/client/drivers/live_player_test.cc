@@ -10,6 +10,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/client/drivers/memory_bus.h"
+#include "tests/client/drivers/until_last_touch.h"
 #include "tests/support/child_tactusd.h"
 
 namespace tactus::client {
@@ -45,30 +46,6 @@ struct FakeArm {
   CanSkinDriver driver;
 };
 
-// Ends the data when all contacts are over.
-class UntilTheEnd : public SkinDriver {
- public:
-  explicit UntilTheEnd(FakeArm* arm) : arm_(arm) {}
-  DriverStatistics Statistics() const override {
-    return arm_->driver.Statistics();
-  }
-
- protected:
-  absl::StatusOr<SkinInfo> OnConfigure() override {
-    return arm_->driver.Configure();
-  }
-  absl::Status OnActivate() override { return arm_->driver.Activate(); }
-  absl::StatusOr<ReadResult> OnRead(SkinFrame& frame) override {
-    const auto end_ns = arm_->touches.end_ns();
-    if (end_ns && arm_->clock.NowNs() > *end_ns) return ReadResult::kEndOfData;
-    return arm_->driver.Read(frame);
-  }
-  absl::Status OnFinalise() override { return arm_->driver.Finalise(); }
-
- private:
-  FakeArm* const arm_;
-};
-
 struct Score {
   int right = 0;
   int felt = 0;
@@ -97,7 +74,7 @@ TEST(LivePlayerTest, AFakeSkinsContactsAreClassifiedAsTheSimulators) {
   // One count is the model's contact threshold. Coarser, and the answers get
   // worse.
   FakeArm arm(kContacts, 0.01);
-  UntilTheEnd driver(&arm);
+  UntilLastTouch driver(&arm.driver, &arm.touches, &arm.clock);
   Score score;
   std::vector<std::string> news;
   const LivePlayer* self = nullptr;
@@ -137,7 +114,7 @@ TEST(LivePlayerTest, ABreakIsReportedAndTheStreamGoesOn) {
         now_ns > 10'000'000'000 && now_ns < 14'000'000'000;
     return 1;
   };
-  UntilTheEnd driver(&arm);
+  UntilLastTouch driver(&arm.driver, &arm.touches, &arm.clock);
   int contacts = 0;
   uint64_t server_missing = 0;
   std::vector<std::string> news;

@@ -26,6 +26,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/client/drivers/memory_bus.h"
+#include "tests/client/drivers/until_last_touch.h"
 #include "tests/support/child_tactusd.h"
 
 namespace tactus::client {
@@ -105,30 +106,6 @@ struct ScaraSkin {
   int64_t silent_until_ns = 0;
 };
 
-// Ends the data when all contacts are over.
-class UntilTheLastTouch : public SkinDriver {
- public:
-  explicit UntilTheLastTouch(ScaraSkin* arm) : arm_(arm) {}
-  DriverStatistics Statistics() const override {
-    return arm_->driver.Statistics();
-  }
-
- protected:
-  absl::StatusOr<SkinInfo> OnConfigure() override {
-    return arm_->driver.Configure();
-  }
-  absl::Status OnActivate() override { return arm_->driver.Activate(); }
-  absl::StatusOr<ReadResult> OnRead(SkinFrame& frame) override {
-    const auto end_ns = arm_->touches.end_ns();
-    if (end_ns && arm_->clock.NowNs() > *end_ns) return ReadResult::kEndOfData;
-    return arm_->driver.Read(frame);
-  }
-  absl::Status OnFinalise() override { return arm_->driver.Finalise(); }
-
- private:
-  ScaraSkin* const arm_;
-};
-
 struct PlayResult {
   absl::Status status;
   int felt = 0;
@@ -151,7 +128,7 @@ PlayResult Play(ScaraSkin& arm) {
   const LivePlayer* self = nullptr;
   const Eigen::Vector3d centre =
       LinkPosition(arm.touches.patch().layout, {8, 23.7});
-  UntilTheLastTouch driver(&arm);
+  UntilLastTouch driver(&arm.driver, &arm.touches, &arm.clock);
   LivePlayer player(
       MakeChannel(server.address()), &driver,
       {.with_features = true,
