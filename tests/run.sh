@@ -57,8 +57,8 @@ check_format() {
     xargs -0 -r clang-format --dry-run -Werror
 }
 
-# The sanitizers lose their way when the kernel randomises addresses by
-# more than 28 bits; there they run without randomisation.
+# The sanitizers lose their way when the kernel randomises addresses by more than
+# 28 bits; there they run without randomisation.
 plain_addresses=()
 rnd_bits=$(cat /proc/sys/vm/mmap_rnd_bits 2>/dev/null || echo 0)
 if [[ $rnd_bits -gt 28 ]] && setarch "$(uname -m)" -R true 2>/dev/null; then

@@ -1,7 +1,8 @@
 // File: allocation_counter.h
 //
 // Counts calls of operator new in this test binary. Link the source
-// allocation_counter.cc to replace the global operators.
+// allocation_counter.cc to replace the global operators. Under ThreadSanitizer,
+// which has its own, calls of malloc count too.
 //
 //   AllocationCounter counter;
 //   filter.Step(frame);
