@@ -269,7 +269,8 @@ absl::Status JobQueue::RunProcess(Operation& operation) {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
                           ParseName(operation.name(), "operations"));
   const std::string folder = data_->JobPath(name.id);
-  TACTUS_RETURN_IF_ERROR(WriteSpec(operation, folder));
+  TACTUS_ASSIGN_OR_RETURN(const PinnedVersion dataset,
+                          WriteSpec(operation, folder));
   TACTUS_ASSIGN_OR_RETURN(const auto process,
                           JobProcess::Start(options_.process, folder));
   TACTUS_RETURN_IF_ERROR(Follow(operation.name(), *process));
@@ -278,7 +279,8 @@ absl::Status JobQueue::RunProcess(Operation& operation) {
     *operation.mutable_progress() = latest->progress();
   }
   if (!end.ok) return Explain(operation.name(), folder, end);
-  return TakeOutcome(folder, operation);
+  // A gate may let go of its dataset while it is compared on.
+  return dataset.Explain(TakeOutcome(folder, operation));
 }
 
 absl::Status JobQueue::Explain(const std::string& name,
@@ -300,8 +302,8 @@ absl::Status JobQueue::Explain(const std::string& name,
                                 " MiB (--job-memory-mb)")));
 }
 
-absl::Status JobQueue::WriteSpec(const Operation& operation,
-                                 const std::string& folder) const {
+absl::StatusOr<PinnedVersion> JobQueue::WriteSpec(
+    const Operation& operation, const std::string& folder) const {
   v1::JobSpec spec;
   *spec.mutable_operation() = operation;
   spec.set_blob_folder(data_->BlobFolder());
@@ -345,14 +347,15 @@ absl::Status JobQueue::WriteSpec(const Operation& operation,
       }
     }
   }
-  TACTUS_ASSIGN_OR_RETURN(const v1::DatasetVersion version,
-                          datasets_->Version(dataset));
-  spec.set_dataset_sha256(version.sha256());
-  TACTUS_ASSIGN_OR_RETURN(const auto trials, datasets_->Trials(version));
+  TACTUS_ASSIGN_OR_RETURN(PinnedVersion version,
+                          PinnedVersion::Find(*data_, *datasets_, dataset));
+  spec.set_dataset_sha256(version.info().sha256());
+  TACTUS_ASSIGN_OR_RETURN(const auto trials, version.Trials());
   for (const v1::TrialInfo& trial : trials) spec.add_trials(trial.sha256());
   TACTUS_RETURN_IF_ERROR(data_->files().MakeDirectory(folder));
-  return WriteAtomically(data_->files(), folder + "/job.pb",
-                         SerializeDeterministic(spec));
+  TACTUS_RETURN_IF_ERROR(WriteAtomically(data_->files(), folder + "/job.pb",
+                                         SerializeDeterministic(spec)));
+  return version;
 }
 
 absl::Status JobQueue::Follow(const std::string& name, JobProcess& process) {

@@ -37,6 +37,7 @@
 #include "server/records/dataset_store.h"
 #include "server/records/model_store.h"
 #include "server/records/operation_store.h"
+#include "server/records/pinned_version.h"
 
 namespace tactus::server {
 
@@ -87,8 +88,10 @@ class JobQueue {
   // The error of a process that ended without an outcome.
   absl::Status Explain(const std::string& name, const std::string& folder,
                        const JobProcess::End& end) const;
-  absl::Status WriteSpec(const v1::Operation& operation,
-                         const std::string& folder) const;
+  // Writes the input of a job's process. Returns the dataset version that it
+  // works on.
+  absl::StatusOr<PinnedVersion> WriteSpec(const v1::Operation& operation,
+                                          const std::string& folder) const;
   absl::Status Follow(const std::string& name, JobProcess& process);
   absl::Status TakeOutcome(const std::string& folder, v1::Operation& operation);
   absl::Status Publish(const std::string& folder, v1::Operation& operation);

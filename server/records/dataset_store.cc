@@ -154,33 +154,39 @@ absl::StatusOr<Page<v1::Dataset>> DatasetStore::List(
   return page;
 }
 
-absl::StatusOr<std::vector<v1::DatasetVersion>> DatasetStore::Versions(
+absl::StatusOr<DatasetStore::History> DatasetStore::GetHistory(
     absl::string_view name) const {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
                           ParseName(name, kDatasets));
-  std::vector<v1::DatasetVersion> versions;
+  History history;
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Look([&](const Transaction& look) -> absl::Status {
-        TACTUS_RETURN_IF_ERROR(FindDataset(look, parsed).status());
-        TACTUS_ASSIGN_OR_RETURN(versions, ScanRecords<v1::DatasetVersion>(
-                                              look, Table::kDatasetVersions,
-                                              {.prefix = parsed.id + "/"}));
+        TACTUS_ASSIGN_OR_RETURN(history.dataset, FindDataset(look, parsed));
+        TACTUS_ASSIGN_OR_RETURN(
+            history.versions,
+            ScanRecords<v1::DatasetVersion>(look, Table::kDatasetVersions,
+                                            {.prefix = parsed.id + "/"}));
         return absl::OkStatus();
       }));
-  return versions;
+  return history;
 }
 
 absl::StatusOr<v1::DatasetVersion> DatasetStore::Version(
     absl::string_view name) const {
-  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
-                          ParseName(name, kDatasets));
   v1::DatasetVersion version;
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Look([&](const Transaction& look) -> absl::Status {
-        TACTUS_ASSIGN_OR_RETURN(version, FindVersion(look, parsed));
+        TACTUS_ASSIGN_OR_RETURN(version, VersionIn(look, name));
         return absl::OkStatus();
       }));
   return version;
+}
+
+absl::StatusOr<v1::DatasetVersion> DatasetStore::VersionIn(
+    const Transaction& look, absl::string_view name) {
+  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
+                          ParseName(name, kDatasets));
+  return FindVersion(look, parsed);
 }
 
 absl::StatusOr<std::vector<std::string>> DatasetStore::Manifest(
@@ -301,7 +307,8 @@ absl::StatusOr<uint32_t> DatasetStore::Delete(absl::string_view name,
   TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
                           ParseName(name, kDatasets));
   if (parsed.version != 0) return InvalidName(name, "datasets/ID");
-  TACTUS_ASSIGN_OR_RETURN(const auto versions, Versions(name));
+  TACTUS_ASSIGN_OR_RETURN(const History history, GetHistory(name));
+  const std::vector<v1::DatasetVersion>& versions = history.versions;
   std::set<std::string> unused;
   for (const v1::DatasetVersion& version : versions) {
     TACTUS_ASSIGN_OR_RETURN(const auto manifest, Manifest(version));

@@ -4,7 +4,7 @@
 //
 //   DatasetStore datasets(data, now);
 //   auto dataset = datasets.Create("datasets/grasps", "", caller);
-//   auto versions = datasets.Versions("datasets/grasps");
+//   auto version = datasets.Version("datasets/grasps");
 //
 // A version is a manifest: the sorted SHA-256 of its trials, one per line. The
 // manifest is a blob, and its SHA-256 is that of the version.
@@ -39,13 +39,19 @@ class DatasetStore {
                                      absl::string_view description,
                                      const Caller& caller);
   absl::StatusOr<v1::Dataset> Get(absl::string_view name) const;
+  // A dataset and all its versions at one moment, the oldest first.
+  struct History {
+    v1::Dataset dataset;
+    std::vector<v1::DatasetVersion> versions;
+  };
+  absl::StatusOr<History> GetHistory(absl::string_view name) const;
   absl::StatusOr<Page<v1::Dataset>> List(int page_size,
                                          absl::string_view page_token) const;
-  // The oldest first.
-  absl::StatusOr<std::vector<v1::DatasetVersion>> Versions(
-      absl::string_view name) const;
   // "datasets/D/versions/V", or "datasets/D" for the newest version.
   absl::StatusOr<v1::DatasetVersion> Version(absl::string_view name) const;
+  // The same in a transaction of the caller.
+  static absl::StatusOr<v1::DatasetVersion> VersionIn(const Transaction& look,
+                                                      absl::string_view name);
   // The SHA-256 of the trials of a version, sorted.
   absl::StatusOr<std::vector<std::string>> Manifest(
       const v1::DatasetVersion& version) const;

@@ -13,6 +13,7 @@
 #include "core/store/records.h"
 #include "server/names/resource_names.h"
 #include "server/records/audit_log.h"
+#include "server/records/dataset_store.h"
 
 namespace tactus::server {
 namespace {
@@ -144,29 +145,31 @@ absl::StatusOr<v1::ModelVersion> ModelStore::AddVersion(
 
 absl::StatusOr<v1::ModelVersion> ModelStore::Get(absl::string_view name) const {
   std::string wanted(name);
-  if (absl::StartsWith(name, "aliases/")) {
-    TACTUS_ASSIGN_OR_RETURN(const v1::Alias alias, GetAlias(name));
-    wanted = alias.model_version();
-  }
-  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
-                          ParseName(wanted, kModels));
   std::optional<v1::ModelVersion> found;
   std::vector<v1::Alias> aliases;
-  TACTUS_RETURN_IF_ERROR(
-      data_->catalog().Look([&](const Transaction& look) -> absl::Status {
-        TACTUS_ASSIGN_OR_RETURN(
-            aliases, ScanRecords<v1::Alias>(look, Table::kAliases, {}));
-        if (parsed.version != 0) {
-          TACTUS_ASSIGN_OR_RETURN(
-              found, GetRecord<v1::ModelVersion>(look, Table::kModelVersions,
-                                                 CatalogKey(parsed)));
-          return absl::OkStatus();
-        }
-        TACTUS_ASSIGN_OR_RETURN(const auto all,
-                                VersionsOf(look, parsed.id + "/"));
-        if (!all.empty()) found = all.front();
-        return absl::OkStatus();
-      }));
+  TACTUS_RETURN_IF_ERROR(data_->catalog().Look([&](const Transaction& look)
+                                                   -> absl::Status {
+    if (absl::StartsWith(name, "aliases/")) {
+      TACTUS_ASSIGN_OR_RETURN(const ResourceName alias_name,
+                              ParseName(name, kAliases));
+      TACTUS_ASSIGN_OR_RETURN(const auto alias, FindAlias(look, alias_name));
+      if (!alias.has_value()) return NoAlias(alias_name);
+      wanted = alias->model_version();
+    }
+    TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
+                            ParseName(wanted, kModels));
+    TACTUS_ASSIGN_OR_RETURN(aliases,
+                            ScanRecords<v1::Alias>(look, Table::kAliases, {}));
+    if (parsed.version != 0) {
+      TACTUS_ASSIGN_OR_RETURN(
+          found, GetRecord<v1::ModelVersion>(look, Table::kModelVersions,
+                                             CatalogKey(parsed)));
+      return absl::OkStatus();
+    }
+    TACTUS_ASSIGN_OR_RETURN(const auto all, VersionsOf(look, parsed.id + "/"));
+    if (!all.empty()) found = all.front();
+    return absl::OkStatus();
+  }));
   if (!found.has_value()) {
     TACTUS_ASSIGN_OR_RETURN(const PinnedModel pinned,
                             registry_->Find(wanted, ""));
@@ -191,7 +194,12 @@ absl::StatusOr<std::string> ModelStore::Bundle(
                             registry_->Find(version.name(), ""));
     return EncodeBundle(built_in.model->model());
   }
-  return data_->blobs().Read(version.blob_sha256(), limits::kMaxBundleBytes);
+  auto bundle =
+      data_->blobs().Read(version.blob_sha256(), limits::kMaxBundleBytes);
+  if (bundle.ok() || !absl::IsDataLoss(bundle.status())) return bundle;
+  // A deletion erases the record before it removes the blob.
+  const absl::Status found = Get(version.name()).status();
+  return absl::IsNotFound(found) ? found : bundle.status();
 }
 
 absl::StatusOr<Page<v1::ModelVersion>> ModelStore::List(
@@ -226,8 +234,11 @@ absl::StatusOr<Page<v1::ModelVersion>> ModelStore::List(
       page.next_token = page.items.back().name();
       break;
     }
-    TACTUS_ASSIGN_OR_RETURN(v1::ModelVersion version, Get(name));
-    page.items.push_back(std::move(version));
+    auto version = Get(name);
+    // It was deleted since the names were listed.
+    if (absl::IsNotFound(version.status())) continue;
+    TACTUS_RETURN_IF_ERROR(version.status());
+    page.items.push_back(*std::move(version));
   }
   if (!found) {
     return InvalidConfig("page_token", Quoted(page_token),
@@ -347,15 +358,20 @@ absl::StatusOr<v1::Alias> ModelStore::UpdateAlias(
           alias = *old;
         } else {
           alias.set_name(name.ToString());
-          if (registry_->Find(name.id, "").ok()) {
-            alias.set_model_version(registry_->Find(name.id, "")->version_name);
-          }
+          const auto served = registry_->Find(name.id, "");
+          if (served.ok()) alias.set_model_version(served->version_name);
         }
         TACTUS_RETURN_IF_ERROR(CheckEtag(alias, wanted.etag()));
         alias.clear_canary();
         if (wanted.has_canary()) *alias.mutable_canary() = wanted.canary();
         alias.clear_gate();
-        if (wanted.has_gate()) *alias.mutable_gate() = wanted.gate();
+        if (wanted.has_gate()) {
+          // From here on the dataset is in use and can't be deleted.
+          TACTUS_RETURN_IF_ERROR(
+              DatasetStore::VersionIn(change, wanted.gate().dataset_version())
+                  .status());
+          *alias.mutable_gate() = wanted.gate();
+        }
         TACTUS_RETURN_IF_ERROR(PutAlias(change, alias, nullptr));
         return Audit(change, caller, now_(), "update", alias.name());
       }));

@@ -55,7 +55,7 @@ class ModelStore {
   // Of built-in versions, the fields that the server knows.
   absl::StatusOr<v1::ModelVersion> Get(absl::string_view name) const;
   // The bundle as it was stored; of a built-in version, the same model encoded
-  // again.
+  // again. MODEL_NOT_FOUND if the version was deleted since it was found.
   absl::StatusOr<std::string> Bundle(const v1::ModelVersion& version) const;
   absl::StatusOr<Page<v1::ModelVersion>> List(
       absl::string_view model, int page_size,
@@ -65,7 +65,7 @@ class ModelStore {
 
   absl::StatusOr<std::vector<v1::Alias>> Aliases() const;
   absl::StatusOr<v1::Alias> GetAlias(absl::string_view name) const;
-  // Sets canary and gate of `wanted`.
+  // Sets canary and gate of `wanted`. DATASET_NOT_FOUND.
   absl::StatusOr<v1::Alias> UpdateAlias(const v1::UpdateAliasRequest& wanted,
                                         const Caller& caller);
   // Lets the alias name the version, without looking at its gate. `forced` is

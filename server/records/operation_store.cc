@@ -10,6 +10,7 @@
 #include "core/store/records.h"
 #include "server/names/resource_names.h"
 #include "server/records/audit_log.h"
+#include "server/records/dataset_store.h"
 #include "server/records/request_key.h"
 
 namespace tactus::server {
@@ -57,6 +58,15 @@ absl::Status CheckQueue(const Transaction& look) {
   }
   if (queued < limits::kMaxQueuedJobs) return absl::OkStatus();
   return JobLimit(limits::kMaxQueuedJobs);
+}
+
+// DATASET_NOT_FOUND if the dataset version of a request is gone.
+absl::Status CheckDataset(const Transaction& look, const Operation& operation) {
+  const std::string& name = operation.has_train()
+                                ? operation.train().dataset_version()
+                                : operation.evaluate().dataset_version();
+  if (name.empty()) return absl::OkStatus();
+  return DatasetStore::VersionIn(look, name).status();
 }
 
 absl::StatusOr<std::vector<v1::LearningPoint>> PointsOf(
@@ -120,6 +130,8 @@ absl::StatusOr<bool> OperationStore::CreateIn(Transaction& change,
     operation->set_state(Operation::STATE_QUEUED);
   }
   if (operation->state() == Operation::STATE_QUEUED) {
+    // From here on the dataset is in use and can't be deleted.
+    TACTUS_RETURN_IF_ERROR(CheckDataset(change, *operation));
     TACTUS_RETURN_IF_ERROR(CheckQueue(change));
     TACTUS_RETURN_IF_ERROR(CheckQueuedJobs(change, quotas_, caller.name));
   }

@@ -63,7 +63,8 @@ class OperationStore {
 
   // Stores `request` (kind and request are set) as a new operation, in the
   // state QUEUED unless it has another one, or returns the operation of an
-  // earlier request of this caller with this id.
+  // earlier request of this caller with this id. DATASET_NOT_FOUND if the
+  // dataset version of a queued operation does not exist.
   absl::StatusOr<v1::Operation> Create(v1::Operation request,
                                        absl::string_view request_id,
                                        const Caller& caller);

@@ -7,6 +7,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
+#include "server/records/pinned_version.h"
 #include "server/rpc/control_handlers.h"
 #include "server/rpc/training_rpcs.h"
 #include "tactus/v1/training.pb.h"
@@ -26,16 +27,15 @@ void SetPage(Page<typename Message::value_type>&& page, Message* items,
 absl::Status DownloadTrials(TrainingBackend& backend,
                             const v1::DownloadTrialsRequest& request,
                             ControlStream& stream) {
-  TACTUS_ASSIGN_OR_RETURN(const auto version, backend.datasets().Version(
-                                                  request.dataset_version()));
-  TACTUS_ASSIGN_OR_RETURN(const auto trials,
-                          backend.datasets().Trials(version));
+  TACTUS_ASSIGN_OR_RETURN(
+      const auto version,
+      PinnedVersion::Find(backend.data(), backend.datasets(),
+                          request.dataset_version()));
+  TACTUS_ASSIGN_OR_RETURN(const auto trials, version.Trials());
   v1::DownloadTrialsResponse response;
   std::string& data = *response.mutable_data();
   for (const v1::TrialInfo& trial : trials) {
-    TACTUS_ASSIGN_OR_RETURN(const std::string record,
-                            backend.data().blobs().Read(
-                                trial.sha256(), limits::kMaxTrialRecordBytes));
+    TACTUS_ASSIGN_OR_RETURN(const std::string record, version.Record(trial));
     const auto length = static_cast<uint32_t>(record.size());
     char head[sizeof length];
     std::memcpy(head, &length, sizeof length);
@@ -62,9 +62,11 @@ absl::Status DownloadTrials(TrainingBackend& backend,
 absl::StatusOr<v1::ListTrialsResponse> ListTrials(
     TrainingBackend& backend, const v1::ListTrialsRequest& request) {
   TACTUS_ASSIGN_OR_RETURN(const int size, PageSize(request.page_size()));
-  TACTUS_ASSIGN_OR_RETURN(const auto version, backend.datasets().Version(
-                                                  request.dataset_version()));
-  TACTUS_ASSIGN_OR_RETURN(auto trials, backend.datasets().Trials(version));
+  TACTUS_ASSIGN_OR_RETURN(
+      const auto version,
+      PinnedVersion::Find(backend.data(), backend.datasets(),
+                          request.dataset_version()));
+  TACTUS_ASSIGN_OR_RETURN(auto trials, version.Trials());
   const auto key = [](const v1::TrialInfo& trial) {
     return absl::StrCat(trial.id(), "/", trial.sha256());
   };
@@ -118,12 +120,11 @@ void AddDatasetRpcs(TrainingBackend* backend, ControlService& control) {
       Unary<v1::GetDatasetRequest, v1::GetDatasetResponse>(
           [=](const auto& request,
               const Caller&) -> absl::StatusOr<v1::GetDatasetResponse> {
-            v1::GetDatasetResponse response;
-            TACTUS_ASSIGN_OR_RETURN(*response.mutable_dataset(),
-                                    backend->datasets().Get(request.name()));
             TACTUS_ASSIGN_OR_RETURN(
-                auto versions, backend->datasets().Versions(request.name()));
-            for (auto& version : versions) {
+                auto history, backend->datasets().GetHistory(request.name()));
+            v1::GetDatasetResponse response;
+            *response.mutable_dataset() = std::move(history.dataset);
+            for (auto& version : history.versions) {
               *response.add_versions() = std::move(version);
             }
             return response;

@@ -163,12 +163,6 @@ void AddAliases(TrainingBackend* backend, ControlService& control) {
       Unary<v1::UpdateAliasRequest, v1::UpdateAliasResponse>(
           [=](const auto& request,
               const Caller& caller) -> absl::StatusOr<v1::UpdateAliasResponse> {
-            if (request.has_gate()) {
-              TACTUS_RETURN_IF_ERROR(
-                  backend->datasets()
-                      .Version(request.gate().dataset_version())
-                      .status());
-            }
             v1::UpdateAliasResponse response;
             TACTUS_ASSIGN_OR_RETURN(
                 *response.mutable_alias(),

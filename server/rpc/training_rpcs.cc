@@ -10,6 +10,7 @@
 #include "core/contacts/folds.h"
 #include "core/eval/train_spec.h"
 #include "server/names/resource_names.h"
+#include "server/records/pinned_version.h"
 #include "server/rpc/control_handlers.h"
 #include "tactus/v1/training.pb.h"
 
@@ -18,8 +19,19 @@ namespace {
 
 constexpr char kTrainingService[] = "/tactus.v1.TrainingService/";
 
-absl::Status CheckTrainSpec(TrainingBackend& backend,
-                            const v1::TrainSpec& spec) {
+// Fixes the dataset version that a request names, so that the job uses the same
+// one whenever it runs.
+absl::Status PinDataset(TrainingBackend& backend, std::string* name) {
+  TACTUS_ASSIGN_OR_RETURN(
+      const auto version,
+      PinnedVersion::Find(backend.data(), backend.datasets(), *name));
+  *name = version.name();
+  return absl::OkStatus();
+}
+
+// `spec` with its dataset version fixed, or what is wrong with it.
+absl::StatusOr<v1::TrainSpec> Checked(TrainingBackend& backend,
+                                      v1::TrainSpec spec) {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName model,
                           ParseName(spec.model(), "models"));
   if (model.version != 0) return InvalidName(spec.model(), "models/ID");
@@ -29,26 +41,25 @@ absl::Status CheckTrainSpec(TrainingBackend& backend,
     return InvalidConfig("note", Quoted(spec.note()), fault);
   }
   TACTUS_RETURN_IF_ERROR(CheckOptions(spec));
-  return backend.datasets().Version(spec.dataset_version()).status();
+  TACTUS_RETURN_IF_ERROR(PinDataset(backend, spec.mutable_dataset_version()));
+  return spec;
 }
 
-absl::Status CheckEvaluateSpec(TrainingBackend& backend,
-                               const v1::EvaluateSpec& spec) {
-  TACTUS_RETURN_IF_ERROR(
-      backend.datasets().Version(spec.dataset_version()).status());
+// `spec` with its dataset version and its model version fixed, or what is wrong
+// with it.
+absl::StatusOr<v1::EvaluateSpec> Checked(TrainingBackend& backend,
+                                         v1::EvaluateSpec spec) {
+  TACTUS_RETURN_IF_ERROR(PinDataset(backend, spec.mutable_dataset_version()));
   if (!spec.model_version().empty()) {
     TACTUS_ASSIGN_OR_RETURN(const v1::ModelVersion version,
                             backend.models().Get(spec.model_version()));
-    return backend.models().Bundle(version).status();
+    TACTUS_RETURN_IF_ERROR(backend.models().Bundle(version).status());
+    spec.set_model_version(version.name());
+    return spec;
   }
   TACTUS_RETURN_IF_ERROR(ParseProtocol(spec.protocol()).status());
-  return CheckOptions(spec.train());
-}
-
-// Fixes the versions that a request names, so that the job uses the same ones
-// whenever it runs.
-void Pin(TrainingBackend& backend, std::string* dataset_version) {
-  *dataset_version = backend.datasets().Version(*dataset_version)->name();
+  TACTUS_RETURN_IF_ERROR(CheckOptions(spec.train()));
+  return spec;
 }
 
 void AddJobs(TrainingBackend* backend, ControlService& control) {
@@ -58,12 +69,11 @@ void AddJobs(TrainingBackend* backend, ControlService& control) {
       Unary<v1::TrainModelRequest, v1::TrainModelResponse>(
           [=](const auto& request,
               const Caller& caller) -> absl::StatusOr<v1::TrainModelResponse> {
-            TACTUS_RETURN_IF_ERROR(CheckTrainSpec(*backend, request.spec()));
             v1::TrainModelResponse response;
             v1::Operation& operation = *response.mutable_operation();
             operation.set_kind(v1::Operation::KIND_TRAIN);
-            *operation.mutable_train() = request.spec();
-            Pin(*backend, operation.mutable_train()->mutable_dataset_version());
+            TACTUS_ASSIGN_OR_RETURN(*operation.mutable_train(),
+                                    Checked(*backend, request.spec()));
             if (request.validate_only()) return response;
             TACTUS_ASSIGN_OR_RETURN(
                 operation, backend->operations().Create(
@@ -71,26 +81,23 @@ void AddJobs(TrainingBackend* backend, ControlService& control) {
             backend->jobs().Wake();
             return response;
           }));
-  AddRpc(
-      backend, control, absl::StrCat(kTrainingService, "EvaluateModel"),
-      Role::kTrainer,
-      Unary<v1::EvaluateModelRequest, v1::EvaluateModelResponse>(
-          [=](const auto& request, const Caller& caller)
-              -> absl::StatusOr<v1::EvaluateModelResponse> {
-            TACTUS_RETURN_IF_ERROR(CheckEvaluateSpec(*backend, request.spec()));
-            v1::EvaluateModelResponse response;
-            v1::Operation& operation = *response.mutable_operation();
-            operation.set_kind(v1::Operation::KIND_EVALUATE);
-            *operation.mutable_evaluate() = request.spec();
-            Pin(*backend,
-                operation.mutable_evaluate()->mutable_dataset_version());
-            if (request.validate_only()) return response;
-            TACTUS_ASSIGN_OR_RETURN(
-                operation, backend->operations().Create(
-                               operation, request.request_id(), caller));
-            backend->jobs().Wake();
-            return response;
-          }));
+  AddRpc(backend, control, absl::StrCat(kTrainingService, "EvaluateModel"),
+         Role::kTrainer,
+         Unary<v1::EvaluateModelRequest, v1::EvaluateModelResponse>(
+             [=](const auto& request, const Caller& caller)
+                 -> absl::StatusOr<v1::EvaluateModelResponse> {
+               v1::EvaluateModelResponse response;
+               v1::Operation& operation = *response.mutable_operation();
+               operation.set_kind(v1::Operation::KIND_EVALUATE);
+               TACTUS_ASSIGN_OR_RETURN(*operation.mutable_evaluate(),
+                                       Checked(*backend, request.spec()));
+               if (request.validate_only()) return response;
+               TACTUS_ASSIGN_OR_RETURN(
+                   operation, backend->operations().Create(
+                                  operation, request.request_id(), caller));
+               backend->jobs().Wake();
+               return response;
+             }));
 }
 
 }  // namespace

@@ -20,6 +20,7 @@
 #include "server/records/model_store.h"
 #include "server/records/operation_store.h"
 #include "server/records/paging.h"
+#include "server/records/pinned_version.h"
 #include "server/records/quotas.h"
 #include "server/records/request_key.h"
 #include "server/records/trial_taker.h"
@@ -81,7 +82,18 @@ void DatasetStoreExample(DataDirectory* data, const NowMs& now,
                          const Caller& caller) {
   DatasetStore datasets(data, now);
   auto dataset = datasets.Create("datasets/grasps", "", caller);
-  auto versions = datasets.Versions("datasets/grasps");
+  auto version = datasets.Version("datasets/grasps");
+}
+
+absl::Status PinnedVersionExample(const DataDirectory& data,
+                                  const DatasetStore& datasets,
+                                  v1::Operation operation) {
+  TACTUS_ASSIGN_OR_RETURN(
+      const auto version,
+      PinnedVersion::Find(data, datasets, "datasets/grasps"));
+  operation.mutable_train()->set_dataset_version(version.name());
+  TACTUS_ASSIGN_OR_RETURN(const auto trials, version.Trials());
+  return absl::OkStatus();
 }
 
 absl::Status UploadStoreExample(UploadStore& uploads, const Caller& caller,

@@ -122,10 +122,10 @@ void CheckDatasets(Stores& stores) {
   const auto datasets = stores.datasets->List(100, "");
   ASSERT_TRUE(datasets.ok()) << datasets.status();
   for (const v1::Dataset& dataset : datasets->items) {
-    const auto versions = stores.datasets->Versions(dataset.name());
-    ASSERT_TRUE(versions.ok()) << versions.status();
-    EXPECT_EQ(versions->size(), dataset.latest_version());
-    for (const v1::DatasetVersion& version : *versions) {
+    const auto history = stores.datasets->GetHistory(dataset.name());
+    ASSERT_TRUE(history.ok()) << history.status();
+    EXPECT_EQ(history->versions.size(), dataset.latest_version());
+    for (const v1::DatasetVersion& version : history->versions) {
       const auto trials = stores.datasets->Trials(version);
       ASSERT_TRUE(trials.ok()) << trials.status();
       EXPECT_EQ(trials->size(), version.trials());

@@ -42,9 +42,9 @@ TEST_F(DatasetStoreTest, VersionsAddReplaceAndCount) {
     EXPECT_EQ(version->added(), c.added);
     EXPECT_EQ(version->removed(), c.removed);
   }
-  const auto versions = stores_.datasets->Versions(kDataset);
-  ASSERT_EQ(versions->size(), 4u);
-  EXPECT_EQ(versions->at(1).sha256(), versions->at(2).sha256());
+  const auto versions = stores_.datasets->GetHistory(kDataset)->versions;
+  ASSERT_EQ(versions.size(), 4u);
+  EXPECT_EQ(versions.at(1).sha256(), versions.at(2).sha256());
   EXPECT_EQ(stores_.datasets->Version("datasets/d/versions/1")->trials(), 4u);
   EXPECT_EQ(stores_.datasets->Version(kDataset)->trials(), 3u);
   // A version is the hash of its sorted list.
@@ -55,7 +55,7 @@ TEST_F(DatasetStoreTest, VersionsAddReplaceAndCount) {
   }
   std::string manifest;
   for (const std::string& hash : hashes) manifest += hash + "\n";
-  EXPECT_EQ(versions->back().sha256(), Sha256Hex(manifest));
+  EXPECT_EQ(versions.back().sha256(), Sha256Hex(manifest));
 }
 
 TEST_F(DatasetStoreTest, NamesAndTextsAreChecked) {

@@ -242,8 +242,10 @@ TEST_F(UploadStoreTest, ManyUploadsWaitForTheirEnd) {
   for (const auto& [name, pack] : uploads) {
     EXPECT_TRUE(stores_->Finish(name, pack).ok());
   }
-  const auto latest = stores_->datasets->Versions(kDataset);
-  EXPECT_EQ(latest->front().trials() + latest->back().trials(), 3u + 21u);
+  const auto history = stores_->datasets->GetHistory(kDataset);
+  EXPECT_EQ(
+      history->versions.front().trials() + history->versions.back().trials(),
+      3u + 21u);
 }
 
 // Half of a chunk was written: nothing may follow it.
