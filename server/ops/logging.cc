@@ -4,6 +4,7 @@
 
 #include "core/base/errors.h"
 #include "core/base/text.h"
+#include "google/protobuf/stubs/logging.h"
 #include "grpc/support/log.h"
 #include "server/ops/clock.h"
 #include "server/ops/log_limiter.h"
@@ -39,14 +40,26 @@ class OneLine final : public spdlog::custom_flag_formatter {
   }
 };
 
-// gRPC reports errors of single connections, which strangers can cause.
-void LogForGrpc(gpr_log_func_args* entry) {
+// Libraries report errors of single connections and messages, which strangers
+// can cause: together they have one limit.
+void LogForLibrary(const char* library, bool is_error, const char* message) {
   static LogLimiter limiter({.lines_per_second = 10, .burst = 100});
-  if (entry->severity != GPR_LOG_SEVERITY_ERROR) {
-    spdlog::debug("gRPC: {}", entry->message);
+  if (!is_error) {
+    spdlog::debug("{}: {}", library, message);
   } else if (const auto left_out = limiter.Admit(MonotonicNs())) {
-    spdlog::warn("gRPC: {}{}", entry->message, LeftOut(*left_out));
+    spdlog::warn("{}: {}{}", library, message, LeftOut(*left_out));
   }
+}
+
+void LogForGrpc(gpr_log_func_args* entry) {
+  LogForLibrary("gRPC", entry->severity == GPR_LOG_SEVERITY_ERROR,
+                entry->message);
+}
+
+void LogForProtobuf(google::protobuf::LogLevel level, const char*, int,
+                    const std::string& message) {
+  LogForLibrary("protobuf", level >= google::protobuf::LOGLEVEL_ERROR,
+                message.c_str());
 }
 
 }  // namespace
@@ -64,6 +77,7 @@ absl::Status StartLogging(const std::string& level) {
   spdlog::set_formatter(std::move(formatter));
   spdlog::set_level(parsed);
   gpr_set_log_function(LogForGrpc);
+  google::protobuf::SetLogHandler(LogForProtobuf);
   return absl::OkStatus();
 }
 

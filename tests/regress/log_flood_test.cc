@@ -1,6 +1,7 @@
 // gRPC logs a line for each header that it cannot parse, with what the peer
 // sent in it: a peer could fill the disk with the log, and forge lines in it.
 #include <algorithm>
+#include <sstream>
 #include <string>
 
 #include "gtest/gtest.h"
@@ -55,6 +56,37 @@ TEST(LogFloodTest, MalformedHeadersDoNotFloodTheLog) {
     return late.IsServed(1);
   }));
   EXPECT_TRUE(robot.Finish().ok());
+}
+
+// protobuf writes to standard error for every text field that is not UTF-8: a
+// stranger's health checks made thousands of lines, in a form of their own.
+TEST(LogFloodTest, TextThatIsNotUtf8DoesNotFloodTheLog) {
+  ChildTactusd server;
+  ASSERT_NE(server.port(), 0);
+  const auto begin = std::chrono::steady_clock::now();
+  RawHttp2 stranger(server.port());
+  for (int i = 0; i < 2'000; ++i) {
+    const uint32_t call = stranger.Open("/grpc.health.v1.Health/Check");
+    // HealthCheckRequest.service.
+    ASSERT_TRUE(stranger.Message(call, "\x0a\x04\xff\xfe\xff\xfe"));
+    stranger.Frame(RawHttp2::kData, RawHttp2::kEndStream, call, "");
+    if (i % 50 == 0) stranger.ReadFor(milliseconds(1));
+  }
+  stranger.Flush();
+  stranger.ReadFor(milliseconds(300));
+  Bystander robot(server.address());
+  EXPECT_TRUE(robot.IsServed());
+  EXPECT_TRUE(robot.Finish().ok());
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(
+      std::chrono::steady_clock::now() - begin);
+  std::istringstream log(server.Log());
+  int protobuf = 0;
+  for (std::string line; std::getline(log, line);) {
+    EXPECT_EQ(line.find("20"), 0u) << "no time stands before: " << line;
+    if (line.find("UTF-8") != std::string::npos) ++protobuf;
+  }
+  EXPECT_GT(protobuf, 0) << "the test does not reach protobuf";
+  EXPECT_LE(protobuf, 100 + (seconds.count() + 2) * 10);
 }
 
 }  // namespace

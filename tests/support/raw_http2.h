@@ -50,6 +50,8 @@ class RawHttp2 {
   static constexpr uint8_t kAck = 1;
   static constexpr uint8_t kEndStream = 1;
   static constexpr uint8_t kEndHeaders = 4;
+  static constexpr std::string_view kPreface =
+      "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n";
   static constexpr size_t kMaxFrameBytes = 16384;
 
   explicit RawHttp2(int port) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
@@ -61,7 +63,7 @@ class RawHttp2 {
     setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof(on));
     open_ = connect(socket_, reinterpret_cast<sockaddr*>(&address),
                     sizeof(address)) == 0;
-    out_ = "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n";
+    out_ = kPreface;
     Frame(kSettings, 0, 0, "");
   }
   ~RawHttp2() { close(socket_); }
@@ -80,22 +82,33 @@ class RawHttp2 {
   // Appends one frame of any kind.
   void Frame(uint8_t type, uint8_t flags, uint32_t stream,
              std::string_view payload) {
-    const auto byte = [this](uint32_t value) {
-      out_.push_back(static_cast<char>(value & 0xFF));
+    Append(FrameBytes(type, flags, stream, payload));
+  }
+  // Appends bytes of any kind.
+  void Append(std::string_view bytes) { out_.append(bytes); }
+  static std::string FrameBytes(uint8_t type, uint8_t flags, uint32_t stream,
+                                std::string_view payload) {
+    std::string frame;
+    const auto byte = [&frame](uint32_t value) {
+      frame.push_back(static_cast<char>(value & 0xFF));
     };
     const auto size = static_cast<uint32_t>(payload.size());
     for (const int shift : {16, 8, 0}) byte(size >> shift);
     byte(type);
     byte(flags);
     for (const int shift : {24, 16, 8, 0}) byte(stream >> shift);
-    out_.append(payload);
+    return frame.append(payload);
+  }
+  // The header block of a call to `path`.
+  static std::string Block(const std::string& path, const Headers& more = {}) {
+    Headers headers = CallHeaders(path);
+    headers.insert(headers.end(), more.begin(), more.end());
+    return Hpack(headers, kNeverInTable);
   }
 
   // Begins a gRPC call to `path` on the next stream; returns the stream's id.
   uint32_t Open(const std::string& path, const Headers& more = {}) {
-    Headers headers = CallHeaders(path);
-    headers.insert(headers.end(), more.begin(), more.end());
-    return OpenWith(headers);
+    return OpenBlock(Block(path, more));
   }
   // The same with `headers` and no others.
   uint32_t OpenWith(const Headers& headers) {
@@ -118,6 +131,11 @@ class RawHttp2 {
     return OpenBlock(block);
   }
 
+  // Ends what the client says in a call with `headers`.
+  void Trailers(uint32_t stream, const Headers& headers) {
+    Frame(kHeaders, kEndHeaders | kEndStream, stream,
+          Hpack(headers, kNeverInTable));
+  }
   void Reset(uint32_t stream) {
     stream_windows_.erase(stream);
     Frame(kReset, 0, stream, std::string("\0\0\0\x08", 4));
