@@ -22,6 +22,7 @@ readonly BUILD=(
   libgrpc++-dev
   libhwy-dev
   libisal-dev
+  libnghttp2-dev
   libprotobuf-dev
   libspdlog-dev
   libsqlitecpp-dev
@@ -36,6 +37,7 @@ readonly RUNTIME=(
   libgrpc++1.51
   libhwy1
   libisal2
+  libnghttp2-14
   libprotobuf32
   libspdlog1.10
   libsqlite3-0

@@ -1,14 +1,35 @@
 #include "server/listen/grpc_listener.h"
 
+#include <unistd.h>
+
 #include <utility>
 
 #include "core/base/status_macros.h"
+#include "core/connections/vetted_connections.h"
 #include "grpcpp/security/server_credentials.h"
+#include "server/ops/clock.h"
+#include "server/ops/log_limiter.h"
+#include "spdlog/spdlog.h"
 
 namespace tactus::server {
+namespace {
+
+// Strangers cause faults, so their lines are bounded.
+void LogFault(int fd, absl::string_view fault) {
+  static LogLimiter limiter({.lines_per_second = 1, .burst = 5});
+  const auto left_out = limiter.Admit(MonotonicNs());
+  if (!left_out) return;
+  spdlog::warn("closed a connection from {}: {}{}",
+               fd < 0 ? "a TLS peer" : SocketAddress::OfPeer(fd).HostText(),
+               std::string(fault), LeftOut(*left_out));
+}
+
+}  // namespace
 
 absl::StatusOr<std::unique_ptr<GrpcListener>> GrpcListener::Open(
     const Options& options) {
+  VettedConnections::Start(
+      {.accepts = true, .now_ns = MonotonicNs, .on_fault = LogFault});
   std::unique_ptr<GrpcListener> listener(new GrpcListener(options));
   std::vector<ListeningSocket> sockets;
   for (const std::string& address : options.addresses) {
@@ -45,6 +66,10 @@ void GrpcListener::AddTo(grpc::ServerBuilder& builder) {
 }
 
 void GrpcListener::HandOver(const ListeningSocket& socket, int fd) {
+  if (!UsesTls(socket) && !VettedConnections::Add(fd)) {
+    close(fd);
+    return;
+  }
   GrpcAcceptor::NewConnectionParameters connection;
   connection.listener_fd = socket.fd.get();
   connection.fd = fd;

@@ -6,10 +6,10 @@
 //   ListenerProbe probe(&acceptor, socket.bound, /*tls=*/true);
 //   absl::Status status = probe.Run(std::chrono::seconds(2));
 //
-// A gRPC server sends its HTTP/2 settings as soon as a connection is accepted
-// and, with TLS, its handshake done. The probe checks that this frame comes.
-// It does not check the certificate, because it learns nothing from the answer
-// but that there is one.
+// The probe sends HTTP/2 settings and checks that the server acknowledges them,
+// and that the server's own vet has seen them (core/http2): should gRPC ever
+// read in another way, the check fails. It does not check the certificate,
+// because it learns nothing from the answer but that there is one.
 //
 // Owned by one thread. `acceptor` must outlive it.
 #pragma once

@@ -29,9 +29,9 @@ constexpr std::array<absl::string_view, 8> kNamedFolders = {
 constexpr std::array<absl::string_view, 1> kPlainHeaders = {
     "core/data/trial.h"};
 
-// Rooms that read and write files; all others only compute.
-constexpr std::array<absl::string_view, 4> kFileRooms = {"files", "data",
-                                                         "import", "store"};
+// Rooms that read and write files or connections; all others only compute.
+constexpr std::array<absl::string_view, 5> kFileRooms = {
+    "connections", "files", "data", "import", "store"};
 
 // Rooms of the server that tests run without a network.
 constexpr std::array<absl::string_view, 6> kRoomsWithoutGrpc = {
