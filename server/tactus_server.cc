@@ -13,6 +13,7 @@
 #include "grpcpp/impl/server_builder_option.h"
 #include "grpcpp/impl/server_builder_plugin.h"
 #include "grpcpp/server_builder.h"
+#include "server/ops/alarm_clock.h"
 #include "server/rpc/admin_rpcs.h"
 #include "server/rpc/training_rpcs.h"
 
@@ -189,8 +190,14 @@ void TactusServer::Stop() {
 
 void TactusServer::Shutdown(std::chrono::system_clock::time_point deadline) {
   listener_->Stop();
-  server_->Shutdown(deadline);
-  server_->Wait();
+  {
+    // gRPC waits until every call's last message is taken or its connection
+    // has ended. A peer that takes nothing must not hold up the end.
+    const AlarmClock cut_off(deadline + kCutOff,
+                             [this] { listener_->acceptor().CutOff(); });
+    server_->Shutdown(deadline);
+    server_->Wait();
+  }
   for (const auto& queue : queues_) queue->Stop();
   control_.StopWorkers();
   server_.reset();

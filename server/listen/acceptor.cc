@@ -7,6 +7,7 @@
 #include <cstring>
 #include <utility>
 
+#include "core/base/limits_http2.h"
 #include "server/ops/clock.h"
 #include "server/ops/peer.h"
 #include "spdlog/spdlog.h"
@@ -53,13 +54,28 @@ void Acceptor::Run() {
   }
   polled.push_back({stop_event_.get(), POLLIN, 0});
   while (true) {
-    if (poll(polled.data(), polled.size(), -1) < 0) continue;
+    const int events =
+        poll(polled.data(), polled.size(), limits::kUnreadLookMs);
+    if (MonotonicNs() - last_look_ns_ >= limits::kUnreadLookMs * kNsPerMs) {
+      EndUnread();
+    }
+    if (events <= 0) continue;
     if (polled.back().revents != 0) return;
     bool shortage = false;
     for (size_t i = 0; i < sockets_.size(); ++i) {
       if (polled[i].revents != 0) shortage |= !AcceptWaiting(sockets_[i]);
     }
     if (shortage && poll(&polled.back(), 1, kShortageWaitMs) > 0) return;
+  }
+}
+
+void Acceptor::EndUnread() {
+  last_look_ns_ = MonotonicNs();
+  const int ended =
+      table_.ShutDownUnread(last_look_ns_, limits::kUnreadTimeoutMs * kNsPerMs);
+  if (ended > 0) {
+    spdlog::warn("closed {} connections whose peers read nothing for {} s",
+                 ended, limits::kUnreadTimeoutMs / 1000);
   }
 }
 

@@ -48,6 +48,9 @@ class Acceptor {
   // sockets. Does nothing the second time.
   void Stop();
 
+  // Ends the connections that it accepted and that are still open. After Stop.
+  void CutOff() const { table_.ShutDownAll(); }
+
   const std::vector<ListeningSocket>& sockets() const { return sockets_; }
 
   // The next connection from `own` is the self-check: it passes the limits, so
@@ -56,6 +59,8 @@ class Acceptor {
 
  private:
   void Run();
+  // Ends the connections whose peers read nothing.
+  void EndUnread();
   // False if descriptors or memory are short.
   bool AcceptWaiting(const ListeningSocket& socket);
   bool IsSelfCheck(const SocketAddress& peer);
@@ -64,6 +69,7 @@ class Acceptor {
   std::vector<ListeningSocket> sockets_;
   ConnectionTable table_;
   const OnConnection on_connection_;
+  int64_t last_look_ns_ = 0;
   // Becomes readable when Stop is called.
   FileDescriptor stop_event_;
   std::thread thread_;

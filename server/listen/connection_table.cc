@@ -1,5 +1,8 @@
 #include "server/listen/connection_table.h"
 
+#include <linux/sockios.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 
 #include <vector>
@@ -29,10 +32,34 @@ Verdict ConnectionTable::Admit(int fd, const std::string& peer) {
     verdict = Check(peer);
   }
   if (verdict == Verdict::kAdmitted) {
-    connections_[fd] = {InodeOf(fd), peer};
+    connections_[fd] = {.inode = InodeOf(fd), .peer = peer};
     if (!peer.empty()) ++per_peer_[peer];
   }
   return verdict;
+}
+
+int ConnectionTable::ShutDownUnread(int64_t now_ns, int64_t timeout_ns) {
+  int ended = 0;
+  for (auto& [fd, connection] : connections_) {
+    int bytes = 0;
+    const bool waits = InodeOf(fd) == connection.inode &&
+                       ioctl(fd, SIOCOUTQ, &bytes) == 0 && bytes > 0;
+    if (!waits || bytes != connection.unread_bytes) {
+      connection.unread_bytes = waits ? bytes : 0;
+      connection.unread_since_ns = now_ns;
+    } else if (now_ns - connection.unread_since_ns >= timeout_ns) {
+      shutdown(fd, SHUT_RDWR);
+      connection.unread_bytes = 0;
+      ++ended;
+    }
+  }
+  return ended;
+}
+
+void ConnectionTable::ShutDownAll() const {
+  for (const auto& [fd, connection] : connections_) {
+    if (InodeOf(fd) == connection.inode) shutdown(fd, SHUT_RDWR);
+  }
 }
 
 Verdict ConnectionTable::Check(const std::string& peer) const {
