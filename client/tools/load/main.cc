@@ -5,6 +5,7 @@
 
 #include "CLI/CLI.hpp"
 #include "absl/synchronization/mutex.h"
+#include "client/tools/common/vetted_servers.h"
 #include "client/tools/load/find_max.h"
 #include "client/tools/load/load.h"
 #include "core/base/arguments.h"
@@ -41,6 +42,7 @@ int Main(int argc, char** argv) {
   // Debian's Abseil keeps a graph of all locks to find deadlocks, which costs
   // gRPC a twentieth of its time.
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
+  VetServers("tactus-load");
   Flags flags;
   LoadOptions& load = flags.load;
   CLI::App app("Loads a Tactus server with robots that do not wait.",

@@ -15,6 +15,7 @@
 #include "client/stream/robot_id.h"
 #include "client/tools/common/skin_source.h"
 #include "client/tools/common/token_file.h"
+#include "client/tools/common/vetted_servers.h"
 #include "client/tools/stream/live_command.h"
 #include "client/tools/stream/monitor_command.h"
 #include "client/tools/stream/record_replay.h"
@@ -298,6 +299,7 @@ absl::Status CheckFlags(const Flags& flags) {
 }
 
 int Main(int argc, char** argv) {
+  VetServers("tactus-stream");
   Flags flags;
   CLI::App app("Streams contacts to a Tactus server as a robot would.",
                "tactus-stream");

@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "client/tools/common/vetted_servers.h"
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/exit_code.h"
 #include "client/tools/trainctl/live_commands.h"
@@ -61,6 +62,7 @@ void Report(const absl::Status& status) {
 }  // namespace
 
 int RunTrainctl(int argc, char** argv) {
+  VetServers("trainctl");
   if (const absl::Status status = CheckArguments(argc, argv); !status.ok()) {
     Report(status);
     return kExitUsage;
