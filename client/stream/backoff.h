@@ -7,7 +7,7 @@
 //   while (!Try()) std::this_thread::sleep_for(backoff.Next());
 //   backoff.Reset();  // after a success
 //
-// The waits double from 100 ms to 5 s; each is multiplied by a random number
+// The waits double from 25 ms to 5 s; each is multiplied by a random number
 // from 0.5 to 1. Not thread-safe.
 #pragma once
 
@@ -20,7 +20,7 @@ namespace tactus::client {
 
 class Backoff {
  public:
-  static constexpr std::chrono::milliseconds kFirst{100};
+  static constexpr std::chrono::milliseconds kFirst{25};
   static constexpr std::chrono::milliseconds kLongest{5'000};
 
   explicit Backoff(uint64_t seed) : random_(seed) {}

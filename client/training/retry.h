@@ -23,9 +23,9 @@
 namespace tactus::client {
 
 struct RetryOptions {
-  // Failures in a row, without progress between them, that are repeated. Eight
-  // take 15 to 30 s: a server restarts in this time.
-  int limit = 8;
+  // Failures in a row, without progress between them, that are repeated. Ten
+  // take 8 to 16 s: a server restarts in this time.
+  int limit = 10;
   // Waits; tests replace it.
   std::function<void(std::chrono::milliseconds)> sleep = {};
 };
