@@ -4,6 +4,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
 #include "core/base/errors.h"
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
@@ -79,7 +80,10 @@ absl::StatusOr<std::string> BlobStore::Batch::Add(absl::string_view bytes) {
   used_ = true;
   if (drafts_.contains(sha256)) return sha256;
   TACTUS_ASSIGN_OR_RETURN(const bool known, store_->Has(sha256));
-  if (known) return sha256;
+  // A damaged blob is written again.
+  if (known && store_->Read(sha256, static_cast<int64_t>(bytes.size())).ok()) {
+    return sha256;
+  }
   drafts_.insert(sha256);
   TACTUS_ASSIGN_OR_RETURN(const auto file,
                           store_->files_.Append(prefix_ + sha256));
@@ -105,11 +109,17 @@ absl::StatusOr<std::string> ReadBlobFile(FileSystem& files,
                                          const std::string& path,
                                          absl::string_view sha256,
                                          int64_t limit) {
-  TACTUS_ASSIGN_OR_RETURN(std::string bytes, ReadWhole(files, path, limit));
-  if (Sha256Hex(bytes) != sha256) {
-    return DataLost(path, "the bytes do not have the SHA-256 of its name");
+  auto bytes = ReadWhole(files, path, limit);
+  absl::Status status = bytes.status();
+  if (status.ok() && Sha256Hex(*bytes) != sha256) {
+    status = DataLost(path, "the bytes do not have the SHA-256 of its name");
   }
-  return bytes;
+  if (status.ok()) return bytes;
+  if (!absl::IsDataLoss(status)) return status;
+  return DataLost(
+      path, absl::StrCat(absl::StripPrefix(status.message(), path + ": "),
+                         ". Restore this file from a back-up, or delete the "
+                         "dataset or model that needs it"));
 }
 
 }  // namespace tactus

@@ -38,13 +38,13 @@ class BlobStore {
     // Removes the drafts that Commit did not rename.
     ~Batch();
 
-    // Writes `bytes` as a draft unless the blob exists. Returns its SHA-256, 64
-    // hexadecimal digits.
+    // Writes `bytes` as a draft unless the blob exists undamaged. Returns its
+    // SHA-256, 64 hexadecimal digits.
     absl::StatusOr<std::string> Add(absl::string_view bytes);
     // Makes all of them durable and visible, those that existed before too:
     // their names may not be on disk yet. Call it once.
     absl::Status Commit();
-    // Number of blobs that did not exist before.
+    // Number of blobs that did not exist before, or were damaged.
     size_t added() const { return drafts_.size(); }
     // True if the blob did not exist when it was added.
     bool HasDraft(const std::string& sha256) const {

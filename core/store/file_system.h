@@ -12,8 +12,9 @@
 // What was written survives a crash of the machine only after Sync or SyncAll;
 // a new name, a rename or a removal only after SyncDirectory or SyncAll.
 //
-// Errors: IO; STORAGE_FULL if the file system has no room; DATA_LOST if a file
-// that is read does not exist or is shorter. Thread-safe.
+// Errors: IO; STORAGE_FULL if the file system has no room; DATA_LOST if what is
+// read does not exist, is shorter, is no regular file, or cannot be read from
+// its disk. Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -45,10 +46,11 @@ class FileSystem {
   // Opens a file at its end; creates it if it does not exist.
   virtual absl::StatusOr<std::unique_ptr<AppendableFile>> Append(
       const std::string& path) = 0;
-  // Returns exactly `size` bytes from `offset` on.
+  // Returns exactly `size` bytes from `offset` on. Does not follow a link.
   virtual absl::StatusOr<std::string> Read(const std::string& path,
                                            int64_t offset, int64_t size) = 0;
-  // Returns the size of a file; -1 if it does not exist.
+  // Returns the size of a file; -1 if it does not exist, or is a link that
+  // leads nowhere.
   virtual absl::StatusOr<int64_t> Size(const std::string& path) = 0;
   // Cuts a file to `size` bytes.
   virtual absl::Status Truncate(const std::string& path, int64_t size) = 0;

@@ -23,6 +23,26 @@ absl::Status ErrorOf(const std::string& path, int error) {
                                             : IoError(path, text);
 }
 
+// The error of reading a file. Trying again does not help where something else
+// stands in its place or the disk cannot read it.
+absl::Status ReadErrorOf(const std::string& path, int error) {
+  switch (error) {
+    case ENOENT:
+    case ENOTDIR:
+      return DataLost(path, "the file does not exist");
+    case EISDIR:
+    // What opens neither is a socket, or a device without a driver.
+    case ENXIO:
+      return DataLost(path, "is no regular file");
+    case ELOOP:
+      return DataLost(path, "is a link, not a file");
+    case EIO:
+      return DataLost(path, "the disk cannot read it");
+    default:
+      return ErrorOf(path, error);
+  }
+}
+
 // Closes its descriptor.
 class Descriptor {
  public:
@@ -80,11 +100,12 @@ class PosixFiles final : public FileSystem {
 
   absl::StatusOr<std::string> Read(const std::string& path, int64_t offset,
                                    int64_t size) override {
-    const Descriptor fd(path, O_RDONLY);
-    if (!fd.ok()) {
-      return errno == ENOENT ? DataLost(path, "the file does not exist")
-                             : ErrorOf(path, errno);
-    }
+    // A named pipe would wait for its writer.
+    const Descriptor fd(path, O_RDONLY | O_NOFOLLOW | O_NONBLOCK);
+    if (!fd.ok()) return ReadErrorOf(path, errno);
+    struct stat info = {};
+    if (fstat(fd.get(), &info) != 0) return ErrorOf(path, errno);
+    if (!S_ISREG(info.st_mode)) return ReadErrorOf(path, EISDIR);
     std::string bytes(static_cast<size_t>(size), '\0');
     size_t done = 0;
     while (done < bytes.size()) {
@@ -93,7 +114,7 @@ class PosixFiles final : public FileSystem {
                 offset + static_cast<int64_t>(done));
       if (got < 0) {
         if (errno == EINTR) continue;
-        return ErrorOf(path, errno);
+        return ReadErrorOf(path, errno);
       }
       if (got == 0) {
         return DataLost(path, absl::StrCat("ends at byte ", offset + done,
@@ -107,7 +128,7 @@ class PosixFiles final : public FileSystem {
   absl::StatusOr<int64_t> Size(const std::string& path) override {
     struct stat info;
     if (stat(path.c_str(), &info) == 0) return info.st_size;
-    if (errno == ENOENT) return -1;
+    if (errno == ENOENT || errno == ENOTDIR || errno == ELOOP) return -1;
     return ErrorOf(path, errno);
   }
 
@@ -117,8 +138,9 @@ class PosixFiles final : public FileSystem {
   }
 
   absl::Status Rename(const std::string& from, const std::string& to) override {
-    return rename(from.c_str(), to.c_str()) == 0 ? absl::OkStatus()
-                                                 : ErrorOf(to, errno);
+    if (rename(from.c_str(), to.c_str()) == 0) return absl::OkStatus();
+    if (errno == EISDIR) return DataLost(to, "is a folder, not a file");
+    return ErrorOf(to, errno);
   }
 
   absl::Status Remove(const std::string& path) override {

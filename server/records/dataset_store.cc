@@ -310,13 +310,14 @@ absl::StatusOr<uint32_t> DatasetStore::Delete(absl::string_view name,
   TACTUS_ASSIGN_OR_RETURN(const History history, GetHistory(name));
   const std::vector<v1::DatasetVersion>& versions = history.versions;
   std::set<std::string> unused;
-  for (const v1::DatasetVersion& version : versions) {
-    TACTUS_ASSIGN_OR_RETURN(const auto manifest, Manifest(version));
-    unused.insert(manifest.begin(), manifest.end());
-  }
   std::set<std::string> manifests;
   for (const v1::DatasetVersion& version : versions) {
     manifests.insert(version.sha256());
+    const auto manifest = Manifest(version);
+    // A damaged version can be deleted; its trials stay as they are.
+    if (absl::IsDataLoss(manifest.status())) continue;
+    TACTUS_RETURN_IF_ERROR(manifest.status());
+    unused.insert(manifest->begin(), manifest->end());
   }
   std::vector<v1::DatasetVersion> all;
   TACTUS_RETURN_IF_ERROR(
@@ -325,12 +326,18 @@ absl::StatusOr<uint32_t> DatasetStore::Delete(absl::string_view name,
                                          look, Table::kDatasetVersions, {}));
         return absl::OkStatus();
       }));
+  bool unknown = false;
   for (const v1::DatasetVersion& other : all) {
     if (Refers(other.name(), parsed.Parent())) continue;
     manifests.erase(other.sha256());
-    TACTUS_ASSIGN_OR_RETURN(const auto manifest, Manifest(other));
-    for (const std::string& sha256 : manifest) unused.erase(sha256);
+    const auto manifest = Manifest(other);
+    unknown |= absl::IsDataLoss(manifest.status());
+    if (unknown) continue;
+    TACTUS_RETURN_IF_ERROR(manifest.status());
+    for (const std::string& sha256 : *manifest) unused.erase(sha256);
   }
+  // Any trial may belong to a version whose manifest is damaged.
+  if (unknown) unused.clear();
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Change([&](Transaction& change) -> absl::Status {
         TACTUS_RETURN_IF_ERROR(CheckUnused(change, parsed.Parent()));
