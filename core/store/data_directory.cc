@@ -7,20 +7,31 @@
 #include "core/store/sqlite_catalog.h"
 
 namespace tactus {
+
 absl::StatusOr<std::unique_ptr<DataDirectory>> DataDirectory::Open(
     FileSystem& files, const std::string& folder, const std::string& vfs) {
   std::unique_ptr<DataDirectory> data(new DataDirectory(files, folder));
   TACTUS_RETURN_IF_ERROR(files.MakeDirectory(folder));
   TACTUS_ASSIGN_OR_RETURN(data->lock_, DirectoryLock::Take(folder));
-  TACTUS_RETURN_IF_ERROR(files.MakeDirectory(data->UploadFolder()));
-  TACTUS_RETURN_IF_ERROR(files.MakeDirectory(data->JobFolder()));
-  TACTUS_ASSIGN_OR_RETURN(data->blobs_,
-                          BlobStore::Open(files, data->BlobFolder()));
-  TACTUS_ASSIGN_OR_RETURN(data->catalog_,
-                          OpenSqliteCatalog(folder + "/catalog.db", vfs));
-  TACTUS_RETURN_IF_ERROR(data->catalog_->Check());
-  TACTUS_RETURN_IF_ERROR(files.SyncDirectory(folder));
+  TACTUS_ASSIGN_OR_RETURN(const int64_t catalog_bytes,
+                          files.Size(folder + "/catalog.db"));
+  data->reserve_ = std::make_unique<DiskReserve>(
+      files, folder + "/reserve", ReserveBytes(folder, catalog_bytes));
+  TACTUS_RETURN_IF_ERROR(
+      data->reserve_->With([&] { return data->OpenParts(vfs); }));
+  data->reserve_->Renew();
   return data;
+}
+
+absl::Status DataDirectory::OpenParts(const std::string& vfs) {
+  catalog_.reset();
+  TACTUS_RETURN_IF_ERROR(files_.MakeDirectory(UploadFolder()));
+  TACTUS_RETURN_IF_ERROR(files_.MakeDirectory(JobFolder()));
+  TACTUS_ASSIGN_OR_RETURN(blobs_, BlobStore::Open(files_, BlobFolder()));
+  TACTUS_ASSIGN_OR_RETURN(catalog_,
+                          OpenSqliteCatalog(folder_ + "/catalog.db", vfs));
+  TACTUS_RETURN_IF_ERROR(catalog_->Check());
+  return files_.SyncDirectory(folder_);
 }
 
 DataDirectory::~DataDirectory() {

@@ -7,6 +7,7 @@
 //   uploads/     bytes of uploads that are not finished
 //   jobs/        one folder for each job that has not ended
 //   lock         held by the process that uses the folder
+//   reserve      room for deletions on a full disk (disk_reserve.h)
 //
 //   TACTUS_ASSIGN_OR_RETURN(auto data,
 //                           DataDirectory::Open(PosixFileSystem(), "/data"));
@@ -23,6 +24,7 @@
 #include "core/store/blob_store.h"
 #include "core/store/catalog.h"
 #include "core/store/directory_lock.h"
+#include "core/store/disk_reserve.h"
 #include "core/store/file_system.h"
 
 namespace tactus {
@@ -39,6 +41,7 @@ class DataDirectory {
   FileSystem& files() const { return files_; }
   Catalog& catalog() const { return *catalog_; }
   BlobStore& blobs() const { return *blobs_; }
+  DiskReserve& reserve() const { return *reserve_; }
   const std::string& folder() const { return folder_; }
   std::string BlobFolder() const;
   std::string UploadFolder() const;
@@ -50,12 +53,14 @@ class DataDirectory {
  private:
   DataDirectory(FileSystem& files, std::string folder)
       : files_(files), folder_(std::move(folder)) {}
+  absl::Status OpenParts(const std::string& vfs);
 
   FileSystem& files_;
   const std::string folder_;
   std::unique_ptr<DirectoryLock> lock_;
   std::unique_ptr<Catalog> catalog_;
   std::unique_ptr<BlobStore> blobs_;
+  std::unique_ptr<DiskReserve> reserve_;
 };
 
 }  // namespace tactus

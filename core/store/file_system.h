@@ -54,6 +54,8 @@ class FileSystem {
   virtual absl::StatusOr<int64_t> Size(const std::string& path) = 0;
   // Cuts a file to `size` bytes.
   virtual absl::Status Truncate(const std::string& path, int64_t size) = 0;
+  // Makes a file of at least `size` bytes whose room no other file can take.
+  virtual absl::Status Reserve(const std::string& path, int64_t size) = 0;
   // Replaces `to` if it exists.
   virtual absl::Status Rename(const std::string& from,
                               const std::string& to) = 0;
@@ -72,7 +74,12 @@ class FileSystem {
   virtual absl::Status SyncAll(const std::string& path) = 0;
 };
 
-// The machine's file system.
+// What to do when a data directory's disk is full.
+inline constexpr char kFullDiskAdvice[] =
+    "delete datasets that nobody needs (trainctl datasets delete), or make the "
+    "disk larger";
+
+// The machine's file system. Its STORAGE_FULL comes with kFullDiskAdvice.
 FileSystem& PosixFileSystem();
 
 // Returns a whole file of at most `limit` bytes.

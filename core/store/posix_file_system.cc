@@ -19,8 +19,8 @@ namespace {
 
 absl::Status ErrorOf(const std::string& path, int error) {
   const std::string text = std::strerror(error);
-  return error == ENOSPC || error == EDQUOT ? StorageFull(path, text)
-                                            : IoError(path, text);
+  if (error != ENOSPC && error != EDQUOT) return IoError(path, text);
+  return StorageFull(path, absl::StrCat(text, "; ", kFullDiskAdvice));
 }
 
 // The error of reading a file. Trying again does not help where something else
@@ -130,6 +130,13 @@ class PosixFiles final : public FileSystem {
     if (stat(path.c_str(), &info) == 0) return info.st_size;
     if (errno == ENOENT || errno == ENOTDIR || errno == ELOOP) return -1;
     return ErrorOf(path, errno);
+  }
+
+  absl::Status Reserve(const std::string& path, int64_t size) override {
+    const Descriptor fd(path, O_WRONLY | O_CREAT | O_NOFOLLOW);
+    if (!fd.ok()) return ErrorOf(path, errno);
+    const int error = posix_fallocate(fd.get(), 0, size);
+    return error == 0 ? absl::OkStatus() : ErrorOf(path, error);
   }
 
   absl::Status Truncate(const std::string& path, int64_t size) override {

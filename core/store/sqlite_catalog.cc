@@ -16,6 +16,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
+#include "core/store/file_system.h"
 
 namespace tactus {
 namespace {
@@ -32,9 +33,13 @@ constexpr std::array<const char*, kCatalogVersion> kMigrations = {
 
 absl::Status ErrorOf(const std::string& path, const SQLite::Exception& error) {
   const std::string text = error.what();
+  // The shared memory of the write-ahead log is a file that must grow.
+  if (error.getExtendedErrorCode() == SQLITE_IOERR_SHMSIZE) {
+    return StorageFull(path, absl::StrCat(text, "; ", kFullDiskAdvice));
+  }
   switch (error.getErrorCode()) {
     case SQLITE_FULL:
-      return StorageFull(path, text);
+      return StorageFull(path, absl::StrCat(text, "; ", kFullDiskAdvice));
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
     // The statements are right, so the schema that they meet is not.

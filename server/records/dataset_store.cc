@@ -338,34 +338,39 @@ absl::StatusOr<uint32_t> DatasetStore::Delete(absl::string_view name,
   }
   // Any trial may belong to a version whose manifest is damaged.
   if (unknown) unused.clear();
-  TACTUS_RETURN_IF_ERROR(
-      data_->catalog().Change([&](Transaction& change) -> absl::Status {
-        TACTUS_RETURN_IF_ERROR(CheckUnused(change, parsed.Parent()));
-        for (const v1::DatasetVersion& version : versions) {
-          TACTUS_ASSIGN_OR_RETURN(const ResourceName key,
-                                  ParseVersionName(version.name(), kDatasets));
-          TACTUS_RETURN_IF_ERROR(
-              change.Erase(Table::kDatasetVersions, CatalogKey(key)));
-        }
-        for (const std::string& sha256 : unused) {
-          TACTUS_RETURN_IF_ERROR(change.Erase(Table::kTrials, sha256));
-        }
-        TACTUS_RETURN_IF_ERROR(change.Erase(Table::kDatasets, parsed.id));
-        if (!versions.empty()) {
-          TACTUS_ASSIGN_OR_RETURN(const ResourceName last,
-                                  ParseName(versions.back().name(), kDatasets));
-          TACTUS_RETURN_IF_ERROR(change.Put(Table::kNumbers, parsed.Parent(),
-                                            NumberKey(last.version)));
-        }
-        return Audit(change, caller, now_(), "delete", parsed.Parent());
-      }));
-  // A blob that stays behind costs room, nothing else: the dataset is deleted.
-  for (const std::string& sha256 : unused) {
-    data_->blobs().Remove(sha256).IgnoreError();
-  }
-  for (const std::string& sha256 : manifests) {
-    data_->blobs().Remove(sha256).IgnoreError();
-  }
+  // A full disk must not prevent what makes room.
+  TACTUS_RETURN_IF_ERROR(data_->reserve().With([&]() -> absl::Status {
+    TACTUS_RETURN_IF_ERROR(data_->catalog().Change([&](Transaction& change)
+                                                       -> absl::Status {
+      TACTUS_RETURN_IF_ERROR(CheckUnused(change, parsed.Parent()));
+      for (const v1::DatasetVersion& version : versions) {
+        TACTUS_ASSIGN_OR_RETURN(const ResourceName key,
+                                ParseVersionName(version.name(), kDatasets));
+        TACTUS_RETURN_IF_ERROR(
+            change.Erase(Table::kDatasetVersions, CatalogKey(key)));
+      }
+      for (const std::string& sha256 : unused) {
+        TACTUS_RETURN_IF_ERROR(change.Erase(Table::kTrials, sha256));
+      }
+      TACTUS_RETURN_IF_ERROR(change.Erase(Table::kDatasets, parsed.id));
+      if (!versions.empty()) {
+        TACTUS_ASSIGN_OR_RETURN(const ResourceName last,
+                                ParseName(versions.back().name(), kDatasets));
+        TACTUS_RETURN_IF_ERROR(change.Put(Table::kNumbers, parsed.Parent(),
+                                          NumberKey(last.version)));
+      }
+      return Audit(change, caller, now_(), "delete", parsed.Parent());
+    }));
+    // A blob that stays behind costs room, nothing else: the dataset is
+    // deleted.
+    for (const std::string& sha256 : unused) {
+      data_->blobs().Remove(sha256).IgnoreError();
+    }
+    for (const std::string& sha256 : manifests) {
+      data_->blobs().Remove(sha256).IgnoreError();
+    }
+    return absl::OkStatus();
+  }));
   return static_cast<uint32_t>(unused.size());
 }
 

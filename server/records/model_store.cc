@@ -253,36 +253,40 @@ absl::Status ModelStore::Delete(absl::string_view name, const Caller& caller) {
   const std::lock_guard lock(mutex_);
   std::string blob;
   bool shared = false;
-  TACTUS_RETURN_IF_ERROR(
-      data_->catalog().Change([&](Transaction& change) -> absl::Status {
-        TACTUS_ASSIGN_OR_RETURN(
-            const auto version,
-            GetRecord<v1::ModelVersion>(change, Table::kModelVersions,
-                                        CatalogKey(parsed)));
-        if (!version.has_value()) return ModelNotFound(name);
-        TACTUS_ASSIGN_OR_RETURN(
-            const auto aliases,
-            ScanRecords<v1::Alias>(change, Table::kAliases, {}));
-        for (const v1::Alias& alias : aliases) {
-          if (alias.model_version() == name ||
-              alias.previous_version() == name ||
-              alias.canary().model_version() == name) {
-            return ModelInUse(name, alias.name());
+  // A full disk must not prevent what makes room.
+  return data_->reserve().With([&]() -> absl::Status {
+    TACTUS_RETURN_IF_ERROR(
+        data_->catalog().Change([&](Transaction& change) -> absl::Status {
+          TACTUS_ASSIGN_OR_RETURN(
+              const auto version,
+              GetRecord<v1::ModelVersion>(change, Table::kModelVersions,
+                                          CatalogKey(parsed)));
+          if (!version.has_value()) return ModelNotFound(name);
+          TACTUS_ASSIGN_OR_RETURN(
+              const auto aliases,
+              ScanRecords<v1::Alias>(change, Table::kAliases, {}));
+          for (const v1::Alias& alias : aliases) {
+            if (alias.model_version() == name ||
+                alias.previous_version() == name ||
+                alias.canary().model_version() == name) {
+              return ModelInUse(name, alias.name());
+            }
           }
-        }
-        blob = version->blob_sha256();
-        TACTUS_ASSIGN_OR_RETURN(const auto all, VersionsOf(change, ""));
-        for (const v1::ModelVersion& other : all) {
-          shared |= other.name() != name && other.blob_sha256() == blob;
-        }
-        TACTUS_RETURN_IF_ERROR(
-            change.Erase(Table::kModelVersions, CatalogKey(parsed)));
-        return Audit(change, caller, now_(), "delete", name);
-      }));
-  registry_->Remove(parsed.id, parsed.version);
-  // A blob that stays behind costs room, nothing else: the version is deleted.
-  if (!shared) data_->blobs().Remove(blob).IgnoreError();
-  return absl::OkStatus();
+          blob = version->blob_sha256();
+          TACTUS_ASSIGN_OR_RETURN(const auto all, VersionsOf(change, ""));
+          for (const v1::ModelVersion& other : all) {
+            shared |= other.name() != name && other.blob_sha256() == blob;
+          }
+          TACTUS_RETURN_IF_ERROR(
+              change.Erase(Table::kModelVersions, CatalogKey(parsed)));
+          return Audit(change, caller, now_(), "delete", name);
+        }));
+    registry_->Remove(parsed.id, parsed.version);
+    // A blob that stays behind costs room, nothing else: the version is
+    // deleted.
+    if (!shared) data_->blobs().Remove(blob).IgnoreError();
+    return absl::OkStatus();
+  });
 }
 
 absl::StatusOr<std::vector<v1::Alias>> ModelStore::Aliases() const {

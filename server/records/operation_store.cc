@@ -84,25 +84,28 @@ bool HasEnded(const Operation& operation) {
 }
 
 absl::Status OperationStore::Restore() {
-  return data_->catalog().Change([&](Transaction& change) -> absl::Status {
-    TACTUS_ASSIGN_OR_RETURN(
-        auto operations,
-        ScanRecords<Operation>(change, Table::kOperations, {}));
-    for (Operation& operation : operations) {
-      if (operation.state() == Operation::STATE_RUNNING) {
-        operation.set_state(Operation::STATE_QUEUED);
-      } else if (operation.state() == Operation::STATE_CANCELLING) {
-        operation.set_state(Operation::STATE_CANCELLED);
-        operation.set_end_time_ms(now_());
-      } else {
-        continue;
+  // A server starts on a full disk too.
+  return data_->reserve().With([&] {
+    return data_->catalog().Change([&](Transaction& change) -> absl::Status {
+      TACTUS_ASSIGN_OR_RETURN(
+          auto operations,
+          ScanRecords<Operation>(change, Table::kOperations, {}));
+      for (Operation& operation : operations) {
+        if (operation.state() == Operation::STATE_RUNNING) {
+          operation.set_state(Operation::STATE_QUEUED);
+        } else if (operation.state() == Operation::STATE_CANCELLING) {
+          operation.set_state(Operation::STATE_CANCELLED);
+          operation.set_end_time_ms(now_());
+        } else {
+          continue;
+        }
+        TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
+                                ParseName(operation.name(), kOperations));
+        TACTUS_RETURN_IF_ERROR(
+            PutRecord(change, Table::kOperations, CatalogKey(name), operation));
       }
-      TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
-                              ParseName(operation.name(), kOperations));
-      TACTUS_RETURN_IF_ERROR(
-          PutRecord(change, Table::kOperations, CatalogKey(name), operation));
-    }
-    return absl::OkStatus();
+      return absl::OkStatus();
+    });
   });
 }
 

@@ -45,6 +45,7 @@ absl::StatusOr<v1::StoredUpload> UploadStore::Create(
       !fault.empty()) {
     return InvalidConfig("request_id", Quoted(request_id), fault);
   }
+  TACTUS_RETURN_IF_ERROR(data_->reserve().Check());
   v1::StoredUpload upload;
   TACTUS_RETURN_IF_ERROR(data_->catalog().Change([&](Transaction& change)
                                                      -> absl::Status {
@@ -169,6 +170,7 @@ absl::Status UploadStore::Writer::Append(int64_t offset,
     return InvalidConfig("size of the upload", size_ + chunk.size(),
                          absl::StrCat("at most ", limits::kMaxUploadBytes));
   }
+  TACTUS_RETURN_IF_ERROR(store_->data_->reserve().Check());
   // A part of the chunk may be written when this fails.
   fault_ = file_->Append(chunk);
   TACTUS_RETURN_IF_ERROR(fault_);
@@ -287,6 +289,7 @@ absl::StatusOr<v1::DatasetVersion> UploadStore::Finish(absl::string_view name,
                             absl::StrCat(absl::Hex(upload.crc32c())),
                             absl::StrCat(absl::Hex(crc32c)));
   }
+  TACTUS_RETURN_IF_ERROR(data_->reserve().Check());
   TACTUS_ASSIGN_OR_RETURN(
       v1::DatasetVersion version,
       datasets_->AddVersion(
@@ -317,16 +320,17 @@ absl::StatusOr<int> UploadStore::RemoveAbandoned() {
     if (!Hold(id).ok()) continue;
     const auto release = absl::MakeCleanup([&] { Release(id); });
     bool gone = false;
-    TACTUS_RETURN_IF_ERROR(
-        data_->catalog().Change([&](Transaction& change) -> absl::Status {
-          TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
-                                  ParseName(found.name(), kUploads));
-          TACTUS_ASSIGN_OR_RETURN(const v1::StoredUpload upload,
-                                  FindUpload(change, name));
-          gone = IsAbandoned(upload, now);
-          return gone ? RemoveUpload(change, upload, "tactusd", now)
-                      : absl::OkStatus();
-        }));
+    TACTUS_RETURN_IF_ERROR(data_->reserve().With([&] {
+      return data_->catalog().Change([&](Transaction& change) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
+                                ParseName(found.name(), kUploads));
+        TACTUS_ASSIGN_OR_RETURN(const v1::StoredUpload upload,
+                                FindUpload(change, name));
+        gone = IsAbandoned(upload, now);
+        return gone ? RemoveUpload(change, upload, "tactusd", now)
+                    : absl::OkStatus();
+      });
+    }));
     if (!gone) continue;
     TACTUS_RETURN_IF_ERROR(data_->files().Remove(data_->UploadPath(id)));
     ++removed;

@@ -16,6 +16,7 @@
 #include "core/store/data_check.h"
 #include "core/store/data_directory.h"
 #include "core/store/directory_lock.h"
+#include "core/store/disk_reserve.h"
 #include "core/store/disk_use.h"
 #include "core/store/file_system.h"
 #include "core/store/numbers.h"
@@ -128,6 +129,15 @@ void DataCheckExample(int64_t now_ms) {
        CheckData(PosixFileSystem(), "/data", {.now_ms = now_ms})) {
     Print(result);
   }
+}
+
+absl::Status Delete();
+
+absl::Status DiskReserveExample(FileSystem& files) {
+  DiskReserve reserve(files, "/data/reserve", 32 << 20);
+  reserve.Renew();
+  TACTUS_RETURN_IF_ERROR(reserve.Check());  // before writing much
+  return reserve.With([&] { return Delete(); });
 }
 
 }  // namespace tactus::examples

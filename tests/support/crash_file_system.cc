@@ -207,6 +207,10 @@ absl::Status CrashFileSystem::RemoveAll(const std::string& path) {
   return PosixFileSystem().RemoveAll(path);
 }
 
+absl::Status CrashFileSystem::Reserve(const std::string&, int64_t) {
+  return absl::OkStatus();
+}
+
 absl::Status CrashFileSystem::MakeDirectory(const std::string& path) {
   return PosixFileSystem().MakeDirectory(path);
 }

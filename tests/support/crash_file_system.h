@@ -64,6 +64,8 @@ class CrashFileSystem final : public FileSystem {
                                    int64_t size) override;
   absl::StatusOr<int64_t> Size(const std::string& path) override;
   absl::Status Truncate(const std::string& path, int64_t size) override;
+  // Takes no room: tests of crashes open a thousand directories.
+  absl::Status Reserve(const std::string& path, int64_t size) override;
   absl::Status Rename(const std::string& from, const std::string& to) override;
   absl::Status Remove(const std::string& path) override;
   absl::Status RemoveAll(const std::string& path) override;

@@ -31,8 +31,12 @@ struct Scenario {
 class CrashTest : public ::testing::Test {
  protected:
   void Prepare(const Scenario& scenario) {
-    Stores stores(&PosixFileSystem(), folder_ / "base");
-    scenario.prepare(stores);
+    {
+      Stores stores(&PosixFileSystem(), folder_ / "base");
+      scenario.prepare(stores);
+    }
+    // It is large, and copied for each crash.
+    fs::remove(folder_ / "base/reserve");
   }
   std::string Copy() {
     const std::string path = folder_ / "data";
