@@ -46,6 +46,8 @@ enum class Table {
   kNumbers = 12,
   // Logs of jobs that have ended.
   kJobLogs = 13,
+  // Which data directory the catalogue belongs to.
+  kDirectory = 14,
 };
 
 struct CatalogEntry {
@@ -88,7 +90,9 @@ class Catalog {
   // As Change, but `look` must not write.
   virtual absl::Status Look(
       absl::FunctionRef<absl::Status(const Transaction&)> look) const = 0;
-  // Reads every page and checks the structure. DATA_LOST with what is wrong.
+  // Reads every page, and checks the structure and that the records are those
+  // that were written: none was removed or exchanged by another program.
+  // DATA_LOST with what is wrong.
   virtual absl::Status Check() const = 0;
 };
 

@@ -8,14 +8,19 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "core/base/errors.h"
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 #include "core/store/abandoned_uploads.h"
+#include "core/store/accept_catalog.h"
 #include "core/store/blob_store.h"
+#include "core/store/directory_identity.h"
 #include "core/store/directory_lock.h"
 #include "core/store/disk_use.h"
+#include "core/store/lost_and_found.h"
 #include "core/store/records.h"
 #include "core/store/sqlite_catalog.h"
+#include "core/store/tables.h"
 #include "tactus/v1/models.pb.h"
 #include "tactus/v1/operations.pb.h"
 #include "tactus/v1/training.pb.h"
@@ -29,25 +34,12 @@ using v1::Operation;
 constexpr int64_t kLittleBytes = 1024L * 1024 * 1024;
 constexpr int64_t kNoBytes = 64L * 1024 * 1024;
 constexpr size_t kShownNames = 3;
+constexpr char kRights[] =
+    "run this as the user that runs the server, on a file system that can be "
+    "written";
 constexpr char kRestore[] = "restore the directory from a back-up";
-constexpr char kRepair[] = "run trainctl doctor with --repair to remove them";
-
-// All tables, with a word for what is in them.
-constexpr std::pair<Table, const char*> kTables[] = {
-    {Table::kDatasets, "datasets"},
-    {Table::kDatasetVersions, "dataset versions"},
-    {Table::kTrials, "trials"},
-    {Table::kUploads, "uploads"},
-    {Table::kOperations, "operations"},
-    {Table::kLearningPoints, "learning curves"},
-    {Table::kModelVersions, "model versions"},
-    {Table::kAliases, "aliases"},
-    {Table::kAliasChanges, "alias histories"},
-    {Table::kRequests, "requests"},
-    {Table::kAudit, "audit log"},
-    {Table::kNumbers, "numbers"},
-    {Table::kJobLogs, "job logs"},
-};
+constexpr char kRepair[] =
+    "run trainctl doctor with --repair to move them to lost+found";
 
 std::string Message(const absl::Status& status) {
   return std::string(status.message());
@@ -66,16 +58,20 @@ class DataCheck {
  public:
   DataCheck(FileSystem& files, const std::string& folder,
             const DataCheckOptions& options)
-      : files_(files), folder_(folder), options_(options) {}
+      : files_(files),
+        folder_(folder),
+        options_(options),
+        lost_(files, folder) {}
 
   std::vector<CheckResult> Run() {
     CheckFreeBytes();
-    if (OpenCatalog()) {
+    if (Lock() && (!options_.accept_catalog || Accept()) && OpenCatalog()) {
       ReadRecords();
       CheckBlobs();
       CheckOrphans();
       CheckUploads();
       CheckJobs();
+      CheckLostAndFound();
     }
     return std::move(results_);
   }
@@ -100,27 +96,56 @@ class DataCheck {
               "larger disk");
   }
 
-  bool OpenCatalog() {
-    const std::string path = folder_ + "/catalog.db";
-    const auto size = files_.Size(path);
-    if (!size.ok() || *size < 0) {
-      Add("catalogue", Severity::kError, absl::StrCat(path, " does not exist"),
+  bool Lock() {
+    const auto marker = files_.Size(folder_ + "/marker");
+    const auto size = files_.Size(CatalogPath(folder_));
+    const auto blobs = files_.List(folder_ + "/blobs");
+    if (!blobs.ok() && (!marker.ok() || *marker < 0) &&
+        (!size.ok() || *size < 0)) {
+      Add("catalogue", Severity::kError,
+          absl::StrCat(CatalogPath(folder_), " does not exist"),
           "give the folder that tactusd got as --data-dir");
       return false;
     }
     auto lock = DirectoryLock::Take(folder_);
     if (!lock.ok()) {
-      Add("lock", Severity::kWarning, Message(lock.status()),
-          "stop the server to check its files, or ask it with trainctl doctor "
-          "--server");
+      const bool in_use = DirectoryLock::IsInUse(lock.status());
+      Add("lock", in_use ? Severity::kWarning : Severity::kError,
+          Message(lock.status()),
+          in_use
+              ? "stop the server to check its files, or ask it with trainctl "
+                "doctor --server"
+              : kRights);
       return false;
     }
     lock_ = *std::move(lock);
     Add("lock", Severity::kOk, "no server uses the directory");
+    return true;
+  }
+
+  bool Accept() {
+    const auto done = AcceptCatalog(files_, folder_);
+    if (!done.ok()) {
+      Add("catalogue", Severity::kError, Message(done.status()), kRights);
+      return false;
+    }
+    Add("catalogue", Severity::kOk, "accepted: " + *done);
+    return true;
+  }
+
+  bool OpenCatalog() {
+    const std::string path = CatalogPath(folder_);
+    absl::Status status = CheckCatalogFile(files_, folder_);
+    if (!status.ok()) return Refuse(status);
     const auto version = CatalogVersionOf(path);
     if (!version.ok()) {
-      Add("catalogue", Severity::kError, Message(version.status()), kRestore);
-      return false;
+      return Refuse(WithRestoreAdvice(folder_, version.status()));
+    }
+    const auto used = DirectoryWasUsed(files_, folder_);
+    if (!used.ok()) return Refuse(used.status());
+    if (*version == 0 && *used) {
+      return Refuse(WithRestoreAdvice(
+          folder_, DataLost(path, "has no version, so no server wrote it")));
     }
     if (*version != kCatalogVersion) {
       const bool newer = *version > kCatalogVersion;
@@ -132,16 +157,34 @@ class DataCheck {
       return false;
     }
     auto catalog = OpenSqliteCatalog(path);
-    absl::Status status = catalog.status();
+    status = catalog.status();
     if (status.ok()) status = (*catalog)->Check();
-    if (!status.ok()) {
-      Add("catalogue", Severity::kError, Message(status), kRestore);
-      return false;
-    }
+    if (!status.ok()) return Refuse(WithRestoreAdvice(folder_, status));
     catalog_ = *std::move(catalog);
+    status = CheckCatalogBelongs(files_, folder_, *catalog_);
+    if (!status.ok()) return Refuse(status);
+    const auto older = CatalogIsOlder(files_, folder_, *catalog_);
+    if (!older.ok()) return Refuse(older.status());
+    if (*older) {
+      Add("catalogue", Severity::kWarning,
+          "is older than the directory: it is a copy, or its write-ahead log "
+          "was lost",
+          "nothing, if a back-up was restored: what was stored since is named "
+          "by no record, and the next start of the server accepts that");
+      return true;
+    }
     Add("catalogue", Severity::kOk,
-        absl::StrCat("version ", *version, ", its structure is intact"));
+        absl::StrCat("version ", *version,
+                     ", its structure is intact, and its records are those "
+                     "that the server wrote"));
     return true;
+  }
+
+  // False.
+  bool Refuse(const absl::Status& status) {
+    Add("catalogue", Severity::kError, Message(status),
+        absl::IsDataLoss(status) ? "" : kRights);
+    return false;
   }
 
   // Every record has its CRC32C, and can be parsed if it names something.
@@ -254,7 +297,7 @@ class DataCheck {
     }
   }
 
-  // `paths` are unused files or folders. Removes them if that is wanted.
+  // `paths` are unused files or folders. Moves them away if that is wanted.
   void Report(const char* check, const char* what,
               const std::vector<std::string>& paths, int64_t bytes) {
     if (!complete_) {
@@ -275,13 +318,13 @@ class DataCheck {
     }
     absl::Status status;
     for (const std::string& path : paths) {
-      status.Update(files_.RemoveAll(absl::StrCat(folder_, "/", path)));
+      status.Update(lost_.Take(path));
     }
     if (status.ok()) {
-      Add(check, Severity::kOk, absl::StrCat("removed ", text));
+      Add(check, Severity::kOk,
+          absl::StrCat("moved to ", lost_.folder(), ": ", text));
     } else {
-      Add(check, Severity::kError, Message(status),
-          "run this as the user that runs the server");
+      Add(check, Severity::kError, Message(status), kRights);
     }
   }
 
@@ -386,9 +429,22 @@ class DataCheck {
     Report("jobs", "folders of jobs that have ended", folders, bytes);
   }
 
+  // What earlier repairs moved away, and this one.
+  void CheckLostAndFound() {
+    const std::string path = folder_ + "/lost+found";
+    const auto names = files_.List(path);
+    if (!names.ok() || names->empty()) return;
+    Add("lost+found", Severity::kOk,
+        absl::StrCat(BytesOf(path),
+                     " bytes that repairs moved away; if nobody "
+                     "misses them, delete them by hand: rm -r ",
+                     path, "/*"));
+  }
+
   FileSystem& files_;
   const std::string folder_;
   const DataCheckOptions& options_;
+  LostAndFound lost_;
   std::vector<CheckResult> results_;
   std::unique_ptr<DirectoryLock> lock_;
   std::unique_ptr<Catalog> catalog_;

@@ -8,9 +8,10 @@
 //     Print(result);
 //   }
 //
-// Changes nothing without `repair`. A repair removes what no record names:
-// blobs and drafts, files of uploads, folders of jobs; and uploads that nobody
-// wrote to for limits::kAbandonedUploadMs. It removes nothing if a record
+// Changes nothing without `repair` or `accept_catalog`. A repair moves what no
+// record names to the folder lost+found: blobs and drafts, files of uploads,
+// folders of jobs; and uploads that nobody wrote to for
+// limits::kAbandonedUploadMs. It deletes no file. It moves nothing if a record
 // cannot be read, because that record may name it.
 //
 // Thread-safe: a free function without state.
@@ -41,6 +42,9 @@ struct DataCheckOptions {
   // Milliseconds since 1970 (UTC).
   int64_t now_ms = 0;
   bool repair = false;
+  // Takes the catalogue that is there as that of the directory: a new one if
+  // there is none or it is damaged. A damaged one is moved to lost+found.
+  bool accept_catalog = false;
   // Free bytes of the file system of a folder; the system's answer if empty.
   std::function<int64_t(const std::string& folder)> free_bytes = {};
 };

@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
+#include "core/store/directory_identity.h"
 #include "core/store/sqlite_catalog.h"
 
 namespace tactus {
@@ -14,7 +15,7 @@ absl::StatusOr<std::unique_ptr<DataDirectory>> DataDirectory::Open(
   TACTUS_RETURN_IF_ERROR(files.MakeDirectory(folder));
   TACTUS_ASSIGN_OR_RETURN(data->lock_, DirectoryLock::Take(folder));
   TACTUS_ASSIGN_OR_RETURN(const int64_t catalog_bytes,
-                          files.Size(folder + "/catalog.db"));
+                          files.Size(CatalogPath(folder)));
   data->reserve_ = std::make_unique<DiskReserve>(
       files, folder + "/reserve", ReserveBytes(folder, catalog_bytes));
   TACTUS_RETURN_IF_ERROR(
@@ -25,13 +26,19 @@ absl::StatusOr<std::unique_ptr<DataDirectory>> DataDirectory::Open(
 
 absl::Status DataDirectory::OpenParts(const std::string& vfs) {
   catalog_.reset();
+  TACTUS_RETURN_IF_ERROR(CheckCatalogFile(files_, folder_));
+  auto catalog = OpenSqliteCatalog(CatalogPath(folder_), vfs);
+  absl::Status status = catalog.status();
+  if (status.ok()) status = (*catalog)->Check();
+  TACTUS_RETURN_IF_ERROR(WithRestoreAdvice(folder_, status));
+  catalog_ = *std::move(catalog);
+  TACTUS_RETURN_IF_ERROR(CheckCatalogBelongs(files_, folder_, *catalog_));
   TACTUS_RETURN_IF_ERROR(files_.MakeDirectory(UploadFolder()));
   TACTUS_RETURN_IF_ERROR(files_.MakeDirectory(JobFolder()));
   TACTUS_ASSIGN_OR_RETURN(blobs_, BlobStore::Open(files_, BlobFolder()));
-  TACTUS_ASSIGN_OR_RETURN(catalog_,
-                          OpenSqliteCatalog(folder_ + "/catalog.db", vfs));
-  TACTUS_RETURN_IF_ERROR(catalog_->Check());
-  return files_.SyncDirectory(folder_);
+  TACTUS_ASSIGN_OR_RETURN(catalog_is_older_,
+                          CatalogIsOlder(files_, folder_, *catalog_));
+  return MarkDirectory(files_, folder_, *catalog_);
 }
 
 DataDirectory::~DataDirectory() {

@@ -7,7 +7,9 @@
 //   uploads/     bytes of uploads that are not finished
 //   jobs/        one folder for each job that has not ended
 //   lock         held by the process that uses the folder
+//   marker       says that the folder was used (directory_identity.h)
 //   reserve      room for deletions on a full disk (disk_reserve.h)
+//   lost+found/  what a repair found that nothing names
 //
 //   TACTUS_ASSIGN_OR_RETURN(auto data,
 //                           DataDirectory::Open(PosixFileSystem(), "/data"));
@@ -32,7 +34,8 @@ namespace tactus {
 class DataDirectory {
  public:
   // Creates what does not exist. IO if another process uses the folder;
-  // DATA_LOST if the catalogue is damaged. `vfs`: as OpenSqliteCatalog.
+  // DATA_LOST if the catalogue is damaged, or is not that of the folder.
+  // `vfs`: as OpenSqliteCatalog.
   static absl::StatusOr<std::unique_ptr<DataDirectory>> Open(
       FileSystem& files, const std::string& folder,
       const std::string& vfs = "");
@@ -42,6 +45,9 @@ class DataDirectory {
   Catalog& catalog() const { return *catalog_; }
   BlobStore& blobs() const { return *blobs_; }
   DiskReserve& reserve() const { return *reserve_; }
+  // True if the catalogue is older than the folder: what was stored since is in
+  // no record.
+  bool catalog_is_older() const { return catalog_is_older_; }
   const std::string& folder() const { return folder_; }
   std::string BlobFolder() const;
   std::string UploadFolder() const;
@@ -61,6 +67,7 @@ class DataDirectory {
   std::unique_ptr<Catalog> catalog_;
   std::unique_ptr<BlobStore> blobs_;
   std::unique_ptr<DiskReserve> reserve_;
+  bool catalog_is_older_ = false;
 };
 
 }  // namespace tactus

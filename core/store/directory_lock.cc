@@ -8,6 +8,7 @@
 #include <cstring>
 #include <set>
 
+#include "absl/strings/match.h"
 #include "absl/synchronization/mutex.h"
 #include "core/base/errors.h"
 
@@ -30,9 +31,9 @@ DirectoryLock::FileId IdOf(const struct stat& file) {
   return {file.st_dev, file.st_ino};
 }
 
-absl::Status InUse(const std::string& path) {
-  return IoError(path, "another process uses this data directory");
-}
+constexpr char kInUse[] = "another process uses this data directory";
+
+absl::Status InUse(const std::string& path) { return IoError(path, kInUse); }
 
 }  // namespace
 
@@ -61,6 +62,10 @@ absl::StatusOr<std::unique_ptr<DirectoryLock>> DirectoryLock::Take(
   close(fd);
   if (error == EACCES || error == EAGAIN) return InUse(path);
   return IoError(path, std::strerror(error));
+}
+
+bool DirectoryLock::IsInUse(const absl::Status& status) {
+  return absl::EndsWith(status.message(), kInUse);
 }
 
 DirectoryLock::~DirectoryLock() {

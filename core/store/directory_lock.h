@@ -27,6 +27,8 @@ class DirectoryLock {
   // "lock" in `folder` cannot be opened or made.
   static absl::StatusOr<std::unique_ptr<DirectoryLock>> Take(
       const std::string& folder);
+  // True if `status`, of Take, says that it is held.
+  static bool IsInUse(const absl::Status& status);
   ~DirectoryLock();
 
   DirectoryLock(const DirectoryLock&) = delete;

@@ -2,21 +2,27 @@
 
 #include <sqlite3.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
+#include <map>
 #include <mutex>
+#include <set>
 #include <utility>
+#include <vector>
 
 #include "SQLiteCpp/Database.h"
 #include "SQLiteCpp/Exception.h"
 #include "SQLiteCpp/Statement.h"
 #include "SQLiteCpp/Transaction.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "core/base/crc32c.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 #include "core/store/file_system.h"
+#include "core/store/tables.h"
 
 namespace tactus {
 namespace {
@@ -29,7 +35,14 @@ constexpr std::array<const char*, kCatalogVersion> kMigrations = {
     "  key BLOB NOT NULL,"
     "  value BLOB NOT NULL,"
     "  PRIMARY KEY (kind, key)) WITHOUT ROWID",
+    "CREATE TABLE tallies ("
+    "  kind INTEGER PRIMARY KEY,"
+    "  records INTEGER NOT NULL,"
+    "  seals INTEGER NOT NULL)",
 };
+
+// Which of them makes the tallies, of the records that there are.
+constexpr int kTalliesMigration = 1;
 
 absl::Status ErrorOf(const std::string& path, const SQLite::Exception& error) {
   const std::string text = error.what();
@@ -102,6 +115,106 @@ std::string Seal(Table table, absl::string_view key, absl::string_view value) {
   return seal;
 }
 
+// What is known of the records of one table: how many there are, and the sum of
+// their seals modulo 2^64.
+struct Tally {
+  int64_t records = 0;
+  uint64_t seals = 0;
+
+  void Add(absl::string_view sealed) { Count(sealed, 1); }
+  void Subtract(absl::string_view sealed) { Count(sealed, -1); }
+  bool operator==(const Tally&) const = default;
+
+ private:
+  // `sealed` ends with the seal.
+  void Count(absl::string_view sealed, int sign) {
+    uint32_t seal = 0;
+    const size_t size = std::min(sealed.size(), sizeof seal);
+    std::memcpy(&seal, sealed.data() + sealed.size() - size, size);
+    records += sign;
+    seals += static_cast<uint64_t>(sign) * seal;
+  }
+};
+
+// By the number of the table.
+using Tallies = std::map<int, Tally>;
+
+// Of the records that there are.
+Tallies CountRecords(SQLite::Database& database) {
+  Tallies tallies;
+  SQLite::Statement query(
+      database, "SELECT kind, substr(CAST(value AS BLOB), -4) FROM records");
+  while (query.executeStep()) {
+    tallies[query.getColumn(0).getInt()].Add(Text(query.getColumn(1)));
+  }
+  return tallies;
+}
+
+// Of the records that were written.
+Tallies WrittenTallies(SQLite::Database& database) {
+  Tallies tallies;
+  SQLite::Statement query(database, "SELECT kind, records, seals FROM tallies");
+  while (query.executeStep()) {
+    const Tally tally = {query.getColumn(1).getInt64(),
+                         static_cast<uint64_t>(query.getColumn(2).getInt64())};
+    if (tally != Tally()) tallies[query.getColumn(0).getInt()] = tally;
+  }
+  return tallies;
+}
+
+void AddTally(SQLite::Database& database, int kind, const Tally& more) {
+  SQLite::Statement change(
+      database,
+      "INSERT INTO tallies VALUES (?1, ?2, ?3) ON CONFLICT (kind) DO "
+      "UPDATE SET records = records + ?2, seals = ?4");
+  SQLite::Statement query(database, "SELECT seals FROM tallies WHERE kind = ?");
+  query.bind(1, kind);
+  // SQLite's sums do not wrap around.
+  const uint64_t old =
+      query.executeStep() ? static_cast<uint64_t>(query.getColumn(0).getInt64())
+                          : 0;
+  change.bind(1, kind);
+  change.bind(2, more.records);
+  change.bind(3, static_cast<int64_t>(more.seals));
+  change.bind(4, static_cast<int64_t>(old + more.seals));
+  change.exec();
+}
+
+void ReplaceTallies(SQLite::Database& database) {
+  database.exec("DELETE FROM tallies");
+  for (const auto& [kind, tally] : CountRecords(database)) {
+    AddTally(database, kind, tally);
+  }
+}
+
+std::string TableName(int kind) {
+  for (const auto& [table, name] : kTables) {
+    if (static_cast<int>(table) == kind) return name;
+  }
+  return absl::StrCat("table ", kind);
+}
+
+// Where the records differ from those that were written; empty if nowhere.
+std::string Differences(SQLite::Database& database) {
+  Tallies there = CountRecords(database);
+  Tallies written = WrittenTallies(database);
+  std::set<int> kinds;
+  for (const auto& [kind, tally] : there) kinds.insert(kind);
+  for (const auto& [kind, tally] : written) kinds.insert(kind);
+  std::vector<std::string> differences;
+  for (const int kind : kinds) {
+    const Tally& is = there[kind];
+    const Tally& was = written[kind];
+    if (is == was) continue;
+    differences.push_back(
+        is.records == was.records
+            ? absl::StrCat(TableName(kind), ": records were exchanged")
+            : absl::StrCat(TableName(kind), ": ", is.records, " of ",
+                           was.records, " records are there"));
+  }
+  return absl::StrJoin(differences, ", ");
+}
+
 // The value of a sealed record.
 absl::StatusOr<std::string> Unseal(Table table, absl::string_view key,
                                    std::string sealed) {
@@ -170,6 +283,7 @@ class SqliteTransaction final : public Transaction {
   absl::Status Put(Table table, absl::string_view key,
                    absl::string_view value) override {
     return Guarded(path_, [&] {
+      SubtractOld(table, key);
       SQLite::Statement change(database_,
                                "INSERT OR REPLACE INTO records VALUES (?,?,?)");
       change.bind(1, static_cast<int>(table));
@@ -177,12 +291,14 @@ class SqliteTransaction final : public Transaction {
       const std::string sealed = absl::StrCat(value, Seal(table, key, value));
       Bind(change, 3, sealed);
       change.exec();
+      changes_[static_cast<int>(table)].Add(sealed);
       return absl::OkStatus();
     });
   }
 
   absl::Status Erase(Table table, absl::string_view key) override {
     return Guarded(path_, [&] {
+      SubtractOld(table, key);
       SQLite::Statement change(
           database_, "DELETE FROM records WHERE kind = ? AND key = ?");
       change.bind(1, static_cast<int>(table));
@@ -192,9 +308,29 @@ class SqliteTransaction final : public Transaction {
     });
   }
 
+  // Before the commit.
+  void WriteTallies() {
+    for (const auto& [kind, tally] : changes_) {
+      AddTally(database_, kind, tally);
+    }
+  }
+
  private:
+  // The record that is about to be replaced or removed.
+  void SubtractOld(Table table, absl::string_view key) {
+    SQLite::Statement query(database_,
+                            "SELECT substr(CAST(value AS BLOB), -4) FROM "
+                            "records WHERE kind = ? AND key = ?");
+    query.bind(1, static_cast<int>(table));
+    Bind(query, 2, key);
+    if (query.executeStep()) {
+      changes_[static_cast<int>(table)].Subtract(Text(query.getColumn(0)));
+    }
+  }
+
   SQLite::Database& database_;
   const std::string& path_;
+  Tallies changes_;
 };
 
 class SqliteCatalog final : public Catalog {
@@ -219,6 +355,7 @@ class SqliteCatalog final : public Catalog {
         SQLite::Transaction migration(database_,
                                       SQLite::TransactionBehavior::IMMEDIATE);
         database_.exec(kMigrations[next]);
+        if (next == kTalliesMigration) ReplaceTallies(database_);
         database_.exec(absl::StrCat("PRAGMA user_version = ", next + 1));
         migration.commit();
       }
@@ -234,6 +371,7 @@ class SqliteCatalog final : public Catalog {
                                 SQLite::TransactionBehavior::IMMEDIATE);
       SqliteTransaction transaction(database_, path_);
       TACTUS_RETURN_IF_ERROR(change(transaction));
+      transaction.WriteTallies();
       guard.commit();
       return absl::OkStatus();
     });
@@ -258,6 +396,24 @@ class SqliteCatalog final : public Catalog {
       if (SchemaOf(database_) != RightSchema()) {
         return DataLost(path_, "the schema is not that of a catalogue");
       }
+      const std::string differences = Differences(database_);
+      if (!differences.empty()) {
+        return DataLost(
+            path_, absl::StrCat("another program changed it: ", differences));
+      }
+      return absl::OkStatus();
+    });
+  }
+
+  absl::Status AcceptRecords() {
+    return Guarded(path_, [&] {
+      SQLite::Transaction guard(database_,
+                                SQLite::TransactionBehavior::IMMEDIATE);
+      if (!database_.tableExists("tallies")) {
+        database_.exec(kMigrations[kTalliesMigration]);
+      }
+      ReplaceTallies(database_);
+      guard.commit();
       return absl::OkStatus();
     });
   }
@@ -276,6 +432,15 @@ absl::StatusOr<std::unique_ptr<Catalog>> OpenSqliteCatalog(
     auto catalog = std::make_unique<SqliteCatalog>(path, vfs);
     TACTUS_RETURN_IF_ERROR(catalog->Prepare());
     return catalog;
+  });
+}
+
+absl::Status AcceptRecords(const std::string& path) {
+  return Guarded(path, [&]() -> absl::Status {
+    SqliteCatalog catalog(path, "");
+    TACTUS_RETURN_IF_ERROR(catalog.Prepare());
+    TACTUS_RETURN_IF_ERROR(catalog.AcceptRecords());
+    return catalog.Check();
   });
 }
 

@@ -1,6 +1,8 @@
 // File: sqlite_catalog.h
 //
-// SqliteCatalog: a Catalog in one SQLite database with a write-ahead log.
+// SqliteCatalog: a Catalog in one SQLite database with a write-ahead log. Each
+// transaction also counts the records of each table and adds up their
+// checksums, so that a record that another program removed is missed.
 //
 //   TACTUS_ASSIGN_OR_RETURN(auto catalog, OpenSqliteCatalog("catalog.db"));
 //
@@ -17,13 +19,17 @@
 namespace tactus {
 
 // The format that this program writes: SQLite's user_version.
-inline constexpr int kCatalogVersion = 1;
+inline constexpr int kCatalogVersion = 2;
 
 // Opens a database, or creates it; migrates an older version. `vfs`: SQLite's
 // name of the file layer to use; empty means the default. IO; DATA_LOST if the
 // file is no catalogue, is damaged or has a newer version.
 absl::StatusOr<std::unique_ptr<Catalog>> OpenSqliteCatalog(
     const std::string& path, const std::string& vfs = "");
+
+// Takes the records of the catalogue at `path` as those that were written. IO;
+// DATA_LOST if the file is no catalogue or is damaged.
+absl::Status AcceptRecords(const std::string& path);
 
 // The version of the catalogue at `path`, which stays as it is. IO; DATA_LOST
 // if the file is no database.

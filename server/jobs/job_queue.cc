@@ -12,6 +12,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/status_proto.h"
 #include "core/base/version.h"
+#include "core/store/lost_and_found.h"
 #include "server/names/resource_names.h"
 #include "server/trainer/exit_status.h"
 #include "spdlog/spdlog.h"
@@ -62,11 +63,17 @@ void JobQueue::Start() {
 void JobQueue::RemoveFolders() {
   const auto folders = data_->files().List(data_->JobFolder());
   if (!folders.ok()) return;
+  LostAndFound lost(data_->files(), data_->folder());
   for (const std::string& id : *folders) {
     const auto operation = operations_->Get(absl::StrCat("operations/", id));
     if (operation.ok() && HasEnded(*operation)) {
       KeepLog(operation->name(), id);
       data_->files().RemoveAll(data_->JobPath(id)).IgnoreError();
+    } else if (absl::IsNotFound(operation.status())) {
+      // The catalogue is an older copy. The number will be given again.
+      const absl::Status taken = lost.Take(absl::StrCat("jobs/", id));
+      spdlog::warn("jobs/{} belongs to no operation: {}", id,
+                   taken.ok() ? lost.folder() : taken.ToString());
     }
   }
 }

@@ -14,6 +14,13 @@ absl::StatusOr<std::unique_ptr<TrainingBackend>> TrainingBackend::Open(
       auto data, DataDirectory::Open(PosixFileSystem(), options.folder));
   std::unique_ptr<TrainingBackend> backend(
       new TrainingBackend(std::move(data), options, registry));
+  if (backend->data_->catalog_is_older()) {
+    spdlog::warn(
+        "{}: catalog.db is older than the directory: it is a copy, or its "
+        "write-ahead log was lost. What was stored since is in no record; "
+        "trainctl doctor finds it and moves it to lost+found",
+        options.folder);
+  }
   TACTUS_RETURN_IF_ERROR(backend->operations_.Restore());
   TACTUS_ASSIGN_OR_RETURN(backend->failures_, backend->models_.Restore());
   return backend;

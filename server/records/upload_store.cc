@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/cleanup/cleanup.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "core/base/crc32c.h"
 #include "core/base/errors.h"
@@ -11,6 +12,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 #include "core/store/abandoned_uploads.h"
+#include "core/store/lost_and_found.h"
 #include "core/store/records.h"
 #include "server/names/resource_names.h"
 #include "server/records/audit_log.h"
@@ -342,6 +344,13 @@ absl::StatusOr<int> UploadStore::RemoveAbandoned() {
 absl::Status UploadStore::RemoveStrayFiles() {
   TACTUS_ASSIGN_OR_RETURN(const auto files,
                           data_->files().List(data_->UploadFolder()));
+  uint64_t next = 0;
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Look([&](const Transaction& look) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(next, NextUpload(look));
+        return absl::OkStatus();
+      }));
+  LostAndFound lost(data_->files(), data_->folder());
   for (const std::string& file : files) {
     const auto upload = Get(absl::StrCat(kUploads, "/", file));
     // A finished upload's file could not be removed when it was finished.
@@ -349,7 +358,12 @@ absl::Status UploadStore::RemoveStrayFiles() {
                                    : absl::IsNotFound(upload.status());
     if (!stray || !Hold(file).ok()) continue;
     const auto release = absl::MakeCleanup([&] { Release(file); });
-    TACTUS_RETURN_IF_ERROR(data_->files().Remove(data_->UploadPath(file)));
+    uint64_t number = 0;
+    const bool given = absl::SimpleAtoi(file, &number) && number < next;
+    // A number that was never given: the catalogue is an older copy.
+    TACTUS_RETURN_IF_ERROR(given
+                               ? data_->files().Remove(data_->UploadPath(file))
+                               : lost.Take(absl::StrCat(kUploads, "/", file)));
   }
   return absl::OkStatus();
 }

@@ -10,18 +10,22 @@
 #include "core/base/status_proto.h"
 #include "core/eval/train_spec.h"
 #include "core/store/abandoned_uploads.h"
+#include "core/store/accept_catalog.h"
 #include "core/store/audit.h"
 #include "core/store/blob_store.h"
 #include "core/store/catalog.h"
 #include "core/store/data_check.h"
 #include "core/store/data_directory.h"
+#include "core/store/directory_identity.h"
 #include "core/store/directory_lock.h"
 #include "core/store/disk_reserve.h"
 #include "core/store/disk_use.h"
 #include "core/store/file_system.h"
+#include "core/store/lost_and_found.h"
 #include "core/store/numbers.h"
 #include "core/store/records.h"
 #include "core/store/sqlite_catalog.h"
+#include "core/store/tables.h"
 #include "tactus/v1/training.pb.h"
 
 namespace tactus::examples {
@@ -131,6 +135,12 @@ void DataCheckExample(int64_t now_ms) {
   }
 }
 
+void Print(const std::string& text);
+
+void TablesExample() {
+  for (const auto& [table, name] : kTables) Print(name);
+}
+
 absl::Status Delete();
 
 absl::Status DiskReserveExample(FileSystem& files) {
@@ -138,6 +148,29 @@ absl::Status DiskReserveExample(FileSystem& files) {
   reserve.Renew();
   TACTUS_RETURN_IF_ERROR(reserve.Check());  // before writing much
   return reserve.With([&] { return Delete(); });
+}
+
+absl::Status DirectoryIdentityExample(FileSystem& files,
+                                      const std::string& folder,
+                                      const std::string& path) {
+  TACTUS_RETURN_IF_ERROR(CheckCatalogFile(files, folder));
+  TACTUS_ASSIGN_OR_RETURN(auto catalog, OpenSqliteCatalog(path));
+  TACTUS_RETURN_IF_ERROR(CheckCatalogBelongs(files, folder, *catalog));
+  TACTUS_RETURN_IF_ERROR(MarkDirectory(files, folder, *catalog));
+  return absl::OkStatus();
+}
+
+absl::Status LostAndFoundExample(FileSystem& files) {
+  LostAndFound lost(files, "/data");
+  TACTUS_RETURN_IF_ERROR(lost.Take("blobs/ab/abcd"));
+  Print(lost.folder());  // "/data/lost+found/3", with "blobs/ab/abcd" in it
+  return absl::OkStatus();
+}
+
+absl::Status AcceptCatalogExample(FileSystem& files) {
+  TACTUS_ASSIGN_OR_RETURN(auto done, AcceptCatalog(files, "/data"));
+  Print(done);  // "there was none; a new one begins without records"
+  return absl::OkStatus();
 }
 
 }  // namespace tactus::examples

@@ -15,13 +15,15 @@ struct DoctorFlags {
   RemoteFlags remote;
   std::string data_dir;
   bool repair = false;
+  bool accept_catalog = false;
 };
 
 absl::Status Examine(const DoctorFlags& flags) {
   if (!flags.data_dir.empty()) {
     return PrintChecks(CheckData(PosixFileSystem(), flags.data_dir,
                                  {.now_ms = absl::ToUnixMillis(absl::Now()),
-                                  .repair = flags.repair}),
+                                  .repair = flags.repair,
+                                  .accept_catalog = flags.accept_catalog}),
                        flags.remote.json);
   }
   if (flags.remote.server.empty()) {
@@ -47,12 +49,19 @@ void AddDoctor(CLI::App& app, const SelectCommand& select) {
   CLI::Option* folder = command->add_option(
       "--data-dir", flags->data_dir,
       "Folder that tactusd got as --data-dir; no server is asked");
+  CLI::Option* repair = command->add_flag(
+      "--repair", flags->repair,
+      "Move what no record names to the folder lost+found: blobs, files of "
+      "uploads, folders of jobs; and uploads that nobody wrote to for 7 days. "
+      "Deletes no file");
+  repair->needs(folder);
   command
-      ->add_flag(
-          "--repair", flags->repair,
-          "Remove what no record names: blobs, files of uploads, folders "
-          "of jobs; and uploads that nobody wrote to for 7 days")
-      ->needs(folder);
+      ->add_flag("--accept-catalogue", flags->accept_catalog,
+                 "If the catalogue is lost and there is no back-up: take what "
+                 "is there as the catalogue of the folder, or begin with an "
+                 "empty one. Deletes nothing")
+      ->needs(folder)
+      ->excludes(repair);
   command->footer(
       "Examples:\n"
       "  trainctl doctor --server=arm.lab:50051 --ca=ca.pem "

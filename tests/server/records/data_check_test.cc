@@ -123,7 +123,7 @@ TEST_F(DataCheckTest, ADamagedBlobIsAnErrorAndStays) {
   EXPECT_TRUE(std::filesystem::exists(BlobPath(blob_)));
 }
 
-TEST_F(DataCheckTest, AWrongChecksumIsAnErrorAndNothingIsRemoved) {
+TEST_F(DataCheckTest, AWrongChecksumIsAnErrorAndNothingIsMoved) {
   Sql("UPDATE records SET value = x'00' || value WHERE kind = 7");
   const std::string orphan = BlobPath(Sha256Hex("orphan"));
   Write(orphan, "orphan");
@@ -140,8 +140,10 @@ TEST_F(DataCheckTest, OtherVersionsOfTheCatalogueStayAsTheyAre) {
   Sql("PRAGMA user_version = 99");
   EXPECT_EQ(Check().at("catalogue").severity, Severity::kError);
   Sql("PRAGMA user_version = 0");
-  EXPECT_EQ(Check().at("catalogue").severity, Severity::kWarning);
+  EXPECT_EQ(Check().at("catalogue").severity, Severity::kError);
   Sql("PRAGMA user_version = 1");
+  EXPECT_EQ(Check().at("catalogue").severity, Severity::kWarning);
+  Sql("PRAGMA user_version = 2");
   ExpectAllWell(Check());
 }
 
@@ -150,7 +152,7 @@ TEST_F(DataCheckTest, ADamagedCatalogueIsAnError) {
   EXPECT_EQ(Check().at("catalogue").severity, Severity::kError);
 }
 
-TEST_F(DataCheckTest, OrphansAreFoundAndRemoved) {
+TEST_F(DataCheckTest, OrphansAreFoundAndMoved) {
   const std::string paths[] = {BlobPath(Sha256Hex("orphan")),
                                path_ + "/blobs/drafts/0-draft",
                                path_ + "/uploads/77"};
@@ -170,7 +172,7 @@ TEST_F(DataCheckTest, OrphansAreFoundAndRemoved) {
     EXPECT_TRUE(std::filesystem::exists(path)) << path;
   }
   results = Check(/*repair=*/true);
-  EXPECT_THAT(results.at("orphans").text, HasSubstr("removed 2"));
+  EXPECT_THAT(results.at("orphans").text, HasSubstr("moved to"));
   for (const std::string& path : paths) {
     EXPECT_FALSE(std::filesystem::exists(path)) << path;
   }
@@ -189,14 +191,14 @@ TEST_F(DataCheckTest, TheFolderOfAJobThatWaitsStays) {
   EXPECT_TRUE(std::filesystem::exists(path_ + "/jobs/1"));
 }
 
-TEST_F(DataCheckTest, AbandonedUploadsAreFoundAndRemoved) {
+TEST_F(DataCheckTest, AbandonedUploadsAreFoundAndMoved) {
   constexpr int64_t kWeek = limits::kAbandonedUploadMs;
   ExpectAllWell(Check(/*repair=*/true, kWeek - 1));
   const auto found = Check(/*repair=*/false, kWeek).at("abandoned uploads");
   EXPECT_EQ(found.severity, Severity::kWarning);
   EXPECT_THAT(found.text, HasSubstr("100 bytes: uploads/2"));
   EXPECT_THAT(Check(/*repair=*/true, kWeek).at("abandoned uploads").text,
-              HasSubstr("removed"));
+              HasSubstr("moved to"));
   ExpectAllWell(Check(/*repair=*/false, kWeek));
   Stores stores(&PosixFileSystem(), path_);
   EXPECT_FALSE(stores.uploads->Get("uploads/2").ok());
