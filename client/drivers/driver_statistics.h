@@ -45,6 +45,8 @@ struct DriverStatistics {
   std::string problem;
   // Why frames are dropped for want of a pose, while this goes on.
   std::string pose_problem;
+  // Why frames that came whole were refused; empty if none were.
+  std::string refused;
   // What was found when the skin was configured, e.g. masked triangles.
   std::string remarks;
   // Taxels, row-major, that have read the same value above 0 for 10 s.

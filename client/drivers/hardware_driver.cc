@@ -202,6 +202,7 @@ DriverStatistics HardwareDriver::Statistics() const {
   statistics.reconnects = reconnects_;
   statistics.connected = connected_ && attempts_ == 0;
   statistics.problem = problem_;
+  statistics.refused = device_->Refused();
   statistics.remarks = device_->Remarks();
   return statistics;
 }

@@ -48,6 +48,8 @@ class SkinDevice {
   virtual std::string Remarks() const = 0;
   // What keeps the next frame from being complete.
   virtual std::string Missing() const = 0;
+  // Why frames that came whole were refused; empty if none were.
+  virtual std::string Refused() const { return ""; }
 };
 
 }  // namespace tactus::client

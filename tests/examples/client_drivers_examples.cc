@@ -14,6 +14,7 @@
 #include "client/drivers/can_skin_driver.h"
 #include "client/drivers/icub_skin/icub_skin.h"
 #include "client/drivers/icub_skin/unroll.h"
+#include "client/drivers/serial/low_latency.h"
 #include "client/drivers/serial/serial_search.h"
 #include "client/drivers/serial/serial_skin.h"
 #include "client/drivers/xela/xela_skin.h"
@@ -177,6 +178,11 @@ void SerialFramesExample(std::span<const uint8_t> bytes, int64_t now_ns,
   SerialFrames frames(SerialFormat::kAscii, /*rows=*/12, /*columns=*/32);
   frames.Add(bytes, now_ns);
   while (frames.Next(taxels, time_ns)) Use(taxels, time_ns);
+}
+
+void LowLatencyExample(int file) {
+  LowLatency latency(file);
+  latency.ToText("/dev/ttyUSB0");  // "low latency is on; the adapter's ..."
 }
 
 absl::Status SerialPortExample() {

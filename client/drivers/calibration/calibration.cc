@@ -43,6 +43,25 @@ absl::Status CheckTaxels(absl::string_view name, const std::vector<int>& taxels,
   return absl::OkStatus();
 }
 
+// A skin that is not powered sends one number for ever, and its thresholds
+// would lie one step above it.
+absl::Status CheckChanges(const std::vector<TaxelNoise>& noise,
+                          const IdleFrames& idle) {
+  size_t valid = 0;
+  for (size_t i = 0; i < noise.size(); ++i) {
+    if (!idle.valid(i)) continue;
+    if (noise[i].changes > 0) return absl::OkStatus();
+    ++valid;
+  }
+  return InvalidTrainingData(absl::StrCat(
+      "no taxel of ", valid, " changed in ", idle.frames(),
+      " frames, as of a skin without power: check that the skin has power, "
+      "that "
+      "its cable is in and that taxels change when pressed (tactus-stream "
+      "--monitor shows them). If it always sends the same at rest, calibrate "
+      "with --sweep=20 and press it then"));
+}
+
 }  // namespace
 
 absl::StatusOr<Calibration> Calibrate(const IdleFrames& idle,
@@ -63,6 +82,9 @@ absl::StatusOr<Calibration> Calibrate(const IdleFrames& idle,
                           Tare(idle, earlier ? &*earlier : nullptr));
   const std::vector<TaxelNoise> noise =
       NoiseOf(idle, made.baseline, options.least_margin);
+  if (!options.pressed_later) {
+    TACTUS_RETURN_IF_ERROR(CheckChanges(noise, idle));
+  }
   for (const TaxelNoise& taxel : noise) {
     made.deviation.push_back(taxel.deviation);
     made.contact_threshold.push_back(taxel.contact_threshold);

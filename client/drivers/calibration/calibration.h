@@ -54,12 +54,16 @@ struct CalibrateOptions {
   // A calibration of the same skin, with which a touch is known more surely.
   // May be null.
   const Calibration* before = nullptr;
+  // The skin may read one number at rest, because the caller sees that it
+  // changes when pressed. Else that is refused.
+  bool pressed_later = false;
   // Thresholds lie at least so far above the noise, in the skin's numbers.
   double least_margin = 0;
 };
 
 // The calibration of a skin that nothing touches. INVALID_CONFIG if `before`
-// does not fit; else the errors of Tare.
+// does not fit; INVALID_TRAINING_DATA if no taxel that the layout does not mask
+// ever changed and `pressed_later` is not set; else the errors of Tare.
 absl::StatusOr<Calibration> Calibrate(const IdleFrames& idle,
                                       const CalibrateOptions& options);
 

@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
 
 namespace tactus::client {
@@ -12,6 +14,12 @@ namespace {
 constexpr uint8_t kFirst = 0xAA;
 constexpr uint8_t kSecond = 0x55;
 constexpr size_t kHeader = 2;
+// Periods in which a header must come before frames count, and from which on
+// another place is a rival.
+constexpr size_t kPeriods = 3;
+constexpr size_t kRivalPeriods = 2;
+// Numbers of ascii.
+constexpr double kMostValue = 65'535;
 // Frames that wait to be taken.
 constexpr size_t kMaxWaiting = 64;
 // Characters for each number of a line, with room.
@@ -19,12 +27,25 @@ constexpr size_t kCharactersPerNumber = 8;
 // Lines of other shapes are understood up to so many numbers.
 constexpr size_t kMostColumns = 64;
 
+// A number as skins write it: digits, perhaps with a minus and a point.
+bool IsNumber(absl::string_view word, double* value) {
+  return word.find_first_not_of("0123456789.-") == absl::string_view::npos &&
+         absl::SimpleAtod(word, value);
+}
+
+bool IsTaxel(absl::string_view word, double value) {
+  return value <= kMostValue &&
+         word.find_first_not_of("0123456789") == absl::string_view::npos;
+}
+
 }  // namespace
 
-SerialFrames::SerialFrames(SerialFormat format, int rows, int columns)
+SerialFrames::SerialFrames(SerialFormat format, int rows, int columns,
+                           std::vector<uint8_t> mask)
     : format_(format),
       rows_(static_cast<size_t>(std::max(rows, 1))),
-      columns_(static_cast<size_t>(std::max(columns, 1))) {}
+      columns_(static_cast<size_t>(std::max(columns, 1))),
+      mask_(std::move(mask)) {}
 
 void SerialFrames::Add(std::span<const uint8_t> bytes, int64_t now_ns) {
   for (const uint8_t byte : bytes) {
@@ -49,10 +70,41 @@ void SerialFrames::Reset() {
   line_.clear();
   current_.taxels.clear();
   lines_ = 0;
-  good_ = long_line_ = whole_block_ = false;
+  good_ = long_line_ = whole_block_ = right_shape_ = unfit_ = refused_ = false;
+  least_ = most_ = 0;
+  unfit_word_.clear();
   seen_shape_ = {};
+  found_ = false;
   bytes_.clear();
   times_.clear();
+  places_.clear();
+}
+
+std::string SerialFrames::OutOfRange() const {
+  if (!refused_) return "";
+  const std::string which =
+      most_ > kMostValue ? absl::StrFormat("values up to %.6g", most_)
+      : least_ < 0       ? absl::StrFormat("values down to %.6g", least_)
+                         : absl::StrCat("the value ", unfit_word_);
+  return absl::StrFormat("%s came; ascii takes whole numbers from 0 to %.0f",
+                         which, kMostValue);
+}
+
+std::string SerialFrames::Ambiguity() const {
+  if (places_.size() < kHeader) return "";
+  // Where the other one is, if each of the two is the header.
+  const size_t ahead = places_[1] - places_[0];
+  const size_t back = period() - ahead;
+  return absl::StrFormat(
+      "AA 55 comes at %d places of each %d bytes, the first two %d and %d "
+      "bytes "
+      "apart, so where frames begin is not known: either taxels %d and %d "
+      "always read AA 55, or taxels %d and %d do. Mask the two that are stuck "
+      "(--mask=%d,%d or --mask=%d,%d), or have the firmware send at most A9 "
+      "for "
+      "a taxel",
+      places_.size(), period(), ahead, back, ahead - 2, ahead - 1, back - 2,
+      back - 1, ahead - 2, ahead - 1, back - 2, back - 1);
 }
 
 void SerialFrames::Deliver(Frame frame) {
@@ -83,18 +135,28 @@ void SerialFrames::EndLine() {
     EndAsciiFrame();
   } else {
     ++lines_;
-    bool good = !long_line_ && words.size() == columns_ && lines_ <= rows_;
+    const bool right =
+        !long_line_ && words.size() == columns_ && lines_ <= rows_;
     if (lines_ == 1) block_columns_ = words.size();
     if (block_columns_ != words.size() || long_line_) block_columns_ = 0;
+    right_shape_ = right_shape_ && right;
+    good_ = good_ && right;
     for (const absl::string_view word : words) {
-      int value = 0;
-      const bool number = word[0] >= '0' && word[0] <= '9' &&
-                          absl::SimpleAtoi(word, &value) && value <= 255;
-      if (!number) block_columns_ = 0;
-      good = good && number;
-      if (good) current_.taxels.push_back(static_cast<uint16_t>(value));
+      double value = 0;
+      if (!IsNumber(word, &value)) {
+        block_columns_ = 0;
+        right_shape_ = good_ = false;
+      } else if (!IsTaxel(word, value)) {
+        unfit_ = true;
+        good_ = false;
+        if (right_shape_) {
+          unfit_word_ = std::string(word);
+          least_ = std::min(least_, value);
+          most_ = std::max(most_, value);
+        }
+      }
+      if (good_) current_.taxels.push_back(static_cast<uint16_t>(value));
     }
-    good_ = good_ && good;
     if (!good_) counters_.skipped_bytes += line_.size();
   }
   line_.clear();
@@ -107,6 +169,10 @@ void SerialFrames::EndAsciiFrame() {
       Deliver({.taxels = current_.taxels, .time_ns = current_.time_ns});
     } else {
       ++counters_.spoiled;
+      if (right_shape_ && unfit_ && lines_ == rows_) {
+        ++counters_.out_of_range;
+        refused_ = true;
+      }
     }
     if (whole_block_ && block_columns_ > 0) {
       seen_shape_ = {.rows = lines_,
@@ -117,48 +183,94 @@ void SerialFrames::EndAsciiFrame() {
   }
   current_.taxels.clear();
   lines_ = 0;
-  good_ = whole_block_ = true;
+  unfit_ = false;
+  good_ = whole_block_ = right_shape_ = true;
 }
 
 void SerialFrames::AddBinary(uint8_t byte, int64_t now_ns) {
-  const size_t frame = kHeader + rows_ * columns_;
   bytes_.push_back(byte);
   times_.push_back(now_ns);
-  while (!bytes_.empty()) {
-    // A header must be at the begin, and where the next frame begins.
-    const size_t size = bytes_.size();
-    const bool begins =
-        bytes_[0] == kFirst && (size < 2 || bytes_[1] == kSecond);
-    const bool goes_on = (size <= frame || bytes_[frame] == kFirst) &&
-                         (size <= frame + 1 || bytes_[frame + 1] == kSecond);
-    if (!begins || !goes_on) {
-      if (begins) ++counters_.spoiled;
-      Resynchronise();
-      continue;
-    }
-    if (size < frame + kHeader) return;
-    Frame whole;
-    whole.time_ns = times_[0];
-    whole.taxels.assign(bytes_.begin() + kHeader,
-                        bytes_.begin() + static_cast<ptrdiff_t>(frame));
-    Deliver(std::move(whole));
-    bytes_.erase(bytes_.begin(),
-                 bytes_.begin() + static_cast<ptrdiff_t>(frame));
-    times_.erase(times_.begin(),
-                 times_.begin() + static_cast<ptrdiff_t>(frame));
+  while (found_ ? TakeBinary() : FindHeader()) {
   }
 }
 
-void SerialFrames::Resynchronise() {
-  size_t next = 1;
-  while (next < bytes_.size() &&
-         !(bytes_[next] == kFirst &&
-           (next + 1 == bytes_.size() || bytes_[next + 1] == kSecond))) {
-    ++next;
+size_t SerialFrames::period() const { return kHeader + rows_ * columns_; }
+
+bool SerialFrames::IsHeader(size_t at) const {
+  return bytes_[at] == kFirst && bytes_[at + 1] == kSecond;
+}
+
+bool SerialFrames::FindHeader() {
+  if (bytes_.size() < kPeriods * period() + 1) return false;
+  std::vector<size_t> places;
+  bool rival = false;
+  for (size_t place = 0; place < period(); ++place) {
+    size_t hits = 0;
+    for (size_t k = 0; k < kPeriods; ++k) {
+      hits += IsHeader(place + k * period()) ? 1 : 0;
+    }
+    if (hits == kPeriods) places.push_back(place);
+    rival = rival || (hits >= kRivalPeriods && hits < kPeriods);
   }
-  counters_.skipped_bytes += next;
-  bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<ptrdiff_t>(next));
-  times_.erase(times_.begin(), times_.begin() + static_cast<ptrdiff_t>(next));
+  const std::optional<size_t> header = Explained(places);
+  places_ = header ? std::vector<size_t>() : places;
+  if (header && !rival) {
+    Drop(*header);
+    counters_.skipped_bytes += *header;
+    found_ = true;
+    return true;
+  }
+  counters_.skipped_bytes += period();
+  Drop(period());
+  return true;
+}
+
+std::optional<size_t> SerialFrames::Explained(
+    const std::vector<size_t>& places) const {
+  if (places.size() == 1) return places[0];
+  std::optional<size_t> found;
+  for (const size_t header : places) {
+    bool explained = true;
+    for (const size_t other : places) {
+      if (other == header) continue;
+      const size_t taxel = (other + period() - header) % period() - kHeader;
+      explained = explained && taxel + 1 < mask_.size() && mask_[taxel] == 0 &&
+                  mask_[taxel + 1] == 0;
+    }
+    if (!explained) continue;
+    if (found) return std::nullopt;
+    found = header;
+  }
+  return found;
+}
+
+bool SerialFrames::TakeBinary() {
+  // The header of the next frame must follow.
+  const size_t frame = period();
+  const size_t size = bytes_.size();
+  const bool goes_on = (size <= frame || bytes_[frame] == kFirst) &&
+                       (size <= frame + 1 || bytes_[frame + 1] == kSecond);
+  if (!goes_on) {
+    ++counters_.spoiled;
+    counters_.skipped_bytes += frame;
+    found_ = false;
+    Drop(frame);
+    return true;
+  }
+  if (size < frame + kHeader) return false;
+  Frame whole;
+  whole.time_ns = times_[0];
+  whole.taxels.assign(bytes_.begin() + kHeader,
+                      bytes_.begin() + static_cast<ptrdiff_t>(frame));
+  Deliver(std::move(whole));
+  Drop(frame);
+  return true;
+}
+
+void SerialFrames::Drop(size_t bytes) {
+  const auto count = static_cast<ptrdiff_t>(bytes);
+  bytes_.erase(bytes_.begin(), bytes_.begin() + count);
+  times_.erase(times_.begin(), times_.begin() + count);
 }
 
 }  // namespace tactus::client

@@ -65,16 +65,20 @@ absl::Status SerialPort::Open() {
     Close();
     return status;
   }
+  low_latency_.emplace(file_);
+  latency_ = low_latency_->ToText(path_);
   return absl::OkStatus();
 }
 
 void SerialPort::Close() {
   if (file_ >= 0) {
+    low_latency_.reset();
     if (before_) tcsetattr(file_, TCSANOW, &*before_);
     ::close(file_);
   }
   file_ = -1;
   before_.reset();
+  latency_.clear();
 }
 
 absl::StatusOr<size_t> SerialPort::Read(std::span<uint8_t> bytes,

@@ -1,6 +1,7 @@
 // File: serial_port.h
 //
-// SerialPort: a serial line of the kernel, raw, without flow control.
+// SerialPort: a serial line of the kernel, raw, without flow control, with low
+// latency if the device has it (low_latency.h).
 //
 //   SerialPort port("/dev/ttyUSB0", /*baud=*/2'000'000);
 //   TACTUS_RETURN_IF_ERROR(port.Open());
@@ -21,6 +22,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/drivers/serial/low_latency.h"
 
 namespace tactus::client {
 
@@ -38,6 +40,8 @@ class SerialPort {
   absl::Status Open();
   // Puts the line's settings back.
   void Close();
+  // What came of the wish for low latency, for people; empty while closed.
+  const std::string& latency() const { return latency_; }
   // Number of bytes read; 0 if none came in time. IO if the device is gone.
   absl::StatusOr<size_t> Read(std::span<uint8_t> bytes, int64_t timeout_ns);
 
@@ -47,6 +51,8 @@ class SerialPort {
   int file_ = -1;
   // The settings before Open.
   std::optional<termios> before_;
+  std::optional<LowLatency> low_latency_;
+  std::string latency_;
 };
 
 }  // namespace tactus::client

@@ -9,12 +9,13 @@
 //                                    .sample_rate_hz = 30});
 //   HardwareDriver driver(&skin, {});
 //
-// Values are handed on as they come. Not thread-safe.
+// Values are handed on as they come. The line is asked for low latency;
+// Remarks() says what came of it. Not thread-safe.
 #pragma once
 
 #include <array>
-#include <optional>
 #include <string>
+#include <vector>
 
 #include "client/drivers/serial/serial_frames.h"
 #include "client/drivers/serial/serial_port.h"
@@ -32,7 +33,7 @@ struct SerialSkinOptions {
   double scale = 1;
   // As the skin sends.
   double sample_rate_hz = 30;
-  // Setup waits this long for the first frame.
+  // Setup waits this long for the first frame, and 8 periods at least.
   int64_t first_frame_ns = 2'000'000'000;
 };
 
@@ -51,8 +52,9 @@ class SerialSkin : public SkinDevice {
   absl::StatusOr<bool> Poll(SkinFrame& frame, int64_t timeout_ns) override;
   int64_t period_ns() const override;
   uint64_t incomplete() const override { return frames_.counters().spoiled; }
-  std::string Remarks() const override { return ""; }
+  std::string Remarks() const override { return port_.latency(); }
   std::string Missing() const override;
+  std::string Refused() const override { return frames_.OutOfRange(); }
 
   const SerialCounters& counters() const { return frames_.counters(); }
 
@@ -61,11 +63,14 @@ class SerialSkin : public SkinDevice {
   Clock* const clock_;
   SerialPort port_;
   SerialFrames frames_;
-  // What comes if it is not what the layout says; until the first frame.
-  std::optional<SerialShapeFinder> finder_;
+  // What comes if it is not what the layout and the format say; until the first
+  // frame.
+  std::vector<SerialShapeFinder> finders_;
   std::array<uint8_t, 4096> buffer_;
+  // Bytes in all, and bytes and blocks at the start or at the last frame.
   uint64_t bytes_ = 0;
-  uint64_t bytes_at_start_ = 0;
+  uint64_t bytes_before_ = 0;
+  uint64_t blocks_before_ = 0;
 };
 
 }  // namespace tactus::client

@@ -229,6 +229,10 @@ void LivePlayer::ReportNews() {
   }
   was_connected_ = statistics.connected || frames_ == 0;
   last_problem_ = statistics.problem;
+  if (statistics.refused != last_refused_ && !statistics.refused.empty()) {
+    on_news_("frames are lost: " + statistics.refused);
+  }
+  last_refused_ = statistics.refused;
   const bool has_poses = statistics.pose_problem.empty();
   if (!has_poses && had_poses_) {
     on_news_("frames are lost without poses: " + statistics.pose_problem);

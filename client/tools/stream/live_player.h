@@ -145,6 +145,7 @@ class LivePlayer {
   DriverStatistics statistics_;
   // Reported so far.
   std::string last_problem_;
+  std::string last_refused_;
   bool was_connected_ = true;
   bool had_poses_ = true;
   bool was_resuming_ = false;

@@ -86,6 +86,17 @@ absl::StatusOr<std::vector<float>> Sweep(SkinDriver& driver,
   return largest;
 }
 
+// A taxel changed at rest, or read more than at rest in a sweep.
+bool Changed(const IdleFrames& idle, const std::vector<float>& largest) {
+  for (size_t i = 0; i < largest.size(); ++i) {
+    if (!idle.valid(i)) continue;
+    const std::vector<float> series = idle.Series(i);
+    const auto [least, most] = std::ranges::minmax(series);
+    if (most > least || largest[i] > most) return true;
+  }
+  return false;
+}
+
 void AddDead(const std::vector<int>& unfelt, TaxelFaults& faults) {
   const std::vector<int> known = faults.All();
   for (const int taxel : unfelt) {
@@ -155,6 +166,10 @@ absl::StatusOr<Measured> Measure(const CalibrateFlags& flags,
       "touch the skin\n",
       device, info.layout.name, info.layout.rows, info.layout.columns,
       info.sample_rate_hz, flags.frames);
+  if (const std::string remarks = driver.Statistics().remarks;
+      !remarks.empty()) {
+    std::cerr << remarks << "\n";
+  }
   IdleFrames idle(info, flags.frames);
   MeasuredRate rate;
   TACTUS_RETURN_IF_ERROR(ReadIdle(driver, idle, rate));
@@ -167,6 +182,7 @@ absl::StatusOr<Measured> Measure(const CalibrateFlags& flags,
       measured.calibration,
       Calibrate(idle, {.device = device,
                        .before = before ? &*before : nullptr,
+                       .pressed_later = flags.sweep_s > 0,
                        .least_margin = flags.margin}));
   Calibration& made = measured.calibration;
   made.created_ms = std::chrono::duration_cast<std::chrono::milliseconds>(
@@ -188,6 +204,11 @@ absl::StatusOr<Measured> Measure(const CalibrateFlags& flags,
         "now press every place of the skin, for %g s\n", flags.sweep_s);
     TACTUS_ASSIGN_OR_RETURN(const std::vector<float> largest,
                             Sweep(driver, info, flags.sweep_s));
+    if (!Changed(idle, largest)) {
+      return InvalidTrainingData(
+          "no taxel changed, not even while the skin was to be pressed; check "
+          "that it has power and that its cable is in");
+    }
     AddDead(UnfeltTaxels(idle, made.baseline,
                          NoiseOf(idle, made.baseline, flags.margin), largest),
             made.faults);
