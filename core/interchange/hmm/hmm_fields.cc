@@ -1,5 +1,6 @@
 #include "core/interchange/hmm/hmm_fields.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
@@ -20,6 +21,39 @@ absl::Status CheckShape(const char* name, const NumberArray& array,
   return InvalidModel(absl::StrCat("shape of ", name),
                       absl::StrCat("(", absl::StrJoin(array.shape, ", "), ")"),
                       absl::StrCat("(", absl::StrJoin(want, ", "), ")"));
+}
+
+absl::Status CheckFinite(const char* name, const NumberArray& array) {
+  for (size_t i = 0; i < array.values.size(); ++i) {
+    const double value = array.values[i];
+    if (std::isfinite(value)) continue;
+    return InvalidModel(
+        ElementName(name, array.shape, i),
+        std::isnan(value) ? "NaN" : (value > 0 ? "Infinity" : "-Infinity"),
+        "a finite number; the training of this model has failed");
+  }
+  return absl::OkStatus();
+}
+
+// A last state without transitions stays for ever.
+absl::Status FillLastRow(size_t n, std::vector<double>& transmat) {
+  for (size_t s = 0; s < n; ++s) {
+    const auto row = transmat.begin() + static_cast<ptrdiff_t>(s * n);
+    if (std::any_of(row, row + static_cast<ptrdiff_t>(n),
+                    [](double p) { return p != 0; })) {
+      continue;
+    }
+    if (s + 1 < n) {
+      return InvalidModel(
+          absl::StrCat(kTransMat, "[", s, "]"), "a row of zeros",
+          absl::StrCat(
+              "a row that sums to 1; only the last state's may be zero, "
+              "which is then never left. If state ",
+              s, " is never left, set ", kTransMat, "[", s, "][", s, "] to 1"));
+    }
+    row[static_cast<ptrdiff_t>(s)] = 1;
+  }
+  return absl::OkStatus();
 }
 
 // Makes each row of `size` probabilities sum to 1 if rounding alone keeps it
@@ -109,12 +143,17 @@ absl::StatusOr<GaussianHmm> Convert(const HmmFields& fields) {
   const size_t d = fields.means.shape[1];
   TACTUS_RETURN_IF_ERROR(CheckShape(kStartProb, fields.startprob, {n}));
   TACTUS_RETURN_IF_ERROR(CheckShape(kTransMat, fields.transmat, {n, n}));
+  TACTUS_RETURN_IF_ERROR(CheckFinite(kStartProb, fields.startprob));
+  TACTUS_RETURN_IF_ERROR(CheckFinite(kTransMat, fields.transmat));
+  TACTUS_RETURN_IF_ERROR(CheckFinite(kMeans, fields.means));
+  TACTUS_RETURN_IF_ERROR(CheckFinite(kCovars, fields.covars));
   GaussianHmm hmm;
   hmm.states = static_cast<int>(n);
   hmm.dimensions = static_cast<int>(d);
   hmm.start = fields.startprob.values;
   hmm.transition = fields.transmat.values;
   hmm.means = fields.means.values;
+  TACTUS_RETURN_IF_ERROR(FillLastRow(n, hmm.transition));
   NormaliseRounded(n, hmm.start);
   NormaliseRounded(n, hmm.transition);
   TACTUS_RETURN_IF_ERROR(TakeCovariances(fields, &hmm));
@@ -123,6 +162,16 @@ absl::StatusOr<GaussianHmm> Convert(const HmmFields& fields) {
 }
 
 }  // namespace
+
+std::string ElementName(absl::string_view name,
+                        const std::vector<size_t>& shape, size_t index) {
+  std::string indices;
+  for (size_t axis = shape.size(); axis-- > 0;) {
+    indices = absl::StrCat("[", index % shape[axis], "]", indices);
+    index /= shape[axis];
+  }
+  return absl::StrCat(name, indices);
+}
 
 HmmFields FieldsOf(const GaussianHmm& hmm) {
   const size_t n = hmm.states;

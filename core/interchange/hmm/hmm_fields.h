@@ -25,6 +25,10 @@ struct NumberArray {
   std::vector<double> values;
 };
 
+// "means_[0][2]": element `index` of an array with this shape.
+std::string ElementName(absl::string_view name,
+                        const std::vector<size_t>& shape, size_t index);
+
 inline constexpr char kCovarianceType[] = "covariance_type";
 inline constexpr char kStartProb[] = "startprob_";
 inline constexpr char kTransMat[] = "transmat_";
@@ -50,7 +54,10 @@ HmmFields FieldsOf(const GaussianHmm& hmm);
 
 // INVALID_MODEL, with `where` and the field's name first, unless shapes and
 // values are right. Probabilities whose sum is off by up to 1e-6, as float
-// arrays and rounded text have it, are divided by their sum.
+// arrays and rounded text have it, are divided by their sum. A last row of
+// zeros in `transmat`, as hmmlearn leaves it for a last state that training
+// never saw left, is read as a state that stays; any other row of zeros is
+// refused.
 absl::StatusOr<GaussianHmm> HmmOf(const HmmFields& fields,
                                   absl::string_view where);
 

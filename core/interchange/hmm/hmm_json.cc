@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
@@ -34,20 +35,63 @@ OrderedJson ToLists(const NumberArray& array, size_t axis = 0, size_t at = 0) {
   return list;
 }
 
+// `text` with the NaN, Infinity and -Infinity that Python writes as texts,
+// which JSON can hold.
+std::string WithQuotedNonFinite(absl::string_view text) {
+  std::string out;
+  out.reserve(text.size());
+  bool in_text = false;
+  for (size_t i = 0; i < text.size();) {
+    if (in_text && text[i] == '\\') {
+      absl::StrAppend(&out, text.substr(i, 2));
+      i += 2;
+      continue;
+    }
+    if (text[i] == '"') in_text = !in_text;
+    absl::string_view word;
+    for (const absl::string_view name : {"NaN", "-Infinity", "Infinity"}) {
+      if (!in_text && absl::StartsWith(text.substr(i), name)) word = name;
+    }
+    if (word.empty()) {
+      out += text[i++];
+    } else {
+      absl::StrAppend(&out, "\"", word, "\"");
+      i += word.size();
+    }
+  }
+  return out;
+}
+
 // Appends the numbers of `json`, lists nested as deep as shape[axis..], to
-// `values`. False if the lists are of other lengths or hold anything else.
-bool Flatten(const OrderedJson& json, const std::vector<size_t>& shape,
-             size_t axis, std::vector<double>* values) {
+// `values`. The error names the element, whose name so far is `name`.
+absl::Status Flatten(const OrderedJson& json, const std::vector<size_t>& shape,
+                     size_t axis, const std::string& name,
+                     std::vector<double>* values) {
   if (axis == shape.size()) {
-    if (!json.is_number()) return false;
+    if (!json.is_number()) {
+      constexpr size_t kMostShown = 16;
+      std::string got = json.type_name();
+      if (json.is_string() &&
+          json.get_ref<const std::string&>().size() <= kMostShown) {
+        got = json.get<std::string>();
+      }
+      return InvalidModel(name, got, "a finite number");
+    }
     values->push_back(json.get<double>());
-    return true;
+    return absl::OkStatus();
   }
-  if (!json.is_array() || json.size() != shape[axis]) return false;
-  for (const OrderedJson& item : json) {
-    if (!Flatten(item, shape, axis + 1, values)) return false;
+  if (!json.is_array() || json.size() != shape[axis]) {
+    return InvalidModel(name,
+                        json.is_array()
+                            ? absl::StrCat("a list of ", json.size())
+                            : std::string(json.type_name()),
+                        absl::StrCat("a list of ", shape[axis]));
   }
-  return true;
+  for (size_t i = 0; i < json.size(); ++i) {
+    TACTUS_RETURN_IF_ERROR(Flatten(json[i], shape, axis + 1,
+                                   absl::StrCat(name, "[", i, "]"), values));
+  }
+  return absl::OkStatus();
 }
 
 absl::StatusOr<NumberArray> FromLists(const OrderedJson& object,
@@ -60,10 +104,10 @@ absl::StatusOr<NumberArray> FromLists(const OrderedJson& object,
     array.shape.push_back(item->size());
     item = &item->front();
   }
-  if (array.shape.empty() || !Flatten(*found, array.shape, 0, &array.values)) {
-    return InvalidModel(name, found->type_name(),
-                        "nested lists of numbers, all of one length");
+  if (array.shape.empty()) {
+    return InvalidModel(name, found->type_name(), "nested lists of numbers");
   }
+  TACTUS_RETURN_IF_ERROR(Flatten(*found, array.shape, 0, name, &array.values));
   return array;
 }
 
@@ -133,12 +177,14 @@ absl::StatusOr<HmmFields> ReadGhmm(const OrderedJson& json) {
   const size_t n = emissions->size();
   fields.means.shape = {n, d};
   fields.covars.shape = {n, d, d};
-  for (const OrderedJson& state : *emissions) {
-    if (!state.is_array() || state.size() != 2 ||
-        !Flatten(state[0], {d}, 0, &fields.means.values) ||
-        !Flatten(state[1], {d * d}, 0, &fields.covars.values)) {
-      return wrong;
-    }
+  for (size_t k = 0; k < n; ++k) {
+    const OrderedJson& state = (*emissions)[k];
+    if (!state.is_array() || state.size() != 2) return wrong;
+    const std::string name = absl::StrCat("B[", k, "]");
+    TACTUS_RETURN_IF_ERROR(
+        Flatten(state[0], {d}, 0, name + "[0]", &fields.means.values));
+    TACTUS_RETURN_IF_ERROR(
+        Flatten(state[1], {d * d}, 0, name + "[1]", &fields.covars.values));
   }
   return fields;
 }
@@ -253,8 +299,9 @@ std::string HmmsToJson(const Model& model, HmmJsonStyle style) {
 
 absl::StatusOr<ForeignModel> HmmsFromJson(absl::string_view path,
                                           absl::string_view text) {
-  const OrderedJson json = OrderedJson::parse(text.begin(), text.end(), nullptr,
-                                              /*allow_exceptions=*/false);
+  const OrderedJson json =
+      OrderedJson::parse(WithQuotedNonFinite(text), nullptr,
+                         /*allow_exceptions=*/false);
   if (json.is_discarded()) return InvalidModelFile(path, "is not JSON");
   auto model = Read(json);
   if (!model.ok()) return Annotate(model.status(), path);

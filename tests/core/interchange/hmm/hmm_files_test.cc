@@ -171,7 +171,7 @@ INSTANTIATE_TEST_SUITE_P(
                [](json& j) {
                  j["startprob_"] = {0.5, 0.25, 0.25};
                }},
-        BadHmm{"transmat_ is array",
+        BadHmm{"transmat_[1] is a list of 1; it must be a list of 2",
                [](json& j) {
                  j["transmat_"] = {{0.5, 0.5}, {1}};
                }},
@@ -195,9 +195,13 @@ INSTANTIATE_TEST_SUITE_P(
                  j["startprob_"] = {-0.5, 1.5};
                }},
         BadHmm{"covar", [](json& j) { j["covars_"][0][0][0] = -1; }},
-        BadHmm{"B is of another form",
+        BadHmm{"B[0][1] is a list of 3; it must be a list of 4",
                [](json& j) {
                  j = {{"A", {{1}}}, {"pi", {1}}, {"B", {{{1, 2}, {1, 0, 1}}}}};
+               }},
+        BadHmm{"B is of another form",
+               [](json& j) {
+                 j = {{"A", {{1}}}, {"pi", {1}}, {"B", {1}}};
                }},
         BadHmm{"pi is absent",
                [](json& j) {
