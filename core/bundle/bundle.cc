@@ -61,8 +61,9 @@ absl::StatusOr<absl::string_view> OpenEnvelope(absl::string_view bytes) {
     return BundleCorrupt("its SHA-256 checksum does not match");
   }
   const auto version = ReadNumber<uint32_t>(bytes, kVersionOffset);
-  if (version != kBundleFormatVersion) {
-    return BundleVersion(version, kBundleFormatVersion);
+  if (version != kBundleFormatVersion &&
+      version != kBundleFormatVersionHidden) {
+    return BundleVersion(version, kBundleFormatVersionHidden);
   }
   const absl::string_view payload = body.substr(kPayloadOffset);
   if (ReadNumber<uint64_t>(bytes, kLengthOffset) != payload.size()) {
@@ -73,11 +74,21 @@ absl::StatusOr<absl::string_view> OpenEnvelope(absl::string_view bytes) {
 
 }  // namespace
 
+uint32_t BundleFormatVersion(const Model& model) {
+  const auto has_hidden = [](const LstmNetwork& network) {
+    return !network.hidden.empty();
+  };
+  return std::ranges::any_of(model.lstms, has_hidden) ||
+                 (model.estimator && has_hidden(*model.estimator))
+             ? kBundleFormatVersionHidden
+             : kBundleFormatVersion;
+}
+
 absl::StatusOr<std::string> EncodeBundle(const Model& model) {
   TACTUS_RETURN_IF_ERROR(CompiledModel::Create(model).status());
   const std::string payload = SerializeDeterministic(ModelToProto(model));
   std::string bytes(kMagic);
-  AppendNumber<uint32_t>(kBundleFormatVersion, bytes);
+  AppendNumber<uint32_t>(BundleFormatVersion(model), bytes);
   AppendNumber<uint64_t>(payload.size(), bytes);
   bytes += payload;
   bytes += Sha256Of(bytes);

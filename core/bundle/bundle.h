@@ -18,7 +18,14 @@
 
 namespace tactus {
 
+// Bundles whose networks have hidden layers have version 2, because readers of
+// version 1 would leave the hidden layers out. All others have version 1. Both
+// are read.
 inline constexpr uint32_t kBundleFormatVersion = 1;
+inline constexpr uint32_t kBundleFormatVersionHidden = 2;
+
+// The format version of this model's bundle.
+uint32_t BundleFormatVersion(const Model& model);
 
 // The bundle of a valid model; INVALID_MODEL for any other. The same model
 // gives the same bytes.
@@ -26,8 +33,8 @@ absl::StatusOr<std::string> EncodeBundle(const Model& model);
 
 // The model of a bundle, compiled and ready to serve; RunWarmUp is left to the
 // caller. BUNDLE_CORRUPT if the envelope or the checksum is wrong,
-// BUNDLE_VERSION if the format version differs, INVALID_MODEL if the contents
-// are inconsistent.
+// BUNDLE_VERSION if the format version is unknown, INVALID_MODEL if the
+// contents are inconsistent.
 absl::StatusOr<std::shared_ptr<const CompiledModel>> DecodeBundle(
     absl::string_view bytes);
 

@@ -65,6 +65,15 @@ constexpr EnumTable<GateActivation, v1::LstmNetwork::GateActivation, 2>
          {GateActivation::kHardSigmoid,
           v1::LstmNetwork::GATE_ACTIVATION_HARD_SIGMOID}}};
 
+constexpr EnumTable<HiddenActivation, v1::LstmNetwork::HiddenActivation, 4>
+    kHiddenActivations{
+        "hidden activation",
+        {{HiddenActivation::kLinear, v1::LstmNetwork::HIDDEN_ACTIVATION_LINEAR},
+         {HiddenActivation::kRelu, v1::LstmNetwork::HIDDEN_ACTIVATION_RELU},
+         {HiddenActivation::kTanh, v1::LstmNetwork::HIDDEN_ACTIVATION_TANH},
+         {HiddenActivation::kSigmoid,
+          v1::LstmNetwork::HIDDEN_ACTIVATION_SIGMOID}}};
+
 constexpr EnumTable<PoseNeed, v1::PoseNeed, 3> kPoseNeeds{
     "poses",
     {{PoseNeed::kEither, v1::POSE_NEED_UNSPECIFIED},
@@ -197,6 +206,14 @@ void ToProto(const LstmNetwork& network, v1::LstmNetwork* out) {
     Assign(layer.recurrent, row->mutable_recurrent());
     Assign(layer.bias, row->mutable_bias());
   }
+  for (const HiddenLayer& layer : network.hidden) {
+    auto* row = out->add_hidden();
+    row->set_inputs(layer.inputs);
+    row->set_units(layer.units);
+    row->set_activation(kHiddenActivations.ToWire(layer.activation));
+    Assign(layer.kernel, row->mutable_kernel());
+    Assign(layer.bias, row->mutable_bias());
+  }
   Assign(network.dense_kernel, out->mutable_dense_kernel());
   Assign(network.dense_bias, out->mutable_dense_bias());
   out->set_regressions(network.regressions);
@@ -214,6 +231,15 @@ absl::StatusOr<LstmNetwork> FromProto(const v1::LstmNetwork& in) {
     layer.cells = static_cast<int>(row.cells());
     layer.kernel = ToVector(row.kernel());
     layer.recurrent = ToVector(row.recurrent());
+    layer.bias = ToVector(row.bias());
+  }
+  for (const auto& row : in.hidden()) {
+    HiddenLayer& layer = network.hidden.emplace_back();
+    layer.inputs = static_cast<int>(row.inputs());
+    layer.units = static_cast<int>(row.units());
+    TACTUS_ASSIGN_OR_RETURN(layer.activation,
+                            kHiddenActivations.FromWire(row.activation()));
+    layer.kernel = ToVector(row.kernel());
     layer.bias = ToVector(row.bias());
   }
   network.dense_kernel = ToVector(in.dense_kernel());

@@ -106,7 +106,7 @@ void ContactClassifier::Reset() {
   settled_steps_ = 0;
   left_out_ = 0;
   unchanged_ = 0;
-  lstms_stepped_ = false;
+  lstm_steps_ = 0;
   hmms_are_sure_ = false;
 }
 
@@ -164,7 +164,7 @@ bool ContactClassifier::SavesStep() {
     return true;
   }
   left_out_ = 0;
-  if (s.unchanged_input > 0 && lstms_stepped_ &&
+  if (s.unchanged_input > 0 && lstm_steps_ > 0 &&
       unchanged_ < s.most_unchanged && !InputsChanged()) {
     ++unchanged_;
     return true;
@@ -186,7 +186,7 @@ bool ContactClassifier::InputsChanged() {
 
 void ContactClassifier::StepLstms() {
   scores_changed_ = true;
-  lstms_stepped_ = true;
+  ++lstm_steps_;
   for (LstmStepper& lstm : lstms_) lstm.Step(lstm_input_);
   const double weight = 1 / static_cast<double>(lstms_.size());
   for (size_t k = 0; k < lstm_score_.size(); ++k) {

@@ -88,6 +88,12 @@ class ContactClassifier {
   uint64_t frames() const { return frames_; }
   // Steps of the HMMs so far.
   uint64_t hmm_steps() const { return hmm_steps_; }
+  // Steps of the LSTMs so far.
+  uint64_t lstm_steps() const { return lstm_steps_; }
+  // The scaled inputs of the last step of the HMMs and of the LSTMs, in the
+  // order of InputSpec; of no meaning before the first.
+  std::span<const double> hmm_input() const { return hmm_input_; }
+  std::span<const double> lstm_input() const { return lstm_input_; }
   // One log p(HMM inputs | class) per class.
   std::span<const double> log_likelihood() const { return log_likelihood_; }
   // Log of the LSTMs' mean probability before calibration, one per class;
@@ -191,7 +197,7 @@ class ContactClassifier {
   int settled_class_ = 0;
   uint32_t left_out_ = 0;
   uint32_t unchanged_ = 0;
-  bool lstms_stepped_ = false;
+  uint64_t lstm_steps_ = 0;
   bool hmms_are_sure_ = false;
   uint64_t saved_steps_ = 0;
   std::vector<double> next_input_;

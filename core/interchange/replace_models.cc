@@ -69,7 +69,7 @@ absl::Status ReplaceHmms(const ForeignModel& foreign, Model& model) {
 // Puts the rows of the dense layer into the model's order of classes.
 absl::Status OrderClasses(const std::vector<std::string>& names,
                           const Model& model, LstmNetwork& network) {
-  const size_t cells = network.layers.back().cells;
+  const size_t features = network.features();
   const LstmNetwork from = network;
   std::set<size_t> seen;
   for (size_t k = 0; k < names.size(); ++k) {
@@ -80,8 +80,10 @@ absl::Status OrderClasses(const std::vector<std::string>& names,
     }
     network.dense_bias[index] = from.dense_bias[k];
     std::copy_n(
-        from.dense_kernel.begin() + static_cast<ptrdiff_t>(k * cells), cells,
-        network.dense_kernel.begin() + static_cast<ptrdiff_t>(index * cells));
+        from.dense_kernel.begin() + static_cast<ptrdiff_t>(k * features),
+        features,
+        network.dense_kernel.begin() +
+            static_cast<ptrdiff_t>(index * features));
   }
   return absl::OkStatus();
 }

@@ -54,6 +54,21 @@ absl::Status CheckLayer(const LstmLayer& layer, const std::string& name) {
   return CheckWeights(name + ".bias", layer.bias, rows);
 }
 
+// `inputs`: what the layers before it put out.
+absl::Status CheckHidden(const HiddenLayer& layer, int inputs,
+                         const std::string& name) {
+  TACTUS_RETURN_IF_ERROR(
+      CheckCount(name + ".units", layer.units, limits::kMaxLstmCells));
+  if (layer.inputs != inputs) {
+    return InvalidModel(
+        name + ".inputs", layer.inputs,
+        absl::StrCat(inputs, ", the outputs of the layer before"));
+  }
+  TACTUS_RETURN_IF_ERROR(CheckWeights(name + ".kernel", layer.kernel,
+                                      size_t(layer.units) * inputs));
+  return CheckWeights(name + ".bias", layer.bias, layer.units);
+}
+
 std::vector<float> GlorotUniform(int count, int fan_in, int fan_out,
                                  Random& random) {
   const double limit = std::sqrt(6.0 / (fan_in + fan_out));
@@ -71,6 +86,9 @@ int64_t LstmNetwork::parameter_count() const {
   for (const LstmLayer& layer : layers) {
     count += layer.kernel.size() + layer.recurrent.size() + layer.bias.size();
   }
+  for (const HiddenLayer& layer : hidden) {
+    count += layer.kernel.size() + layer.bias.size();
+  }
   return static_cast<int64_t>(count);
 }
 
@@ -86,6 +104,16 @@ absl::Status Validate(const LstmNetwork& network) {
                                        ", the cells of the layer before"));
     }
   }
+  if (network.hidden.size() > limits::kMaxLstmLayers) {
+    return InvalidModel("lstm.hidden", network.hidden.size(),
+                        absl::StrCat("at most ", limits::kMaxLstmLayers));
+  }
+  int features = network.layers.back().cells;
+  for (size_t i = 0; i < network.hidden.size(); ++i) {
+    TACTUS_RETURN_IF_ERROR(CheckHidden(network.hidden[i], features,
+                                       absl::StrCat("lstm.hidden[", i, "]")));
+    features = network.hidden[i].units;
+  }
   if (network.regressions < 0 || network.regressions > limits::kMaxClasses) {
     return InvalidModel("lstm.regressions", network.regressions,
                         absl::StrCat("0 to ", limits::kMaxClasses));
@@ -98,7 +126,7 @@ absl::Status Validate(const LstmNetwork& network) {
   TACTUS_RETURN_IF_ERROR(CheckWeights("lstm.dense_bias", network.dense_bias,
                                       network.dense_bias.size()));
   return CheckWeights("lstm.dense_kernel", network.dense_kernel,
-                      network.dense_bias.size() * network.layers.back().cells);
+                      network.dense_bias.size() * network.features());
 }
 
 LstmNetwork RandomNetwork(int inputs, const std::vector<int>& cells,

@@ -4,7 +4,8 @@
 // softmax (paper, Section "Long Short-Term Memory Networks"). With two
 // features, two layers of 50 cells and four classes it has the paper's 31,004
 // parameters. It may also regress R quantities: for each, the dense layer then
-// outputs mean and log-variance of a Gaussian.
+// outputs mean and log-variance of a Gaussian. Networks of other programs may
+// have hidden dense layers before the output layer; training makes none.
 //
 //   LstmNetwork network = RandomNetwork(2, {50, 50}, 4, Activation::kSoftsign,
 //                                       GateActivation::kHardSigmoid, seed);
@@ -44,15 +45,31 @@ struct LstmLayer {
   std::vector<float> bias;
 };
 
+// x, max(x, 0), tanh(x), or 1 / (1 + exp(-x)).
+enum class HiddenActivation { kLinear, kRelu, kTanh, kSigmoid };
+
+// A hidden dense layer of I inputs and U units.
+struct HiddenLayer {
+  int inputs = 0;
+  int units = 0;
+  HiddenActivation activation = HiddenActivation::kLinear;
+  // U x I, row-major.
+  std::vector<float> kernel;
+  // U.
+  std::vector<float> bias;
+};
+
 struct LstmNetwork {
   Activation activation = Activation::kTanh;
   GateActivation gate_activation = GateActivation::kSigmoid;
   // First layer first.
   std::vector<LstmLayer> layers;
+  // Between the last LSTM layer and the output layer, first layer first.
+  std::vector<HiddenLayer> hidden = {};
   // R.
   int regressions = 0;
-  // (classes + 2R) x H of the last layer, row-major: the rows of the classes,
-  // of the R means, of the R log-variances.
+  // (classes + 2R) x features(), row-major: the rows of the classes, of the R
+  // means, of the R log-variances.
   std::vector<float> dense_kernel;
   // One per row of `dense_kernel`.
   std::vector<float> dense_bias;
@@ -61,6 +78,12 @@ struct LstmNetwork {
   int classes() const {
     return static_cast<int>(static_cast<int64_t>(dense_bias.size()) -
                             2 * int64_t{regressions});
+  }
+  // Inputs of the output layer: units of the last hidden layer, or cells of the
+  // last LSTM layer.
+  int features() const {
+    if (!hidden.empty()) return hidden.back().units;
+    return layers.empty() ? 0 : layers.back().cells;
   }
   int64_t parameter_count() const;
 };

@@ -29,6 +29,23 @@ void Transpose(const std::vector<float>& weights, int rows, int columns,
   }
 }
 
+void ActivateHidden(HiddenActivation activation,
+                    Eigen::Ref<Eigen::VectorXd> values) {
+  switch (activation) {
+    case HiddenActivation::kLinear:
+      return;
+    case HiddenActivation::kRelu:
+      values = values.cwiseMax(0.0);
+      return;
+    case HiddenActivation::kTanh:
+      for (double& value : values) value = std::tanh(value);
+      return;
+    case HiddenActivation::kSigmoid:
+      for (double& value : values) value = 1 / (1 + std::exp(-value));
+      return;
+  }
+}
+
 }  // namespace
 
 absl::StatusOr<CompiledLstm> CompiledLstm::Create(const LstmNetwork& network) {
@@ -48,11 +65,19 @@ absl::StatusOr<CompiledLstm> CompiledLstm::Create(const LstmNetwork& network) {
     to.bias.resize(Padded(gates));
     std::copy(from.bias.begin(), from.bias.end(), to.bias.begin());
   }
+  for (const HiddenLayer& from : network.hidden) {
+    lstm.hidden_.push_back(
+        {from.activation,
+         Eigen::Map<const RowMajor>(from.kernel.data(), from.units, from.inputs)
+             .cast<double>(),
+         Eigen::Map<const Eigen::VectorXf>(from.bias.data(), from.units)
+             .cast<double>()});
+  }
   const auto outputs = static_cast<int>(network.dense_bias.size());
-  const int cells = network.layers.back().cells;
+  const int features = network.features();
   lstm.regressions_ = network.regressions;
   lstm.dense_kernel_ =
-      Eigen::Map<const RowMajor>(network.dense_kernel.data(), outputs, cells)
+      Eigen::Map<const RowMajor>(network.dense_kernel.data(), outputs, features)
           .cast<double>();
   lstm.dense_bias_ =
       Eigen::Map<const Eigen::VectorXf>(network.dense_bias.data(), outputs)
@@ -73,6 +98,9 @@ LstmStepper::LstmStepper(const CompiledLstm& lstm, int streams,
     state.gates.resize(size_t(streams) * layer.bias.size() + kLstmLanes);
   }
   output_.resize(lstm.layers_.back().cells, streams);
+  for (const CompiledLstm::Hidden& layer : lstm.hidden_) {
+    hidden_.emplace_back(layer.bias.size(), streams);
+  }
   dense_.resize(lstm.dense_bias_.size(), streams);
   probability_.resize(lstm.classes(), streams);
   Reset();
@@ -105,6 +133,7 @@ void LstmStepper::Step(std::span<const double> input) {
     to += Stride(first.inputs, first.cells);
   }
   for (size_t i = 0; i < states_.size(); ++i) StepLayer(i);
+  StepHidden();
   Softmax();
 }
 
@@ -149,11 +178,26 @@ void LstmStepper::StepLayer(size_t index) {
   }
 }
 
+void LstmStepper::StepHidden() {
+  const Eigen::MatrixXd* input = &output_;
+  for (size_t i = 0; i < hidden_.size(); ++i) {
+    const CompiledLstm::Hidden& layer = lstm_->hidden_[i];
+    for (int stream = 0; stream < streams_; ++stream) {
+      auto output = hidden_[i].col(stream);
+      output = layer.bias;
+      output.noalias() += layer.kernel * input->col(stream);
+      ActivateHidden(layer.activation, output);
+    }
+    input = &hidden_[i];
+  }
+}
+
 void LstmStepper::Softmax() {
+  const Eigen::MatrixXd& features = hidden_.empty() ? output_ : hidden_.back();
   for (int stream = 0; stream < streams_; ++stream) {
     auto dense = dense_.col(stream);
     dense = lstm_->dense_bias_;
-    dense.noalias() += lstm_->dense_kernel_ * output_.col(stream);
+    dense.noalias() += lstm_->dense_kernel_ * features.col(stream);
     auto probability = probability_.col(stream);
     probability = dense.head(lstm_->classes());
     probability.array() -= probability.maxCoeff();

@@ -14,9 +14,9 @@
 // A stepper may run several streams in lockstep, each with a separate state.
 // The weights are then read once for all of them.
 //
-// Weights and state are float, the softmax is double. The same inputs give the
-// same bits, whatever the number of streams and however wide the CPU's vectors
-// are.
+// Weights and state are float, hidden dense layers and the softmax are double.
+// The same inputs give the same bits, whatever the number of streams and
+// however wide the CPU's vectors are.
 #pragma once
 
 #include <span>
@@ -54,13 +54,20 @@ class CompiledLstm {
     LstmBuffer bias;  // Padded(4H)
   };
 
+  struct Hidden {
+    HiddenActivation activation = HiddenActivation::kLinear;
+    Eigen::MatrixXd kernel;  // units x inputs
+    Eigen::VectorXd bias;
+  };
+
   CompiledLstm() = default;
 
   Activation activation_ = Activation::kTanh;
   GateActivation gate_activation_ = GateActivation::kSigmoid;
   int regressions_ = 0;
   std::vector<Layer> layers_;
-  // (Classes + 2R) x H.
+  std::vector<Hidden> hidden_;
+  // (Classes + 2R) x features.
   Eigen::MatrixXd dense_kernel_;
   Eigen::VectorXd dense_bias_;
 };
@@ -109,6 +116,7 @@ class LstmStepper {
   };
 
   void StepLayer(size_t index);
+  void StepHidden();
   void Softmax();
   // R outputs of the dense layer.
   std::span<const double> Outputs(int stream, int first) const {
@@ -119,9 +127,10 @@ class LstmStepper {
   const LstmKernels* kernels_;
   int streams_;
   std::vector<State> states_;
-  // One column per stream: output of the last layer, H, and of the dense layer,
-  // classes + 2R.
+  // One column per stream: output of the last LSTM layer, H, of each hidden
+  // layer, and of the dense layer, classes + 2R.
   Eigen::MatrixXd output_;
+  std::vector<Eigen::MatrixXd> hidden_;
   Eigen::MatrixXd dense_;
   Eigen::MatrixXd probability_;
 };

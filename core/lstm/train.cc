@@ -48,6 +48,10 @@ absl::Status CheckOptions(const LstmTrainOptions& options,
 absl::Status CheckStart(const LstmCheckpoint& from,
                         const LstmTrainOptions& options) {
   TACTUS_RETURN_IF_ERROR(Validate(from.network));
+  if (!from.network.hidden.empty()) {
+    return InvalidModel("lstm.hidden", from.network.hidden.size(),
+                        "0: networks with hidden layers are not trained");
+  }
   const OptimizerState& optimizer = from.optimizer;
   const size_t moments =
       optimizer.steps == 0 ? 0 : from.network.parameter_count();

@@ -16,6 +16,7 @@
 #include "core/interchange/lstm/lstm_from_onnx.h"
 #include "core/interchange/lstm/lstm_graph.h"
 #include "core/interchange/lstm/lstm_to_onnx.h"
+#include "core/interchange/lstm/network_stack.h"
 #include "core/interchange/lstm/onnx_axes.h"
 #include "core/interchange/lstm/onnx_lstm_layer.h"
 #include "core/interchange/lstm/onnx_names.h"
@@ -68,9 +69,21 @@ void InputsJsonExample(const Model& model) {
 }
 
 absl::Status KerasConfigExample(const std::string& text) {
-  TACTUS_ASSIGN_OR_RETURN(KerasConfig config, ParseKerasConfig(text, 2));
-  config.activation;
+  TACTUS_ASSIGN_OR_RETURN(std::vector<KerasLayerConfig> layers,
+                          ParseKerasConfig(text, /*major_version=*/2));
+  layers[0].name;
   return absl::OkStatus();
+}
+
+void NetworkStackExample(LstmLayer layer, Activation activation,
+                         GateActivation gate_activation,
+                         std::vector<float> kernel, std::vector<float> bias) {
+  NetworkStack stack;
+  std::string fault = stack.AddLstm(layer, activation, gate_activation);
+  fault = stack.AddDense(/*units=*/32, kernel, bias);
+  fault = stack.Activate(HiddenActivation::kRelu);
+  fault = stack.AddDense(/*units=*/4, kernel, bias);
+  std::optional<LstmNetwork> network = stack.Finish(/*softmax=*/true, &fault);
 }
 
 absl::Status LstmFromKerasExample() {

@@ -28,6 +28,7 @@ struct ImportModelFlags {
   std::string class_name;
   std::string activation = "tanh";
   std::string gate_activation = "sigmoid";
+  std::string dense_activation;
   std::string calibrate;
   std::string layout;
   bool json = false;
@@ -45,6 +46,18 @@ absl::StatusOr<KerasOptions> KerasOptionsOf(const ImportModelFlags& flags) {
   } else if (flags.gate_activation != "sigmoid") {
     return InvalidConfig("--gate-activation", flags.gate_activation,
                          "sigmoid or hard-sigmoid");
+  }
+  if (flags.dense_activation == "relu") {
+    options.dense_activation = HiddenActivation::kRelu;
+  } else if (flags.dense_activation == "tanh") {
+    options.dense_activation = HiddenActivation::kTanh;
+  } else if (flags.dense_activation == "sigmoid") {
+    options.dense_activation = HiddenActivation::kSigmoid;
+  } else if (flags.dense_activation == "linear") {
+    options.dense_activation = HiddenActivation::kLinear;
+  } else if (!flags.dense_activation.empty()) {
+    return InvalidConfig("--dense-activation", flags.dense_activation,
+                         "relu, tanh, sigmoid or linear");
   }
   return options;
 }
@@ -185,6 +198,9 @@ void AddImportModel(CLI::App& app, const SelectCommand& select) {
                       "Of Keras weights: tanh (default) or softsign");
   command->add_option("--gate-activation", flags->gate_activation,
                       "Of Keras weights: sigmoid (default) or hard-sigmoid");
+  command->add_option("--dense-activation", flags->dense_activation,
+                      "Of hidden Dense layers of Keras weights: relu, tanh, "
+                      "sigmoid or linear");
   command->add_option("--calibrate", flags->calibrate,
                       "Trial file with contacts that the models have not seen");
   command->add_option("--layout", flags->layout,

@@ -57,7 +57,7 @@ absl::StatusOr<Json> InspectBundle(const std::string& path) {
         {"states", model.hmms[k].components.front().states}};
   }
   return Json{{"kind", "bundle"},
-              {"format_version", kBundleFormatVersion},
+              {"format_version", BundleFormatVersion(model)},
               {"bytes", bytes.size()},
               {"sha256", BundleSha256(bytes)},
               {"classes", model.class_names},

@@ -1,7 +1,9 @@
 #include "core/interchange/lstm/lstm_from_keras.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -17,6 +19,7 @@
 #include "core/files/hdf5_probe.h"
 #include "core/files/hdf5_read.h"
 #include "core/interchange/lstm/keras_config.h"
+#include "core/interchange/lstm/network_stack.h"
 #include "core/interchange/lstm/onnx_names.h"
 #include "core/interchange/model/model_file_error.h"
 
@@ -30,7 +33,8 @@ struct Weights {
   std::vector<double> values;
 };
 
-// The weights of one layer by their names: kernel, recurrent_kernel, bias.
+// The weights of one layer by their names: kernel, recurrent_kernel, bias,
+// gamma, beta, moving_mean, moving_variance.
 struct KerasLayer {
   std::string name;
   std::map<std::string, Weights> weights;
@@ -164,7 +168,7 @@ absl::StatusOr<std::vector<KerasLayer>> ReadNumberedLayers(
                               ReadWeights(vars.get(), numbers[i], complain));
     }
   }
-  // LSTMs before the Dense layer.
+  // LSTMs before the Dense layers.
   std::stable_partition(layers.begin(), layers.end(),
                         [](const KerasLayer& layer) {
                           return layer.weights.contains("recurrent_kernel");
@@ -190,29 +194,33 @@ std::vector<float> BiasOf(const KerasLayer& layer, size_t size) {
   return {bias->second.values.begin(), bias->second.values.end()};
 }
 
-absl::Status CheckWeights(const KerasLayer& layer) {
+bool HasKernelOf(const KerasLayer& layer, bool lstm) {
+  const size_t expected = (lstm ? 2 : 1) + layer.weights.count("bias");
+  const auto kernel = layer.weights.find("kernel");
+  if (kernel == layer.weights.end() || kernel->second.columns == 0 ||
+      layer.weights.size() != expected) {
+    return false;
+  }
+  const size_t columns = kernel->second.columns;
+  const auto bias = layer.weights.find("bias");
+  if (bias != layer.weights.end() &&
+      (bias->second.rows != columns || bias->second.columns != 0)) {
+    return false;
+  }
+  if (!lstm) return true;
+  const auto recurrent = layer.weights.find("recurrent_kernel");
+  return recurrent != layer.weights.end() &&
+         recurrent->second.columns == columns &&
+         columns == kLstmGates * recurrent->second.rows;
+}
+
+absl::Status CheckWeights(const KerasLayer& layer, bool lstm) {
+  if (HasKernelOf(layer, lstm)) return absl::OkStatus();
   std::vector<std::string> names;
   for (const auto& [name, weights] : layer.weights) {
     names.push_back(
         absl::StrCat(name, " (", weights.rows, ", ", weights.columns, ")"));
   }
-  const bool lstm = layer.weights.contains("recurrent_kernel");
-  const size_t expected = (lstm ? 2 : 1) + layer.weights.count("bias");
-  const auto kernel = layer.weights.find("kernel");
-  bool fits = kernel != layer.weights.end() && kernel->second.columns > 0 &&
-              layer.weights.size() == expected;
-  if (fits) {
-    const size_t columns = kernel->second.columns;
-    const auto bias = layer.weights.find("bias");
-    fits = bias == layer.weights.end() ||
-           (bias->second.rows == columns && bias->second.columns == 0);
-    if (lstm) {
-      const Weights& recurrent = layer.weights.at("recurrent_kernel");
-      fits = fits && recurrent.columns == columns &&
-             columns == kLstmGates * recurrent.rows;
-    }
-  }
-  if (fits) return absl::OkStatus();
   return InvalidModel(
       absl::StrCat("layer ", layer.name),
       absl::StrCat("a layer with ", absl::StrJoin(names, ", ")),
@@ -220,34 +228,149 @@ absl::Status CheckWeights(const KerasLayer& layer) {
       "cells) and bias, or a Dense with kernel and bias");
 }
 
+absl::Status Fault(const std::string& name, const std::string& fault) {
+  if (fault.empty()) return absl::OkStatus();
+  return MakeError(absl::StatusCode::kInvalidArgument,
+                   v1::ERROR_REASON_INVALID_MODEL,
+                   absl::StrCat("layer ", name, " ", fault));
+}
+
 // Keras has the gates in our order, i, f, c, o.
-absl::StatusOr<LstmNetwork> NetworkOf(const std::vector<KerasLayer>& layers) {
-  LstmNetwork network;
+absl::Status AddLstm(const KerasLayer& layer, Activation activation,
+                     GateActivation gate_activation, NetworkStack* stack) {
+  TACTUS_RETURN_IF_ERROR(CheckWeights(layer, /*lstm=*/true));
+  const Weights& kernel = layer.weights.at("kernel");
+  LstmLayer out;
+  out.inputs = static_cast<int>(kernel.rows);
+  out.cells = static_cast<int>(kernel.columns / kLstmGates);
+  out.kernel = Transposed(kernel);
+  out.recurrent = Transposed(layer.weights.at("recurrent_kernel"));
+  out.bias = BiasOf(layer, kernel.columns);
+  return Fault(layer.name,
+               stack->AddLstm(std::move(out), activation, gate_activation));
+}
+
+absl::Status AddDense(const KerasLayer& layer, NetworkStack* stack) {
+  TACTUS_RETURN_IF_ERROR(CheckWeights(layer, /*lstm=*/false));
+  const Weights& kernel = layer.weights.at("kernel");
+  return Fault(layer.name, stack->AddDense(static_cast<int>(kernel.columns),
+                                           Transposed(kernel),
+                                           BiasOf(layer, kernel.columns)));
+}
+
+// gamma (x - mean) / sqrt(variance + epsilon) + beta.
+absl::Status AddNormalization(const KerasLayer& layer,
+                              const KerasLayerConfig& config,
+                              NetworkStack* stack) {
+  const auto numbers = [&](const char* name, bool is_there, double absent,
+                           size_t size) {
+    const auto found = layer.weights.find(name);
+    return found != layer.weights.end() && is_there
+               ? found->second.values
+               : std::vector<double>(size, absent);
+  };
+  const auto mean = layer.weights.find("moving_mean");
+  const size_t size =
+      mean == layer.weights.end() ? 0 : mean->second.values.size();
+  const std::vector<double> variance = numbers("moving_variance", true, 0, 0);
+  std::vector<double> scale = numbers("gamma", config.has_gamma, 1, size);
+  std::vector<double> shift = numbers("beta", config.has_beta, 0, size);
+  if (size == 0 || variance.size() != size || scale.size() != size ||
+      shift.size() != size) {
+    return Fault(layer.name,
+                 "has no moving_mean and moving_variance, or weights of "
+                 "different sizes");
+  }
+  for (size_t i = 0; i < size; ++i) {
+    const double deviation = std::sqrt(variance[i] + config.epsilon);
+    if (!(deviation > 0) || !std::isfinite(deviation)) {
+      return InvalidModel(
+          absl::StrCat("layer ", layer.name, " moving_variance[", i, "]"),
+          variance[i], "at least 0, and above 0 with epsilon");
+    }
+    scale[i] /= deviation;
+    shift[i] -= mean->second.values[i] * scale[i];
+  }
+  return Fault(layer.name, stack->Scale(scale, shift));
+}
+
+// The layers in the order of the model, each with its weights.
+absl::StatusOr<LstmNetwork> NetworkOf(
+    const std::vector<KerasLayer>& layers,
+    const std::vector<KerasLayerConfig>& configs) {
+  using Kind = KerasLayerConfig::Kind;
+  NetworkStack stack;
+  std::string what = "the model ";
+  bool softmax = false;
+  size_t used = 0;
+  for (const KerasLayerConfig& config : configs) {
+    if (softmax) {
+      return Fault(config.name, "follows softmax, which comes last");
+    }
+    if (config.kind != Kind::kActivation) {
+      const auto layer = std::ranges::find(
+          layers, config.name, [](const auto& l) { return l.name; });
+      if (layer == layers.end()) {
+        return Fault(config.name, "has no weights in the file");
+      }
+      ++used;
+      if (config.kind == Kind::kLstm) {
+        TACTUS_RETURN_IF_ERROR(AddLstm(*layer, config.cell_activation,
+                                       config.gate_activation, &stack));
+      } else if (config.kind == Kind::kNormalization) {
+        TACTUS_RETURN_IF_ERROR(AddNormalization(*layer, config, &stack));
+      } else {
+        TACTUS_RETURN_IF_ERROR(AddDense(*layer, &stack));
+      }
+    }
+    TACTUS_RETURN_IF_ERROR(
+        Fault(config.name, stack.Activate(config.activation)));
+    softmax = config.softmax;
+    what = absl::StrCat("the model, whose last layer is ", config.name, ", ");
+  }
+  if (used != layers.size()) {
+    return InvalidModel("layers with weights", layers.size(),
+                        absl::StrCat(used, ", as model_config lists"));
+  }
+  std::string fault;
+  std::optional<LstmNetwork> network = stack.Finish(softmax, &fault);
+  if (!network) {
+    return MakeError(absl::StatusCode::kInvalidArgument,
+                     v1::ERROR_REASON_INVALID_MODEL, absl::StrCat(what, fault));
+  }
+  return *std::move(network);
+}
+
+// What a file of weights alone lets one know: LSTM layers and Dense layers, of
+// which the last gives logits or probabilities.
+absl::StatusOr<std::vector<KerasLayerConfig>> ConfigsOf(
+    const std::vector<KerasLayer>& layers, const KerasOptions& options) {
+  constexpr char kWhole[] =
+      "stated: the file has weights alone; save the whole model with "
+      "model.save(\"net.h5\")";
+  std::vector<KerasLayerConfig> configs;
   for (const KerasLayer& layer : layers) {
-    TACTUS_RETURN_IF_ERROR(CheckWeights(layer));
-    if (!network.dense_kernel.empty()) {
-      return InvalidModel(absl::StrCat("layer ", layer.name),
-                          "behind a Dense layer",
-                          "absent: one Dense layer, the last, is read");
+    KerasLayerConfig& config = configs.emplace_back();
+    config.name = layer.name;
+    if (layer.weights.contains("moving_mean")) {
+      return InvalidModel(
+          absl::StrCat("layer ", layer.name),
+          "a BatchNormalization whose place and epsilon are not known", kWhole);
     }
-    const Weights& kernel = layer.weights.at("kernel");
     if (layer.weights.contains("recurrent_kernel")) {
-      LstmLayer& out = network.layers.emplace_back();
-      out.inputs = static_cast<int>(kernel.rows);
-      out.cells = static_cast<int>(kernel.columns / kLstmGates);
-      out.kernel = Transposed(kernel);
-      out.recurrent = Transposed(layer.weights.at("recurrent_kernel"));
-      out.bias = BiasOf(layer, kernel.columns);
-      continue;
+      config.kind = KerasLayerConfig::Kind::kLstm;
+      config.cell_activation = options.activation;
+      config.gate_activation = options.gate_activation;
+    } else if (&layer != &layers.back()) {
+      if (!options.dense_activation) {
+        return InvalidModel(
+            absl::StrCat("activation of the hidden layer ", layer.name),
+            "not known", absl::StrCat(kWhole, ", or give --dense-activation"));
+      }
+      config.activation = *options.dense_activation;
     }
-    network.dense_kernel = Transposed(kernel);
-    network.dense_bias = BiasOf(layer, kernel.columns);
   }
-  if (network.layers.empty() || network.dense_kernel.empty()) {
-    return InvalidModel("the file", "without LSTM or without Dense layer",
-                        "of LSTM layers and a Dense layer behind them");
-  }
-  return network;
+  return configs;
 }
 
 absl::StatusOr<ForeignModel> ReadUnprobed(const std::string& path,
@@ -275,18 +398,13 @@ absl::StatusOr<ForeignModel> ReadUnprobed(const std::string& path,
   TACTUS_ASSIGN_OR_RETURN(const std::vector<KerasLayer> layers,
                           numbered ? ReadNumberedLayers(root, complain)
                                    : ReadNamedLayers(root, complain));
-  absl::StatusOr<LstmNetwork> network = NetworkOf(layers);
+  auto configs = config_text.empty()
+                     ? ConfigsOf(layers, options)
+                     : ParseKerasConfig(config_text,
+                                        absl::StartsWith(version, "3") ? 3 : 2);
+  if (!configs.ok()) return Annotate(configs.status(), path);
+  absl::StatusOr<LstmNetwork> network = NetworkOf(layers, *configs);
   if (!network.ok()) return Annotate(network.status(), path);
-  network->activation = options.activation;
-  network->gate_activation = options.gate_activation;
-  if (!config_text.empty()) {
-    const auto config =
-        ParseKerasConfig(config_text, absl::StartsWith(version, "3") ? 3 : 2);
-    if (!config.ok()) return Annotate(config.status(), path);
-    network->activation = config->activation.value_or(options.activation);
-    network->gate_activation =
-        config->gate_activation.value_or(options.gate_activation);
-  }
   if (const absl::Status status = Validate(*network); !status.ok()) {
     return Annotate(status, path);
   }

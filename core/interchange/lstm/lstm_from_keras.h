@@ -1,9 +1,10 @@
 // File: lstm_from_keras.h
 //
-// An LSTM classifier from Keras weights in HDF5: LSTM layers and one Dense
-// layer. Reads model.save_weights("x.h5") and model.save("x.h5") of Keras 2,
-// and model.save_weights("x.weights.h5") of Keras 3. Other layers with weights
-// are refused by name.
+// An LSTM classifier from a Keras file in HDF5: LSTM layers, then Dense layers.
+// Reads model.save("x.h5") of Keras 2 and 3, which may also have
+// BatchNormalization and activations as layers; and files of weights alone,
+// model.save_weights("x.h5") of Keras 2 and model.save_weights("x.weights.h5")
+// of Keras 3. Other layers are refused by name.
 //
 //   TACTUS_ASSIGN_OR_RETURN(ForeignModel foreign,
 //                           LstmsFromKeras("net.h5", {}));
@@ -13,6 +14,7 @@
 // Not thread-safe, like HDF5 itself.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -24,6 +26,9 @@ namespace tactus {
 struct KerasOptions {
   Activation activation = Activation::kTanh;
   GateActivation gate_activation = GateActivation::kSigmoid;
+  // Of all Dense layers but the last. Files with such layers are refused
+  // without it.
+  std::optional<HiddenActivation> dense_activation = {};
 };
 
 // INVALID_MODEL naming the file and the part; IO if it cannot be read. The

@@ -1,9 +1,11 @@
 // File: lstm_from_onnx.h
 //
-// An LSTM classifier from an ONNX file: LSTM layers, one linear layer and
-// softmax, as Tactus and PyTorch (torch.onnx.export) write them. Several such
-// networks whose mean is the output are read as well. Every other operator is
-// refused by name.
+// An LSTM classifier from an ONNX file: LSTM layers, then linear layers with
+// Relu, Tanh or Sigmoid between them, and softmax, as Tactus and PyTorch
+// (torch.onnx.export) write them. Dropout changes nothing; BatchNormalization
+// and stored factors and summands of features become part of the weights.
+// Several such networks whose mean is the output are read as well. Every other
+// operator is refused by name.
 //
 //   TACTUS_ASSIGN_OR_RETURN(ForeignModel foreign, LstmsFromOnnx(path, bytes));
 //   foreign.lstms.front().classes();

@@ -75,7 +75,7 @@ class GraphReader {
     for (int i = 0; i + 1 < shape.dim_size(); ++i) {
       data.one_step = data.one_step && shape.dim(i).dim_value() == 1;
     }
-    data.network = std::make_shared<LstmNetwork>();
+    data.stack = std::make_shared<NetworkStack>();
     return data;
   }
 
@@ -122,12 +122,20 @@ class GraphReader {
     if (MovesAxes(node)) return VisitAxes(node, inputs);
     if (type == "MatMul") return VisitMatMul(node);
     if (type == "Gemm") return VisitGemm(node);
-    if (type == "Add") return VisitAdd(node);
+    if (type == "Add" || type == "Sub") return VisitSum(node);
     if (type == "Mul" || type == "Div") return VisitFactor(node);
+    if (type == "BatchNormalization") return VisitNormalization(node);
+    if (type == "Dropout") return VisitDropout(node);
+    if (type == "Relu") return VisitActivation(node, HiddenActivation::kRelu);
+    if (type == "Tanh") return VisitActivation(node, HiddenActivation::kTanh);
+    if (type == "Sigmoid") {
+      return VisitActivation(node, HiddenActivation::kSigmoid);
+    }
     if (type == "Softmax" || type == "LogSoftmax") return VisitSoftmax(node);
     return node.Invalid(
-        "is not supported; a graph may have LSTM layers, one linear layer "
-        "(Gemm, or MatMul and Add) and Softmax");
+        "is not supported; a graph may have LSTM layers, then linear layers "
+        "(Gemm, or MatMul and Add) with Relu, Tanh, Sigmoid, "
+        "BatchNormalization and Dropout between them, and Softmax");
   }
 
   absl::Status VisitConstant(const OnnxNode& node) {
@@ -248,21 +256,10 @@ class GraphReader {
     TACTUS_RETURN_IF_ERROR(CheckState(node, 6));
     TACTUS_ASSIGN_OR_RETURN(OnnxLstmLayer layer,
                             LayerOf(node, w, r, has_bias ? &b : nullptr));
-    auto network = std::make_shared<LstmNetwork>(*data.network);
-    if (network->layers.size() == limits::kMaxLstmLayers) {
-      return node.Invalid(absl::StrCat("is one layer too many; at most ",
-                                       limits::kMaxLstmLayers, " are read"));
-    }
-    if (!network->layers.empty() &&
-        (network->activation != layer.activation ||
-         network->gate_activation != layer.gate_activation)) {
-      return node.Invalid("has other activations than the layer before");
-    }
-    network->activation = layer.activation;
-    network->gate_activation = layer.gate_activation;
-    network->layers.push_back(std::move(layer.weights));
-    TACTUS_RETURN_IF_ERROR(Charge(node, *network));
-    data.network = std::move(network);
+    TACTUS_RETURN_IF_ERROR(Extend(node, &data, [&](NetworkStack& stack) {
+      return stack.AddLstm(std::move(layer.weights), layer.activation,
+                           layer.gate_activation);
+    }));
     data.stage = OnnxStage::kHidden;
     // Time, directions, batch, cells, or batch first.
     data.axes = layout == 0 ? "T11F" : "1T1F";
@@ -273,94 +270,186 @@ class GraphReader {
     return absl::OkStatus();
   }
 
-  // The linear layer: `kernel` has classes x cells weights, or cells x classes
-  // if it is `transposed`.
-  absl::Status SetDense(const OnnxNode& node, const OnnxNumbers& kernel,
-                        bool transposed, OnnxData* data) {
-    if (data->stage != OnnxStage::kHidden || data->axes.empty() ||
-        data->axes.back() != 'F') {
-      return node.Invalid(
-          "must follow the LSTM layers, with their cells as the last axis; one "
-          "linear layer is read");
+  // Lets `add` add a layer to a copy of the data's layers.
+  template <typename Add>
+  absl::Status Extend(const OnnxNode& node, OnnxData* data, const Add& add) {
+    TACTUS_RETURN_IF_ERROR(Charge(node, *data->stack));
+    auto stack = std::make_shared<NetworkStack>(*data->stack);
+    if (const std::string fault = add(*stack); !fault.empty()) {
+      return node.Invalid(fault);
     }
-    const size_t cells = data->network->layers.back().cells;
-    const size_t own = transposed ? 0 : 1;
-    if (kernel.shape.size() != 2 || kernel.shape[own] != cells ||
-        kernel.shape[1 - own] - 1 >= limits::kMaxClasses) {
-      return node.Invalid(absl::StrCat("has no weights of ", cells,
-                                       " cells and 1 to ", limits::kMaxClasses,
-                                       " classes"));
-    }
-    const size_t classes = kernel.shape[1 - own];
-    auto network = std::make_shared<LstmNetwork>(*data->network);
-    network->dense_bias.assign(classes, 0);
-    for (size_t k = 0; k < classes; ++k) {
-      for (size_t c = 0; c < cells; ++c) {
-        network->dense_kernel.push_back(static_cast<float>(
-            kernel.values[transposed ? c * classes + k : k * cells + c]));
-      }
-    }
-    TACTUS_RETURN_IF_ERROR(Charge(node, *network));
-    data->network = std::move(network);
-    data->stage = OnnxStage::kProduct;
+    TACTUS_RETURN_IF_ERROR(Charge(node, *stack));
+    data->stack = std::move(stack);
     return absl::OkStatus();
   }
 
-  absl::Status SetBias(const OnnxNode& node, const OnnxNumbers& bias,
-                       OnnxData* data) {
-    auto network = std::make_shared<LstmNetwork>(*data->network);
-    if (data->stage != OnnxStage::kProduct || data->axes.back() != 'F' ||
-        bias.values.size() != network->dense_bias.size()) {
-      return node.Invalid("does not add the bias of the linear layer");
+  // The data that layers behind an LSTM take, from input `i`.
+  absl::StatusOr<OnnxData> Features(const OnnxNode& node, int i) const {
+    TACTUS_ASSIGN_OR_RETURN(const OnnxValue* value, Input(node, i));
+    if (value == nullptr || value->kind != Kind::kData) {
+      return node.Invalid("does not take the data");
     }
-    network->dense_bias.assign(bias.values.begin(), bias.values.end());
-    TACTUS_RETURN_IF_ERROR(Charge(node, *network));
-    data->network = std::move(network);
-    data->stage = OnnxStage::kLogits;
-    return absl::OkStatus();
+    const OnnxStage stage = value->data.stage;
+    if (stage != OnnxStage::kHidden && stage != OnnxStage::kDense) {
+      return node.Invalid(
+          stage == OnnxStage::kInput
+              ? "comes before the LSTM layers; inputs are scaled by the bundle"
+              : "comes behind the softmax");
+    }
+    return value->data;
+  }
+
+  // A linear layer: `kernel` has units x features weights, or features x units
+  // if it is `transposed`.
+  absl::Status AddDense(const OnnxNode& node, const OnnxNumbers& kernel,
+                        bool transposed, OnnxData* data) {
+    if (data->axes.empty() || data->axes.back() != 'F') {
+      return node.Invalid("must have the features as the last axis");
+    }
+    const size_t width = data->stack->width();
+    const size_t own = transposed ? 0 : 1;
+    if (kernel.shape.size() != 2 || kernel.shape[own] != width ||
+        kernel.shape[1 - own] - 1 >= limits::kMaxLstmCells) {
+      return node.Invalid(absl::StrCat("has no weights of ", width,
+                                       " features and 1 to ",
+                                       limits::kMaxLstmCells, " units"));
+    }
+    const size_t units = kernel.shape[1 - own];
+    std::vector<float> weights;
+    weights.reserve(units * width);
+    for (size_t k = 0; k < units; ++k) {
+      for (size_t c = 0; c < width; ++c) {
+        weights.push_back(static_cast<float>(
+            kernel.values[transposed ? c * units + k : k * width + c]));
+      }
+    }
+    data->stage = OnnxStage::kDense;
+    return Extend(node, data, [&](NetworkStack& stack) {
+      return stack.AddDense(static_cast<int>(units), std::move(weights),
+                            std::vector<float>(units));
+    });
+  }
+
+  // Each feature x becomes scale x + shift.
+  absl::Status Scale(const OnnxNode& node, const std::vector<double>& scale,
+                     const std::vector<double>& shift, OnnxData* data) {
+    return Extend(node, data, [&](NetworkStack& stack) {
+      return stack.Scale(scale, shift);
+    });
+  }
+
+  // One stored number per feature, or one for all, that stand along the
+  // features.
+  absl::StatusOr<std::vector<double>> PerFeature(const OnnxNode& node, int i,
+                                                 const OnnxData& data) const {
+    TACTUS_ASSIGN_OR_RETURN(const OnnxNumbers numbers,
+                            Tensor(node, i, "a number per feature"));
+    const size_t width = data.stack->width();
+    if (numbers.values.size() == 1) {
+      return std::vector<double>(width, numbers.values[0]);
+    }
+    if (numbers.values.size() != width || numbers.shape.back() != width ||
+        data.axes.empty() || data.axes.back() != 'F') {
+      return node.Invalid(absl::StrCat(
+          "must have one number, or one per feature along the last axis: ",
+          width));
+    }
+    return numbers.values;
   }
 
   absl::Status VisitMatMul(const OnnxNode& node) {
-    TACTUS_ASSIGN_OR_RETURN(const OnnxValue* left, Input(node, 0));
-    if (left == nullptr || left->kind != Kind::kData) {
-      return node.Invalid("multiplies the data from the left");
-    }
-    OnnxData data = left->data;
+    TACTUS_ASSIGN_OR_RETURN(OnnxData data, Features(node, 0));
     TACTUS_ASSIGN_OR_RETURN(const OnnxNumbers kernel,
                             Tensor(node, 1, "weights"));
-    TACTUS_RETURN_IF_ERROR(SetDense(node, kernel, /*transposed=*/true, &data));
+    TACTUS_RETURN_IF_ERROR(AddDense(node, kernel, /*transposed=*/true, &data));
     return Set(node, MakeValue(std::move(data)));
   }
 
   absl::Status VisitGemm(const OnnxNode& node) {
-    TACTUS_ASSIGN_OR_RETURN(const OnnxValue* left, Input(node, 0));
-    if (left == nullptr || left->kind != Kind::kData ||
-        node.Float("alpha", 1) != 1 || node.Float("beta", 1) != 1 ||
+    TACTUS_ASSIGN_OR_RETURN(OnnxData data, Features(node, 0));
+    if (node.Float("alpha", 1) != 1 || node.Float("beta", 1) != 1 ||
         node.Int("transA", 0) != 0) {
       return node.Invalid(
           "must have alpha and beta of 1 and the data as its first factor");
     }
-    OnnxData data = left->data;
     TACTUS_ASSIGN_OR_RETURN(const OnnxNumbers kernel,
                             Tensor(node, 1, "weights"));
     TACTUS_RETURN_IF_ERROR(
-        SetDense(node, kernel, node.Int("transB", 0) == 0, &data));
+        AddDense(node, kernel, node.Int("transB", 0) == 0, &data));
     if (!node.input(2).empty()) {
-      TACTUS_ASSIGN_OR_RETURN(const OnnxNumbers bias,
-                              Tensor(node, 2, "a bias"));
-      TACTUS_RETURN_IF_ERROR(SetBias(node, bias, &data));
+      TACTUS_ASSIGN_OR_RETURN(const std::vector<double> bias,
+                              PerFeature(node, 2, data));
+      TACTUS_RETURN_IF_ERROR(
+          Scale(node, std::vector<double>(bias.size(), 1), bias, &data));
     }
     return Set(node, MakeValue(std::move(data)));
   }
 
-  // The bias of the linear layer, or the sum of two networks' probabilities.
-  absl::Status VisitAdd(const OnnxNode& node) {
+  absl::Status VisitActivation(const OnnxNode& node,
+                               HiddenActivation activation) {
+    TACTUS_ASSIGN_OR_RETURN(OnnxData data, Features(node, 0));
+    TACTUS_RETURN_IF_ERROR(Extend(node, &data, [&](NetworkStack& stack) {
+      return stack.Activate(activation);
+    }));
+    data.stage = OnnxStage::kDense;
+    return Set(node, MakeValue(std::move(data)));
+  }
+
+  // It changes nothing when a model is used.
+  absl::Status VisitDropout(const OnnxNode& node) {
+    TACTUS_ASSIGN_OR_RETURN(const OnnxValue* value, Input(node, 0));
+    if (value == nullptr || value->kind != Kind::kData) {
+      return node.Invalid("does not take the data");
+    }
+    SetOutput(node, 0, *value);
+    return absl::OkStatus();
+  }
+
+  // scale (x - mean) / sqrt(variance + epsilon) + shift, over axis 1.
+  absl::Status VisitNormalization(const OnnxNode& node) {
+    TACTUS_ASSIGN_OR_RETURN(OnnxData data, Features(node, 0));
+    if (node.Int("training_mode", 0) != 0) {
+      return node.Invalid("is in training mode; export the model with eval()");
+    }
+    if (data.axes.size() < 2 || data.axes[1] != 'F') {
+      return node.Invalid("must have the features as axis 1");
+    }
+    const char* names[] = {"a scale", "a shift", "a mean", "a variance"};
+    std::vector<double> numbers[4];
+    for (int i = 0; i < 4; ++i) {
+      TACTUS_ASSIGN_OR_RETURN(OnnxNumbers tensor,
+                              Tensor(node, i + 1, names[i]));
+      numbers[i] = std::move(tensor.values);
+      if (numbers[i].size() != static_cast<size_t>(data.stack->width())) {
+        return node.Invalid(absl::StrCat("has ", names[i], " of ",
+                                         numbers[i].size(), " numbers for ",
+                                         data.stack->width(), " features"));
+      }
+    }
+    auto& [scale, shift, mean, variance] = numbers;
+    for (size_t i = 0; i < scale.size(); ++i) {
+      const double deviation =
+          std::sqrt(variance[i] + node.Float("epsilon", 1e-5F));
+      if (!(deviation > 0) || !std::isfinite(deviation)) {
+        return node.Invalid(absl::StrCat("has a variance of ", variance[i]));
+      }
+      scale[i] /= deviation;
+      shift[i] -= mean[i] * scale[i];
+    }
+    TACTUS_RETURN_IF_ERROR(Scale(node, scale, shift, &data));
+    return Set(node, MakeValue(std::move(data)));
+  }
+
+  // The bias of a linear layer, a summand of features, or the sum of two
+  // networks' probabilities.
+  absl::Status VisitSum(const OnnxNode& node) {
     TACTUS_ASSIGN_OR_RETURN(const OnnxValue* a, Input(node, 0));
     TACTUS_ASSIGN_OR_RETURN(const OnnxValue* b, Input(node, 1));
     if (a == nullptr || b == nullptr) return node.Invalid("adds nothing");
+    const bool minus = node.type() == "Sub";
     if (a->kind == Kind::kData && b->kind == Kind::kData) {
       OnnxData data = a->data;
-      if (data.stage != OnnxStage::kProbability ||
+      if (data.stage != OnnxStage::kProbability || minus ||
           b->data.stage != OnnxStage::kProbability || data.factor != 1 ||
           b->data.factor != 1 || data.axes != b->data.axes) {
         return node.Invalid("may only add probabilities of networks");
@@ -372,33 +461,47 @@ class GraphReader {
       }
       return Set(node, MakeValue(std::move(data)));
     }
-    const bool first = a->kind == Kind::kData;
-    OnnxData data = first ? a->data : b->data;
-    TACTUS_ASSIGN_OR_RETURN(const OnnxNumbers bias,
-                            Tensor(node, first ? 1 : 0, "a summand"));
-    TACTUS_RETURN_IF_ERROR(SetBias(node, bias, &data));
+    const int own = a->kind == Kind::kData ? 0 : 1;
+    TACTUS_ASSIGN_OR_RETURN(OnnxData data, Features(node, own));
+    TACTUS_ASSIGN_OR_RETURN(std::vector<double> shift,
+                            PerFeature(node, 1 - own, data));
+    std::vector<double> scale(shift.size(), 1);
+    if (minus) {
+      std::vector<double>& negated = own == 0 ? shift : scale;
+      for (double& value : negated) value = -value;
+    }
+    TACTUS_RETURN_IF_ERROR(Scale(node, scale, shift, &data));
     return Set(node, MakeValue(std::move(data)));
   }
 
-  // The mean of several networks.
+  // A factor of features, or the mean of several networks.
   absl::Status VisitFactor(const OnnxNode& node) {
     TACTUS_ASSIGN_OR_RETURN(const OnnxValue* a, Input(node, 0));
     const bool first = a != nullptr && a->kind == Kind::kData;
     TACTUS_ASSIGN_OR_RETURN(const OnnxValue* b, Input(node, 1));
     const OnnxValue* value = first ? a : b;
-    if (value == nullptr || value->kind != Kind::kData ||
-        value->data.stage != OnnxStage::kProbability ||
-        (!first && node.type() == "Div")) {
-      return node.Invalid("may only scale the sum of networks");
+    const bool divides = node.type() == "Div";
+    if (value == nullptr || value->kind != Kind::kData || (!first && divides)) {
+      return node.Invalid("may only scale the data by stored numbers");
     }
     OnnxData data = value->data;
+    if (data.stage != OnnxStage::kProbability) {
+      TACTUS_ASSIGN_OR_RETURN(data, Features(node, first ? 0 : 1));
+      TACTUS_ASSIGN_OR_RETURN(std::vector<double> scale,
+                              PerFeature(node, first ? 1 : 0, data));
+      if (divides) {
+        for (double& factor : scale) factor = 1 / factor;
+      }
+      TACTUS_RETURN_IF_ERROR(
+          Scale(node, scale, std::vector<double>(scale.size()), &data));
+      return Set(node, MakeValue(std::move(data)));
+    }
     TACTUS_ASSIGN_OR_RETURN(const OnnxNumbers factor,
                             Tensor(node, first ? 1 : 0, "a factor"));
     if (factor.values.size() != 1) {
       return node.Invalid("must have a single number as factor");
     }
-    data.factor *=
-        node.type() == "Div" ? 1 / factor.values[0] : factor.values[0];
+    data.factor *= divides ? 1 / factor.values[0] : factor.values[0];
     return Set(node, MakeValue(std::move(data)));
   }
 
@@ -415,21 +518,32 @@ class GraphReader {
     if (opset_ < 13) {
       while (axis >= 0 && axis < rank && data.axes[axis] == '1') ++axis;
     }
-    if ((data.stage != OnnxStage::kProduct &&
-         data.stage != OnnxStage::kLogits) ||
+    if ((data.stage != OnnxStage::kHidden && data.stage != OnnxStage::kDense) ||
         axis < 0 || axis >= rank || data.axes[axis] != 'F' ||
         (opset_ < 13 && axis + 1 != rank)) {
       return node.Invalid(
-          "must follow the linear layer and run over its classes");
+          "must follow the layers of a classifier and run over its classes");
     }
+    TACTUS_ASSIGN_OR_RETURN(auto network, Finished(node, data, true));
     data.stage = OnnxStage::kProbability;
-    data.sum = {data.network};
+    data.sum = {std::move(network)};
     return Set(node, MakeValue(std::move(data)));
   }
 
+  absl::StatusOr<std::shared_ptr<const LstmNetwork>> Finished(
+      const OnnxNode& node, const OnnxData& data, bool softmax) {
+    TACTUS_RETURN_IF_ERROR(Charge(node, *data.stack));
+    std::string fault;
+    auto network = data.stack->Finish(softmax, &fault);
+    if (!network) {
+      return node.Invalid(absl::StrCat("follows a network that ", fault));
+    }
+    return std::make_shared<const LstmNetwork>(*std::move(network));
+  }
+
   // Counts copied weights, so that a small file cannot take all memory.
-  absl::Status Charge(const OnnxNode& node, const LstmNetwork& network) {
-    parameters_ += network.parameter_count();
+  absl::Status Charge(const OnnxNode& node, const NetworkStack& stack) {
+    parameters_ += stack.parameter_count();
     if (parameters_ <= kMaxParameters) return absl::OkStatus();
     return node.Invalid(absl::StrCat("makes the networks too large; at most ",
                                      kMaxParameters, " weights are read"));
@@ -454,7 +568,7 @@ class GraphReader {
         continue;
       }
       const OnnxData& data = found->second.data;
-      if (data.stage < OnnxStage::kProduct) continue;
+      if (data.stage < OnnxStage::kDense) continue;
       if (best == nullptr || data.stage > best->stage) {
         best = &data;
         tie = false;
@@ -476,7 +590,16 @@ class GraphReader {
   absl::StatusOr<std::vector<LstmNetwork>> Finish() const {
     TACTUS_ASSIGN_OR_RETURN(const OnnxData* answer, Answer());
     std::vector<std::shared_ptr<const LstmNetwork>> networks = answer->sum;
-    if (networks.empty()) networks = {answer->network};
+    if (networks.empty()) {
+      std::string fault;
+      auto network = answer->stack->Finish(/*softmax=*/false, &fault);
+      if (!network) {
+        return MakeError(absl::StatusCode::kInvalidArgument,
+                         v1::ERROR_REASON_INVALID_MODEL,
+                         absl::StrCat("the graph ", fault));
+      }
+      networks = {std::make_shared<const LstmNetwork>(*std::move(network))};
+    }
     const double count = static_cast<double>(networks.size());
     if (!(std::abs(answer->factor * count - 1) <= kFactorTolerance)) {
       return InvalidModel("factor on the sum of networks", answer->factor,

@@ -83,16 +83,44 @@ class GraphWriter {
       hidden = WriteLayer(network, network.layers[l],
                           absl::StrCat(name, "_", l), hidden);
     }
-    const size_t cells = network.layers.back().cells;
+    for (size_t i = 0; i < network.hidden.size(); ++i) {
+      hidden = WriteHidden(network.hidden[i], absl::StrCat(name, "_hidden_", i),
+                           hidden);
+    }
+    const size_t features = network.features();
     const int64_t classes = network.classes();
-    AddTensor(name + "_dense_kernel", {int64_t(cells), classes},
-              Transposed(network.dense_kernel, cells));
+    AddTensor(name + "_dense_kernel", {int64_t(features), classes},
+              Transposed(network.dense_kernel, features));
     AddTensor(name + "_dense_bias", {classes}, network.dense_bias);
     AddNode("MatMul", {hidden, name + "_dense_kernel"}, {name + "_product"});
     AddNode("Add", {name + "_product", name + "_dense_bias"},
             {name + "_logits"});
     onnx::NodeProto* softmax = AddNode("Softmax", {name + "_logits"}, {output});
     SetInt("axis", 2, softmax);
+  }
+
+  // Returns the name of the layer's outputs, [frames, 1, U].
+  std::string WriteHidden(const HiddenLayer& layer, const std::string& name,
+                          const std::string& input) {
+    AddTensor(name + "_kernel", {layer.inputs, layer.units},
+              Transposed(layer.kernel, layer.inputs));
+    AddTensor(name + "_bias", {layer.units}, layer.bias);
+    AddNode("MatMul", {input, name + "_kernel"}, {name + "_product"});
+    AddNode("Add", {name + "_product", name + "_bias"}, {name + "_sum"});
+    switch (layer.activation) {
+      case HiddenActivation::kLinear:
+        return name + "_sum";
+      case HiddenActivation::kRelu:
+        AddNode("Relu", {name + "_sum"}, {name + "_output"});
+        break;
+      case HiddenActivation::kTanh:
+        AddNode("Tanh", {name + "_sum"}, {name + "_output"});
+        break;
+      case HiddenActivation::kSigmoid:
+        AddNode("Sigmoid", {name + "_sum"}, {name + "_output"});
+        break;
+    }
+    return name + "_output";
   }
 
   // Returns the name of the layer's outputs, [frames, 1, H].

@@ -216,11 +216,7 @@ absl::Status MoveAxes(const OnnxNode& node, const OnnxTensors& tensors,
   if (node.type() == "Transpose") return Transpose(node, data);
   if (node.type() == "Gather") return Gather(node, tensors, data);
   if (node.type() == "Slice") return Slice(node, tensors, data);
-  const LstmNetwork& network = *data->network;
-  const int64_t width = data->stage == OnnxStage::kHidden
-                            ? network.layers.back().cells
-                            : static_cast<int64_t>(network.dense_bias.size());
-  return Reshape(node, tensors, width, data);
+  return Reshape(node, tensors, data->stack->width(), data);
 }
 
 }  // namespace tactus

@@ -14,13 +14,15 @@
 #include <string>
 #include <vector>
 
+#include "core/interchange/lstm/network_stack.h"
 #include "core/interchange/lstm/onnx_subset.pb.h"
 #include "core/lstm/network.h"
 
 namespace tactus {
 
-// How far the data has come.
-enum class OnnxStage { kInput, kHidden, kProduct, kLogits, kProbability };
+// How far the data has come: the graph's input, behind LSTM layers, behind
+// linear layers too, behind the softmax.
+enum class OnnxStage { kInput, kHidden, kDense, kProbability };
 
 // The data on its way from the graph's input to its output.
 struct OnnxData {
@@ -31,7 +33,7 @@ struct OnnxData {
   // The input has one frame, so that the last frame is the whole sequence.
   bool one_step = false;
   // The layers so far.
-  std::shared_ptr<const LstmNetwork> network;
+  std::shared_ptr<const NetworkStack> stack;
   // kProbability: the networks whose probabilities were added up, and the
   // factor on the sum.
   std::vector<std::shared_ptr<const LstmNetwork>> sum;

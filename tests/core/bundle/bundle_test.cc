@@ -62,6 +62,28 @@ TEST(BundleTest, WithoutAReleaseItIsHalfASecond) {
   }
 }
 
+// Readers of version 1 would leave the hidden layers out without a word.
+TEST(BundleTest, HiddenLayersGoThroughABundleOfVersion2) {
+  Model model = FullModel();
+  EXPECT_EQ((*EncodeBundle(model))[8], 1);
+  for (LstmNetwork& network : model.lstms) {
+    network.hidden = {
+        {3, 2, HiddenActivation::kRelu, {1, 2, 3, 4, 5, 6}, {-1, 1}},
+        {2, 3, HiddenActivation::kSigmoid, {6, 5, 4, 3, 2, 1}, {0, 1, 2}}};
+  }
+  const auto bytes = EncodeBundle(model);
+  ASSERT_TRUE(bytes.ok()) << bytes.status();
+  EXPECT_EQ((*bytes)[8], 2);
+  const auto back = DecodeBundle(*bytes);
+  ASSERT_TRUE(back.ok()) << back.status();
+  const LstmNetwork& network = (*back)->model().lstms[1];
+  ASSERT_EQ(network.hidden.size(), 2u);
+  EXPECT_EQ(network.hidden[0].activation, HiddenActivation::kRelu);
+  EXPECT_EQ(network.hidden[0].kernel, model.lstms[1].hidden[0].kernel);
+  EXPECT_EQ(network.hidden[1].activation, HiddenActivation::kSigmoid);
+  EXPECT_EQ(network.hidden[1].bias, model.lstms[1].hidden[1].bias);
+}
+
 TEST(BundleTest, ASoftestObjectNeedsAnEstimator) {
   Model model = FullModel();
   model.estimator.reset();

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Exchanges models with the other programs themselves: PyTorch, ONNX Runtime,
-# pomegranate and OpenCV. The quick test, interchange_test, has their recorded
+# Exchanges models with the other programs themselves: PyTorch, numpy, ONNX
+# Runtime, pomegranate and OpenCV. The quick test, interchange_test, has their recorded
 # answers; this script makes new ones and fails where a figure is beyond its
 # tolerance.
 #
@@ -37,6 +37,7 @@ for folder in "$work/files" "$work/bundle"; do
   /usr/bin/python3 "$HERE/peers.py" opencv "$folder" 2>/dev/null
 done
 /usr/bin/python3 "$HERE/peers.py" make "$work/files"
+/usr/bin/python3 "$HERE/numpy_stacks.py" "$work/files"
 "$samples" read "$work/files"
 
 if [[ ${1-} == --record ]]; then

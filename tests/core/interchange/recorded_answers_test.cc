@@ -63,6 +63,28 @@ TEST(RecordedAnswersTest, PyTorchAndKerasFilesGiveTheirPosteriors) {
   }
 }
 
+// Hidden layers, batch normalization and dropout, as numpy computes them.
+TEST(RecordedAnswersTest, StacksOfLayersGiveNumpysPosteriors) {
+  const auto answers = ReadPeerAnswers(GoldenPath("stacks.json"));
+  ASSERT_EQ(answers.size(), 6u);
+  for (const PeerAnswer& answer : answers) {
+    const auto foreign = ReadModelFile(
+        GoldenPath(answer.file), {.dense_activation = HiddenActivation::kRelu});
+    ASSERT_TRUE(foreign.ok()) << foreign.status();
+    EXPECT_LE(Difference(foreign->lstms, answer), kPosterior) << answer.file;
+    // And once more through our own files.
+    Model model = ModelOf(foreign->lstms);
+    for (const OnnxGraph graph : {OnnxGraph::kSequence, OnnxGraph::kStep}) {
+      if (model.classes() != foreign->lstms[0].classes()) continue;
+      const auto again = LstmsFromOnnx("x.onnx", *LstmsToOnnx(model, graph));
+      ASSERT_TRUE(again.ok()) << answer.file << again.status();
+      EXPECT_EQ(Posteriors(again->lstms, answer.inputs),
+                Posteriors(foreign->lstms, answer.inputs))
+          << answer.file;
+    }
+  }
+}
+
 TEST(RecordedAnswersTest, PomegranateGivesOurLikelihoods) {
   const json recorded = json::parse(Golden("pomegranate.json"));
   const auto read = HmmsFromJson("hmms.json", Golden("hmms.json"));

@@ -71,8 +71,15 @@ absl::Status WriteBundle(const std::string& path, const std::string& folder) {
 
 absl::Status Read(const std::string& folder) {
   double worst = 0;
-  for (const PeerAnswer& answer : ReadPeerAnswers(folder + "/torch.json")) {
-    const auto foreign = ReadModelFile(folder + "/" + answer.file);
+  std::vector<PeerAnswer> answers = ReadPeerAnswers(folder + "/torch.json");
+  for (PeerAnswer& answer : ReadPeerAnswers(folder + "/stacks.json")) {
+    answers.push_back(std::move(answer));
+  }
+  for (const PeerAnswer& answer : answers) {
+    // A file of weights alone has hidden layers with relu.
+    const auto foreign =
+        ReadModelFile(folder + "/" + answer.file,
+                      {.dense_activation = HiddenActivation::kRelu});
     if (!foreign.ok()) return foreign.status();
     const double difference = Difference(foreign->lstms, answer);
     std::cout << answer.file << ": " << difference << "\n";

@@ -52,6 +52,25 @@ inline LstmNetwork MakeNetwork(int inputs, const std::vector<int>& cells,
   return network;
 }
 
+// Adds a hidden layer, and a new output layer behind it.
+inline void AddHidden(int units, HiddenActivation activation, uint64_t seed,
+                      LstmNetwork& network) {
+  Random random(seed);
+  const auto gaussians = [&](size_t count) {
+    std::vector<float> values(count);
+    for (float& value : values) value = static_cast<float>(random.Gaussian());
+    return values;
+  };
+  HiddenLayer layer;
+  layer.inputs = network.features();
+  layer.units = units;
+  layer.activation = activation;
+  layer.kernel = gaussians(size_t(units) * layer.inputs);
+  layer.bias = gaussians(units);
+  network.hidden.push_back(std::move(layer));
+  network.dense_kernel = gaussians(network.dense_bias.size() * units);
+}
+
 // [steps][inputs], slowly wandering with noise on top, of a few units' size.
 inline std::vector<std::vector<double>> MakeInputs(int inputs, int steps,
                                                    uint64_t seed) {

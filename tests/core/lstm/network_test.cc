@@ -92,6 +92,30 @@ TEST(LstmNetworkTest, EachFaultIsRefusedByName) {
       {"lstm.regressions", [](LstmNetwork& n) { n.regressions = -1; }},
       {"lstm.regressions",
        [](LstmNetwork& n) { n.regressions = std::numeric_limits<int>::max(); }},
+      {"lstm.hidden[0].inputs",
+       [](LstmNetwork& n) {
+         n.hidden = {{49, 1, {}, {}, {}}};
+       }},
+      {"lstm.hidden[0].units",
+       [](LstmNetwork& n) {
+         n.hidden = {{50, 0, {}, {}, {}}};
+       }},
+      {"lstm.hidden[0].kernel size",
+       [](LstmNetwork& n) {
+         n.hidden = {{50, 2, {}, {1}, {0, 0}}};
+       }},
+      {"lstm.hidden[0].bias size",
+       [](LstmNetwork& n) {
+         n.hidden = {{50, 1, {}, std::vector<float>(50), {}}};
+       }},
+      {"lstm.hidden",
+       [](LstmNetwork& n) {
+         n.hidden.resize(9, {50, 1, {}, std::vector<float>(50), {0}});
+       }},
+      {"lstm.dense_kernel size",
+       [](LstmNetwork& n) {
+         n.hidden = {{50, 1, {}, std::vector<float>(50), {0}}};
+       }},
       {"lstm.dense_bias[2]", [](LstmNetwork& n) { n.dense_bias[2] = kNan; }},
       {"lstm.dense_kernel size",
        [](LstmNetwork& n) { n.dense_kernel.resize(4 * 49); }},

@@ -59,6 +59,37 @@ TEST(LstmStepperTest, AgreesWithPlainLoopsInDoublePrecision) {
   std::printf("within %.1e of plain loops\n", largest);
 }
 
+TEST(LstmStepperTest, HiddenLayersAgreeWithPlainLoops) {
+  LstmNetwork network =
+      MakeNetwork(3, {7, 5}, 4, Activation::kTanh, GateActivation::kSigmoid, 5);
+  const auto inputs = MakeInputs(3, 200, 5);
+  std::vector<std::vector<double>> before = PlainLstm(network, inputs);
+  uint64_t seed = 1;
+  for (const HiddenActivation activation :
+       {HiddenActivation::kRelu, HiddenActivation::kTanh,
+        HiddenActivation::kSigmoid, HiddenActivation::kLinear}) {
+    AddHidden(3 + static_cast<int>(seed), activation, seed, network);
+    ++seed;
+    auto lstm = CompiledLstm::Create(network);
+    ASSERT_TRUE(lstm.ok()) << lstm.status();
+    LstmStepper stepper(*lstm, 2);
+    LstmStepper alone(*lstm);
+    const auto want = PlainLstm(network, inputs);
+    EXPECT_GT(LargestDifference(want, before), 0.01);
+    before = want;
+    for (size_t t = 0; t < inputs.size(); ++t) {
+      std::vector<double> both = inputs[t];
+      both.insert(both.end(), inputs[t].begin(), inputs[t].end());
+      stepper.Step(both);
+      alone.Step(inputs[t]);
+      for (size_t k = 0; k < 4; ++k) {
+        ASSERT_EQ(stepper.probability(1)[k], alone.probability()[k]);
+        ASSERT_NEAR(alone.probability()[k], want[t][k], 1e-5);
+      }
+    }
+  }
+}
+
 TEST(LstmStepperTest, RegressionsAgreeWithPlainLoops) {
   const LstmNetwork network =
       RandomNetwork(2, {9, 7}, 3, Activation::kTanh, GateActivation::kSigmoid,
@@ -200,8 +231,11 @@ TEST(LstmStepperTest, AHundredThousandStepsDoNotDrift) {
 }
 
 TEST(LstmStepperTest, StepAllocatesNothing) {
-  auto lstm = CompiledLstm::Create(MakeNetwork(
-      2, {50, 50}, 4, Activation::kSoftsign, GateActivation::kHardSigmoid, 3));
+  LstmNetwork network = MakeNetwork(2, {50, 50}, 4, Activation::kSoftsign,
+                                    GateActivation::kHardSigmoid, 3);
+  AddHidden(33, HiddenActivation::kRelu, 4, network);
+  AddHidden(7, HiddenActivation::kTanh, 5, network);
+  auto lstm = CompiledLstm::Create(network);
   ASSERT_TRUE(lstm.ok());
   const auto inputs = MakeInputs(2, 100, 1);
   LstmStepper stepper(*lstm);

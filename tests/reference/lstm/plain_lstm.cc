@@ -47,6 +47,22 @@ void StepLayer(const LstmNetwork& network, const LstmLayer& layer,
   }
 }
 
+std::vector<double> StepHidden(const HiddenLayer& layer,
+                               const std::vector<double>& x) {
+  std::vector<double> y(layer.bias.begin(), layer.bias.end());
+  for (int k = 0; k < layer.units; ++k) {
+    for (int j = 0; j < layer.inputs; ++j) {
+      y[k] += layer.kernel[k * layer.inputs + j] * x[j];
+    }
+    if (layer.activation == HiddenActivation::kRelu && y[k] < 0) y[k] = 0;
+    if (layer.activation == HiddenActivation::kTanh) y[k] = std::tanh(y[k]);
+    if (layer.activation == HiddenActivation::kSigmoid) {
+      y[k] = 1 / (1 + std::exp(-y[k]));
+    }
+  }
+  return y;
+}
+
 std::vector<double> Dense(const LstmNetwork& network,
                           const std::vector<double>& h) {
   std::vector<double> result(network.dense_bias.begin(),
@@ -81,6 +97,7 @@ std::vector<std::vector<double>> PlainOutputs(
       StepLayer(network, network.layers[i], x, h[i], c[i]);
       x = h[i];
     }
+    for (const HiddenLayer& layer : network.hidden) x = StepHidden(layer, x);
     results.push_back(Dense(network, x));
   }
   return results;

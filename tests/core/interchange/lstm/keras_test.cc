@@ -107,7 +107,7 @@ void WriteNames(hid_t group, const char* name,
 INSTANTIATE_TEST_SUITE_P(
     All, BadKerasFileTest,
     ::testing::Values(
-        BadFile{"without LSTM or without Dense layer",
+        BadFile{"the model has no LSTM layer",
                 [](hid_t f) { H5Adelete(f, "layer_names"); }},
         BadFile{"lstm/lstm_cell/kernel:0: is missing",
                 [](hid_t f) { H5Ldelete(f, kKernel, H5P_DEFAULT); }},
@@ -223,10 +223,20 @@ TEST(KerasConfigTest, EachUnsupportedLayerIsNamed) {
   const Case cases[] = {
       {Config("GRU", {}), 2, "layer x is GRU"},
       {Config("Bidirectional", {}), 2, "layer x is Bidirectional"},
-      {Config("BatchNormalization", {}), 2, "layer x is BatchNormalization"},
-      {Config("Activation", {{"activation", "relu"}}), 2, "layer x is Activ"},
+      {Config("LayerNormalization", {}), 2, "layer x is LayerNormalization"},
+      {Config("BatchNormalization", {{"axis", 1}}), 2, "layer x axis is 1"},
+      {Config("Activation", {{"activation", "selu"}}), 2, "activation is selu"},
+      {Config("ReLU", {{"max_value", 6}}), 2, "layer x max_value is 6"},
+      // A function that is no text must not be taken for the default.
+      {Config("LSTM", {{"activation", nullptr}}), 2, "activation is no text"},
+      {{{"class_name", "Functional"},
+        {"config",
+         {{"layers", json::array()},
+          {"output_layers", {{"a", 0, 0}, {"b", 0, 0}}}}}},
+       2,
+       "output_layers is 2"},
       {Config("TimeDistributed", {}), 2, "layer x is TimeDistributed"},
-      {Config("Dense", {{"activation", "relu"}}), 2, "activation is relu"},
+      {Config("Dense", {{"activation", "elu"}}), 2, "activation is elu"},
       {Config("LSTM", {{"activation", "relu"}}), 2, "activation is relu"},
       {Config("LSTM", {{"go_backwards", true}}), 2, "go_backwards is true"},
       {Config("LSTM", {{"recurrent_activation", "tanh"}}), 2,
@@ -246,11 +256,20 @@ TEST(KerasConfigTest, EachUnsupportedLayerIsNamed) {
     EXPECT_EQ(ReasonOf(config.status()), "INVALID_MODEL");
     EXPECT_THAT(std::string(config.status().message()), HasSubstr(c.text));
   }
-  json two = Config("LSTM", {});
-  two["config"]["layers"].push_back(
-      Config("LSTM", {{"activation", "softsign"}})["config"]["layers"][0]);
-  EXPECT_THAT(std::string(ParseKerasConfig(two.dump(), 2).status().message()),
-              HasSubstr("different between layers"));
+}
+
+// Which activation hidden layers have is not to be guessed.
+TEST(KerasTest, HiddenLayersOfWeightsAloneNeedTheirActivation) {
+  const std::string path = GoldenPath("stack-weights.h5");
+  const absl::Status status = ReadModelFile(path).status();
+  EXPECT_EQ(ReasonOf(status), "INVALID_MODEL");
+  EXPECT_THAT(std::string(status.message()),
+              HasSubstr("activation of the hidden layer dense is not known"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("--dense-activation"));
+  const auto foreign =
+      ReadModelFile(path, {.dense_activation = HiddenActivation::kRelu});
+  ASSERT_TRUE(foreign.ok()) << foreign.status();
+  EXPECT_EQ(foreign->lstms[0].hidden.size(), 1u);
 }
 
 TEST(ReadModelFileTest, PicklesAndUnknownEndingsAreRefusedByName) {

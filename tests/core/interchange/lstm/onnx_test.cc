@@ -133,14 +133,16 @@ INSTANTIATE_TEST_SUITE_P(
                                       ->mutable_node(kLstm)
                                       ->set_op_type("GRU");
                                 }},
-                        BadOnnx{"(Relu) is not supported",
+                        BadOnnx{"(LeakyRelu) is not supported",
                                 [](onnx::ModelProto& m) {
-                                  Insert(m, kAdd, "Relu");
+                                  Insert(m, kAdd, "LeakyRelu");
                                 }},
-                        BadOnnx{"(BatchNormalization) is not supported",
-                                [](onnx::ModelProto& m) {
-                                  Insert(m, kLstm, "BatchNormalization");
-                                }},
+                        BadOnnx{
+                            "(BatchNormalization) must have the features as "
+                            "axis 1",
+                            [](onnx::ModelProto& m) {
+                              Insert(m, kLstm, "BatchNormalization");
+                            }},
                         BadOnnx{"has the direction \"bidirectional\"",
                                 [](onnx::ModelProto& m) {
                                   NewAttribute(m, kLstm, "direction")
@@ -245,12 +247,12 @@ INSTANTIATE_TEST_SUITE_P(
                                   ->mutable_initializer(0)
                                   ->set_dims(2, 2);
                             }},
-                        BadOnnx{"one linear layer is read",
+                        BadOnnx{"has no weights of 4 features",
                                 [](onnx::ModelProto& m) {
                                   auto& node = Insert(m, kAdd, "MatMul");
                                   node.add_input("lstm0_dense_kernel");
                                 }},
-                        BadOnnx{"may only scale the sum of networks",
+                        BadOnnx{"must have one number, or one per feature",
                                 [](onnx::ModelProto& m) {
                                   auto& node = Insert(m, kLstm, "Mul");
                                   node.add_input("lstm0_dense_bias");
