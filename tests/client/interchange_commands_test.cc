@@ -1,4 +1,5 @@
 // trainctl's commands that exchange models and trials with other programs.
+#include <cmath>
 #include <filesystem>
 
 #include "client/tools/json.h"
@@ -7,9 +8,12 @@
 #include "core/classify/warm_up.h"
 #include "core/data/trial_file.h"
 #include "core/files/draft_file.h"
+#include "core/interchange/read_model_file.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/core/data/trial_samples.h"
+#include "tests/core/interchange/hmm_scores.h"
+#include "tests/reference/lstm/plain_lstm.h"
 #include "tests/support/small_model.h"
 #include "tests/support/trainctl_run.h"
 
@@ -194,6 +198,81 @@ TEST(TrialsCommandTest, TrialsComeBackThroughEveryFormat) {
                                       " --format=npz --trial=8 --out=" + one)
                               .status.message()),
               HasSubstr("--trial is 8"));
+}
+
+// Exported models and plain loops give the raw scores that classify prints for
+// the inputs that it prints.
+TEST(ScoresTest, RawScoresAreThoseOfTheExportedModels) {
+  const ScratchDir dir;
+  const std::string bundle = WriteBundle(dir);
+  const std::string data = WriteContacts(dir, "HU");
+  const std::string classify =
+      "classify --model=" + bundle + " --data=" + data + " --trial=000002";
+  Inside(RunTrainctl("bundle export " + bundle +
+                     " --json --format=onnx --out=" + dir.path()));
+  Inside(RunTrainctl("bundle export " + bundle +
+                     " --json --format=hmmlearn-json --out=" + dir.path()));
+  const auto networks = ReadModelFile(dir / "lstm-sequence.onnx");
+  const auto hmms = ReadModelFile(dir / "hmms.json");
+  ASSERT_TRUE(networks.ok() && hmms.ok());
+  const Json scores = Inside(RunTrainctl(classify + " --scores --json"));
+  EXPECT_EQ(scores["lstm_inputs"], Json({"force", "motion"}));
+  ASSERT_EQ(scores["trials"].size(), 1u);
+  Rows lstm_inputs;
+  Rows lstm_raw;
+  Rows hmm_inputs;
+  for (const Json& step : scores["trials"][0]["steps"]) {
+    if (step.contains("lstm_inputs")) {
+      lstm_inputs.push_back(step["lstm_inputs"]);
+      lstm_raw.push_back(step["lstm_raw"]);
+      // The trial's force, log(x + 0.01).
+      EXPECT_NEAR(lstm_inputs.back()[0], std::log(3 * 1.02 + 0.01), 1e-9);
+      // This bundle calibrates networks by nothing.
+      EXPECT_LE(LargestDifference(
+                    {step["lstm_calibrated"].get<std::vector<double>>()},
+                    {lstm_raw.back()}),
+                1e-9);
+    }
+    if (step.contains("hmm_inputs")) {
+      hmm_inputs.push_back(step["hmm_inputs"]);
+      for (size_t k = 0; k < 4; ++k) {
+        const double want = LogLikelihood(hmms->hmms[k].mixture, hmm_inputs);
+        EXPECT_NEAR(step["hmm_raw"][k], want, 1e-9 * std::abs(want));
+      }
+    }
+  }
+  ASSERT_GT(lstm_inputs.size(), 5u);
+  ASSERT_EQ(networks->lstms.size(), 2u);
+  const Rows a = PlainLstm(networks->lstms[0], lstm_inputs);
+  const Rows b = PlainLstm(networks->lstms[1], lstm_inputs);
+  for (size_t t = 0; t < a.size(); ++t) {
+    for (size_t k = 0; k < 4; ++k) {
+      EXPECT_NEAR(lstm_raw[t][k], (a[t][k] + b[t][k]) / 2, 1e-5);
+    }
+  }
+  const TrainctlRun text = RunTrainctl(classify + " --scores");
+  EXPECT_THAT(text.out, HasSubstr("lstm raw"));
+  EXPECT_THAT(text.out, HasSubstr("hmm calibrated"));
+}
+
+TEST(ScoresTest, ABundleWithoutNetworksHasTheScoresOfItsHmms) {
+  const ScratchDir dir;
+  WriteBytes(dir / "hmms.tactus", *EncodeBundle(tactus::testing::SmallModel()));
+  const Json scores = Inside(
+      RunTrainctl("classify --scores --json --model=" + dir / "hmms.tactus" +
+                  " --data=" + WriteContacts(dir, "HU")));
+  for (const Json& trial : scores["trials"]) {
+    ASSERT_FALSE(trial["steps"].empty());
+    for (const Json& step : trial["steps"]) {
+      EXPECT_FALSE(step.contains("lstm_raw"));
+      EXPECT_EQ(step["hmm_inputs"].size(), 2u);
+    }
+  }
+  EXPECT_EQ(
+      ReasonOf(RunTrainctl("classify --trial=x --model=" + dir / "hmms.tactus" +
+                           " --data=" + WriteContacts(dir, "HU"))
+                   .status),
+      "INVALID_CONFIG");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/tools/trainctl/command.h"
+#include "client/tools/trainctl/score_trace.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/classify/contact_pipeline.h"
@@ -20,6 +21,8 @@ struct ClassifyFlags {
   std::string data;
   std::string model;
   std::string layout;
+  std::string trial;
+  bool scores = false;
   bool json = false;
 };
 
@@ -47,7 +50,7 @@ Json Answer(const Trial& trial, const Model& model,
 
 absl::StatusOr<Json> ClassifyTaxels(
     const Trial& trial, const SkinLayout& given,
-    const std::shared_ptr<const CompiledModel>& model) {
+    const std::shared_ptr<const CompiledModel>& model, ScoreTrace* trace) {
   TACTUS_ASSIGN_OR_RETURN(const SkinLayout layout,
                           LayoutOfTrial(trial, &given));
   TACTUS_RETURN_IF_ERROR(CheckSkinOf(trial, layout, model->model()));
@@ -62,14 +65,16 @@ absl::StatusOr<Json> ClassifyTaxels(
     trial.taxels.Decode(t, taxels.data());
     FrameView frame{.taxels = taxels};
     if (!trial.poses.empty()) frame.pose = &trial.poses[t];
-    pipeline->Step(frame);
+    const ContactReport& report = pipeline->Step(frame);
+    if (trace != nullptr) trace->Add(pipeline->classifier(), report.contact_id);
   }
   return Answer(trial, model->model(), pipeline->classifier(),
                 pipeline->report().contact_id > 0);
 }
 
 absl::StatusOr<Json> ClassifySignals(
-    const Trial& trial, const std::shared_ptr<const CompiledModel>& model) {
+    const Trial& trial, const std::shared_ptr<const CompiledModel>& model,
+    ScoreTrace* trace) {
   if (NeedsSkin(model->model().inputs)) {
     return InvalidConfig(absl::StrCat("trial ", trial.id), "ideal signals",
                          "taxels: the model sees the whole skin");
@@ -77,8 +82,17 @@ absl::StatusOr<Json> ClassifySignals(
   ContactClassifier classifier(model, {});
   for (const FeatureVector& signals : trial.signals) {
     classifier.Step(IdealSample(signals), 0);
+    if (trace != nullptr) trace->Add(classifier, /*contact_id=*/1);
   }
   return Answer(trial, model->model(), classifier, !trial.signals.empty());
+}
+
+std::vector<std::string> CueNamesOf(const std::vector<ModelInput>& inputs) {
+  std::vector<std::string> names;
+  for (const ModelInput& input : inputs) {
+    names.emplace_back(CueName(input.cue));
+  }
+  return names;
 }
 
 absl::Status RunClassify(const ClassifyFlags& flags) {
@@ -89,13 +103,17 @@ absl::Status RunClassify(const ClassifyFlags& flags) {
   TACTUS_ASSIGN_OR_RETURN(const auto model, LoadModel(flags.model));
   TACTUS_ASSIGN_OR_RETURN(auto reader, TrialFileReader::Open(flags.data));
   Json trials = Json::array();
+  ScoreTrace trace;
+  ScoreTrace* const traced = flags.scores ? &trace : nullptr;
   for (size_t i = 0; i < reader.size(); ++i) {
     TACTUS_ASSIGN_OR_RETURN(const Trial trial, reader.Read(i));
+    if (!flags.trial.empty() && trial.id != flags.trial) continue;
     Json answer;
     if (trial.taxels.empty()) {
-      TACTUS_ASSIGN_OR_RETURN(answer, ClassifySignals(trial, model));
+      TACTUS_ASSIGN_OR_RETURN(answer, ClassifySignals(trial, model, traced));
     } else {
-      TACTUS_ASSIGN_OR_RETURN(answer, ClassifyTaxels(trial, layout, model));
+      TACTUS_ASSIGN_OR_RETURN(answer,
+                              ClassifyTaxels(trial, layout, model, traced));
     }
     if (!flags.json) {
       std::cout << absl::StrFormat(
@@ -114,12 +132,25 @@ absl::Status RunClassify(const ClassifyFlags& flags) {
       }
       std::cout << "\n";
     }
+    if (flags.scores) {
+      Json steps = trace.Take();
+      if (!flags.json) std::cout << ScoreText(steps);
+      answer["steps"] = std::move(steps);
+    }
     trials.push_back(std::move(answer));
   }
+  if (!flags.trial.empty() && trials.empty()) {
+    return InvalidConfig("--trial", flags.trial,
+                         absl::StrCat("the id of a trial of ", flags.data));
+  }
   if (flags.json) {
-    std::cout << JsonText(Json{{"classes", model->model().class_names},
-                               {"trials", std::move(trials)}})
-              << "\n";
+    Json all = {{"classes", model->model().class_names}};
+    if (flags.scores) {
+      all["lstm_inputs"] = CueNamesOf(model->model().inputs.lstm);
+      all["hmm_inputs"] = CueNamesOf(model->model().inputs.hmm);
+    }
+    all["trials"] = std::move(trials);
+    std::cout << JsonText(all) << "\n";
   }
   return absl::OkStatus();
 }
@@ -134,6 +165,10 @@ void AddClassify(CLI::App& app, const SelectCommand& select) {
   command->add_option("--data", flags->data, "Trial file")->required();
   command->add_option("--layout", flags->layout,
                       "JSON file with the skin of trials that carry none");
+  command->add_option("--trial", flags->trial, "Only the trial with this id");
+  command->add_flag("--scores", flags->scores,
+                    "Print at each step the scaled inputs, the raw scores of "
+                    "networks and HMMs, and the calibrated ones");
   command->add_flag("--json", flags->json, "Print one JSON object on stdout");
   command->callback([=] { select([=] { return RunClassify(*flags); }); });
 }
