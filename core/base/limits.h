@@ -160,6 +160,8 @@ inline constexpr int64_t kMaxUploadBytes = 64L * 1024 * 1024 * 1024;
 inline constexpr size_t kMaxJobEventBytes = 64 * 1024;
 // Epochs of LSTM training.
 inline constexpr int kMaxEpochs = 10'000;
+// Work that the choice of a preset may take, in billions of multiplications.
+inline constexpr uint32_t kMaxChoiceWork = 1'000'000;
 // Jobs that wait.
 inline constexpr int kMaxQueuedJobs = 200;
 // The end of a job's log that is kept after the job, and one message of it.
