@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Shows Tactus at work; on a fresh Debian 12 this is all it takes.
 #
-#   deploy/demo.sh                 simulated contacts, a line for each, then
-#                                  accuracy, confusion, decision and round trips
+#   deploy/demo.sh                 simulated contacts, a line for each, then what
+#                                  was felt, answered and decided of each class
 #   deploy/demo.sh --json          the same as one JSON object on stdout
 #   deploy/demo.sh OPTION...       further options for tactus-stream
 #
@@ -37,16 +37,20 @@ trap clean_up EXIT
 
 die() { printf 'demo: %s\n' "$*" >&2; exit 1; }
 
-# Everything but tactus-stream speaks on stderr: stdout may be one JSON object.
-{
-  deploy/install-deps.sh
-  cmake --preset release -D TACTUS_BUILD_TESTS=OFF >"$work/configure.log" 2>&1 || {
-    cat "$work/configure.log"
-    die "configuring failed"
-  }
-  cmake --build --preset release --parallel "$(nproc)" \
-    --target tactusd tactus-stream
-} >&2
+# build: installs and builds what is missing.
+build() {
+  deploy/install-deps.sh &&
+    cmake --preset release -D TACTUS_BUILD_TESTS=OFF &&
+    cmake --build --preset release --parallel "$(nproc)" \
+      --target tactusd tactus-stream
+}
+# Its lines would hide those of the demo, so they are shown if it fails. Stdout
+# may be one JSON object, so all but tactus-stream speaks on stderr.
+echo "demo: building (the first time takes minutes; tail -f $work/build.log)" >&2
+build >"$work/build.log" 2>&1 || {
+  cat "$work/build.log" >&2
+  die "building failed"
+}
 
 "$BIN/tactusd" --listen=127.0.0.1:0 --port-file="$work/port" \
   >"$work/tactusd.log" 2>&1 &

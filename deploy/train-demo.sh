@@ -42,12 +42,21 @@ die() {
   exit 1
 }
 
+# build: installs and builds what is missing.
+build() {
+  deploy/install-deps.sh &&
+    cmake --preset release -D TACTUS_BUILD_TESTS=OFF &&
+    cmake --build --preset release --parallel "$(nproc)" \
+      --target tactusd tactus-trainer trainctl tactus-stream
+}
 if [[ $build == yes ]]; then
-  deploy/install-deps.sh
-  cmake --preset release -D TACTUS_BUILD_TESTS=OFF >"$work/configure.log" 2>&1 ||
-    { cat "$work/configure.log" >&2; exit 1; }
-  cmake --build --preset release --parallel "$(nproc)" \
-    --target tactusd tactus-trainer trainctl tactus-stream
+  echo "train-demo: building (the first time takes minutes;" \
+    "tail -f $work/build.log)" >&2
+  build >"$work/build.log" 2>&1 || {
+    cat "$work/build.log" >&2
+    echo "train-demo: building failed" >&2
+    exit 1
+  }
 fi
 
 export TACTUS_SERVER=unix:$work/tactusd.sock

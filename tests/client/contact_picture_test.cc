@@ -178,7 +178,7 @@ TEST(ContactPictureTest, PicturesBeginWithTheOnsetAndEndWithTheRelease) {
 }
 
 TEST(ContactPictureTest, ClassesOfTheDefaultBundleAreSpeltOut) {
-  EXPECT_EQ(DescribeClass("SU"), "soft, unmoved (SU)");
+  EXPECT_EQ(DescribeClass("SU"), "soft-unmoved (SU)");
   EXPECT_EQ(DescribeClass("foam"), "foam");
 }
 

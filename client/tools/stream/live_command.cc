@@ -5,6 +5,7 @@
 #include <string>
 
 #include "absl/strings/str_join.h"
+#include "client/tools/common/class_words.h"
 #include "client/tools/json.h"
 
 namespace tactus::client {
@@ -18,12 +19,11 @@ void StopRunningPlayer(int /*signal*/) {
 
 void PrintContact(const LiveContact& contact,
                   const std::vector<std::string>& names, bool json) {
-  const std::string& answer = names[contact.answer];
   if (json) {
     Json line = {{"contact", contact.id},
                  {"onset_ns", contact.onset_ns},
                  {"duration_s", contact.duration_s},
-                 {"answer", answer},
+                 {"answer", names[contact.answer]},
                  {"probability", contact.probability},
                  {"unknown", contact.unknown}};
     if (contact.decision) {
@@ -38,10 +38,12 @@ void PrintContact(const LiveContact& contact,
   } else {
     std::printf("contact %llu  %.2f s  %s  p %.3f  unknown %.3f",
                 static_cast<unsigned long long>(contact.id), contact.duration_s,
-                answer.c_str(), contact.probability, contact.unknown);
+                ClassWords(names[contact.answer]).c_str(), contact.probability,
+                contact.unknown);
     if (contact.decision) {
       std::printf("  decided %s after %.0f ms",
-                  names[*contact.decision].c_str(), contact.decision_ms);
+                  ClassWords(names[*contact.decision]).c_str(),
+                  contact.decision_ms);
     }
     if (contact.place) {
       const Eigen::Vector3d& p = *contact.place;

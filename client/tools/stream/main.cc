@@ -243,8 +243,8 @@ absl::Status Run(const Flags& flags) {
       TrialPlayer player(channel, driver->get(), player_options,
                          [&](const TrialResult& result) {
                            const std::lock_guard lock(mutex);
+                           report.SetClassNames(self->class_names());
                            report.Add(result);
-                           report.PrintLive(result, self->class_names());
                          });
       self = &player;
       statuses[i] = player.Run();
@@ -263,7 +263,7 @@ absl::Status Run(const Flags& flags) {
   for (const absl::Status& status : statuses) TACTUS_RETURN_IF_ERROR(status);
   TACTUS_RETURN_IF_ERROR(recorded);
 
-  report.PrintTables();
+  report.PrintSummary();
   Json json = report.ToJson();
   if (flags.IsReplayOfRecording()) {
     std::fprintf(out, "%s\n", check.Text().c_str());

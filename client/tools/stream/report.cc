@@ -5,10 +5,11 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <numeric>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "client/tools/common/class_words.h"
 #include "client/tools/common/percentile.h"
 #include "core/base/errors.h"
 
@@ -32,7 +33,25 @@ std::string ExactList(const std::vector<double>& values) {
 
 }  // namespace
 
-void Report::Add(const TrialResult& result) { results_[result.index] = result; }
+Json Report::Counts::ToJson() const {
+  return {{"trials", trials},
+          {"felt", felt},
+          {"never_felt", never_felt()},
+          {"right", right},
+          {"wrong", wrong},
+          {"decided_right", decided_right},
+          {"decided_wrong", decided_wrong},
+          {"undecided", undecided()}};
+}
+
+void Report::Add(const TrialResult& result) {
+  results_[result.index] = result;
+  for (auto due = results_.find(next_); due != results_.end();
+       due = results_.find(next_)) {
+    PrintContact(due->second);
+    ++next_;
+  }
+}
 
 void Report::AddTotals(const TrialPlayer::Totals& totals) {
   totals_.frames += totals.frames;
@@ -42,82 +61,160 @@ void Report::AddTotals(const TrialPlayer::Totals& totals) {
                         totals.rtt_us.end());
 }
 
-void Report::PrintLive(const TrialResult& result,
-                       const std::vector<std::string>& names) const {
-  const std::string head =
-      absl::StrFormat("%s  %s", result.id, names[result.label]);
+std::string Report::Words(int class_index) const {
+  return ClassWords(names_[class_index]);
+}
+
+int Report::WordWidth() const {
+  size_t longest = std::strlen("answer");
+  for (const std::string& name : names_) {
+    longest = std::max(longest, ClassWords(name).size());
+  }
+  return static_cast<int>(longest);
+}
+
+void Report::PrintContact(const TrialResult& result) {
+  constexpr int kIdWidth = 8;
+  const int width = WordWidth();
+  if (!has_header_) {
+    std::fprintf(out_, "%-*s  %-*s  %-*s  %-5s  %-5s  %s\n", kIdWidth, "trial",
+                 width, "label", width, "answer", "", "prob.", "decision");
+    has_header_ = true;
+  }
+  std::fprintf(out_, "%-*s  %-*s  ", kIdWidth, result.id.c_str(), width,
+               Words(result.label).c_str());
   if (!result.detected) {
-    std::fprintf(out_, "%s  never felt\n", head.c_str());
+    std::fprintf(out_, "never felt\n");
     return;
   }
   const std::string decision =
       result.decision
-          ? absl::StrFormat("decided %s after %.0f ms", names[*result.decision],
-                            result.decision_ms)
+          ? absl::StrFormat("%s after %.0f ms%s", Words(*result.decision),
+                            result.decision_ms,
+                            *result.decision == result.label ? "" : "  WRONG")
           : "undecided";
-  std::fprintf(out_, "%s -> %s %s  p %.3f  %s\n", head.c_str(),
-               names[result.answer].c_str(),
-               result.answer == result.label ? "ok   " : "WRONG",
+  std::fprintf(out_, "%-*s  %-5s  %.3f  %s\n", width,
+               Words(result.answer).c_str(),
+               result.answer == result.label ? "" : "WRONG",
                result.probability[result.answer], decision.c_str());
 }
 
-void Report::PrintConfusion() const {
-  constexpr size_t kMinWidth = 8;
-  constexpr size_t kMaxWidth = 100;
-  size_t longest = kMinWidth;
-  for (const std::string& name : names_) {
-    longest = std::max(longest, name.size() + 1);
-  }
-  const auto confusion = Confusion();
-  const int width = static_cast<int>(longest);
-  std::fprintf(out_, "\n");
-  // Too wide for a terminal: only what is right. --json has the matrix.
-  if (longest * (names_.size() + 1) > kMaxWidth) {
-    for (size_t k = 0; k < names_.size(); ++k) {
-      std::fprintf(
-          out_, "%-*s %4d of %d right\n", width, names_[k].c_str(),
-          confusion[k][k],
-          std::accumulate(confusion[k].begin(), confusion[k].end(), 0));
+std::vector<Report::Counts> Report::Count() const {
+  std::vector<Counts> counts(names_.size() + 1);
+  for (const auto& [index, result] : results_) {
+    for (Counts* const count : {&counts[result.label], &counts.back()}) {
+      ++count->trials;
+      if (!result.detected) continue;
+      ++count->felt;
+      ++(result.answer == result.label ? count->right : count->wrong);
+      if (!result.decision) continue;
+      ++(*result.decision == result.label ? count->decided_right
+                                          : count->decided_wrong);
     }
-    return;
   }
-  std::fprintf(out_, "%-*s", width, "");
-  for (const std::string& name : names_) {
-    std::fprintf(out_, "%*s", width, name.c_str());
+  return counts;
+}
+
+void Report::PrintClasses(const std::vector<Counts>& counts) const {
+  const int width = WordWidth();
+  std::fprintf(out_, "\n%-*s  %6s  %6s  %10s  %6s  %6s  %13s  %13s  %9s\n",
+               width, "class", "trials", "felt", "never felt", "right", "wrong",
+               "decided right", "decided wrong", "undecided");
+  for (size_t k = 0; k < counts.size(); ++k) {
+    const bool all = k + 1 == counts.size();
+    const Counts& c = counts[k];
+    if (c.trials == 0 && !all) continue;
+    std::fprintf(out_, "%-*s  %6d  %6d  %10d  %6d  %6d  %13d  %13d  %9d\n",
+                 width, all ? "all" : Words(static_cast<int>(k)).c_str(),
+                 c.trials, c.felt, c.never_felt(), c.right, c.wrong,
+                 c.decided_right, c.decided_wrong, c.undecided());
   }
-  std::fprintf(out_, "   <- answer\n");
+}
+
+void Report::PrintConfusion() const {
+  constexpr int kMaxWidth = 100;
+  const int width = WordWidth();
+  // Too wide for a terminal: --json has the matrix.
+  if ((width + 2) * (static_cast<int>(names_.size()) + 1) > kMaxWidth) return;
+  const auto confusion = Confusion();
+  std::fprintf(out_,
+               "\nlabel (rows) and last answer (columns) of what was felt"
+               "\n%-*s",
+               width, "");
   for (size_t k = 0; k < names_.size(); ++k) {
-    std::fprintf(out_, "%-*s", width, names_[k].c_str());
-    for (const int count : confusion[k])
-      std::fprintf(out_, "%*d", width, count);
+    std::fprintf(out_, "  %*s", width, Words(static_cast<int>(k)).c_str());
+  }
+  std::fprintf(out_, "\n");
+  for (size_t k = 0; k < names_.size(); ++k) {
+    std::fprintf(out_, "%-*s", width, Words(static_cast<int>(k)).c_str());
+    for (const int count : confusion[k]) {
+      std::fprintf(out_, "  %*d", width, count);
+    }
     std::fprintf(out_, "\n");
   }
 }
 
-void Report::PrintTables() const {
+void Report::PrintSummary() {
+  for (const auto& [index, result] : results_) {
+    if (index >= next_) PrintContact(result);
+  }
+  next_ = results_.empty() ? 0 : results_.rbegin()->first + 1;
+  const std::vector<Counts> counts = Count();
+  const Counts& all = counts.back();
+  PrintClasses(counts);
   PrintConfusion();
+  const auto part = [](int count, int of) {
+    return of == 0 ? absl::StrCat("0 of 0")
+                   : absl::StrFormat("%d of %d (%.1f %%)", count, of,
+                                     100.0 * count / of);
+  };
+  std::fprintf(out_, "\nfelt: %s; never felt: %d\n",
+               part(all.felt, all.trials).c_str(), all.never_felt());
+  std::fprintf(out_, "right at the end of the contact: %s of those felt\n",
+               part(all.right, all.felt).c_str());
   const auto times = DecisionTimes();
   std::fprintf(out_,
-               "\naccuracy %.4f of %zu contacts (%d of %zu trials never felt)\n"
-               "time to decision p50 %.0f ms, p90 %.0f ms (%zu decided)\n"
-               "round trip p50 %.0f us, p99 %.0f us\n"
-               "frames %llu, lost %llu\n",
-               Accuracy(), results_.size() - Undetectable(), Undetectable(),
-               results_.size(), Percentile(times, 0.5), Percentile(times, 0.9),
-               times.size(), Percentile(totals_.rtt_us, 0.5),
+               "decided rightly: %s of those felt; decided wrongly: %d; "
+               "undecided: %d\n",
+               part(all.decided_right, all.felt).c_str(), all.decided_wrong,
+               all.undecided());
+  if (!times.empty()) {
+    std::fprintf(out_,
+                 "time to decision: median %.0f ms, 90 %% within %.0f ms\n",
+                 Percentile(times, 0.5), Percentile(times, 0.9));
+  }
+  if (all.decided_wrong > 0) {
+    std::fprintf(out_,
+                 "(A decision is made once, early. An object that moves after "
+                 "it counts as decided wrongly.)\n");
+  }
+  std::fprintf(out_,
+               "round trip: median %.0f us, 99 %% within %.0f us\n"
+               "frames: %llu, lost: %llu\n",
+               Percentile(totals_.rtt_us, 0.5),
                Percentile(totals_.rtt_us, 0.99),
                static_cast<unsigned long long>(totals_.frames),
                static_cast<unsigned long long>(totals_.lost));
   if (totals_.resumed == 0) return;
-  std::fprintf(out_, "lost streams that went on %llu\n",
+  std::fprintf(out_, "lost streams that went on: %llu\n",
                static_cast<unsigned long long>(totals_.resumed));
 }
 
 Json Report::ToJson() const {
   const auto times = DecisionTimes();
-  Json json;
-  json["trials"] = results_.size();
-  json["accuracy"] = NumberOrNull(Accuracy());
+  const std::vector<Counts> counts = Count();
+  Json json = counts.back().ToJson();
+  json["accuracy"] = NumberOrNull(
+      counts.back().felt == 0
+          ? std::numeric_limits<double>::quiet_NaN()
+          : static_cast<double>(counts.back().right) / counts.back().felt);
+  json["classes"] = Json::array();
+  for (size_t k = 0; k < names_.size(); ++k) {
+    Json of_class = counts[k].ToJson();
+    of_class["name"] = names_[k];
+    of_class["words"] = Words(static_cast<int>(k));
+    json["classes"].push_back(std::move(of_class));
+  }
   json["confusion"] = Confusion();
   json["decision_ms"] = {{"p50", NumberOrNull(Percentile(times, 0.5))},
                          {"p90", NumberOrNull(Percentile(times, 0.9))}};
@@ -125,7 +222,7 @@ Json Report::ToJson() const {
                     {"p99", NumberOrNull(Percentile(totals_.rtt_us, 0.99))}};
   json["frames"] = totals_.frames;
   json["lost"] = totals_.lost;
-  json["undetectable"] = Undetectable();
+  json["undetectable"] = counts.back().never_felt();
   json["resumed"] = totals_.resumed;
   return json;
 }
@@ -143,23 +240,6 @@ absl::Status Report::WritePosteriors(const std::string& path) const {
   }
   good &= std::fclose(file) == 0;
   return good ? absl::OkStatus() : IoError(path, std::strerror(errno));
-}
-
-double Report::Accuracy() const {
-  int detected = 0;
-  int right = 0;
-  for (const auto& [index, result] : results_) {
-    detected += result.detected;
-    right += result.detected && result.answer == result.label;
-  }
-  return detected == 0 ? std::numeric_limits<double>::quiet_NaN()
-                       : static_cast<double>(right) / detected;
-}
-
-int Report::Undetectable() const {
-  return static_cast<int>(
-      std::count_if(results_.begin(), results_.end(),
-                    [](const auto& entry) { return !entry.second.detected; }));
 }
 
 std::vector<std::vector<int>> Report::Confusion() const {

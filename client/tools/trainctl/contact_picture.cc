@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "client/tools/common/class_words.h"
 #include "client/tools/figures/axis.h"
 #include "client/tools/trainctl/skin_strip.h"
 
@@ -400,15 +401,8 @@ double LargestTaxel(const ContactTrace& trace) {
 }  // namespace
 
 std::string DescribeClass(absl::string_view name) {
-  static constexpr std::pair<absl::string_view, absl::string_view> kNames[] = {
-      {"HU", "hard, unmoved"},
-      {"HM", "hard, moved"},
-      {"SU", "soft, unmoved"},
-      {"SM", "soft, moved"}};
-  for (const auto& [short_name, meaning] : kNames) {
-    if (name == short_name) return absl::StrCat(meaning, " (", name, ")");
-  }
-  return std::string(name);
+  const std::string words = ClassWords(name);
+  return words == name ? words : absl::StrCat(words, " (", name, ")");
 }
 
 std::vector<size_t> PicturedFrames(const ContactTrace& trace) {
