@@ -1,6 +1,9 @@
 #include "core/base/errors.h"
 
+#include <algorithm>
+
 #include "absl/strings/cord.h"
+#include "absl/strings/str_join.h"
 #include "core/base/serialize.h"
 #include "core/base/text.h"
 
@@ -51,6 +54,28 @@ absl::Status Annotate(const absl::Status& status, absl::string_view context) {
   return annotated;
 }
 
+absl::Status Advise(const absl::Status& status, absl::string_view advice) {
+  if (status.ok()) return status;
+  absl::Status advised(status.code(),
+                       Printable(absl::StrCat(status.message(), "; ", advice)));
+  status.ForEachPayload([&](absl::string_view type, const absl::Cord& payload) {
+    advised.SetPayload(type, payload);
+  });
+  return advised;
+}
+
+std::string NameSome(const std::vector<std::string>& names) {
+  constexpr size_t kNamed = 8;
+  std::vector<std::string> some(names.begin(),
+                                names.begin() + std::min(names.size(), kNamed));
+  for (std::string& name : some) name = Printable(name);
+  std::string text = absl::StrJoin(some, ", ");
+  if (names.size() > kNamed) {
+    absl::StrAppend(&text, " and ", names.size() - kNamed, " more");
+  }
+  return text;
+}
+
 absl::Status InvalidValue(v1::ErrorReason reason, absl::string_view what,
                           absl::string_view got, absl::string_view want) {
   return MakeError(StatusCode::kInvalidArgument, reason,
@@ -78,7 +103,8 @@ absl::Status WorkCancelled(absl::string_view work) {
 absl::Status CheckpointInvalid(absl::string_view part,
                                absl::string_view message) {
   return MakeError(StatusCode::kDataLoss, v1::ERROR_REASON_CHECKPOINT_INVALID,
-                   absl::StrCat("saved part ", part, ": ", message),
+                   absl::StrCat("saved part ", part, ": ", message,
+                                "; train again, from the beginning"),
                    {{"part", std::string(part)}});
 }
 
@@ -97,21 +123,26 @@ absl::Status TrialFileInvalid(absl::string_view path,
 
 absl::Status BundleCorrupt(absl::string_view message) {
   return MakeError(StatusCode::kDataLoss, v1::ERROR_REASON_BUNDLE_CORRUPT,
-                   absl::StrCat("model bundle is corrupt: ", message));
+                   absl::StrCat("model bundle is corrupt: ", message,
+                                "; copy it again from where it is whole, or "
+                                "fit it again"));
 }
 
 absl::Status BundleVersion(uint32_t got, uint32_t want) {
   return MakeError(
       StatusCode::kFailedPrecondition, v1::ERROR_REASON_BUNDLE_VERSION,
       absl::StrCat("model bundle has format version ", got,
-                   "; this program reads version ", want),
+                   "; this program reads version ", want,
+                   "; install the program that wrote it, or fit the model "
+                   "again with this one"),
       {{"value", absl::StrCat(got)}, {"expected", absl::StrCat(want)}});
 }
 
 absl::Status ConfigRequired() {
   return MakeError(StatusCode::kInvalidArgument,
                    v1::ERROR_REASON_CONFIG_REQUIRED,
-                   "the first message of a stream must be config");
+                   "the first message of a stream is not config; send config "
+                   "first, then frames");
 }
 
 absl::Status ConfigRepeated() {
@@ -122,14 +153,16 @@ absl::Status ConfigRepeated() {
 
 absl::Status EmptyRequest() {
   return MakeError(StatusCode::kInvalidArgument, v1::ERROR_REASON_EMPTY_REQUEST,
-                   "a request must hold config, frames or end_of_trial");
+                   "a request is empty; it must hold config, frames or "
+                   "end_of_trial");
 }
 
 absl::Status MalformedRequest(size_t bytes) {
   return MakeError(StatusCode::kInvalidArgument,
                    v1::ERROR_REASON_MALFORMED_REQUEST,
                    absl::StrCat("a request of ", bytes,
-                                " bytes is not a ClassifyContactRequest"),
+                                " bytes is not a ClassifyContactRequest; build "
+                                "the client from proto/tactus/v1"),
                    {{"value", absl::StrCat(bytes)}});
 }
 
@@ -152,7 +185,8 @@ absl::Status UnknownLayout(absl::string_view name, absl::string_view presets) {
 absl::Status MessageTooLarge(size_t got, size_t limit) {
   return MakeError(
       StatusCode::kInvalidArgument, v1::ERROR_REASON_MESSAGE_TOO_LARGE,
-      absl::StrCat("message has ", got, " bytes; the limit is ", limit),
+      absl::StrCat("message has ", got, " bytes; it must have at most ", limit,
+                   ": send fewer frames in each"),
       {{"value", absl::StrCat(got)}, {"limit", absl::StrCat(limit)}});
 }
 
@@ -238,21 +272,28 @@ absl::Status GeometryMismatch(absl::string_view got, absl::string_view want) {
   return MakeError(
       StatusCode::kFailedPrecondition, v1::ERROR_REASON_GEOMETRY_MISMATCH,
       absl::StrCat("the stream's skin is ", got,
-                   " but the model was trained on ", want),
+                   "; it must be that of the model's training data, ", want),
       {{"value", std::string(got)}, {"expected", std::string(want)}});
 }
 
-absl::Status ModelNotFound(absl::string_view name) {
-  return MakeError(StatusCode::kNotFound, v1::ERROR_REASON_MODEL_NOT_FOUND,
-                   absl::StrCat("model ", Quoted(name), " does not exist"),
-                   {{"model", std::string(name)}});
+absl::Status ModelNotFound(absl::string_view name,
+                           const std::vector<std::string>& known) {
+  return MakeError(
+      StatusCode::kNotFound, v1::ERROR_REASON_MODEL_NOT_FOUND,
+      absl::StrCat("model ", Quoted(name), " does not exist; ",
+                   known.empty()
+                       ? "train one with trainctl train, or start the server "
+                         "with --model=NAME=BUNDLE"
+                       : absl::StrCat("there is ", NameSome(known))),
+      {{"model", std::string(name)}});
 }
 
 absl::Status StreamLimit(absl::string_view what, int limit) {
   return MakeError(StatusCode::kResourceExhausted,
                    v1::ERROR_REASON_STREAM_LIMIT,
                    absl::StrCat("the server already serves ", limit, " ", what,
-                                ", its limit"),
+                                ", its limit; end one, try again later, or "
+                                "start the server with a higher limit"),
                    {{"limit", absl::StrCat(limit)}});
 }
 
@@ -261,7 +302,8 @@ absl::Status PeerStreamLimit(absl::string_view what, absl::string_view peer,
   return MakeError(
       StatusCode::kResourceExhausted, v1::ERROR_REASON_STREAM_LIMIT,
       absl::StrCat("the server already serves ", limit, " ", what, " of ", peer,
-                   ", the limit of one peer"),
+                   ", the limit of one peer; end one of these first, or start "
+                   "the server with a higher limit"),
       {{"limit", absl::StrCat(limit)}, {"peer", std::string(peer)}});
 }
 
@@ -272,13 +314,16 @@ absl::Status Draining() {
 
 absl::Status StreamIdle(int timeout_ms) {
   return MakeError(StatusCode::kDeadlineExceeded, v1::ERROR_REASON_STREAM_IDLE,
-                   absl::StrCat("nothing arrived for ", timeout_ms, " ms"),
+                   absl::StrCat("nothing arrived for ", timeout_ms,
+                                " ms; send frames also while nothing touches, "
+                                "or open a stream when there are some"),
                    {{"limit", absl::StrCat(timeout_ms)}});
 }
 
 absl::Status NoFirstMessage(int timeout_ms) {
   return MakeError(StatusCode::kDeadlineExceeded, v1::ERROR_REASON_STREAM_IDLE,
-                   absl::StrCat("no config arrived within ", timeout_ms, " ms"),
+                   absl::StrCat("no config arrived within ", timeout_ms,
+                                " ms; send config at once"),
                    {{"limit", absl::StrCat(timeout_ms)}});
 }
 
@@ -294,35 +339,43 @@ absl::Status InvalidName(absl::string_view name, absl::string_view want) {
 }
 
 absl::Status NoSuch(v1::ErrorReason reason, absl::string_view kind,
-                    absl::string_view name) {
-  return MakeError(StatusCode::kNotFound, reason,
-                   absl::StrCat(kind, " ", Quoted(name), " does not exist"),
-                   {{std::string(kind), std::string(name)}});
+                    absl::string_view name, absl::string_view advice) {
+  return MakeError(
+      StatusCode::kNotFound, reason,
+      absl::StrCat(kind, " ", Quoted(name), " does not exist; ", advice),
+      {{std::string(kind), std::string(name)}});
 }
 
 absl::Status DatasetExists(absl::string_view name) {
   return MakeError(StatusCode::kAlreadyExists, v1::ERROR_REASON_DATASET_EXISTS,
-                   absl::StrCat(name, " exists already"),
+                   absl::StrCat(name,
+                                " exists already; choose another name, or add "
+                                "trials to it with trainctl datasets upload"),
                    {{"dataset", std::string(name)}});
 }
 
 absl::Status DatasetInUse(absl::string_view name, absl::string_view user) {
   return MakeError(
       StatusCode::kFailedPrecondition, v1::ERROR_REASON_DATASET_IN_USE,
-      absl::StrCat(name, " cannot be deleted, because ", user, " refers to it"),
+      absl::StrCat(name, " cannot be deleted, because ", user,
+                   " refers to it; wait until that has ended, or let it refer "
+                   "to another dataset"),
       {{"dataset", std::string(name)}, {"user", std::string(user)}});
 }
 
 absl::Status ModelInUse(absl::string_view name, absl::string_view user) {
   return MakeError(
       StatusCode::kFailedPrecondition, v1::ERROR_REASON_MODEL_IN_USE,
-      absl::StrCat(name, " cannot be deleted, because ", user, " refers to it"),
+      absl::StrCat(name, " cannot be deleted, because ", user,
+                   " refers to it; let that name other versions first, with "
+                   "trainctl models promote"),
       {{"model", std::string(name)}, {"user", std::string(user)}});
 }
 
 absl::Status UploadBusy(absl::string_view name) {
   return MakeError(StatusCode::kAborted, v1::ERROR_REASON_UPLOAD_BUSY,
-                   absl::StrCat("another call writes to ", name),
+                   absl::StrCat("another call writes to ", name,
+                                "; end that call, or try again later"),
                    {{"upload", std::string(name)}});
 }
 
@@ -337,10 +390,11 @@ absl::Status OffsetMismatch(int64_t got, int64_t committed) {
 
 absl::Status ChecksumMismatch(absl::string_view what, absl::string_view got,
                               absl::string_view want) {
-  return MakeError(
-      StatusCode::kInvalidArgument, v1::ERROR_REASON_CHECKSUM_MISMATCH,
-      absl::StrCat(what, " has checksum ", got, "; announced was ", want),
-      {{"got", std::string(got)}, {"want", std::string(want)}});
+  return MakeError(StatusCode::kInvalidArgument,
+                   v1::ERROR_REASON_CHECKSUM_MISMATCH,
+                   absl::StrCat(what, " has checksum ", got, "; it must have ",
+                                want, ", as announced: send it again"),
+                   {{"got", std::string(got)}, {"want", std::string(want)}});
 }
 
 absl::Status InvalidTrial(absl::string_view message) {
@@ -351,7 +405,9 @@ absl::Status InvalidTrial(absl::string_view message) {
 absl::Status JobLimit(int limit) {
   return MakeError(
       StatusCode::kResourceExhausted, v1::ERROR_REASON_JOB_LIMIT,
-      absl::StrCat("the server already has ", limit, " queued jobs, its limit"),
+      absl::StrCat("the server already has ", limit,
+                   " queued jobs, its limit; wait until one has ended, or "
+                   "cancel one with trainctl jobs cancel"),
       {{"limit", absl::StrCat(limit)}});
 }
 
@@ -378,14 +434,18 @@ absl::Status EtagMismatch(absl::string_view name, absl::string_view got,
                           absl::string_view want) {
   return MakeError(StatusCode::kAborted, v1::ERROR_REASON_ETAG_MISMATCH,
                    absl::StrCat(name, " has changed: the request has etag ",
-                                Quoted(got), ", the alias has ", Quoted(want)),
+                                Quoted(got), ", the alias has ", Quoted(want),
+                                "; look at it with trainctl models alias, then "
+                                "repeat the request with the new etag"),
                    {{"got", std::string(got)}, {"want", std::string(want)}});
 }
 
 absl::Status NothingToRollBack(absl::string_view alias) {
   return MakeError(StatusCode::kFailedPrecondition,
                    v1::ERROR_REASON_NOTHING_TO_ROLL_BACK,
-                   absl::StrCat(alias, " has named no other version before"),
+                   absl::StrCat(alias,
+                                " has named no other version before; let it "
+                                "name one with trainctl models promote"),
                    {{"alias", std::string(alias)}});
 }
 
@@ -415,7 +475,10 @@ absl::Status PermissionDenied(absl::string_view method, absl::string_view role,
                               absl::string_view want) {
   return MakeError(
       StatusCode::kPermissionDenied, v1::ERROR_REASON_PERMISSION_DENIED,
-      absl::StrCat(method, " needs the role ", want, "; the caller has ", role),
+      absl::StrCat(method, " needs the role ", want, "; the caller has ", role,
+                   "; use a token that was made with trainctl tokens create "
+                   "--role=",
+                   want),
       {{"role", std::string(role)}, {"want", std::string(want)}});
 }
 
@@ -423,7 +486,8 @@ absl::Status InvalidResponse(absl::string_view what, absl::string_view got,
                              absl::string_view want) {
   return MakeError(StatusCode::kInternal, v1::ERROR_REASON_INVALID_RESPONSE,
                    absl::StrCat("the server sent an invalid response: ", what,
-                                " is ", got, "; it must be ", want),
+                                " is ", got, "; it must be ", want,
+                                "; install the same version on both sides"),
                    {{"field", std::string(what)},
                     {"value", std::string(got)},
                     {"expected", std::string(want)}});
@@ -433,7 +497,8 @@ absl::Status NoResponse(absl::string_view request, int64_t timeout_ms) {
   return MakeError(
       StatusCode::kDeadlineExceeded, v1::ERROR_REASON_NO_RESPONSE,
       absl::StrCat("the server did not respond to ", request, " within ",
-                   timeout_ms, " ms"),
+                   timeout_ms,
+                   " ms; check that it runs, and its load, or try again"),
       {{"value", std::string(request)}, {"limit", absl::StrCat(timeout_ms)}});
 }
 

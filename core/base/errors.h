@@ -39,6 +39,12 @@ v1::ErrorInfo InfoOf(const absl::Status& status);
 // The same error with "context: " before its text; OK stays OK.
 absl::Status Annotate(const absl::Status& status, absl::string_view context);
 
+// The same error with "; advice" after its text; OK stays OK.
+absl::Status Advise(const absl::Status& status, absl::string_view advice);
+
+// "a, b, c": the first eight names, and how many more there are.
+std::string NameSome(const std::vector<std::string>& names);
+
 // INVALID_ARGUMENT: `what` has value `got`, `want` would be right.
 absl::Status InvalidValue(v1::ErrorReason reason, absl::string_view what,
                           absl::string_view got, absl::string_view want);
@@ -103,7 +109,9 @@ absl::Status InvalidSparseIndex(uint64_t sequence, uint32_t index,
 absl::Status GeometryMismatch(absl::string_view got, absl::string_view want);
 
 // Server.
-absl::Status ModelNotFound(absl::string_view name);
+// `known`: names that would have been right, the likeliest first.
+absl::Status ModelNotFound(absl::string_view name,
+                           const std::vector<std::string>& known = {});
 // `what` names the calls that are limited, e.g. "streams".
 absl::Status StreamLimit(absl::string_view what, int limit);
 absl::Status PeerStreamLimit(absl::string_view what, absl::string_view peer,
@@ -116,9 +124,10 @@ absl::Status NoFirstMessage(int timeout_ms);
 absl::Status NoDataDirectory();
 absl::Status InvalidName(absl::string_view name, absl::string_view want);
 // NOT_FOUND with one of the reasons that end in _NOT_FOUND; `kind` is the word
-// for the thing, e.g. "dataset".
+// for the thing, e.g. "dataset", and `advice` what to do, e.g. "trainctl
+// datasets list shows those that do".
 absl::Status NoSuch(v1::ErrorReason reason, absl::string_view kind,
-                    absl::string_view name);
+                    absl::string_view name, absl::string_view advice);
 absl::Status DatasetExists(absl::string_view name);
 absl::Status DatasetInUse(absl::string_view name, absl::string_view user);
 absl::Status ModelInUse(absl::string_view name, absl::string_view user);

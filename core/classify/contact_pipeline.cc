@@ -42,8 +42,7 @@ absl::Status CheckSkin(const SkinLayout& layout, const Model& model) {
 absl::Status CheckPoses(bool with_poses, const Model& model) {
   if (with_poses || model.poses != PoseNeed::kNeeded) return absl::OkStatus();
   return InvalidConfig("with_poses", "false",
-                       "true: the model measures motion by poses; another one "
-                       "may do without");
+                       "true, because the model measures motion by poses");
 }
 
 }  // namespace

@@ -4,7 +4,9 @@
 #include <map>
 #include <string>
 
+#include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
+#include "core/base/text.h"
 
 namespace tactus {
 namespace {
@@ -19,6 +21,24 @@ std::vector<std::vector<int>> GroupBy(
   std::vector<std::vector<int>> folds;
   for (auto& [name, members] : groups) folds.push_back(std::move(members));
   return folds;
+}
+
+absl::Status TooFewFolds(const std::vector<const LabelledContact*>& contacts,
+                         Protocol protocol) {
+  const bool conditions = protocol.kind == Protocol::kLeaveOneConditionOut;
+  if (contacts.size() < 2 ||
+      (!conditions && protocol.kind != Protocol::kLeaveOneMaterialOut)) {
+    return InvalidTrainingData(
+        absl::StrCat("the number of contacts to test with is ", contacts.size(),
+                     "; it must be at least 2: record more"));
+  }
+  const std::string kind = conditions ? "condition" : "material";
+  const LabelledContact& first = *contacts.front();
+  return InvalidTrainingData(absl::StrCat(
+      "the ", kind, " of all ", contacts.size(), " contacts is ",
+      Quoted(conditions ? first.condition : first.material),
+      "; to leave one out takes 2 or more: record others, or test with "
+      "--protocol=k-fold"));
 }
 
 }  // namespace
@@ -66,10 +86,7 @@ absl::StatusOr<std::vector<std::vector<int>>> MakeFolds(
       folds = StratifiedFolds(contacts, protocol.folds);
       break;
   }
-  if (folds.size() < 2) {
-    return InvalidTrainingData(
-        "the contacts form fewer than two folds of this protocol");
-  }
+  if (folds.size() < 2) return TooFewFolds(contacts, protocol);
   return folds;
 }
 

@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
+#include "core/contacts/class_counts.h"
 #include "core/contacts/folds.h"
 #include "core/eval/baselines.h"
 #include "core/eval/evaluate.h"
@@ -13,24 +14,9 @@
 namespace tactus {
 namespace {
 
-constexpr int kFolds = 3;
 constexpr size_t kMaxConditions = 8;
 
 using Contacts = std::vector<const LabelledContact*>;
-
-// True if every class has two contacts outside of each fold, as a fit needs.
-bool LeavesEveryClass(const Contacts& contacts,
-                      const std::vector<std::vector<int>>& folds) {
-  std::map<std::string, int> all;
-  for (const LabelledContact* contact : contacts) ++all[contact->label];
-  for (const std::vector<int>& fold : folds) {
-    std::map<std::string, int> rest = all;
-    for (const int i : fold) {
-      if (--rest[contacts[i]->label] < 2) return false;
-    }
-  }
-  return true;
-}
 
 }  // namespace
 
@@ -38,12 +24,10 @@ absl::StatusOr<PresetChoice> ChoosePreset(
     const std::vector<const LabelledContact*>& contacts,
     const std::vector<std::pair<std::string, FitOptions>>& candidates,
     const ParallelFor& parallel, const Progress& progress) {
-  if (contacts.empty()) {
-    return InvalidTrainingData("there is no contact to choose a preset for");
-  }
+  TACTUS_RETURN_IF_ERROR(CheckClasses(CountClasses(contacts), "contacts"));
   PresetChoice choice;
   choice.contacts = static_cast<int>(contacts.size());
-  Protocol protocol(Protocol::kKFold, kFolds);
+  Protocol protocol = kChoiceProtocol;
   auto folds = MakeFolds(contacts, Protocol::kLeaveOneConditionOut);
   if (folds.ok() && folds->size() <= kMaxConditions &&
       LeavesEveryClass(contacts, *folds)) {
@@ -53,11 +37,9 @@ absl::StatusOr<PresetChoice> ChoosePreset(
     folds = MakeFolds(contacts, protocol);
     TACTUS_RETURN_IF_ERROR(folds.status());
   }
-  if (!LeavesEveryClass(contacts, *folds)) {
-    return InvalidTrainingData(absl::StrCat(
-        "a class has too few contacts to choose a preset by cross-validation "
-        "in ",
-        kFolds, " folds; record three or more of each, or name a preset"));
+  if (const absl::Status enough = CheckFolds(contacts, *folds, protocol);
+      !enough.ok()) {
+    return Advise(enough, "or name a preset, like --preset=profile");
   }
   choice.folds = static_cast<int>(folds->size());
   const Progress each = progress.Part("choose preset", 1);
@@ -81,7 +63,8 @@ absl::StatusOr<PresetChoice> ChoosePreset(
   }
   if (choice.right.empty()) {
     return InvalidTrainingData(
-        "no preset suits the contacts; name one to learn why");
+        absl::StrCat("no preset suits the contacts: ", choice.unfit[0].first,
+                     ": ", choice.unfit[0].second));
   }
   TACTUS_ASSIGN_OR_RETURN(const Baselines baselines,
                           MeasureBaselines(contacts, *folds));

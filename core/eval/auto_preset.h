@@ -22,10 +22,14 @@
 
 #include "absl/status/statusor.h"
 #include "core/base/work.h"
+#include "core/contacts/folds.h"
 #include "core/contacts/labelled_contact.h"
 #include "core/train/fit_options.h"
 
 namespace tactus {
+
+// The folds where the contacts ask for no others.
+inline const Protocol kChoiceProtocol(Protocol::kKFold, 3);
 
 struct PresetChoice {
   // Of the first candidate with most right answers.

@@ -1,8 +1,10 @@
 #include "core/eval/chosen_options.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/base/status_macros.h"
+#include "core/contacts/class_counts.h"
 #include "core/train/usable.h"
 
 namespace tactus {
@@ -17,6 +19,29 @@ bool Chooses(const OptionsRequest& request) {
 // The preset of a request that does not choose.
 std::string NamedPreset(const OptionsRequest& request) {
   return request.preset.empty() ? "tuned" : request.preset;
+}
+
+// Removes the contacts of classes without a label, and of those with too few
+// contacts for a fit, for the choice of a preset if there is one, or for the
+// folds of an evaluation. Fewer contacts make other folds, so it repeats.
+void SkipSmallClasses(const OptionsRequest& request, ChosenOptions& chosen) {
+  std::vector<std::string> small;
+  do {
+    small = SmallClasses(CountClasses(chosen.contacts));
+    for (const std::optional<Protocol>& protocol :
+         {request.protocol, Chooses(request)
+                                ? std::optional<Protocol>(kChoiceProtocol)
+                                : std::nullopt}) {
+      if (!protocol || !small.empty()) continue;
+      const auto folds = MakeFolds(chosen.contacts, *protocol);
+      if (folds.ok()) small = SmallClasses(chosen.contacts, *folds);
+    }
+    std::erase_if(chosen.contacts, [&](const LabelledContact* contact) {
+      if (std::ranges::count(small, contact->label) == 0) return false;
+      chosen.unusable.push_back(contact->id);
+      return true;
+    });
+  } while (!small.empty());
 }
 
 // Removes the contacts that models of these options cannot be fitted to.
@@ -46,7 +71,10 @@ absl::StatusOr<ChosenOptions> ChooseOptions(
   if (!Chooses(request)) {
     chosen.preset = NamedPreset(request);
     TACTUS_ASSIGN_OR_RETURN(chosen.options, request.options_of(chosen.preset));
-    if (request.skip_unusable) SkipUnusable(chosen.options, chosen);
+    if (request.skip_unusable) {
+      SkipUnusable(chosen.options, chosen);
+      SkipSmallClasses(request, chosen);
+    }
     return chosen;
   }
   std::vector<std::pair<std::string, FitOptions>> candidates;
@@ -56,6 +84,7 @@ absl::StatusOr<ChosenOptions> ChooseOptions(
     if (request.skip_unusable) SkipUnusable(options, chosen);
     candidates.emplace_back(preset, std::move(options));
   }
+  if (request.skip_unusable) SkipSmallClasses(request, chosen);
   TACTUS_ASSIGN_OR_RETURN(
       chosen.choice,
       ChoosePreset(chosen.contacts, candidates, parallel, progress));

@@ -24,6 +24,7 @@
 #include "absl/strings/string_view.h"
 #include "core/base/status_macros.h"
 #include "core/base/work.h"
+#include "core/contacts/folds.h"
 #include "core/contacts/labelled_contact.h"
 #include "core/eval/auto_preset.h"
 #include "core/train/fit_options.h"
@@ -35,8 +36,11 @@ struct OptionsRequest {
   std::string preset = {};
   // Some contact comes from taxels without poses.
   bool without_poses = false;
-  // Leaves out the contacts that models cannot be fitted to (usable.h).
+  // Leaves out the contacts that models cannot be fitted to (usable.h), and
+  // those of classes that have too few (class_counts.h).
   bool skip_unusable = false;
+  // How the options will be evaluated: the classes must suffice for its folds.
+  std::optional<Protocol> protocol = {};
   // The options of a preset, with what else was asked for.
   std::function<absl::StatusOr<FitOptions>(absl::string_view preset)>
       options_of;

@@ -9,6 +9,7 @@
 #include "core/base/status_macros.h"
 #include "core/classify/contact_classifier.h"
 #include "core/classify/input_spec.h"
+#include "core/contacts/class_counts.h"
 #include "core/eval/evaluate_nearest.h"
 
 namespace tactus {
@@ -124,10 +125,6 @@ absl::Status EvaluateFold(const std::vector<const LabelledContact*>& contacts,
   }
   TACTUS_ASSIGN_OR_RETURN(Model model,
                           FitModel(rest, options, RunSerially, progress));
-  if (model.class_names != result.class_names) {
-    return InvalidTrainingData(
-        "a fold holds all contacts of some class; use another protocol");
-  }
   TACTUS_ASSIGN_OR_RETURN(auto compiled,
                           CompiledModel::Create(std::move(model)));
   for (int i : fold) {
@@ -187,6 +184,10 @@ absl::StatusOr<Evaluation> EvaluateProtocol(
     fit.inner_folds = InnerFolds::kMaterials;
   }
   TACTUS_ASSIGN_OR_RETURN(const auto folds, MakeFolds(contacts, protocol));
+  if (algorithm != Algorithm::kNearest) {
+    TACTUS_RETURN_IF_ERROR(CheckClasses(CountClasses(contacts), "contacts"));
+    TACTUS_RETURN_IF_ERROR(CheckFolds(contacts, folds, protocol));
+  }
   TACTUS_ASSIGN_OR_RETURN(
       Evaluation result,
       PrepareEvaluation(contacts, ClassNames(contacts), algorithm));

@@ -13,6 +13,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/classify/warm_up.h"
+#include "core/contacts/class_counts.h"
 #include "core/contacts/folds.h"
 #include "core/train/calibrate.h"
 #include "core/train/model_fit.h"
@@ -21,7 +22,6 @@
 namespace tactus {
 namespace {
 
-constexpr int kMinContactsPerClass = 2;
 // With more conditions than this, the contacts of a condition are too few to be
 // left out together.
 constexpr size_t kMaxConditions = 8;
@@ -60,23 +60,9 @@ absl::Status CheckUniform(const std::vector<const LabelledContact*>& contacts) {
   return absl::OkStatus();
 }
 
-absl::Status CheckContacts(const std::vector<const LabelledContact*>& contacts,
-                           const std::vector<std::string>& class_names) {
-  if (class_names.size() < 2 || class_names.size() > limits::kMaxClasses) {
-    return InvalidTrainingData(
-        absl::StrCat("the contacts have ", class_names.size(),
-                     " classes; it takes 2 to ", limits::kMaxClasses));
-  }
-  for (const std::string& name : class_names) {
-    const auto count = std::count_if(
-        contacts.begin(), contacts.end(),
-        [&](const LabelledContact* c) { return c->label == name; });
-    if (count < kMinContactsPerClass) {
-      return InvalidTrainingData(absl::StrCat("class ", name, " has ", count,
-                                              " contacts; it takes ",
-                                              kMinContactsPerClass));
-    }
-  }
+absl::Status CheckContacts(
+    const std::vector<const LabelledContact*>& contacts) {
+  TACTUS_RETURN_IF_ERROR(CheckClasses(CountClasses(contacts), "contacts"));
   return CheckUniform(contacts);
 }
 
@@ -141,6 +127,26 @@ absl::Status CheckCues(const std::vector<const LabelledContact*>& contacts,
   return absl::OkStatus();
 }
 
+std::vector<const LabelledContact*> Select(
+    const std::vector<const LabelledContact*>& contacts,
+    const std::vector<int>& indices) {
+  std::vector<const LabelledContact*> selected;
+  selected.reserve(indices.size());
+  for (int i : indices) selected.push_back(contacts[i]);
+  return selected;
+}
+
+// True if some fold leaves contacts of every class.
+bool AnyLeavesEveryClass(const std::vector<const LabelledContact*>& contacts,
+                         const std::vector<std::vector<int>>& folds) {
+  const size_t classes = CountClasses(contacts).size();
+  return std::ranges::any_of(folds, [&](const std::vector<int>& fold) {
+    const auto rest =
+        Select(contacts, Complement(fold, static_cast<int>(contacts.size())));
+    return CountClasses(rest).size() == classes;
+  });
+}
+
 // Folds by robot condition or by material if there are several but not too
 // many, so that the calibration includes the cost of a new one; else stratified
 // folds.
@@ -161,19 +167,11 @@ std::vector<std::vector<int>> MakeInnerFolds(
     }
   }
   auto by_condition = MakeFolds(contacts, Protocol::kLeaveOneConditionOut);
-  if (by_condition.ok() && by_condition->size() <= kMaxConditions) {
+  if (by_condition.ok() && by_condition->size() <= kMaxConditions &&
+      AnyLeavesEveryClass(contacts, *by_condition)) {
     return *std::move(by_condition);
   }
   return StratifiedFolds(contacts, options.calibration_folds);
-}
-
-std::vector<const LabelledContact*> Select(
-    const std::vector<const LabelledContact*>& contacts,
-    const std::vector<int>& indices) {
-  std::vector<const LabelledContact*> selected;
-  selected.reserve(indices.size());
-  for (int i : indices) selected.push_back(contacts[i]);
-  return selected;
 }
 
 // An inner fold: the models of the other contacts, and the scores that they
@@ -399,7 +397,8 @@ absl::Status Calibrate(ClassShares shares, std::vector<Fold>& folds,
   }
   if (all.empty()) {
     return InvalidTrainingData(
-        "no inner fold leaves contacts of every class to calibrate with");
+        "no inner fold leaves contacts of every class to calibrate with; "
+        "record each class in several conditions, or of several materials");
   }
   // The contacts of a fold may all have a known stiffness when others do not.
   if (!model.estimator) {
@@ -453,11 +452,8 @@ absl::StatusOr<Model> FitModel(
     const std::vector<const LabelledContact*>& contacts,
     const FitOptions& options, const ParallelFor& parallel,
     const Progress& progress, FitJournal* journal, const ParallelFor& start) {
-  if (contacts.empty()) {
-    return InvalidTrainingData("there is no contact to fit to");
-  }
+  TACTUS_RETURN_IF_ERROR(CheckContacts(contacts));
   const std::vector<std::string> class_names = ClassNames(contacts);
-  TACTUS_RETURN_IF_ERROR(CheckContacts(contacts, class_names));
   TACTUS_RETURN_IF_ERROR(CheckCues(contacts, options.hmm_cues, options));
   if (options.lstm.networks > 0) {
     TACTUS_RETURN_IF_ERROR(CheckCues(contacts, options.lstm.cues, options));
@@ -470,7 +466,8 @@ absl::StatusOr<Model> FitModel(
   const auto fitted = Select(contacts, held.fitted);
   if (ClassNames(fitted) != class_names) {
     return InvalidTrainingData(
-        "the contacts that are not held out lack a class");
+        "the contacts that are not held out lack a class; record more of each, "
+        "or fit with --preset=tuned, which holds none out");
   }
   ModelFit whole(run, "", {.lstms = options.lstm.networks}, fitted);
   std::vector<Fold> folds;

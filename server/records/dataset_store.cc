@@ -29,7 +29,8 @@ constexpr char kDatasets[] = "datasets";
 constexpr int64_t kMaxManifestBytes = 65L * 1'000'000;
 
 absl::Status NotFound(absl::string_view name) {
-  return NoSuch(v1::ERROR_REASON_DATASET_NOT_FOUND, "dataset", name);
+  return NoSuch(v1::ERROR_REASON_DATASET_NOT_FOUND, "dataset", name,
+                "trainctl datasets list shows those that do");
 }
 
 absl::StatusOr<v1::Dataset> FindDataset(const Transaction& look,
@@ -47,7 +48,8 @@ absl::StatusOr<v1::DatasetVersion> FindVersion(const Transaction& look,
     name.version = dataset.latest_version();
     if (name.version == 0) {
       return NoSuch(v1::ERROR_REASON_DATASET_NOT_FOUND, "dataset version",
-                    name.Parent() + "/versions/1");
+                    name.Parent() + "/versions/1",
+                    "upload trials with trainctl datasets upload");
     }
   }
   TACTUS_ASSIGN_OR_RETURN(

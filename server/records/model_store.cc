@@ -13,6 +13,7 @@
 #include "core/store/records.h"
 #include "server/names/resource_names.h"
 #include "server/records/audit_log.h"
+#include "server/records/blob_parts.h"
 #include "server/records/dataset_store.h"
 
 namespace tactus::server {
@@ -29,7 +30,8 @@ absl::StatusOr<std::optional<v1::Alias>> FindAlias(const Transaction& look,
 }
 
 absl::Status NoAlias(const ResourceName& name) {
-  return NoSuch(v1::ERROR_REASON_ALIAS_NOT_FOUND, "alias", name.ToString());
+  return NoSuch(v1::ERROR_REASON_ALIAS_NOT_FOUND, "alias", name.ToString(),
+                "trainctl models alias shows those that do");
 }
 
 absl::Status CheckEtag(const v1::Alias& alias, absl::string_view etag) {
@@ -116,6 +118,8 @@ absl::StatusOr<v1::ModelVersion> ModelStore::AddVersion(
           known = true;
           return absl::OkStatus();
         }
+        TACTUS_RETURN_IF_ERROR(CheckModelBytes(
+            look, quotas_, caller.name, static_cast<int64_t>(bundle.size())));
         TACTUS_ASSIGN_OR_RETURN(number, LastNumber(look, parent.Parent()));
         ++number;
         return absl::OkStatus();
@@ -131,6 +135,7 @@ absl::StatusOr<v1::ModelVersion> ModelStore::AddVersion(
   version.set_name(name.ToString());
   version.set_bytes(static_cast<int64_t>(bundle.size()));
   version.set_create_time_ms(now_());
+  version.set_requester(caller.name);
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Change([&](Transaction& change) -> absl::Status {
         TACTUS_RETURN_IF_ERROR(PutRecord(change, Table::kModelVersions,
@@ -141,6 +146,15 @@ absl::StatusOr<v1::ModelVersion> ModelStore::AddVersion(
       }));
   registry_->Add(name.id, name.version, std::move(pinned));
   return version;
+}
+
+absl::StatusOr<v1::ModelVersion> ModelStore::Import(absl::string_view model,
+                                                    const Spool& bundle,
+                                                    const Caller& caller) {
+  const std::lock_guard lock(importing_);
+  TACTUS_ASSIGN_OR_RETURN(const std::string bytes, bundle.Read());
+  TACTUS_RETURN_IF_ERROR(CheckBundleFields(bytes));
+  return AddVersion(model, bytes, {}, caller);
 }
 
 absl::StatusOr<v1::ModelVersion> ModelStore::Get(absl::string_view name) const {
@@ -196,10 +210,31 @@ absl::StatusOr<std::string> ModelStore::Bundle(
   }
   auto bundle =
       data_->blobs().Read(version.blob_sha256(), limits::kMaxBundleBytes);
-  if (bundle.ok() || !absl::IsDataLoss(bundle.status())) return bundle;
+  if (!bundle.ok()) return Explain(version, bundle.status());
+  return bundle;
+}
+
+absl::Status ModelStore::ReadBundle(
+    const v1::ModelVersion& version,
+    absl::FunctionRef<absl::Status(absl::string_view)> take) const {
+  if (!version.blob_sha256().empty()) {
+    return Explain(version, ReadBlobParts(*data_, version.blob_sha256(),
+                                          limits::kMaxBundleBytes, take));
+  }
+  TACTUS_ASSIGN_OR_RETURN(const std::string bundle, Bundle(version));
+  for (size_t done = 0; done < bundle.size(); done += limits::kMaxChunkBytes) {
+    TACTUS_RETURN_IF_ERROR(
+        take(absl::string_view(bundle).substr(done, limits::kMaxChunkBytes)));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ModelStore::Explain(const v1::ModelVersion& version,
+                                 const absl::Status& error) const {
+  if (!absl::IsDataLoss(error)) return error;
   // A deletion erases the record before it removes the blob.
   const absl::Status found = Get(version.name()).status();
-  return absl::IsNotFound(found) ? found : bundle.status();
+  return absl::IsNotFound(found) ? found : error;
 }
 
 absl::StatusOr<Page<v1::ModelVersion>> ModelStore::List(
@@ -261,7 +296,9 @@ absl::Status ModelStore::Delete(absl::string_view name, const Caller& caller) {
               const auto version,
               GetRecord<v1::ModelVersion>(change, Table::kModelVersions,
                                           CatalogKey(parsed)));
-          if (!version.has_value()) return ModelNotFound(name);
+          if (!version.has_value()) {
+            return ModelNotFound(name, registry_->KnownNames(name));
+          }
           TACTUS_ASSIGN_OR_RETURN(
               const auto aliases,
               ScanRecords<v1::Alias>(change, Table::kAliases, {}));

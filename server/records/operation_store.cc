@@ -27,7 +27,7 @@ absl::StatusOr<Operation> FindByName(const Transaction& look,
       GetRecord<Operation>(look, Table::kOperations, CatalogKey(name)));
   if (!found.has_value()) {
     return NoSuch(v1::ERROR_REASON_OPERATION_NOT_FOUND, "operation",
-                  name.ToString());
+                  name.ToString(), "trainctl jobs list shows those that do");
   }
   return *std::move(found);
 }

@@ -32,7 +32,8 @@ absl::StatusOr<v1::StoredUpload> FindUpload(const Transaction& look,
       auto found,
       GetRecord<v1::StoredUpload>(look, Table::kUploads, CatalogKey(name)));
   if (!found.has_value()) {
-    return NoSuch(v1::ERROR_REASON_UPLOAD_NOT_FOUND, "upload", name.ToString());
+    return NoSuch(v1::ERROR_REASON_UPLOAD_NOT_FOUND, "upload", name.ToString(),
+                  "begin again with trainctl datasets upload");
   }
   return *std::move(found);
 }

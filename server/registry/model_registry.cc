@@ -25,6 +25,17 @@ std::string VersionName(absl::string_view model, uint32_t version) {
   return absl::StrCat(kModels, model, kVersions, version);
 }
 
+// "arm/versions/3" and "arm@3" as {"arm", "3"}; "arm" as {"arm", ""}.
+std::pair<absl::string_view, absl::string_view> SplitVersion(
+    absl::string_view name) {
+  for (const absl::string_view mark : {kVersions, absl::string_view("@")}) {
+    const size_t split = name.find(mark);
+    if (split == absl::string_view::npos) continue;
+    return {name.substr(0, split), name.substr(split + mark.size())};
+  }
+  return {name, ""};
+}
+
 }  // namespace
 
 absl::StatusOr<PinnedModel> ModelRegistry::Load(absl::string_view bundle) {
@@ -78,13 +89,11 @@ void ModelRegistry::SetAlias(absl::string_view alias,
 
 const PinnedModel* ModelRegistry::FindVersion(absl::string_view name) const {
   uint32_t version = 0;
-  const size_t split = name.find(kVersions);
-  if (split != absl::string_view::npos) {
-    if (!absl::SimpleAtoi(name.substr(split + kVersions.size()), &version) ||
-        version == 0) {
-      return nullptr;
-    }
-    name = name.substr(0, split);
+  // "M/versions/V" or "M@V".
+  const auto [id, number] = SplitVersion(name);
+  if (id.size() != name.size()) {
+    if (!absl::SimpleAtoi(number, &version) || version == 0) return nullptr;
+    name = id;
   }
   const auto model = models_.find(name);
   if (model == models_.end()) return nullptr;
@@ -101,7 +110,7 @@ absl::StatusOr<PinnedModel> ModelRegistry::Find(
   absl::string_view rest = name.empty() ? "default" : name;
   const bool model_only = absl::ConsumePrefix(&rest, kModels);
   const bool alias_only = !model_only && absl::ConsumePrefix(&rest, kAliases);
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
   const PinnedModel* found = nullptr;
   const auto alias = model_only ? aliases_.end() : aliases_.find(rest);
   if (alias != aliases_.end()) {
@@ -114,8 +123,40 @@ absl::StatusOr<PinnedModel> ModelRegistry::Find(
   } else if (!alias_only) {
     found = FindVersion(rest);
   }
-  if (found == nullptr) return ModelNotFound(name);
-  return *found;
+  if (found != nullptr) return *found;
+  lock.unlock();
+  return ModelNotFound(name, KnownNames(name));
+}
+
+std::vector<std::string> ModelRegistry::KnownNames(
+    absl::string_view name) const {
+  absl::ConsumePrefix(&name, kModels);
+  const std::lock_guard lock(mutex_);
+  std::vector<std::string> names;
+  const auto model = models_.find(SplitVersion(name).first);
+  if (model != models_.end()) {
+    const auto& versions = model->second.versions;
+    for (auto v = versions.rbegin(); v != versions.rend(); ++v) {
+      names.push_back(absl::StrCat(model->first, "@", v->first));
+    }
+    return names;
+  }
+  for (const auto& [alias, target] : aliases_) {
+    names.push_back(absl::StrCat(kAliases, alias));
+  }
+  for (const auto& [id, entry] : models_) {
+    names.push_back(absl::StrCat(kModels, id));
+  }
+  return names;
+}
+
+std::vector<PinnedModel> ModelRegistry::Newest() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<PinnedModel> newest;
+  for (const auto& [id, entry] : models_) {
+    newest.push_back(entry.versions.rbegin()->second);
+  }
+  return newest;
 }
 
 bool ModelRegistry::IsBuiltIn(absl::string_view model) const {

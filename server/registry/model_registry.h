@@ -56,6 +56,11 @@ class ModelRegistry : public ModelSource {
                                    absl::string_view client_id) const override;
   uint64_t generation() const override { return generation_.load(); }
 
+  std::vector<PinnedModel> Newest() const override;
+
+  // Names that would have been right instead of `name`: the versions of its
+  // model, the newest first; if there is no such model, all aliases and models.
+  std::vector<std::string> KnownNames(absl::string_view name) const;
   // True if AddBuiltIn was called for this model.
   bool IsBuiltIn(absl::string_view model) const;
   // "models/M/versions/V" of all versions, the oldest of each model first.

@@ -7,6 +7,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
+#include "core/contacts/class_counts.h"
 #include "core/contacts/folds.h"
 #include "core/eval/train_spec.h"
 #include "server/names/resource_names.h"
@@ -20,13 +21,27 @@ namespace {
 constexpr char kTrainingService[] = "/tactus.v1.TrainingService/";
 
 // Fixes the dataset version that a request names, so that the job uses the same
-// one whenever it runs.
-absl::Status PinDataset(TrainingBackend& backend, std::string* name) {
+// one whenever it runs. Returns what is known of it.
+absl::StatusOr<v1::DatasetVersion> PinDataset(TrainingBackend& backend,
+                                              std::string* name) {
   TACTUS_ASSIGN_OR_RETURN(
       const auto version,
       PinnedVersion::Find(backend.data(), backend.datasets(), *name));
   *name = version.name();
-  return absl::OkStatus();
+  return version.info();
+}
+
+// Finds what no fit can succeed with before a job is made. Trials that the skin
+// never felt are known only to the job.
+absl::Status CheckLabels(const v1::DatasetVersion& version, bool skip_small) {
+  ClassCounts counts;
+  for (const auto& [label, trials] : version.labels()) {
+    counts[label] = static_cast<int>(trials);
+  }
+  if (skip_small) {
+    for (const std::string& label : SmallClasses(counts)) counts.erase(label);
+  }
+  return Annotate(CheckClasses(counts, "trials"), version.name());
 }
 
 // `spec` with its dataset version fixed, or what is wrong with it.
@@ -41,7 +56,9 @@ absl::StatusOr<v1::TrainSpec> Checked(TrainingBackend& backend,
     return InvalidConfig("note", Quoted(spec.note()), fault);
   }
   TACTUS_RETURN_IF_ERROR(CheckOptions(spec));
-  TACTUS_RETURN_IF_ERROR(PinDataset(backend, spec.mutable_dataset_version()));
+  TACTUS_ASSIGN_OR_RETURN(const v1::DatasetVersion dataset,
+                          PinDataset(backend, spec.mutable_dataset_version()));
+  TACTUS_RETURN_IF_ERROR(CheckLabels(dataset, spec.skip_unusable()));
   return spec;
 }
 
@@ -49,7 +66,8 @@ absl::StatusOr<v1::TrainSpec> Checked(TrainingBackend& backend,
 // with it.
 absl::StatusOr<v1::EvaluateSpec> Checked(TrainingBackend& backend,
                                          v1::EvaluateSpec spec) {
-  TACTUS_RETURN_IF_ERROR(PinDataset(backend, spec.mutable_dataset_version()));
+  TACTUS_ASSIGN_OR_RETURN(const v1::DatasetVersion dataset,
+                          PinDataset(backend, spec.mutable_dataset_version()));
   if (!spec.model_version().empty()) {
     TACTUS_ASSIGN_OR_RETURN(const v1::ModelVersion version,
                             backend.models().Get(spec.model_version()));
@@ -59,6 +77,7 @@ absl::StatusOr<v1::EvaluateSpec> Checked(TrainingBackend& backend,
   }
   TACTUS_RETURN_IF_ERROR(ParseProtocol(spec.protocol()).status());
   TACTUS_RETURN_IF_ERROR(CheckOptions(spec.train()));
+  TACTUS_RETURN_IF_ERROR(CheckLabels(dataset, spec.train().skip_unusable()));
   return spec;
 }
 

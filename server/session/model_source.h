@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
@@ -33,11 +34,14 @@ class ModelSource {
   virtual ~ModelSource() = default;
 
   // `name` is an alias ("A" or "aliases/A"), a model ("M" or "models/M": its
-  // newest version) or "models/M/versions/V"; empty means "default". An alias
-  // may give some robots, by their `client_id`, another version.
+  // newest version), "models/M/versions/V" or "M@V"; empty means "default". An
+  // alias may give some robots, by their `client_id`, another version.
   // MODEL_NOT_FOUND for any other name.
   virtual absl::StatusOr<PinnedModel> Find(
       absl::string_view name, absl::string_view client_id) const = 0;
+
+  // The newest version of each model.
+  virtual std::vector<PinnedModel> Newest() const { return {}; }
 
   // Changes whenever a later Find may return another version for a name.
   // Lock-free: streams compare it with each message.

@@ -9,6 +9,7 @@
 #include "core/base/text.h"
 #include "core/classify/input_spec.h"
 #include "core/skin/layout_proto.h"
+#include "server/session/fitting_models.h"
 #include "server/session/request_parser.h"
 
 namespace tactus::server {
@@ -82,8 +83,9 @@ absl::Status StreamSession::OnConfig(const v1::StreamConfig& config) {
   generation_ = models_->generation();
   TACTUS_ASSIGN_OR_RETURN(PinnedModel pinned,
                           models_->Find(settings_.model, settings_.client_id));
-  TACTUS_RETURN_IF_ERROR(ContactPipeline::Check(settings_.layout, *pinned.model,
-                                                settings_.pipeline));
+  const absl::Status fits = ContactPipeline::Check(
+      settings_.layout, *pinned.model, settings_.pipeline);
+  if (!fits.ok()) return NameFittingModels(fits, pinned, settings_, *models_);
   pinned_ = std::move(pinned);
   decoder_.emplace(settings_);
   writer_.emplace(settings_.with_features);

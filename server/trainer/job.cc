@@ -154,11 +154,13 @@ absl::StatusOr<ChosenOptions> Choose(const v1::TrainSpec& spec,
                                      const Contacts& contacts,
                                      const ParallelFor& parallel,
                                      const Progress& progress,
-                                     v1::OperationResult& result) {
-  TACTUS_ASSIGN_OR_RETURN(ChosenOptions chosen,
-                          ChooseOptions(contacts.Pointers(),
-                                        RequestOf(spec, contacts.without_poses),
-                                        parallel, progress));
+                                     v1::OperationResult& result,
+                                     std::optional<Protocol> protocol = {}) {
+  OptionsRequest request = RequestOf(spec, contacts.without_poses);
+  request.protocol = protocol;
+  TACTUS_ASSIGN_OR_RETURN(
+      ChosenOptions chosen,
+      ChooseOptions(contacts.Pointers(), request, parallel, progress));
   TACTUS_RETURN_IF_ERROR(CheckUsable(chosen.contacts, chosen.options));
   result.mutable_unusable_trials()->Assign(chosen.unusable.begin(),
                                            chosen.unusable.end());
@@ -224,7 +226,7 @@ absl::Status Evaluate(FileSystem& files, const std::string& folder,
                             ParseProtocol(evaluate.protocol()));
     TACTUS_ASSIGN_OR_RETURN(const ChosenOptions chosen,
                             Choose(evaluate.train(), contacts, threads.run,
-                                   events->progress(), result));
+                                   events->progress(), result, protocol));
     evaluation =
         EvaluateProtocol(chosen.contacts, protocol,
                          ServedAlgorithm(chosen.options.lstm.networks > 0),

@@ -10,6 +10,7 @@
 #include "client/tools/trainctl/exit_code.h"
 #include "client/tools/trainctl/live_commands.h"
 #include "client/tools/trainctl/remote_flags.h"
+#include "client/tools/trainctl/unknown_word.h"
 #include "core/base/arguments.h"
 #include "core/base/errors.h"
 #include "core/base/version.h"
@@ -61,6 +62,19 @@ void Report(const absl::Status& status) {
 
 }  // namespace
 
+void AddCommands(CLI::App& app, const SelectCommand& select) {
+  app.name("trainctl");
+  for (auto add :
+       {AddSimulate,      AddImport,      AddFit,          AddRemoteEvaluate,
+        AddInspect,       AddClassify,    AddShow,         AddSkin,
+        AddSkinCalibrate, AddSkinFind,    AddRecord,       AddReproduce,
+        AddDatasets,      AddTrain,       AddJobs,         AddModels,
+        AddExportModel,   AddImportModel, AddExportTrials, AddServer,
+        AddDoctor,        AddTokens,      AddCompletion}) {
+    add(app, select);
+  }
+}
+
 int RunTrainctl(int argc, char** argv) {
   VetServers("trainctl");
   if (const absl::Status status = CheckArguments(argc, argv); !status.ok()) {
@@ -71,7 +85,6 @@ int RunTrainctl(int argc, char** argv) {
   CLI::App app(
       "Simulate, import and inspect labelled contacts; train, evaluate, serve "
       "and use models of them, on this machine or on a server.");
-  app.name("trainctl");
   app.set_version_flag("--version", std::string("trainctl ") + kVersion);
   app.require_subcommand(1);
   app.failure_message(CLI::FailureMessage::help);
@@ -80,15 +93,7 @@ int RunTrainctl(int argc, char** argv) {
   const SelectCommand select = [&](Command chosen) {
     command = std::move(chosen);
   };
-  for (auto add :
-       {AddSimulate,      AddImport,      AddFit,          AddRemoteEvaluate,
-        AddInspect,       AddClassify,    AddShow,         AddSkin,
-        AddSkinCalibrate, AddSkinFind,    AddRecord,       AddReproduce,
-        AddDatasets,      AddTrain,       AddJobs,         AddModels,
-        AddExportModel,   AddImportModel, AddExportTrials, AddServer,
-        AddDoctor,        AddTokens,      AddCompletion}) {
-    add(app, select);
-  }
+  AddCommands(app, select);
   for (const auto& [name, arguments] : kExamples) {
     Find(app, name)->footer(
         absl::StrCat("Example:\n  trainctl ", name, " ", arguments));
@@ -100,6 +105,11 @@ int RunTrainctl(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
+    const std::string unknown = UnknownWord(app, {argv + 1, argv + argc});
+    if (error.get_exit_code() != 0 && !unknown.empty()) {
+      std::cerr << "trainctl: " << unknown << "\n";
+      return kExitUsage;
+    }
     // Zero for --help and --version.
     return app.exit(error) == 0 ? kExitOk : kExitUsage;
   }

@@ -7,7 +7,12 @@
 // Not thread-safe.
 #pragma once
 
+#include "client/tools/trainctl/command.h"
+
 namespace tactus::client {
+
+// Adds all commands of the program to `app`.
+void AddCommands(CLI::App& app, const SelectCommand& select);
 
 // Runs one command line. Returns the exit code (exit_code.h).
 int RunTrainctl(int argc, char** argv);

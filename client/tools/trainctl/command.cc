@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <numeric>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
@@ -122,9 +123,17 @@ absl::Status MakeFolder(const std::string& path) {
 
 absl::StatusOr<std::shared_ptr<const CompiledModel>> LoadModel(
     const std::string& path) {
-  TACTUS_ASSIGN_OR_RETURN(const std::string bytes,
-                          ReadFileBytes(path, limits::kMaxBundleBytes));
-  auto model = DecodeBundle(bytes);
+  const auto bytes = ReadFileBytes(path, limits::kMaxBundleBytes);
+  if (!bytes.ok() && absl::StrContains(path, '@')) {
+    // "arm@3" is a version of a server's model.
+    return Advise(
+        bytes.status(),
+        absl::StrCat("--model takes a bundle file: to use a model of a server, "
+                     "write it to one with trainctl models export ",
+                     path, " --out=FILE"));
+  }
+  TACTUS_RETURN_IF_ERROR(bytes.status());
+  auto model = DecodeBundle(*bytes);
   if (!model.ok()) return Annotate(model.status(), path);
   return model;
 }

@@ -151,14 +151,15 @@ absl::StatusOr<EvaluationRun> RunProtocol(const EvaluateFlags& flags,
   // Nearest neighbours are not fitted by a preset.
   FitFlags fit = flags.fit;
   if (flags.algorithm == "1nn" && fit.preset.empty()) fit.preset = "tuned";
-  TACTUS_ASSIGN_OR_RETURN(ChosenOptions chosen, fit.Choose(loaded, progress));
-  const FitOptions& options = chosen.options;
-  TACTUS_ASSIGN_OR_RETURN(const Algorithm algorithm,
-                          ChosenAlgorithm(flags, options.lstm.networks > 0));
   TACTUS_ASSIGN_OR_RETURN(
       const Protocol protocol,
       ParseProtocol(flags.protocol,
                     flags.folds.value_or(Protocol::kDefaultFolds)));
+  TACTUS_ASSIGN_OR_RETURN(ChosenOptions chosen,
+                          fit.Choose(loaded, progress, protocol));
+  const FitOptions& options = chosen.options;
+  TACTUS_ASSIGN_OR_RETURN(const Algorithm algorithm,
+                          ChosenAlgorithm(flags, options.lstm.networks > 0));
   TACTUS_ASSIGN_OR_RETURN(Evaluation result,
                           EvaluateProtocol(chosen.contacts, protocol, algorithm,
                                            options, RunOnThreads, progress));

@@ -40,8 +40,10 @@ void FitFlags::Add(CLI::App& command) {
       command.add_flag("--no-estimates", no_estimates,
                        "Train no estimator of stiffness and motion"),
       command.add_flag("--skip-unusable", skip_unusable,
-                       "Leave out contacts that end before the models' first "
-                       "step, instead of refusing them"),
+                       "Leave out what no model can be fitted to, instead of "
+                       "refusing it: contacts that end before the models' "
+                       "first step, have no label, or are too few of their "
+                       "class"),
       command.add_option("--stretches", stretches,
                          "Stretches of each stretched cue, instead of the "
                          "preset's"),
@@ -91,10 +93,12 @@ absl::StatusOr<LoadedContacts> FitFlags::Load(const std::string& data,
   });
 }
 
-absl::StatusOr<ChosenOptions> FitFlags::Choose(const LoadedContacts& loaded,
-                                               const Progress& progress) const {
-  return ChooseOptions(loaded.Pointers(), Request(loaded.without_poses),
-                       RunOnThreads, progress);
+absl::StatusOr<ChosenOptions> FitFlags::Choose(
+    const LoadedContacts& loaded, const Progress& progress,
+    const std::optional<Protocol>& protocol) const {
+  OptionsRequest request = Request(loaded.without_poses);
+  request.protocol = protocol;
+  return ChooseOptions(loaded.Pointers(), request, RunOnThreads, progress);
 }
 
 absl::StatusOr<FitOptions> FitFlags::Options(absl::string_view preset) const {

@@ -54,9 +54,11 @@ struct FitFlags {
   absl::StatusOr<LoadedContacts> Load(const std::string& data,
                                       const std::string& layout,
                                       const Progress& progress) const;
-  // The options for these contacts, which the result points to.
-  absl::StatusOr<ChosenOptions> Choose(const LoadedContacts& loaded,
-                                       const Progress& progress) const;
+  // The options for these contacts, which the result points to. `protocol`: how
+  // they will be evaluated, if they will.
+  absl::StatusOr<ChosenOptions> Choose(
+      const LoadedContacts& loaded, const Progress& progress,
+      const std::optional<Protocol>& protocol = {}) const;
 
  private:
   OptionsRequest Request(bool without_poses) const;

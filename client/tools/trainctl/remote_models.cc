@@ -167,7 +167,8 @@ absl::StatusOr<v1::Alias> FindAlias(TrainingClient& client,
   for (const v1::Alias& alias : aliases) {
     if (alias.name() == name) return alias;
   }
-  return NoSuch(v1::ERROR_REASON_ALIAS_NOT_FOUND, "alias", name);
+  return NoSuch(v1::ERROR_REASON_ALIAS_NOT_FOUND, "alias", name,
+                "trainctl models alias shows those that do");
 }
 
 absl::Status ShowAliases(TrainingClient& client, const AliasFlags& flags,

@@ -145,7 +145,8 @@ class FakeModelService : public v1::ModelService::Service {
     const auto found = state_.aliases.find(request->name());
     if (found == state_.aliases.end()) {
       return server::ToGrpcStatus(
-          NoSuch(v1::ERROR_REASON_ALIAS_NOT_FOUND, "alias", request->name()));
+          NoSuch(v1::ERROR_REASON_ALIAS_NOT_FOUND, "alias", request->name(),
+                 "trainctl models alias shows those that do"));
     }
     v1::Alias& alias = found->second;
     if (alias.previous_version().empty()) {
@@ -165,7 +166,8 @@ class FakeModelService : public v1::ModelService::Service {
     const auto found = state_.aliases.find(request->name());
     if (found == state_.aliases.end()) {
       return server::ToGrpcStatus(
-          NoSuch(v1::ERROR_REASON_ALIAS_NOT_FOUND, "alias", request->name()));
+          NoSuch(v1::ERROR_REASON_ALIAS_NOT_FOUND, "alias", request->name(),
+                 "trainctl models alias shows those that do"));
     }
     v1::AliasChange& change = *response->add_changes();
     change.set_model_version(found->second.model_version());

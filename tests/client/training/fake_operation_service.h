@@ -94,7 +94,8 @@ class FakeOperationService : public v1::OperationService::Service {
  private:
   static grpc::Status NoJob(const std::string& name) {
     return server::ToGrpcStatus(
-        NoSuch(v1::ERROR_REASON_OPERATION_NOT_FOUND, "operation", name));
+        NoSuch(v1::ERROR_REASON_OPERATION_NOT_FOUND, "operation", name,
+               "trainctl jobs list shows those that do"));
   }
 
   FakeState& state_;

@@ -250,7 +250,8 @@ class FakeTrainingService : public v1::TrainingService::Service {
  private:
   static grpc::Status NoDataset(const std::string& name) {
     return server::ToGrpcStatus(
-        NoSuch(v1::ERROR_REASON_DATASET_NOT_FOUND, "dataset", name));
+        NoSuch(v1::ERROR_REASON_DATASET_NOT_FOUND, "dataset", name,
+               "trainctl datasets list shows those that do"));
   }
 
   bool Break(int64_t received) {

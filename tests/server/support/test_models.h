@@ -34,6 +34,10 @@ class TestModels : public server::ModelSource {
     return ModelNotFound(name);
   }
 
+  std::vector<server::PinnedModel> Newest() const override {
+    return {*Find("default", ""), *Find("models/vitac", "")};
+  }
+
   const std::shared_ptr<const CompiledModel>& model() const { return default_; }
 
  private:
