@@ -103,8 +103,9 @@ absl::StatusOr<Algorithm> ChosenAlgorithm(const EvaluateFlags& flags,
 absl::Status Draw(const EvaluateFlags& flags, const Evaluation& result) {
   const NamedEvaluation named{std::string(AlgorithmName(result.algorithm)),
                               &result, 5};
-  TACTUS_RETURN_IF_ERROR(DrawFigure(AnytimePlot(named, Experiment::kSimulation),
-                                    flags.figures + "/anytime.png"));
+  TACTUS_RETURN_IF_ERROR(
+      DrawFigure(AnytimePlot(named, ComparableExperiment(result)),
+                 flags.figures + "/anytime.png"));
   return DrawFigure(ReliabilityPlot(named), flags.figures + "/reliability.png");
 }
 

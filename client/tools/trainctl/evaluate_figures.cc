@@ -109,6 +109,15 @@ LinePlot AnytimePlot(const NamedEvaluation& shown,
   return plot;
 }
 
+std::optional<Experiment> ComparableExperiment(const Evaluation& evaluation) {
+  const std::vector<std::string> categories = {"HU", "HM", "SU", "SM"};
+  // Only simulations know how the object moved.
+  if (evaluation.class_names != categories || evaluation.so_far.empty()) {
+    return std::nullopt;
+  }
+  return Experiment::kSimulation;
+}
+
 LinePlot ReliabilityPlot(const NamedEvaluation& shown) {
   const std::vector<Outcome>& outcomes = shown.evaluation->final;
   const std::vector<ReliabilityBin> bins = ReliabilityBins(outcomes);

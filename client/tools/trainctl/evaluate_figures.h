@@ -54,6 +54,10 @@ std::vector<ReliabilityBin> ReliabilityBins(std::span<const Outcome> outcomes);
 LinePlot AnytimePlot(const NamedEvaluation& shown,
                      std::optional<Experiment> paper);
 
+// The experiment of the paper that an evaluation may be compared with: that of
+// simulated contacts with the paper's four categories. Nothing for others.
+std::optional<Experiment> ComparableExperiment(const Evaluation& evaluation);
+
 // Percentage of right answers over the claimed probability, after the last
 // frame, with the number of contacts in each bin below; the diagonal is what
 // the claim promises.
