@@ -1,19 +1,21 @@
 // File: auto_preset.h
 //
-// Chooses how to fit models to contacts of an unknown skin, by an inner
-// cross-validation over candidates, with two baselines beside them: one nearest
-// neighbour on summaries of the contacts, and chance.
+// Chooses how to fit models to contacts of an unknown skin: compares presets,
+// each with HMMs alone and with LSTMs, by a cross-validation that leaves out
+// what the contacts ask for (choice_folds.h), with two baselines beside them:
+// one nearest neighbour on summaries of the contacts, and chance.
 //
 //   TACTUS_ASSIGN_OR_RETURN(
 //       const PresetChoice choice,
-//       ChoosePreset(contacts, {{"tuned", tuned}, {"profile", profile}},
+//       ChoosePreset(contacts,
+//                    {.presets = {{"tuned", tuned}, {"profile", profile}}},
 //                    RunSerially));
 //   FitModel(contacts, choice.options, RunSerially);
 //
-// The candidates' HMMs are compared, without LSTMs and without calibration:
-// this takes a tenth of the time, and the best class of the HMMs does not
-// depend on a calibration. Deterministic. Thread-safe: a free function without
-// state.
+// First the presets are compared with HMMs alone, then with LSTMs, the best
+// first, as far as the limit on their work goes. The limit counts
+// multiplications and not time (lstm_work.h), so the same contacts give the
+// same choice. Deterministic. Thread-safe: a free function without state.
 #pragma once
 
 #include <string>
@@ -22,41 +24,60 @@
 
 #include "absl/status/statusor.h"
 #include "core/base/work.h"
-#include "core/contacts/folds.h"
 #include "core/contacts/labelled_contact.h"
+#include "core/eval/choice_folds.h"
 #include "core/train/fit_options.h"
 
 namespace tactus {
 
-// The folds where the contacts ask for no others.
-inline const Protocol kChoiceProtocol(Protocol::kKFold, 3);
+// Billions of multiplications: two to five minutes of one processor core.
+inline constexpr int kDefaultChoiceWork = 1'000;
+
+struct ChoiceRequest {
+  // Names and options. LstmFit::networks is what a model with LSTMs has; 0
+  // means 1.
+  std::vector<std::pair<std::string, FitOptions>> presets = {};
+  // Compares the presets with the numbers of networks that they have, instead
+  // of with and without LSTMs.
+  bool networks_given = false;
+  // Work that LSTMs may cost, in billions of multiplications.
+  int work_limit = kDefaultChoiceWork;
+};
+
+// One way to fit models that was considered.
+struct ChoiceCandidate {
+  std::string preset;
+  int networks = 0;
+  // Contacts that were answered rightly, if `unfit` is empty.
+  int right = 0;
+  // Why it was not compared.
+  std::string unfit = {};
+};
 
 struct PresetChoice {
-  // Of the first candidate with most right answers.
+  // The chosen one: of the candidates with most right answers, the first.
   std::string name;
   FitOptions options;
-  // The candidates that could be fitted, in the order given, and how many
-  // contacts their HMMs answered rightly.
-  std::vector<std::pair<std::string, int>> right;
-  // The candidates that could not be fitted, and why.
-  std::vector<std::pair<std::string, std::string>> unfit;
+  // In the order in which they were considered.
+  std::vector<ChoiceCandidate> candidates;
   int nearest_right = 0;
   int contacts = 0;
   int folds = 0;
-  // True if each fold left a robot condition out.
-  bool by_condition = false;
+  FoldsBy by = FoldsBy::kClasses;
   // Fraction that the most frequent class would get.
   double chance = 0;
+  // What the LSTMs cost, and what they may cost; billions of multiplications.
+  int work = 0;
+  int work_limit = 0;
 };
 
-// The folds leave one robot condition out where there are 2 to 8 and each class
-// is in all of the rest; else there are three stratified ones. A candidate that
-// does not suit the contacts (the load profile of ideal signals) is left out.
-// INVALID_TRAINING_DATA if none suits them, or if a class has fewer than three
-// contacts.
+// A candidate that does not suit the contacts (the load profile of ideal
+// signals), or whose LSTMs would exceed the limit, is not compared.
+// INVALID_TRAINING_DATA if none suits them, or if a class has too few contacts
+// for the folds.
 absl::StatusOr<PresetChoice> ChoosePreset(
     const std::vector<const LabelledContact*>& contacts,
-    const std::vector<std::pair<std::string, FitOptions>>& candidates,
-    const ParallelFor& parallel, const Progress& progress = {});
+    const ChoiceRequest& request, const ParallelFor& parallel,
+    const Progress& progress = {});
 
 }  // namespace tactus

@@ -28,13 +28,13 @@ void SkipSmallClasses(const OptionsRequest& request, ChosenOptions& chosen) {
   std::vector<std::string> small;
   do {
     small = SmallClasses(CountClasses(chosen.contacts));
-    for (const std::optional<Protocol>& protocol :
-         {request.protocol, Chooses(request)
-                                ? std::optional<Protocol>(kChoiceProtocol)
-                                : std::nullopt}) {
-      if (!protocol || !small.empty()) continue;
-      const auto folds = MakeFolds(chosen.contacts, *protocol);
+    if (small.empty() && request.protocol) {
+      const auto folds = MakeFolds(chosen.contacts, *request.protocol);
       if (folds.ok()) small = SmallClasses(chosen.contacts, *folds);
+    }
+    if (small.empty() && Chooses(request)) {
+      small =
+          SmallClasses(chosen.contacts, FoldsForChoice(chosen.contacts).folds);
     }
     std::erase_if(chosen.contacts, [&](const LabelledContact* contact) {
       if (std::ranges::count(small, contact->label) == 0) return false;
@@ -77,17 +77,17 @@ absl::StatusOr<ChosenOptions> ChooseOptions(
     }
     return chosen;
   }
-  std::vector<std::pair<std::string, FitOptions>> candidates;
+  ChoiceRequest choice = {.networks_given = request.networks_given,
+                          .work_limit = request.choice_work};
   for (const char* preset :
        {"profile", "pattern", "whole-skin", "tuned", "paper"}) {
     TACTUS_ASSIGN_OR_RETURN(FitOptions options, request.options_of(preset));
     if (request.skip_unusable) SkipUnusable(options, chosen);
-    candidates.emplace_back(preset, std::move(options));
+    choice.presets.emplace_back(preset, std::move(options));
   }
   if (request.skip_unusable) SkipSmallClasses(request, chosen);
   TACTUS_ASSIGN_OR_RETURN(
-      chosen.choice,
-      ChoosePreset(chosen.contacts, candidates, parallel, progress));
+      chosen.choice, ChoosePreset(chosen.contacts, choice, parallel, progress));
   chosen.preset = chosen.choice->name;
   chosen.options = chosen.choice->options;
   return chosen;

@@ -2,8 +2,8 @@
 //
 // How a fit's options follow from what was asked for and from the contacts: the
 // preset that was named, or with "auto" the one that an inner cross-validation
-// chooses (auto_preset.h). Without a name, contacts of a skin without poses get
-// "auto", and all others "tuned".
+// chooses, and whether it gets LSTMs (auto_preset.h). Without a name, contacts
+// of a skin without poses get "auto", and all others "tuned".
 //
 //   TACTUS_ASSIGN_OR_RETURN(
 //       const ChosenOptions chosen,
@@ -41,6 +41,9 @@ struct OptionsRequest {
   bool skip_unusable = false;
   // How the options will be evaluated: the classes must suffice for its folds.
   std::optional<Protocol> protocol = {};
+  // See ChoiceRequest.
+  bool networks_given = false;
+  int choice_work = kDefaultChoiceWork;
   // The options of a preset, with what else was asked for.
   std::function<absl::StatusOr<FitOptions>(absl::string_view preset)>
       options_of;

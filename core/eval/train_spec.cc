@@ -102,6 +102,10 @@ absl::StatusOr<FitOptions> OptionsOf(const v1::TrainSpec& spec,
 
 absl::Status CheckOptions(const v1::TrainSpec& spec) {
   const bool chosen = spec.preset().empty() || spec.preset() == kAutoPreset;
+  if (spec.choice_work() > limits::kMaxChoiceWork) {
+    return InvalidConfig("choice_work", spec.choice_work(),
+                         absl::StrCat("0 to ", limits::kMaxChoiceWork));
+  }
   // What one preset's models take, another's may lack.
   if (chosen && spec.with_cues_size() + spec.without_cues_size() > 0) {
     return InvalidConfig("preset", kAutoPreset,

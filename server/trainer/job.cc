@@ -112,19 +112,20 @@ absl::StatusOr<Contacts> ReadContacts(FileSystem& files,
 v1::PresetChoice ToProto(const PresetChoice& choice) {
   v1::PresetChoice proto;
   proto.set_preset(choice.name);
-  for (const auto& [name, right] : choice.right) {
-    v1::PresetCandidate& candidate = *proto.add_candidates();
-    candidate.set_preset(name);
-    candidate.set_correct(right);
-  }
-  for (const auto& [name, why] : choice.unfit) {
-    v1::PresetCandidate& candidate = *proto.add_candidates();
-    candidate.set_preset(name);
-    candidate.set_unfit(why);
+  proto.set_networks(choice.options.lstm.networks);
+  for (const ChoiceCandidate& candidate : choice.candidates) {
+    v1::PresetCandidate& added = *proto.add_candidates();
+    added.set_preset(candidate.preset);
+    added.set_networks(candidate.networks);
+    added.set_correct(candidate.right);
+    added.set_unfit(candidate.unfit);
   }
   proto.set_contacts(choice.contacts);
   proto.set_folds(choice.folds);
-  proto.set_by_condition(choice.by_condition);
+  proto.set_by_condition(choice.by == FoldsBy::kConditions);
+  proto.set_by_group(choice.by == FoldsBy::kGroups);
+  proto.set_work(choice.work);
+  proto.set_work_limit(choice.work_limit);
   proto.set_nearest_correct(choice.nearest_right);
   proto.set_chance(choice.chance);
   return proto;
@@ -134,6 +135,10 @@ OptionsRequest RequestOf(const v1::TrainSpec& spec, bool without_poses) {
   return {.preset = spec.preset(),
           .without_poses = without_poses,
           .skip_unusable = spec.skip_unusable(),
+          .networks_given = spec.has_networks(),
+          .choice_work = spec.has_choice_work()
+                             ? static_cast<int>(spec.choice_work())
+                             : kDefaultChoiceWork,
           .options_of = [&spec](absl::string_view name) {
             return OptionsOf(spec, name);
           }};

@@ -9,6 +9,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/work.h"
 #include "core/contacts/anytime.h"
+#include "core/contacts/class_counts.h"
 #include "core/contacts/contact_frames.h"
 #include "core/contacts/contact_set.h"
 #include "core/contacts/folds.h"
@@ -18,11 +19,13 @@
 #include "core/contacts/world_contacts.h"
 #include "core/eval/auto_preset.h"
 #include "core/eval/baselines.h"
+#include "core/eval/choice_folds.h"
 #include "core/eval/chosen_options.h"
 #include "core/eval/evaluate.h"
 #include "core/eval/evaluate_nearest.h"
 #include "core/eval/evaluation.h"
 #include "core/eval/metrics.h"
+#include "core/eval/out_of_fold.h"
 #include "core/eval/paper_tables.h"
 #include "core/eval/unknown.h"
 #include "core/inputs/cue_table.h"
@@ -39,6 +42,7 @@
 #include "core/train/fit_options.h"
 #include "core/train/fit_run.h"
 #include "core/train/fit_unknown.h"
+#include "core/train/lstm_work.h"
 #include "core/train/model_fit.h"
 #include "core/train/saved_parts.h"
 #include "core/train/softmax_fit.h"
@@ -63,9 +67,35 @@ absl::Status AutoPresetExample(const Contacts& contacts,
                                const FitOptions& profile) {
   TACTUS_ASSIGN_OR_RETURN(
       const PresetChoice choice,
-      ChoosePreset(contacts, {{"tuned", tuned}, {"profile", profile}},
+      ChoosePreset(contacts,
+                   {.presets = {{"tuned", tuned}, {"profile", profile}}},
                    RunSerially));
   FitModel(contacts, choice.options, RunSerially);
+  return absl::OkStatus();
+}
+
+void ChoiceFoldsExample(const Contacts& contacts) {
+  const ChoiceFolds folds = FoldsForChoice(contacts);
+  folds.by;  // FoldsBy::kGroups
+}
+
+absl::Status OutOfFoldExample(const Contacts& contacts,
+                              const std::vector<std::vector<int>>& folds,
+                              const FitOptions& options) {
+  TACTUS_ASSIGN_OR_RETURN(
+      const int right,
+      CountOutOfFoldRight(contacts, folds, options, RunSerially));
+  return absl::OkStatus();
+}
+
+void LstmWorkExample(const Contacts& contacts, const FitOptions& options) {
+  LstmWork(contacts, options) / 1e9;  // billions of multiplications
+}
+
+absl::Status ClassCountsExample(const Contacts& contacts, Protocol protocol) {
+  TACTUS_RETURN_IF_ERROR(CheckClasses(CountClasses(contacts), "contacts"));
+  TACTUS_ASSIGN_OR_RETURN(auto folds, MakeFolds(contacts, protocol));
+  TACTUS_RETURN_IF_ERROR(CheckFolds(contacts, folds, protocol));
   return absl::OkStatus();
 }
 

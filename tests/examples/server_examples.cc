@@ -36,6 +36,7 @@
 #include "server/rpc/incoming_call.h"
 #include "server/rpc/training_rpcs.h"
 #include "server/rpc/trial_call.h"
+#include "server/session/fitting_models.h"
 #include "server/session/frame_decoder.h"
 #include "server/session/model_source.h"
 #include "server/session/posterior_writer.h"
@@ -80,6 +81,15 @@ absl::Status AuthorizerExample(TactusServer::Options& options) {
   options.authorizer = authorizer.get();
   // ... after a change of the file ...
   absl::Status status = authorizer->Reload();
+  return absl::OkStatus();
+}
+
+absl::Status FittingModelsExample(const StreamSettings& settings,
+                                  const PinnedModel& pinned,
+                                  const ModelSource& models) {
+  const absl::Status fits =
+      ContactPipeline::Check(settings.layout, *pinned.model, settings.pipeline);
+  if (!fits.ok()) return NameFittingModels(fits, pinned, settings, models);
   return absl::OkStatus();
 }
 

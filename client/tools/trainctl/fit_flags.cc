@@ -17,6 +17,13 @@ void FitFlags::Add(CLI::App& command) {
                          "auto, tuned, world, paper, pattern, whole-skin or "
                          "profile; default: auto for a "
                          "skin without poses, else tuned"),
+      command
+          .add_option("--choice-work", choice_work,
+                      "With preset auto: work that LSTMs may cost while "
+                      "presets are compared, in billions of multiplications; "
+                      "0 compares HMMs alone")
+          ->capture_default_str()
+          ->check(CLI::Range(0, static_cast<int>(limits::kMaxChoiceWork))),
       command.add_option("--features", features,
                          "Features that models may use: any of f (force), m "
                          "(motion), a (area), like f,m"),
@@ -82,6 +89,8 @@ OptionsRequest FitFlags::Request(bool without_poses) const {
       .preset = preset,
       .without_poses = without_poses,
       .skip_unusable = skip_unusable,
+      .networks_given = networks.has_value(),
+      .choice_work = choice_work,
       .options_of = [this](absl::string_view name) { return Options(name); }};
 }
 

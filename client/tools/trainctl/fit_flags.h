@@ -36,6 +36,7 @@ struct FitFlags {
   std::optional<int> networks;
   int epochs = 0;
   std::optional<int> stretches;
+  int choice_work = kDefaultChoiceWork;
   bool no_estimates = false;
   bool skip_unusable = false;
   std::string hmm_cues;

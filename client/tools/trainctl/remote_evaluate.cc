@@ -27,11 +27,12 @@ const std::set<std::string> kProtocols = {"loco", "leave-one-material-out",
 
 // RemoteEvaluateFlags of `evaluate` that a server can follow.
 const std::set<std::string> kKnown = {
-    "--help",      "--dataset",      "--model",  "--protocol",
-    "--preset",    "--features",     "--truth",  "--shares",
-    "--seed",      "--networks",     "--epochs", "--mixtures",
-    "--with-cues", "--without-cues", "--json",   "--report",
-    "--detach",    "--server",       "--ca",     "--token-file"};
+    "--help",      "--dataset",     "--model",        "--protocol",
+    "--preset",    "--choice-work", "--features",     "--truth",
+    "--shares",    "--seed",        "--networks",     "--epochs",
+    "--mixtures",  "--with-cues",   "--without-cues", "--json",
+    "--report",    "--detach",      "--server",       "--ca",
+    "--token-file"};
 
 // The value of a flag; nothing if it was not given.
 template <typename Value>
@@ -58,6 +59,7 @@ SpecFlags SpecFlagsOf(const CLI::App& command) {
           .networks = Given<uint32_t>(command, "--networks"),
           .epochs = Given<uint32_t>(command, "--epochs"),
           .hmms_per_class = Given<uint32_t>(command, "--mixtures"),
+          .choice_work = Given<uint32_t>(command, "--choice-work"),
           .with_cues = text("--with-cues"),
           .without_cues = text("--without-cues")};
 }

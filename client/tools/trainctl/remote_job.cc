@@ -102,16 +102,18 @@ std::optional<PresetChoice> ChoiceOf(const v1::OperationResult& result) {
   const v1::PresetChoice& proto = result.preset_choice();
   PresetChoice choice;
   choice.name = proto.preset();
+  choice.options.lstm.networks = static_cast<int>(proto.networks());
   for (const v1::PresetCandidate& candidate : proto.candidates()) {
-    if (candidate.unfit().empty()) {
-      choice.right.emplace_back(candidate.preset(), candidate.correct());
-    } else {
-      choice.unfit.emplace_back(candidate.preset(), candidate.unfit());
-    }
+    choice.candidates.push_back(
+        {candidate.preset(), static_cast<int>(candidate.networks()),
+         static_cast<int>(candidate.correct()), candidate.unfit()});
   }
   choice.contacts = static_cast<int>(proto.contacts());
   choice.folds = static_cast<int>(proto.folds());
-  choice.by_condition = proto.by_condition();
+  if (proto.by_condition()) choice.by = FoldsBy::kConditions;
+  if (proto.by_group()) choice.by = FoldsBy::kGroups;
+  choice.work = static_cast<int>(proto.work());
+  choice.work_limit = static_cast<int>(proto.work_limit());
   choice.nearest_right = static_cast<int>(proto.nearest_correct());
   choice.chance = proto.chance();
   return choice;

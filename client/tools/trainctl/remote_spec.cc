@@ -53,6 +53,7 @@ absl::StatusOr<v1::TrainSpec> TrainSpecOf(const SpecFlags& flags) {
   if (flags.networks) spec.set_networks(*flags.networks);
   if (flags.epochs) spec.set_epochs(*flags.epochs);
   if (flags.hmms_per_class) spec.set_hmms_per_class(*flags.hmms_per_class);
+  if (flags.choice_work) spec.set_choice_work(*flags.choice_work);
   if (!flags.with_cues.empty()) {
     for (const auto cue : absl::StrSplit(flags.with_cues, ',')) {
       spec.add_with_cues(std::string(cue));

@@ -26,6 +26,7 @@ struct SpecFlags {
   std::optional<uint32_t> networks;
   std::optional<uint32_t> epochs;
   std::optional<uint32_t> hmms_per_class;
+  std::optional<uint32_t> choice_work;
   std::string with_cues;     // "force_pitch_short,force_pitch_long"
   std::string without_cues;  // "log_drag"
 };

@@ -73,6 +73,10 @@ void AddTrain(CLI::App& app, const SelectCommand& select) {
                       "auto, tuned, world, paper, pattern, whole-skin or "
                       "profile; default: auto for a skin without poses, else "
                       "tuned");
+  command->add_option("--choice-work", flags->spec.choice_work,
+                      "With preset auto: work that LSTMs may cost while "
+                      "presets are compared, in billions of multiplications; "
+                      "0 compares HMMs alone; default: 1,000");
   command->add_option("--features", flags->spec.features,
                       "Features that models may use: any of f (force), m "
                       "(motion), a (area), like f,m");

@@ -16,6 +16,8 @@ absl::StatusOr<FitOptions> SmallOptions(absl::string_view preset) {
   if (options.ok()) {
     options->hmms_per_class = 1;
     options->max_iterations = 3;
+    options->lstm.cells = {4};
+    options->lstm.training.epochs = 1;
   }
   return options;
 }
@@ -46,8 +48,13 @@ TEST(ChosenOptionsTest, WithoutANameItDependsOnThePoses) {
   ASSERT_TRUE(without->choice.has_value());
   EXPECT_EQ(without->preset, without->choice->name);
   // The contacts are ideal signals, which three presets are not for.
-  EXPECT_EQ(without->choice->right.size(), 2u);
-  EXPECT_EQ(without->choice->unfit.size(), 3u);
+  int unfit = 0;
+  for (const ChoiceCandidate& candidate : without->choice->candidates) {
+    unfit += !candidate.unfit.empty();
+  }
+  EXPECT_EQ(unfit, 3);
+  // Two with HMMs alone and with an LSTM.
+  EXPECT_EQ(without->choice->candidates.size(), 5u + 2u);
 }
 
 // Whether `preset` needs the whole skin, with an LSTM on these cues.
