@@ -19,6 +19,7 @@
 #include "core/base/arguments.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
+#include "core/base/limits_training.h"
 #include "core/base/status_macros.h"
 #include "core/base/thread_priority.h"
 #include "core/base/version.h"
@@ -41,6 +42,7 @@ namespace tactus::server {
 namespace {
 
 constexpr int64_t kBytesPerMb = 1024L * 1024;
+constexpr int64_t kMsPerDay = 24L * 3'600 * 1'000;
 
 struct Flags {
   TactusServer::Options server;
@@ -60,6 +62,9 @@ struct Flags {
   int64_t quota_stored_mb = limits::kMaxClientBytes / kBytesPerMb;
   int64_t quota_datasets = limits::kMaxClientDatasets;
   int64_t quota_jobs = limits::kMaxClientQueuedJobs;
+  int64_t quota_models_mb = limits::kMaxClientModelBytes / kBytesPerMb;
+  int keep_jobs = limits::kMaxKeptJobs;
+  int64_t keep_job_days = limits::kKeptJobMs / kMsPerDay;
   int job_threads = 0;
 };
 
@@ -148,7 +153,10 @@ absl::StatusOr<std::unique_ptr<TrainingBackend>> OpenTraining(
            .jobs = {.process = process, .host = HostName()},
            .quotas = {.stored_bytes = flags.quota_stored_mb * kBytesPerMb,
                       .datasets = flags.quota_datasets,
-                      .queued_jobs = flags.quota_jobs}},
+                      .queued_jobs = flags.quota_jobs,
+                      .model_bytes = flags.quota_models_mb * kBytesPerMb},
+           .retention = {.jobs = flags.keep_jobs,
+                         .ms = flags.keep_job_days * kMsPerDay}},
           registry));
   for (const std::string& failure : training->failures()) {
     spdlog::error("not served: {}", failure);
@@ -350,6 +358,21 @@ int Main(int argc, char** argv) {
   app.add_option("--quota-jobs", flags.quota_jobs,
                  "Queued jobs that one client may have; 0 for no limit")
       ->check(quota)
+      ->capture_default_str();
+  app.add_option("--quota-models-mb", flags.quota_models_mb,
+                 "Megabytes of model versions that one client may make; all "
+                 "are held in memory; 0 for no limit")
+      ->check(quota)
+      ->capture_default_str();
+  app.add_option("--keep-jobs", flags.keep_jobs,
+                 "Jobs that have ended and are kept, the newest of each "
+                 "client; 0 for all")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--keep-job-days", flags.keep_job_days,
+                 "How long jobs that have ended are kept; each client's newest "
+                 "100 stay at any age; 0 for all")
+      ->check(CLI::Range(int64_t{0}, int64_t{100'000}))
       ->capture_default_str();
   app.add_option("--quota-streams", flags.server.max_streams_per_client,
                  "Streams that one client may have open; 0 for no limit")

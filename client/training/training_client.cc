@@ -314,6 +314,14 @@ absl::StatusOr<v1::Operation> TrainingClient::CancelOperation(
   return std::move(*response.mutable_operation());
 }
 
+absl::Status TrainingClient::DeleteOperation(const std::string& name) {
+  v1::DeleteOperationRequest request;
+  request.set_name(name);
+  return Call(*this, *operations_, &v1::OperationService::Stub::DeleteOperation,
+              request, "DeleteOperation", timeout())
+      .status();
+}
+
 absl::StatusOr<std::vector<v1::ModelVersion>> TrainingClient::ListModelVersions(
     const std::string& model) {
   std::vector<v1::ModelVersion> versions;

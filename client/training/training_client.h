@@ -83,6 +83,7 @@ class TrainingClient {
   absl::StatusOr<std::vector<v1::Operation>> ListOperations(
       v1::Operation::State state, size_t limit);
   absl::StatusOr<v1::Operation> CancelOperation(const std::string& name);
+  absl::Status DeleteOperation(const std::string& name);
 
   // Models. `model` empty: the versions of all.
   absl::StatusOr<std::vector<v1::ModelVersion>> ListModelVersions(

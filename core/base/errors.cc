@@ -166,6 +166,14 @@ absl::Status MalformedRequest(size_t bytes) {
                    {{"value", absl::StrCat(bytes)}});
 }
 
+absl::Status NotTheRequest(absl::string_view type, absl::string_view fault) {
+  return MakeError(
+      StatusCode::kInvalidArgument, v1::ERROR_REASON_MALFORMED_REQUEST,
+      absl::StrCat("the request is not a ", type, ": ", fault,
+                   "; use a client of the server's release, or a newer server"),
+      {{"type", std::string(type)}});
+}
+
 absl::Status StreamFinished() {
   return MakeError(StatusCode::kFailedPrecondition,
                    v1::ERROR_REASON_STREAM_FINISHED,
@@ -372,6 +380,15 @@ absl::Status ModelInUse(absl::string_view name, absl::string_view user) {
       {{"model", std::string(name)}, {"user", std::string(user)}});
 }
 
+absl::Status OperationActive(absl::string_view name) {
+  return MakeError(StatusCode::kFailedPrecondition,
+                   v1::ERROR_REASON_OPERATION_ACTIVE,
+                   absl::StrCat(name,
+                                " has not ended; cancel it first "
+                                "(trainctl jobs cancel), or wait for its end"),
+                   {{"name", std::string(name)}});
+}
+
 absl::Status UploadBusy(absl::string_view name) {
   return MakeError(StatusCode::kAborted, v1::ERROR_REASON_UPLOAD_BUSY,
                    absl::StrCat("another call writes to ", name,
@@ -480,6 +497,14 @@ absl::Status PermissionDenied(absl::string_view method, absl::string_view role,
                    "--role=",
                    want),
       {{"role", std::string(role)}, {"want", std::string(want)}});
+}
+
+absl::Status NotOwner(absl::string_view name, absl::string_view owner) {
+  return MakeError(
+      StatusCode::kPermissionDenied, v1::ERROR_REASON_PERMISSION_DENIED,
+      absl::StrCat(name, " belongs to ", Quoted(owner),
+                   "; ask that client, or call as an admin"),
+      {{"name", std::string(name)}, {"owner", std::string(owner)}});
 }
 
 absl::Status InvalidResponse(absl::string_view what, absl::string_view got,

@@ -91,6 +91,8 @@ absl::Status ConfigRequired();
 absl::Status ConfigRepeated();
 absl::Status EmptyRequest();
 absl::Status MalformedRequest(size_t bytes);
+// MALFORMED_REQUEST: `type` is the full name of the message that was expected.
+absl::Status NotTheRequest(absl::string_view type, absl::string_view fault);
 absl::Status StreamFinished();
 // `presets`: the names of all presets, for the text.
 absl::Status UnknownLayout(absl::string_view name, absl::string_view presets);
@@ -132,6 +134,7 @@ absl::Status DatasetExists(absl::string_view name);
 absl::Status DatasetInUse(absl::string_view name, absl::string_view user);
 absl::Status ModelInUse(absl::string_view name, absl::string_view user);
 absl::Status UploadBusy(absl::string_view name);
+absl::Status OperationActive(absl::string_view name);
 absl::Status OffsetMismatch(int64_t got, int64_t committed);
 absl::Status ChecksumMismatch(absl::string_view what, absl::string_view got,
                               absl::string_view want);
@@ -152,6 +155,9 @@ absl::Status StorageFull(absl::string_view path, absl::string_view message);
 absl::Status Unauthenticated(absl::string_view message);
 absl::Status PermissionDenied(absl::string_view method, absl::string_view role,
                               absl::string_view want);
+// PERMISSION_DENIED: the thing belongs to another client, and the caller is no
+// admin.
+absl::Status NotOwner(absl::string_view name, absl::string_view owner);
 
 // Client. INTERNAL: a response breaks the contract.
 absl::Status InvalidResponse(absl::string_view what, absl::string_view got,

@@ -13,6 +13,7 @@
 #include "core/base/serialize.h"
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
+#include "core/base/wire_check.h"
 #include "core/bundle/field_count.h"
 #include "core/bundle/model_proto.h"
 
@@ -111,6 +112,13 @@ absl::StatusOr<std::shared_ptr<const CompiledModel>> DecodeBundle(
   }
   TACTUS_ASSIGN_OR_RETURN(Model model, ModelFromProto(message));
   return CompiledModel::Create(std::move(model));
+}
+
+absl::Status CheckBundleFields(absl::string_view bytes) {
+  TACTUS_ASSIGN_OR_RETURN(const absl::string_view payload, OpenEnvelope(bytes));
+  const WireCheck check = CheckWire(*v1::ModelBundle::descriptor(), payload);
+  if (check.fault.empty()) return absl::OkStatus();
+  return BundleCorrupt(absl::StrCat("its payload: ", check.fault));
 }
 
 std::string BundleSha256(absl::string_view bytes) {

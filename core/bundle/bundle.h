@@ -12,6 +12,7 @@
 #include <memory>
 #include <string>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "core/classify/compiled_model.h"
@@ -37,6 +38,11 @@ absl::StatusOr<std::string> EncodeBundle(const Model& model);
 // contents are inconsistent.
 absl::StatusOr<std::shared_ptr<const CompiledModel>> DecodeBundle(
     absl::string_view bytes);
+
+// BUNDLE_CORRUPT if the bundle has fields that this program does not know; for
+// bundles of others that are to be kept, because DecodeBundle leaves such
+// fields out.
+absl::Status CheckBundleFields(absl::string_view bytes);
 
 // The checksum at the end of a bundle, 64 hexadecimal digits; empty if
 // `bytes` is too short to be one.

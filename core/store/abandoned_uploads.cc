@@ -40,10 +40,7 @@ std::string UploadFile(const v1::StoredUpload& upload) {
 }
 
 absl::StatusOr<uint64_t> NextUpload(const Transaction& look) {
-  TACTUS_ASSIGN_OR_RETURN(const uint64_t next,
-                          NextNumber(look, Table::kUploads));
-  TACTUS_ASSIGN_OR_RETURN(const uint64_t removed, LastNumber(look, kUploads));
-  return std::max(next, removed + 1);
+  return NextNumber(look, Table::kUploads, kUploads);
 }
 
 absl::Status RemoveUpload(Transaction& change, const v1::StoredUpload& upload,
@@ -52,9 +49,7 @@ absl::Status RemoveUpload(Transaction& change, const v1::StoredUpload& upload,
   if (!absl::SimpleAtoi(UploadFile(upload), &number)) {
     return DataLost(upload.name(), "the upload has no number");
   }
-  TACTUS_ASSIGN_OR_RETURN(const uint64_t next, NextUpload(change));
-  TACTUS_RETURN_IF_ERROR(
-      change.Put(Table::kNumbers, kUploads, NumberKey(next - 1)));
+  TACTUS_RETURN_IF_ERROR(KeepNumber(change, Table::kUploads, kUploads));
   TACTUS_RETURN_IF_ERROR(change.Erase(Table::kUploads, NumberKey(number)));
   v1::AuditEntry entry;
   entry.set_time_ms(now_ms);

@@ -1,5 +1,7 @@
 #include "core/store/numbers.h"
 
+#include <algorithm>
+
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_format.h"
 #include "core/base/errors.h"
@@ -19,6 +21,19 @@ absl::StatusOr<uint64_t> NextNumber(const Transaction& look, Table table) {
     return DataLost(last.front().key, "the key is not a number");
   }
   return number + 1;
+}
+
+absl::StatusOr<uint64_t> NextNumber(const Transaction& look, Table table,
+                                    const std::string& name) {
+  TACTUS_ASSIGN_OR_RETURN(const uint64_t next, NextNumber(look, table));
+  TACTUS_ASSIGN_OR_RETURN(const uint64_t removed, LastNumber(look, name));
+  return std::max(next, removed + 1);
+}
+
+absl::Status KeepNumber(Transaction& change, Table table,
+                        const std::string& name) {
+  TACTUS_ASSIGN_OR_RETURN(const uint64_t next, NextNumber(change, table, name));
+  return change.Put(Table::kNumbers, name, NumberKey(next - 1));
 }
 
 absl::StatusOr<uint32_t> LastNumber(const Transaction& look,

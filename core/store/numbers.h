@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <string>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "core/store/catalog.h"
@@ -25,6 +26,16 @@ std::string NumberKey(uint64_t number);
 
 // The number behind the largest key of a table whose keys are numbers; from 1.
 absl::StatusOr<uint64_t> NextNumber(const Transaction& look, Table table);
+
+// The same where records may be removed: also behind the largest number that
+// KeepNumber has kept under `name`.
+absl::StatusOr<uint64_t> NextNumber(const Transaction& look, Table table,
+                                    const std::string& name);
+
+// Keeps the largest number that was given in `table`, so that it is not given
+// again when its record is removed. Call it before.
+absl::Status KeepNumber(Transaction& change, Table table,
+                        const std::string& name);
 
 // The largest number that was given under `name`, as Table::kNumbers has it; 0
 // if it has none.

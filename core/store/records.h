@@ -61,6 +61,25 @@ absl::StatusOr<std::vector<Message>> ScanRecords(const Transaction& look,
   return messages;
 }
 
+// Runs `visit` on each record, in the order of the keys, and holds few of them
+// in memory. It may erase the record that it visits. Ends with its first error.
+template <typename Message, typename Visit>
+absl::Status VisitRecords(const Transaction& look, Table table,
+                          ScanOptions options, const Visit& visit) {
+  constexpr int kBatch = 64;
+  options.limit = kBatch;
+  while (true) {
+    TACTUS_ASSIGN_OR_RETURN(const auto entries, look.Scan(table, options));
+    for (const CatalogEntry& entry : entries) {
+      TACTUS_ASSIGN_OR_RETURN(const Message message,
+                              ParseRecord<Message>(entry.key, entry.value));
+      TACTUS_RETURN_IF_ERROR(visit(message));
+    }
+    if (static_cast<int>(entries.size()) < kBatch) return absl::OkStatus();
+    options.after = entries.back().key;
+  }
+}
+
 inline absl::Status PutRecord(Transaction& change, Table table,
                               absl::string_view key,
                               const google::protobuf::MessageLite& message) {

@@ -35,8 +35,8 @@ TrainingBackend::TrainingBackend(std::unique_ptr<DataDirectory> data,
       sweep_interval_(options.sweep_interval_ms),
       datasets_(data_.get(), now_, quotas_),
       uploads_(data_.get(), &datasets_, now_, quotas_),
-      operations_(data_.get(), now_, quotas_),
-      models_(data_.get(), registry, now_),
+      operations_(data_.get(), now_, quotas_, options.retention),
+      models_(data_.get(), registry, now_, quotas_),
       jobs_(data_.get(), &datasets_, &models_, &operations_, options.jobs,
             now_) {}
 
@@ -61,6 +61,12 @@ void TrainingBackend::Sweep() {
     spdlog::error("abandoned uploads: {}", removed.status().ToString());
   } else if (*removed > 0) {
     spdlog::info("removed {} abandoned uploads", *removed);
+  }
+  const auto old = operations_.RemoveOld();
+  if (!old.ok()) {
+    spdlog::error("old jobs: {}", old.status().ToString());
+  } else if (*old > 0) {
+    spdlog::info("removed {} old jobs", *old);
   }
 }
 

@@ -23,6 +23,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/base/limits.h"
+#include "core/base/limits_training.h"
 #include "core/store/data_directory.h"
 #include "server/jobs/job_queue.h"
 #include "server/records/dataset_store.h"
@@ -44,8 +45,12 @@ class TrainingBackend {
     // What each client may have.
     Quotas quotas = {.stored_bytes = limits::kMaxClientBytes,
                      .datasets = limits::kMaxClientDatasets,
-                     .queued_jobs = limits::kMaxClientQueuedJobs};
-    // How often abandoned uploads are removed, beside at the start.
+                     .queued_jobs = limits::kMaxClientQueuedJobs,
+                     .model_bytes = limits::kMaxClientModelBytes};
+    // Which jobs that have ended are kept.
+    Retention retention = {};
+    // How often abandoned uploads and old jobs are removed, beside at the
+    // start.
     int64_t sweep_interval_ms = limits::kSweepIntervalMs;
   };
 
@@ -57,7 +62,8 @@ class TrainingBackend {
   // Stops.
   ~TrainingBackend();
 
-  // Removes abandoned uploads, now and from time to time; begins to run jobs.
+  // Removes abandoned uploads and old jobs, now and from time to time; begins
+  // to run jobs.
   void Start();
   // Ends waits and jobs. Jobs go on after the next start.
   void Stop();

@@ -148,14 +148,17 @@ absl::StatusOr<Caller> Authorizer::Check(const Credentials& credentials,
         !IsOnThisHost(credentials.peer)) {
       return NotLocal(method);
     }
-    return Caller{.name = PeerOf(credentials.peer), .peer = credentials.peer};
+    return Caller{.name = PeerOf(credentials.peer),
+                  .peer = credentials.peer,
+                  .role = Role::kAdmin};
   }
   TACTUS_ASSIGN_OR_RETURN(const AccessTable::Entry* entry,
                           FindEntry(*table, credentials, method));
   if (entry->role < role) {
     return PermissionDenied(method, RoleName(entry->role), RoleName(role));
   }
-  return Caller{.name = entry->name, .peer = credentials.peer};
+  return Caller{
+      .name = entry->name, .peer = credentials.peer, .role = entry->role};
 }
 
 }  // namespace tactus::server

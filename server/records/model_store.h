@@ -28,6 +28,8 @@
 #include "core/store/data_directory.h"
 #include "server/records/caller.h"
 #include "server/records/paging.h"
+#include "server/records/quotas.h"
+#include "server/records/spool.h"
 #include "server/registry/model_registry.h"
 #include "tactus/v1/models.pb.h"
 
@@ -35,8 +37,12 @@ namespace tactus::server {
 
 class ModelStore {
  public:
-  ModelStore(DataDirectory* data, ModelRegistry* registry, NowMs now)
-      : data_(data), registry_(registry), now_(std::move(now)) {}
+  ModelStore(DataDirectory* data, ModelRegistry* registry, NowMs now,
+             const Quotas& quotas = {})
+      : data_(data),
+        registry_(registry),
+        now_(std::move(now)),
+        quotas_(quotas) {}
 
   // Loads all stored versions and aliases into the registry. Returns, beside
   // OK, the versions that could not be loaded, each with its error; their
@@ -46,17 +52,28 @@ class ModelStore {
   // Makes a bundle the next version of "models/M". The number of a version is
   // never used again, even if the version is deleted. `origin` has the fields
   // that say how it was made. A second call with the same `origin.operation`
-  // returns the version of the first. INVALID_NAME if the model is built in.
+  // returns the version of the first. INVALID_NAME if the model is built in;
+  // QUOTA_EXCEEDED.
   absl::StatusOr<v1::ModelVersion> AddVersion(absl::string_view model,
                                               absl::string_view bundle,
                                               v1::ModelVersion origin,
                                               const Caller& caller);
+  // The same of a bundle that a caller has sent. Decodes one at a time.
+  // BUNDLE_CORRUPT also if it has fields that are not known.
+  absl::StatusOr<v1::ModelVersion> Import(absl::string_view model,
+                                          const Spool& bundle,
+                                          const Caller& caller);
   // "models/M/versions/V", "models/M" for the newest version, or "aliases/A".
   // Of built-in versions, the fields that the server knows.
   absl::StatusOr<v1::ModelVersion> Get(absl::string_view name) const;
   // The bundle as it was stored; of a built-in version, the same model encoded
   // again. MODEL_NOT_FOUND if the version was deleted since it was found.
   absl::StatusOr<std::string> Bundle(const v1::ModelVersion& version) const;
+  // Runs `take` on it in parts of at most limits::kMaxChunkBytes
+  // (blob_parts.h).
+  absl::Status ReadBundle(
+      const v1::ModelVersion& version,
+      absl::FunctionRef<absl::Status(absl::string_view)> take) const;
   absl::StatusOr<Page<v1::ModelVersion>> List(
       absl::string_view model, int page_size,
       absl::string_view page_token) const;
@@ -91,10 +108,17 @@ class ModelStore {
   // MODEL_NOT_FOUND unless streams can find the version.
   absl::Status CheckServed(absl::string_view version) const;
   void Serve(const v1::Alias& alias);
+  // MODEL_NOT_FOUND if `error` came about because the version was deleted since
+  // it was found, else the same error.
+  absl::Status Explain(const v1::ModelVersion& version,
+                       const absl::Status& error) const;
 
   DataDirectory* const data_;
   ModelRegistry* const registry_;
   const NowMs now_;
+  const Quotas quotas_;
+  // Held while an imported bundle is in memory.
+  std::mutex importing_;
   // Held during changes, so that catalogue and registry change in one order.
   std::mutex mutex_;
 };

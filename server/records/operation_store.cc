@@ -19,6 +19,10 @@ namespace {
 using v1::Operation;
 
 constexpr char kOperations[] = "operations";
+// Operations that are removed in one transaction: of a new operation, and of
+// its own.
+constexpr size_t kRemovedWithOne = 2;
+constexpr size_t kRemovedAtOnce = 50;
 
 absl::StatusOr<Operation> FindByName(const Transaction& look,
                                      const ResourceName& name) {
@@ -50,12 +54,12 @@ absl::StatusOr<std::optional<Operation>> FindIn(const Transaction& look,
 
 // JOB_LIMIT if no further job may wait.
 absl::Status CheckQueue(const Transaction& look) {
-  TACTUS_ASSIGN_OR_RETURN(const auto all,
-                          ScanRecords<Operation>(look, Table::kOperations, {}));
   int queued = 0;
-  for (const Operation& other : all) {
-    queued += other.state() == Operation::STATE_QUEUED ? 1 : 0;
-  }
+  TACTUS_RETURN_IF_ERROR(VisitRecords<Operation>(
+      look, Table::kOperations, {}, [&](const Operation& other) {
+        queued += other.state() == Operation::STATE_QUEUED ? 1 : 0;
+        return absl::OkStatus();
+      }));
   if (queued < limits::kMaxQueuedJobs) return absl::OkStatus();
   return JobLimit(limits::kMaxQueuedJobs);
 }
@@ -77,34 +81,26 @@ absl::StatusOr<std::vector<v1::LearningPoint>> PointsOf(
 
 }  // namespace
 
-bool HasEnded(const Operation& operation) {
-  return operation.state() == Operation::STATE_SUCCEEDED ||
-         operation.state() == Operation::STATE_FAILED ||
-         operation.state() == Operation::STATE_CANCELLED;
-}
-
 absl::Status OperationStore::Restore() {
   // A server starts on a full disk too.
   return data_->reserve().With([&] {
     return data_->catalog().Change([&](Transaction& change) -> absl::Status {
-      TACTUS_ASSIGN_OR_RETURN(
-          auto operations,
-          ScanRecords<Operation>(change, Table::kOperations, {}));
-      for (Operation& operation : operations) {
-        if (operation.state() == Operation::STATE_RUNNING) {
-          operation.set_state(Operation::STATE_QUEUED);
-        } else if (operation.state() == Operation::STATE_CANCELLING) {
-          operation.set_state(Operation::STATE_CANCELLED);
-          operation.set_end_time_ms(now_());
-        } else {
-          continue;
-        }
-        TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
-                                ParseName(operation.name(), kOperations));
-        TACTUS_RETURN_IF_ERROR(
-            PutRecord(change, Table::kOperations, CatalogKey(name), operation));
-      }
-      return absl::OkStatus();
+      return VisitRecords<Operation>(
+          change, Table::kOperations, {},
+          [&](Operation operation) -> absl::Status {
+            if (operation.state() == Operation::STATE_RUNNING) {
+              operation.set_state(Operation::STATE_QUEUED);
+            } else if (operation.state() == Operation::STATE_CANCELLING) {
+              operation.set_state(Operation::STATE_CANCELLED);
+              operation.set_end_time_ms(now_());
+            } else {
+              return absl::OkStatus();
+            }
+            TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
+                                    ParseName(operation.name(), kOperations));
+            return PutRecord(change, Table::kOperations, CatalogKey(name),
+                             operation);
+          });
     });
   });
 }
@@ -137,9 +133,13 @@ absl::StatusOr<bool> OperationStore::CreateIn(Transaction& change,
     TACTUS_RETURN_IF_ERROR(CheckDataset(change, *operation));
     TACTUS_RETURN_IF_ERROR(CheckQueue(change));
     TACTUS_RETURN_IF_ERROR(CheckQueuedJobs(change, quotas_, caller.name));
+    if (operation->kind() == Operation::KIND_TRAIN) {
+      // Now, and not when the training has ended.
+      TACTUS_RETURN_IF_ERROR(CheckModelBytes(change, quotas_, caller.name, 1));
+    }
   }
   TACTUS_ASSIGN_OR_RETURN(const uint64_t number,
-                          NextNumber(change, Table::kOperations));
+                          NextNumber(change, Table::kOperations, kOperations));
   operation->set_name(absl::StrCat(kOperations, "/", number));
   operation->set_create_time_ms(now_());
   operation->set_requester(caller.name);
@@ -152,7 +152,54 @@ absl::StatusOr<bool> OperationStore::CreateIn(Transaction& change,
       PutRecord(change, Table::kOperations, key, *operation));
   TACTUS_RETURN_IF_ERROR(
       Audit(change, caller, now_(), "create", operation->name()));
+  // So that the number of operations is bounded at any time. A client that
+  // requests jobs loses its oldest ones, never those of others.
+  TACTUS_ASSIGN_OR_RETURN(
+      const auto old,
+      OldOperations(change, retention_, now_(), kRemovedWithOne));
+  for (const Operation& ended : old) {
+    TACTUS_RETURN_IF_ERROR(RemoveOperation(change, ended));
+  }
   return true;
+}
+
+absl::Status OperationStore::Delete(absl::string_view name,
+                                    const Caller& caller) {
+  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
+                          ParseName(name, kOperations));
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Change([&](Transaction& change) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(const Operation operation,
+                                FindByName(change, parsed));
+        TACTUS_RETURN_IF_ERROR(
+            CheckOwner(caller, operation.name(), operation.requester()));
+        if (!HasEnded(operation)) return OperationActive(operation.name());
+        TACTUS_RETURN_IF_ERROR(RemoveOperation(change, operation));
+        return Audit(change, caller, now_(), "delete", operation.name());
+      }));
+  Forget(parsed.ToString());
+  return absl::OkStatus();
+}
+
+absl::StatusOr<int> OperationStore::RemoveOld() {
+  int removed = 0;
+  while (true) {
+    std::vector<Operation> old;
+    TACTUS_RETURN_IF_ERROR(
+        data_->catalog().Change([&](Transaction& change) -> absl::Status {
+          TACTUS_ASSIGN_OR_RETURN(
+              old, OldOperations(change, retention_, now_(), kRemovedAtOnce));
+          for (const Operation& operation : old) {
+            TACTUS_RETURN_IF_ERROR(RemoveOperation(change, operation));
+            TACTUS_RETURN_IF_ERROR(Audit(change, {"tactusd", ""}, now_(),
+                                         "remove", operation.name()));
+          }
+          return absl::OkStatus();
+        }));
+    for (const Operation& operation : old) Forget(operation.name());
+    removed += static_cast<int>(old.size());
+    if (old.size() < kRemovedAtOnce) return removed;
+  }
 }
 
 absl::StatusOr<std::optional<Operation>> OperationStore::Find(
@@ -189,26 +236,25 @@ absl::StatusOr<Page<Operation>> OperationStore::List(
   Page<Operation> page;
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Look([&](const Transaction& look) -> absl::Status {
-        TACTUS_ASSIGN_OR_RETURN(
-            const auto all,
-            ScanRecords<Operation>(
-                look, Table::kOperations,
-                {.after = std::string(page_token), .backwards = true}));
-        for (const Operation& operation : all) {
-          if (state != Operation::STATE_UNSPECIFIED &&
-              operation.state() != state) {
-            continue;
-          }
-          if (static_cast<int>(page.items.size()) == page_size) {
-            TACTUS_ASSIGN_OR_RETURN(
-                const ResourceName last,
-                ParseName(page.items.back().name(), kOperations));
-            page.next_token = CatalogKey(last);
-            break;
-          }
-          page.items.push_back(operation);
-        }
-        return absl::OkStatus();
+        return VisitRecords<Operation>(
+            look, Table::kOperations,
+            {.after = std::string(page_token), .backwards = true},
+            [&](const Operation& operation) -> absl::Status {
+              if (!page.next_token.empty() ||
+                  (state != Operation::STATE_UNSPECIFIED &&
+                   operation.state() != state)) {
+                return absl::OkStatus();
+              }
+              if (static_cast<int>(page.items.size()) == page_size) {
+                TACTUS_ASSIGN_OR_RETURN(
+                    const ResourceName last,
+                    ParseName(page.items.back().name(), kOperations));
+                page.next_token = CatalogKey(last);
+                return absl::OkStatus();
+              }
+              page.items.push_back(operation);
+              return absl::OkStatus();
+            });
       }));
   return page;
 }
@@ -218,13 +264,13 @@ absl::StatusOr<std::vector<std::string>> OperationStore::InState(
   std::vector<std::string> names;
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Look([&](const Transaction& look) -> absl::Status {
-        TACTUS_ASSIGN_OR_RETURN(
-            const auto all,
-            ScanRecords<Operation>(look, Table::kOperations, {}));
-        for (const Operation& operation : all) {
-          if (operation.state() == state) names.push_back(operation.name());
-        }
-        return absl::OkStatus();
+        return VisitRecords<Operation>(look, Table::kOperations, {},
+                                       [&](const Operation& operation) {
+                                         if (operation.state() == state) {
+                                           names.push_back(operation.name());
+                                         }
+                                         return absl::OkStatus();
+                                       });
       }));
   return names;
 }
@@ -309,11 +355,11 @@ OperationStore::CountByState() const {
   std::map<Operation::State, uint32_t> counts;
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Look([&](const Transaction& look) -> absl::Status {
-        TACTUS_ASSIGN_OR_RETURN(
-            const auto all,
-            ScanRecords<Operation>(look, Table::kOperations, {}));
-        for (const Operation& operation : all) ++counts[operation.state()];
-        return absl::OkStatus();
+        return VisitRecords<Operation>(look, Table::kOperations, {},
+                                       [&](const Operation& operation) {
+                                         ++counts[operation.state()];
+                                         return absl::OkStatus();
+                                       });
       }));
   return counts;
 }
@@ -330,6 +376,12 @@ void OperationStore::ShowProgress(absl::string_view name,
 void OperationStore::Wake(const std::string& name) {
   const std::lock_guard lock(mutex_);
   ++live_[name].changes;
+  changed_.notify_all();
+}
+
+void OperationStore::Forget(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  live_.erase(name);
   changed_.notify_all();
 }
 

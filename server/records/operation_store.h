@@ -32,15 +32,13 @@
 #include "absl/strings/string_view.h"
 #include "core/store/data_directory.h"
 #include "server/records/caller.h"
+#include "server/records/operation_removal.h"
 #include "server/records/paging.h"
 #include "server/records/quotas.h"
 #include "tactus/v1/operations.pb.h"
 #include "tactus/v1/storage.pb.h"
 
 namespace tactus::server {
-
-// True in the states SUCCEEDED, FAILED and CANCELLED.
-bool HasEnded(const v1::Operation& operation);
 
 class OperationStore {
  public:
@@ -54,8 +52,12 @@ class OperationStore {
     std::vector<v1::LearningPoint> points;
   };
 
-  OperationStore(DataDirectory* data, NowMs now, const Quotas& quotas = {})
-      : data_(data), now_(std::move(now)), quotas_(quotas) {}
+  OperationStore(DataDirectory* data, NowMs now, const Quotas& quotas = {},
+                 const Retention& retention = {})
+      : data_(data),
+        now_(std::move(now)),
+        quotas_(quotas),
+        retention_(retention) {}
 
   // Puts the operations that were RUNNING or CANCELLING when the server ended
   // back into a state from which they go on. Call it once, first.
@@ -93,6 +95,12 @@ class OperationStore {
   absl::StatusOr<v1::Operation> Change(
       absl::string_view name,
       absl::FunctionRef<absl::Status(v1::Operation&)> change);
+  // Removes an operation that has ended. OPERATION_ACTIVE if it has not;
+  // PERMISSION_DENIED for others than its requester and admins.
+  absl::Status Delete(absl::string_view name, const Caller& caller);
+  // Removes the operations that are not to be kept any longer; returns their
+  // number.
+  absl::StatusOr<int> RemoveOld();
   // Appends to the learning curve.
   absl::Status AddPoints(absl::string_view name,
                          const std::vector<v1::LearningPoint>& points);
@@ -121,10 +129,13 @@ class OperationStore {
   };
 
   void Wake(const std::string& name);
+  // Forgets what was live of it; who waits for it learns that it is gone.
+  void Forget(const std::string& name);
 
   DataDirectory* const data_;
   const NowMs now_;
   const Quotas quotas_;
+  const Retention retention_;
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
   // By name; of operations that changed since the start.

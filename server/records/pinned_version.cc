@@ -2,6 +2,7 @@
 
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "server/records/blob_parts.h"
 
 namespace tactus::server {
 
@@ -18,12 +19,11 @@ absl::StatusOr<std::vector<v1::TrialInfo>> PinnedVersion::Trials() const {
   return trials;
 }
 
-absl::StatusOr<std::string> PinnedVersion::Record(
-    const v1::TrialInfo& trial) const {
-  auto record =
-      data_->blobs().Read(trial.sha256(), limits::kMaxTrialRecordBytes);
-  if (!record.ok()) return Explain(record.status());
-  return record;
+absl::Status PinnedVersion::ReadRecord(
+    const v1::TrialInfo& trial,
+    absl::FunctionRef<absl::Status(absl::string_view)> take) const {
+  return Explain(ReadBlobParts(*data_, trial.sha256(),
+                               limits::kMaxTrialRecordBytes, take));
 }
 
 absl::Status PinnedVersion::Explain(const absl::Status& error) const {

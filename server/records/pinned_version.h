@@ -19,6 +19,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/functional/function_ref.h"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
@@ -43,8 +44,11 @@ class PinnedVersion {
 
   // By id and then by SHA-256.
   absl::StatusOr<std::vector<v1::TrialInfo>> Trials() const;
-  // The serialized record of one of its trials.
-  absl::StatusOr<std::string> Record(const v1::TrialInfo& trial) const;
+  // Runs `take` on the serialized record of one of its trials, in parts
+  // (blob_parts.h).
+  absl::Status ReadRecord(
+      const v1::TrialInfo& trial,
+      absl::FunctionRef<absl::Status(absl::string_view)> take) const;
 
   // What `error`, which work on the version's trials ended with, means:
   // DATASET_NOT_FOUND if bytes are missing because the version was deleted,

@@ -1,10 +1,9 @@
 #include "server/records/quotas.h"
 
-#include <algorithm>
-
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/store/records.h"
+#include "tactus/v1/models.pb.h"
 #include "tactus/v1/operations.pb.h"
 #include "tactus/v1/storage.pb.h"
 #include "tactus/v1/training.pb.h"
@@ -16,9 +15,13 @@ namespace {
 template <typename Message, typename Predicate>
 absl::StatusOr<int64_t> Count(const Transaction& look, Table table,
                               const Predicate& counts) {
-  TACTUS_ASSIGN_OR_RETURN(const auto all,
-                          ScanRecords<Message>(look, table, {}));
-  return std::count_if(all.begin(), all.end(), counts);
+  int64_t count = 0;
+  TACTUS_RETURN_IF_ERROR(
+      VisitRecords<Message>(look, table, {}, [&](const Message& message) {
+        count += counts(message) ? 1 : 0;
+        return absl::OkStatus();
+      }));
+  return count;
 }
 
 }  // namespace
@@ -26,20 +29,36 @@ absl::StatusOr<int64_t> Count(const Transaction& look, Table table,
 absl::StatusOr<int64_t> StoredBytes(const Transaction& look,
                                     absl::string_view client) {
   int64_t bytes = 0;
-  TACTUS_ASSIGN_OR_RETURN(const auto uploads, ScanRecords<v1::StoredUpload>(
-                                                  look, Table::kUploads, {}));
-  for (const v1::StoredUpload& upload : uploads) {
-    if (upload.requester() == client && upload.dataset_version().empty()) {
-      bytes += upload.committed_size();
-    }
-  }
-  TACTUS_ASSIGN_OR_RETURN(
-      const auto versions,
-      ScanRecords<v1::DatasetVersion>(look, Table::kDatasetVersions, {}));
-  for (const v1::DatasetVersion& version : versions) {
-    if (version.requester() == client) bytes += version.added_bytes();
-  }
+  TACTUS_RETURN_IF_ERROR(VisitRecords<v1::StoredUpload>(
+      look, Table::kUploads, {}, [&](const v1::StoredUpload& upload) {
+        if (upload.requester() == client && upload.dataset_version().empty()) {
+          bytes += upload.committed_size();
+        }
+        return absl::OkStatus();
+      }));
+  TACTUS_RETURN_IF_ERROR(
+      VisitRecords<v1::DatasetVersion>(look, Table::kDatasetVersions, {},
+                                       [&](const v1::DatasetVersion& version) {
+                                         if (version.requester() == client)
+                                           bytes += version.added_bytes();
+                                         return absl::OkStatus();
+                                       }));
   return bytes;
+}
+
+absl::Status CheckModelBytes(const Transaction& look, const Quotas& quotas,
+                             absl::string_view client, int64_t more) {
+  if (quotas.model_bytes == 0) return absl::OkStatus();
+  int64_t use = 0;
+  TACTUS_RETURN_IF_ERROR(VisitRecords<v1::ModelVersion>(
+      look, Table::kModelVersions, {}, [&](const v1::ModelVersion& version) {
+        if (version.requester() == client) use += version.bytes();
+        return absl::OkStatus();
+      }));
+  if (more <= quotas.model_bytes - use) return absl::OkStatus();
+  return QuotaExceeded(client, "bytes of models", quotas.model_bytes, use,
+                       "delete versions that nobody needs (trainctl models "
+                       "delete)");
 }
 
 absl::Status CheckStoredBytes(const Transaction& look, const Quotas& quotas,

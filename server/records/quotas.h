@@ -28,6 +28,7 @@ struct Quotas {
   int64_t stored_bytes = 0;
   int64_t datasets = 0;
   int64_t queued_jobs = 0;
+  int64_t model_bytes = 0;
 };
 
 // Bytes of the client's unfinished uploads, and of the trials that it added to
@@ -41,6 +42,10 @@ absl::Status CheckStoredBytes(const Transaction& look, const Quotas& quotas,
 // Refuses one more dataset.
 absl::Status CheckDatasets(const Transaction& look, const Quotas& quotas,
                            absl::string_view client);
+// Refuses one more model version of `more` bytes. The server holds all versions
+// in memory.
+absl::Status CheckModelBytes(const Transaction& look, const Quotas& quotas,
+                             absl::string_view client, int64_t more);
 // Refuses one more job that waits.
 absl::Status CheckQueuedJobs(const Transaction& look, const Quotas& quotas,
                              absl::string_view client);

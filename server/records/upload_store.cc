@@ -96,6 +96,13 @@ absl::StatusOr<v1::StoredUpload> UploadStore::Get(
   return upload;
 }
 
+absl::StatusOr<v1::StoredUpload> UploadStore::GetOwn(
+    absl::string_view name, const Caller& caller) const {
+  TACTUS_ASSIGN_OR_RETURN(v1::StoredUpload upload, Get(name));
+  TACTUS_RETURN_IF_ERROR(CheckOwner(caller, upload.name(), upload.requester()));
+  return upload;
+}
+
 absl::Status UploadStore::Hold(const std::string& id) {
   const std::lock_guard lock(mutex_);
   if (!held_.insert(id).second) {
@@ -123,8 +130,10 @@ absl::Status UploadStore::Save(const v1::StoredUpload& upload) {
 }
 
 absl::StatusOr<std::unique_ptr<UploadStore::Writer>> UploadStore::Write(
-    absl::string_view name) {
+    absl::string_view name, const Caller& caller) {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed, ParseName(name, kUploads));
+  // Before it is held: others must not be able to keep it from its owner.
+  TACTUS_RETURN_IF_ERROR(GetOwn(name, caller).status());
   TACTUS_RETURN_IF_ERROR(Hold(parsed.id));
   // Releases the upload when it is destroyed.
   std::unique_ptr<Writer> writer(new Writer(this, parsed.id));
@@ -212,9 +221,21 @@ absl::Status UploadStore::Writer::Commit() {
   return absl::OkStatus();
 }
 
+std::unique_ptr<TrialTaker> UploadStore::NewTaker(const std::string& id,
+                                                  MemoryBudget* known) {
+  return std::make_unique<TrialTaker>(
+      TrialTaker::Sources{.blobs = &data_->blobs(),
+                          .parsing = &parsing_,
+                          .known = known,
+                          .read = [this, path = data_->UploadPath(id)](
+                                      int64_t offset, int64_t size) {
+                            return data_->files().Read(path, offset, size);
+                          }});
+}
+
 std::unique_ptr<TrialTaker> UploadStore::TakeTaker(const std::string& id,
                                                    int64_t size) {
-  if (size == 0) return std::make_unique<TrialTaker>(&data_->blobs());
+  if (size == 0) return NewTaker(id, &known_);
   const std::lock_guard lock(mutex_);
   const auto kept =
       std::find_if(takers_.begin(), takers_.end(),
@@ -239,7 +260,8 @@ void UploadStore::KeepTaker(const std::string& id,
 
 absl::StatusOr<std::unique_ptr<TrialTaker>> UploadStore::ReadTrials(
     const std::string& id, int64_t size) {
-  auto taker = std::make_unique<TrialTaker>(&data_->blobs());
+  // Finish works on one upload after another, so it needs no share of `known_`.
+  auto taker = NewTaker(id, nullptr);
   const std::string path = data_->UploadPath(id);
   while (taker->size() < size) {
     TACTUS_ASSIGN_OR_RETURN(
@@ -276,6 +298,7 @@ absl::StatusOr<v1::DatasetVersion> UploadStore::Finish(absl::string_view name,
                                                        uint32_t* known) {
   *known = 0;
   TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed, ParseName(name, kUploads));
+  TACTUS_RETURN_IF_ERROR(GetOwn(name, caller).status());
   TACTUS_RETURN_IF_ERROR(Hold(parsed.id));
   const auto release = absl::MakeCleanup([&] { Release(parsed.id); });
   TACTUS_ASSIGN_OR_RETURN(v1::StoredUpload upload, Get(name));

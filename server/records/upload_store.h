@@ -5,7 +5,8 @@
 //
 //   auto upload = uploads.Create("datasets/grasps", request_id, false, caller);
 //   {
-//     TACTUS_ASSIGN_OR_RETURN(auto writer, uploads.Write(upload->name()));
+//     TACTUS_ASSIGN_OR_RETURN(auto writer,
+//                             uploads.Write(upload->name(), caller));
 //     TACTUS_RETURN_IF_ERROR(writer->Append(offset, chunk, crc32c));
 //     TACTUS_RETURN_IF_ERROR(writer->Commit());  // now on disk
 //   }
@@ -32,6 +33,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "core/base/limits_training.h"
 #include "core/store/data_directory.h"
 #include "server/records/caller.h"
 #include "server/records/dataset_store.h"
@@ -89,8 +91,13 @@ class UploadStore {
                                           absl::string_view request_id,
                                           bool replace, const Caller& caller);
   absl::StatusOr<v1::StoredUpload> Get(absl::string_view name) const;
+  // The same for its owner. PERMISSION_DENIED for others than the client that
+  // made it and admins, as from Write and Finish.
+  absl::StatusOr<v1::StoredUpload> GetOwn(absl::string_view name,
+                                          const Caller& caller) const;
   // UPLOAD_BUSY while another writer, or Finish, holds the upload.
-  absl::StatusOr<std::unique_ptr<Writer>> Write(absl::string_view name);
+  absl::StatusOr<std::unique_ptr<Writer>> Write(absl::string_view name,
+                                                const Caller& caller);
 
   // Checks all trials and makes them a version of the dataset; returns that
   // version if it was done before. INVALID_TRIAL names the trial and the field.
@@ -112,6 +119,9 @@ class UploadStore {
   void Release(const std::string& id);
   absl::Status Save(const v1::StoredUpload& upload);
   absl::Status RemoveStrayFiles();
+  // One that takes a pack from its beginning. `known`: as TrialTaker::Sources.
+  std::unique_ptr<TrialTaker> NewTaker(const std::string& id,
+                                       MemoryBudget* known);
   // The trials of an upload's first `size` bytes as they arrived; null if they
   // must be read from its file.
   std::unique_ptr<TrialTaker> TakeTaker(const std::string& id, int64_t size);
@@ -128,6 +138,8 @@ class UploadStore {
   DatasetStore* const datasets_;
   const NowMs now_;
   const Quotas quotas_;
+  MemoryBudget parsing_{limits::kMaxParsingBytes};
+  MemoryBudget known_{limits::kMaxKnownTrialBytes};
   std::mutex mutex_;
   // Uploads that someone writes to.
   std::set<std::string> held_;

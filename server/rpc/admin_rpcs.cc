@@ -32,6 +32,7 @@ absl::Status DescribeData(TrainingBackend& backend,
   info->mutable_quotas()->set_stored_bytes(quotas.stored_bytes);
   info->mutable_quotas()->set_datasets(quotas.datasets);
   info->mutable_quotas()->set_queued_jobs(quotas.queued_jobs);
+  info->mutable_quotas()->set_model_bytes(quotas.model_bytes);
   for (const std::string& failure : backend.failures()) {
     info->add_not_served(failure);
   }

@@ -16,23 +16,40 @@
 #include "absl/status/statusor.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
+#include "core/base/wire_check.h"
 #include "grpcpp/impl/codegen/proto_utils.h"
+#include "grpcpp/support/proto_buffer_reader.h"
 #include "server/rpc/control_service.h"
+#include "server/rpc/request_limits.h"
 
 namespace tactus::server {
 
-// Reads the next message; false in `more` after the last one.
-// MALFORMED_REQUEST.
+// Parses a message of a caller. This is the one place where these services do
+// so: the bytes are compared with the limit of their RPC before, and fields
+// that the message's type does not know are refused, so that none is ever
+// stored. MESSAGE_TOO_LARGE, MALFORMED_REQUEST.
+template <typename Message>
+absl::Status ParseRequestBytes(grpc::ByteBuffer* bytes, Message* message) {
+  const google::protobuf::Descriptor& type = *Message::descriptor();
+  const size_t size = bytes->Length();
+  const size_t limit = MaxRequestBytes(type);
+  if (size > limit) return MessageTooLarge(size, limit);
+  grpc::ProtoBufferReader reader(bytes);
+  const WireCheck check = CheckWire(type, &reader);
+  if (!check.fault.empty()) return NotTheRequest(type.full_name(), check.fault);
+  if (!grpc::SerializationTraits<Message>::Deserialize(bytes, message).ok()) {
+    return NotTheRequest(type.full_name(), "a text in it is not UTF-8");
+  }
+  return absl::OkStatus();
+}
+
+// Reads the next message; false in `more` after the last one. The errors of
+// ControlStream::Read and ParseRequestBytes.
 template <typename Message>
 absl::Status ReadMessage(ControlStream& stream, Message* message, bool* more) {
   grpc::ByteBuffer bytes;
   TACTUS_RETURN_IF_ERROR(stream.Read(&bytes, more));
-  if (!*more) return absl::OkStatus();
-  const size_t size = bytes.Length();
-  if (!grpc::SerializationTraits<Message>::Deserialize(&bytes, message).ok()) {
-    return MalformedRequest(size);
-  }
-  return absl::OkStatus();
+  return *more ? ParseRequestBytes(&bytes, message) : absl::OkStatus();
 }
 
 template <typename Message>

@@ -34,27 +34,24 @@ absl::Status DownloadTrials(TrainingBackend& backend,
   TACTUS_ASSIGN_OR_RETURN(const auto trials, version.Trials());
   v1::DownloadTrialsResponse response;
   std::string& data = *response.mutable_data();
-  for (const v1::TrialInfo& trial : trials) {
-    TACTUS_ASSIGN_OR_RETURN(const std::string record, version.Record(trial));
-    const auto length = static_cast<uint32_t>(record.size());
-    char head[sizeof length];
-    std::memcpy(head, &length, sizeof length);
-    data.append(head, sizeof head);
-    size_t done = 0;
-    while (done < record.size()) {
+  const auto add = [&](absl::string_view bytes) -> absl::Status {
+    while (!bytes.empty()) {
       const size_t part =
-          std::min(record.size() - done, limits::kMaxChunkBytes - data.size());
-      data.append(record, done, part);
-      done += part;
+          std::min(bytes.size(), limits::kMaxChunkBytes - data.size());
+      data.append(bytes.data(), part);
+      bytes.remove_prefix(part);
       if (data.size() < limits::kMaxChunkBytes) continue;
       TACTUS_RETURN_IF_ERROR(WriteMessage(stream, response));
       data.clear();
     }
-    // There is always room for the next length.
-    if (data.size() + sizeof head > limits::kMaxChunkBytes) {
-      TACTUS_RETURN_IF_ERROR(WriteMessage(stream, response));
-      data.clear();
-    }
+    return absl::OkStatus();
+  };
+  for (const v1::TrialInfo& trial : trials) {
+    const auto length = static_cast<uint32_t>(trial.bytes());
+    char head[sizeof length];
+    std::memcpy(head, &length, sizeof length);
+    TACTUS_RETURN_IF_ERROR(add({head, sizeof head}));
+    TACTUS_RETURN_IF_ERROR(version.ReadRecord(trial, add));
   }
   return data.empty() ? absl::OkStatus() : WriteMessage(stream, response);
 }

@@ -4,6 +4,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "server/records/spool.h"
 #include "server/rpc/control_handlers.h"
 #include "server/rpc/training_rpcs.h"
 #include "tactus/v1/models.pb.h"
@@ -18,19 +19,16 @@ absl::Status ExportModel(TrainingBackend& backend,
                          ControlStream& stream) {
   TACTUS_ASSIGN_OR_RETURN(const v1::ModelVersion version,
                           backend.models().Get(request.name()));
-  TACTUS_ASSIGN_OR_RETURN(const std::string bundle,
-                          backend.models().Bundle(version));
-  for (size_t done = 0; done < bundle.size(); done += limits::kMaxChunkBytes) {
+  return backend.models().ReadBundle(version, [&](absl::string_view bundle) {
     v1::ExportModelResponse response;
-    response.set_data(bundle.substr(done, limits::kMaxChunkBytes));
-    TACTUS_RETURN_IF_ERROR(WriteMessage(stream, response));
-  }
-  return absl::OkStatus();
+    response.set_data(std::string(bundle));
+    return WriteMessage(stream, response);
+  });
 }
 
 absl::Status ImportModel(TrainingBackend& backend, ControlStream& stream) {
   std::string model;
-  std::string bundle;
+  TACTUS_ASSIGN_OR_RETURN(const auto bundle, Spool::Create(backend.data()));
   while (true) {
     v1::ImportModelRequest request;
     bool more = false;
@@ -40,15 +38,16 @@ absl::Status ImportModel(TrainingBackend& backend, ControlStream& stream) {
     if (!request.model().empty() && request.model() != model) {
       return InvalidName(request.model(), "the name in the first message");
     }
-    bundle += request.data();
-    if (bundle.size() > limits::kMaxBundleBytes) {
-      return MessageTooLarge(bundle.size(), limits::kMaxBundleBytes);
+    const size_t size = bundle->size() + request.data().size();
+    if (size > limits::kMaxBundleBytes) {
+      return MessageTooLarge(size, limits::kMaxBundleBytes);
     }
+    TACTUS_RETURN_IF_ERROR(bundle->Append(request.data()));
   }
   v1::ImportModelResponse response;
   TACTUS_ASSIGN_OR_RETURN(
       *response.mutable_version(),
-      backend.models().AddVersion(model, bundle, {}, stream.caller()));
+      backend.models().Import(model, *bundle, stream.caller()));
   return WriteMessage(stream, response);
 }
 

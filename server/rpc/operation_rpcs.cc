@@ -122,6 +122,14 @@ void AddOperationRpcs(TrainingBackend* backend, ControlService& control) {
                               [=](const auto& request, ControlStream& stream) {
                                 return ReadLog(*backend, request, stream);
                               }));
+  add("DeleteOperation",
+      Unary<v1::DeleteOperationRequest, v1::DeleteOperationResponse>(
+          [=](const auto& request, const Caller& caller)
+              -> absl::StatusOr<v1::DeleteOperationResponse> {
+            TACTUS_RETURN_IF_ERROR(
+                backend->operations().Delete(request.name(), caller));
+            return v1::DeleteOperationResponse();
+          }));
   add("CancelOperation",
       Unary<v1::CancelOperationRequest, v1::CancelOperationResponse>(
           [=](const auto& request,

@@ -20,7 +20,8 @@ absl::Status WriteUpload(TrainingBackend& backend, ControlStream& stream) {
   TACTUS_RETURN_IF_ERROR(ReadMessage(stream, &request, &more));
   if (!more) return EmptyRequest();
   const std::string name = request.upload();
-  TACTUS_ASSIGN_OR_RETURN(const auto writer, backend.uploads().Write(name));
+  TACTUS_ASSIGN_OR_RETURN(const auto writer,
+                          backend.uploads().Write(name, stream.caller()));
   while (more) {
     if (!request.upload().empty() && request.upload() != name) {
       return InvalidName(request.upload(), "the name in the first message");
@@ -74,10 +75,11 @@ void AddUploadRpcs(TrainingBackend* backend, ControlService& control) {
       [=](ControlStream& stream) { return WriteUpload(*backend, stream); });
   add("QueryWriteStatus",
       Unary<v1::QueryWriteStatusRequest, v1::QueryWriteStatusResponse>(
-          [=](const auto& request,
-              const Caller&) -> absl::StatusOr<v1::QueryWriteStatusResponse> {
-            TACTUS_ASSIGN_OR_RETURN(const v1::StoredUpload upload,
-                                    backend->uploads().Get(request.upload()));
+          [=](const auto& request, const Caller& caller)
+              -> absl::StatusOr<v1::QueryWriteStatusResponse> {
+            TACTUS_ASSIGN_OR_RETURN(
+                const v1::StoredUpload upload,
+                backend->uploads().GetOwn(request.upload(), caller));
             v1::QueryWriteStatusResponse response;
             response.set_committed_size(upload.committed_size());
             response.set_dataset_version(upload.dataset_version());

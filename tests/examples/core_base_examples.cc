@@ -19,6 +19,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 #include "core/base/thread_priority.h"
+#include "core/base/wire_check.h"
 #include "core/bundle/model_proto.h"
 #include "core/classify/contact_pipeline.h"
 #include "core/skin/frame.h"
@@ -27,6 +28,7 @@
 #include "core/skin/layout_json.h"
 #include "core/skin/taxel_grid.h"
 #include "gtest/gtest.h"
+#include "tactus/v1/trial.pb.h"
 
 namespace tactus::examples {
 
@@ -135,6 +137,13 @@ absl::Status AddressExample(const std::string& address) {
   std::string path;
   if (IsUnixAddress(address)) path = UnixPath(address);
   TACTUS_ASSIGN_OR_RETURN(const HostPort at, ParseHostPort("[::1]:50051"));
+  return absl::OkStatus();
+}
+
+absl::Status WireCheckExample(const std::string& bytes, int64_t limit) {
+  const WireCheck check = CheckWire(*v1::TrialRecord::descriptor(), bytes);
+  if (!check.fault.empty()) return InvalidTrial(check.fault);
+  if (check.parsed_bytes > limit) return InvalidTrial("it is too large");
   return absl::OkStatus();
 }
 

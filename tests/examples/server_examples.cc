@@ -34,6 +34,7 @@
 #include "server/rpc/control_service.h"
 #include "server/rpc/health_service.h"
 #include "server/rpc/incoming_call.h"
+#include "server/rpc/request_limits.h"
 #include "server/rpc/training_rpcs.h"
 #include "server/rpc/trial_call.h"
 #include "server/session/fitting_models.h"
@@ -49,6 +50,7 @@
 #include "server/trainer/yield_timer.h"
 #include "spdlog/spdlog.h"
 #include "tactus/v1/models.pb.h"
+#include "tactus/v1/training.pb.h"
 
 namespace tactus::server::examples {
 
@@ -271,6 +273,12 @@ absl::Status FrameDecoderExample(const StreamSettings& settings,
 absl::Status RequestParserExample(Bytes& bytes, size_t size) {
   v1::ClassifyContactRequest request;
   if (!ParseRequest(&bytes, &request)) return MalformedRequest(size);
+  return absl::OkStatus();
+}
+
+absl::Status RequestLimitsExample(size_t size) {
+  const size_t limit = MaxRequestBytes(*v1::TrainModelRequest::descriptor());
+  if (size > limit) return MessageTooLarge(size, limit);
   return absl::OkStatus();
 }
 

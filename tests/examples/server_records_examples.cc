@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/errors.h"
+#include "core/base/limits_training.h"
 #include "core/base/run_on_threads.h"
 #include "core/base/status_macros.h"
 #include "core/store/records.h"
@@ -16,13 +17,17 @@
 #include "server/jobs/training_backend.h"
 #include "server/names/resource_names.h"
 #include "server/records/audit_log.h"
+#include "server/records/blob_parts.h"
 #include "server/records/dataset_store.h"
+#include "server/records/memory_budget.h"
 #include "server/records/model_store.h"
+#include "server/records/operation_removal.h"
 #include "server/records/operation_store.h"
 #include "server/records/paging.h"
 #include "server/records/pinned_version.h"
 #include "server/records/quotas.h"
 #include "server/records/request_key.h"
+#include "server/records/spool.h"
 #include "server/records/trial_taker.h"
 #include "server/records/upload_store.h"
 #include "server/trainer/compare.h"
@@ -70,8 +75,10 @@ absl::Status PagingExample(const v1::ListDatasetsRequest& request) {
   return absl::OkStatus();
 }
 
-absl::Status TrialTakerExample(BlobStore& blobs, absl::string_view chunk) {
-  TrialTaker taker(&blobs);
+absl::Status TrialTakerExample(
+    BlobStore& blobs, MemoryBudget& parsing, absl::string_view chunk,
+    std::function<absl::StatusOr<std::string>(int64_t, int64_t)> read) {
+  TrialTaker taker({.blobs = &blobs, .parsing = &parsing, .read = read});
   TACTUS_RETURN_IF_ERROR(taker.Add(chunk));
   TACTUS_RETURN_IF_ERROR(taker.End());
   uint32_t known = 0;
@@ -83,6 +90,49 @@ void DatasetStoreExample(DataDirectory* data, const NowMs& now,
   DatasetStore datasets(data, now);
   auto dataset = datasets.Create("datasets/grasps", "", caller);
   auto version = datasets.Version("datasets/grasps");
+}
+
+void Parse(absl::string_view) {}
+bool GiveUp() { return false; }
+
+bool MemoryBudgetExample(absl::string_view bytes, MemoryBudget& known) {
+  MemoryBudget parsing(limits::kMaxParsingBytes);
+  {
+    const MemoryBudget::Lease lease = parsing.Take(bytes.size());
+    Parse(bytes);
+  }
+  if (!known.TryTake(512)) return GiveUp();
+  known.Return(512);
+  return true;
+}
+
+absl::Status OperationRemovalExample(Transaction& change, Transaction& look,
+                                     const v1::Operation& operation,
+                                     int64_t now_ms) {
+  TACTUS_RETURN_IF_ERROR(RemoveOperation(change, operation));
+  TACTUS_ASSIGN_OR_RETURN(const auto old,
+                          OldOperations(look, {.jobs = 1000}, now_ms, 100));
+  return absl::OkStatus();
+}
+
+absl::Status SpoolExample(const DataDirectory& data, absl::string_view part) {
+  TACTUS_ASSIGN_OR_RETURN(const auto spool, Spool::Create(data));
+  TACTUS_RETURN_IF_ERROR(spool->Append(part));
+  TACTUS_ASSIGN_OR_RETURN(const std::string bytes, spool->Read());
+  return absl::OkStatus();
+}
+
+absl::Status BlobPartsExample(
+    const DataDirectory& data, const std::string& sha256, int64_t limit,
+    absl::FunctionRef<absl::Status(absl::string_view)> send) {
+  TACTUS_RETURN_IF_ERROR(ReadBlobParts(data, sha256, limit, send));
+  return absl::OkStatus();
+}
+
+absl::Status CallerExample(const Caller& caller,
+                           const v1::StoredUpload& upload) {
+  TACTUS_RETURN_IF_ERROR(CheckOwner(caller, upload.name(), upload.requester()));
+  return absl::OkStatus();
 }
 
 absl::Status PinnedVersionExample(const DataDirectory& data,
@@ -102,7 +152,7 @@ absl::Status UploadStoreExample(UploadStore& uploads, const Caller& caller,
                                 int64_t size) {
   auto upload = uploads.Create("datasets/grasps", request_id, false, caller);
   {
-    TACTUS_ASSIGN_OR_RETURN(auto writer, uploads.Write(upload->name()));
+    TACTUS_ASSIGN_OR_RETURN(auto writer, uploads.Write(upload->name(), caller));
     TACTUS_RETURN_IF_ERROR(writer->Append(offset, chunk, crc32c));
     TACTUS_RETURN_IF_ERROR(writer->Commit());  // now on disk
   }

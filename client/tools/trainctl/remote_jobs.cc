@@ -63,6 +63,17 @@ absl::Status Cancel(TrainingClient& client, const RemoteFlags& flags,
   return absl::OkStatus();
 }
 
+absl::Status Delete(TrainingClient& client, const RemoteFlags& flags,
+                    const std::string& name) {
+  TACTUS_RETURN_IF_ERROR(client.DeleteOperation(name));
+  if (flags.json) {
+    PrintJson({{"deleted", name}});
+  } else {
+    std::cout << "deleted " << name << "\n";
+  }
+  return absl::OkStatus();
+}
+
 // The log with a question mark for what a terminal could take as a command.
 std::string PrintableLines(const std::string& log) {
   std::vector<std::string> lines = absl::StrSplit(log, '\n');
@@ -93,8 +104,8 @@ absl::Status Logs(TrainingClient& client, const RemoteFlags& flags,
 }  // namespace
 
 void AddJobs(CLI::App& app, const SelectCommand& select) {
-  CLI::App& group =
-      CommandGroup(app, "jobs", "See, watch and cancel jobs of a server");
+  CLI::App& group = CommandGroup(
+      app, "jobs", "See, watch, cancel and delete jobs of a server");
   CLI::App* list = group.add_subcommand("list", "List jobs, the newest first");
   auto state =
       std::make_shared<v1::Operation::State>(v1::Operation::STATE_UNSPECIFIED);
@@ -123,6 +134,10 @@ void AddJobs(CLI::App& app, const SelectCommand& select) {
        "job",
        Watch},
       {"cancel", "Ask a job to stop", Cancel},
+      {"delete",
+       "Delete a job that has ended, with its learning curve and its log; what "
+       "it made stays",
+       Delete},
       {"logs",
        "Print the end of what a job's process wrote to its log, also after the "
        "job has ended",

@@ -161,7 +161,7 @@ const Scenario kUpload = {
       acknowledged["upload"] = upload.name();
       if (upload.dataset_version().empty()) {
         TACTUS_ASSIGN_OR_RETURN(const auto writer,
-                                stores.uploads->Write(upload.name()));
+                                stores.uploads->Write(upload.name(), kCaller));
         auto done = static_cast<size_t>(writer->committed_size());
         acknowledged["size"] = std::to_string(done);
         while (done < ThePack().size()) {

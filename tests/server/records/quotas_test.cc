@@ -77,6 +77,22 @@ TEST_F(QuotasTest, QueuedJobsOfAClientAreBounded) {
   EXPECT_TRUE(create(kCaller).ok());
 }
 
+TEST_F(QuotasTest, ModelBytesCountUntilTheVersionIsDeleted) {
+  const std::string bundle = TestBundle(1);
+  const auto size = static_cast<int64_t>(bundle.size());
+  Open({.model_bytes = 2 * size - 1});
+  const auto add = [&](const Caller& caller) {
+    return stores_->models->AddVersion("models/m", bundle, {}, caller);
+  };
+  const auto first = add(kCaller);
+  ASSERT_TRUE(first.ok()) << first.status();
+  EXPECT_EQ(first->requester(), kCaller.name);
+  EXPECT_EQ(ReasonOf(add(kCaller).status()), "QUOTA_EXCEEDED");
+  EXPECT_TRUE(add(kOther).ok());
+  ASSERT_TRUE(stores_->models->Delete(first->name(), kCaller).ok());
+  EXPECT_TRUE(add(kCaller).ok());
+}
+
 TEST_F(QuotasTest, StoredBytesCountFromTheUploadToTheDeletion) {
   Open({.stored_bytes = 2 * size_});
   ASSERT_EQ(Create(kDataset), "");

@@ -56,7 +56,7 @@ struct Stores {
     uploads =
         std::make_unique<UploadStore>(data.get(), datasets.get(), now, quotas);
     operations = std::make_unique<OperationStore>(data.get(), now, quotas);
-    models = std::make_unique<ModelStore>(data.get(), &registry, now);
+    models = std::make_unique<ModelStore>(data.get(), &registry, now, quotas);
     EXPECT_TRUE(registry.AddBuiltIn("default", TestBundle(0)).ok());
     EXPECT_TRUE(operations->Restore().ok());
     const auto failures = models->Restore();
@@ -66,7 +66,7 @@ struct Stores {
   // Writes from the committed size on, in chunks.
   absl::Status Write(const std::string& upload, const std::string& bytes,
                      size_t chunk) {
-    TACTUS_ASSIGN_OR_RETURN(const auto writer, uploads->Write(upload));
+    TACTUS_ASSIGN_OR_RETURN(const auto writer, uploads->Write(upload, kCaller));
     auto offset = static_cast<size_t>(writer->committed_size());
     while (offset < bytes.size()) {
       const std::string part = bytes.substr(offset, chunk);

@@ -31,7 +31,7 @@ TEST(UploadMemoryTest, SixtyFourMebibytesTakeLessThanSixteen) {
   ForgetPeak();
   const int64_t before = PeakKib();
   ASSERT_GT(before, 0);
-  auto writer = *stores.uploads->Write(upload->name());
+  auto writer = *stores.uploads->Write(upload->name(), kCaller);
   uint32_t crc = 0;
   int64_t size = 0;
   int trials = 0;

@@ -77,7 +77,7 @@ TEST_F(UploadStoreTest, ResumesAtEveryBorder) {
     const std::string name = NewUpload();
     size_t done = 0;
     while (done < pack_.size()) {
-      auto writer = stores_->uploads->Write(name);
+      auto writer = stores_->uploads->Write(name, kCaller);
       ASSERT_TRUE(writer.ok()) << writer.status();
       EXPECT_EQ((*writer)->committed_size(), static_cast<int64_t>(done));
       // The first is every border of chunks of 64 bytes.
@@ -101,7 +101,7 @@ TEST_F(UploadStoreTest, ResumesAtEveryBorder) {
 
 TEST_F(UploadStoreTest, BadChunksChangeNothing) {
   const std::string name = NewUpload();
-  auto writer = *stores_->uploads->Write(name);
+  auto writer = *stores_->uploads->Write(name, kCaller);
   ASSERT_TRUE(Append(*writer, 0, pack_.substr(0, 10)).ok());
   ASSERT_TRUE(writer->Commit().ok());
   for (const int64_t offset : {-1L, 0L, 9L, 11L, 1L << 62}) {
@@ -120,12 +120,14 @@ TEST_F(UploadStoreTest, BadChunksChangeNothing) {
 
 TEST_F(UploadStoreTest, HasOneWriter) {
   const std::string name = NewUpload();
-  auto writer = *stores_->uploads->Write(name);
-  EXPECT_EQ(ReasonOf(stores_->uploads->Write(name).status()), "UPLOAD_BUSY");
+  auto writer = *stores_->uploads->Write(name, kCaller);
+  EXPECT_EQ(ReasonOf(stores_->uploads->Write(name, kCaller).status()),
+            "UPLOAD_BUSY");
   EXPECT_EQ(ReasonOf(stores_->Finish(name, "").status()), "UPLOAD_BUSY");
-  EXPECT_TRUE(stores_->uploads->Write(NewUpload()).ok()) << "another upload";
+  EXPECT_TRUE(stores_->uploads->Write(NewUpload(), kCaller).ok())
+      << "another upload";
   writer.reset();
-  EXPECT_TRUE(stores_->uploads->Write(name).ok());
+  EXPECT_TRUE(stores_->uploads->Write(name, kCaller).ok());
 }
 
 TEST_F(UploadStoreTest, FinishComparesSizeAndChecksum) {
@@ -142,7 +144,7 @@ TEST_F(UploadStoreTest, FinishComparesSizeAndChecksum) {
   // Again, with the same answer; and no more bytes.
   EXPECT_EQ(stores_->Finish(name, pack_)->name(), version->name());
   EXPECT_EQ(stores_->datasets->Get(kDataset)->latest_version(), 1u);
-  EXPECT_EQ(ReasonOf(stores_->uploads->Write(name).status()),
+  EXPECT_EQ(ReasonOf(stores_->uploads->Write(name, kCaller).status()),
             "OFFSET_MISMATCH");
 }
 
@@ -166,18 +168,18 @@ TEST_F(UploadStoreTest, NamesThatAreNotThere) {
   for (const char* name : {"uploads/1", "uploads/2000000000"}) {
     EXPECT_EQ(ReasonOf(stores_->uploads->Get(name).status()),
               "UPLOAD_NOT_FOUND");
-    EXPECT_EQ(ReasonOf(stores_->uploads->Write(name).status()),
+    EXPECT_EQ(ReasonOf(stores_->uploads->Write(name, kCaller).status()),
               "UPLOAD_NOT_FOUND");
     EXPECT_EQ(ReasonOf(stores_->Finish(name, "").status()), "UPLOAD_NOT_FOUND");
   }
-  EXPECT_EQ(ReasonOf(stores_->uploads->Write("uploads/../1").status()),
+  EXPECT_EQ(ReasonOf(stores_->uploads->Write("uploads/../1", kCaller).status()),
             "INVALID_NAME");
   EXPECT_EQ(
       ReasonOf(
           stores_->uploads->Create("datasets/no", "", false, kCaller).status()),
       "DATASET_NOT_FOUND");
   // The failed calls hold nothing.
-  EXPECT_TRUE(stores_->uploads->Write(NewUpload()).ok());
+  EXPECT_TRUE(stores_->uploads->Write(NewUpload(), kCaller).ok());
 }
 
 TEST_F(UploadStoreTest, APackCutAnywhereIsRefused) {
@@ -251,7 +253,7 @@ TEST_F(UploadStoreTest, ManyUploadsWaitForTheirEnd) {
 // Half of a chunk was written: nothing may follow it.
 TEST_F(UploadStoreTest, AWriterEndsWithAnErrorOfTheDisk) {
   const std::string name = NewUpload();
-  auto writer = *stores_->uploads->Write(name);
+  auto writer = *stores_->uploads->Write(name, kCaller);
   ASSERT_TRUE(Append(*writer, 0, pack_.substr(0, 50)).ok());
   ASSERT_TRUE(writer->Commit().ok());
   files_.FailAt(1, StorageFull("disk", "no room"));
@@ -259,7 +261,7 @@ TEST_F(UploadStoreTest, AWriterEndsWithAnErrorOfTheDisk) {
   EXPECT_EQ(ReasonOf(Append(*writer, 50, pack_.substr(50))), "STORAGE_FULL");
   writer.reset();
   EXPECT_EQ(Committed(name), 50);
-  writer = *stores_->uploads->Write(name);
+  writer = *stores_->uploads->Write(name, kCaller);
   ASSERT_TRUE(Append(*writer, 50, pack_.substr(50)).ok());
   files_.FailAt(1, IoError("disk", "error"));
   EXPECT_EQ(ReasonOf(writer->Commit()), "IO");
@@ -274,7 +276,8 @@ TEST_F(UploadStoreTest, LostBytesAreReported) {
   const std::string name = NewUpload();
   ASSERT_TRUE(stores_->Write(name, pack_, 1000).ok());
   ASSERT_TRUE(files_.Truncate(stores_->data->UploadPath("1"), 10).ok());
-  EXPECT_EQ(ReasonOf(stores_->uploads->Write(name).status()), "DATA_LOST");
+  EXPECT_EQ(ReasonOf(stores_->uploads->Write(name, kCaller).status()),
+            "DATA_LOST");
   EXPECT_EQ(ReasonOf(stores_->Finish(name, pack_).status()), "DATA_LOST");
 }
 
@@ -293,7 +296,7 @@ TEST_F(UploadStoreTest, AbandonedUploadsAreRemoved) {
   ASSERT_TRUE(stores_->Write(written, pack_, 1000).ok());
   stores_->time_ms += 1;
   {
-    const auto writer = stores_->uploads->Write(held);
+    const auto writer = stores_->uploads->Write(held, kCaller);
     EXPECT_EQ(*stores_->uploads->RemoveAbandoned(), 1);
   }
   EXPECT_EQ(ReasonOf(stores_->uploads->Get(left).status()), "UPLOAD_NOT_FOUND");

@@ -40,7 +40,7 @@ Matrix Expected() {
       {"DeleteModelVersion", "UpdateAlias", "PromoteModel", "RollbackAlias"});
   add("OperationService", Role::kTrainer,
       {"GetOperation", "ListOperations", "WaitOperation", "WatchOperation",
-       "CancelOperation", "ReadOperationLog"});
+       "CancelOperation", "DeleteOperation", "ReadOperationLog"});
   add("TrainingService", Role::kTrainer,
       {"CreateDataset", "GetDataset", "ListDatasets", "GetDatasetVersion",
        "ListTrials", "DownloadTrials", "CreateUpload", "WriteUpload",

@@ -1,0 +1,55 @@
+#include "server/records/blob_parts.h"
+
+#include <algorithm>
+#include <string>
+
+#include "absl/strings/escaping.h"
+#include "core/base/errors.h"
+#include "core/base/sha256.h"
+#include "core/base/status_macros.h"
+
+namespace tactus::server {
+namespace {
+
+constexpr int64_t kPartBytes = 1024L * 1024;
+
+}  // namespace
+
+absl::Status ReadBlobParts(
+    const DataDirectory& data, absl::string_view sha256, int64_t limit,
+    absl::FunctionRef<absl::Status(absl::string_view)> take) {
+  const std::string path = data.blobs().PathOf(sha256);
+  TACTUS_ASSIGN_OR_RETURN(const int64_t size, data.files().Size(path));
+  if (size <= kPartBytes) {
+    TACTUS_ASSIGN_OR_RETURN(
+        const std::string bytes,
+        data.blobs().Read(std::string(sha256), std::min(limit, kPartBytes)));
+    return take(bytes);
+  }
+  if (size > limit) {
+    return DataLost(path, absl::StrCat("has ", size,
+                                       " bytes; it must have at most ", limit));
+  }
+  const auto each_part =
+      [&](absl::FunctionRef<absl::Status(absl::string_view)> use)
+      -> absl::Status {
+    for (int64_t at = 0; at < size; at += kPartBytes) {
+      TACTUS_ASSIGN_OR_RETURN(
+          const std::string part,
+          data.files().Read(path, at, std::min(kPartBytes, size - at)));
+      TACTUS_RETURN_IF_ERROR(use(part));
+    }
+    return absl::OkStatus();
+  };
+  Sha256 digest;
+  TACTUS_RETURN_IF_ERROR(each_part([&](absl::string_view part) {
+    digest.Add(part);
+    return absl::OkStatus();
+  }));
+  if (absl::BytesToHexString(digest.Finish()) != sha256) {
+    return DataLost(path, "the bytes do not have the SHA-256 of its name");
+  }
+  return each_part(take);
+}
+
+}  // namespace tactus::server
