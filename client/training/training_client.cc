@@ -183,6 +183,28 @@ absl::StatusOr<uint32_t> TrainingClient::DeleteDataset(
   return response.removed_trials();
 }
 
+absl::StatusOr<v1::DatasetVersion> TrainingClient::RelabelTrials(
+    const v1::RelabelTrialsRequest& request) {
+  TACTUS_ASSIGN_OR_RETURN(
+      v1::RelabelTrialsResponse response,
+      Call(*this, *training_, &v1::TrainingService::Stub::RelabelTrials,
+           request, "RelabelTrials", long_timeout()));
+  TACTUS_RETURN_IF_ERROR(
+      CheckPrefix("version.name", response.version().name(), "datasets/"));
+  return std::move(*response.mutable_version());
+}
+
+absl::StatusOr<v1::DatasetVersion> TrainingClient::RemoveTrials(
+    const v1::RemoveTrialsRequest& request) {
+  TACTUS_ASSIGN_OR_RETURN(
+      v1::RemoveTrialsResponse response,
+      Call(*this, *training_, &v1::TrainingService::Stub::RemoveTrials, request,
+           "RemoveTrials", long_timeout()));
+  TACTUS_RETURN_IF_ERROR(
+      CheckPrefix("version.name", response.version().name(), "datasets/"));
+  return std::move(*response.mutable_version());
+}
+
 absl::StatusOr<v1::DatasetVersion> TrainingClient::GetDatasetVersion(
     const std::string& name) {
   v1::GetDatasetVersionRequest request;

@@ -59,6 +59,11 @@ class TrainingClient {
   absl::StatusOr<std::vector<v1::Dataset>> ListDatasets();
   // Returns the number of trials that were removed from disk.
   absl::StatusOr<uint32_t> DeleteDataset(const std::string& name);
+  // The new version. With a request id, a call may be repeated.
+  absl::StatusOr<v1::DatasetVersion> RelabelTrials(
+      const v1::RelabelTrialsRequest& request);
+  absl::StatusOr<v1::DatasetVersion> RemoveTrials(
+      const v1::RemoveTrialsRequest& request);
   // `name` may be that of a dataset, for its newest version.
   absl::StatusOr<v1::DatasetVersion> GetDatasetVersion(const std::string& name);
   // All pages; `filter` without page fields.

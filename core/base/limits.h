@@ -135,6 +135,8 @@ inline constexpr size_t kMaxWarmUpFrames = 1'000;
 // the largest taxels, with room.
 inline constexpr double kMaxSignal = 1e16;
 inline constexpr size_t kMaxProvenanceBytes = 64 * 1024;
+// Trials that a bundle names as those that it was fitted to.
+inline constexpr size_t kMaxProvenanceTrials = 65'536;
 // Largest accepted logarithm of a variance that a network regresses.
 inline constexpr double kMaxLogVariance = 200;
 
@@ -156,6 +158,11 @@ inline constexpr size_t kMaxChunkBytes = 1024 * 1024;
 // One trial of an upload, and one upload.
 inline constexpr int64_t kMaxTrialRecordBytes = 64L * 1024 * 1024;
 inline constexpr int64_t kMaxUploadBytes = 64L * 1024 * 1024 * 1024;
+// Trials that one request relabels or removes.
+inline constexpr int kMaxChosenTrials = 10'000;
+// Trials that the answer to an upload, and the result of a job, name.
+inline constexpr int kMaxTrialNotes = 100;
+inline constexpr int kMaxNamedTrials = 20;
 // One message of a job to the server.
 inline constexpr size_t kMaxJobEventBytes = 64 * 1024;
 // Epochs of LSTM training.
@@ -183,6 +190,7 @@ inline constexpr size_t kMaxFramesPerTrial = 10'000'000;
 // One array of a trial in memory: four hours of 384 u16 taxels at 100 Hz.
 inline constexpr size_t kMaxTrialArrayBytes = 1024UL * 1024 * 1024;
 inline constexpr size_t kMaxTrialTextBytes = 256;
+inline constexpr size_t kMaxTrialIdBytes = 64;
 // Largest accepted time of a trial in seconds, as kMaxCaptureTimeNs.
 inline constexpr double kMaxTrialTimeS = 4e9;
 // Memory of the process that reads a trial file first, beyond what it has.

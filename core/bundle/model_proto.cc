@@ -311,11 +311,19 @@ void ToProto(const Provenance& provenance, v1::Provenance* out) {
   out->set_seed(provenance.seed);
   out->set_data(provenance.data);
   out->set_note(provenance.note);
+  Assign(provenance.trial_fingerprints, out->mutable_trial_fingerprints());
+  out->set_data_sha256(provenance.data_sha256);
 }
 
 Provenance FromProto(const v1::Provenance& in) {
-  return {in.command(), in.version(), in.trials(),
-          in.seed(),    in.data(),    in.note()};
+  return {in.command(),
+          in.version(),
+          in.trials(),
+          in.seed(),
+          in.data(),
+          in.note(),
+          {in.trial_fingerprints().begin(), in.trial_fingerprints().end()},
+          in.data_sha256()};
 }
 
 void ToProto(const WarmUpTrial& trial, bool has_profile, v1::WarmUpTrial* out) {

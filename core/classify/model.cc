@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
+#include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 #include "core/classify/calibration.h"
@@ -120,6 +121,20 @@ absl::Status CheckProvenance(const Provenance& provenance) {
                           absl::StrCat("UTF-8 of at most ",
                                        limits::kMaxProvenanceBytes, " bytes"));
     }
+  }
+  if (provenance.trial_fingerprints.size() > limits::kMaxProvenanceTrials) {
+    return InvalidModel("trial_fingerprints of the provenance",
+                        provenance.trial_fingerprints.size(),
+                        absl::StrCat("at most ", limits::kMaxProvenanceTrials));
+  }
+  if (!std::ranges::is_sorted(provenance.trial_fingerprints)) {
+    return InvalidModel("trial_fingerprints of the provenance", "not sorted",
+                        "rising");
+  }
+  if (!provenance.data_sha256.empty() && !IsSha256Hex(provenance.data_sha256)) {
+    return InvalidModel("data_sha256 of the provenance",
+                        Quoted(provenance.data_sha256),
+                        "64 hexadecimal digits, or empty");
   }
   return absl::OkStatus();
 }

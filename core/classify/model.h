@@ -113,6 +113,11 @@ struct Provenance {
   uint64_t seed = 0;
   std::string data;
   std::string note;
+  // The first 64 bits of the fingerprint of each trial's frames, rising; empty
+  // if they are not known, or above limits::kMaxProvenanceTrials.
+  std::vector<uint64_t> trial_fingerprints;
+  // SHA-256 of the data as a whole, in hexadecimal digits; empty if unknown.
+  std::string data_sha256;
 };
 
 // Touched frames of one contact and the answers that they must give.

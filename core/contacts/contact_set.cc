@@ -33,15 +33,17 @@ absl::Status CheckOneSkin(const LabelledContact& first,
                           const LabelledContact& contact) {
   const std::string difference = SkinDifference(contact.layout, first.layout);
   if (!difference.empty()) {
-    return InvalidTrainingData(absl::StrCat(
-        "trial ", contact.id, " has ", difference, " as trial ", first.id,
-        " has; trials that are used together have one skin"));
+    return InvalidTrainingData(
+        absl::StrCat("trial ", ContactName(contact), " has ", difference,
+                     " as trial ", ContactName(first),
+                     " has; trials that are used together have one skin"));
   }
   if (contact.sample_rate_hz != first.sample_rate_hz) {
-    return InvalidTrainingData(absl::StrCat(
-        "trial ", contact.id, " has sample_rate_hz ", contact.sample_rate_hz,
-        ", not ", first.sample_rate_hz, " as trial ", first.id,
-        " has; trials that are used together have one rate"));
+    return InvalidTrainingData(
+        absl::StrCat("trial ", ContactName(contact), " has sample_rate_hz ",
+                     contact.sample_rate_hz, ", not ", first.sample_rate_hz,
+                     " as trial ", ContactName(first),
+                     " has; trials that are used together have one rate"));
   }
   return absl::OkStatus();
 }
@@ -50,18 +52,19 @@ absl::Status CheckFits(const LabelledContact& contact, const Model& model) {
   const bool poses_fit = contact.with_poses ? model.poses != PoseNeed::kIgnored
                                             : model.poses != PoseNeed::kNeeded;
   if (!poses_fit) {
-    return InvalidConfig(absl::StrCat("trial ", contact.id),
+    return InvalidConfig(absl::StrCat("trial ", ContactName(contact)),
                          contact.with_poses ? "with poses" : "without poses",
                          contact.with_poses ? "without, as the model was fitted"
                                             : "with, as the model was fitted");
   }
   const SkinLayout& layout = IsIdeal(contact) ? model.layout : contact.layout;
-  return Check(contact.id, layout, contact.sample_rate_hz, model);
+  return Check(ContactName(contact), layout, contact.sample_rate_hz, model);
 }
 
 absl::Status CheckSkinOf(const Trial& trial, const SkinLayout& layout,
                          const Model& model) {
-  return Check(trial.id, layout, trial.sample_rate_hz, model);
+  return Check(TrialName(trial.id, trial.source), layout, trial.sample_rate_hz,
+               model);
 }
 
 }  // namespace tactus

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/text.h"
+#include "core/contacts/copies.h"
 
 namespace tactus {
 namespace {
@@ -41,6 +42,27 @@ absl::Status TooFewFolds(const std::vector<const LabelledContact*>& contacts,
       "--protocol=k-fold"));
 }
 
+// Moves each contact to the fold of the first one with the same frames. Leaves
+// out folds that become empty.
+void KeepCopiesTogether(const std::vector<const LabelledContact*>& contacts,
+                        std::vector<std::vector<int>>& folds) {
+  const std::vector<int> first = FirstOfEqual(contacts);
+  std::vector<size_t> fold_of(contacts.size());
+  bool copies = false;
+  for (size_t f = 0; f < folds.size(); ++f) {
+    for (const int i : folds[f]) {
+      fold_of[i] = f;
+      copies |= first[i] != i;
+    }
+  }
+  if (!copies) return;
+  for (std::vector<int>& fold : folds) fold.clear();
+  for (size_t i = 0; i < contacts.size(); ++i) {
+    folds[fold_of[first[i]]].push_back(static_cast<int>(i));
+  }
+  std::erase_if(folds, [](const auto& fold) { return fold.empty(); });
+}
+
 }  // namespace
 
 absl::StatusOr<Protocol> ParseProtocol(absl::string_view name, int folds) {
@@ -57,9 +79,13 @@ std::vector<std::vector<int>> StratifiedFolds(
     const std::vector<const LabelledContact*>& contacts, int count) {
   std::vector<std::vector<int>> folds(count);
   std::map<std::string, int> seen;
+  const std::vector<int> first = FirstOfEqual(contacts);
+  std::vector<int> fold_of(contacts.size());
   for (size_t i = 0; i < contacts.size(); ++i) {
-    const int turn = seen[contacts[i]->label]++;
-    folds[turn % count].push_back(static_cast<int>(i));
+    fold_of[i] = first[i] < static_cast<int>(i)
+                     ? fold_of[first[i]]
+                     : seen[contacts[i]->label]++ % count;
+    folds[fold_of[i]].push_back(static_cast<int>(i));
   }
   std::erase_if(folds, [](const auto& fold) { return fold.empty(); });
   return folds;
@@ -86,6 +112,7 @@ absl::StatusOr<std::vector<std::vector<int>>> MakeFolds(
       folds = StratifiedFolds(contacts, protocol.folds);
       break;
   }
+  KeepCopiesTogether(contacts, folds);
   if (folds.size() < 2) return TooFewFolds(contacts, protocol);
   return folds;
 }

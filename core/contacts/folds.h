@@ -1,7 +1,9 @@
 // File: folds.h
 //
 // How contacts are split into folds. Each contact is tested once, by a model
-// that was fitted to the contacts of the other folds.
+// that was fitted to the contacts of the other folds. Contacts of equal
+// recordings (copies.h) are in one fold, that of the first of them, so that no
+// model is tested on a recording that it was fitted to.
 //
 //   TACTUS_ASSIGN_OR_RETURN(
 //       auto folds, MakeFolds(contacts, Protocol::kLeaveOneConditionOut));

@@ -52,6 +52,7 @@ absl::StatusOr<std::optional<LabelledContact>> ExtractContact(
     const Trial& trial, const ExtractOptions& options) {
   LabelledContact contact;
   contact.id = trial.id;
+  contact.source = trial.source;
   contact.label = trial.label;
   contact.condition = trial.condition;
   contact.material = trial.material;

@@ -16,6 +16,7 @@
 #include "absl/status/statusor.h"
 #include "core/contacts/contact_frames.h"
 #include "core/data/trial.h"
+#include "core/data/trial_id.h"
 #include "core/features/feature.h"
 #include "core/skin/layout.h"
 
@@ -23,6 +24,11 @@ namespace tactus {
 
 struct LabelledContact {
   std::string id;
+  // Trial::source.
+  std::string source;
+  // FrameFingerprint of the trial, by which folds keep equal recordings
+  // together; set by whoever read the trial. Empty: like no other.
+  std::string fingerprint;
   std::string label;
   std::string condition;
   std::string material;
@@ -42,6 +48,11 @@ struct LabelledContact {
 
 // Makes a sample from an ideal signal. Its force is both peak and net force.
 ContactSample IdealSample(const FeatureVector& signals);
+
+// What reports call the contact: the recording, or the trial's id.
+inline const std::string& ContactName(const LabelledContact& contact) {
+  return TrialName(contact.id, contact.source);
+}
 
 // True if the contact comes from ideal signals and not from a skin.
 inline bool IsIdeal(const LabelledContact& contact) {

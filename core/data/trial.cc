@@ -153,12 +153,11 @@ absl::Status ValidateAttributes(const Trial& trial, const Complaint& complain) {
     absl::string_view name;
     absl::string_view value;
   };
-  const Text texts[] = {{"id", trial.id},
-                        {"label", trial.label},
-                        {"condition", trial.condition},
-                        {"object", trial.object},
-                        {"material", trial.material},
-                        {"layout", trial.layout}};
+  const Text texts[] = {
+      {"id", trial.id},         {"source", trial.source},
+      {"label", trial.label},   {"condition", trial.condition},
+      {"object", trial.object}, {"material", trial.material},
+      {"layout", trial.layout}};
   for (const Text& text : texts) {
     const std::string fault = TextFault(text.value, limits::kMaxTrialTextBytes);
     if (!fault.empty()) return complain(text.name, fault);

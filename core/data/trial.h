@@ -43,8 +43,11 @@ struct TaxelSeries {
 };
 
 struct Trial {
-  // "000000"; the group's name in the file.
+  // "000000"; the group's name in the file (trial_id.h).
   std::string id;
+  // Name of the recording that it was made from, "pad_17.csv"; empty if
+  // unknown.
+  std::string source;
   // Seconds, increasing.
   std::vector<double> time;
   // Empty, or one per time: force (N), area (m^2), motion (m).

@@ -21,11 +21,9 @@ void AppendNumber(Number value, std::string* out) {
 std::string Attributes(const Trial& trial) {
   std::string text;
   const std::pair<const char*, const std::string*> texts[] = {
-      {"label", &trial.label},
-      {"condition", &trial.condition},
-      {"object", &trial.object},
-      {"material", &trial.material},
-      {"unit", &trial.unit}};
+      {"source", &trial.source},       {"label", &trial.label},
+      {"condition", &trial.condition}, {"object", &trial.object},
+      {"material", &trial.material},   {"unit", &trial.unit}};
   for (const auto& [key, value] : texts) {
     if (!value->empty()) absl::StrAppend(&text, "# ", key, "=", *value, "\n");
   }

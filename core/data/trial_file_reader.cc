@@ -88,9 +88,10 @@ absl::Status ReadArrays(hid_t group, const Hdf5Complaint& complain,
 absl::Status ReadAttributes(hid_t group, const Hdf5Complaint& complain,
                             Trial* trial) {
   const std::pair<const char*, std::string*> texts[] = {
-      {"label", &trial->label},   {"condition", &trial->condition},
-      {"object", &trial->object}, {"material", &trial->material},
-      {"layout", &trial->layout}, {"unit", &trial->unit},
+      {"source", &trial->source},       {"label", &trial->label},
+      {"condition", &trial->condition}, {"object", &trial->object},
+      {"material", &trial->material},   {"layout", &trial->layout},
+      {"unit", &trial->unit},
   };
   for (const auto& [name, value] : texts) {
     TACTUS_RETURN_IF_ERROR(ReadText(group, name, complain, value));

@@ -4,13 +4,14 @@
 #include <set>
 #include <utility>
 
-#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/base/text.h"
 #include "core/data/trial_file.h"
+#include "core/data/trial_id.h"
 #include "core/files/draft_file.h"
 #include "core/files/hdf5_handle.h"
 #include "core/skin/layout_json.h"
@@ -156,6 +157,7 @@ bool WriteTrial(hid_t group, const Trial& trial) {
          (trial.poses.empty() || WritePoses(group, trial.poses)) &&
          (trial.object_motion.empty() ||
           WriteObjectMotion(group, trial.object_motion)) &&
+         (trial.source.empty() || WriteText(group, "source", trial.source)) &&
          WriteText(group, "label", trial.label) &&
          WriteText(group, "condition", trial.condition) &&
          WriteText(group, "object", trial.object) &&
@@ -166,13 +168,6 @@ bool WriteTrial(hid_t group, const Trial& trial) {
          WriteNumber(group, "stiffness", trial.stiffness) &&
          WriteNumber(group, "velocity", trial.velocity) &&
          WriteNumber(group, "sample_rate_hz", trial.sample_rate_hz);
-}
-
-bool GoodId(const std::string& id) {
-  return !id.empty() && id.size() <= 64 &&
-         std::all_of(id.begin(), id.end(), [](unsigned char c) {
-           return absl::ascii_isalnum(c) || c == '-' || c == '_';
-         });
 }
 
 absl::Status RefuseExisting(const std::string& path) {
@@ -258,10 +253,9 @@ absl::Status TrialFileWriter::Append(const Trial& trial) {
   if (state.broken) return IoError(state.path, "an earlier write failed");
   TACTUS_RETURN_IF_ERROR(Validate(trial, state.path));
   const std::string id = trial.id.empty() ? state.FreeId() : trial.id;
-  if (!GoodId(id)) {
+  if (const std::string fault = TrialIdFault(id); !fault.empty()) {
     return TrialFileInvalid(
-        state.path, absl::StrCat("trial id \"", id,
-                                 "\" must be 1 to 64 letters, digits, - or _"));
+        state.path, absl::StrCat("trial ", Quoted(id), ": id: ", fault));
   }
   if (state.ids.size() >= limits::kMaxTrialsPerFile) {
     return TrialFileInvalid(state.path,

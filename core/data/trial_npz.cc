@@ -46,9 +46,13 @@ void AddTaxels(const TaxelSeries& taxels, NamedBytes* arrays) {
 
 // Texts and numbers of a trial by their names in files.
 std::vector<std::pair<absl::string_view, std::string*>> TextsOf(Trial& trial) {
-  return {{"label", &trial.label},   {"condition", &trial.condition},
-          {"object", &trial.object}, {"material", &trial.material},
-          {"layout", &trial.layout}, {"unit", &trial.unit}};
+  return {{"source", &trial.source},
+          {"label", &trial.label},
+          {"condition", &trial.condition},
+          {"object", &trial.object},
+          {"material", &trial.material},
+          {"layout", &trial.layout},
+          {"unit", &trial.unit}};
 }
 
 std::vector<std::pair<absl::string_view, double*>> NumbersOf(Trial& trial) {
@@ -135,7 +139,7 @@ class TrialArrays {
     return Invalid(
         arrays_.begin()->first,
         "is of no use; use time, signals, taxels, taxel_scale, "
-        "pose, object_motion, label, condition, object, material, "
+        "pose, object_motion, source, label, condition, object, material, "
         "layout, skin, unit, stiffness, velocity and sample_rate_hz");
   }
 
@@ -186,6 +190,7 @@ absl::StatusOr<std::string> TrialToNpz(const Trial& trial) {
         NpyBytes({frames}, std::span<const double>(trial.object_motion)));
   }
   Trial attributes;
+  attributes.source = trial.source;
   attributes.label = trial.label;
   attributes.condition = trial.condition;
   attributes.object = trial.object;
@@ -193,6 +198,7 @@ absl::StatusOr<std::string> TrialToNpz(const Trial& trial) {
   attributes.layout = trial.layout;
   attributes.unit = trial.unit;
   for (const auto& [name, text] : TextsOf(attributes)) {
+    if (name == "source" && text->empty()) continue;
     arrays.emplace_back(name, NpyText(*text));
   }
   if (trial.skin) {

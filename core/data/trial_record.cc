@@ -174,6 +174,7 @@ void TakeArrays(const v1::TrialRecord& record, Trial* trial) {
 v1::TrialRecord ToRecord(const Trial& trial) {
   v1::TrialRecord record;
   record.set_id(trial.id);
+  record.set_source(trial.source);
   record.set_label(trial.label);
   record.set_condition(trial.condition);
   record.set_object(trial.object);
@@ -220,6 +221,7 @@ absl::StatusOr<Trial> FromRecord(const v1::TrialRecord& record) {
   TACTUS_RETURN_IF_ERROR(CheckShapes(record, complain));
   Trial trial;
   trial.id = record.id();
+  trial.source = record.source();
   trial.label = record.label();
   trial.condition = record.condition();
   trial.object = record.object();

@@ -48,7 +48,7 @@ void SkipSmallClasses(const OptionsRequest& request, ChosenOptions& chosen) {
 void SkipUnusable(const FitOptions& options, ChosenOptions& chosen) {
   std::erase_if(chosen.contacts, [&](const LabelledContact* contact) {
     if (IsUsable(*contact, options)) return false;
-    chosen.unusable.push_back(contact->id);
+    chosen.unusable.push_back(ContactName(*contact));
     return true;
   });
 }

@@ -26,8 +26,8 @@ absl::StatusOr<int> LabelIndex(const std::vector<std::string>& class_names,
                                const std::string& label) {
   const auto found = std::ranges::find(class_names, label);
   if (found == class_names.end()) {
-    return InvalidConfig(absl::StrCat("label of trial ", contact.id), label,
-                         "one of the model's classes");
+    return InvalidConfig(absl::StrCat("label of trial ", ContactName(contact)),
+                         label, "one of the model's classes");
   }
   return static_cast<int>(found - class_names.begin());
 }

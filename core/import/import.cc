@@ -14,6 +14,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/data/trial_file.h"
+#include "core/data/trial_id.h"
 #include "core/data/trial_npz.h"
 #include "core/files/csv.h"
 #include "core/files/file_bytes.h"
@@ -49,12 +50,14 @@ absl::StatusOr<std::vector<std::string>> TrialFiles(const std::string& folder) {
   return files;
 }
 
-// One trial of a .npz file; its name without the ending becomes the id.
+// One trial of a .npz file, whose name is the source unless the file has one;
+// without the ending it becomes the id.
 absl::StatusOr<Trial> ImportNpz(const std::string& path) {
   TACTUS_ASSIGN_OR_RETURN(const std::string bytes,
                           ReadFileBytes(path, limits::kMaxTrialArrayBytes));
   TACTUS_ASSIGN_OR_RETURN(Trial trial, TrialFromNpz(path, bytes));
   trial.id = fs::path(path).stem().string();
+  if (trial.source.empty()) trial.source = fs::path(path).filename().string();
   return trial;
 }
 
@@ -72,9 +75,9 @@ absl::StatusOr<size_t> ImportFiles(const std::vector<std::string>& files,
 absl::Status SetMetadata(const std::string& path, const CsvTable& table,
                          Trial* trial) {
   const std::pair<absl::string_view, std::string*> texts[] = {
-      {"label", &trial->label},   {"condition", &trial->condition},
-      {"object", &trial->object}, {"material", &trial->material},
-      {"unit", &trial->unit},
+      {"source", &trial->source},       {"label", &trial->label},
+      {"condition", &trial->condition}, {"object", &trial->object},
+      {"material", &trial->material},   {"unit", &trial->unit},
   };
   const std::pair<absl::string_view, double*> numbers[] = {
       {"stiffness", &trial->stiffness},
@@ -99,9 +102,9 @@ absl::Status SetMetadata(const std::string& path, const CsvTable& table,
     if (!known) {
       return TrialFileInvalid(
           path, absl::StrCat("# ", key,
-                             " is not known; use label, condition, object, "
-                             "material, stiffness, velocity, sample_rate_hz "
-                             "or unit"));
+                             " is not known; use source, label, condition, "
+                             "object, material, stiffness, velocity, "
+                             "sample_rate_hz or unit"));
     }
   }
   return absl::OkStatus();
@@ -159,6 +162,7 @@ absl::StatusOr<Trial> ImportSignalsCsv(const std::string& path, size_t number) {
   }
   Trial trial;
   trial.id = absl::StrFormat("%06d", number);
+  trial.source = fs::path(path).filename().string();
   for (size_t row = 0; row < table.rows(); ++row) {
     std::array<double, 4> values;
     for (size_t column = 0; column < values.size(); ++column) {
@@ -179,8 +183,10 @@ absl::StatusOr<Trial> ImportSignalsCsv(const std::string& path, size_t number) {
   return trial;
 }
 
-absl::StatusOr<size_t> ImportTrials(const std::string& path, TrialSink sink,
-                                    const ImportOptions& options) {
+namespace {
+
+absl::StatusOr<size_t> ImportFrom(const std::string& path, TrialSink sink,
+                                  const ImportOptions& options) {
   std::error_code error;
   if (fs::is_directory(path, error)) {
     if (!options.skin.empty() || fs::exists(fs::path(path) / "skin.json")) {
@@ -201,6 +207,22 @@ absl::StatusOr<size_t> ImportTrials(const std::string& path, TrialSink sink,
     return ImportSkinFolder(fs::path(path).parent_path(), {.skin = path}, sink);
   }
   return ImportFiles({path}, sink);
+}
+
+}  // namespace
+
+absl::StatusOr<size_t> ImportTrials(const std::string& path, TrialSink sink,
+                                    const ImportOptions& options) {
+  TrialIds ids;
+  return ImportFrom(
+      path,
+      [&](Trial trial) {
+        std::string id = ids.Unique(trial.id);
+        if (id != trial.id && trial.source.empty()) trial.source = trial.id;
+        trial.id = std::move(id);
+        return sink(std::move(trial));
+      },
+      options);
 }
 
 }  // namespace tactus

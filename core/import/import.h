@@ -14,8 +14,8 @@
 //     (import_recording.h);
 //   - a CSV file, one trial, header exactly `time,force,area,motion` (s, N or
 //     counts, m^2, m), before it optional lines `# key=value` with the keys
-//     label, condition, object, material, stiffness, velocity, sample_rate_hz
-//     and unit;
+//     source, label, condition, object, material, stiffness, velocity,
+//     sample_rate_hz and unit;
 //   - a .npz file, one trial (trial_npz.h);
 //   - a folder of such CSV and .npz files, taken in the order of their names.
 // docs/formats.md states how each column is used. Not thread-safe, like HDF5
@@ -45,13 +45,15 @@ struct ImportOptions {
   std::function<void(const std::string&)> remark = {};
 };
 
-// Hands each trial to `sink`; stops at the first error, the sink's included.
-// Returns how many there were. IO or TRIAL_FILE_INVALID with file and line;
-// INVALID_CONFIG for options that the source does not take.
+// Hands each trial to `sink`, with the name of its recording as its source and
+// an id that no other one has (trial_id.h); stops at the first error, the
+// sink's included. Returns how many there were. IO or TRIAL_FILE_INVALID with
+// file and line; INVALID_CONFIG for options that the source does not take.
 absl::StatusOr<size_t> ImportTrials(const std::string& path, TrialSink sink,
                                     const ImportOptions& options = {});
 
-// One trial of three signals; `number` becomes its id.
+// One trial of three signals; `number` becomes its id, the file's name its
+// source.
 absl::StatusOr<Trial> ImportSignalsCsv(const std::string& path, size_t number);
 
 }  // namespace tactus

@@ -1,5 +1,6 @@
 #include "core/import/import_recording.h"
 
+#include <filesystem>
 #include <map>
 #include <optional>
 
@@ -155,6 +156,8 @@ class RecordingImport {
     ++contacts_;
     Trial trial = cutter_->Take();
     trial.id = absl::StrFormat("%06d", contacts_);
+    trial.source = absl::StrCat(
+        std::filesystem::path(path_).filename().string(), "#", contacts_);
     std::string* const values[] = {&trial.label, &trial.condition,
                                    &trial.object, &trial.material};
     const auto row = table_.rows.find(contacts_);

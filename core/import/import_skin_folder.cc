@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <set>
 
-#include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -13,6 +12,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
+#include "core/data/trial_id.h"
 #include "core/files/array_file.h"
 #include "core/import/idle_noise.h"
 #include "core/import/recorded_frames.h"
@@ -73,14 +73,12 @@ class SkinFolder {
   absl::Status TakeTexts(size_t row, Trial& trial) const {
     trial.id = table_.Has("id") ? table_.Text(row, "id")
                                 : absl::StrFormat("%06d", row);
-    if (trial.id.empty() || trial.id.size() > 64 ||
-        !std::all_of(trial.id.begin(), trial.id.end(), [](unsigned char c) {
-          return absl::ascii_isalnum(c) || c == '-' || c == '_';
-        })) {
-      return table_.Error(row, "id",
-                          absl::StrCat("is ", Quoted(trial.id),
-                                       "; it must be 1 to 64 letters, digits, "
-                                       "- or _"));
+    if (const std::string fault = TrialIdFault(trial.id); !fault.empty()) {
+      return table_.Error(row, "id", fault);
+    }
+    trial.source = table_.Text(row, "frames");
+    if (!TextFault(trial.source, limits::kMaxTrialTextBytes).empty()) {
+      trial.source.clear();
     }
     if (table_.Has("group") && table_.Has("material")) {
       return table_.Error(row, "group",

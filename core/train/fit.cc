@@ -15,6 +15,7 @@
 #include "core/classify/warm_up.h"
 #include "core/contacts/class_counts.h"
 #include "core/contacts/folds.h"
+#include "core/contacts/trained_on.h"
 #include "core/train/calibrate.h"
 #include "core/train/model_fit.h"
 #include "core/train/usable.h"
@@ -46,14 +47,14 @@ absl::Status CheckUniform(const std::vector<const LabelledContact*>& contacts) {
         contact->layout.rows != first.layout.rows ||
         contact->layout.columns != first.layout.columns) {
       return InvalidTrainingData(absl::StrCat(
-          "contact ", contact->id, " is from layout \"", contact->layout.name,
-          "\" but contact ", first.id, " from \"", first.layout.name,
-          "\"; a model is fitted to one"));
+          "contact ", ContactName(*contact), " is from layout \"",
+          contact->layout.name, "\" but contact ", ContactName(first),
+          " from \"", first.layout.name, "\"; a model is fitted to one"));
     }
     if (contact->sample_rate_hz != first.sample_rate_hz) {
       return InvalidTrainingData(absl::StrCat(
-          "contact ", contact->id, " has ", contact->sample_rate_hz,
-          " frames per second but contact ", first.id, " has ",
+          "contact ", ContactName(*contact), " has ", contact->sample_rate_hz,
+          " frames per second but contact ", ContactName(first), " has ",
           first.sample_rate_hz, "; a model is fitted to one rate"));
     }
   }
@@ -76,9 +77,9 @@ absl::Status CheckPoses(const std::vector<const LabelledContact*>& contacts,
   for (const LabelledContact* contact : contacts) {
     if (contact->with_poses == first.with_poses) continue;
     return InvalidTrainingData(absl::StrCat(
-        "contact ", contact->id, " has ", contact->with_poses ? "" : "no ",
-        "poses but contact ", first.id,
-        first.with_poses ? " has some" : " has none",
+        "contact ", ContactName(*contact), " has ",
+        contact->with_poses ? "" : "no ", "poses but contact ",
+        ContactName(first), first.with_poses ? " has some" : " has none",
         "; a model that uses the motion is fitted to one or the other"));
   }
   return absl::OkStatus();
@@ -120,7 +121,7 @@ absl::Status CheckCues(const std::vector<const LabelledContact*>& contacts,
   for (const LabelledContact* contact : contacts) {
     if (IsIdeal(*contact)) {
       return InvalidTrainingData(absl::StrCat(
-          "contact ", contact->id,
+          "contact ", ContactName(*contact),
           " is of ideal signals, but the cues take taxels of a skin"));
     }
   }
@@ -496,6 +497,7 @@ absl::StatusOr<Model> FitModel(
   TACTUS_RETURN_IF_ERROR(AddWarmUp(contacts, model));
   model.provenance.trials = static_cast<uint32_t>(contacts.size());
   model.provenance.seed = options.seed;
+  SetTrainedOn(contacts, model.provenance);
   return model;
 }
 

@@ -35,7 +35,7 @@ absl::Status CheckUsable(const std::vector<const LabelledContact*>& contacts,
   size_t count = 0;
   for (const LabelledContact* contact : contacts) {
     if (IsUsable(*contact, options)) continue;
-    if (++count <= kNamed) named.push_back(contact->id);
+    if (++count <= kNamed) named.push_back(ContactName(*contact));
   }
   if (count == 0) return absl::OkStatus();
   return InvalidTrainingData(absl::StrCat(

@@ -358,7 +358,10 @@ absl::StatusOr<PinnedVersion> JobQueue::WriteSpec(
                           PinnedVersion::Find(*data_, *datasets_, dataset));
   spec.set_dataset_sha256(version.info().sha256());
   TACTUS_ASSIGN_OR_RETURN(const auto trials, version.Trials());
-  for (const v1::TrialInfo& trial : trials) spec.add_trials(trial.sha256());
+  for (const v1::TrialInfo& trial : trials) {
+    spec.add_trials(trial.sha256());
+    spec.add_frames_sha256(trial.frames_sha256());
+  }
   TACTUS_RETURN_IF_ERROR(data_->files().MakeDirectory(folder));
   TACTUS_RETURN_IF_ERROR(WriteAtomically(data_->files(), folder + "/job.pb",
                                          SerializeDeterministic(spec)));

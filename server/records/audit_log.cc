@@ -23,13 +23,15 @@ bool Matches(const AuditFilter& filter, const v1::AuditEntry& entry) {
 }  // namespace
 
 absl::Status Audit(Transaction& change, const Caller& caller, int64_t now_ms,
-                   absl::string_view verb, absl::string_view name) {
+                   absl::string_view verb, absl::string_view name,
+                   absl::string_view reason) {
   v1::AuditEntry entry;
   entry.set_time_ms(now_ms);
   entry.set_caller(caller.name);
   entry.set_peer(caller.peer);
   entry.set_verb(std::string(verb));
   entry.set_resource(std::string(name));
+  entry.set_reason(std::string(reason));
   return AppendAudit(change, entry);
 }
 

@@ -24,9 +24,10 @@
 
 namespace tactus::server {
 
-// Appends an entry: `verb` was done to `name`.
+// Appends an entry: `verb` was done to `name`, for `reason` if one was given.
 absl::Status Audit(Transaction& change, const Caller& caller, int64_t now_ms,
-                   absl::string_view verb, absl::string_view name);
+                   absl::string_view verb, absl::string_view name,
+                   absl::string_view reason = "");
 
 // Which entries ListAudit returns; empty fields accept all.
 struct AuditFilter {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <optional>
 #include <set>
 #include <utility>
 
@@ -14,6 +13,8 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
+#include "core/data/frame_fingerprint.h"
+#include "core/data/trial_record.h"
 #include "core/store/records.h"
 #include "server/names/resource_names.h"
 #include "server/records/audit_log.h"
@@ -92,6 +93,18 @@ absl::Status CheckUnused(const Transaction& look, const std::string& dataset) {
     }
   }
   return absl::OkStatus();
+}
+
+// As the audit log calls what made a version.
+const char* VerbOf(const v1::DatasetVersion& version) {
+  switch (version.change()) {
+    case v1::DatasetVersion::CHANGE_RELABEL:
+      return "relabel";
+    case v1::DatasetVersion::CHANGE_REMOVE:
+      return "remove";
+    default:
+      return "create";
+  }
 }
 
 }  // namespace
@@ -238,27 +251,34 @@ absl::StatusOr<uint32_t> DatasetStore::NextVersion(
 }
 
 absl::StatusOr<v1::DatasetVersion> DatasetStore::AddVersion(
-    absl::string_view name,
-    absl::FunctionRef<absl::StatusOr<std::vector<v1::TrialInfo>>()> store,
-    bool replace, absl::string_view requester, const Caller& caller,
-    absl::FunctionRef<absl::Status(Transaction&, const v1::DatasetVersion&)>
-        also) {
+    absl::string_view name, MakeContent make, absl::string_view requester,
+    const Caller& caller, Join also) {
   const std::lock_guard lock(mutex_);
+  return AddLocked(name, make, requester, caller, also);
+}
+
+absl::StatusOr<v1::DatasetVersion> DatasetStore::AddLocked(
+    absl::string_view name, MakeContent make, absl::string_view requester,
+    const Caller& caller, Join also) {
   TACTUS_ASSIGN_OR_RETURN(v1::Dataset dataset, Get(name));
-  TACTUS_ASSIGN_OR_RETURN(const auto uploaded, store());
-  std::map<std::string, v1::TrialInfo> trials;
-  std::set<std::string> before;
+  std::vector<v1::TrialInfo> held;
   if (dataset.latest_version() > 0) {
     TACTUS_ASSIGN_OR_RETURN(const auto latest, Version(dataset.name()));
-    TACTUS_ASSIGN_OR_RETURN(const auto old, Trials(latest));
-    for (const v1::TrialInfo& trial : old) {
-      before.insert(trial.sha256());
-      if (!replace) trials[trial.sha256()] = trial;
-    }
+    TACTUS_ASSIGN_OR_RETURN(held, Trials(latest));
   }
-  for (const v1::TrialInfo& trial : uploaded) trials[trial.sha256()] = trial;
+  // Whether the catalogue knows the fingerprint of each.
+  std::map<std::string, bool> before;
+  for (const v1::TrialInfo& trial : held) {
+    before[trial.sha256()] = !trial.frames_sha256().empty();
+  }
+  TACTUS_ASSIGN_OR_RETURN(Content content, make(std::move(held)));
+  std::map<std::string, v1::TrialInfo> trials;
+  for (v1::TrialInfo& trial : content.trials) {
+    std::string sha256 = trial.sha256();
+    trials[std::move(sha256)] = std::move(trial);
+  }
 
-  v1::DatasetVersion version;
+  v1::DatasetVersion version = std::move(content.about);
   TACTUS_ASSIGN_OR_RETURN(const uint32_t number, NextVersion(dataset));
   version.set_name(absl::StrCat(dataset.name(), "/versions/", number));
   version.set_create_time_ms(now_());
@@ -289,18 +309,55 @@ absl::StatusOr<v1::DatasetVersion> DatasetStore::AddVersion(
                           ParseVersionName(version.name(), kDatasets));
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Change([&](Transaction& change) -> absl::Status {
-        for (const v1::TrialInfo& trial : uploaded) {
+        for (const auto& [sha256, trial] : trials) {
+          const auto known = before.find(sha256);
+          if (known != before.end() &&
+              (known->second || trial.frames_sha256().empty())) {
+            continue;
+          }
           TACTUS_RETURN_IF_ERROR(
-              PutRecord(change, Table::kTrials, trial.sha256(), trial));
+              PutRecord(change, Table::kTrials, sha256, trial));
         }
+        TACTUS_RETURN_IF_ERROR(also(change, version));
         TACTUS_RETURN_IF_ERROR(PutRecord(change, Table::kDatasetVersions,
                                          CatalogKey(key), version));
         TACTUS_RETURN_IF_ERROR(
             PutRecord(change, Table::kDatasets, key.id, dataset));
-        TACTUS_RETURN_IF_ERROR(also(change, version));
-        return Audit(change, caller, now_(), "create", version.name());
+        return Audit(change, caller, now_(), VerbOf(version), version.name(),
+                     version.reason());
       }));
   return version;
+}
+
+void DatasetStore::AddFingerprints(std::vector<v1::TrialInfo>& trials) const {
+  for (v1::TrialInfo& info : trials) {
+    if (!info.frames_sha256().empty()) continue;
+    const auto bytes =
+        data_->blobs().Read(info.sha256(), limits::kMaxTrialRecordBytes);
+    v1::TrialRecord record;
+    if (!bytes.ok() || !record.ParseFromString(*bytes)) continue;
+    if (const auto trial = FromRecord(record); trial.ok()) {
+      info.set_frames_sha256(FrameFingerprint(*trial));
+    }
+  }
+}
+
+void DatasetStore::RemoveUnused(const std::vector<std::string>& blobs) const {
+  std::vector<std::string> unused;
+  const absl::Status looked =
+      data_->catalog().Look([&](const Transaction& look) -> absl::Status {
+        for (const std::string& sha256 : blobs) {
+          TACTUS_ASSIGN_OR_RETURN(const auto found,
+                                  look.Get(Table::kTrials, sha256));
+          if (!found.has_value()) unused.push_back(sha256);
+        }
+        return absl::OkStatus();
+      });
+  if (!looked.ok()) return;
+  // A blob that stays behind costs room, nothing else.
+  for (const std::string& sha256 : unused) {
+    data_->blobs().Remove(sha256).IgnoreError();
+  }
 }
 
 absl::StatusOr<uint32_t> DatasetStore::Delete(absl::string_view name,

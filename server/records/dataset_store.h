@@ -59,16 +59,41 @@ class DatasetStore {
   absl::StatusOr<std::vector<v1::TrialInfo>> Trials(
       const v1::DatasetVersion& version) const;
 
-  // Makes a new version of the trials that `store` makes blobs of, and of those
-  // of the newest version unless `replace`. The added bytes count towards the
-  // quota of `requester`. `also` joins the transaction. No blob is removed in
-  // the meantime.
-  absl::StatusOr<v1::DatasetVersion> AddVersion(
-      absl::string_view name,
-      absl::FunctionRef<absl::StatusOr<std::vector<v1::TrialInfo>>()> store,
-      bool replace, absl::string_view requester, const Caller& caller,
-      absl::FunctionRef<absl::Status(Transaction&, const v1::DatasetVersion&)>
-          also);
+  // What a new version holds. Its trials are blobs.
+  struct Content {
+    std::vector<v1::TrialInfo> trials;
+    // How the version came about: `change`, `reason` and the counts that do not
+    // follow from the trials.
+    v1::DatasetVersion about;
+  };
+  // Makes the content of a new version from the trials of the newest one.
+  using MakeContent = absl::FunctionRef<absl::StatusOr<Content>(
+      std::vector<v1::TrialInfo> held)>;
+  using Join =
+      absl::FunctionRef<absl::Status(Transaction&, const v1::DatasetVersion&)>;
+
+  // Makes a new version. Its added bytes count towards the quota of
+  // `requester`. `also` joins the transaction, before the version is in it. No
+  // blob is removed in the meantime.
+  absl::StatusOr<v1::DatasetVersion> AddVersion(absl::string_view name,
+                                                MakeContent make,
+                                                absl::string_view requester,
+                                                const Caller& caller,
+                                                Join also);
+
+  // Make a new version without some trials, or with another label of some, as
+  // proto/tactus/v1/training.proto says.
+  absl::StatusOr<v1::DatasetVersion> Relabel(
+      const v1::RelabelTrialsRequest& request, const Caller& caller);
+  absl::StatusOr<v1::DatasetVersion> Remove(
+      const v1::RemoveTrialsRequest& request, const Caller& caller);
+
+  // Sets the fingerprints that are missing, from the blobs. Trials whose blobs
+  // are damaged keep none.
+  void AddFingerprints(std::vector<v1::TrialInfo>& trials) const;
+  // Removes those of the blobs that are no trial of any version. Only for
+  // callers within AddVersion, which holds the lock.
+  void RemoveUnused(const std::vector<std::string>& blobs) const;
 
   // Deletes a dataset, its versions, and the blobs that no other version
   // holds. Returns the number of trials that were removed. DATASET_IN_USE if a
@@ -76,6 +101,23 @@ class DatasetStore {
   absl::StatusOr<uint32_t> Delete(absl::string_view name, const Caller& caller);
 
  private:
+  struct Edit;
+
+  // Makes a new version by an edit; the same one for a repeated request.
+  absl::StatusOr<v1::DatasetVersion> Apply(const Edit& edit,
+                                           const Caller& caller);
+  // The content of the edited version.
+  absl::StatusOr<Content> Edited(const Edit& edit, const Caller& caller,
+                                 std::vector<v1::TrialInfo> held) const;
+  // A copy of the trial's blob with another label.
+  absl::Status StoreRelabelled(BlobStore::Batch& batch,
+                               const std::string& label,
+                               v1::TrialInfo& trial) const;
+  // AddVersion with the lock.
+  absl::StatusOr<v1::DatasetVersion> AddLocked(absl::string_view name,
+                                               MakeContent make,
+                                               absl::string_view requester,
+                                               const Caller& caller, Join also);
   // The number of the next version, behind those that a deleted dataset of this
   // name had.
   absl::StatusOr<uint32_t> NextVersion(const v1::Dataset& dataset) const;

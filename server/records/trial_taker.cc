@@ -9,7 +9,10 @@
 #include "core/base/limits.h"
 #include "core/base/limits_training.h"
 #include "core/base/status_macros.h"
+#include "core/base/text.h"
 #include "core/base/wire_check.h"
+#include "core/data/frame_fingerprint.h"
+#include "core/data/trial_id.h"
 #include "core/data/trial_record.h"
 
 namespace tactus::server {
@@ -27,8 +30,8 @@ uint32_t LengthOf(absl::string_view pack) {
   return length;
 }
 
-v1::TrialInfo InfoOf(const v1::TrialRecord& record, const std::string& sha256,
-                     size_t bytes) {
+v1::TrialInfo InfoOf(const v1::TrialRecord& record, const Trial& trial,
+                     const std::string& sha256, size_t bytes) {
   v1::TrialInfo info;
   info.set_sha256(sha256);
   info.set_bytes(static_cast<int64_t>(bytes));
@@ -39,6 +42,8 @@ v1::TrialInfo InfoOf(const v1::TrialRecord& record, const std::string& sha256,
   info.set_material(record.material());
   info.set_layout(record.geometry().layout());
   info.set_frames(static_cast<uint32_t>(record.time_size()));
+  info.set_source(record.source());
+  info.set_frames_sha256(FrameFingerprint(trial));
   return info;
 }
 
@@ -131,9 +136,13 @@ absl::Status TrialTaker::Store(absl::string_view bytes) {
     return InvalidTrial(absl::StrCat(
         name, " is not a tactus.v1.TrialRecord: a text in it is not UTF-8"));
   }
-  TACTUS_RETURN_IF_ERROR(FromRecord(record).status());
+  if (const std::string fault = TrialIdFault(record.id()); !fault.empty()) {
+    return InvalidTrial(
+        absl::StrCat("trial ", Quoted(record.id()), ": id: ", fault));
+  }
+  TACTUS_ASSIGN_OR_RETURN(const Trial trial, FromRecord(record));
   TACTUS_ASSIGN_OR_RETURN(const std::string sha256, batch_.Add(bytes));
-  trials_.push_back(InfoOf(record, sha256, bytes.size()));
+  trials_.push_back(InfoOf(record, trial, sha256, bytes.size()));
   return absl::OkStatus();
 }
 

@@ -9,6 +9,7 @@
 #include "core/base/crc32c.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
+#include "core/base/serialize.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 #include "core/store/abandoned_uploads.h"
@@ -17,6 +18,8 @@
 #include "server/names/resource_names.h"
 #include "server/records/audit_log.h"
 #include "server/records/request_key.h"
+#include "server/records/trial_merge.h"
+#include "tactus/v1/trial.pb.h"
 
 namespace tactus::server {
 namespace {
@@ -42,7 +45,7 @@ absl::StatusOr<v1::StoredUpload> FindUpload(const Transaction& look,
 
 absl::StatusOr<v1::StoredUpload> UploadStore::Create(
     absl::string_view dataset, absl::string_view request_id, bool replace,
-    const Caller& caller) {
+    const Caller& caller, bool replace_labels) {
   TACTUS_ASSIGN_OR_RETURN(const v1::Dataset target, datasets_->Get(dataset));
   if (const std::string fault = TextFault(request_id, limits::kMaxNameBytes);
       !fault.empty()) {
@@ -72,6 +75,7 @@ absl::StatusOr<v1::StoredUpload> UploadStore::Create(
     upload.set_name(absl::StrCat(kUploads, "/", number));
     upload.set_dataset(target.name());
     upload.set_replace(replace);
+    upload.set_replace_labels(replace_labels);
     upload.set_create_time_ms(now_());
     upload.set_requester(caller.name);
     const std::string key = NumberKey(number);
@@ -273,8 +277,8 @@ absl::StatusOr<std::unique_ptr<TrialTaker>> UploadStore::ReadTrials(
   return taker;
 }
 
-absl::StatusOr<std::vector<v1::TrialInfo>> UploadStore::StoreTrials(
-    const std::string& id, int64_t size, uint32_t* known) {
+absl::StatusOr<std::unique_ptr<TrialTaker>> UploadStore::CheckTrials(
+    const std::string& id, int64_t size) {
   auto taker = TakeTaker(id, size);
   if (taker != nullptr) {
     // Their blobs may have been deleted since.
@@ -287,15 +291,74 @@ absl::StatusOr<std::vector<v1::TrialInfo>> UploadStore::StoreTrials(
     TACTUS_ASSIGN_OR_RETURN(taker, ReadTrials(id, size));
   }
   TACTUS_RETURN_IF_ERROR(taker->End());
-  TACTUS_RETURN_IF_ERROR(taker->Commit(known));
-  return taker->trials();
+  return taker;
 }
 
-absl::StatusOr<v1::DatasetVersion> UploadStore::Finish(absl::string_view name,
-                                                       int64_t size,
-                                                       uint32_t crc32c,
-                                                       const Caller& caller,
-                                                       uint32_t* known) {
+absl::StatusOr<DatasetStore::Content> UploadStore::StoreTrials(
+    const v1::StoredUpload& upload, std::vector<v1::TrialInfo> held,
+    uint32_t* known, std::vector<v1::TrialNote>* notes) {
+  TACTUS_ASSIGN_OR_RETURN(
+      const auto taker,
+      CheckTrials(UploadFile(upload), upload.committed_size()));
+  if (upload.replace()) held.clear();
+  datasets_->AddFingerprints(held);
+  TACTUS_ASSIGN_OR_RETURN(
+      TrialMerge merge,
+      MergeTrials(held, taker->trials(),
+                  {.replace_labels = upload.replace_labels()}));
+  TACTUS_RETURN_IF_ERROR(taker->Commit(known));
+
+  DatasetStore::Content content;
+  content.trials = std::move(merge.kept);
+  content.about.set_change(v1::DatasetVersion::CHANGE_UPLOAD);
+  content.about.set_duplicates(merge.duplicates);
+  content.about.set_relabelled(merge.relabelled);
+  content.about.set_renamed(static_cast<uint32_t>(merge.new_ids.size()));
+  BlobStore::Batch batch = data_->blobs().NewBatch();
+  std::set<std::string> used;
+  for (const size_t i : merge.added) {
+    v1::TrialInfo& trial = content.trials.emplace_back(taker->trials()[i]);
+    if (const auto id = merge.new_ids.find(i); id != merge.new_ids.end()) {
+      TACTUS_RETURN_IF_ERROR(Rename(id->second, batch, trial));
+    }
+    used.insert(trial.sha256());
+  }
+  TACTUS_RETURN_IF_ERROR(batch.Commit());
+  std::vector<std::string> unused;
+  for (const v1::TrialInfo& trial : taker->trials()) {
+    if (!used.contains(trial.sha256())) unused.push_back(trial.sha256());
+  }
+  datasets_->RemoveUnused(unused);
+  if (notes != nullptr) *notes = std::move(merge.notes);
+  return content;
+}
+
+absl::Status UploadStore::Rename(const std::string& id, BlobStore::Batch& batch,
+                                 v1::TrialInfo& trial) {
+  TACTUS_ASSIGN_OR_RETURN(
+      const std::string bytes,
+      data_->blobs().Read(trial.sha256(), limits::kMaxTrialRecordBytes));
+  v1::TrialRecord record;
+  if (!record.ParseFromString(bytes)) {
+    return DataLost(trial.sha256(), "the trial cannot be parsed");
+  }
+  record.set_id(id);
+  const std::string renamed = SerializeDeterministic(record);
+  if (renamed.size() > limits::kMaxTrialRecordBytes) {
+    return InvalidTrial(
+        absl::StrCat("trial ", Quoted(trial.id()),
+                     ": id: names another recording of the "
+                     "dataset, and there is no room for a longer one"));
+  }
+  TACTUS_ASSIGN_OR_RETURN(*trial.mutable_sha256(), batch.Add(renamed));
+  trial.set_bytes(static_cast<int64_t>(renamed.size()));
+  trial.set_id(id);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<v1::DatasetVersion> UploadStore::Finish(
+    absl::string_view name, int64_t size, uint32_t crc32c, const Caller& caller,
+    uint32_t* known, std::vector<v1::TrialNote>* notes) {
   *known = 0;
   TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed, ParseName(name, kUploads));
   TACTUS_RETURN_IF_ERROR(GetOwn(name, caller).status());
@@ -319,8 +382,11 @@ absl::StatusOr<v1::DatasetVersion> UploadStore::Finish(absl::string_view name,
   TACTUS_ASSIGN_OR_RETURN(
       v1::DatasetVersion version,
       datasets_->AddVersion(
-          upload.dataset(), [&] { return StoreTrials(parsed.id, size, known); },
-          upload.replace(), upload.requester(), caller,
+          upload.dataset(),
+          [&](std::vector<v1::TrialInfo> held) {
+            return StoreTrials(upload, std::move(held), known, notes);
+          },
+          upload.requester(), caller,
           [&](Transaction& change, const v1::DatasetVersion& made) {
             upload.set_dataset_version(made.name());
             return PutRecord(change, Table::kUploads, CatalogKey(parsed),

@@ -89,7 +89,8 @@ class UploadStore {
   // An empty id always makes a new one. QUOTA_EXCEEDED if no byte would fit.
   absl::StatusOr<v1::StoredUpload> Create(absl::string_view dataset,
                                           absl::string_view request_id,
-                                          bool replace, const Caller& caller);
+                                          bool replace, const Caller& caller,
+                                          bool replace_labels = false);
   absl::StatusOr<v1::StoredUpload> Get(absl::string_view name) const;
   // The same for its owner. PERMISSION_DENIED for others than the client that
   // made it and admins, as from Write and Finish.
@@ -101,11 +102,12 @@ class UploadStore {
 
   // Checks all trials and makes them a version of the dataset; returns that
   // version if it was done before. INVALID_TRIAL names the trial and the field.
-  // `known` receives the number of trials that were stored already.
-  absl::StatusOr<v1::DatasetVersion> Finish(absl::string_view name,
-                                            int64_t size, uint32_t crc32c,
-                                            const Caller& caller,
-                                            uint32_t* known);
+  // `known` receives the number of trials that were stored already, `notes` (if
+  // not null) what became of those that are not stored as they came.
+  absl::StatusOr<v1::DatasetVersion> Finish(
+      absl::string_view name, int64_t size, uint32_t crc32c,
+      const Caller& caller, uint32_t* known,
+      std::vector<v1::TrialNote>* notes = nullptr);
 
   // Removes uploads that nobody wrote to for limits::kAbandonedUploadMs, and
   // files of uploads that do not exist. Returns the number of uploads that were
@@ -127,10 +129,17 @@ class UploadStore {
   std::unique_ptr<TrialTaker> TakeTaker(const std::string& id, int64_t size);
   // Keeps it until the next call, or a few others, have come.
   void KeepTaker(const std::string& id, std::unique_ptr<TrialTaker> taker);
-  // Makes a blob of each trial of the pack.
-  absl::StatusOr<std::vector<v1::TrialInfo>> StoreTrials(const std::string& id,
-                                                         int64_t size,
-                                                         uint32_t* known);
+  // The trials of the whole pack, checked, and not yet blobs.
+  absl::StatusOr<std::unique_ptr<TrialTaker>> CheckTrials(const std::string& id,
+                                                          int64_t size);
+  // The content of the version that the upload becomes, beside the `held`
+  // trials of the one before. Makes a blob of each trial.
+  absl::StatusOr<DatasetStore::Content> StoreTrials(
+      const v1::StoredUpload& upload, std::vector<v1::TrialInfo> held,
+      uint32_t* known, std::vector<v1::TrialNote>* notes);
+  // Stores the trial under another id.
+  absl::Status Rename(const std::string& id, BlobStore::Batch& batch,
+                      v1::TrialInfo& trial);
   absl::StatusOr<std::unique_ptr<TrialTaker>> ReadTrials(const std::string& id,
                                                          int64_t size);
 

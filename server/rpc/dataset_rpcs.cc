@@ -150,6 +150,26 @@ void AddDatasetRpcs(TrainingBackend* backend, ControlService& control) {
             response.set_removed_trials(removed);
             return response;
           }));
+  add("RelabelTrials", Role::kTrainer,
+      Unary<v1::RelabelTrialsRequest, v1::RelabelTrialsResponse>(
+          [=](const auto& request, const Caller& caller)
+              -> absl::StatusOr<v1::RelabelTrialsResponse> {
+            v1::RelabelTrialsResponse response;
+            TACTUS_ASSIGN_OR_RETURN(
+                *response.mutable_version(),
+                backend->datasets().Relabel(request, caller));
+            return response;
+          }));
+  add("RemoveTrials", Role::kTrainer,
+      Unary<v1::RemoveTrialsRequest, v1::RemoveTrialsResponse>(
+          [=](const auto& request, const Caller& caller)
+              -> absl::StatusOr<v1::RemoveTrialsResponse> {
+            v1::RemoveTrialsResponse response;
+            TACTUS_ASSIGN_OR_RETURN(
+                *response.mutable_version(),
+                backend->datasets().Remove(request, caller));
+            return response;
+          }));
   add("GetDatasetVersion", Role::kTrainer,
       Unary<v1::GetDatasetVersionRequest, v1::GetDatasetVersionResponse>(
           [=](const auto& request,

@@ -1,5 +1,6 @@
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
@@ -62,10 +63,11 @@ void AddUploadRpcs(TrainingBackend* backend, ControlService& control) {
       Unary<v1::CreateUploadRequest, v1::CreateUploadResponse>(
           [=](const auto& request, const Caller& caller)
               -> absl::StatusOr<v1::CreateUploadResponse> {
-            TACTUS_ASSIGN_OR_RETURN(const v1::StoredUpload upload,
-                                    backend->uploads().Create(
-                                        request.dataset(), request.request_id(),
-                                        request.replace(), caller));
+            TACTUS_ASSIGN_OR_RETURN(
+                const v1::StoredUpload upload,
+                backend->uploads().Create(
+                    request.dataset(), request.request_id(), request.replace(),
+                    caller, request.replace_labels()));
             v1::CreateUploadResponse response;
             response.set_upload(upload.name());
             response.set_committed_size(upload.committed_size());
@@ -91,11 +93,14 @@ void AddUploadRpcs(TrainingBackend* backend, ControlService& control) {
               -> absl::StatusOr<v1::FinishUploadResponse> {
             v1::FinishUploadResponse response;
             uint32_t known = 0;
+            std::vector<v1::TrialNote> notes;
             TACTUS_ASSIGN_OR_RETURN(
                 *response.mutable_version(),
                 backend->uploads().Finish(request.upload(), request.size(),
-                                          request.crc32c(), caller, &known));
+                                          request.crc32c(), caller, &known,
+                                          &notes));
             response.set_known_trials(known);
+            response.mutable_notes()->Assign(notes.begin(), notes.end());
             return response;
           }));
 }

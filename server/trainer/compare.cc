@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/limits.h"
 #include "core/contacts/anytime.h"
 #include "core/eval/metrics.h"
 
@@ -116,6 +117,28 @@ v1::EvaluationReport ReportOf(const Evaluation& evaluation,
     *report.add_anytime() = AccuracyOf(evaluation.anytime[t]);
   }
   return report;
+}
+
+void AddWrongAnswers(const Evaluation& evaluation,
+                     const std::vector<const LabelledContact*>& contacts,
+                     v1::EvaluationReport& report) {
+  for (size_t i = 0; i < contacts.size(); ++i) {
+    const Outcome& outcome = evaluation.final[i];
+    if (outcome.answer() == outcome.label) continue;
+    if (report.wrong_size() == limits::kMaxNamedTrials) return;
+    v1::WrongAnswer& wrong = *report.add_wrong();
+    wrong.set_name(ContactName(*contacts[i]));
+    wrong.set_label(evaluation.class_names[outcome.label]);
+    wrong.set_answer(evaluation.class_names[outcome.answer()]);
+  }
+}
+
+void AddTrainedOn(const TrainedOn& trained, v1::EvaluationReport& report) {
+  if (trained.basis == TrainingBasis::kUnknown) return;
+  report.set_trained_on_data(trained.contacts > 0);
+  report.set_trained_on_contacts(static_cast<uint32_t>(trained.contacts));
+  report.set_training_basis(
+      static_cast<v1::TrainingBasis>(static_cast<int>(trained.basis)));
 }
 
 v1::Comparison Compare(const Evaluation& current, const Evaluation& candidate,

@@ -11,7 +11,9 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
+#include "core/contacts/trained_on.h"
 #include "core/eval/evaluation.h"
 #include "tactus/v1/operations.pb.h"
 #include "tactus/v1/storage.pb.h"
@@ -21,6 +23,15 @@ namespace tactus::server {
 // `never_felt`: trials without a contact.
 v1::EvaluationReport ReportOf(const Evaluation& evaluation,
                               uint32_t never_felt);
+
+// Adds the contacts that were classified wrongly, the first
+// limits::kMaxNamedTrials. `contacts` are those of the evaluation.
+void AddWrongAnswers(const Evaluation& evaluation,
+                     const std::vector<const LabelledContact*>& contacts,
+                     v1::EvaluationReport& report);
+
+// Adds which of the contacts the model was trained on, if that is known.
+void AddTrainedOn(const TrainedOn& trained, v1::EvaluationReport& report);
 
 // Both evaluations are of the same contacts in the same order, at least one.
 // The candidate passes if none of accuracy, log-loss and calibration error is

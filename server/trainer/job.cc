@@ -14,6 +14,9 @@
 #include "core/base/version.h"
 #include "core/bundle/bundle.h"
 #include "core/contacts/contact_set.h"
+#include "core/contacts/copies.h"
+#include "core/contacts/trained_on.h"
+#include "core/data/frame_fingerprint.h"
 #include "core/data/trial_record.h"
 #include "core/eval/chosen_options.h"
 #include "core/eval/evaluate.h"
@@ -52,9 +55,9 @@ struct ReadTrial {
 };
 
 absl::StatusOr<ReadTrial> ReadContact(FileSystem& files,
-                                      const v1::JobSpec& spec,
-                                      const std::string& sha256,
+                                      const v1::JobSpec& spec, int number,
                                       bool whole_skin) {
+  const std::string& sha256 = spec.trials(number);
   const std::string path =
       absl::StrCat(spec.blob_folder(), "/",
                    absl::string_view(sha256).substr(0, 2), "/", sha256);
@@ -70,6 +73,12 @@ absl::StatusOr<ReadTrial> ReadContact(FileSystem& files,
                         !trial.taxels.empty() && trial.poses.empty()};
   TACTUS_ASSIGN_OR_RETURN(read.contact,
                           ExtractContact(trial, {.whole_skin = whole_skin}));
+  if (read.contact.has_value()) {
+    const bool known = number < spec.frames_sha256_size() &&
+                       !spec.frames_sha256(number).empty();
+    read.contact->fingerprint =
+        known ? spec.frames_sha256(number) : FrameFingerprint(trial);
+  }
   return read;
 }
 
@@ -84,7 +93,7 @@ absl::StatusOr<Contacts> ReadContacts(FileSystem& files,
   std::vector<ReadTrial> read(count);
   std::vector<absl::Status> failures(count);
   threads.start(count, [&](int i) {
-    auto trial = ReadContact(files, spec, spec.trials(i), whole_skin);
+    auto trial = ReadContact(files, spec, i, whole_skin);
     if (trial.ok()) read[i] = *std::move(trial);
     failures[i] = trial.status();
     part.Add(1.0 / count);
@@ -107,6 +116,28 @@ absl::StatusOr<Contacts> ReadContacts(FileSystem& files,
     return InvalidTrainingData("no trial of the dataset has a contact");
   }
   return contacts;
+}
+
+// Names the contacts that have the frames of an earlier one.
+void AddDuplicates(const std::vector<const LabelledContact*>& contacts,
+                   v1::OperationResult& result) {
+  const std::vector<Copy> copies = FindCopies(contacts);
+  result.set_duplicates(static_cast<uint32_t>(copies.size()));
+  for (size_t i = 0; i < copies.size() && i < limits::kMaxNamedTrials; ++i) {
+    const LabelledContact& contact = *contacts[copies[i].contact];
+    const LabelledContact& first = *contacts[copies[i].first];
+    v1::DuplicateTrial& duplicate = *result.add_duplicate_trials();
+    duplicate.set_name(ContactName(contact));
+    duplicate.set_label(contact.label);
+    duplicate.set_first_name(ContactName(first));
+    duplicate.set_first_label(first.label);
+  }
+}
+
+// What provenance calls the data of a job.
+std::string DataName(const std::string& dataset_version,
+                     const v1::JobSpec& spec) {
+  return absl::StrCat(dataset_version, " ", spec.dataset_sha256());
 }
 
 v1::PresetChoice ToProto(const PresetChoice& choice) {
@@ -170,6 +201,7 @@ absl::StatusOr<ChosenOptions> Choose(const v1::TrainSpec& spec,
   result.mutable_unusable_trials()->Assign(chosen.unusable.begin(),
                                            chosen.unusable.end());
   if (chosen.choice) *result.mutable_preset_choice() = ToProto(*chosen.choice);
+  AddDuplicates(chosen.contacts, result);
   return chosen;
 }
 
@@ -192,16 +224,23 @@ absl::Status Train(FileSystem& files, const std::string& folder,
   // bytes however often the job was interrupted.
   model.provenance.command = absl::StrCat("train ", spec.operation().name());
   model.provenance.version = kVersion;
-  model.provenance.data =
-      absl::StrCat(train.dataset_version(), " ", spec.dataset_sha256());
+  model.provenance.data = DataName(train.dataset_version(), spec);
+  model.provenance.data_sha256 = DataSha256(contacts.Pointers());
   model.provenance.note = train.note();
   TACTUS_ASSIGN_OR_RETURN(const std::string bundle, EncodeBundle(model));
   return WriteAtomically(files, folder + "/bundle.tactus", bundle);
 }
 
-absl::StatusOr<Evaluation> EvaluateBundle(
+// An evaluation of a bundle, and which of its contacts the model knows.
+struct BundleEvaluation {
+  Evaluation evaluation;
+  TrainedOn trained;
+};
+
+absl::StatusOr<BundleEvaluation> EvaluateBundle(
     FileSystem& files, const std::string& path,
     const std::vector<const LabelledContact*>& contacts,
+    const std::string& dataset_version, const v1::JobSpec& spec,
     const ParallelFor& parallel, EventWriter* events) {
   TACTUS_ASSIGN_OR_RETURN(const std::string bundle,
                           ReadWhole(files, path, limits::kMaxBundleBytes));
@@ -209,9 +248,16 @@ absl::StatusOr<Evaluation> EvaluateBundle(
   for (const LabelledContact* contact : contacts) {
     TACTUS_RETURN_IF_ERROR(CheckFits(*contact, model->model()));
   }
-  return EvaluateModel(model, contacts,
-                       ServedAlgorithm(!model->model().lstms.empty()), parallel,
-                       events->progress());
+  BundleEvaluation result;
+  result.trained = FindTrainedOn(model->model().provenance, contacts,
+                                 {.sha256 = DataSha256(contacts),
+                                  .name = DataName(dataset_version, spec)});
+  TACTUS_ASSIGN_OR_RETURN(
+      result.evaluation,
+      EvaluateModel(model, contacts,
+                    ServedAlgorithm(!model->model().lstms.empty()), parallel,
+                    events->progress()));
+  return result;
 }
 
 absl::Status Evaluate(FileSystem& files, const std::string& folder,
@@ -225,23 +271,33 @@ absl::Status Evaluate(FileSystem& files, const std::string& folder,
       fits ? ReadForSpec(files, spec, evaluate.train(), threads,
                          events->progress())
            : ReadContacts(files, spec, threads, events->progress()));
-  absl::StatusOr<Evaluation> evaluation;
+  v1::EvaluationReport& report = *result.mutable_evaluation();
   if (fits) {
     TACTUS_ASSIGN_OR_RETURN(const Protocol protocol,
                             ParseProtocol(evaluate.protocol()));
     TACTUS_ASSIGN_OR_RETURN(const ChosenOptions chosen,
                             Choose(evaluate.train(), contacts, threads.run,
                                    events->progress(), result, protocol));
-    evaluation =
+    TACTUS_ASSIGN_OR_RETURN(
+        const Evaluation evaluation,
         EvaluateProtocol(chosen.contacts, protocol,
                          ServedAlgorithm(chosen.options.lstm.networks > 0),
-                         chosen.options, threads.run, events->progress());
-  } else {
-    evaluation = EvaluateBundle(files, folder + "/candidate.tactus",
-                                contacts.Pointers(), threads.run, events);
+                         chosen.options, threads.run, events->progress()));
+    report = ReportOf(evaluation, contacts.never_felt);
+    AddWrongAnswers(evaluation, chosen.contacts, report);
+    // The folds see to it.
+    report.set_trained_on_data(false);
+    return absl::OkStatus();
   }
-  TACTUS_RETURN_IF_ERROR(evaluation.status());
-  *result.mutable_evaluation() = ReportOf(*evaluation, contacts.never_felt);
+  const auto tested = contacts.Pointers();
+  TACTUS_ASSIGN_OR_RETURN(
+      const BundleEvaluation of_bundle,
+      EvaluateBundle(files, folder + "/candidate.tactus", tested,
+                     evaluate.dataset_version(), spec, threads.run, events));
+  report = ReportOf(of_bundle.evaluation, contacts.never_felt);
+  AddWrongAnswers(of_bundle.evaluation, tested, report);
+  AddTrainedOn(of_bundle.trained, report);
+  AddDuplicates(tested, result);
   return absl::OkStatus();
 }
 
@@ -252,14 +308,21 @@ absl::Status ComparePair(FileSystem& files, const std::string& folder,
       const Contacts contacts,
       ReadContacts(files, spec, threads, events->progress()));
   const auto used = contacts.Pointers();
-  TACTUS_ASSIGN_OR_RETURN(const Evaluation current,
-                          EvaluateBundle(files, folder + "/current.tactus",
-                                         used, threads.run, events));
-  TACTUS_ASSIGN_OR_RETURN(const Evaluation candidate,
-                          EvaluateBundle(files, folder + "/candidate.tactus",
-                                         used, threads.run, events));
-  *result.mutable_comparison() =
-      Compare(current, candidate, contacts.never_felt, spec.gate());
+  // A gate's data has no other name than its bytes.
+  const auto evaluate = [&](const char* file) {
+    return EvaluateBundle(files, folder + file, used, "", spec, threads.run,
+                          events);
+  };
+  TACTUS_ASSIGN_OR_RETURN(const BundleEvaluation current,
+                          evaluate("/current.tactus"));
+  TACTUS_ASSIGN_OR_RETURN(const BundleEvaluation candidate,
+                          evaluate("/candidate.tactus"));
+  v1::Comparison& comparison = *result.mutable_comparison();
+  comparison = Compare(current.evaluation, candidate.evaluation,
+                       contacts.never_felt, spec.gate());
+  AddTrainedOn(current.trained, *comparison.mutable_current());
+  AddTrainedOn(candidate.trained, *comparison.mutable_candidate());
+  AddDuplicates(used, result);
   return absl::OkStatus();
 }
 

@@ -1,12 +1,14 @@
 // The examples of public headers, as their comments show them. They only have
 // to compile; HouseTest.ExamplesAreCompiled compares the texts.
 #include <fstream>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
+#include "core/data/frame_fingerprint.h"
 #include "core/data/recording/contact_cutter.h"
 #include "core/data/recording/foxglove_image.h"
 #include "core/data/recording/message_schema.h"
@@ -16,6 +18,7 @@
 #include "core/data/trial.h"
 #include "core/data/trial_csv.h"
 #include "core/data/trial_file.h"
+#include "core/data/trial_id.h"
 #include "core/data/trial_layout.h"
 #include "core/data/trial_npz.h"
 #include "core/data/trial_record.h"
@@ -47,6 +50,26 @@
 namespace tactus::examples {
 
 absl::Status Use(Trial trial);
+
+void Remark(const Trial& trial);
+
+absl::Status TrialIdExample(
+    Trial trial,
+    absl::Status (*complain)(const char* field, const std::string& fault)) {
+  const std::string fault = TrialIdFault(trial.id);
+  if (!fault.empty()) return complain("id", fault);
+
+  TrialIds ids;
+  trial.id = ids.Unique(trial.id);  // "touch 1" -> "touch_1"
+  return absl::OkStatus();
+}
+
+void FrameFingerprintExample(const Trial& trial, std::set<std::string>& seen) {
+  const std::string fingerprint = FrameFingerprint(trial);
+  if (IdentifiesRecording(fingerprint) && !seen.insert(fingerprint).second) {
+    Remark(trial);  // the same frames once more
+  }
+}
 
 absl::Status ContactCutterExample(const v1::StreamConfig& config,
                                   const SkinLayout& layout,

@@ -1,5 +1,6 @@
 // The examples of public headers, as their comments show them. They only have
 // to compile; HouseTest.ExamplesAreCompiled compares the texts.
+#include <iostream>
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,8 +13,10 @@
 #include "core/contacts/class_counts.h"
 #include "core/contacts/contact_frames.h"
 #include "core/contacts/contact_set.h"
+#include "core/contacts/copies.h"
 #include "core/contacts/folds.h"
 #include "core/contacts/labelled_contact.h"
+#include "core/contacts/trained_on.h"
 #include "core/contacts/variation.h"
 #include "core/contacts/varied_contacts.h"
 #include "core/contacts/world_contacts.h"
@@ -53,6 +56,26 @@ namespace tactus::examples {
 std::map<absl::string_view, double> done;
 
 using Contacts = std::vector<const LabelledContact*>;
+
+void Remark(const std::string& text);
+
+void CopiesExample(const Contacts& contacts) {
+  for (const Copy& copy : FindCopies(contacts)) {
+    Remark(CopyText(contacts, copy));
+  }
+}
+
+struct Loaded {
+  std::string data_sha256;
+};
+
+void TrainedOnExample(const Contacts& contacts, Model model,
+                      const Loaded& loaded) {
+  SetTrainedOn(contacts, model.provenance);
+  const TrainedOn trained =
+      FindTrainedOn(model.provenance, contacts, {.sha256 = loaded.data_sha256});
+  if (trained.contacts > 0) std::cout << TrainedOnText(trained);
+}
 
 absl::Status ContactSetExample(const LabelledContact& first,
                                const LabelledContact& contact,

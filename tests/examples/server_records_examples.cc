@@ -28,6 +28,7 @@
 #include "server/records/quotas.h"
 #include "server/records/request_key.h"
 #include "server/records/spool.h"
+#include "server/records/trial_merge.h"
 #include "server/records/trial_taker.h"
 #include "server/records/upload_store.h"
 #include "server/trainer/compare.h"
@@ -52,6 +53,14 @@ absl::Status AuditExample(Transaction& change, const Catalog& catalog,
                           const std::string& name) {
   TACTUS_RETURN_IF_ERROR(Audit(change, caller, now, "create", name));
   auto page = ListAudit(catalog, 100, "", {.resource_prefix = "models/"});
+  return absl::OkStatus();
+}
+
+absl::Status TrialMergeExample(const std::vector<v1::TrialInfo>& held,
+                               const std::vector<v1::TrialInfo>& uploaded) {
+  TACTUS_ASSIGN_OR_RETURN(
+      const TrialMerge merge,
+      MergeTrials(held, uploaded, {.replace_labels = true}));
   return absl::OkStatus();
 }
 

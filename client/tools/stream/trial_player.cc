@@ -10,6 +10,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/data/trial_id.h"
 
 namespace tactus::client {
 namespace {
@@ -148,7 +149,7 @@ absl::StatusOr<TrialResult> TrialPlayer::Result(
                          "one of " + absl::StrJoin(class_names_, ", "));
   }
   result.index = driver_->trial_index();
-  result.id = trial.id;
+  result.id = TrialName(trial.id, trial.source);
   result.label = static_cast<int>(label - class_names_.begin());
   result.detected = posterior.contact_state() != v1::CONTACT_STATE_NO_CONTACT;
   const auto& p = posterior.probability();

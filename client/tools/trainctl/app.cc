@@ -65,12 +65,12 @@ void Report(const absl::Status& status) {
 void AddCommands(CLI::App& app, const SelectCommand& select) {
   app.name("trainctl");
   for (auto add :
-       {AddSimulate,      AddImport,      AddFit,          AddRemoteEvaluate,
-        AddInspect,       AddClassify,    AddShow,         AddSkin,
-        AddSkinCalibrate, AddSkinFind,    AddRecord,       AddReproduce,
-        AddDatasets,      AddTrain,       AddJobs,         AddModels,
-        AddExportModel,   AddImportModel, AddExportTrials, AddServer,
-        AddDoctor,        AddTokens,      AddCompletion}) {
+       {AddSimulate,      AddImport,       AddFit,         AddRemoteEvaluate,
+        AddInspect,       AddClassify,     AddShow,        AddSkin,
+        AddSkinCalibrate, AddSkinFind,     AddRecord,      AddReproduce,
+        AddDatasets,      AddDatasetEdits, AddTrain,       AddJobs,
+        AddModels,        AddExportModel,  AddImportModel, AddExportTrials,
+        AddServer,        AddDoctor,       AddTokens,      AddCompletion}) {
     add(app, select);
   }
 }

@@ -12,6 +12,7 @@
 #include "core/classify/input_spec.h"
 #include "core/contacts/contact_set.h"
 #include "core/data/trial_file.h"
+#include "core/data/trial_id.h"
 #include "core/data/trial_layout.h"
 
 namespace tactus::client {
@@ -29,7 +30,8 @@ struct ClassifyFlags {
 // Makes the answer from the classifier at the end of a trial.
 Json Answer(const Trial& trial, const Model& model,
             const ContactClassifier& classifier, bool detected) {
-  Json json = {{"trial", trial.id}, {"label", trial.label}};
+  Json json = {
+      {"trial", trial.id}, {"source", trial.source}, {"label", trial.label}};
   json["detected"] = detected;
   const auto probability = classifier.probability();
   json["answer"] =
@@ -117,7 +119,7 @@ absl::Status RunClassify(const ClassifyFlags& flags) {
     }
     if (!flags.json) {
       std::cout << absl::StrFormat(
-          "%s  %-4s -> %-4s", trial.id, trial.label,
+          "%s  %-4s -> %-4s", TrialName(trial.id, trial.source), trial.label,
           answer["detected"] ? answer["answer"].get<std::string>() : "-");
       const std::vector<double> probability = answer["probability"];
       // More would not fit on a line.

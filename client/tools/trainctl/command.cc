@@ -3,18 +3,24 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <iostream>
 #include <numeric>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/run_on_threads.h"
+#include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 #include "core/bundle/bundle.h"
 #include "core/contacts/contact_set.h"
+#include "core/contacts/copies.h"
+#include "core/contacts/trained_on.h"
 #include "core/contacts/world_contacts.h"
+#include "core/data/frame_fingerprint.h"
 #include "core/data/trial_file.h"
 #include "core/data/trial_layout.h"
 #include "core/files/file_bytes.h"
@@ -78,6 +84,7 @@ absl::StatusOr<LoadedContacts> LoadWorld(const std::string& text,
                                         world.never_felt.end(), uint64_t{0});
   loaded.without_poses = !recipe.poses;
   loaded.contacts = std::move(world.contacts);
+  loaded.data_sha256 = Sha256Hex(text);
   return loaded;
 }
 
@@ -102,6 +109,7 @@ absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
     ++loaded.trials;
     loaded.without_poses |= !trial.taxels.empty() && trial.poses.empty();
     if (contact) {
+      contact->fingerprint = FrameFingerprint(trial);
       if (!loaded.contacts.empty()) {
         TACTUS_RETURN_IF_ERROR(CheckOneSkin(loaded.contacts.front(), *contact));
       }
@@ -111,7 +119,19 @@ absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
     }
     reading.Add(1 / static_cast<double>(reader.size()));
   }
+  loaded.data_sha256 = DataSha256(loaded.Pointers());
   return loaded;
+}
+
+void RemarkCopies(const std::vector<const LabelledContact*>& contacts) {
+  const std::vector<Copy> copies = FindCopies(contacts);
+  if (copies.empty()) return;
+  std::cerr << absl::StrFormat(
+      "trainctl: %d of the trials %s frames that an earlier one has\n",
+      copies.size(), copies.size() == 1 ? "has" : "have");
+  for (size_t i = 0; i < copies.size() && i < limits::kMaxNamedTrials; ++i) {
+    std::cerr << "  " << CopyText(contacts, copies[i]) << "\n";
+  }
 }
 
 absl::Status MakeFolder(const std::string& path) {

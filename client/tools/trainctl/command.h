@@ -62,6 +62,8 @@ struct LoadedContacts {
   int undetectable = 0;
   // Some trial comes from taxels without poses.
   bool without_poses = false;
+  // SHA-256 of the data as a whole, for Provenance::data_sha256.
+  std::string data_sha256;
 
   std::vector<const LabelledContact*> Pointers() const;
 };
@@ -74,6 +76,9 @@ absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
                                             const std::string& layout_path,
                                             const Progress& progress,
                                             ExtractOptions extract = {});
+
+// Names contacts that have the frames of an earlier one, on standard error.
+void RemarkCopies(const std::vector<const LabelledContact*>& contacts);
 
 // Makes the folder `path`, and those above it, if they are not there. IO if
 // that fails.

@@ -10,6 +10,7 @@
 #include "core/classify/input_spec.h"
 #include "core/contacts/contact_set.h"
 #include "core/contacts/labelled_contact.h"
+#include "core/data/trial_id.h"
 #include "core/data/trial_layout.h"
 #include "core/features/contact_tracker.h"
 
@@ -143,7 +144,7 @@ absl::StatusOr<ContactTrace> TraceContact(
     const Trial& trial, const SkinLayout& given,
     const std::shared_ptr<const CompiledModel>& model) {
   ContactTrace trace;
-  trace.id = trial.id;
+  trace.id = TrialName(trial.id, trial.source);
   trace.label = trial.label;
   trace.condition = trial.condition;
   trace.unit = trial.unit == "newton" ? "N" : trial.unit;

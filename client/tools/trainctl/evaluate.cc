@@ -25,6 +25,8 @@
 #include "core/base/status_macros.h"
 #include "core/base/version.h"
 #include "core/contacts/contact_set.h"
+#include "core/contacts/copies.h"
+#include "core/contacts/trained_on.h"
 #include "core/data/trial_layout.h"
 #include "core/eval/baselines.h"
 #include "core/eval/unknown.h"
@@ -122,6 +124,7 @@ absl::Status RunUnknown(const EvaluateFlags& flags) {
                           EvaluateUnknown(chosen.contacts, chosen.options,
                                           RunOnThreads, display.progress()));
   display.Clear();
+  RemarkCopies(chosen.contacts);
   if (flags.json) {
     std::cout << JsonText(Json({{"protocol", flags.protocol},
                                 {"seed", flags.fit.seed},
@@ -144,6 +147,8 @@ struct EvaluationRun {
   std::string features;
   // Empty of a bundle.
   ChosenOptions chosen;
+  // Of a bundle.
+  TrainedOn trained = {};
 };
 
 absl::StatusOr<EvaluationRun> RunProtocol(const EvaluateFlags& flags,
@@ -164,8 +169,10 @@ absl::StatusOr<EvaluationRun> RunProtocol(const EvaluateFlags& flags,
   TACTUS_ASSIGN_OR_RETURN(Evaluation result,
                           EvaluateProtocol(chosen.contacts, protocol, algorithm,
                                            options, RunOnThreads, progress));
-  return EvaluationRun{std::move(result), FeaturesToString(options.features),
-                       std::move(chosen)};
+  return EvaluationRun{std::move(result),
+                       FeaturesToString(options.features),
+                       std::move(chosen),
+                       {}};
 }
 
 absl::StatusOr<EvaluationRun> RunModel(
@@ -180,9 +187,12 @@ absl::StatusOr<EvaluationRun> RunModel(
   TACTUS_ASSIGN_OR_RETURN(Evaluation result,
                           EvaluateModel(model, loaded.Pointers(), algorithm,
                                         RunOnThreads, progress));
-  return EvaluationRun{std::move(result),
-                       FeaturesToString(FeaturesUsed(model->model().inputs)),
-                       {}};
+  return EvaluationRun{
+      std::move(result),
+      FeaturesToString(FeaturesUsed(model->model().inputs)),
+      {},
+      FindTrainedOn(model->model().provenance, loaded.Pointers(),
+                    {.sha256 = loaded.data_sha256, .name = flags.data})};
 }
 
 std::string Title(const EvaluateFlags& flags, const EvaluationRun& run) {
@@ -197,12 +207,28 @@ std::string Title(const EvaluateFlags& flags, const EvaluationRun& run) {
       reduced ? " (there is no LSTM to fuse)" : "", run.features);
 }
 
+// What evaluations by a bundle say of the trials that it was fitted to; a model
+// of a protocol has never seen those that it is tested on.
+Json TrainedOnToJson(const TrainedOn& trained) {
+  constexpr const char* kBases[] = {"unknown", "frames", "data", "name"};
+  return {{"basis", kBases[static_cast<int>(trained.basis)]},
+          {"contacts", trained.contacts},
+          {"tested", trained.tested}};
+}
+
 void Print(const EvaluateFlags& flags, const EvaluationRun& run,
            const Json& evaluation, int trials) {
   const bool fitted = flags.model.empty();
   if (flags.json) {
     Json json = {{"protocol", fitted ? flags.protocol : "model"}};
     json["features"] = run.features;
+    json["trained_on_data"] = run.trained.contacts > 0;
+    if (!fitted) {
+      if (run.trained.basis == TrainingBasis::kUnknown) {
+        json["trained_on_data"] = nullptr;
+      }
+      json["trained_on"] = TrainedOnToJson(run.trained);
+    }
     json.update(evaluation);
     if (fitted) {
       json["preset"] = run.chosen.preset;
@@ -213,6 +239,8 @@ void Print(const EvaluateFlags& flags, const EvaluationRun& run,
     std::cout << JsonText(json) << "\n";
     return;
   }
+  const std::string warning = fitted ? "" : TrainedOnText(run.trained);
+  if (!warning.empty()) std::cout << warning << "\n";
   std::cout << ChoiceText(run.chosen.choice) << Title(flags, run) << ": "
             << EvaluationText(evaluation);
   if (fitted) {
@@ -309,6 +337,7 @@ absl::Status WritePage(const EvaluateFlags& flags, const EvaluationRun& run,
   parts.title = absl::StrCat(
       "Evaluation on ", std::filesystem::path(flags.data).filename().string());
   parts.facts = Facts(flags, run, contacts);
+  if (!flags.model.empty()) parts.warning = TrainedOnText(run.trained);
   parts.evaluation = evaluation;
   TACTUS_ASSIGN_OR_RETURN(parts.baselines, CountBaselines(flags, contacts));
   parts.worst = WorstTrials(run.result, contacts);
@@ -356,12 +385,16 @@ absl::Status RunEvaluate(const EvaluateFlags& flags) {
         flags.answers,
         AnswersCsv(run.result, TestedContacts(flags, run, loaded))));
   }
-  const Json evaluation = EvaluationToJson(run.result, loaded.trials);
+  const Contacts tested = TestedContacts(flags, run, loaded);
+  Json evaluation = EvaluationToJson(run.result, loaded.trials);
+  NameConfusions(WrongAnswers(run.result, tested), evaluation);
+  evaluation["duplicates"] = FindCopies(tested).size();
   if (!flags.report.empty()) {
     TACTUS_RETURN_IF_ERROR(
         WritePage(flags, run, model, loaded, evaluation, display.progress()));
   }
   display.Clear();
+  RemarkCopies(tested);
   Print(flags, run, evaluation, loaded.trials);
   return absl::OkStatus();
 }

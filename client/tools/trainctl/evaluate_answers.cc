@@ -26,7 +26,8 @@ std::string AnswersCsv(const Evaluation& result,
     const LabelledContact& contact = *contacts[i];
     const Outcome& outcome = result.final[i];
     const std::string so_far = LabelSoFar(contact, contact.frames.size() - 1);
-    absl::StrAppend(&csv, Field(contact.id), ",", Field(contact.label), ",",
+    absl::StrAppend(&csv, Field(ContactName(contact)), ",",
+                    Field(contact.label), ",",
                     Field(so_far == contact.label ? "" : so_far), ",",
                     Field(result.class_names[outcome.answer()]));
     for (const double probability : outcome.probability) {

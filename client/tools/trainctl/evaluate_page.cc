@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "client/tools/trainctl/html.h"
 #include "client/tools/trainctl/text.h"
 
@@ -25,6 +26,7 @@ std::string Text(const Json& json) { return json.get<std::string>(); }
 void AddHeadline(const EvaluationPageParts& parts, Html& html) {
   const Json& r = parts.evaluation;
   const int felt = r["felt"].get<int>();
+  if (!parts.warning.empty()) html.Paragraph(parts.warning + ".");
   html.Add("<p class=\"big\">", Percent(r["accuracy"].get<double>()), "</p>\n");
   html.Paragraph(
       absl::StrCat(WithCommas(r["right"].get<int>()), " of ",
@@ -127,10 +129,19 @@ void AddConfusions(const Json& confusions, Html& html) {
   }
   std::vector<std::vector<std::string>> rows;
   for (const Json& pair : confusions) {
+    std::vector<std::string> names;
+    if (pair.contains("trials")) {
+      for (const Json& name : pair["trials"]) names.push_back(Text(name));
+    }
     rows.push_back({Text(pair["label"]), Text(pair["answer"]),
-                    WithCommas(pair["count"].get<int>())});
+                    WithCommas(pair["count"].get<int>()),
+                    absl::StrJoin(names, ", ")});
   }
-  html.Table({{"label", false}, {"answer", false}, {"contacts"}}, rows);
+  html.Table({{"label", false},
+              {"answer", false},
+              {"contacts"},
+              {"recordings", false}},
+             rows);
 }
 
 void AddTimes(const Json& r, const std::string& png, Html& html) {
@@ -228,7 +239,7 @@ void AddWorst(const Json& worst, const std::vector<std::string>& pictures,
   std::vector<std::vector<std::string>> rows;
   for (const Json& w : worst) {
     rows.push_back(
-        {Text(w["trial"]), Text(w["label"]), Text(w["answer"]),
+        {Text(w["name"]), Text(w["label"]), Text(w["answer"]),
          absl::StrFormat("%.3f", w["probability"].get<double>()),
          absl::StrFormat("%.2g", w["probability_of_label"].get<double>())});
   }
@@ -242,7 +253,7 @@ void AddWorst(const Json& worst, const std::vector<std::string>& pictures,
     const std::string caption = absl::StrFormat(
         "Trial %s, label %s, answer %s (probability %.3f); probability of the "
         "label: %.2g",
-        Text(worst[i]["trial"]), Text(worst[i]["label"]),
+        Text(worst[i]["name"]), Text(worst[i]["label"]),
         Text(worst[i]["answer"]), worst[i]["probability"].get<double>(),
         worst[i]["probability_of_label"].get<double>());
     html.Paragraph(caption);
@@ -268,6 +279,7 @@ Json WorstTrials(const Evaluation& result,
   for (const size_t i : order) {
     const int answer = result.final[i].answer();
     worst.push_back({{"trial", contacts[i]->id},
+                     {"name", ContactName(*contacts[i])},
                      {"label", result.class_names[result.final[i].label]},
                      {"answer", result.class_names[answer]},
                      {"probability", result.final[i].probability[answer]},

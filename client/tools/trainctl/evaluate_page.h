@@ -48,6 +48,8 @@ struct EvaluationPageParts {
   std::string title = {};
   // What was evaluated and how: "data", "arm.h5"; "seed", "1".
   std::vector<std::pair<std::string, std::string>> facts = {};
+  // What makes the figures say less than they seem to; may be empty.
+  std::string warning = {};
   // Of EvaluationToJson().
   Json evaluation = {};
   // Of BaselinesToJson(); null if they were not counted.

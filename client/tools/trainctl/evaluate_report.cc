@@ -5,8 +5,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "client/tools/trainctl/evaluate_figures.h"
 #include "client/tools/trainctl/text.h"
+#include "core/base/text.h"
 
 namespace tactus::client {
 namespace {
@@ -227,15 +229,29 @@ std::string RecallLines(const Json& per_class) {
   return text;
 }
 
+// The names of the trials of a confusion in parentheses, if they are known.
+std::string TrialsText(const Json& pair) {
+  constexpr size_t kShown = 5;
+  if (!pair.contains("trials")) return "";
+  std::vector<std::string> names;
+  for (const Json& name : pair["trials"]) {
+    if (names.size() == kShown) break;
+    names.push_back(Printable(name.get<std::string>()));
+  }
+  if (pair["count"].get<size_t>() > names.size()) names.push_back("...");
+  return absl::StrCat(" (", absl::StrJoin(names, ", "), ")");
+}
+
 std::string ConfusionLines(const Json& confusions) {
   if (confusions.empty()) return "";
   constexpr size_t kShown = 5;
   std::string text = "Most frequent confusions:\n";
   for (size_t i = 0; i < std::min(confusions.size(), kShown); ++i) {
     const Json& pair = confusions[i];
-    absl::StrAppendFormat(
-        &text, "  %s taken for %s: %d\n", pair["label"].get<std::string>(),
-        pair["answer"].get<std::string>(), pair["count"].get<int>());
+    absl::StrAppendFormat(&text, "  %s taken for %s: %d%s\n",
+                          pair["label"].get<std::string>(),
+                          pair["answer"].get<std::string>(),
+                          pair["count"].get<int>(), TrialsText(pair));
   }
   return text;
 }
@@ -279,6 +295,30 @@ Json ConfusionToJson(const std::vector<std::string>& class_names,
           {"confusion", confusion},
           {"per_class", PerClass(class_names, confusion)},
           {"confusions", TopConfusions(class_names, confusion)}};
+}
+
+std::vector<WrongAnswer> WrongAnswers(
+    const Evaluation& result,
+    const std::vector<const LabelledContact*>& contacts) {
+  std::vector<WrongAnswer> wrong;
+  for (size_t i = 0; i < contacts.size(); ++i) {
+    const Outcome& outcome = result.final[i];
+    if (outcome.answer() == outcome.label) continue;
+    wrong.push_back({ContactName(*contacts[i]),
+                     result.class_names[outcome.label],
+                     result.class_names[outcome.answer()]});
+  }
+  return wrong;
+}
+
+void NameConfusions(const std::vector<WrongAnswer>& wrong, Json& evaluation) {
+  for (Json& pair : evaluation["confusions"]) {
+    for (const WrongAnswer& w : wrong) {
+      if (pair["label"] == w.label && pair["answer"] == w.answer) {
+        pair["trials"].push_back(w.name);
+      }
+    }
+  }
 }
 
 Json EvaluationToJson(const Evaluation& result, int trials) {

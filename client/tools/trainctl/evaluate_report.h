@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "client/tools/trainctl/command.h"
+#include "core/contacts/labelled_contact.h"
 #include "core/eval/evaluation.h"
 #include "core/eval/unknown.h"
 
@@ -27,6 +28,19 @@ Json EvaluationToJson(const Evaluation& result, int trials);
 // precision of each, and the most frequent confusions.
 Json ConfusionToJson(const std::vector<std::string>& class_names,
                      const Confusion& confusion);
+
+// A contact that was classified wrongly, by the names of its trial and classes.
+struct WrongAnswer {
+  std::string name;
+  std::string label;
+  std::string answer;
+};
+std::vector<WrongAnswer> WrongAnswers(
+    const Evaluation& result,
+    const std::vector<const LabelledContact*>& contacts);
+
+// Adds the names of the trials to the confusions of `evaluation`.
+void NameConfusions(const std::vector<WrongAnswer>& wrong, Json& evaluation);
 
 // Several lines, from the accuracy over the recall of each class to the
 // confusion matrix, if that is not too wide for a terminal. Ends with a

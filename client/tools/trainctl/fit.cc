@@ -63,10 +63,12 @@ absl::Status RunFit(const FitCommandFlags& flags) {
       FitModel(chosen.contacts, options, RunOnThreads, display.progress(),
                display.terminal() ? &curves : nullptr));
   display.Clear();
+  RemarkCopies(chosen.contacts);
   model.release_after_s = flags.release_after_s;
   model.provenance.command = CommandLine();
   model.provenance.version = kVersion;
   model.provenance.data = flags.data;
+  model.provenance.data_sha256 = loaded.data_sha256;
   model.provenance.note = flags.note;
   TACTUS_ASSIGN_OR_RETURN(const std::string bytes, EncodeBundle(model));
   TACTUS_RETURN_IF_ERROR(WriteFileBytes(flags.out, bytes));

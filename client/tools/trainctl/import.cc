@@ -6,12 +6,18 @@
 #include <optional>
 #include <set>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/progress_display.h"
 #include "client/tools/trainctl/text.h"
+#include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/base/text.h"
+#include "core/data/frame_fingerprint.h"
 #include "core/data/trial_file.h"
+#include "core/data/trial_id.h"
 #include "core/skin/layout_json.h"
 
 namespace tactus::client {
@@ -37,6 +43,43 @@ bool IsFelt(const Trial& trial, const SkinLayout& skin) {
   return false;
 }
 
+// Notices trials with the frames of an earlier one.
+class Duplicates {
+ public:
+  void Add(const Trial& trial) {
+    const std::string fingerprint = FrameFingerprint(trial);
+    if (!IdentifiesRecording(fingerprint)) return;
+    const Named named = {TrialName(trial.id, trial.source), trial.label};
+    const auto [first, added] = first_.emplace(fingerprint, named);
+    if (added) return;
+    ++count_;
+    if (lines_.size() == limits::kMaxNamedTrials) return;
+    lines_.push_back(absl::StrFormat(
+        "  %s (%s) has the frames of %s (%s)\n", Printable(named.name),
+        Printable(named.label), Printable(first->second.name),
+        Printable(first->second.label)));
+  }
+
+  int count() const { return count_; }
+  // Several lines; empty if there are none.
+  std::string Text() const {
+    if (count_ == 0) return "";
+    return absl::StrCat("trainctl: ", count_,
+                        " of the trials have frames that an earlier one has; "
+                        "a dataset takes each recording once\n",
+                        absl::StrJoin(lines_, ""));
+  }
+
+ private:
+  struct Named {
+    std::string name;
+    std::string label;
+  };
+  std::map<std::string, Named> first_;
+  std::vector<std::string> lines_;
+  int count_ = 0;
+};
+
 absl::Status RunImport(const ImportFlags& flags) {
   TACTUS_ASSIGN_OR_RETURN(
       auto writer, TrialFileWriter::Create(flags.out, {.overwrite = true}));
@@ -44,6 +87,7 @@ absl::Status RunImport(const ImportFlags& flags) {
   std::map<std::string, int> counts;
   std::set<std::string> conditions;
   std::set<std::string> groups;
+  Duplicates duplicates;
   std::optional<SkinLayout> skin;
   int64_t imported = 0;
   size_t frames = 0;
@@ -59,6 +103,7 @@ absl::Status RunImport(const ImportFlags& flags) {
                               flags.path,
                               [&](Trial trial) {
                                 ++counts[trial.label];
+                                duplicates.Add(trial);
                                 if (!trial.condition.empty())
                                   conditions.insert(trial.condition);
                                 if (!trial.material.empty())
@@ -74,6 +119,7 @@ absl::Status RunImport(const ImportFlags& flags) {
                               options));
   TACTUS_RETURN_IF_ERROR(writer.Close());
   display.Clear();
+  std::cerr << duplicates.Text();
   if (flags.json) {
     std::cout << JsonText(Json{{"trials", trials},
                                {"frames", frames},
@@ -82,6 +128,7 @@ absl::Status RunImport(const ImportFlags& flags) {
                                {"groups", groups.size()},
                                {"with_poses", with_poses},
                                {"never_felt", never_felt},
+                               {"duplicates", duplicates.count()},
                                {"skin", skin ? Json::parse(LayoutToJson(*skin))
                                              : Json(nullptr)},
                                {"seconds", SecondsSinceStart()}})

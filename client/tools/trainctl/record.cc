@@ -226,11 +226,11 @@ absl::StatusOr<double> MeasureRate(SkinDriver& driver, const SkinInfo& info) {
 // Uploads only what is complete on the disk.
 absl::Status Upload(const RecordFlags& flags) {
   if (flags.dataset.empty()) return absl::OkStatus();
-  return RunRemote(flags.remote, [&](TrainingClient& client,
-                                     const RemoteFlags&) {
-    return UploadTrialFile(client, flags.dataset, flags.out, /*replace=*/false,
-                           /*json=*/false);
-  });
+  return RunRemote(
+      flags.remote, [&](TrainingClient& client, const RemoteFlags&) {
+        return UploadTrialFile(client, flags.dataset, flags.out, {},
+                               /*json=*/false);
+      });
 }
 
 absl::Status CheckDataset(const RecordFlags& flags) {

@@ -1,4 +1,5 @@
 // trainctl datasets: labelled trials on a server.
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <map>
@@ -6,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "client/tools/trainctl/dataset_text.h"
 #include "client/tools/trainctl/progress_display.h"
 #include "client/tools/trainctl/proto_json.h"
 #include "client/tools/trainctl/remote_flags.h"
@@ -13,30 +15,19 @@
 #include "client/training/trial_downloader.h"
 #include "client/training/trial_uploader.h"
 #include "core/base/errors.h"
+#include "core/base/limits.h"
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
+#include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/data/trial_file.h"
+#include "core/data/trial_id.h"
 #include "core/data/trial_layout.h"
 
 namespace tactus::client {
 namespace {
 
 constexpr char kCollection[] = "datasets";
-
-std::string LabelsText(const v1::DatasetVersion& version) {
-  const std::map<std::string, uint32_t> labels(version.labels().begin(),
-                                               version.labels().end());
-  return absl::StrJoin(labels, ", ", absl::PairFormatter(" "));
-}
-
-std::string VersionText(const v1::DatasetVersion& version) {
-  return absl::StrFormat("%s  %s  %s trials, %s (%s)  +%d -%d\n",
-                         version.name(), TimeText(version.create_time_ms()),
-                         WithCommas(version.trials()),
-                         BytesText(version.bytes()), LabelsText(version),
-                         version.added(), version.removed());
-}
 
 absl::Status Create(TrainingClient& client, const std::string& name,
                     const std::string& description, bool json) {
@@ -55,7 +46,8 @@ absl::Status Create(TrainingClient& client, const std::string& name,
 // the server continues an upload that was interrupted. Another one if the file
 // or the dataset has changed.
 absl::StatusOr<std::string> UploadId(const v1::Dataset& dataset,
-                                     const std::string& path, bool replace) {
+                                     const std::string& path,
+                                     const UploadFlags& flags) {
   std::error_code error;
   const auto canonical = std::filesystem::canonical(path, error);
   if (error) return IoError(path, error.message());
@@ -68,28 +60,84 @@ absl::StatusOr<std::string> UploadId(const v1::Dataset& dataset,
       Sha256Hex(absl::StrCat(
           dataset.name(), "\n", dataset.create_time_ms(), "\n",
           dataset.latest_version(), "\n", canonical.string(), "\n", size, "\n",
-          changed.time_since_epoch().count(), "\n", replace, "\n", kVersion)));
+          changed.time_since_epoch().count(), "\n", flags.replace, "\n",
+          flags.replace_labels, "\n", kVersion)));
 }
 
-// A trial whose skin is not known would be refused at the end of a long upload.
-absl::Status CheckSkin(const Trial& trial) {
+// A trial without a valid id, or whose skin is not known, would be refused at
+// the end of a long upload.
+absl::Status CheckTrial(const Trial& trial) {
+  if (const std::string fault = TrialIdFault(trial.id); !fault.empty()) {
+    return InvalidTrial(absl::StrCat(
+        "trial ", Quoted(trial.id), ": id: ", fault,
+        "; `trainctl import FILE.h5 --out=NEW.h5` makes one and keeps the name "
+        "as the trial's source"));
+  }
   if (trial.taxels.empty()) return absl::OkStatus();
   return LayoutOfTrial(trial).status();
+}
+
+// What became of the trials that are not stored as they were sent.
+std::string NotesText(const v1::FinishUploadResponse& made) {
+  struct Group {
+    v1::TrialNote::Kind kind;
+    uint32_t count;
+    const char* what;
+  };
+  const v1::DatasetVersion& version = made.version();
+  uint32_t replaced = 0;
+  for (const v1::TrialNote& note : made.notes()) {
+    replaced += note.kind() == v1::TrialNote::KIND_REPLACED;
+  }
+  const Group groups[] = {
+      {v1::TrialNote::KIND_DUPLICATE, version.duplicates(),
+       "were there already and were left out"},
+      {v1::TrialNote::KIND_REPLACED, std::max(replaced, version.relabelled()),
+       "took the place of trials with the same frames"},
+      {v1::TrialNote::KIND_RENAMED, version.renamed(),
+       "got another id, because theirs named another recording"}};
+  constexpr size_t kNamed = 5;
+  std::string text;
+  for (const Group& group : groups) {
+    if (group.count == 0) continue;
+    std::vector<std::string> names;
+    for (const v1::TrialNote& note : made.notes()) {
+      if (note.kind() != group.kind || names.size() == kNamed) continue;
+      names.push_back(Printable(TrialName(note.id(), note.source())));
+      if (!note.new_id().empty()) {
+        absl::StrAppend(&names.back(), " is ", note.new_id());
+      } else if (note.label() != note.other_label()) {
+        absl::StrAppend(&names.back(), " (", Printable(note.label()), ", was ",
+                        Printable(note.other_label()), ")");
+      } else if (const std::string other =
+                     Printable(TrialName(note.other_id(), note.other_source()));
+                 other != names.back()) {
+        absl::StrAppend(&names.back(), " (there as ", other, ")");
+      }
+    }
+    if (group.count > names.size()) names.push_back("...");
+    absl::StrAppendFormat(&text, "%s of the trials %s: %s\n",
+                          WithCommas(static_cast<int>(group.count)), group.what,
+                          absl::StrJoin(names, ", "));
+  }
+  return text;
 }
 
 }  // namespace
 
 absl::Status UploadTrialFile(TrainingClient& client, const std::string& name,
-                             const std::string& path, bool replace, bool json) {
+                             const std::string& path, const UploadFlags& flags,
+                             bool json) {
   TACTUS_ASSIGN_OR_RETURN(const TrialFileReader reader,
                           TrialFileReader::Open(path));
   TACTUS_ASSIGN_OR_RETURN(const v1::GetDatasetResponse found,
                           client.GetDataset(FullName(kCollection, name)));
   v1::CreateUploadRequest request;
   request.set_dataset(found.dataset().name());
-  request.set_replace(replace);
+  request.set_replace(flags.replace);
+  request.set_replace_labels(flags.replace_labels);
   TACTUS_ASSIGN_OR_RETURN(*request.mutable_request_id(),
-                          UploadId(found.dataset(), path, replace));
+                          UploadId(found.dataset(), path, flags));
   ProgressDisplay display;
   const Progress progress = display.progress().Part("upload trials", 1);
   TrialUploader uploader(&client, {});
@@ -101,7 +149,7 @@ absl::Status UploadTrialFile(TrainingClient& client, const std::string& name,
           return std::nullopt;
         }
         TACTUS_ASSIGN_OR_RETURN(Trial trial, reader.Read(next++));
-        TACTUS_RETURN_IF_ERROR(CheckSkin(trial));
+        TACTUS_RETURN_IF_ERROR(CheckTrial(trial));
         progress.Add(1 / static_cast<double>(reader.size()));
         return trial;
       });
@@ -110,11 +158,7 @@ absl::Status UploadTrialFile(TrainingClient& client, const std::string& name,
   if (json) {
     PrintJson(ToJson(*made));
   } else {
-    std::cout << VersionText(made->version());
-    if (made->known_trials() > 0) {
-      std::cout << absl::StrFormat("%s of the trials were there already\n",
-                                   WithCommas(made->known_trials()));
-    }
+    std::cout << VersionText(made->version()) << NotesText(*made);
   }
   return absl::OkStatus();
 }
@@ -159,10 +203,10 @@ absl::Status ShowTrials(TrainingClient& client, const ShowFlags& show,
     return absl::OkStatus();
   }
   for (const v1::TrialInfo& trial : trials) {
-    std::cout << absl::StrFormat("%s  %-4s  %d frames  %s  %s  %s  %s\n",
-                                 trial.id(), trial.label(), trial.frames(),
-                                 BytesText(trial.bytes()), trial.condition(),
-                                 trial.material(), trial.layout());
+    std::cout << absl::StrFormat(
+        "%s  %-4s  %d frames  %s  %s  %s  %s  %s\n", trial.id(), trial.label(),
+        trial.frames(), BytesText(trial.bytes()), trial.condition(),
+        trial.material(), trial.layout(), Printable(trial.source()));
   }
   return absl::OkStatus();
 }
@@ -180,8 +224,8 @@ absl::Status ShowDataset(TrainingClient& client, const ShowFlags& show,
     if (json) {
       PrintJson(ToJson(version));
     } else {
-      std::cout << VersionText(version) << "sha256 " << version.sha256()
-                << "\n";
+      std::cout << VersionText(version) << OriginText(version) << "sha256 "
+                << version.sha256() << "\n";
     }
     return absl::OkStatus();
   }
@@ -196,6 +240,9 @@ absl::Status ShowDataset(TrainingClient& client, const ShowFlags& show,
                                dataset.dataset().description());
   for (const v1::DatasetVersion& version : dataset.versions()) {
     std::cout << "  " << VersionText(version);
+    if (const std::string origin = OriginText(version); !origin.empty()) {
+      std::cout << "    " << origin;
+    }
   }
   return absl::OkStatus();
 }
@@ -216,6 +263,14 @@ absl::StatusOr<TrialsOf> AllTrials(TrainingClient& client,
     trials[{trial.id(), trial.sha256()}] = trial;
   }
   return trials;
+}
+
+std::string LineOf(const v1::TrialInfo& trial) {
+  return absl::StrCat(trial.id(), "  ", trial.label(),
+                      trial.source().empty()
+                          ? ""
+                          : absl::StrCat("  ", Printable(trial.source())),
+                      "\n");
 }
 
 std::vector<v1::TrialInfo> Without(const TrialsOf& from, const TrialsOf& what) {
@@ -240,10 +295,10 @@ absl::Status Diff(TrainingClient& client, const std::string& before,
     return absl::OkStatus();
   }
   for (const v1::TrialInfo& trial : removed) {
-    std::cout << "- " << trial.id() << "  " << trial.label() << "\n";
+    std::cout << "- " << LineOf(trial);
   }
   for (const v1::TrialInfo& trial : added) {
-    std::cout << "+ " << trial.id() << "  " << trial.label() << "\n";
+    std::cout << "+ " << LineOf(trial);
   }
   std::cout << absl::StrFormat("%d removed, %d added, %d the same\n",
                                removed.size(), added.size(), same);
@@ -259,12 +314,22 @@ absl::Status Download(TrainingClient& client, const std::string& name,
                           TrialFileWriter::Create(path, {overwrite}));
   ProgressDisplay display;
   const Progress progress = display.progress().Part("download trials", 1);
+  // Release 0.1.0 stored ids that are repeated, or that no file can have.
+  TrialIds ids;
+  std::vector<std::string> renamed;
   TACTUS_ASSIGN_OR_RETURN(
       const DownloadTotals totals,
       DownloadTrials(client, version.name(),
                      [&](const Trial& trial) {
                        progress.Add(1 / static_cast<double>(version.trials()));
-                       return writer.Append(trial);
+                       Trial named = trial;
+                       named.id = ids.Unique(trial.id);
+                       if (named.id != trial.id) {
+                         if (named.source.empty()) named.source = trial.id;
+                         renamed.push_back(absl::StrCat(Printable(trial.id),
+                                                        " is ", named.id));
+                       }
+                       return writer.Append(named);
                      },
                      {}));
   if (totals.trials != version.trials()) {
@@ -275,10 +340,24 @@ absl::Status Download(TrainingClient& client, const std::string& name,
   TACTUS_RETURN_IF_ERROR(writer.Close());
   display.Clear();
   if (json) {
-    PrintJson({{"version", ToJson(version)}, {"file", path}});
+    PrintJson({{"version", ToJson(version)},
+               {"file", path},
+               {"renamed", renamed.size()}});
   } else {
     std::cout << absl::StrFormat("%s: %s trials of %s\n", path,
                                  WithCommas(version.trials()), version.name());
+    if (!renamed.empty()) {
+      std::cout << absl::StrFormat(
+          "%s of the trials got another id, because theirs is repeated or not "
+          "1 to %d letters, digits, - or _: %s\n",
+          WithCommas(static_cast<int>(renamed.size())),
+          limits::kMaxTrialIdBytes,
+          absl::StrJoin(
+              renamed.begin(),
+              renamed.begin() + static_cast<ptrdiff_t>(std::min<size_t>(
+                                    renamed.size(), limits::kMaxNamedTrials)),
+              ", "));
+    }
   }
   return absl::OkStatus();
 }
@@ -328,14 +407,18 @@ void AddDatasets(CLI::App& app, const SelectCommand& select) {
                 "upload arm --data=trials.h5");
     auto dataset = name(command, "Dataset");
     auto data = std::make_shared<std::string>();
-    auto replace = std::make_shared<bool>(false);
+    auto upload = std::make_shared<UploadFlags>();
     command.add_option("--data", *data, "Trial file")->required();
-    command.add_flag("--replace", *replace,
+    command.add_flag("--replace", upload->replace,
                      "The new version has these trials only, not those of the "
                      "version before");
+    command.add_flag("--replace-labels", upload->replace_labels,
+                     "Trials whose frames the dataset holds already take their "
+                     "place, with their labels. Without it, the same frames "
+                     "with another label are refused");
     AddRemoteCommand(
         command, select, [=](TrainingClient& client, const RemoteFlags& flags) {
-          return UploadTrialFile(client, *dataset, *data, *replace, flags.json);
+          return UploadTrialFile(client, *dataset, *data, *upload, flags.json);
         });
   }
   {

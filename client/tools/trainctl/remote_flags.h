@@ -61,16 +61,26 @@ CLI::App& AddVerb(CLI::App& group, const std::string& verb,
 // stays as it is.
 std::string FullName(absl::string_view collection, absl::string_view text);
 
-// Adds the trials of a file to a dataset, or with `replace` puts them in the
-// place of its trials, and prints the new version.
+struct UploadFlags {
+  // The new version has the uploaded trials only.
+  bool replace = false;
+  // Uploaded trials take the place of those with the same frames.
+  bool replace_labels = false;
+};
+
+// Adds the trials of a file to a dataset, and prints the new version and what
+// became of trials that it holds already.
 absl::Status UploadTrialFile(TrainingClient& client, const std::string& name,
-                             const std::string& path, bool replace, bool json);
+                             const std::string& path, const UploadFlags& flags,
+                             bool json);
 
 // An identifier for a request that no other request has.
 std::string NewRequestId();
 
 // Each function adds a command, or a group of them, to `app`.
 void AddDatasets(CLI::App& app, const SelectCommand& select);
+// `datasets relabel` and `datasets remove`.
+void AddDatasetEdits(CLI::App& app, const SelectCommand& select);
 void AddTrain(CLI::App& app, const SelectCommand& select);
 // `evaluate`, for files and for datasets of a server.
 void AddRemoteEvaluate(CLI::App& app, const SelectCommand& select);

@@ -18,6 +18,8 @@
 #include "client/training/retry.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
+#include "core/base/text.h"
+#include "core/contacts/trained_on.h"
 
 namespace tactus::client {
 namespace {
@@ -46,6 +48,47 @@ std::string AccuracyText(const v1::Accuracy& accuracy) {
                          Percent(accuracy.correct() / contacts),
                          100 * accuracy.low(), 100 * accuracy.high(),
                          WithCommas(static_cast<int>(accuracy.contacts())));
+}
+
+// A line if the model was trained on what it is tested on, or may have been.
+std::string TrainedOnLine(const v1::Operation& job,
+                          const v1::EvaluationReport& report) {
+  if (job.kind() == v1::Operation::KIND_EVALUATE &&
+      job.evaluate().model_version().empty()) {
+    return "";
+  }
+  const std::string text = TrainedOnText(
+      {.basis = static_cast<TrainingBasis>(report.training_basis()),
+       .contacts = static_cast<int>(report.trained_on_contacts()),
+       .tested = static_cast<int>(report.accuracy().contacts())});
+  return text.empty() ? "" : text + "\n";
+}
+
+std::string DuplicatesText(const v1::OperationResult& result) {
+  if (result.duplicates() == 0) return "";
+  std::string text =
+      absl::StrFormat("%s of the trials have frames that an earlier one has\n",
+                      WithCommas(static_cast<int>(result.duplicates())));
+  for (const v1::DuplicateTrial& trial : result.duplicate_trials()) {
+    absl::StrAppend(&text, "  ", Printable(trial.name()), " (",
+                    Printable(trial.label()), ") has the frames of ",
+                    Printable(trial.first_name()), " (",
+                    Printable(trial.first_label()), ")\n");
+  }
+  return text;
+}
+
+std::string WrongText(const v1::EvaluationReport& report) {
+  std::string text;
+  for (const v1::WrongAnswer& wrong : report.wrong()) {
+    absl::StrAppend(&text, text.empty() ? "wrong: " : ", ",
+                    Printable(wrong.name()), " (", Printable(wrong.label()),
+                    " taken for ", Printable(wrong.answer()), ")");
+  }
+  const int count = static_cast<int>(report.accuracy().contacts()) -
+                    static_cast<int>(report.accuracy().correct());
+  if (count > report.wrong_size()) text += ", ...";
+  return report.wrong().empty() ? "" : text + "\n";
 }
 
 std::string ReportText(const char* title, const v1::EvaluationReport& report) {
@@ -77,11 +120,14 @@ std::string ConfusionText(const v1::EvaluationReport& report) {
   return text;
 }
 
-std::string ComparisonText(const v1::Comparison& comparison) {
+std::string ComparisonText(const v1::Operation& job,
+                           const v1::Comparison& comparison) {
   const bool same =
       comparison.only_current() == 0 && comparison.only_candidate() == 0;
   return absl::StrCat(
+      TrainedOnLine(job, comparison.current()),
       ReportText("current", comparison.current()),
+      TrainedOnLine(job, comparison.candidate()),
       ReportText("candidate", comparison.candidate()),
       same
           ? "both versions are right on the same contacts (McNemar p = 1)\n"
@@ -161,11 +207,13 @@ std::string ResultText(const v1::Operation& job) {
                           WithCommas(result.unusable_trials_size()),
                           absl::StrJoin(result.unusable_trials(), ", "));
   }
-  if (result.has_comparison()) text += ComparisonText(result.comparison());
+  if (result.has_comparison()) text += ComparisonText(job, result.comparison());
   if (result.has_evaluation() && !result.has_comparison()) {
     text += ReportText("evaluation", result.evaluation());
     text += ConfusionText(result.evaluation());
+    text += WrongText(result.evaluation());
   }
+  text += DuplicatesText(result);
   if (job.kind() == v1::Operation::KIND_PROMOTE &&
       job.state() == v1::Operation::STATE_SUCCEEDED) {
     absl::StrAppend(&text, job.promote().alias(), " is now ",
@@ -176,8 +224,19 @@ std::string ResultText(const v1::Operation& job) {
 
 void PrintJob(const v1::Operation& job, const RemoteFlags& flags) {
   if (flags.json) {
-    PrintJson(ToJson(job));
+    Json json = ToJson(job);
+    // As `evaluate` of a file says it.
+    if (job.result().has_evaluation()) {
+      const v1::EvaluationReport& report = job.result().evaluation();
+      json["trained_on_data"] = report.has_trained_on_data()
+                                    ? Json(report.trained_on_data())
+                                    : Json(nullptr);
+    }
+    PrintJson(json);
   } else {
+    if (job.result().has_evaluation()) {
+      std::cout << TrainedOnLine(job, job.result().evaluation());
+    }
     std::cout << JobLine(job) << ResultText(job);
   }
   std::cout.flush();

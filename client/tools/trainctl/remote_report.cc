@@ -8,6 +8,7 @@
 #include "client/tools/trainctl/evaluate_report.h"
 #include "client/tools/trainctl/text.h"
 #include "core/base/version.h"
+#include "core/contacts/trained_on.h"
 #include "core/files/draft_file.h"
 
 namespace tactus::client {
@@ -54,6 +55,11 @@ Json ReportToJson(const v1::EvaluationReport& report) {
                {"ece", report.calibration_error()}};
   json.update(ConfusionToJson(
       {report.class_names().begin(), report.class_names().end()}, confusion));
+  std::vector<WrongAnswer> wrong;
+  for (const v1::WrongAnswer& answer : report.wrong()) {
+    wrong.push_back({answer.name(), answer.label(), answer.answer()});
+  }
+  NameConfusions(wrong, json);
   return json;
 }
 
@@ -79,6 +85,12 @@ absl::Status WriteRemoteReport(const std::string& folder,
                            absl::StrFormat("%.3f", report.calibration_error()));
   parts.facts.emplace_back("job", job.name());
   parts.facts.emplace_back("program", absl::StrCat("trainctl ", kVersion));
+  if (!spec.model_version().empty()) {
+    parts.warning = TrainedOnText(
+        {.basis = static_cast<TrainingBasis>(report.training_basis()),
+         .contacts = static_cast<int>(report.trained_on_contacts()),
+         .tested = static_cast<int>(report.accuracy().contacts())});
+  }
   parts.evaluation = ReportToJson(report);
   return WriteFileBytes((std::filesystem::path(folder) / "index.html").string(),
                         EvaluationPage(parts));

@@ -75,9 +75,12 @@ absl::Status PrintAudit(TrainingClient& client, const RemoteFlags& flags,
     return absl::OkStatus();
   }
   for (const v1::AuditEntry& entry : entries) {
-    absl::PrintF("%s  %-9s %-32s %s  %s\n", TimeText(entry.time_ms()),
+    absl::PrintF("%s  %-9s %-32s %s  %s%s\n", TimeText(entry.time_ms()),
                  Printable(entry.verb()), Printable(entry.resource()),
-                 Printable(entry.caller()), Printable(entry.peer()));
+                 Printable(entry.caller()), Printable(entry.peer()),
+                 entry.reason().empty()
+                     ? ""
+                     : absl::StrCat("  ", Printable(entry.reason())));
   }
   return absl::OkStatus();
 }

@@ -33,6 +33,11 @@ absl::StatusOr<Trial> FindTrial(const std::string& path,
     if (i < kNamed)
       absl::StrAppend(&first_ids, i == 0 ? "" : ", ", reader.id(i));
   }
+  // Not an id; perhaps the name of a recording.
+  for (size_t i = 0; i < reader.size(); ++i) {
+    TACTUS_ASSIGN_OR_RETURN(Trial trial, reader.Read(i));
+    if (trial.source == id) return trial;
+  }
   return InvalidConfig(
       "--trial", id,
       absl::StrCat("one of the ", reader.size(), " trials of ", path, ": ",
@@ -62,7 +67,10 @@ void AddShow(CLI::App& app, const SelectCommand& select) {
   CLI::App* command = app.add_subcommand(
       "show", "Draw one contact: skin, features, posteriors");
   command->add_option("data", flags->data, "Trial file")->required();
-  command->add_option("--trial", flags->trial, "Id of the trial")->required();
+  command
+      ->add_option("--trial", flags->trial,
+                   "Id of the trial, or name of its recording")
+      ->required();
   command->add_option("--model", flags->model,
                       "Bundle whose posteriors are drawn");
   command->add_option("--layout", flags->layout,

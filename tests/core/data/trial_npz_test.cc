@@ -95,6 +95,7 @@ TEST(TrialNpzTest, ImportTakesFoldersOfThem) {
   ASSERT_TRUE(count.ok()) << count.status();
   ASSERT_EQ(imported.size(), 1u);
   EXPECT_EQ(imported[0].id, "seven");
+  EXPECT_EQ(imported[0].source, trial.source);
   imported[0].id = trial.id;
   EXPECT_TRUE(SameBits(imported[0], trial));
 }

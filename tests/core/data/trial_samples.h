@@ -38,6 +38,7 @@ inline Trial FullTrial(uint64_t seed, int frames, bool floats = false) {
     trial.poses.push_back(pose);
     trial.object_motion.push_back(1e-12 * random.Gaussian());
   }
+  trial.source = "gr\xC3\xBCn 17.csv";
   trial.label = "SM";
   trial.condition = "k543-v0.005";
   trial.object = "cube 0.05 m, gr\xC3\xBCn";
@@ -75,8 +76,8 @@ inline bool SameBits(const Trial& a, const Trial& b) {
     }
     return values;
   };
-  return a.id == b.id && a.time == b.time && a.signals == b.signals &&
-         a.taxels.rows == b.taxels.rows &&
+  return a.id == b.id && a.source == b.source && a.time == b.time &&
+         a.signals == b.signals && a.taxels.rows == b.taxels.rows &&
          a.taxels.columns == b.taxels.columns && a.taxels.u16 == b.taxels.u16 &&
          a.taxels.f32 == b.taxels.f32 && a.taxels.scale == b.taxels.scale &&
          poses(a) == poses(b) && a.label == b.label &&

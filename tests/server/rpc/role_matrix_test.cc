@@ -44,7 +44,8 @@ Matrix Expected() {
   add("TrainingService", Role::kTrainer,
       {"CreateDataset", "GetDataset", "ListDatasets", "GetDatasetVersion",
        "ListTrials", "DownloadTrials", "CreateUpload", "WriteUpload",
-       "QueryWriteStatus", "FinishUpload", "TrainModel", "EvaluateModel"});
+       "QueryWriteStatus", "FinishUpload", "RelabelTrials", "RemoveTrials",
+       "TrainModel", "EvaluateModel"});
   add("TrainingService", Role::kAdmin, {"DeleteDataset"});
   add("AdminService", Role::kAdmin, {"GetServerInfo", "ListAuditLog", "Drain"});
   return matrix;
