@@ -154,6 +154,11 @@ absl::Status CheckFolds(const Contacts& contacts, const Folds& folds,
   std::string advice;
   if (count < enough) {
     advice = absl::StrCat("record ", enough - count, " or more further ones");
+    if (protocol.kind == Protocol::kLeaveOneConditionOut) {
+      advice += " in other conditions";
+    } else if (protocol.kind == Protocol::kLeaveOneMaterialOut) {
+      advice += " of other materials";
+    }
   } else if (protocol.kind == Protocol::kLeaveOneMaterialOut) {
     advice = "record it of another material, test with --protocol=k-fold";
   } else {

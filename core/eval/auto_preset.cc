@@ -98,13 +98,15 @@ absl::StatusOr<PresetChoice> ChoosePreset(const Contacts& contacts,
                                           const ChoiceRequest& request,
                                           const ParallelFor& parallel,
                                           const Progress& progress) {
-  TACTUS_RETURN_IF_ERROR(CheckClasses(CountClasses(contacts), "contacts"));
+  const absl::Status classes = CheckClasses(CountClasses(contacts), "contacts");
   const ChoiceFolds folds = FoldsForChoice(contacts);
   if (const absl::Status enough =
           CheckFolds(contacts, folds.folds, kStratifiedChoice);
       !enough.ok()) {
+    if (!classes.ok()) return enough;
     return Advise(enough, "or name a preset, like --preset=profile");
   }
+  TACTUS_RETURN_IF_ERROR(classes);
   PresetChoice choice;
   choice.contacts = static_cast<int>(contacts.size());
   choice.folds = static_cast<int>(folds.folds.size());

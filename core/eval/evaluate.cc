@@ -185,8 +185,9 @@ absl::StatusOr<Evaluation> EvaluateProtocol(
   }
   TACTUS_ASSIGN_OR_RETURN(const auto folds, MakeFolds(contacts, protocol));
   if (algorithm != Algorithm::kNearest) {
-    TACTUS_RETURN_IF_ERROR(CheckClasses(CountClasses(contacts), "contacts"));
+    // The folds ask for more contacts of a class than a fit does.
     TACTUS_RETURN_IF_ERROR(CheckFolds(contacts, folds, protocol));
+    TACTUS_RETURN_IF_ERROR(CheckClasses(CountClasses(contacts), "contacts"));
   }
   TACTUS_ASSIGN_OR_RETURN(
       Evaluation result,

@@ -114,7 +114,8 @@ TEST_F(OwnSkinTest, FromFramesToAnAnswerWithoutALayout) {
 
   // No poses: the preset is chosen. The place alone tells the classes apart.
   const std::string bundle = Path("mine.tactus");
-  const Json fitted = Run("fit --data=" + data + " --out=" + bundle);
+  const Json fitted =
+      Run("fit --choice-work=0 --data=" + data + " --out=" + bundle);
   EXPECT_EQ(fitted["preset"], "profile");
   EXPECT_EQ(fitted["choice"]["chance"], 0.5);
   EXPECT_GE(fitted["choice"]["nearest_accuracy"], 0.9);

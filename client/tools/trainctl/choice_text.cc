@@ -25,10 +25,10 @@ std::string FoldsText(FoldsBy by) {
 std::string ChoiceText(const std::optional<PresetChoice>& chosen) {
   if (!chosen) return "";
   const PresetChoice& choice = *chosen;
-  const int chosen = choice.options.lstm.networks;
+  const int networks = choice.options.lstm.networks;
   std::string text = absl::StrFormat(
       "Preset %s with %s, chosen by %d folds of %d contacts (%s):\n",
-      choice.name, ModelsText(chosen), choice.folds, choice.contacts,
+      choice.name, ModelsText(networks), choice.folds, choice.contacts,
       FoldsText(choice.by));
   int best = 0;
   for (const ChoiceCandidate& candidate : choice.candidates) {
@@ -38,7 +38,7 @@ std::string ChoiceText(const std::optional<PresetChoice>& chosen) {
         candidate.unfit.empty()
             ? PercentOf(candidate.right, choice.contacts)
             : absl::StrCat("not compared: ", candidate.unfit),
-        candidate.preset == choice.name && candidate.networks == chosen
+        candidate.preset == choice.name && candidate.networks == networks
             ? "  <- chosen"
             : "");
     best = std::max(best, candidate.right);

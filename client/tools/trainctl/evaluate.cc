@@ -386,7 +386,10 @@ absl::Status RunEvaluate(const EvaluateFlags& flags) {
         AnswersCsv(run.result, TestedContacts(flags, run, loaded))));
   }
   const Contacts tested = TestedContacts(flags, run, loaded);
-  Json evaluation = EvaluationToJson(run.result, loaded.trials);
+  // Trials that were left out were neither felt nor missed.
+  const int trials =
+      loaded.trials - static_cast<int>(run.chosen.unusable.size());
+  Json evaluation = EvaluationToJson(run.result, trials);
   NameConfusions(WrongAnswers(run.result, tested), evaluation);
   evaluation["duplicates"] = FindCopies(tested).size();
   if (!flags.report.empty()) {
@@ -395,7 +398,7 @@ absl::Status RunEvaluate(const EvaluateFlags& flags) {
   }
   display.Clear();
   RemarkCopies(tested);
-  Print(flags, run, evaluation, loaded.trials);
+  Print(flags, run, evaluation, trials);
   return absl::OkStatus();
 }
 
