@@ -34,10 +34,10 @@ std::vector<std::string> ClassNames(
 // if cues of the load profile are asked of ideal signals, or if a contact is
 // not usable (usable.h). INVALID_CONFIG if
 // the features allow no cue. CANCELLED or CHECKPOINT_INVALID as fit_journal.h
-// describes. Of the provenance, the caller fills in everything but trials, their
-// fingerprints and seed. `journal` may be null and must outlive the call. `start`, if there is
-// one, lends its threads instead of those of `parallel` until the first
-// iteration.
+// describes. Of the provenance, the caller fills in everything but trials,
+// their fingerprints and seed. `journal` may be null and must outlive the call.
+// `start`, if there is one, lends its threads instead of those of `parallel`
+// until the first iteration.
 absl::StatusOr<Model> FitModel(
     const std::vector<const LabelledContact*>& contacts,
     const FitOptions& options, const ParallelFor& parallel,
