@@ -167,16 +167,18 @@ absl::Status OperationStore::Delete(absl::string_view name,
                                     const Caller& caller) {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
                           ParseName(name, kOperations));
-  TACTUS_RETURN_IF_ERROR(
-      data_->catalog().Change([&](Transaction& change) -> absl::Status {
-        TACTUS_ASSIGN_OR_RETURN(const Operation operation,
-                                FindByName(change, parsed));
-        TACTUS_RETURN_IF_ERROR(
-            CheckOwner(caller, operation.name(), operation.requester()));
-        if (!HasEnded(operation)) return OperationActive(operation.name());
-        TACTUS_RETURN_IF_ERROR(RemoveOperation(change, operation));
-        return Audit(change, caller, now_(), "delete", operation.name());
-      }));
+  // A full disk must not prevent what makes room.
+  TACTUS_RETURN_IF_ERROR(data_->reserve().With([&] {
+    return data_->catalog().Change([&](Transaction& change) -> absl::Status {
+      TACTUS_ASSIGN_OR_RETURN(const Operation operation,
+                              FindByName(change, parsed));
+      TACTUS_RETURN_IF_ERROR(
+          CheckOwner(caller, operation.name(), operation.requester()));
+      if (!HasEnded(operation)) return OperationActive(operation.name());
+      TACTUS_RETURN_IF_ERROR(RemoveOperation(change, operation));
+      return Audit(change, caller, now_(), "delete", operation.name());
+    });
+  }));
   Forget(parsed.ToString());
   return absl::OkStatus();
 }
@@ -185,17 +187,18 @@ absl::StatusOr<int> OperationStore::RemoveOld() {
   int removed = 0;
   while (true) {
     std::vector<Operation> old;
-    TACTUS_RETURN_IF_ERROR(
-        data_->catalog().Change([&](Transaction& change) -> absl::Status {
-          TACTUS_ASSIGN_OR_RETURN(
-              old, OldOperations(change, retention_, now_(), kRemovedAtOnce));
-          for (const Operation& operation : old) {
-            TACTUS_RETURN_IF_ERROR(RemoveOperation(change, operation));
-            TACTUS_RETURN_IF_ERROR(Audit(change, {"tactusd", ""}, now_(),
-                                         "remove", operation.name()));
-          }
-          return absl::OkStatus();
-        }));
+    TACTUS_RETURN_IF_ERROR(data_->reserve().With([&] {
+      return data_->catalog().Change([&](Transaction& change) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(
+            old, OldOperations(change, retention_, now_(), kRemovedAtOnce));
+        for (const Operation& operation : old) {
+          TACTUS_RETURN_IF_ERROR(RemoveOperation(change, operation));
+          TACTUS_RETURN_IF_ERROR(Audit(change, {"tactusd", ""}, now_(),
+                                       "remove", operation.name()));
+        }
+        return absl::OkStatus();
+      });
+    }));
     for (const Operation& operation : old) Forget(operation.name());
     removed += static_cast<int>(old.size());
     if (old.size() < kRemovedAtOnce) return removed;
