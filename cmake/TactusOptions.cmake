@@ -12,9 +12,13 @@ endif()
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
-  # The sloppiness that ccache asks for where headers are precompiled.
+  # The sloppiness that ccache asks for where headers are precompiled. Paths
+  # count from the project's root, so that a fresh clone finds what another one
+  # has compiled.
   set(CMAKE_CXX_COMPILER_LAUNCHER
-    env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE_PROGRAM})
+    env CCACHE_SLOPPINESS=pch_defines,time_macros
+        CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} CCACHE_NOHASHDIR=1
+        ${CCACHE_PROGRAM})
   add_compile_options(-fpch-preprocess)
 endif()
 
