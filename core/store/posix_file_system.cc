@@ -133,7 +133,7 @@ class PosixFiles final : public FileSystem {
   }
 
   absl::Status Reserve(const std::string& path, int64_t size) override {
-    const Descriptor fd(path, O_WRONLY | O_CREAT | O_NOFOLLOW);
+    const Descriptor fd(path, O_RDWR | O_CREAT | O_NOFOLLOW);
     if (!fd.ok()) return ErrorOf(path, errno);
     const int error = posix_fallocate(fd.get(), 0, size);
     return error == 0 ? absl::OkStatus() : ErrorOf(path, error);
