@@ -26,10 +26,13 @@ absl::Status ReadBlobParts(
         data.blobs().Read(std::string(sha256), std::min(limit, kPartBytes)));
     return take(bytes);
   }
-  if (size > limit) {
-    return DataLost(path, absl::StrCat("has ", size,
-                                       " bytes; it must have at most ", limit));
-  }
+  // The blob store words the error of a blob that is damaged or too large.
+  const auto damage = [&]() -> absl::Status {
+    const absl::Status whole =
+        data.blobs().Read(std::string(sha256), limit).status();
+    return whole.ok() ? DataLost(path, "it changed while it was read") : whole;
+  };
+  if (size > limit) return damage();
   const auto each_part =
       [&](absl::FunctionRef<absl::Status(absl::string_view)> use)
       -> absl::Status {
@@ -47,7 +50,7 @@ absl::Status ReadBlobParts(
     return absl::OkStatus();
   }));
   if (absl::BytesToHexString(digest.Finish()) != sha256) {
-    return DataLost(path, "the bytes do not have the SHA-256 of its name");
+    return damage();
   }
   return each_part(take);
 }

@@ -69,7 +69,7 @@ absl::Status Delete(TrainingClient& client, const RemoteFlags& flags,
   if (flags.json) {
     PrintJson({{"deleted", name}});
   } else {
-    std::cout << "deleted " << name << "\n";
+    std::cout << name << " deleted\n";
   }
   return absl::OkStatus();
 }

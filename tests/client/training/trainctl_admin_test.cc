@@ -131,6 +131,24 @@ TEST_F(TrainctlAdminTest, PrintsTheLogOfAJob) {
   EXPECT_EQ(Run({"jobs", "logs", "2"}).exit, kExitError);
 }
 
+TEST_F(TrainctlAdminTest, DeletesAJobThatHasEnded) {
+  Start();
+  v1::Operation job;
+  job.set_kind(v1::Operation::KIND_EVALUATE);
+  job.set_state(v1::Operation::STATE_SUCCEEDED);
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_TRUE(
+        server_->backend().operations().Create(job, "", {"ada", ""}).ok());
+  }
+  AdminRun run = Run({"jobs", "delete", "1"});
+  EXPECT_EQ(run.exit, 0) << run.err;
+  EXPECT_EQ(run.out, "operations/1 deleted\n");
+  EXPECT_EQ(Run({"jobs", "delete", "1"}).exit, kExitError);
+  run = Run({"jobs", "delete", "2", "--json"});
+  EXPECT_EQ(run.exit, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("\"operations/2\""));
+}
+
 TEST_F(TrainctlAdminTest, DoctorFindsAGoodServerWell) {
   Start();
   AdminRun run = Run({"doctor"});
