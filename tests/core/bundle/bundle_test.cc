@@ -43,7 +43,8 @@ Model FullModel() {
   model.poses = PoseNeed::kNeeded;
   model.more_layouts = {model.layout};
   model.more_layouts[0].onset_threshold *= 2;
-  model.provenance = {"command", "0.1.0", 12, 34, "data.h5", "note"};
+  model.provenance = {"command", "0.1.0", 12,        34,
+                      "data.h5", "note",  {1, ~0UL}, std::string(64, 'a')};
   model.warm_up.samples = {{{1, 2, 3}, 4}, {{5, 6, 7}, 8}};
   model.warm_up.probability = {0.1, 0.2, 0.3, 0.4};
   model.warm_up.log_likelihood = {-1, -2, -3, -4};
