@@ -48,7 +48,8 @@ struct ChoiceRequest {
 struct ChoiceCandidate {
   std::string preset;
   int networks = 0;
-  // Contacts that were answered rightly, if `unfit` is empty.
+  // Contacts that were answered rightly, by the LSTMs if there are some, if
+  // `unfit` is empty.
   int right = 0;
   // Why it was not compared.
   std::string unfit = {};

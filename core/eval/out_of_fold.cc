@@ -1,13 +1,9 @@
 #include "core/eval/out_of_fold.h"
 
 #include <algorithm>
-#include <cmath>
-#include <span>
 #include <utility>
 
-#include "core/base/errors.h"
 #include "core/base/status_macros.h"
-#include "core/classify/calibration.h"
 #include "core/contacts/folds.h"
 #include "core/train/calibrate.h"
 #include "core/train/fit.h"
@@ -33,38 +29,13 @@ absl::Status ScoreFold(const Contacts& contacts, const std::vector<int>& fold,
   return absl::OkStatus();
 }
 
-// The most probable class after the last calibration time.
-int AnswerOf(const ScoredContact& scored, const Calibration& calibration) {
-  const CalibrationPoint point =
-      CalibrationAt(calibration, calibration.frames.back());
-  const std::vector<double>& log_likelihood = scored.log_likelihood.back();
-  const size_t classes = log_likelihood.size();
-  std::vector<double> log_prior(classes);
-  for (size_t k = 0; k < classes; ++k) {
-    log_prior[k] = std::log(calibration.prior[k]);
-  }
-  const auto posterior = [&](const std::vector<double>& score,
-                             double inverse_temperature,
-                             const std::vector<double>& table) {
-    std::vector<double> bias(classes);
-    BiasAt(table, point, bias);
-    std::vector<double> probability(classes);
-    TemperedPosterior(log_prior, score, inverse_temperature, bias, probability);
-    return probability;
-  };
-  std::vector<double> answer = posterior(
-      log_likelihood, point.hmm_inverse_temperature, calibration.hmm_bias);
-  if (!scored.lstm_score.empty()) {
-    const std::vector<double> lstm =
-        posterior(scored.lstm_score.back(), point.lstm_inverse_temperature,
-                  calibration.lstm_bias);
-    std::vector<double> bias(classes);
-    BiasAt(calibration.fused_bias, point, bias);
-    std::vector<double> fused(classes);
-    FusePosteriors(answer, lstm, point, bias, fused);
-    answer = std::move(fused);
-  }
-  return static_cast<int>(std::ranges::max_element(answer) - answer.begin());
+// The class with the highest score after the last calibration time: of the
+// LSTMs if there are some, else of the HMMs.
+int AnswerOf(const ScoredContact& scored) {
+  const std::vector<double>& scores = scored.lstm_score.empty()
+                                          ? scored.log_likelihood.back()
+                                          : scored.lstm_score.back();
+  return static_cast<int>(std::ranges::max_element(scores) - scores.begin());
 }
 
 }  // namespace
@@ -88,21 +59,10 @@ absl::StatusOr<int> CountOutOfFoldRight(
   for (const absl::Status& failure : failures) {
     TACTUS_RETURN_IF_ERROR(failure);
   }
-  const size_t classes = ClassNames(contacts).size();
-  int right = 0;
-  for (const std::vector<int>& fold : folds) {
-    std::vector<ScoredContact> others;
-    for (const int i : Complement(fold, static_cast<int>(contacts.size()))) {
-      others.push_back(scores[i]);
-    }
-    Calibration calibration;
-    calibration.prior.assign(classes, 1.0 / static_cast<double>(classes));
-    FitCalibration(others, contacts.front()->sample_rate_hz, calibration);
-    for (const int i : fold) {
-      right += AnswerOf(scores[i], calibration) == scores[i].labels.back();
-    }
-  }
-  return right;
+  return static_cast<int>(
+      std::ranges::count_if(scores, [](const ScoredContact& scored) {
+        return AnswerOf(scored) == scored.labels.back();
+      }));
 }
 
 }  // namespace tactus

@@ -1,9 +1,8 @@
 // File: out_of_fold.h
 //
-// How many contacts the models of other folds answer rightly, as they would be
-// served: HMMs and LSTMs fused and calibrated. One model is fitted per fold. A
-// fold's answers are calibrated by the scores of the other folds, which costs
-// no further fit.
+// How many contacts the models of other folds answer rightly. One model is
+// fitted per fold and not calibrated: a calibration would need inner folds, and
+// the best class of HMMs or of LSTMs alone hardly depends on it.
 //
 //   TACTUS_ASSIGN_OR_RETURN(
 //       const int right,
@@ -22,7 +21,9 @@
 
 namespace tactus {
 
-// The answer is that after the last calibration time. The errors of FitModel.
+// The answers are those of the LSTMs if the options have some, else of the
+// HMMs: a fitted model fuses both where that is better. The answer is that
+// after the last calibration time. The errors of FitModel.
 absl::StatusOr<int> CountOutOfFoldRight(
     const std::vector<const LabelledContact*>& contacts,
     const std::vector<std::vector<int>>& folds, const FitOptions& options,

@@ -50,7 +50,8 @@ std::string ChoiceText(const std::optional<PresetChoice>& chosen) {
                         Percent(choice.chance));
   absl::StrAppendFormat(
       &text,
-      "The LSTMs of this comparison took %d of at most %d billion "
+      "Rows with an LSTM count the answers of the LSTM alone; the model fuses "
+      "both where that is better.\nThe LSTMs took %d of at most %d billion "
       "multiplications (--choice-work).\n",
       choice.work, choice.work_limit);
   if (WilsonInterval(best, choice.contacts).high <
