@@ -1,25 +1,47 @@
-# tactusd in a small image. deploy/check-image.sh builds and tries it.
+# tactusd in a small image, with tactus-trainer and trainctl. HAProxy, which
+# stands before it where others can connect, is the target "proxy";
+# deploy/compose.yaml runs both. deploy/check-image.sh builds and tries them.
 #
-#   docker build -t tactusd . && docker run --rm -p 50051:50051 tactusd
+#   docker build -t tactusd . && docker run --rm -p 127.0.0.1:50051:50051 tactusd
+#   docker run --rm --entrypoint trainctl tactusd --help
 #
 # TLS: mount the PEM files and set TACTUSD_TLS_CERT and TACTUSD_TLS_KEY. The
 # server and the health check below both read these variables; the flags
 # --tls-cert and --tls-key would reach the server only.
 
+FROM debian:bookworm-slim AS proxy
+COPY deploy/install-deps.sh /deploy/
+RUN /deploy/install-deps.sh --proxy \
+ && rm -rf /var/lib/apt/lists/* /var/cache/apt/* /var/cache/debconf/*-old \
+           /var/log/dpkg.log /var/log/apt /deploy
+COPY deploy/haproxy.cfg /etc/haproxy/haproxy.cfg
+RUN haproxy -c -f /etc/haproxy/haproxy.cfg
+USER haproxy
+EXPOSE 50051
+ENTRYPOINT ["haproxy", "-f", "/etc/haproxy/haproxy.cfg"]
+
 FROM debian:bookworm-slim AS build
+# Where the sources lie, and further options of CMake; the check sets both, so
+# that what the tests have compiled already need not be compiled again.
+ARG SOURCE=/src
+ARG CMAKE_OPTIONS=
 COPY deploy/install-deps.sh /deploy/
 RUN /deploy/install-deps.sh --build
-COPY CMakeLists.txt /src/
-COPY cmake /src/cmake
-COPY proto /src/proto
-COPY core /src/core
-COPY server /src/server
-RUN cmake -S /src -B /build -G Ninja -DCMAKE_BUILD_TYPE=Release \
-      -DTACTUS_BUILD_TESTS=OFF -DTACTUS_BUILD_TOOLS=OFF \
- && cmake --build /build --target tactusd tactus-trainer \
- && strip /build/bin/tactusd /build/bin/tactus-trainer
+COPY CMakeLists.txt ${SOURCE}/
+COPY cmake ${SOURCE}/cmake
+COPY proto ${SOURCE}/proto
+COPY core ${SOURCE}/core
+COPY server ${SOURCE}/server
+COPY client ${SOURCE}/client
+RUN cmake -S ${SOURCE} -B ${SOURCE}/build/release -G Ninja \
+      -DCMAKE_BUILD_TYPE=Release -DTACTUS_BUILD_TESTS=OFF ${CMAKE_OPTIONS} \
+ && cmake --build ${SOURCE}/build/release \
+      --target tactusd tactus-trainer trainctl \
+ && install -d /programs \
+ && cd ${SOURCE}/build/release/bin \
+ && install -s tactusd tactus-trainer trainctl /programs/
 
-FROM debian:bookworm-slim
+FROM debian:bookworm-slim AS tactusd
 COPY deploy/install-deps.sh /deploy/
 RUN /deploy/install-deps.sh --runtime \
  && rm -rf /var/lib/apt/lists/* /var/cache/apt/* /var/cache/debconf/*-old \
@@ -27,9 +49,10 @@ RUN /deploy/install-deps.sh --runtime \
  && useradd --uid 10001 --user-group --no-create-home \
             --shell /usr/sbin/nologin tactus \
  && install -d -o 10001 -g 10001 /data
-COPY --from=build /build/bin/tactusd /build/bin/tactus-trainer /usr/local/bin/
+COPY --from=build /programs/ /usr/local/bin/
 # Fails here, not in the field, when a shared library is missing.
-RUN tactusd --help >/dev/null && tactus-trainer --help >/dev/null
+RUN tactusd --help >/dev/null && tactus-trainer --help >/dev/null \
+ && trainctl --help >/dev/null
 VOLUME /data
 USER 10001:10001
 EXPOSE 50051

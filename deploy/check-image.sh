@@ -1,66 +1,55 @@
 #!/usr/bin/env bash
-# Builds the Dockerfile's image and proves that its tactusd serves, without a
-# container engine and without an image registry:
+# Builds the Dockerfile's images and proves that they serve, without a container
+# engine and without an image registry:
 #
 #   1. a Debian 12 base made by mmdebstrap from this machine's own package
 #      sources, committed under the name that the Dockerfile starts from;
-#   2. the image, built by buildah from the Dockerfile as it stands;
-#   3. tactusd run from it, as the image's user and with its entry point, on a
-#      free loopback port: the image's own health check, then simulated contacts
-#      streamed by tactus-stream, then SIGTERM and a clean exit;
+#   2. the images of tactusd and of the proxy, built by buildah from the
+#      Dockerfile as it stands; objects that ccache has are not compiled again;
+#   3. both run as deploy/compose.yaml says, as the images' users: the image's
+#      own health check, then simulated contacts streamed by tactus-stream
+#      through the proxy, trainctl, then SIGTERM and a clean exit;
 #   4. the image's compressed size, under 150 MB.
 #
-#   deploy/check-image.sh        as root on Debian 12; takes a few minutes
+#   deploy/check-image.sh                  as root on Debian 12
+#   deploy/check-image.sh --keep=FOLDER    leaves buildah's storage in FOLDER,
+#                                          for tests/install/run.sh
 #
 # Installs buildah and mmdebstrap when they are missing, and builds
 # tactus-stream when build/release/bin has none.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
+# shellcheck source=deploy/container-storage.sh
+. deploy/container-storage.sh
 
 readonly IMAGE=tactusd-check
+readonly PROXY=tactusd-proxy-check
 readonly MAX_BYTES=$((150 * 1000 * 1000))
-readonly TRIALS=16
 readonly STREAM=build/release/bin/tactus-stream
 
-say() { printf '\n== %s\n' "$*"; }
-die() { printf 'check-image: %s\n' "$*" >&2; exit 1; }
-
-if [[ $# -gt 0 ]]; then
-  sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "$0"
-  [[ $1 == -h || $1 == --help ]] && exit 0
-  exit 2
-fi
+keep=""
+for arg in "$@"; do
+  case "$arg" in
+    --keep=*) keep=${arg#--keep=} ;;
+    -h | --help) sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "$0"; exit 0 ;;
+    *) echo "check-image: unknown option '$arg' (try --help)" >&2; exit 2 ;;
+  esac
+done
 [[ $(id -u) -eq 0 ]] || die "must run as root (it makes a root file system)"
 
-work=$(mktemp -d "${TMPDIR:-/var/tmp}/tactus-image.XXXXXX")
-runner=""   # the 'buildah run' that we started
-server=""   # the tactusd inside it
-
-in_storage() {
-  buildah --storage-driver vfs --root "$work/storage" \
-    --runroot "$work/run" "$@"
-}
-
-# descendants PID: the processes below PID, children of any of its threads.
-descendants() {
-  local child children=()
-  read -r -d '' -a children < <(cat "/proc/$1"/task/*/children 2>/dev/null) ||
-    true
-  for child in "${children[@]}"; do
-    echo "$child"
-    descendants "$child"
-  done
-}
+work=${keep:-$(mktemp -d "${TMPDIR:-/var/tmp}/tactus-image.XXXXXX")}
+server_runner=""   # the 'buildah run' of tactusd
+proxy_runner=""    # that of HAProxy
 
 clean_up() {
-  local status=$? below=()
-  if [[ -n $runner ]]; then
-    mapfile -t below < <(descendants "$runner")
-    kill -KILL "${below[@]}" "$runner" 2>/dev/null || true
-    wait "$runner" 2>/dev/null || true
+  local status=$?
+  [[ -z $proxy_runner ]] || kill_below "$proxy_runner"
+  [[ -z $server_runner ]] || kill_below "$server_runner"
+  [[ -z $network ]] || kill_below "$network"
+  if [[ -z $keep ]]; then
+    in_storage rm --all >/dev/null 2>&1 || true
+    rm -rf --one-file-system "$work"
   fi
-  in_storage rm --all >/dev/null 2>&1 || true
-  rm -rf --one-file-system "$work"
   [[ $status -eq 0 ]] || echo "check-image: FAILED" >&2
 }
 trap clean_up EXIT
@@ -74,89 +63,91 @@ if [[ ! -x $STREAM ]]; then
   cmake --build --preset release --target tactus-stream
 fi
 
-say "base"
-# This machine's sources for bookworm, and how its apt reaches them; where it
-# has none, mmdebstrap's own defaults.
-sources=()
-for file in /etc/apt/sources.list /etc/apt/sources.list.d/*.{list,sources}; do
-  if grep -Eqs '^[^#]*[[:space:]]bookworm([[:space:]]|$)' "$file"; then
-    sources+=("$file")
-  fi
-done
-apt-config dump | grep -E '^Acquire::(http|https|ftp|Check-|Retries)' \
-  >"$work/apt.conf" || true
-# What the slim base leaves out, this one leaves out.
-slim=()
-for dir in doc groff info linda lintian locale man; do
-  slim+=("--dpkgopt=path-exclude=/usr/share/$dir/*")
-done
-mmdebstrap --quiet --variant=minbase --aptopt="$work/apt.conf" "${slim[@]}" \
-  bookworm "$work/base.tar" "${sources[@]}"
-
 base_name=$(awk 'toupper($1) == "FROM" { print $2; exit }' Dockerfile)
-base=$(in_storage from scratch)
-in_storage add --quiet "$base" "$work/base.tar" / >/dev/null
-in_storage commit --quiet "$base" "$base_name" >/dev/null
-in_storage rm "$base" >/dev/null
-rm "$work/base.tar"
-echo "$base_name"
+say "base: $base_name"
+make_base "$base_name"
 
+# With ccache, the sources lie where they lie here, and warnings are errors as in
+# the presets, so that what the release preset has compiled is found.
+mapfile -t cached < <(ccache_options)
+[[ ${#cached[@]} -eq 0 ]] || cached+=(--build-arg SOURCE="$PWD"
+  --build-arg CMAKE_OPTIONS=-DTACTUS_WERROR=ON)
+# build_image TARGET NAME: the containers that built it stay, for callers of
+# --keep.
+build_image() {
+  in_storage bud --isolation chroot --pull-never --format docker --no-cache \
+    --rm=false --force-rm=false "${cached[@]}" --tag "$2" --target "$1" .
+}
+say "image of the proxy"
+build_image proxy "$PROXY"
 say "image"
-in_storage bud --isolation chroot --pull-never --format docker \
-  --tag "$IMAGE" .
+build_image tactusd "$IMAGE"
 
 # config PATH: the image's configuration at a path, one element per line.
 config() {
   in_storage inspect --type image \
     --format "{{range $1}}{{println .}}{{end}}" "$IMAGE" | sed '/^$/d'
 }
-user=$(in_storage inspect --type image --format '{{.OCIv1.Config.User}}' \
-  "$IMAGE")
 mapfile -t entry < <(config .OCIv1.Config.Entrypoint)
 mapfile -t health < <(config .Docker.Config.Healthcheck.Test)
-[[ -n $user && $user != 0* && $user != root* ]] ||
-  die "the image runs as '${user:-root}'; it must name a user without rights"
 [[ ${#entry[@]} -gt 0 ]] || die "the image has no ENTRYPOINT"
 [[ ${health[0]-} == CMD ]] || die "the image has no HEALTHCHECK"
+for image in "$IMAGE" "$PROXY"; do
+  user=$(in_storage inspect --type image --format '{{.OCIv1.Config.User}}' \
+    "$image")
+  [[ -n $user && $user != 0* && $user != root* ]] ||
+    die "$image runs as '${user:-root}'; it must name a user without rights"
+done
 
-say "serve"
+say "serve, as deploy/compose.yaml says"
+# compose EXPRESSION: words of the service tactusd in compose.yaml.
+compose() {
+  /usr/bin/python3 -c "import sys, yaml
+service = yaml.safe_load(open('deploy/compose.yaml'))['services']['tactusd']
+print('\n'.join($1))"
+}
+mapfile -t command < <(compose "service['command']")
+mapfile -t probe < <(compose "service['healthcheck']['test'][1:]")
+[[ $(compose "[service['network_mode']]") == service:proxy ]] ||
+  die "tactusd is not in the proxy's network"
+compose "service['volumes']" | grep -qx data:/data ||
+  die "compose.yaml keeps /data in no named volume"
+enter_network
+proxy=$(in_storage from --pull-never "$PROXY")
 container=$(in_storage from --pull-never "$IMAGE")
 root=$(in_storage mount "$container")
-in_container() {
-  in_storage run --isolation chroot "$container" -- "$@"
-}
+# Its tmpfs.
+install -d -o 10001 -g 10001 -m 700 "$root/run/tactus"
 
-in_container "${entry[@]}" --listen=127.0.0.1:0 --port-file=/tmp/port &
-runner=$!
-for ((i = 0; i < 100; ++i)); do
-  [[ ! -s $root/tmp/port ]] || break
-  kill -0 "$runner" 2>/dev/null || die "tactusd ended before it served"
-  sleep 0.1
-done
-[[ -s $root/tmp/port ]] || die "tactusd did not serve within 10 s"
-port=$(<"$root/tmp/port")
-for process in $(descendants "$runner"); do
-  [[ $(readlink "/proc/$process/exe") != */tactusd ]] || server=$process
-done
+run_in "$proxy" -- haproxy -f /etc/haproxy/haproxy.cfg &
+proxy_runner=$!
+run_in "$container" -- "${entry[@]}" "${command[@]}" &
+server_runner=$!
+wait_for "$server_runner" run_in "$container" -- "${probe[@]}" ||
+  die "tactusd did not serve within 20 s"
+server=$(program_below "$server_runner" tactusd)
 [[ -n $server ]] || die "no tactusd process below 'buildah run'"
 uid=$(awk '$1 == "Uid:" { print $2 }' "/proc/$server/status")
 [[ $uid -ne 0 ]] || die "tactusd runs as root"
-echo "tactusd: process $server, user $uid, port $port"
-
-in_container "${health[@]:1:${#health[@]}-2}" "${health[-1]/%:*/:$port}" ||
-  die "the image's health check failed while tactusd served"
+echo "tactusd: process $server, user $uid"
+wait_for "$proxy_runner" run_in "$container" -- "${health[@]:1}" ||
+  die "the image's health check failed through the proxy"
 echo "health check: serving"
 
-say "stream"
-"$STREAM" --server="127.0.0.1:$port" --driver=sim --trials="$TRIALS" \
-  --rate=max --json >"$work/stream.json" || {
-  cat "$work/stream.json" >&2
-  die "tactus-stream ended with an error"
-}
-cat "$work/stream.json"
-number() { grep -Eo "\"$1\": *[0-9]+" "$work/stream.json" | grep -Eo '[0-9]+$'; }
-[[ $(number trials) -eq $TRIALS ]] || die "not all $TRIALS contacts answered"
-[[ $(number lost) -eq 0 ]] || die "frames were lost"
+say "stream through the proxy"
+stream 127.0.0.1:50051
+
+say "trainctl in the container"
+trainctl() { run_in "$container" -- trainctl "$@"; }
+admin=unix:/run/tactus/tactusd.sock
+trainctl datasets create arm --server="$admin"
+trainctl simulate --protocol=random --contacts=4 --skin=good --seed=3 \
+  --out=/data/sim.h5
+trainctl datasets upload arm --data=/data/sim.h5 --server="$admin"
+trainctl doctor --server="$admin" || [[ $? -eq 1 ]]
+! trainctl datasets list --server=127.0.0.1:50051 2>"$work/refused" ||
+  die "a stranger may list datasets through the proxy"
+grep -q UNAUTHENTICATED "$work/refused" || die "refused without UNAUTHENTICATED"
 
 say "stop"
 kill -TERM "$server"
@@ -165,19 +156,22 @@ for ((i = 0; i < 150; ++i)); do
   sleep 0.1
 done
 ! kill -0 "$server" 2>/dev/null || die "tactusd still there 15 s after SIGTERM"
-wait "$runner" || die "tactusd ended with an error on SIGTERM"
-runner=""
-if in_container "${health[@]:1:${#health[@]}-2}" \
-  "${health[-1]/%:*/:$port}" 2>/dev/null; then
+wait "$server_runner" || die "tactusd ended with an error on SIGTERM"
+server_runner=""
+if run_in "$container" -- "${health[@]:1}" 2>/dev/null; then
   die "the health check still passes with no server"
 fi
+trainctl doctor --data-dir=/data
 echo "tactusd drained and ended"
 
 say "size"
-in_storage push --quiet "$IMAGE" "oci-archive:$work/image.tar" >/dev/null
-bytes=$(stat --format=%s "$work/image.tar")
-awk -v b="$bytes" -v m="$MAX_BYTES" \
-  'BEGIN { printf "%.1f MB compressed, limit %.0f MB\n", b / 1e6, m / 1e6 }'
-[[ $bytes -lt $MAX_BYTES ]] || die "the image is too large"
+for image in "$PROXY" "$IMAGE"; do
+  in_storage push --quiet "$image" "oci-archive:$work/image.tar" >/dev/null
+  bytes=$(stat --format=%s "$work/image.tar")
+  rm "$work/image.tar"
+  awk -v n="$image" -v b="$bytes" -v m="$MAX_BYTES" 'BEGIN {
+    printf "%s: %.1f MB compressed, limit %.0f MB\n", n, b / 1e6, m / 1e6 }'
+  [[ $bytes -lt $MAX_BYTES ]] || die "the image is too large"
+done
 
-say "the image builds, serves, stops and fits"
+say "the images build, serve, stop and fit"

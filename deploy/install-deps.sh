@@ -3,8 +3,9 @@
 #
 #   deploy/install-deps.sh            to build and run all programs
 #   deploy/install-deps.sh --tests    and to build and run tests and benchmarks
-#   deploy/install-deps.sh --build    to build tactusd alone
-#   deploy/install-deps.sh --runtime  to run a tactusd that is already built
+#   deploy/install-deps.sh --build    to build tactusd, tactus-trainer, trainctl
+#   deploy/install-deps.sh --runtime  to run these three, built already
+#   deploy/install-deps.sh --proxy    to run HAProxy before tactusd
 #   deploy/install-deps.sh --image    to run deploy/check-image.sh
 #   deploy/install-deps.sh --list     (with any of these) only prints the names
 #
@@ -12,7 +13,8 @@
 # network, when all packages are installed already.
 set -euo pipefail
 
-# The server: compiler, gRPC and protobuf, the numerics it links.
+# The server and trainctl: compiler, gRPC and protobuf, the numerics that they
+# link; trial files, JSON, pictures of skins, USB adapters.
 readonly BUILD=(
   cmake
   g++
@@ -20,46 +22,56 @@ readonly BUILD=(
   libcli11-dev
   libeigen3-dev
   libgrpc++-dev
+  libhdf5-dev
   libhwy-dev
   libisal-dev
   libnghttp2-dev
+  libopencv-core-dev
+  libopencv-imgproc-dev
   libprotobuf-dev
   libspdlog-dev
   libsqlitecpp-dev
   libssl-dev
+  libusb-1.0-0-dev
   ninja-build
+  nlohmann-json3-dev
+  pkgconf
   protobuf-compiler
   protobuf-compiler-grpc
+  zlib1g-dev
 )
-# The shared libraries behind tactusd; each brings its own dependencies.
+# The shared libraries behind them; each brings its own dependencies.
 readonly RUNTIME=(
   libabsl20220623
   libgrpc++1.51
+  libhdf5-103-1
   libhwy1
   libisal2
   libnghttp2-14
+  libopencv-core406
+  libopencv-imgproc406
   libprotobuf32
   libspdlog1.10
   libsqlite3-0
   libssl3
+  libusb-1.0-0
+  zlib1g
+)
+# The proxy before tactusd (deploy/haproxy.cfg).
+readonly PROXY=(
+  haproxy
 )
 # An image without a container engine: its base, and its builder.
 readonly IMAGE=(
   buildah
+  iproute2
   mmdebstrap
+  python3-yaml
 )
-# The client and the tools: trial files, JSON, pictures of skins, USB adapters,
-# robots' URDF files and their kinematics.
+# What the programs can do without: robots' URDF files and their kinematics.
 readonly PROGRAMS=(
-  libhdf5-dev
-  libopencv-core-dev
-  libopencv-imgproc-dev
   liborocos-kdl-dev
   liburdfdom-dev
-  libusb-1.0-0-dev
-  nlohmann-json3-dev
-  pkgconf
-  zlib1g-dev
 )
 # The tests, the benchmarks, and the independent references of both.
 readonly TESTS=(
@@ -67,6 +79,7 @@ readonly TESTS=(
   clang-14
   clang-format
   gnuplot-nox
+  haproxy
   libclang-rt-14-dev
   libghmm-dev
   libgmock-dev
@@ -79,6 +92,8 @@ readonly TESTS=(
   python3-grpcio
   python3-h5py
   python3-sklearn
+  rsync
+  sqlite3
   umockdev
 )
 
@@ -93,6 +108,7 @@ for arg in "$@"; do
     --tests) packages+=("${TESTS[@]}") ;;
     --build) packages=("${BUILD[@]}") ;;
     --runtime) packages=("${RUNTIME[@]}") ;;
+    --proxy) packages=("${PROXY[@]}") ;;
     --image) packages=("${IMAGE[@]}") ;;
     --list) list_only=yes ;;
     -h | --help) usage; exit 0 ;;

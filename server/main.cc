@@ -66,6 +66,7 @@ struct Flags {
   int keep_jobs = limits::kMaxKeptJobs;
   int64_t keep_job_days = limits::kKeptJobMs / kMsPerDay;
   int job_threads = 0;
+  bool behind_proxy = false;
 };
 
 absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> HealthCredentials(
@@ -167,7 +168,8 @@ absl::StatusOr<std::unique_ptr<TrainingBackend>> OpenTraining(
 }
 
 // Lowers the limits of connections to what the limit of open files allows.
-void FitConnections(TactusServer::Options& options) {
+// Behind a proxy, which is one peer, there are none per peer.
+void FitConnections(bool behind_proxy, TactusServer::Options& options) {
   const int descriptors = RaiseDescriptorLimit();
   const int fit = ConnectionsThatFit(descriptors);
   if (options.max_connections > fit) {
@@ -176,6 +178,11 @@ void FitConnections(TactusServer::Options& options) {
         "be open (ulimit -n)",
         fit, descriptors);
     options.max_connections = fit;
+  }
+  if (behind_proxy) {
+    options.max_connections_per_peer = options.max_connections;
+    options.max_streams_per_peer = 0;
+    return;
   }
   // One peer never takes all, so that others can still connect.
   options.max_connections_per_peer =
@@ -193,6 +200,18 @@ void LogListeners(const TactusServer::Options& options,
       spdlog::info("listening on {}, port {}, {}", address, server.ports()[i],
                    options.tls ? "TLS" : "plaintext");
     }
+  }
+}
+
+// What bytes of a stranger can do to gRPC only a proxy stops.
+void WarnOfDirectListeners(const std::vector<std::string>& addresses) {
+  for (const std::string& address : addresses) {
+    if (StaysOnThisHost(address)) continue;
+    spdlog::warn(
+        "{} is open to other hosts: unless only a proxy reaches it, hostile "
+        "hosts can slow down the streams, and a fault of gRPC can end this "
+        "process; see \"A proxy in front\" in docs/security.md",
+        address);
   }
 }
 
@@ -237,7 +256,7 @@ absl::Status Serve(const Flags& flags, StopSignals& signals) {
   TactusServer::Options options = flags.server;
   TACTUS_ASSIGN_OR_RETURN(const auto training, OpenTraining(flags, &registry));
   options.training = training.get();
-  FitConnections(options);
+  FitConnections(flags.behind_proxy, options);
   if (flags.tls_certificate) {
     TACTUS_ASSIGN_OR_RETURN(
         options.tls, ReadTlsIdentity(*flags.tls_certificate, *flags.tls_key));
@@ -246,16 +265,19 @@ absl::Status Serve(const Flags& flags, StopSignals& signals) {
     TACTUS_ASSIGN_OR_RETURN(options.tls->client_roots,
                             ReadClientRoots(*flags.tls_client_roots));
   }
-  std::unique_ptr<Authorizer> authorizer;
+  auto authorizer = std::make_unique<Authorizer>(
+      flags.behind_proxy ? Authorizer::Loopback::kProxy
+                         : Authorizer::Loopback::kThisHost);
   if (flags.tokens) {
     TACTUS_ASSIGN_OR_RETURN(authorizer, Authorizer::Open(*flags.tokens));
-    options.authorizer = authorizer.get();
     WarnOfPlainTokens(flags);
   }
+  options.authorizer = authorizer.get();
   // As from outside, so that both ways are one.
   options.on_drain = [] { kill(getpid(), SIGTERM); };
   TACTUS_ASSIGN_OR_RETURN(auto server, TactusServer::Start(&registry, options));
   LogListeners(options, *server);
+  WarnOfDirectListeners(options.listen);
   if (!flags.port_file.empty()) {
     TACTUS_RETURN_IF_ERROR(WritePortFile(flags.port_file, server->ports()[0]));
   }
@@ -270,9 +292,8 @@ absl::Status Serve(const Flags& flags, StopSignals& signals) {
                 EndAsUnreachable(address, error, flags.self_check_ms);
               }});
   const int signal =
-      authorizer == nullptr
-          ? signals.Wait()
-          : signals.Wait([&authorizer] { ReloadTokens(*authorizer); });
+      flags.tokens ? signals.Wait([&authorizer] { ReloadTokens(*authorizer); })
+                   : signals.Wait();
   Notify("STOPPING=1");
   spdlog::info("signal {}: draining {} streams", signal, server->gate().live());
   self_check.reset();
@@ -402,10 +423,16 @@ int Main(int argc, char** argv) {
                  "is lower")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
+  CLI::Option* behind_proxy = app.add_flag(
+      "--behind-proxy", flags.behind_proxy,
+      "Callers from loopback addresses come through a proxy (HAProxy with "
+      "deploy/haproxy.cfg): without --tokens they may only classify, and "
+      "limits per host are the proxy's");
   app.add_option("--max-connections-per-peer",
                  flags.server.max_connections_per_peer,
                  "Connections from one IPv4 address or IPv6 /64; at most half "
                  "of all")
+      ->excludes(behind_proxy)
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   app.add_option("--connection-idle-ms", flags.server.connection_idle_ms,
@@ -419,8 +446,8 @@ int Main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--max-streams-per-peer", flags.server.max_streams_per_peer,
                  "Streams admitted at once from one host (an IPv6 /64 network "
-                 "and all unix sockets count as one); 0 for no limit, as "
-                 "behind a proxy with more robots")
+                 "and all unix sockets count as one); 0 for no limit")
+      ->excludes(behind_proxy)
       ->check(CLI::Range(0, 100'000))
       ->capture_default_str();
   app.add_flag("--reflection", flags.server.reflection,

@@ -62,8 +62,9 @@ Authorizer::Credentials CredentialsOf(const grpc::ServerContextBase& context) {
 absl::Status NotLocal(absl::string_view method) {
   return Unauthenticated(absl::StrCat(
       method,
-      " is open only to callers on the server's own host; for others, start "
-      "tactusd with --tokens=FILE (trainctl tokens create makes the file)"));
+      " is open only to callers on the server's own host (with --behind-proxy: "
+      "on a unix socket); for others, start tactusd with --tokens=FILE "
+      "(trainctl tokens create makes the file)"));
 }
 
 // The entry of the credentials; UNAUTHENTICATED if there is none.
@@ -117,6 +118,11 @@ absl::Status Authorizer::Reload() {
   return absl::OkStatus();
 }
 
+bool Authorizer::IsTrusted(const std::string& peer) const {
+  if (loopback_ == Loopback::kThisHost) return IsOnThisHost(peer);
+  return peer == "inproc" || PeerOf(peer) == "unix";
+}
+
 std::shared_ptr<const AccessTable> Authorizer::Table() const {
   const std::lock_guard lock(mutex_);
   return table_;
@@ -145,7 +151,7 @@ absl::StatusOr<Caller> Authorizer::Check(const Credentials& credentials,
   const auto table = Table();
   if (table == nullptr) {
     if (!absl::StartsWith(method, kClassification) &&
-        !IsOnThisHost(credentials.peer)) {
+        !IsTrusted(credentials.peer)) {
       return NotLocal(method);
     }
     return Caller{.name = PeerOf(credentials.peer),

@@ -10,7 +10,9 @@
 // With a tokens file (core/access/access_table.h), every call needs a role: by
 // a bearer token in the metadata `authorization`, or by a client certificate
 // that TLS has verified. Without one, callers on the server's host may do
-// everything, and callers on other hosts may only classify.
+// everything, and callers on other hosts may only classify. Behind a proxy on
+// the same host, all callers from other hosts come from a loopback address;
+// only unix sockets and this process then count as the server's host.
 //
 // Calls are checked once, when they begin; a reload does not end calls that
 // have begun. Refused credentials are logged at a limited rate, without the
@@ -48,8 +50,12 @@ class Authorizer {
     std::string certificate = {};
   };
 
+  // Who calls from a loopback address.
+  enum class Loopback { kThisHost, kProxy };
+
   // Without a tokens file.
-  Authorizer() = default;
+  explicit Authorizer(Loopback loopback = Loopback::kThisHost)
+      : loopback_(loopback) {}
   // IO or INVALID_CONFIG if the file cannot be read or is wrong.
   static absl::StatusOr<std::unique_ptr<Authorizer>> Open(
       const std::string& tokens_path);
@@ -67,9 +73,12 @@ class Authorizer {
                                absl::string_view method, Role role) const;
 
  private:
+  // Whether the peer may do everything if there is no tokens file.
+  bool IsTrusted(const std::string& peer) const;
   // Null without a tokens file.
   std::shared_ptr<const AccessTable> Table() const;
 
+  const Loopback loopback_;
   std::string path_;
   // Guards the pointer, not what it points to.
   mutable std::mutex mutex_;

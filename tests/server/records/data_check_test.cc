@@ -196,7 +196,7 @@ TEST_F(DataCheckTest, AbandonedUploadsAreFoundAndMoved) {
   ExpectAllWell(Check(/*repair=*/true, kWeek - 1));
   const auto found = Check(/*repair=*/false, kWeek).at("abandoned uploads");
   EXPECT_EQ(found.severity, Severity::kWarning);
-  EXPECT_THAT(found.text, HasSubstr("100 bytes: uploads/2"));
+  EXPECT_THAT(found.text, HasSubstr("100 B: uploads/2"));
   EXPECT_THAT(Check(/*repair=*/true, kWeek).at("abandoned uploads").text,
               HasSubstr("moved to"));
   ExpectAllWell(Check(/*repair=*/false, kWeek));

@@ -45,6 +45,22 @@ class AuthorizerTest : public ::testing::Test {
   const std::string path_;
 };
 
+TEST_F(AuthorizerTest, BehindAProxyLoopbackIsNotTheServersHost) {
+  const Authorizer authorizer(Authorizer::Loopback::kProxy);
+  const auto outcome = [&](const char* peer, const char* method) {
+    return Outcome(authorizer, {.peer = peer}, method, Role::kRobot);
+  };
+  for (const char* peer :
+       {"ipv4:127.0.0.1:9", "ipv6:%5B::1%5D:9", "ipv6:%5B::ffff:127.0.0.1%5D:9",
+        "ipv4:192.0.2.7:1", "unknown"}) {
+    EXPECT_EQ(outcome(peer, kTrain), "UNAUTHENTICATED") << peer;
+    EXPECT_NE(outcome(peer, kClassify), "UNAUTHENTICATED") << peer;
+  }
+  for (const char* peer : {"unix:/run/tactus/s", "unix:", "inproc"}) {
+    EXPECT_NE(outcome(peer, kTrain), "UNAUTHENTICATED") << peer;
+  }
+}
+
 TEST_F(AuthorizerTest, WithoutTokensOtherHostsMayOnlyClassify) {
   const Authorizer authorizer;
   const auto outcome = [&](const char* peer, const char* method) {

@@ -69,6 +69,17 @@ TEST(TactusdTest, ServesItsBuiltInModelAndStopsOnSigterm) {
   EXPECT_EQ(ChildTactusd::Run({"--health-check=" + address}), 1);
 }
 
+TEST(TactusdTest, WarnsOfAddressesThatOtherHostsReach) {
+  const std::string kWarning = "is open to other hosts";
+  const ChildTactusd local;
+  ASSERT_NE(local.port(), 0) << local.Log();
+  EXPECT_FALSE(absl::StrContains(local.Log(), kWarning)) << local.Log();
+  const ChildTactusd open({"--listen=0.0.0.0:0"});
+  ASSERT_NE(open.port(), 0) << open.Log();
+  EXPECT_TRUE(absl::StrContains(open.Log(), "0.0.0.0:0 " + kWarning))
+      << open.Log();
+}
+
 TEST(TactusdTest, DrainEndsItAsSigtermDoes) {
   ChildTactusd daemon(Quiet({"--drain-grace-ms=100"}));
   ASSERT_NE(daemon.port(), 0) << daemon.Log();
