@@ -40,6 +40,10 @@ target_compile_features(tactus_client PUBLIC cxx_std_20)
 
 target_compile_features(tactus_core INTERFACE cxx_std_20)
 
+# All that the component client installs, for builds that need nothing else.
+add_custom_target(tactus_component_client
+  DEPENDS ${base_libraries} ${client_libraries})
+
 foreach(part base client core)
   # All that core adds is of its component.
   set(component client)

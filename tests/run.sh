@@ -7,6 +7,8 @@
 #                              again
 #   tests/run.sh --sanitize    the quick tests under the asan and tsan presets
 #                              too (tsan: those of code that has threads)
+#   tests/run.sh --install     every way to install, from minimal roots
+#                              (tests/install/run.sh)
 #   tests/run.sh --vm          the CAN and USB drivers on a real kernel too, in
 #                              a guest of QEMU (tests/vm/run.sh)
 #
@@ -16,11 +18,13 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 full=no
 sanitize=no
+install=no
 vm=no
 for arg in "$@"; do
   case "$arg" in
     --full) full=yes ;;
     --sanitize) sanitize=yes ;;
+    --install) install=yes ;;
     --vm) vm=yes ;;
     -h | --help) sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "$0"; exit 0 ;;
     *) echo "run.sh: unknown option '$arg' (try --help)" >&2; exit 2 ;;
@@ -88,10 +92,13 @@ build_and_test release "${release_tests[@]}"
 if [[ $full == yes ]]; then
   step "default bundle comes out again" deploy/train-default-bundle.sh --check
 fi
+# 77: it has said what it lacks.
+unless_lacking() { "$@" || [[ $? -eq 77 ]]; }
+if [[ $install == yes ]]; then
+  step "image and other installations" unless_lacking tests/install/run.sh
+fi
 if [[ $vm == yes ]]; then
-  # 77: it has said what it lacks.
-  run_guest() { tests/vm/run.sh --build=build/release || [[ $? -eq 77 ]]; }
-  step "guest" run_guest
+  step "guest" unless_lacking tests/vm/run.sh --build=build/release
 fi
 if [[ $sanitize == yes ]]; then
   export ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1

@@ -1,0 +1,115 @@
+#!/usr/bin/env bash
+# Tries every way to install that a page names, each from a minimal root of
+# Debian 12 (deploy/container-storage.sh), which all share:
+#
+#   1. the images: deploy/check-image.sh, which builds with the packages of
+#      `install-deps.sh --build` and runs with those of --runtime;
+#   2. docs/your-first-client.md: `cmake --install` of that build, the example
+#      built against it and run against tactusd;
+#   3. deploy/tactusd.service: its commands in a root with the packages of
+#      --runtime and --proxy; both units checked by systemd-analyze, their
+#      programs started as they say, contacts streamed through the proxy.
+#
+#   tests/install/run.sh         as root; a few minutes
+#
+# Exits with 77 if it is not run by root.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+# shellcheck source=deploy/container-storage.sh
+. deploy/container-storage.sh
+
+if [[ $(id -u) -ne 0 ]]; then
+  echo "install: skipped: only root can make root file systems"
+  exit 77
+fi
+work=$(mktemp -d "${TMPDIR:-/var/tmp}/tactus-install.XXXXXX")
+runners=()
+clean_up() {
+  local status=$?
+  kill_below "${runners[@]}"
+  in_storage rm --all >/dev/null 2>&1 || true
+  rm -rf --one-file-system "$work"
+  [[ $status -eq 0 ]] || echo "install: FAILED" >&2
+}
+trap clean_up EXIT
+
+deploy/check-image.sh --keep="$work"
+base=$(awk 'toupper($1) == "FROM" { print $2; exit }' Dockerfile)
+
+# The container in which the Dockerfile built, with what it built.
+say "cmake --install, and a client built against it"
+build=""
+for container in $(in_storage containers --quiet); do
+  folder=$(in_storage mount "$container")
+  if [[ -d $folder/programs ]]; then build=$container; break; fi
+done
+[[ -n $build ]] || die "the container that built the image is gone"
+built=$(find "$folder" -path '*/build/release' -prune -print -quit)
+built=${built#"$folder"}
+mapfile -t cached < <(ccache_options)
+in_build() {
+  run_in "${cached[@]}" --volume "$PWD/examples:/examples:ro" "$build" -- "$@"
+}
+in_build cmake --build "$built" --target tactus_component_client
+in_build cmake --install "$built" --component client --prefix /usr/local \
+  >/dev/null
+in_build cmake -S /examples/first_client -B /tmp/first_client >/dev/null
+in_build cmake --build /tmp/first_client
+enter_network
+runners+=("$network")
+in_build "$built/bin/tactusd" --listen=127.0.0.1:50051 --log-level=warn &
+runners+=("$!")
+wait_for "$!" in_build "$built/bin/tactusd" --health-check=127.0.0.1:50051 ||
+  die "the tactusd that was built does not serve"
+in_build /tmp/first_client/first_client 127.0.0.1:50051 | tee "$work/client.txt"
+[[ $(grep -c '^[HS][UM] [01]\.[0-9]*$' "$work/client.txt") -eq 4 ]] ||
+  die "the client prints no four classes"
+kill_below "${runners[@]}"
+
+# The commands at the head of tactusd.service, without those that need a system
+# that runs systemd.
+say "the systemd units"
+unit=$(in_storage from --pull-never "$base")
+unit_root=$(in_storage mount "$unit")
+install -d "$unit_root/project/build/release/bin"
+cp -r deploy "$unit_root/project/"
+cp "$folder"/programs/* "$unit_root/project/build/release/bin/"
+in_unit() { run_in "$unit" -- "$@"; }
+sed -n 's/^#   //p' deploy/tactusd.service | grep -E '^(deploy/|install )' \
+  >"$unit_root/project/commands"
+cat "$unit_root/project/commands"
+in_unit bash -euc 'cd /project && . ./commands'
+in_unit apt-get -qq install --yes --no-install-recommends systemd >/dev/null
+for service in tactusd tactusd-proxy; do
+  # Lines about other units' documentation are not ours.
+  in_unit systemd-analyze verify --man=no \
+    "/etc/systemd/system/$service.service"
+done
+
+# exec_start SERVICE: the words of the unit's ExecStart, one per line.
+exec_start() {
+  in_unit cat "/etc/systemd/system/$1.service" |
+    sed -e ':a' -e '/\\$/{N;s/\\\n//;ba}' | sed -n 's/^ExecStart=//p' | xargs -n 1
+}
+# As the units' StateDirectory= and RuntimeDirectory=, and a user without rights.
+install -d -o 10001 -g 10001 -m 700 "$unit_root"/{var/lib,run}/tactus
+as_user() { run_in --user 10001:10001 "$unit" -- "$@"; }
+enter_network
+runners=("$network")
+mapfile -t words < <(exec_start tactusd)
+as_user "${words[@]}" &
+runners+=("$!")
+wait_for "$!" as_user tactusd --health-check=127.0.0.1:50052 ||
+  die "the unit's tactusd does not serve"
+# Without -Ws, which reports to systemd.
+mapfile -t words < <(exec_start tactusd-proxy | grep -vx -- -Ws)
+as_user env TACTUS_BIND=127.0.0.1 "${words[@]}" &
+runners+=("$!")
+wait_for "$!" as_user tactusd --health-check=127.0.0.1:50051 ||
+  die "the unit's proxy does not serve"
+stream 127.0.0.1:50051
+as_user trainctl models list --server=unix:/run/tactus/tactusd.sock
+! as_user trainctl models list --server=127.0.0.1:50051 ||
+  die "a stranger may list models through the proxy"
+
+say "every way to install works"
