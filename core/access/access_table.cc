@@ -42,6 +42,10 @@ absl::Status CheckTokenName(absl::string_view name) {
   return CheckName(name);
 }
 
+std::vector<absl::string_view> WordsOf(absl::string_view line) {
+  return absl::StrSplit(line, absl::ByAnyChar(" \t\r"), absl::SkipEmpty());
+}
+
 }  // namespace
 
 absl::StatusOr<AccessTable> AccessTable::Parse(absl::string_view text) {
@@ -70,8 +74,7 @@ absl::Status AccessTable::AddLine(absl::string_view line) {
     return InvalidConfig("the number of entries", kMaxEntries + 1,
                          absl::StrCat("at most ", kMaxEntries));
   }
-  const std::vector<absl::string_view> words =
-      absl::StrSplit(line, absl::ByAnyChar(" \t\r"), absl::SkipEmpty());
+  const std::vector<absl::string_view> words = WordsOf(line);
   const bool certificate = words[0] == kCertificate;
   if (words.size() != 3) {
     return InvalidConfig(
@@ -140,6 +143,22 @@ absl::StatusOr<std::string> TokenLine(absl::string_view name, Role role,
                                       absl::string_view token) {
   TACTUS_RETURN_IF_ERROR(CheckTokenName(name));
   return absl::StrCat(name, " ", RoleName(role), " ", Sha256Hex(token), "\n");
+}
+
+std::string WithoutEntry(absl::string_view text, absl::string_view name) {
+  std::string rest;
+  while (!text.empty()) {
+    const size_t end = text.find('\n');
+    const absl::string_view line =
+        text.substr(0, end == absl::string_view::npos ? end : end + 1);
+    text.remove_prefix(line.size());
+    const auto words = WordsOf(absl::StripAsciiWhitespace(line));
+    const size_t at = !words.empty() && words[0] == kCertificate ? 1 : 0;
+    const bool of_name =
+        words.size() > at && words[0][0] != '#' && words[at] == name;
+    if (!of_name) absl::StrAppend(&rest, line);
+  }
+  return rest;
 }
 
 }  // namespace tactus

@@ -82,4 +82,8 @@ class AccessTable {
 absl::StatusOr<std::string> TokenLine(absl::string_view name, Role role,
                                       absl::string_view token);
 
+// `text`, that of a tokens file, without the lines of the token and of the
+// certificate `name`. All other lines stay as they are.
+std::string WithoutEntry(absl::string_view text, absl::string_view name);
+
 }  // namespace tactus

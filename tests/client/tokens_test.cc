@@ -6,6 +6,7 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
 #include "client/tools/common/token_file.h"
 #include "client/tools/json.h"
 #include "client/tools/trainctl/command.h"
@@ -130,6 +131,47 @@ TEST_F(TokensTest, ATokenFileHoldsOneWordAndStaysOffPlainNetworks) {
     EXPECT_EQ(ReasonOf(ReadToken(path_, "unix:a", false).status()), "IO")
         << wrong;
   }
+}
+
+TEST_F(TokensTest, RemoveTakesOneNameAndNothingElse) {
+  const std::string arm = *TokenLine("arm", Role::kRobot, "a");
+  const std::string lab = *TokenLine("lab", Role::kTrainer, "b");
+  const std::string text =
+      absl::StrCat("# Arms\n", arm, "\n  certificate arm-2 admin\r\n", lab,
+                   "# arm is a word of this line");
+  Write(text);
+  ASSERT_TRUE(Run("remove --name=lab --file=" + path_).ok());
+  EXPECT_EQ(File(), absl::StrReplaceAll(text, {{lab, ""}}));
+  EXPECT_THAT(stderr_, HasSubstr("SIGHUP"));
+  // A certificate by its name, and not the word "certificate".
+  EXPECT_FALSE(Run("remove --name=certificate --file=" + path_).ok());
+  EXPECT_FALSE(Run("remove --name=# --file=" + path_).ok());
+  ASSERT_TRUE(Run("remove --name=arm-2 --file=" + path_).ok());
+  EXPECT_EQ(File(),
+            absl::StrCat("# Arms\n", arm, "\n# arm is a word of this line"));
+}
+
+TEST_F(TokensTest, RemoveNamesWhatThereIs) {
+  const std::string text = absl::StrCat(*TokenLine("arm", Role::kRobot, "a"),
+                                        "certificate lab-pc trainer\n");
+  Write(text);
+  const absl::Status status = Run("remove --name=amr --file=" + path_);
+  EXPECT_EQ(ReasonOf(status), "INVALID_CONFIG");
+  EXPECT_THAT(status.message(), HasSubstr("\"amr\""));
+  EXPECT_THAT(status.message(), HasSubstr("arm, lab-pc"));
+  EXPECT_EQ(File(), text);
+  EXPECT_EQ(ReasonOf(Run("remove --name=arm --file=" + path_ + ".none")), "IO");
+  EXPECT_FALSE(std::filesystem::exists(path_ + ".none"));
+}
+
+// A server would refuse the file without it, and go on to accept the token.
+TEST_F(TokensTest, RemoveKeepsTheLastEntry) {
+  const std::string text = *TokenLine("arm", Role::kRobot, "a");
+  Write(text);
+  const absl::Status status = Run("remove --name=arm --file=" + path_);
+  EXPECT_EQ(ReasonOf(status), "INVALID_CONFIG");
+  EXPECT_THAT(status.message(), HasSubstr("last entry"));
+  EXPECT_EQ(File(), text);
 }
 
 }  // namespace
