@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "core/base/bytes_text.h"
 #include "core/base/errors.h"
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
@@ -89,7 +90,7 @@ class DataCheck {
                               : bytes < kLittleBytes ? Severity::kWarning
                                                      : Severity::kOk;
     Add("free disk", severity,
-        bytes < 0 ? "unknown" : absl::StrCat(bytes, " bytes are free"),
+        bytes < 0 ? "unknown" : absl::StrCat(BytesText(bytes), " are free"),
         severity == Severity::kOk
             ? ""
             : "delete datasets that nobody needs, or move the directory to a "
@@ -310,8 +311,8 @@ class DataCheck {
       Add(check, Severity::kOk, absl::StrCat("no ", what));
       return;
     }
-    std::string text = absl::StrCat(paths.size(), " ", what, ", ", bytes,
-                                    " bytes: ", NamesOf(paths));
+    std::string text = absl::StrCat(paths.size(), " ", what, ", ",
+                                    BytesText(bytes), ": ", NamesOf(paths));
     if (!options_.repair) {
       Add(check, Severity::kWarning, text, kRepair);
       return;

@@ -8,6 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "client/tools/trainctl/text.h"
+#include "core/base/bytes_text.h"
 #include "core/base/text.h"
 
 namespace tactus::client {

@@ -13,6 +13,7 @@
 #include "client/tools/trainctl/tls_probe.h"
 #include "client/training/admin_client.h"
 #include "core/base/address.h"
+#include "core/base/bytes_text.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/base/version.h"

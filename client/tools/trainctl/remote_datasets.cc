@@ -14,6 +14,7 @@
 #include "client/tools/trainctl/text.h"
 #include "client/training/trial_downloader.h"
 #include "client/training/trial_uploader.h"
+#include "core/base/bytes_text.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/sha256.h"

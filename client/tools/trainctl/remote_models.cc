@@ -13,6 +13,7 @@
 #include "client/tools/trainctl/remote_job.h"
 #include "client/tools/trainctl/text.h"
 #include "client/training/retry.h"
+#include "core/base/bytes_text.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
@@ -31,10 +32,13 @@ std::string ModelName(const std::string& text) {
 }
 
 std::string VersionLine(const v1::ModelVersion& version) {
-  std::string line = absl::StrFormat(
-      "%s  %s  %s  %s", version.name(), TimeText(version.create_time_ms()),
-      BytesText(version.bytes()), absl::StrJoin(version.class_names(), ","));
-  if (version.built_in()) absl::StrAppend(&line, "  built in");
+  // The server states neither time nor size of those that it brings along.
+  const std::string made =
+      version.built_in() ? "built in"
+                         : absl::StrCat(TimeText(version.create_time_ms()),
+                                        "  ", BytesText(version.bytes()));
+  std::string line = absl::StrFormat("%s  %s  %s", version.name(), made,
+                                     absl::StrJoin(version.class_names(), ","));
   if (version.has_train()) {
     absl::StrAppend(&line, "  ", version.train().preset(), " on ",
                     version.train().dataset_version());

@@ -8,6 +8,7 @@
 #include "client/tools/trainctl/remote_flags.h"
 #include "client/tools/trainctl/text.h"
 #include "client/training/admin_client.h"
+#include "core/base/bytes_text.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 

@@ -39,14 +39,6 @@ std::string TimeText(int64_t ms) {
       text, std::strftime(text, sizeof(text), "%Y-%m-%d %H:%M:%S", &utc));
 }
 
-std::string BytesText(int64_t bytes) {
-  const char* const units[] = {"B", "kB", "MB", "GB", "TB"};
-  auto value = static_cast<double>(bytes);
-  int unit = 0;
-  for (; value >= 999.5 && unit < 4; ++unit) value /= 1000;
-  return absl::StrFormat("%.3g %s", value, units[unit]);
-}
-
 std::string PercentOf(int right, int count) {
   const Interval interval = WilsonInterval(right, count);
   return absl::StrFormat(

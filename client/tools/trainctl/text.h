@@ -7,7 +7,6 @@
 //   WithCommas(1453)             "1,453"
 //   ClockText(65)                "1:05"
 //   TimeText(0)                  "1970-01-01 00:00:00"
-//   BytesText(1'234'567)         "1.23 MB"
 //   PercentOf(1413, 1453)        "97.25 % (95 % interval 96.28 to 97.97 %)"
 //   FeltContacts(1453, 1835)     "1,453 felt contacts; 382 of 1,835 were never
 //                                felt"
@@ -34,9 +33,6 @@ std::string ClockText(double seconds);
 
 // The UTC time that is `ms` milliseconds after the beginning of 1970.
 std::string TimeText(int64_t ms);
-
-// In B, kB, MB, GB or TB, with three digits.
-std::string BytesText(int64_t bytes);
 
 // The fraction `right` of `count`, with its interval.
 std::string PercentOf(int right, int count);
