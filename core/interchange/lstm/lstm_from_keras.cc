@@ -1,7 +1,6 @@
 #include "core/interchange/lstm/lstm_from_keras.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <optional>
 #include <utility>
@@ -258,40 +257,27 @@ absl::Status AddDense(const KerasLayer& layer, NetworkStack* stack) {
                                            BiasOf(layer, kernel.columns)));
 }
 
-// gamma (x - mean) / sqrt(variance + epsilon) + beta.
 absl::Status AddNormalization(const KerasLayer& layer,
                               const KerasLayerConfig& config,
                               NetworkStack* stack) {
-  const auto numbers = [&](const char* name, bool is_there, double absent,
-                           size_t size) {
+  const auto mean = layer.weights.find("moving_mean");
+  const size_t size =
+      mean == layer.weights.end() ? 0 : mean->second.values.size();
+  // Ones or zeros where the layer has no gamma or beta.
+  const auto numbers = [&](const char* name, bool is_there, double absent) {
     const auto found = layer.weights.find(name);
     return found != layer.weights.end() && is_there
                ? found->second.values
                : std::vector<double>(size, absent);
   };
-  const auto mean = layer.weights.find("moving_mean");
-  const size_t size =
-      mean == layer.weights.end() ? 0 : mean->second.values.size();
-  const std::vector<double> variance = numbers("moving_variance", true, 0, 0);
-  std::vector<double> scale = numbers("gamma", config.has_gamma, 1, size);
-  std::vector<double> shift = numbers("beta", config.has_beta, 0, size);
-  if (size == 0 || variance.size() != size || scale.size() != size ||
-      shift.size() != size) {
-    return Fault(layer.name,
-                 "has no moving_mean and moving_variance, or weights of "
-                 "different sizes");
+  if (size == 0 || !layer.weights.contains("moving_variance")) {
+    return Fault(layer.name, "has no moving_mean or no moving_variance");
   }
-  for (size_t i = 0; i < size; ++i) {
-    const double deviation = std::sqrt(variance[i] + config.epsilon);
-    if (!(deviation > 0) || !std::isfinite(deviation)) {
-      return InvalidModel(
-          absl::StrCat("layer ", layer.name, " moving_variance[", i, "]"),
-          variance[i], "at least 0, and above 0 with epsilon");
-    }
-    scale[i] /= deviation;
-    shift[i] -= mean->second.values[i] * scale[i];
-  }
-  return Fault(layer.name, stack->Scale(scale, shift));
+  return Fault(
+      layer.name,
+      stack->Normalize(numbers("gamma", config.has_gamma, 1),
+                       numbers("beta", config.has_beta, 0), mean->second.values,
+                       numbers("moving_variance", true, 0), config.epsilon));
 }
 
 // The layers in the order of the model, each with its weights.

@@ -34,18 +34,6 @@ absl::StatusOr<bool> IsZero(const onnx::TensorProto& tensor) {
                      [](double value) { return value == 0; });
 }
 
-OnnxValue MakeValue(Kind kind) {
-  OnnxValue value;
-  value.kind = kind;
-  return value;
-}
-
-OnnxValue MakeValue(OnnxData data) {
-  OnnxValue value = MakeValue(Kind::kData);
-  value.data = std::move(data);
-  return value;
-}
-
 class GraphReader {
  public:
   GraphReader(const onnx::GraphProto& graph, int64_t opset)
@@ -111,7 +99,9 @@ class GraphReader {
       inputs.push_back(value);
       data = data || (value != nullptr && value->kind == Kind::kData);
     }
-    if (type == "Identity" && inputs.size() == 1 && inputs[0] != nullptr) {
+    // Dropout changes nothing when a model is used.
+    if ((type == "Identity" || type == "Dropout") && !inputs.empty() &&
+        inputs[0] != nullptr) {
       return Set(node, *inputs[0]);
     }
     if (type == "Constant") return VisitConstant(node);
@@ -125,7 +115,6 @@ class GraphReader {
     if (type == "Add" || type == "Sub") return VisitSum(node);
     if (type == "Mul" || type == "Div") return VisitFactor(node);
     if (type == "BatchNormalization") return VisitNormalization(node);
-    if (type == "Dropout") return VisitDropout(node);
     if (type == "Relu") return VisitActivation(node, HiddenActivation::kRelu);
     if (type == "Tanh") return VisitActivation(node, HiddenActivation::kTanh);
     if (type == "Sigmoid") {
@@ -395,16 +384,6 @@ class GraphReader {
     return Set(node, MakeValue(std::move(data)));
   }
 
-  // It changes nothing when a model is used.
-  absl::Status VisitDropout(const OnnxNode& node) {
-    TACTUS_ASSIGN_OR_RETURN(const OnnxValue* value, Input(node, 0));
-    if (value == nullptr || value->kind != Kind::kData) {
-      return node.Invalid("does not take the data");
-    }
-    SetOutput(node, 0, *value);
-    return absl::OkStatus();
-  }
-
   // scale (x - mean) / sqrt(variance + epsilon) + shift, over axis 1.
   absl::Status VisitNormalization(const OnnxNode& node) {
     TACTUS_ASSIGN_OR_RETURN(OnnxData data, Features(node, 0));
@@ -420,23 +399,11 @@ class GraphReader {
       TACTUS_ASSIGN_OR_RETURN(OnnxNumbers tensor,
                               Tensor(node, i + 1, names[i]));
       numbers[i] = std::move(tensor.values);
-      if (numbers[i].size() != static_cast<size_t>(data.stack->width())) {
-        return node.Invalid(absl::StrCat("has ", names[i], " of ",
-                                         numbers[i].size(), " numbers for ",
-                                         data.stack->width(), " features"));
-      }
     }
-    auto& [scale, shift, mean, variance] = numbers;
-    for (size_t i = 0; i < scale.size(); ++i) {
-      const double deviation =
-          std::sqrt(variance[i] + node.Float("epsilon", 1e-5F));
-      if (!(deviation > 0) || !std::isfinite(deviation)) {
-        return node.Invalid(absl::StrCat("has a variance of ", variance[i]));
-      }
-      scale[i] /= deviation;
-      shift[i] -= mean[i] * scale[i];
-    }
-    TACTUS_RETURN_IF_ERROR(Scale(node, scale, shift, &data));
+    TACTUS_RETURN_IF_ERROR(Extend(node, &data, [&](NetworkStack& stack) {
+      return stack.Normalize(numbers[0], numbers[1], numbers[2], numbers[3],
+                             node.Float("epsilon", 1e-5F));
+    }));
     return Set(node, MakeValue(std::move(data)));
   }
 

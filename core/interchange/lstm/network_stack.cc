@@ -1,5 +1,6 @@
 #include "core/interchange/lstm/network_stack.h"
 
+#include <cmath>
 #include <cstddef>
 #include <utility>
 
@@ -115,6 +116,31 @@ std::string NetworkStack::Scale(const std::vector<double>& scale,
     pending_->scale[i] *= scale[i];
   }
   return "";
+}
+
+std::string NetworkStack::Normalize(const std::vector<double>& gamma,
+                                    const std::vector<double>& beta,
+                                    const std::vector<double>& mean,
+                                    const std::vector<double>& variance,
+                                    double epsilon) {
+  const size_t size = mean.size();
+  if (gamma.size() != size || beta.size() != size || variance.size() != size) {
+    return absl::StrCat("has ", gamma.size(), " factors, ", beta.size(),
+                        " summands, ", size, " means and ", variance.size(),
+                        " variances");
+  }
+  std::vector<double> scale(size);
+  std::vector<double> shift(size);
+  for (size_t i = 0; i < size; ++i) {
+    const double deviation = std::sqrt(variance[i] + epsilon);
+    if (!(deviation > 0) || !std::isfinite(deviation)) {
+      return absl::StrCat("has the variance ", variance[i], " of feature ", i,
+                          "; it must be at least 0, and above 0 with epsilon");
+    }
+    scale[i] = gamma[i] / deviation;
+    shift[i] = beta[i] - mean[i] * scale[i];
+  }
+  return Scale(scale, shift);
 }
 
 std::string NetworkStack::AddIdentity() {

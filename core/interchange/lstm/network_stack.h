@@ -46,6 +46,13 @@ class NetworkStack {
   // before the first layer, that is any number.
   [[nodiscard]] std::string Scale(const std::vector<double>& scale,
                                   const std::vector<double>& shift);
+  // Batch normalization: gamma (x - mean) / sqrt(variance + epsilon) + beta,
+  // each with one number per feature.
+  [[nodiscard]] std::string Normalize(const std::vector<double>& gamma,
+                                      const std::vector<double>& beta,
+                                      const std::vector<double>& mean,
+                                      const std::vector<double>& variance,
+                                      double epsilon);
   [[nodiscard]] std::string Activate(HiddenActivation activation);
 
   // The network, if its last layer gives the classes: with a softmax behind it,

@@ -12,6 +12,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/interchange/lstm/network_stack.h"
@@ -58,5 +59,17 @@ struct OnnxValue {
   // kData.
   OnnxData data;
 };
+
+inline OnnxValue MakeValue(OnnxValue::Kind kind) {
+  OnnxValue value;
+  value.kind = kind;
+  return value;
+}
+
+inline OnnxValue MakeValue(OnnxData data) {
+  OnnxValue value = MakeValue(OnnxValue::Kind::kData);
+  value.data = std::move(data);
+  return value;
+}
 
 }  // namespace tactus
