@@ -84,7 +84,7 @@ TEST(RepeatedTrialIdsTest, IdsThatNoFileCanHaveAreRefused) {
     const auto upload = uploads.Create("datasets/w", "", false, {"me", ""});
     const std::string pack = Packed(trial);
     {
-      auto writer = *uploads.Write(upload->name());
+      auto writer = *uploads.Write(upload->name(), {"me", ""});
       EXPECT_TRUE(writer->Append(0, pack, ExtendCrc32c(0, pack)).ok());
       EXPECT_TRUE(writer->Commit().ok());
     }
