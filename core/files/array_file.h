@@ -1,7 +1,7 @@
 // File: array_file.h
 //
 // One array of numbers from a file of any format that recordings come in: .npy,
-// .npz, .csv, HDF5 (.h5, .hdf5).
+// .npz, text (.csv, .tsv, .txt, .dat), HDF5 (.h5, .hdf5, .mat).
 //
 //   TACTUS_ASSIGN_OR_RETURN(const ArrayFile file,
 //                           ReadArrayFile("trial.h5", "run1/taxels"));
@@ -14,14 +14,25 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/files/hdf5_array.h"
 #include "core/files/npy.h"
+#include "core/files/number_text.h"
 
 namespace tactus {
 
+// What a file does not say of itself.
+struct ArrayFormat {
+  NumberTextFormat text;
+  // Of HDF5 files: in which order the numbers of a dataset lie.
+  Hdf5Order order = Hdf5Order::kAsTheFileSays;
+};
+
 struct ArrayFile {
   NpyArray array;
-  // The names of the columns of a CSV file; empty if it has none.
+  // The names of the columns of a text file; empty if it has none.
   std::vector<std::string> header;
+  // Says how a text file was read, for people; empty if nothing was detected.
+  std::string found;
 
   // Number `index` of the array, whatever its type.
   double Number(size_t index) const;
@@ -33,9 +44,10 @@ struct ArrayFile {
 };
 
 // Reads the array `dataset` of the file; empty: the only one that there is. A
-// CSV file has no name for its array; its first line is a header unless it
-// holds numbers only. IO or TRIAL_FILE_INVALID, with the line of a CSV file.
+// text file has no name for its array (number_text.h). IO or
+// TRIAL_FILE_INVALID, with the line of a text file.
 absl::StatusOr<ArrayFile> ReadArrayFile(const std::string& path,
-                                        const std::string& dataset);
+                                        const std::string& dataset,
+                                        const ArrayFormat& format = {});
 
 }  // namespace tactus

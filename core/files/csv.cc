@@ -7,6 +7,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 #include "core/base/errors.h"
@@ -14,6 +15,8 @@
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 #include "core/files/file_bytes.h"
+#include "core/files/text_cells.h"
+#include "core/files/text_lines.h"
 
 namespace tactus {
 namespace {
@@ -21,7 +24,7 @@ namespace {
 // What is wrong with the text of a line, empty if nothing is.
 absl::string_view LineFault(absl::string_view line) {
   if (line.find('\0') != absl::string_view::npos) return "holds a zero byte";
-  return IsUtf8(line) ? "" : "is not UTF-8";
+  return IsUtf8(line) ? "" : "is not UTF-8; save the file as UTF-8";
 }
 
 }  // namespace
@@ -46,22 +49,22 @@ absl::StatusOr<CsvTable> CsvTable::Parse(const std::string& path,
   CsvTable table;
   table.path_ = path;
   table.text_ = std::make_unique<std::string>(std::move(text));
-  absl::string_view rest = *table.text_;
-  absl::ConsumePrefix(&rest, "\xEF\xBB\xBF");
-  for (size_t number = 1; !rest.empty(); ++number) {
-    const size_t end = std::min(rest.find('\n'), rest.size());
-    absl::string_view line = rest.substr(0, end);
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-    absl::ConsumeSuffix(&line, "\r");
+  if (absl::StartsWith(*table.text_, "\xFF\xFE") ||
+      absl::StartsWith(*table.text_, "\xFE\xFF")) {
+    return TrialFileInvalid(path, TextFileFault(*table.text_));
+  }
+  TextLines lines(*table.text_);
+  while (lines.Next()) {
+    const absl::string_view line = lines.line();
+    const size_t number = lines.number();
     const absl::string_view fault = LineFault(line);
     if (!fault.empty()) return table.LineError(number, fault);
     if (!table.header_.empty()) {
       TACTUS_RETURN_IF_ERROR(table.ParseRow(line, number));
     } else if (absl::StartsWith(line, "#")) {
       TACTUS_RETURN_IF_ERROR(table.ParseMetadata(line.substr(1), number));
-    } else {
+    } else if (number > 1 || !absl::StartsWith(line, "sep=")) {
       TACTUS_RETURN_IF_ERROR(table.ParseHeader(line, number));
-      table.lines_before_rows_ = number;
     }
   }
   if (table.header_.empty()) {
@@ -92,18 +95,47 @@ absl::Status CsvTable::ParseMetadata(absl::string_view line, size_t number) {
   return absl::OkStatus();
 }
 
-absl::Status CsvTable::ParseHeader(absl::string_view line, size_t number) {
-  const auto commas =
-      static_cast<size_t>(std::count(line.begin(), line.end(), ','));
-  if (commas >= limits::kMaxCsvColumns) {
+absl::Status CsvTable::Split(absl::string_view line, size_t number,
+                             std::vector<absl::string_view>* cells) {
+  if (!SplitCells(line, delimiter_, cells)) {
     return LineError(number,
-                     absl::StrCat("has ", commas + 1, " columns; at most ",
+                     "has a quote that is not closed, or text behind "
+                     "one; a cell takes one line");
+  }
+  for (absl::string_view& cell : *cells) {
+    if (!absl::StrContains(cell, "\"\"")) continue;
+    cell = unquoted_.emplace_back(absl::StrReplaceAll(cell, {{"\"\"", "\""}}));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CsvTable::ParseHeader(absl::string_view line, size_t number) {
+  for (const char other : {';', '\t', '|'}) {
+    if (absl::StrContains(line, ',')) break;
+    if (absl::StrContains(line, other)) {
+      delimiter_ = other;
+      break;
+    }
+  }
+  const auto delimiters =
+      static_cast<size_t>(std::count(line.begin(), line.end(), delimiter_));
+  if (delimiters > limits::kMaxCsvColumns) {
+    return LineError(number,
+                     absl::StrCat("has ", delimiters + 1, " columns; at most ",
                                   limits::kMaxCsvColumns, " are read"));
   }
-  header_ = absl::StrSplit(line, ',');
+  TACTUS_RETURN_IF_ERROR(Split(line, number, &header_));
+  if (header_.size() > 1 && header_.back().empty()) header_.pop_back();
+  if (header_.size() > limits::kMaxCsvColumns) {
+    return LineError(number,
+                     absl::StrCat("has ", header_.size(), " columns; at most ",
+                                  limits::kMaxCsvColumns, " are read"));
+  }
   std::set<absl::string_view> seen;
   for (const absl::string_view name : header_) {
-    if (name.empty() || !seen.insert(name).second) {
+    // The first one of pandas, which counts the rows, has no name.
+    const bool index = name.empty() && seen.empty() && header_.size() > 1;
+    if ((name.empty() && !index) || !seen.insert(name).second) {
       return LineError(number, absl::StrCat("column name ", Quoted(name),
                                             " is empty or repeated"));
     }
@@ -112,23 +144,27 @@ absl::Status CsvTable::ParseHeader(absl::string_view line, size_t number) {
 }
 
 absl::Status CsvTable::ParseRow(absl::string_view line, size_t number) {
-  const size_t before = cells_.size();
-  for (const absl::string_view cell : absl::StrSplit(line, ',')) {
-    if (absl::StrContains(cell, '"')) {
-      return LineError(number, "quoted cells are not supported");
-    }
-    if (cells_.size() == limits::kMaxCsvCells) {
-      return LineError(number,
-                       absl::StrCat("is beyond the ", limits::kMaxCsvCells,
-                                    " cells that are read of a file"));
-    }
-    cells_.push_back(cell);
+  std::vector<absl::string_view> cells;
+  TACTUS_RETURN_IF_ERROR(Split(line, number, &cells));
+  if (cells.size() == header_.size() + 1 && cells.back().empty()) {
+    cells.pop_back();
   }
-  if (cells_.size() - before != header_.size()) {
+  const bool empty = std::all_of(cells.begin(), cells.end(),
+                                 [](const auto& cell) { return cell.empty(); });
+  if (empty && cells.size() == header_.size()) return absl::OkStatus();
+  if (cells.size() != header_.size()) {
+    return LineError(
+        number, absl::StrCat("has ", cells.size(), " cells; the header has ",
+                             header_.size(), ", separated by ",
+                             DelimiterName(delimiter_)));
+  }
+  if (cells_.size() + cells.size() > limits::kMaxCsvCells) {
     return LineError(number,
-                     absl::StrCat("has ", cells_.size() - before,
-                                  " cells; the header has ", header_.size()));
+                     absl::StrCat("is beyond the ", limits::kMaxCsvCells,
+                                  " cells that are read of a file"));
   }
+  cells_.insert(cells_.end(), cells.begin(), cells.end());
+  lines_.push_back(number);
   return absl::OkStatus();
 }
 
@@ -155,7 +191,7 @@ absl::StatusOr<double> CsvTable::Number(size_t row, size_t column) const {
 }
 
 absl::Status CsvTable::RowError(size_t row, absl::string_view message) const {
-  return LineError(lines_before_rows_ + row + 1, message);
+  return LineError(lines_[row], message);
 }
 
 absl::Status CsvTable::LineError(size_t number,

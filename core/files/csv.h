@@ -1,8 +1,11 @@
 // File: csv.h
 //
-// A plain comma-separated table: optional `# key=value` lines at the top, one
-// header line, then one line a row. No quoting, numbers with a decimal point
-// whatever the locale; LF or CRLF. The text is UTF-8 without zero bytes.
+// A table as spreadsheets and pandas write it: optional `# key=value` lines at
+// the top, one header line, then one line a row. Cells are separated by commas,
+// or by semicolons, tabs or | if the header has no comma; they may be quoted,
+// and lose the blanks around them. Empty lines and rows are left out, and so is
+// an empty cell at the end of every line. Numbers have a decimal point whatever
+// the locale. The text is UTF-8 without zero bytes.
 //
 //   TACTUS_ASSIGN_OR_RETURN(CsvTable table, CsvTable::Read("index.csv"));
 //   TACTUS_ASSIGN_OR_RETURN(size_t object, table.Column("object"));
@@ -11,6 +14,7 @@
 // Owns its text. Thread-safe once built.
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <string>
 #include <utility>
@@ -51,6 +55,9 @@ class CsvTable {
   absl::Status ParseMetadata(absl::string_view line, size_t number);
   absl::Status ParseHeader(absl::string_view line, size_t number);
   absl::Status ParseRow(absl::string_view line, size_t number);
+  // The cells of a line, without doubled quotes.
+  absl::Status Split(absl::string_view line, size_t number,
+                     std::vector<absl::string_view>* cells);
   absl::Status LineError(size_t number, absl::string_view message) const;
 
   std::string path_;
@@ -59,8 +66,11 @@ class CsvTable {
   std::vector<std::pair<std::string, std::string>> metadata_;
   std::vector<absl::string_view> header_;
   std::vector<absl::string_view> cells_;
-  // Lines before the first row.
-  size_t lines_before_rows_ = 0;
+  // The line of each row.
+  std::vector<size_t> lines_;
+  char delimiter_ = ',';
+  // Cells with quotes in them, which the views point into.
+  std::deque<std::string> unquoted_;
 };
 
 // Parses a finite number; false otherwise. Independent of the locale.

@@ -7,6 +7,7 @@
 #include "absl/strings/str_join.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/files/hdf5_filters.h"
 
 namespace tactus {
 namespace {
@@ -200,6 +201,7 @@ absl::Status OpenDataset(hid_t group, const char* name,
       layout != H5D_COMPACT) {
     return complain(name, "its data must lie in the file");
   }
+  TACTUS_RETURN_IF_ERROR(CheckFilters(properties.get(), name, complain));
   if (H5Pget_external_count(properties.get()) != 0) {
     return complain(name, "its data must not lie in another file");
   }

@@ -1,8 +1,11 @@
 #include "core/files/npy.h"
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
-#include <type_traits>
+#include <iterator>
+#include <limits>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
@@ -12,6 +15,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/files/array_order.h"
 #include "core/files/file_bytes.h"
 
 namespace tactus {
@@ -27,7 +31,9 @@ constexpr size_t kMaxTexts = 1'000'000;
 constexpr uint32_t kMaxTextLength = 100'000;
 
 struct Header {
+  // As in the file, e.g. "'<f4'".
   std::string type;
+  bool big_endian = false;
   bool fortran_order = true;
   std::vector<size_t> shape;
 };
@@ -42,13 +48,13 @@ absl::StatusOr<absl::string_view> TakeHeaderText(absl::string_view path,
     return static_cast<size_t>(static_cast<unsigned char>((*bytes)[i]));
   };
   const size_t version = byte(0);
-  if (version != 1 && version != 2) {
+  if (version < 1 || version > 3) {
     return TrialFileInvalid(path, absl::StrCat("has NumPy format version ",
-                                               version, "; use 1 or 2"));
+                                               version, "; use 1 to 3"));
   }
   const size_t preamble = version == 1 ? 4 : 6;
   size_t length = byte(2) | byte(3) << 8;
-  if (version == 2) length |= byte(4) << 16 | byte(5) << 24;
+  if (version >= 2) length |= byte(4) << 16 | byte(5) << 24;
   if (length > kMaxHeaderBytes || length > bytes->size() - preamble) {
     return TrialFileInvalid(
         path, absl::StrCat("its header of ", length, " bytes is cut short"));
@@ -140,6 +146,23 @@ absl::StatusOr<size_t> CountValues(absl::string_view path, const Header& header,
   return count;
 }
 
+// A number of 16 bits, IEEE 754 binary16.
+struct Half {
+  uint16_t bits = 0;
+
+  explicit operator double() const {
+    const int exponent = bits >> 10 & 0x1F;
+    const double fraction = bits & 0x3FF;
+    const double sign = (bits & 0x8000) != 0 ? -1 : 1;
+    if (exponent == 0x1F) {
+      return fraction == 0 ? sign * std::numeric_limits<double>::infinity()
+                           : std::numeric_limits<double>::quiet_NaN();
+    }
+    return sign * (exponent == 0 ? std::ldexp(fraction, -24)
+                                 : std::ldexp(1024 + fraction, exponent - 25));
+  }
+};
+
 // Converts each number of the file from `Stored` to `Value`.
 template <typename Stored, typename Value>
 absl::Status TakeValues(absl::string_view path, const Header& header,
@@ -153,15 +176,15 @@ absl::Status TakeValues(absl::string_view path, const Header& header,
                      limits::kMaxTrialArrayBytes / sizeof(Value), " are read"));
   }
   out->resize(count);
-  if constexpr (std::is_same_v<Stored, Value>) {
-    if (count > 0) std::memcpy(out->data(), data.data(), data.size());
-  } else {
-    for (size_t i = 0; i < count; ++i) {
-      Stored value;
-      std::memcpy(&value, data.data() + i * sizeof(Stored), sizeof(Stored));
-      (*out)[i] = static_cast<Value>(value);
-    }
+  for (size_t i = 0; i < count; ++i) {
+    char bytes[sizeof(Stored)];
+    std::memcpy(bytes, data.data() + i * sizeof(Stored), sizeof(Stored));
+    if (header.big_endian) std::reverse(std::begin(bytes), std::end(bytes));
+    Stored value;
+    std::memcpy(&value, bytes, sizeof(Stored));
+    (*out)[i] = static_cast<Value>(value);
   }
+  if (header.fortran_order) *out = FromColumnsFirst(header.shape, *out);
   return absl::OkStatus();
 }
 
@@ -212,13 +235,61 @@ absl::Status TakeText(absl::string_view path, const Header& header,
       uint32_t code_point = 0;
       std::memcpy(&code_point, data.data() + (i * length + k) * kCodePointBytes,
                   kCodePointBytes);
+      if (header.big_endian) code_point = __builtin_bswap32(code_point);
       if (!AppendUtf8(code_point, &text)) {
         return TrialFileInvalid(path, "holds text that is not Unicode");
       }
     }
     text.erase(text.find_last_not_of('\0') + 1);
   }
+  if (header.fortran_order) *out = FromColumnsFirst(header.shape, *out);
   return absl::OkStatus();
+}
+
+absl::Status TakeArray(absl::string_view path, Header& header,
+                       absl::string_view bytes, NpyArray* array) {
+  // "'<f4'": the order of bytes, then the type.
+  absl::string_view type = header.type;
+  if (!absl::ConsumePrefix(&type, "'") || !absl::ConsumeSuffix(&type, "'")) {
+    type = "";
+  }
+  header.big_endian = absl::ConsumePrefix(&type, ">");
+  if (!header.big_endian && !absl::ConsumePrefix(&type, "<") &&
+      !absl::ConsumePrefix(&type, "=")) {
+    absl::ConsumePrefix(&type, "|");
+  }
+  absl::string_view digits = type;
+  uint32_t length = 0;
+  if (absl::ConsumePrefix(&digits, "U") && absl::SimpleAtoi(digits, &length) &&
+      length <= kMaxTextLength) {
+    return TakeText(path, header, length, bytes, &array->text);
+  }
+  if (type == "O") {
+    return TrialFileInvalid(
+        path,
+        "holds '|O', Python objects in a pickle; pickles are never read. Save "
+        "numbers or text");
+  }
+  if (type == "u2")
+    return TakeValues<uint16_t>(path, header, bytes, &array->u16);
+  if (type == "i8")
+    return TakeValues<int64_t>(path, header, bytes, &array->i64);
+  if (type == "f4") return TakeValues<float>(path, header, bytes, &array->f32);
+  std::vector<double>* const f64 = &array->f64;
+  if (type == "f8") return TakeValues<double>(path, header, bytes, f64);
+  if (type == "f2") return TakeValues<Half>(path, header, bytes, f64);
+  if (type == "u1" || type == "b1") {
+    return TakeValues<uint8_t>(path, header, bytes, f64);
+  }
+  if (type == "i1") return TakeValues<int8_t>(path, header, bytes, f64);
+  if (type == "i2") return TakeValues<int16_t>(path, header, bytes, f64);
+  if (type == "i4") return TakeValues<int32_t>(path, header, bytes, f64);
+  if (type == "u4") return TakeValues<uint32_t>(path, header, bytes, f64);
+  if (type == "u8") return TakeValues<uint64_t>(path, header, bytes, f64);
+  return TrialFileInvalid(
+      path, absl::StrCat("holds ", header.type,
+                         "; use text or numbers of type f2, f4, f8, u1, u2, "
+                         "u4, u8, i1, i2, i4 or i8"));
 }
 
 }  // namespace
@@ -231,53 +302,13 @@ absl::StatusOr<NpyArray> ParseNpy(absl::string_view path,
   if (!ParseDictionary(text, &header)) {
     return TrialFileInvalid(path, "its NumPy header cannot be understood");
   }
-  if (header.fortran_order) {
-    return TrialFileInvalid(path, "is in Fortran order; save it in C order");
-  }
   if (header.shape.size() > 4) {
     return TrialFileInvalid(path, absl::StrCat("has ", header.shape.size(),
                                                " dimensions; use at most 4"));
   }
   NpyArray array;
   array.shape = header.shape;
-  absl::Status status;
-  const std::string& type = header.type;
-  absl::string_view digits = type;
-  uint32_t length = 0;
-  if (absl::ConsumePrefix(&digits, "'<U") &&
-      absl::ConsumeSuffix(&digits, "'") && absl::SimpleAtoi(digits, &length) &&
-      length <= kMaxTextLength) {
-    status = TakeText(path, header, length, bytes, &array.text);
-  } else if (type == "'|O'") {
-    status = TrialFileInvalid(
-        path,
-        "holds '|O', Python objects in a pickle; pickles are never read. Save "
-        "numbers or text");
-  } else if (type == "'<u2'") {
-    status = TakeValues<uint16_t>(path, header, bytes, &array.u16);
-  } else if (type == "'<i8'") {
-    status = TakeValues<int64_t>(path, header, bytes, &array.i64);
-  } else if (type == "'<f4'") {
-    status = TakeValues<float>(path, header, bytes, &array.f32);
-  } else if (type == "'<f8'") {
-    status = TakeValues<double>(path, header, bytes, &array.f64);
-  } else if (type == "'|u1'" || type == "'|b1'") {
-    status = TakeValues<uint8_t>(path, header, bytes, &array.f64);
-  } else if (type == "'|i1'") {
-    status = TakeValues<int8_t>(path, header, bytes, &array.f64);
-  } else if (type == "'<i2'") {
-    status = TakeValues<int16_t>(path, header, bytes, &array.f64);
-  } else if (type == "'<i4'") {
-    status = TakeValues<int32_t>(path, header, bytes, &array.f64);
-  } else if (type == "'<u4'") {
-    status = TakeValues<uint32_t>(path, header, bytes, &array.f64);
-  } else {
-    status = TrialFileInvalid(
-        path, absl::StrCat("holds ", type,
-                           "; use text or little-endian numbers of type f4, "
-                           "f8, u1, u2, u4, i1, i2, i4 or i8"));
-  }
-  if (!status.ok()) return status;
+  TACTUS_RETURN_IF_ERROR(TakeArray(path, header, bytes, &array));
   return array;
 }
 
