@@ -20,6 +20,7 @@
 #include "core/files/file_bytes.h"
 #include "core/import/import_recording.h"
 #include "core/import/import_skin_folder.h"
+#include "core/import/rate_check.h"
 #include "core/import/skin_file.h"
 
 namespace tactus {
@@ -50,6 +51,13 @@ absl::StatusOr<std::vector<std::string>> TrialFiles(const std::string& folder) {
   return files;
 }
 
+// The rate of a file's times must be that which the file states.
+absl::Status CheckTimes(const std::string& path, const Trial& trial) {
+  const RateCheck check = CheckRate(trial.time, trial.sample_rate_hz);
+  if (check.error.empty()) return absl::OkStatus();
+  return TrialFileInvalid(path, absl::StrCat("sample_rate_hz ", check.error));
+}
+
 // One trial of a .npz file, whose name is the source unless the file has one;
 // without the ending it becomes the id.
 absl::StatusOr<Trial> ImportNpz(const std::string& path) {
@@ -58,6 +66,7 @@ absl::StatusOr<Trial> ImportNpz(const std::string& path) {
   TACTUS_ASSIGN_OR_RETURN(Trial trial, TrialFromNpz(path, bytes));
   trial.id = fs::path(path).stem().string();
   if (trial.source.empty()) trial.source = fs::path(path).filename().string();
+  TACTUS_RETURN_IF_ERROR(CheckTimes(path, trial));
   return trial;
 }
 
@@ -117,6 +126,10 @@ absl::Status RefuseOptions(const std::string& path,
     return InvalidConfig(
         "skin or table of the import", file,
         absl::StrCat("absent: ", path, " has no place for it"));
+  }
+  if (!options.file_names.empty()) {
+    return InvalidConfig("pattern of file names", options.file_names,
+                         "absent: only folders with a skin.json take one");
   }
   return absl::OkStatus();
 }
@@ -180,6 +193,7 @@ absl::StatusOr<Trial> ImportSignalsCsv(const std::string& path, size_t number) {
   }
   TACTUS_RETURN_IF_ERROR(SetMetadata(path, table, &trial));
   TACTUS_RETURN_IF_ERROR(Validate(trial, path));
+  TACTUS_RETURN_IF_ERROR(CheckTimes(path, trial));
   return trial;
 }
 
@@ -204,7 +218,9 @@ absl::StatusOr<size_t> ImportFrom(const std::string& path, TrialSink sink,
   }
   TACTUS_RETURN_IF_ERROR(RefuseOptions(path, options));
   if (absl::EndsWith(path, ".json")) {
-    return ImportSkinFolder(fs::path(path).parent_path(), {.skin = path}, sink);
+    ImportOptions with_skin = options;
+    with_skin.skin = path;
+    return ImportSkinFolder(fs::path(path).parent_path(), with_skin, sink);
   }
   return ImportFiles({path}, sink);
 }

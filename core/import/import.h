@@ -41,6 +41,9 @@ struct ImportOptions {
   // The table of a folder; empty: as the skin.json says, beside it or in the
   // folder. Or of a recording's contacts.
   std::string table = {};
+  // A pattern that takes fields from the names of a folder's files
+  // (file_names.h), instead of that of the skin.json.
+  std::string file_names = {};
   // If set, gets texts for people about what was left out.
   std::function<void(const std::string&)> remark = {};
 };

@@ -14,7 +14,9 @@
 #include "core/base/text.h"
 #include "core/data/recording/contact_cutter.h"
 #include "core/data/recording/recording_reader.h"
+#include "core/data/similar_names.h"
 #include "core/files/csv.h"
+#include "core/import/import_notes.h"
 #include "core/import/skin_file.h"
 
 namespace tactus {
@@ -96,6 +98,7 @@ class RecordingImport {
     TACTUS_RETURN_IF_ERROR(EndTrial());
     RemarkRaw(RecordedTrial{reader->about()}.Text("device"));
     Remark(reader->CutOff());
+    notes_.Tell(options_.remark);
     for (const auto& [contact, row] : table_.rows) {
       if (contact <= contacts_) continue;
       return table_.csv->RowError(
@@ -170,6 +173,7 @@ class RecordingImport {
         *values[i] = std::string(
             table_.csv->text(row->second, *table_.csv->Column(kFields[i])));
       }
+      *values[i] = TrimmedName(*values[i]);
       const std::string fault =
           TextFault(*values[i], limits::kMaxTrialTextBytes);
       if (!fault.empty()) {
@@ -193,6 +197,7 @@ class RecordingImport {
     }
     TACTUS_RETURN_IF_ERROR(Validate(trial, path_));
     ++imported_;
+    notes_.AddNames(trial);
     return sink_(std::move(trial));
   }
 
@@ -203,6 +208,7 @@ class RecordingImport {
   const TrialSink sink_;
   std::optional<ContactCutter> cutter_;
   RecordedTrial trial_;
+  ImportNotes notes_;
   // Of the recording, and those before the trial.
   size_t contacts_ = 0;
   size_t contacts_before_ = 0;

@@ -1,8 +1,8 @@
 #include "core/import/import_skin_folder.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
+#include <optional>
 #include <set>
 
 #include "absl/strings/numbers.h"
@@ -12,9 +12,14 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
+#include "core/data/similar_names.h"
 #include "core/data/trial_id.h"
 #include "core/files/array_file.h"
+#include "core/import/file_names.h"
 #include "core/import/idle_noise.h"
+#include "core/import/import_notes.h"
+#include "core/import/mistakes.h"
+#include "core/import/rate_check.h"
 #include "core/import/recorded_frames.h"
 #include "core/import/ros_bag.h"
 #include "core/import/skin_file.h"
@@ -25,10 +30,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The times of a file may give another rate than skin.json by this fraction:
-// they are those of a computer, or of frames that were dropped.
-constexpr double kRateTolerance = 0.2;
-
 class SkinFolder {
  public:
   SkinFolder(std::string folder, SkinFile skin, TrialTable table)
@@ -38,9 +39,14 @@ class SkinFolder {
 
   size_t trials() const { return table_.rows(); }
   SkinFile& skin() { return skin_; }
+  // Names the file of a trial's frames.
+  std::string File(size_t row) const { return table_.Text(row, "frames"); }
+  // What the trials that were read give to remark on.
+  const ImportNotes& notes() const { return notes_; }
+  void ForgetNotes() { notes_ = {}; }
 
   // A trial with everything but checked thresholds.
-  absl::StatusOr<Trial> Read(size_t row) const {
+  absl::StatusOr<Trial> Read(size_t row) {
     Trial trial;
     TACTUS_RETURN_IF_ERROR(TakeTexts(row, trial));
     TACTUS_RETURN_IF_ERROR(TakeNumbers(row, trial));
@@ -54,6 +60,9 @@ class SkinFolder {
     }
     TACTUS_RETURN_IF_ERROR(TakeTime(row, trial));
     TACTUS_RETURN_IF_ERROR(TakePoses(row, trial));
+    if (skin_.repeated_times == RepeatedTimes::kDropped) DropRepeated(trial);
+    TACTUS_RETURN_IF_ERROR(CheckTime(row, trial));
+    notes_.AddNames(trial);
     trial.layout = skin_.layout.name;
     trial.unit = UnitText(skin_.layout.unit);
     return trial;
@@ -62,8 +71,7 @@ class SkinFolder {
   // With the skin, and checked as a whole.
   absl::Status Finish(size_t row, Trial& trial) const {
     SetSkin(skin_.layout, trial);
-    if (const absl::Status status = Validate(trial, table_.Text(row, "frames"));
-        !status.ok()) {
+    if (const absl::Status status = Validate(trial, File(row)); !status.ok()) {
       return table_.Error(row, "frames", status.message());
     }
     return absl::OkStatus();
@@ -91,9 +99,11 @@ class SkinFolder {
         {"object", &trial.object},
         {"material", &trial.material}};
     for (const auto& [field, value] : texts) {
-      *value = table_.Text(row, field);
+      *value = TrimmedName(table_.Text(row, field));
     }
-    if (table_.Has("group")) trial.material = table_.Text(row, "group");
+    if (table_.Has("group")) {
+      trial.material = TrimmedName(table_.Text(row, "group"));
+    }
     for (const auto& [field, value] : texts) {
       const std::string fault = TextFault(*value, limits::kMaxTrialTextBytes);
       if (!fault.empty()) return table_.Error(row, field, fault);
@@ -171,7 +181,8 @@ class SkinFolder {
       return table_.Error(row, field, array.status().message());
     }
     if (!sliced) {
-      auto array = ReadArrayFile(fs::path(folder_) / path, dataset);
+      auto array =
+          ReadArrayFile(fs::path(folder_) / path, dataset, skin_.format);
       if (!array.ok()) {
         return table_.Error(row, field, array.status().message());
       }
@@ -181,7 +192,8 @@ class SkinFolder {
     const std::string whole =
         dataset.empty() ? file : absl::StrCat(file, ":", dataset);
     if (whole != whole_name_) {
-      auto array = ReadArrayFile(fs::path(folder_) / path, dataset);
+      auto array =
+          ReadArrayFile(fs::path(folder_) / path, dataset, skin_.format);
       if (!array.ok()) {
         return table_.Error(row, field, array.status().message());
       }
@@ -198,12 +210,15 @@ class SkinFolder {
     return whole_.Slice(index);
   }
 
-  absl::StatusOr<RecordedFrames> ReadFrames(size_t row, double rate_hz) const {
+  absl::StatusOr<RecordedFrames> ReadFrames(size_t row, double rate_hz) {
     TACTUS_ASSIGN_OR_RETURN(const ArrayFile file, ReadFile(row, "frames"));
-    auto frames = MakeFrames(table_.Text(row, "frames"), file, skin_, rate_hz);
+    const std::string name = File(row);
+    auto frames = MakeFrames(name, file, skin_, rate_hz);
     if (!frames.ok()) {
       return table_.Error(row, "frames", frames.status().message());
     }
+    notes_.AddFound(name, file.found, frames->found);
+    notes_.AddRising(frames->rising, frames->taxels.frames());
     return frames;
   }
 
@@ -229,25 +244,69 @@ class SkinFolder {
       for (size_t t = 0; t < frames; ++t) {
         trial.time.push_back(static_cast<double>(t) / trial.sample_rate_hz);
       }
-      return absl::OkStatus();
     }
+    return absl::OkStatus();
+  }
+
+  // Takes frames away that have the time of the one before.
+  void DropRepeated(Trial& trial) {
+    const size_t frames = trial.taxels.frames();
+    const auto cells = static_cast<size_t>(skin_.layout.taxels());
+    const auto move = [](auto& list, size_t from, size_t to, size_t size) {
+      if (list.empty()) return;
+      const auto begin = list.begin() + static_cast<ptrdiff_t>(from * size);
+      std::copy(begin, begin + static_cast<ptrdiff_t>(size),
+                list.begin() + static_cast<ptrdiff_t>(to * size));
+    };
+    size_t kept = 1;
     for (size_t t = 1; t < frames; ++t) {
-      if (trial.time[t] > trial.time[t - 1]) continue;
+      if (trial.time[t] == trial.time[kept - 1]) continue;
+      move(trial.time, t, kept, 1);
+      move(trial.poses, t, kept, 1);
+      move(trial.taxels.u16, t, kept, cells);
+      move(trial.taxels.f32, t, kept, cells);
+      ++kept;
+    }
+    if (kept == frames) return;
+    notes_.AddDropped(frames - kept);
+    const auto cut = [&](auto& list, size_t size) {
+      if (!list.empty()) list.resize(kept * size);
+    };
+    cut(trial.time, 1);
+    cut(trial.poses, 1);
+    cut(trial.taxels.u16, cells);
+    cut(trial.taxels.f32, cells);
+  }
+
+  absl::Status CheckTime(size_t row, const Trial& trial) {
+    const std::vector<double>& time = trial.time;
+    for (size_t t = 1; t < time.size(); ++t) {
+      if (time[t] > time[t - 1]) continue;
+      size_t repeated = 0;
+      for (size_t k = 1; k < time.size(); ++k) {
+        repeated += time[k] == time[k - 1];
+      }
       return table_.Error(
           row, "time",
-          absl::StrCat("that of frame ", t, " is ", trial.time[t],
-                       " s; it must be above the one before, ",
-                       trial.time[t - 1], " s"));
+          absl::StrCat(
+              "that of frame ", t, " is ", time[t],
+              " s; it must be above the one before, ", time[t - 1], " s, in ",
+              File(row),
+              time[t] < time[t - 1]
+                  ? ""
+                  : absl::StrCat(", where ", repeated, " of ", time.size(),
+                                 " frames have the time of the one before. If "
+                                 "such frames may go, say \"repeated_times\": "
+                                 "\"dropped\" in skin.json")));
     }
-    const double seconds = trial.time.back() - trial.time.front();
-    const double rate = static_cast<double>(frames - 1) / seconds;
-    if (frames > 1 &&
-        std::abs(rate / trial.sample_rate_hz - 1) > kRateTolerance) {
+    const RateCheck check = CheckRate(time, trial.sample_rate_hz);
+    if (!check.error.empty()) {
       return table_.Error(
           row, "sample_rate_hz",
-          absl::StrFormat("is %g, but the times are those of %.4g frames a "
-                          "second",
-                          trial.sample_rate_hz, rate));
+          absl::StrCat(check.error, ", in ", File(row), check.advice));
+    }
+    if (check.remarkable) {
+      notes_.AddRate(File(row), trial.sample_rate_hz, check.measured_hz);
     }
     return absl::OkStatus();
   }
@@ -270,21 +329,30 @@ class SkinFolder {
   const std::string folder_;
   SkinFile skin_;
   const TrialTable table_;
+  ImportNotes notes_;
   // The file of many trials that was read last.
   mutable std::string whole_name_;
   mutable ArrayFile whole_;
 };
 
 // Reads all trials for the thresholds alone.
-absl::Status TakeThresholds(const std::string& skin_path, SkinFolder& folder) {
+absl::Status TakeThresholds(const std::string& skin_path,
+                            const std::string& table_path, SkinFolder& folder) {
   SkinFile& skin = folder.skin();
   IdleNoise noise({skin.idle_frames, skin.idle_taxels});
+  Mistakes mistakes(table_path);
   for (size_t row = 0; row < folder.trials(); ++row) {
-    TACTUS_ASSIGN_OR_RETURN(Trial trial, folder.Read(row));
+    auto trial = folder.Read(row);
+    if (!trial.ok()) {
+      TACTUS_RETURN_IF_ERROR(mistakes.Add(folder.File(row), trial.status()));
+      continue;
+    }
     // For its mask.
-    trial.skin = skin.layout;
-    noise.Add(trial);
+    trial->skin = skin.layout;
+    noise.Add(*trial);
   }
+  TACTUS_RETURN_IF_ERROR(mistakes.Status());
+  folder.ForgetNotes();
   const auto found = noise.Estimate();
   if (!found.ok()) {
     return TrialFileInvalid(
@@ -311,26 +379,53 @@ absl::StatusOr<size_t> ImportSkinFolder(const std::string& folder,
     table_path =
         fs::exists(beside, error) ? beside : fs::path(folder) / skin.table;
   }
-  TACTUS_ASSIGN_OR_RETURN(TrialTable table,
-                          TrialTable::Read(table_path, skin_path, skin.fields));
+  std::optional<FileNamePattern> names;
+  if (!options.file_names.empty()) skin.file_names = options.file_names;
+  if (!skin.file_names.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(names, FileNamePattern::Parse(skin.file_names));
+  }
+  std::error_code no_table;
+  const bool from_names =
+      names && options.table.empty() && !fs::exists(table_path, no_table);
+  if (from_names) table_path = folder;
+  std::vector<std::string> left_out;
+  TACTUS_ASSIGN_OR_RETURN(
+      TrialTable table,
+      from_names ? TrialTable::FromNames(folder, *names, &left_out)
+                 : TrialTable::Read(table_path, skin_path, skin.fields,
+                                    names ? &*names : nullptr));
+  if (!left_out.empty() && options.remark) {
+    options.remark(absl::StrCat(
+        left_out.size(), " files are left out, because their names do not fit ",
+        Quoted(skin.file_names), ": ", Quoted(left_out.front()),
+        left_out.size() > 1 ? " and others" : ""));
+  }
   if (table.rows() == 0) {
     return TrialFileInvalid(table_path, "names no trial");
   }
   SkinFolder source(folder, std::move(skin), std::move(table));
   if (source.skin().thresholds_from_idle) {
-    TACTUS_RETURN_IF_ERROR(TakeThresholds(skin_path, source));
+    TACTUS_RETURN_IF_ERROR(TakeThresholds(skin_path, table_path, source));
   }
+  Mistakes mistakes(table_path);
   std::set<std::string> ids;
   for (size_t row = 0; row < source.trials(); ++row) {
-    TACTUS_ASSIGN_OR_RETURN(Trial trial, source.Read(row));
-    TACTUS_RETURN_IF_ERROR(source.Finish(row, trial));
-    if (!ids.insert(trial.id).second) {
-      return TrialFileInvalid(
-          table_path, absl::StrCat("line ", row + 2, ": id: ", Quoted(trial.id),
-                                   " is repeated"));
+    auto trial = source.Read(row);
+    absl::Status status = trial.status();
+    if (status.ok()) status = source.Finish(row, *trial);
+    if (status.ok() && !ids.insert(trial->id).second) {
+      status =
+          TrialFileInvalid(table_path, absl::StrCat("line ", row + 2,
+                                                    ": id: ", Quoted(trial->id),
+                                                    " is repeated"));
     }
-    TACTUS_RETURN_IF_ERROR(sink(std::move(trial)));
+    TACTUS_RETURN_IF_ERROR(mistakes.Add(source.File(row), status));
+    // Nothing is imported once there is a mistake.
+    if (mistakes.empty()) TACTUS_RETURN_IF_ERROR(sink(*std::move(trial)));
   }
+  TACTUS_RETURN_IF_ERROR(mistakes.Add("", source.notes().Check(skin_path)));
+  source.notes().Tell(options.remark);
+  TACTUS_RETURN_IF_ERROR(mistakes.Status());
   return source.trials();
 }
 

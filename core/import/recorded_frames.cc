@@ -10,74 +10,20 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/import/event_frames.h"
+#include "core/import/frame_columns.h"
+#include "core/import/rising_columns.h"
 
 namespace tactus {
 namespace {
 
-constexpr std::array<absl::string_view, 7> kPoseColumns = {
-    "x", "y", "z", "qx", "qy", "qz", "qw"};
+constexpr size_t kPoseNumbers = 7;
 
-Pose PoseOf(const std::array<double, 7>& v) {
+Pose PoseOf(const std::array<double, kPoseNumbers>& v) {
   Pose pose;
   pose.position = {v[0], v[1], v[2]};
   // Eigen's constructor takes w first.
   pose.orientation = {v[6], v[3], v[4], v[5]};
   return pose;
-}
-
-// The columns of a row of numbers.
-struct RowColumns {
-  std::vector<size_t> taxels;
-  std::vector<size_t> time;
-  std::vector<size_t> pose;
-};
-
-absl::StatusOr<RowColumns> FindColumns(const std::string& path,
-                                       const ArrayFile& file,
-                                       const SkinFile& skin) {
-  const std::vector<size_t>& shape = file.array.shape;
-  RowColumns columns;
-  const bool grid = shape.size() == 3 && skin.cells.empty() &&
-                    shape[1] == static_cast<size_t>(skin.layout.rows) &&
-                    shape[2] == static_cast<size_t>(skin.layout.columns);
-  const size_t width = grid                ? shape[1] * shape[2]
-                       : shape.size() == 2 ? shape[1]
-                                           : 0;
-  for (size_t i = 0; i < width; ++i) {
-    const bool named = !file.header.empty();
-    const auto pose = named ? std::find(kPoseColumns.begin(),
-                                        kPoseColumns.end(), file.header[i])
-                            : kPoseColumns.end();
-    if (named && file.header[i] == "time") {
-      columns.time.push_back(i);
-    } else if (pose != kPoseColumns.end()) {
-      if (static_cast<size_t>(pose - kPoseColumns.begin()) !=
-          columns.pose.size()) {
-        return TrialFileInvalid(
-            path, absl::StrCat("column ", *pose, " is out of order; a pose is ",
-                               absl::StrJoin(kPoseColumns, ", ")));
-      }
-      columns.pose.push_back(i);
-    } else {
-      columns.taxels.push_back(i);
-    }
-  }
-  if (columns.taxels.size() != skin.frame_size()) {
-    return TrialFileInvalid(
-        path, absl::StrCat("has shape ", absl::StrJoin(shape, " x "),
-                           file.header.empty()
-                               ? ""
-                               : absl::StrCat(", ", columns.taxels.size(),
-                                              " columns of taxels"),
-                           "; it must be frames x ", skin.frame_size()));
-  }
-  if (!columns.pose.empty() && columns.pose.size() != kPoseColumns.size()) {
-    return TrialFileInvalid(path,
-                            absl::StrCat("has ", columns.pose.size(),
-                                         " columns of a pose; it takes ",
-                                         absl::StrJoin(kPoseColumns, ", ")));
-  }
-  return columns;
 }
 
 // A frame's numbers, in the order of the file, for any kind of file.
@@ -88,7 +34,7 @@ struct Numbers {
   std::vector<Pose> poses;
 };
 
-Numbers TakeNumbers(const ArrayFile& file, const RowColumns& columns,
+Numbers TakeNumbers(const ArrayFile& file, const FrameColumns& columns,
                     double time_scale_s) {
   Numbers numbers;
   const size_t frames = file.array.shape[0];
@@ -104,7 +50,7 @@ Numbers TakeNumbers(const ArrayFile& file, const RowColumns& columns,
       numbers.time.push_back(at(column) * time_scale_s);
     }
     if (columns.pose.empty()) continue;
-    std::array<double, 7> pose;
+    std::array<double, kPoseNumbers> pose;
     for (size_t i = 0; i < pose.size(); ++i) pose[i] = at(columns.pose[i]);
     numbers.poses.push_back(PoseOf(pose));
   }
@@ -192,9 +138,12 @@ absl::StatusOr<RecordedFrames> MakeFrames(const std::string& path,
     frames.time = std::move(events.time);
     return frames;
   }
-  TACTUS_ASSIGN_OR_RETURN(const RowColumns columns,
-                          FindColumns(path, file, skin));
-  if (StaysU16(file, skin)) {
+  TACTUS_ASSIGN_OR_RETURN(const FrameColumns columns,
+                          FindFrameColumns(path, file, skin));
+  frames.found = columns.found;
+  const size_t width = file.size() / std::max<size_t>(file.array.shape[0], 1);
+  if (StaysU16(file, skin) && columns.taxels.size() == width &&
+      std::is_sorted(columns.taxels.begin(), columns.taxels.end())) {
     frames.taxels.u16 = file.array.u16;
     frames.taxels.scale = skin.scale;
     return frames;
@@ -203,21 +152,24 @@ absl::StatusOr<RecordedFrames> MakeFrames(const std::string& path,
   TACTUS_RETURN_IF_ERROR(Convert(path, numbers.values, skin, frames.taxels));
   frames.time = std::move(numbers.time);
   frames.poses = std::move(numbers.poses);
+  if (!columns.taxels_are_named) {
+    frames.rising = FindRising(file, columns.taxels);
+  }
   return frames;
 }
 
 absl::StatusOr<std::vector<Pose>> MakePoses(const std::string& path,
                                             const ArrayFile& file) {
   const std::vector<size_t>& shape = file.array.shape;
-  if (shape.size() != 2 || shape[1] != kPoseColumns.size()) {
+  if (shape.size() != 2 || shape[1] != kPoseNumbers) {
     return TrialFileInvalid(
         path, absl::StrCat("has shape ", absl::StrJoin(shape, " x "),
                            "; poses are frames x 7: ",
-                           absl::StrJoin(kPoseColumns, ", ")));
+                           absl::StrJoin(PoseColumns(), ", ")));
   }
   std::vector<Pose> poses;
   for (size_t t = 0; t < shape[0]; ++t) {
-    std::array<double, 7> values;
+    std::array<double, kPoseNumbers> values;
     for (size_t i = 0; i < values.size(); ++i) {
       values[i] = file.Number(t * values.size() + i);
     }

@@ -16,6 +16,7 @@
 #include "absl/status/statusor.h"
 #include "core/data/trial.h"
 #include "core/files/array_file.h"
+#include "core/import/rising_columns.h"
 #include "core/import/skin_file.h"
 
 namespace tactus {
@@ -26,14 +27,17 @@ struct RecordedFrames {
   std::vector<double> time;
   // One per frame; empty if the file does not state them.
   std::vector<Pose> poses;
+  // Says which columns are what, for people; may be empty.
+  std::string found;
+  // Those of the taxels that rise in every frame, if no skin.json names them.
+  std::vector<RisingColumn> rising;
 };
 
-// `file` holds frames x taxels or frames x rows x columns numbers. A CSV file
-// with a header may also have a column `time`, and all of x, y, z, qx, qy, qz
-// and qw; the other columns are the taxels in order. Or, if skin.events says
-// so, it is a list of events (event_frames.h). Unsigned 16-bit numbers that
-// need no more than a scale stay as they are. TRIAL_FILE_INVALID names `path`,
-// the frame and the taxel.
+// `file` holds frames x taxels or frames x rows x columns numbers, with time
+// and poses as FindFrameColumns() says. Or, if skin.events says so, it is a
+// list of events (event_frames.h). Unsigned 16-bit numbers that need no more
+// than a scale stay as they are. TRIAL_FILE_INVALID names `path`, the frame and
+// the taxel.
 absl::StatusOr<RecordedFrames> MakeFrames(const std::string& path,
                                           const ArrayFile& file,
                                           const SkinFile& skin, double rate_hz);

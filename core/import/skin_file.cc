@@ -337,6 +337,56 @@ void TakeNumbers(Fields& fields, SkinFile& skin) {
   }
 }
 
+// A column by its name or by its place.
+std::optional<std::string> ColumnText(const Json& json) {
+  if (json.is_string()) return json.get<std::string>();
+  if (json.is_number_unsigned()) return absl::StrCat(json.get<uint64_t>());
+  return {};
+}
+
+void TakeFormat(Fields& fields, SkinFile& skin) {
+  fields.Choice<char>(
+      "delimiter",
+      {{",", ','}, {";", ';'}, {"\t", '\t'}, {"|", '|'}, {" ", ' '}},
+      &skin.format.text.delimiter);
+  fields.Choice<char>("decimal", {{".", '.'}, {",", ','}},
+                      &skin.format.text.decimal);
+  if (skin.format.text.delimiter == ',' && skin.format.text.decimal == ',' &&
+      fields.Has("decimal")) {
+    fields.Complain("decimal", "is the delimiter too; one of them is wrong");
+  }
+  fields.Whole("header_lines", 0, 1000, &skin.format.text.header_lines);
+  fields.Choice<Hdf5Order>("array_order",
+                           {{"rows first", Hdf5Order::kRowsFirst},
+                            {"columns first", Hdf5Order::kColumnsFirst}},
+                           &skin.format.order);
+  fields.Choice<RepeatedTimes>("repeated_times",
+                               {{"refused", RepeatedTimes::kRefused},
+                                {"dropped", RepeatedTimes::kDropped}},
+                               &skin.repeated_times);
+  if (fields.Has("time_column")) {
+    skin.time_column = ColumnText(fields.At("time_column"));
+    if (!skin.time_column) {
+      fields.Complain("time_column", fields.At("time_column"),
+                      "the name of a column, or its place from 0");
+    }
+  }
+  if (!fields.Has("taxel_columns")) return;
+  const Json& list = fields.At("taxel_columns");
+  if (!list.is_array() || list.empty()) {
+    return fields.Complain("taxel_columns", list, "a list of columns");
+  }
+  for (const Json& item : list) {
+    const auto column = ColumnText(item);
+    if (!column) {
+      return fields.Complain(
+          "taxel_columns", item,
+          "the name of a column, its place from 0, or a range: \"c1..c16\"");
+    }
+    skin.taxel_columns.push_back(*column);
+  }
+}
+
 void TakeTableFields(Fields& fields, SkinFile& skin) {
   if (!fields.Has("fields")) return;
   const Json& made = fields.At("fields");
@@ -396,10 +446,12 @@ absl::StatusOr<SkinFile> ReadSkinFile(const std::string& path) {
   TakeLightTouch(path, fields, skin);
   TakeNumbers(fields, skin);
   TakeMask(fields, skin);
+  TakeFormat(fields, skin);
   fields.Text("dataset", &skin.dataset);
   fields.Text("bag_values", &skin.bag_values);
   fields.Text("pose_topic", &skin.pose_topic);
   fields.Text("table", &skin.table);
+  fields.Text("file_names", &skin.file_names);
   TakeTableFields(fields, skin);
   TACTUS_RETURN_IF_ERROR(fields.Finish());
   SkinLayout complete = skin.layout;

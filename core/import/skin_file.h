@@ -11,11 +11,13 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "core/files/array_file.h"
 #include "core/skin/layout.h"
 
 namespace tactus {
@@ -26,6 +28,9 @@ enum class NegativeValues { kRefused, kZero, kAbsolute };
 // How events become frames: the number of events of a frame, their sum since
 // the beginning, or the value of the last one.
 enum class EventRule { kNone, kCount, kSum, kHold };
+
+// What becomes of a frame with the time of the frame before it.
+enum class RepeatedTimes { kRefused, kDropped };
 
 struct SkinFile {
   // Without thresholds (0) if they come from idle frames.
@@ -49,6 +54,15 @@ struct SkinFile {
   EventRule events = EventRule::kNone;
   // Seconds per unit of the files' times.
   double time_scale_s = 1;
+  // What the frames' files do not say of themselves.
+  ArrayFormat format;
+  // The column of the times, by name or by place from 0; "" means none. Absent:
+  // a column `time`.
+  std::optional<std::string> time_column;
+  // The columns of the taxels in order, each a name, a place from 0, or a range
+  // of either, "c1..c16". Empty: all others.
+  std::vector<std::string> taxel_columns;
+  RepeatedTimes repeated_times = RepeatedTimes::kRefused;
   // Of HDF5 and .npz files and bags, where the table names none.
   std::string dataset;
   // Of bags (ros_bag.h); the topic of the frames is `dataset`.
@@ -56,6 +70,9 @@ struct SkinFile {
   std::string pose_topic;
   // The table of trials.
   std::string table = "trials.csv";
+  // Takes fields of a trial from the names of files (file_names.h); empty:
+  // none.
+  std::string file_names;
   // What the fields of a trial are made of, e.g. {"label", "{material}"}.
   std::map<std::string, std::string> fields;
   // For each number of a frame its taxel, row-major; empty: in order.

@@ -1,14 +1,35 @@
 #include "core/import/trial_table.h"
 
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "absl/strings/str_replace.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
+#include "core/import/mistakes.h"
 #include "core/import/skin_file.h"
 
 namespace tactus {
 namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kMostNamedFiles = 1'000'000;
+
+// True if the name has an ending of files of frames.
+bool IsRecording(const std::string& file) {
+  constexpr absl::string_view kEndings[] = {".csv", ".tsv", ".npy",  ".npz",
+                                            ".h5",  ".mat", ".hdf5", ".bag"};
+  return std::any_of(std::begin(kEndings), std::end(kEndings),
+                     [&](const auto& ending) {
+                       return absl::EndsWithIgnoreCase(file, ending);
+                     });
+}
 
 // Splits "a{b}c" at its next placeholder: "a", "b", and "c" stays. False if
 // there is none, or no closing brace.
@@ -29,7 +50,8 @@ bool NextPlaceholder(absl::string_view* text, absl::string_view* before,
 
 absl::StatusOr<TrialTable> TrialTable::Read(
     const std::string& path, const std::string& skin_path,
-    const std::map<std::string, std::string>& fields) {
+    const std::map<std::string, std::string>& fields,
+    const FileNamePattern* names) {
   TACTUS_ASSIGN_OR_RETURN(CsvTable csv, CsvTable::Read(path));
   for (const auto& [field, text] : fields) {
     absl::string_view rest = text;
@@ -51,6 +73,9 @@ absl::StatusOr<TrialTable> TrialTable::Read(
     }
   }
   for (const auto& [field, text] : fields) table.templates_[field] = text;
+  if (names != nullptr && table.Has("frames")) {
+    TACTUS_RETURN_IF_ERROR(table.TakeNames(*names));
+  }
   for (const absl::string_view needed : {"frames", "label"}) {
     if (table.Has(std::string(needed))) continue;
     return TrialFileInvalid(
@@ -63,9 +88,74 @@ absl::StatusOr<TrialTable> TrialTable::Read(
   return table;
 }
 
+absl::Status TrialTable::TakeNames(const FileNamePattern& names) {
+  Mistakes mistakes("file_names");
+  for (size_t row = 0; row < rows(); ++row) {
+    const std::string file = Text(row, "frames");
+    auto fields = names.Match(file);
+    if (fields.ok()) {
+      names_.push_back(*std::move(fields));
+    } else {
+      TACTUS_RETURN_IF_ERROR(mistakes.Add(file, fields.status()));
+    }
+  }
+  return mistakes.Status();
+}
+
+absl::StatusOr<TrialTable> TrialTable::FromNames(
+    const std::string& folder, const FileNamePattern& names,
+    std::vector<std::string>* left_out) {
+  std::vector<std::string> files;
+  std::error_code error;
+  for (fs::recursive_directory_iterator it(folder, error), end;
+       !error && it != end; it.increment(error)) {
+    std::error_code no_file;
+    if (!it->is_regular_file(no_file)) continue;
+    const std::string file = fs::relative(it->path(), folder, no_file).string();
+    if (names.Fits(file)) {
+      files.push_back(file);
+    } else if (IsRecording(file)) {
+      left_out->push_back(file);
+    }
+    if (files.size() > kMostNamedFiles) {
+      return TrialFileInvalid(folder,
+                              absl::StrCat("holds more than ", kMostNamedFiles,
+                                           " files; name them in a table"));
+    }
+  }
+  if (error) return IoError(folder, error.message());
+  if (files.empty()) {
+    return TrialFileInvalid(
+        folder,
+        absl::StrCat("holds no file whose name fits the pattern",
+                     left_out->empty()
+                         ? ""
+                         : absl::StrCat(", but ", Quoted(left_out->front()))));
+  }
+  std::sort(files.begin(), files.end());
+  std::string text = "frames\n";
+  for (const std::string& file : files) {
+    absl::StrAppend(&text, "\"", absl::StrReplaceAll(file, {{"\"", "\"\""}}),
+                    "\"\n");
+  }
+  TACTUS_ASSIGN_OR_RETURN(CsvTable csv, CsvTable::Parse(folder, text));
+  TrialTable table(std::move(csv));
+  table.path_ = folder;
+  table.from_names_ = true;
+  table.templates_["frames"] = "{frames}";
+  TACTUS_RETURN_IF_ERROR(table.TakeNames(names));
+  if (table.Has("label")) return table;
+  return InvalidConfig("pattern of file names", "without {label}",
+                       "one with {label}, because there is no table of labels");
+}
+
 std::string TrialTable::Text(size_t row, const std::string& field) const {
   const auto found = templates_.find(field);
-  if (found == templates_.end()) return "";
+  if (found == templates_.end()) {
+    if (row >= names_.size()) return "";
+    const auto named = names_[row].find(field);
+    return named == names_[row].end() ? "" : named->second;
+  }
   std::string text;
   absl::string_view rest = found->second;
   absl::string_view before;
@@ -88,6 +178,10 @@ absl::StatusOr<double> TrialTable::Number(size_t row, const std::string& field,
 
 absl::Status TrialTable::Error(size_t row, absl::string_view field,
                                absl::string_view message) const {
+  if (from_names_) {
+    return TrialFileInvalid(absl::StrCat(path_, "/", Text(row, "frames")),
+                            absl::StrCat(field, ": ", message));
+  }
   return csv_.RowError(row, absl::StrCat(field, ": ", message));
 }
 

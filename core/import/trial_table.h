@@ -18,6 +18,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "core/files/csv.h"
+#include "core/import/file_names.h"
 
 namespace tactus {
 
@@ -25,15 +26,23 @@ class TrialTable {
  public:
   // `fields` says what a field is made of: text in which {NAME} stands for the
   // row's cell in the column NAME. Other fields are the columns of their names.
-  // IO or TRIAL_FILE_INVALID, also if `fields` names a column that there is
-  // not; then the error is about `skin_path`.
+  // Fields that are neither come from the names of the files, if there are
+  // `names`. IO or TRIAL_FILE_INVALID, also if `fields` names a column that
+  // there is not; then the error is about `skin_path`.
   static absl::StatusOr<TrialTable> Read(
       const std::string& path, const std::string& skin_path,
-      const std::map<std::string, std::string>& fields);
+      const std::map<std::string, std::string>& fields,
+      const FileNamePattern* names = nullptr);
+  // A table of the files in `folder` whose names fit, in the order of their
+  // names. Gives `left_out` those that have an ending of recordings and do not.
+  static absl::StatusOr<TrialTable> FromNames(
+      const std::string& folder, const FileNamePattern& names,
+      std::vector<std::string>* left_out);
 
   size_t rows() const { return csv_.rows(); }
   bool Has(const std::string& field) const {
-    return templates_.contains(field);
+    return templates_.contains(field) ||
+           (!names_.empty() && names_.front().contains(field));
   }
   // The field of a row; empty if the table has no such field.
   std::string Text(size_t row, const std::string& field) const;
@@ -47,8 +56,16 @@ class TrialTable {
  private:
   explicit TrialTable(CsvTable csv) : csv_(std::move(csv)) {}
 
+  absl::Status TakeNames(const FileNamePattern& names);
+
   CsvTable csv_;
   std::map<std::string, std::string> templates_;
+  // The fields of each row that come from the name of its file.
+  std::vector<std::map<std::string, std::string>> names_;
+  // The table was made from the names of files, so it has no lines.
+  bool from_names_ = false;
+  // Then the folder.
+  std::string path_;
 };
 
 }  // namespace tactus

@@ -1,12 +1,14 @@
 // The examples of public headers, as their comments show them. They only have
 // to compile; HouseTest.ExamplesAreCompiled compares the texts.
 #include <fstream>
+#include <iostream>
 #include <set>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "core/base/errors.h"
+#include "core/base/rate_watch.h"
 #include "core/base/status_macros.h"
 #include "core/data/frame_fingerprint.h"
 #include "core/data/recording/contact_cutter.h"
@@ -15,6 +17,7 @@
 #include "core/data/recording/recording.h"
 #include "core/data/recording/recording_reader.h"
 #include "core/data/recording/recording_writer.h"
+#include "core/data/similar_names.h"
 #include "core/data/trial.h"
 #include "core/data/trial_csv.h"
 #include "core/data/trial_file.h"
@@ -23,9 +26,12 @@
 #include "core/data/trial_npz.h"
 #include "core/data/trial_record.h"
 #include "core/files/array_file.h"
+#include "core/files/array_order.h"
 #include "core/files/csv.h"
 #include "core/files/draft_file.h"
 #include "core/files/file_bytes.h"
+#include "core/files/hdf5_array.h"
+#include "core/files/hdf5_filters.h"
 #include "core/files/hdf5_handle.h"
 #include "core/files/hdf5_probe.h"
 #include "core/files/hdf5_read.h"
@@ -35,13 +41,23 @@
 #include "core/files/npy.h"
 #include "core/files/npy_write.h"
 #include "core/files/npz.h"
+#include "core/files/number_cells.h"
+#include "core/files/number_text.h"
+#include "core/files/text_cells.h"
+#include "core/files/text_lines.h"
 #include "core/import/event_frames.h"
+#include "core/import/file_names.h"
+#include "core/import/frame_columns.h"
 #include "core/import/idle_noise.h"
 #include "core/import/import.h"
+#include "core/import/import_notes.h"
 #include "core/import/import_recording.h"
 #include "core/import/import_skin_folder.h"
 #include "core/import/light_noise.h"
+#include "core/import/mistakes.h"
+#include "core/import/rate_check.h"
 #include "core/import/recorded_frames.h"
+#include "core/import/rising_columns.h"
 #include "core/import/ros_bag.h"
 #include "core/import/ros_message.h"
 #include "core/import/skin_file.h"
@@ -131,6 +147,111 @@ absl::Status ArrayFileExample() {
                           ReadArrayFile("trial.h5", "run1/taxels"));
   file.array.shape;  // {605, 384}
   return absl::OkStatus();
+}
+
+absl::Status NumberTextExample() {
+  TACTUS_ASSIGN_OR_RETURN(
+      const NumberText table,
+      ParseNumberText("a.csv", "time;force\n0;0,5\n1;0,75\n", {}));
+  table.header;  // {"time", "force"}
+  table.found;   // "cells are separated by semicolons, ..."
+  return absl::OkStatus();
+}
+
+void NumberCellsExample() {
+  double value = 0;
+  ParseCell("0,5", ',', &value);  // true, 0.5
+  IsMissing("NaN");               // true
+}
+
+void Use(size_t number, absl::string_view line);
+
+void TextLinesExample(const std::string& text) {
+  TextLines lines(text);
+  while (lines.Next()) Use(lines.number(), lines.line());
+}
+
+void TextCellsExample() {
+  std::vector<absl::string_view> cells;
+  SplitCells("1;\"a;b\"; 3 ", ';', &cells);  // {"1", "a;b", "3"}
+}
+
+absl::Status Hdf5FiltersExample(hid_t properties,
+                                const Hdf5Complaint& complain) {
+  TACTUS_RETURN_IF_ERROR(CheckFilters(properties, "taxels", complain));
+  return absl::OkStatus();
+}
+
+absl::Status Hdf5ArrayExample() {
+  TACTUS_ASSIGN_OR_RETURN(const NpyArray array,
+                          ReadHdf5Array("trial.h5", "run1/taxels", {}));
+  return absl::OkStatus();
+}
+
+void ArrayOrderExample() {
+  FromColumnsFirst({2, 3}, std::vector{1, 4, 2, 5, 3, 6});
+  // {1, 2, 3, 4, 5, 6}
+}
+
+void SimilarNamesExample(const std::vector<Trial>& trials) {
+  SimilarNames labels("label");
+  for (const Trial& trial : trials) labels.Add(trial.label);
+  labels.Remarks();  // {"the labels \"Soft\" and \"soft\" differ ..."}
+}
+
+absl::Status MistakesExample(const std::map<std::string, absl::Status>& read) {
+  Mistakes mistakes("trials.csv");
+  for (const auto& [file, status] : read) {
+    TACTUS_RETURN_IF_ERROR(mistakes.Add(file, status));
+  }
+  TACTUS_RETURN_IF_ERROR(mistakes.Status());
+  return absl::OkStatus();
+}
+
+absl::Status FileNamesExample() {
+  TACTUS_ASSIGN_OR_RETURN(const FileNamePattern pattern,
+                          FileNamePattern::Parse("{label}_{group}.csv"));
+  TACTUS_ASSIGN_OR_RETURN(const auto fields, pattern.Match("cup_anna.csv"));
+  fields.at("group");  // "anna"
+  return absl::OkStatus();
+}
+
+absl::Status FrameColumnsExample(const ArrayFile& file, const SkinFile& skin) {
+  TACTUS_ASSIGN_OR_RETURN(const FrameColumns columns,
+                          FindFrameColumns("a.csv", file, skin));
+  columns.taxels;  // {1, 2, 3}
+  return absl::OkStatus();
+}
+
+absl::Status ImportNotesExample(const ArrayFile& file,
+                                const RecordedFrames& frames) {
+  ImportNotes notes;
+  notes.AddFound("0.csv", file.found, frames.found);
+  TACTUS_RETURN_IF_ERROR(notes.Check("skin.json"));
+  notes.Tell([](const std::string& text) { std::cerr << text << "\n"; });
+  return absl::OkStatus();
+}
+
+void RisingColumnsExample(const std::vector<ArrayFile>& files,
+                          const std::vector<size_t>& columns) {
+  RisingColumns rising;
+  for (const ArrayFile& file : files) {
+    rising.Add(FindRising(file, columns), file.array.shape[0]);
+  }
+  rising.Always();
+}
+
+void RateCheckExample() {
+  const RateCheck check = CheckRate({0, 0.02, 0.04}, /*stated_hz=*/50);
+  check.measured_hz;  // 50
+  check.error;        // empty
+}
+
+void Tell(double hz);
+
+void RateWatchExample(int64_t capture_time_ns) {
+  RateWatch watch(/*stated_hz=*/100);
+  if (watch.Add(/*frames=*/1, capture_time_ns)) Tell(watch.measured_hz());
 }
 
 absl::Status RosBagExample() {

@@ -19,7 +19,8 @@ constexpr int kMaxLines = 600;
 constexpr int kMaxAdapterLines = 300;
 constexpr int kMaxRoomLines = 3000;
 // Each is one subject that has no smaller parts.
-constexpr std::array<absl::string_view, 1> kLargeRooms = {"hmm"};
+constexpr std::array<absl::string_view, 3> kLargeRooms = {"files", "hmm",
+                                                          "import"};
 
 // Where files lie that pages name.
 constexpr std::array<absl::string_view, 8> kNamedFolders = {

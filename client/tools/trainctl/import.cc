@@ -162,6 +162,10 @@ void AddImport(CLI::App& app, const SelectCommand& select) {
   command->add_option("--table", flags->options.table,
                       "Table of the folder's trials, instead of the one that "
                       "skin.json names; or of a recording's contacts");
+  command->add_option("--file-names", flags->options.file_names,
+                      "Take labels, conditions and groups from the names of "
+                      "the folder's files: {label}_{group}.csv, or a regular "
+                      "expression with named groups");
   command->add_option("--out", flags->out, "Trial file to write")->required();
   command->add_flag("--json", flags->json, "Print one JSON object on stdout");
   command->callback([=] { select([=] { return RunImport(*flags); }); });

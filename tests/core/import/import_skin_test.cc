@@ -232,7 +232,7 @@ TEST_F(ImportSkinTest, TaxelPositionsMakeAGrid) {
     "unit": "newton", "contact_threshold": 1, "sample_rate_hz": 100,
     "masked_taxels": [4]})");
   Write("trials.csv", "frames,label\na.csv,x\n");
-  Write("a.csv", "1,2,3,4,5\n");
+  Write("a.csv", "1,2,3,4,6\n");
   const Trial trial = First();
   EXPECT_EQ(trial.taxels.rows, 3);
   EXPECT_EQ(trial.taxels.columns, 3);
@@ -387,7 +387,7 @@ INSTANTIATE_TEST_SUITE_P(
               "be a file in"),
         InRow("", "/b.npy,felt", "line 3: frames: is \"/b.npy\""),
         InRow("", "c.npy,felt", "line 3: frames: "),
-        InRow("", "b.mat,felt", "b.mat: is of no known format"),
+        InRow("", "b.xls,felt", "b.xls: is of no known format"),
         InTable("frames,label,id\na.npy,x,1\nb.npy,y,1\n",
                 "trials.csv: line 3: id: \"1\" is repeated"),
         InTable("frames,label,id\na.npy,x,a/b\n",
@@ -428,8 +428,8 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"b.npy", Floats({0, 1, NAN, 3}),
                 "line 3: frames: b.npy: taxel 2 of frame 0 is nan"},
         Mistake{"b.npy", "PK", "line 3: frames: "},
-        Mistake{"b.npy", Npy<float>(">f4", "(1, 4)", {1, 2, 3, 4}),
-                "b.npy: holds '>f4'"}));
+        Mistake{"b.npy", Npy<float>("<c8", "(1, 2)", {1, 2, 3, 4}),
+                "b.npy: holds '<c8'"}));
 
 // Mistakes of CSV files of frames.
 class FrameCsvMistakeTest
@@ -453,7 +453,8 @@ INSTANTIATE_TEST_SUITE_P(
         std::pair("0,1,2,3\n0,1,2\n", "f.csv: line 2: has 3 cells"),
         std::pair("a,b,c,d\n0,1,x,3\n", "f.csv: line 2: c is \"x\""),
         std::pair("0,1,2,3\n0,1,,3\n", "f.csv: line 2: cell 3 is \"\""),
-        std::pair("0,1,2,3,4\n", "has shape 1 x 5"),
+        std::pair("0,1,2,3,5\n", "has shape 1 x 5"),
+        std::pair("0,1,2,3,4\n", "holds no numbers"),
         std::pair("time,a,b,c,d\n0,0,0,0,0\n0,0,0,0,0\n",
                   "time: that of frame 1 is 0 s"),
         std::pair("time,a,b,c,d\n0,0,0,0,0\n1,0,0,0,0\n",
