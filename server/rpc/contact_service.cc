@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "server/ops/clock.h"
@@ -15,6 +16,15 @@ namespace {
 std::string Outcome(const absl::Status& status) {
   if (status.ok()) return "OK";
   return absl::StrCat(ReasonOf(status), ": ", status.message());
+}
+
+// Names the rate of a stream's frames if its config says another.
+std::string OddRate(const StreamSession& session) {
+  const RateWatch* rate = session.rate();
+  if (rate == nullptr || !rate->differs()) return "";
+  return absl::StrFormat(
+      "; its frames came at %.4g Hz, but its config says %g Hz",
+      rate->measured_hz(), rate->stated_hz());
 }
 
 }  // namespace
@@ -84,8 +94,9 @@ void ContactService::Leave(const std::string& peer,
                            const StreamSession& session) {
   const uint64_t frames = session.frames();
   if (const auto left_out = stream_log_.Admit(MonotonicNs())) {
-    spdlog::info("{} ended after {} frames: {}{}", session.LogName(), frames,
-                 Outcome(session.final_status()), LeftOut(*left_out));
+    spdlog::info("{} ended after {} frames: {}{}{}", session.LogName(), frames,
+                 Outcome(session.final_status()), OddRate(session),
+                 LeftOut(*left_out));
   }
   skipped_.Add(session.skipped());
   const std::lock_guard lock(mutex_);

@@ -89,6 +89,7 @@ absl::Status StreamSession::OnConfig(const v1::StreamConfig& config) {
   pinned_ = std::move(pinned);
   decoder_.emplace(settings_);
   writer_.emplace(settings_.with_features);
+  rate_.emplace(settings_.pipeline.sample_rate_hz);
   WriteStarted();
   return absl::OkStatus();
 }
@@ -141,6 +142,7 @@ absl::Status StreamSession::OnFrames(const v1::FrameBatch& batch) {
   TACTUS_RETURN_IF_ERROR(decoder_->Check(batch));
   for (uint32_t i = 0; i < batch.frame_count(); ++i) OnFrame(batch, i);
   decoder_->Accept(batch);
+  rate_->Add(batch.frame_count(), batch.first_capture_time_ns());
   return absl::OkStatus();
 }
 
@@ -203,6 +205,7 @@ void StreamSession::OnEndOfTrial() {
   WritePosterior(true, responses_.AddFinal());
   pipeline_->EndTrial();
   writer_->OnEndOfTrial();
+  rate_->Pause();
   trial_frames_ = 0;
   last_state_ = ContactState::kNoContact;
   last_best_class_ = pipeline_->classifier().best_class();

@@ -28,6 +28,7 @@
 #include <string>
 
 #include "absl/status/status.h"
+#include "core/base/rate_watch.h"
 #include "core/classify/contact_pipeline.h"
 #include "google/protobuf/io/zero_copy_stream.h"
 #include "server/session/frame_decoder.h"
@@ -79,6 +80,9 @@ class StreamSession {
   uint64_t frames() const { return frames_; }
   // Names the stream in logs, for example: stream 7 of client "left-arm".
   std::string LogName() const;
+  // Compares the capture times of the frames with the config's rate; null
+  // before the config.
+  const RateWatch* rate() const { return rate_ ? &*rate_ : nullptr; }
   // What was skipped so far.
   SkipCounters skipped() const;
 
@@ -119,6 +123,7 @@ class StreamSession {
   std::unique_ptr<ContactPipeline> pipeline_;
   std::optional<FrameDecoder> decoder_;
   std::optional<PosteriorWriter> writer_;
+  std::optional<RateWatch> rate_;
 
   uint64_t frames_ = 0;
   // Frames of the open trial; 0 if none is open.

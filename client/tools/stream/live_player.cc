@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
@@ -81,6 +82,7 @@ absl::Status LivePlayer::Stream() {
   if (options_.check) options_.check->ReceiveModel(started.bundle_sha256());
   class_names_.assign(started.class_names().begin(),
                       started.class_names().end());
+  rate_.emplace(info.sample_rate_hz);
   on_news_(absl::StrCat("skin ", info.layout.name, ", ", info.layout.rows,
                         " x ", info.layout.columns, " at ", info.sample_rate_hz,
                         " Hz; ", started.model_version()));
@@ -132,6 +134,7 @@ absl::Status LivePlayer::Play() {
 absl::Status LivePlayer::EndTrial() {
   if (options_.recorder) options_.recorder->EndTrial();
   in_trial_ = false;
+  rate_->Pause();
   return stream_->EndTrial().status();
 }
 
@@ -152,6 +155,12 @@ absl::Status LivePlayer::SendFrame(const SkinFrame& frame) {
     options_.observer->OnFrame(frame, encoder_->last_sequence());
   }
   ++frames_;
+  if (rate_->Add(1, frame.capture_time_ns)) {
+    on_news_(absl::StrFormat(
+        "frames come at %.4g Hz, but the skin is configured for %g Hz: give "
+        "its rate, because a model sees frames and no times",
+        rate_->measured_hz(), rate_->stated_hz()));
+  }
   missing_ += frame.missing_before;
   TACTUS_RETURN_IF_ERROR(stream_->Send(encoder_->request()));
   encoder_->Clear();

@@ -37,6 +37,7 @@
 #include "client/stream/frame_encoder.h"
 #include "client/stream/resumable_stream.h"
 #include "client/tools/stream/live_observer.h"
+#include "core/base/rate_watch.h"
 #include "grpcpp/channel.h"
 
 namespace tactus::client {
@@ -141,6 +142,7 @@ class LivePlayer {
   // The recorder has the beginning of a trial, and not its end.
   bool in_trial_ = false;
   uint64_t frames_ = 0;
+  std::optional<RateWatch> rate_;
   uint64_t missing_ = 0;
   DriverStatistics statistics_;
   // Reported so far.
