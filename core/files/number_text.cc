@@ -212,18 +212,21 @@ class Parser {
     if (named.size() > 1 && named.back().empty()) named.pop_back();
     Cells numbers;
     size_t missing = 0;
+    size_t empty = 0;
     absl::string_view word;
     for (const absl::string_view cell : named) {
       if (IsNumber(cell)) {
         numbers.push_back(cell);
       } else if (IsMissing(cell)) {
-        ++missing;
+        missing += !cell.empty();
+        empty += cell.empty();
       } else if (word.empty()) {
         word = cell;
       }
     }
     double first = 0;
     if (word.empty()) {
+      missing += empty;
       if (missing == 0 && named.size() < cells.size() && cells[0].empty() &&
           InOrder(named, &first)) {
         numbered_ = true;
@@ -273,9 +276,10 @@ class Parser {
       const bool open = header.size() > 1 && header.back().empty();
       const size_t names = header.size() - (open ? 1 : 0);
       const size_t numbers = width - (trailing_ ? 1 : 0);
-      if (names != numbers && names + 1 != numbers) continue;
-      // A file of R has no name for the names of the rows.
-      if (names + 1 == numbers) table_.header.emplace_back();
+      // A table of R has no name for the names of the rows.
+      const bool row_names = names + 1 == numbers && delimiter_ == ' ';
+      if (names != numbers && !row_names) continue;
+      if (row_names) table_.header.emplace_back();
       for (size_t i = 0; i < names; ++i) {
         table_.header.push_back(Printable(header[i]));
       }
