@@ -1,5 +1,6 @@
 #include "server/records/blob_parts.h"
 
+#include "core/base/sha256.h"
 #include "gtest/gtest.h"
 #include "tests/server/records/stores.h"
 
