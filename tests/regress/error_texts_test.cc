@@ -27,7 +27,7 @@ struct Row {
   std::vector<const char*> has;
 };
 
-std::vector<Row> Table() {
+std::vector<Row> AllRows() {
   using v1::ERROR_REASON_ALIAS_NOT_FOUND;
   return {
       {"MakeError",
@@ -297,7 +297,7 @@ class Commands {
 };
 
 TEST(ErrorTextsTest, NameTheThingItsValueAndWhatWouldBeRight) {
-  for (const Row& row : Table()) {
+  for (const Row& row : AllRows()) {
     for (const char* part : row.has) {
       EXPECT_THAT(std::string(row.status.message()), HasSubstr(part))
           << row.function;
@@ -307,7 +307,7 @@ TEST(ErrorTextsTest, NameTheThingItsValueAndWhatWouldBeRight) {
 
 TEST(ErrorTextsTest, TheTableHasEveryFunction) {
   std::set<std::string> listed;
-  for (const Row& row : Table()) listed.insert(row.function);
+  for (const Row& row : AllRows()) listed.insert(row.function);
   std::set<std::string> declared;
   for (const std::string& name :
        Matches(ReadFile(Root() / "core/base/errors.h"),
@@ -320,7 +320,7 @@ TEST(ErrorTextsTest, TheTableHasEveryFunction) {
 
 TEST(ErrorTextsTest, AdviceNamesCommandsAndFlagsThatExist) {
   const Commands commands;
-  for (const Row& row : Table()) {
+  for (const Row& row : AllRows()) {
     EXPECT_EQ(commands.FirstUnknown(std::string(row.status.message())), "")
         << row.status.message();
   }

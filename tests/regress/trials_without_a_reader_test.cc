@@ -18,7 +18,7 @@ using testing::TestServer;
 constexpr char kClassifyTrial[] = "/tactus.v1.ContactService/ClassifyTrial";
 constexpr int kTrials = 100;
 
-v1::ClassifyTrialRequest Trial() {
+v1::ClassifyTrialRequest TrialRequest() {
   v1::ClassifyTrialRequest request;
   *request.mutable_config() = testing::ConfigRequest().config();
   uint64_t sequence = 0;
@@ -32,7 +32,7 @@ v1::ClassifyTrialRequest Trial() {
 void SendTrials(RawHttp2& attacker) {
   // SETTINGS_INITIAL_WINDOW_SIZE = 0: the server may send headers but no data.
   attacker.Frame(RawHttp2::kSettings, 0, 0, std::string("\0\4\0\0\0\0", 6));
-  const std::string trial = Trial().SerializeAsString();
+  const std::string trial = TrialRequest().SerializeAsString();
   for (int i = 0; i < kTrials; ++i) {
     const uint32_t call = attacker.Open(kClassifyTrial);
     ASSERT_TRUE(attacker.Message(call, trial));

@@ -161,9 +161,9 @@ TEST_F(DataCheckTest, OrphansAreFoundAndMoved) {
   Write(path_ + "/jobs/9/log", "1234567");
   auto results = Check();
   EXPECT_THAT(results.at("orphans").text, HasSubstr("2 blobs"));
-  EXPECT_THAT(results.at("orphans").text, HasSubstr("12 bytes"));
-  EXPECT_THAT(results.at("stray uploads").text, HasSubstr("6 bytes"));
-  EXPECT_THAT(results.at("jobs").text, HasSubstr("7 bytes"));
+  EXPECT_THAT(results.at("orphans").text, HasSubstr("12 B"));
+  EXPECT_THAT(results.at("stray uploads").text, HasSubstr("6 B"));
+  EXPECT_THAT(results.at("jobs").text, HasSubstr("7 B"));
   for (const char* check : {"orphans", "stray uploads", "jobs"}) {
     EXPECT_EQ(results.at(check).severity, Severity::kWarning) << check;
     EXPECT_THAT(results.at(check).advice, HasSubstr("--repair"));
