@@ -151,6 +151,7 @@ absl::StatusOr<v1::ModelVersion> ModelStore::AddVersion(
 absl::StatusOr<v1::ModelVersion> ModelStore::Import(absl::string_view model,
                                                     const Spool& bundle,
                                                     const Caller& caller) {
+  TACTUS_RETURN_IF_ERROR(ParseName(model, kModels).status());
   const std::lock_guard lock(importing_);
   TACTUS_ASSIGN_OR_RETURN(const std::string bytes, bundle.Read());
   TACTUS_RETURN_IF_ERROR(CheckBundleFields(bytes));

@@ -153,7 +153,7 @@ TEST(ContactPictureTest, WithoutSkinOrModelThesePartsAreMissing) {
   const std::string with_posteriors = ScriptOf(trace).text();
   EXPECT_THAT(with_posteriors, Not(HasSubstr("$strip")));
   EXPECT_THAT(with_posteriors, HasSubstr("$posteriors"));
-  EXPECT_THAT(with_posteriors, HasSubstr("decision: hard, moved (HM)"));
+  EXPECT_THAT(with_posteriors, HasSubstr("decision: hard-moved (HM)"));
   trace.probability.clear();
   trace.class_names.clear();
   trace.unknown.clear();

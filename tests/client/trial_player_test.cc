@@ -360,7 +360,16 @@ TEST(ReportTest, CountsUndetectableTrialsApart) {
   report.AddTotals({.frames = 10, .lost = 1, .rtt_us = {5, 1, 3}});
   const auto json = report.ToJson();
   EXPECT_EQ(JsonText(json),
-            "{\"trials\":4,\"accuracy\":0.6666666666666666,\"confusion\":"
+            "{\"trials\":4,\"felt\":3,\"never_felt\":1,\"right\":2,"
+            "\"wrong\":1,\"decided_right\":1,\"decided_wrong\":1,"
+            "\"undecided\":1,\"accuracy\":0.6666666666666666,\"classes\":["
+            "{\"trials\":2,\"felt\":2,\"never_felt\":0,\"right\":1,"
+            "\"wrong\":1,\"decided_right\":1,\"decided_wrong\":1,"
+            "\"undecided\":0,\"name\":\"HU\",\"words\":\"hard-unmoved\"},"
+            "{\"trials\":2,\"felt\":1,\"never_felt\":1,\"right\":1,"
+            "\"wrong\":0,\"decided_right\":0,\"decided_wrong\":0,"
+            "\"undecided\":1,\"name\":\"HM\",\"words\":\"hard-moved\"}],"
+            "\"confusion\":"
             "[[1,1],[0,1]],\"decision_ms\":{\"p50\":100.0,\"p90\":300.0},"
             "\"rtt_us\":{\"p50\":3.0,\"p99\":5.0},\"frames\":10,\"lost\":1,"
             "\"undetectable\":1,\"resumed\":0}");
