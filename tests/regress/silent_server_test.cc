@@ -42,8 +42,9 @@ TEST(SilentServerTest, OpenReturnsThoughOnlyPingsAreAnswered) {
                           {.open = std::chrono::milliseconds(500)});
   EXPECT_EQ(stream.status().code(), absl::StatusCode::kDeadlineExceeded);
   EXPECT_EQ(ReasonOf(stream.status()), "NO_RESPONSE");
-  EXPECT_EQ(stream.status().message(),
-            "the server did not respond to config within 500 ms");
+  EXPECT_EQ(stream.status().message().find(
+                "the server did not respond to config within 500 ms"),
+            0u);
   EXPECT_GT(peer.headers(), 0);
 }
 

@@ -42,6 +42,7 @@ constexpr std::pair<const char*, const char*> kExamples[] = {
     {"tokens create",
      "--name=arm-7 --role=robot --file=/etc/tactus/tokens > arm-7.token"},
     {"tokens list", "--file=/etc/tactus/tokens"},
+    {"tokens remove", "--name=arm-7 --file=/etc/tactus/tokens"},
 };
 
 // The command at the end of a path, e.g. "tokens create".

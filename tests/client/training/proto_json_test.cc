@@ -19,7 +19,8 @@ TEST(ProtoJsonTest, FieldsKeepTheirNamesAndNumbers) {
             R"({"name":"datasets/arm/versions/2","sha256":"",)"
             R"("create_time_ms":0,"trials":0,"bytes":9007199254740993,)"
             R"("labels":{"HU":1,"SM":2},"added":0,"removed":0,)"
-            R"("added_bytes":0,"requester":""})");
+            R"("added_bytes":0,"requester":"","change":"unspecified",)"
+            R"("reason":"","relabelled":0,"duplicates":0,"renamed":0})");
 }
 
 TEST(ProtoJsonTest, AbsentFieldsAreLeftOut) {

@@ -274,7 +274,7 @@ TEST_F(TrainctlAdminTest, DoctorChecksADirectory) {
   EXPECT_EQ(run.Severity("stray uploads"), "warning");
   EXPECT_THAT(run.Check("stray uploads")["advice"], HasSubstr("--repair"));
   run = RunAdmin({"doctor", "--data-dir=" + data, "--repair"});
-  EXPECT_THAT(run.out, HasSubstr("removed 1"));
+  EXPECT_THAT(run.out, HasSubstr("lost+found/1: 1 files of uploads"));
   run = RunAdmin({"doctor", "--data-dir=" + (folder_ / "none")});
   EXPECT_EQ(run.exit, kExitDoctorErrors);
 }
