@@ -59,6 +59,19 @@ void Describe(const PinnedModel& pinned, v1::ModelVersion& version) {
   version.set_program_version(model.provenance.version);
 }
 
+// A model that may get a version: "models/ID", and not built in.
+absl::StatusOr<ResourceName> ParseOwnModel(absl::string_view model,
+                                           const ModelRegistry& registry) {
+  TACTUS_ASSIGN_OR_RETURN(ResourceName parent, ParseName(model, kModels));
+  if (parent.version != 0) return InvalidName(model, "models/ID");
+  if (registry.IsBuiltIn(parent.id)) {
+    return InvalidName(model,
+                       "one that the server's program or command line "
+                       "does not provide");
+  }
+  return parent;
+}
+
 }  // namespace
 
 absl::StatusOr<std::vector<std::string>> ModelStore::Restore() {
@@ -93,13 +106,8 @@ absl::StatusOr<std::vector<std::string>> ModelStore::Restore() {
 absl::StatusOr<v1::ModelVersion> ModelStore::AddVersion(
     absl::string_view model, absl::string_view bundle, v1::ModelVersion origin,
     const Caller& caller) {
-  TACTUS_ASSIGN_OR_RETURN(const ResourceName parent, ParseName(model, kModels));
-  if (parent.version != 0) return InvalidName(model, "models/ID");
-  if (registry_->IsBuiltIn(parent.id)) {
-    return InvalidName(model,
-                       "one that the server's program or command line "
-                       "does not provide");
-  }
+  TACTUS_ASSIGN_OR_RETURN(const ResourceName parent,
+                          ParseOwnModel(model, *registry_));
   TACTUS_ASSIGN_OR_RETURN(PinnedModel pinned, ModelRegistry::Load(bundle));
   const std::lock_guard lock(mutex_);
   v1::ModelVersion version = std::move(origin);
@@ -151,7 +159,7 @@ absl::StatusOr<v1::ModelVersion> ModelStore::AddVersion(
 absl::StatusOr<v1::ModelVersion> ModelStore::Import(absl::string_view model,
                                                     const Spool& bundle,
                                                     const Caller& caller) {
-  TACTUS_RETURN_IF_ERROR(ParseName(model, kModels).status());
+  TACTUS_RETURN_IF_ERROR(ParseOwnModel(model, *registry_).status());
   const std::lock_guard lock(importing_);
   TACTUS_ASSIGN_OR_RETURN(const std::string bytes, bundle.Read());
   TACTUS_RETURN_IF_ERROR(CheckBundleFields(bytes));
