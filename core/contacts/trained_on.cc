@@ -38,8 +38,7 @@ void SetTrainedOn(const std::vector<const LabelledContact*>& contacts,
     known.push_back(Prefix(contact->fingerprint));
   }
   std::ranges::sort(known);
-  const auto repeated = std::ranges::unique(known);
-  known.erase(repeated.begin(), repeated.end());
+  known.erase(std::unique(known.begin(), known.end()), known.end());
   if (known.size() > limits::kMaxProvenanceTrials) known.clear();
 }
 
