@@ -12,8 +12,9 @@
 #   4. the image's compressed size, under 150 MB.
 #
 #   deploy/check-image.sh                  as root on Debian 12
-#   deploy/check-image.sh --keep=FOLDER    leaves buildah's storage in FOLDER,
-#                                          for tests/install/run.sh
+#   deploy/check-image.sh --keep=FOLDER    leaves buildah's storage and what
+#                                          was built in FOLDER, for
+#                                          tests/install/run.sh
 #
 # Installs buildah and mmdebstrap when they are missing, and builds
 # tactus-stream when build/release/bin has none.
@@ -67,16 +68,18 @@ base_name=$(awk 'toupper($1) == "FROM" { print $2; exit }' Dockerfile)
 say "base: $base_name"
 make_base "$base_name"
 
-# With ccache, the sources lie where they lie here, and warnings are errors as in
-# the presets, so that what the release preset has compiled is found.
-mapfile -t cached < <(ccache_options)
-[[ ${#cached[@]} -eq 0 ]] || cached+=(--build-arg SOURCE="$PWD"
-  --build-arg CMAKE_OPTIONS=-DTACTUS_WERROR=ON)
-# build_image TARGET NAME: the containers that built it stay, for callers of
-# --keep.
+# The sources lie where they lie here, and warnings are errors as in the presets,
+# so that ccache finds what the release preset has compiled. What is built stays
+# in $work/build.
+install -d "$work/build"
+options=(--build-arg SOURCE="$PWD"
+  --build-arg CMAKE_OPTIONS=-DTACTUS_WERROR=ON
+  --volume "$work/build:$PWD/build")
+mapfile -t -O "${#options[@]}" options < <(ccache_options)
+# build_image TARGET NAME
 build_image() {
-  in_storage bud --isolation chroot --pull-never --format docker --no-cache \
-    --rm=false --force-rm=false "${cached[@]}" --tag "$2" --target "$1" .
+  in_storage bud --isolation chroot --pull-never --format docker \
+    "${options[@]}" --tag "$2" --target "$1" .
 }
 say "image of the proxy"
 build_image proxy "$PROXY"
@@ -110,11 +113,11 @@ mapfile -t command < <(compose "service['command']")
 mapfile -t probe < <(compose "service['healthcheck']['test'][1:]")
 [[ $(compose "[service['network_mode']]") == service:proxy ]] ||
   die "tactusd is not in the proxy's network"
-compose "service['volumes']" | grep -qx data:/data ||
+[[ $(compose "service['volumes']") == *data:/data* ]] ||
   die "compose.yaml keeps /data in no named volume"
 enter_network
-proxy=$(in_storage from --pull-never "$PROXY")
-container=$(in_storage from --pull-never "$IMAGE")
+proxy=$(in_storage from --pull-never --ulimit "$FILES" "$PROXY")
+container=$(in_storage from --pull-never --ulimit "$FILES" "$IMAGE")
 root=$(in_storage mount "$container")
 # Its tmpfs.
 install -d -o 10001 -g 10001 -m 700 "$root/run/tactus"
@@ -143,6 +146,7 @@ admin=unix:/run/tactus/tactusd.sock
 trainctl datasets create arm --server="$admin"
 trainctl simulate --protocol=random --contacts=4 --skin=good --seed=3 \
   --out=/data/sim.h5
+trainctl show /data/sim.h5 --trial=000000 --out=/data/contact.png
 trainctl datasets upload arm --data=/data/sim.h5 --server="$admin"
 trainctl doctor --server="$admin" || [[ $? -eq 1 ]]
 ! trainctl datasets list --server=127.0.0.1:50051 2>"$work/refused" ||

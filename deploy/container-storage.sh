@@ -5,6 +5,11 @@
 say() { printf '\n== %s\n' "$*"; }
 die() { printf '%s: %s\n' "${0##*/}" "$*" >&2; exit 1; }
 
+# Open files of what runs in a container, as deploy/compose.yaml and the units
+# say.
+# shellcheck disable=SC2034
+readonly FILES=nofile=16384:16384
+
 # Before each command of buildah; enter_network puts it into a network.
 enter=()
 in_storage() {
@@ -116,14 +121,21 @@ make_base() {
 }
 
 # ccache_options: options of buildah that give a container this machine's ccache
-# with what it keeps; none where there is no ccache.
+# with what it keeps; none where there is no ccache. What ccache finds depends on
+# the language too, which the container gets with it.
 ccache_options() {
-  local cache
-  cache=$(command -v ccache) || return 0
+  local program
+  program=$(command -v ccache) || return 0
+  # shellcheck disable=SC2016
+  printf '#!/bin/sh\n%s\nexec %s "$@"\n' \
+    "$(export -p | sed -nE 's/^declare -x ((LANG|LC_[A-Z]+)=)/export \1/p')" \
+    /opt/ccache >"$work/ccache"
+  chmod 755 "$work/ccache"
   printf -- '--volume\n%s:/root/.cache/ccache\n' \
     "$(ccache --get-config cache_dir)"
-  printf -- '--volume\n%s:/usr/local/bin/ccache:ro\n' "$cache"
-  ldd "$cache" | grep -Eo '/[^ ]*/libhiredis[^ ]*' |
+  printf -- '--volume\n%s:/usr/local/bin/ccache:ro\n' "$work/ccache"
+  printf -- '--volume\n%s:/opt/ccache:ro\n' "$program"
+  ldd "$program" | grep -Eo '/[^ ]*/libhiredis[^ ]*' |
     while read -r library; do
       printf -- '--volume\n%s:%s:ro\n' "$library" "$library"
     done

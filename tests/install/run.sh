@@ -36,24 +36,20 @@ trap clean_up EXIT
 deploy/check-image.sh --keep="$work"
 base=$(awk 'toupper($1) == "FROM" { print $2; exit }' Dockerfile)
 
-# The container in which the Dockerfile built, with what it built.
+# What the Dockerfile built, in a root like that in which it was built.
 say "cmake --install, and a client built against it"
-build=""
-for container in $(in_storage containers --quiet); do
-  folder=$(in_storage mount "$container")
-  if [[ -d $folder/programs ]]; then build=$container; break; fi
-done
-[[ -n $build ]] || die "the container that built the image is gone"
-built=$(find "$folder" -path '*/build/release' -prune -print -quit)
-built=${built#"$folder"}
-mapfile -t cached < <(ccache_options)
+build=$(in_storage from --pull-never "$base")
+mapfile -t options < <(ccache_options)
 in_build() {
-  run_in "${cached[@]}" --volume "$PWD/examples:/examples:ro" "$build" -- "$@"
+  run_in "${options[@]}" --volume "$PWD:$PWD:ro" \
+    --volume "$work/build:$PWD/build" "$build" -- "$@"
 }
+built=$PWD/build/release
+in_build "$PWD/deploy/install-deps.sh" --build
 in_build cmake --build "$built" --target tactus_component_client
 in_build cmake --install "$built" --component client --prefix /usr/local \
   >/dev/null
-in_build cmake -S /examples/first_client -B /tmp/first_client >/dev/null
+in_build cmake -S "$PWD/examples/first_client" -B /tmp/first_client >/dev/null
 in_build cmake --build /tmp/first_client
 enter_network
 runners+=("$network")
@@ -69,11 +65,12 @@ kill_below "${runners[@]}"
 # The commands at the head of tactusd.service, without those that need a system
 # that runs systemd.
 say "the systemd units"
-unit=$(in_storage from --pull-never "$base")
+unit=$(in_storage from --pull-never --ulimit "$FILES" "$base")
 unit_root=$(in_storage mount "$unit")
 install -d "$unit_root/project/build/release/bin"
 cp -r deploy "$unit_root/project/"
-cp "$folder"/programs/* "$unit_root/project/build/release/bin/"
+cp "$work"/build/release/bin/{tactusd,tactus-trainer,trainctl} \
+  "$unit_root/project/build/release/bin/"
 in_unit() { run_in "$unit" -- "$@"; }
 sed -n 's/^#   //p' deploy/tactusd.service | grep -E '^(deploy/|install )' \
   >"$unit_root/project/commands"
@@ -81,7 +78,6 @@ cat "$unit_root/project/commands"
 in_unit bash -euc 'cd /project && . ./commands'
 in_unit apt-get -qq install --yes --no-install-recommends systemd >/dev/null
 for service in tactusd tactusd-proxy; do
-  # Lines about other units' documentation are not ours.
   in_unit systemd-analyze verify --man=no \
     "/etc/systemd/system/$service.service"
 done
