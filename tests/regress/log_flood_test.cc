@@ -59,7 +59,7 @@ TEST(LogFloodTest, MalformedHeadersDoNotFloodTheLog) {
 }
 
 // protobuf writes to standard error for every text field that is not UTF-8: a
-// stranger's health checks made thousands of lines, in a form of their own.
+// stranger's health checks made thousands of lines, in another form.
 TEST(LogFloodTest, TextThatIsNotUtf8DoesNotFloodTheLog) {
   ChildTactusd server;
   ASSERT_NE(server.port(), 0);

@@ -16,7 +16,7 @@
 // begins another.
 //
 // In aa55 the frames begin where AA 55 comes in three periods running. A second
-// place at which it comes as regularly is told (Ambiguity()) and no frame
+// place at which it comes as regularly is reported (Ambiguity()) and no frame
 // counts, because two taxels that read AA 55 look like a header; unless the
 // layout masks these taxels. A place with AA 55 in two of the three periods
 // keeps the search going, because a byte that was lost can hide the header.

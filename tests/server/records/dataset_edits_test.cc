@@ -76,7 +76,7 @@ TEST_F(DatasetEditsTest, AQuotaThatIsExceededChangesNothing) {
   EXPECT_EQ(ReasonOf(refused.status()), "QUOTA_EXCEEDED");
   EXPECT_EQ(Blobs(), blobs);
   EXPECT_EQ(stores_->datasets->GetHistory(kDataset)->versions.size(), 1u);
-  // Another client has a quota of its own; to remove needs none.
+  // Another client has a separate quota; removing needs none.
   EXPECT_TRUE(stores_->datasets->Relabel(Relabelling(""), {"other", ""}).ok());
   v1::RemoveTrialsRequest remove;
   remove.set_dataset(kDataset);
