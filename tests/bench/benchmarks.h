@@ -101,7 +101,10 @@ std::unique_ptr<Benchmark> MakeTrainHmmBenchmark();
 // skin alternate. Rows stream/untouched_throughput and _rtt_p50: no contacts,
 // so the models have little to do. Rows stream/echo_callback_vs_cq_throughput,
 // _rtt_p50 and _server_cpu compare an echo by callbacks with an echo by a
-// completion queue.
+// completion queue. Rows stream/proxied_throughput and _rtt_p50: the first two
+// through HAProxy with deploy/haproxy.cfg, server and echo alike, and
+// stream/proxy_added_rtt_p50: what the proxy adds to the round trip of each.
+// Without HAProxy these rows are left out.
 std::unique_ptr<Benchmark> MakeStreamBenchmark();
 
 // How many robots one tactusd serves while the load generator of

@@ -9,10 +9,13 @@
 #include "tests/bench/benchmarks.h"
 #include "tests/bench/byte_stream.h"
 #include "tests/bench/child_server.h"
+#include "tests/bench/haproxy.h"
 #include "tests/bench/timing.h"
 
 namespace tactus::client {
 namespace {
+
+enum class Way { kDirect, kThroughHaproxy };
 
 struct StreamOptions {
   int rounds = 15;
@@ -26,15 +29,20 @@ class Side {
  public:
   static absl::StatusOr<std::unique_ptr<Side>> Start(
       const std::string& program, const std::vector<std::string>& arguments,
-      const FrameScript* script, bool untouched = false) {
+      const FrameScript* script, bool untouched = false,
+      Way way = Way::kDirect) {
     auto side = std::make_unique<Side>();
     TACTUS_ASSIGN_OR_RETURN(side->server_,
                             ChildServer::Start(program, arguments));
-    TACTUS_ASSIGN_OR_RETURN(
-        side->stream_,
-        ByteStream::Open(
-            MakeChannel(side->server_->address()), script,
-            {.echo = program != "tactusd", .untouched = untouched}));
+    std::string address = side->server_->address();
+    if (way == Way::kThroughHaproxy) {
+      TACTUS_ASSIGN_OR_RETURN(side->proxy_, Haproxy::Start(address));
+      address = side->proxy_->address();
+    }
+    TACTUS_ASSIGN_OR_RETURN(side->stream_,
+                            ByteStream::Open(MakeChannel(address), script,
+                                             {.echo = program != "tactusd",
+                                              .untouched = untouched}));
     return side;
   }
 
@@ -67,6 +75,8 @@ class Side {
 
  private:
   std::unique_ptr<ChildServer> server_;
+  // Null if the stream goes to the server directly.
+  std::unique_ptr<Haproxy> proxy_;
   std::unique_ptr<ByteStream> stream_;
   std::vector<double> rtt_us_;
   std::vector<double> rates_;
@@ -96,8 +106,22 @@ absl::StatusOr<std::vector<BenchRow>> MeasureStream(
                           Side::Start("tactus-bench", echo, &script));
   TACTUS_ASSIGN_OR_RETURN(auto callback,
                           Side::Start("tactus-bench", callback_echo, &script));
-  Side* const sides[] = {ours.get(), untouched.get(), queue.get(),
-                         callback.get()};
+  std::vector<Side*> sides = {ours.get(), untouched.get(), queue.get(),
+                              callback.get()};
+  std::unique_ptr<Side> proxied;
+  std::unique_ptr<Side> proxied_echo;
+  if (Haproxy::Installed()) {
+    TACTUS_ASSIGN_OR_RETURN(
+        proxied, Side::Start("tactusd",
+                             {"--listen=127.0.0.1:0", "--log-level=error",
+                              "--behind-proxy"},
+                             &script, false, Way::kThroughHaproxy));
+    TACTUS_ASSIGN_OR_RETURN(proxied_echo,
+                            Side::Start("tactus-bench", echo, &script, false,
+                                        Way::kThroughHaproxy));
+    sides.push_back(proxied.get());
+    sides.push_back(proxied_echo.get());
+  }
   for (Side* side : sides) {
     TACTUS_RETURN_IF_ERROR(side->Round(options));
     side->Forget();
@@ -109,7 +133,7 @@ absl::StatusOr<std::vector<BenchRow>> MeasureStream(
   }
   const char* const bare = "bare gRPC echo, completion queue";
   const char* const bare_callback = "bare gRPC echo, callbacks";
-  return std::vector<BenchRow>{
+  std::vector<BenchRow> rows = {
       {.name = "stream/throughput",
        .unit = "1/s",
        .ours = ours->rate(),
@@ -153,6 +177,24 @@ absl::StatusOr<std::vector<BenchRow>> MeasureStream(
        .ours = queue->cpu_ns(),
        .peer = callback->cpu_ns(),
        .peer_name = bare_callback}};
+  if (proxied == nullptr) return rows;
+  const char* const proxied_bare = "bare gRPC echo through the same HAProxy";
+  rows.push_back({.name = "stream/proxied_throughput",
+                  .unit = "1/s",
+                  .ours = proxied->rate(),
+                  .peer = proxied_echo->rate(),
+                  .peer_name = proxied_bare});
+  rows.push_back({.name = "stream/proxied_rtt_p50",
+                  .unit = "ms",
+                  .ours = proxied->rtt_ms(),
+                  .peer = proxied_echo->rtt_ms(),
+                  .peer_name = proxied_bare});
+  rows.push_back({.name = "stream/proxy_added_rtt_p50",
+                  .unit = "ms",
+                  .ours = proxied->rtt_ms() - ours->rtt_ms(),
+                  .peer = proxied_echo->rtt_ms() - queue->rtt_ms(),
+                  .peer_name = proxied_bare});
+  return rows;
 }
 
 class StreamBenchmark : public Benchmark {
