@@ -90,8 +90,10 @@ stream() {
   [[ $(number trials) -eq $trials ]] || die "not all $trials contacts answered"
   [[ $(number lost) -eq 0 ]] || die "frames were lost"
 }
+# number NAME: that of the whole stream, not of one class.
 number() {
-  grep -Eo "\"$1\": *[0-9]+" "$work/stream.json" | grep -Eo '[0-9]+$'
+  /usr/bin/python3 -c 'import json, sys
+print(json.load(open(sys.argv[1]))[sys.argv[2]])' "$work/stream.json" "$1"
 }
 
 # make_base NAME: a Debian 12 base made by mmdebstrap from this machine's own
