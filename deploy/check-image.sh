@@ -146,7 +146,6 @@ admin=unix:/run/tactus/tactusd.sock
 trainctl datasets create arm --server="$admin"
 trainctl simulate --protocol=random --contacts=4 --skin=good --seed=3 \
   --out=/data/sim.h5
-trainctl show /data/sim.h5 --trial=000000 --out=/data/contact.png
 trainctl datasets upload arm --data=/data/sim.h5 --server="$admin"
 trainctl doctor --server="$admin" || [[ $? -eq 1 ]]
 ! trainctl datasets list --server=127.0.0.1:50051 2>"$work/refused" ||
