@@ -49,7 +49,8 @@ in_build "$PWD/deploy/install-deps.sh" --build
 in_build cmake --build "$built" --target tactus_component_client
 in_build cmake --install "$built" --component client --prefix /usr/local \
   >/dev/null
-in_build cmake -S "$PWD/examples/first_client" -B /tmp/first_client >/dev/null
+in_build cmake -G Ninja -S "$PWD/examples/first_client" -B /tmp/first_client \
+  >/dev/null
 in_build cmake --build /tmp/first_client
 enter_network
 runners+=("$network")
