@@ -20,6 +20,7 @@
 #include "core/files/file_bytes.h"
 #include "core/import/import_recording.h"
 #include "core/import/import_skin_folder.h"
+#include "core/import/odd_rates.h"
 #include "core/import/rate_check.h"
 #include "core/import/skin_file.h"
 
@@ -55,7 +56,9 @@ absl::StatusOr<std::vector<std::string>> TrialFiles(const std::string& folder) {
 absl::Status CheckTimes(const std::string& path, const Trial& trial) {
   const RateCheck check = CheckRate(trial.time, trial.sample_rate_hz);
   if (check.error.empty()) return absl::OkStatus();
-  return TrialFileInvalid(path, absl::StrCat("sample_rate_hz ", check.error));
+  return TrialFileInvalid(
+      path, absl::StrCat("trial ", TrialName(trial.id, trial.source),
+                         ": sample_rate_hz ", check.error));
 }
 
 // One trial of a .npz file, whose name is the source unless the file has one;
@@ -151,14 +154,18 @@ absl::StatusOr<size_t> ImportTrialFile(const std::string& path,
     }
   }
   TACTUS_ASSIGN_OR_RETURN(const auto reader, TrialFileReader::Open(path));
+  OddRates rates;
   for (size_t i = 0; i < reader.size(); ++i) {
     TACTUS_ASSIGN_OR_RETURN(Trial trial, reader.Read(i));
+    TACTUS_RETURN_IF_ERROR(CheckTimes(path, trial));
+    rates.Add(trial);
     if (skin && !trial.taxels.empty()) {
       SetSkin(skin->layout, trial);
       TACTUS_RETURN_IF_ERROR(Validate(trial, path));
     }
     TACTUS_RETURN_IF_ERROR(sink(std::move(trial)));
   }
+  if (options.remark && !rates.empty()) options.remark(rates.Remark());
   return reader.size();
 }
 

@@ -1,9 +1,6 @@
 #include "core/import/import_notes.h"
 
-#include <algorithm>
-
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "core/base/errors.h"
 
@@ -51,13 +48,7 @@ void ImportNotes::AddDropped(size_t frames) {
 
 void ImportNotes::AddRate(const std::string& name, double stated_hz,
                           double measured_hz) {
-  if (rates_++ == 0) {
-    rate_name_ = name;
-    stated_hz_ = stated_hz;
-    least_hz_ = most_hz_ = measured_hz;
-  }
-  least_hz_ = std::min(least_hz_, measured_hz);
-  most_hz_ = std::max(most_hz_, measured_hz);
+  rates_.Add(name, stated_hz, measured_hz);
 }
 
 void ImportNotes::AddNames(const Trial& trial) {
@@ -111,12 +102,7 @@ void ImportNotes::Tell(
                         " trials were dropped, because they have the time of "
                         "the frame before"));
   }
-  if (rates_ > 0) {
-    remark(absl::StrFormat(
-        "the times of %d trials have another rate than %g Hz: %.4g to %.4g Hz; "
-        "the first is %s",
-        rates_, stated_hz_, least_hz_, most_hz_, rate_name_));
-  }
+  if (!rates_.empty()) remark(rates_.Remark());
 }
 
 }  // namespace tactus

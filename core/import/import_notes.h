@@ -20,6 +20,7 @@
 #include "absl/status/status.h"
 #include "core/data/similar_names.h"
 #include "core/data/trial.h"
+#include "core/import/odd_rates.h"
 #include "core/import/rising_columns.h"
 
 namespace tactus {
@@ -53,11 +54,7 @@ class ImportNotes {
   SimilarNames groups_{"group"};
   size_t dropped_frames_ = 0;
   size_t dropped_trials_ = 0;
-  std::string rate_name_;
-  double stated_hz_ = 0;
-  double least_hz_ = 0;
-  double most_hz_ = 0;
-  size_t rates_ = 0;
+  OddRates rates_;
 };
 
 }  // namespace tactus

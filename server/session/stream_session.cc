@@ -140,19 +140,34 @@ void StreamSession::WriteStarted() {
 
 absl::Status StreamSession::OnFrames(const v1::FrameBatch& batch) {
   TACTUS_RETURN_IF_ERROR(decoder_->Check(batch));
-  for (uint32_t i = 0; i < batch.frame_count(); ++i) OnFrame(batch, i);
+  // A trial may begin at any sequence number; only gaps within a trial count.
+  const uint64_t missing =
+      trial_frames_ == 0
+          ? 0
+          : batch.first_sequence() - decoder_->last_sequence() - 1;
+  for (uint32_t i = 0; i < batch.frame_count(); ++i) {
+    OnFrame(batch, i, i == 0 ? missing : 0);
+  }
   decoder_->Accept(batch);
-  rate_->Add(batch.frame_count(), batch.first_capture_time_ns());
+  WatchRate(batch, missing);
   return absl::OkStatus();
 }
 
-void StreamSession::OnFrame(const v1::FrameBatch& batch, uint32_t index) {
-  FrameView frame = decoder_->Frame(batch, index);
-  // A trial may begin at any sequence number; only gaps within a trial count.
-  if (index == 0 && trial_frames_ > 0) {
-    frame.missing_before =
-        batch.first_sequence() - decoder_->last_sequence() - 1;
+void StreamSession::WatchRate(const v1::FrameBatch& batch, uint64_t missing) {
+  if (!rate_->Add(batch.frame_count(), batch.first_capture_time_ns(),
+                  missing)) {
+    return;
   }
+  v1::StreamNotice* notice = responses_.AddMessage()->mutable_notice();
+  notice->set_kind(v1::StreamNotice::KIND_RATE_DIFFERS);
+  notice->set_measured_rate_hz(rate_->measured_hz());
+  notice->set_stated_rate_hz(rate_->stated_hz());
+}
+
+void StreamSession::OnFrame(const v1::FrameBatch& batch, uint32_t index,
+                            uint64_t missing_before) {
+  FrameView frame = decoder_->Frame(batch, index);
+  frame.missing_before = missing_before;
   const ContactReport& report = pipeline_->Step(frame);
   ++frames_;
   ++trial_frames_;

@@ -93,7 +93,11 @@ class StreamSession {
   absl::Status Dispatch(const v1::ClassifyContactRequest& request);
   absl::Status OnConfig(const v1::StreamConfig& config);
   absl::Status OnFrames(const v1::FrameBatch& batch);
-  void OnFrame(const v1::FrameBatch& batch, uint32_t index);
+  void OnFrame(const v1::FrameBatch& batch, uint32_t index,
+               uint64_t missing_before);
+  // Adds a notice, once per stream, if the capture times are those of another
+  // rate. `missing` frames were lost before `batch`.
+  void WatchRate(const v1::FrameBatch& batch, uint64_t missing);
   void OnEndOfTrial();
   void WritePosterior(bool is_final, v1::Posterior* posterior);
   // True if the cadence asks for an interim posterior after this frame.

@@ -73,6 +73,8 @@ void TrialSession::KeepAnswers() {
   while (const v1::ClassifyContactResponse* answer = answers.StartWrite(0)) {
     if (answer->has_started()) {
       *response_.mutable_started() = answer->started();
+    } else if (answer->notice().kind() == v1::StreamNotice::KIND_RATE_DIFFERS) {
+      *response_.mutable_notice() = answer->notice();
     } else if (answer->posterior().is_final()) {
       *response_.mutable_posterior() = answer->posterior();
     }

@@ -55,6 +55,7 @@
 #include "core/import/import_skin_folder.h"
 #include "core/import/light_noise.h"
 #include "core/import/mistakes.h"
+#include "core/import/odd_rates.h"
 #include "core/import/rate_check.h"
 #include "core/import/recorded_frames.h"
 #include "core/import/rising_columns.h"
@@ -245,6 +246,15 @@ void RateCheckExample() {
   const RateCheck check = CheckRate({0, 0.02, 0.04}, /*stated_hz=*/50);
   check.measured_hz;  // 50
   check.error;        // empty
+}
+
+void Print(const std::string& text);
+
+void OddRatesExample(const Trial& trial) {
+  OddRates odd;
+  odd.Add("0.csv", /*stated_hz=*/100, /*measured_hz=*/90);
+  odd.Add(trial);
+  if (!odd.empty()) Print(odd.Remark());
 }
 
 void Tell(double hz);

@@ -29,6 +29,7 @@ class MeasuredRate {
   // SkinFrame::missing_before, because a driver derives it from the configured
   // rate.
   double hz() const;
+  size_t frames() const { return periods_s_.size() + (last_ns_ ? 1 : 0); }
   // INVALID_CONFIG if the rate differs by more than 5 % from `configured_hz`,
   // as a model's rate may not either.
   absl::Status Check(double configured_hz) const;

@@ -5,13 +5,16 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "client/tools/common/rate_news.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
 namespace tactus::client {
 namespace {
+
+// Frames whose rate is compared with the configured one.
+constexpr size_t kRateFrames = 200;
 
 LiveContact ContactOf(const v1::Posterior& posterior) {
   LiveContact contact;
@@ -82,7 +85,7 @@ absl::Status LivePlayer::Stream() {
   if (options_.check) options_.check->ReceiveModel(started.bundle_sha256());
   class_names_.assign(started.class_names().begin(),
                       started.class_names().end());
-  rate_.emplace(info.sample_rate_hz);
+  stated_hz_ = info.sample_rate_hz;
   on_news_(absl::StrCat("skin ", info.layout.name, ", ", info.layout.rows,
                         " x ", info.layout.columns, " at ", info.sample_rate_hz,
                         " Hz; ", started.model_version()));
@@ -134,7 +137,6 @@ absl::Status LivePlayer::Play() {
 absl::Status LivePlayer::EndTrial() {
   if (options_.recorder) options_.recorder->EndTrial();
   in_trial_ = false;
-  rate_->Pause();
   return stream_->EndTrial().status();
 }
 
@@ -155,19 +157,31 @@ absl::Status LivePlayer::SendFrame(const SkinFrame& frame) {
     options_.observer->OnFrame(frame, encoder_->last_sequence());
   }
   ++frames_;
-  if (rate_->Add(1, frame.capture_time_ns)) {
-    on_news_(absl::StrFormat(
-        "frames come at %.4g Hz, but the skin is configured for %g Hz: give "
-        "its rate, because a model sees frames and no times",
-        rate_->measured_hz(), rate_->stated_hz()));
-  }
+  CheckRate(frame);
   missing_ += frame.missing_before;
   TACTUS_RETURN_IF_ERROR(stream_->Send(encoder_->request()));
   encoder_->Clear();
   return absl::OkStatus();
 }
 
+void LivePlayer::CheckRate(const SkinFrame& frame) {
+  if (rate_.frames() == kRateFrames) return;
+  rate_.Add(frame);
+  if (rate_.frames() < kRateFrames || rate_.Check(stated_hz_).ok()) return;
+  ReportRate(rate_.hz());
+}
+
+void LivePlayer::ReportRate(double measured_hz) {
+  if (rate_reported_) return;
+  rate_reported_ = true;
+  on_news_(RateNews(measured_hz, stated_hz_));
+}
+
 void LivePlayer::OnResponse(const v1::ClassifyContactResponse& response) {
+  if (response.notice().kind() == v1::StreamNotice::KIND_RATE_DIFFERS) {
+    const std::lock_guard lock(mutex_);
+    noticed_hz_ = response.notice().measured_rate_hz();
+  }
   if (!response.has_posterior()) return;
   const v1::Posterior& posterior = response.posterior();
   if (options_.observer != nullptr) options_.observer->OnPosterior(posterior);
@@ -203,10 +217,13 @@ std::optional<Eigen::Vector3d> LivePlayer::PlaceOf(
 
 void LivePlayer::ReportContacts() {
   std::deque<LiveContact> contacts;
+  std::optional<double> noticed_hz;
   {
     const std::lock_guard lock(mutex_);
     contacts.swap(contacts_);
+    noticed_hz.swap(noticed_hz_);
   }
+  if (noticed_hz) ReportRate(*noticed_hz);
   for (const LiveContact& contact : contacts) on_contact_(contact);
 }
 

@@ -36,8 +36,8 @@
 #include "client/recording/recorder.h"
 #include "client/stream/frame_encoder.h"
 #include "client/stream/resumable_stream.h"
+#include "client/tools/common/measured_rate.h"
 #include "client/tools/stream/live_observer.h"
-#include "core/base/rate_watch.h"
 #include "grpcpp/channel.h"
 
 namespace tactus::client {
@@ -129,6 +129,10 @@ class LivePlayer {
   void ReportContacts();
   void ReportNews();
   void ReportConnection();
+  // Compares the rate of the skin with the configured one, once it is known.
+  void CheckRate(const SkinFrame& frame);
+  // Reports a rate that is not the configured one, once.
+  void ReportRate(double measured_hz);
 
   const std::shared_ptr<grpc::Channel> channel_;
   SkinDriver* const driver_;
@@ -142,7 +146,10 @@ class LivePlayer {
   // The recorder has the beginning of a trial, and not its end.
   bool in_trial_ = false;
   uint64_t frames_ = 0;
-  std::optional<RateWatch> rate_;
+  double stated_hz_ = 0;
+  // Of the first frames.
+  MeasuredRate rate_;
+  bool rate_reported_ = false;
   uint64_t missing_ = 0;
   DriverStatistics statistics_;
   // Reported so far.
@@ -162,6 +169,8 @@ class LivePlayer {
   // Shared with the stream's reading thread.
   std::mutex mutex_;
   std::deque<LiveContact> contacts_;
+  // The rate that the server found by the frames' times, if it is another one.
+  std::optional<double> noticed_hz_;
 };
 
 }  // namespace tactus::client

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "client/tools/common/rate_news.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
@@ -168,6 +169,11 @@ absl::StatusOr<TrialResult> TrialPlayer::Result(
 
 void TrialPlayer::OnResponse(const v1::ClassifyContactResponse& response) {
   const int64_t now_ns = NowNs();
+  if (response.notice().kind() == v1::StreamNotice::KIND_RATE_DIFFERS) {
+    const std::lock_guard lock(mutex_);
+    totals_.rate_news = RateNews(response.notice().measured_rate_hz(),
+                                 response.notice().stated_rate_hz());
+  }
   if (!response.has_posterior()) return;
   const v1::Posterior& posterior = response.posterior();
   if (options_.recorder) options_.recorder->Result(posterior);

@@ -82,6 +82,9 @@ class TrialPlayer {
     // For each message, the time from sending it to the answer to its last
     // frame.
     std::vector<double> rtt_us;
+    // What users read if the trials' times are those of another rate than
+    // theirs; else empty.
+    std::string rate_news = {};
   };
   using OnTrial = std::function<void(const TrialResult&)>;
 

@@ -24,6 +24,7 @@
 #include "core/data/trial_file.h"
 #include "core/data/trial_layout.h"
 #include "core/files/file_bytes.h"
+#include "core/import/odd_rates.h"
 
 namespace tactus::client {
 namespace {
@@ -102,9 +103,11 @@ absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
   extract.layout = &layout;
   TACTUS_ASSIGN_OR_RETURN(auto reader, TrialFileReader::Open(path));
   LoadedContacts loaded;
+  OddRates rates;
   const Progress reading = progress.Part("read trials", 1);
   for (size_t i = 0; i < reader.size(); ++i) {
     TACTUS_ASSIGN_OR_RETURN(const Trial trial, reader.Read(i));
+    rates.Add(trial);
     TACTUS_ASSIGN_OR_RETURN(auto contact, ExtractContact(trial, extract));
     ++loaded.trials;
     loaded.without_poses |= !trial.taxels.empty() && trial.poses.empty();
@@ -120,6 +123,9 @@ absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
     reading.Add(1 / static_cast<double>(reader.size()));
   }
   loaded.data_sha256 = DataSha256(loaded.Pointers());
+  if (!rates.empty()) {
+    std::cerr << "trainctl: " << path << ": " << rates.Remark() << "\n";
+  }
   return loaded;
 }
 

@@ -24,6 +24,7 @@
 #include "core/data/trial_file.h"
 #include "core/data/trial_id.h"
 #include "core/data/trial_layout.h"
+#include "core/import/odd_rates.h"
 
 namespace tactus::client {
 namespace {
@@ -143,6 +144,7 @@ absl::Status UploadTrialFile(TrainingClient& client, const std::string& name,
   const Progress progress = display.progress().Part("upload trials", 1);
   TrialUploader uploader(&client, {});
   size_t next = 0;
+  OddRates rates;
   auto made =
       uploader.Upload(request, [&]() -> absl::StatusOr<std::optional<Trial>> {
         if (next == reader.size()) {
@@ -151,11 +153,15 @@ absl::Status UploadTrialFile(TrainingClient& client, const std::string& name,
         }
         TACTUS_ASSIGN_OR_RETURN(Trial trial, reader.Read(next++));
         TACTUS_RETURN_IF_ERROR(CheckTrial(trial));
+        rates.Add(trial);
         progress.Add(1 / static_cast<double>(reader.size()));
         return trial;
       });
   display.Clear();
   if (!made.ok()) return Annotate(made.status(), path);
+  if (!rates.empty()) {
+    std::cerr << "trainctl: " << path << ": " << rates.Remark() << "\n";
+  }
   if (json) {
     PrintJson(ToJson(*made));
   } else {

@@ -19,6 +19,7 @@ namespace {
 using testing::ChildTactusd;
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr size_t kContacts = 80;
 
@@ -101,6 +102,36 @@ TEST(LivePlayerTest, AFakeSkinsContactsAreClassifiedAsTheSimulators) {
   EXPECT_THAT(news, Contains(HasSubstr("cody-forearm, 16 x 24 at 100 Hz")));
 }
 
+// A skin that sends half as many frames as it is configured for.
+class AtHalfTheRate : public UntilLastTouch {
+ public:
+  using UntilLastTouch::UntilLastTouch;
+
+ protected:
+  absl::StatusOr<ReadResult> OnRead(SkinFrame& frame) override {
+    auto result = UntilLastTouch::OnRead(frame);
+    frame.capture_time_ns *= 2;
+    return result;
+  }
+};
+
+TEST(LivePlayerTest, AnotherRateIsReportedOnce) {
+  ChildTactusd server;
+  ASSERT_NE(server.port(), 0);
+  FakeArm arm(4, 0.01);
+  AtHalfTheRate driver(&arm.driver, &arm.touches, &arm.clock);
+  std::string news;
+  LivePlayer player(
+      MakeChannel(server.address()), &driver, {}, [](const LiveContact&) {},
+      [&](const std::string& text) { news += text + "\n"; });
+  const absl::Status status = player.Run();
+  ASSERT_TRUE(status.ok()) << status;
+  const std::string words = "those of 50 Hz, but the stream is configured for";
+  const size_t first = news.find(words);
+  ASSERT_NE(first, std::string::npos) << news;
+  EXPECT_EQ(news.find(words, first + 1), std::string::npos) << news;
+}
+
 // What a user sees when a board dies and comes back in mid-stream, and when it
 // stays dead.
 TEST(LivePlayerTest, ABreakIsReportedAndTheStreamGoesOn) {
@@ -136,6 +167,8 @@ TEST(LivePlayerTest, ABreakIsReportedAndTheStreamGoesOn) {
   EXPECT_THAT(news, Contains(HasSubstr("the skin sends no frames: board 2")));
   EXPECT_THAT(news, Contains(HasSubstr("skin board 2 does not answer")));
   EXPECT_THAT(news, Contains(HasSubstr("frames come again")));
+  // Lost frames are no other rate.
+  EXPECT_THAT(news, Not(Contains(HasSubstr("the times of the frames"))));
 }
 
 TEST(LivePlayerTest, ABoardThatStaysDeadEndsTheStreamWithItsName) {
