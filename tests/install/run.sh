@@ -12,7 +12,7 @@
 #
 #   tests/install/run.sh         as root; a few minutes
 #
-# Exits with 77 if it is not run by root.
+# Exits with 77 if it is not run by root, or where root may not mount.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 # shellcheck source=deploy/container-storage.sh
@@ -20,6 +20,10 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 if [[ $(id -u) -ne 0 ]]; then
   echo "install: skipped: only root can make root file systems"
+  exit 77
+fi
+if ! unshare --mount --net mount -t tmpfs none /mnt; then
+  echo "install: skipped: root may make no namespaces and mounts here"
   exit 77
 fi
 work=$(mktemp -d "${TMPDIR:-/var/tmp}/tactus-install.XXXXXX")
