@@ -132,7 +132,7 @@ absl::Status BundleVersion(uint32_t got, uint32_t want) {
   return MakeError(
       StatusCode::kFailedPrecondition, v1::ERROR_REASON_BUNDLE_VERSION,
       absl::StrCat("model bundle has format version ", got,
-                   "; this program reads version ", want,
+                   "; this program reads versions 1 to ", want,
                    "; install the program that wrote it, or fit the model "
                    "again with this one"),
       {{"value", absl::StrCat(got)}, {"expected", absl::StrCat(want)}});
