@@ -33,8 +33,8 @@ absl::StatusOr<ForeignModel> ReadModelFile(const std::string& path,
   }
   if (absl::EndsWith(name, ".keras")) {
     return InvalidModelFile(path,
-                            "is a Keras archive; save the weights alone with "
-                            "model.save_weights(\"x.weights.h5\")");
+                            "is a Keras archive; load it in Keras and save the "
+                            "same model with model.save(\"x.h5\")");
   }
   if (absl::EndsWith(name, ".h5") || absl::EndsWith(name, ".hdf5")) {
     return LstmsFromKeras(path, keras);

@@ -54,6 +54,23 @@ TEST(HmmThatPythonWroteTest, NumbersThatAreNotFiniteAreNamed) {
               HasSubstr("B[0][0][1] is NaN"));
 }
 
+TEST(HmmThatPythonWroteTest, HmmsOfSymbolsAreNamed) {
+  for (const char* array : {"emissionprob_", "lambdas_"}) {
+    const std::string text = absl::StrCat(
+        "{\"startprob_\": [1], \"transmat_\": [[1]], \"", array, "\": [[1]]}");
+    EXPECT_THAT(MessageOf(HmmsFromJson("x.json", text)),
+                HasSubstr(absl::StrCat(array, " is there")));
+  }
+}
+
+TEST(HmmThatPythonWroteTest, TextsAndNamesAreNamed) {
+  EXPECT_THAT(MessageOf(Read(kGood, "[[1, 2], [3, 4], [\"5\", 6]]")),
+              HasSubstr("means_[2][0] is the text \"5\""));
+  EXPECT_THAT(MessageOf(HmmsFromJson(
+                  "x.json", "{\"HU\": {\"means_\": [[1]]}, \"SU\": {}}")),
+              HasSubstr("HMMs by names, \"HU\"; it must be one HMM, or"));
+}
+
 TEST(HmmThatPythonWroteTest, NaNWithinTextsIsText) {
   const auto named = HmmsFromJson(
       "x.json",

@@ -9,6 +9,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/base/text.h"
 #include "core/interchange/hmm/hmm_fields.h"
 #include "core/interchange/hmm/mixture_weights.h"
 #include "core/interchange/model/inputs_json.h"
@@ -69,11 +70,12 @@ absl::Status Flatten(const OrderedJson& json, const std::vector<size_t>& shape,
                      std::vector<double>* values) {
   if (axis == shape.size()) {
     if (!json.is_number()) {
-      constexpr size_t kMostShown = 16;
       std::string got = json.type_name();
-      if (json.is_string() &&
-          json.get_ref<const std::string&>().size() <= kMostShown) {
-        got = json.get<std::string>();
+      if (json.is_string()) {
+        const std::string& text = json.get_ref<const std::string&>();
+        const bool non_finite =
+            text == "NaN" || text == "Infinity" || text == "-Infinity";
+        got = non_finite ? text : absl::StrCat("the text ", Quoted(text));
       }
       return InvalidModel(name, got, "a finite number");
     }
@@ -138,6 +140,13 @@ OrderedJson GhmmJson(const GaussianHmm& hmm) {
 
 absl::StatusOr<HmmFields> ReadHmmlearn(const OrderedJson& json) {
   HmmFields fields;
+  // Of CategoricalHMM, MultinomialHMM and PoissonHMM.
+  for (const char* other : {"emissionprob_", "lambdas_"}) {
+    if (!json.contains(other)) continue;
+    return InvalidModel(other, "there",
+                        "absent: HMMs of symbols and counts are not "
+                        "supported, GaussianHMM is");
+  }
   const auto type = json.find(kCovarianceType);
   if (type == json.end() || !type->is_string()) {
     return InvalidModel(kCovarianceType,
@@ -250,6 +259,15 @@ absl::StatusOr<ForeignModel> Read(const OrderedJson& json) {
     return InvalidModel("the file", json.type_name(), "a JSON object");
   }
   if (!json.contains("classes")) {
+    // HMMs by the names of their classes.
+    for (const auto& [name, item] : json.items()) {
+      if (!item.is_object() || !(item.contains(kMeans) || item.contains("A"))) {
+        continue;
+      }
+      return InvalidModel(
+          "the file", absl::StrCat("HMMs by names, ", Quoted(name)),
+          "one HMM, or {\"classes\": [{\"name\": \"HU\", \"hmms\": [...]}]}");
+    }
     TACTUS_ASSIGN_OR_RETURN(GaussianHmm hmm, ReadHmm(json, "HMM"));
     out.hmms.push_back({"", {{0.0}, {std::move(hmm)}}});
     return out;
@@ -302,7 +320,9 @@ absl::StatusOr<ForeignModel> HmmsFromJson(absl::string_view path,
   const OrderedJson json =
       OrderedJson::parse(WithQuotedNonFinite(text), nullptr,
                          /*allow_exceptions=*/false);
-  if (json.is_discarded()) return InvalidModelFile(path, "is not JSON");
+  if (json.is_discarded()) {
+    return InvalidModelFile(path, "is not JSON; write it with json.dump");
+  }
   auto model = Read(json);
   if (!model.ok()) return Annotate(model.status(), path);
   return model;

@@ -51,7 +51,8 @@ std::string Part(const std::string& name, const char* what) {
 absl::Status ReadLstm(const json& config, int major_version,
                       KerasLayerConfig* out) {
   out->kind = KerasKind::kLstm;
-  for (const char* option : {"go_backwards", "time_major"}) {
+  // The states of return_state may go into another layer.
+  for (const char* option : {"go_backwards", "time_major", "return_state"}) {
     if (Flag(config, option, false)) {
       return InvalidModel(Part(out->name, option), "true", "false");
     }
@@ -178,7 +179,11 @@ absl::StatusOr<std::optional<KerasLayerConfig>> ReadLayer(const json& layer,
     TACTUS_RETURN_IF_ERROR(ReadNormalization(config, sequences, &out));
     return out;
   }
-  return InvalidModel(absl::StrCat("layer ", out.name), type, kAccepted);
+  const std::string inner =
+      config.contains("layer") ? Text(config["layer"], "class_name", "") : "";
+  return InvalidModel(absl::StrCat("layer ", out.name),
+                      inner.empty() ? type : absl::StrCat(type, " of ", inner),
+                      kAccepted);
 }
 
 // A functional model may have branches. One input, one output and layers that
@@ -192,6 +197,13 @@ absl::Status CheckChain(const json& config) {
       continue;
     }
     return InvalidModel(ends, found->size(), "1: layers in one chain are read");
+  }
+  for (const json& layer : config["layers"]) {
+    if (!layer.is_object() || !layer.contains("inbound_nodes")) continue;
+    const json& nodes = layer["inbound_nodes"];
+    if (!nodes.is_array() || nodes.size() < 2) continue;
+    return InvalidModel(Part(Text(layer, "name", "without a name"), "uses"),
+                        nodes.size(), "1: layers in one chain are read");
   }
   return absl::OkStatus();
 }

@@ -85,6 +85,12 @@ absl::StatusOr<Weights> ReadWeights(hid_t group, const std::string& path,
   return out;
 }
 
+// What a file of weights alone may have, and what others need.
+constexpr char kWeightsAlone[] =
+    "; of files of weights alone LSTM and Dense layers are read. Save the "
+    "whole "
+    "model with model.save(\"net.h5\")";
+
 // "lstm/lstm_cell/kernel:0" -> "kernel".
 std::string WeightName(absl::string_view path) {
   absl::string_view name = path.substr(path.rfind('/') + 1);
@@ -145,7 +151,7 @@ absl::StatusOr<std::vector<KerasLayer>> ReadNumberedLayers(
       if (part == "vars" || part == "cell" || part == "seed_generator")
         continue;
       return complain(absl::StrCat("layer ", name), "has a part ", part,
-                      "; LSTM and Dense layers are read");
+                      kWeightsAlone);
     }
     const bool is_lstm = std::ranges::find(parts, "cell") != parts.end();
     TACTUS_ASSIGN_OR_RETURN(
@@ -157,7 +163,7 @@ absl::StatusOr<std::vector<KerasLayer>> ReadNumberedLayers(
     if (numbers.empty() || absl::StartsWith(name, "dropout")) continue;
     if (numbers.size() > 3) {
       return complain(absl::StrCat("layer ", name), "has ", numbers.size(),
-                      " arrays; LSTM and Dense layers are read");
+                      " arrays", kWeightsAlone);
     }
     KerasLayer& layer = layers.emplace_back();
     layer.name = name;
@@ -384,6 +390,11 @@ absl::StatusOr<ForeignModel> ReadUnprobed(const std::string& path,
   TACTUS_ASSIGN_OR_RETURN(const std::vector<KerasLayer> layers,
                           numbered ? ReadNumberedLayers(root, complain)
                                    : ReadNamedLayers(root, complain));
+  if (config_text.empty() && layers.empty()) {
+    return complain("layer_names",
+                    "is missing or empty, so this is no model of Keras; save "
+                    "one with model.save(\"net.h5\")");
+  }
   auto configs = config_text.empty()
                      ? ConfigsOf(layers, options)
                      : ParseKerasConfig(config_text,

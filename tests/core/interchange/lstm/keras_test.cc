@@ -107,7 +107,7 @@ void WriteNames(hid_t group, const char* name,
 INSTANTIATE_TEST_SUITE_P(
     All, BadKerasFileTest,
     ::testing::Values(
-        BadFile{"the model has no LSTM layer",
+        BadFile{"this is no model of Keras",
                 [](hid_t f) { H5Adelete(f, "layer_names"); }},
         BadFile{"lstm/lstm_cell/kernel:0: is missing",
                 [](hid_t f) { H5Ldelete(f, kKernel, H5P_DEFAULT); }},
@@ -236,6 +236,22 @@ TEST(KerasConfigTest, EachUnsupportedLayerIsNamed) {
        2,
        "output_layers is 2"},
       {Config("TimeDistributed", {}), 2, "layer x is TimeDistributed"},
+      {Config("TimeDistributed", {{"layer", {{"class_name", "Conv1D"}}}}), 2,
+       "layer x is TimeDistributed of Conv1D"},
+      {Config("Bidirectional", {{"layer", {{"class_name", "LSTM"}}}}), 3,
+       "layer x is Bidirectional of LSTM"},
+      {Config("Embedding", {}), 3, "layer x is Embedding"},
+      {Config("LSTM", {{"return_state", true}}), 3, "return_state is true"},
+      // Layers that are used twice are no chain.
+      {{{"class_name", "Functional"},
+        {"config",
+         {{"layers",
+           {{{"class_name", "Dense"},
+             {"name", "d"},
+             {"config", {{"name", "d"}}},
+             {"inbound_nodes", {json::object(), json::object()}}}}}}}},
+       3,
+       "layer d uses is 2"},
       {Config("Dense", {{"activation", "elu"}}), 2, "activation is elu"},
       {Config("LSTM", {{"activation", "relu"}}), 2, "activation is relu"},
       {Config("LSTM", {{"go_backwards", true}}), 2, "go_backwards is true"},
@@ -281,7 +297,7 @@ TEST(ReadModelFileTest, PicklesAndUnknownEndingsAreRefusedByName) {
                 HasSubstr(std::string(name) + ": is a pickle"));
   }
   EXPECT_THAT(std::string(ReadModelFile("net.keras").status().message()),
-              HasSubstr("save_weights"));
+              HasSubstr("model.save(\"x.h5\")"));
   EXPECT_THAT(std::string(ReadModelFile("net.bin").status().message()),
               HasSubstr("no known ending"));
   EXPECT_EQ(ReasonOf(ReadModelFile("/nowhere/net.onnx").status()), "IO");
