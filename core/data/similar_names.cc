@@ -1,6 +1,8 @@
 #include "core/data/similar_names.h"
 
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "core/base/text.h"
 
@@ -65,7 +67,18 @@ char32_t Folded(char32_t c) {
   return c;
 }
 
+// Numbers that are written in several ways, "1" and "1.0", have one key.
 std::string KeyOf(absl::string_view name) {
+  // More digits than a double keeps are a name.
+  constexpr size_t kMostDigits = 15;
+  double number = 0;
+  std::string digits;
+  if (name.size() <= kMostDigits &&
+      name.find_first_not_of("+-.0123456789") == absl::string_view::npos &&
+      absl::SimpleAtod(name, &number)) {
+    digits = absl::StrFormat("%.15g", number);
+    name = digits;
+  }
   std::u32string key;
   while (!name.empty()) {
     const char32_t c = TakeCharacter(&name);
@@ -110,8 +123,8 @@ std::vector<std::string> SimilarNames::Remarks() const {
     for (const std::string& name : names) quoted.push_back(Quoted(name));
     remarks.push_back(absl::StrCat(
         "the ", what_, "s ", absl::StrJoin(quoted, " and "),
-        " differ only by case, blanks, accents or characters that cannot be "
-        "seen, and count as ",
+        " differ only by case, blanks, accents, the form of a number or "
+        "characters that cannot be seen, and count as ",
         names.size(), "; write them alike if they mean the same"));
   }
   return remarks;

@@ -29,8 +29,9 @@ class SimilarNames {
   explicit SimilarNames(std::string what) : what_(std::move(what)) {}
 
   void Add(const std::string& name);
-  // A sentence for each set of names that differ only by case, blanks, accents
-  // or characters that cannot be seen; at most 10.
+  // A sentence for each set of names that differ only by case, blanks, accents,
+  // the form of a number ("1" and "1.0") or characters that cannot be seen; at
+  // most 10.
   std::vector<std::string> Remarks() const;
 
  private:

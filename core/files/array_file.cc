@@ -88,6 +88,19 @@ absl::StatusOr<ArrayFile> ReadArrayFile(const std::string& path,
   if (EndsWithAny(path, {".h5", ".hdf5", ".mat"})) {
     return NumbersOf(path, ReadHdf5Array(path, dataset, format.order));
   }
+  if (EndsWithAny(path, {".gz", ".bz2", ".xz", ".zip", ".zst"})) {
+    return TrialFileInvalid(
+        path, "is packed; unpack it, and name the unpacked file in the table");
+  }
+  if (EndsWithAny(path, {".xlsx", ".xls", ".ods"})) {
+    return TrialFileInvalid(path, "is a workbook; save its sheet as CSV");
+  }
+  if (EndsWithAny(path, {".pkl", ".pickle"})) {
+    return TrialFileInvalid(
+        path,
+        "is a pickle, which can run any program when it is read; pickles are "
+        "never read. Save the array with numpy.save");
+  }
   return TrialFileInvalid(
       path,
       "is of no known format; use .npy, .npz, .csv, .tsv, .txt, .dat, .h5, "

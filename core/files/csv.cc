@@ -49,9 +49,8 @@ absl::StatusOr<CsvTable> CsvTable::Parse(const std::string& path,
   CsvTable table;
   table.path_ = path;
   table.text_ = std::make_unique<std::string>(std::move(text));
-  if (absl::StartsWith(*table.text_, "\xFF\xFE") ||
-      absl::StartsWith(*table.text_, "\xFE\xFF")) {
-    return TrialFileInvalid(path, TextFileFault(*table.text_));
+  if (const auto fault = EncodingFault(*table.text_); !fault.empty()) {
+    return TrialFileInvalid(path, fault);
   }
   TextLines lines(*table.text_);
   while (lines.Next()) {

@@ -74,12 +74,35 @@ std::string Held(const Datasets& datasets) {
   return text;
 }
 
+// What elements that are no numbers are, and what to write instead.
+std::string ElementsText(hid_t type) {
+  switch (H5Tget_class(type)) {
+    case H5T_STRING:
+      return "text";
+    case H5T_COMPOUND:
+      return "records with named fields, or complex numbers";
+    case H5T_REFERENCE:
+      return "references, as cells and structures of MATLAB do";
+    case H5T_VLEN:
+      return "lists of different lengths";
+    case H5T_ARRAY:
+      return "small arrays as elements";
+    default:
+      return "no numbers";
+  }
+}
+
 // Follows groups by hard links only, one part of the name after another.
 absl::Status OpenByName(hid_t file, const std::string& name,
                         const Hdf5Complaint& complain, Hdf5Dataset* dataset) {
   std::string wanted = name;
   if (name.empty()) {
     const Datasets datasets = ListDatasets(file);
+    if (datasets.names.empty()) {
+      return complain("dataset",
+                      "is not there: the file holds none, and those of other "
+                      "files to which it links are not read");
+    }
     if (datasets.names.size() != 1) {
       return complain("dataset", "is not named; ", Held(datasets),
                       ". Name one: \"dataset\" in skin.json, or FILE:DATASET "
@@ -153,7 +176,9 @@ absl::StatusOr<NpyArray> Read(const std::string& path, const std::string& name,
   // What h5py writes for booleans.
   const bool booleans = kind == H5T_ENUM && H5Tget_size(type) == 1;
   if (kind != H5T_INTEGER && kind != H5T_FLOAT && !booleans) {
-    return complain(what, "must hold numbers; ",
+    return complain(what, "holds ", ElementsText(type),
+                    "; it must hold numbers. Write those of the frames as one "
+                    "array of numbers, or name another dataset: ",
                     Held(ListDatasets(file.get())));
   }
   const bool reversed = AxesReversed(dataset, order);

@@ -206,7 +206,9 @@ absl::Status OpenDataset(hid_t group, const char* name,
     return complain(name, "its data must not lie in another file");
   }
   const int rank = H5Sget_simple_extent_ndims(space.get());
-  if (rank < 1 || rank > 4) return complain(name, "has rank ", rank);
+  if (rank < 1 || rank > 4) {
+    return complain(name, "has ", std::max(rank, 0), " axes; 1 to 4 are read");
+  }
   out->dims.resize(rank);
   if (H5Sget_simple_extent_dims(space.get(), out->dims.data(), nullptr) < 0) {
     return complain.Hdf5(name);
@@ -227,6 +229,14 @@ absl::Status CheckShape(const Hdf5Dataset& dataset, const char* name,
            dataset.dims[i] <= (i == 0 ? limits::kMaxFramesPerTrial
                                       : hsize_t{limits::kMaxTaxels});
     bytes *= fits ? dataset.dims[i] : 1;
+  }
+  const bool any = std::all_of(want.begin(), want.end(),
+                               [](hsize_t size) { return size == 0; });
+  if (!fits && any && dataset.dims.size() == want.size()) {
+    return complain(name, "has shape ", shape,
+                    "; its first axis, the frames, must have 1 to ",
+                    limits::kMaxFramesPerTrial,
+                    " entries, and each other 1 to ", limits::kMaxTaxels);
   }
   if (!fits) {
     constexpr absl::string_view kAny[] = {"T", "rows", "columns"};

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
@@ -300,7 +301,12 @@ absl::StatusOr<NpyArray> ParseNpy(absl::string_view path,
                           TakeHeaderText(path, &bytes));
   Header header;
   if (!ParseDictionary(text, &header)) {
-    return TrialFileInvalid(path, "its NumPy header cannot be understood");
+    return TrialFileInvalid(
+        path, absl::StrContains(text, "'descr': [")
+                  ? "holds records with named fields; save their numbers as "
+                    "one array, e.g. with "
+                    "numpy.lib.recfunctions.structured_to_unstructured"
+                  : "its NumPy header cannot be understood");
   }
   if (header.shape.size() > 4) {
     return TrialFileInvalid(path, absl::StrCat("has ", header.shape.size(),

@@ -42,7 +42,7 @@ constexpr uint16_t kUtf8Names = 1 << 11;
 constexpr size_t kMaxEntries = 65'535;
 constexpr size_t kMaxArchiveBytes = UINT32_MAX;
 // Best ratio that deflate can reach.
-constexpr size_t kMaxCompression = 1100;
+constexpr size_t kMaxNpzCompression = 1100;
 // A size or an offset with this value lies in the zip64 field.
 constexpr size_t kInZip64 = UINT32_MAX;
 
@@ -183,7 +183,7 @@ absl::StatusOr<std::string> Unpack(absl::string_view path,
                        size_t{At<uint16_t>(bytes, entry.offset + 28)};
   if (rest.size() < texts || rest.size() - texts < entry.packed_bytes ||
       entry.bytes > limits::kMaxTrialArrayBytes ||
-      entry.bytes / kMaxCompression > entry.packed_bytes) {
+      entry.bytes / kMaxNpzCompression > entry.packed_bytes) {
     return damaged;
   }
   const absl::string_view packed = rest.substr(texts, entry.packed_bytes);

@@ -47,15 +47,15 @@ bool IsMissing(absl::string_view cell) {
          absl::StartsWith(lower, "-nan(") || absl::StartsWith(lower, "#");
 }
 
-bool MayHaveThousands(absl::string_view cell) {
+bool MayHaveThousands(absl::string_view cell, char sign) {
   absl::ConsumePrefix(&cell, "-");
   if (cell.empty() || cell.front() == '0') return false;
   size_t digits = 0;
-  size_t commas = 0;
+  size_t signs = 0;
   for (const char c : cell) {
-    if (c == ',') {
-      if (commas == 0 ? digits < 1 || digits > 3 : digits != 3) return false;
-      ++commas;
+    if (c == sign) {
+      if (signs == 0 ? digits < 1 || digits > 3 : digits != 3) return false;
+      ++signs;
       digits = 0;
     } else if (absl::ascii_isdigit(c)) {
       ++digits;
@@ -63,7 +63,33 @@ bool MayHaveThousands(absl::string_view cell) {
       return false;
     }
   }
-  return commas > 0 && digits == 3;
+  return signs > 0 && digits == 3;
+}
+
+DoubtfulPoint FindDoubtfulPoint(
+    const std::vector<std::vector<absl::string_view>>& rows) {
+  size_t columns = 0;
+  for (const auto& row : rows) columns = std::max(columns, row.size());
+  for (size_t column = 0; column < columns; ++column) {
+    DoubtfulPoint first;
+    bool without = false;
+    bool decimal = false;
+    for (size_t row = 0; row < rows.size(); ++row) {
+      if (column >= rows[row].size()) continue;
+      const absl::string_view cell = rows[row][column];
+      double value = 0;
+      if (MayHaveThousands(cell, '.')) {
+        if (first.cell.empty()) first = {row, cell};
+      } else if (ParseNumber(cell, &value)) {
+        const bool integer =
+            cell.find_first_not_of("+-0123456789") == absl::string_view::npos;
+        without |= integer;
+        decimal |= !integer;
+      }
+    }
+    if (!first.cell.empty() && without && !decimal) return first;
+  }
+  return {};
 }
 
 bool InOrder(const std::vector<absl::string_view>& cells, double* first) {

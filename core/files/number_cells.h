@@ -25,8 +25,18 @@ bool IsNumber(absl::string_view cell);
 // null, inf, #VALUE! and the like.
 bool IsMissing(absl::string_view cell);
 
-// True if the commas of a cell may separate thousands: "1,234", "12,345,678".
-bool MayHaveThousands(absl::string_view cell);
+// True if the signs of a cell may separate thousands: "1,234", "12.345.678".
+bool MayHaveThousands(absl::string_view cell, char sign = ',');
+
+// A cell whose point may separate thousands, not decimals, and the place of its
+// row: each point of its column may, and other numbers of the column have none.
+// No cell if there is no such column.
+struct DoubtfulPoint {
+  size_t row = 0;
+  absl::string_view cell;
+};
+DoubtfulPoint FindDoubtfulPoint(
+    const std::vector<std::vector<absl::string_view>>& rows);
 
 // True if the cells are first, first + 1, first + 2 ...
 bool InOrder(const std::vector<absl::string_view>& cells, double* first);

@@ -12,6 +12,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
+#include "core/files/cell_advice.h"
 #include "core/files/number_cells.h"
 #include "core/files/text_cells.h"
 #include "core/files/text_lines.h"
@@ -143,17 +144,37 @@ class Parser {
             doubtful = &line;
             doubt = std::string(cell);
           }
-        } else if (ParseCommaNumber(cell, &value)) {
+        } else if (ParseCell(cell, ',', &value)) {
           decimal_ = ',';
           return absl::OkStatus();
         }
       }
     }
-    if (doubtful == nullptr) return absl::OkStatus();
+    if (doubtful == nullptr) return CheckPoints();
     return Complain(doubtful->number, Quoted(doubt),
                     " may have a decimal comma or a sign between thousands; "
                     "say \"decimal\": \",\" in skin.json if it is decimal, or "
                     "write numbers without signs between thousands");
+  }
+
+  // Points between thousands look like decimal signs.
+  absl::Status CheckPoints() {
+    std::vector<Cells> rows(sample_.size());
+    // The first line may be a header of numbers.
+    for (size_t i = 1; i < sample_.size(); ++i) {
+      SplitCells(sample_[i].text, delimiter_, &rows[i]);
+      for (const auto& cell : rows[i]) {
+        points_ |= absl::StrContains(cell, '.') && IsNumber(cell);
+      }
+    }
+    const DoubtfulPoint doubtful = FindDoubtfulPoint(rows);
+    if (doubtful.cell.empty()) return absl::OkStatus();
+    return Complain(
+        sample_[doubtful.row].number, Quoted(doubtful.cell),
+        " may have a decimal point or a point between thousands, because "
+        "other numbers of its column have none; say \"decimal\": \".\" in "
+        "skin.json if it is decimal, or write numbers without signs between "
+        "thousands");
   }
 
   // True if the first cells rise in all lines of the sample, as times do.
@@ -266,11 +287,34 @@ class Parser {
     commented_ = true;
   }
 
+  // What to do about a first line of `names` cells before `width` numbers.
+  std::string WidthAdvice(size_t width, size_t names) const {
+    std::string advice =
+        delimiter_ == ',' && width == 2 * names
+            ? ". If commas are decimal signs too, write the file with "
+              "semicolons or points"
+            : absl::StrCat(". Cells are separated by ",
+                           DelimiterName(delimiter_),
+                           "; if that is wrong, say \"delimiter\" in "
+                           "skin.json");
+    if (names == 1) {
+      absl::StrAppend(&advice,
+                      ". If the first line is a title, say how many lines "
+                      "precede the numbers: \"header_lines\": 2 in skin.json");
+    }
+    return advice;
+  }
+
   // Fixes the columns by the first line of numbers.
   absl::Status TakeWidth(size_t number, const Cells& cells,
                          const std::vector<Cells>& headers) {
     size_t width = cells.size();
-    trailing_ = width > 1 && cells.back().empty();
+    // A column that is named and empty is none that ends each line.
+    trailing_ =
+        width > 1 && cells.back().empty() &&
+        std::none_of(headers.begin(), headers.end(), [&](const Cells& header) {
+          return header.size() == width && !header.back().empty();
+        });
     for (const Cells& header : headers) {
       // An end that is empty in names and numbers, or in one of both.
       const bool open = header.size() > 1 && header.back().empty();
@@ -288,15 +332,8 @@ class Parser {
     if (trailing_) --width;
     if (!headers.empty() && table_.header.empty() && format_.header_lines < 0) {
       const size_t names = headers.front().size();
-      return Complain(
-          number, "has ", width, " cells; the first line has ", names,
-          delimiter_ == ',' && width == 2 * names
-              ? ". If commas are decimal signs too, write the file with "
-                "semicolons or points"
-              : absl::StrCat(". Cells are separated by ",
-                             DelimiterName(delimiter_),
-                             "; if that is wrong, say \"delimiter\" in "
-                             "skin.json"));
+      return Complain(number, "has ", width, " cells; the first line has ",
+                      names, WidthAdvice(width, names));
     }
     if (width > limits::kMaxTaxels + size_t{16}) {
       return Complain(number, "has ", width, " columns");
@@ -314,24 +351,8 @@ class Parser {
 
   // Why a cell is no number, and what to do about it.
   std::string Advice(absl::string_view cell, bool first_row) const {
-    double value = 0;
-    if (IsMissing(cell)) return "";
-    if (decimal_ == '.' && ParseCommaNumber(cell, &value)) {
-      return ". If its comma is a decimal sign, say \"decimal\": \",\" in "
-             "skin.json";
-    }
-    if (decimal_ == ',' && absl::StrContains(cell, '.')) {
-      return ". The decimal sign of this file is a comma; if that is wrong, "
-             "say "
-             "\"decimal\": \".\" in skin.json";
-    }
-    const auto digits = std::count_if(cell.begin(), cell.end(), [](char c) {
-      return absl::ascii_isdigit(c);
-    });
-    if (digits >= 4 && (std::count(cell.begin(), cell.end(), ':') > 0 ||
-                        std::count(cell.begin(), cell.end(), '-') > 1 ||
-                        std::count(cell.begin(), cell.end(), '/') > 1)) {
-      return ". Dates are not read; write times as numbers, e.g. seconds";
+    if (std::string advice = CellAdvice(cell, decimal_); !advice.empty()) {
+      return advice;
     }
     if (first_row && header_lines_ > 0 && format_.header_lines < 0) {
       return absl::StrCat(
@@ -354,10 +375,11 @@ class Parser {
       cells.pop_back();
     }
     if (cells.size() != table_.columns) {
-      return Complain(
-          number, "has ", cells.size(), " cells; the first line has ",
-          table_.columns,
-          last ? ". It is the last line, so the file may be cut off" : "");
+      return Complain(number, "has ", cells.size(),
+                      " cells; the first line has ", table_.columns,
+                      last && cells.size() < table_.columns
+                          ? ". It is the last line, so the file may be cut off"
+                          : "");
     }
     if (table_.numbers.size() + cells.size() > limits::kMaxCsvCells) {
       return Complain(number, "is beyond the ", limits::kMaxCsvCells,
@@ -457,6 +479,10 @@ class Parser {
           absl::StrCat("cells are separated by ", DelimiterName(delimiter_)));
     }
     if (decimal_ == ',') parts.emplace_back("the decimal sign is a comma");
+    // Such files often have a decimal comma, and points between thousands.
+    if (points_ && delimiter_ == ';') {
+      parts.emplace_back("the decimal sign is a point");
+    }
     parts.push_back(commented_ ? "a comment names the columns"
                     : numbered_
                         ? "the first line, numbers in order, is a header"
@@ -483,6 +509,8 @@ class Parser {
   // Lines end with an empty cell.
   bool trailing_ = false;
   bool index_ = false;
+  // Some numbers have a point.
+  bool points_ = false;
   absl::string_view header_line_ = "\n";
   size_t header_number_ = 1;
   absl::string_view current_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "core/files/text_lines.h"
 
@@ -23,10 +24,30 @@ size_t ClosingQuote(absl::string_view text) {
 
 }  // namespace
 
-absl::string_view TextFileFault(absl::string_view text) {
-  if (text.substr(0, 2) == "\xFF\xFE" || text.substr(0, 2) == "\xFE\xFF") {
+absl::string_view EncodingFault(absl::string_view text) {
+  const auto begins = [&](absl::string_view with) {
+    return absl::StartsWith(text, with);
+  };
+  // The first character of a table is ASCII, so one of its two bytes is zero.
+  const bool utf16 = text.size() >= 4 && text.size() % 2 == 0 &&
+                     ((text[0] == '\0' && text[1] != '\0' && text[2] == '\0') ||
+                      (text[0] != '\0' && text[1] == '\0' && text[3] == '\0'));
+  if (begins("\xFF\xFE") || begins("\xFE\xFF") || utf16) {
     return "is UTF-16 text; save it as UTF-8";
   }
+  if (begins("\x1F\x8B")) return "is packed with gzip; unpack it with gunzip";
+  if (begins("PK\x03\x04")) {
+    return "is a ZIP archive, as files of Excel are; unpack it, or save the "
+           "sheet as CSV";
+  }
+  if (begins("\x89HDF")) return "is an HDF5 file; give it the ending .h5";
+  if (begins("\x93NUMPY")) return "is an array of NumPy; name it .npy";
+  return "";
+}
+
+absl::string_view TextFileFault(absl::string_view text) {
+  const absl::string_view fault = EncodingFault(text);
+  if (!fault.empty()) return fault;
   if (text.find('\0') != absl::string_view::npos) {
     return "holds zero bytes, so it is no text";
   }

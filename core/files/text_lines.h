@@ -53,8 +53,11 @@ class TextLines {
   size_t number_ = 0;
 };
 
-// What is wrong with the bytes of a text file as a whole: another encoding, or
-// no text at all. Empty if nothing is.
+// Why the bytes are those of no text that is read, and what to do: UTF-16, or
+// a packed file. Empty for other bytes.
+absl::string_view EncodingFault(absl::string_view text);
+
+// The same, and any other bytes that are no text at all.
 absl::string_view TextFileFault(absl::string_view text);
 
 }  // namespace tactus

@@ -196,8 +196,19 @@ class Finder {
       return ". If each row is a taxel, say \"array_order\": \"columns first\" "
              "in skin.json for HDF5, or store it the other way round";
     }
-    if (!file_.header.empty() && columns_.taxels.size() > skin_.frame_size()) {
-      return ". Name those of the taxels: \"taxel_columns\" in skin.json";
+    if (shape.size() == 2 && columns_.taxels.size() > skin_.frame_size()) {
+      return file_.header.empty()
+                 ? ". If a column is the time, say its place from 0: "
+                   "\"time_column\": \"0\" in skin.json, or say those of the "
+                   "taxels: \"taxel_columns\""
+                 : ". Name those of the taxels: \"taxel_columns\" in skin.json";
+    }
+    size_t last = 1;
+    for (size_t axis = shape.size(); axis-- > 2;) {
+      last *= shape[axis];
+      if (last != skin_.frame_size()) continue;
+      return ". If each part along the first axis is a trial, name the parts "
+             "in the table: FILE#0, FILE#1 ...";
     }
     return "";
   }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <set>
 
+#include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -110,6 +111,11 @@ class SkinFolder {
     }
     if (trial.label.empty()) {
       return table_.Error(row, "label", "is empty; every trial has a class");
+    }
+    if (absl::EqualsIgnoreCase(trial.label, "nan")) {
+      return table_.Error(row, "label",
+                          "is NaN, which stands for a missing label; every "
+                          "trial has a class");
     }
     return absl::OkStatus();
   }

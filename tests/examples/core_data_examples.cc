@@ -27,6 +27,7 @@
 #include "core/data/trial_record.h"
 #include "core/files/array_file.h"
 #include "core/files/array_order.h"
+#include "core/files/cell_advice.h"
 #include "core/files/csv.h"
 #include "core/files/draft_file.h"
 #include "core/files/file_bytes.h"
@@ -240,6 +241,11 @@ void RisingColumnsExample(const std::vector<ArrayFile>& files,
     rising.Add(FindRising(file, columns), file.array.shape[0]);
   }
   rising.Always();
+}
+
+void CellAdviceExample() {
+  CellAdvice("12:30:01", '.');
+  CellAdvice("label", '.');
 }
 
 void RateCheckExample() {

@@ -114,9 +114,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadNpy{"understood", Npy(Shape("(2, 3"), kData)},
         BadNpy{"understood", Npy(Shape("(99999999999, 3)"), kData)},
         BadNpy{"understood", Npy("{'descr': '<u2', 'shape': (2, 3), }", kData)},
-        BadNpy{"understood", Npy("{'descr': [('a', '<u2')], "
-                                 "'fortran_order': False, 'shape': (6,)}",
-                                 kData)},
+        BadNpy{"records with named fields",
+               Npy("{'descr': [('a', '<u2')], "
+                   "'fortran_order': False, 'shape': (6,)}",
+                   kData)},
         BadNpy{"calls for 2", Npy(Shape("()"), kData)},
         BadNpy{"5 dimensions", Npy(Shape("(1, 2, 3, 1, 1)"), kData)},
         BadNpy{"more than", Npy(Shape("(4000000000, 4000000000)"), kData)},

@@ -387,7 +387,7 @@ INSTANTIATE_TEST_SUITE_P(
               "be a file in"),
         InRow("", "/b.npy,felt", "line 3: frames: is \"/b.npy\""),
         InRow("", "c.npy,felt", "line 3: frames: "),
-        InRow("", "b.xls,felt", "b.xls: is of no known format"),
+        InRow("", "b.parquet,felt", "b.parquet: is of no known format"),
         InTable("frames,label,id\na.npy,x,1\nb.npy,y,1\n",
                 "trials.csv: line 3: id: \"1\" is repeated"),
         InTable("frames,label,id\na.npy,x,a/b\n",
