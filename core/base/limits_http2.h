@@ -15,12 +15,16 @@ inline constexpr size_t kMaxHeaderBlockBytes = 32 * 1024;
 inline constexpr int kMaxHeaderBlockFrames = 16;
 inline constexpr int kMaxHeaders = 256;
 // Frames that cost work and carry no message: at a steady rate and at once. The
-// last are HEADERS, RST_STREAM, WINDOW_UPDATE and the like: a download makes
+// last are HEADERS, WINDOW_UPDATE and the like: a download makes
 // its reader send some thousands of them per second.
 inline constexpr double kHttp2SettingsPerSecond = 100;
 inline constexpr double kHttp2SettingsBurst = 1'000;
 inline constexpr double kHttp2PingsPerSecond = 100;
 inline constexpr double kHttp2PingsBurst = 1'000;
+// Calls that a client begins and resets (RST_STREAM). nghttp2 takes as many at
+// once, and 33 per second.
+inline constexpr double kHttp2ResetsPerSecond = 100;
+inline constexpr double kHttp2ResetBurst = 1'000;
 inline constexpr double kHttp2SmallFramesPerSecond = 20'000;
 inline constexpr double kHttp2SmallFrameBurst = 100'000;
 inline constexpr int kMaxHttp2GoAways = 4;

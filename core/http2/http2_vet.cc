@@ -15,6 +15,7 @@ constexpr absl::string_view kPreface("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n");
 enum FrameType : uint8_t {
   kData = 0,
   kHeaders = 1,
+  kResetStream = 3,
   kSettings = 4,
   kPushPromise = 5,
   kPing = 6,
@@ -46,6 +47,7 @@ Http2Vet::Http2Vet(Peer peer)
     : peer_(peer),
       settings_({limits::kHttp2SettingsPerSecond, limits::kHttp2SettingsBurst}),
       pings_({limits::kHttp2PingsPerSecond, limits::kHttp2PingsBurst}),
+      resets_({limits::kHttp2ResetsPerSecond, limits::kHttp2ResetBurst}),
       small_frames_(
           {limits::kHttp2SmallFramesPerSecond, limits::kHttp2SmallFrameBurst}) {
   nghttp2_hd_inflater* inflater = nullptr;
@@ -127,6 +129,10 @@ bool Http2Vet::BeginControlFrame(uint8_t type, int64_t now_ns) {
     case kGoAway:
       return ++goaways_ <= limits::kMaxHttp2GoAways ||
              Fail("too many GOAWAY frames");
+    case kResetStream:
+      // A server resets each call that it ends before the client has.
+      return peer_ == Peer::kServer || resets_.Take(now_ns) ||
+             Fail("too many RST_STREAM frames");
     case kPushPromise:
       return Fail("it pushes");
     default:

@@ -12,7 +12,8 @@
 // then takes a gigabyte, or holds up its thread for seconds. One header aborts
 // the process. The vet bounds header blocks, their CONTINUATION frames and
 // their headers, refuses malformed HPACK, and limits how often frames may come
-// that cost work and carry no message. It does not change a byte.
+// that cost work and carry no message, and how often a client may reset calls.
+// It does not change a byte.
 //
 // Messages (DATA) pass without being looked at: the path of a taxel frame
 // allocates nothing here. Memory: nghttp2's HPACK table (4 KiB) and at most one
@@ -96,6 +97,7 @@ class Http2Vet {
   bool first_frame_ = true;
   TokenBucket settings_;
   TokenBucket pings_;
+  TokenBucket resets_;
   TokenBucket small_frames_;
   std::unique_ptr<nghttp2_hd_inflater, DeleteInflater> inflater_;
 };

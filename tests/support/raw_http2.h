@@ -103,7 +103,7 @@ class RawHttp2 {
   static std::string Block(const std::string& path, const Headers& more = {}) {
     Headers headers = CallHeaders(path);
     headers.insert(headers.end(), more.begin(), more.end());
-    return Hpack(headers, kNeverInTable);
+    return Hpack(headers);
   }
 
   // Begins a gRPC call to `path` on the next stream; returns the stream's id.
@@ -112,29 +112,12 @@ class RawHttp2 {
   }
   // The same with `headers` and no others.
   uint32_t OpenWith(const Headers& headers) {
-    return OpenBlock(Hpack(headers, kNeverInTable));
+    return OpenBlock(Hpack(headers));
   }
-  // The same as Open in as few bytes as HPACK allows. The first call puts its
-  // headers into the peer's table, and later calls refer to them: a connection
-  // uses it with one path only.
-  uint32_t OpenCompact(const std::string& path) {
-    const Headers headers = CallHeaders(path);
-    if (!in_table_) {
-      in_table_ = true;
-      return OpenBlock(Hpack(headers, kIntoTable));
-    }
-    std::string block;
-    for (size_t i = 0; i < headers.size(); ++i) {
-      // The newest entry follows the 61 that every table has.
-      block.push_back(static_cast<char>(0x80 | (61 + headers.size() - i)));
-    }
-    return OpenBlock(block);
-  }
-
   // Ends what the client says in a call with `headers`.
   void Trailers(uint32_t stream, const Headers& headers) {
     Frame(kHeaders, kEndHeaders | kEndStream, stream,
-          Hpack(headers, kNeverInTable));
+          Hpack(headers));
   }
   void Reset(uint32_t stream) {
     stream_windows_.erase(stream);
@@ -201,10 +184,6 @@ class RawHttp2 {
   }
 
  private:
-  // First bytes of an HPACK literal with a new name.
-  static constexpr char kNeverInTable = 0;
-  static constexpr char kIntoTable = 0x40;
-
   static Headers CallHeaders(const std::string& path) {
     return {{":method", "POST"},
             {":scheme", "http"},
@@ -223,7 +202,7 @@ class RawHttp2 {
   }
 
   // HPACK literals: nothing is compressed.
-  static std::string Hpack(const Headers& headers, char kind) {
+  static std::string Hpack(const Headers& headers) {
     std::string block;
     const auto text = [&block](const std::string& value) {
       // A length of 7 bits, and what is more in groups of 7 bits.
@@ -240,7 +219,7 @@ class RawHttp2 {
       block.append(value);
     };
     for (const auto& [name, value] : headers) {
-      block.push_back(kind);
+      block.push_back(0);  // with a new name, never in the table
       text(name);
       text(value);
     }
@@ -320,8 +299,6 @@ class RawHttp2 {
   std::string out_;
   std::string in_;
   uint32_t next_stream_ = 1;
-  // The peer's HPACK table has the headers of OpenCompact.
-  bool in_table_ = false;
   int64_t initial_window_ = 65535;
   int64_t connection_window_ = 65535;
   std::map<uint32_t, int64_t> stream_windows_;

@@ -142,6 +142,15 @@ TEST(Http2VetTest, AServersBytesPass) {
   EXPECT_EQ(vet.Check(Bytes(bytes), 1), "");
 }
 
+// A server resets a call that it ends before the client has.
+TEST(Http2VetTest, AServerMayResetManyCalls) {
+  Http2Vet vet(Http2Vet::Peer::kServer);
+  vet.Check(Bytes(Frame(kSettings, 0, 0, "")), 1);
+  for (uint32_t i = 0; i < 5000; ++i) {
+    ASSERT_EQ(vet.Check(Bytes(Frame(kReset, 0, 2 * i + 1, "1234")), 1), "");
+  }
+}
+
 TEST(Http2VetTest, MessagesCostNoMemory) {
   Http2Vet vet(Http2Vet::Peer::kClient);
   ASSERT_EQ(vet.Check(Bytes(Hello()), 1), "");
@@ -178,7 +187,9 @@ std::vector<BadBytes> AllBad() {
   std::string settings;
   for (int i = 0; i < 2000; ++i) settings += Frame(kSettings, 0, 0, "");
   std::string resets;
-  for (int i = 0; i < 200'000; ++i) resets += Frame(kReset, 0, 1, "1234");
+  for (int i = 0; i < 2000; ++i) resets += Frame(kReset, 0, 1, "1234");
+  std::string updates;
+  for (int i = 0; i < 200'000; ++i) updates += Frame(8, 0, 1, "1234");
   std::string goaways;
   for (int i = 0; i < 10; ++i) goaways += Frame(kGoAway, 0, 0, "12345678");
   Deflater deflater;
@@ -233,7 +244,8 @@ std::vector<BadBytes> AllBad() {
       {"Push", Hello() + Frame(kPush, 0, 1, "1234"), "pushes"},
       {"Pings", Hello() + pings, "PING"},
       {"Settings", Hello() + settings, "SETTINGS"},
-      {"Resets", Hello() + resets, "without a message"},
+      {"Resets", Hello() + resets, "RST_STREAM"},
+      {"Updates", Hello() + updates, "without a message"},
       {"GoAways", Hello() + goaways, "GOAWAY"},
       {"HeaderThatAborts",
        Hello() + Frame(kHeaders, kEndHeaders, 1,
