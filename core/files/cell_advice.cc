@@ -53,6 +53,9 @@ std::string CellAdvice(absl::string_view cell, char decimal) {
     return ". If its comma is a decimal sign, say \"decimal\": \",\" in "
            "skin.json";
   }
+  if (absl::StartsWith(cell, "=")) {
+    return ". It is a formula of a spreadsheet; write its value";
+  }
   if (LooksLikeDate(cell)) {
     return ". Dates are not read; write times as numbers, e.g. seconds";
   }

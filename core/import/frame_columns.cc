@@ -151,6 +151,12 @@ class Finder {
       }
       for (size_t i = first; i <= last; ++i) columns_.taxels.push_back(i);
     }
+    for (const size_t time : columns_.time) {
+      if (!Contains(columns_.taxels, time)) continue;
+      return Complain("taxel_columns: name ", ColumnName(file_, time),
+                      ", which is the time; if it is none, say "
+                      "\"time_column\": \"\" in skin.json");
+    }
     const std::set<size_t> distinct(columns_.taxels.begin(),
                                     columns_.taxels.end());
     if (distinct.size() == columns_.taxels.size()) return absl::OkStatus();

@@ -24,6 +24,24 @@ std::string UnitAdvice(double ratio) {
   return "";
 }
 
+// Names the longest time between two frames if the others have the stated rate.
+std::string GapAdvice(const std::vector<double>& times, double stated_hz) {
+  size_t before = 0;
+  double longest = 0;
+  for (size_t i = 1; i < times.size(); ++i) {
+    if (times[i] - times[i - 1] <= longest) continue;
+    longest = times[i] - times[i - 1];
+    before = i;
+  }
+  const double rest_hz = static_cast<double>(times.size() - 2) /
+                         (times.back() - times.front() - longest);
+  if (!(std::abs(rest_hz / stated_hz - 1) <= kRefusedDifference)) return "";
+  return absl::StrFormat(
+      ". Frame %d comes %.4g s after the one before it, the others have the "
+      "stated rate: make a recording of each part",
+      before, longest);
+}
+
 }  // namespace
 
 RateCheck CheckRate(const std::vector<double>& times, double stated_hz) {
@@ -39,6 +57,7 @@ RateCheck CheckRate(const std::vector<double>& times, double stated_hz) {
         "is %g, but the times are those of %.4g frames a second", stated_hz,
         check.measured_hz);
     check.advice = UnitAdvice(ratio);
+    if (check.advice.empty()) check.advice = GapAdvice(times, stated_hz);
   }
   return check;
 }

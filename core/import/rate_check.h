@@ -19,7 +19,8 @@ struct RateCheck {
   double measured_hz = 0;
   // Beyond 20 %: what is wrong, to be put after "sample_rate_hz: ". Else empty.
   std::string error;
-  // A sentence about the unit of the times, if they look like those of another.
+  // A sentence about the unit of the times, if they look like those of another,
+  // or about a pause. Else empty.
   std::string advice;
   // Beyond 5 %, which users should know of.
   bool remarkable = false;

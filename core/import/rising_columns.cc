@@ -1,6 +1,7 @@
 #include "core/import/rising_columns.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "core/import/frame_columns.h"
 
@@ -9,6 +10,8 @@ namespace {
 
 // Fewer frames may rise by chance.
 constexpr size_t kLeastRisingFrames = 8;
+// A counter of 4 bits or more begins again after as many frames.
+constexpr size_t kLeastFramesPerFall = 16;
 // Of the mean step.
 constexpr double kLeastStep = 0.5;
 constexpr double kMostStep = 2;
@@ -25,20 +28,36 @@ std::vector<RisingColumn> FindRising(const ArrayFile& file,
     const auto at = [&](size_t frame) {
       return file.Number(frame * width + column);
     };
-    double least = at(1) - at(0);
-    double most = least;
-    for (size_t t = 2; t < frames && least > 0; ++t) {
-      const double step = at(t) - at(t - 1);
+    double least = std::numeric_limits<double>::infinity();
+    double most = 0;
+    double sum = 0;
+    size_t falls = 0;
+    double least_fall = std::numeric_limits<double>::infinity();
+    double most_fall = 0;
+    size_t frame = 1;
+    for (; frame < frames && falls <= 1 + frame / kLeastFramesPerFall;
+         ++frame) {
+      const double step = at(frame) - at(frame - 1);
+      if (step == 0) break;
+      if (step < 0) {
+        ++falls;
+        least_fall = std::min(least_fall, -step);
+        most_fall = std::max(most_fall, -step);
+        continue;
+      }
       least = std::min(least, step);
       most = std::max(most, step);
+      sum += step;
     }
-    if (!(least > 0)) continue;
-    const double mean =
-        (at(frames - 1) - at(0)) / static_cast<double>(frames - 1);
+    if (frame < frames || falls * kLeastFramesPerFall > frames) continue;
+    const double mean = sum / static_cast<double>(frames - 1 - falls);
+    const bool steady = least >= kLeastStep * mean && most <= kMostStep * mean;
+    // A load that rises evenly falls once, or from different heights.
+    const bool counter =
+        steady && falls > 1 && most_fall - least_fall <= kMostStep * mean;
+    if (falls > 0 && !counter) continue;
     found.push_back(
-        {.column = column,
-         .name = ColumnName(file, column),
-         .steady = least >= kLeastStep * mean && most <= kMostStep * mean});
+        {.column = column, .name = ColumnName(file, column), .steady = steady});
   }
   return found;
 }

@@ -28,8 +28,9 @@ struct RisingColumn {
   bool steady = false;
 };
 
-// Those of `columns` that rise from each frame of `file` to the next; none if
-// there are fewer than 8 frames.
+// Those of `columns` that rise from each frame of `file` to the next, or do so
+// in steady steps and begin again, as a counter of 8 bits does; none if there
+// are fewer than 8 frames.
 std::vector<RisingColumn> FindRising(const ArrayFile& file,
                                      const std::vector<size_t>& columns);
 

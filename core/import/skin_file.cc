@@ -87,9 +87,9 @@ class Fields {
         *value = chosen;
         return;
       }
-      names.push_back(text);
+      names.push_back(Json(text).dump());
     }
-    Complain(name, json, absl::StrJoin(names, ", "));
+    Complain(name, json, absl::StrJoin(names, " or "));
   }
 
   const Json& At(const std::string& name) { return object_[name]; }

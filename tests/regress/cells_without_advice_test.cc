@@ -2,6 +2,7 @@
 // that did not help, and points between thousands were taken for decimal signs.
 #include <hdf5.h>
 
+#include <algorithm>
 #include <string>
 
 #include "absl/strings/str_cat.h"
@@ -47,6 +48,7 @@ TEST(CellsWithoutAdviceTest, ACellThatIsNoNumberGetsAdviceThatFitsIt) {
                       Not(HasSubstr("header_lines"))))
         << cell;
   }
+  EXPECT_THAT(FaultOfCell("=A1"), HasSubstr("a formula"));
   for (const char* cell : {"1.5N", "20 ms", "1.500000D+02"}) {
     EXPECT_THAT(FaultOfCell(cell), HasSubstr("Write the number alone")) << cell;
   }
@@ -146,6 +148,34 @@ TEST_F(FolderTest, ShapesThatDoNotFitGetTheirAdvice) {
   const auto trials = Import();
   ASSERT_TRUE(trials.ok()) << trials.status();
   EXPECT_EQ((*trials)[1].time.size(), 3U);
+}
+
+TEST_F(FolderTest, CountersThatBeginAgainAreNoTaxels) {
+  Write("trials.csv", "frames,label\na.csv,x\n");
+  std::string counter = "p,q\n";
+  std::string presses = "p,q\n";
+  for (int i = 0; i < 600; ++i) {
+    absl::StrAppend(&counter, (i + 250) % 256, ",", i * 7919 % 101, "\n");
+    // Rises evenly, stays, and falls.
+    absl::StrAppend(&presses, std::min(i % 40, 30), ",", i * 7919 % 101, "\n");
+  }
+  Write("a.csv", counter);
+  EXPECT_THAT(Error(), HasSubstr("counters do: \"p\""));
+  Write("a.csv", presses);
+  EXPECT_TRUE(Import().ok()) << Error();
+}
+
+TEST_F(FolderTest, TheTimeIsNoTaxelAndAPauseIsNamed) {
+  Write("trials.csv", "frames,label\na.csv,x\n");
+  Write("a.csv", "time,p,q\n0,1,2\n0.02,3,4\n0.04,3,4\n4.04,5,6\n");
+  EXPECT_THAT(Error(), HasSubstr("Frame 3 comes 4 s after the one before"));
+  const std::string skin = ReadBytes(dir_ / "skin.json");
+  Write("skin.json", absl::StrCat(skin.substr(0, skin.rfind('}')),
+                                  R"(, "taxel_columns": ["time", "p"]})"));
+  EXPECT_THAT(Error(), HasSubstr("name \"time\", which is the time"));
+  Write("skin.json", absl::StrCat(skin.substr(0, skin.rfind('}')),
+                                  R"(, "delimiter": "tab"})"));
+  EXPECT_THAT(Error(), HasSubstr(R"(must be "," or ";" or "\t" or)"));
 }
 
 // What a dataset of `type` and shape gets as its error.

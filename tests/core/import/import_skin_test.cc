@@ -341,11 +341,12 @@ INSTANTIATE_TEST_SUITE_P(
                     "row_pitch_m": 10, "column_pitch_m": 0.01,
                     "unit": "counts", "contact_threshold": 1})",
                 "skin.json: row_pitch_m: is 10"},
-        Mistake{"skin.json",
-                R"({"name": "mine", "rows": 2, "columns": 2,
+        Mistake{
+            "skin.json",
+            R"({"name": "mine", "rows": 2, "columns": 2,
                     "row_pitch_m": 0.01, "column_pitch_m": 0.01,
                     "unit": "psi", "contact_threshold": 1})",
-                "skin.json: unit: is \"psi\"; it must be newton, counts"},
+            "skin.json: unit: is \"psi\"; it must be \"newton\" or \"counts\""},
         InSkin(R"("colour": "red")", "skin.json: colour: is not known"),
         InSkin(R"("taxel_positions": "p.csv")",
                "taxel_positions: is given with a shape"),
@@ -363,8 +364,8 @@ INSTANTIATE_TEST_SUITE_P(
         InSkin(R"("baseline": "from idle frames")", "idle_frames: is missing"),
         InSkin(R"("scale": "half")", "scale: is \"half\""),
         InSkin(R"("negative_values": "keep")",
-               "negative_values: is \"keep\"; it must be refused, zero, "
-               "absolute"),
+               "negative_values: is \"keep\"; it must be \"refused\" or "
+               "\"zero\" or \"absolute\""),
         InSkin(R"("fields": {"material": 3})", "fields.material: is 3"),
         InSkin(R"("fields": {"colour": "{x}"})",
                "fields.colour: is no field of a trial; use frames, id"),
