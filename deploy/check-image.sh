@@ -46,7 +46,7 @@ clean_up() {
   local status=$?
   [[ -z $proxy_runner ]] || kill_below "$proxy_runner"
   [[ -z $server_runner ]] || kill_below "$server_runner"
-  [[ -z $network ]] || kill_below "$network"
+  leave_network
   if [[ -z $keep ]]; then
     in_storage rm --all >/dev/null 2>&1 || true
     rm -rf --one-file-system "$work"

@@ -24,7 +24,7 @@ run_in() {
 }
 
 # enter_network: from here on, containers have a network of their own, with a
-# loopback address, in which all ports are free. $network is to be ended.
+# loopback address, in which all ports are free.
 network=""
 enter_network() {
   unshare --net --kill-child sleep infinity &
@@ -35,6 +35,13 @@ enter_network() {
     sleep 0.01
   done
   "${enter[@]}" ip link set lo up
+}
+
+# leave_network: ends that network; from here on, containers have the machine's.
+leave_network() {
+  [[ -z $network ]] || kill_below "$network"
+  network=""
+  enter=()
 }
 
 # descendants PID: the processes below PID, children of any of its threads.
