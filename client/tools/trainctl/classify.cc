@@ -105,11 +105,13 @@ absl::Status RunClassify(const ClassifyFlags& flags) {
   TACTUS_ASSIGN_OR_RETURN(const auto model, LoadModel(flags.model));
   TACTUS_ASSIGN_OR_RETURN(auto reader, TrialFileReader::Open(flags.data));
   Json trials = Json::array();
+  OddRates rates;
   ScoreTrace trace;
   ScoreTrace* const traced = flags.scores ? &trace : nullptr;
   for (size_t i = 0; i < reader.size(); ++i) {
     TACTUS_ASSIGN_OR_RETURN(const Trial trial, reader.Read(i));
     if (!flags.trial.empty() && trial.id != flags.trial) continue;
+    rates.Add(trial);
     Json answer;
     if (trial.taxels.empty()) {
       TACTUS_ASSIGN_OR_RETURN(answer, ClassifySignals(trial, model, traced));
@@ -141,6 +143,7 @@ absl::Status RunClassify(const ClassifyFlags& flags) {
     }
     trials.push_back(std::move(answer));
   }
+  RemarkRates(rates, flags.data);
   if (!flags.trial.empty() && trials.empty()) {
     return InvalidConfig("--trial", flags.trial,
                          absl::StrCat("the id of a trial of ", flags.data));

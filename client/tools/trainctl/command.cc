@@ -24,7 +24,6 @@
 #include "core/data/trial_file.h"
 #include "core/data/trial_layout.h"
 #include "core/files/file_bytes.h"
-#include "core/import/odd_rates.h"
 
 namespace tactus::client {
 namespace {
@@ -123,9 +122,7 @@ absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
     reading.Add(1 / static_cast<double>(reader.size()));
   }
   loaded.data_sha256 = DataSha256(loaded.Pointers());
-  if (!rates.empty()) {
-    std::cerr << "trainctl: " << path << ": " << rates.Remark() << "\n";
-  }
+  RemarkRates(rates, path);
   return loaded;
 }
 
@@ -138,6 +135,11 @@ void RemarkCopies(const std::vector<const LabelledContact*>& contacts) {
   for (size_t i = 0; i < copies.size() && i < limits::kMaxNamedTrials; ++i) {
     std::cerr << "  " << CopyText(contacts, copies[i]) << "\n";
   }
+}
+
+void RemarkRates(const OddRates& rates, const std::string& path) {
+  if (rates.empty()) return;
+  std::cerr << "trainctl: " << path << ": " << rates.Remark() << "\n";
 }
 
 absl::Status MakeFolder(const std::string& path) {

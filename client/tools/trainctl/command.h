@@ -19,6 +19,7 @@
 #include "core/base/work.h"
 #include "core/classify/compiled_model.h"
 #include "core/contacts/labelled_contact.h"
+#include "core/import/odd_rates.h"
 
 namespace tactus::client {
 
@@ -79,6 +80,10 @@ absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
 
 // Names contacts that have the frames of an earlier one, on standard error.
 void RemarkCopies(const std::vector<const LabelledContact*>& contacts);
+
+// Names trials of the file `path` whose times have another rate than they
+// state, on standard error.
+void RemarkRates(const OddRates& rates, const std::string& path);
 
 // Makes the folder `path`, and those above it, if they are not there. IO if
 // that fails.

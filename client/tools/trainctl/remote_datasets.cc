@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/dataset_text.h"
 #include "client/tools/trainctl/progress_display.h"
 #include "client/tools/trainctl/proto_json.h"
@@ -159,9 +160,7 @@ absl::Status UploadTrialFile(TrainingClient& client, const std::string& name,
       });
   display.Clear();
   if (!made.ok()) return Annotate(made.status(), path);
-  if (!rates.empty()) {
-    std::cerr << "trainctl: " << path << ": " << rates.Remark() << "\n";
-  }
+  RemarkRates(rates, path);
   if (json) {
     PrintJson(ToJson(*made));
   } else {
