@@ -116,8 +116,7 @@ class RawHttp2 {
   }
   // Ends what the client says in a call with `headers`.
   void Trailers(uint32_t stream, const Headers& headers) {
-    Frame(kHeaders, kEndHeaders | kEndStream, stream,
-          Hpack(headers));
+    Frame(kHeaders, kEndHeaders | kEndStream, stream, Hpack(headers));
   }
   void Reset(uint32_t stream) {
     stream_windows_.erase(stream);
