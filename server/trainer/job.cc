@@ -134,6 +134,14 @@ void AddDuplicates(const std::vector<const LabelledContact*>& contacts,
   }
 }
 
+void AddUnusable(const std::vector<std::string>& names,
+                 v1::OperationResult& result) {
+  result.set_unusable(static_cast<uint32_t>(names.size()));
+  for (size_t i = 0; i < names.size() && i < limits::kMaxNamedTrials; ++i) {
+    result.add_unusable_trials(names[i]);
+  }
+}
+
 // What provenance calls the data of a job.
 std::string DataName(const std::string& dataset_version,
                      const v1::JobSpec& spec) {
@@ -198,8 +206,7 @@ absl::StatusOr<ChosenOptions> Choose(const v1::TrainSpec& spec,
       ChosenOptions chosen,
       ChooseOptions(contacts.Pointers(), request, parallel, progress));
   TACTUS_RETURN_IF_ERROR(CheckUsable(chosen.contacts, chosen.options));
-  result.mutable_unusable_trials()->Assign(chosen.unusable.begin(),
-                                           chosen.unusable.end());
+  AddUnusable(chosen.unusable, result);
   if (chosen.choice) *result.mutable_preset_choice() = ToProto(*chosen.choice);
   AddDuplicates(chosen.contacts, result);
   return chosen;

@@ -1,5 +1,6 @@
 #include "client/tools/trainctl/remote_job.h"
 
+#include <algorithm>
 #include <iostream>
 #include <vector>
 
@@ -202,10 +203,13 @@ std::string ResultText(const v1::Operation& job) {
         &text, "%s, in %s\n", result.model_version(),
         ClockText(1e-3 * static_cast<double>(job.progress().elapsed_ms())));
   }
-  if (result.unusable_trials_size() > 0) {
-    absl::StrAppendFormat(&text, "%s unusable trials were left out: %s\n",
-                          WithCommas(result.unusable_trials_size()),
-                          absl::StrJoin(result.unusable_trials(), ", "));
+  const int named = result.unusable_trials_size();
+  const int unusable = std::max(static_cast<int>(result.unusable()), named);
+  if (unusable > 0) {
+    absl::StrAppendFormat(&text, "%s unusable trials were left out: %s%s\n",
+                          WithCommas(unusable),
+                          absl::StrJoin(result.unusable_trials(), ", "),
+                          unusable > named ? ", ..." : "");
   }
   if (result.has_comparison()) text += ComparisonText(job, result.comparison());
   if (result.has_evaluation() && !result.has_comparison()) {

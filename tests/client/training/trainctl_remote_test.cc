@@ -222,6 +222,7 @@ TEST_F(TrainctlRemoteTest, TrainWatchesTheJobToItsEnd) {
     ended.set_state(v1::Operation::STATE_SUCCEEDED);
     ended.mutable_result()->set_model_version("models/arm/versions/1");
     ended.mutable_result()->add_unusable_trials("104");
+    ended.mutable_result()->set_unusable(3000);
     server_->SetOperation(ended);
   });
   const Outcome outcome =
@@ -233,8 +234,10 @@ TEST_F(TrainctlRemoteTest, TrainWatchesTheJobToItsEnd) {
                 "--without-cues=log_drag"});
   job.join();
   EXPECT_EQ(outcome.exit, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, AllOf(HasSubstr("models/arm/versions/1"),
-                                 HasSubstr("left out: 104")));
+  EXPECT_THAT(
+      outcome.out,
+      AllOf(HasSubstr("models/arm/versions/1"),
+            HasSubstr("3,000 unusable trials were left out: 104, ...")));
   EXPECT_THAT(outcome.err,
               AllOf(HasSubstr("trainctl: operations/1 running\n"),
                     HasSubstr("train LSTMs 1, iteration 2 of 2: loss 0.5\n"),
