@@ -107,6 +107,14 @@ std::unique_ptr<Benchmark> MakeTrainHmmBenchmark();
 // Without HAProxy these rows are left out.
 std::unique_ptr<Benchmark> MakeStreamBenchmark();
 
+// How long answers stop when the server is killed (SIGKILL) in the middle of a
+// contact and started again 50 ms later, as deploy/tactusd.service does. Rows
+// restart/gap_p50 and _max: the longest time in ms between two answers that
+// follow each other; gap_without: the same if it is not killed; proxied_:
+// through HAProxy with deploy/haproxy.cfg. Fails if the final probabilities of
+// a killed contact are not those of a whole one, bit for bit.
+std::unique_ptr<Benchmark> MakeRestartBenchmark();
+
 // How many robots one tactusd serves while the load generator of
 // client/tools/load runs on the same processors. Rows load/200x100_p50, _p99
 // and _lost. Rows load/max_robots_1_per_message and _4_per_message: the largest

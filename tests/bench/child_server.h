@@ -40,6 +40,8 @@ class ChildServer {
   double ResidentKib() const;
   // Processor time it has used, s, to 10 ms.
   double CpuSeconds() const;
+  // Ends it with SIGKILL. Only the destructor may follow.
+  void Kill();
 
  private:
   ChildServer() = default;
@@ -49,6 +51,8 @@ class ChildServer {
   std::string address_;
 };
 
+// A port of 127.0.0.1 that was free a moment ago, or 0.
+int FreePort();
 // The path of a program in this program's directory.
 std::string ProgramBeside(const std::string& name);
 // What of a child process is printed with what this one prints.

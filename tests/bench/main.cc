@@ -34,6 +34,7 @@ int Main(int argc, char** argv) {
   add(MakeSkippingBenchmark());
   add(MakeSimBenchmark());
   add(MakeIdleBenchmark());
+  add(MakeRestartBenchmark());
   add(MakeHmmBenchmark());
   add(MakeTrainHmmBenchmark());
   add(MakeStreamBenchmark());
