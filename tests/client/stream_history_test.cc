@@ -84,6 +84,7 @@ std::vector<v1::ClassifyContactRequest> Script(const v1::StreamConfig& config,
   std::vector<v1::ClassifyContactRequest> script;
   uint64_t sequence = 0;
   double way = 0;
+  const auto period_ns = static_cast<int64_t>(1e9 / config.sample_rate_hz());
   for (int trial = 0; trial < trials; ++trial) {
     int left = 0;
     bool touched = false;
@@ -106,8 +107,8 @@ std::vector<v1::ClassifyContactRequest> Script(const v1::StreamConfig& config,
         open = script.emplace_back().mutable_frames();
         open->set_first_sequence(sequence);
         open->set_first_capture_time_ns(
-            static_cast<int64_t>(sequence) * 10'000'000 +
-            static_cast<int64_t>(random.Index(1'000'000)));
+            static_cast<int64_t>(sequence) * period_ns +
+            static_cast<int64_t>(random.Index(period_ns / 10)));
       }
       open->set_frame_count(open->frame_count() + 1);
       for (int taxel = 0; taxel < 24; ++taxel) {
