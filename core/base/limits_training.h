@@ -18,6 +18,10 @@ inline constexpr int64_t kMaxParsingBytes = 256L * 1024 * 1024;
 inline constexpr int64_t kMaxKnownTrialBytes = 64L * 1024 * 1024;
 // Trials of one upload.
 inline constexpr size_t kMaxTrialsPerUpload = 200'000;
+// Trials of one dataset version: what reads a version holds all their names.
+inline constexpr size_t kMaxTrialsPerVersion = 1'000'000;
+// Uploads of one client that are not finished; each has a record and a file.
+inline constexpr int64_t kMaxOpenUploads = 1'000;
 // Bytes of the model versions that one client made: each is held in memory.
 inline constexpr int64_t kMaxClientModelBytes = 512L * 1024 * 1024;
 // How long a job is kept that has ended, and how many of one client.

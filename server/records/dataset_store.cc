@@ -26,8 +26,8 @@ namespace tactus::server {
 namespace {
 
 constexpr char kDatasets[] = "datasets";
-// A manifest of a million trials.
-constexpr int64_t kMaxManifestBytes = 65L * 1'000'000;
+// A line for each trial: its SHA-256 in hexadecimal.
+constexpr int64_t kMaxManifestBytes = 65L * limits::kMaxTrialsPerVersion;
 
 absl::Status NotFound(absl::string_view name) {
   return NoSuch(v1::ERROR_REASON_DATASET_NOT_FOUND, "dataset", name,
@@ -276,6 +276,14 @@ absl::StatusOr<v1::DatasetVersion> DatasetStore::AddLocked(
   for (v1::TrialInfo& trial : content.trials) {
     std::string sha256 = trial.sha256();
     trials[std::move(sha256)] = std::move(trial);
+  }
+
+  // A version that cannot be read would be kept for good.
+  if (trials.size() > max_trials_) {
+    return InvalidTrial(
+        absl::StrCat("the new version of ", dataset.name(), " would have ",
+                     trials.size(), " trials; it may have at most ",
+                     max_trials_, ": divide them among several datasets"));
   }
 
   v1::DatasetVersion version = std::move(content.about);

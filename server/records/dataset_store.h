@@ -31,8 +31,13 @@ namespace tactus::server {
 
 class DatasetStore {
  public:
-  DatasetStore(DataDirectory* data, NowMs now, const Quotas& quotas = {})
-      : data_(data), now_(std::move(now)), quotas_(quotas) {}
+  // A version has at most `max_trials` trials.
+  DatasetStore(DataDirectory* data, NowMs now, const Quotas& quotas = {},
+               size_t max_trials = limits::kMaxTrialsPerVersion)
+      : data_(data),
+        now_(std::move(now)),
+        quotas_(quotas),
+        max_trials_(max_trials) {}
 
   // DATASET_EXISTS, QUOTA_EXCEEDED.
   absl::StatusOr<v1::Dataset> Create(absl::string_view name,
@@ -125,6 +130,7 @@ class DatasetStore {
   DataDirectory* const data_;
   const NowMs now_;
   const Quotas quotas_;
+  const size_t max_trials_;
   // Held while versions are made or deleted: blobs that are about to be used
   // must not be removed.
   std::mutex mutex_;

@@ -86,6 +86,22 @@ absl::Status CheckDatasets(const Transaction& look, const Quotas& quotas,
                        "delete)");
 }
 
+absl::Status CheckUploads(const Transaction& look, const Quotas& quotas,
+                          absl::string_view client) {
+  if (quotas.open_uploads == 0) return absl::OkStatus();
+  TACTUS_ASSIGN_OR_RETURN(
+      const int64_t use,
+      Count<v1::StoredUpload>(look, Table::kUploads,
+                              [&](const v1::StoredUpload& upload) {
+                                return upload.requester() == client &&
+                                       upload.dataset_version().empty();
+                              }));
+  if (use < quotas.open_uploads) return absl::OkStatus();
+  return QuotaExceeded(client, "unfinished uploads", quotas.open_uploads, use,
+                       "finish those that wait; one without a write for seven "
+                       "days is removed");
+}
+
 absl::Status CheckQueuedJobs(const Transaction& look, const Quotas& quotas,
                              absl::string_view client) {
   if (quotas.queued_jobs == 0) return absl::OkStatus();

@@ -19,6 +19,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "core/base/limits_training.h"
 #include "core/store/catalog.h"
 
 namespace tactus::server {
@@ -29,6 +30,7 @@ struct Quotas {
   int64_t datasets = 0;
   int64_t queued_jobs = 0;
   int64_t model_bytes = 0;
+  int64_t open_uploads = limits::kMaxOpenUploads;
 };
 
 // Bytes of the client's unfinished uploads, and of the trials that it added to
@@ -42,6 +44,9 @@ absl::Status CheckStoredBytes(const Transaction& look, const Quotas& quotas,
 // Refuses one more dataset.
 absl::Status CheckDatasets(const Transaction& look, const Quotas& quotas,
                            absl::string_view client);
+// Refuses one more upload that is not finished.
+absl::Status CheckUploads(const Transaction& look, const Quotas& quotas,
+                          absl::string_view client);
 // Refuses one more model version of `more` bytes. The server holds all versions
 // in memory.
 absl::Status CheckModelBytes(const Transaction& look, const Quotas& quotas,

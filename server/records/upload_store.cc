@@ -71,6 +71,7 @@ absl::StatusOr<v1::StoredUpload> UploadStore::Create(
       }
     }
     TACTUS_RETURN_IF_ERROR(CheckStoredBytes(change, quotas_, caller.name, 1));
+    TACTUS_RETURN_IF_ERROR(CheckUploads(change, quotas_, caller.name));
     TACTUS_ASSIGN_OR_RETURN(const uint64_t number, NextUpload(change));
     upload.set_name(absl::StrCat(kUploads, "/", number));
     upload.set_dataset(target.name());

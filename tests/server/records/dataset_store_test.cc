@@ -25,6 +25,24 @@ class DatasetStoreTest : public ::testing::Test {
   Stores stores_{&PosixFileSystem(), folder_ / "data"};
 };
 
+// More trials than the reader of a version takes were stored, and the version
+// could never be downloaded again.
+TEST_F(DatasetStoreTest, AVersionHasAtMostSoManyTrials) {
+  const NowMs now = [] { return int64_t{1'700'000'000'000}; };
+  stores_.datasets =
+      std::make_unique<DatasetStore>(stores_.data.get(), now, Quotas{}, 5);
+  stores_.uploads = std::make_unique<UploadStore>(stores_.data.get(),
+                                                  stores_.datasets.get(), now);
+  ASSERT_TRUE(stores_.Upload(Pack(0, 4)).ok());
+  const auto refused = stores_.Upload(Pack(4, 8));
+  EXPECT_EQ(ReasonOf(refused.status()), "INVALID_TRIAL");
+  EXPECT_THAT(std::string(refused.status().message()),
+              ::testing::HasSubstr("would have 8 trials; it may have at most "
+                                   "5"));
+  EXPECT_EQ(stores_.datasets->Version(kDataset)->trials(), 4u);
+  EXPECT_TRUE(stores_.Upload(Pack(4, 9), /*replace=*/true).ok());
+}
+
 TEST_F(DatasetStoreTest, VersionsAddReplaceAndCount) {
   struct Case {
     int first, end;

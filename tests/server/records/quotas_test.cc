@@ -58,6 +58,26 @@ TEST_F(QuotasTest, DatasetsOfAClientAreBounded) {
   EXPECT_EQ(Create("datasets/d"), "");
 }
 
+TEST_F(QuotasTest, UnfinishedUploadsOfAClientAreBounded) {
+  Open({.open_uploads = 2});
+  EXPECT_EQ(Create(kDataset), "");
+  const auto begin = [&](const Caller& caller) {
+    return stores_->uploads->Create(kDataset, "", false, caller);
+  };
+  const auto first = begin(kCaller);
+  ASSERT_TRUE(first.ok()) << first.status();
+  EXPECT_TRUE(begin(kCaller).ok());
+  const auto refused = begin(kCaller);
+  EXPECT_EQ(ReasonOf(refused.status()), "QUOTA_EXCEEDED");
+  EXPECT_THAT(std::string(refused.status().message()),
+              AllOf(HasSubstr("unfinished uploads of tester is 2"),
+                    HasSubstr("finish those that wait")));
+  EXPECT_TRUE(begin(kOther).ok());
+  EXPECT_TRUE(stores_->Write(first->name(), pack_, pack_.size()).ok());
+  EXPECT_TRUE(stores_->Finish(first->name(), pack_).ok());
+  EXPECT_TRUE(begin(kCaller).ok());
+}
+
 TEST_F(QuotasTest, QueuedJobsOfAClientAreBounded) {
   Open({.queued_jobs = 1});
   const auto create = [&](const Caller& caller, const char* id = "") {
