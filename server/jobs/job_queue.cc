@@ -158,8 +158,7 @@ bool JobQueue::IsCancelled(const std::string& name) const {
 std::string JobQueue::NextJob(bool training) {
   auto queued = operations_->InState(Operation::STATE_QUEUED);
   while (!queued.ok() && !stopping_) {
-    spdlog::error("jobs: {}", queued.status().ToString());
-    Rest();
+    Rest(training, "jobs", queued.status());
     queued = operations_->InState(Operation::STATE_QUEUED);
   }
   if (!queued.ok()) return "";
@@ -190,7 +189,13 @@ void JobQueue::Serve(bool training) {
   }
 }
 
-void JobQueue::Rest() {
+void JobQueue::Rest(bool training, absl::string_view what,
+                    const absl::Status& error) {
+  RetryLog& log = storage_[training];
+  if (log.Fails()) {
+    spdlog::error("{}: {} (tried {} times, and again each second)",
+                  std::string(what), error.ToString(), log.failures());
+  }
   std::unique_lock lock(mutex_);
   wake_.wait_for(lock, kRest, [&] { return stopping_.load(); });
 }
@@ -207,8 +212,7 @@ void JobQueue::Run(const std::string& name, bool training) {
   });
   if (!operation.ok()) {
     if (ReasonOf(operation.status()) == "CANCELLED") return;
-    spdlog::error("{}: {}", name, operation.status().ToString());
-    return Rest();
+    return Rest(training, name, operation.status());
   }
   spdlog::info("{}: attempt {}", name, operation->attempts());
   Operation done = *operation;
@@ -247,13 +251,13 @@ void JobQueue::Run(const std::string& name, bool training) {
   // A job whose end cannot be stored would be RUNNING for ever.
   auto stored = operations_->Change(name, end);
   while (!stored.ok() && !stopping_) {
-    spdlog::error("{}: {}", name, stored.status().ToString());
     // The room that is missing may be the job's.
     if (!again) RemoveFolder(name);
-    Rest();
+    Rest(training, name, stored.status());
     stored = operations_->Change(name, end);
   }
   if (!stored.ok()) return;
+  storage_[training].Succeeds();
   if (status.ok()) {
     spdlog::info("{}: succeeded", name);
   } else {

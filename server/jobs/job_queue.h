@@ -33,6 +33,7 @@
 #include "absl/strings/string_view.h"
 #include "core/store/data_directory.h"
 #include "server/jobs/job_process.h"
+#include "server/jobs/retry_log.h"
 #include "server/records/caller.h"
 #include "server/records/dataset_store.h"
 #include "server/records/model_store.h"
@@ -80,8 +81,9 @@ class JobQueue {
   // Removes the folders of jobs that ended when the server did.
   void RemoveFolders();
   void RemoveFolder(const std::string& name);
-  // Waits a second, or until the queue stops.
-  void Rest();
+  // Logs an error of storage, unless it did lately. Waits a second, or until
+  // the queue stops.
+  void Rest(bool training, absl::string_view what, const absl::Status& error);
   // Starts the process of a job, and returns how the operation ends: OK with
   // the result in `operation`, or why it failed.
   absl::Status RunProcess(v1::Operation& operation);
@@ -113,6 +115,8 @@ class JobQueue {
   // How often a job's process was interrupted; by `training`, each of its
   // thread alone.
   std::map<std::string, int> interruptions_[2];
+  // Errors of storage, likewise.
+  RetryLog storage_[2];
   std::atomic<bool> stopping_ = false;
   std::thread training_;
   std::thread others_;

@@ -14,6 +14,7 @@
 #include "core/train/fit.h"
 #include "server/jobs/job_process.h"
 #include "server/jobs/job_queue.h"
+#include "server/jobs/retry_log.h"
 #include "server/jobs/training_backend.h"
 #include "server/names/resource_names.h"
 #include "server/records/audit_log.h"
@@ -36,6 +37,7 @@
 #include "server/trainer/exit_status.h"
 #include "server/trainer/file_journal.h"
 #include "server/trainer/job.h"
+#include "spdlog/spdlog.h"
 
 namespace tactus::server::examples {
 
@@ -266,6 +268,16 @@ void RunOnThreadsExample(const std::vector<Job>& jobs,
   RunOnThreads(jobs.size(), [&](int i) { results[i] = Run(jobs[i]); });
   FitModel(contacts, options, RunOnThreads);
   FitModel(contacts, options, OnThreads(2));
+}
+
+absl::Status Store();
+
+void RetryLogExample() {
+  RetryLog log;
+  while (!Store().ok()) {
+    if (log.Fails()) spdlog::error("failed {} times", log.failures());
+  }
+  log.Succeeds();
 }
 
 void JobExample(FileSystem& files, const std::string& folder,
