@@ -428,6 +428,15 @@ absl::Status JobLimit(int limit) {
       {{"limit", absl::StrCat(limit)}});
 }
 
+absl::Status DownloadLimit(int64_t limit) {
+  return MakeError(
+      StatusCode::kResourceExhausted, v1::ERROR_REASON_STREAM_LIMIT,
+      absl::StrCat("the downloads that run hold the ", limit,
+                   " bytes of memory that all may hold together; wait until "
+                   "one has ended, then try again"),
+      {{"limit", absl::StrCat(limit)}});
+}
+
 absl::Status QuotaExceeded(absl::string_view client, absl::string_view quota,
                            int64_t limit, int64_t use,
                            absl::string_view advice) {

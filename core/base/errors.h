@@ -140,6 +140,8 @@ absl::Status ChecksumMismatch(absl::string_view what, absl::string_view got,
                               absl::string_view want);
 absl::Status InvalidTrial(absl::string_view message);
 absl::Status JobLimit(int limit);
+// `limit` in bytes.
+absl::Status DownloadLimit(int64_t limit);
 // `quota` names what is limited, e.g. "stored bytes"; `use` is what the client
 // has already, and `advice` what makes room.
 absl::Status QuotaExceeded(absl::string_view client, absl::string_view quota,

@@ -20,6 +20,14 @@ inline constexpr int64_t kMaxKnownTrialBytes = 64L * 1024 * 1024;
 inline constexpr size_t kMaxTrialsPerUpload = 200'000;
 // Trials of one dataset version: what reads a version holds all their names.
 inline constexpr size_t kMaxTrialsPerVersion = 1'000'000;
+// Memory of the lists of trials that are read from the catalogue at one time,
+// for all callers together, and what one trial of a list is taken to need. A
+// longer list is read alone.
+inline constexpr int64_t kMaxListingBytes = 512L * 1024 * 1024;
+inline constexpr int64_t kListedTrialBytes = 640;
+// Memory that all downloads together may hold: 36 bytes for each of their
+// trials.
+inline constexpr int64_t kMaxDownloadBytes = 256L * 1024 * 1024;
 // Uploads of one client that are not finished; each has a record and a file.
 inline constexpr int64_t kMaxOpenUploads = 1'000;
 // Bytes of the model versions that one client made: each is held in memory.

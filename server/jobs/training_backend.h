@@ -27,6 +27,7 @@
 #include "core/store/data_directory.h"
 #include "server/jobs/job_queue.h"
 #include "server/records/dataset_store.h"
+#include "server/records/memory_budget.h"
 #include "server/records/model_store.h"
 #include "server/records/operation_store.h"
 #include "server/records/quotas.h"
@@ -78,6 +79,10 @@ class TrainingBackend {
   ModelStore& models() { return models_; }
   JobQueue& jobs() { return jobs_; }
   const Quotas& quotas() const { return quotas_; }
+  // Memory of the lists of trials that calls hold for a moment.
+  MemoryBudget& listing() { return listing_; }
+  // Memory that downloads hold until their clients have read everything.
+  MemoryBudget& downloads() { return downloads_; }
   int64_t now_ms() const { return now_(); }
 
  private:
@@ -94,6 +99,8 @@ class TrainingBackend {
   OperationStore operations_;
   ModelStore models_;
   JobQueue jobs_;
+  MemoryBudget listing_{limits::kMaxListingBytes};
+  MemoryBudget downloads_{limits::kMaxDownloadBytes};
   std::vector<std::string> failures_;
 
   std::mutex mutex_;

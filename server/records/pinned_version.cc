@@ -20,10 +20,10 @@ absl::StatusOr<std::vector<v1::TrialInfo>> PinnedVersion::Trials() const {
 }
 
 absl::Status PinnedVersion::ReadRecord(
-    const v1::TrialInfo& trial,
+    absl::string_view sha256,
     absl::FunctionRef<absl::Status(absl::string_view)> take) const {
-  return Explain(ReadBlobParts(*data_, trial.sha256(),
-                               limits::kMaxTrialRecordBytes, take));
+  return Explain(
+      ReadBlobParts(*data_, sha256, limits::kMaxTrialRecordBytes, take));
 }
 
 absl::Status PinnedVersion::Explain(const absl::Status& error) const {

@@ -44,10 +44,10 @@ class PinnedVersion {
 
   // By id and then by SHA-256.
   absl::StatusOr<std::vector<v1::TrialInfo>> Trials() const;
-  // Runs `take` on the serialized record of one of its trials, in parts
-  // (blob_parts.h).
+  // Runs `take` on the serialized record of the trial with this SHA-256, in
+  // parts (blob_parts.h).
   absl::Status ReadRecord(
-      const v1::TrialInfo& trial,
+      absl::string_view sha256,
       absl::FunctionRef<absl::Status(absl::string_view)> take) const;
 
   // What `error`, which work on the version's trials ended with, means:

@@ -1,12 +1,18 @@
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <cstring>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "absl/strings/escaping.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
+#include "core/base/limits_training.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
+#include "server/records/memory_budget.h"
 #include "server/records/pinned_version.h"
 #include "server/rpc/control_handlers.h"
 #include "server/rpc/training_rpcs.h"
@@ -24,6 +30,58 @@ void SetPage(Page<typename Message::value_type>&& page, Message* items,
   *next_token = std::move(page.next_token);
 }
 
+// Waits for the memory of a version's list of trials.
+MemoryBudget::Lease ListingLease(TrainingBackend& backend,
+                                 const PinnedVersion& version) {
+  return backend.listing().Take(int64_t{version.info().trials()} *
+                                limits::kListedTrialBytes);
+}
+
+// What a download keeps of a trial for as long as its client takes.
+struct Record {
+  // The bytes of TrialInfo.sha256.
+  std::array<char, 32> sha256;
+  uint32_t bytes;
+};
+
+// In the order of the version's trials.
+absl::StatusOr<std::vector<Record>> Records(TrainingBackend& backend,
+                                            const PinnedVersion& version) {
+  const MemoryBudget::Lease lease = ListingLease(backend, version);
+  TACTUS_ASSIGN_OR_RETURN(const auto trials, version.Trials());
+  std::vector<Record> records;
+  records.reserve(trials.size());
+  for (const v1::TrialInfo& trial : trials) {
+    const std::string sha256 = absl::HexStringToBytes(trial.sha256());
+    Record& record = records.emplace_back();
+    std::copy_n(sha256.begin(), std::min(sha256.size(), record.sha256.size()),
+                record.sha256.begin());
+    record.bytes = static_cast<uint32_t>(trial.bytes());
+  }
+  return records;
+}
+
+// The memory of the records of one download, if the budget has it.
+class HeldRecords {
+ public:
+  HeldRecords(MemoryBudget& budget, int64_t trials)
+      : budget_(budget),
+        bytes_(trials * int64_t{sizeof(Record)}),
+        held_(budget.TryTake(bytes_)) {}
+  ~HeldRecords() {
+    if (held_) budget_.Return(bytes_);
+  }
+  HeldRecords(const HeldRecords&) = delete;
+  HeldRecords& operator=(const HeldRecords&) = delete;
+
+  bool held() const { return held_; }
+
+ private:
+  MemoryBudget& budget_;
+  const int64_t bytes_;
+  const bool held_;
+};
+
 absl::Status DownloadTrials(TrainingBackend& backend,
                             const v1::DownloadTrialsRequest& request,
                             ControlStream& stream) {
@@ -31,7 +89,10 @@ absl::Status DownloadTrials(TrainingBackend& backend,
       const auto version,
       PinnedVersion::Find(backend.data(), backend.datasets(),
                           request.dataset_version()));
-  TACTUS_ASSIGN_OR_RETURN(const auto trials, version.Trials());
+  const HeldRecords records(backend.downloads(), version.info().trials());
+  if (!records.held()) return DownloadLimit(limits::kMaxDownloadBytes);
+  TACTUS_ASSIGN_OR_RETURN(const std::vector<Record> trials,
+                          Records(backend, version));
   v1::DownloadTrialsResponse response;
   std::string& data = *response.mutable_data();
   const auto add = [&](absl::string_view bytes) -> absl::Status {
@@ -46,12 +107,13 @@ absl::Status DownloadTrials(TrainingBackend& backend,
     }
     return absl::OkStatus();
   };
-  for (const v1::TrialInfo& trial : trials) {
-    const auto length = static_cast<uint32_t>(trial.bytes());
-    char head[sizeof length];
-    std::memcpy(head, &length, sizeof length);
+  for (const Record& trial : trials) {
+    char head[sizeof trial.bytes];
+    std::memcpy(head, &trial.bytes, sizeof head);
     TACTUS_RETURN_IF_ERROR(add({head, sizeof head}));
-    TACTUS_RETURN_IF_ERROR(version.ReadRecord(trial, add));
+    const std::string sha256 =
+        absl::BytesToHexString({trial.sha256.data(), trial.sha256.size()});
+    TACTUS_RETURN_IF_ERROR(version.ReadRecord(sha256, add));
   }
   return data.empty() ? absl::OkStatus() : WriteMessage(stream, response);
 }
@@ -63,6 +125,7 @@ absl::StatusOr<v1::ListTrialsResponse> ListTrials(
       const auto version,
       PinnedVersion::Find(backend.data(), backend.datasets(),
                           request.dataset_version()));
+  const MemoryBudget::Lease lease = ListingLease(backend, version);
   TACTUS_ASSIGN_OR_RETURN(auto trials, version.Trials());
   const auto key = [](const v1::TrialInfo& trial) {
     return absl::StrCat(trial.id(), "/", trial.sha256());
