@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/store/directory_identity.h"
 #include "core/store/sqlite_catalog.h"
@@ -18,8 +19,16 @@ absl::StatusOr<std::unique_ptr<DataDirectory>> DataDirectory::Open(
                           files.Size(CatalogPath(folder)));
   data->reserve_ = std::make_unique<DiskReserve>(
       files, folder + "/reserve", ReserveBytes(folder, catalog_bytes));
-  TACTUS_RETURN_IF_ERROR(
-      data->reserve_->With([&] { return data->OpenParts(vfs); }));
+  const absl::Status opened =
+      data->reserve_->With([&] { return data->OpenParts(vfs); });
+  // A directory of release 0.1.0 has no reserve. Without a server, datasets
+  // cannot be deleted.
+  if (ReasonOf(opened) == "STORAGE_FULL") {
+    return StorageFull(folder,
+                       "its disk is full, and a start needs some room. Remove "
+                       "other files from this disk, or make it larger");
+  }
+  TACTUS_RETURN_IF_ERROR(opened);
   data->reserve_->Renew();
   return data;
 }

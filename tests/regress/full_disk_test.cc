@@ -12,6 +12,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "server/jobs/training_backend.h"
+#include "tests/server/records/old_directory.h"
 #include "tests/server/records/stores.h"
 
 namespace tactus::server {
@@ -126,6 +127,28 @@ TEST_F(FullDiskTest, AServerStarts) {
           (*backend)->uploads().Create("datasets/e", "", false, kCaller).ok());
     }
   }
+}
+
+// It has no reserve, so its server cannot start until there is room.
+TEST_F(FullDiskTest, ADirectoryOfRelease010SaysWhatItNeedsAndLosesNothing) {
+  MakeOldDirectory(path_);
+  FillDisk(disk_);
+  for (int start = 0; start < 3; ++start) {
+    SCOPED_TRACE(start);
+    const absl::Status status =
+        DataDirectory::Open(PosixFileSystem(), path_).status();
+    EXPECT_EQ(ReasonOf(status), "STORAGE_FULL") << status;
+    EXPECT_THAT(std::string(status.message()),
+                HasSubstr("Remove other files from this disk"));
+  }
+  fs::remove(disk_ + "/filling");
+  Stores stores(&PosixFileSystem(), path_);
+  EXPECT_EQ(
+      stores.datasets->Trials(*stores.datasets->Version(kDataset))->size(),
+      200u);
+  EXPECT_TRUE(stores.models->Get("models/m/versions/1").ok());
+  FillDisk(disk_);
+  EXPECT_TRUE(stores.datasets->Delete(kDataset, kCaller).ok());
 }
 
 TEST_F(FullDiskTest, AnUploadThatFillsTheDiskIsRefusedAndCanGoOn) {

@@ -1,8 +1,6 @@
 // A server whose catalogue was lost began with an empty one, without a word,
 // and `trainctl doctor --repair` then deleted all blobs, because nothing named
 // them. Records that another program removed from the catalogue went unnoticed.
-#include <sqlite3.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <map>
@@ -14,6 +12,7 @@
 #include "core/store/sqlite_catalog.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/server/records/old_directory.h"
 #include "tests/server/records/stores.h"
 
 namespace tactus::server {
@@ -52,23 +51,7 @@ class RepairTest : public ::testing::Test {
     }
     return blobs;
   }
-  static void Sql(const std::string& path, const std::string& sql) {
-    sqlite3* database = nullptr;
-    ASSERT_EQ(sqlite3_open((path + "/catalog.db").c_str(), &database),
-              SQLITE_OK);
-    EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr),
-              SQLITE_OK)
-        << sqlite3_errmsg(database);
-    sqlite3_close(database);
-  }
-  void Sql(const std::string& sql) const { Sql(path_, sql); }
-  // As release 0.1.0 left a directory.
-  void MakeOld() const {
-    Sql("DROP TABLE tallies; DELETE FROM records WHERE kind = 14; "
-        "PRAGMA user_version = 1");
-    fs::remove(path_ + "/marker");
-    fs::remove(path_ + "/reserve");
-  }
+  void Sql(const std::string& sql) const { RunSql(path_, sql); }
   absl::Status Open() const {
     return DataDirectory::Open(PosixFileSystem(), path_).status();
   }
@@ -176,7 +159,7 @@ TEST_F(RepairTest, RecordsThatAnotherProgramRemovedAreMissed) {
 }
 
 TEST_F(RepairTest, AnOldDirectoryGetsAMarkerAndThenMissesItsCatalogue) {
-  MakeOld();
+  MakeOldDirectory(path_);
   ASSERT_TRUE(Open().ok());
   EXPECT_TRUE(fs::exists(path_ + "/marker"));
   ASSERT_TRUE(Open().ok());
@@ -186,7 +169,7 @@ TEST_F(RepairTest, AnOldDirectoryGetsAMarkerAndThenMissesItsCatalogue) {
 }
 
 TEST_F(RepairTest, AnOldDirectoryWithoutItsCatalogueIsRefused) {
-  MakeOld();
+  MakeOldDirectory(path_);
   fs::remove(path_ + "/catalog.db");
   ExpectRefused();
   Sql("CREATE TABLE records (kind INTEGER NOT NULL, key BLOB NOT NULL, value "
