@@ -97,8 +97,9 @@ tactus-stream --server="$TACTUS_SERVER" --driver=sim --trials=2 --rate=real \
   --json >stream.json 2>stream.log &
 echo "$!" >stream.pid
 for ((i = 0; i < 200; ++i)); do
-  [[ $(trainctl server info --json | grep -Eo '"streams": *"?[0-9]+' |
-    grep -Eo '[0-9]+$') == 0 ]] || break
+  streams=$(trainctl server info --json | grep -Eo '"streams": *"?[0-9]+' |
+    grep -Eo '[0-9]+$' || true)
+  [[ ${streams:-0} == 0 ]] || break
   sleep 0.05
 done
 section "Upgrade with running streams"
