@@ -178,7 +178,9 @@ absl::StatusOr<Trial> ImportSignalsCsv(const std::string& path, size_t number) {
     return TrialFileInvalid(
         path,
         absl::StrCat("has the header \"", absl::StrJoin(table.header(), ","),
-                     "\"; it must be ", absl::StrJoin(kSignalColumns, ",")));
+                     "\"; it must be ", absl::StrJoin(kSignalColumns, ","),
+                     ". If these are taxels, describe the skin in a skin.json "
+                     "beside them (docs/your-own-skin.md)"));
   }
   Trial trial;
   trial.id = absl::StrFormat("%06d", number);

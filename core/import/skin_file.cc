@@ -13,6 +13,7 @@
 #include "core/base/text.h"
 #include "core/files/csv.h"
 #include "core/files/file_bytes.h"
+#include "core/import/mistakes.h"
 #include "core/skin/taxel_grid.h"
 #include "nlohmann/json.hpp"
 
@@ -23,8 +24,8 @@ using Json = nlohmann::json;
 
 constexpr char kFromIdle[] = "from idle frames";
 
-// Takes fields out of a JSON object one by one. The first mistake is kept, and
-// whatever was not asked for at the end is a mistake too.
+// Takes fields out of a JSON object one by one. The first mistake of each field
+// is kept, and whatever was not asked for at the end is a mistake too.
 class Fields {
  public:
   Fields(std::string path, const Json& object)
@@ -100,19 +101,15 @@ class Fields {
                                 "; it must be ", want));
   }
   void Complain(const std::string& name, absl::string_view what) {
-    if (!status_.ok()) return;
-    status_ = TrialFileInvalid(path_, absl::StrCat(name, ": ", what));
+    if (!wrong_.insert(name).second) return;
+    Keep(TrialFileInvalid(path_, absl::StrCat(name, ": ", what)));
   }
   void Complain(const absl::Status& status) {
-    if (status_.ok() && !status.ok()) {
-      status_ = TrialFileInvalid(path_, status.message());
-    }
+    if (!status.ok()) Keep(TrialFileInvalid(path_, status.message()));
   }
 
   // Takes over a mistake that names its file and field.
-  void Adopt(const absl::Status& status) {
-    if (status_.ok()) status_ = status;
-  }
+  void Adopt(const absl::Status& status) { Keep(status); }
 
   absl::Status Finish() {
     for (const auto& [name, value] : object_.items()) {
@@ -121,14 +118,23 @@ class Fields {
                                     absl::StrJoin(known_, ", ")));
       }
     }
-    return status_;
+    TACTUS_RETURN_IF_ERROR(other_);
+    return mistakes_.Status();
   }
 
  private:
+  void Keep(const absl::Status& status) {
+    const absl::Status other = mistakes_.Add("", status);
+    if (other_.ok()) other_ = other;
+  }
+
   const std::string path_;
   const Json& object_;
   std::set<std::string> known_;
-  absl::Status status_;
+  // The fields that have a mistake.
+  std::set<std::string> wrong_;
+  Mistakes mistakes_{path_};
+  absl::Status other_;
 };
 
 absl::StatusOr<std::vector<Eigen::Vector3d>> ReadPositions(
@@ -174,18 +180,20 @@ void TakeShape(const std::string& folder, Fields& fields, SkinFile& skin) {
   fields.Text("taxel_positions", &positions);
   const bool shaped = fields.Has("rows") || fields.Has("columns") ||
                       fields.Has("row_pitch_m") || fields.Has("column_pitch_m");
-  const bool preset = positions.empty() && !shaped;
-  if (preset) {
+  bool preset = false;
+  if (positions.empty() && !shaped) {
     auto found = LayoutPreset(layout.name);
-    if (!found.ok()) {
-      return fields.Complain("rows",
-                             "is missing; give rows, columns and pitches, "
-                             "taxel_positions, or the name of a preset");
+    preset = found.ok();
+    if (preset) {
+      layout = *std::move(found);
+    } else {
+      fields.Complain("rows",
+                      "is missing; give rows, columns and pitches, "
+                      "taxel_positions, or the name of a preset");
     }
-    layout = *std::move(found);
   } else if (shaped && !positions.empty()) {
-    return fields.Complain("taxel_positions",
-                           "is given with a shape; give one of the two");
+    fields.Complain("taxel_positions",
+                    "is given with a shape; give one of the two");
   } else if (!positions.empty()) {
     fields.Complain(
         TakePositions(std::filesystem::path(folder) / positions, skin));
@@ -223,7 +231,8 @@ void TakeShape(const std::string& folder, Fields& fields, SkinFile& skin) {
 
 // `masked_taxels` counts in the order of the files.
 void TakeMask(Fields& fields, SkinFile& skin) {
-  if (!fields.Has("masked_taxels")) return;
+  // Without a shape, which is a mistake of its own, no taxel has a place.
+  if (!fields.Has("masked_taxels") || skin.frame_size() == 0) return;
   const Json& list = fields.At("masked_taxels");
   if (!list.is_array()) {
     return fields.Complain("masked_taxels", list, "a list of taxels");

@@ -11,6 +11,7 @@
 #include "absl/strings/str_join.h"
 #include "client/tools/trainctl/command.h"
 #include "client/tools/trainctl/progress_display.h"
+#include "client/tools/trainctl/resting_load.h"
 #include "client/tools/trainctl/text.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
@@ -88,6 +89,7 @@ absl::Status RunImport(const ImportFlags& flags) {
   std::set<std::string> conditions;
   std::set<std::string> groups;
   Duplicates duplicates;
+  RestingLoad resting;
   std::optional<SkinLayout> skin;
   int64_t imported = 0;
   size_t frames = 0;
@@ -104,6 +106,7 @@ absl::Status RunImport(const ImportFlags& flags) {
                               [&](Trial trial) {
                                 ++counts[trial.label];
                                 duplicates.Add(trial);
+                                resting.Add(trial);
                                 if (!trial.condition.empty())
                                   conditions.insert(trial.condition);
                                 if (!trial.material.empty())
@@ -119,7 +122,7 @@ absl::Status RunImport(const ImportFlags& flags) {
                               options));
   TACTUS_RETURN_IF_ERROR(writer.Close());
   display.Clear();
-  std::cerr << duplicates.Text();
+  std::cerr << duplicates.Text() << resting.Text();
   if (flags.json) {
     std::cout << JsonText(Json{{"trials", trials},
                                {"frames", frames},

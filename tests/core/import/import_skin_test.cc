@@ -312,9 +312,9 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Mistake{"skin.json", "{", "skin.json: line 1: is no JSON"},
         Mistake{"skin.json", "[]", "skin.json: must be one JSON object"},
-        Mistake{"skin.json", "{}", "skin.json: name: is missing"},
+        Mistake{"skin.json", "{}", "name: is missing"},
         Mistake{"skin.json", R"({"name": "mine", "unit": "counts"})",
-                "skin.json: rows: is missing; give rows, columns and pitches"},
+                "rows: is missing; give rows, columns and pitches"},
         Mistake{"skin.json",
                 R"({"name": "mine", "rows": 2, "columns": 2,
                     "row_pitch_m": 0.01, "unit": "counts",
