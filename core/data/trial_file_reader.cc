@@ -203,7 +203,10 @@ absl::StatusOr<TrialFileReader> TrialFileReader::OpenUnprobed(
   auto state = std::make_unique<State>();
   state->path = path;
   state->file = {H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
-  if (!state->file.ok()) return complain.Hdf5("not an HDF5 file, or damaged");
+  if (!state->file.ok())
+    return complain.Hdf5(
+        "is no trial file (HDF5), as trainctl import makes one of recordings, "
+        "or damaged");
   const hid_t file = state->file.get();
 
   std::string format;

@@ -42,6 +42,10 @@ class SkinFolder {
   SkinFile& skin() { return skin_; }
   // Names the file of a trial's frames.
   std::string File(size_t row) const { return table_.Text(row, "frames"); }
+  absl::Status Error(size_t row, absl::string_view field,
+                     absl::string_view message) const {
+    return table_.Error(row, field, message);
+  }
   // What the trials that were read give to remark on.
   const ImportNotes& notes() const { return notes_; }
   void ForgetNotes() { notes_ = {}; }
@@ -420,10 +424,8 @@ absl::StatusOr<size_t> ImportSkinFolder(const std::string& folder,
     absl::Status status = trial.status();
     if (status.ok()) status = source.Finish(row, *trial);
     if (status.ok() && !ids.insert(trial->id).second) {
-      status =
-          TrialFileInvalid(table_path, absl::StrCat("line ", row + 2,
-                                                    ": id: ", Quoted(trial->id),
-                                                    " is repeated"));
+      status = source.Error(row, "id",
+                            absl::StrCat(Quoted(trial->id), " is repeated"));
     }
     TACTUS_RETURN_IF_ERROR(mistakes.Add(source.File(row), status));
     // Nothing is imported once there is a mistake.

@@ -97,6 +97,38 @@ std::vector<std::string> CueNamesOf(const std::vector<ModelInput>& inputs) {
   return names;
 }
 
+// The probabilities of more classes would not fit on a line.
+constexpr size_t kMostShown = 8;
+
+std::string HeadText(const std::vector<std::string>& classes) {
+  std::string text = "trial  label -> answer";
+  if (classes.size() > kMostShown) {
+    return absl::StrCat(text, "  probability of the answer\n");
+  }
+  for (const std::string& name : classes) absl::StrAppend(&text, "  ", name);
+  return absl::StrCat(text, "\n");
+}
+
+// One line; its columns are as wide as those of the head.
+std::string AnswerText(const Trial& trial, const Json& answer,
+                       const std::vector<std::string>& classes) {
+  std::string text = absl::StrFormat(
+      "%s  %-4s -> %-4s", TrialName(trial.id, trial.source), trial.label,
+      answer["detected"] ? answer["answer"].get<std::string>() : "-");
+  const std::vector<double> probability = answer["probability"];
+  if (probability.size() > kMostShown) {
+    absl::StrAppendFormat(&text, "  %.3f",
+                          *std::ranges::max_element(probability));
+  } else {
+    for (size_t c = 0; c < probability.size(); ++c) {
+      absl::StrAppendFormat(&text, "  %*.3f",
+                            static_cast<int>(classes[c].size()),
+                            probability[c]);
+    }
+  }
+  return text + "\n";
+}
+
 absl::Status RunClassify(const ClassifyFlags& flags) {
   SkinLayout layout;
   if (!flags.layout.empty()) {
@@ -110,7 +142,10 @@ absl::Status RunClassify(const ClassifyFlags& flags) {
   ScoreTrace* const traced = flags.scores ? &trace : nullptr;
   for (size_t i = 0; i < reader.size(); ++i) {
     TACTUS_ASSIGN_OR_RETURN(const Trial trial, reader.Read(i));
-    if (!flags.trial.empty() && trial.id != flags.trial) continue;
+    if (!flags.trial.empty() && trial.id != flags.trial &&
+        trial.source != flags.trial) {
+      continue;
+    }
     rates.Add(trial);
     Json answer;
     if (trial.taxels.empty()) {
@@ -120,21 +155,8 @@ absl::Status RunClassify(const ClassifyFlags& flags) {
                               ClassifyTaxels(trial, layout, model, traced));
     }
     if (!flags.json) {
-      std::cout << absl::StrFormat(
-          "%s  %-4s -> %-4s", TrialName(trial.id, trial.source), trial.label,
-          answer["detected"] ? answer["answer"].get<std::string>() : "-");
-      const std::vector<double> probability = answer["probability"];
-      // More would not fit on a line.
-      constexpr size_t kMostShown = 8;
-      if (probability.size() > kMostShown) {
-        std::cout << absl::StrFormat("  %.3f",
-                                     *std::ranges::max_element(probability));
-      } else {
-        for (const double p : probability) {
-          std::cout << absl::StrFormat("  %.3f", p);
-        }
-      }
-      std::cout << "\n";
+      if (trials.empty()) std::cout << HeadText(model->model().class_names);
+      std::cout << AnswerText(trial, answer, model->model().class_names);
     }
     if (flags.scores) {
       Json steps = trace.Take();
@@ -145,8 +167,9 @@ absl::Status RunClassify(const ClassifyFlags& flags) {
   }
   RemarkRates(rates, flags.data);
   if (!flags.trial.empty() && trials.empty()) {
-    return InvalidConfig("--trial", flags.trial,
-                         absl::StrCat("the id of a trial of ", flags.data));
+    return InvalidConfig(
+        "--trial", flags.trial,
+        absl::StrCat("the id or the source of a trial of ", flags.data));
   }
   if (flags.json) {
     Json all = {{"classes", model->model().class_names}};
@@ -170,7 +193,8 @@ void AddClassify(CLI::App& app, const SelectCommand& select) {
   command->add_option("--data", flags->data, "Trial file")->required();
   command->add_option("--layout", flags->layout,
                       "JSON file with the skin of trials that carry none");
-  command->add_option("--trial", flags->trial, "Only the trial with this id");
+  command->add_option("--trial", flags->trial,
+                      "Only the trial with this id or source");
   command->add_flag("--scores", flags->scores,
                     "Print at each step the scaled inputs, the raw scores of "
                     "networks and HMMs, and the calibrated ones");

@@ -40,7 +40,9 @@ void PrintData(const v1::GetServerInfoResponse& info) {
                                            : BytesText(quotas.stored_bytes()));
   absl::PrintF("  datasets      %s\n", LimitText(quotas.datasets()));
   absl::PrintF("  queued jobs   %s\n", LimitText(quotas.queued_jobs()));
-  absl::PrintF("  model bytes   %s\n", LimitText(quotas.model_bytes()));
+  absl::PrintF("  model bytes   %s\n", quotas.model_bytes() == 0
+                                           ? "no limit"
+                                           : BytesText(quotas.model_bytes()));
   absl::PrintF("  streams       %s\n", LimitText(quotas.streams()));
   for (const std::string& failure : info.not_served()) {
     absl::PrintF("not served      %s\n", Printable(failure));

@@ -391,6 +391,8 @@ INSTANTIATE_TEST_SUITE_P(
         InRow("", "b.parquet,felt", "b.parquet: is of no known format"),
         InTable("frames,label,id\na.npy,x,1\nb.npy,y,1\n",
                 "trials.csv: line 3: id: \"1\" is repeated"),
+        InTable("frames,label,id\na.npy,x,1\n\nb.npy,y,1\n",
+                "trials.csv: line 4: id: \"1\" is repeated"),
         InTable("frames,label,id\na.npy,x,a/b\n",
                 "trials.csv: line 2: id: is \"a/b\""),
         InTable("frames,label,stiffness\na.npy,x,high\n",
