@@ -33,6 +33,7 @@ COPY proto ${SOURCE}/proto
 COPY core ${SOURCE}/core
 COPY server ${SOURCE}/server
 COPY client ${SOURCE}/client
+COPY tools ${SOURCE}/tools
 RUN cmake -S ${SOURCE} -B ${SOURCE}/build/release -G Ninja \
       -DCMAKE_BUILD_TYPE=Release -DTACTUS_BUILD_TESTS=OFF ${CMAKE_OPTIONS} \
  && cmake --build ${SOURCE}/build/release \

@@ -57,7 +57,7 @@ report() {
 trap report EXIT
 
 check_format() {
-  find core server client tests examples \( -name '*.cc' -o -name '*.h' \) -print0 |
+  find core server client tools tests examples \( -name '*.cc' -o -name '*.h' \) -print0 |
     xargs -0 -r clang-format --dry-run -Werror
 }
 

@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "client/tools/json.h"
+#include "tools/common/json.h"
 
 namespace tactus::client {
 namespace {

@@ -116,7 +116,7 @@ std::unique_ptr<Benchmark> MakeStreamBenchmark();
 std::unique_ptr<Benchmark> MakeRestartBenchmark();
 
 // How many robots one tactusd serves while the load generator of
-// client/tools/load runs on the same processors. Rows load/200x100_p50, _p99
+// tools/load runs on the same processors. Rows load/200x100_p50, _p99
 // and _lost. Rows load/max_robots_1_per_message and _4_per_message: the largest
 // number of robots at 100 Hz that lose no frame and keep the p99 from due time
 // to answer below 10 ms.

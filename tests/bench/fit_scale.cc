@@ -10,12 +10,12 @@
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "client/tools/figures/figure.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "tests/bench/benchmarks.h"
 #include "tests/bench/child_server.h"
 #include "tests/bench/temporary_folder.h"
+#include "tools/figures/figure.h"
 
 namespace tactus::client {
 namespace {

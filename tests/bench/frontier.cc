@@ -13,12 +13,12 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
-#include "client/tools/figures/figure.h"
-#include "client/tools/figures/pareto.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "tests/bench/benchmarks.h"
 #include "tests/bench/frontier_models.h"
+#include "tools/figures/figure.h"
+#include "tools/figures/pareto.h"
 
 namespace tactus::client {
 namespace {

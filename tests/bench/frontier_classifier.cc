@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
-#include "client/tools/common/percentile.h"
 #include "core/base/errors.h"
 #include "core/base/run_on_threads.h"
 #include "core/base/status_macros.h"
@@ -11,6 +10,7 @@
 #include "core/eval/metrics.h"
 #include "tests/bench/frontier.h"
 #include "tests/bench/timing.h"
+#include "tools/common/percentile.h"
 
 namespace tactus::client {
 namespace {

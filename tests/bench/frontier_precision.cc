@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
-#include "client/tools/common/percentile.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/inputs/inputs.h"
@@ -16,6 +15,7 @@
 #include "tests/bench/hmm_models.h"
 #include "tests/bench/hmm_scorers.h"
 #include "tests/bench/timing.h"
+#include "tools/common/percentile.h"
 
 namespace tactus::client {
 namespace {

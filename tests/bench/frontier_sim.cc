@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
-#include "client/tools/common/percentile.h"
 #include "core/base/errors.h"
 #include "core/base/run_on_threads.h"
 #include "core/base/status_macros.h"
@@ -13,6 +12,7 @@
 #include "tests/bench/frontier_models.h"
 #include "tests/bench/sim_check.h"
 #include "tests/bench/timing.h"
+#include "tools/common/percentile.h"
 
 namespace tactus::client {
 namespace {

@@ -8,12 +8,12 @@
 #include "CLI/CLI.hpp"
 #include "client/stream/contact_stream.h"
 #include "client/stream/frame_encoder.h"
-#include "client/tools/common/percentile.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/skin/layout.h"
 #include "tests/bench/benchmarks.h"
 #include "tests/bench/child_server.h"
+#include "tools/common/percentile.h"
 
 namespace tactus::client {
 namespace {

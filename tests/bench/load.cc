@@ -1,4 +1,4 @@
-#include "client/tools/load/load.h"
+#include "tools/load/load.h"
 
 #include <algorithm>
 #include <string>
@@ -6,12 +6,12 @@
 
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
-#include "client/tools/common/percentile.h"
-#include "client/tools/load/find_max.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "tests/bench/benchmarks.h"
 #include "tests/bench/child_server.h"
+#include "tools/common/percentile.h"
+#include "tools/load/find_max.h"
 
 namespace tactus::client {
 namespace {

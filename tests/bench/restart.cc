@@ -11,13 +11,13 @@
 #include "client/stream/channel.h"
 #include "client/stream/frame_encoder.h"
 #include "client/stream/resumable_stream.h"
-#include "client/tools/common/percentile.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/skin/layout.h"
 #include "tests/bench/benchmarks.h"
 #include "tests/bench/child_server.h"
 #include "tests/bench/haproxy.h"
+#include "tools/common/percentile.h"
 
 namespace tactus::client {
 namespace {

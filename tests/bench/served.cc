@@ -13,8 +13,6 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
-#include "client/tools/figures/figure.h"
-#include "client/tools/figures/pareto.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/run_on_threads.h"
@@ -26,6 +24,8 @@
 #include "server/registry/default_bundle.h"
 #include "tests/bench/benchmarks.h"
 #include "tests/bench/timing.h"
+#include "tools/figures/figure.h"
+#include "tools/figures/pareto.h"
 
 namespace tactus::client {
 namespace {

@@ -7,7 +7,6 @@
 #include "CLI/CLI.hpp"
 #include "absl/functional/function_ref.h"
 #include "absl/strings/str_format.h"
-#include "client/tools/figures/figure.h"
 #include "core/base/errors.h"
 #include "core/base/random.h"
 #include "core/base/status_macros.h"
@@ -17,6 +16,7 @@
 #include "tests/bench/sim_check.h"
 #include "tests/bench/timing.h"
 #include "tests/bench/work_precision.h"
+#include "tools/figures/figure.h"
 
 namespace tactus::client {
 namespace {

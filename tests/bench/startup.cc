@@ -13,9 +13,6 @@
 #include "absl/strings/str_cat.h"
 #include "client/stream/channel.h"
 #include "client/stream/status.h"
-#include "client/tools/common/percentile.h"
-#include "client/tools/load/event_loop.h"
-#include "client/tools/load/load_stream.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "grpcpp/impl/client_unary_call.h"
@@ -23,6 +20,9 @@
 #include "grpcpp/impl/rpc_method.h"
 #include "tests/bench/benchmarks.h"
 #include "tests/bench/child_server.h"
+#include "tools/common/percentile.h"
+#include "tools/load/event_loop.h"
+#include "tools/load/load_stream.h"
 
 namespace tactus::client {
 namespace {

@@ -20,7 +20,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "client/tools/common/percentile.h"
+#include "tools/common/percentile.h"
 
 namespace tactus::client {
 

@@ -9,8 +9,6 @@
 
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
-#include "client/tools/common/percentile.h"
-#include "client/tools/load/load.h"
 #include "client/training/operation_watcher.h"
 #include "client/training/training_client.h"
 #include "client/training/trial_uploader.h"
@@ -24,6 +22,8 @@
 #include "tests/bench/benchmarks.h"
 #include "tests/bench/child_server.h"
 #include "tests/bench/temporary_folder.h"
+#include "tools/common/percentile.h"
+#include "tools/load/load.h"
 
 namespace tactus::client {
 namespace {

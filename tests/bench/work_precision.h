@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "client/tools/figures/line_plot.h"
+#include "tools/figures/line_plot.h"
 
 namespace tactus::client {
 

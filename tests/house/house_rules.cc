@@ -17,14 +17,11 @@ namespace {
 
 constexpr int kMaxLines = 600;
 constexpr int kMaxAdapterLines = 300;
-constexpr int kMaxRoomLines = 3000;
-// Each is one subject that has no smaller parts.
-constexpr std::array<absl::string_view, 3> kLargeRooms = {"files", "hmm",
-                                                          "import"};
 
 // Where files lie that pages name.
-constexpr std::array<absl::string_view, 8> kNamedFolders = {
-    "core", "server", "client", "tests", "proto", "docs", "deploy", "examples"};
+constexpr std::array<absl::string_view, 9> kNamedFolders = {
+    "core",  "server", "client", "tools",   "tests",
+    "proto", "docs",   "deploy", "examples"};
 
 // Plain types that any room of core may use, wherever they live.
 constexpr std::array<absl::string_view, 1> kPlainHeaders = {
@@ -180,9 +177,10 @@ std::string WhyNot(const std::string& path, const std::string& header,
   }
   if (from("server/") && to("client/")) return "server does not know client";
   if (from("client/") && to("server/")) return "client does not know server";
+  if (from("tools/") && to("server/")) return "tools do not know server";
   if (!from("tests/") && to("tests/")) return "only tests know tests";
-  if (!from("client/tools/") && !from("tests/") && to("client/tools/")) {
-    return "the client's library does not know its tools";
+  if (!from("tools/") && !from("tests/") && to("tools/")) {
+    return "only tools know tools";
   }
   for (const absl::string_view room : kRoomsWithoutGrpc) {
     if (from(room) && (IsGrpc(header) || to("server/rpc/"))) {
@@ -250,24 +248,6 @@ std::vector<std::string> ThreadViolations(
   return violations;
 }
 
-void AddRoomLines(const std::string& path, const std::string& text,
-                  const std::vector<std::string>& rooms,
-                  std::map<std::string, int>* lines) {
-  const std::string room = PartOf(path, rooms);
-  if (!room.empty()) (*lines)[room] += static_cast<int>(Lines(text).size());
-}
-
-std::vector<std::string> RoomSizeViolations(
-    const std::map<std::string, int>& lines) {
-  std::vector<std::string> violations;
-  for (const auto& [room, count] : lines) {
-    if (count <= kMaxRoomLines || Holds(kLargeRooms, room)) continue;
-    violations.push_back(absl::StrCat("core/", room, ": has ", count,
-                                      " lines; the limit is ", kMaxRoomLines));
-  }
-  return violations;
-}
-
 std::vector<std::string> StyleViolations(const std::string& path,
                                          const std::string& text) {
   std::vector<std::string> violations;
@@ -290,7 +270,9 @@ std::vector<std::string> StyleViolations(const std::string& path,
     }
     // It throws on text that is not UTF-8.
     if (absl::StrContains(line, ".dump(") &&
-        absl::StartsWith(path, "client/") && path != "client/tools/json.h") {
+        (absl::StartsWith(path, "client/") ||
+         absl::StartsWith(path, "tools/")) &&
+        path != "tools/common/json.h") {
       violations.push_back(
           absl::StrCat(path, ":", number, ": JSON is written by JsonText()"));
     }
@@ -307,6 +289,18 @@ std::vector<std::string> StyleViolations(const std::string& path,
     }
   }
   return violations;
+}
+
+std::vector<std::string> RoomsNamed(const std::string& page) {
+  std::vector<std::string> rooms;
+  for (const std::string& line : Lines(page)) {
+    if (!absl::StartsWith(line, "| `")) continue;
+    const std::string cell = line.substr(0, line.find('|', 1));
+    for (const absl::string_view room : PartsBetween(cell, "`", "`")) {
+      rooms.emplace_back(room);
+    }
+  }
+  return rooms;
 }
 
 std::string Condensed(const std::string& code) {

@@ -6,7 +6,6 @@
 //   IncludeViolations("core/hmm/a.cc", text, rooms);
 #pragma once
 
-#include <map>
 #include <string>
 #include <vector>
 
@@ -34,15 +33,8 @@ std::vector<std::string> ThreadViolations(
     const std::string& path, const std::string& text,
     const std::vector<std::string>& tested);
 
-// Adds the lines of `text`, the source at `path`, to those of its room of core,
-// or of its part of a room ("sim/exact"). Nothing outside of core.
-void AddRoomLines(const std::string& path, const std::string& text,
-                  const std::vector<std::string>& rooms,
-                  std::map<std::string, int>* lines);
-
-// The rooms of core that have too many lines; as "core/room: what".
-std::vector<std::string> RoomSizeViolations(
-    const std::map<std::string, int>& lines);
+// The folders in the first cells of a page's tables: `core/hmm`.
+std::vector<std::string> RoomsNamed(const std::string& page);
 
 // Where it breaks the rules on size, headers and leftovers.
 std::vector<std::string> StyleViolations(const std::string& path,

@@ -7,7 +7,7 @@
 #include "client/drivers/serial/serial_skin.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "tests/client/drivers/talking_skin.h"
+#include "tests/client/drivers/serial/talking_skin.h"
 
 namespace tactus::client {
 namespace {

@@ -6,8 +6,8 @@
 #include "gtest/gtest.h"
 #include "tactus/v1/models.pb.h"
 #include "tests/client/training/fake_training_server.h"
-#include "tests/client/training/trainctl_program.h"
 #include "tests/support/scratch_dir.h"
+#include "tests/tools/trainctl/remote/trainctl_program.h"
 
 namespace tactus {
 namespace {

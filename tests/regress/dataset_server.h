@@ -15,10 +15,10 @@
 
 #include "core/data/trial_file.h"
 #include "spdlog/spdlog.h"
-#include "tests/client/training/trainctl_program.h"
 #include "tests/server/support/training_server.h"
 #include "tests/support/scratch_dir.h"
 #include "tests/support/small_trials.h"
+#include "tests/tools/trainctl/remote/trainctl_program.h"
 
 namespace tactus::testing {
 

@@ -9,11 +9,11 @@
 #include <set>
 #include <sstream>
 
-#include "client/tools/trainctl/app.h"
-#include "client/tools/trainctl/unknown_word.h"
 #include "core/base/errors.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tools/trainctl/app.h"
+#include "tools/trainctl/unknown_word.h"
 
 namespace tactus {
 namespace {

@@ -1,7 +1,7 @@
 // `trainctl evaluate --figures` drew the accuracy of the paper's best model as
 // a dashed line into the figure of any recording, of cups for example.
-#include "client/tools/trainctl/evaluate_figures.h"
 #include "gtest/gtest.h"
+#include "tools/trainctl/report/evaluate_figures.h"
 
 namespace tactus::client {
 namespace {

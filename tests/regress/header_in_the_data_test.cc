@@ -6,7 +6,7 @@
 #include "core/base/random.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "tests/client/drivers/talking_skin.h"
+#include "tests/client/drivers/serial/talking_skin.h"
 
 namespace tactus::client {
 namespace {

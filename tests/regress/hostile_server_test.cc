@@ -13,8 +13,8 @@
 #include <thread>
 
 #include "gtest/gtest.h"
-#include "tests/client/training/trainctl_program.h"
 #include "tests/support/raw_http2.h"
+#include "tests/tools/trainctl/remote/trainctl_program.h"
 
 namespace tactus::client {
 namespace {

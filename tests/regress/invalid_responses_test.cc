@@ -9,12 +9,12 @@
 #include "client/drivers/sim_driver.h"
 #include "client/stream/contact_stream.h"
 #include "client/stream/response_checker.h"
-#include "client/tools/stream/trial_player.h"
 #include "core/base/errors.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/server/support/requests.h"
 #include "tests/support/scripted_server.h"
+#include "tools/stream/trial_player.h"
 
 namespace tactus::client {
 namespace {

@@ -5,9 +5,9 @@
 // completion queue that was shut down.
 #include <limits>
 
-#include "client/tools/load/load.h"
 #include "gtest/gtest.h"
 #include "tests/support/scripted_server.h"
+#include "tools/load/load.h"
 
 namespace tactus::client {
 namespace {

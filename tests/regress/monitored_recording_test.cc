@@ -7,11 +7,11 @@
 #include "client/drivers/sim_driver.h"
 #include "client/recording/posterior_check.h"
 #include "client/recording/recorder.h"
-#include "client/tools/stream/live_player.h"
-#include "client/tools/stream/record_replay.h"
 #include "gtest/gtest.h"
 #include "tests/server/support/test_server.h"
 #include "tests/support/scratch_dir.h"
+#include "tools/stream/live_player.h"
+#include "tools/stream/record_replay.h"
 
 namespace tactus::client {
 namespace {

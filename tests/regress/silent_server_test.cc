@@ -5,13 +5,13 @@
 #include "client/drivers/sim_driver.h"
 #include "client/stream/contact_stream.h"
 #include "client/stream/frame_encoder.h"
-#include "client/tools/stream/trial_player.h"
 #include "core/base/errors.h"
 #include "gtest/gtest.h"
 #include "tests/server/support/requests.h"
 #include "tests/support/ping_only_peer.h"
 #include "tests/support/scripted_server.h"
 #include "tests/support/time_limit.h"
+#include "tools/stream/trial_player.h"
 
 namespace tactus::client {
 namespace {

@@ -2,9 +2,9 @@
 // class than the label and 5 contacts of one class were never felt.
 #include <cstdio>
 
-#include "client/tools/stream/report.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tools/stream/report.h"
 
 namespace tactus::client {
 namespace {

@@ -4,7 +4,6 @@
 
 #include <string>
 
-#include "client/tools/json.h"
 #include "core/base/arguments.h"
 #include "core/base/errors.h"
 #include "core/base/text.h"
@@ -18,6 +17,7 @@
 #include "tests/core/data/trial_samples.h"
 #include "tests/server/support/requests.h"
 #include "tests/server/support/test_models.h"
+#include "tools/common/json.h"
 
 namespace tactus {
 namespace {

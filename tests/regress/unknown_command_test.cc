@@ -1,9 +1,9 @@
 // `trainctl evalute` said "A subcommand is required", and a wrong flag was
 // named without the right one.
-#include "client/tools/trainctl/app.h"
-#include "client/tools/trainctl/unknown_word.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tools/trainctl/app.h"
+#include "tools/trainctl/unknown_word.h"
 
 namespace tactus::client {
 namespace {

@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "client/tools/fakeskin/function_fs.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "tests/client/drivers/played_function_fs.h"
+#include "tests/tools/fakeskin/played_function_fs.h"
+#include "tools/fakeskin/function_fs.h"
 
 namespace tactus::client {
 namespace {

@@ -13,8 +13,8 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "client/tools/trainctl/command.h"
 #include "gtest/gtest.h"
+#include "tools/trainctl/command.h"
 
 namespace tactus::testing {
 

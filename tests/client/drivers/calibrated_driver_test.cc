@@ -6,7 +6,7 @@
 #include "core/base/errors.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "tests/client/drivers/synthetic_skin.h"
+#include "tests/client/drivers/calibration/synthetic_skin.h"
 #include "tests/support/allocation_counter.h"
 
 namespace tactus::client {

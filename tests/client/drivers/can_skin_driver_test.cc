@@ -5,14 +5,14 @@
 #include <deque>
 
 #include "client/drivers/icub_skin/icub_skin.h"
-#include "client/tools/fakeskin/icub_boards.h"
-#include "client/tools/fakeskin/play_peer.h"
 #include "core/base/errors.h"
 #include "core/base/random.h"
 #include "core/base/status_macros.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/client/drivers/memory_bus.h"
+#include "tools/fakeskin/icub_boards.h"
+#include "tools/fakeskin/play_peer.h"
 
 namespace tactus::client {
 namespace {

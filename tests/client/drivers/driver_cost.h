@@ -25,10 +25,10 @@
 #include "absl/strings/str_format.h"
 #include "client/drivers/buffered_driver.h"
 #include "client/drivers/clock.h"
-#include "client/tools/common/percentile.h"
-#include "client/tools/fakeskin/icub_boards.h"
 #include "core/base/status_macros.h"
 #include "tests/client/drivers/thread_cpu.h"
+#include "tools/common/percentile.h"
+#include "tools/fakeskin/icub_boards.h"
 
 namespace tactus::client {
 

@@ -16,8 +16,8 @@
 
 #include "client/drivers/can/can_bus.h"
 #include "client/drivers/clock.h"
-#include "client/tools/fakeskin/can_peer.h"
 #include "core/base/errors.h"
+#include "tools/fakeskin/can_peer.h"
 
 namespace tactus::client {
 

@@ -13,7 +13,7 @@
 #include "absl/status/statusor.h"
 #include "client/drivers/clock.h"
 #include "client/drivers/skin_driver.h"
-#include "client/tools/fakeskin/sim_touches.h"
+#include "tools/fakeskin/sim_touches.h"
 
 namespace tactus::client {
 

@@ -1,7 +1,0 @@
-// trainctl: simulates, imports, trains, evaluates, serves and shows; on files
-// or with a server.
-#include "client/tools/trainctl/app.h"
-
-int main(int argc, char** argv) {
-  return tactus::client::RunTrainctl(argc, argv);
-}

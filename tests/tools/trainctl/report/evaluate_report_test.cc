@@ -1,0 +1,209 @@
+#include "tools/trainctl/report/evaluate_report.h"
+
+#include "absl/strings/escaping.h"
+#include "core/base/text.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tools/trainctl/report/evaluate_answers.h"
+#include "tools/trainctl/report/evaluate_page.h"
+
+namespace tactus::client {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// `classes` classes; of class k, each of 10 contacts is answered by itself, but
+// `wrong[k]` are answered by class 0 with probability 0.9.
+Evaluation Made(int classes, const std::vector<int>& wrong) {
+  Evaluation result;
+  for (int k = 0; k < classes; ++k) {
+    result.class_names.push_back("class_" + std::to_string(k) + "<b>");
+    for (int i = 0; i < 10; ++i) {
+      Outcome outcome;
+      outcome.label = k;
+      outcome.probability.assign(classes, 0.1 / (classes - 1));
+      outcome.probability[i < wrong[k] ? 0 : k] = 0.9;
+      result.final.push_back(outcome);
+      result.decisions.emplace_back();
+      result.final_estimates.emplace_back();
+      result.unknown.push_back(0);
+    }
+  }
+  result.anytime.assign(kAnytimeCount, result.final);
+  result.anytime_estimates.assign(kAnytimeCount, result.final_estimates);
+  return result;
+}
+
+TEST(EvaluateReportTest, RecallPrecisionAndConfusionsPerClass) {
+  const Json json = EvaluationToJson(Made(3, {0, 4, 1}), 31);
+  const Json& classes = json["per_class"];
+  EXPECT_EQ(classes[1]["recall"], 0.6);
+  EXPECT_EQ(classes[1]["precision"], 1);
+  EXPECT_EQ(classes[0]["recall"], 1);
+  EXPECT_EQ(classes[0]["answers"], 15);
+  EXPECT_EQ(classes[0]["precision"], 10.0 / 15);
+  ASSERT_EQ(json["confusions"].size(), 2u);
+  EXPECT_EQ(json["confusions"][0]["label"], "class_1<b>");
+  EXPECT_EQ(json["confusions"][0]["count"], 4);
+  const std::string text = EvaluationText(json);
+  const size_t worst = text.find("  class_1<b>  60.00 %");
+  const size_t next = text.find("  class_2<b>  90.00 %");
+  const size_t best = text.find("  class_0<b>  100.00 %");
+  EXPECT_LT(worst, next);
+  EXPECT_LT(next, best);
+  EXPECT_NE(best, text.npos);
+  EXPECT_THAT(text, HasSubstr("class_1<b> taken for class_0<b>: 4\n"));
+  EXPECT_THAT(text, HasSubstr("Rows are labels, columns are answers:"));
+}
+
+TEST(EvaluateReportTest, AWideMatrixIsLeftToThePage) {
+  const Json json = EvaluationToJson(Made(20, std::vector<int>(20, 2)), 200);
+  const std::string text = EvaluationText(json);
+  EXPECT_THAT(text, Not(HasSubstr("Rows are labels")));
+  EXPECT_THAT(text, HasSubstr("--report=FOLDER"));
+  for (size_t at = 0; at < text.size();) {
+    const size_t end = std::min(text.find('\n', at), text.size());
+    EXPECT_LE(end - at, 120u) << text.substr(at, end - at);
+    at = end + 1;
+  }
+}
+
+// Contacts with these ids, in the order of `result`.
+struct NamedContacts {
+  NamedContacts(size_t count, const std::string& prefix) : contacts(count) {
+    for (size_t i = 0; i < count; ++i) {
+      contacts[i].id = prefix + std::to_string(i);
+      pointers.push_back(&contacts[i]);
+    }
+  }
+  std::vector<LabelledContact> contacts;
+  std::vector<const LabelledContact*> pointers;
+};
+
+TEST(EvaluateAnswersTest, OneLineATrialInTheEnd) {
+  Evaluation result = Made(3, {0, 0, 0});
+  result.class_names = {"HU", "HM", "foil, \"thin\""};
+  result.final = {result.final[0], result.final[10], result.final[20]};
+  result.final[1].probability = {0.5, 0.25, 0.25};
+  NamedContacts named(3, "trial-");
+  for (int i = 0; i < 3; ++i) {
+    named.contacts[i].label = result.class_names[i];
+    named.contacts[i].frames.push_back_numbers({});
+    named.contacts[i].object_motion = {0.0005};
+  }
+  EXPECT_EQ(
+      AnswersCsv(result, named.pointers),
+      "trial,label,label_so_far,answer,probability_HU,probability_HM,"
+      "\"probability_foil, \"\"thin\"\"\"\n"
+      "trial-0,HU,,HU,0.9,0.05,0.05\n"
+      "trial-1,HM,HU,HU,0.5,0.25,0.25\n"
+      "trial-2,\"foil, \"\"thin\"\"\",,\"foil, \"\"thin\"\"\",0.05,0.05,0.9\n");
+}
+
+TEST(EvaluatePageTest, TheWorstTrialsComeFirst) {
+  Evaluation result = Made(3, {0, 4, 1});
+  // Right, and yet its label got little.
+  result.final[25].probability = {0.33, 0.327, 0.343};
+  result.final[7].probability = {0.01, 0.59, 0.4};
+  const NamedContacts named(30, "trial-");
+  const Json worst = WorstTrials(result, named.pointers);
+  ASSERT_EQ(worst.size(), 12u);
+  EXPECT_EQ(worst[0]["trial"], "trial-7");
+  EXPECT_EQ(worst[0]["label"], "class_0<b>");
+  EXPECT_EQ(worst[0]["answer"], "class_1<b>");
+  EXPECT_EQ(worst[0]["probability"], 0.59);
+  EXPECT_EQ(worst[0]["probability_of_label"], 0.01);
+  // Five with 0.05, then the uncertain one.
+  EXPECT_EQ(worst[1]["trial"], "trial-10");
+  EXPECT_EQ(worst[6]["trial"], "trial-25");
+  EXPECT_EQ(worst[6]["answer"], worst[6]["label"]);
+}
+
+TEST(EvaluatePageTest, HoldsEveryPart) {
+  const NamedContacts named(30, "trial-");
+  Evaluation result = Made(3, {0, 4, 1});
+  for (int i = 0; i < 20; ++i) {
+    result.decisions[i] = DecisionOutcome{0.1 * (i + 1), i != 3};
+  }
+  EvaluationPageParts parts;
+  parts.title = "a < b";
+  parts.facts = {{"seed", "71"}};
+  parts.evaluation = EvaluationToJson(result, 31);
+  parts.baselines = BaselinesToJson({30, 10, 12, 11}, "Tested in 5 folds.");
+  parts.worst = WorstTrials(result, named.pointers);
+  parts.pictures = {"png-1", "png-2", "png-3", {"png-4"}};
+  const std::string html = EvaluationPage(parts);
+  for (const char* part :
+       {"<h1>a &lt; b</h1>", ">83.33 %<", "25 of 30 felt contacts; 1 of 31",
+        "66.44 to 92.66 %", ">71<", ">12 of 30<", ">36.67 %<", ">33.33 %<",
+        "Tested in 5 folds.", ">15<", ">66.67 %<", ">60.00 %<", ">0.900<",
+        "0.867 to 0.933", "20 of 30 felt contacts (66.67 %)", ">1.10<",
+        ">trial-10<",
+        "Trial trial-10, label class_1&lt;b&gt;, answer "
+        "class_0&lt;b&gt; (probability 0.900)"}) {
+    EXPECT_THAT(html, HasSubstr(part));
+  }
+  for (const char* png : {"png-1", "png-2", "png-3", "png-4"}) {
+    EXPECT_THAT(html, HasSubstr("src=\"data:image/png;base64," +
+                                absl::Base64Escape(png) + "\""));
+  }
+  // Nothing comes from elsewhere.
+  for (const char* elsewhere : {"http", "url(", "href", "<script", "<link"}) {
+    EXPECT_THAT(html, Not(HasSubstr(elsewhere)));
+  }
+}
+
+TEST(EvaluatePageTest, NamesCannotBecomeMarkup) {
+  const std::string bad = "<script>\"'&\x01\xff</td> \u05d0";
+  Evaluation result = Made(3, {1, 4, 1});
+  for (std::string& name : result.class_names) name += bad;
+  const NamedContacts named(30, bad);
+  EvaluationPageParts parts;
+  parts.title = bad;
+  parts.facts = {{bad, bad}};
+  parts.evaluation = EvaluationToJson(result, 30);
+  parts.baselines = BaselinesToJson({30, 10, 12, 11}, bad);
+  parts.worst = WorstTrials(result, named.pointers);
+  parts.pictures.worst.assign(parts.worst.size(), "png");
+  const std::string html = EvaluationPage(parts);
+  EXPECT_TRUE(IsUtf8(html));
+  EXPECT_THAT(html, Not(HasSubstr("<script")));
+  EXPECT_THAT(html, Not(HasSubstr("<b>")));
+  EXPECT_THAT(html, Not(HasSubstr("\x01")));
+  const std::string good =
+      "&lt;script&gt;&quot;&#39;&amp;\uFFFD\uFFFD&lt;/td&gt; \u05d0";
+  EXPECT_THAT(html, HasSubstr("<title>" + good + "</title>"));
+  EXPECT_THAT(html, HasSubstr("<bdi>class_1&lt;b&gt;" + good + "</bdi></th>"));
+  EXPECT_THAT(html, HasSubstr("alt=\"Trial " + good));
+  // As many ends of cells as beginnings.
+  const auto count = [&](const std::string& part) {
+    int n = 0;
+    for (size_t at = html.find(part); at != html.npos;
+         at = html.find(part, at + 1)) {
+      ++n;
+    }
+    return n;
+  };
+  EXPECT_EQ(count("<td"), count("</td>"));
+  EXPECT_EQ(count("<bdi>"), count("</bdi>"));
+}
+
+// What a server measures has no probabilities, decisions or trials.
+TEST(EvaluatePageTest, LeavesOutWhatIsNotThere) {
+  Json json = EvaluationToJson(Made(3, {0, 4, 1}), 30);
+  for (const char* key : {"reliability", "decision", "ece_at"}) json.erase(key);
+  json["parts_accuracy_at"] = nullptr;
+  EvaluationPageParts parts;
+  parts.title = "short";
+  parts.evaluation = json;
+  const std::string html = EvaluationPage(parts);
+  EXPECT_THAT(html, HasSubstr("Confusion matrix"));
+  for (const char* part : {"baselines", "Reliability", "Time to decision",
+                           "worst", "<img", "calibration"}) {
+    EXPECT_THAT(html, Not(HasSubstr(part)));
+  }
+}
+
+}  // namespace
+}  // namespace tactus::client

@@ -1,0 +1,318 @@
+#include "tools/common/skin_source.h"
+
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client/drivers/calibration/calibration_json.h"
+#include "client/drivers/calibration/tare.h"
+#include "client/drivers/can/socket_can.h"
+#include "client/drivers/replay_driver.h"
+#include "client/drivers/sim_driver.h"
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+#include "core/data/trial_layout.h"
+#include "core/files/file_bytes.h"
+
+namespace tactus::client {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kAutoPort[] = "auto";
+
+SerialFormat FormatOf(const SkinSourceOptions& options) {
+  return options.format == "ascii" ? SerialFormat::kAscii : SerialFormat::kAa55;
+}
+
+// The name under /dev/serial/by-id of the adapter behind `port`, or `port`.
+std::string SerialName(const std::string& port) {
+  std::error_code error;
+  const fs::path target = fs::canonical(port, error);
+  if (error) return port;
+  for (const auto& entry : fs::directory_iterator("/dev/serial/by-id", error)) {
+    std::error_code broken;
+    if (fs::canonical(entry.path(), broken) == target && !broken) {
+      return entry.path().filename();
+    }
+  }
+  return port;
+}
+
+absl::StatusOr<std::unique_ptr<TrialDriver>> MakePlayedTrials(
+    const SkinSourceOptions& options, const Shard& shard) {
+  if (options.driver == "replay") {
+    std::optional<SkinLayout> layout;
+    if (!options.layout.empty()) {
+      TACTUS_ASSIGN_OR_RETURN(layout, ReadLayoutFile(options.layout));
+    }
+    return std::make_unique<ReplayDriver>(
+        options.data, shard,
+        ReplayDriver::Options{.max_trials = options.trials, .layout = layout});
+  }
+  return std::make_unique<SimDriver>(
+      SimDriver::Options{.seed = options.seed, .skin = options.skin},
+      options.trials == 0 ? kSimulatedTrials : options.trials, shard);
+}
+
+absl::Status CheckPoseFlags(const SkinSourceOptions& options) {
+  const ArmSourceOptions& arm = options.arm;
+  const int given =
+      !arm.urdf.empty() + !arm.skin_link.empty() + !arm.joints.empty();
+  if (given == 0) return absl::OkStatus();
+  if (given < 3) {
+    return InvalidConfig("number of --urdf, --skin-link and --joints", given,
+                         "3, or 0: they belong together");
+  }
+  if (!options.IsLive()) {
+    return InvalidConfig("--urdf",
+                         absl::StrCat("given with --driver=", options.driver),
+                         "absent without a real skin");
+  }
+  if (!options.icub.positions.empty()) {
+    return InvalidConfig(
+        "--urdf", "given with --positions",
+        "given with a skin that is flat in the x-y plane of its link, or a "
+        "cylinder around z: a position file's patch is curved otherwise");
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddSkinFlags(CLI::App& app, SkinSourceOptions& options) {
+  app.add_option("--driver", options.driver,
+                 "sim, replay, icub-can, icub-usb, xela-can or serial "
+                 "(docs/drivers.md)")
+      ->check(CLI::IsMember(
+          {"sim", "replay", "icub-can", "icub-usb", "xela-can", "serial"}))
+      ->capture_default_str();
+  app.add_option("--skin", options.skin,
+                 "Skin of --driver=sim: paper, good or measured")
+      ->capture_default_str();
+  app.add_option("--data", options.data, "Trial file for --driver=replay")
+      ->check(CLI::ExistingFile);
+  app.add_option("--layout", options.layout,
+                 "JSON file with the skin of trials that carry none, or whose "
+                 "cells are a real skin's values in their order")
+      ->check(CLI::ExistingFile);
+  app.add_option("--interface", options.icub.interface,
+                 "CAN interface for icub-can and xela-can, such as can0");
+  app.add_option("--port", options.port,
+                 "Serial line for --driver=serial, such as /dev/ttyUSB0; auto: "
+                 "the one on which a skin sends");
+  app.add_option("--format", options.format,
+                 "What a serial skin sends: ascii (3D-ViTac) or aa55 "
+                 "(FlexiTac)")
+      ->check(CLI::IsMember({"ascii", "aa55"}))
+      ->capture_default_str();
+  app.add_option("--baud", options.baud, "Rate of the serial line")
+      ->capture_default_str();
+  app.add_option("--rate-hz", options.rate_hz, "Frames per second of the skin")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--usb-serial", options.icub.usb_serial,
+                 "Serial number of the adapter for --driver=icub-usb");
+  app.add_option("--boards", options.icub.boards,
+                 "Skin boards in the order of the port: forearm-v1, "
+                 "forearm-v2, or addresses and triangles, as in 13,12:0-1+3")
+      ->capture_default_str();
+  app.add_option("--positions", options.icub.positions,
+                 "Position file of the skin, as icub-main has them")
+      ->check(CLI::ExistingFile);
+  app.add_option("--period-ms", options.icub.period_ms,
+                 "From one scan of the skin to the next")
+      ->check(CLI::Range(1, 255))
+      ->capture_default_str();
+  app.add_option("--scale", options.icub.scale,
+                 "The layout's unit for each count of the skin")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--mask", options.icub.mask,
+                 "Taxels of a real skin to ignore, row-major, as in 17,203")
+      ->delimiter(',');
+}
+
+void AddPoseFlags(CLI::App& app, SkinSourceOptions& options) {
+  app.add_option("--urdf", options.arm.urdf,
+                 "URDF file of the arm that carries a real skin; frames have "
+                 "poses then")
+      ->check(CLI::ExistingFile);
+  app.add_option("--skin-link", options.arm.skin_link,
+                 "Link of the URDF in whose frame the skin's layout is");
+  app.add_option("--joints", options.arm.joints,
+                 "host:port to receive the joint values at, one line in each "
+                 "UDP datagram: time_ns q1 q2 ... (docs/drivers.md)");
+}
+
+absl::Status CheckSkinFlags(const SkinSourceOptions& options) {
+  TACTUS_RETURN_IF_ERROR(CheckPoseFlags(options));
+  const std::string& driver = options.driver;
+  const auto needs = [&](const std::string& flag) {
+    return InvalidConfig(flag, "absent",
+                         absl::StrCat("given with --driver=", driver));
+  };
+  if (driver == "replay" && options.data.empty()) return needs("--data");
+  if ((driver == "icub-can" || driver == "xela-can") &&
+      options.icub.interface.empty()) {
+    return needs("--interface");
+  }
+  if (driver == "serial" && options.port.empty()) return needs("--port");
+  if (driver == "sim" && !options.layout.empty()) {
+    return InvalidConfig("--layout", "given", "absent with --driver=sim");
+  }
+  if (!options.layout.empty() && !options.icub.positions.empty()) {
+    return InvalidConfig("--layout and --positions", "both given",
+                         "one of the two");
+  }
+  if (options.drift_time_s > 0 && options.calibration.empty()) {
+    return InvalidConfig("--drift-s", "given without --calibration",
+                         "given with it");
+  }
+  return absl::OkStatus();
+}
+
+void AddDeviceFlag(CLI::App& app, SkinSourceOptions& options) {
+  app.add_option("--device-id", options.device_id,
+                 "Name of the skin in its calibration, instead of that of its "
+                 "adapter or line");
+}
+
+void AddCalibrationFlags(CLI::App& app, SkinSourceOptions& options) {
+  app.add_option("--calibration", options.calibration,
+                 "Calibration of a real skin, from trainctl skin calibrate")
+      ->check(CLI::ExistingFile);
+  app.add_option("--tare", options.tare_frames,
+                 "Take the mean of so many frames at the start for untouched")
+      ->check(CLI::Range(kMinTareFrames, size_t{100'000}));
+  app.add_option("--drift-s", options.drift_time_s,
+                 "Follow the drift of untouched taxels over so many seconds; "
+                 "needs --calibration")
+      ->check(CLI::Range(1.0, 1e6));
+  AddDeviceFlag(app, options);
+}
+
+std::string DeviceId(const SkinSourceOptions& options) {
+  if (!options.device_id.empty()) return options.device_id;
+  if (options.driver == "sim") return "sim " + options.skin;
+  if (options.driver == "replay") return "replay";
+  if (options.driver == "serial") return "serial " + SerialName(options.port);
+  if (options.driver == "xela-can") return "xela-can " + options.icub.interface;
+  const std::string& adapter = options.driver == "icub-usb"
+                                   ? options.icub.usb_serial
+                                   : options.icub.interface;
+  return absl::StrCat(options.driver, " ", adapter, adapter.empty() ? "" : " ",
+                      options.icub.boards);
+}
+
+absl::StatusOr<std::string> FindPort(SkinSourceOptions& options,
+                                     SerialSearch search) {
+  if (options.driver != "serial" || options.port != kAutoPort) return "";
+  search.baud = options.baud;
+  TACTUS_ASSIGN_OR_RETURN(const SerialFound found,
+                          FindSerialSkin(FormatOf(options), search));
+  options.port = found.path;
+  return ToText(found);
+}
+
+absl::StatusOr<std::unique_ptr<TrialDriver>> MakeTrialDriver(
+    const SkinSourceOptions& options, const Shard& shard) {
+  if (options.IsCalibrated()) {
+    return InvalidConfig("--calibration or --tare",
+                         absl::StrCat("given with --driver=", options.driver),
+                         "absent without a real skin");
+  }
+  return MakePlayedTrials(options, shard);
+}
+
+HardwareDriverOptions SkinSource::Poses() {
+  return arm_ == nullptr ? HardwareDriverOptions{} : arm_->DriverOptions();
+}
+
+absl::Status SkinSource::MakeSerial(const SkinSourceOptions& options) {
+  SerialSkinOptions skin = {.format = FormatOf(options),
+                            .baud = options.baud,
+                            .scale = options.icub.scale,
+                            .sample_rate_hz = options.rate_hz};
+  TACTUS_ASSIGN_OR_RETURN(skin.layout, options.layout.empty()
+                                           ? LayoutPreset("vitac-12x32")
+                                           : ReadLayoutFile(options.layout));
+  TACTUS_RETURN_IF_ERROR(AddMask(options.icub.mask, skin.layout));
+  serial_ = std::make_unique<SerialSkin>(options.port, skin);
+  hardware_ = std::make_unique<HardwareDriver>(serial_.get(), Poses());
+  return absl::OkStatus();
+}
+
+absl::Status SkinSource::MakeXela(const SkinSourceOptions& options) {
+  XelaSkinOptions skin = {.scale = options.icub.scale};
+  if (!options.layout.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(skin.layout, ReadLayoutFile(options.layout));
+  }
+  TACTUS_RETURN_IF_ERROR(AddMask(options.icub.mask, skin.layout));
+  bus_ = std::make_unique<SocketCan>(options.icub.interface);
+  xela_ = std::make_unique<XelaSkin>(skin);
+  hardware_ = std::make_unique<CanSkinDriver>(bus_.get(), xela_.get(), Poses());
+  return absl::OkStatus();
+}
+
+absl::Status SkinSource::MakeDriver(const SkinSourceOptions& options) {
+  if (!options.IsLive()) {
+    TACTUS_ASSIGN_OR_RETURN(trials_, MakePlayedTrials(options, {}));
+    paced_ = std::make_unique<PacedDriver>(trials_.get());
+    driver_ = paced_.get();
+    return absl::OkStatus();
+  }
+  if (!options.arm.urdf.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(arm_, ArmSource::Make(options.arm));
+  }
+  if (options.driver == "serial" || options.driver == "xela-can") {
+    TACTUS_RETURN_IF_ERROR(options.driver == "serial" ? MakeSerial(options)
+                                                      : MakeXela(options));
+    buffered_ = std::make_unique<BufferedDriver>(hardware_.get(),
+                                                 BufferedDriverOptions{});
+    driver_ = buffered_.get();
+    return absl::OkStatus();
+  }
+  IcubSourceOptions icub = options.icub;
+  icub.usb = options.driver == "icub-usb";
+  icub.layout = options.layout;
+  TACTUS_ASSIGN_OR_RETURN(icub_, IcubSource::Make(icub, Poses()));
+  driver_ = &icub_->driver();
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Calibration> ReadCalibration(const std::string& path) {
+  TACTUS_ASSIGN_OR_RETURN(const std::string text,
+                          ReadFileBytes(path, kMaxCalibrationBytes));
+  auto calibration = CalibrationFromJson(text);
+  if (!calibration.ok()) return Annotate(calibration.status(), path);
+  return calibration;
+}
+
+absl::StatusOr<CalibratedDriverOptions> CalibratedOptions(
+    const SkinSourceOptions& options, const std::string& device) {
+  CalibratedDriverOptions calibrated = {.device = device,
+                                        .tare_frames = options.tare_frames,
+                                        .drift_time_s = options.drift_time_s};
+  if (!options.calibration.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(calibrated.calibration,
+                            ReadCalibration(options.calibration));
+  }
+  return calibrated;
+}
+
+absl::StatusOr<std::unique_ptr<SkinSource>> SkinSource::Make(
+    const SkinSourceOptions& options) {
+  std::unique_ptr<SkinSource> source(new SkinSource());
+  TACTUS_RETURN_IF_ERROR(source->MakeDriver(options));
+  if (!options.IsCalibrated()) return source;
+  TACTUS_ASSIGN_OR_RETURN(CalibratedDriverOptions calibrated,
+                          CalibratedOptions(options, DeviceId(options)));
+  source->calibrated_ = std::make_unique<CalibratedDriver>(
+      source->driver_, std::move(calibrated));
+  source->driver_ = source->calibrated_.get();
+  return source;
+}
+
+}  // namespace tactus::client

@@ -1,0 +1,86 @@
+// File: load.h
+//
+// An open-loop load test: robots that send frames at their rate whether or not
+// answers come, as robots do. A delay counts from the moment a message was due
+// by the schedule, not from when it could be sent, so that a server that
+// stalls is charged for all that waited (no coordinated omission).
+//
+//   TACTUS_ASSIGN_OR_RETURN(const LoadReport report,
+//                           RunLoad({.address = "127.0.0.1:50051"}));
+//   report.lost();
+//
+// One thread sends and takes the answers, every tenth of a millisecond; what
+// waits for that counts as delay. Thread-safe: a free function without state.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "client/stream/channel.h"
+#include "tools/load/frame_script.h"
+
+namespace tactus::client {
+
+struct LoadOptions {
+  std::string address;
+  ChannelOptions channel = {};
+  int robots = 200;
+  double rate_hz = 100;
+  double seconds = 10;
+  // Of `seconds`, at the start: counted, but in no percentile.
+  double warm_up_seconds = 1;
+  uint32_t frames_per_message = 1;
+  bool sparse = false;
+  // Before each contact: how often skins are touched.
+  double untouched_seconds = 1;
+  // Shared by the robots; 0: one each.
+  int connections = 0;
+  uint64_t seed = 1;
+};
+
+struct LoadReport {
+  int robots = 0;
+  // Messages due by the schedule, and those of them answered.
+  uint64_t sent = 0;
+  uint64_t answered = 0;
+  uint64_t lost() const { return sent - answered; }
+  // Of those lost: dropped by the server because this client read slowly.
+  uint64_t superseded = 0;
+  // Streams that were never accepted, and that ended with an error later.
+  int refused = 0;
+  int failed = 0;
+  // Of the first of these.
+  std::string first_error = {};
+
+  // From when a message was due to its answer, in ms.
+  double p50_ms = 0;
+  double p90_ms = 0;
+  double p99_ms = 0;
+  double p999_ms = 0;
+  double max_ms = 0;
+  // From when it was due until it was handed to gRPC: the generator's own.
+  double send_p99_ms = 0;
+  // Answers a second, and processor time of this process a second.
+  double answers_per_s = 0;
+  double cpu_share = 0;
+
+  bool ok() const { return lost() == 0 && refused == 0 && failed == 0; }
+};
+
+// INVALID_CONFIG for options out of range. The report states whether the server
+// was slow, refused streams or was absent. `script` comes from the same
+// options.
+absl::StatusOr<LoadReport> RunLoad(const LoadOptions& options,
+                                   const FrameScript& script);
+absl::StatusOr<LoadReport> RunLoad(const LoadOptions& options);
+
+// Makes the frames that `options` ask for. This takes about a second of
+// simulation, so callers that run several tests make them once.
+absl::StatusOr<FrameScript> MakeScript(const LoadOptions& options);
+
+std::string LoadToText(const LoadReport& report);
+// One JSON object with the report's fields.
+std::string LoadToJson(const LoadReport& report);
+
+}  // namespace tactus::client

@@ -1,0 +1,145 @@
+#include "tools/load/load_stream.h"
+
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "client/stream/status.h"
+#include "grpcpp/impl/codegen/proto_utils.h"
+#include "grpcpp/support/proto_buffer_reader.h"
+
+namespace tactus::client {
+namespace {
+
+constexpr char kMethod[] = "/tactus.v1.ContactService/ClassifyContact";
+// Spreads the robots over the script, whatever its length.
+constexpr double kGoldenRatio = 0.6180339887498949;
+
+size_t OffsetOf(int robot, size_t script_size) {
+  const double place = kGoldenRatio * robot;
+  return static_cast<size_t>((place - std::floor(place)) *
+                             static_cast<double>(script_size));
+}
+
+}  // namespace
+
+int64_t LoadClockNs() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+LoadStream::LoadStream(LoadShared* shared, int robot)
+    : shared_(shared),
+      robot_(robot),
+      script_offset_(OffsetOf(robot, shared->script->size())) {}
+
+void LoadStream::Open(const std::shared_ptr<grpc::Channel>& channel,
+                      grpc::CompletionQueue* queue) {
+  call_ = grpc::GenericStub(channel).PrepareCall(&context_, kMethod, queue);
+  call_->StartCall(started_.tag());
+}
+
+void LoadStream::OnStarted(bool ok) {
+  // If the call failed, the read reports it.
+  call_->Read(&read_, read_done_.tag());
+  if (!ok) return;
+  v1::ClassifyContactRequest request;
+  *request.mutable_config() = shared_->script->config();
+  const grpc::Slice bytes(request.SerializeAsString());
+  call_->Write(grpc::ByteBuffer(&bytes, 1), write_done_.tag());
+}
+
+void LoadStream::Offer() {
+  ++offered_;
+  if (pending_++ == 0) WriteNext();
+}
+
+void LoadStream::WriteNext() {
+  const uint64_t message = written_++;
+  const uint64_t frames = message * shared_->frames_per_message;
+  const int64_t due_ns = shared_->schedule->DueNs(robot_, message);
+  if (due_ns >= shared_->measure_from_ns) {
+    shared_->send_delay.Add(LoadClockNs() - due_ns);
+  }
+  call_->Write(shared_->script->Message(script_offset_ + message, frames + 1),
+               write_done_.tag());
+}
+
+void LoadStream::OnWritten(bool ok) {
+  // After a failure or the stream's end nothing will ever be written again. A
+  // write may outlast the end, and the queue is shut down by then.
+  if (!ok || over_) return;
+  if (--pending_ > 0) {
+    WriteNext();
+  } else {
+    HalfCloseIfWritten();
+  }
+}
+
+void LoadStream::OnRead(bool ok) {
+  const int64_t now_ns = LoadClockNs();
+  if (!ok) {
+    over_ = true;
+    Settle();
+    call_->Finish(&grpc_status_, finished_.tag());
+    return;
+  }
+  grpc::ProtoBufferReader bytes(&read_);
+  if (!response_.ParseFromZeroCopyStream(&bytes)) {
+    Cancel();
+  } else if (response_.has_posterior() && accepted_) {
+    OnPosterior(response_.posterior(), now_ns);
+  } else if (response_.has_started()) {
+    accepted_ = true;
+    Settle();
+  } else if (!accepted_) {
+    // No Tactus server begins like that.
+    Cancel();
+  }
+  call_->Read(&read_, read_done_.tag());
+}
+
+void LoadStream::OnPosterior(const v1::Posterior& posterior, int64_t now_ns) {
+  superseded_ = posterior.superseded();
+  const uint64_t frames = shared_->frames_per_message;
+  const uint64_t sequence = posterior.sequence();
+  if (sequence > written_ * frames) {
+    // No Tactus server answers frames that were never sent.
+    Cancel();
+    return;
+  }
+  // Decisions and ends of contacts may come in between.
+  if (posterior.is_final() || sequence <= last_sequence_ ||
+      sequence % frames != 0) {
+    return;
+  }
+  last_sequence_ = sequence;
+  const int64_t due_ns =
+      shared_->schedule->DueNs(robot_, sequence / frames - 1);
+  if (due_ns >= shared_->measure_from_ns) {
+    shared_->answer_delay.Add(now_ns - due_ns);
+  }
+  ++answered_;
+}
+
+void LoadStream::Settle() {
+  if (std::exchange(settled_, true)) return;
+  ++shared_->settled;
+}
+
+void LoadStream::Close() {
+  closing_ = true;
+  HalfCloseIfWritten();
+}
+
+void LoadStream::HalfCloseIfWritten() {
+  if (closing_ && pending_ == 0) call_->WritesDone(half_closed_.tag());
+}
+
+void LoadStream::OnFinished(bool) {
+  status_ = FromGrpcStatus(grpc_status_);
+  ++shared_->ended;
+}
+
+}  // namespace tactus::client

@@ -1,0 +1,122 @@
+// File: load_stream.h
+//
+// LoadStream: one robot of a load test, on a completion queue, so that
+// thousands need no separate threads.
+//
+//   LoadStream stream(&shared, robot);
+//   stream.Open(channel, loop.queue());  // then serve until shared.settled
+//   stream.Offer();                // each time a message is due
+//   stream.Close();                // then serve until shared.ended
+//
+// A message that comes due while the one before is still being written waits
+// its turn; its delay counts from when it was due. Must live until it ended and
+// its EventLoop is gone. Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "absl/status/status.h"
+#include "core/base/call_event.h"
+#include "grpcpp/channel.h"
+#include "grpcpp/client_context.h"
+#include "grpcpp/generic/generic_stub.h"
+#include "tactus/v1/contact.pb.h"
+#include "tools/load/frame_script.h"
+#include "tools/load/latency_histogram.h"
+#include "tools/load/schedule.h"
+
+namespace tactus::client {
+
+// What the streams of one test share.
+struct LoadShared {
+  const FrameScript* script = nullptr;
+  uint32_t frames_per_message = 1;
+  // Set before the first Offer.
+  const Schedule* schedule = nullptr;
+  // What was due earlier is not put into the histograms.
+  int64_t measure_from_ns = 0;
+
+  // From when a message was due to its answer, and to its writing.
+  LatencyHistogram answer_delay;
+  LatencyHistogram send_delay;
+
+  // Streams the server accepted or refused; streams that are over.
+  int settled = 0;
+  int ended = 0;
+};
+
+class LoadStream {
+ public:
+  // `shared` must outlive the stream.
+  LoadStream(LoadShared* shared, int robot);
+
+  LoadStream(const LoadStream&) = delete;
+  LoadStream& operator=(const LoadStream&) = delete;
+
+  void Open(const std::shared_ptr<grpc::Channel>& channel,
+            grpc::CompletionQueue* queue);
+  void Offer();
+  // Half-closes once all is written.
+  void Close();
+
+  void Cancel() { context_.TryCancel(); }
+
+  int robot() const { return robot_; }
+  bool accepted() const { return accepted_; }
+  uint64_t offered() const { return offered_; }
+  uint64_t answered() const { return answered_; }
+  // Answers the server dropped because this client read slowly.
+  uint64_t superseded() const { return superseded_; }
+  // Once it ended.
+  const absl::Status& status() const { return status_; }
+
+ private:
+  using Event = MemberEvent<LoadStream>;
+
+  void OnStarted(bool ok);
+  void OnWritten(bool ok);
+  void OnRead(bool ok);
+  void OnHalfClosed(bool) {}
+  void HalfCloseIfWritten();
+  void OnFinished(bool ok);
+
+  void WriteNext();
+  // Accepted or refused.
+  void Settle();
+  void OnPosterior(const v1::Posterior& posterior, int64_t now_ns);
+
+  LoadShared* const shared_;
+  const int robot_;
+  // Where in the script this robot begins.
+  const size_t script_offset_;
+  grpc::ClientContext context_;
+  std::unique_ptr<grpc::GenericClientAsyncReaderWriter> call_;
+  Event started_{this, &LoadStream::OnStarted};
+  Event write_done_{this, &LoadStream::OnWritten};
+  Event read_done_{this, &LoadStream::OnRead};
+  Event half_closed_{this, &LoadStream::OnHalfClosed};
+  Event finished_{this, &LoadStream::OnFinished};
+
+  // Messages that are due and not written yet; the configuration is the first.
+  uint32_t pending_ = 1;
+  bool closing_ = false;
+  // The server has sent all that it will.
+  bool over_ = false;
+  uint64_t offered_ = 0;
+  uint64_t written_ = 0;
+  grpc::ByteBuffer read_;
+  v1::ClassifyContactResponse response_;
+  bool settled_ = false;
+  uint64_t last_sequence_ = 0;
+  bool accepted_ = false;
+  uint64_t answered_ = 0;
+  uint64_t superseded_ = 0;
+  grpc::Status grpc_status_;
+  absl::Status status_;
+};
+
+// Nanoseconds of the clock that schedules are in.
+int64_t LoadClockNs();
+
+}  // namespace tactus::client

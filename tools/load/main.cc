@@ -1,0 +1,114 @@
+// tactus-load: an open-loop load generator for a Tactus server.
+#include <cstdio>
+#include <optional>
+#include <string>
+
+#include "CLI/CLI.hpp"
+#include "absl/synchronization/mutex.h"
+#include "core/base/arguments.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+#include "core/base/version.h"
+#include "tools/common/vetted_servers.h"
+#include "tools/load/find_max.h"
+#include "tools/load/load.h"
+
+namespace tactus::client {
+namespace {
+
+struct Flags {
+  LoadOptions load = {.address = "127.0.0.1:50051"};
+  FindMaxOptions search;
+  std::optional<std::string> tls_ca;
+  bool find_max = false;
+  bool json = false;
+};
+
+absl::StatusOr<LoadReport> Measure(const Flags& flags) {
+  LoadOptions load = flags.load;
+  if (flags.tls_ca) {
+    TACTUS_ASSIGN_OR_RETURN(load.channel.tls_roots,
+                            ReadRootCertificates(*flags.tls_ca));
+  }
+  if (!flags.find_max) return RunLoad(load);
+  return FindMaxRobots(load, flags.search, [](const LoadReport& test) {
+    std::fprintf(stderr, "%d robots: p99 %.3f ms, %llu lost, %d refused\n",
+                 test.robots, test.p99_ms,
+                 static_cast<unsigned long long>(test.lost()), test.refused);
+  });
+}
+
+int Main(int argc, char** argv) {
+  // Debian's Abseil keeps a graph of all locks to find deadlocks, which costs
+  // gRPC a twentieth of its time.
+  absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
+  VetServers("tactus-load");
+  Flags flags;
+  LoadOptions& load = flags.load;
+  CLI::App app("Loads a Tactus server with robots that do not wait.",
+               "tactus-load");
+  app.set_version_flag("--version", std::string("tactus-load ") + kVersion);
+  app.add_option("--server", load.address, "host:port or unix:path")
+      ->capture_default_str();
+  app.add_option("--tls-ca", flags.tls_ca,
+                 "PEM file of the authorities that may vouch for the server; "
+                 "with it, the connection uses TLS")
+      ->check(CLI::ExistingFile);
+  app.add_option("--robots", load.robots, "Streams at once")
+      ->check(CLI::Range(1, 100'000))
+      ->capture_default_str();
+  app.add_option("--rate", load.rate_hz, "Frames a second of each robot")
+      ->check(CLI::Range(0.1, limits::kMaxSampleRateHz))
+      ->capture_default_str();
+  app.add_option("--seconds", load.seconds, "Length, the warm-up included")
+      ->check(CLI::Range(0.1, 1e6))
+      ->capture_default_str();
+  app.add_option("--warm-up", load.warm_up_seconds,
+                 "Seconds at the start that are in no percentile")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  app.add_option("--frames-per-message", load.frames_per_message,
+                 "Frames sent together, and answered once")
+      ->check(CLI::Range(uint32_t{1}, limits::kMaxFramesPerMessage))
+      ->capture_default_str();
+  app.add_flag("--sparse", load.sparse, "Send touched taxels only");
+  app.add_option("--untouched-seconds", load.untouched_seconds,
+                 "Of each robot between two contacts")
+      ->check(CLI::Range(0.01, 10.0))
+      ->capture_default_str();
+  app.add_option("--connections", load.connections,
+                 "Connections the robots share; 0: one each")
+      ->check(CLI::Range(0, 100'000))
+      ->capture_default_str();
+  app.add_option("--seed", load.seed, "Of the contacts and the robots' phases")
+      ->capture_default_str();
+  app.add_flag("--find-max", flags.find_max,
+               "Search the largest number of robots that keeps the limit");
+  app.add_option("--p99-limit-ms", flags.search.p99_limit_ms,
+                 "The limit of --find-max")
+      ->check(CLI::Range(0.01, 1e6))
+      ->capture_default_str();
+  app.add_flag("--json", flags.json, "Print one JSON object");
+  if (const absl::Status status = CheckArguments(argc, argv); !status.ok()) {
+    std::fprintf(stderr, "tactus-load: %s\n",
+                 std::string(status.message()).c_str());
+    return 2;
+  }
+  CLI11_PARSE(app, argc, argv);
+
+  const auto report = Measure(flags);
+  if (!report.ok()) {
+    std::fprintf(stderr, "tactus-load: %s\n",
+                 std::string(report.status().message()).c_str());
+    return 2;
+  }
+  const std::string text =
+      flags.json ? LoadToJson(*report) + "\n" : LoadToText(*report);
+  std::fputs(text.c_str(), stdout);
+  return report->ok() && report->robots > 0 ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace tactus::client
+
+int main(int argc, char** argv) { return tactus::client::Main(argc, argv); }

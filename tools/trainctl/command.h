@@ -1,0 +1,96 @@
+// File: command.h
+//
+// The common parts of trainctl's sub-commands: registration, and loading and
+// writing of files.
+//
+//   TACTUS_ASSIGN_OR_RETURN(Model model, LoadModel(path));
+//
+// Thread-safe except for SetCommandLine(), which main() calls once.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "CLI/CLI.hpp"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/base/work.h"
+#include "core/classify/compiled_model.h"
+#include "core/contacts/labelled_contact.h"
+#include "core/import/odd_rates.h"
+#include "tools/common/json.h"
+
+namespace tactus::client {
+
+// The work of a sub-command. It runs after the command line is parsed.
+using Command = std::function<absl::Status()>;
+
+// Each function adds its sub-command to `app`. Parsing calls `select` with the
+// work of the sub-command that was given.
+using SelectCommand = std::function<void(Command)>;
+void AddSimulate(CLI::App& app, const SelectCommand& select);
+void AddImport(CLI::App& app, const SelectCommand& select);
+void AddFit(CLI::App& app, const SelectCommand& select);
+void AddEvaluate(CLI::App& app, const SelectCommand& select);
+void AddInspect(CLI::App& app, const SelectCommand& select);
+void AddClassify(CLI::App& app, const SelectCommand& select);
+void AddReproduce(CLI::App& app, const SelectCommand& select);
+void AddSkin(CLI::App& app, const SelectCommand& select);
+void AddShow(CLI::App& app, const SelectCommand& select);
+void AddTokens(CLI::App& app, const SelectCommand& select);
+void AddExportModel(CLI::App& app, const SelectCommand& select);
+void AddImportModel(CLI::App& app, const SelectCommand& select);
+void AddExportTrials(CLI::App& app, const SelectCommand& select);
+void AddCompletion(CLI::App& app, const SelectCommand& select);
+
+// The group of commands that begin with `name`, e.g. "models"; made by the
+// first caller, so that several files can add commands to it.
+CLI::App& CommandGroup(CLI::App& app, const std::string& name,
+                       const std::string& description);
+
+// The command line, on one line, for the provenance of a bundle.
+void SetCommandLine(int argc, char** argv);
+const std::string& CommandLine();
+
+// Seconds since the process started.
+double SecondsSinceStart();
+
+// The contacts of a trial file. Undetectable trials have none.
+struct LoadedContacts {
+  std::vector<LabelledContact> contacts;
+  int trials = 0;
+  int undetectable = 0;
+  // Some trial comes from taxels without poses.
+  bool without_poses = false;
+  // SHA-256 of the data as a whole, for Provenance::data_sha256.
+  std::string data_sha256;
+
+  std::vector<const LabelledContact*> Pointers() const;
+};
+
+// Reads the trial file at `path`. `layout_path`, if not empty, is a JSON file
+// with the skin of trials that carry none; `extract` holds the other options of
+// ExtractContact(). INVALID_TRAINING_DATA if the trials have several skins or
+// rates.
+absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
+                                            const std::string& layout_path,
+                                            const Progress& progress,
+                                            ExtractOptions extract = {});
+
+// Names contacts that have the frames of an earlier one, on standard error.
+void RemarkCopies(const std::vector<const LabelledContact*>& contacts);
+
+// Names trials of the file `path` whose times have another rate than they
+// state, on standard error.
+void RemarkRates(const OddRates& rates, const std::string& path);
+
+// Makes the folder `path`, and those above it, if they are not there. IO if
+// that fails.
+absl::Status MakeFolder(const std::string& path);
+
+// The model in the bundle at `path`.
+absl::StatusOr<std::shared_ptr<const CompiledModel>> LoadModel(
+    const std::string& path);
+
+}  // namespace tactus::client

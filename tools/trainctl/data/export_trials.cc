@@ -1,0 +1,129 @@
+// trainctl trials export: writes the trials of a file for other programs.
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <optional>
+#include <set>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+#include "core/data/trial_csv.h"
+#include "core/data/trial_file.h"
+#include "core/data/trial_npz.h"
+#include "core/files/draft_file.h"
+#include "tools/trainctl/command.h"
+#include "tools/trainctl/progress_display.h"
+
+namespace tactus::client {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ExportTrialsFlags {
+  std::string data;
+  std::string format;
+  std::string out;
+  std::vector<std::string> trials;
+  bool json = false;
+};
+
+constexpr char kTaxelFolder[] = "taxels";
+
+// Takes trials one at a time; Close() ends the work.
+class Writer {
+ public:
+  static absl::StatusOr<Writer> Create(const ExportTrialsFlags& flags) {
+    Writer writer(flags.format, flags.out);
+    if (flags.format != "npz" && flags.format != "csv" &&
+        flags.format != "hdf5") {
+      return InvalidConfig("--format", flags.format, "npz, csv or hdf5");
+    }
+    TACTUS_RETURN_IF_ERROR(MakeFolder(flags.out));
+    if (flags.format == "hdf5") {
+      TACTUS_ASSIGN_OR_RETURN(
+          writer.hdf5_,
+          TrialFileWriter::Create(fs::path(flags.out) / "trials.h5",
+                                  {.overwrite = true}));
+    }
+    return writer;
+  }
+
+  absl::Status Write(const Trial& trial) {
+    if (hdf5_) return hdf5_->Append(trial);
+    if (format_ == "npz") {
+      TACTUS_ASSIGN_OR_RETURN(const std::string bytes, TrialToNpz(trial));
+      return WriteFileBytes(fs::path(out_) / (trial.id + ".npz"), bytes);
+    }
+    if (!trial.signals.empty()) {
+      TACTUS_ASSIGN_OR_RETURN(const std::string table, SignalsToCsv(trial));
+      TACTUS_RETURN_IF_ERROR(
+          WriteFileBytes(fs::path(out_) / (trial.id + ".csv"), table));
+    }
+    if (trial.taxels.empty()) return absl::OkStatus();
+    // In another folder, so that `trainctl import` takes the signals alone.
+    const fs::path folder = fs::path(out_) / kTaxelFolder;
+    TACTUS_RETURN_IF_ERROR(MakeFolder(folder));
+    TACTUS_ASSIGN_OR_RETURN(const std::string table, TaxelsToCsv(trial));
+    return WriteFileBytes(folder / (trial.id + ".csv"), table);
+  }
+
+  absl::Status Close() { return hdf5_ ? hdf5_->Close() : absl::OkStatus(); }
+
+ private:
+  Writer(std::string format, std::string out)
+      : format_(std::move(format)), out_(std::move(out)) {}
+
+  std::string format_;
+  std::string out_;
+  std::optional<TrialFileWriter> hdf5_;
+};
+
+absl::Status RunExportTrials(const ExportTrialsFlags& flags) {
+  TACTUS_ASSIGN_OR_RETURN(auto reader, TrialFileReader::Open(flags.data));
+  std::set<std::string> wanted(flags.trials.begin(), flags.trials.end());
+  const bool all = wanted.empty();
+  TACTUS_ASSIGN_OR_RETURN(Writer writer, Writer::Create(flags));
+  ProgressDisplay display;
+  int64_t trials = 0;
+  for (size_t i = 0; i < reader.size(); ++i) {
+    if (!all && wanted.erase(reader.id(i)) == 0) continue;
+    TACTUS_ASSIGN_OR_RETURN(const Trial trial, reader.Read(i));
+    TACTUS_RETURN_IF_ERROR(writer.Write(trial));
+    display.Count("export trials", ++trials);
+  }
+  display.Clear();
+  if (!wanted.empty()) {
+    return InvalidConfig("--trial", *wanted.begin(),
+                         absl::StrCat("a trial of ", flags.data));
+  }
+  TACTUS_RETURN_IF_ERROR(writer.Close());
+  if (flags.json) {
+    std::cout << JsonText(Json{{"out", flags.out}, {"trials", trials}}) << "\n";
+  } else {
+    std::cout << flags.out << ": " << trials << " trials\n";
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddExportTrials(CLI::App& app, const SelectCommand& select) {
+  auto flags = std::make_shared<ExportTrialsFlags>();
+  CLI::App* command =
+      CommandGroup(app, "trials", "Trials as files of other programs")
+          .add_subcommand("export",
+                          "Write the trials of a file for other programs");
+  command->add_option("data", flags->data, "Trial file")->required();
+  command
+      ->add_option("--format", flags->format,
+                   "npz or csv (one file a trial), or hdf5 (one trial file)")
+      ->required();
+  command->add_option("--out", flags->out, "Folder to write to")->required();
+  command->add_option("--trial", flags->trials,
+                      "Id of a trial to write; may be repeated. All without");
+  command->add_flag("--json", flags->json, "Print one JSON object on stdout");
+  command->callback([=] { select([=] { return RunExportTrials(*flags); }); });
+}
+
+}  // namespace tactus::client

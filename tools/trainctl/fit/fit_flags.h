@@ -1,0 +1,71 @@
+// File: fit_flags.h
+//
+// FitFlags: the flags that decide how models are fitted, for fit and evaluate.
+//
+//   FitFlags flags;
+//   flags.Add(*command);
+//   TACTUS_ASSIGN_OR_RETURN(const ChosenOptions chosen,
+//                           flags.Choose(loaded, display.progress()));
+//
+// The command line writes to the FitFlags, which must not move after Add(). Not
+// thread-safe.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "CLI/CLI.hpp"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "core/eval/chosen_options.h"
+#include "core/train/fit.h"
+#include "tools/trainctl/command.h"
+
+namespace tactus::client {
+
+struct FitFlags {
+  // Empty: as chosen_options.h says.
+  std::string preset;
+  std::string features = "f,m,a";
+  std::string truth;  // empty: the preset's
+  std::string shares = "recorded";
+  uint64_t seed = 1;
+  int states = 0;
+  int mixtures = 0;
+  std::optional<int> networks;
+  int epochs = 0;
+  std::optional<int> stretches;
+  int choice_work = kDefaultChoiceWork;
+  bool no_estimates = false;
+  bool skip_unusable = false;
+  std::string hmm_cues;
+  std::string lstm_cues;
+  std::string with_cues;
+  std::string without_cues;
+
+  void Add(CLI::App& command);
+  // Returns the first of these flags that was given, like "--preset"; empty if
+  // none was.
+  std::string FirstGiven() const;
+  // Returns the options of a preset, changed as the other flags say.
+  absl::StatusOr<FitOptions> Options(absl::string_view preset) const;
+  // The contacts of a trial file, with what models of these flags can use of
+  // them.
+  absl::StatusOr<LoadedContacts> Load(const std::string& data,
+                                      const std::string& layout,
+                                      const Progress& progress) const;
+  // The options for these contacts, which the result points to. `protocol`: how
+  // they will be evaluated, if they will.
+  absl::StatusOr<ChosenOptions> Choose(
+      const LoadedContacts& loaded, const Progress& progress,
+      const std::optional<Protocol>& protocol = {}) const;
+
+ private:
+  OptionsRequest Request(bool without_poses) const;
+
+  // Those that Add() made; the command owns them.
+  std::vector<const CLI::Option*> options_;
+};
+
+}  // namespace tactus::client

@@ -1,0 +1,70 @@
+#include "tools/trainctl/remote/spec.h"
+
+#include <map>
+
+#include "absl/strings/str_split.h"
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+#include "core/features/feature.h"
+#include "tools/trainctl/exit_code.h"
+
+namespace tactus::client {
+namespace {
+
+const std::map<std::string, v1::Truth> kTruths = {{"", v1::TRUTH_UNSPECIFIED},
+                                                  {"final", v1::TRUTH_FINAL},
+                                                  {"so-far", v1::TRUTH_SO_FAR}};
+
+const std::map<std::string, v1::ClassShares> kShares = {
+    {"", v1::CLASS_SHARES_UNSPECIFIED},
+    {"recorded", v1::CLASS_SHARES_RECORDED},
+    {"even", v1::CLASS_SHARES_EVEN}};
+
+// What `text` is called on the wire.
+template <typename Value>
+absl::StatusOr<Value> Named(const std::map<std::string, Value>& values,
+                            const char* flag, const std::string& text,
+                            const char* want) {
+  const auto found = values.find(text);
+  if (found != values.end()) return found->second;
+  return WithExitCode(InvalidConfig(flag, text, want), kExitUsage);
+}
+
+}  // namespace
+
+absl::StatusOr<v1::TrainSpec> TrainSpecOf(const SpecFlags& flags) {
+  v1::TrainSpec spec;
+  spec.set_preset(flags.preset);
+  if (!flags.features.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(const auto features, ParseFeatures(flags.features));
+    for (const Feature feature : features) {
+      spec.add_features(std::string(FeatureName(feature)));
+    }
+  }
+  TACTUS_ASSIGN_OR_RETURN(
+      const v1::Truth truth,
+      Named(kTruths, "--truth", flags.truth, "final or so-far"));
+  spec.set_truth(truth);
+  TACTUS_ASSIGN_OR_RETURN(
+      const v1::ClassShares shares,
+      Named(kShares, "--shares", flags.shares, "recorded or even"));
+  spec.set_shares(shares);
+  spec.set_seed(flags.seed);
+  if (flags.networks) spec.set_networks(*flags.networks);
+  if (flags.epochs) spec.set_epochs(*flags.epochs);
+  if (flags.hmms_per_class) spec.set_hmms_per_class(*flags.hmms_per_class);
+  if (flags.choice_work) spec.set_choice_work(*flags.choice_work);
+  if (!flags.with_cues.empty()) {
+    for (const auto cue : absl::StrSplit(flags.with_cues, ',')) {
+      spec.add_with_cues(std::string(cue));
+    }
+  }
+  if (!flags.without_cues.empty()) {
+    for (const auto cue : absl::StrSplit(flags.without_cues, ',')) {
+      spec.add_without_cues(std::string(cue));
+    }
+  }
+  return spec;
+}
+
+}  // namespace tactus::client

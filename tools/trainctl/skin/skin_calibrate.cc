@@ -1,0 +1,287 @@
+// trainctl skin calibrate: measures an untouched skin.
+#include <algorithm>
+#include <chrono>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "client/drivers/calibration/calibration_json.h"
+#include "client/drivers/calibration/tare.h"
+#include "core/base/errors.h"
+#include "core/base/status_macros.h"
+#include "core/files/draft_file.h"
+#include "core/skin/layout_json.h"
+#include "tools/common/measured_rate.h"
+#include "tools/common/skin_source.h"
+#include "tools/trainctl/live_commands.h"
+#include "tools/trainctl/skin/gain_file.h"
+#include "tools/trainctl/text.h"
+
+namespace tactus::client {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// A skin that sends nothing for so long does not come back.
+constexpr double kSilenceS = 10;
+
+struct CalibrateFlags {
+  SkinSourceOptions source;
+  size_t frames = 300;
+  std::string before;
+  std::string gains;
+  double sweep_s = 0;
+  double margin = 0;
+  std::string out;
+  std::string layout_out;
+  bool json = false;
+};
+
+double SecondsSince(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+absl::Status ReadIdle(SkinDriver& driver, IdleFrames& idle,
+                      MeasuredRate& rate) {
+  const auto begin = Clock::now();
+  double quiet_since_s = 0;
+  SkinFrame frame;
+  while (!idle.complete()) {
+    TACTUS_ASSIGN_OR_RETURN(const ReadResult result, driver.Read(frame));
+    if (result == ReadResult::kFrame) {
+      idle.Add(frame);
+      rate.Add(frame);
+      quiet_since_s = SecondsSince(begin);
+    }
+    if (result == ReadResult::kEndOfData ||
+        SecondsSince(begin) - quiet_since_s > kSilenceS) {
+      return IoError("skin", absl::StrCat("sent only ", idle.frames(),
+                                          " of the frames to measure"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+// The largest value of each taxel in the next seconds.
+absl::StatusOr<std::vector<float>> Sweep(SkinDriver& driver,
+                                         const SkinInfo& info, double seconds) {
+  std::vector<float> values(info.layout.taxels());
+  std::vector<float> largest(values.size());
+  const auto begin = Clock::now();
+  SkinFrame frame;
+  while (SecondsSince(begin) < seconds) {
+    TACTUS_ASSIGN_OR_RETURN(const ReadResult result, driver.Read(frame));
+    if (result == ReadResult::kEndOfData) break;
+    if (result != ReadResult::kFrame) continue;
+    RawValues(info, frame, values);
+    for (size_t i = 0; i < values.size(); ++i) {
+      largest[i] = std::max(largest[i], values[i]);
+    }
+  }
+  return largest;
+}
+
+// A taxel changed at rest, or read more than at rest in a sweep.
+bool Changed(const IdleFrames& idle, const std::vector<float>& largest) {
+  for (size_t i = 0; i < largest.size(); ++i) {
+    if (!idle.valid(i)) continue;
+    const std::vector<float> series = idle.Series(i);
+    const auto [least, most] = std::ranges::minmax(series);
+    if (most > least || largest[i] > most) return true;
+  }
+  return false;
+}
+
+void AddDead(const std::vector<int>& unfelt, TaxelFaults& faults) {
+  const std::vector<int> known = faults.All();
+  for (const int taxel : unfelt) {
+    if (!std::ranges::binary_search(known, taxel)) faults.dead.push_back(taxel);
+  }
+  std::ranges::sort(faults.dead);
+}
+
+std::string ListOr(const std::vector<int>& taxels) {
+  return taxels.empty() ? "none" : absl::StrJoin(taxels, ", ");
+}
+
+struct Measured {
+  Calibration calibration;
+  double rate_hz = 0;
+  double scale = 1;
+  std::vector<int> outstanding;
+};
+
+void Print(const CalibrateFlags& flags, const Measured& measured) {
+  const Calibration& made = measured.calibration;
+  const LayoutThresholds thresholds = ThresholdsFor(made, measured.scale);
+  if (flags.json) {
+    std::cout << JsonText(
+                     Json{{"device", made.device},
+                          {"frames", made.frames},
+                          {"rate_hz", measured.rate_hz},
+                          {"baseline_median", MedianOf(made.baseline)},
+                          {"deviation_median", MedianOf(made.deviation)},
+                          {"contact_threshold", thresholds.contact_threshold},
+                          {"onset_threshold", thresholds.onset_threshold},
+                          {"dead", made.faults.dead},
+                          {"stuck", made.faults.stuck},
+                          {"noisy", made.faults.noisy},
+                          {"outstanding", measured.outstanding}})
+              << "\n";
+    return;
+  }
+  std::cout << absl::StrFormat(
+      "%s: %d frames\n"
+      "baselines: median %.4g; deviations: median %.4g, largest %.4g\n"
+      "dead taxels: %s; stuck: %s; noisy: %s\n"
+      "\"contact_threshold\": %.4g, \"onset_threshold\": %.4g   of the layout: "
+      "those of its taxels without faults\n",
+      flags.out, made.frames, MedianOf(made.baseline), MedianOf(made.deviation),
+      *std::ranges::max_element(made.deviation), ListOr(made.faults.dead),
+      ListOr(made.faults.stuck), ListOr(made.faults.noisy),
+      thresholds.contact_threshold, thresholds.onset_threshold);
+  if (!measured.outstanding.empty()) {
+    std::cout << "far above the others at rest, so look whether something lies "
+                 "there: "
+              << ListOr(measured.outstanding) << "\n";
+  }
+}
+
+absl::StatusOr<Measured> Measure(const CalibrateFlags& flags,
+                                 SkinDriver& driver) {
+  std::optional<Calibration> before;
+  if (!flags.before.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(before, ReadCalibration(flags.before));
+  }
+  TACTUS_ASSIGN_OR_RETURN(const SkinInfo info, driver.Configure());
+  TACTUS_RETURN_IF_ERROR(driver.Activate());
+  const std::string device = DeviceId(flags.source);
+  std::cerr << absl::StrFormat(
+      "%s: %s, %d x %d taxels at %g Hz; measuring %d frames, nothing must "
+      "touch the skin\n",
+      device, info.layout.name, info.layout.rows, info.layout.columns,
+      info.sample_rate_hz, flags.frames);
+  if (const std::string remarks = driver.Statistics().remarks;
+      !remarks.empty()) {
+    std::cerr << remarks << "\n";
+  }
+  IdleFrames idle(info, flags.frames);
+  MeasuredRate rate;
+  TACTUS_RETURN_IF_ERROR(ReadIdle(driver, idle, rate));
+  TACTUS_RETURN_IF_ERROR(rate.Check(info.sample_rate_hz));
+  Measured measured;
+  measured.rate_hz = rate.hz();
+  measured.scale = info.scale;
+  std::cerr << absl::StrFormat("measured rate: %.2f Hz\n", rate.hz());
+  TACTUS_ASSIGN_OR_RETURN(
+      measured.calibration,
+      Calibrate(idle, {.device = device,
+                       .before = before ? &*before : nullptr,
+                       .pressed_later = flags.sweep_s > 0,
+                       .least_margin = flags.margin}));
+  Calibration& made = measured.calibration;
+  made.created_ms = std::chrono::duration_cast<std::chrono::milliseconds>(
+                        std::chrono::system_clock::now().time_since_epoch())
+                        .count();
+  const std::vector<int> faulty = made.faults.All();
+  for (const int taxel : OutstandingTaxels(idle, made.baseline)) {
+    // A stuck taxel is no load.
+    if (!std::ranges::binary_search(faulty, taxel)) {
+      measured.outstanding.push_back(taxel);
+    }
+  }
+  if (!flags.gains.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(made.gains,
+                            ReadGains(flags.gains, info.layout.taxels()));
+  }
+  if (flags.sweep_s > 0) {
+    std::cerr << absl::StrFormat(
+        "now press every place of the skin, for %g s\n", flags.sweep_s);
+    TACTUS_ASSIGN_OR_RETURN(const std::vector<float> largest,
+                            Sweep(driver, info, flags.sweep_s));
+    if (!Changed(idle, largest)) {
+      return InvalidTrainingData(
+          "no taxel changed, not even while the skin was to be pressed; check "
+          "that it has power and that its cable is in");
+    }
+    AddDead(UnfeltTaxels(idle, made.baseline,
+                         NoiseOf(idle, made.baseline, flags.margin), largest),
+            made.faults);
+  }
+  TACTUS_RETURN_IF_ERROR(driver.Finalise());
+  return measured;
+}
+
+absl::Status RunCalibrate(CalibrateFlags flags) {
+  TACTUS_RETURN_IF_ERROR(CheckSkinFlags(flags.source));
+  TACTUS_RETURN_IF_ERROR(FindPortAloud(flags.source));
+  TACTUS_ASSIGN_OR_RETURN(const auto source, SkinSource::Make(flags.source));
+  TACTUS_ASSIGN_OR_RETURN(const Measured measured,
+                          Measure(flags, source->driver()));
+  const Calibration& made = measured.calibration;
+  TACTUS_RETURN_IF_ERROR(Validate(made));
+  TACTUS_RETURN_IF_ERROR(WriteFileBytes(flags.out, CalibrationToJson(made)));
+  if (!flags.layout_out.empty()) {
+    SkinLayout layout = made.layout;
+    const LayoutThresholds found = ThresholdsFor(made, measured.scale);
+    layout.contact_threshold = found.contact_threshold;
+    layout.onset_threshold = found.onset_threshold;
+    TACTUS_RETURN_IF_ERROR(
+        WriteFileBytes(flags.layout_out, LayoutToJson(layout) + "\n"));
+  }
+  Print(flags, measured);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddSkinCalibrate(CLI::App& app, const SelectCommand& select) {
+  auto flags = std::make_shared<CalibrateFlags>();
+  CLI::App* command =
+      CommandGroup(app, "skin", "Learn about a skin")
+          .add_subcommand("calibrate",
+                          "Measure a skin that nothing touches: offsets, "
+                          "noise, thresholds, faults");
+  command->footer(
+      "Example:\n  trainctl skin calibrate --driver=serial "
+      "--port=/dev/ttyUSB0 --out=cal.json");
+  AddSkinFlags(*command, flags->source);
+  AddDeviceFlag(*command, flags->source);
+  command->add_option("--seed", flags->source.seed,
+                      "Seed of the simulated contacts");
+  command->add_option("--frames", flags->frames, "Frames to measure")
+      ->check(CLI::Range(kMinTareFrames, size_t{10'000}))
+      ->capture_default_str();
+  command
+      ->add_option("--before", flags->before,
+                   "An earlier calibration of the skin, with which a touch "
+                   "is known more surely")
+      ->check(CLI::ExistingFile);
+  command
+      ->add_option("--gains", flags->gains,
+                   "CSV file with columns taxel, reading and load "
+                   "(docs/drivers.md)")
+      ->check(CLI::ExistingFile);
+  command
+      ->add_option("--sweep", flags->sweep_s,
+                   "Then press every place of the skin for so many "
+                   "seconds; taxels that feel nothing are dead")
+      ->check(CLI::Range(1.0, 600.0));
+  command
+      ->add_option("--margin", flags->margin,
+                   "Counts that thresholds lie above the noise at least; "
+                   "default: half of the noise's range, at least 1")
+      ->check(CLI::Range(0.0, 65'535.0));
+  command->add_option("--out", flags->out, "Calibration to write")->required();
+  command->add_option("--layout-out", flags->layout_out,
+                      "Layout to write, with the thresholds found");
+  command->add_flag("--json", flags->json, "Print one JSON object on stdout");
+  command->callback([=] { select([=] { return RunCalibrate(*flags); }); });
+}
+
+}  // namespace tactus::client
