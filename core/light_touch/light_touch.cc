@@ -32,9 +32,10 @@ LightTouchFilter::LightTouchFilter(const SkinLayout& layout,
       background_weight_(std::min(1.0, 1 / (kBackground * sample_rate_hz))),
       first_frames_(WholeFrames(kFirstBackground, sample_rate_hz)),
       drift_frames_(WholeFrames(kDrift, sample_rate_hz)),
-      valid_(taxels_, 1),
+      valid_(layout.mask.size(), 1),
       smooth_(taxels_),
       background_(taxels_),
+      moved_(taxels_),
       values_(taxels_),
       difference_(taxels_),
       regions_(taxels_),
@@ -64,9 +65,10 @@ void LightTouchFilter::Reset() {
   shaped_ = {};
   quiet_rows_ = 0;
   for (AlignedVector<float>* const each :
-       {&smooth_, &background_, &values_, &regions_, &marks_, &shape_}) {
+       {&smooth_, &background_, &values_, &regions_, &shape_}) {
     std::ranges::fill(*each, 0.0F);
   }
+  std::ranges::fill(marks_.span(), 0.0F);
 }
 
 void LightTouchFilter::Step(std::span<const float> taxels) {
@@ -81,76 +83,81 @@ void LightTouchFilter::Step(std::span<const float> taxels) {
     light_touch::MoveTowards(taxels, background, background_.data());
     return;
   }
-  StepMeans(taxels, window);
+  FindMarks(StepMeans(taxels, window, background));
   const bool light =
       region_peak_ >= static_cast<float>(light_.contact_threshold) &&
       peak_ < contact_threshold_;
   light_frames_ = light ? std::min(light_frames_ + 1, drift_frames_ + 1) : 0;
-  const float resting = light_frames_ > drift_frames_
-                            ? std::numeric_limits<float>::infinity()
-                            : light_touch::kTouchedMark;
-  Learn(taxels, background, resting);
+  Learn(light_frames_ > drift_frames_ ? std::numeric_limits<float>::infinity()
+                                      : light_touch::kTouchedMark);
 }
 
-void LightTouchFilter::StepMeans(std::span<const float> taxels, float weight) {
+RowRange LightTouchFilter::StepMeans(std::span<const float> taxels,
+                                     float weight, float background_weight) {
+  const light_touch::Felt felt = light_touch::StepMeans(
+      taxels, weight, contact_threshold_, background_weight,
+      {.valid = valid_.empty() ? nullptr : valid_.data(),
+       .background = background_.data(),
+       .smooth = smooth_.data(),
+       .moved = moved_.data(),
+       .values = values_.data(),
+       .difference = difference_.span().data()});
+  peak_ = felt.value;
+  const RowRange all = {0, rows_};
   // A region's mean is rounded by less than the tenth part of this.
   constexpr float kRounding = 1e-4F;
   const auto contact = static_cast<float>(light_.contact_threshold);
-  const light_touch::Felt felt =
-      light_touch::StepMeans(taxels, weight, contact_threshold_,
-                             contact * (1 - kRounding), contact_threshold_,
-                             {.valid = valid_.data(),
-                              .background = background_.data(),
-                              .smooth = smooth_.data(),
-                              .values = values_.data(),
-                              .difference = difference_.data()});
-  peak_ = felt.peak;
-  const RowRange all = {0, rows_};
-  const auto rows_of = [this](const light_touch::Stretch& stretch) {
-    return RowRange::Of(stretch.begin, stretch.end, columns_);
-  };
   const RowRange summed =
-      skip_quiet_rows_ ? Around(rows_of(felt.differences), region_sum_.region())
+      skip_quiet_rows_ ? Around(RowsAt(difference_.span(), felt.difference,
+                                       contact * (1 - kRounding)),
+                                region_sum_.region())
                        : all;
   Clear(summed_, summed, regions_);
   summed_ = summed;
   quiet_rows_ = static_cast<int>(rows_ - summed.size());
-  const RegionSum::Found found = region_sum_.Run(
+  region_peak_ = region_sum_.Run(
       difference_, 1.0F / static_cast<float>(light_.rows * light_.columns),
-      summed, contact, regions_);
-  region_peak_ = found.peak;
-  FindMarks(skip_quiet_rows_ ? RowRange::Join(found.loud, rows_of(felt.values))
-                             : all);
+      summed, regions_);
+  if (!skip_quiet_rows_) return all;
+  return RowRange::Join(RowsAt(regions_, region_peak_, contact),
+                        RowsAt(values_, peak_, contact_threshold_));
 }
 
 void LightTouchFilter::FindMarks(const RowRange& rows) {
-  Clear(marked_, rows, marks_);
+  Clear(marked_, rows, marks_.span());
   marked_ = rows;
-  const float mark = light_touch::Mark(
-      Part(regions_, rows), Part(values_, rows).data(),
-      {.begin = static_cast<float>(light_.onset_threshold),
-       .contact = static_cast<float>(light_.contact_threshold),
-       .strong = contact_threshold_},
-      Part(marks_, rows).data());
-  const RowRange shaped =
-      mark > 0 ? Around(rows, mark_sum_.region()) : RowRange();
+  RowRange shaped;
+  if (!rows.empty()) {
+    const float mark = light_touch::Mark(
+        Part(std::span(regions_), rows), Part(std::span(values_), rows).data(),
+        {.begin = static_cast<float>(light_.onset_threshold),
+         .contact = static_cast<float>(light_.contact_threshold),
+         .strong = contact_threshold_},
+        Part(marks_.span(), rows).data());
+    if (mark > 0) shaped = Around(rows, mark_sum_.region());
+  }
   Clear(shaped_, shaped, shape_);
   shaped_ = shaped;
 }
 
-void LightTouchFilter::Learn(std::span<const float> taxels, float weight,
-                             float resting) {
-  mark_sum_.Run(marks_, 1, shaped_, 1, mark_sums_);
-  light_touch::Learn(Part(taxels, shaped_), Part(mark_sums_, shaped_).data(),
-                     Part(difference_, shaped_).data(), weight, resting,
-                     Part(background_, shaped_).data(),
-                     Part(shape_, shaped_).data());
+void LightTouchFilter::Learn(float resting) {
   // Nothing is marked around the other rows.
-  for (const RowRange& rest :
-       {RowRange{0, shaped_.begin}, RowRange{shaped_.end, rows_}}) {
-    light_touch::MoveTowards(Part(taxels, rest), weight,
-                             Part(background_, rest).data());
+  if (!shaped_.empty()) {
+    mark_sum_.Run(marks_, 1, shaped_, mark_sums_);
+    light_touch::Learn(Part(std::span(background_), shaped_),
+                       Part(std::span(mark_sums_), shaped_).data(),
+                       Part(difference_.span(), shaped_).data(), resting,
+                       Part(std::span(moved_), shaped_).data(),
+                       Part(std::span(shape_), shaped_).data());
   }
+  background_.swap(moved_);
+}
+
+RowRange LightTouchFilter::RowsAt(std::span<const float> numbers, float largest,
+                                  float level) const {
+  if (!(largest >= level)) return {};
+  const light_touch::Stretch found = light_touch::FindReached(numbers, level);
+  return RowRange::Of(found.begin, found.end, columns_);
 }
 
 RowRange LightTouchFilter::Around(const RowRange& rows,
@@ -163,7 +170,7 @@ RowRange LightTouchFilter::Around(const RowRange& rows,
 }
 
 void LightTouchFilter::Clear(const RowRange& was, const RowRange& now,
-                             AlignedVector<float>& taxels) const {
+                             std::span<float> taxels) const {
   const RowRange before = {was.begin, std::min(was.end, now.begin)};
   const RowRange after = {std::max(was.begin, now.end), was.end};
   if (now.empty()) {

@@ -56,14 +56,14 @@ class LightTouchFilter {
   // needed for a background, and for masked taxels.
 
   // Readings above the background, at least 0.
-  std::span<const float> values() const { return {values_.data(), taxels_}; }
+  std::span<const float> values() const { return values_; }
   // Largest of them.
   float peak() const { return peak_; }
 
   // Mean above the background of the region around each taxel, over the window.
   // Of a region of even size the middle is the taxel before its centre.
   // Masked taxels and those beyond the skin's edge count as 0.
-  std::span<const float> regions() const { return {regions_.data(), taxels_}; }
+  std::span<const float> regions() const { return regions_; }
   // Largest of them; at least 0.
   float region_peak() const { return region_peak_; }
 
@@ -71,7 +71,7 @@ class LightTouchFilter {
   // region whose mean is at least contact_threshold; else 0. It never differs
   // by more than the layout's contact_threshold from the reading, so that
   // strong contacts begin and end at once.
-  std::span<const float> shape() const { return {shape_.data(), taxels_}; }
+  std::span<const float> shape() const { return shape_; }
   // False if all of the shape is 0.
   bool has_shape() const { return !shaped_.empty(); }
 
@@ -79,26 +79,26 @@ class LightTouchFilter {
   int quiet_rows() const { return quiet_rows_; }
 
  private:
-  // Writes all but the backgrounds and the shape.
-  void StepMeans(std::span<const float> taxels, float weight);
+  // Writes all but the marks, the backgrounds and the shape. Returns the rows
+  // of all taxels and regions that may be marked.
+  RowRange StepMeans(std::span<const float> taxels, float weight,
+                     float background_weight);
   // Writes the marks of `rows`; all others are 0.
   void FindMarks(const RowRange& rows);
-  // Writes the shape and moves the backgrounds.
-  void Learn(std::span<const float> taxels, float weight, float resting);
+  // Writes the shape and the backgrounds.
+  void Learn(float resting);
   // The rows of all regions that hold a taxel of `rows`.
   RowRange Around(const RowRange& rows, const RegionSum::Region& region) const;
-  std::span<const float> Part(std::span<const float> taxels,
-                              const RowRange& rows) const {
+  // The rows of `numbers` that reach `level`, if their largest does.
+  RowRange RowsAt(std::span<const float> numbers, float largest,
+                  float level) const;
+  template <typename Number>
+  std::span<Number> Part(std::span<Number> taxels, const RowRange& rows) const {
     return taxels.subspan(rows.begin * columns_, rows.size() * columns_);
-  }
-  std::span<float> Part(AlignedVector<float>& taxels,
-                        const RowRange& rows) const {
-    return std::span(taxels).subspan(rows.begin * columns_,
-                                     rows.size() * columns_);
   }
   // Sets the rows that are in `was` and not in `now` to 0.
   void Clear(const RowRange& was, const RowRange& now,
-             AlignedVector<float>& taxels) const;
+             std::span<float> taxels) const;
 
   size_t taxels_;
   size_t rows_;
@@ -116,16 +116,18 @@ class LightTouchFilter {
 
   uint64_t frames_ = 0;
   uint64_t light_frames_ = 0;
-  // 1 for a valid taxel, else 0.
+  // 1 for a valid taxel, else 0; empty if all are valid.
   AlignedVector<float> valid_;
   AlignedVector<float> smooth_;
   AlignedVector<float> background_;
+  // The backgrounds after the frame, wherever they do not rest.
+  AlignedVector<float> moved_;
   AlignedVector<float> values_;
-  AlignedVector<float> difference_;
+  SummedTaxels difference_;
   AlignedVector<float> regions_;
   // Marks of the taxels (light_touch_kernels.h), and their sums over all
   // regions that hold the taxel.
-  AlignedVector<float> marks_;
+  SummedTaxels marks_;
   AlignedVector<float> mark_sums_;
   AlignedVector<float> shape_;
   RegionSum region_sum_;

@@ -72,26 +72,6 @@ class Largest {
   float rest_ = 0;
 };
 
-// Where numbers reached a level. Without branches: noise about the level would
-// make them unpredictable.
-class Reached {
- public:
-  template <class D>
-  HWY_INLINE void Add(D d, size_t i, hn::Vec<D> x, float level) {
-    const size_t any =
-        size_t{0} - !hn::AllFalse(d, hn::Ge(x, hn::Set(d, level)));
-    const size_t begin = i | ~any;
-    const size_t end = (i + hn::MaxLanes(d)) & any;
-    begin_ = begin < begin_ ? begin : begin_;
-    end_ = end > end_ ? end : end_;
-  }
-  HWY_INLINE Stretch Result() const { return {end_ == 0 ? 0 : begin_, end_}; }
-
- private:
-  size_t begin_ = ~size_t{0};
-  size_t end_ = 0;
-};
-
 void MoveTowards(const float* taxels, size_t count, float weight,
                  float* means) {
   ForEach(count, [&](auto d, size_t i) HWY_ATTR {
@@ -101,17 +81,17 @@ void MoveTowards(const float* taxels, size_t count, float weight,
   });
 }
 
-void StepMeans(const float* HWY_RESTRICT taxels, size_t count, float weight,
-               float reach, float difference_level, float value_level,
-               Means means, Felt* felt) {
+template <bool kMasked>
+Felt StepValid(const float* HWY_RESTRICT taxels, size_t count, float weight,
+               float reach, float background_weight, const Means& means) {
   const float* HWY_RESTRICT const valid_of = means.valid;
   const float* HWY_RESTRICT const background_of = means.background;
   float* HWY_RESTRICT const smooth_of = means.smooth;
+  float* HWY_RESTRICT const moved = means.moved;
   float* HWY_RESTRICT const values = means.values;
   float* HWY_RESTRICT const differences = means.difference;
-  Largest largest;
-  Reached different;
-  Reached strong;
+  Largest value_found;
+  Largest difference_found;
   ForEach(count, [&](auto d, size_t i) HWY_ATTR {
     const auto x = Reading(d, taxels + i);
     const auto far = hn::Set(d, reach);
@@ -119,28 +99,63 @@ void StepMeans(const float* HWY_RESTRICT taxels, size_t count, float weight,
         hn::Clamp(Towards(d, hn::LoadU(d, smooth_of + i), x, weight),
                   hn::Sub(x, far), hn::Add(x, far));
     hn::StoreU(smooth, d, smooth_of + i);
-    const auto valid = hn::LoadU(d, valid_of + i);
     const auto background = hn::LoadU(d, background_of + i);
-    const auto value =
-        hn::Mul(valid, hn::Max(hn::Zero(d), hn::Sub(x, background)));
+    hn::StoreU(Towards(d, background, x, background_weight), d, moved + i);
+    auto value = hn::Max(hn::Zero(d), hn::Sub(x, background));
+    auto difference = hn::Sub(smooth, background);
+    if constexpr (kMasked) {
+      const auto valid = hn::LoadU(d, valid_of + i);
+      value = hn::Mul(valid, value);
+      difference = hn::Mul(valid, difference);
+    }
     hn::StoreU(value, d, values + i);
-    const auto difference = hn::Mul(valid, hn::Sub(smooth, background));
     hn::StoreU(difference, d, differences + i);
-    largest.Add(d, value);
-    different.Add(d, i, difference, difference_level);
-    strong.Add(d, i, value, value_level);
+    value_found.Add(d, value);
+    difference_found.Add(d, difference);
   });
-  *felt = {largest.Result(), different.Result(), strong.Result()};
+  return {value_found.Result(), difference_found.Result()};
+}
+
+void StepMeans(const float* taxels, size_t count, float weight, float reach,
+               float background_weight, const Means& means, Felt* felt) {
+  *felt = means.valid == nullptr
+              ? StepValid<false>(taxels, count, weight, reach,
+                                 background_weight, means)
+              : StepValid<true>(taxels, count, weight, reach, background_weight,
+                                means);
+}
+
+void FindReached(const float* numbers, size_t count, float level,
+                 Stretch* found) {
+  constexpr hn::CappedTag<float, kWidest> d;
+  constexpr size_t kLanes = hn::MaxLanes(d);
+  const auto reach = [&](size_t i) HWY_ATTR {
+    return !hn::AllFalse(d,
+                         hn::Ge(hn::LoadU(d, numbers + i), hn::Set(d, level)));
+  };
+  size_t begin = 0;
+  while (begin + kLanes <= count && !reach(begin)) begin += kLanes;
+  if (begin + kLanes > count) {
+    while (begin < count && !(numbers[begin] >= level)) ++begin;
+    if (begin == count) {
+      *found = {};
+      return;
+    }
+  }
+  size_t end = count;
+  while (end >= begin + kLanes && !reach(end - kLanes)) end -= kLanes;
+  if (end < begin + kLanes) {
+    while (!(numbers[end - 1] >= level)) --end;
+  }
+  *found = {begin, end};
 }
 
 // With `kTerms` above 0, that many terms.
 template <int kTerms>
-void SumTerms(const float* HWY_RESTRICT from, size_t count, size_t stride,
-              int any_terms, float scale, float level, float* HWY_RESTRICT sums,
-              Sums* result) {
+float SumTerms(const float* HWY_RESTRICT from, size_t count, size_t stride,
+               int any_terms, float scale, float* HWY_RESTRICT sums) {
   const int terms = kTerms > 0 ? kTerms : any_terms;
   Largest largest;
-  Reached loud;
   ForEach(count, [&](auto d, size_t i) HWY_ATTR {
     auto sum = hn::LoadU(d, from + i);
     for (int term = 1; term < terms; ++term) {
@@ -149,18 +164,90 @@ void SumTerms(const float* HWY_RESTRICT from, size_t count, size_t stride,
     sum = hn::Mul(sum, hn::Set(d, scale));
     hn::StoreU(sum, d, sums + i);
     largest.Add(d, sum);
-    loud.Add(d, i, sum, level);
   });
-  *result = {largest.Result(), loud.Result()};
+  return largest.Result();
 }
 
-void SumAlong(const float* from, size_t count, size_t stride, int terms,
-              float scale, float level, float* sums, Sums* result) {
+float SumAlong(const float* from, size_t count, size_t stride, int terms,
+               float scale, float* sums) {
   // The usual number, without a loop.
-  if (terms == 3) {
-    return SumTerms<3>(from, count, stride, 3, scale, level, sums, result);
+  if (terms == 3) return SumTerms<3>(from, count, stride, 3, scale, sums);
+  return SumTerms<0>(from, count, stride, terms, scale, sums);
+}
+
+// Sums of three numbers along a row, for columns that begin at `column`.
+template <class D>
+HWY_INLINE hn::Vec<D> SumBeside(D d, const Grid& grid, int row, int column) {
+  if (row < 0 || row >= grid.rows) return hn::Zero(d);
+  const float* const first = grid.from + ptrdiff_t{row} * grid.columns;
+  const float* const at = first + column;
+  constexpr int kLanes = static_cast<int>(hn::MaxLanes(d));
+  auto left = hn::LoadU(d, at - 1);
+  if (column == 0) {
+    left = hn::IfThenElse(hn::FirstN(d, 1),
+                          hn::Set(d, grid.wrap ? first[grid.columns - 1] : 0),
+                          left);
   }
-  SumTerms<0>(from, count, stride, terms, scale, level, sums, result);
+  auto right = hn::LoadU(d, at + 1);
+  if (column + kLanes == grid.columns) {
+    right = hn::IfThenElse(hn::FirstN(d, kLanes - 1), right,
+                           hn::Set(d, grid.wrap ? first[0] : 0));
+  }
+  return hn::Add(hn::Add(left, hn::LoadU(d, at)), right);
+}
+
+// Of the columns that begin at `column`, from row to row.
+template <class D>
+HWY_INLINE void SumStrip(D d, const Grid& grid, int column, int begin, int end,
+                         float scale, float* sums, Largest* largest) {
+  auto above = SumBeside(d, grid, begin - 1, column);
+  auto here = SumBeside(d, grid, begin, column);
+  auto most = hn::Zero(d);
+  for (int row = begin; row < end; ++row) {
+    const auto below = SumBeside(d, grid, row + 1, column);
+    const auto sum =
+        hn::Mul(hn::Add(hn::Add(above, here), below), hn::Set(d, scale));
+    hn::StoreU(sum, d, sums + ptrdiff_t{row} * grid.columns + column);
+    most = hn::Max(most, sum);
+    above = here;
+    here = below;
+  }
+  largest->Add(d, most);
+}
+
+// The last vector of a row may overlap the one before.
+template <class D>
+HWY_INLINE void SumStrips(D d, const Grid& grid, int begin, int end,
+                          float scale, float* sums, Largest* largest) {
+  constexpr int kLanes = static_cast<int>(hn::MaxLanes(d));
+  int column = 0;
+  for (; column + kLanes <= grid.columns; column += kLanes) {
+    SumStrip(d, grid, column, begin, end, scale, sums, largest);
+  }
+  if (column == grid.columns) return;
+  constexpr int kHalf = kLanes > 1 ? kLanes / 2 : 1;
+  if (grid.columns - column <= kHalf) {
+    SumStrip(hn::CappedTag<float, kHalf>(), grid, grid.columns - kHalf, begin,
+             end, scale, sums, largest);
+  } else {
+    SumStrip(d, grid, grid.columns - kLanes, begin, end, scale, sums, largest);
+  }
+}
+
+float SumAround(const Grid& grid, int begin, int end, float scale,
+                float* sums) {
+  constexpr hn::CappedTag<float, kWidest> widest;
+  constexpr hn::CappedTag<float, 4> narrow;
+  Largest largest;
+  if (grid.columns >= static_cast<int>(hn::MaxLanes(widest))) {
+    SumStrips(widest, grid, begin, end, scale, sums, &largest);
+  } else if (grid.columns >= static_cast<int>(hn::MaxLanes(narrow))) {
+    SumStrips(narrow, grid, begin, end, scale, sums, &largest);
+  } else {
+    SumStrips(hn::CappedTag<float, 1>(), grid, begin, end, scale, sums,
+              &largest);
+  }
+  return largest.Result();
 }
 
 float Mark(const float* regions, size_t count, const float* values,
@@ -182,18 +269,17 @@ float Mark(const float* regions, size_t count, const float* values,
   return largest.Result();
 }
 
-void Learn(const float* taxels, size_t count, const float* mark_sums,
-           const float* difference, float weight, float resting,
-           float* background, float* shape) {
+void Learn(const float* background, size_t count, const float* mark_sums,
+           const float* difference, float resting, float* moved, float* shape) {
   ForEach(count, [&](auto d, size_t i) HWY_ATTR {
     const auto marks = hn::LoadU(d, mark_sums + i);
     hn::StoreU(hn::IfThenElseZero(hn::Gt(marks, hn::Zero(d)),
                                   hn::LoadU(d, difference + i)),
                d, shape + i);
-    const auto mean = hn::LoadU(d, background + i);
-    const auto moved = Towards(d, mean, Reading(d, taxels + i), weight);
     const auto rests = hn::Ge(marks, hn::Set(d, resting));
-    hn::StoreU(hn::IfThenElse(rests, mean, moved), d, background + i);
+    hn::StoreU(hn::IfThenElse(rests, hn::LoadU(d, background + i),
+                              hn::LoadU(d, moved + i)),
+               d, moved + i);
   });
 }
 
@@ -205,7 +291,9 @@ namespace tactus::light_touch {
 
 HWY_EXPORT(MoveTowards);
 HWY_EXPORT(StepMeans);
+HWY_EXPORT(FindReached);
 HWY_EXPORT(SumAlong);
+HWY_EXPORT(SumAround);
 HWY_EXPORT(Mark);
 HWY_EXPORT(Learn);
 
@@ -215,20 +303,30 @@ void MoveTowards(std::span<const float> taxels, float weight, float* means) {
 }
 
 Felt StepMeans(std::span<const float> taxels, float weight, float reach,
-               float difference, float value, const Means& means) {
+               float background_weight, const Means& means) {
   Felt felt;
   HWY_DYNAMIC_DISPATCH(StepMeans)
-  (taxels.data(), taxels.size(), weight, reach, difference, value, means,
+  (taxels.data(), taxels.size(), weight, reach, background_weight, means,
    &felt);
   return felt;
 }
 
-Sums SumAlong(const float* from, size_t count, size_t stride, int terms,
-              float scale, float level, float* sums) {
-  Sums result;
-  HWY_DYNAMIC_DISPATCH(SumAlong)
-  (from, count, stride, terms, scale, level, sums, &result);
-  return result;
+Stretch FindReached(std::span<const float> numbers, float level) {
+  Stretch found;
+  HWY_DYNAMIC_DISPATCH(FindReached)
+  (numbers.data(), numbers.size(), level, &found);
+  return found;
+}
+
+float SumAlong(const float* from, size_t count, size_t stride, int terms,
+               float scale, float* sums) {
+  return HWY_DYNAMIC_DISPATCH(SumAlong)(from, count, stride, terms, scale,
+                                        sums);
+}
+
+float SumAround(const Grid& grid, int begin, int end, float scale,
+                float* sums) {
+  return HWY_DYNAMIC_DISPATCH(SumAround)(grid, begin, end, scale, sums);
 }
 
 float Mark(std::span<const float> regions, const float* values,
@@ -237,12 +335,11 @@ float Mark(std::span<const float> regions, const float* values,
                                     levels, marks);
 }
 
-void Learn(std::span<const float> taxels, const float* mark_sums,
-           const float* difference, float weight, float resting,
-           float* background, float* shape) {
+void Learn(std::span<const float> background, const float* mark_sums,
+           const float* difference, float resting, float* moved, float* shape) {
   HWY_DYNAMIC_DISPATCH(Learn)
-  (taxels.data(), taxels.size(), mark_sums, difference, weight, resting,
-   background, shape);
+  (background.data(), background.size(), mark_sums, difference, resting, moved,
+   shape);
 }
 
 }  // namespace tactus::light_touch

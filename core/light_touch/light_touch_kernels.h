@@ -5,8 +5,7 @@
 // bits.
 //
 //   const float peak =
-//       light_touch::StepMeans(taxels, 0.05F, 0.01F, 0.001F, 0.01F,
-//       means).peak;
+//       light_touch::StepMeans(taxels, 0.05F, 0.01F, 0.001F, means).value;
 //
 // Compiled for several vector widths by Highway. Thread-safe: free functions
 // without state. Nothing allocates.
@@ -19,19 +18,31 @@ namespace tactus::light_touch {
 
 // Arrays with one number per taxel.
 struct Means {
-  // 1 for a valid taxel, 0 for one to ignore.
+  // 1 for a valid taxel, 0 for one to ignore; null if all are valid.
   const float* valid;
   const float* background;
   // Changed.
   float* smooth;
-  // Written: max(0, taxel - background) and smooth - background of valid
-  // taxels, else 0.
+  // Written: the background moved towards its taxel; max(0, taxel - background)
+  // and smooth - background of valid taxels, else 0.
+  float* moved;
   float* values;
   float* difference;
 };
 
 // Moves each mean towards its taxel by `weight`.
 void MoveTowards(std::span<const float> taxels, float weight, float* means);
+
+// The largest numbers that StepMeans() wrote, or 0 if all are below.
+struct Felt {
+  float value = 0;
+  float difference = 0;
+};
+
+// Moves `smooth` likewise, but leaves it no further than `reach` from the
+// taxel, and the background by `background_weight`.
+Felt StepMeans(std::span<const float> taxels, float weight, float reach,
+               float background_weight, const Means& means);
 
 // The numbers that reach some level are all among begin .. end-1; both are 0 if
 // there are none.
@@ -40,29 +51,27 @@ struct Stretch {
   size_t end = 0;
 };
 
-// The largest of `values`, and where `difference` and `values` reach a level.
-struct Felt {
-  float peak = 0;
-  Stretch differences;
-  Stretch values;
-};
-
-// Moves `smooth` likewise, but leaves it no further than `reach` from the
-// taxel. `difference` and `value` are the levels of the result.
-Felt StepMeans(std::span<const float> taxels, float weight, float reach,
-               float difference, float value, const Means& means);
-
-// The largest of some numbers, or 0 if all are below, and where they reach a
-// level.
-struct Sums {
-  float peak = 0;
-  Stretch loud;
-};
+// Looks from both ends, so that noise at the level is found at once.
+Stretch FindReached(std::span<const float> numbers, float level);
 
 // Writes sums[i] = scale (from[i] + from[i + stride] + ...) of `terms` terms
-// for i < count. `level` is the level of the result.
-Sums SumAlong(const float* from, size_t count, size_t stride, int terms,
-              float scale, float level, float* sums);
+// for i < count. Returns the largest, or 0 if all are below.
+float SumAlong(const float* from, size_t count, size_t stride, int terms,
+               float scale, float* sums);
+
+// Rows of `columns` numbers each, of which the last one may be a neighbour of
+// the first. The numbers beside the first row and the last one can be read.
+struct Grid {
+  const float* from;
+  int rows;
+  int columns;
+  bool wrap;
+};
+
+// Writes scale times the sum of the 3 x 3 numbers around each one of the rows
+// begin .. end-1; those beyond the grid count as 0. `sums` has the grid's
+// shape. Returns the largest, or 0 if all are below.
+float SumAround(const Grid& grid, int begin, int end, float scale, float* sums);
 
 // A taxel is touched from when its region is at `begin` or its value at
 // `strong`, and as long as its region is at `contact`.
@@ -81,11 +90,10 @@ inline constexpr float kTouchedMark = 1024;
 float Mark(std::span<const float> regions, const float* values,
            const Levels& levels, float* marks);
 
-// Moves each background towards its taxel by `weight`, unless the sum of marks
-// around the taxel is at `resting`. Writes the shape: the difference of taxels
-// with marks around them, else 0.
-void Learn(std::span<const float> taxels, const float* mark_sums,
-           const float* difference, float weight, float resting,
-           float* background, float* shape);
+// Takes the moved background back to what it was where the sum of marks around
+// the taxel is at `resting`. Writes the shape: the difference of taxels with
+// marks around them, else 0.
+void Learn(std::span<const float> background, const float* mark_sums,
+           const float* difference, float resting, float* moved, float* shape);
 
 }  // namespace tactus::light_touch

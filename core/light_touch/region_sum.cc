@@ -12,12 +12,19 @@ RegionSum::RegionSum(const SkinLayout& layout, const Region& region)
       columns_(layout.columns),
       wrap_(layout.wrap_columns),
       region_(region),
+      square_(region.above == 1 && region.below == 1 && region.left == 1 &&
+              region.right == 1),
       row_sums_(size_t(region.above + rows_ + region.below) * columns_) {}
 
-RegionSum::Found RegionSum::Run(std::span<const float> from, float scale,
-                                const RowRange& rows, float level,
-                                std::span<float> sums) {
-  if (rows.empty()) return {};
+float RegionSum::Run(const SummedTaxels& taxels, float scale,
+                     const RowRange& rows, std::span<float> sums) {
+  if (rows.empty()) return 0;
+  const std::span<const float> from = taxels.span();
+  if (square_) {
+    return light_touch::SumAround(
+        {from.data(), rows_, columns_, wrap_}, static_cast<int>(rows.begin),
+        static_cast<int>(rows.end), scale, sums.data());
+  }
   float* const row_sums =
       row_sums_.data() + ptrdiff_t{region_.above} * columns_;
   const int beside = region_.left + region_.right;
@@ -28,35 +35,24 @@ RegionSum::Found RegionSum::Run(std::span<const float> from, float scale,
   // regions cross an end of their row, once more.
   const ptrdiff_t first = ptrdiff_t{begin} * columns_;
   const ptrdiff_t count = ptrdiff_t{end - begin} * columns_;
-  light_touch::SumAlong(&from[first], count - beside, 1, beside + 1, 1, level,
+  light_touch::SumAlong(&from[first], count - beside, 1, beside + 1, 1,
                         row_sums + first + region_.left);
-  for (int row = begin; row < end; ++row) {
-    const ptrdiff_t at = ptrdiff_t{row} * columns_;
-    SumAtEnds(&from[at], row_sums + at);
-  }
+  SumAtEnds(&from[first], end - begin, row_sums + first);
   const auto columns = static_cast<size_t>(columns_);
   const size_t at = rows.begin * columns;
-  const light_touch::Sums found = light_touch::SumAlong(
-      row_sums_.data() + at, rows.size() * columns, columns,
-      region_.above + 1 + region_.below, scale, level, &sums[at]);
-  RowRange loud = RowRange::Of(found.loud.begin, found.loud.end, columns);
-  if (!loud.empty()) loud = {rows.begin + loud.begin, rows.begin + loud.end};
-  return {found.peak, loud};
+  return light_touch::SumAlong(row_sums_.data() + at, rows.size() * columns,
+                               columns, region_.above + 1 + region_.below,
+                               scale, &sums[at]);
 }
 
-void RegionSum::SumAtEnds(const float* row, float* sums) const {
-  if (region_.left == 1 && region_.right == 1) {
-    // The usual case. Adds in the same order as SumAround().
-    const int last = columns_ - 1;
-    sums[0] = (wrap_ ? row[last] + row[0] : row[0]) + row[1];
-    const float inside = row[last - 1] + row[last];
-    sums[last] = wrap_ ? inside + row[0] : inside;
-    return;
-  }
+void RegionSum::SumAtEnds(const float* from, int rows, float* sums) const {
   const int beside = region_.left + region_.right;
-  for (int i = 0; i < beside; ++i) {
-    const int column = i < region_.left ? i : columns_ - beside + i;
-    sums[column] = SumAround(row, column);
+  for (int row = 0; row < rows; ++row) {
+    const ptrdiff_t at = ptrdiff_t{row} * columns_;
+    for (int i = 0; i < beside; ++i) {
+      const int column = i < region_.left ? i : columns_ - beside + i;
+      sums[at + column] = SumAround(from + at, column);
+    }
   }
 }
 

@@ -4,9 +4,8 @@
 // along the rows, then along the columns.
 //
 //   RegionSum sum(layout, {.above = 1, .below = 1, .left = 1, .right = 1});
-//   const RegionSum::Found found =
-//       sum.Run(taxels, /*scale=*/1.0F / 9, {.begin = 0, .end = 16},
-//               /*level=*/0.01F, means);
+//   const float largest =
+//       sum.Run(taxels, /*scale=*/1.0F / 9, {.begin = 0, .end = 16}, means);
 //
 // Taxels beyond the skin's edges count as 0. Owns its workspace: Run()
 // allocates nothing. Not thread-safe.
@@ -42,6 +41,25 @@ struct RowRange {
   size_t size() const { return end - begin; }
 };
 
+// One number for each taxel, with room beside them that kernels may read.
+class SummedTaxels {
+ public:
+  explicit SummedTaxels(size_t taxels)
+      : numbers_(kBeside + taxels + kBeside), taxels_(taxels) {}
+
+  std::span<float> span() { return {numbers_.data() + kBeside, taxels_}; }
+  std::span<const float> span() const {
+    return {numbers_.data() + kBeside, taxels_};
+  }
+
+ private:
+  // A cache line.
+  static constexpr size_t kBeside = 16;
+
+  AlignedVector<float> numbers_;
+  size_t taxels_;
+};
+
 class RegionSum {
  public:
   // How many rows and columns a region has on each side of its taxel; at least
@@ -57,29 +75,24 @@ class RegionSum {
 
   const Region& region() const { return region_; }
 
-  // The largest sum, or 0 if all are below, and the rows that hold all sums at
-  // some level.
-  struct Found {
-    float peak = 0;
-    RowRange loud;
-  };
-
   // Writes scale times the sums of `from` around the taxels of `rows`. `from`
-  // and `sums` have one number for each taxel of the skin. `level` is the level
-  // of the result.
-  Found Run(std::span<const float> from, float scale, const RowRange& rows,
-            float level, std::span<float> sums);
+  // and `sums` have one number for each taxel of the skin. Returns the largest
+  // sum, or 0 if all are below.
+  float Run(const SummedTaxels& from, float scale, const RowRange& rows,
+            std::span<float> sums);
 
  private:
   // Sum of the region's part in the taxel's own row.
   float SumAround(const float* row, int column) const;
-  // Writes the sums along a row whose regions cross one of its ends.
-  void SumAtEnds(const float* row, float* sums) const;
+  // Writes the sums along rows whose regions cross one of its ends.
+  void SumAtEnds(const float* from, int rows, float* sums) const;
 
   int rows_;
   int columns_;
   bool wrap_;
   Region region_;
+  // The usual region of 3 x 3 taxels is summed in one go.
+  bool square_;
   // The sums along the rows, with rows of zeros above and below.
   AlignedVector<float> row_sums_;
 };

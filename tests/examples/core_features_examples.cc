@@ -77,15 +77,14 @@ void LightTouchExample(const SkinLayout& layout, const FrameView& frame,
 void LightTouchKernelsExample(std::span<const float> taxels,
                               const light_touch::Means& means) {
   const float peak =
-      light_touch::StepMeans(taxels, 0.05F, 0.01F, 0.001F, 0.01F, means).peak;
+      light_touch::StepMeans(taxels, 0.05F, 0.01F, 0.001F, means).value;
 }
 
-void RegionSumExample(const SkinLayout& layout, std::span<const float> taxels,
+void RegionSumExample(const SkinLayout& layout, const SummedTaxels& taxels,
                       std::span<float> means) {
   RegionSum sum(layout, {.above = 1, .below = 1, .left = 1, .right = 1});
-  const RegionSum::Found found =
-      sum.Run(taxels, /*scale=*/1.0F / 9, {.begin = 0, .end = 16},
-              /*level=*/0.01F, means);
+  const float largest =
+      sum.Run(taxels, /*scale=*/1.0F / 9, {.begin = 0, .end = 16}, means);
 }
 
 void LoadProfileExample(Segmenter& segmenter, const FrameView& frame,
