@@ -9,6 +9,7 @@
 #include "core/base/random.h"
 #include "core/base/status_macros.h"
 #include "core/hmm/expectation.h"
+#include "core/hmm/floored_covariance.h"
 
 namespace tactus {
 namespace {

@@ -49,13 +49,4 @@ GaussianHmm WithCovarianceType(const GaussianHmm& model, CovarianceType type);
 // Writes the covariance of `state` in full, row-major, to `out` [D x D].
 void FullCovariance(const GaussianHmm& model, int state, double* out);
 
-// Stores `covariance` [D x D, symmetric] as that of `state`, in the model's
-// form (spherical: the mean of the variances). Raises eigenvalues or variances
-// below `floor` to `floor`, and for full covariances also to 1e-10 of the
-// largest eigenvalue, so that a Cholesky factor exists in double precision.
-// This is the maximum-likelihood estimate under that constraint, so Baum-Welch
-// stays monotone. Returns true if any value was raised.
-bool SetFlooredCovariance(const std::vector<double>& covariance, double floor,
-                          int state, GaussianHmm& model);
-
 }  // namespace tactus

@@ -9,7 +9,7 @@
 #include "core/base/text.h"
 #include "core/contacts/class_counts.h"
 #include "core/contacts/folds.h"
-#include "core/eval/train_spec.h"
+#include "core/train/train_spec.h"
 #include "server/names/resource_names.h"
 #include "server/records/pinned_version.h"
 #include "server/rpc/control_handlers.h"

@@ -6,6 +6,7 @@
 #include "core/base/status_macros.h"
 #include "core/hmm/baum_welch.h"
 #include "core/hmm/expectation.h"
+#include "core/hmm/floored_covariance.h"
 #include "core/hmm/forward_backward.h"
 #include "core/hmm/gaussian_hmm.h"
 #include "core/hmm/hmm_bank.h"
@@ -43,6 +44,12 @@ void ForwardBackwardExample(const SequenceBatch& batch,
   smoother.SetModel(model);
   smoother.Add(batch, Counts::kAll);
   smoother.AddTo(counts);
+}
+
+void FlooredCovarianceExample(const std::vector<double>& covariance, int state,
+                              GaussianHmm& model) {
+  const bool raised =
+      SetFlooredCovariance(covariance, /*floor=*/1e-6, state, model);
 }
 
 absl::Status GaussianHmmExample(const Sequences& sequences,

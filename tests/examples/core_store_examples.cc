@@ -8,7 +8,6 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/base/status_proto.h"
-#include "core/eval/train_spec.h"
 #include "core/store/abandoned_uploads.h"
 #include "core/store/accept_catalog.h"
 #include "core/store/audit.h"
@@ -26,6 +25,7 @@
 #include "core/store/records.h"
 #include "core/store/sqlite_catalog.h"
 #include "core/store/tables.h"
+#include "core/train/train_spec.h"
 #include "tactus/v1/training.pb.h"
 
 namespace tactus::examples {

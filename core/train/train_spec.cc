@@ -1,4 +1,4 @@
-#include "core/eval/train_spec.h"
+#include "core/train/train_spec.h"
 
 #include <string>
 #include <vector>

@@ -1,6 +1,6 @@
 // Training as a request describes it: what it changes of a preset, and what is
 // refused.
-#include "core/eval/train_spec.h"
+#include "core/train/train_spec.h"
 
 #include <algorithm>
 #include <functional>
