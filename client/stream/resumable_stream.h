@@ -22,15 +22,12 @@
 //
 // What it resumes after:
 //   - UNAVAILABLE, which a server that drains also returns, a broken
-//   connection,
-//     and a timeout of `timeouts`;
+//     connection, and a timeout of `timeouts`;
 //   - an end that the robot did not ask for: the server ends the stream with
-//   OK,
-//     or because it was idle. After an idle end it waits until there is
+//     OK, or because it was idle. After an idle end it waits until there is
 //     something to send;
 //   - STREAM_LIMIT while it resumes: the server may still count the lost
-//   stream,
-//     or many robots return at once.
+//     stream, or many robots return at once.
 // Any other status of the server ends it at once: INVALID_ARGUMENT, NOT_FOUND,
 // PERMISSION_DENIED, UNAUTHENTICATED, FAILED_PRECONDITION and the like, and
 // RESOURCE_EXHAUSTED for another reason, because the same frames would fail

@@ -15,8 +15,8 @@ namespace tactus {
 enum class ThreadPriority {
   // Runs soon after it wakes up, even if background threads keep all processors
   // busy. Asks for time slices of 0.1 ms, which needs no privilege; Linux
-  // before
-  // 6.12 ignores it. Niceness stays as it is, and so does a real-time policy.
+  // before 6.12 ignores it. Niceness stays as it is, and so does a real-time
+  // policy.
   kPrompt,
   // Niceness 19 and time slices of 20 ms: all the time that nobody else wants,
   // and a little more, so that it never starves.

@@ -13,8 +13,7 @@
 //   - the delimiter: comma, semicolon, tab, | or blanks, by which of them most
 //     lines are numbers;
 //   - the decimal sign: a comma if a cell has one that separates no cells. It
-//   is
-//     refused if it could as well separate thousands;
+//     is refused if it could as well separate thousands;
 //   - the header: a first line of names, or of numbers in order (0, 1, 2 ...).
 // Not read as numbers: lines that begin with #, % or //, empty lines, one empty
 // cell at the end of every line, and a column without a name that counts the

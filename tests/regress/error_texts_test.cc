@@ -235,8 +235,7 @@ std::vector<std::string> Matches(const std::string& text,
 }
 
 // The real commands of trainctl with their flags, e.g. "trainctl jobs list"
-// with
-// {"--json", ...}.
+// with {"--json", ...}.
 class Commands {
  public:
   Commands() {

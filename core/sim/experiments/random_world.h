@@ -16,11 +16,11 @@
 // | Poisson's ratio | 0.2 to 0.49, uniform |
 // | edge of the cube | 1 to 20 cm, uniform |
 // | fixed | half of the objects |
-// | arm | stiffness, speed and goal log-uniform, from a quarter of the paper's
-// | |     | smallest to four times its largest | | approach | free motion for
-// up to 1 s before the touch, in half of them | | place, tilt | DrawPlacement |
-// | poses | noise 0.05 to 2 mm, log-uniform; gain error up to 2 %; with the
-// | | skin `paper` 1 um and none |
+// | arm | stiffness, speed and goal log-uniform, 1/4 to 4 times the paper's |
+// | approach | free for up to 1 s before the touch, in half of them |
+// | place, tilt | DrawPlacement |
+// | poses | noise 0.05 to 2 mm, log-uniform; gain error up to 2 % |
+// | poses, skin `paper` | noise 1 um, no gain error |
 //
 // Contact n is a function of seed and n: a caller holds one at a time, and
 // workers share nothing. Two seeds have no contact, material or arm in common.

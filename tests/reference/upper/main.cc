@@ -9,16 +9,16 @@
 // | label | N | category in the end |
 // | material | N | name of the material |
 // | condition | N | name of the robot condition |
-// | felt | N x 500 x 4 | largest taxel (N), area (m^2), motion (m) and net
-// | | | force (N) since onset; NaN where not touched or after the end |
-// | onset | N | frames from the touch to the onset; below 0 if the skin felt
-// | | | something earlier; 0 for a trial file |
-// | moved | N | frames since onset until the object has moved by kMovedM; -1 if
-// | | | it never does |
-// | true | N x 500 x 3 | force, area and motion since the touch, without noise;
-// | | | NaN for a trial file
+// | felt | N x 500 x 4 | largest taxel (N), area (m^2), motion (m), net force |
+// | onset | N | frames from the touch to the onset |
+// | moved | N | frames since onset until the object has moved by kMovedM |
+// | true | N x 500 x 3 | force, area and motion since the touch, no noise |
 // | cues | N x 6 x C | derived cues at kAnytimeSeconds; C names in cue_names |
 // | posterior | N x 6 x 4 | answers of --model at those times |
+//
+// `felt` counts from the onset and is NaN where the object is not touched or
+// after the end. `onset` is below 0 if the skin felt something earlier, and 0
+// for a trial file, of which `true` is NaN. `moved` is -1 if it never moves.
 //
 // Each array is a file, felt.npy and so on, in the folder --out. Only felt
 // contacts are written; `recorded` is how many contacts there were.

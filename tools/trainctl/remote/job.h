@@ -4,7 +4,8 @@
 // print it, and end as it did.
 //
 //   TACTUS_ASSIGN_OR_RETURN(const v1::Operation job,
-//   client.TrainModel(request)); return FollowJob(client, flags, job);
+//                           client.TrainModel(request));
+//   return FollowJob(client, flags, job);
 //
 // Thread-safe, except that one job at a time can be followed.
 #pragma once
