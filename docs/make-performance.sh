@@ -5,7 +5,7 @@
 #   docs/make-performance.sh            a quarter of an hour on two quiet cores
 #   docs/make-performance.sh --quick    only shows that it works
 #
-# The benchmarks served and fit-scale have pages in docs/results/. Needs a release
+# The benchmarks served and fit-scale have pages in research/results/. Needs a release
 # build, and PyTorch for the peer of the LSTM (apt-get install python3-torch).
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

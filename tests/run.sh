@@ -3,8 +3,8 @@
 #
 #   tests/run.sh               installs what is missing, checks the formatting,
 #                              builds the release preset, runs the quick tests
-#   tests/run.sh --full        the long tests too, and trains the default bundle
-#                              again
+#   tests/run.sh --full        the long tests and research/ too, and trains the
+#                              default bundle again
 #   tests/run.sh --sanitize    the quick tests under the asan and tsan presets
 #                              too (tsan: those of code that has threads)
 #   tests/run.sh --install     every way to install, from minimal roots
@@ -57,7 +57,7 @@ report() {
 trap report EXIT
 
 check_format() {
-  find core server client tools tests examples \( -name '*.cc' -o -name '*.h' \) -print0 |
+  find core server client tools tests research examples \( -name '*.cc' -o -name '*.h' \) -print0 |
     xargs -0 -r clang-format --dry-run -Werror
 }
 
@@ -75,13 +75,16 @@ build_and_test() {
   shift
   local wrap=()
   [[ $preset == release ]] || wrap=("${plain_addresses[@]}")
-  step "$preset: configure" cmake --preset "$preset"
+  step "$preset: configure" cmake --preset "$preset" -D TACTUS_RESEARCH="$research"
   step "$preset: build" "${wrap[@]}" \
     cmake --build --preset "$preset" --parallel "$(nproc)"
   step "$preset: test" "${wrap[@]}" \
     ctest --preset "$preset" --parallel 2 --no-tests=error --timeout 600 "$@"
 }
 
+# The studies and their tests are a part of the long run.
+research=OFF
+[[ $full == no ]] || research=ON
 quick=(--label-exclude '^long$')
 release_tests=("${quick[@]}")
 [[ $full == no ]] || release_tests=()

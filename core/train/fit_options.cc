@@ -70,7 +70,7 @@ FitOptions WorldPreset() {
   return options;
 }
 
-// Where on the skin the load is, by HMMs alone (docs/recordings.md).
+// Where on the skin the load is, by HMMs alone (research/recordings.md).
 FitOptions ProfilePreset() {
   FitOptions options;
   options.hmm_cues = ProfileCues();

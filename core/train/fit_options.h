@@ -115,7 +115,7 @@ bool UsesWholeSkin(const FitOptions& options);
 // (docs/simulator.md). No copies, held-out contacts instead of inner folds, and
 // answers about the category so far.
 // "profile": mixtures of HMMs on the load profile, for recordings on a skin
-// whose place matters (docs/recordings.md).
+// whose place matters (research/recordings.md).
 // "pattern": mixtures of HMMs on a learned linear embedding of all taxels, for
 // skins on which the place or the pattern of the load is the information.
 // "whole-skin": the same on the whole skin's load without its places, for

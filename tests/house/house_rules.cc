@@ -19,9 +19,9 @@ constexpr int kMaxLines = 600;
 constexpr int kMaxAdapterLines = 300;
 
 // Where files lie that pages name.
-constexpr std::array<absl::string_view, 9> kNamedFolders = {
-    "core",  "server", "client", "tools",   "tests",
-    "proto", "docs",   "deploy", "examples"};
+constexpr std::array<absl::string_view, 10> kNamedFolders = {
+    "core",  "server", "client", "tools",    "tests",
+    "proto", "docs",   "deploy", "examples", "research"};
 
 // Plain types that any room of core may use, wherever they live.
 constexpr std::array<absl::string_view, 1> kPlainHeaders = {
@@ -178,8 +178,11 @@ std::string WhyNot(const std::string& path, const std::string& header,
   if (from("server/") && to("client/")) return "server does not know client";
   if (from("client/") && to("server/")) return "client does not know server";
   if (from("tools/") && to("server/")) return "tools do not know server";
-  if (!from("tests/") && to("tests/")) return "only tests know tests";
-  if (!from("tools/") && !from("tests/") && to("tools/")) {
+  // Tests, and the studies that stand beside them.
+  const bool beside = from("tests/") || from("research/");
+  if (!beside && to("tests/")) return "only tests know tests";
+  if (!beside && to("research/")) return "only studies know studies";
+  if (!from("tools/") && !beside && to("tools/")) {
     return "only tools know tools";
   }
   for (const absl::string_view room : kRoomsWithoutGrpc) {

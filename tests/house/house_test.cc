@@ -36,7 +36,7 @@ int ForEachSource(
     const std::function<void(const std::string&, const std::string&)>& check) {
   int files = 0;
   for (const char* top :
-       {"core", "server", "client", "tools", "tests", "examples"}) {
+       {"core", "server", "client", "tools", "tests", "research", "examples"}) {
     if (!fs::exists(fs::path(Root()) / top)) continue;
     for (const auto& entry :
          fs::recursive_directory_iterator(fs::path(Root()) / top)) {
@@ -112,7 +112,7 @@ TEST(HouseTest, ThreadSanitizerSeesEveryRoomOfCoreThatHasThreads) {
 
 TEST(HouseTest, PagesNameFilesThatExist) {
   std::vector<fs::path> pages;
-  for (const char* folder : {"", "docs", "docs/results"}) {
+  for (const char* folder : {"", "docs", "research", "research/results"}) {
     for (const auto& entry :
          fs::directory_iterator(fs::path(Root()) / folder)) {
       if (entry.path().extension() == ".md") pages.push_back(entry.path());
