@@ -50,7 +50,7 @@ class TactusServer {
     int connection_idle_ms = limits::kConnectionIdleMs;
     // 0 means none, for each of these.
     int max_streams_per_peer = limits::kMaxStreamsPerPeer;
-    // Of one token, certificate or, without credentials, peer.
+    // A client is a token, a certificate or, without credentials, a peer.
     int max_streams_per_client = 0;
     int first_message_timeout_ms = limits::kFirstMessageTimeoutMs;
     int idle_timeout_ms = limits::kIdleTimeoutMs;

@@ -41,12 +41,12 @@
 namespace tactus::client {
 
 struct CalibratedDriverOptions {
-  // Of the skin in use; compared with the calibration's.
+  // Name of the skin in use; compared with the calibration's.
   std::string device = {};
   std::optional<Calibration> calibration = std::nullopt;
   // 0: no tare; then there must be a calibration. Else kMinTareFrames or more.
   size_t tare_frames = 0;
-  // Of an earlier tare of these very frames, in the place of a new one; empty:
+  // Offsets of an earlier tare of these very frames, not of a new one; empty:
   // none.
   std::vector<double> tare = {};
   // 0: the drift is not followed. Needs a calibration.

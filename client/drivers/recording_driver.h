@@ -82,7 +82,7 @@ class RecordingDriver : public LabelledDriver {
   std::optional<RecordedCalibration> calibration_;
   // Frames that are played are u16.
   bool is_u16_ = false;
-  // Of the last frame.
+  // Pose of the last frame, and its trial.
   Pose pose_;
   Trial trial_;
   // Trials that have begun.

@@ -39,7 +39,7 @@ class FrameEncoder {
   uint32_t frames() const { return request_.frames().frame_count(); }
   // Bytes of the message so far, about.
   size_t bytes() const;
-  // Of the frame added last; 0 before the first.
+  // Number of the frame added last; 0 before the first.
   uint64_t last_sequence() const { return next_sequence_ - 1; }
 
  private:

@@ -41,7 +41,7 @@ class MessageRing {
   void Clear() { begin_ = end_; }
 
   bool empty() const { return begin_ == end_; }
-  // Of the first record, and behind the last.
+  // Places of the first record, and behind the last.
   Position begin() const { return begin_; }
   Position end() const { return end_; }
   Position Next(Position at) const;

@@ -96,7 +96,7 @@ class ResumableStream {
     uint64_t resumed = 0;
     // Frames that were sent again.
     uint64_t replayed_frames = 0;
-    // Of the streams after the first, those that began in the middle of
+    // Streams after the first that began in the middle of
     // something: the frames before were no longer kept.
     uint64_t without_beginning = 0;
   };

@@ -95,7 +95,7 @@ class StreamHistory {
   size_t capacity() const { return ring_.capacity(); }
 
  private:
-  // Of a message, before its bytes.
+  // Stands before the bytes of a message.
   struct Head {
     uint64_t first_sequence = 0;
     uint64_t last_sequence = 0;
@@ -137,7 +137,7 @@ class StreamHistory {
   // The largest sequence number that any stream got.
   uint64_t sent_ = 0;
   uint64_t replayed_frames_ = 0;
-  // Of the current trial.
+  // Frames of the current trial, and those missing from it.
   uint64_t trial_frames_ = 0;
   uint64_t missing_ = 0;
   bool ending_ = false;

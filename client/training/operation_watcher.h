@@ -60,7 +60,7 @@ class OperationWatcher {
 
   std::mutex mutex_;
   bool cancelled_ = false;
-  // Of the call that is under way; null without one.
+  // Context of the call that is under way; null without one.
   grpc::ClientContext* context_ = nullptr;
 };
 

@@ -21,7 +21,7 @@ using std::chrono::milliseconds;
 // Twice gRPC's default: GetDataset returns all versions at once.
 constexpr int kMaxResponseBytes = 8 * 1024 * 1024;
 constexpr int kPageSize = 1'000;
-// Of one message of ImportModel, by the contract.
+// Largest message of ImportModel, by the contract.
 constexpr size_t kChunkBytes = 1024 * 1024;
 
 // One call with one request and one response.

@@ -99,7 +99,7 @@ class Download {
   const std::string& version_;
   const DownloadOptions& options_;
   TrialUnpacker unpacker_;
-  // Of the pack, as far as it was handed to the unpacker.
+  // Size and checksum of the pack, as far as the unpacker has it.
   int64_t size_ = 0;
   uint32_t crc32c_ = 0;
   bool may_repeat_ = true;

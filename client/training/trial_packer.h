@@ -57,7 +57,7 @@ class TrialPacker {
 
   // True if Next has returned the end.
   bool ended() const { return ended_; }
-  // Of all chunks that Next has returned.
+  // Size and checksum of all chunks that Next has returned.
   int64_t size() const { return size_; }
   uint32_t crc32c() const { return crc32c_; }
   uint64_t trials() const { return trials_; }

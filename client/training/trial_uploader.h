@@ -76,7 +76,7 @@ class TrialUploader {
   const UploadOptions options_;
 
   std::string upload_;
-  // Of the pack; what the server has.
+  // Bytes of the pack that the server has.
   int64_t committed_ = 0;
   // Sent, but not confirmed: from `committed_` on, without gaps.
   std::deque<PackChunk> unconfirmed_;

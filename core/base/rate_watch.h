@@ -32,7 +32,7 @@ class RateWatch {
 
   // True if Add was true.
   bool differs() const { return differs_; }
-  // Of the last window; 0 before the first.
+  // The rate in the last window; 0 before the first.
   double measured_hz() const { return measured_hz_; }
   double stated_hz() const { return stated_hz_; }
 

@@ -16,8 +16,8 @@ using google::protobuf::internal::WireFormatLite;
 using google::protobuf::io::CodedInputStream;
 
 constexpr char kWrongEncoding[] = "its encoding is wrong";
-// Of a string beside its bytes, of a message beside its fields, and of a number
-// in a list: each with the allocator's overhead and that of a growing list.
+// Memory of a string beside its bytes, of a message beside its fields, and of a
+// number in a list, with the overhead of allocator and growing list.
 constexpr int64_t kStringBytes = 64;
 constexpr int64_t kMessageBytes = 64;
 constexpr int64_t kFieldBytes = 32;

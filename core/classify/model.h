@@ -52,7 +52,7 @@ struct InputSpec {
   StepIntervals lstm_steps;
   // Frames per second the models were trained at.
   double sample_rate_hz = 100;
-  // Of no taxels unless an input is made from them.
+  // Has no taxels unless an input is made from them.
   TaxelEmbedding embedding;
 };
 

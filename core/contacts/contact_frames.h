@@ -91,12 +91,12 @@ class ContactFrames {
   Numbers numbers(size_t t) const {
     return {features_[t], net_force(t), touched(t), spread(t)};
   }
-  // Of plain frames.
+  // Appends a plain frame.
   void push_back_numbers(const Numbers& numbers);
   // Replaces the numbers, and nothing else, of any frame.
   void SetNumbers(size_t t, const Numbers& numbers);
 
-  // Of all numbers and taxels.
+  // Size of all numbers and taxels.
   size_t bytes() const;
 
   // Keeps the memory.

@@ -34,7 +34,7 @@ struct WorldRecipe {
   std::vector<std::string> skins = {"good"};
   uint64_t contacts = 1000;
   uint64_t seed = 1;
-  // Of ideal signals.
+  // Noise of ideal signals.
   SignalNoise noise;
   // Without poses the motion is that of the centroid along the skin.
   bool poses = true;

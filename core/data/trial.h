@@ -67,9 +67,9 @@ struct Trial {
   std::string object;
   // Folds of leave-one-material-out.
   std::string material;
-  // Of the object, N/m; 0 if unknown.
+  // Stiffness of the object, N/m; 0 if unknown.
   double stiffness = 0;
-  // Of the arm's equilibrium point, m/s; 0 if unknown.
+  // Speed of the arm's equilibrium point, m/s; 0 if unknown.
   double velocity = 0;
   double sample_rate_hz = 100;
   // Layout class of `taxels`, e.g. "cody-forearm"; empty without taxels.

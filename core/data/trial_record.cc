@@ -41,7 +41,7 @@ v1::TaxelUnit UnitToProto(const std::string& unit) {
   return unit == "counts" ? v1::TAXEL_UNIT_COUNTS : v1::TAXEL_UNIT_NEWTON;
 }
 
-// Of a trial whose skin is not known, only what the trial says of it.
+// If the skin is not known, the geometry has only what the trial says of it.
 v1::SensorGeometry GeometryOf(const Trial& trial) {
   if (const auto layout = LayoutOfTrial(trial); layout.ok()) {
     return LayoutToProto(*layout);

@@ -55,7 +55,7 @@ struct FrameFeatures {
   // The touched taxels of the whole skin; empty if untouched, or if the tracker
   // does not copy them. Valid until the next Step().
   std::span<const TaxelLoad> loads = {};
-  // Of the largest region; zero if untouched, or if the tracker does not
+  // Spread of the largest region; zero if untouched, or if the tracker does not
   // measure it.
   LoadSpread spread = {};
   // Number of regions on the skin.

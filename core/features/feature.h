@@ -55,7 +55,7 @@ struct ContactSample {
   // signals, and if nobody needs them. Refers to the memory of whoever made the
   // sample.
   std::span<const TaxelLoad> loads = {};
-  // Of the whole region. Zero for ideal signals, and if nobody needs it.
+  // Spread of the whole region. Zero for ideal signals, and if not needed.
   LoadSpread spread = {};
 };
 

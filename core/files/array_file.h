@@ -23,7 +23,7 @@ namespace tactus {
 // What a file does not say of itself.
 struct ArrayFormat {
   NumberTextFormat text;
-  // Of HDF5 files: in which order the numbers of a dataset lie.
+  // The order in which the numbers of an HDF5 dataset lie.
   Hdf5Order order = Hdf5Order::kAsTheFileSays;
 };
 

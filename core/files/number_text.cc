@@ -26,7 +26,7 @@ using Cells = std::vector<absl::string_view>;
 constexpr size_t kSampledLines = 50;
 // A line of fewer numbers in order may as well be a frame.
 constexpr size_t kLeastNumbersInOrder = 4;
-// Of equal delimiters the first is taken.
+// The first of several equally good delimiters is taken.
 constexpr std::array<char, 5> kDelimiters = {'\t', ';', '|', ',', ' '};
 
 struct Line {

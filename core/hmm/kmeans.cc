@@ -160,7 +160,7 @@ class Clustering {
   const Points& points_;
   Points centres_;
   std::vector<int> cluster_of_;
-  // Of the distance to the own centre, and to each centre [clusters x points].
+  // Bounds on the distance to the own centre, and to each [clusters x points].
   Eigen::VectorXd upper_;
   Eigen::MatrixXd lower_;
   bool bounded_ = false;

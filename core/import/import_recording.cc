@@ -209,12 +209,12 @@ class RecordingImport {
   std::optional<ContactCutter> cutter_;
   RecordedTrial trial_;
   ImportNotes notes_;
-  // Of the recording, and those before the trial.
+  // Contacts of the recording, and those before the trial.
   size_t contacts_ = 0;
   size_t contacts_before_ = 0;
   size_t imported_ = 0;
   size_t raw_frames_ = 0;
-  // Of the trial.
+  // Frames of the trial.
   size_t frames_ = 0;
 };
 

@@ -243,7 +243,7 @@ class SkinFolder {
             absl::StrCat("the file has ", shape.empty() ? 0 : shape.front(),
                          " times; there are ", frames, " frames"));
       }
-      // Of several columns the first one.
+      // The first of several columns is the time.
       trial.time.clear();
       const size_t width = file.size() / frames;
       for (size_t t = 0; t < frames; ++t) {

@@ -12,7 +12,7 @@ namespace {
 constexpr size_t kLeastRisingFrames = 8;
 // A counter of 4 bits or more begins again after as many frames.
 constexpr size_t kLeastFramesPerFall = 16;
-// Of the mean step.
+// Least and largest step of a steady column, as fractions of the mean one.
 constexpr double kLeastStep = 0.5;
 constexpr double kMostStep = 2;
 

@@ -27,7 +27,7 @@ struct RosBytes {
 
 namespace ros::message_traits {
 
-// Of any type.
+// Accepts messages of any type.
 template <>
 struct MD5Sum<tactus::RosBytes> {
   static const char* value() { return "*"; }

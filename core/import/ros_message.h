@@ -39,7 +39,7 @@ class RosMessageType {
     std::string type;
     std::string name;
     bool is_array = false;
-    // Of an array; -1 if each message states it.
+    // Length of an array; -1 if each message states it.
     int count = -1;
   };
   class Reader;

@@ -63,9 +63,9 @@ struct SkinFile {
   // of either, "c1..c16". Empty: all others.
   std::vector<std::string> taxel_columns;
   RepeatedTimes repeated_times = RepeatedTimes::kRefused;
-  // Of HDF5 and .npz files and bags, where the table names none.
+  // Dataset of HDF5 and .npz files and bags, where the table names none.
   std::string dataset;
-  // Of bags (ros_bag.h); the topic of the frames is `dataset`.
+  // What bags give (ros_bag.h); the topic of the frames is `dataset`.
   std::string bag_values = "normal";
   std::string pose_topic;
   // The table of trials.

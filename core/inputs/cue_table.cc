@@ -8,8 +8,8 @@
 namespace tactus {
 namespace {
 
-// Of values: of a block, which takes about a millisecond to make, and of the
-// blocks that threads share out before they are visited.
+// Bytes of a block of values, which takes about a millisecond to make, and of
+// the blocks that threads share out before they are visited.
 constexpr size_t kBlockBytes = size_t{128} << 10;
 constexpr size_t kBlocksBytes = size_t{4} << 20;
 

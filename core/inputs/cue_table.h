@@ -84,7 +84,7 @@ class CueTable {
   const VariedContacts* contacts_ = nullptr;
   std::vector<Cue> cues_;
   Options options_;
-  // Of the contacts that are no copies.
+  // Steps of the contacts that are no copies.
   std::vector<size_t> most_steps_;
   std::vector<double> values_;
   // Steps before each contact, and of all.

@@ -2,7 +2,7 @@
 //
 // LightTouchFilter: what each taxel feels above its background, at once and
 // smoothed over time, and the mean of what the regions around the taxels feel.
-// Of n readings a mean has 1 / sqrt(n) of the noise, so a region over a window
+// Averaging n readings divides the noise by sqrt(n), so a region over a window
 // of time feels contacts that no single reading shows.
 //
 //   LightTouchFilter filter(layout, /*sample_rate_hz=*/100);
@@ -61,7 +61,7 @@ class LightTouchFilter {
   float peak() const { return peak_; }
 
   // Mean above the background of the region around each taxel, over the window.
-  // Of a region of even size the middle is the taxel before its centre.
+  // The middle of a region of even size is the taxel before its centre.
   // Masked taxels and those beyond the skin's edge count as 0.
   std::span<const float> regions() const { return regions_; }
   // Largest of them; at least 0.

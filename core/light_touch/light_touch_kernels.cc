@@ -196,7 +196,7 @@ HWY_INLINE hn::Vec<D> SumBeside(D d, const Grid& grid, int row, int column) {
   return hn::Add(hn::Add(left, hn::LoadU(d, at)), right);
 }
 
-// Of the columns that begin at `column`, from row to row.
+// Sums the vector of columns that begins at `column`, from row to row.
 template <class D>
 HWY_INLINE void SumStrip(D d, const Grid& grid, int column, int begin, int end,
                          float scale, float* sums, Largest* largest) {

@@ -15,7 +15,7 @@ int64_t SizeOf(const fs::path& file) {
   return error ? 0 : static_cast<int64_t>(size);
 }
 
-// Of all files below `folder`.
+// Size of all files below `folder`.
 int64_t BytesBelow(const fs::path& folder) {
   std::error_code error;
   int64_t bytes = 0;

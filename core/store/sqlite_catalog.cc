@@ -139,7 +139,7 @@ struct Tally {
 // By the number of the table.
 using Tallies = std::map<int, Tally>;
 
-// Of the records that there are.
+// The tallies of the records that there are.
 Tallies CountRecords(SQLite::Database& database) {
   Tallies tallies;
   SQLite::Statement query(
@@ -150,7 +150,7 @@ Tallies CountRecords(SQLite::Database& database) {
   return tallies;
 }
 
-// Of the records that were written.
+// The tallies of the records that were written.
 Tallies WrittenTallies(SQLite::Database& database) {
   Tallies tallies;
   SQLite::Statement query(database, "SELECT kind, records, seals FROM tallies");

@@ -46,7 +46,7 @@ absl::Status Validate(const TaxelEmbedding& embedding);
 
 class EmbeddingTracker {
  public:
-  // Of the running mean.
+  // Window of the running mean.
   static constexpr double kWindowS = 0.2;
 
   // `sample_rate_hz` above 0. A null embedding has no values.

@@ -27,7 +27,7 @@ using Scores = std::vector<std::vector<double>>;
 // HMMs are never made more confident, because frames are not independent.
 constexpr WeightBounds kHmmBounds = {1e-4, 1};
 constexpr WeightBounds kLstmBounds = {1e-4, 4};
-// Of the tempered log-probabilities in the fused answer.
+// Bounds of the tempered log-probabilities' weights in the fused answer.
 constexpr WeightBounds kFusedBounds = {0, 2};
 // Held-out contacts are split into this many parts, each scored by a fusion
 // that is fitted to the others.
@@ -47,7 +47,7 @@ std::vector<ScoredLabel> ScoresAt(std::span<const ScoredContact> contacts,
 // The answer of one model at one time.
 struct Member {
   SoftmaxFit fit;
-  // Of each contact: tempered log-probabilities, and the loss of the label.
+  // Each contact's tempered log-probabilities, and the loss of its label.
   std::vector<std::vector<double>> log_probability;
   std::vector<double> loss;
 };
@@ -76,7 +76,7 @@ Member FitMember(std::span<const ScoredContact> contacts,
 // HMMs and LSTMs together at one time.
 struct Fusion {
   SoftmaxFit fit;
-  // Of each contact, by a fusion that is fitted to other contacts.
+  // Each contact's loss, by a fusion that is fitted to other contacts.
   std::vector<double> loss;
 };
 

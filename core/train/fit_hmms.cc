@@ -70,7 +70,7 @@ absl::StatusOr<HmmMixture> FitClassHmms(
     } else {
       const LabelledContact& contact = contacts.Get(i, made);
       AppendSequence(contact, spec.hmm, spec.hmm_steps, &spec.embedding, rows);
-      // Of a contact that only begins in this class, the beginning.
+      // A contact that only begins in this class gives its beginning.
       if (!whole) {
         rows.resize(begin +
                     dimensions * StepsBeforeMotion(contact, spec.hmm_steps));

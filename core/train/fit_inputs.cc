@@ -10,7 +10,7 @@
 namespace tactus {
 namespace {
 
-// Of each model that is fitted at the same time: those of the paper's 1,835
+// Kept for each model that is fitted at the same time: the paper's 1,835
 // trials and their copies take 20 MB.
 constexpr size_t kKeptCueBytes = size_t{32} << 20;
 

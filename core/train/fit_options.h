@@ -93,7 +93,7 @@ struct FitOptions {
   // Without calibration the scores become probabilities unchanged. The best
   // class of the HMMs alone or of the LSTMs alone stays the same.
   bool calibrate = true;
-  // What calibrated answers presume.
+  // The prior of the classes in calibrated answers.
   ClassShares shares = ClassShares::kRecorded;
   uint64_t seed = 1;
 };

@@ -33,7 +33,7 @@ std::vector<double> SortedEvidence(std::span<const ScoredContact> contacts,
   return evidence;
 }
 
-// Of the contacts that have an estimate.
+// The stiffnesses of the contacts that have an estimate.
 std::vector<double> SortedStiffness(std::span<const ScoredContact> contacts,
                                     size_t time) {
   std::vector<double> stiffness;

@@ -74,7 +74,7 @@ class Problem {
     return loss / count() + 0.5 / count() * Penalty(x);
   }
 
-  // Of one contact, without the prior. Leaves its probabilities in p_.
+  // Loss of one contact, without the prior. Leaves its probabilities in p_.
   double LossOf(size_t i, const VectorXd& x) {
     const double* scores = &scores_[At(i)];
     for (int k = 0; k < classes_; ++k) {
@@ -130,7 +130,7 @@ class Problem {
   std::vector<int> labels_;
   // [contacts][classes][models]
   std::vector<double> scores_;
-  // Of the contact that is worked on.
+  // Probabilities of the contact that is worked on, and the means of it.
   std::vector<double> p_;
   std::vector<double> mean_;
   std::vector<double> centred_;  // [models][classes]

@@ -64,7 +64,7 @@ class ModelStore {
                                           const Spool& bundle,
                                           const Caller& caller);
   // "models/M/versions/V", "models/M" for the newest version, or "aliases/A".
-  // Of built-in versions, the fields that the server knows.
+  // Built-in versions have the fields that the server knows.
   absl::StatusOr<v1::ModelVersion> Get(absl::string_view name) const;
   // The bundle as it was stored; of a built-in version, the same model encoded
   // again. MODEL_NOT_FOUND if the version was deleted since it was found.

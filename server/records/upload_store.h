@@ -152,7 +152,7 @@ class UploadStore {
   std::mutex mutex_;
   // Uploads that someone writes to.
   std::set<std::string> held_;
-  // Of uploads that nobody holds, the one that was kept last at the end.
+  // Takers of uploads that nobody holds; the one kept last is at the end.
   std::deque<std::pair<std::string, std::unique_ptr<TrialTaker>>> takers_;
 };
 

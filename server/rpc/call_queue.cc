@@ -7,7 +7,7 @@
 namespace tactus::server {
 namespace {
 
-// Of other calls, before those that were deferred have their turn.
+// Events of other calls before those that were deferred have their turn.
 constexpr int kMostEventsWhileDeferred = 64;
 
 // A task on its way to a queue's thread: an alarm that has expired.

@@ -69,7 +69,7 @@ class ContactCall {
   const grpc::ServerContext& context() const { return call_.context(); }
   // The peer that opened the stream, as PeerOf names it.
   const std::string& peer() const { return call_.peer(); }
-  // Of a stream that was admitted.
+  // The session of a stream that was admitted.
   const StreamSession& session() const { return *session_; }
 
  private:

@@ -39,7 +39,7 @@ class ContactService final : public RawContactService,
     int max_streams = 0;
     // 0 means none, for each of these.
     int max_streams_per_peer = 0;
-    // Of one token, certificate or, without credentials, peer.
+    // A client is a token, a certificate or, without credentials, a peer.
     int max_streams_per_client = 0;
     int idle_timeout_ms = 0;
     int first_message_timeout_ms = 0;
@@ -61,7 +61,7 @@ class ContactService final : public RawContactService,
   bool WaitUntilEmpty(std::chrono::milliseconds timeout);
 
   const StreamGate& gate() const { return gate_; }
-  // Of the streams that have ended.
+  // Work that the streams which have ended skipped.
   const SkipTotals& skipped() const { return skipped_; }
 
  private:

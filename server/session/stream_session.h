@@ -119,7 +119,7 @@ class StreamSession {
   // Set by config.
   StreamSettings settings_;
   std::optional<PinnedModel> pinned_;
-  // Of models_ when it was asked last.
+  // Generation of models_ when it was asked last.
   uint64_t generation_ = 0;
   // The client was sent KIND_MODEL_SUPERSEDED.
   bool superseded_ = false;

@@ -24,7 +24,7 @@ namespace {
 
 FileJournal* running_journal = nullptr;
 
-// Of errors that nothing catches, those of memory get an exit status. Threads
+// Uncaught errors of memory get an exit status. Threads
 // that cannot be started have no memory for their stack.
 [[noreturn]] void OnUncaught() {
   try {

@@ -74,7 +74,7 @@ class FitScaleBenchmark : public Benchmark {
              absl::StrCat("--data=world:skin=ideal,contacts=", trials,
                           ",seed=7"),
              "--preset=tuned", "--networks=1", "--no-estimates", "--epochs=2",
-             "--mixtures=5", "--skip-unusable", "--out=" + bundle},
+             "--hmms-per-class=5", "--skip-unusable", "--out=" + bundle},
             ChildOutput::kErrors));
     rusage used = {};
     TACTUS_RETURN_IF_ERROR(

@@ -10,7 +10,7 @@
 namespace tactus::client {
 namespace {
 
-// Of the built-in models' test contacts (research/results/world.md).
+// Seed of the built-in models' test contacts (research/results/world.md).
 constexpr uint64_t kWorldSeed = 1001;
 
 }  // namespace

@@ -153,7 +153,7 @@ struct Memory {
   double played = 0;
 };
 
-// Of `count` streams on `connections` connections.
+// Memory of `count` streams on `connections` connections.
 absl::StatusOr<Memory> StreamMemory(const FrameScript& script, int count,
                                     int connections) {
   TACTUS_ASSIGN_OR_RETURN(

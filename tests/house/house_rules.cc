@@ -17,6 +17,8 @@ namespace {
 
 constexpr int kMaxLines = 600;
 constexpr int kMaxAdapterLines = 300;
+// clang-format leaves comments as they are.
+constexpr size_t kMaxColumns = 80;
 
 // Where files lie that pages name.
 constexpr std::array<absl::string_view, 10> kNamedFolders = {
@@ -265,8 +267,21 @@ std::vector<std::string> StyleViolations(const std::string& path,
   const std::array<std::string, 2> leftovers = {std::string("TO") + "DO",
                                                 std::string("FIX") + "ME"};
   int number = 0;
+  bool in_comment = false;
   for (const std::string& line : lines) {
     ++number;
+    const absl::string_view bare = absl::StripLeadingAsciiWhitespace(line);
+    const bool is_comment = absl::StartsWith(bare, "//");
+    if (!in_comment && absl::StartsWith(bare, std::string("// O") + "f ")) {
+      violations.push_back(absl::StrCat(path, ":", number,
+                                        ": a comment names its subject first"));
+    }
+    if (is_comment && line.size() > kMaxColumns) {
+      violations.push_back(absl::StrCat(path, ":", number, ": has ",
+                                        line.size(), " columns; the limit is ",
+                                        kMaxColumns));
+    }
+    in_comment = is_comment;
     for (const std::string& word : leftovers) {
       if (!absl::StrContains(line, word)) continue;
       violations.push_back(absl::StrCat(path, ":", number, ": ", word));

@@ -319,6 +319,11 @@ TEST(StyleRuleTest, EachRuleCanFail) {
               ElementsAre(HasSubstr("core/a.cc:2")));
   EXPECT_THAT(StyleViolations("core/a.cc", std::string("// FIX") + "ME\n"),
               ElementsAre(HasSubstr("core/a.cc:1")));
+  EXPECT_THAT(
+      StyleViolations("core/a.cc", std::string("int x;\n  // O") + "f y.\n"),
+      ElementsAre(HasSubstr("core/a.cc:2: a comment names")));
+  EXPECT_THAT(StyleViolations("core/a.cc", "// " + std::string(78, 'x') + "\n"),
+              ElementsAre(HasSubstr("has 81 columns")));
   EXPECT_THAT(StyleViolations("client/a.cc", "out << json.dump();\n"),
               ElementsAre(HasSubstr("JsonText()")));
   EXPECT_THAT(StyleViolations("core/hmm/b.h", header),

@@ -14,7 +14,7 @@ using testing::RunTrainctl;
 TEST(FitFlagsWithoutEffectTest, AreRefusedBesideABundle) {
   for (const std::string flag :
        {"--preset=paper", "--choice-work=0", "--features=f", "--seed=2",
-        "--states=3", "--mixtures=2", "--networks=0", "--epochs=1",
+        "--states=3", "--hmms-per-class=2", "--networks=0", "--epochs=1",
         "--no-estimates", "--stretches=1", "--skip-unusable",
         "--hmm-cues=force", "--lstm-cues=force",
         "--with-cues=force_pitch_short", "--without-cues=log_drag"}) {

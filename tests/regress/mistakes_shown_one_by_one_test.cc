@@ -1,4 +1,4 @@
-// Of a set of files with several mistakes only the first was named, and files
+// Only the first mistake of a set of files was named, and files
 // with a frame that was stored twice had to be edited one by one. Times of
 // another unit were refused without a word about units.
 #include <string>

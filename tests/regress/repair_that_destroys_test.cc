@@ -233,7 +233,7 @@ TEST_F(RepairTest, AnOlderCatalogueLosesNoBlob) {
       (*DataDirectory::Open(PosixFileSystem(), path_))->catalog_is_older());
 }
 
-// Of a server that was killed, the log holds all since it began.
+// The log of a server that was killed holds all since it began.
 TEST_F(RepairTest, ALostWriteAheadLogIsNoticed) {
   const std::string killed = folder_ / "killed";
   {

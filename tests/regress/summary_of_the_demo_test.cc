@@ -56,7 +56,7 @@ class Capture {
   Report report;
 };
 
-// Of six: one never felt, one wrong, one decided wrongly, one undecided.
+// Six trials: one never felt, one wrong, one decided wrongly, one undecided.
 void AddAll(Report& report) {
   report.Add(Felt(4, 3, 1, 3));
   report.Add(Felt(0, 0, 0, 0));

@@ -40,7 +40,8 @@ std::string TrialsWithAShortOne(const ScratchDir& folder, int frames) {
 }
 
 std::string FitCommand(const ScratchDir& folder, int frames) {
-  return "fit --networks=1 --epochs=1 --mixtures=1 --states=2 --json --data=" +
+  return "fit --networks=1 --epochs=1 --hmms-per-class=1 --states=2 --json "
+         "--data=" +
          TrialsWithAShortOne(folder, frames) +
          " --out=" + (folder / "short_trial.tactus");
 }

@@ -75,7 +75,7 @@ class CrashFileSystem final : public FileSystem {
   absl::Status SyncDirectory(const std::string& path) override;
   absl::Status SyncAll(const std::string& path) override;
 
-  // Of a file that something else writes: call them before the change is made.
+  // For a file that something else writes: call them before the change is made.
   // OK if it may be made.
   absl::Status BeforeWrite(const std::string& path, int64_t offset,
                            int64_t size);

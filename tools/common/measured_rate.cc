@@ -11,7 +11,7 @@ namespace tactus::client {
 namespace {
 
 constexpr double kMostDifference = 0.05;
-// Of the median.
+// Shortest and longest period that counts, as fractions of the median.
 constexpr double kLeastPeriod = 0.5;
 constexpr double kMostPeriod = 1.5;
 constexpr double kPause = 5;

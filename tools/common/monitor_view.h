@@ -30,7 +30,7 @@ struct MonitorState {
   // Load of the last colour, in the same unit.
   double full_scale = 1;
 
-  // Of the contact, if the server sends features.
+  // State of the contact, if the server sends features.
   bool in_contact = false;
   uint64_t contact_id = 0;
   double contact_s = 0;

@@ -28,7 +28,7 @@ namespace tactus::client {
 struct GsUsbFirmwareOptions {
   uint32_t features = gs_usb::kHardwareStamps;
   uint32_t clock_hz = 48'000'000;
-  // Of the first time stamp.
+  // Value of the first time stamp.
   uint32_t first_stamp_us = 0;
   // Echoes have the overflow flag and no stamp, as old firmware sends them.
   bool old_echoes = false;

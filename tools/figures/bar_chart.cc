@@ -13,11 +13,11 @@ namespace tactus::client {
 namespace {
 
 constexpr int kBarWidth = 1400;
-// Of one section: its name, its axes, the names of its groups.
+// Heights of a section, of its name, and of the names of its groups.
 constexpr int kSectionHeight = 330;
 constexpr double kNameHeight = 44;
 constexpr double kGroupNameHeight = 56;
-// Of the space of one group: what its bars take together.
+// What the bars of a group take of its width.
 constexpr double kGroupFill = 0.84;
 constexpr double kValueSize = 19;
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kLineWidth = 1120;
 constexpr int kLineHeight = 800;
-// Of the counts below the plot, with the gap between the two.
+// Height of the counts below the plot, and the gap between the two.
 constexpr double kCountHeight = 150;
 constexpr double kCountGap = 36;
 

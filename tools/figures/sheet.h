@@ -25,7 +25,7 @@ enum class LegendSample { kLineAndMarker, kLine, kMarker, kBar, kDashes };
 struct LegendEntry {
   std::string name = {};
   LegendSample sample = LegendSample::kLineAndMarker;
-  // Of the series, for its colour and marker; dashes have none.
+  // Number of the series, for its colour and marker; dashes have none.
   int index = 0;
 };
 

@@ -28,7 +28,7 @@ struct LoadOptions {
   int robots = 200;
   double rate_hz = 100;
   double seconds = 10;
-  // Of `seconds`, at the start: counted, but in no percentile.
+  // First part of `seconds`, whose messages are counted, but in no percentile.
   double warm_up_seconds = 1;
   uint32_t frames_per_message = 1;
   bool sparse = false;
@@ -45,12 +45,12 @@ struct LoadReport {
   uint64_t sent = 0;
   uint64_t answered = 0;
   uint64_t lost() const { return sent - answered; }
-  // Of those lost: dropped by the server because this client read slowly.
+  // Lost ones that the server dropped because this client read slowly.
   uint64_t superseded = 0;
   // Streams that were never accepted, and that ended with an error later.
   int refused = 0;
   int failed = 0;
-  // Of the first of these.
+  // Error of the first of these.
   std::string first_error = {};
 
   // From when a message was due to its answer, in ms.

@@ -147,7 +147,7 @@ class LivePlayer {
   bool in_trial_ = false;
   uint64_t frames_ = 0;
   double stated_hz_ = 0;
-  // Of the first frames.
+  // Rate of the first frames.
   MeasuredRate rate_;
   bool rate_reported_ = false;
   uint64_t missing_ = 0;
@@ -161,7 +161,7 @@ class LivePlayer {
   uint64_t without_beginning_ = 0;
   std::vector<int> stuck_;
 
-  // Of the stream's reading thread: the last contact and its place.
+  // Used by the stream's reading thread: the last contact and its place.
   std::optional<SkinPlaces> places_;
   uint64_t placed_contact_ = 0;
   std::optional<Eigen::Vector3d> place_;

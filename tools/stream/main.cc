@@ -46,7 +46,7 @@ struct Flags {
   SkinSourceOptions source;
   TrialPlayer::Options player;
   std::string record;
-  // Of the trial that a real skin's recording is.
+  // Labels of the trial that a real skin's recording is.
   std::string label;
   std::string condition;
   std::string object;

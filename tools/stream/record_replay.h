@@ -34,7 +34,7 @@ bool IsRecording(absl::string_view path);
 // How a recording was made.
 struct RecordingStart {
   v1::StreamConfig config;
-  // Of a skin that was streamed until it was stopped, not of labelled trials.
+  // True if a skin was streamed until it was stopped, without labelled trials.
   bool is_live = false;
   // Frames of one message.
   uint32_t batch = 1;
@@ -42,7 +42,7 @@ struct RecordingStart {
   std::string device;
   // The first trial.
   RecordedTrial trial;
-  // Of a calibrated skin.
+  // Calibration of a calibrated skin.
   std::optional<CalibrationInUse> calibration;
 };
 

@@ -57,7 +57,7 @@ class Report {
     Json ToJson() const;
   };
 
-  // Of each class, and of all at the end.
+  // Counts of each class, and of all classes at the end.
   std::vector<Counts> Count() const;
   std::string Words(int class_index) const;
   // The width of a column of classes.

@@ -76,7 +76,7 @@ class ProgressDisplay {
   std::string curve_;
   // Whether the present phase has its line, if there is no terminal.
   bool announced_ = false;
-  // Of the last line on the terminal; 0 without one.
+  // Time and width of the last line on the terminal; 0 without one.
   double shown_at_ = 0;
   size_t shown_width_ = 0;
 };

@@ -12,7 +12,7 @@
 namespace tactus::client {
 namespace {
 
-// Of a slow skin, Setup waits for this many frames.
+// Setup waits for this many frames of a slow skin.
 constexpr int64_t kFirstPeriods = 8;
 
 }  // namespace

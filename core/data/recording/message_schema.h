@@ -17,7 +17,7 @@ namespace tactus {
 
 McapSchema MessageSchema(const google::protobuf::Descriptor& message);
 
-// Of JSON objects of any kind.
+// The schema of JSON objects of any kind.
 McapSchema JsonSchema(const std::string& name);
 
 }  // namespace tactus

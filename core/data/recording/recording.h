@@ -28,8 +28,8 @@ inline constexpr char kConfigTopic[] = "/skin/config";
 inline constexpr char kEndOfTrialTopic[] = "/skin/end_of_trial";
 inline constexpr char kStartedTopic[] = "/contact/started";
 inline constexpr char kResultTopic[] = "/contact/result";
-// Of a calibrated skin: what it sent, what that is like, and how loads were
-// made of it.
+// Topics of a calibrated skin: what it sent, what that is like, and how loads
+// were made of it.
 inline constexpr char kRawTopic[] = "/skin/raw";
 inline constexpr char kRawConfigTopic[] = "/skin/raw_config";
 inline constexpr char kCalibrationTopic[] = "/skin/calibration";
@@ -54,7 +54,7 @@ struct RecordedTrial {
   }
 };
 
-// Of a calibrated skin, once, before the first frame.
+// Written once for a calibrated skin, before the first frame.
 struct RecordedCalibration {
   // What the skin sends: geometry, type and scale of its numbers, rate.
   v1::StreamConfig raw;

@@ -46,7 +46,7 @@ class RecordingReader {
   // read.
   const RecordingTexts& about() const { return about_; }
   const RecordingTexts& end() const { return end_; }
-  // Of the configuration, once it was read.
+  // The configuration's skin, once it was read.
   const SkinLayout& layout() const { return *layout_; }
   // After the end: empty, or a text for people.
   std::string CutOff() const;
@@ -84,12 +84,12 @@ class RecordingReader {
   RecordingTexts end_;
   std::optional<SkinLayout> layout_;
   Sizes sizes_;
-  // Of a calibrated skin: what it sends, and its frames, once both topics were
-  // read.
+  // What a calibrated skin sends, and if it is calibrated, once both topics
+  // were read.
   std::optional<v1::StreamConfig> raw_config_;
   bool has_calibration_ = false;
   Sizes raw_sizes_;
-  // Of the last frame.
+  // Number and time of the last frame.
   uint64_t sequence_ = 0;
   std::optional<int64_t> time_ns_;
   // Its raw frame was read.

@@ -26,7 +26,7 @@ uint16_t AddTopic(const char* topic, McapWriter& file) {
   return AddTopic(topic, AddMessage<Message>(file), file);
 }
 
-// Of a frame of a stream with this configuration, whose skin is `layout`.
+// Bytes of a frame of a stream with this configuration and this skin.
 size_t TaxelBytes(const v1::StreamConfig& config, const SkinLayout& layout) {
   const size_t value = config.taxel_type() == v1::TAXEL_TYPE_UINT16 ? 2 : 4;
   return static_cast<size_t>(layout.taxels()) * value;

@@ -65,7 +65,7 @@ class RecordingWriter {
   uint16_t ends_;
   uint16_t started_;
   uint16_t results_;
-  // Of a calibrated skin; 0 before its calibration.
+  // Channel of a calibrated skin's raw frames; 0 before its calibration.
   uint16_t raw_ = 0;
   v1::StreamConfig config_;
   // Once configured.

@@ -106,7 +106,7 @@ class McapReader {
   // What Next returns from now on.
   bool ended_ = false;
   absl::Status status_;
-  // Of the data, then of the summary.
+  // Checksum of the data, then of the summary.
   uint32_t crc_ = 0;
 
   std::string prefix_;

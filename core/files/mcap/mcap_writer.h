@@ -35,7 +35,7 @@
 namespace tactus {
 
 struct McapWriterOptions {
-  // Of the header: who wrote the file.
+  // Who wrote the file; a field of the header.
   std::string library = "tactus";
   size_t chunk_bytes = 1024 * 1024;
   uint64_t chunk_ns = 1'000'000'000;
@@ -76,7 +76,7 @@ class McapWriter {
     uint64_t end_time = 0;
     uint64_t offset = 0;
     uint64_t length = 0;
-    // Of each channel.
+    // Places of the message indexes, by channel.
     std::map<uint16_t, uint64_t> message_indexes = {};
     uint64_t message_index_bytes = 0;
     uint64_t records_bytes = 0;

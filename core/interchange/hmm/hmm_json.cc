@@ -140,7 +140,7 @@ OrderedJson GhmmJson(const GaussianHmm& hmm) {
 
 absl::StatusOr<HmmFields> ReadHmmlearn(const OrderedJson& json) {
   HmmFields fields;
-  // Of CategoricalHMM, MultinomialHMM and PoissonHMM.
+  // Fields of CategoricalHMM, MultinomialHMM and PoissonHMM.
   for (const char* other : {"emissionprob_", "lambdas_"}) {
     if (!json.contains(other)) continue;
     return InvalidModel(other, "there",

@@ -26,8 +26,8 @@ namespace tactus {
 struct KerasOptions {
   Activation activation = Activation::kTanh;
   GateActivation gate_activation = GateActivation::kSigmoid;
-  // Of all Dense layers but the last. Files with such layers are refused
-  // without it.
+  // Activation of all Dense layers but the last. Files with such layers are
+  // refused without it.
   std::optional<HiddenActivation> dense_activation = {};
 };
 

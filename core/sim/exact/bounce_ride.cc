@@ -117,8 +117,8 @@ bool Rider::Follow(const BounceMoment& lost, Bounce& bounce) {
   return bounce.contact > 0;
 }
 
-// Of the contact force since the sink took something last: what the object's
-// momentum gained and friction took. It slides throughout.
+// The contact force's impulse since the sink took something last: what the
+// object's momentum gained and friction took. It slides throughout.
 double Rider::TakeImpulse(double time, double speed) {
   const double impulse = scene_.object_mass_kg * (speed - taken_speed_) +
                          scene_.KineticFriction() * (time - taken_time_);

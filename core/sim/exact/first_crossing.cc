@@ -6,7 +6,7 @@
 namespace tactus {
 namespace {
 
-// Of a derivative's terms: what rounding may make of it.
+// Rounding error of a derivative, as a fraction of its terms.
 constexpr double kCrossingRounding = 4e-16;
 
 // By powers of time.

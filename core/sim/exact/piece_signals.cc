@@ -12,7 +12,7 @@ constexpr double kFrame = 1 / kSkinRateHz;
 constexpr double kSlack = 1e-12;
 // Longer than any contact, s.
 constexpr double kForever = 1e3;
-// Of the signal: what pairs that have faded may still add to it.
+// What pairs that have faded may still add, as a fraction of the signal.
 constexpr double kFaded = 1e-14;
 // A pair that fades by less than e to this in a frame was not much larger
 // before, beside what the filter has forgotten of it.

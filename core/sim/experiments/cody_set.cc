@@ -33,7 +33,7 @@ constexpr CodyObject kObjects[] = {
 constexpr double kJointStiffnesses[] = {2.01, 20.1};  // Nm/rad
 constexpr double kJointVelocities[] = {5, 20};        // deg/s
 
-// Of the stretched arm: shoulder to elbow, elbow to the first row of skin.
+// The stretched arm: shoulder to elbow, elbow to the first row of skin.
 constexpr double kUpperArmM = 0.28;
 constexpr double kElbowToSkinM = 0.05;
 // The shoulder's goal, past the angle of first contact.

@@ -16,9 +16,9 @@
 // objects of 8,000 to 100,000 N/m and above, soft ones of 630 to 1,500 N/m, a
 // heavy iron bucket that is never moved. The paper does not state the rest, so
 // we chose it: the objects, their masses and friction, the lever arm, the goal,
-// and the differences between repetitions (research/virtual-cody.md). The faces of
-// all objects are drawn from one distribution, so that size alone
-// names no material.
+// and the differences between repetitions (research/virtual-cody.md). The faces
+// of all objects are drawn from one distribution, so that size alone names no
+// material.
 //
 // Stateless; thread-safe. Same arguments, same bits.
 #pragma once

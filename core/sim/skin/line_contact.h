@@ -94,7 +94,7 @@ class LineContact {
   size_t strips_ = 0;
   std::vector<double> places_;
   std::vector<double> widths_;
-  // Of each strip, and of each strip and touched column.
+  // Volume of each strip, and area of each strip and touched column.
   std::vector<double> volumes_;
   std::vector<double> areas_;
   std::vector<double> column_volumes_;

@@ -69,7 +69,7 @@ struct DriverCost {
   uint64_t missing = 0;
   uint64_t incomplete = 0;
   uint64_t overwritten = 0;
-  // Of the driver's thread, without the first frames, which meet cold caches.
+  // Frames measured; the first ones, which meet cold caches, are left out.
   int measured_frames = 0;
   double wall_s = 0;
   double cpu_s = 0;

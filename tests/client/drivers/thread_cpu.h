@@ -26,7 +26,7 @@ class ThreadCpu : public SkinDriver {
 
   DriverStatistics Statistics() const override { return driver_->Statistics(); }
 
-  // Of all calls of Read so far, on whatever thread: all, and the part that the
+  // Time of all calls of Read so far, on whatever thread, and the part that the
   // kernel took.
   double seconds() const { return static_cast<double>(ns_) / 1e9; }
   double system_seconds() const {

@@ -135,10 +135,10 @@ TEST(SkinPlacesTest, CellsWithoutATaxelDoNotCount) {
   at(3, 3).reset();
   const auto places = SkinPlaces::FromPositions(layout, cells);
   ASSERT_TRUE(places.ok()) << places.status();
-  // Of the four cells around, one has a position.
+  // One of the four cells around has a position.
   EXPECT_LT((places->OnLink({.row = 2.2, .column = 3.3}) - *at(3, 4)).norm(),
             1e-12);
-  // Of the cell itself, none: the nearest.
+  // The cell itself has none: the nearest.
   EXPECT_LT((places->OnLink({.row = 2, .column = 3.4}) - *at(1, 3)).norm(),
             2 * layout.row_pitch_m);
   // Beyond the edge.

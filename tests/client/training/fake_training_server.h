@@ -47,7 +47,7 @@ class FakeTrainingServer {
   ~FakeTrainingServer();
 
   std::shared_ptr<grpc::Channel> channel();
-  // Of `address`, if that left the choice to the system.
+  // Port of `address`, if that left the choice to the system.
   int port() const { return port_; }
 
   // Called with each response before it is sent.

@@ -30,7 +30,7 @@ TEST(FillGaussianTest, DrawsWhatOneAtATimeDraws) {
   }
 }
 
-// Of the implementation before the one with Highway, in plain C++: models were
+// The bits of the implementation before Highway, in plain C++: models were
 // trained on these numbers.
 TEST(FillGaussianTest, KeepsItsBits) {
   ForEachTarget([] {

@@ -251,7 +251,7 @@ TEST(ContactClassifierTest, HmmsRestBetweenTheirIntervals) {
   }
 }
 
-// Of frames that went missing, those that were due are summed over.
+// Missing frames that were due are summed over.
 TEST(ContactClassifierTest, HmmsPredictAcrossTheStepsThatWereDue) {
   Model model = testing::SmallModel();
   ContactClassifier every_frame(*CompiledModel::Create(model), {});

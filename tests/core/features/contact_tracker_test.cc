@@ -284,7 +284,7 @@ TEST(ContactTrackerTest, ALongRegionHasNotTravelled) {
   EXPECT_NEAR(tracker.Step({.taxels = taxels, .pose = &pose}).motion_m, 0.004,
               1e-15);
   EXPECT_EQ(tracker.features().centroid.row, 3);
-  // Of two regions only the larger one counts.
+  // Only the larger one of two regions counts.
   for (int row = 1; row < 3; ++row) taxels[row * 8] = 0;
   EXPECT_LT(tracker.Step({.taxels = taxels, .pose = &pose}).motion_m, 0.003);
 }

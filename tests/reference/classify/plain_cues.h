@@ -62,7 +62,7 @@ class PlainCues {
   std::vector<long double> smooth_net_;
   std::vector<long double> smooth_area_;
   std::vector<long double> log_spring_;
-  // Of the last sample.
+  // Cues of the last sample.
   mutable std::array<std::optional<long double>, kCueCount> known_;
 };
 

@@ -15,7 +15,7 @@ namespace tactus::testing {
 
 struct RawAnswer {
   absl::Status status;
-  // Of the last message that came.
+  // Bytes of the last message that came.
   std::string bytes;
 };
 

@@ -79,7 +79,7 @@ class TrainingServer {
   v1::TrainingService::Stub& training() { return *training_; }
   v1::OperationService::Stub& operations() { return *operations_; }
   v1::ModelService::Stub& models() { return *models_; }
-  // Of the address with this index.
+  // Port of the address with this index.
   int port(size_t index) const { return server_->ports()[index]; }
   v1::AdminService::Stub& admin() { return *admin_; }
   server::TrainingBackend& backend() { return *backend_; }

@@ -62,7 +62,7 @@ class OwnSkinTest : public ::testing::Test {
     std::ifstream page(folder_ / "page/index.html");
     return {std::istreambuf_iterator<char>(page), {}};
   }
-  // Of all pictures in the page, which are decoded.
+  // Widths of all pictures in the page, which are decoded.
   static std::vector<int> Widths(const std::string& html) {
     const std::string begin = "src=\"data:image/png;base64,";
     std::vector<int> widths;

@@ -27,7 +27,7 @@
 namespace tactus::client {
 
 struct ContactTrace {
-  // Of the trial.
+  // Name and label of the trial.
   std::string id;
   std::string label;
   std::string condition;

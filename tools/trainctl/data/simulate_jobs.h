@@ -24,7 +24,7 @@ namespace tactus::client {
 
 struct SimulateFlags {
   std::string protocol = "paper";
-  // Of signals (ParseNoiseReading); empty for the default.
+  // Noise of signals (ParseNoiseReading); empty for the default.
   std::string noise;
   uint64_t seed = 1;
   std::string out;

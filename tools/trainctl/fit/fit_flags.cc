@@ -28,17 +28,17 @@ void FitFlags::Add(CLI::App& command) {
                          "Features that models may use: any of f (force), m "
                          "(motion), a (area), like f,m"),
       command.add_option("--truth", truth,
-                         "What answers are about: final (the category in the "
+                         "What answers are about: final (the class in the "
                          "end) or so-far (unmoved until the object has moved), "
                          "instead of the preset's"),
       command.add_option("--shares", shares,
-                         "How frequent answers presume the categories to be: "
+                         "Prior of the classes in calibrated answers: "
                          "recorded (as among the contacts of the fit) or even"),
       command.add_option("--seed", seed, "Seed of every random choice"),
       command.add_option("--states", states,
                          "States per HMM, instead of the preset's"),
-      command.add_option("--mixtures", mixtures,
-                         "HMMs per category, instead of the preset's"),
+      command.add_option("--hmms-per-class", mixtures,
+                         "HMMs per class, instead of the preset's"),
       command.add_option(
           "--networks", networks,
           "Number of LSTMs, instead of the preset's; 0 for none"),
@@ -135,7 +135,7 @@ absl::StatusOr<FitOptions> FitFlags::Options(absl::string_view preset) const {
                          absl::StrCat("1 to ", limits::kMaxHmmStates));
   }
   if (mixtures < 0 || mixtures > limits::kMaxHmmsPerClass) {
-    return InvalidConfig("--mixtures", mixtures,
+    return InvalidConfig("--hmms-per-class", mixtures,
                          absl::StrCat("1 to ", limits::kMaxHmmsPerClass));
   }
   if (states > 0) options.states = states;

@@ -64,7 +64,7 @@ void AddDoctor(CLI::App& app, const SelectCommand& select) {
       ->excludes(repair);
   command->footer(
       "Examples:\n"
-      "  trainctl doctor --server=arm.lab:50051 --ca=ca.pem "
+      "  trainctl doctor --server=arm.lab:50051 --tls-ca=ca.pem "
       "--token-file=admin.token\n"
       "  trainctl doctor --data-dir=/var/lib/tactus --repair");
   command->callback([=] { select([flags] { return Examine(*flags); }); });

@@ -63,16 +63,17 @@ class ServerCheck {
     const auto roots = ReadRootCertificates(flags_.ca);
     if (!roots.ok()) {
       Add("certificate", Severity::kError, Message(roots.status()),
-          "give the certificate of the server's authority with --ca");
+          "give the certificate of the server's authority with --tls-ca");
       return;
     }
     const auto probe = ProbeTls(flags_.server, *roots);
     if (!probe.ok()) {
       Add("certificate", Severity::kError, Message(probe.status()),
-          "check the address; if the server uses no TLS, leave out --ca");
+          "check the address; if the server uses no TLS, leave out --tls-ca");
     } else if (!probe->fault.empty()) {
       Add("certificate", Severity::kError, probe->fault,
-          "give the authority that signed the server's certificate with --ca, "
+          "give the authority that signed the server's certificate with "
+          "--tls-ca, "
           "use a name that the certificate has, or renew it");
     } else if (probe->days_left < kFewDays) {
       Add("certificate", Severity::kWarning,

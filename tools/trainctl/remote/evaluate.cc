@@ -27,11 +27,11 @@ const std::set<std::string> kProtocols = {"loco", "leave-one-material-out",
 
 // RemoteEvaluateFlags of `evaluate` that a server can follow.
 const std::set<std::string> kKnown = {
-    "--help",      "--dataset",     "--model",        "--protocol",
-    "--preset",    "--choice-work", "--features",     "--truth",
-    "--shares",    "--seed",        "--networks",     "--epochs",
-    "--mixtures",  "--with-cues",   "--without-cues", "--json",
-    "--report",    "--detach",      "--server",       "--ca",
+    "--help",           "--dataset",     "--model",        "--protocol",
+    "--preset",         "--choice-work", "--features",     "--truth",
+    "--shares",         "--seed",        "--networks",     "--epochs",
+    "--hmms-per-class", "--with-cues",   "--without-cues", "--json",
+    "--report",         "--detach",      "--server",       "--tls-ca",
     "--token-file"};
 
 // The value of a flag; nothing if it was not given.
@@ -58,7 +58,7 @@ SpecFlags SpecFlagsOf(const CLI::App& command) {
           .seed = Given<uint64_t>(command, "--seed").value_or(1),
           .networks = Given<uint32_t>(command, "--networks"),
           .epochs = Given<uint32_t>(command, "--epochs"),
-          .hmms_per_class = Given<uint32_t>(command, "--mixtures"),
+          .hmms_per_class = Given<uint32_t>(command, "--hmms-per-class"),
           .choice_work = Given<uint32_t>(command, "--choice-work"),
           .with_cues = text("--with-cues"),
           .without_cues = text("--without-cues")};

@@ -24,19 +24,21 @@ std::string AdviceOf(absl::string_view message, const RemoteFlags& flags) {
   const std::string text = absl::AsciiStrToLower(message);
   if (absl::StrContains(text, "certificate")) {
     return "the server's certificate was refused. Give the certificate of the "
-           "authority that signed it with --ca, and address the server by a "
+           "authority that signed it with --tls-ca, and address the server by "
+           "a "
            "name that its certificate has";
   }
   if (!flags.ca.empty() && (absl::StrContains(text, "ssl") ||
                             absl::StrContains(text, "handshake"))) {
     return "no TLS connection could be made. If the server uses no TLS, leave "
-           "out --ca; else give the certificate of the authority that signed "
+           "out --tls-ca; else give the certificate of the authority that "
+           "signed "
            "the server's certificate";
   }
   if (flags.ca.empty() && (absl::StrContains(text, "socket closed") ||
                            absl::StrContains(text, "connection reset"))) {
     return "the server closed the connection. If it uses TLS, give the "
-           "certificate of its authority with --ca";
+           "certificate of its authority with --tls-ca";
   }
   return "no server answered. Start one with tactusd --data-dir=FOLDER, or "
          "give the address of another with --server";
@@ -53,10 +55,10 @@ void RemoteFlags::AddServer(CLI::App& command) {
   command.add_option("--server", server, "Server: host:port or unix:path")
       ->envname("TACTUS_SERVER");
   command
-      .add_option("--ca", ca,
+      .add_option("--tls-ca", ca,
                   "PEM file of the authorities that may vouch for the server; "
                   "with it, the connection uses TLS")
-      ->envname("TACTUS_CA");
+      ->envname("TACTUS_TLS_CA");
   command
       .add_option("--token-file", token_file,
                   "File with the token that the server knows you by")
@@ -80,8 +82,8 @@ absl::StatusOr<std::unique_ptr<TrainingClient>> RemoteFlags::Connect() const {
     if (ca.empty() && !StaysOnThisHost(server)) {
       return WithExitCode(
           InvalidConfig("--token-file",
-                        absl::StrCat("given without --ca for ", server),
-                        "given with --ca: a token does not leave this host "
+                        absl::StrCat("given without --tls-ca for ", server),
+                        "given with --tls-ca: a token does not leave this host "
                         "unencrypted"),
           kExitUsage);
     }

@@ -104,7 +104,7 @@ std::string ReportText(const char* title, const v1::EvaluationReport& report) {
 std::string ConfusionText(const v1::EvaluationReport& report) {
   const int classes = report.class_names_size();
   if (report.confusion_size() != classes * classes) return "";
-  std::string text = "true category by predicted category:\n";
+  std::string text = "true class by predicted class:\n";
   absl::StrAppendFormat(&text, "%10s", "");
   for (const std::string& name : report.class_names()) {
     absl::StrAppendFormat(&text, " %8s", name);

@@ -81,11 +81,11 @@ void AddTrain(CLI::App& app, const SelectCommand& select) {
                       "Features that models may use: any of f (force), m "
                       "(motion), a (area), like f,m");
   command->add_option("--truth", flags->spec.truth,
-                      "What answers are about: final (the category in the end) "
+                      "What answers are about: final (the class in the end) "
                       "or so-far (unmoved until the object has moved), instead "
                       "of the preset's");
   command->add_option("--shares", flags->spec.shares,
-                      "How frequent answers presume the categories to be: "
+                      "Prior of the classes in calibrated answers: "
                       "recorded (as among the trials; the default) or even");
   command->add_option("--seed", flags->spec.seed, "Seed of every random choice")
       ->capture_default_str();
@@ -94,7 +94,7 @@ void AddTrain(CLI::App& app, const SelectCommand& select) {
   command->add_option("--epochs", flags->spec.epochs,
                       "Epochs of LSTM training, instead of the preset's");
   command->add_option("--hmms-per-class", flags->spec.hmms_per_class,
-                      "HMMs per category, instead of the preset's");
+                      "HMMs per class, instead of the preset's");
   command->add_option("--with-cues", flags->spec.with_cues,
                       "Cues that the LSTMs take beside the preset's, like "
                       "force_pitch_short");

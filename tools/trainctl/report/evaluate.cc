@@ -147,7 +147,7 @@ struct EvaluationRun {
   std::string features;
   // Empty of a bundle.
   ChosenOptions chosen;
-  // Of a bundle.
+  // What a bundle was fitted to.
   TrainedOn trained = {};
 };
 

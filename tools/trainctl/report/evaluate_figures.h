@@ -26,7 +26,7 @@
 namespace tactus::client {
 
 struct NamedEvaluation {
-  // Of the algorithm: "fused".
+  // Name of the algorithm: "fused".
   std::string name;
   const Evaluation* evaluation = nullptr;
   // Length of the longest contact; there are no points at later times.
@@ -36,7 +36,7 @@ struct NamedEvaluation {
 // Outcomes whose top probability falls into one of 15 equal-width bins, those
 // of ExpectedCalibrationError.
 struct ReliabilityBin {
-  // Of the top probability.
+  // Bounds of the top probability.
   double low = 0;
   double high = 0;
   double mean_probability = 0;

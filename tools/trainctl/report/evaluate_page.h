@@ -50,11 +50,11 @@ struct EvaluationPageParts {
   std::vector<std::pair<std::string, std::string>> facts = {};
   // What makes the figures say less than they seem to; may be empty.
   std::string warning = {};
-  // Of EvaluationToJson().
+  // Made by EvaluationToJson().
   Json evaluation = {};
-  // Of BaselinesToJson(); null if they were not counted.
+  // Made by BaselinesToJson(); null if they were not counted.
   Json baselines = nullptr;
-  // Of WorstTrials().
+  // Made by WorstTrials().
   Json worst = Json::array();
   EvaluationPictures pictures = {};
 };

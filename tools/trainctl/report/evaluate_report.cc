@@ -356,14 +356,14 @@ std::string EvaluationText(const Json& r) {
       absl::StrFormat("%s of %s\n", PercentOf(r["right"].get<int>(), felt),
                       FeltContacts(felt, r["trials"].get<int>()));
   const Json& so_far = r["so_far"];
-  if (!so_far.is_null()) text += "By the category in the end:\n";
+  if (!so_far.is_null()) text += "By the class in the end:\n";
   text += AnytimeLines(r);
   if (!so_far.is_null()) {
-    text += absl::StrCat("By the category so far:\n", AnytimeLines(so_far));
+    text += absl::StrCat("By the class so far:\n", AnytimeLines(so_far));
   }
   absl::StrAppendFormat(
       &text,
-      "Answers are about the category %s\n"
+      "Answers are about the class %s\n"
       "Expected calibration error %.3f, log loss %.3f, Brier score %.3f\n",
       r["truth"] == "so-far" ? "so far" : "in the end", r["ece"].get<double>(),
       r["log_loss"].get<double>(), r["brier_score"].get<double>());

@@ -22,7 +22,7 @@ struct ReproduceFlags {
   std::vector<std::string> only = {"hmm", "lstm", "1nn"};
   std::vector<std::string> experiments = {"simulation", "cody"};
   std::string figures;
-  // Of ideal signals; empty for the default.
+  // Noise of ideal signals; empty for the default.
   std::string noise;
   uint64_t seed = 1;
   bool json = false;

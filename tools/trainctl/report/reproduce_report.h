@@ -33,7 +33,7 @@ struct ReproducedRow {
   // Trials simulated; those of them that the skin never felt are not counted.
   int trials = 0;
   int undetectable = 0;
-  // Of the contacts classified; empty without an answer.
+  // Classes of the contacts classified; empty without an answer.
   std::vector<std::string> class_names;
   Confusion confusion;
   double seconds = 0;

@@ -48,7 +48,7 @@ class TrialJournal {
   // Trials of an interrupted session; of the trial file.
   size_t recovered() const { return recovered_; }
   size_t present() const { return present_; }
-  // Of raw frames: "mine.raw.h5".
+  // File of raw frames: "mine.raw.h5".
   const std::string& raw_path() const { return raw_path_; }
 
  private:

@@ -178,7 +178,7 @@ RecorderStep TrialRecorder::End() {
     }
   }
   skipped_ = false;
-  // Of the contact that is over, nothing belongs to the next one.
+  // Nothing of the contact that is over belongs to the next one.
   ForgetBefore(
       std::max(last_touch_ns_ + 1, now_ns_ - Nanoseconds(options_.pre_roll_s)));
   return step;

@@ -79,13 +79,13 @@ class TrialRecorder {
   bool in_contact() const {
     return tracker_.state() == ContactState::kInContact;
   }
-  // Of the contacts to come; nothing if they are not kept.
+  // Label of the contacts to come; nothing if they are not kept.
   const std::optional<size_t>& label() const { return label_; }
   // The contact that is going on is kept if it ends now.
   bool keeping() const { return in_contact() && label_ && !skipped_; }
   // How long the contact lasts, or lasted.
   double contact_s() const;
-  // Of the last frame; contacts so far.
+  // Features of the last frame, and the number of contacts so far.
   const FrameFeatures& features() const { return tracker_.features(); }
   uint64_t contacts() const { return contacts_; }
   // Trials of each label that were cut and not removed.

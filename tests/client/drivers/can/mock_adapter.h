@@ -33,7 +33,7 @@ class MockAdapter {
   struct Options {
     uint32_t features = gs_usb::kHardwareStamps;
     uint32_t clock_hz = 48'000'000;
-    // Of the first time stamp.
+    // Value of the first time stamp.
     uint32_t first_stamp_us = 0;
     std::string serial = "0042";
     // A driver of the kernel holds the interface.

@@ -31,7 +31,7 @@ struct AdminRun {
   std::string out;
   std::string err;
 
-  // Of the check `name` of doctor --json.
+  // The check `name` of doctor --json.
   Json Check(const std::string& name) const {
     for (const Json& check : Json::parse(out)) {
       if (check["check"] == name) return check;
@@ -229,8 +229,8 @@ TEST_F(TrainctlAdminTest, DoctorJudgesTheCertificate) {
   Start(serving);
   const std::string port = std::to_string(server_->port(1));
   const auto doctor = [&](const std::string& host, const std::string& ca) {
-    return RunAdmin(
-        {"doctor", "--json", "--ca=" + ca, "--server=" + host + ":" + port});
+    return RunAdmin({"doctor", "--json", "--tls-ca=" + ca,
+                     "--server=" + host + ":" + port});
   };
   AdminRun run = doctor("127.0.0.1", tls.certificate());
   EXPECT_EQ(run.Severity("connection"), "ok") << run.out;
@@ -256,7 +256,7 @@ TEST_F(TrainctlAdminTest, DoctorSaysThatACertificateHasEnded) {
   serving.listen = {"127.0.0.1:0"};
   Start(serving);
   const AdminRun run =
-      RunAdmin({"doctor", "--json", "--ca=" + authority.file(),
+      RunAdmin({"doctor", "--json", "--tls-ca=" + authority.file(),
                 "--server=localhost:" + std::to_string(server_->port(1))});
   EXPECT_EQ(run.exit, kExitDoctorErrors);
   EXPECT_THAT(run.Check("certificate")["text"], HasSubstr("expired"));

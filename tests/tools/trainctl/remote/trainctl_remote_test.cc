@@ -341,7 +341,7 @@ TEST_F(TrainctlRemoteTest, EvaluateRunsOnTheServerThatHasTheDataset) {
 
   outcome = Trainctl({"evaluate", "--dataset=arm@1",
                       "--protocol=leave-one-material-out", "--preset=paper",
-                      "--mixtures=2", "--truth=so-far",
+                      "--hmms-per-class=2", "--truth=so-far",
                       "--without-cues=log_drag", "--detach", "--json"});
   ASSERT_EQ(outcome.exit, 0) << outcome.err;
   EXPECT_EQ(outcome.json()["evaluate"]["protocol"], "leave-one-material-out");
@@ -528,7 +528,7 @@ TEST_F(TrainctlRemoteTest, EachTroubleSaysWhatToDo) {
   outcome = Trainctl({"datasets", "list", server});
   EXPECT_THAT(outcome.err, HasSubstr("install the same version on both"));
 
-  outcome = Trainctl({"datasets", "list", server, "--ca=" + Path("none")});
+  outcome = Trainctl({"datasets", "list", server, "--tls-ca=" + Path("none")});
   EXPECT_THAT(outcome.err, HasSubstr("[IO]"));
   std::ofstream(Path("token")) << "secret\n";
   outcome = Trainctl({"datasets", "list", "--server=arm.lab:1",
@@ -556,7 +556,7 @@ TEST_F(TrainctlRemoteTest, ARefusedCertificateSaysWhatToDo) {
     std::vector<std::string> arguments = {
         "datasets", "list",
         "--server=127.0.0.1:" + std::to_string(server.port())};
-    if (!ca.empty()) arguments.push_back("--ca=" + ca);
+    if (!ca.empty()) arguments.push_back("--tls-ca=" + ca);
     return Trainctl(arguments);
   };
   const FakeTrainingServer server("127.0.0.1:0", Tls(files));
