@@ -8,8 +8,9 @@
 //     void OnRead(bool ok);
 //     MemberEvent<Call> read_done_{this, &Call::OnRead};
 //   };
-//
-//   static_cast<CallEvent*>(tag)->OnEvent(ok);
+//   void OnNext(void* tag, bool ok) {  // what the queue returned
+//     static_cast<CallEvent*>(tag)->OnEvent(ok);
+//   }
 //
 // Must live until the queue has returned it. Not thread-safe.
 #pragma once

@@ -1,5 +1,5 @@
-// The examples of public headers, as their comments show them. They only have
-// to compile; HouseTest.ExamplesAreCompiled compares the texts.
+// What the examples of public headers need around them. They only have to
+// compile. The build takes each .inc from the comment of the header it names.
 #include <string>
 
 #include "client/drivers/buffered_driver.h"
@@ -30,288 +30,211 @@ void Use(const icub::SkinScan& scan);
 void Use(const Eigen::Vector3d& position);
 void Mask(int taxel);
 
-void ClockExample() {
-  Clock& clock = Clock::System();
-  const int64_t deadline_ns = clock.NowNs() + 500'000'000;
-  while (clock.NowNs() < deadline_ns) clock.SleepNs(1'000'000);
+static void ClockExample() {
+#include "client/drivers/clock.h.inc"
 }
 
-void CanFrameExample() {
-  const CanFrame start = MakeCanFrame(0x201, {0x07, 0x00});
-  if (CanFilter{.id = 0x400, .mask = 0x700}.Passes(start)) Use(start);
+static void CanFrameExample() {
+#include "client/drivers/can/can_frame.h.inc"
 }
 
-absl::Status CanBusExample(CanBus& bus) {
-  const CanFilter skins[] = {{.id = 0x400, .mask = 0x700}};
-  TACTUS_RETURN_IF_ERROR(bus.Open(skins));
-  TACTUS_RETURN_IF_ERROR(bus.Send(MakeCanFrame(0x201, {0x07, 0x00})));
-  CanFrame frame;
-  TACTUS_ASSIGN_OR_RETURN(const bool received,
-                          bus.Receive(frame, /*timeout_ns=*/100'000'000));
+static absl::Status CanBusExample(CanBus& bus) {
+#include "client/drivers/can/can_bus.h.inc"
   return absl::OkStatus();
 }
 
 void Restart();
 void Report(int error);
 
-absl::Status SocketCanExample() {
-  SocketCan bus("can0");
-  TACTUS_RETURN_IF_ERROR(bus.Open({}));
+static absl::Status SocketCanExample() {
+#include "client/drivers/can/socket_can.h.inc"
   return absl::OkStatus();
 }
 
-void CanSocketsExample(std::span<const CanFilter> filters) {
-  CanSockets& sockets = CanSockets::System();
-  const int socket = sockets.Open("can0", filters);
-  if (socket < 0) Report(-socket);
+static void CanSocketsExample(std::span<const CanFilter> filters) {
+#include "client/drivers/can/can_sockets.h.inc"
 }
 
-void CanErrorExample(uint32_t id, std::span<const uint8_t> data) {
-  const CanError error = ReadCanError(id, data);
-  if (error.bus_off) Restart();
+static void CanErrorExample(uint32_t id, std::span<const uint8_t> data) {
+#include "client/drivers/can/can_error.h.inc"
 }
 
-absl::Status GsUsbExample() {
-  GsUsb bus({.bit_rate = 1'000'000});
-  TACTUS_RETURN_IF_ERROR(bus.Open({}));
+static absl::Status GsUsbExample() {
+#include "client/drivers/can/gs_usb.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status GsUsbProtocolExample(const gs_usb::BitConstants& constants,
-                                  std::span<const uint8_t> bytes) {
-  TACTUS_ASSIGN_OR_RETURN(
-      const gs_usb::BitTiming timing,
-      gs_usb::ChooseBitTiming(constants, /*bit_rate=*/1'000'000));
-  const auto frame = gs_usb::ReadHostFrame(bytes, /*with_stamp=*/true);
+static absl::Status GsUsbProtocolExample(const gs_usb::BitConstants& constants,
+                                         std::span<const uint8_t> bytes) {
+#include "client/drivers/can/gs_usb_protocol.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status BufferedDriverExample(SkinDriver& can_skin_driver) {
-  BufferedDriver driver(&can_skin_driver, {.frames = 64});
-  TACTUS_ASSIGN_OR_RETURN(const SkinInfo info, driver.Configure());
+static absl::Status BufferedDriverExample(SkinDriver& can_skin_driver) {
+#include "client/drivers/buffered_driver.h.inc"
   return absl::OkStatus();
 }
 
-void BoardMessagesExample() {
-  const CanFrame discover = icub::Discover();
-  const CanFrame rate =
-      icub::MakeMessage(1, icub::BoardConfig{.period_ms = 50, .no_load = 245});
+static void BoardMessagesExample() {
+#include "client/drivers/icub_skin/board_messages.h.inc"
 }
 
-void TriangleFramesExample(const icub::TriangleReading& reading) {
-  const auto [head, tail] = icub::EncodeTriangle(1, 0, reading);
-  if (const auto part = icub::DecodePart(head)) Use(*part);
+static void TriangleFramesExample(const icub::TriangleReading& reading) {
+#include "client/drivers/icub_skin/triangle_frames.h.inc"
 }
 
-void ScanAssemblerExample(const CanFrame& frame) {
-  icub::ScanAssembler assembler({{.address = 13}, {.address = 12}},
-                                /*period_ns=*/20'000'000);
-  icub::SkinScan scan;
-  if (assembler.Take(frame, scan)) Use(scan);
+static void ScanAssemblerExample(const CanFrame& frame) {
+#include "client/drivers/icub_skin/scan_assembler.h.inc"
 }
 
-absl::Status PositionFileExample(const std::string& text) {
-  TACTUS_ASSIGN_OR_RETURN(const icub::TaxelPositions positions,
-                          icub::ParsePositions(text));
-  if (positions.values[17].present) Use(positions.values[17].position);
+static absl::Status PositionFileExample(const std::string& text) {
+#include "client/drivers/icub_skin/position_file.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status SkinPatchExample(const icub::TaxelPositions& positions) {
-  TACTUS_ASSIGN_OR_RETURN(const auto boards,
-                          icub::ParseBoards("13,12:0-1+3+6+8-9+12-13"));
-  TACTUS_ASSIGN_OR_RETURN(const icub::SkinPatch patch,
-                          icub::PlacedPatch(boards, positions));
+static absl::Status SkinPatchExample(const icub::TaxelPositions& positions) {
+#include "client/drivers/icub_skin/skin_patch.h.inc"
   return absl::OkStatus();
 }
 
-void UnrollExample(const std::vector<Eigen::Vector3d>& points,
-                   const std::vector<Eigen::Vector3d>& normals) {
-  const std::vector<Eigen::Vector3d> flat = icub::Unroll(points, normals);
+static void UnrollExample(const std::vector<Eigen::Vector3d>& points,
+                          const std::vector<Eigen::Vector3d>& normals) {
+#include "client/drivers/icub_skin/unroll.h.inc"
 }
 
-void IcubSkinExample(CanBus& bus, const icub::SkinPatch& patch) {
-  icub::IcubSkin skin(patch, {.period_ms = 20});
-  CanSkinDriver driver(&bus, &skin, {});
+static void IcubSkinExample(CanBus& bus, const icub::SkinPatch& patch) {
+#include "client/drivers/icub_skin/icub_skin.h.inc"
 }
 
-absl::Status CanSkinProtocolExample(CanSkinProtocol& protocol, CanBus& bus,
-                                    Clock& clock, const CanFrame& can_frame,
-                                    SkinFrame& skin_frame) {
-  TACTUS_RETURN_IF_ERROR(bus.Open(protocol.Filters()));
-  TACTUS_ASSIGN_OR_RETURN(const SkinInfo info, protocol.Setup(bus, clock));
-  TACTUS_RETURN_IF_ERROR(protocol.Start(bus));
-  if (protocol.Take(can_frame, skin_frame)) Use(skin_frame);
+static absl::Status CanSkinProtocolExample(CanSkinProtocol& protocol,
+                                           CanBus& bus, Clock& clock,
+                                           const CanFrame& can_frame,
+                                           SkinFrame& skin_frame) {
+#include "client/drivers/can_skin_protocol.h.inc"
   return absl::OkStatus();
 }
 
-void CanSkinDriverExample(CanBus& bus, const icub::SkinPatch& patch) {
-  icub::IcubSkin skin(patch, {});
-  CanSkinDriver driver(&bus, &skin, {});
+static void CanSkinDriverExample(CanBus& bus, const icub::SkinPatch& patch) {
+#include "client/drivers/can_skin_driver.h.inc"
 }
 
-void XelaSkinExample(CanBus& bus) {
-  XelaSkin skin({.board = 1});
-  CanSkinDriver driver(&bus, &skin, {});
+static void XelaSkinExample(CanBus& bus) {
+#include "client/drivers/xela/xela_skin.h.inc"
 }
 
-absl::Status HardwareDriverExample(SkinDevice& device) {
-  HardwareDriver driver(&device, {});
-  TACTUS_ASSIGN_OR_RETURN(const SkinInfo info, driver.Configure());
+static absl::Status HardwareDriverExample(SkinDevice& device) {
+#include "client/drivers/hardware_driver.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status SkinDeviceExample(SkinDevice& device, Clock& clock,
-                               SkinFrame& frame) {
-  TACTUS_RETURN_IF_ERROR(device.Open());
-  TACTUS_ASSIGN_OR_RETURN(const SkinInfo info, device.Setup(clock));
-  TACTUS_RETURN_IF_ERROR(device.Start());
-  TACTUS_ASSIGN_OR_RETURN(const bool whole,
-                          device.Poll(frame, /*timeout_ns=*/100'000'000));
+static absl::Status SkinDeviceExample(SkinDevice& device, Clock& clock,
+                                      SkinFrame& frame) {
+#include "client/drivers/skin_device.h.inc"
   return absl::OkStatus();
 }
 
 void Use(const std::vector<uint16_t>& taxels, int64_t time_ns);
 
-void SerialFramesExample(std::span<const uint8_t> bytes, int64_t now_ns,
-                         std::vector<uint16_t>& taxels, int64_t& time_ns) {
-  SerialFrames frames(SerialFormat::kAscii, /*rows=*/12, /*columns=*/32);
-  frames.Add(bytes, now_ns);
-  while (frames.Next(taxels, time_ns)) Use(taxels, time_ns);
+static void SerialFramesExample(std::span<const uint8_t> bytes, int64_t now_ns,
+                                std::vector<uint16_t>& taxels,
+                                int64_t& time_ns) {
+#include "client/drivers/serial/serial_frames.h.inc"
 }
 
-void LowLatencyExample(int file) {
-  LowLatency latency(file);
-  latency.ToText("/dev/ttyUSB0");  // "low latency is on; the adapter's ..."
+static void LowLatencyExample(int file) {
+#include "client/drivers/serial/low_latency.h.inc"
 }
 
-absl::Status SerialPortExample() {
-  SerialPort port("/dev/ttyUSB0", /*baud=*/2'000'000);
-  TACTUS_RETURN_IF_ERROR(port.Open());
-  uint8_t bytes[4096];
-  TACTUS_ASSIGN_OR_RETURN(const size_t count,
-                          port.Read(bytes, /*timeout_ns=*/100'000'000));
+static absl::Status SerialPortExample() {
+#include "client/drivers/serial/serial_port.h.inc"
   return absl::OkStatus();
 }
 
-void SerialShapeExample(std::span<const uint8_t> bytes, int64_t now_ns,
-                        void (*Use)(size_t rows, double rate_hz)) {
-  SerialShapeFinder finder(SerialFormat::kAscii);
-  finder.Add(bytes, now_ns);
-  if (finder.shape()) Use(finder.shape()->rows, finder.shape()->rate_hz);
+static void SerialShapeExample(std::span<const uint8_t> bytes, int64_t now_ns,
+                               void (*Use)(size_t rows, double rate_hz)) {
+#include "client/drivers/serial/serial_shape.h.inc"
 }
 
-absl::Status SerialSearchExample(const SerialSkinOptions& options) {
-  TACTUS_ASSIGN_OR_RETURN(const SerialFound found,
-                          FindSerialSkin(SerialFormat::kAscii, {}));
-  SerialSkin skin(found.path, options);
+static absl::Status SerialSearchExample(const SerialSkinOptions& options) {
+#include "client/drivers/serial/serial_search.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status SerialSkinExample() {
-  TACTUS_ASSIGN_OR_RETURN(SkinLayout layout, LayoutPreset("vitac-12x32"));
-  SerialSkin skin(
-      "/dev/ttyUSB0",
-      {.format = SerialFormat::kAscii, .layout = layout, .sample_rate_hz = 30});
-  HardwareDriver driver(&skin, {});
+static absl::Status SerialSkinExample() {
+#include "client/drivers/serial/serial_skin.h.inc"
   return absl::OkStatus();
 }
 
-void FrameMeterExample(SkinFrame& frame, Clock& clock,
-                       DriverStatistics& statistics) {
-  FrameMeter meter(/*period_ns=*/20'000'000);
-  frame.missing_before = meter.Add(frame.capture_time_ns, clock.NowNs());
-  meter.Write(statistics);
+static void FrameMeterExample(SkinFrame& frame, Clock& clock,
+                              DriverStatistics& statistics) {
+#include "client/drivers/driver_statistics.h.inc"
 }
 
-void StuckTaxelsExample(const SkinFrame& frame) {
-  StuckTaxels stuck(/*frames=*/500);
-  stuck.Add(frame.u16);
-  for (int taxel : stuck.Taxels()) Mask(taxel);
+static void StuckTaxelsExample(const SkinFrame& frame) {
+#include "client/drivers/stuck_taxels.h.inc"
 }
 
-void IdleThresholdsExample(const std::vector<float>& values) {
-  const double median = IdleQuantile(values, 0.5);
-  const double high = IdleQuantile(values, kIdleFraction);
-  const IdleThresholds found = ThresholdsAbove(median, high, 1);
+static void IdleThresholdsExample(const std::vector<float>& values) {
+#include "core/skin/idle_thresholds.h.inc"
 }
 
-absl::Status IdleFramesExample(const SkinInfo& info, SkinDriver& driver,
-                               SkinFrame& frame) {
-  IdleFrames idle(info, /*frames=*/100);
-  while (!idle.complete()) {
-    TACTUS_ASSIGN_OR_RETURN(const ReadResult result, driver.Read(frame));
-    if (result == ReadResult::kFrame) idle.Add(frame);
-  }
-  const std::vector<float> taxel = idle.Series(17);
+static absl::Status IdleFramesExample(const SkinInfo& info, SkinDriver& driver,
+                                      SkinFrame& frame) {
+#include "client/drivers/calibration/idle_frames.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status TareExample(const IdleFrames& idle) {
-  TACTUS_ASSIGN_OR_RETURN(const std::vector<double> baseline,
-                          Tare(idle, /*before=*/nullptr));
+static absl::Status TareExample(const IdleFrames& idle) {
+#include "client/drivers/calibration/tare.h.inc"
   return absl::OkStatus();
 }
 
 void Touch(int taxel);
 
-void TaxelNoiseExample(const IdleFrames& idle,
-                       const std::vector<double>& baseline, double value) {
-  const std::vector<TaxelNoise> noise = NoiseOf(idle, baseline);
-  if (value - baseline[17] >= noise[17].contact_threshold) Touch(17);
+static void TaxelNoiseExample(const IdleFrames& idle,
+                              const std::vector<double>& baseline,
+                              double value) {
+#include "client/drivers/calibration/taxel_noise.h.inc"
 }
 
-void TaxelFaultsExample(const IdleFrames& idle,
-                        const std::vector<double>& baseline,
-                        const std::vector<TaxelNoise>& noise) {
-  const TaxelFaults faults = FindFaults(idle, baseline, noise);
-  for (const int taxel : faults.All()) Mask(taxel);
+static void TaxelFaultsExample(const IdleFrames& idle,
+                               const std::vector<double>& baseline,
+                               const std::vector<TaxelNoise>& noise) {
+#include "client/drivers/calibration/taxel_faults.h.inc"
 }
 
-absl::Status GainCurveExample() {
-  TACTUS_ASSIGN_OR_RETURN(const GainCurve curve,
-                          GainCurve::Make({{.reading = 40, .load = 0.5},
-                                           {.reading = 120, .load = 2}}));
-  const double newton = curve.Load(80);
+static absl::Status GainCurveExample() {
+#include "client/drivers/calibration/gain_curve.h.inc"
   return absl::OkStatus();
 }
 
-void DriftTrackerExample(size_t taxels, std::span<const double> above_baseline,
-                         std::span<const double> contact_thresholds,
-                         std::span<const uint8_t> mask) {
-  DriftTracker drift(taxels, {.time_s = 60, .sample_rate_hz = 100});
-  drift.Step(above_baseline, contact_thresholds, mask);
-  const double value = above_baseline[17] - drift.drift()[17];
+static void DriftTrackerExample(size_t taxels,
+                                std::span<const double> above_baseline,
+                                std::span<const double> contact_thresholds,
+                                std::span<const uint8_t> mask) {
+#include "client/drivers/calibration/drift_tracker.h.inc"
 }
 
-absl::Status CalibrationExample(const IdleFrames& idle, const SkinInfo& info,
-                                const std::string& device) {
-  TACTUS_ASSIGN_OR_RETURN(
-      const Calibration calibration,
-      Calibrate(idle, {.device = "serial usb-Arduino_7523-if00"}));
-  TACTUS_RETURN_IF_ERROR(CheckFits(calibration, device, info.layout));
+static absl::Status CalibrationExample(const IdleFrames& idle,
+                                       const SkinInfo& info,
+                                       const std::string& device) {
+#include "client/drivers/calibration/calibration.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status CalibrationJsonExample(const Calibration& calibration) {
-  const std::string text = CalibrationToJson(calibration);
-  TACTUS_ASSIGN_OR_RETURN(const Calibration again, CalibrationFromJson(text));
+static absl::Status CalibrationJsonExample(const Calibration& calibration) {
+#include "client/drivers/calibration/calibration_json.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status CalibrationInUseExample(const CalibratedDriver& driver) {
-  const std::string json = ToJson(driver.in_use());
-  TACTUS_ASSIGN_OR_RETURN(const CalibrationInUse again,
-                          CalibrationInUseFromJson(json));
+static absl::Status CalibrationInUseExample(const CalibratedDriver& driver) {
+#include "client/drivers/calibration/calibration_in_use.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status CalibratedDriverExample(SkinDriver& buffered_driver,
-                                     const Calibration& calibration) {
-  CalibratedDriver driver(&buffered_driver, {.device = "serial left-palm",
-                                             .calibration = calibration,
-                                             .tare_frames = 100});
-  TACTUS_ASSIGN_OR_RETURN(const SkinInfo info, driver.Configure());
+static absl::Status CalibratedDriverExample(SkinDriver& buffered_driver,
+                                            const Calibration& calibration) {
+#include "client/drivers/calibrated_driver.h.inc"
   return absl::OkStatus();
 }
 

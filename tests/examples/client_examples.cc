@@ -1,5 +1,5 @@
-// The examples of public headers, as their comments show them. They only have
-// to compile; HouseTest.ExamplesAreCompiled compares the texts.
+// What the examples of public headers need around them. They only have to
+// compile. The build takes each .inc from the comment of the header it names.
 #include <chrono>
 #include <memory>
 #include <string>
@@ -28,143 +28,77 @@ void Use(const v1::ClassifyContactResponse& response);
 void Send(const v1::FrameBatch& batch);
 void Send(absl::string_view bytes);
 
-void ChannelExample() { const auto channel = MakeChannel("127.0.0.1:50051"); }
-
-absl::Status TlsChannelExample() {
-  TACTUS_ASSIGN_OR_RETURN(const std::string roots,
-                          ReadRootCertificates("ca.crt"));
-  const auto safe = MakeChannel("arm.lab:50051", {.tls_roots = roots});
+static absl::Status ChannelExample() {
+#include "client/stream/channel.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status ContactStreamExample(const SkinInfo& info,
-                                  const SkinFrame& frame) {
-  TACTUS_ASSIGN_OR_RETURN(
-      auto stream,
-      ContactStream::Open(MakeChannel("127.0.0.1:50051"), MakeConfig(info),
-                          [](const auto& response) {
-                            if (response.has_posterior()) {
-                              Use(response.posterior());
-                            }
-                          }));
-  FrameEncoder encoder(info, {});
-  encoder.Add(frame);
-  TACTUS_RETURN_IF_ERROR(stream->Send(encoder.request()));
-  TACTUS_ASSIGN_OR_RETURN(const v1::Posterior answer, stream->EndTrial());
-  TACTUS_RETURN_IF_ERROR(stream->Close());
+static absl::Status ContactStreamExample(const SkinInfo& info,
+                                         const SkinFrame& frame) {
+#include "client/stream/contact_stream.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status FrameEncoderExample(const SkinInfo& info, const SkinFrame& frame,
-                                 ContactStream* stream) {
-  FrameEncoder encoder(info, {.sparse = true});
-  encoder.Add(frame);
-  TACTUS_RETURN_IF_ERROR(stream->Send(encoder.request()));
-  encoder.Clear();
+static absl::Status FrameEncoderExample(const SkinInfo& info,
+                                        const SkinFrame& frame,
+                                        ContactStream* stream) {
+#include "client/stream/frame_encoder.h.inc"
   return absl::OkStatus();
 }
 
-void MessageRingExample(const v1::FrameBatch& message, int size) {
-  MessageRing ring(limits::kMaxReplayBytes);
-  if (char* bytes = ring.Append(message.ByteSizeLong())) {
-    message.SerializeToArray(bytes, size);
-  }
-  for (auto at = ring.begin(); at != ring.end(); at = ring.Next(at)) {
-    Send(ring.At(at));
-  }
-  ring.PopFront();
+static void MessageRingExample(const v1::FrameBatch& message, int size) {
+#include "client/stream/message_ring.h.inc"
 }
 
-absl::Status ResumableStreamExample(const SkinInfo& info,
-                                    const SkinFrame& frame) {
-  TACTUS_ASSIGN_OR_RETURN(
-      auto stream,
-      ResumableStream::Open(MakeChannel("arm.lab:50051"), MakeConfig(info),
-                            [](const auto& response) { Use(response); },
-                            {.resume_for = std::chrono::seconds(30)}));
-  FrameEncoder encoder(info, {});
-  encoder.Add(frame);
-  TACTUS_RETURN_IF_ERROR(stream->Send(encoder.request()));
-  TACTUS_ASSIGN_OR_RETURN(const v1::Posterior answer, stream->EndTrial());
-  TACTUS_RETURN_IF_ERROR(stream->Close());
+static absl::Status ResumableStreamExample(const SkinInfo& info,
+                                           const SkinFrame& frame) {
+#include "client/stream/resumable_stream.h.inc"
   return absl::OkStatus();
 }
 
-void StreamHistoryExample(const v1::StreamConfig& config,
-                          const v1::StreamStarted& started,
-                          v1::FrameBatch batch,
-                          const v1::ClassifyContactResponse& posterior) {
-  StreamHistory history(config, started, limits::kMaxReplayBytes);
-  history.Add(batch);  // before it is sent
-  if (const auto* response = history.Take(posterior)) Use(*response);
-  // The connection is lost.
-  history.BeginStream();
-  while (history.NextUnsent(&batch)) Send(batch);
+static void StreamHistoryExample(const v1::StreamConfig& config,
+                                 const v1::StreamStarted& started,
+                                 v1::FrameBatch batch,
+                                 const v1::ClassifyContactResponse& posterior) {
+#include "client/stream/stream_history.h.inc"
 }
 
-absl::Status ResponseCheckerExample(
+static absl::Status ResponseCheckerExample(
     const v1::ClassifyContactRequest& request,
     const v1::ClassifyContactResponse& response) {
-  ResponseChecker checker;
-  checker.OnSent(request);  // before the request is written
-  TACTUS_RETURN_IF_ERROR(checker.Check(response));
+#include "client/stream/response_checker.h.inc"
   return absl::OkStatus();
 }
 
-void RobotIdExample(const v1::StreamConfig& config,
-                    grpc::ClientContext& context) {
-  if (IsRobotId(config.client_id())) {
-    context.AddMetadata(kRobotIdKey, config.client_id());
-  }
+static void RobotIdExample(const v1::StreamConfig& config,
+                           grpc::ClientContext& context) {
+#include "client/stream/robot_id.h.inc"
 }
 
-absl::Status SkinFrameExample() {
-  SkinInfo info;
-  TACTUS_ASSIGN_OR_RETURN(info.layout, LayoutPreset("cody-forearm"));
-  info.scale = 0.001;  // values are millinewtons
-
-  // A skin that is no preset.
-  info.layout = {.name = "my-palm",
-                 .rows = 8,
-                 .columns = 8,
-                 .row_pitch_m = 0.005,
-                 .column_pitch_m = 0.005,
-                 .taxel_area_m2 = 25e-6,
-                 .unit = TaxelUnit::kNewton,
-                 .contact_threshold = 0.01,
-                 .onset_threshold = 0.02};
+static absl::Status SkinFrameExample() {
+#include "client/stream/skin_frame.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status WatchdogExample(
+static absl::Status WatchdogExample(
     grpc::ClientContext& context,
     grpc::ClientReaderWriter<v1::ClassifyContactRequest,
                              v1::ClassifyContactResponse>* rpc,
     const v1::ClassifyContactRequest& request) {
-  Watchdog watchdog([&] { context.TryCancel(); });
-  watchdog.Start("config", std::chrono::seconds(10));
-  rpc->Write(request);  // returns once it is cancelled
-  watchdog.Stop();
-  TACTUS_RETURN_IF_ERROR(watchdog.status());
+#include "client/stream/watchdog.h.inc"
   return absl::OkStatus();
 }
 
-void ReplayDriverExample() {
-  ReplayDriver driver("vitac.h5", {}, {.max_trials = 10});
+static void ReplayDriverExample() {
+#include "client/drivers/replay_driver.h.inc"
 }
 
-void SimDriverExample() { SimDriver driver({.seed = 7}, /*trials=*/40, {}); }
+static void SimDriverExample() {
+#include "client/drivers/sim_driver.h.inc"
+}
 
-absl::Status SkinDriverExample(SkinDriver& driver) {
-  TACTUS_ASSIGN_OR_RETURN(SkinInfo info, driver.Configure());
-  TACTUS_RETURN_IF_ERROR(driver.Activate());
-  SkinFrame frame;
-  while (true) {
-    TACTUS_ASSIGN_OR_RETURN(ReadResult result, driver.Read(frame));
-    if (result == ReadResult::kEndOfData) break;
-    if (result == ReadResult::kFrame) Use(frame);
-  }
-  TACTUS_RETURN_IF_ERROR(driver.Finalise());
+static absl::Status SkinDriverExample(SkinDriver& driver) {
+#include "client/drivers/skin_driver.h.inc"
   return absl::OkStatus();
 }
 

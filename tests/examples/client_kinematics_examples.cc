@@ -1,5 +1,5 @@
-// The examples of public headers, as their comments show them. They only have
-// to compile; HouseTest.ExamplesAreCompiled compares the texts.
+// What the examples of public headers need around them. They only have to
+// compile. The build takes each .inc from the comment of the header it names.
 #include <optional>
 #include <string>
 #include <utility>
@@ -17,51 +17,36 @@
 
 namespace tactus::client::kinematics_examples {
 
-absl::Status ArmModelExample(const std::string& urdf,
-                             const std::vector<double>& joint_values) {
-  TACTUS_ASSIGN_OR_RETURN(ArmModel arm,
-                          ArmModel::FromUrdf(urdf, "forearm_skin"));
-  TACTUS_ASSIGN_OR_RETURN(const Pose pose, arm.PoseOf(joint_values));
+static absl::Status ArmModelExample(const std::string& urdf,
+                                    const std::vector<double>& joint_values) {
+#include "client/kinematics/arm_model.h.inc"
   return absl::OkStatus();
 }
 
-void JointPosesExample(ArmModel arm, CanBus& bus, CanSkinProtocol& skin,
-                       int64_t time_ns,
-                       const std::vector<double>& joint_values) {
-  JointPoses poses(std::move(arm));
-  CanSkinDriver driver(&bus, &skin,
-                       {.pose_at = [&](int64_t t) { return poses.PoseAt(t); },
-                        .pose_problem = [&] { return poses.Problem(); }});
-  const absl::Status pushed = poses.Push(time_ns, joint_values);
+static void JointPosesExample(ArmModel arm, CanBus& bus, CanSkinProtocol& skin,
+                              int64_t time_ns,
+                              const std::vector<double>& joint_values) {
+#include "client/kinematics/joint_poses.h.inc"
 }
 
-absl::Status JointLineExample() {
-  int64_t time_ns = 0;
-  std::vector<double> values(7);
-  TACTUS_RETURN_IF_ERROR(
-      ParseJointLine("0 0.1 -1.2 0 1.5 0 0.7 0", time_ns, values));
+static absl::Status JointLineExample() {
+#include "client/kinematics/joint_line.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status JointReceiverExample(JointPoses& poses) {
-  TACTUS_ASSIGN_OR_RETURN(const auto receiver,
-                          JointReceiver::Listen("127.0.0.1:5005", &poses));
+static absl::Status JointReceiverExample(JointPoses& poses) {
+#include "client/kinematics/joint_receiver.h.inc"
   return absl::OkStatus();
 }
 
-void SkinPlacesExample(const SkinInfo& info, const v1::Posterior& posterior,
-                       JointPoses& poses) {
-  const SkinPlaces places(info.layout);
-  const v1::ContactFeatures& features = posterior.features();
-  const std::optional<Pose> pose = poses.PoseAt(posterior.capture_time_ns());
-  if (pose) {
-    const Eigen::Vector3d place = places.InWorld(
-        {features.centroid_row(), features.centroid_column()}, *pose);
-  }
+static void SkinPlacesExample(const SkinInfo& info,
+                              const v1::Posterior& posterior,
+                              JointPoses& poses) {
+#include "client/kinematics/skin_places.h.inc"
 }
 
-absl::Status UrdfTextExample(const std::string& urdf) {
-  TACTUS_RETURN_IF_ERROR(CheckUrdfText(urdf));
+static absl::Status UrdfTextExample(const std::string& urdf) {
+#include "client/kinematics/urdf_text.h.inc"
   return absl::OkStatus();
 }
 

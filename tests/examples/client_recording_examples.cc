@@ -1,5 +1,5 @@
-// The examples of public headers, as their comments show them. They only have
-// to compile; HouseTest.ExamplesAreCompiled compares the texts.
+// What the examples of public headers need around them. They only have to
+// compile. The build takes each .inc from the comment of the header it names.
 #include <memory>
 
 #include "client/drivers/recording_driver.h"
@@ -13,43 +13,26 @@ namespace tactus::client::examples {
 void Use(const SkinFrame& frame);
 void Expect(const v1::Posterior& posterior);
 
-void LabelledDriverExample(LabelledDriver& driver, SkinFrame& frame) {
-  while (*driver.Read(frame) == ReadResult::kFrame) Use(frame);
-  driver.trial().label;  // "HU"
+static void LabelledDriverExample(LabelledDriver& driver, SkinFrame& frame) {
+#include "client/drivers/labelled_driver.h.inc"
 }
 
-absl::Status RecordingDriverExample() {
-  RecordingDriver driver(
-      "run.mcap", {.on_event = [&](const auto& event) {
-        if (const auto* p = std::get_if<v1::Posterior>(&event)) Expect(*p);
-      }});
-  TACTUS_ASSIGN_OR_RETURN(const SkinInfo info, driver.Configure());
+static absl::Status RecordingDriverExample() {
+#include "client/drivers/recording_driver.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status RecorderExample(const SkinInfo& info,
-                             const v1::StreamConfig& config,
-                             const std::unique_ptr<ContactStream>& stream,
-                             const SkinFrame& frame,
-                             const v1::Posterior& posterior) {
-  TACTUS_ASSIGN_OR_RETURN(
-      const auto recorder,
-      Recorder::Create("run.mcap", {.about = {{"driver", "sim"}}}));
-  recorder->Begin(info, config, stream->started());
-  recorder->BeginTrial({{"label", "HU"}});
-  recorder->Frame(frame);  // as the driver returned it
-  recorder->Result(posterior);
-  recorder->EndTrial();
-  TACTUS_RETURN_IF_ERROR(recorder->Finish());
+static absl::Status RecorderExample(
+    const SkinInfo& info, const v1::StreamConfig& config,
+    const std::unique_ptr<ContactStream>& stream, const SkinFrame& frame,
+    const v1::Posterior& posterior) {
+#include "client/recording/recorder.h.inc"
   return absl::OkStatus();
 }
 
-void PosteriorCheckExample(const v1::Posterior& recorded,
-                           const v1::Posterior& posterior) {
-  PosteriorCheck check;
-  check.Expect(recorded);
-  check.Receive(posterior);
-  check.Result().equal;  // 1
+static void PosteriorCheckExample(const v1::Posterior& recorded,
+                                  const v1::Posterior& posterior) {
+#include "client/recording/posterior_check.h.inc"
 }
 
 }  // namespace tactus::client::examples

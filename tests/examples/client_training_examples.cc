@@ -1,5 +1,5 @@
-// The examples of public headers, as their comments show them. They only have
-// to compile; HouseTest.ExamplesAreCompiled compares the texts.
+// What the examples of public headers need around them. They only have to
+// compile. The build takes each .inc from the comment of the header it names.
 #include <optional>
 #include <string>
 #include <thread>
@@ -24,91 +24,50 @@ absl::Status Send();
 absl::Status Store(const v1::TrialRecord& record);
 void Show(const v1::Operation& now, std::span<const v1::LearningPoint> points);
 
-void BackoffExample(uint64_t seed) {
-  Backoff backoff(seed);
-  while (!Try()) std::this_thread::sleep_for(backoff.Next());
-  backoff.Reset();  // after a success
+static void BackoffExample(uint64_t seed) {
+#include "client/stream/backoff.h.inc"
 }
 
-absl::Status AdminClientExample(TrainingClient& client) {
-  AdminClient admin(&client);
-  TACTUS_ASSIGN_OR_RETURN(const auto info, admin.GetServerInfo());
+static absl::Status AdminClientExample(TrainingClient& client) {
+#include "client/training/admin_client.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status RetryExample() {
-  Retries retries({}, /*seed=*/1);
-  for (;;) {
-    const absl::Status status = Send();
-    if (status.ok()) return status;
-    TACTUS_RETURN_IF_ERROR(retries.Wait(status));
-  }
+static absl::Status RetryExample() {
+#include "client/training/retry.h.inc"
 }
 
-absl::Status TrialPackExample(const Trial& trial) {
-  std::string pack;
-  TACTUS_RETURN_IF_ERROR(AppendToPack(ToRecord(trial), &pack));
-
-  TrialUnpacker unpacker(
-      [](const v1::TrialRecord& record) { return Store(record); });
-  TACTUS_RETURN_IF_ERROR(unpacker.Add(pack));  // any part of a pack
-  TACTUS_RETURN_IF_ERROR(unpacker.Finish());
+static absl::Status TrialPackExample(const Trial& trial) {
+#include "client/training/trial_pack.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status TrainingClientExample() {
-  TrainingClient client(MakeTrainingChannel("arm.lab:50051", {}));
-  TACTUS_ASSIGN_OR_RETURN(const v1::Dataset dataset,
-                          client.CreateDataset("datasets/arm", "first arm"));
+static absl::Status TrainingClientExample() {
+#include "client/training/training_client.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status TrialPackerExample(
+static absl::Status TrialPackerExample(
     const NextTrial& next_trial,
     const std::function<void(int64_t, const std::string&)>& send) {
-  TrialPacker packer(next_trial, {.chunk_bytes = 1 << 20});
-  while (true) {
-    TACTUS_ASSIGN_OR_RETURN(const PackChunk chunk, packer.Next());
-    if (chunk.data.empty()) break;
-    send(chunk.offset, chunk.data);
-  }
+#include "client/training/trial_packer.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status TrialUploaderExample(TrainingClient& client,
-                                  TrialFileReader reader) {
-  v1::CreateUploadRequest request;
-  request.set_dataset("datasets/arm");
-  request.set_request_id("arm-1");
-  TrialUploader uploader(&client, {});
-  size_t next = 0;
-  TACTUS_ASSIGN_OR_RETURN(
-      const v1::FinishUploadResponse made,
-      uploader.Upload(request, [&]() -> absl::StatusOr<std::optional<Trial>> {
-        if (next == reader.size()) return std::nullopt;
-        return reader.Read(next++);
-      }));
+static absl::Status TrialUploaderExample(TrainingClient& client,
+                                         TrialFileReader reader) {
+#include "client/training/trial_uploader.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status TrialDownloaderExample(TrainingClient& client,
-                                    TrialFileWriter writer) {
-  TACTUS_ASSIGN_OR_RETURN(
-      const DownloadTotals totals,
-      DownloadTrials(client, "datasets/arm/versions/3",
-                     [&](const Trial& trial) { return writer.Append(trial); },
-                     {}));
+static absl::Status TrialDownloaderExample(TrainingClient& client,
+                                           TrialFileWriter writer) {
+#include "client/training/trial_downloader.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status OperationWatcherExample(TrainingClient& client) {
-  OperationWatcher watcher(&client, {});
-  TACTUS_ASSIGN_OR_RETURN(
-      const v1::Operation ended,
-      watcher.Watch("operations/7",
-                    [](const v1::Operation& now, const auto& new_points) {
-                      Show(now, new_points);
-                    }));
+static absl::Status OperationWatcherExample(TrainingClient& client) {
+#include "client/training/operation_watcher.h.inc"
   return absl::OkStatus();
 }
 

@@ -1,5 +1,5 @@
-// The examples of public headers, as their comments show them. They only have
-// to compile; HouseTest.ExamplesAreCompiled compares the texts.
+// What the examples of public headers need around them. They only have to
+// compile. The build takes each .inc from the comment of the header it names.
 #include <array>
 #include <span>
 #include <string>
@@ -32,124 +32,102 @@
 
 namespace tactus::examples {
 
-void AlignedVectorExample() { AlignedVector<float> cells(160); }
-
 absl::StatusOr<Model> LoadModel(const std::string& path);
+
+static void AlignedVectorExample() {
+#include "core/base/aligned_vector.h.inc"
+}
 
 struct SomeStream {
   void Read(std::string* message, void* tag);
 } stream;
 std::string message;
 
-class Call {
-  void Start() { stream.Read(&message, read_done_.tag()); }
-  void OnRead(bool ok);
-  MemberEvent<Call> read_done_{this, &Call::OnRead};
-};
+#include "core/base/call_event.h.inc"
 
-void CallEventExample(void* tag, bool ok) {
-  static_cast<CallEvent*>(tag)->OnEvent(ok);
+static absl::Status ErrorsExample(double rate) {
+#include "core/base/errors.h.inc"
 }
 
-absl::Status ErrorsExample(double rate) {
-  return InvalidConfig("sample_rate_hz", rate, "above 0 and at most 10000");
+static void GaussianExample(Random& random) {
+#include "core/base/gaussian.h.inc"
 }
 
-void GaussianExample(Random& random) {
-  std::vector<double> noise(1500);
-  FillGaussian(random, noise);
+static void MersenneTwisterExample(uint64_t seed) {
+#include "core/base/mersenne_twister.h.inc"
 }
 
-void MersenneTwisterExample(uint64_t seed) {
-  MersenneTwister engine(seed);
-  const uint64_t one = engine();
-  std::array<uint64_t, 100> many;
-  engine.Fill(many);
+static void RandomExample(uint64_t seed) {
+#include "core/base/random.h.inc"
 }
 
-void RandomExample(uint64_t seed) {
-  Random random(seed);
-  double noise = 0.002 * random.Gaussian();
+static void Sha256Example(const std::string& header,
+                          const std::string& payload) {
+#include "core/base/sha256.h.inc"
 }
 
-void Sha256Example(const std::string& header, const std::string& payload) {
-  Sha256 hash;
-  hash.Add(header);
-  hash.Add(payload);
-  const std::string digest = hash.Finish();  // 32 bytes
-}
-
-absl::Status StatusMacrosExample(const SkinLayout& layout,
-                                 const std::string& path) {
-  TACTUS_RETURN_IF_ERROR(Validate(layout));
-  TACTUS_ASSIGN_OR_RETURN(Model model, LoadModel(path));
+static absl::Status StatusMacrosExample(const SkinLayout& layout,
+                                        const std::string& path) {
+#include "core/base/status_macros.h.inc"
   return absl::OkStatus();
 }
 
-void SerializeExample(const Model& model, const v1::ModelBundle& bundle) {
-  const std::string payload = SerializeDeterministic(bundle);
-  EXPECT_EQ(payload, SerializeDeterministic(ModelToProto(model)));
+static void SerializeExample(const Model& model,
+                             const v1::ModelBundle& bundle) {
+#include "core/base/serialize.h.inc"
 }
 
-void ArgumentsExample(int argc, char** argv) {
-  const absl::Status status = CheckArguments(argc, argv);
+static void ArgumentsExample(int argc, char** argv) {
+#include "core/base/arguments.h.inc"
 }
 
-absl::Status TextExample(const std::string& label) {
+static absl::Status TextExample(const std::string& label) {
   const auto complain = [](const std::string& name, const std::string& fault) {
     return InvalidTrainingData(name + " " + fault);
   };
-  const std::string fault = TextFault(label, limits::kMaxTrialTextBytes);
-  if (!fault.empty()) return complain("label", fault);
+#include "core/base/text.h.inc"
   return absl::OkStatus();
 }
 
-void FrameExample(std::span<const float> taxels, const Pose& pose,
-                  ContactPipeline* pipeline) {
-  FrameView frame{.taxels = taxels, .pose = &pose};
-  pipeline->Step(frame);
+static void FrameExample(std::span<const float> taxels, const Pose& pose,
+                         ContactPipeline* pipeline) {
+#include "core/skin/frame.h.inc"
 }
 
-absl::Status LayoutJsonExample(const SkinLayout& layout) {
-  const std::string text = LayoutToJson(layout);
-  TACTUS_ASSIGN_OR_RETURN(SkinLayout again, LayoutFromJson(text));
+static absl::Status LayoutJsonExample(const SkinLayout& layout) {
+#include "core/skin/layout_json.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status TaxelGridExample(const std::vector<Eigen::Vector3d>& positions,
-                              std::vector<float>& frame, size_t i,
-                              float value_of_taxel_i) {
-  TACTUS_ASSIGN_OR_RETURN(const TaxelGrid grid, PlaceOnGrid(positions));
-  frame[grid.cells[i]] = value_of_taxel_i;
+static absl::Status TaxelGridExample(
+    const std::vector<Eigen::Vector3d>& positions, std::vector<float>& frame,
+    size_t i, float value_of_taxel_i) {
+#include "core/skin/taxel_grid.h.inc"
   return absl::OkStatus();
 }
 
-void GeometryExample(const SkinLayout& layout) {
-  const Eigen::Vector3d position = LinkPosition(layout, {.row = 3.5});
+static void GeometryExample(const SkinLayout& layout) {
+#include "core/skin/geometry.h.inc"
 }
 
-absl::Status LayoutExample() {
-  TACTUS_ASSIGN_OR_RETURN(SkinLayout layout, LayoutPreset("cody-forearm"));
+static absl::Status LayoutExample() {
+#include "core/skin/layout.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status AddressExample(const std::string& address) {
+static absl::Status AddressExample(const std::string& address) {
   std::string path;
-  if (IsUnixAddress(address)) path = UnixPath(address);
-  TACTUS_ASSIGN_OR_RETURN(const HostPort at, ParseHostPort("[::1]:50051"));
+#include "core/base/address.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status WireCheckExample(const std::string& bytes, int64_t limit) {
-  const WireCheck check = CheckWire(*v1::TrialRecord::descriptor(), bytes);
-  if (!check.fault.empty()) return InvalidTrial(check.fault);
-  if (check.parsed_bytes > limit) return InvalidTrial("it is too large");
+static absl::Status WireCheckExample(const std::string& bytes, int64_t limit) {
+#include "core/base/wire_check.h.inc"
   return absl::OkStatus();
 }
 
-void ThreadPriorityExample() {
-  SetThreadPriority(ThreadPriority::kPrompt);
-  SetThreadPriority(ThreadPriority::kBackground);
+static void ThreadPriorityExample() {
+#include "core/base/thread_priority.h.inc"
 }
 
 }  // namespace tactus::examples

@@ -1,5 +1,5 @@
-// The examples of public headers, as their comments show them. They only have
-// to compile; HouseTest.ExamplesAreCompiled compares the texts.
+// What the examples of public headers need around them. They only have to
+// compile. The build takes each .inc from the comment of the header it names.
 #include <memory>
 #include <span>
 #include <string>
@@ -25,98 +25,73 @@
 
 namespace tactus::examples {
 
-void BundleExample(const std::string& bytes) {
-  auto model = DecodeBundle(bytes);  // a flipped byte anywhere is an error
-  ContactClassifier classifier(*model, {});
+static void BundleExample(const std::string& bytes) {
+#include "core/bundle/bundle.h.inc"
 }
 
-void FieldCountExample(const std::string& bytes) {
-  if (!HasAtMostFields(*v1::ModelBundle::descriptor(), bytes, 1000)) return;
+static void FieldCountExample(const std::string& bytes) {
+#include "core/bundle/field_count.h.inc"
 }
 
-void ContactClassifierExample(std::shared_ptr<const CompiledModel> model,
-                              std::span<const ContactSample> contact) {
-  ContactClassifier classifier(model, {});
-  for (const ContactSample& sample : contact) classifier.Step(sample, 0);
-  classifier.probability();
+static void ContactClassifierExample(std::shared_ptr<const CompiledModel> model,
+                                     std::span<const ContactSample> contact) {
+#include "core/classify/contact_classifier.h.inc"
 }
 
-void ContactPipelineExample(const SkinLayout& layout,
-                            std::shared_ptr<const CompiledModel> model,
-                            std::span<const FrameView> frames) {
-  auto pipeline = ContactPipeline::Create(layout, model, {});
-  for (const FrameView& frame : frames) {
-    const ContactReport& report = (*pipeline)->Step(frame);
-  }
-  (*pipeline)->EndTrial();
+static void ContactPipelineExample(const SkinLayout& layout,
+                                   std::shared_ptr<const CompiledModel> model,
+                                   std::span<const FrameView> frames) {
+#include "core/classify/contact_pipeline.h.inc"
 }
 
-absl::Status SkipRulesExample(const SkinLayout& layout,
-                              std::shared_ptr<const CompiledModel> model) {
-  ContactPipeline::Options options;
-  options.skip[SkipRule::kUnchangedFrames] = false;
-  TACTUS_ASSIGN_OR_RETURN(auto pipeline,
-                          ContactPipeline::Create(layout, model, options));
-  pipeline->skipped()[SkipRule::kUntouchedFrames];
+static absl::Status SkipRulesExample(
+    const SkinLayout& layout, std::shared_ptr<const CompiledModel> model) {
+#include "core/classify/skip_rules.h.inc"
   return absl::OkStatus();
 }
 
-void StepSavingsExample(std::shared_ptr<const CompiledModel> model) {
-  ContactClassifier::Options options;
-  options.savings = {
-      .settled_probability = 0.98, .settled_steps = 4, .settled_stride = 4};
-  ContactClassifier classifier(model, options);
+static void StepSavingsExample(std::shared_ptr<const CompiledModel> model) {
+#include "core/classify/step_savings.h.inc"
 }
 
-void CalibrationExample(const Calibration& calibration, double frames,
-                        std::span<const double> log_prior,
-                        std::span<const double> log_likelihood,
-                        std::span<double> hmm, std::span<const double> lstm,
-                        std::span<double> bias, std::span<double> fused) {
-  const CalibrationPoint point = CalibrationAt(calibration, frames);
-  BiasAt(calibration.hmm_bias, point, bias);
-  TemperedPosterior(log_prior, log_likelihood, point.hmm_inverse_temperature,
-                    bias, hmm);
-  FusePosteriors(hmm, lstm, point, bias, fused);
+static void CalibrationExample(const Calibration& calibration, double frames,
+                               std::span<const double> log_prior,
+                               std::span<const double> log_likelihood,
+                               std::span<double> hmm,
+                               std::span<const double> lstm,
+                               std::span<double> bias,
+                               std::span<double> fused) {
+#include "core/classify/calibration.h.inc"
 }
 
-absl::Status CompiledModelExample(Model plain) {
-  TACTUS_ASSIGN_OR_RETURN(auto model, CompiledModel::Create(std::move(plain)));
-  ContactClassifier classifier(model, {});
+static absl::Status CompiledModelExample(Model plain) {
+#include "core/classify/compiled_model.h.inc"
   return absl::OkStatus();
 }
 
-void InputSpecExample(const Model& model, CueTracker& cues,
-                      std::span<double> input, BankFilter& hmms) {
-  MakeInput(model.inputs.hmm, cues, input);
-  hmms.Step(input);
+static void InputSpecExample(const Model& model, CueTracker& cues,
+                             std::span<double> input, BankFilter& hmms) {
+#include "core/classify/input_spec.h.inc"
 }
 
-absl::Status ModelExample(const Model& model) {
-  TACTUS_RETURN_IF_ERROR(Validate(model));
-  TACTUS_ASSIGN_OR_RETURN(auto compiled, CompiledModel::Create(model));
+static absl::Status ModelExample(const Model& model) {
+#include "core/classify/model.h.inc"
   return absl::OkStatus();
 }
 
-void ObjectEstimateExample(const double* mean, const double* deviation,
-                           double motion_m) {
-  const ObjectEstimate estimate = DecodeEstimate(mean, deviation, motion_m);
-  estimate.moved_m;
+static void ObjectEstimateExample(const double* mean, const double* deviation,
+                                  double motion_m) {
+#include "core/classify/object_estimate.h.inc"
 }
 
-void StepClockExample(const Model& model, bool in_contact, BankFilter& hmms,
-                      std::span<const double> input) {
-  StepClock clock(model.inputs.hmm_steps);
-  for (uint64_t frames = 1; in_contact; ++frames) {
-    if (clock.Tick(frames)) hmms.Step(input);
-  }
-  clock.Reset();  // before the next contact
+static void StepClockExample(const Model& model, bool in_contact,
+                             BankFilter& hmms, std::span<const double> input) {
+#include "core/classify/step_clock.h.inc"
 }
 
-absl::Status WarmUpExample(Model model,
-                           const std::vector<ContactSample>& samples) {
-  model.warm_up.samples = samples;
-  TACTUS_RETURN_IF_ERROR(AnswerWarmUp(model));
+static absl::Status WarmUpExample(Model model,
+                                  const std::vector<ContactSample>& samples) {
+#include "core/classify/warm_up.h.inc"
   return absl::OkStatus();
 }
 

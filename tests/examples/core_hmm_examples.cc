@@ -1,5 +1,5 @@
-// The examples of public headers, as their comments show them. They only have
-// to compile; HouseTest.ExamplesAreCompiled compares the texts.
+// What the examples of public headers need around them. They only have to
+// compile. The build takes each .inc from the comment of the header it names.
 #include <span>
 #include <vector>
 
@@ -24,109 +24,85 @@ namespace tactus::examples {
 
 using Sequences = std::vector<SequenceView>;
 
-absl::Status BaumWelchExample(const Sequences& sequences,
-                              const InitOptions& init_options,
-                              const BaumWelchOptions& options) {
-  GaussianHmm model = *InitPaper(sequences, init_options);
-  TACTUS_ASSIGN_OR_RETURN(BaumWelchReport report,
-                          BaumWelch(sequences, options, model));
+static absl::Status BaumWelchExample(const Sequences& sequences,
+                                     const InitOptions& init_options,
+                                     const BaumWelchOptions& options) {
+#include "core/hmm/baum_welch.h.inc"
   return absl::OkStatus();
 }
 
-void ExpectationExample(const Sequences& sequences, const GaussianHmm& model) {
-  Expectation expectation(sequences);
-  const ExpectedCounts counts = expectation.Compute(model);
+static void ExpectationExample(const Sequences& sequences,
+                               const GaussianHmm& model) {
+#include "core/hmm/expectation.h.inc"
 }
 
-void ForwardBackwardExample(const SequenceBatch& batch,
-                            const GaussianHmm& model, ExpectedCounts& counts) {
-  ForwardBackward smoother(batch.lanes());
-  smoother.SetModel(model);
-  smoother.Add(batch, Counts::kAll);
-  smoother.AddTo(counts);
+static void ForwardBackwardExample(const SequenceBatch& batch,
+                                   const GaussianHmm& model,
+                                   ExpectedCounts& counts) {
+#include "core/hmm/forward_backward.h.inc"
 }
 
-void FlooredCovarianceExample(const std::vector<double>& covariance, int state,
-                              GaussianHmm& model) {
-  const bool raised =
-      SetFlooredCovariance(covariance, /*floor=*/1e-6, state, model);
+static void FlooredCovarianceExample(const std::vector<double>& covariance,
+                                     int state, GaussianHmm& model) {
+#include "core/hmm/floored_covariance.h.inc"
 }
 
-absl::Status GaussianHmmExample(const Sequences& sequences,
-                                const std::vector<HmmMixture>& mixtures) {
-  GaussianHmm model = *InitPaper(sequences, {});
-  TACTUS_RETURN_IF_ERROR(Validate(model));
-  TACTUS_ASSIGN_OR_RETURN(HmmBank bank, HmmBank::Create(mixtures));
+static absl::Status GaussianHmmExample(
+    const Sequences& sequences, const std::vector<HmmMixture>& mixtures) {
+#include "core/hmm/gaussian_hmm.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status HmmBankExample(const std::vector<HmmMixture>& mixtures,
-                            std::span<const double> observation,
-                            std::span<double> scores) {
-  TACTUS_ASSIGN_OR_RETURN(HmmBank bank, HmmBank::Create(mixtures));
-  BankFilter filter(bank, Score::kForward);
-  filter.Step(observation);
-  filter.Skip(3);
-  filter.LogLikelihood(scores);
+static absl::Status HmmBankExample(const std::vector<HmmMixture>& mixtures,
+                                   std::span<const double> observation,
+                                   std::span<double> scores) {
+#include "core/hmm/hmm_bank.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status InitExample(const Sequences& sequences,
-                         const InitOptions& options) {
-  TACTUS_ASSIGN_OR_RETURN(GaussianHmm model, InitPaper(sequences, options));
+static absl::Status InitExample(const Sequences& sequences,
+                                const InitOptions& options) {
+#include "core/hmm/init.h.inc"
   return absl::OkStatus();
 }
 
-void KMeansExample(const Eigen::MatrixXd& points, uint64_t seed, int i) {
-  KMeansResult clusters = KMeans(points, 10, seed);
-  clusters.cluster_of[i];  // the cluster of point i
+static void KMeansExample(const Eigen::MatrixXd& points, uint64_t seed, int i) {
+#include "core/hmm/kmeans.h.inc"
 }
 
-absl::Status MixtureExample(const GaussianHmm& model) {
-  HmmMixture mixture = {.log_weight = {0}, .components = {model}};
-  TACTUS_RETURN_IF_ERROR(Validate(mixture));
+static absl::Status MixtureExample(const GaussianHmm& model) {
+#include "core/hmm/mixture.h.inc"
   return absl::OkStatus();
 }
 
-void ScaledFilterExample(const ScaledModel<float>& packed,
-                         std::span<const double> observation, int component) {
-  ScaledFilter<float> filter(packed, {}, Score::kForward);
-  filter.Step(observation);
-  filter.UpdateTotals();
-  filter.log_likelihood(component);
+static void ScaledFilterExample(const ScaledModel<float>& packed,
+                                std::span<const double> observation,
+                                int component) {
+#include "core/hmm/scaled_filter.h.inc"
 }
 
-void ScaledModelExample(const GaussianHmm& model_a,
-                        const GaussianHmm& model_b) {
-  const ScaledModel<float> packed({&model_a, &model_b}, UnitScale(3));
-  ScaledFilter<float> filter(packed, {}, Score::kForward);
+static void ScaledModelExample(const GaussianHmm& model_a,
+                               const GaussianHmm& model_b) {
+#include "core/hmm/scaled_model.h.inc"
 }
 
-void SequenceExample(int frames, int dimensions) {
-  std::vector<double> data(frames * dimensions);  // [T x D] row-major
-  SequenceView view{data.data(), frames, dimensions};
+static void SequenceExample(int frames, int dimensions) {
+#include "core/hmm/sequence.h.inc"
 }
 
-void SequenceBatchExample(const Sequences& sequences, int t) {
-  for (const SequenceBatch& batch : MakeBatches(sequences)) {
-    batch.frame(t);
-  }
+static void SequenceBatchExample(const Sequences& sequences, int t) {
+#include "core/hmm/sequence_batch.h.inc"
 }
 
-absl::Status TrainMixtureExample(const Sequences& trials_of_category) {
-  TrainMixtureOptions options;
-  options.components = 10;
-  TACTUS_ASSIGN_OR_RETURN(TrainedMixture trained,
-                          TrainMixture(trials_of_category, options));
+static absl::Status TrainMixtureExample(const Sequences& trials_of_category) {
+#include "core/hmm/train_mixture.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status PcaNearestExample(const Eigen::MatrixXd& samples,
-                               const std::vector<int>& labels,
-                               const Eigen::VectorXd& vector) {
-  TACTUS_ASSIGN_OR_RETURN(PcaNearest nearest,
-                          PcaNearest::Fit(samples, labels, 0.95));
-  TACTUS_ASSIGN_OR_RETURN(PcaNearest::Match match, nearest.Predict(vector));
+static absl::Status PcaNearestExample(const Eigen::MatrixXd& samples,
+                                      const std::vector<int>& labels,
+                                      const Eigen::VectorXd& vector) {
+#include "core/nearest/pca_nearest.h.inc"
   return absl::OkStatus();
 }
 

@@ -1,5 +1,5 @@
-// The examples of public headers, as their comments show them. They only have
-// to compile; HouseTest.ExamplesAreCompiled compares the texts.
+// What the examples of public headers need around them. They only have to
+// compile. The build takes each .inc from the comment of the header it names.
 #include <functional>
 #include <span>
 
@@ -11,35 +11,30 @@
 
 namespace tactus::server::examples {
 
-void Http2VetExample(std::span<const uint8_t> bytes,
-                     std::function<void(absl::string_view)> CloseConnection) {
-  Http2Vet vet(Http2Vet::Peer::kClient);
-  const absl::string_view fault = vet.Check(bytes, MonotonicNs());
-  if (!fault.empty()) CloseConnection(fault);
+static void Http2VetExample(
+    std::span<const uint8_t> bytes,
+    std::function<void(absl::string_view)> CloseConnection) {
+#include "core/http2/http2_vet.h.inc"
 }
 
-void TokenBucketExample(
+static void TokenBucketExample(
     int64_t now_ns, std::function<void(absl::string_view)> CloseConnection) {
-  TokenBucket pings({.per_second = 100, .burst = 1000});
-  if (!pings.Take(now_ns)) CloseConnection("too many pings");
+#include "core/http2/token_bucket.h.inc"
 }
 
-void VettedConnectionsExample(int fd,
-                              void (*LogFault)(int, absl::string_view)) {
-  VettedConnections::Start(
-      {.accepts = true, .now_ns = MonotonicNs, .on_fault = LogFault});
-  VettedConnections::Add(fd);  // plain HTTP/2, before gRPC has it
+static void VettedConnectionsExample(int fd,
+                                     void (*LogFault)(int, absl::string_view)) {
+#include "core/connections/vetted_connections.h.inc"
 }
 
 struct ExampleConnections {
   void CutOff();
 };
 
-void AlarmClockExample(std::chrono::system_clock::time_point deadline,
-                       ExampleConnections& connections,
-                       std::function<void()> WaitForTheRest) {
-  const AlarmClock alarm(deadline, [&] { connections.CutOff(); });
-  WaitForTheRest();  // the alarm is off when `alarm` goes out of scope
+static void AlarmClockExample(std::chrono::system_clock::time_point deadline,
+                              ExampleConnections& connections,
+                              std::function<void()> WaitForTheRest) {
+#include "server/ops/alarm_clock.h.inc"
 }
 
 }  // namespace tactus::server::examples

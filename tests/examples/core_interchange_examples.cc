@@ -1,5 +1,5 @@
-// The examples of public headers, as their comments show them. They only have
-// to compile; HouseTest.ExamplesAreCompiled compares the texts.
+// What the examples of public headers need around them. They only have to
+// compile. The build takes each .inc from the comment of the header it names.
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,136 +31,112 @@
 
 namespace tactus::examples {
 
-absl::Status ForeignModelExample(Model& model) {
-  TACTUS_ASSIGN_OR_RETURN(ForeignModel foreign, ReadModelFile("net.onnx"));
-  TACTUS_RETURN_IF_ERROR(ReplaceModels(foreign, model));
+static absl::Status ForeignModelExample(Model& model) {
+#include "core/interchange/model/foreign_model.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status ReplaceModelsExample(Model& model) {
-  TACTUS_ASSIGN_OR_RETURN(ForeignModel foreign, ReadModelFile("net.onnx"));
-  TACTUS_RETURN_IF_ERROR(ReplaceModels(foreign, model));
-  TACTUS_RETURN_IF_ERROR(AnswerWarmUp(model));
+static absl::Status ReplaceModelsExample(Model& model) {
+#include "core/interchange/replace_models.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status HmmFieldsExample(const GaussianHmm& hmm) {
-  const HmmFields fields = FieldsOf(hmm);
-  fields.means.shape;  // {states, dimensions}
-  TACTUS_ASSIGN_OR_RETURN(GaussianHmm back, HmmOf(fields, "class HU"));
+static absl::Status HmmFieldsExample(const GaussianHmm& hmm) {
+#include "core/interchange/hmm/hmm_fields.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status HmmJsonExample(const Model& model, const std::string& path) {
-  const std::string text = HmmsToJson(model, HmmJsonStyle::kHmmlearn);
-  TACTUS_ASSIGN_OR_RETURN(ForeignModel foreign, HmmsFromJson(path, text));
+static absl::Status HmmJsonExample(const Model& model,
+                                   const std::string& path) {
+#include "core/interchange/hmm/hmm_json.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status HmmNpzExample(const Model& model, const std::string& path) {
-  TACTUS_ASSIGN_OR_RETURN(const std::string bytes, HmmsToNpz(model));
-  TACTUS_ASSIGN_OR_RETURN(ForeignModel foreign, HmmsFromNpz(path, bytes));
+static absl::Status HmmNpzExample(const Model& model, const std::string& path) {
+#include "core/interchange/hmm/hmm_npz.h.inc"
   return absl::OkStatus();
 }
 
-void InputsJsonExample(const Model& model) {
-  OrderedJson json = OrderedJson::object();
-  AddInputs(model.inputs.lstm, model.inputs.lstm_steps, /*rate=*/100, json);
+static void InputsJsonExample(const Model& model) {
+#include "core/interchange/model/inputs_json.h.inc"
 }
 
-absl::Status KerasConfigExample(const std::string& text) {
-  TACTUS_ASSIGN_OR_RETURN(std::vector<KerasLayerConfig> layers,
-                          ParseKerasConfig(text, /*major_version=*/2));
-  layers[0].name;
+static absl::Status KerasConfigExample(const std::string& text) {
+#include "core/interchange/lstm/keras_config.h.inc"
   return absl::OkStatus();
 }
 
-void NetworkStackExample(LstmLayer layer, Activation activation,
-                         GateActivation gate_activation,
-                         std::vector<float> kernel, std::vector<float> bias) {
-  NetworkStack stack;
-  std::string fault = stack.AddLstm(layer, activation, gate_activation);
-  fault = stack.AddDense(/*units=*/32, kernel, bias);
-  fault = stack.Activate(HiddenActivation::kRelu);
-  fault = stack.AddDense(/*units=*/4, kernel, bias);
-  std::optional<LstmNetwork> network = stack.Finish(/*softmax=*/true, &fault);
+static void NetworkStackExample(LstmLayer layer, Activation activation,
+                                GateActivation gate_activation,
+                                std::vector<float> kernel,
+                                std::vector<float> bias) {
+#include "core/interchange/lstm/network_stack.h.inc"
 }
 
-absl::Status LstmFromKerasExample() {
-  TACTUS_ASSIGN_OR_RETURN(ForeignModel foreign, LstmsFromKeras("net.h5", {}));
-  foreign.lstms.front().classes();
+static absl::Status LstmFromKerasExample() {
+#include "core/interchange/lstm/lstm_from_keras.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status LstmFromOnnxExample(const std::string& path,
-                                 const std::string& bytes) {
-  TACTUS_ASSIGN_OR_RETURN(ForeignModel foreign, LstmsFromOnnx(path, bytes));
-  foreign.lstms.front().classes();
+static absl::Status LstmFromOnnxExample(const std::string& path,
+                                        const std::string& bytes) {
+#include "core/interchange/lstm/lstm_from_onnx.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status LstmGraphExample(const onnx::ModelProto& model) {
-  TACTUS_ASSIGN_OR_RETURN(std::vector<LstmNetwork> networks,
-                          NetworksOf(model.graph(), /*opset=*/13));
+static absl::Status LstmGraphExample(const onnx::ModelProto& model) {
+#include "core/interchange/lstm/lstm_graph.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status LstmToOnnxExample(const Model& model) {
-  TACTUS_ASSIGN_OR_RETURN(std::string bytes,
-                          LstmsToOnnx(model, OnnxGraph::kSequence));
-  TACTUS_RETURN_IF_ERROR(WriteFileBytes("lstm-sequence.onnx", bytes));
+static absl::Status LstmToOnnxExample(const Model& model) {
+#include "core/interchange/lstm/lstm_to_onnx.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status MixtureWeightsExample(HmmMixture mixture) {
-  const std::vector<double> weights = WeightsOf(mixture);
-  TACTUS_RETURN_IF_ERROR(SetWeights(weights, "class HU", &mixture));
+static absl::Status MixtureWeightsExample(HmmMixture mixture) {
+#include "core/interchange/hmm/mixture_weights.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status ModelFileErrorExample(const std::string& path) {
-  return InvalidModelFile(path, "node 3 is a Conv; ...");
+static absl::Status ModelFileErrorExample(const std::string& path) {
+#include "core/interchange/model/model_file_error.h.inc"
 }
 
-absl::Status OnnxAxesExample(const OnnxNode& node, const OnnxTensors& tensors,
-                             OnnxData data) {
-  TACTUS_RETURN_IF_ERROR(MoveAxes(node, tensors, &data));
+static absl::Status OnnxAxesExample(const OnnxNode& node,
+                                    const OnnxTensors& tensors, OnnxData data) {
+#include "core/interchange/lstm/onnx_axes.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status OnnxLstmLayerExample(const OnnxNode& node, const OnnxNumbers& w,
-                                  const OnnxNumbers& r, const OnnxNumbers& b,
-                                  LstmNetwork network) {
-  TACTUS_ASSIGN_OR_RETURN(OnnxLstmLayer layer, LayerOf(node, w, r, &b));
-  network.layers.push_back(layer.weights);
+static absl::Status OnnxLstmLayerExample(const OnnxNode& node,
+                                         const OnnxNumbers& w,
+                                         const OnnxNumbers& r,
+                                         const OnnxNumbers& b,
+                                         LstmNetwork network) {
+#include "core/interchange/lstm/onnx_lstm_layer.h.inc"
   return absl::OkStatus();
 }
 
-void OnnxNamesExample(onnx::TensorProto tensor) {
-  tensor.set_data_type(kOnnxFloat);
+static void OnnxNamesExample(onnx::TensorProto tensor) {
+#include "core/interchange/lstm/onnx_names.h.inc"
 }
 
-absl::Status OnnxNodeExample(const onnx::NodeProto& proto) {
-  const OnnxNode node(proto, 3);
-  const int64_t axis = node.Int("axis", -1);
-  return node.Invalid("is bidirectional; ...");
+static absl::Status OnnxNodeExample(const onnx::NodeProto& proto) {
+#include "core/interchange/lstm/onnx_node.h.inc"
 }
 
-absl::Status OnnxTensorExample(const onnx::TensorProto& tensor) {
-  TACTUS_ASSIGN_OR_RETURN(OnnxNumbers numbers, NumbersOf(tensor));
-  numbers.shape;  // {1, 200, 2}
+static absl::Status OnnxTensorExample(const onnx::TensorProto& tensor) {
+#include "core/interchange/lstm/onnx_tensor.h.inc"
   return absl::OkStatus();
 }
 
-void OnnxValueExample(const onnx::GraphProto& graph) {
-  OnnxValue value;
-  value.kind = OnnxValue::Kind::kTensor;
-  value.tensor = &graph.initializer(0);
+static void OnnxValueExample(const onnx::GraphProto& graph) {
+#include "core/interchange/lstm/onnx_value.h.inc"
 }
 
-absl::Status ReadModelFileExample(Model& model) {
-  TACTUS_ASSIGN_OR_RETURN(ForeignModel foreign, ReadModelFile("net.onnx"));
-  TACTUS_RETURN_IF_ERROR(ReplaceModels(foreign, model));
+static absl::Status ReadModelFileExample(Model& model) {
+#include "core/interchange/read_model_file.h.inc"
   return absl::OkStatus();
 }
 

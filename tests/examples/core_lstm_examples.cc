@@ -1,5 +1,5 @@
-// The examples of public headers, as their comments show them. They only have
-// to compile; HouseTest.ExamplesAreCompiled compares the texts.
+// What the examples of public headers need around them. They only have to
+// compile. The build takes each .inc from the comment of the header it names.
 #include <span>
 #include <vector>
 
@@ -22,109 +22,72 @@ namespace tactus::examples {
 
 void Use(std::span<const double> probability);
 
-void BackpropExample(const LstmNetwork& network,
-                     std::span<const LstmSequence> batch, Random& random,
-                     const LstmLossOptions& options, LstmNetwork& gradient) {
-  LstmBackprop backprop(network);
-  backprop.SetWeights(network);
-  backprop.Forward(batch, {}, random);
-  const LstmBatchLoss loss = backprop.Loss(options);
-  backprop.Backward(gradient);
+static void BackpropExample(const LstmNetwork& network,
+                            std::span<const LstmSequence> batch, Random& random,
+                            const LstmLossOptions& options,
+                            LstmNetwork& gradient) {
+#include "core/lstm/backprop.h.inc"
 }
 
-void BatchLayoutExample() {
-  const int steps[] = {4, 9, 9};
-  BatchLayout layout;
-  layout.Arrange(steps);
+static void BatchLayoutExample() {
+#include "core/lstm/batch_layout.h.inc"
 }
 
-absl::Status NoiseExample(const LstmNoise& noise, Random& random,
-                          std::span<float> mask, std::span<float> inputs) {
-  TACTUS_RETURN_IF_ERROR(Validate(noise));
-  NoiseBits bits(random);
-  DropoutMask(noise.dropout, bits, mask);  // at 0.2: 0 or 1.25
-  AddNoise(noise.input, bits, inputs);
+static absl::Status NoiseExample(const LstmNoise& noise, Random& random,
+                                 std::span<float> mask,
+                                 std::span<float> inputs) {
+#include "core/lstm/noise.h.inc"
   return absl::OkStatus();
 }
 
-void SequenceSourceExample(LstmSequenceSource& source) {
-  std::vector<LstmSequence> batch;
-  const size_t numbers[] = {4, 17};
-  source.Get(numbers, batch);  // valid until the next Get()
+static void SequenceSourceExample(LstmSequenceSource& source) {
+#include "core/lstm/sequence_source.h.inc"
 }
 
-void KernelsExample(const float* input, const float* weights) {
-  LstmBuffer c(5 * Padded(200));
-  BestLstmKernels().product({.rows = 5,
-                             .inner = 50,
-                             .columns = Padded(200),
-                             .a = input,
-                             .a_row = 50,
-                             .b = weights,
-                             .b_row = Padded(200),
-                             .c = c.data(),
-                             .c_row = Padded(200)});
+static void KernelsExample(const float* input, const float* weights) {
+#include "core/lstm/kernels.h.inc"
 }
 
-void LossExample(const LstmLossOptions& options, const float* outputs,
-                 int label, int steps, float* gradient) {
+static void LossExample(const LstmLossOptions& options, const float* outputs,
+                        int label, int steps, float* gradient) {
   double loss = 0;
-  loss += StepLoss(options, 4, 0, outputs, label, {}, 1.0 / steps, gradient);
+#include "core/lstm/loss.h.inc"
 }
 
-absl::Status NetworkExample(uint64_t seed) {
-  LstmNetwork network = RandomNetwork(2, {50, 50}, 4, Activation::kSoftsign,
-                                      GateActivation::kHardSigmoid, seed);
-  TACTUS_ASSIGN_OR_RETURN(CompiledLstm lstm, CompiledLstm::Create(network));
+static absl::Status NetworkExample(uint64_t seed) {
+#include "core/lstm/network.h.inc"
   return absl::OkStatus();
 }
 
-void OptimizerExample(const OptimizerOptions& options, LstmNetwork& gradient,
-                      LstmNetwork& network) {
-  OptimizerState state;
-  const double norm = ClipGradient(1.0, gradient);
-  OptimizerStep(options, options.learning_rate, gradient, state, network);
+static void OptimizerExample(const OptimizerOptions& options,
+                             LstmNetwork& gradient, LstmNetwork& network) {
+#include "core/lstm/optimizer.h.inc"
 }
 
-void PackedMatrixExample(const LstmLayer& layer) {
-  PackedMatrix matrix(200, 50);
-  matrix.SetWeights(layer.recurrent);
+static void PackedMatrixExample(const LstmLayer& layer) {
+#include "core/lstm/packed_matrix.h.inc"
 }
 
-void SequenceExample(std::span<const float> frames) {
-  LstmSequence sequence;
-  sequence.inputs = frames;
-  sequence.label = 2;
+static void SequenceExample(std::span<const float> frames) {
+#include "core/lstm/sequence.h.inc"
 }
 
-absl::Status StepperExample(
+static absl::Status StepperExample(
     const LstmNetwork& network,
     const std::vector<std::vector<double>>& scaled_features) {
-  TACTUS_ASSIGN_OR_RETURN(CompiledLstm lstm, CompiledLstm::Create(network));
-  LstmStepper stepper(lstm);
-  for (const auto& features : scaled_features) {
-    stepper.Step(features);
-    Use(stepper.probability());
-  }
+#include "core/lstm/stepper.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status TrainExample(const LstmNetwork& network,
-                          std::span<const LstmSequence> training,
-                          std::span<const LstmSequence> validation) {
-  LstmTrainOptions options;
-  options.loss.steps = LstmLoss::kEveryStep;
-  options.patience = 5;
-  TACTUS_ASSIGN_OR_RETURN(
-      LstmTrained trained,
-      TrainLstm({.network = network}, training, validation, options));
+static absl::Status TrainExample(const LstmNetwork& network,
+                                 std::span<const LstmSequence> training,
+                                 std::span<const LstmSequence> validation) {
+#include "core/lstm/train.h.inc"
   return absl::OkStatus();
 }
 
-void VectorMathExample(const float* from) {
-  Lanes<8>::Floats x;
-  Load(from, x);
-  Activate(Activation::kTanh, x);
+static void VectorMathExample(const float* from) {
+#include "core/lstm/vector_math.h.inc"
 }
 
 }  // namespace tactus::examples

@@ -1,5 +1,5 @@
-// The examples of public headers, as their comments show them. They only have
-// to compile; HouseTest.ExamplesAreCompiled compares the texts.
+// What the examples of public headers need around them. They only have to
+// compile. The build takes each .inc from the comment of the header it names.
 #include <memory>
 #include <string>
 #include <vector>
@@ -30,146 +30,111 @@
 
 namespace tactus::examples {
 
-void Crc32cExample(const std::vector<std::string>& chunks) {
-  uint32_t crc = 0;
-  for (const auto& chunk : chunks) crc = ExtendCrc32c(crc, chunk);
+static void Crc32cExample(const std::vector<std::string>& chunks) {
+#include "core/base/crc32c.h.inc"
 }
 
-void StatusProtoExample(v1::Operation& operation, const absl::Status& status) {
-  *operation.mutable_error() = ToStatusProto(status);
-  const absl::Status same = FromStatusProto(operation.error());
+static void StatusProtoExample(v1::Operation& operation,
+                               const absl::Status& status) {
+#include "core/base/status_proto.h.inc"
 }
 
-absl::Status TrainSpecExample(const v1::TrainSpec& spec) {
-  TACTUS_RETURN_IF_ERROR(CheckOptions(spec));
-  TACTUS_ASSIGN_OR_RETURN(FitOptions options, OptionsOf(spec, "tuned"));
+static absl::Status TrainSpecExample(const v1::TrainSpec& spec) {
+#include "core/train/train_spec.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status FileSystemExample(const std::string& bytes) {
-  FileSystem& files = PosixFileSystem();
-  TACTUS_ASSIGN_OR_RETURN(auto file, files.Append("blobs/draft"));
-  TACTUS_RETURN_IF_ERROR(file->Append(bytes));
-  TACTUS_RETURN_IF_ERROR(file->Sync());
+static absl::Status FileSystemExample(const std::string& bytes) {
+#include "core/store/file_system.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status BlobStoreExample(FileSystem& files, const std::string& record) {
-  TACTUS_ASSIGN_OR_RETURN(auto blobs, BlobStore::Open(files, "blobs"));
-  BlobStore::Batch batch = blobs->NewBatch();
-  TACTUS_ASSIGN_OR_RETURN(std::string sha256, batch.Add(record));
-  TACTUS_RETURN_IF_ERROR(batch.Commit());  // now on disk
+static absl::Status BlobStoreExample(FileSystem& files,
+                                     const std::string& record) {
+#include "core/store/blob_store.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status CatalogExample(const std::unique_ptr<Catalog>& catalog,
-                            const std::string& bytes) {
-  TACTUS_RETURN_IF_ERROR(
-      catalog->Change([&](Transaction& change) -> absl::Status {
-        TACTUS_ASSIGN_OR_RETURN(auto old,
-                                change.Get(Table::kAliases, "default"));
-        return change.Put(Table::kAliases, "default", bytes);
-      }));
+static absl::Status CatalogExample(const std::unique_ptr<Catalog>& catalog,
+                                   const std::string& bytes) {
+#include "core/store/catalog.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status SqliteCatalogExample() {
-  TACTUS_ASSIGN_OR_RETURN(auto catalog, OpenSqliteCatalog("catalog.db"));
+static absl::Status SqliteCatalogExample() {
+#include "core/store/sqlite_catalog.h.inc"
   return absl::OkStatus();
 }
 
 absl::Status NoSuch(const char* name);
+absl::Status Delete();
 
-absl::Status RecordsExample(const Transaction& look) {
-  TACTUS_ASSIGN_OR_RETURN(auto dataset,
-                          GetRecord<v1::Dataset>(look, Table::kDatasets, "d"));
-  if (!dataset.has_value()) return NoSuch("d");
+static absl::Status RecordsExample(const Transaction& look) {
+#include "core/store/records.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status DataDirectoryExample() {
-  TACTUS_ASSIGN_OR_RETURN(auto data,
-                          DataDirectory::Open(PosixFileSystem(), "/data"));
-  BlobStore& blobs = data->blobs();
+static absl::Status DataDirectoryExample() {
+#include "core/store/data_directory.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status NumbersExample(const Transaction& look, Transaction& change,
-                            const std::string& entry) {
-  TACTUS_ASSIGN_OR_RETURN(uint64_t number, NextNumber(look, Table::kAudit));
-  TACTUS_RETURN_IF_ERROR(change.Put(Table::kAudit, NumberKey(number), entry));
+static absl::Status NumbersExample(const Transaction& look, Transaction& change,
+                                   const std::string& entry) {
+#include "core/store/numbers.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status AppendAuditExample(Transaction& change) {
-  v1::AuditEntry entry;
-  entry.set_verb("remove");
-  TACTUS_RETURN_IF_ERROR(AppendAudit(change, entry));
+static absl::Status AppendAuditExample(Transaction& change) {
+#include "core/store/audit.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status AbandonedUploadsExample(Transaction& change, int64_t now_ms) {
-  TACTUS_ASSIGN_OR_RETURN(auto uploads, AbandonedUploads(change, now_ms));
-  for (const v1::StoredUpload& upload : uploads) {
-    TACTUS_RETURN_IF_ERROR(RemoveUpload(change, upload, "tactusd", now_ms));
-  }
+static absl::Status AbandonedUploadsExample(Transaction& change,
+                                            int64_t now_ms) {
+#include "core/store/abandoned_uploads.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status DirectoryLockExample() {
-  TACTUS_ASSIGN_OR_RETURN(auto lock, DirectoryLock::Take("/data"));
+static absl::Status DirectoryLockExample() {
+#include "core/store/directory_lock.h.inc"
   return absl::OkStatus();
 }
 
-void DiskUseExample() {
-  const v1::DataUse use = MeasureData("/data");
-  use.blob_bytes();
+static void DiskUseExample() {
+#include "core/store/disk_use.h.inc"
 }
 
 void Print(const CheckResult& result);
 
-void DataCheckExample(int64_t now_ms) {
-  for (const CheckResult& result :
-       CheckData(PosixFileSystem(), "/data", {.now_ms = now_ms})) {
-    Print(result);
-  }
+static void DataCheckExample(int64_t now_ms) {
+#include "core/store/data_check.h.inc"
 }
 
 void Print(const std::string& text);
 
-void TablesExample() {
-  for (const auto& [table, name] : kTables) Print(name);
+static void TablesExample() {
+#include "core/store/tables.h.inc"
 }
 
-absl::Status Delete();
-
-absl::Status DiskReserveExample(FileSystem& files) {
-  DiskReserve reserve(files, "/data/reserve", 32 << 20);
-  reserve.Renew();
-  TACTUS_RETURN_IF_ERROR(reserve.Check());  // before writing much
-  return reserve.With([&] { return Delete(); });
+static absl::Status DiskReserveExample(FileSystem& files) {
+#include "core/store/disk_reserve.h.inc"
 }
 
-absl::Status DirectoryIdentityExample(FileSystem& files,
-                                      const std::string& folder,
-                                      const std::string& path) {
-  TACTUS_RETURN_IF_ERROR(CheckCatalogFile(files, folder));
-  TACTUS_ASSIGN_OR_RETURN(auto catalog, OpenSqliteCatalog(path));
-  TACTUS_RETURN_IF_ERROR(CheckCatalogBelongs(files, folder, *catalog));
-  TACTUS_RETURN_IF_ERROR(MarkDirectory(files, folder, *catalog));
+static absl::Status DirectoryIdentityExample(FileSystem& files,
+                                             const std::string& folder,
+                                             const std::string& path) {
+#include "core/store/directory_identity.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status LostAndFoundExample(FileSystem& files) {
-  LostAndFound lost(files, "/data");
-  TACTUS_RETURN_IF_ERROR(lost.Take("blobs/ab/abcd"));
-  Print(lost.folder());  // "/data/lost+found/3", with "blobs/ab/abcd" in it
+static absl::Status LostAndFoundExample(FileSystem& files) {
+#include "core/store/lost_and_found.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status AcceptCatalogExample(FileSystem& files) {
-  TACTUS_ASSIGN_OR_RETURN(auto done, AcceptCatalog(files, "/data"));
-  Print(done);  // "there was none; a new one begins without records"
+static absl::Status AcceptCatalogExample(FileSystem& files) {
+#include "core/store/accept_catalog.h.inc"
   return absl::OkStatus();
 }
 

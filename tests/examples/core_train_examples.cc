@@ -1,5 +1,5 @@
-// The examples of public headers, as their comments show them. They only have
-// to compile; HouseTest.ExamplesAreCompiled compares the texts.
+// What the examples of public headers need around them. They only have to
+// compile. The build takes each .inc from the comment of the header it names.
 #include <iostream>
 #include <map>
 #include <memory>
@@ -59,356 +59,254 @@ using Contacts = std::vector<const LabelledContact*>;
 
 void Remark(const std::string& text);
 
-void CopiesExample(const Contacts& contacts) {
-  for (const Copy& copy : FindCopies(contacts)) {
-    Remark(CopyText(contacts, copy));
-  }
+static void CopiesExample(const Contacts& contacts) {
+#include "core/contacts/copies.h.inc"
 }
 
 struct Loaded {
   std::string data_sha256;
 };
 
-void TrainedOnExample(const Contacts& contacts, Model model,
-                      const Loaded& loaded) {
-  SetTrainedOn(contacts, model.provenance);
-  const TrainedOn trained =
-      FindTrainedOn(model.provenance, contacts, {.sha256 = loaded.data_sha256});
-  if (trained.contacts > 0) std::cout << TrainedOnText(trained);
+static void TrainedOnExample(const Contacts& contacts, Model model,
+                             const Loaded& loaded) {
+#include "core/contacts/trained_on.h.inc"
 }
 
-absl::Status ContactSetExample(const LabelledContact& first,
-                               const LabelledContact& contact,
-                               const Model& model) {
-  TACTUS_RETURN_IF_ERROR(CheckOneSkin(first, contact));
-  TACTUS_RETURN_IF_ERROR(CheckFits(contact, model));
+static absl::Status ContactSetExample(const LabelledContact& first,
+                                      const LabelledContact& contact,
+                                      const Model& model) {
+#include "core/contacts/contact_set.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status AutoPresetExample(const Contacts& contacts,
-                               const FitOptions& tuned,
-                               const FitOptions& profile) {
-  TACTUS_ASSIGN_OR_RETURN(
-      const PresetChoice choice,
-      ChoosePreset(contacts,
-                   {.presets = {{"tuned", tuned}, {"profile", profile}}},
-                   RunSerially));
-  FitModel(contacts, choice.options, RunSerially);
+static absl::Status AutoPresetExample(const Contacts& contacts,
+                                      const FitOptions& tuned,
+                                      const FitOptions& profile) {
+#include "core/eval/auto_preset.h.inc"
   return absl::OkStatus();
 }
 
-void ChoiceFoldsExample(const Contacts& contacts) {
-  const ChoiceFolds folds = FoldsForChoice(contacts);
-  folds.by;  // FoldsBy::kGroups
+static void ChoiceFoldsExample(const Contacts& contacts) {
+#include "core/eval/choice_folds.h.inc"
 }
 
-absl::Status OutOfFoldExample(const Contacts& contacts,
-                              const std::vector<std::vector<int>>& folds,
-                              const FitOptions& options) {
-  TACTUS_ASSIGN_OR_RETURN(
-      const int right,
-      CountOutOfFoldRight(contacts, folds, options, RunSerially));
+static absl::Status OutOfFoldExample(const Contacts& contacts,
+                                     const std::vector<std::vector<int>>& folds,
+                                     const FitOptions& options) {
+#include "core/eval/out_of_fold.h.inc"
   return absl::OkStatus();
 }
 
-void LstmWorkExample(const Contacts& contacts, const FitOptions& options) {
-  LstmWork(contacts, options) / 1e9;  // billions of multiplications
+static void LstmWorkExample(const Contacts& contacts,
+                            const FitOptions& options) {
+#include "core/train/lstm_work.h.inc"
 }
 
-absl::Status ClassCountsExample(const Contacts& contacts, Protocol protocol) {
-  TACTUS_RETURN_IF_ERROR(CheckClasses(CountClasses(contacts), "contacts"));
-  TACTUS_ASSIGN_OR_RETURN(auto folds, MakeFolds(contacts, protocol));
-  TACTUS_RETURN_IF_ERROR(CheckFolds(contacts, folds, protocol));
+static absl::Status ClassCountsExample(const Contacts& contacts,
+                                       Protocol protocol) {
+#include "core/contacts/class_counts.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status ChosenOptionsExample(const Contacts& contacts) {
-  TACTUS_ASSIGN_OR_RETURN(
-      const ChosenOptions chosen,
-      ChooseOptions(contacts, {.preset = "auto", .options_of = FitPreset},
-                    RunSerially));
-  FitModel(chosen.contacts, chosen.options, RunSerially);
+static absl::Status ChosenOptionsExample(const Contacts& contacts) {
+#include "core/eval/chosen_options.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status BaselinesExample(const Contacts& contacts) {
-  TACTUS_ASSIGN_OR_RETURN(auto folds,
-                          MakeFolds(contacts, Protocol::kLeaveOneConditionOut));
-  TACTUS_ASSIGN_OR_RETURN(const Baselines baselines,
-                          MeasureBaselines(contacts, folds));
-  baselines.nearest_right;  // of baselines.contacts
+static absl::Status BaselinesExample(const Contacts& contacts) {
+#include "core/eval/baselines.h.inc"
   return absl::OkStatus();
 }
 
-void EvaluateExample(const Contacts& contacts, const FitOptions& options) {
-  auto result = EvaluateProtocol(contacts, Protocol::kLeaveOneConditionOut,
-                                 Algorithm::kFused, options, RunSerially);
-  Accuracy(result->final);
+static void EvaluateExample(const Contacts& contacts,
+                            const FitOptions& options) {
+#include "core/eval/evaluate.h.inc"
 }
 
-absl::Status EvaluateNearestExample(const Contacts& contacts,
-                                    const std::vector<std::vector<int>>& folds,
-                                    size_t f,
-                                    const std::vector<Feature>& features,
-                                    Evaluation& result) {
-  TACTUS_RETURN_IF_ERROR(
-      EvaluateNearestFold(contacts, folds[f], features, result));
+static absl::Status EvaluateNearestExample(
+    const Contacts& contacts, const std::vector<std::vector<int>>& folds,
+    size_t f, const std::vector<Feature>& features, Evaluation& result) {
+#include "core/eval/evaluate_nearest.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status EvaluationExample(
+static absl::Status EvaluationExample(
     const std::shared_ptr<const CompiledModel>& model,
     const Contacts& contacts) {
-  TACTUS_ASSIGN_OR_RETURN(
-      Evaluation result,
-      EvaluateModel(model, contacts, Algorithm::kFused, RunSerially));
-  AlgorithmName(result.algorithm);  // "hmm" if the model has no LSTMs
-  Accuracy(result.final);
+#include "core/eval/evaluation.h.inc"
   return absl::OkStatus();
 }
 
-void MetricsExample(const std::vector<Outcome>& outcomes) {
-  const int right = CountRight(outcomes);
-  const Interval interval = WilsonInterval(right, outcomes.size());
+static void MetricsExample(const std::vector<Outcome>& outcomes) {
+#include "core/eval/metrics.h.inc"
 }
 
-void PaperTablesExample() {
-  for (const PaperRow& row : PaperTable(Experiment::kSimulation)) {
-    row.accuracy_percent;  // 82.13 for HMM, f + m
-  }
+static void PaperTablesExample() {
+#include "core/eval/paper_tables.h.inc"
 }
 
-absl::Status UnknownExample(const Contacts& contacts,
-                            const FitOptions& options) {
-  TACTUS_ASSIGN_OR_RETURN(auto result,
-                          EvaluateUnknown(contacts, options, RunSerially));
-  result[0].area_under_roc;
+static absl::Status UnknownExample(const Contacts& contacts,
+                                   const FitOptions& options) {
+#include "core/eval/unknown.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status LabelledContactExample(const Trial& trial) {
+static absl::Status LabelledContactExample(const Trial& trial) {
   int undetectable = 0;
-  TACTUS_ASSIGN_OR_RETURN(auto contact, ExtractContact(trial));
-  if (!contact.has_value()) ++undetectable;
+#include "core/contacts/labelled_contact.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status FitEmbeddingExample(const Contacts& contacts,
-                                 const std::vector<std::string>& class_names,
-                                 InputSpec& spec) {
-  TACTUS_ASSIGN_OR_RETURN(
-      spec.embedding, FitTaxelEmbedding(contacts, class_names, spec.hmm_steps));
+static absl::Status FitEmbeddingExample(
+    const Contacts& contacts, const std::vector<std::string>& class_names,
+    InputSpec& spec) {
+#include "core/inputs/fit_embedding.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status FitExample(const Contacts& contacts) {
-  TACTUS_ASSIGN_OR_RETURN(FitOptions options, FitPreset("tuned"));
-  TACTUS_ASSIGN_OR_RETURN(Model model,
-                          FitModel(contacts, options, RunSerially));
+static absl::Status FitExample(const Contacts& contacts) {
+#include "core/train/fit.h.inc"
   return absl::OkStatus();
 }
 
-void AnytimeExample(const std::shared_ptr<const CompiledModel>& model,
-                    const LabelledContact& contact, int label,
-                    std::map<double, double>& accuracy) {
-  ContactClassifier classifier(model, {});
-  WalkContact(contact, classifier, [&](int time) {
-    accuracy[kAnytimeSeconds[time]] = classifier.probability()[label];
-  });
+static void AnytimeExample(const std::shared_ptr<const CompiledModel>& model,
+                           const LabelledContact& contact, int label,
+                           std::map<double, double>& accuracy) {
+#include "core/contacts/anytime.h.inc"
 }
 
-void CalibrateExample(
+static void CalibrateExample(
     const std::shared_ptr<const CompiledModel>& model_without_it,
     const LabelledContact& contact, Model& model) {
-  std::vector<ScoredContact> scored;
-  scored.push_back(ScoreContact(model_without_it, contact));
-  FitCalibration(scored, /*rate=*/100, model.calibration);
+#include "core/train/calibrate.h.inc"
 }
 
-void FitUnknownExample(std::span<const ScoredContact> scored, Model& model) {
-  FitUnknown(scored, model.calibration);
+static void FitUnknownExample(std::span<const ScoredContact> scored,
+                              Model& model) {
+#include "core/train/fit_unknown.h.inc"
 }
 
-void SoftmaxFitExample(std::span<const ScoredLabel> contacts,
-                       std::span<const WeightBounds> bounds, int classes) {
-  const SoftmaxFit fit = FitSoftmax(contacts, bounds, classes);
-  fit.weights[0];
+static void SoftmaxFitExample(std::span<const ScoredLabel> contacts,
+                              std::span<const WeightBounds> bounds,
+                              int classes) {
+#include "core/train/softmax_fit.h.inc"
 }
 
-absl::Status WorldContactsExample() {
-  TACTUS_ASSIGN_OR_RETURN(
-      const WorldRecipe recipe,
-      ParseWorldRecipe("world:skin=good+measured,contacts=100000,seed=1"));
-  TACTUS_ASSIGN_OR_RETURN(const WorldContacts world,
-                          MakeWorldContacts(recipe, RunSerially));
+static absl::Status WorldContactsExample() {
+#include "core/contacts/world_contacts.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status FoldsExample(const Contacts& contacts) {
-  TACTUS_ASSIGN_OR_RETURN(auto folds,
-                          MakeFolds(contacts, Protocol::kLeaveOneConditionOut));
-  for (const std::vector<int>& fold : folds) {
-    std::vector<int> training = Complement(fold, contacts.size());
-  }
+static absl::Status FoldsExample(const Contacts& contacts) {
+#include "core/contacts/folds.h.inc"
   return absl::OkStatus();
 }
 
-void WorkExample(const Contacts& contacts, const FitOptions& options) {
-  Progress progress([](absl::string_view phase, double fraction) {
-    done[phase] += fraction;  // 1 in the end
-  });
-  FitModel(contacts, options, RunSerially, progress);
+static void WorkExample(const Contacts& contacts, const FitOptions& options) {
+#include "core/base/work.h.inc"
 }
 
-absl::Status FitModelsExample(const FitRun& run, const std::string& name,
-                              const VariedContacts& contacts,
-                              const InputSpec& spec, const CueTable& table,
-                              int c) {
-  TACTUS_ASSIGN_OR_RETURN(HmmMixture mixture,
-                          FitClassHmms(run, name, contacts, spec, table, c,
-                                       RunSerially, Progress()));
+static absl::Status FitModelsExample(const FitRun& run, const std::string& name,
+                                     const VariedContacts& contacts,
+                                     const InputSpec& spec,
+                                     const CueTable& table, int c) {
+#include "core/train/fit_models.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status ModelFitExample(const FitRun& run, const Contacts& contacts,
-                             const ParallelFor& RunOnThreads) {
-  ModelFit fit(run, "fold/2/", {.lstms = 1}, contacts);
-  TACTUS_RETURN_IF_ERROR(fit.FitHmmInputs(RunOnThreads));
-  TACTUS_RETURN_IF_ERROR(fit.FitLstmInputs(/*keep=*/true));
-  for (int task = 0; task < fit.tasks(); ++task) {
-    TACTUS_RETURN_IF_ERROR(fit.FitTask(task, Progress()));
-  }
-  const Model model = fit.TakeModel();
+static absl::Status ModelFitExample(const FitRun& run, const Contacts& contacts,
+                                    const ParallelFor& RunOnThreads) {
+#include "core/train/model_fit.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status FitRunExample(const FitRun& run) {
-  TACTUS_RETURN_IF_ERROR(run.GoOn());
-  run.Report({.phase = "fit HMMs", .part = "hmm/SU/0", .iteration = 1});
+static absl::Status FitRunExample(const FitRun& run) {
+#include "core/train/fit_run.h.inc"
   return absl::OkStatus();
 }
 
 std::optional<std::string> Read(absl::string_view part);
 absl::Status Write(absl::string_view part, const std::string& bytes);
 
-void FitJournalExample(const Contacts& contacts, const FitOptions& options,
-                       const ParallelFor& RunOnThreads,
-                       const Progress& progress) {
-  class Files : public FitJournal {
-   public:
-    std::optional<std::string> Find(absl::string_view part) override {
-      return Read(part);
-    }
-    absl::Status Put(absl::string_view part, std::string bytes) override {
-      return Write(part, bytes);
-    }
-  };
-  Files files;
-  FitModel(contacts, options, RunOnThreads, progress, &files);
+static void FitJournalExample(const Contacts& contacts,
+                              const FitOptions& options,
+                              const ParallelFor& RunOnThreads,
+                              const Progress& progress) {
+#include "core/train/fit_journal.h.inc"
 }
 
-absl::Status ArchiveExample(LstmCheckpoint checkpoint, absl::string_view part) {
-  ByteWriter writer;
-  writer(checkpoint.network, checkpoint.history);
-  ByteReader reader(writer.bytes());
-  reader(checkpoint.network, checkpoint.history);
-  if (!reader.AtEnd()) return CheckpointInvalid(part, "it is cut off");
+static absl::Status ArchiveExample(LstmCheckpoint checkpoint,
+                                   absl::string_view part) {
+#include "core/train/archive.h.inc"
   return absl::OkStatus();
 }
 
-void FitFieldsExample(const FitOptions& options) {
+static void FitFieldsExample(const FitOptions& options) {
   const auto model = std::make_unique<InputSpec>();
-  ByteWriter writer;
-  writer(options, *model);
+#include "core/train/fit_fields.h.inc"
 }
 
-absl::Status SavedPartsExample(FitJournal* journal, const Contacts& contacts,
-                               const FitOptions& options) {
+static absl::Status SavedPartsExample(FitJournal* journal,
+                                      const Contacts& contacts,
+                                      const FitOptions& options) {
   const auto Train = [] { return HmmMixture(); };
-  const SavedParts saved(journal, contacts, options);
-  TACTUS_ASSIGN_OR_RETURN(auto mixture, saved.Find<HmmMixture>("hmm/SU"));
-  if (!mixture) {
-    mixture = Train();
-    TACTUS_RETURN_IF_ERROR(saved.Put("hmm/SU", *mixture));
-  }
+#include "core/train/saved_parts.h.inc"
   return absl::OkStatus();
 }
 
-void ContactFramesExample(const FeatureVector& signals) {
-  ContactFrames frames;
-  frames.push_back({IdealSample(signals), true});
-  const ContactFrame first = frames[0];
+static void ContactFramesExample(const FeatureVector& signals) {
+#include "core/contacts/contact_frames.h.inc"
 }
 
-void LstmInputsExample(const VariedContacts& contacts,
-                       const std::vector<std::string>& class_names,
-                       const InputSpec& spec, LstmCheckpoint checkpoint,
-                       const LstmTrainOptions& options) {
-  const LstmInputs inputs(contacts, class_names, spec,
-                          {.keep = true, .with_targets = true});
-  const auto source = inputs.Source(/*with_targets=*/false);
-  TrainLstm(checkpoint, *source, {}, options);
+static void LstmInputsExample(const VariedContacts& contacts,
+                              const std::vector<std::string>& class_names,
+                              const InputSpec& spec, LstmCheckpoint checkpoint,
+                              const LstmTrainOptions& options) {
+#include "core/inputs/lstm_inputs.h.inc"
 }
 
-absl::Status UsableExample(Contacts contacts, const FitOptions& options) {
-  std::erase_if(contacts, [&](const LabelledContact* contact) {
-    return !IsUsable(*contact, options);
-  });
-  TACTUS_RETURN_IF_ERROR(CheckUsable(contacts, options));
+static absl::Status UsableExample(Contacts contacts,
+                                  const FitOptions& options) {
+#include "core/train/usable.h.inc"
   return absl::OkStatus();
 }
 
-void VariedContactsExample(const Contacts& contacts,
-                           const std::vector<ModelInput>& inputs,
-                           const StepIntervals& steps, uint64_t seed) {
-  const VariedContacts varied(contacts, {.copies = 4, .pace = 3}, seed);
-  LabelledContact made;
-  for (size_t i = 0; i < varied.size(); ++i) {
-    MakeSequence(varied.Get(i, made), inputs, steps);
-  }
+static void VariedContactsExample(const Contacts& contacts,
+                                  const std::vector<ModelInput>& inputs,
+                                  const StepIntervals& steps, uint64_t seed) {
+#include "core/contacts/varied_contacts.h.inc"
 }
 
-absl::Status ChooseCuesExample(FitOptions& options) {
-  TACTUS_RETURN_IF_ERROR(
-      AddLstmCues("with_cues", {"force_pitch_short"}, options));
-  TACTUS_RETURN_IF_ERROR(LeaveOutCues("without_cues", {"log_drag"}, options));
+static absl::Status ChooseCuesExample(FitOptions& options) {
+#include "core/train/choose_cues.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status FitOptionsExample(const Contacts& contacts) {
-  TACTUS_ASSIGN_OR_RETURN(FitOptions options, FitPreset("tuned"));
-  options.lstm.networks = 1;
-  TACTUS_ASSIGN_OR_RETURN(Model model,
-                          FitModel(contacts, options, RunSerially));
+static absl::Status FitOptionsExample(const Contacts& contacts) {
+#include "core/train/fit_options.h.inc"
   return absl::OkStatus();
 }
 
-void InputsExample(const Contacts& contacts, const LabelledContact& contact,
-                   const std::vector<Cue>& cues, const StepIntervals& steps) {
-  auto inputs = FitInputs(VariedContacts(contacts), cues, {});
-  std::vector<double> rows = MakeSequence(contact, inputs, steps);
+static void InputsExample(const Contacts& contacts,
+                          const LabelledContact& contact,
+                          const std::vector<Cue>& cues,
+                          const StepIntervals& steps) {
+#include "core/inputs/inputs.h.inc"
 }
 
-void CueTableExample(const VariedContacts& contacts,
-                     const std::vector<Cue>& cues,
-                     const ParallelFor& RunOnThreads) {
+static void CueTableExample(const VariedContacts& contacts,
+                            const std::vector<Cue>& cues,
+                            const ParallelFor& RunOnThreads) {
   struct Range {
     void Add(double) {}
   };
   std::vector<Range> ranges(cues.size());
   const auto Use = [](std::span<const double>) {};
-  CueTable table(contacts, cues, {.steps = {5, 20}});
-  table.Walk(RunOnThreads, [&](std::span<const double> values) {
-    for (size_t i = 0; i < values.size(); ++i) ranges[i].Add(values[i]);
-  });
-  for (size_t step = 0; step < table.steps(3); ++step) {
-    Use(table.values(3, step));
-  }
+#include "core/inputs/cue_table.h.inc"
 }
 
-void VariationExample(const LabelledContact& contact, uint64_t seed) {
-  Random random(seed);
-  LabelledContact other = Vary(contact, {.pace = 1.4, .load = 0.5}, random);
+static void VariationExample(const LabelledContact& contact, uint64_t seed) {
+#include "core/contacts/variation.h.inc"
 }
 
 }  // namespace tactus::examples

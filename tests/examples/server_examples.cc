@@ -1,5 +1,5 @@
-// The examples of public headers, as their comments show them. They only have
-// to compile; HouseTest.ExamplesAreCompiled compares the texts.
+// What the examples of public headers need around them. They only have to
+// compile. The build takes each .inc from the comment of the header it names.
 #include <unistd.h>
 
 #include <chrono>
@@ -59,268 +59,205 @@ using Bytes = google::protobuf::io::ZeroCopyInputStream;
 void Use();
 void Write(const v1::ClassifyContactResponse& response);
 
-void YieldTimerExample() {
-  YieldAtIntervals();
-  const ParallelFor threads = Yielding(OnThreads(2));
+static void YieldTimerExample() {
+#include "server/trainer/yield_timer.h.inc"
 }
 
-void HealthProbeExample(const std::shared_ptr<grpc::Channel>& channel) {
-  auto serving = ProbeHealth(channel, "", std::chrono::seconds(2));
+static void HealthProbeExample(const std::shared_ptr<grpc::Channel>& channel) {
+#include "server/ops/health_probe.h.inc"
 }
 
 void Reload();
 
-void SignalsExample() {
-  StopSignals signals;  // in main, before any thread starts
-  // ... start the server ...
-  signals.Wait();  // the first signal
-  // ... stop in good order; a second signal ends the process at once ...
-  signals.Wait([&] { Reload(); });  // SIGHUP reloads instead
+static void SignalsExample() {
+#include "server/ops/signals.h.inc"
 }
 
-absl::Status AuthorizerExample(TactusServer::Options& options) {
-  TACTUS_ASSIGN_OR_RETURN(auto authorizer, Authorizer::Open("tokens"));
-  options.authorizer = authorizer.get();
-  // ... after a change of the file ...
-  absl::Status status = authorizer->Reload();
+static absl::Status AuthorizerExample(TactusServer::Options& options) {
+#include "server/ops/authorizer.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status FittingModelsExample(const StreamSettings& settings,
-                                  const PinnedModel& pinned,
-                                  const ModelSource& models) {
-  const absl::Status fits =
-      ContactPipeline::Check(settings.layout, *pinned.model, settings.pipeline);
-  if (!fits.ok()) return NameFittingModels(fits, pinned, settings, models);
+static absl::Status FittingModelsExample(const StreamSettings& settings,
+                                         const PinnedModel& pinned,
+                                         const ModelSource& models) {
+#include "server/session/fitting_models.h.inc"
   return absl::OkStatus();
 }
 
-void SkipTotalsExample(SkipTotals& totals, const StreamSession& session) {
-  totals.Add(session.skipped());
-  spdlog::info("skipped {}", totals.ToString());
+static void SkipTotalsExample(SkipTotals& totals,
+                              const StreamSession& session) {
+#include "server/ops/skip_totals.h.inc"
 }
 
 void Refuse();
 
-void ArrivalGateExample(ArrivalGate& gate) {
-  if (!gate.TryEnter(MonotonicNs())) Refuse();
-  ArrivalGate::Request request(&gate);  // asks gRPC for the next call
-  request.Arrive();                     // a call has come
-  request.Admit();                      // another limit counts it now
+static void ArrivalGateExample(ArrivalGate& gate) {
+#include "server/ops/arrival_gate.h.inc"
 }
 
-void GuardedCredentialsExample(ArrivalGate& gate, grpc::ServerBuilder& builder,
-                               const std::string& address) {
+static void GuardedCredentialsExample(ArrivalGate& gate,
+                                      grpc::ServerBuilder& builder,
+                                      const std::string& address) {
   int port = 0;
-  CallRefuser refuser(&gate);
-  const Guards guards = {&gate, &refuser, false};
-  builder.AddListeningPort(
-      address, Guard(grpc::InsecureServerCredentials(), guards), &port);
+#include "server/ops/guarded_credentials.h.inc"
 }
 
-void PeerExample(StreamGate& gate, const grpc::ServerContext& context) {
-  const absl::Status status = gate.Enter(PeerOf(context.peer()));
+static void PeerExample(StreamGate& gate, const grpc::ServerContext& context) {
+#include "server/ops/peer.h.inc"
 }
 
-void IncomingCallExample(CallQueue* queue, StreamGate& gate) {
-  IncomingCall call(queue);  // before gRPC is asked for the next call
-  absl::Status status =      // a call has come
-      call.Arrive([&] { return gate.Enter(call.peer()); });
+static void IncomingCallExample(CallQueue* queue, StreamGate& gate) {
+#include "server/rpc/incoming_call.h.inc"
 }
 
-void ControlCallExample(ControlService* service, CallQueue* queue) {
-  new ControlCall(service, queue);  // awaits a call
+static void ControlCallExample(ControlService* service, CallQueue* queue) {
+#include "server/rpc/control_call.h.inc"
 }
 
-void ControlServiceExample(const ControlService::Authorize& authorize,
-                           const ControlService::Handler& handler,
-                           grpc::ServerBuilder& builder, CallQueue& queue) {
-  ControlService control(authorize);
-  control.Add("/tactus.v1.ModelService/ListAliases", Role::kRobot, handler);
-  builder.RegisterAsyncGenericService(control.generic());
-  control.Serve(&queue);
+static void ControlServiceExample(const ControlService::Authorize& authorize,
+                                  const ControlService::Handler& handler,
+                                  grpc::ServerBuilder& builder,
+                                  CallQueue& queue) {
+#include "server/rpc/control_service.h.inc"
 }
 
-void ControlHandlersExample(
+static void ControlHandlersExample(
     ControlService& control,
     std::function<absl::StatusOr<v1::ListAliasesResponse>(
         const v1::ListAliasesRequest&, const Caller&)>
         answer) {
-  control.Add("/tactus.v1.ModelService/ListAliases", Role::kRobot,
-              Unary<v1::ListAliasesRequest, v1::ListAliasesResponse>(answer));
+#include "server/rpc/control_handlers.h.inc"
 }
 
-void TrainingRpcsExample(TrainingBackend* backend, ControlService& control) {
-  AddTrainingRpcs(backend, control);
-  AddOperationRpcs(backend, control);
-  AddModelRpcs(backend, control);
+static void TrainingRpcsExample(TrainingBackend* backend,
+                                ControlService& control) {
+#include "server/rpc/training_rpcs.h.inc"
 }
 
-absl::Status StreamGateExample(const std::string& peer, uint64_t frames) {
-  StreamGate gate("streams", {.all = 2000, .per_peer = 1000});
-  TACTUS_RETURN_IF_ERROR(gate.Enter(peer));
-  // ... serve the stream ...
-  gate.Leave(peer, frames);
+static absl::Status StreamGateExample(const std::string& peer,
+                                      uint64_t frames) {
+#include "server/ops/stream_gate.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status ClientStreamsExample(const void* call, const Caller& caller) {
-  ClientStreams clients(100);
-  TACTUS_RETURN_IF_ERROR(clients.Enter(call, caller.name));
-  // ... serve the stream ...
-  clients.Leave(call);
+static absl::Status ClientStreamsExample(const void* call,
+                                         const Caller& caller) {
+#include "server/ops/client_streams.h.inc"
   return absl::OkStatus();
 }
 
-void AdminRpcsExample(TrainingBackend* backend, const StreamGate& gate,
-                      ControlService& control) {
-  AddAdminRpcs({.backend = backend,
-                .streams = [&] { return gate.live(); },
-                .drain = [] { kill(getpid(), SIGTERM); }},
-               control);
+static void AdminRpcsExample(TrainingBackend* backend, const StreamGate& gate,
+                             ControlService& control) {
+#include "server/rpc/admin_rpcs.h.inc"
 }
 
-absl::Status TlsExample(TactusServer::Options& options) {
-  TACTUS_ASSIGN_OR_RETURN(options.tls, ReadTlsIdentity("s.crt", "s.key"));
+static absl::Status TlsExample(TactusServer::Options& options) {
+#include "server/ops/tls.h.inc"
   return absl::OkStatus();
 }
 
-void ModelSourceExample(const ModelSource& models,
-                        const std::string& client_id) {
-  auto pinned = models.Find("default", client_id);
+static void ModelSourceExample(const ModelSource& models,
+                               const std::string& client_id) {
+#include "server/session/model_source.h.inc"
 }
 
-void PosteriorWriterExample(PosteriorWriter& writer, ContactPipeline& pipeline,
-                            const FrameView& frame, uint64_t sequence,
-                            int64_t time_ns, uint64_t missing_before,
-                            v1::Posterior* posterior) {
-  writer.OnFrame(pipeline.Step(frame), sequence, time_ns, missing_before);
-  writer.Write(pipeline, false, posterior);
+static void PosteriorWriterExample(PosteriorWriter& writer,
+                                   ContactPipeline& pipeline,
+                                   const FrameView& frame, uint64_t sequence,
+                                   int64_t time_ns, uint64_t missing_before,
+                                   v1::Posterior* posterior) {
+#include "server/session/posterior_writer.h.inc"
 }
 
-absl::Status ModelRegistryExample() {
-  ModelRegistry registry;
-  TACTUS_RETURN_IF_ERROR(registry.AddBuiltIn("default", DefaultBundle()));
-  auto pinned = registry.Find("default", "robot-7");
+static absl::Status ModelRegistryExample() {
+#include "server/registry/model_registry.h.inc"
   return absl::OkStatus();
 }
 
 void StartRead();
 
-void AnswerPacingExample(bool reading, bool more_follow, CallQueue* queue,
-                         CallEvent& nothing_more, grpc::WriteOptions& options) {
-  AnswerPacing pacing;
-  if (pacing.ReadsFirst()) StartRead();
-  if (pacing.Holds(reading)) {
-    if (pacing.BeginHold()) queue->Defer(&nothing_more);
-  } else if (!pacing.Flushes(more_follow)) {
-    options.set_buffer_hint();
-  }
+static void AnswerPacingExample(bool reading, bool more_follow,
+                                CallQueue* queue, CallEvent& nothing_more,
+                                grpc::WriteOptions& options) {
+#include "server/rpc/answer_pacing.h.inc"
 }
 
-void CallQueueExample(grpc::ServerBuilder& builder, ArrivalGate& arrivals,
-                      std::chrono::system_clock::time_point deadline) {
-  CallQueue queue(builder.AddCompletionQueue(), &arrivals);
-  const auto server = builder.BuildAndStart();
-  queue.Start();
-  queue.Post([] { Use(); });
-  server->Shutdown(deadline);
-  queue.Stop();
+static void CallQueueExample(grpc::ServerBuilder& builder,
+                             ArrivalGate& arrivals,
+                             std::chrono::system_clock::time_point deadline) {
+#include "server/rpc/call_queue.h.inc"
 }
 
-void ContactCallExample(RawContactService* service, CallQueue* queue,
-                        ContactCall::Delegate* delegate) {
-  new ContactCall(service, queue, delegate);  // awaits a call
+static void ContactCallExample(RawContactService* service, CallQueue* queue,
+                               ContactCall::Delegate* delegate) {
+#include "server/rpc/contact_call.h.inc"
 }
 
-void TrialCallExample(RawContactService* service, CallQueue* queue,
-                      TrialCall::Delegate* delegate) {
-  new TrialCall(service, queue, delegate);  // awaits a call
+static void TrialCallExample(RawContactService* service, CallQueue* queue,
+                             TrialCall::Delegate* delegate) {
+#include "server/rpc/trial_call.h.inc"
 }
 
-void ContactServiceExample(grpc::ServerBuilder& builder,
-                           ContactService& service, CallQueue& queue) {
-  builder.RegisterService(&service);
-  const auto server = builder.BuildAndStart();
-  service.Serve(&queue);
+static void ContactServiceExample(grpc::ServerBuilder& builder,
+                                  ContactService& service, CallQueue& queue) {
+#include "server/rpc/contact_service.h.inc"
 }
 
-void HealthServiceExample(grpc::ServerBuilder& builder, HealthService& health,
-                          CallQueue& queue) {
-  health.SetServing("tactus.v1.ContactService", true);
-  builder.RegisterService(&health);
-  health.Serve(&queue);
+static void HealthServiceExample(grpc::ServerBuilder& builder,
+                                 HealthService& health, CallQueue& queue) {
+#include "server/rpc/health_service.h.inc"
 }
 
-absl::Status ServerExample(const ModelRegistry& registry) {
-  TACTUS_ASSIGN_OR_RETURN(auto server, TactusServer::Start(&registry, {}));
-  server->Stop();
+static absl::Status ServerExample(const ModelRegistry& registry) {
+#include "server/tactus_server.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status FrameDecoderExample(const StreamSettings& settings,
-                                 const v1::FrameBatch& batch,
-                                 ContactPipeline& pipeline) {
-  FrameDecoder decoder(settings);
-  TACTUS_RETURN_IF_ERROR(decoder.Check(batch));  // all or nothing
-  for (uint32_t i = 0; i < batch.frame_count(); ++i) {
-    pipeline.Step(decoder.Frame(batch, i));
-  }
-  decoder.Accept(batch);
+static absl::Status FrameDecoderExample(const StreamSettings& settings,
+                                        const v1::FrameBatch& batch,
+                                        ContactPipeline& pipeline) {
+#include "server/session/frame_decoder.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status RequestParserExample(Bytes& bytes, size_t size) {
+static absl::Status RequestParserExample(Bytes& bytes, size_t size) {
   v1::ClassifyContactRequest request;
-  if (!ParseRequest(&bytes, &request)) return MalformedRequest(size);
+#include "server/session/request_parser.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status RequestLimitsExample(size_t size) {
-  const size_t limit = MaxRequestBytes(*v1::TrainModelRequest::descriptor());
-  if (size > limit) return MessageTooLarge(size, limit);
+static absl::Status RequestLimitsExample(size_t size) {
+#include "server/rpc/request_limits.h.inc"
   return absl::OkStatus();
 }
 
 void WriteInto(v1::Posterior* posterior);
 
-void ResponseQueueExample(ResponseQueue& queue, int64_t elapsed_ns,
-                          int64_t now_ns) {
-  queue.BeginRequest();
-  WriteInto(queue.AddInterim());
-  queue.EndRequest(elapsed_ns, now_ns);
-  if (const auto* response = queue.StartWrite(now_ns)) Write(*response);
-  queue.FinishWrite();
+static void ResponseQueueExample(ResponseQueue& queue, int64_t elapsed_ns,
+                                 int64_t now_ns) {
+#include "server/session/response_queue.h.inc"
 }
 
 void Finish(const absl::Status& status);
 
-void StreamSessionExample(const ModelSource* models, Bytes& bytes, size_t size,
-                          int64_t start_ns, int64_t now_ns) {
+static void StreamSessionExample(const ModelSource* models, Bytes& bytes,
+                                 size_t size, int64_t start_ns,
+                                 int64_t now_ns) {
   v1::ClassifyContactRequest request;
-  StreamSession session(models, {.stream_id = "7"});
-  session.OnMessage(&bytes, size, &request).IgnoreError();
-  session.EndRequest(start_ns, now_ns);
-  while (auto* answer = session.responses().StartWrite(now_ns)) {
-    Write(*answer);
-    session.responses().FinishWrite();
-  }
-  if (session.state() == StreamSession::State::kDone) {
-    Finish(session.final_status());
-  }
+#include "server/session/stream_session.h.inc"
 }
 
-void StreamSettingsExample(const v1::StreamConfig& config) {
-  auto settings = ParseStreamConfig(config);
+static void StreamSettingsExample(const v1::StreamConfig& config) {
+#include "server/session/stream_settings.h.inc"
 }
 
 void Send(const v1::ClassifyTrialResponse& response);
 
-void TrialSessionExample(const ModelSource* models, const std::string& bytes) {
+static void TrialSessionExample(const ModelSource* models,
+                                const std::string& bytes) {
   v1::ClassifyContactRequest request;
-  TrialSession trial(models, {.stream_id = "7"}, bytes);
-  while (!trial.done()) trial.Step(&request);
-  if (trial.status().ok()) Send(trial.response());
+#include "server/session/trial_session.h.inc"
 }
 
 }  // namespace tactus::server::examples

@@ -1,5 +1,5 @@
-// The examples of public headers, as their comments show them. They only have
-// to compile; HouseTest.ExamplesAreCompiled compares the texts.
+// What the examples of public headers need around them. They only have to
+// compile. The build takes each .inc from the comment of the header it names.
 #include <chrono>
 #include <memory>
 #include <string>
@@ -27,83 +27,62 @@
 
 namespace tactus::server::examples {
 
-void AcceptorExample(std::vector<ListeningSocket> sockets) {
-  Acceptor acceptor(std::move(sockets), {}, [](const auto& socket, int fd) {
-    // ... owns fd from here on ...
-  });
-  acceptor.Start();
-  // ... until the process is to end ...
-  acceptor.Stop();
+static void AcceptorExample(std::vector<ListeningSocket> sockets) {
+#include "server/listen/acceptor.h.inc"
 }
 
-void ConnectionTableExample(int fd, const SocketAddress& address) {
-  ConnectionTable table({.connections = 4096, .per_peer = 2048});
-  const std::string peer = PeerOfHost(address.HostText());
-  if (table.Admit(fd, peer) != Verdict::kAdmitted) close(fd);
+static void ConnectionTableExample(int fd, const SocketAddress& address) {
+#include "server/listen/connection_table.h.inc"
 }
 
-void DescriptorLimitExample() {
-  const int connections = ConnectionsThatFit(RaiseDescriptorLimit());
+static void DescriptorLimitExample() {
+#include "server/listen/descriptor_limit.h.inc"
 }
 
-absl::Status FileDescriptorExample() {
-  FileDescriptor socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  if (!socket.is_open()) return IoError("socket", "closed");
+static absl::Status FileDescriptorExample() {
+#include "server/listen/file_descriptor.h.inc"
   return absl::OkStatus();
 }
 
-absl::Status GrpcListenerExample(const GrpcListener::Options& options,
-                                 grpc::ServerBuilder& builder,
-                                 std::unique_ptr<grpc::Server>& server) {
-  TACTUS_ASSIGN_OR_RETURN(auto listener, GrpcListener::Open(options));
-  listener->AddTo(builder);
-  server = builder.BuildAndStart();
-  listener->Start();
-  // ... until the process is to end ...
-  listener->Stop();  // before server->Shutdown()
+static absl::Status GrpcListenerExample(const GrpcListener::Options& options,
+                                        grpc::ServerBuilder& builder,
+                                        std::unique_ptr<grpc::Server>& server) {
+#include "server/listen/grpc_listener.h.inc"
   return absl::OkStatus();
 }
 
-void ListenerProbeExample(Acceptor& acceptor, const ListeningSocket& socket) {
-  ListenerProbe probe(&acceptor, socket.bound, /*tls=*/true);
-  absl::Status status = probe.Run(std::chrono::seconds(2));
+static void ListenerProbeExample(Acceptor& acceptor,
+                                 const ListeningSocket& socket) {
+#include "server/listen/listener_probe.h.inc"
 }
 
-absl::Status ListeningSocketExample() {
-  TACTUS_ASSIGN_OR_RETURN(auto sockets, ListenOn("127.0.0.1:50051"));
-  sockets.front().bound.port();
+static absl::Status ListeningSocketExample() {
+#include "server/listen/listening_socket.h.inc"
   return absl::OkStatus();
 }
 
 void PingWatchdog();
 void LogAndExit(const std::string& address, const absl::Status& error);
 
-void SelfCheckExample(GrpcListener& listener) {
-  SelfCheck check(&listener,
-                  {.on_pass = PingWatchdog, .on_failure = LogAndExit});
+static void SelfCheckExample(GrpcListener& listener) {
+#include "server/listen/self_check.h.inc"
 }
 
-void SocketAddressExample(int fd) {
-  const SocketAddress peer = SocketAddress::OfPeer(fd);
-  spdlog::info("a connection from {}", peer.HostText());
+static void SocketAddressExample(int fd) {
+#include "server/listen/socket_address.h.inc"
 }
 
-void LogLimiterExample() {
-  LogLimiter limiter({.lines_per_second = 10, .burst = 100});
-  if (const auto left_out = limiter.Admit(MonotonicNs())) {
-    spdlog::warn("refused a connection{}", LeftOut(*left_out));
-  }
+static void LogLimiterExample() {
+#include "server/ops/log_limiter.h.inc"
 }
 
-absl::Status LoggingExample(const std::string& address) {
-  TACTUS_RETURN_IF_ERROR(StartLogging("info"));
-  spdlog::info("listening on {}", address);
+static absl::Status LoggingExample(const std::string& address) {
+#include "server/ops/logging.h.inc"
   return absl::OkStatus();
 }
 
-void ServiceNotifyExample() {
-  NotifyService("READY=1");
-  NotifyService("WATCHDOG=1");  // more often than the unit's WatchdogSec
+static void ServiceNotifyExample() {
+#include "server/ops/service_notify.h.inc"
 }
 
 }  // namespace tactus::server::examples

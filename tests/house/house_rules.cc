@@ -321,40 +321,6 @@ std::vector<std::string> RoomsNamed(const std::string& page) {
   return rooms;
 }
 
-std::string Condensed(const std::string& code) {
-  std::string condensed;
-  for (const std::string& line : Lines(code)) {
-    for (const char c : line.substr(0, line.find("//"))) {
-      if (!absl::ascii_isspace(c)) condensed += c;
-    }
-  }
-  return condensed;
-}
-
-std::vector<std::string> Examples(const std::string& header) {
-  std::vector<std::string> examples;
-  std::string block;
-  bool in_block = false;
-  std::string before;
-  for (const std::string& line : Lines(header)) {
-    if (!absl::StartsWith(line, "//")) break;
-    const bool indented = absl::StartsWith(line, "//   ");
-    if (indented && (in_block || before == "//")) {
-      in_block = true;
-      absl::StrAppend(&block, line.substr(2), "\n");
-    } else if (in_block) {
-      examples.push_back(Condensed(block));
-      block.clear();
-      in_block = false;
-    }
-    before = line;
-  }
-  std::erase_if(examples, [](const std::string& example) {
-    return !absl::StrContains(example, ";");
-  });
-  return examples;
-}
-
 std::vector<std::string> FilesNamed(const std::string& path,
                                     const std::string& page) {
   const std::string text = WithoutCode(page);

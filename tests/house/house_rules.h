@@ -40,15 +40,6 @@ std::vector<std::string> RoomsNamed(const std::string& page);
 std::vector<std::string> StyleViolations(const std::string& path,
                                          const std::string& text);
 
-// C++ code without comments and white space, so that it can be compared however
-// it is laid out.
-std::string Condensed(const std::string& code);
-
-// The examples in the comment that a header begins with, condensed: blocks that
-// follow an empty comment line, are indented by three blanks or more, and hold
-// a semicolon.
-std::vector<std::string> Examples(const std::string& header);
-
 // The files that the Markdown page at `path` links to, or names between
 // backticks with their path from the project's root; by that path. Blocks of
 // code are left out.
