@@ -93,6 +93,7 @@ readonly TESTS=(
   python3-h5py
   python3-sklearn
   rsync
+  shellcheck
   sqlite3
   umockdev
 )

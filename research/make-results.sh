@@ -16,6 +16,8 @@
 # fit-scale (8).
 # Needs a release build with -D TACTUS_RESEARCH=ON. Real recordings are evaluated when TACTUS_DATA_DIR, or
 # ../shared/data beside the project, has them.
+# The backquotes are Markdown, and a comma separates fields of one argument.
+# shellcheck disable=SC2016,SC2054
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

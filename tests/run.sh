@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds Tactus and runs its tests; on a fresh Debian 12 this is all it takes.
 #
-#   tests/run.sh               installs what is missing, checks the formatting,
+#   tests/run.sh               installs what is missing, checks format and scripts,
 #                              builds the release preset, runs the quick tests
 #   tests/run.sh --full        the long tests and research/ too, and trains the
 #                              default bundle again
@@ -56,6 +56,11 @@ report() {
 }
 trap report EXIT
 
+check_scripts() {
+  find . -path ./build -prune -o -name '*.sh' -print0 |
+    xargs -0 shellcheck --external-sources .ci/run
+}
+
 check_format() {
   find core server client tools tests research examples \( -name '*.cc' -o -name '*.h' \) -print0 |
     xargs -0 -r clang-format --dry-run -Werror
@@ -91,6 +96,7 @@ release_tests=("${quick[@]}")
 
 step "packages" deploy/install-deps.sh --tests
 step "format" check_format
+step "scripts" check_scripts
 build_and_test release "${release_tests[@]}"
 if [[ $full == yes ]]; then
   step "default bundle comes out again" deploy/train-default-bundle.sh --check
