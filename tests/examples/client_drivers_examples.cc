@@ -1,5 +1,6 @@
 // What the examples of public headers need around them. They only have to
 // compile. The build takes each .inc from the comment of the header it names.
+#include <memory>
 #include <string>
 
 #include "client/drivers/buffered_driver.h"
@@ -12,6 +13,7 @@
 #include "client/drivers/can/gs_usb_protocol.h"
 #include "client/drivers/can/socket_can.h"
 #include "client/drivers/can_skin_driver.h"
+#include "client/drivers/driver_plugin.h"
 #include "client/drivers/icub_skin/icub_skin.h"
 #include "client/drivers/icub_skin/unroll.h"
 #include "client/drivers/serial/low_latency.h"
@@ -29,6 +31,14 @@ void Use(const icub::TrianglePart& part);
 void Use(const icub::SkinScan& scan);
 void Use(const Eigen::Vector3d& position);
 void Mask(int taxel);
+
+struct MySkin : SkinDriver {
+  explicit MySkin(const DriverOptions& options);
+  absl::StatusOr<SkinInfo> OnConfigure() override;
+  absl::StatusOr<ReadResult> OnRead(SkinFrame& frame) override;
+};
+
+#include "client/drivers/driver_plugin.h.inc"
 
 static void ClockExample() {
 #include "client/drivers/clock.h.inc"

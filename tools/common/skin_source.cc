@@ -82,12 +82,29 @@ absl::Status CheckPoseFlags(const SkinSourceOptions& options) {
 }  // namespace
 
 void AddSkinFlags(CLI::App& app, SkinSourceOptions& options) {
+  const CLI::Validator known = CLI::IsMember(std::vector<std::string>{
+      "sim", "replay", "icub-can", "icub-usb", "xela-can", "serial"});
   app.add_option("--driver", options.driver,
-                 "sim, replay, icub-can, icub-usb, xela-can or serial "
-                 "(docs/drivers.md)")
-      ->check(CLI::IsMember(
-          {"sim", "replay", "icub-can", "icub-usb", "xela-can", "serial"}))
+                 "sim, replay, icub-can, icub-usb, xela-can, serial, or a "
+                 "driver of your own, such as ./my_skin.so (docs/drivers.md)")
+      ->check([known](const std::string& driver) {
+        return IsDriverLibrary(driver) ? "" : known(driver);
+      })
       ->capture_default_str();
+  app.add_option_function<std::vector<std::string>>(
+      "--driver-option",
+      [&options](const std::vector<std::string>& pairs) {
+        for (const std::string& pair : pairs) {
+          const size_t equals = pair.find('=');
+          if (equals == 0 || equals == pair.npos) {
+            throw CLI::ValidationError("--driver-option",
+                                       pair + " is not NAME=VALUE");
+          }
+          options.driver_options[pair.substr(0, equals)] =
+              pair.substr(equals + 1);
+        }
+      },
+      "NAME=VALUE for a driver of your own; may be repeated");
   app.add_option("--skin", options.skin,
                  "Skin of --driver=sim: paper, good or measured")
       ->capture_default_str();
@@ -149,6 +166,15 @@ void AddPoseFlags(CLI::App& app, SkinSourceOptions& options) {
 absl::Status CheckSkinFlags(const SkinSourceOptions& options) {
   TACTUS_RETURN_IF_ERROR(CheckPoseFlags(options));
   const std::string& driver = options.driver;
+  if (!options.driver_options.empty() && !IsDriverLibrary(driver)) {
+    return InvalidConfig("--driver-option",
+                         absl::StrCat("given with --driver=", driver),
+                         "absent without a driver of your own");
+  }
+  if (IsDriverLibrary(driver) && !options.arm.urdf.empty()) {
+    return InvalidConfig("--urdf", "given with a driver of your own",
+                         "absent: such a driver gives poses itself");
+  }
   const auto needs = [&](const std::string& flag) {
     return InvalidConfig(flag, "absent",
                          absl::StrCat("given with --driver=", driver));
@@ -197,6 +223,9 @@ std::string DeviceId(const SkinSourceOptions& options) {
   if (!options.device_id.empty()) return options.device_id;
   if (options.driver == "sim") return "sim " + options.skin;
   if (options.driver == "replay") return "replay";
+  if (IsDriverLibrary(options.driver)) {
+    return fs::path(options.driver).filename();
+  }
   if (options.driver == "serial") return "serial " + SerialName(options.port);
   if (options.driver == "xela-can") return "xela-can " + options.icub.interface;
   const std::string& adapter = options.driver == "icub-usb"
@@ -261,6 +290,12 @@ absl::Status SkinSource::MakeDriver(const SkinSourceOptions& options) {
     TACTUS_ASSIGN_OR_RETURN(trials_, MakePlayedTrials(options, {}));
     paced_ = std::make_unique<PacedDriver>(trials_.get());
     driver_ = paced_.get();
+    return absl::OkStatus();
+  }
+  if (IsDriverLibrary(options.driver)) {
+    TACTUS_ASSIGN_OR_RETURN(plugin_,
+                            LoadDriver(options.driver, options.driver_options));
+    driver_ = plugin_.get();
     return absl::OkStatus();
   }
   if (!options.arm.urdf.empty()) {

@@ -26,12 +26,15 @@
 #include "tools/common/arm_source.h"
 #include "tools/common/icub_source.h"
 #include "tools/common/paced_driver.h"
+#include "tools/common/plugin_driver.h"
 
 namespace tactus::client {
 
 struct SkinSourceOptions {
-  // "sim", "replay", "icub-can", "icub-usb", "xela-can" or "serial".
+  // "sim", "replay", "icub-can", "icub-usb", "xela-can", "serial", or a library
+  // (plugin_driver.h).
   std::string driver = "sim";
+  DriverOptions driver_options = {};
   // JSON file with the skin.
   std::string layout = {};
   // Simulated contacts.
@@ -138,6 +141,7 @@ class SkinSource {
   std::unique_ptr<IcubSource> icub_;
   std::unique_ptr<TrialDriver> trials_;
   std::unique_ptr<PacedDriver> paced_;
+  std::unique_ptr<SkinDriver> plugin_;
   std::unique_ptr<CalibratedDriver> calibrated_;
   SkinDriver* driver_ = nullptr;
 };
