@@ -24,7 +24,7 @@ add_library(tactus_core INTERFACE)
 target_link_libraries(tactus_core
   INTERFACE tactus_core_bundle tactus_core_data)
 set(core_libraries tactus_core tactus_core_bundle tactus_core_checksum
-    tactus_core_classify tactus_core_data tactus_core_features
+    tactus_core_classify tactus_core_cues tactus_core_data tactus_core_features
     tactus_core_file_bytes tactus_core_files tactus_core_hmm tactus_core_light_touch
     tactus_core_lstm tactus_core_taxels tactus_core_trial)
 foreach(library ${base_libraries} ${client_libraries} ${core_libraries})
@@ -79,7 +79,8 @@ install_headers(client client/stream client/drivers client/drivers/calibration c
   client/drivers/icub_skin client/drivers/serial client/drivers/xela
   client/kinematics core/base
   core/features core/skin core/taxels)
-install_headers(core core/bundle core/classify core/data core/files core/hmm
+install_headers(core core/bundle core/classify core/cues core/data core/files
+  core/hmm
   core/light_touch core/lstm)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/generated/tactus
   DESTINATION ${headers} COMPONENT client FILES_MATCHING PATTERN "*.h")

@@ -19,10 +19,10 @@ ContactClassifier::Options FillIn(ContactClassifier::Options options,
   return options;
 }
 
-CueNeeds NeedsOf(const InputSpec& spec,
-                 const ContactClassifier::Options& options,
-                 const SkipRules& skip) {
-  if (!skip[SkipRule::kUnusedCues]) return {};
+CueGroups GroupsFor(const InputSpec& spec,
+                    const ContactClassifier::Options& options,
+                    const SkipRules& skip) {
+  if (!skip[SkipRule::kUnusedCues]) return kAllCueGroups;
   return CuesNeeded(
       spec, options.scorers != Scorers::kHmms || !skip[SkipRule::kUnusedLstms]);
 }
@@ -35,15 +35,16 @@ ContactClassifier::ContactClassifier(std::shared_ptr<const CompiledModel> model,
     : model_(std::move(model)),
       options_(FillIn(options, model_->model().calibration)),
       skip_(skip),
-      cue_needs_(NeedsOf(model_->model().inputs, options, skip)),
-      cues_(model_->model().inputs.sample_rate_hz, cue_needs_.groups,
+      groups_(GroupsFor(model_->model().inputs, options, skip)),
+      sources_(SourcesOf(groups_)),
+      cues_(model_->model().inputs.sample_rate_hz, groups_,
             &model_->model().inputs.embedding),
       hmms_(model_->hmms(), model_->model().hmm_score),
       hmm_clock_(model_->model().inputs.hmm_steps),
       lstm_clock_(model_->model().inputs.lstm_steps) {
   const Model& m = model_->model();
   const Calibration& c = m.calibration;
-  skipped_[SkipRule::kUnusedCues] = CountUnused(cue_needs_);
+  skipped_[SkipRule::kUnusedCues] = CountUnused(groups_);
   hmm_input_.resize(m.inputs.hmm.size());
   const size_t classes = m.class_names.size();
   log_likelihood_.resize(classes);

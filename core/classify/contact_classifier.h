@@ -25,7 +25,7 @@
 #include "core/classify/object_estimate.h"
 #include "core/classify/skip_rules.h"
 #include "core/classify/step_savings.h"
-#include "core/features/cues.h"
+#include "core/cues/cue_tracker.h"
 
 namespace tactus {
 
@@ -118,9 +118,9 @@ class ContactClassifier {
   double stability() const;
   int best_class() const { return best_class_; }
   // False if no input is made from ContactSample::profile.
-  bool uses_profile() const { return cue_needs_.profile; }
+  bool uses_profile() const { return (sources_ & kFromProfile) != 0; }
   // False if no input is made from ContactSample::spread.
-  bool uses_spread() const { return (cue_needs_.groups & kSpreadCues) != 0; }
+  bool uses_spread() const { return (sources_ & kFromSpread) != 0; }
   // True if an input is made from ContactSample::loads.
   bool uses_taxels() const { return UsesTaxels(model_->model().inputs); }
   // Steps of the LSTMs that Options::savings left out, over all contacts.
@@ -153,7 +153,8 @@ class ContactClassifier {
   Options options_;
   SkipRules skip_;
   SkipCounters skipped_;
-  CueNeeds cue_needs_;
+  CueGroups groups_;
+  CueSources sources_;
 
   CueTracker cues_;
   BankFilter hmms_;

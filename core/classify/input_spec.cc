@@ -84,34 +84,31 @@ std::vector<Feature> FeaturesUsed(const InputSpec& spec) {
 }
 
 bool UsesProfile(const InputSpec& spec) {
-  return CuesNeeded(spec, /*with_lstms=*/true).profile;
+  return (SourcesOf(CuesNeeded(spec, /*with_lstms=*/true)) & kFromProfile) != 0;
 }
 
 bool UsesTaxels(const InputSpec& spec) {
-  const CueGroups groups = CuesNeeded(spec, /*with_lstms=*/true).groups;
-  return (groups & (kWholeSkinCues | kEmbeddingCues)) != 0;
+  return (SourcesOf(CuesNeeded(spec, /*with_lstms=*/true)) & kFromTaxels) != 0;
 }
 
 bool NeedsSkin(const InputSpec& spec) {
-  const CueGroups groups = CuesNeeded(spec, /*with_lstms=*/true).groups;
-  return UsesProfile(spec) || UsesTaxels(spec) || (groups & kSpreadCues) != 0;
+  return SourcesOf(CuesNeeded(spec, /*with_lstms=*/true)) != 0;
 }
 
-CueNeeds CuesNeeded(const InputSpec& spec, bool with_lstms) {
-  CueNeeds needs = {.groups = 0, .profile = false};
-  auto add = [&needs](const ModelInput& input) {
-    needs.groups |= GroupOf(input.cue);
-    needs.profile |= IsProfileCue(input.cue);
-  };
-  std::ranges::for_each(spec.hmm, add);
-  if (with_lstms) std::ranges::for_each(spec.lstm, add);
-  return needs;
+CueGroups CuesNeeded(const InputSpec& spec, bool with_lstms) {
+  CueGroups groups = 0;
+  for (const ModelInput& input : spec.hmm) groups |= GroupOf(input.cue);
+  if (with_lstms) {
+    for (const ModelInput& input : spec.lstm) groups |= GroupOf(input.cue);
+  }
+  return groups;
 }
 
-int CountUnused(const CueNeeds& needs) {
-  int count = needs.profile ? 0 : kProfileSize;
-  for (const auto& cues : {DerivedCues(), FineCues()}) {
-    for (const Cue cue : cues) count += (GroupOf(cue) & needs.groups) == 0;
+int CountUnused(CueGroups groups) {
+  groups |= GroupOf(Cue::kForce);
+  int count = 0;
+  for (int i = 0; i < CueCount(); ++i) {
+    count += (GroupOf(static_cast<Cue>(i)) & groups) == 0;
   }
   return count;
 }

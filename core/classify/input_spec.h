@@ -12,6 +12,7 @@
 #include <span>
 
 #include "core/classify/model.h"
+#include "core/cues/cue_tracker.h"
 
 namespace tactus {
 
@@ -38,15 +39,11 @@ bool UsesTaxels(const InputSpec& spec);
 // spread of the load, so that ideal signals cannot be classified.
 bool NeedsSkin(const InputSpec& spec);
 
-// The cues that inputs are made from, besides the raw features.
-struct CueNeeds {
-  CueGroups groups = kAllCueGroups;
-  bool profile = true;
-};
-CueNeeds CuesNeeded(const InputSpec& spec, bool with_lstms);
+// The groups of the cues that inputs are made from.
+CueGroups CuesNeeded(const InputSpec& spec, bool with_lstms);
 
-// Returns the number of cues that are not needed.
-int CountUnused(const CueNeeds& needs);
+// Returns the number of cues outside of `groups` and of the raw features.
+int CountUnused(CueGroups groups);
 
 // Returns INVALID_MODEL that names what is wrong.
 absl::Status Validate(const InputSpec& spec, bool has_lstm);

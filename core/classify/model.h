@@ -8,7 +8,7 @@
 //   TACTUS_ASSIGN_OR_RETURN(auto compiled, CompiledModel::Create(model));
 //
 // Words used throughout: a feature is force, area or motion of a contact; a cue
-// is a number derived from the features so far (core/features/cues.h), or a
+// is a number derived from the features so far (core/cues/cue.h), or a
 // feature itself; an input is a scaled cue as a model takes it.
 //
 // Copyable. Threads may share a Model that no longer changes.
@@ -22,11 +22,12 @@
 
 #include "absl/status/status.h"
 #include "core/classify/step_clock.h"
-#include "core/features/cues.h"
+#include "core/cues/cue.h"
 #include "core/features/feature.h"
 #include "core/hmm/mixture.h"
 #include "core/lstm/network.h"
 #include "core/skin/layout.h"
+#include "core/taxels/taxel_embedding.h"
 
 namespace tactus {
 

@@ -17,7 +17,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "core/features/cues.h"
+#include "core/cues/cue.h"
 #include "core/train/fit_options.h"
 
 namespace tactus {

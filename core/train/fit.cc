@@ -109,14 +109,13 @@ absl::Status CheckCues(const std::vector<const LabelledContact*>& contacts,
     return InvalidConfig("features", FeaturesToString(options.features),
                          "some that the cues are computed from");
   }
-  const bool taxels = std::ranges::any_of(cues, IsTaxelCue);
+  const bool taxels = std::ranges::any_of(
+      cues, [](Cue cue) { return (SourcesOf(cue) & kFromTaxels) != 0; });
   if (taxels && options.variations.copies > 0) {
     return InvalidConfig("copies", options.variations.copies,
                          "0 with cues that are made from taxels");
   }
-  const auto of_skin = [](Cue cue) {
-    return IsTaxelCue(cue) || IsProfileCue(cue) || GroupOf(cue) == kSpreadCues;
-  };
+  const auto of_skin = [](Cue cue) { return SourcesOf(cue) != 0; };
   if (std::ranges::none_of(cues, of_skin)) return absl::OkStatus();
   for (const LabelledContact* contact : contacts) {
     if (IsIdeal(*contact)) {

@@ -23,12 +23,14 @@ absl::StatusOr<TaxelEmbedding> EmbeddingFor(const FitRun& run,
     std::ranges::copy(CuesFor(options.lstm.cues, options.features),
                       std::back_inserter(cues));
   }
-  if (std::ranges::any_of(cues, IsEmbeddingCue)) {
+  CueSources sources = 0;
+  for (const Cue cue : cues) sources |= SourcesOf(cue);
+  if ((sources & kFromEmbedding) != 0) {
     return FitTaxelEmbedding(contacts.originals(), run.class_names,
                              options.hmm_steps);
   }
   TaxelEmbedding none;
-  if (std::ranges::any_of(cues, IsTaxelCue)) {
+  if ((sources & kFromTaxels) != 0) {
     none.taxels = contacts.Original(0).layout.taxels();
   }
   return none;
@@ -40,9 +42,8 @@ std::vector<Cue> Available(const std::vector<Cue>& wanted,
                            const TaxelEmbedding& embedding) {
   std::vector<Cue> cues = CuesFor(wanted, options.features);
   std::erase_if(cues, [&](Cue cue) {
-    return IsEmbeddingCue(cue) &&
-           static_cast<int>(cue) - static_cast<int>(Cue::kEmbedding0) >=
-               embedding.dimensions;
+    return (SourcesOf(cue) & kFromEmbedding) != 0 &&
+           PlaceInGroup(cue) >= embedding.dimensions;
   });
   return cues;
 }

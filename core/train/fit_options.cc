@@ -23,11 +23,12 @@ FitOptions PaperPreset() {
 
 FitOptions TunedPreset() {
   FitOptions options;
-  options.hmm_cues = {Cue::kLogDrag,          Cue::kLogMotion,
-                      Cue::kLogArea,          Cue::kLogSlope,
-                      Cue::kLogSlopeMisfit,   Cue::kForceRippleLong,
-                      Cue::kMotionRippleLong, Cue::kLogSpring,
-                      Cue::kLogSpringMisfit,  Cue::kForceDrop};
+  options.hmm_cues = {
+      NamedCue("log_drag"),           NamedCue("log_motion"),
+      NamedCue("log_area"),           NamedCue("log_slope"),
+      NamedCue("log_slope_misfit"),   NamedCue("force_ripple_long"),
+      NamedCue("motion_ripple_long"), NamedCue("log_spring"),
+      NamedCue("log_spring_misfit"),  NamedCue("force_drop")};
   options.hmm_steps = {5, 20};
   options.hmms_per_class = 20;
   options.states = 6;
@@ -35,10 +36,11 @@ FitOptions TunedPreset() {
   options.variations = {.copies = 4, .pace = 3, .load = 2, .stiffness = 5};
   LstmFit& lstm = options.lstm;
   lstm.networks = 1;
-  lstm.cues = DerivedCues();
+  lstm.cues = StandardCues();
   lstm.limit = 5;
-  lstm.stretched_cues = {Cue::kLogSpring, Cue::kLogStiffestSpring,
-                         Cue::kLogSlope, Cue::kLogStiffness, Cue::kLogDrag};
+  lstm.stretched_cues = {NamedCue("log_spring"),
+                         NamedCue("log_stiffest_spring"), NamedCue("log_slope"),
+                         NamedCue("log_stiffness"), NamedCue("log_drag")};
   lstm.stretches = 8;
   lstm.steps = {5, 20};
   lstm.estimates = true;
@@ -73,7 +75,7 @@ FitOptions WorldPreset() {
 // Where on the skin the load is, by HMMs alone (research/recordings.md).
 FitOptions ProfilePreset() {
   FitOptions options;
-  options.hmm_cues = ProfileCues();
+  options.hmm_cues = CuesOfGroup("load_profile");
   options.log_features = false;
   options.states = 3;
   options.hmms_per_class = 8;
@@ -99,19 +101,20 @@ LstmFit RecordingsLstm(std::vector<Cue> cues) {
 // Which taxels are loaded, and how that changes.
 FitOptions PatternPreset() {
   FitOptions options = ProfilePreset();
-  options.hmm_cues = EmbeddingCues();
-  options.lstm = RecordingsLstm(EmbeddingCues());
+  options.hmm_cues = CuesOfGroup("embedding");
+  options.lstm = RecordingsLstm(CuesOfGroup("embedding"));
   return options;
 }
 
 // The whole skin, wherever it is touched.
 FitOptions WholeSkinPreset() {
   FitOptions options = ProfilePreset();
-  options.hmm_cues = {Cue::kSkinForce,       Cue::kSkinTaxels,
-                      Cue::kSkinPeakShare,   Cue::kSkinSpread,
-                      Cue::kSkinChangeShort, Cue::kSkinChangeLong,
-                      Cue::kSkinTravel};
-  options.lstm = RecordingsLstm(WholeSkinCues());
+  options.hmm_cues = {
+      NamedCue("skin_force"),        NamedCue("skin_taxels"),
+      NamedCue("skin_peak_share"),   NamedCue("skin_spread"),
+      NamedCue("skin_change_short"), NamedCue("skin_change_long"),
+      NamedCue("skin_travel")};
+  options.lstm = RecordingsLstm(CuesOfGroup("whole_skin"));
   return options;
 }
 
@@ -152,7 +155,7 @@ std::vector<Cue> CuesFor(const std::vector<Cue>& cues,
 
 bool UsesWholeSkin(const FitOptions& options) {
   const auto of_skin = [](Cue cue) {
-    return IsTaxelCue(cue) || IsProfileCue(cue);
+    return (SourcesOf(cue) & (kFromTaxels | kFromProfile)) != 0;
   };
   return std::ranges::any_of(options.hmm_cues, of_skin) ||
          (options.lstm.networks > 0 &&

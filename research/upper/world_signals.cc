@@ -183,7 +183,7 @@ absl::Status Run(const WorldFlags& flags) {
     TACTUS_ASSIGN_OR_RETURN(felt, ReadTrials(flags.data));
   }
   const std::vector<LabelledContact>& contacts = felt.contacts;
-  const std::vector<Cue> cues = DerivedCues();
+  const std::vector<Cue> cues = StandardCues();
   Arrays arrays(contacts.size(), cues.size());
   std::vector<absl::Status> failures(contacts.size());
   RunOnThreads(static_cast<int>(contacts.size()), [&](int i) {

@@ -6,7 +6,6 @@
 
 #include "core/base/status_macros.h"
 #include "core/features/contact_tracker.h"
-#include "core/features/cues.h"
 #include "core/features/feature.h"
 #include "core/features/load_profile.h"
 #include "core/features/recent_poses.h"
@@ -33,10 +32,6 @@ static void ContactTrackerExample(const SkinLayout& layout,
                                   std::span<const FrameView> frames,
                                   SomeModel& model) {
 #include "core/features/contact_tracker.h.inc"
-}
-
-static void CuesExample(const ContactSample& sample) {
-#include "core/features/cues.h.inc"
 }
 
 static void TaxelLoadExample() {

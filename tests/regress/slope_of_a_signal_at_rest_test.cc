@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/base/random.h"
-#include "core/features/cues.h"
+#include "core/cues/cue_tracker.h"
 #include "gtest/gtest.h"
 
 namespace tactus {
@@ -21,7 +21,8 @@ TEST(SlopeOfASignalAtRestTest, StaysSmall) {
     tracker.Step({{force, 1e-3, motion}, force}, t);
     if (t < 50) continue;
     // Real slopes of this noise are below 10 N/m, far below the knee.
-    for (const Cue cue : {Cue::kStiffnessShort, Cue::kStiffnessLong}) {
+    for (const Cue cue :
+         {NamedCue("stiffness_short"), NamedCue("stiffness_long")}) {
       ASSERT_LT(std::abs(tracker.value(cue)), 0.01) << CueName(cue) << " " << t;
     }
   }
@@ -36,7 +37,8 @@ TEST(SlopeOfASignalAtRestTest, StaysSmallIfTheForceRests) {
     tracker.Step({{force, area, 0.01}, force}, t);
     if (t < 50) continue;
     // In units of the knee, 1e-5.
-    ASSERT_LT(std::abs(tracker.value(Cue::kAreaResponseShort)), 15) << t;
+    ASSERT_LT(std::abs(tracker.value(NamedCue("area_response_short"))), 15)
+        << t;
   }
 }
 

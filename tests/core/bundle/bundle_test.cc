@@ -29,8 +29,9 @@ Model FullModel() {
                                   /*forget_bias=*/1, /*regressions=*/2);
   model.calibration.stiffness_deviation_scale = 1.5;
   model.calibration.softest = {2, 3};
-  model.inputs.lstm = {
-      {Cue::kLogSpring, 0, 1, 2}, {Cue::kArea, 0.5, 3, 4}, {Cue::kLogTime}};
+  model.inputs.lstm = {{NamedCue("log_spring"), 0, 1, 2},
+                       {Cue::kArea, 0.5, 3, 4},
+                       {NamedCue("log_time")}};
   model.inputs.lstm_steps = {5, 20};
   model.inputs.hmm_steps = {4, 30};
   testing::AddLstmCalibration(model.calibration);
@@ -154,7 +155,7 @@ TEST(BundleTest, TheLoadProfileOfTheWarmUpIsKeptIfTheModelSeesIt) {
   model.warm_up.samples[1].profile[15] = 7;
   v1::ModelBundle without = ModelToProto(model);
   EXPECT_EQ(without.warm_up().profile_size(), 0);
-  model.inputs.lstm[2].cue = Cue::kColumnLoad9;
+  model.inputs.lstm[2].cue = NamedCue("column_load_9");
   v1::ModelBundle bundle = ModelToProto(model);
   auto back = ModelFromProto(bundle);
   ASSERT_TRUE(back.ok()) << back.status();

@@ -172,7 +172,7 @@ TEST_F(ContactPipelineTest, MeasuresTheSpreadIfTheModelTakesIt) {
   Step(*without, 1);
   EXPECT_EQ(without->report().features.spread, LoadSpread());
   Model model = testing::SmallModel();
-  model.inputs.hmm[0] = {Cue::kLogColumnSpread, 0, -4};
+  model.inputs.hmm[0] = {NamedCue("log_column_spread"), 0, -4};
   EXPECT_TRUE(NeedsSkin(model.inputs));
   model_ = *CompiledModel::Create(std::move(model));
   auto with = Make();

@@ -40,17 +40,17 @@ TEST(MakeInputTest, NegativeNoiseIsClampedBeforeTheLogarithm) {
 
 TEST(FeaturesUsedTest, NamesWhatTheCuesAreComputedFrom) {
   InputSpec spec;
-  spec.hmm = {{Cue::kLogTime}, {Cue::kLogArea}};
+  spec.hmm = {{NamedCue("log_time")}, {NamedCue("log_area")}};
   EXPECT_EQ(FeaturesUsed(spec), std::vector<Feature>{Feature::kArea});
-  spec.lstm = {{Cue::kLogSpring}};
+  spec.lstm = {{NamedCue("log_spring")}};
   EXPECT_EQ(FeaturesUsed(spec).size(), 3u);
 }
 
 TEST(UsesProfileTest, LooksAtBothModels) {
   InputSpec spec;
-  spec.hmm = {{Cue::kLogArea}};
+  spec.hmm = {{NamedCue("log_area")}};
   EXPECT_FALSE(UsesProfile(spec));
-  spec.lstm = {{Cue::kRowLoad0}};
+  spec.lstm = {{NamedCue("row_load_0")}};
   EXPECT_TRUE(UsesProfile(spec));
   std::swap(spec.hmm, spec.lstm);
   EXPECT_TRUE(UsesProfile(spec));

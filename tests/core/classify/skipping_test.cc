@@ -72,7 +72,7 @@ class SkippingTest : public ::testing::Test {
   SkippingTest() {
     Model model = testing::SmallModel();
     testing::AddLstms(2, model);
-    model.inputs.lstm = {{Cue::kLogSpring}, {Cue::kRowLoad1}};
+    model.inputs.lstm = {{NamedCue("log_spring")}, {NamedCue("row_load_1")}};
     model.inputs.hmm_steps = {2, 5};
     model.inputs.lstm_steps = {3, 10};
     model.estimator = RandomNetwork(2, {5}, 4, Activation::kSoftsign,
@@ -155,7 +155,7 @@ TEST_F(SkippingTest, UnusedCues) {
   ExpectExact(SkipRule::kUnusedCues);
   // All but the springs and the load profile.
   EXPECT_EQ(Run({}).skipped[SkipRule::kUnusedCues],
-            DerivedCues().size() + FineCues().size() - 5);
+            CueCount() - kFeatureCount - kProfileSize - 5);
 }
 
 TEST_F(SkippingTest, UnusedLstms) {
@@ -171,8 +171,7 @@ TEST_F(SkippingTest, UnusedLstms) {
   EXPECT_TRUE(on.hmm == with_lstms.hmm);
   EXPECT_FALSE(on.all == with_lstms.all);
   // Cues that only the LSTMs use are skipped with them.
-  EXPECT_EQ(on.skipped[SkipRule::kUnusedCues],
-            DerivedCues().size() + FineCues().size() + kProfileSize);
+  EXPECT_EQ(on.skipped[SkipRule::kUnusedCues], CueCount() - kFeatureCount);
 }
 
 // Without LSTMs the probabilities are those of the HMMs.

@@ -45,7 +45,8 @@ void ExpectSound(const ContactClassifier& c) {
 Model FullModel() {
   Model model = testing::SmallModel();
   testing::AddLstms(1, model);
-  model.inputs.lstm = {{Cue::kLogSpring}, {Cue::kAreaResponseLong}};
+  model.inputs.lstm = {{NamedCue("log_spring")},
+                       {NamedCue("area_response_long")}};
   model.estimator = RandomNetwork(2, {5}, 4, Activation::kSoftsign,
                                   GateActivation::kHardSigmoid, 9, 1, 2);
   model.calibration.softest = {5, 5};

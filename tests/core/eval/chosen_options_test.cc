@@ -83,8 +83,8 @@ TEST(ChosenOptionsTest, OnlySomeModelsNeedTheWholeSkin) {
   EXPECT_TRUE(NeedsIt("auto"));
   EXPECT_FALSE(NeedsIt(""));
   EXPECT_TRUE(NeedsIt("", true));
-  EXPECT_TRUE(NeedsIt("tuned", false, {Cue::kSkinSpread}));
-  EXPECT_TRUE(NeedsIt("tuned", false, {Cue::kRowLoad0}));
+  EXPECT_TRUE(NeedsIt("tuned", false, {NamedCue("skin_spread")}));
+  EXPECT_TRUE(NeedsIt("tuned", false, {NamedCue("row_load_0")}));
   EXPECT_EQ(
       ReasonOf(NeedsWholeSkin({.preset = "magic", .options_of = FitPreset})
                    .status()),

@@ -69,7 +69,7 @@ TEST(EvaluateModelTest, RefusesWhatTheModelCannotAnswer) {
   auto result = EvaluateModel(compiled, pointers, Algorithm::kHmm, RunSerially);
   ASSERT_TRUE(result.ok());
   EXPECT_GE(Accuracy(result->final), 0.9);
-  model->inputs.hmm.front().cue = Cue::kRowLoad0;
+  model->inputs.hmm.front().cue = NamedCue("row_load_0");
   compiled = *CompiledModel::Create(*model);
   EXPECT_EQ(
       ReasonOf(EvaluateModel(compiled, pointers, Algorithm::kHmm, RunSerially)

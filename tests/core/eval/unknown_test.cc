@@ -80,7 +80,7 @@ TEST(EvaluateUnknownTest, FindsTheSoftestIfThereAreNetworks) {
   FitOptions options;
   options.states = 2;
   options.hmm_cues = {Cue::kArea};
-  options.lstm.cues = {Cue::kLogForce};
+  options.lstm.cues = {NamedCue("log_force")};
   options.lstm.estimates = true;
   options.lstm.estimator_cells = {4};
   options.lstm.training.epochs = 20;

@@ -5,7 +5,6 @@
 
 #include "core/base/random.h"
 #include "core/features/contact_tracker.h"
-#include "core/features/cues.h"
 #include "gtest/gtest.h"
 
 namespace tactus {
@@ -235,44 +234,6 @@ TEST(SkippingTest, QuietRowsOfLightTouchChangeNoFeature) {
     }
   }
   EXPECT_GT(onsets, 50);
-}
-
-TEST(SkippingTest, AGroupOfCuesNeedsNoOther) {
-  for (const CueGroups group :
-       {0U, kLevelCues, kSpringCues, kShortWindowCues, kLongWindowCues,
-        kRoughnessCues, kTremorCues, kSpreadCues}) {
-    Random random(3);
-    CueTracker all(100);
-    CueTracker some(100, group);
-    for (int t = 1; t <= 200; ++t) {
-      ContactSample sample = {{random.Uniform(0, 5), random.Uniform(0, 1e-2),
-                               random.Uniform(0, 0.02)},
-                              random.Uniform(0, 9)};
-      sample.profile[3] = random.Uniform();
-      sample.spread = {static_cast<float>(random.Uniform()), 1e-4F};
-      all.Step(sample, t);
-      some.Step(sample, t);
-      for (int i = 0; i < kCueCount; ++i) {
-        const Cue cue = static_cast<Cue>(i);
-        const bool has =
-            !(IsDerived(cue) || IsFineCue(cue)) || GroupOf(cue) == group;
-        EXPECT_EQ(some.value(cue), has ? all.value(cue) : 0) << CueName(cue);
-      }
-    }
-  }
-}
-
-TEST(SkippingTest, EveryDerivedCueIsOfOneGroup) {
-  CueGroups seen = 0;
-  for (int i = 0; i < kCueCount; ++i) {
-    const Cue cue = static_cast<Cue>(i);
-    const CueGroups group = GroupOf(cue);
-    EXPECT_EQ(group != 0, IsDerived(cue) || IsTaxelCue(cue) || IsFineCue(cue))
-        << CueName(cue);
-    EXPECT_EQ(group & (group - 1), 0u) << CueName(cue);
-    seen |= group;
-  }
-  EXPECT_EQ(seen, kAllCueGroups);
 }
 
 }  // namespace

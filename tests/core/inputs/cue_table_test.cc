@@ -36,7 +36,7 @@ class CueTableTest : public ::testing::Test {
     return {varied_, cues_, {.steps = kSteps, .kept_bytes = kept_bytes}};
   }
 
-  const std::vector<Cue> cues_ = DerivedCues();
+  const std::vector<Cue> cues_ = StandardCues();
   std::vector<LabelledContact> contacts_;
   VariedContacts varied_;
 };

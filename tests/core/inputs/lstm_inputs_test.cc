@@ -22,7 +22,7 @@ class LstmInputsTest : public ::testing::Test {
     varied_.emplace(testing::PointersTo(contacts_),
                     VariationRange{.copies = 4, .pace = 3, .load = 2}, 1);
     spec_.lstm_steps = {4, 8};
-    const Cue cues[] = {Cue::kLogForce, Cue::kMotion};
+    const Cue cues[] = {NamedCue("log_force"), Cue::kMotion};
     spec_.lstm = FitInputs(*varied_, cues, {.steps = spec_.lstm_steps});
   }
 

@@ -361,9 +361,9 @@ TEST(FitModelTest, CuesThatSayNothingAreRefused) {
   EXPECT_EQ(reason(ideal, options), "INVALID_TRAINING_DATA");
   options.hmm_cues.clear();
   options.lstm.networks = 1;
-  options.lstm.cues = {Cue::kLogTime, Cue::kRowLoad3};
+  options.lstm.cues = {NamedCue("log_time"), NamedCue("row_load_3")};
   EXPECT_EQ(reason(ideal, options), "INVALID_TRAINING_DATA");
-  options.lstm.cues = {Cue::kLogTime, Cue::kLogRowSpread};
+  options.lstm.cues = {NamedCue("log_time"), NamedCue("log_row_spread")};
   EXPECT_EQ(reason(ideal, options), "INVALID_TRAINING_DATA");
   options = *FitPreset("profile");
   options.features = {Feature::kMotion, Feature::kArea};
@@ -375,7 +375,7 @@ TEST(FitPresetTest, AcceptsItsNames) {
   EXPECT_FALSE(FitPreset("paper")->log_features);
   EXPECT_EQ(FitPreset("paper")->lstm.steps.max, 1u);
   EXPECT_EQ(FitPreset("tuned")->lstm.networks, 1);
-  EXPECT_EQ(FitPreset("profile")->hmm_cues, ProfileCues());
+  EXPECT_EQ(FitPreset("profile")->hmm_cues, CuesOfGroup("load_profile"));
   EXPECT_EQ(ReasonOf(FitPreset("magic").status()), "INVALID_CONFIG");
 }
 

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "absl/strings/match.h"
+#include "absl/strings/strip.h"
+
 namespace tactus {
 namespace {
 
@@ -36,7 +39,7 @@ void PlainCues::Step(const ContactSample& sample, uint64_t frames_since_onset) {
   smooth_net_.push_back(Smooth(count, kNet));
   smooth_area_.push_back(Smooth(count, kAreaOf));
   log_spring_.push_back(LogSpring(count));
-  known_ = {};
+  std::ranges::fill(known_, std::nullopt);
 }
 
 std::vector<long double> PlainCues::Weights(size_t count,
@@ -82,39 +85,28 @@ long double PlainCues::Product(size_t count, Signal a, Signal b) const {
 long double PlainCues::Value(Cue cue) const {
   if (points_.empty()) return 0;
   std::optional<long double>& known = known_[static_cast<int>(cue)];
-  if (!known) known = Derive(cue);
+  if (!known) known = Derive(CueName(cue));
   return *known;
 }
 
-long double PlainCues::Derive(Cue cue) const {
-  switch (cue) {
-    case Cue::kForce:
-      return points_.back()[kPeak];
-    case Cue::kArea:
-      return points_.back()[kAreaOf];
-    case Cue::kMotion:
-      return points_.back()[kMotionOf];
-    case Cue::kForceRoughness:
-      return Roughness(kNet, kPlainFloor[kNet]);
-    case Cue::kAreaRoughness:
-      return Roughness(kAreaOf, kPlainFloor[kAreaOf]);
-    case Cue::kMotionRoughness:
-      return Roughness(kMotionOf, kPlainFloor[kMotionOf]);
-    default:
-      break;
+long double PlainCues::Derive(absl::string_view cue) const {
+  if (cue == "force") return points_.back()[kPeak];
+  if (cue == "area") return points_.back()[kAreaOf];
+  if (cue == "motion") return points_.back()[kMotionOf];
+  if (absl::EndsWith(cue, "_roughness")) {
+    const Signal signal = cue.front() == 'f'   ? kNet
+                          : cue.front() == 'a' ? kAreaOf
+                                               : kMotionOf;
+    return Roughness(signal, kPlainFloor[signal]);
   }
-  if (cue >= Cue::kLogSpring && cue <= Cue::kLogSlopeMisfit) return Spring(cue);
-  const int place = static_cast<int>(cue);
-  if (cue >= Cue::kStiffnessShort && cue <= Cue::kAreaResponseShort) {
-    return Window(place - static_cast<int>(Cue::kStiffnessShort), 0.1L * rate_);
-  }
-  if (cue >= Cue::kStiffnessLong && cue <= Cue::kAreaResponseLong) {
-    return Window(place - static_cast<int>(Cue::kStiffnessLong), 0.4L * rate_);
-  }
+  if (absl::ConsumeSuffix(&cue, "_short")) return Window(cue, 0.1L * rate_);
+  if (absl::ConsumeSuffix(&cue, "_long")) return Window(cue, 0.4L * rate_);
+  if (absl::StrContains(cue, "sp") && cue != "log_speed") return Spring(cue);
+  if (absl::StrContains(cue, "slope")) return Spring(cue);
   return Level(cue);
 }
 
-long double PlainCues::Level(Cue cue) const {
+long double PlainCues::Level(absl::string_view cue) const {
   const size_t count = points_.size();
   const auto log_of = [&](Signal a) {
     return FlooredLog(Smooth(count, a), kPlainFloor[a]);
@@ -129,36 +121,24 @@ long double PlainCues::Level(Cue cue) const {
       smooth_area_.end());
   const long double log_largest =
       FlooredLog(*std::ranges::max_element(smooth_net_), kPlainFloor[kNet]);
-  switch (cue) {
-    case Cue::kLogPeak:
-      return FlooredLog(Smooth(count, kPeak), kPlainFloor[kNet]);
-    case Cue::kLogForce:
-      return log_of(kNet);
-    case Cue::kLogArea:
-      return log_of(kAreaOf);
-    case Cue::kLogMotion:
-      return log_of(kMotionOf);
-    case Cue::kLogTime:
-      return log_time;
-    case Cue::kLogSpeed:
-      return log_of(kMotionOf) - log_time;
-    case Cue::kLogStiffness:
-      return log_of(kNet) - log_of(kMotionOf);
-    case Cue::kLogFirstArea:
-      return FlooredLog(first_area, kPlainFloor[kAreaOf]);
-    case Cue::kAreaGrowth:
-      return KneeLog((Smooth(count, kAreaOf) - first_area) /
-                         std::max(first_area, kPlainFloor[kAreaOf]),
-                     1e-5L);
-    case Cue::kLogLargestForce:
-      return log_largest;
-    case Cue::kForceDrop:
-      return log_of(kNet) - log_largest;
-    case Cue::kLogDrag:
-      return log_of(kNet) - 1.5L * log_of(kAreaOf);
-    default:
-      return std::nanl("");
-  }
+  if (cue == "log_peak")
+    return FlooredLog(Smooth(count, kPeak), kPlainFloor[kNet]);
+  if (cue == "log_force") return log_of(kNet);
+  if (cue == "log_area") return log_of(kAreaOf);
+  if (cue == "log_motion") return log_of(kMotionOf);
+  if (cue == "log_time") return log_time;
+  if (cue == "log_speed") return log_of(kMotionOf) - log_time;
+  if (cue == "log_stiffness") return log_of(kNet) - log_of(kMotionOf);
+  if (cue == "log_first_area")
+    return FlooredLog(first_area, kPlainFloor[kAreaOf]);
+  if (cue == "area_growth")
+    return KneeLog((Smooth(count, kAreaOf) - first_area) /
+                       std::max(first_area, kPlainFloor[kAreaOf]),
+                   1e-5L);
+  if (cue == "log_largest_force") return log_largest;
+  if (cue == "force_drop") return log_of(kNet) - log_largest;
+  if (cue == "log_drag") return log_of(kNet) - 1.5L * log_of(kAreaOf);
+  return std::nanl("");
 }
 
 long double PlainCues::LogSpring(size_t count) const {
@@ -166,30 +146,26 @@ long double PlainCues::LogSpring(size_t count) const {
          FlooredLog(Product(count, kMotionOf, kMotionOf), 1e-14L);
 }
 
-long double PlainCues::Spring(Cue cue) const {
+long double PlainCues::Spring(absl::string_view cue) const {
   const size_t count = points_.size();
   const std::vector<long double> even(count,
                                       1 / static_cast<long double>(count));
-  switch (cue) {
-    case Cue::kLogSpring:
-      return log_spring_.back();
-    case Cue::kLogStiffestSpring:
-      return *std::ranges::max_element(log_spring_);
-    case Cue::kLogSpringMisfit:
-      return UnexplainedLog(Product(count, kNet, kMotionOf),
-                            Product(count, kMotionOf, kMotionOf),
-                            Product(count, kNet, kNet));
-    case Cue::kLogSlope:
-      return FlooredLog(Covariance(even, kNet, kNet), 1e-12L) -
-             FlooredLog(Covariance(even, kNet, kMotionOf), 1e-13L);
-    default:
-      return UnexplainedLog(Covariance(even, kNet, kMotionOf),
-                            Covariance(even, kMotionOf, kMotionOf),
-                            Covariance(even, kNet, kNet));
-  }
+  if (cue == "log_spring") return log_spring_.back();
+  if (cue == "log_stiffest_spring")
+    return *std::ranges::max_element(log_spring_);
+  if (cue == "log_spring_misfit")
+    return UnexplainedLog(Product(count, kNet, kMotionOf),
+                          Product(count, kMotionOf, kMotionOf),
+                          Product(count, kNet, kNet));
+  if (cue == "log_slope")
+    return FlooredLog(Covariance(even, kNet, kNet), 1e-12L) -
+           FlooredLog(Covariance(even, kNet, kMotionOf), 1e-13L);
+  return UnexplainedLog(Covariance(even, kNet, kMotionOf),
+                        Covariance(even, kMotionOf, kMotionOf),
+                        Covariance(even, kNet, kNet));
 }
 
-long double PlainCues::Window(int place, long double window) const {
+long double PlainCues::Window(absl::string_view cue, long double window) const {
   const auto weights = Weights(points_.size(), std::max(1.0L, window));
   const auto ripple = [&](Signal a) {
     const long double mean =
@@ -202,20 +178,13 @@ long double PlainCues::Window(int place, long double window) const {
     const long double rest = 1e-7L * Mean(weights, a);
     return variance > rest * rest ? Covariance(weights, b, a) / variance : 0;
   };
-  switch (place) {
-    case 0:
-      return KneeLog(slope(kNet, kMotionOf), 1e3L);
-    case 1:
-      return ripple(kNet);
-    case 2:
-      return ripple(kMotionOf);
-    case 3:
-      return ripple(kAreaOf);
-    default:
-      return KneeLog(slope(kAreaOf, kNet) * Mean(weights, kNet) /
-                         std::max(Mean(weights, kAreaOf), kPlainFloor[kAreaOf]),
-                     1e-5L);
-  }
+  if (cue == "stiffness") return KneeLog(slope(kNet, kMotionOf), 1e3L);
+  if (cue == "force_ripple") return ripple(kNet);
+  if (cue == "motion_ripple") return ripple(kMotionOf);
+  if (cue == "area_ripple") return ripple(kAreaOf);
+  return KneeLog(slope(kAreaOf, kNet) * Mean(weights, kNet) /
+                     std::max(Mean(weights, kAreaOf), kPlainFloor[kAreaOf]),
+                 1e-5L);
 }
 
 long double PlainCues::Roughness(Signal a, long double floor) const {

@@ -6,7 +6,7 @@
 //
 //   PlainCues cues(/*sample_rate_hz=*/100);
 //   cues.Step(sample, /*frames_since_onset=*/1);
-//   const long double cue = cues.Value(Cue::kLogSpring);
+//   const long double cue = cues.Value(NamedCue("log_spring"));
 //
 // Owns its samples. A step costs time proportional to the contact's length.
 // Not thread-safe.
@@ -17,7 +17,8 @@
 #include <optional>
 #include <vector>
 
-#include "core/features/cues.h"
+#include "absl/strings/string_view.h"
+#include "core/cues/cue.h"
 
 namespace tactus {
 
@@ -48,11 +49,11 @@ class PlainCues {
   long double Smooth(size_t count, Signal a) const;
   // Mean product over all samples so far.
   long double Product(size_t count, Signal a, Signal b) const;
-  long double Derive(Cue cue) const;
-  long double Level(Cue cue) const;
+  long double Derive(absl::string_view cue) const;
+  long double Level(absl::string_view cue) const;
   long double LogSpring(size_t count) const;
-  long double Spring(Cue cue) const;
-  long double Window(int place, long double window) const;
+  long double Spring(absl::string_view cue) const;
+  long double Window(absl::string_view cue, long double window) const;
   long double Roughness(Signal a, long double floor) const;
 
   double rate_;
@@ -63,7 +64,8 @@ class PlainCues {
   std::vector<long double> smooth_area_;
   std::vector<long double> log_spring_;
   // Cues of the last sample.
-  mutable std::array<std::optional<long double>, kCueCount> known_;
+  mutable std::vector<std::optional<long double>> known_ =
+      std::vector<std::optional<long double>>(CueCount());
 };
 
 }  // namespace tactus

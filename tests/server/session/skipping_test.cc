@@ -56,8 +56,7 @@ TEST_F(SessionSkippingTest, AStreamCountsWhatItSkips) {
   // Ten before the touch; of those after it the third ends the contact.
   EXPECT_EQ(skipped[SkipRule::kUntouchedFrames], 18u);
   EXPECT_EQ(skipped[SkipRule::kUnchangedFrames], 54u);
-  EXPECT_EQ(skipped[SkipRule::kUnusedCues],
-            DerivedCues().size() + FineCues().size() + kProfileSize);
+  EXPECT_EQ(skipped[SkipRule::kUnusedCues], CueCount() - kFeatureCount);
   EXPECT_EQ(skipped[SkipRule::kUnusedLstms], 0u);
   EXPECT_EQ(skipped[SkipRule::kUnlistedTaxels], 80u);
 }

@@ -19,7 +19,8 @@ TEST(FitFlagsTest, WithCuesGivesThemToTheLstms) {
   ASSERT_TRUE(preset.ok() && more.ok()) << more.status();
   EXPECT_EQ(more->hmm_cues, preset->hmm_cues);
   std::vector<Cue> expected = preset->lstm.cues;
-  expected.insert(expected.end(), {Cue::kForcePitchShort, Cue::kLogRowSpread});
+  expected.insert(expected.end(),
+                  {NamedCue("force_pitch_short"), NamedCue("log_row_spread")});
   EXPECT_EQ(more->lstm.cues, expected);
 }
 
@@ -49,8 +50,8 @@ TEST(FitFlagsTest, WithoutCuesTakesThemFromAllInputs) {
             all->lstm.stretched_cues.size() - 1);
   for (const auto& cues :
        {fewer->hmm_cues, fewer->lstm.cues, fewer->lstm.stretched_cues}) {
-    EXPECT_THAT(cues, Not(Contains(Cue::kLogDrag)));
-    EXPECT_THAT(cues, Not(Contains(Cue::kLogArea)));
+    EXPECT_THAT(cues, Not(Contains(NamedCue("log_drag"))));
+    EXPECT_THAT(cues, Not(Contains(NamedCue("log_area"))));
   }
 }
 

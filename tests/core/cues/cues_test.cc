@@ -1,8 +1,9 @@
-#include "core/features/cues.h"
-
 #include <cmath>
+#include <set>
 
 #include "core/base/random.h"
+#include "core/cues/cue_group.h"
+#include "core/cues/cue_tracker.h"
 #include "gtest/gtest.h"
 #include "tests/support/allocation_counter.h"
 
@@ -44,42 +45,45 @@ std::vector<long double> Weights(size_t count, size_t window) {
 }
 
 TEST(CueTest, NamesRoundTripAndAreUnique) {
-  for (int i = 0; i < kCueCount; ++i) {
+  for (int i = 0; i < CueCount(); ++i) {
     const Cue cue = static_cast<Cue>(i);
     EXPECT_EQ(ParseCue(CueName(cue)), cue);
   }
   EXPECT_FALSE(ParseCue("log_nothing"));
   EXPECT_EQ(CueName(RawCue(Feature::kMotion)), "motion");
-  EXPECT_FALSE(NeedsFeature(Cue::kLogSpring, Feature::kArea));
-  EXPECT_TRUE(NeedsFeature(Cue::kLogSpring, Feature::kMotion));
+  EXPECT_FALSE(NeedsFeature(NamedCue("log_spring"), Feature::kArea));
+  EXPECT_TRUE(NeedsFeature(NamedCue("log_spring"), Feature::kMotion));
 }
 
 TEST(CueTest, ASpringThatRestsShowsItsStiffness) {
   CueTracker tracker = After(Press(2000, 100, 1000));
-  for (Cue cue : {Cue::kLogSpring, Cue::kLogSlope, Cue::kLogStiffestSpring,
-                  Cue::kLogStiffness}) {
+  for (Cue cue : {NamedCue("log_spring"), NamedCue("log_slope"),
+                  NamedCue("log_stiffest_spring"), NamedCue("log_stiffness")}) {
     EXPECT_NEAR(tracker.value(cue), std::log(2000), 1e-9) << CueName(cue);
   }
-  for (Cue cue : {Cue::kStiffnessShort, Cue::kStiffnessLong}) {
+  for (Cue cue : {NamedCue("stiffness_short"), NamedCue("stiffness_long")}) {
     EXPECT_NEAR(tracker.value(cue), std::log1p(2000 / 1e3), 1e-9);
   }
-  EXPECT_NEAR(tracker.value(Cue::kLogSpringMisfit), std::log(1e-4), 1e-6);
-  EXPECT_NEAR(tracker.value(Cue::kLogSpeed), std::log(0.01), 0.05);
+  EXPECT_NEAR(tracker.value(NamedCue("log_spring_misfit")), std::log(1e-4),
+              1e-6);
+  EXPECT_NEAR(tracker.value(NamedCue("log_speed")), std::log(0.01), 0.05);
 }
 
 TEST(CueTest, SlidingShowsAsMisfitAndKeepsTheStiffestSpring) {
   CueTracker tracker = After(Press(2000, 200, 20));
-  EXPECT_NEAR(tracker.value(Cue::kLogStiffestSpring), std::log(2000), 1e-9);
-  EXPECT_LT(tracker.value(Cue::kLogSpring), std::log(500));
-  EXPECT_GT(tracker.value(Cue::kLogSpringMisfit), std::log(0.1));
-  EXPECT_NEAR(tracker.value(Cue::kStiffnessShort), 0, 1e-6);
+  EXPECT_NEAR(tracker.value(NamedCue("log_stiffest_spring")), std::log(2000),
+              1e-9);
+  EXPECT_LT(tracker.value(NamedCue("log_spring")), std::log(500));
+  EXPECT_GT(tracker.value(NamedCue("log_spring_misfit")), std::log(0.1));
+  EXPECT_NEAR(tracker.value(NamedCue("stiffness_short")), 0, 1e-6);
 }
 
 TEST(CueTest, StiffnessHoldsAtAnySpeedAndArm) {
   const Samples slow = Press(2000, 400, 1000);
   Samples fast;
   for (size_t i = 3; i < slow.size(); i += 4) fast.push_back(slow[i]);
-  for (Cue cue : {Cue::kLogSpring, Cue::kLogSlope, Cue::kLogStiffness}) {
+  for (Cue cue : {NamedCue("log_spring"), NamedCue("log_slope"),
+                  NamedCue("log_stiffness")}) {
     EXPECT_NEAR(After(slow).value(cue), After(fast).value(cue), 1e-9);
   }
 }
@@ -91,10 +95,10 @@ TEST(CueTest, DragOfWhatSlidesDoesNotDependOnItsSize) {
     const double friction = 0.3 * 2700 * 9.81 * edge * edge * edge;
     return After(Samples(50, Sample(friction, edge * edge, 0.01)));
   };
-  EXPECT_NEAR(slide(0.01).value(Cue::kLogDrag), std::log(0.3 * 2700 * 9.81),
-              1e-9);
-  EXPECT_NEAR(slide(0.05).value(Cue::kLogDrag), std::log(0.3 * 2700 * 9.81),
-              1e-9);
+  EXPECT_NEAR(slide(0.01).value(NamedCue("log_drag")),
+              std::log(0.3 * 2700 * 9.81), 1e-9);
+  EXPECT_NEAR(slide(0.05).value(NamedCue("log_drag")),
+              std::log(0.3 * 2700 * 9.81), 1e-9);
 }
 
 // Every windowed cue from all samples at once, in long double.
@@ -112,10 +116,11 @@ TEST(CueTest, WindowsAgreeWithWeightedSumsOverAllSamples) {
       Cue force_ripple;
       Cue area_response;
     };
-    for (const Case& c : {Case{10, Cue::kStiffnessShort, Cue::kForceRippleShort,
-                               Cue::kAreaResponseShort},
-                          Case{40, Cue::kStiffnessLong, Cue::kForceRippleLong,
-                               Cue::kAreaResponseLong}}) {
+    for (const Case& c :
+         {Case{10, NamedCue("stiffness_short"), NamedCue("force_ripple_short"),
+               NamedCue("area_response_short")},
+          Case{40, NamedCue("stiffness_long"), NamedCue("force_ripple_long"),
+               NamedCue("area_response_long")}}) {
       const auto w = Weights(samples.size(), c.window);
       long double f = 0, a = 0, m = 0, ff = 0, mm = 0, fm = 0, fa = 0;
       for (size_t i = 0; i < samples.size(); ++i) {
@@ -174,8 +179,8 @@ TEST(CueTest, TremorIsTheChangeOfTheForceAndPitchTheChangeOfThat) {
       EXPECT_NEAR(tracker.value(pitch),
                   static_cast<double>(std::log(turns / changes) / 2), 1e-6);
     };
-    expect(Cue::kForceTremorShort, Cue::kForcePitchShort, 10);
-    expect(Cue::kForceTremorLong, Cue::kForcePitchLong, 40);
+    expect(NamedCue("force_tremor_short"), NamedCue("force_pitch_short"), 10);
+    expect(NamedCue("force_tremor_long"), NamedCue("force_pitch_long"), 40);
   }
 }
 
@@ -189,7 +194,7 @@ TEST(CueTest, PitchIsTheFrequencyOfATremor) {
         const double angle = 2 * M_PI * hertz * t / 100;
         tracker.Step(Sample(1 + amplitude * std::sin(angle), 1e-3, 0), t);
       }
-      EXPECT_NEAR(tracker.value(Cue::kForcePitchLong),
+      EXPECT_NEAR(tracker.value(NamedCue("force_pitch_long")),
                   std::log(2 * std::sin(M_PI * hertz / 100)), 0.05)
           << hertz;
     }
@@ -201,8 +206,9 @@ TEST(CueTest, AForceAtRestHasNoPitch) {
   for (int t = 1; t <= 500; ++t) {
     tracker.Step(Sample(0.7 * (1 + 1e-13 * (t % 2)), 1e-3, 0), t);
   }
-  EXPECT_NEAR(tracker.value(Cue::kForcePitchLong), 0, 1e-6);
-  EXPECT_NEAR(tracker.value(Cue::kForceTremorLong), std::log(1e-6), 1e-6);
+  EXPECT_NEAR(tracker.value(NamedCue("force_pitch_long")), 0, 1e-6);
+  EXPECT_NEAR(tracker.value(NamedCue("force_tremor_long")), std::log(1e-6),
+              1e-6);
 }
 
 TEST(CueTest, SpreadIsSmoothAndInMetres) {
@@ -212,16 +218,18 @@ TEST(CueTest, SpreadIsSmoothAndInMetres) {
     sample.spread = {1e-4F, 0};
     tracker.Step(sample, t);
   }
-  EXPECT_NEAR(tracker.value(Cue::kLogRowSpread), std::log(1e-2), 1e-6);
-  EXPECT_NEAR(tracker.value(Cue::kLogColumnSpread), std::log(1e-5), 1e-6);
+  EXPECT_NEAR(tracker.value(NamedCue("log_row_spread")), std::log(1e-2), 1e-6);
+  EXPECT_NEAR(tracker.value(NamedCue("log_column_spread")), std::log(1e-5),
+              1e-6);
   // 50 ms are 5 samples.
   sample.spread.rows = 6e-4F;
   tracker.Step(sample, 101);
-  EXPECT_NEAR(tracker.value(Cue::kLogRowSpread), std::log(2e-4) / 2, 1e-6);
+  EXPECT_NEAR(tracker.value(NamedCue("log_row_spread")), std::log(2e-4) / 2,
+              1e-6);
 }
 
 TEST(CueTest, TheLoadProfileIsPassedOnAsItIs) {
-  const std::vector<Cue> cues = ProfileCues();
+  const std::vector<Cue> cues = CuesOfGroup("load_profile");
   ASSERT_EQ(cues.size(), static_cast<size_t>(kProfileSize));
   EXPECT_EQ(CueName(cues.front()), "row_load_0");
   EXPECT_EQ(CueName(cues[kRowBands]), "column_load_0");
@@ -233,7 +241,7 @@ TEST(CueTest, TheLoadProfileIsPassedOnAsItIs) {
     tracker.Step(sample, t);
     for (int i = 0; i < kProfileSize; ++i) {
       EXPECT_EQ(tracker.value(cues[i]), sample.profile[i]);
-      EXPECT_TRUE(IsProfileCue(cues[i]));
+      EXPECT_EQ(SourcesOf(cues[i]), kFromProfile);
       EXPECT_TRUE(NeedsFeature(cues[i], Feature::kForce));
       EXPECT_FALSE(NeedsFeature(cues[i], Feature::kArea));
       EXPECT_FALSE(NeedsFeature(cues[i], Feature::kMotion));
@@ -241,21 +249,46 @@ TEST(CueTest, TheLoadProfileIsPassedOnAsItIs) {
   }
 }
 
-TEST(CueTest, EveryCueIsRawOrDerivedOrOfTheSkin) {
-  EXPECT_EQ(DerivedCues().size() + ProfileCues().size() +
-                WholeSkinCues().size() + EmbeddingCues().size() +
-                FineCues().size() + kFeatureCount,
-            static_cast<size_t>(kCueCount));
-  for (Cue cue : DerivedCues()) {
-    EXPECT_FALSE(IsProfileCue(cue));
-    EXPECT_TRUE(IsDerived(cue));
+TEST(CueTest, EveryCueIsInOneGroup) {
+  size_t cues = 0;
+  std::set<absl::string_view> names;
+  for (const CueGroup& group : AllCueGroups()) {
+    const std::vector<Cue> of_group = CuesOfGroup(group.name);
+    EXPECT_TRUE(names.insert(group.name).second) << group.name;
+    cues += of_group.size();
+    for (size_t i = 0; i < of_group.size(); ++i) {
+      EXPECT_EQ(GroupOf(of_group[i]), GroupOf(of_group.front()));
+      EXPECT_EQ(PlaceInGroup(of_group[i]), i);
+      EXPECT_EQ(SourcesOf(of_group[i]), group.sources);
+    }
   }
-  for (Cue cue : ProfileCues()) EXPECT_FALSE(IsDerived(cue));
-  for (Cue cue : FineCues()) {
-    EXPECT_TRUE(IsFineCue(cue));
-    EXPECT_FALSE(IsDerived(cue) || IsTaxelCue(cue) || IsProfileCue(cue));
+  EXPECT_EQ(cues, static_cast<size_t>(CueCount()));
+  EXPECT_TRUE(CuesOfGroup("nothing").empty());
+  EXPECT_EQ(StandardCues().size(), 30u);
+  for (const Cue cue : StandardCues()) EXPECT_EQ(SourcesOf(cue), 0u);
+}
+
+TEST(CueTest, AGroupNeedsNoOther) {
+  for (const CueGroup& group : AllCueGroups()) {
+    const CueGroups only = GroupOf(CuesOfGroup(group.name).front());
+    Random random(3);
+    CueTracker all(100);
+    CueTracker some(100, only);
+    for (int t = 1; t <= 200; ++t) {
+      ContactSample sample = {{random.Uniform(0, 5), random.Uniform(0, 1e-2),
+                               random.Uniform(0, 0.02)},
+                              random.Uniform(0, 9)};
+      sample.profile[3] = random.Uniform();
+      sample.spread = {static_cast<float>(random.Uniform()), 1e-4F};
+      all.Step(sample, t);
+      some.Step(sample, t);
+      for (int i = 0; i < CueCount(); ++i) {
+        const Cue cue = static_cast<Cue>(i);
+        const bool has = i < kFeatureCount || GroupOf(cue) == only;
+        EXPECT_EQ(some.value(cue), has ? all.value(cue) : 0) << CueName(cue);
+      }
+    }
   }
-  EXPECT_FALSE(IsDerived(Cue::kMotion));
 }
 
 TEST(CueTest, CuesAreTheSameHoweverSeldomTheyAreRead) {
@@ -269,7 +302,7 @@ TEST(CueTest, CuesAreTheSameHoweverSeldomTheyAreRead) {
     often.Step(sample, t);
     seldom.Step(sample, t);
     EXPECT_EQ(often.value(Cue::kForce), sample.features[0]);
-    for (Cue cue : DerivedCues()) {
+    for (Cue cue : StandardCues()) {
       const double value = often.value(cue);
       if (t % 37 == 0) {
         EXPECT_EQ(seldom.value(cue), value) << CueName(cue);
@@ -286,8 +319,9 @@ TEST(CueTest, TheStiffestSpringIsTheLargestSpringSoFar) {
   for (int t = 1; t <= 300; ++t) {
     tracker.Step(Sample(random.Uniform(0, 2), 1e-3, random.Uniform(0, 0.02)),
                  t);
-    stiffest = std::max(stiffest, tracker.value(Cue::kLogSpring));
-    EXPECT_NEAR(tracker.value(Cue::kLogStiffestSpring), stiffest, 1e-13);
+    stiffest = std::max(stiffest, tracker.value(NamedCue("log_spring")));
+    EXPECT_NEAR(tracker.value(NamedCue("log_stiffest_spring")), stiffest,
+                1e-13);
   }
 }
 
@@ -303,7 +337,7 @@ TEST(CueTest, AnyFiniteSampleGivesFiniteCues) {
     for (double& load : sample.profile) load = pick();
     sample.spread = {static_cast<float>(random.Uniform(0, 1e30)), 0};
     tracker.Step(sample, t);
-    for (int i = 0; i < kCueCount; ++i) {
+    for (int i = 0; i < CueCount(); ++i) {
       ASSERT_TRUE(std::isfinite(tracker.value(static_cast<Cue>(i))))
           << CueName(static_cast<Cue>(i)) << " at " << t;
     }
@@ -337,7 +371,7 @@ TEST(CueTest, TenMillionFramesDoNotDrift) {
   CueTracker tracker(100);
   const auto values = [&] {
     std::vector<double> all;
-    for (const Cue cue : DerivedCues()) all.push_back(tracker.value(cue));
+    for (const Cue cue : StandardCues()) all.push_back(tracker.value(cue));
     return all;
   };
   std::vector<double> early;
@@ -346,18 +380,22 @@ TEST(CueTest, TenMillionFramesDoNotDrift) {
     if (t == 100 * kPeriod) early = values();
   }
   const std::vector<double> late = values();
-  const std::vector<Cue> cues = DerivedCues();
+  const std::vector<Cue> cues = StandardCues();
   for (size_t i = 0; i < cues.size(); ++i) {
     ASSERT_TRUE(std::isfinite(late[i])) << CueName(cues[i]);
     const CueGroups group = GroupOf(cues[i]);
-    const bool of_time = cues[i] == Cue::kLogTime || cues[i] == Cue::kLogSpeed;
-    if (of_time || group == kSpringCues || group == kRoughnessCues) continue;
+    const bool of_all = group == GroupOf(NamedCue("log_spring")) ||
+                        group == GroupOf(NamedCue("force_roughness"));
+    const bool of_time =
+        cues[i] == NamedCue("log_time") || cues[i] == NamedCue("log_speed");
+    if (of_time || of_all) continue;
     EXPECT_NEAR(late[i], early[i], 1e-9) << CueName(cues[i]);
   }
-  EXPECT_NEAR(tracker.value(Cue::kLogTime), std::log(kFrames / 100.0), 1e-12);
-  EXPECT_NEAR(tracker.value(Cue::kLogSpring),
+  EXPECT_NEAR(tracker.value(NamedCue("log_time")), std::log(kFrames / 100.0),
+              1e-12);
+  EXPECT_NEAR(tracker.value(NamedCue("log_spring")),
               static_cast<double>(std::log(product / motions)), 1e-9);
-  EXPECT_NEAR(tracker.value(Cue::kLogSlope),
+  EXPECT_NEAR(tracker.value(NamedCue("log_slope")),
               static_cast<double>(std::log((forces - force * force) /
                                            (product - force * motion))),
               1e-8);
@@ -372,7 +410,7 @@ TEST(CueTest, ResetForgetsAndStepAllocatesNothing) {
   EXPECT_EQ(counter.count(), 0);
   CueTracker fresh(100);
   for (int t = 1; t <= 7; ++t) fresh.Step(Sample(1, 1e-3, 0.001 * t), t);
-  for (int i = 0; i < kCueCount; ++i) {
+  for (int i = 0; i < CueCount(); ++i) {
     const Cue cue = static_cast<Cue>(i);
     EXPECT_EQ(tracker.value(cue), fresh.value(cue)) << CueName(cue);
   }
