@@ -42,7 +42,7 @@ CueGroup SpreadCues() {
                     "log of the standard deviation of the region's load "
                     "across the rows, in metres"},
                    {"log_column_spread", kNeeds, kHolds,
-                    "the same across the columns"}},
+                    "`log_row_spread` across the columns"}},
           .sources = kFromSpread,
           .make = MakeCues<Spread>};
 }

@@ -39,7 +39,8 @@ CueGroup WholeSkinCues() {
   constexpr unsigned kFA = kNeedsForce | kNeedsArea;
   constexpr unsigned kFM = kNeedsForce | kNeedsMotion;
   constexpr unsigned kHolds = kLoad | kStiffness;
-  constexpr absl::string_view kRate = "the same less its mean over 0.4 s";
+  constexpr absl::string_view kRate =
+      "the cue without `_rate`, less its mean over 0.4 s";
   return {
       .name = "whole_skin",
       .rows = {{"skin_force", kF, kPace, "root of the load on the whole skin"},
@@ -57,9 +58,10 @@ CueGroup WholeSkinCues() {
                {"skin_change_short", kFM, kHolds,
                 "log of the share of the load that lies elsewhere than in the "
                 "mean pattern of 0.1 s"},
-               {"skin_change_long", kFM, kHolds, "the same for 0.4 s"},
+               {"skin_change_long", kFM, kHolds,
+                "`skin_change_short` for 0.4 s"},
                {"skin_change_since_onset", kFM, kHolds,
-                "the same for the first 0.1 s"},
+                "`skin_change_short` for the first 0.1 s"},
                {"skin_travel", kFM, kHolds,
                 "log of the sum of these changes since onset"}},
       .sources = kFromTaxels,

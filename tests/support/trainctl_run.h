@@ -1,7 +1,7 @@
 // File: trainctl_run.h
 //
-// Runs trainctl inside the test: the same commands as the program, without a
-// process. Test-only.
+// Runs trainctl inside the test: the commands of the program that need no
+// server, without a process. Test-only.
 //
 //   const TrainctlRun run = RunTrainctl("inspect " + path + " --json");
 //   EXPECT_TRUE(run.status.ok()) << run.status;
@@ -14,7 +14,7 @@
 
 #include "absl/status/status.h"
 #include "gtest/gtest.h"
-#include "tools/trainctl/command.h"
+#include "tools/trainctl/verbs.h"
 
 namespace tactus::testing {
 
@@ -31,13 +31,13 @@ inline TrainctlRun RunTrainctl(const std::string& arguments) {
   const client::SelectCommand select = [&](client::Command chosen) {
     command = std::move(chosen);
   };
-  for (auto add :
-       {client::AddSimulate, client::AddImport, client::AddFit,
-        client::AddEvaluate, client::AddInspect, client::AddClassify,
-        client::AddSkin, client::AddReproduce, client::AddExportModel,
-        client::AddImportModel, client::AddExportTrials}) {
-    add(app, select);
-  }
+#define TACTUS_VERB(verb) client::Add##verb(app, select);
+#define TACTUS_SERVER_VERB(verb)
+#define TACTUS_STAND_IN_VERB TACTUS_VERB
+#include "tools/trainctl/verbs.inc"
+#undef TACTUS_VERB
+#undef TACTUS_SERVER_VERB
+#undef TACTUS_STAND_IN_VERB
   app.parse(arguments);
   ::testing::internal::CaptureStdout();
   TrainctlRun run;

@@ -54,13 +54,25 @@ double SecondsSinceStart() {
       .count();
 }
 
+CLI::App& AddVerb(CLI::App& group, const std::string& verb,
+                  const std::string& description, const std::string& example) {
+  CLI::App* command = group.add_subcommand(verb, description);
+  // The program itself has no parent.
+  const std::string path =
+      group.get_parent() == nullptr ? "" : absl::StrCat(group.get_name(), " ");
+  command->footer(absl::StrCat("Example:\n  trainctl ", path, example));
+  return *command;
+}
+
 CLI::App& CommandGroup(CLI::App& app, const std::string& name,
-                       const std::string& description) {
+                       const std::string& description,
+                       const std::string& example) {
   const auto existing = app.get_subcommands(
       [&](const CLI::App* command) { return command->get_name() == name; });
   if (!existing.empty()) return *existing.front();
   CLI::App* group = app.add_subcommand(name, description);
   group->require_subcommand(1);
+  group->footer(absl::StrCat("Example:\n  trainctl ", name, " ", example));
   return *group;
 }
 

@@ -26,28 +26,22 @@ namespace tactus::client {
 // The work of a sub-command. It runs after the command line is parsed.
 using Command = std::function<absl::Status()>;
 
-// Each function adds its sub-command to `app`. Parsing calls `select` with the
-// work of the sub-command that was given.
+// A verb of trainctl is a function void AddX(CLI::App& app, const
+// SelectCommand& select) that adds it to `app`, in a file of its own, and a
+// line of verbs.inc. Parsing calls `select` with the work of the verb that was
+// given.
 using SelectCommand = std::function<void(Command)>;
-void AddSimulate(CLI::App& app, const SelectCommand& select);
-void AddImport(CLI::App& app, const SelectCommand& select);
-void AddFit(CLI::App& app, const SelectCommand& select);
-void AddEvaluate(CLI::App& app, const SelectCommand& select);
-void AddInspect(CLI::App& app, const SelectCommand& select);
-void AddClassify(CLI::App& app, const SelectCommand& select);
-void AddReproduce(CLI::App& app, const SelectCommand& select);
-void AddSkin(CLI::App& app, const SelectCommand& select);
-void AddShow(CLI::App& app, const SelectCommand& select);
-void AddTokens(CLI::App& app, const SelectCommand& select);
-void AddExportModel(CLI::App& app, const SelectCommand& select);
-void AddImportModel(CLI::App& app, const SelectCommand& select);
-void AddExportTrials(CLI::App& app, const SelectCommand& select);
-void AddCompletion(CLI::App& app, const SelectCommand& select);
 
-// The group of commands that begin with `name`, e.g. "models"; made by the
-// first caller, so that several files can add commands to it.
+// Adds a verb to `group`, which may be the program itself. --help ends with
+// `example`: what follows "trainctl" and the group's name, as in "list arm".
+CLI::App& AddVerb(CLI::App& group, const std::string& verb,
+                  const std::string& description, const std::string& example);
+
+// The group of verbs that begin with `name`, e.g. "models"; made by the first
+// caller, so that several files can add verbs to it. `example` as for AddVerb.
 CLI::App& CommandGroup(CLI::App& app, const std::string& name,
-                       const std::string& description);
+                       const std::string& description,
+                       const std::string& example);
 
 // The command line, on one line, for the provenance of a bundle.
 void SetCommandLine(int argc, char** argv);

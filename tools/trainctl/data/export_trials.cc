@@ -110,10 +110,12 @@ absl::Status RunExportTrials(const ExportTrialsFlags& flags) {
 
 void AddExportTrials(CLI::App& app, const SelectCommand& select) {
   auto flags = std::make_shared<ExportTrialsFlags>();
+  CLI::App& group =
+      CommandGroup(app, "trials", "Trials as files of other programs",
+                   "export mine.h5 --format=npz --out=exported");
   CLI::App* command =
-      CommandGroup(app, "trials", "Trials as files of other programs")
-          .add_subcommand("export",
-                          "Write the trials of a file for other programs");
+      &AddVerb(group, "export", "Write the trials of a file for other programs",
+               "export mine.h5 --format=npz --out=exported");
   command->add_option("data", flags->data, "Trial file")->required();
   command
       ->add_option("--format", flags->format,

@@ -154,10 +154,11 @@ absl::Status RunImport(const ImportFlags& flags) {
 
 void AddImport(CLI::App& app, const SelectCommand& select) {
   auto flags = std::make_shared<ImportFlags>();
-  CLI::App* command = app.add_subcommand(
-      "import",
+  CLI::App* command = &AddVerb(
+      app, "import",
       "Read recordings: a folder with a skin.json (docs/your-own-skin.md), CSV "
-      "files of signals, a trial file, or a recording of tactus-stream");
+      "files of signals, a trial file, or a recording of tactus-stream",
+      "import my_recordings --out=mine.h5");
   command->add_option("source", flags->path, "Folder or file")->required();
   command->add_option("--skin", flags->options.skin,
                       "skin.json of a folder that has none, or a new skin for "

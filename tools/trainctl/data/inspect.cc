@@ -157,7 +157,8 @@ absl::Status RunInspect(const InspectFlags& flags) {
 void AddInspect(CLI::App& app, const SelectCommand& select) {
   auto flags = std::make_shared<InspectFlags>();
   CLI::App* command =
-      app.add_subcommand("inspect", "Print what a trial file or bundle holds");
+      &AddVerb(app, "inspect", "Print what a trial file or bundle holds",
+               "inspect mine.h5");
   command->add_option("file", flags->path, "Trial file or bundle")->required();
   command->add_option("--layout", flags->layout,
                       "JSON file with the skin of trials that carry none");

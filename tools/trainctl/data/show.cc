@@ -64,8 +64,9 @@ absl::Status RunShow(const ShowFlags& flags) {
 
 void AddShow(CLI::App& app, const SelectCommand& select) {
   auto flags = std::make_shared<ShowFlags>();
-  CLI::App* command = app.add_subcommand(
-      "show", "Draw one contact: skin, features, posteriors");
+  CLI::App* command =
+      &AddVerb(app, "show", "Draw one contact: skin, features, posteriors",
+               "show mine.h5 --trial=000000 --out=contact.png");
   command->add_option("data", flags->data, "Trial file")->required();
   command
       ->add_option("--trial", flags->trial,

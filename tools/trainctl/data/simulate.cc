@@ -156,8 +156,9 @@ absl::Status RunSimulate(const SimulateFlags& flags) {
 
 void AddSimulate(CLI::App& app, const SelectCommand& select) {
   auto flags = std::make_shared<SimulateFlags>();
-  CLI::App* command = app.add_subcommand(
-      "simulate", "Simulate an arm's contacts into a trial file");
+  CLI::App* command =
+      &AddVerb(app, "simulate", "Simulate an arm's contacts into a trial file",
+               "simulate --protocol=paper --skin=good --out=sim.h5");
   command->add_option(
       "--protocol", flags->protocol,
       "paper (its 1,835 trials), grid (other robot conditions), cody (its "

@@ -72,12 +72,12 @@ absl::Status RunExportModel(const ExportModelFlags& flags) {
 
 void AddExportModel(CLI::App& app, const SelectCommand& select) {
   auto flags = std::make_shared<ExportModelFlags>();
-  CLI::App* command =
-      CommandGroup(app, "bundle",
-                   "Models of a bundle as files of other programs")
-          .add_subcommand(
-              "export",
-              "Write the HMMs or LSTMs of a bundle for other programs");
+  CLI::App& group = CommandGroup(
+      app, "bundle", "Models of a bundle as files of other programs",
+      "export mine.tactus --format=onnx --out=exported");
+  CLI::App* command = &AddVerb(
+      group, "export", "Write the HMMs or LSTMs of a bundle for other programs",
+      "export mine.tactus --format=onnx --out=exported");
   command->add_option("bundle", flags->bundle, "Bundle to read")->required();
   command
       ->add_option("--format", flags->format,

@@ -108,7 +108,8 @@ absl::Status RunFit(const FitCommandFlags& flags) {
 void AddFit(CLI::App& app, const SelectCommand& select) {
   auto flags = std::make_shared<FitCommandFlags>();
   CLI::App* command =
-      app.add_subcommand("fit", "Fit a model bundle to the trials of a file");
+      &AddVerb(app, "fit", "Fit a model bundle to the trials of a file",
+               "fit --data=mine.h5 --preset=tuned --out=mine.tactus");
   command->add_option("--data", flags->data, "Trial file")->required();
   command->add_option("--out", flags->out, "Bundle to write")->required();
   command->add_option("--layout", flags->layout,

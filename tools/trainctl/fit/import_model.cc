@@ -176,12 +176,13 @@ absl::Status RunImportModel(const ImportModelFlags& flags) {
 
 void AddImportModel(CLI::App& app, const SelectCommand& select) {
   auto flags = std::make_shared<ImportModelFlags>();
+  CLI::App& group = CommandGroup(
+      app, "bundle", "Models of a bundle as files of other programs",
+      "export mine.tactus --format=onnx --out=exported");
   CLI::App* command =
-      CommandGroup(app, "bundle",
-                   "Models of a bundle as files of other programs")
-          .add_subcommand(
-              "import",
-              "Replace HMMs or LSTMs of a bundle by those of other programs");
+      &AddVerb(group, "import",
+               "Replace HMMs or LSTMs of a bundle by those of other programs",
+               "import net.onnx --into=mine.tactus --out=new.tactus");
   command
       ->add_option("files", flags->files,
                    "ONNX (.onnx), Keras weights (.h5), HMMs (.json, .npz); "

@@ -80,7 +80,8 @@ absl::Status Remove(TrainingClient& client, const EditFlags& flags, bool json) {
 
 void AddDatasetEdits(CLI::App& app, const SelectCommand& select) {
   CLI::App& group =
-      CommandGroup(app, "datasets", "Keep labelled trials on a server");
+      CommandGroup(app, "datasets", "Keep labelled trials on a server",
+                   "upload arm --data=mine.h5");
   {
     CLI::App& command = AddVerb(
         group, "relabel",

@@ -386,7 +386,8 @@ absl::Status DeleteDataset(TrainingClient& client, const std::string& name,
 
 void AddDatasets(CLI::App& app, const SelectCommand& select) {
   CLI::App& group =
-      CommandGroup(app, kCollection, "Keep labelled trials on a server");
+      CommandGroup(app, kCollection, "Keep labelled trials on a server",
+                   "upload arm --data=mine.h5");
   // The argument of most verbs.
   const auto name = [](CLI::App& command, const char* description) {
     auto value = std::make_shared<std::string>();

@@ -11,6 +11,7 @@
 #include "tools/trainctl/remote/job.h"
 #include "tools/trainctl/remote/report.h"
 #include "tools/trainctl/remote/spec.h"
+#include "tools/trainctl/verbs.h"
 
 namespace tactus::client {
 namespace {

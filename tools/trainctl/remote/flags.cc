@@ -134,13 +134,6 @@ void AddRemoteCommand(CLI::App& command, const SelectCommand& select,
   });
 }
 
-CLI::App& AddVerb(CLI::App& group, const std::string& verb,
-                  const std::string& description, const std::string& example) {
-  CLI::App* command = group.add_subcommand(verb, description);
-  command->footer("Example:\n  trainctl " + group.get_name() + " " + example);
-  return *command;
-}
-
 std::string FullName(absl::string_view collection, absl::string_view text) {
   const std::string name = absl::StrReplaceAll(text, {{"@", "/versions/"}});
   if (absl::StartsWith(name, absl::StrCat(collection, "/"))) return name;

@@ -52,10 +52,6 @@ absl::Status RunRemote(const RemoteFlags& flags, const RemoteWork& work);
 void AddRemoteCommand(CLI::App& command, const SelectCommand& select,
                       RemoteWork work);
 
-// Adds `verb` to a group of commands, with an example after "trainctl GROUP ".
-CLI::App& AddVerb(CLI::App& group, const std::string& verb,
-                  const std::string& description, const std::string& example);
-
 // The name of a resource as users write it: "arm" is "datasets/arm" in the
 // collection "datasets", "arm@3" is "datasets/arm/versions/3", and a full name
 // stays as it is.
@@ -76,18 +72,5 @@ absl::Status UploadTrialFile(TrainingClient& client, const std::string& name,
 
 // An identifier for a request that no other request has.
 std::string NewRequestId();
-
-// Each function adds a command, or a group of them, to `app`.
-void AddDatasets(CLI::App& app, const SelectCommand& select);
-// `datasets relabel` and `datasets remove`.
-void AddDatasetEdits(CLI::App& app, const SelectCommand& select);
-void AddTrain(CLI::App& app, const SelectCommand& select);
-// `evaluate`, for files and for datasets of a server.
-void AddRemoteEvaluate(CLI::App& app, const SelectCommand& select);
-void AddJobs(CLI::App& app, const SelectCommand& select);
-void AddModels(CLI::App& app, const SelectCommand& select);
-void AddServer(CLI::App& app, const SelectCommand& select);
-// `doctor`, for a server and for a data directory.
-void AddDoctor(CLI::App& app, const SelectCommand& select);
 
 }  // namespace tactus::client

@@ -105,8 +105,9 @@ absl::Status Logs(TrainingClient& client, const RemoteFlags& flags,
 
 void AddJobs(CLI::App& app, const SelectCommand& select) {
   CLI::App& group = CommandGroup(
-      app, "jobs", "See, watch, cancel and delete jobs of a server");
-  CLI::App* list = group.add_subcommand("list", "List jobs, the newest first");
+      app, "jobs", "See, watch, cancel and delete jobs of a server", "watch 7");
+  CLI::App* list = &AddVerb(group, "list", "List jobs, the newest first",
+                            "list --state=running");
   auto state =
       std::make_shared<v1::Operation::State>(v1::Operation::STATE_UNSPECIFIED);
   auto limit = std::make_shared<size_t>(100);
@@ -114,7 +115,6 @@ void AddJobs(CLI::App& app, const SelectCommand& select) {
       ->transform(CLI::CheckedTransformer(States()));
   list->add_option("--limit", *limit, "At most this many")
       ->capture_default_str();
-  list->footer("Example:\n  trainctl jobs list --state=running");
   AddRemoteCommand(*list, select,
                    [=](TrainingClient& client, const RemoteFlags& flags) {
                      return ListJobs(client, *state, *limit, flags.json);
@@ -143,11 +143,10 @@ void AddJobs(CLI::App& app, const SelectCommand& select) {
        "job has ended",
        Logs}};
   for (const Verb& verb : verbs) {
-    CLI::App* command = group.add_subcommand(verb.name, verb.description);
+    CLI::App* command = &AddVerb(group, verb.name, verb.description,
+                                 absl::StrCat(verb.name, " 7"));
     auto name = std::make_shared<std::string>();
     command->add_option("job", *name, "Name of the job, like 7")->required();
-    command->footer(std::string("Example:\n  trainctl jobs ") + verb.name +
-                    " 7");
     AddRemoteCommand(*command, select,
                      [name, run = verb.run](TrainingClient& client,
                                             const RemoteFlags& flags) {

@@ -380,7 +380,8 @@ void AddAliasVerbs(CLI::App& group, const SelectCommand& select) {
 }  // namespace
 
 void AddModels(CLI::App& app, const SelectCommand& select) {
-  CLI::App& group = CommandGroup(app, "models", "Keep and serve models");
+  CLI::App& group =
+      CommandGroup(app, "models", "Keep and serve models", "promote arm@3");
   {
     CLI::App& command =
         AddVerb(group, "list", "List model versions", "list arm");

@@ -103,8 +103,8 @@ absl::Status Drain(TrainingClient& client, const RemoteFlags& flags) {
 
 void AddServer(CLI::App& app, const SelectCommand& select) {
   CLI::App& group = CommandGroup(
-      app, "server", "See the state of a server and what was changed; end it");
-  group.footer("Example:\n  trainctl server info");
+      app, "server", "See the state of a server and what was changed; end it",
+      "info");
   CLI::App& info = AddVerb(
       group, "info", "Show version, streams, jobs, quotas and use of the disk",
       "info");

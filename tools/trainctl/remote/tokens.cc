@@ -186,11 +186,13 @@ absl::Status ListTokens(const TokensFlags& flags) {
 
 void AddTokens(CLI::App& app, const SelectCommand& select) {
   auto flags = std::make_shared<TokensFlags>();
-  CLI::App* tokens = app.add_subcommand(
-      "tokens", "Make, list and remove the tokens of a server");
-  tokens->require_subcommand(1);
+  CLI::App& tokens = CommandGroup(
+      app, "tokens", "Make, list and remove the tokens of a server",
+      "list --file=/etc/tactus/tokens");
   CLI::App* create =
-      tokens->add_subcommand("create", "Make a token and print it once");
+      &AddVerb(tokens, "create", "Make a token and print it once",
+               "create --name=arm-7 --role=robot --file=/etc/tactus/tokens > "
+               "arm-7.token");
   create->add_option("--name", flags->name, "Names the caller in logs")
       ->required();
   create->add_option("--role", flags->role, "robot, trainer or admin")
@@ -199,12 +201,14 @@ void AddTokens(CLI::App& app, const SelectCommand& select) {
                      "Tokens file to add it to; without it, the line is "
                      "printed");
   create->callback([=] { select([=] { return CreateToken(*flags); }); });
-  CLI::App* remove = tokens->add_subcommand(
-      "remove", "Remove the token or the certificate of a name");
+  CLI::App* remove = &AddVerb(tokens, "remove",
+                              "Remove the token or the certificate of a name",
+                              "remove --name=arm-7 --file=/etc/tactus/tokens");
   remove->add_option("--name", flags->name, "As list prints it")->required();
   remove->add_option("--file", flags->file, "Tokens file")->required();
   remove->callback([=] { select([=] { return RemoveToken(*flags); }); });
-  CLI::App* list = tokens->add_subcommand("list", "Names and roles of a file");
+  CLI::App* list = &AddVerb(tokens, "list", "Names and roles of a file",
+                            "list --file=/etc/tactus/tokens");
   list->add_option("--file", flags->file, "Tokens file")->required();
   list->add_flag("--json", flags->json, "Print one JSON array");
   list->callback([=] { select([=] { return ListTokens(*flags); }); });

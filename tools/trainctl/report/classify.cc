@@ -187,8 +187,9 @@ absl::Status RunClassify(const ClassifyFlags& flags) {
 
 void AddClassify(CLI::App& app, const SelectCommand& select) {
   auto flags = std::make_shared<ClassifyFlags>();
-  CLI::App* command = app.add_subcommand(
-      "classify", "Classify every trial of a file with a bundle");
+  CLI::App* command =
+      &AddVerb(app, "classify", "Classify every trial of a file with a bundle",
+               "classify --data=mine.h5 --model=mine.tactus");
   command->add_option("--model", flags->model, "Bundle")->required();
   command->add_option("--data", flags->data, "Trial file")->required();
   command->add_option("--layout", flags->layout,

@@ -184,9 +184,10 @@ absl::Status RunReproduce(const ReproduceFlags& flags) {
 
 void AddReproduce(CLI::App& app, const SelectCommand& select) {
   auto flags = std::make_shared<ReproduceFlags>();
-  CLI::App* command = app.add_subcommand(
-      "reproduce",
-      "Compute the paper's result tables and compare them with its figures");
+  CLI::App* command = &AddVerb(
+      app, "reproduce",
+      "Compute the paper's result tables and compare them with its figures",
+      "reproduce --figures=paper-tables");
   command
       ->add_option("--only", flags->only,
                    "Algorithms: hmm, lstm, 1nn; default: all")

@@ -18,9 +18,9 @@
 #include "tools/common/skin_source.h"
 #include "tools/common/terminal.h"
 #include "tools/common/token_file.h"
-#include "tools/trainctl/live_commands.h"
 #include "tools/trainctl/remote/flags.h"
 #include "tools/trainctl/remote/served_model.h"
+#include "tools/trainctl/skin/find_port.h"
 #include "tools/trainctl/skin/trial_journal.h"
 #include "tools/trainctl/skin/trial_recorder.h"
 
@@ -292,8 +292,10 @@ absl::Status RunRecord(RecordFlags flags) {
 
 void AddRecord(CLI::App& app, const SelectCommand& select) {
   auto flags = std::make_shared<RecordFlags>();
-  CLI::App* command = app.add_subcommand(
-      "record", "Record labelled trials from a skin, one key per label");
+  CLI::App* command = &AddVerb(
+      app, "record", "Record labelled trials from a skin, one key per label",
+      "record --driver=serial --port=/dev/ttyUSB0 --labels=HU,HM,SU,SM "
+      "--out=mine.h5");
   command
       ->add_option("--labels", flags->recorder.labels,
                    "Classes, as in HU,HM,SU,SM; keys 1 to 9 choose them")

@@ -115,11 +115,11 @@ absl::Status RunSkin(const SkinFlags& flags) {
 
 void AddSkin(CLI::App& app, const SelectCommand& select) {
   auto flags = std::make_shared<SkinFlags>();
-  CLI::App* command =
-      CommandGroup(app, "skin", "Learn about a skin")
-          .add_subcommand("estimate",
-                          "Propose thresholds from the values of an idle skin");
-  command->footer("Example:\n  trainctl skin estimate mine.h5");
+  CLI::App& group =
+      CommandGroup(app, "skin", "Learn about a skin", "estimate mine.h5");
+  CLI::App* command = &AddVerb(
+      group, "estimate", "Propose thresholds from the values of an idle skin",
+      "estimate mine.h5");
   command->add_option("file", flags->path, "Trial file")->required();
   command->add_option("--idle-frames", flags->idle_frames,
                       "The skin is untouched in this many first frames of each "

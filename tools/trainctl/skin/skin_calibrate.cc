@@ -18,7 +18,8 @@
 #include "core/skin/layout_json.h"
 #include "tools/common/measured_rate.h"
 #include "tools/common/skin_source.h"
-#include "tools/trainctl/live_commands.h"
+#include "tools/trainctl/command.h"
+#include "tools/trainctl/skin/find_port.h"
 #include "tools/trainctl/skin/gain_file.h"
 #include "tools/trainctl/text.h"
 
@@ -28,7 +29,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 // A skin that sends nothing for so long does not come back.
-constexpr double kSilenceS = 10;
+constexpr double kCalibrationSilenceS = 10;
 
 struct CalibrateFlags {
   SkinSourceOptions source;
@@ -59,7 +60,7 @@ absl::Status ReadIdle(SkinDriver& driver, IdleFrames& idle,
       quiet_since_s = SecondsSince(begin);
     }
     if (result == ReadResult::kEndOfData ||
-        SecondsSince(begin) - quiet_since_s > kSilenceS) {
+        SecondsSince(begin) - quiet_since_s > kCalibrationSilenceS) {
       return IoError("skin", absl::StrCat("sent only ", idle.frames(),
                                           " of the frames to measure"));
     }
@@ -242,14 +243,13 @@ absl::Status RunCalibrate(CalibrateFlags flags) {
 
 void AddSkinCalibrate(CLI::App& app, const SelectCommand& select) {
   auto flags = std::make_shared<CalibrateFlags>();
+  CLI::App& group =
+      CommandGroup(app, "skin", "Learn about a skin", "estimate mine.h5");
   CLI::App* command =
-      CommandGroup(app, "skin", "Learn about a skin")
-          .add_subcommand("calibrate",
-                          "Measure a skin that nothing touches: offsets, "
-                          "noise, thresholds, faults");
-  command->footer(
-      "Example:\n  trainctl skin calibrate --driver=serial "
-      "--port=/dev/ttyUSB0 --out=cal.json");
+      &AddVerb(group, "calibrate",
+               "Measure a skin that nothing touches: offsets, "
+               "noise, thresholds, faults",
+               "calibrate --driver=serial --port=/dev/ttyUSB0 --out=cal.json");
   AddSkinFlags(*command, flags->source);
   AddDeviceFlag(*command, flags->source);
   command->add_option("--seed", flags->source.seed,

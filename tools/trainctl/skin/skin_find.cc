@@ -6,7 +6,8 @@
 #include "client/drivers/serial/serial_search.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
-#include "tools/trainctl/live_commands.h"
+#include "tools/trainctl/command.h"
+#include "tools/trainctl/skin/find_port.h"
 #include "tools/trainctl/text.h"
 
 namespace tactus::client {
@@ -65,12 +66,13 @@ absl::Status FindPortAloud(SkinSourceOptions& options) {
 
 void AddSkinFind(CLI::App& app, const SelectCommand& select) {
   auto flags = std::make_shared<FindFlags>();
+  CLI::App& group =
+      CommandGroup(app, "skin", "Learn about a skin", "estimate mine.h5");
   CLI::App* command =
-      CommandGroup(app, "skin", "Learn about a skin")
-          .add_subcommand("find",
-                          "Find skins on serial lines, their shapes and their "
-                          "rates");
-  command->footer("Example:\n  trainctl skin find");
+      &AddVerb(group, "find",
+               "Find skins on serial lines, their shapes and their "
+               "rates",
+               "find");
   command->add_option("--baud", flags->search.baud, "Rate of the serial lines")
       ->capture_default_str();
   command->add_option("--seconds", flags->seconds, "How long to listen")

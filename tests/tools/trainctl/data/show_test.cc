@@ -11,7 +11,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/png_image.h"
 #include "tests/tools/trainctl/data/touch_trial.h"
-#include "tools/trainctl/command.h"
+#include "tools/trainctl/verbs.h"
 
 namespace tactus::client {
 namespace {

@@ -14,7 +14,7 @@
 #include "gtest/gtest.h"
 #include "tools/common/json.h"
 #include "tools/common/token_file.h"
-#include "tools/trainctl/command.h"
+#include "tools/trainctl/verbs.h"
 
 namespace tactus::client {
 namespace {
