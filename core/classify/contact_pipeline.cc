@@ -62,8 +62,7 @@ absl::StatusOr<std::unique_ptr<ContactPipeline>> ContactPipeline::Create(
     const SkinLayout& layout, const std::shared_ptr<const CompiledModel>& model,
     const Options& options) {
   TACTUS_RETURN_IF_ERROR(Check(layout, *model, options));
-  return std::unique_ptr<ContactPipeline>(
-      new ContactPipeline(layout, model, options));
+  return std::make_unique<ContactPipeline>(layout, model, options);
 }
 
 ContactPipeline::ContactPipeline(

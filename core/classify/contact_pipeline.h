@@ -56,7 +56,11 @@ class ContactPipeline {
   static absl::Status Check(const SkinLayout& layout,
                             const CompiledModel& model, const Options& options);
 
-  // The errors are those of Check.
+  // For what Check has accepted.
+  ContactPipeline(const SkinLayout& layout,
+                  const std::shared_ptr<const CompiledModel>& model,
+                  const Options& options);
+  // Checks first; the errors are those of Check.
   static absl::StatusOr<std::unique_ptr<ContactPipeline>> Create(
       const SkinLayout& layout,
       const std::shared_ptr<const CompiledModel>& model,
@@ -74,9 +78,6 @@ class ContactPipeline {
   const ContactClassifier& classifier() const { return classifier_; }
 
  private:
-  ContactPipeline(const SkinLayout& layout,
-                  const std::shared_ptr<const CompiledModel>& model,
-                  const Options& options);
   void CountSkipped();
 
   const bool uses_poses_;

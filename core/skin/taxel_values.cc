@@ -28,9 +28,38 @@ hn::Vec<D> LoadAsDouble(D d, const char* wire, float) {
                        hn::LoadU(narrow, reinterpret_cast<const float*>(wire)));
 }
 
+// ScaledTaxel() of the vector at `wire`.
+template <typename Number, class D>
+hn::Vec<hn::Rebind<float, D>> Scaled(D d, const char* wire, hn::Vec<D> factor) {
+  const hn::Rebind<float, D> f;
+  return hn::DemoteTo(f, hn::Mul(LoadAsDouble(d, wire, Number{}), factor));
+}
+
 template <typename Number>
-bool Scale(const char* wire, size_t count, double scale, float limit,
-           float* taxels) {
+float ScaledAt(const char* wire, double scale) {
+  Number number;
+  std::memcpy(&number, wire, sizeof(Number));
+  return ScaledTaxel(number, scale);
+}
+
+template <typename Number>
+void Scale(const char* wire, size_t count, double scale, float* taxels) {
+  const hn::ScalableTag<double> d;
+  const hn::Rebind<float, decltype(d)> f;
+  const size_t lanes = hn::Lanes(d);
+  const auto factor = hn::Set(d, scale);
+  size_t i = 0;
+  for (; i + lanes <= count; i += lanes) {
+    hn::StoreU(Scaled<Number>(d, wire + i * sizeof(Number), factor), f,
+               taxels + i);
+  }
+  for (; i < count; ++i) {
+    taxels[i] = ScaledAt<Number>(wire + i * sizeof(Number), scale);
+  }
+}
+
+template <typename Number>
+bool Within(const char* wire, size_t count, double scale, float limit) {
   const hn::ScalableTag<double> d;
   const hn::Rebind<float, decltype(d)> f;
   const size_t lanes = hn::Lanes(d);
@@ -40,29 +69,31 @@ bool Scale(const char* wire, size_t count, double scale, float limit,
   auto good = hn::Eq(zero, zero);
   size_t i = 0;
   for (; i + lanes <= count; i += lanes) {
-    const auto numbers = LoadAsDouble(d, wire + i * sizeof(Number), Number{});
-    const auto value = hn::DemoteTo(f, hn::Mul(numbers, factor));
+    const auto value = Scaled<Number>(d, wire + i * sizeof(Number), factor);
     good = hn::And(good, hn::And(hn::Ge(value, zero), hn::Le(value, most)));
-    hn::StoreU(value, f, taxels + i);
   }
   bool all = hn::AllTrue(f, good);
   for (; i < count; ++i) {
-    Number number;
-    std::memcpy(&number, wire + i * sizeof(Number), sizeof(Number));
-    taxels[i] = ScaledTaxel(number, scale);
-    all &= taxels[i] >= 0 && taxels[i] <= limit;
+    const float value = ScaledAt<Number>(wire + i * sizeof(Number), scale);
+    all &= value >= 0 && value <= limit;
   }
   return all;
 }
 
-bool ScaleU16(const char* wire, size_t count, double scale, float limit,
-              float* taxels) {
-  return Scale<uint16_t>(wire, count, scale, limit, taxels);
+void ScaleU16(const char* wire, size_t count, double scale, float* taxels) {
+  Scale<uint16_t>(wire, count, scale, taxels);
 }
 
-bool ScaleF32(const char* wire, size_t count, double scale, float limit,
-              float* taxels) {
-  return Scale<float>(wire, count, scale, limit, taxels);
+void ScaleF32(const char* wire, size_t count, double scale, float* taxels) {
+  Scale<float>(wire, count, scale, taxels);
+}
+
+bool WithinU16(const char* wire, size_t count, double scale, float limit) {
+  return Within<uint16_t>(wire, count, scale, limit);
+}
+
+bool WithinF32(const char* wire, size_t count, double scale, float limit) {
+  return Within<float>(wire, count, scale, limit);
 }
 
 }  // namespace tactus::HWY_NAMESPACE
@@ -73,19 +104,31 @@ namespace tactus {
 
 HWY_EXPORT(ScaleU16);
 HWY_EXPORT(ScaleF32);
+HWY_EXPORT(WithinU16);
+HWY_EXPORT(WithinF32);
 
 template <>
-bool ScaleTaxels<uint16_t>(const char* wire, double scale, float limit,
+void ScaleTaxels<uint16_t>(const char* wire, double scale,
                            std::span<float> taxels) {
-  return HWY_DYNAMIC_DISPATCH(ScaleU16)(wire, taxels.size(), scale, limit,
-                                        taxels.data());
+  HWY_DYNAMIC_DISPATCH(ScaleU16)(wire, taxels.size(), scale, taxels.data());
 }
 
 template <>
-bool ScaleTaxels<float>(const char* wire, double scale, float limit,
+void ScaleTaxels<float>(const char* wire, double scale,
                         std::span<float> taxels) {
-  return HWY_DYNAMIC_DISPATCH(ScaleF32)(wire, taxels.size(), scale, limit,
-                                        taxels.data());
+  HWY_DYNAMIC_DISPATCH(ScaleF32)(wire, taxels.size(), scale, taxels.data());
+}
+
+template <>
+bool TaxelsWithin<uint16_t>(const char* wire, size_t count, double scale,
+                            float limit) {
+  return HWY_DYNAMIC_DISPATCH(WithinU16)(wire, count, scale, limit);
+}
+
+template <>
+bool TaxelsWithin<float>(const char* wire, size_t count, double scale,
+                         float limit) {
+  return HWY_DYNAMIC_DISPATCH(WithinF32)(wire, count, scale, limit);
 }
 
 }  // namespace tactus

@@ -180,15 +180,28 @@ absl::Status FrameDecoder::CheckPoses(const v1::FrameBatch& batch) const {
 }
 
 absl::Status FrameDecoder::CheckValues(const v1::FrameBatch& batch) {
-  if (batch.has_sparse() && skip_unlisted_) return CheckListedValues(batch);
+  if (batch.has_sparse()) return CheckListedValues(batch);
+  if (ValuesAreWithin(batch.taxels())) return absl::OkStatus();
+  // Masked taxels may hold anything.
   for (uint32_t i = 0; i < batch.frame_count(); ++i) {
-    if (DecodeFrame(batch, i)) continue;
+    DecodeDense(batch, i);
     const auto bad = std::ranges::find_if_not(taxels_, IsGood);
     if (bad == taxels_.end()) continue;
     return BadValue(batch.first_sequence() + i,
                     static_cast<int>(bad - taxels_.begin()), *bad);
   }
   return absl::OkStatus();
+}
+
+bool FrameDecoder::ValuesAreWithin(absl::string_view wire) const {
+  if (taxel_type_ != v1::TAXEL_TYPE_UINT16) {
+    return TaxelsWithin<float>(wire.data(), wire.size() / taxel_bytes_, scale_,
+                               limits::kMaxTaxelValue);
+  }
+  // No count is negative, and few scales make the largest one too large.
+  return IsGood(ScaledTaxel(std::numeric_limits<uint16_t>::max(), scale_)) ||
+         TaxelsWithin<uint16_t>(wire.data(), wire.size() / taxel_bytes_, scale_,
+                                limits::kMaxTaxelValue);
 }
 
 absl::Status FrameDecoder::CheckListedValues(
@@ -207,8 +220,11 @@ absl::Status FrameDecoder::CheckListedValues(
 }
 
 FrameView FrameDecoder::Frame(const v1::FrameBatch& batch, uint32_t index) {
-  // Check has left a single frame in place, unless it decoded none.
-  if (batch.frame_count() > 1 || batch.has_sparse()) DecodeFrame(batch, index);
+  if (batch.has_sparse()) {
+    DecodeSparse(batch, index);
+  } else {
+    DecodeDense(batch, index);
+  }
   FrameView frame;
   frame.taxels = taxels_;
   if (with_poses_) {
@@ -232,25 +248,19 @@ int64_t FrameDecoder::CaptureTime(const v1::FrameBatch& batch,
   return batch.first_capture_time_ns() + std::llround(index * frame_period_ns_);
 }
 
-bool FrameDecoder::DecodeFrame(const v1::FrameBatch& batch, uint32_t index) {
-  if (!batch.has_sparse()) return DecodeDense(batch, index);
-  DecodeSparse(batch, index);
-  return false;
-}
-
-bool FrameDecoder::DecodeDense(const v1::FrameBatch& batch, uint32_t index) {
+void FrameDecoder::DecodeDense(const v1::FrameBatch& batch, uint32_t index) {
   const char* wire =
       batch.taxels().data() + index * taxel_count_ * taxel_bytes_;
-  const auto scale_taxels = taxel_type_ == v1::TAXEL_TYPE_UINT16
-                                ? ScaleTaxels<uint16_t>
-                                : ScaleTaxels<float>;
-  const bool good = scale_taxels(wire, scale_, limits::kMaxTaxelValue, taxels_);
+  if (taxel_type_ == v1::TAXEL_TYPE_UINT16) {
+    ScaleTaxels<uint16_t>(wire, scale_, taxels_);
+  } else {
+    ScaleTaxels<float>(wire, scale_, taxels_);
+  }
   listed_only_ = false;
   // What a masked taxel holds is never looked at.
   for (size_t i = 0; i < mask_.size(); ++i) {
     if (mask_[i] == 0) taxels_[i] = 0;
   }
-  return good;
 }
 
 void FrameDecoder::DecodeSparse(const v1::FrameBatch& batch, uint32_t index) {

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/strings/string_view.h"
 #include "core/skin/frame.h"
 #include "server/session/stream_settings.h"
 #include "tactus/v1/contact.pb.h"
@@ -54,11 +55,12 @@ class FrameDecoder {
   absl::Status CheckValues(const v1::FrameBatch& batch);
   absl::Status CheckListedValues(const v1::FrameBatch& batch) const;
 
+  // True if all values of dense frames are known to be good.
+  bool ValuesAreWithin(absl::string_view wire) const;
+
   // Fill taxels_ with values in the layout's unit. Sparse frames are read in
-  // order; `sparse_entry_` is the next entry. True if all values are known to
-  // be good.
-  bool DecodeFrame(const v1::FrameBatch& batch, uint32_t index);
-  bool DecodeDense(const v1::FrameBatch& batch, uint32_t index);
+  // order; `sparse_entry_` is the next entry.
+  void DecodeDense(const v1::FrameBatch& batch, uint32_t index);
   void DecodeSparse(const v1::FrameBatch& batch, uint32_t index);
   float Value(const char* wire) const;
   float SparseValue(const v1::SparseFrames& sparse, size_t entry) const;

@@ -95,8 +95,8 @@ absl::Status StreamSession::OnConfig(const v1::StreamConfig& config) {
 }
 
 void StreamSession::MakePipeline() {
-  pipeline_ = *ContactPipeline::Create(settings_.layout, pinned_->model,
-                                       settings_.pipeline);
+  pipeline_ = std::make_unique<ContactPipeline>(
+      settings_.layout, pinned_->model, settings_.pipeline);
   last_best_class_ = pipeline_->classifier().best_class();
 }
 

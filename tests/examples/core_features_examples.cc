@@ -86,8 +86,6 @@ static void TouchedExample(std::span<const float> taxels, float threshold) {
 #include "core/features/touched.h.inc"
 }
 
-void FindTheBadOne();
-
 static void TaxelValuesExample(const char* wire, double scale, float limit,
                                std::span<float> taxels) {
 #include "core/skin/taxel_values.h.inc"

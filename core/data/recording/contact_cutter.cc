@@ -58,11 +58,11 @@ ContactCutter::ContactCutter(std::string path, const v1::StreamConfig& config,
 
 absl::Status ContactCutter::Decode(const v1::FrameBatch& frame) {
   const char* wire = frame.taxels().data();
-  const bool good =
-      is_u16_
-          ? ScaleTaxels<uint16_t>(wire, scale_, limits::kMaxTaxelValue, taxels_)
-          : ScaleTaxels<float>(wire, scale_, limits::kMaxTaxelValue, taxels_);
-  if (good) return absl::OkStatus();
+  if (is_u16_) {
+    ScaleTaxels<uint16_t>(wire, scale_, taxels_);
+  } else {
+    ScaleTaxels<float>(wire, scale_, taxels_);
+  }
   for (size_t i = 0; i < taxels_.size(); ++i) {
     if (taxels_[i] >= 0 && taxels_[i] <= limits::kMaxTaxelValue) continue;
     return TrialFileInvalid(

@@ -31,18 +31,17 @@ template <typename Number>
 void ExpectEachAsAlone(const std::vector<Number>& numbers, double scale) {
   const std::string wire = Wire(numbers);
   std::vector<float> taxels(numbers.size() + 1, -7);
-  bool good = true;
-  ScaleTaxels<Number>(wire.data() + 1, scale, kLimit,
+  ScaleTaxels<Number>(wire.data() + 1, scale,
                       std::span(taxels).first(numbers.size()));
   for (size_t i = 0; i < numbers.size(); ++i) {
     const auto alone =
         static_cast<float>(static_cast<double>(numbers[i]) * scale);
-    good = good && alone >= 0 && alone <= kLimit;
     EXPECT_EQ(std::bit_cast<uint32_t>(taxels[i]),
               std::bit_cast<uint32_t>(alone))
         << i << " of " << numbers.size();
   }
-  EXPECT_TRUE(good);
+  EXPECT_TRUE(
+      TaxelsWithin<Number>(wire.data() + 1, numbers.size(), scale, kLimit));
   EXPECT_EQ(taxels.back(), -7) << "wrote past the end";
 }
 
@@ -71,15 +70,23 @@ TEST(TaxelValuesTest, OneBadValueAnywhereIsSeen) {
            {kNan, kInfinity, -kInfinity, -1e-30F, 1.1e12F}) {
         std::vector<float> numbers(count, 2.5F);
         numbers[bad] = value;
-        std::vector<float> taxels(count);
         EXPECT_FALSE(
-            ScaleTaxels<float>(Wire(numbers).data() + 1, 1, kLimit, taxels))
+            TaxelsWithin<float>(Wire(numbers).data() + 1, count, 1, kLimit))
             << value << " at " << bad << " of " << count;
       }
     }
-    std::vector<float> taxels(count);
-    EXPECT_TRUE(ScaleTaxels<float>(
-        Wire(std::vector<float>(count, kLimit)).data() + 1, 1, kLimit, taxels));
+    EXPECT_TRUE(TaxelsWithin<float>(
+        Wire(std::vector<float>(count, kLimit)).data() + 1, count, 1, kLimit));
+    for (size_t bad = 0; bad < count; ++bad) {
+      std::vector<uint16_t> numbers(count, 1000);
+      numbers[bad] = 1001;
+      EXPECT_FALSE(TaxelsWithin<uint16_t>(Wire(numbers).data() + 1, count,
+                                          kLimit / 1000.0, kLimit))
+          << bad << " of " << count;
+    }
+    EXPECT_TRUE(TaxelsWithin<uint16_t>(
+        Wire(std::vector<uint16_t>(count, 1000)).data() + 1, count,
+        kLimit / 1000.0, kLimit));
   }
 }
 
