@@ -3,10 +3,10 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
-#include "client/training/trial_pack.h"
 #include "core/base/crc32c.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
+#include "core/data/trial_pack.h"
 #include "core/data/trial_record.h"
 
 namespace tactus::client {

@@ -2,9 +2,9 @@
 
 #include <utility>
 
-#include "client/training/trial_pack.h"
 #include "core/base/crc32c.h"
 #include "core/base/status_macros.h"
+#include "core/data/trial_pack.h"
 #include "core/data/trial_record.h"
 
 namespace tactus::client {

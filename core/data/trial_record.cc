@@ -10,6 +10,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
+#include "core/base/wire_check.h"
 #include "core/data/trial_layout.h"
 #include "core/skin/layout_proto.h"
 
@@ -205,6 +206,42 @@ v1::TrialRecord ToRecord(const Trial& trial) {
   } else {
     record.set_taxel_type(v1::TAXEL_TYPE_FLOAT32);
     record.set_taxels(taxels.f32.data(), taxels.f32.size() * sizeof(float));
+  }
+  return record;
+}
+
+absl::StatusOr<v1::TrialRecord> ParseTrialRecord(absl::string_view bytes,
+                                                 absl::string_view name) {
+  const WireCheck check = CheckWire(*v1::TrialRecord::descriptor(), bytes);
+  if (!check.fault.empty()) {
+    return InvalidTrial(
+        absl::StrCat(name, " is not a tactus.v1.TrialRecord: ", check.fault));
+  }
+  const int64_t most = ParsedBytesAtMost(static_cast<int64_t>(bytes.size()));
+  if (check.parsed_bytes > most) {
+    return InvalidTrial(absl::StrCat(name, " has ", bytes.size(),
+                                     " bytes and takes ", check.parsed_bytes,
+                                     " bytes of memory; it may take ", most));
+  }
+  v1::TrialRecord record;
+  if (!record.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
+    return InvalidTrial(absl::StrCat(
+        name, " is not a tactus.v1.TrialRecord: a text in it is not UTF-8"));
+  }
+  return record;
+}
+
+int64_t ParsedBytesAtMost(int64_t record_bytes) {
+  // A small record may take more memory than its size says.
+  constexpr int64_t kSlack = 64L * 1024;
+  return 2 * record_bytes + kSlack;
+}
+
+absl::StatusOr<v1::TrialRecord> StoredTrialRecord(const std::string& bytes,
+                                                  absl::string_view path) {
+  v1::TrialRecord record;
+  if (!record.ParseFromString(bytes)) {
+    return DataLost(path, "the trial cannot be parsed");
   }
   return record;
 }

@@ -35,8 +35,12 @@ BlobStore::Batch BlobStore::NewBatch() {
   return batch;
 }
 
+std::string BlobPath(absl::string_view folder, absl::string_view sha256) {
+  return absl::StrCat(folder, "/", sha256.substr(0, 2), "/", sha256);
+}
+
 std::string BlobStore::PathOf(absl::string_view sha256) const {
-  return absl::StrCat(folder_, "/", sha256.substr(0, 2), "/", sha256);
+  return BlobPath(folder_, sha256);
 }
 
 absl::StatusOr<bool> BlobStore::Has(const std::string& sha256) const {

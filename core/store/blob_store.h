@@ -90,7 +90,10 @@ class BlobStore {
   std::atomic<uint64_t> batches_ = 0;
 };
 
-// Reads a blob from the file of BlobStore::PathOf.
+// The file of a blob in the store in `folder`.
+std::string BlobPath(absl::string_view folder, absl::string_view sha256);
+
+// Reads a blob from the file of BlobPath.
 absl::StatusOr<std::string> ReadBlobFile(FileSystem& files,
                                          const std::string& path,
                                          absl::string_view sha256,

@@ -256,8 +256,8 @@ class DataCheck {
     }
   }
 
-  std::string BlobPath(const std::string& sha256) const {
-    return absl::StrCat(folder_, "/blobs/", sha256.substr(0, 2), "/", sha256);
+  std::string PathOfBlob(const std::string& sha256) const {
+    return BlobPath(absl::StrCat(folder_, "/blobs"), sha256);
   }
 
   void CheckBlobs() {
@@ -265,7 +265,7 @@ class DataCheck {
     // Manifests name trials, which the catalogue names too.
     std::set<std::string> trials;
     for (const std::string& sha256 : named_) {
-      const std::string path = BlobPath(sha256);
+      const std::string path = PathOfBlob(sha256);
       const auto size = files_.Size(path);
       if (!size.ok() || *size < 0) {
         bad.push_back(absl::StrCat(sha256, " is missing"));

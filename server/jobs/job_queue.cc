@@ -15,6 +15,7 @@
 #include "core/store/lost_and_found.h"
 #include "server/names/resource_names.h"
 #include "server/trainer/exit_status.h"
+#include "server/trainer/job_files.h"
 #include "spdlog/spdlog.h"
 
 namespace tactus::server {
@@ -290,8 +291,10 @@ absl::Status JobQueue::RunProcess(Operation& operation) {
     *operation.mutable_progress() = latest->progress();
   }
   if (!end.ok) return Explain(operation.name(), folder, end);
-  // A gate may let go of its dataset while it is compared on.
-  return dataset.Explain(TakeOutcome(folder, operation));
+  // A gate may let go of its dataset while it is compared on, and a model may
+  // be deleted while it is evaluated.
+  return ExplainModels(operation,
+                       dataset.Explain(TakeOutcome(folder, operation)));
 }
 
 absl::Status JobQueue::Explain(const std::string& name,
@@ -313,8 +316,29 @@ absl::Status JobQueue::Explain(const std::string& name,
                                 " MiB (--job-memory-mb)")));
 }
 
+absl::StatusOr<std::string> JobQueue::GiveModel(const std::string& version,
+                                                const std::string& file) const {
+  TACTUS_ASSIGN_OR_RETURN(const v1::ModelVersion model, models_->Get(version));
+  if (!model.blob_sha256().empty()) return model.blob_sha256();
+  TACTUS_ASSIGN_OR_RETURN(const std::string bundle, models_->Bundle(model));
+  TACTUS_RETURN_IF_ERROR(WriteAtomically(data_->files(), file, bundle));
+  return "";
+}
+
+absl::Status JobQueue::ExplainModels(const Operation& operation,
+                                     const absl::Status& status) const {
+  if (status.ok()) return status;
+  for (const std::string& version : {operation.evaluate().model_version(),
+                                     operation.promote().model_version()}) {
+    if (version.empty()) continue;
+    TACTUS_RETURN_IF_ERROR(models_->Get(version).status());
+  }
+  return status;
+}
+
 absl::StatusOr<PinnedVersion> JobQueue::WriteSpec(
     const Operation& operation, const std::string& folder) const {
+  TACTUS_RETURN_IF_ERROR(data_->files().MakeDirectory(folder));
   v1::JobSpec spec;
   *spec.mutable_operation() = operation;
   spec.set_blob_folder(data_->BlobFolder());
@@ -326,14 +350,9 @@ absl::StatusOr<PinnedVersion> JobQueue::WriteSpec(
     case Operation::KIND_EVALUATE:
       dataset = operation.evaluate().dataset_version();
       if (!operation.evaluate().model_version().empty()) {
-        TACTUS_ASSIGN_OR_RETURN(
-            const v1::ModelVersion model,
-            models_->Get(operation.evaluate().model_version()));
-        TACTUS_ASSIGN_OR_RETURN(const std::string bundle,
-                                models_->Bundle(model));
-        TACTUS_RETURN_IF_ERROR(data_->files().MakeDirectory(folder));
-        TACTUS_RETURN_IF_ERROR(WriteAtomically(
-            data_->files(), folder + "/candidate.tactus", bundle));
+        TACTUS_ASSIGN_OR_RETURN(*spec.mutable_model(),
+                                GiveModel(operation.evaluate().model_version(),
+                                          folder + kCandidateFile));
       }
       break;
     default: {
@@ -345,17 +364,12 @@ absl::StatusOr<PinnedVersion> JobQueue::WriteSpec(
       spec.mutable_gate()->set_log_loss_margin(alias.gate().log_loss_margin());
       spec.mutable_gate()->set_calibration_margin(
           alias.gate().calibration_margin());
-      TACTUS_RETURN_IF_ERROR(data_->files().MakeDirectory(folder));
-      for (const auto& [file, version] :
-           {std::pair("/candidate.tactus", promote.model_version()),
-            std::pair("/current.tactus", alias.model_version())}) {
-        TACTUS_ASSIGN_OR_RETURN(const v1::ModelVersion model,
-                                models_->Get(version));
-        TACTUS_ASSIGN_OR_RETURN(const std::string bundle,
-                                models_->Bundle(model));
-        TACTUS_RETURN_IF_ERROR(
-            WriteAtomically(data_->files(), folder + file, bundle));
-      }
+      TACTUS_ASSIGN_OR_RETURN(
+          *spec.mutable_model(),
+          GiveModel(promote.model_version(), folder + kCandidateFile));
+      TACTUS_ASSIGN_OR_RETURN(
+          *spec.mutable_current_model(),
+          GiveModel(alias.model_version(), folder + kCurrentFile));
     }
   }
   TACTUS_ASSIGN_OR_RETURN(PinnedVersion version,
@@ -366,7 +380,6 @@ absl::StatusOr<PinnedVersion> JobQueue::WriteSpec(
     spec.add_trials(trial.sha256());
     spec.add_frames_sha256(trial.frames_sha256());
   }
-  TACTUS_RETURN_IF_ERROR(data_->files().MakeDirectory(folder));
   TACTUS_RETURN_IF_ERROR(WriteAtomically(data_->files(), folder + "/job.pb",
                                          SerializeDeterministic(spec)));
   return version;

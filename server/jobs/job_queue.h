@@ -90,6 +90,13 @@ class JobQueue {
   // The error of a process that ended without an outcome.
   absl::Status Explain(const std::string& name, const std::string& folder,
                        const JobProcess::End& end) const;
+  // The SHA-256 of a version's bundle; empty for a built-in one, which is no
+  // blob and is written to `file`.
+  absl::StatusOr<std::string> GiveModel(const std::string& version,
+                                        const std::string& file) const;
+  // `status`, or that a model of the operation was deleted.
+  absl::Status ExplainModels(const v1::Operation& operation,
+                             const absl::Status& status) const;
   // Writes the input of a job's process. Returns the dataset version that it
   // works on.
   absl::StatusOr<PinnedVersion> WriteSpec(const v1::Operation& operation,

@@ -11,6 +11,7 @@
 #include "core/base/serialize.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
+#include "core/data/trial_record.h"
 #include "core/store/records.h"
 #include "server/records/dataset_store.h"
 #include "server/records/request_key.h"
@@ -225,10 +226,8 @@ absl::Status DatasetStore::StoreRelabelled(BlobStore::Batch& batch,
   TACTUS_ASSIGN_OR_RETURN(
       const std::string bytes,
       data_->blobs().Read(trial.sha256(), limits::kMaxTrialRecordBytes));
-  v1::TrialRecord record;
-  if (!record.ParseFromString(bytes)) {
-    return DataLost(trial.sha256(), "the trial cannot be parsed");
-  }
+  TACTUS_ASSIGN_OR_RETURN(v1::TrialRecord record,
+                          StoredTrialRecord(bytes, trial.sha256()));
   record.set_label(label);
   const std::string relabelled = SerializeDeterministic(record);
   if (relabelled.size() > limits::kMaxTrialRecordBytes) {

@@ -342,9 +342,10 @@ void DatasetStore::AddFingerprints(std::vector<v1::TrialInfo>& trials) const {
     if (!info.frames_sha256().empty()) continue;
     const auto bytes =
         data_->blobs().Read(info.sha256(), limits::kMaxTrialRecordBytes);
-    v1::TrialRecord record;
-    if (!bytes.ok() || !record.ParseFromString(*bytes)) continue;
-    if (const auto trial = FromRecord(record); trial.ok()) {
+    if (!bytes.ok()) continue;
+    const auto record = StoredTrialRecord(*bytes, info.sha256());
+    if (!record.ok()) continue;
+    if (const auto trial = FromRecord(*record); trial.ok()) {
       info.set_frames_sha256(FrameFingerprint(*trial));
     }
   }

@@ -23,6 +23,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "core/data/trial_pack.h"
 #include "core/store/blob_store.h"
 #include "server/records/memory_budget.h"
 #include "tactus/v1/training.pb.h"
@@ -75,15 +76,12 @@ class TrialTaker {
                           absl::string_view bytes);
   absl::Status Store(absl::string_view record);
   // Begins a trial: INVALID_TRIAL, CANCELLED.
-  absl::Status CheckRoom();
+  absl::Status CheckRoom(uint32_t length);
 
   const Sources sources_;
   BlobStore::Batch batch_;
   std::vector<v1::TrialInfo> trials_;
-  // The length of the present record, as far as it has come.
-  std::string head_;
-  // Bytes of the present record that have come, behind its length.
-  int64_t arrived_ = 0;
+  PackSplitter splitter_;
   // Trials whose memory was taken from `known`.
   int64_t known_ = 0;
   int64_t size_ = 0;

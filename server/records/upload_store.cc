@@ -12,6 +12,7 @@
 #include "core/base/serialize.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
+#include "core/data/trial_record.h"
 #include "core/store/abandoned_uploads.h"
 #include "core/store/lost_and_found.h"
 #include "core/store/records.h"
@@ -339,10 +340,8 @@ absl::Status UploadStore::Rename(const std::string& id, BlobStore::Batch& batch,
   TACTUS_ASSIGN_OR_RETURN(
       const std::string bytes,
       data_->blobs().Read(trial.sha256(), limits::kMaxTrialRecordBytes));
-  v1::TrialRecord record;
-  if (!record.ParseFromString(bytes)) {
-    return DataLost(trial.sha256(), "the trial cannot be parsed");
-  }
+  TACTUS_ASSIGN_OR_RETURN(v1::TrialRecord record,
+                          StoredTrialRecord(bytes, trial.sha256()));
   record.set_id(id);
   const std::string renamed = SerializeDeterministic(record);
   if (renamed.size() > limits::kMaxTrialRecordBytes) {

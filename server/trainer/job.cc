@@ -25,6 +25,7 @@
 #include "core/train/train_spec.h"
 #include "core/train/usable.h"
 #include "server/trainer/compare.h"
+#include "server/trainer/job_files.h"
 #include "tactus/v1/storage.pb.h"
 
 namespace tactus::server {
@@ -58,16 +59,12 @@ absl::StatusOr<ReadTrial> ReadContact(FileSystem& files,
                                       const v1::JobSpec& spec, int number,
                                       bool whole_skin) {
   const std::string& sha256 = spec.trials(number);
-  const std::string path =
-      absl::StrCat(spec.blob_folder(), "/",
-                   absl::string_view(sha256).substr(0, 2), "/", sha256);
+  const std::string path = BlobPath(spec.blob_folder(), sha256);
   TACTUS_ASSIGN_OR_RETURN(
       const std::string bytes,
       ReadBlobFile(files, path, sha256, limits::kMaxTrialRecordBytes));
-  v1::TrialRecord record;
-  if (!record.ParseFromString(bytes)) {
-    return DataLost(path, "the trial cannot be parsed");
-  }
+  TACTUS_ASSIGN_OR_RETURN(const v1::TrialRecord record,
+                          StoredTrialRecord(bytes, path));
   TACTUS_ASSIGN_OR_RETURN(const Trial trial, FromRecord(record));
   ReadTrial read = {.without_poses =
                         !trial.taxels.empty() && trial.poses.empty()};
@@ -244,13 +241,17 @@ struct BundleEvaluation {
   TrainedOn trained;
 };
 
+// The bundle is the blob `sha256` or, if that is empty, `file`.
 absl::StatusOr<BundleEvaluation> EvaluateBundle(
-    FileSystem& files, const std::string& path,
+    FileSystem& files, const std::string& sha256, const std::string& file,
     const std::vector<const LabelledContact*>& contacts,
     const std::string& dataset_version, const v1::JobSpec& spec,
     const ParallelFor& parallel, EventWriter* events) {
-  TACTUS_ASSIGN_OR_RETURN(const std::string bundle,
-                          ReadWhole(files, path, limits::kMaxBundleBytes));
+  TACTUS_ASSIGN_OR_RETURN(
+      const std::string bundle,
+      sha256.empty() ? ReadWhole(files, file, limits::kMaxBundleBytes)
+                     : ReadBlobFile(files, BlobPath(spec.blob_folder(), sha256),
+                                    sha256, limits::kMaxBundleBytes));
   TACTUS_ASSIGN_OR_RETURN(const auto model, DecodeBundle(bundle));
   for (const LabelledContact* contact : contacts) {
     TACTUS_RETURN_IF_ERROR(CheckFits(*contact, model->model()));
@@ -299,7 +300,7 @@ absl::Status Evaluate(FileSystem& files, const std::string& folder,
   const auto tested = contacts.Pointers();
   TACTUS_ASSIGN_OR_RETURN(
       const BundleEvaluation of_bundle,
-      EvaluateBundle(files, folder + "/candidate.tactus", tested,
+      EvaluateBundle(files, spec.model(), folder + kCandidateFile, tested,
                      evaluate.dataset_version(), spec, threads.run, events));
   report = ReportOf(of_bundle.evaluation, contacts.never_felt);
   AddWrongAnswers(of_bundle.evaluation, tested, report);
@@ -316,14 +317,14 @@ absl::Status ComparePair(FileSystem& files, const std::string& folder,
       ReadContacts(files, spec, threads, events->progress()));
   const auto used = contacts.Pointers();
   // A gate's data has no other name than its bytes.
-  const auto evaluate = [&](const char* file) {
-    return EvaluateBundle(files, folder + file, used, "", spec, threads.run,
-                          events);
+  const auto evaluate = [&](const std::string& sha256, const char* file) {
+    return EvaluateBundle(files, sha256, folder + file, used, "", spec,
+                          threads.run, events);
   };
   TACTUS_ASSIGN_OR_RETURN(const BundleEvaluation current,
-                          evaluate("/current.tactus"));
+                          evaluate(spec.current_model(), kCurrentFile));
   TACTUS_ASSIGN_OR_RETURN(const BundleEvaluation candidate,
-                          evaluate("/candidate.tactus"));
+                          evaluate(spec.model(), kCandidateFile));
   v1::Comparison& comparison = *result.mutable_comparison();
   comparison = Compare(current.evaluation, candidate.evaluation,
                        contacts.never_felt, spec.gate());

@@ -1,11 +1,12 @@
 // File: job.h
 //
 // A job as tactus-trainer runs it: reads its trials from the blobs, trains or
-// evaluates, and leaves the outcome in the job's folder.
+// evaluates, and leaves the outcome in the job's folder. Bundles that are not
+// built in are blobs, too.
 //
 //   job.pb             the request (JobSpec), written by the server
-//   candidate.tactus   the bundle to evaluate, written by the server
-//   current.tactus     the bundle to compare it with, written by the server
+//   candidate.tactus   the bundle to evaluate, if it is built in
+//   current.tactus     the bundle to compare it with, if it is built in
 //   parts/             checkpoints of a training
 //   bundle.tactus      the trained model
 //   result.pb          the outcome (JobOutcome), written last

@@ -10,7 +10,6 @@
 #include "client/training/retry.h"
 #include "client/training/training_client.h"
 #include "client/training/trial_downloader.h"
-#include "client/training/trial_pack.h"
 #include "client/training/trial_packer.h"
 #include "client/training/trial_uploader.h"
 #include "core/base/status_macros.h"
@@ -35,11 +34,6 @@ static absl::Status AdminClientExample(TrainingClient& client) {
 
 static absl::Status RetryExample() {
 #include "client/training/retry.h.inc"
-}
-
-static absl::Status TrialPackExample(const Trial& trial) {
-#include "client/training/trial_pack.h.inc"
-  return absl::OkStatus();
 }
 
 static absl::Status TrainingClientExample() {

@@ -24,6 +24,7 @@
 #include "core/data/trial_id.h"
 #include "core/data/trial_layout.h"
 #include "core/data/trial_npz.h"
+#include "core/data/trial_pack.h"
 #include "core/data/trial_record.h"
 #include "core/files/array_file.h"
 #include "core/files/array_order.h"
@@ -344,6 +345,13 @@ static void TrialExample(const Trial& trial) {
 static absl::Status TrialFileExample(const std::string& path,
                                      const Trial& trial) {
 #include "core/data/trial_file.h.inc"
+  return absl::OkStatus();
+}
+
+absl::Status Use(const std::string& id);
+
+static absl::Status TrialPackExample(const Trial& trial) {
+#include "core/data/trial_pack.h.inc"
   return absl::OkStatus();
 }
 

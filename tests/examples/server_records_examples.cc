@@ -37,6 +37,7 @@
 #include "server/trainer/exit_status.h"
 #include "server/trainer/file_journal.h"
 #include "server/trainer/job.h"
+#include "server/trainer/job_files.h"
 #include "spdlog/spdlog.h"
 
 namespace tactus::server::examples {
@@ -172,6 +173,10 @@ static absl::Status ExitStatusExample(const JobProcess::End& end,
                                       const std::string& folder) {
 #include "server/trainer/exit_status.h.inc"
   return absl::OkStatus();
+}
+
+static void JobFilesExample(FileSystem& files, const std::string& folder) {
+#include "server/trainer/job_files.h.inc"
 }
 
 static void JobQueueExample(DataDirectory* data, DatasetStore& datasets,

@@ -6,10 +6,10 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
-#include "client/training/trial_pack.h"
 #include "core/base/crc32c.h"
 #include "core/base/errors.h"
 #include "core/base/sha256.h"
+#include "core/data/trial_pack.h"
 #include "core/data/trial_record.h"
 #include "server/rpc/status.h"
 #include "tests/client/training/fake_state.h"

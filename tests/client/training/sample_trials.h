@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "client/training/trial_pack.h"
 #include "client/training/trial_uploader.h"
 #include "core/base/random.h"
+#include "core/data/trial_pack.h"
 #include "server/rpc/status.h"
 #include "tests/support/small_trials.h"
 

@@ -414,11 +414,7 @@ TEST_F(JobQueueTest, TheGateDecidesOverTheAlias) {
   const Operation request = Promotion();
   for (const bool passes : {false, true}) {
     WriteComparison(passes);
-    // Both bundles are there.
-    Start(
-        "cmp -s $1/candidate.tactus $HERE/bundle && exit 1\n"
-        "cmp -s $1/current.tactus $HERE/bundle || exit 1\n"
-        "cp $HERE/result $1/result.pb\n");
+    Start("cp $1/job.pb $HERE/job\ncp $HERE/result $1/result.pb\n");
     const auto created = stores_->operations->Create(request, "", kCaller);
     queue_->Wake();
     const Operation job = End(created->name());
@@ -426,6 +422,15 @@ TEST_F(JobQueueTest, TheGateDecidesOverTheAlias) {
               passes ? Operation::STATE_SUCCEEDED : Operation::STATE_FAILED);
     EXPECT_EQ(Reason(job), passes ? "" : "GATE_NOT_PASSED");
     EXPECT_TRUE(job.result().has_comparison());
+    // The job reads both bundles where they are.
+    v1::JobSpec spec;
+    ASSERT_TRUE(spec.ParseFromString(ReadBytes(folder_ / "job")));
+    const auto sha256_of = [&](const char* version) {
+      return stores_->models->Get(version)->blob_sha256();
+    };
+    EXPECT_EQ(spec.model(), sha256_of("models/m/versions/2"));
+    EXPECT_EQ(spec.current_model(), sha256_of("models/m/versions/1"));
+    EXPECT_NE(spec.model(), spec.current_model());
     EXPECT_EQ(stores_->models->GetAlias("aliases/a")->model_version(),
               passes ? "models/m/versions/2" : "models/m/versions/1");
   }
