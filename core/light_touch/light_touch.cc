@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "core/light_touch/light_touch_kernels.h"
+#include "core/light_touch/region_kernels.h"
 
 namespace tactus {
 namespace {
@@ -39,17 +38,21 @@ LightTouchFilter::LightTouchFilter(const SkinLayout& layout,
       values_(taxels_),
       difference_(taxels_),
       regions_(taxels_),
-      marks_(taxels_),
-      mark_sums_(taxels_),
       shape_(taxels_),
+      felt_(rows_),
+      touched_(rows_),
+      near_felt_(rows_),
+      near_touched_(rows_),
       region_sum_(layout, {.above = (light_.rows - 1) / 2,
                            .below = light_.rows / 2,
                            .left = (light_.columns - 1) / 2,
                            .right = light_.columns / 2}),
-      mark_sum_(layout, {.above = light_.rows / 2,
-                         .below = (light_.rows - 1) / 2,
-                         .left = light_.columns / 2,
-                         .right = (light_.columns - 1) / 2}) {
+      holders_{.above = light_.rows / 2,
+               .below = (light_.rows - 1) / 2,
+               .left = light_.columns / 2,
+               .right = (light_.columns - 1) / 2,
+               .columns = layout.columns,
+               .wrap = layout.wrap_columns} {
   for (size_t i = 0; i < layout.mask.size(); ++i) {
     valid_[i] = layout.mask[i] != 0 ? 1.0F : 0.0F;
   }
@@ -60,15 +63,16 @@ void LightTouchFilter::Reset() {
   light_frames_ = 0;
   peak_ = 0;
   region_peak_ = 0;
-  summed_ = {};
   marked_ = {};
-  shaped_ = {};
+  learned_ = {};
+  has_shape_ = false;
   quiet_rows_ = 0;
   for (AlignedVector<float>* const each :
        {&smooth_, &background_, &values_, &regions_, &shape_}) {
     std::ranges::fill(*each, 0.0F);
   }
-  std::ranges::fill(marks_.span(), 0.0F);
+  felt_.Clear();
+  touched_.Clear();
 }
 
 void LightTouchFilter::Step(std::span<const float> taxels) {
@@ -79,94 +83,117 @@ void LightTouchFilter::Step(std::span<const float> taxels) {
   const auto background =
       static_cast<float>(std::max(plain, background_weight_));
   if (!ready()) {
-    light_touch::MoveTowards(taxels, window, smooth_.data());
-    light_touch::MoveTowards(taxels, background, background_.data());
+    light_touch::MoveTowards(taxels, window, smooth_.data(), background,
+                             background_.data());
     return;
   }
-  FindMarks(StepMeans(taxels, window, background));
+  const float* const valid = valid_.empty() ? nullptr : valid_.data();
+  peak_ = light_touch::StepMeans(taxels, window, contact_threshold_, background,
+                                 {.valid = valid,
+                                  .background = background_.data(),
+                                  .smooth = smooth_.data(),
+                                  .moved = moved_.data(),
+                                  .difference = difference_.span().data()});
+  const light_touch::Readings readings = {.taxels = taxels.data(),
+                                          .background = background_.data(),
+                                          .valid = valid};
+  const RowRange felt = Mark(readings);
   const bool light =
       region_peak_ >= static_cast<float>(light_.contact_threshold) &&
       peak_ < contact_threshold_;
   light_frames_ = light ? std::min(light_frames_ + 1, drift_frames_ + 1) : 0;
-  Learn(light_frames_ > drift_frames_ ? std::numeric_limits<float>::infinity()
-                                      : light_touch::kTouchedMark);
-}
-
-RowRange LightTouchFilter::StepMeans(std::span<const float> taxels,
-                                     float weight, float background_weight) {
-  const light_touch::Felt felt = light_touch::StepMeans(
-      taxels, weight, contact_threshold_, background_weight,
-      {.valid = valid_.empty() ? nullptr : valid_.data(),
-       .background = background_.data(),
-       .smooth = smooth_.data(),
-       .moved = moved_.data(),
-       .values = values_.data(),
-       .difference = difference_.span().data()});
-  peak_ = felt.value;
-  const RowRange all = {0, rows_};
-  // A region's mean is rounded by less than the tenth part of this.
-  constexpr float kRounding = 1e-4F;
-  const auto contact = static_cast<float>(light_.contact_threshold);
-  const RowRange summed =
-      skip_quiet_rows_ ? Around(RowsAt(difference_.span(), felt.difference,
-                                       contact * (1 - kRounding)),
-                                region_sum_.region())
-                       : all;
-  Clear(summed_, summed, regions_);
-  summed_ = summed;
-  quiet_rows_ = static_cast<int>(rows_ - summed.size());
-  region_peak_ = region_sum_.Run(
-      difference_, 1.0F / static_cast<float>(light_.rows * light_.columns),
-      summed, regions_);
-  if (!skip_quiet_rows_) return all;
-  return RowRange::Join(RowsAt(regions_, region_peak_, contact),
-                        RowsAt(values_, peak_, contact_threshold_));
-}
-
-void LightTouchFilter::FindMarks(const RowRange& rows) {
-  Clear(marked_, rows, marks_.span());
-  marked_ = rows;
-  RowRange shaped;
-  if (!rows.empty()) {
-    const float mark = light_touch::Mark(
-        Part(std::span(regions_), rows), Part(std::span(values_), rows).data(),
-        {.begin = static_cast<float>(light_.onset_threshold),
-         .contact = static_cast<float>(light_.contact_threshold),
-         .strong = contact_threshold_},
-        Part(marks_.span(), rows).data());
-    if (mark > 0) shaped = Around(rows, mark_sum_.region());
-  }
-  Clear(shaped_, shaped, shape_);
-  shaped_ = shaped;
-}
-
-void LightTouchFilter::Learn(float resting) {
-  // Nothing is marked around the other rows.
-  if (!shaped_.empty()) {
-    mark_sum_.Run(marks_, 1, shaped_, mark_sums_);
-    light_touch::Learn(Part(std::span(background_), shaped_),
-                       Part(std::span(mark_sums_), shaped_).data(),
-                       Part(difference_.span(), shaped_).data(), resting,
-                       Part(std::span(moved_), shaped_).data(),
-                       Part(std::span(shape_), shaped_).data());
-  }
+  Learn(readings, felt, /*rest=*/light_frames_ <= drift_frames_);
   background_.swap(moved_);
 }
 
-RowRange LightTouchFilter::RowsAt(std::span<const float> numbers, float largest,
-                                  float level) const {
-  if (!(largest >= level)) return {};
-  const light_touch::Stretch found = light_touch::FindReached(numbers, level);
-  return RowRange::Of(found.begin, found.end, columns_);
+RowRange LightTouchFilter::LoudRows() const {
+  // A region's mean is rounded by less than the tenth part of this.
+  constexpr float kRounding = 1e-4F;
+  const light_touch::Stretch loud = light_touch::FindReached(
+      difference_.span(),
+      static_cast<float>(light_.contact_threshold) * (1 - kRounding));
+  return RowRange::Of(loud.begin, loud.end, columns_)
+      .Widened(region_sum_.region().below, region_sum_.region().above, rows_);
 }
 
-RowRange LightTouchFilter::Around(const RowRange& rows,
-                                  const RegionSum::Region& region) const {
-  if (rows.empty()) return rows;
-  const auto above = static_cast<size_t>(region.above);
-  const auto below = static_cast<size_t>(region.below);
-  return {rows.begin - std::min(rows.begin, below),
-          std::min(rows.end + above, rows_)};
+RowRange LightTouchFilter::Mark(const light_touch::Readings& readings) {
+  const light_touch::Levels levels = {
+      .begin = static_cast<float>(light_.onset_threshold),
+      .contact = static_cast<float>(light_.contact_threshold),
+      .strong = contact_threshold_};
+  const float scale = 1.0F / static_cast<float>(light_.rows * light_.columns);
+  const light_touch::Marks marks = {.felt = felt_.data(),
+                                    .touched = touched_.data()};
+  const bool strong = peak_ >= levels.strong;
+  const RowRange all = {0, rows_};
+  const RowRange rows = skip_quiet_rows_ && !strong ? LoudRows() : all;
+  const auto begin = static_cast<int>(rows.begin);
+  const auto end = static_cast<int>(rows.end);
+  quiet_rows_ = static_cast<int>(rows_ - rows.size());
+  if (skip_quiet_rows_ && region_sum_.square()) {
+    const light_touch::Grid grid =
+        region_sum_.GridOf(difference_.span().data());
+    const bool expected = strong || !marked_.empty();
+    region_peak_ = 0;
+    if (!rows.empty() && !expected) {
+      region_peak_ = light_touch::LargestAround(grid, begin, end, scale);
+    }
+    if (!rows.empty() && (expected || region_peak_ >= levels.contact)) {
+      region_peak_ = light_touch::MarkAround(grid, begin, end, scale, readings,
+                                             levels, marks);
+    }
+  } else {
+    region_peak_ = region_sum_.Run(difference_, scale, rows, regions_);
+    if (strong || region_peak_ >= levels.contact) {
+      light_touch::MarkSums(region_sum_.GridOf(regions_.data()), begin, end,
+                            readings, levels, marks);
+    }
+  }
+  if (!strong && !(region_peak_ >= levels.contact)) {
+    ClearMarks(marked_, {});
+    return marked_ = {};
+  }
+  RowRange felt = rows;
+  while (felt_.data()[felt.begin] == 0) ++felt.begin;
+  while (felt_.data()[felt.end - 1] == 0) --felt.end;
+  ClearMarks(marked_, felt);
+  return marked_ = felt;
+}
+
+void LightTouchFilter::ClearMarks(const RowRange& was, const RowRange& now) {
+  for (size_t row = was.begin; row < was.end; ++row) {
+    if (row >= now.begin && row < now.end) continue;
+    felt_.data()[row] = touched_.data()[row] = 0;
+  }
+}
+
+void LightTouchFilter::Learn(const light_touch::Readings& readings,
+                             const RowRange& felt, bool rest) {
+  has_shape_ = !felt.empty();
+  RowRange learned = felt.Widened(holders_.below, holders_.above, rows_);
+  if (!skip_quiet_rows_) learned = {0, rows_};
+  Clear(learned_, learned, values_);
+  Clear(learned_, learned, shape_);
+  learned_ = learned;
+  if (learned.empty()) return;
+  const auto find_near = [&](RowMarks& marks, RowMarks& near) {
+    light_touch::FindNear(marks.data() + learned.begin, learned.size(),
+                          holders_, near.data() + learned.begin);
+  };
+  find_near(felt_, near_felt_);
+  if (rest) {
+    find_near(touched_, near_touched_);
+  } else {
+    near_touched_.Clear();
+  }
+  light_touch::Learn({learned.size(), columns_},
+                     readings.From(learned.begin * columns_),
+                     {.felt = near_felt_.data() + learned.begin,
+                      .touched = near_touched_.data() + learned.begin,
+                      .difference = Part(difference_.span(), learned).data()},
+                     Part(std::span(moved_), learned).data(),
+                     Part(std::span(values_), learned).data(),
+                     Part(std::span(shape_), learned).data());
 }
 
 void LightTouchFilter::Clear(const RowRange& was, const RowRange& now,

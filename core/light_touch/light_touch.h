@@ -29,7 +29,9 @@
 #include <span>
 
 #include "core/base/aligned_vector.h"
+#include "core/light_touch/light_touch_kernels.h"
 #include "core/light_touch/region_sum.h"
+#include "core/light_touch/row_marks.h"
 #include "core/skin/layout.h"
 
 namespace tactus {
@@ -37,9 +39,10 @@ namespace tactus {
 class LightTouchFilter {
  public:
   // `layout` must be valid and have light_touch; `sample_rate_hz` above 0.
-  // With `skip_quiet_rows`, rows in which no region can reach contact_threshold
-  // and no taxel the layout's are left out: their regions() read 0, and
-  // region_peak() is that of the other rows. All else keeps its bits.
+  // With `skip_quiet_rows`, only what a contact needs is computed: regions()
+  // may not be read; region_peak() is right if it is at contact_threshold, and
+  // else only below; values() read 0 in rows without a shape, where all are
+  // below the layout's contact_threshold. All else keeps its bits.
   LightTouchFilter(const SkinLayout& layout, double sample_rate_hz,
                    bool skip_quiet_rows = false);
 
@@ -73,29 +76,27 @@ class LightTouchFilter {
   // strong contacts begin and end at once.
   std::span<const float> shape() const { return shape_; }
   // False if all of the shape is 0.
-  bool has_shape() const { return !shaped_.empty(); }
+  bool has_shape() const { return has_shape_; }
 
-  // Rows that the last Step() left out.
+  // Rows in which the last Step() summed no regions.
   int quiet_rows() const { return quiet_rows_; }
 
  private:
-  // Writes all but the marks, the backgrounds and the shape. Returns the rows
-  // of all taxels and regions that may be marked.
-  RowRange StepMeans(std::span<const float> taxels, float weight,
-                     float background_weight);
-  // Writes the marks of `rows`; all others are 0.
-  void FindMarks(const RowRange& rows);
-  // Writes the shape and the backgrounds.
-  void Learn(float resting);
-  // The rows of all regions that hold a taxel of `rows`.
-  RowRange Around(const RowRange& rows, const RegionSum::Region& region) const;
-  // The rows of `numbers` that reach `level`, if their largest does.
-  RowRange RowsAt(std::span<const float> numbers, float largest,
-                  float level) const;
+  // Writes both peaks, and which taxels are felt and touched. Returns the rows
+  // of those that are felt.
+  RowRange Mark(const light_touch::Readings& readings);
+  // The rows in which some region may be at contact_threshold.
+  RowRange LoudRows() const;
+  // Writes the values and the shape, of which rows near the `felt` ones have
+  // one. Taxels near touched ones get their backgrounds back if they `rest`.
+  void Learn(const light_touch::Readings& readings, const RowRange& felt,
+             bool rest);
   template <typename Number>
   std::span<Number> Part(std::span<Number> taxels, const RowRange& rows) const {
     return taxels.subspan(rows.begin * columns_, rows.size() * columns_);
   }
+  // Clears marks of the rows that are in `was` and not in `now`.
+  void ClearMarks(const RowRange& was, const RowRange& now);
   // Sets the rows that are in `was` and not in `now` to 0.
   void Clear(const RowRange& was, const RowRange& now,
              std::span<float> taxels) const;
@@ -125,17 +126,20 @@ class LightTouchFilter {
   AlignedVector<float> values_;
   SummedTaxels difference_;
   AlignedVector<float> regions_;
-  // Marks of the taxels (light_touch_kernels.h), and their sums over all
-  // regions that hold the taxel.
-  SummedTaxels marks_;
-  AlignedVector<float> mark_sums_;
   AlignedVector<float> shape_;
+  // The taxels that are felt and those that are touched (region_kernels.h), and
+  // the taxels in their regions.
+  RowMarks felt_;
+  RowMarks touched_;
+  RowMarks near_felt_;
+  RowMarks near_touched_;
   RegionSum region_sum_;
-  RegionSum mark_sum_;
-  // Rows outside of which regions_, marks_ and shape_ are 0.
-  RowRange summed_;
+  // The taxels whose regions hold a taxel.
+  light_touch::Surroundings holders_;
+  // Rows outside of which felt_ and touched_ are 0, and values_ and shape_.
   RowRange marked_;
-  RowRange shaped_;
+  RowRange learned_;
+  bool has_shape_ = false;
   int quiet_rows_ = 0;
   float peak_ = 0;
   float region_peak_ = 0;

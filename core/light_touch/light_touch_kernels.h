@@ -5,13 +5,14 @@
 // bits.
 //
 //   const float peak =
-//       light_touch::StepMeans(taxels, 0.05F, 0.01F, 0.001F, means).value;
+//       light_touch::StepMeans(taxels, 0.05F, 0.01F, 0.001F, means);
 //
 // Compiled for several vector widths by Highway. Thread-safe: free functions
 // without state. Nothing allocates.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 namespace tactus::light_touch {
@@ -23,26 +24,21 @@ struct Means {
   const float* background;
   // Changed.
   float* smooth;
-  // Written: the background moved towards its taxel; max(0, taxel - background)
-  // and smooth - background of valid taxels, else 0.
+  // Written: the background moved towards its taxel; smooth - background of
+  // valid taxels, else 0.
   float* moved;
-  float* values;
   float* difference;
 };
 
-// Moves each mean towards its taxel by `weight`.
-void MoveTowards(std::span<const float> taxels, float weight, float* means);
-
-// The largest numbers that StepMeans() wrote, or 0 if all are below.
-struct Felt {
-  float value = 0;
-  float difference = 0;
-};
+// Moves each mean towards its taxel by its weight.
+void MoveTowards(std::span<const float> taxels, float weight, float* smooth,
+                 float background_weight, float* background);
 
 // Moves `smooth` likewise, but leaves it no further than `reach` from the
-// taxel, and the background by `background_weight`.
-Felt StepMeans(std::span<const float> taxels, float weight, float reach,
-               float background_weight, const Means& means);
+// taxel, and the background by `background_weight`. Returns the largest value,
+// which is taxel - background, of a valid taxel, or 0 if all are below.
+float StepMeans(std::span<const float> taxels, float weight, float reach,
+                float background_weight, const Means& means);
 
 // The numbers that reach some level are all among begin .. end-1; both are 0 if
 // there are none.
@@ -54,46 +50,54 @@ struct Stretch {
 // Looks from both ends, so that noise at the level is found at once.
 Stretch FindReached(std::span<const float> numbers, float level);
 
-// Writes sums[i] = scale (from[i] + from[i + stride] + ...) of `terms` terms
-// for i < count. Returns the largest, or 0 if all are below.
-float SumAlong(const float* from, size_t count, size_t stride, int terms,
-               float scale, float* sums);
+// What values are computed from; arrays as in Means, of the same taxels.
+struct Readings {
+  const float* taxels;
+  const float* background;
+  const float* valid;
 
-// Rows of `columns` numbers each, of which the last one may be a neighbour of
-// the first. The numbers beside the first row and the last one can be read.
-struct Grid {
-  const float* from;
-  int rows;
+  // Those of the taxels from `first` on.
+  Readings From(size_t first) const {
+    return {taxels + first, background + first,
+            valid == nullptr ? nullptr : valid + first};
+  }
+};
+
+// Rows of at most 64 taxels each.
+struct Rows {
+  size_t rows;
+  size_t columns;
+};
+
+// The taxels around a taxel, as in RegionSum, on a skin of at most 64 columns,
+// of which the last one may be a neighbour of the first.
+struct Surroundings {
+  int above;
+  int below;
+  int left;
+  int right;
   int columns;
   bool wrap;
 };
 
-// Writes scale times the sum of the 3 x 3 numbers around each one of the rows
-// begin .. end-1; those beyond the grid count as 0. `sums` has the grid's
-// shape. Returns the largest, or 0 if all are below.
-float SumAround(const Grid& grid, int begin, int end, float scale, float* sums);
+// Marks in `near` the taxels around which one is marked. Bit c of word r is the
+// taxel of row r and column c. The words before and after the skin's rows are 0
+// in `marks` and may be written in `near`, as RowMarks has them.
+void FindNear(const uint64_t* marks, size_t rows,
+              const Surroundings& surroundings, uint64_t* near);
 
-// A taxel is touched from when its region is at `begin` or its value at
-// `strong`, and as long as its region is at `contact`.
-struct Levels {
-  float begin;
-  float contact;
-  float strong;
+// Words of taxels near one that is felt, and near one that is touched; the
+// difference of Means.
+struct Near {
+  const uint64_t* felt;
+  const uint64_t* touched;
+  const float* difference;
 };
 
-// Marks of a taxel whose region is at `contact`, and of one that is touched. A
-// region holds less of the former than one of the latter counts.
-inline constexpr float kFeltMark = 1;
-inline constexpr float kTouchedMark = 1024;
-
-// Updates marks from regions and values. Returns the largest.
-float Mark(std::span<const float> regions, const float* values,
-           const Levels& levels, float* marks);
-
-// Takes the moved background back to what it was where the sum of marks around
-// the taxel is at `resting`. Writes the shape: the difference of taxels with
-// marks around them, else 0.
-void Learn(std::span<const float> background, const float* mark_sums,
-           const float* difference, float resting, float* moved, float* shape);
+// Writes the values, at least 0, and the shape: the difference of taxels near
+// one that is felt, else 0. Takes the moved background of those near one that
+// is touched back to what it was.
+void Learn(const Rows& rows, const Readings& readings, const Near& near,
+           float* moved, float* values, float* shape);
 
 }  // namespace tactus::light_touch

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "core/light_touch/light_touch_kernels.h"
+#include "core/light_touch/region_kernels.h"
 
 namespace tactus {
 

@@ -16,6 +16,7 @@
 #include <span>
 
 #include "core/base/aligned_vector.h"
+#include "core/light_touch/region_kernels.h"
 #include "core/skin/layout.h"
 
 namespace tactus {
@@ -35,6 +36,13 @@ struct RowRange {
     if (a.empty()) return b;
     if (b.empty()) return a;
     return {std::min(a.begin, b.begin), std::max(a.end, b.end)};
+  }
+
+  // The range that has, besides, `before` rows before it and `after` rows after
+  // it, as far as there are so many; a skin has `rows`.
+  RowRange Widened(size_t before, size_t after, size_t rows) const {
+    if (empty()) return *this;
+    return {begin - std::min(begin, before), std::min(end + after, rows)};
   }
 
   bool empty() const { return begin >= end; }
@@ -74,6 +82,13 @@ class RegionSum {
   RegionSum(const SkinLayout& layout, const Region& region);
 
   const Region& region() const { return region_; }
+  // True for a region of 3 x 3 taxels, for which there are kernels that do not
+  // need the sums of others (region_kernels.h).
+  bool square() const { return square_; }
+  // For kernels: `from` as in Run().
+  light_touch::Grid GridOf(const float* from) const {
+    return {from, rows_, columns_, wrap_};
+  }
 
   // Writes scale times the sums of `from` around the taxels of `rows`. `from`
   // and `sums` have one number for each taxel of the skin. Returns the largest

@@ -13,7 +13,9 @@
 #include "core/features/touched.h"
 #include "core/light_touch/light_touch.h"
 #include "core/light_touch/light_touch_kernels.h"
+#include "core/light_touch/region_kernels.h"
 #include "core/light_touch/region_sum.h"
+#include "core/light_touch/row_marks.h"
 #include "core/skin/pose_spacing.h"
 #include "core/skin/taxel_values.h"
 #include "core/taxels/taxel_embedding.h"
@@ -55,6 +57,14 @@ static void LightTouchExample(const SkinLayout& layout, const FrameView& frame,
 static void LightTouchKernelsExample(std::span<const float> taxels,
                                      const light_touch::Means& means) {
 #include "core/light_touch/light_touch_kernels.h.inc"
+}
+
+static void RegionKernelsExample(const float* taxels, float* means) {
+#include "core/light_touch/region_kernels.h.inc"
+}
+
+static void RowMarksExample(int column) {
+#include "core/light_touch/row_marks.h.inc"
 }
 
 static void RegionSumExample(const SkinLayout& layout,
