@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/light_touch/region_kernels.h"
-
 namespace tactus {
 namespace {
 
@@ -27,6 +25,7 @@ LightTouchFilter::LightTouchFilter(const SkinLayout& layout,
       skip_quiet_rows_(skip_quiet_rows),
       light_(*layout.light_touch),
       contact_threshold_(static_cast<float>(layout.contact_threshold)),
+      share_(1.0F / static_cast<float>(light_.rows * light_.columns)),
       window_weight_(-std::expm1(-1 / (light_.window_s * sample_rate_hz))),
       background_weight_(std::min(1.0, 1 / (kBackground * sample_rate_hz))),
       first_frames_(WholeFrames(kFirstBackground, sample_rate_hz)),
@@ -121,43 +120,54 @@ RowRange LightTouchFilter::Mark(const light_touch::Readings& readings) {
       .begin = static_cast<float>(light_.onset_threshold),
       .contact = static_cast<float>(light_.contact_threshold),
       .strong = contact_threshold_};
-  const float scale = 1.0F / static_cast<float>(light_.rows * light_.columns);
-  const light_touch::Marks marks = {.felt = felt_.data(),
-                                    .touched = touched_.data()};
   const bool strong = peak_ >= levels.strong;
-  const RowRange all = {0, rows_};
-  const RowRange rows = skip_quiet_rows_ && !strong ? LoudRows() : all;
+  RowRange rows = {0, rows_};
+  if (skip_quiet_rows_ && !strong) rows = LoudRows();
+  quiet_rows_ = static_cast<int>(rows_ - rows.size());
+  if (rows.empty()) {
+    region_peak_ = 0;
+  } else if (skip_quiet_rows_ && region_sum_.square()) {
+    MarkSquares(rows, readings, levels);
+  } else {
+    MarkRegions(rows, readings, levels);
+  }
+  RowRange felt;
+  if (strong || region_peak_ >= levels.contact) {
+    felt = rows;
+    while (felt_.data()[felt.begin] == 0) ++felt.begin;
+    while (felt_.data()[felt.end - 1] == 0) --felt.end;
+  }
+  ClearMarks(marked_, felt);
+  marked_ = felt;
+  return felt;
+}
+
+void LightTouchFilter::MarkSquares(const RowRange& rows,
+                                   const light_touch::Readings& readings,
+                                   const light_touch::Levels& levels) {
+  const light_touch::Grid grid = region_sum_.GridOf(difference_.span().data());
   const auto begin = static_cast<int>(rows.begin);
   const auto end = static_cast<int>(rows.end);
-  quiet_rows_ = static_cast<int>(rows_ - rows.size());
-  if (skip_quiet_rows_ && region_sum_.square()) {
-    const light_touch::Grid grid =
-        region_sum_.GridOf(difference_.span().data());
-    const bool expected = strong || !marked_.empty();
-    region_peak_ = 0;
-    if (!rows.empty() && !expected) {
-      region_peak_ = light_touch::LargestAround(grid, begin, end, scale);
-    }
-    if (!rows.empty() && (expected || region_peak_ >= levels.contact)) {
-      region_peak_ = light_touch::MarkAround(grid, begin, end, scale, readings,
-                                             levels, marks);
-    }
-  } else {
-    region_peak_ = region_sum_.Run(difference_, scale, rows, regions_);
-    if (strong || region_peak_ >= levels.contact) {
-      light_touch::MarkSums(region_sum_.GridOf(regions_.data()), begin, end,
-                            readings, levels, marks);
-    }
+  // A skin that felt something is likely to feel it still. Any other is likely
+  // to feel nothing: then the largest mean says so, which costs less.
+  if (marked_.empty() && !(peak_ >= levels.strong)) {
+    region_peak_ = light_touch::LargestAround(grid, begin, end, share_);
+    if (!(region_peak_ >= levels.contact)) return;
   }
-  if (!strong && !(region_peak_ >= levels.contact)) {
-    ClearMarks(marked_, {});
-    return marked_ = {};
-  }
-  RowRange felt = rows;
-  while (felt_.data()[felt.begin] == 0) ++felt.begin;
-  while (felt_.data()[felt.end - 1] == 0) --felt.end;
-  ClearMarks(marked_, felt);
-  return marked_ = felt;
+  region_peak_ =
+      light_touch::MarkAround(grid, begin, end, share_, readings, levels,
+                              {felt_.data(), touched_.data()});
+}
+
+void LightTouchFilter::MarkRegions(const RowRange& rows,
+                                   const light_touch::Readings& readings,
+                                   const light_touch::Levels& levels) {
+  region_peak_ = region_sum_.Run(difference_, share_, rows, regions_);
+  if (!(peak_ >= levels.strong || region_peak_ >= levels.contact)) return;
+  light_touch::MarkSums(region_sum_.GridOf(regions_.data()),
+                        static_cast<int>(rows.begin),
+                        static_cast<int>(rows.end), readings, levels,
+                        {felt_.data(), touched_.data()});
 }
 
 void LightTouchFilter::ClearMarks(const RowRange& was, const RowRange& now) {
@@ -170,6 +180,7 @@ void LightTouchFilter::ClearMarks(const RowRange& was, const RowRange& now) {
 void LightTouchFilter::Learn(const light_touch::Readings& readings,
                              const RowRange& felt, bool rest) {
   has_shape_ = !felt.empty();
+  if (skip_quiet_rows_ && felt.empty() && learned_.empty()) return;
   RowRange learned = felt.Widened(holders_.below, holders_.above, rows_);
   if (!skip_quiet_rows_) learned = {0, rows_};
   Clear(learned_, learned, values_);

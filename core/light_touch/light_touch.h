@@ -30,6 +30,7 @@
 
 #include "core/base/aligned_vector.h"
 #include "core/light_touch/light_touch_kernels.h"
+#include "core/light_touch/region_kernels.h"
 #include "core/light_touch/region_sum.h"
 #include "core/light_touch/row_marks.h"
 #include "core/skin/layout.h"
@@ -85,6 +86,12 @@ class LightTouchFilter {
   // Writes both peaks, and which taxels are felt and touched. Returns the rows
   // of those that are felt.
   RowRange Mark(const light_touch::Readings& readings);
+  // Both write the largest region of `rows`, and their marks if one is felt.
+  // The first is for regions of 3 x 3 taxels and does not write regions_.
+  void MarkSquares(const RowRange& rows, const light_touch::Readings& readings,
+                   const light_touch::Levels& levels);
+  void MarkRegions(const RowRange& rows, const light_touch::Readings& readings,
+                   const light_touch::Levels& levels);
   // The rows in which some region may be at contact_threshold.
   RowRange LoudRows() const;
   // Writes the values and the shape, of which rows near the `felt` ones have
@@ -107,6 +114,8 @@ class LightTouchFilter {
   bool skip_quiet_rows_;
   LightTouch light_;
   float contact_threshold_;
+  // One taxel's share in the mean of a region.
+  float share_;
   // Weights of a frame in the means, once there are many.
   double window_weight_;
   double background_weight_;

@@ -38,7 +38,8 @@ float SumAlong(const float* from, size_t count, size_t stride, int terms,
   return SumTerms<0>(from, count, stride, terms, scale, sums);
 }
 
-// A vector of columns of a grid.
+// A vector of columns of a grid. With kWrap the grid's last column is a
+// neighbour of the first.
 template <bool kWrap, class D>
 class Strip {
  public:
@@ -48,18 +49,45 @@ class Strip {
       : from_(grid.from),
         columns_(grid.columns),
         column_(static_cast<ptrdiff_t>(column)),
-        has_left_(hn::FirstN(d, column == 0 ? 1 : 0)),
-        has_right_(hn::FirstN(
+        first_column_(hn::FirstN(d, column == 0 ? 1 : 0)),
+        before_last_(hn::FirstN(
             d, column_ + kLanes == columns_ ? kLanes - 1 : kLanes)) {}
 
   // Runs step(row, sums of the 3 x 3 numbers around the row's) for rows.
   template <class Step>
   HWY_INLINE void ForEachRow(int rows, int begin, int end, const Step& step) {
-    V above = begin > 0 ? SumBeside(begin - 1) : hn::Zero(D());
-    V here = SumBeside(begin);
+    SumRows<true, true>(rows, begin, end, step);
+  }
+
+  // The same, faster for steps so short that compilers inline them everywhere.
+  template <class Step>
+  HWY_INLINE void ForEachRowOfEnds(int rows, int begin, int end,
+                                   const Step& step) {
+    const bool at_left = column_ == 0;
+    const bool at_right = column_ + kLanes == columns_;
+    // Most vectors are at one end of their rows.
+    if (at_left && !at_right) {
+      SumRows<true, false>(rows, begin, end, step);
+    } else if (at_right && !at_left) {
+      SumRows<false, true>(rows, begin, end, step);
+    } else {
+      SumRows<true, true>(rows, begin, end, step);
+    }
+  }
+
+ private:
+  static constexpr ptrdiff_t kLanes = hn::MaxLanes(D());
+
+  template <bool kAtLeft, bool kAtRight, class Step>
+  HWY_INLINE void SumRows(int rows, int begin, int end, const Step& step) {
+    const auto beside = [&](int row) HWY_ATTR {
+      return SumBeside<kAtLeft, kAtRight>(row);
+    };
+    V above = begin > 0 ? beside(begin - 1) : hn::Zero(D());
+    V here = beside(begin);
     const int last = rows - 1;
     for (int row = begin; row < (end < last ? end : last); ++row) {
-      const V below = SumBeside(row + 1);
+      const V below = beside(row + 1);
       step(row, hn::Add(AddByProduct(D(), above, here), below));
       above = here;
       here = below;
@@ -67,22 +95,24 @@ class Strip {
     if (end == rows) step(last, hn::Add(above, here));
   }
 
- private:
-  static constexpr ptrdiff_t kLanes = hn::MaxLanes(D());
-
-  // Sums of three numbers along a row.
+  // Sums of three numbers along a row, of a vector that may be at its ends.
+  template <bool kAtLeft, bool kAtRight>
   HWY_INLINE V SumBeside(int row) const {
     constexpr D d;
     const float* const first = from_ + row * columns_;
     const float* const at = first + column_;
     V left = hn::LoadU(d, at - 1);
     V right = hn::LoadU(d, at + 1);
-    if constexpr (kWrap) {
-      left = hn::IfThenElse(has_left_, hn::Set(d, first[columns_ - 1]), left);
-      right = hn::IfThenElse(has_right_, right, hn::Set(d, first[0]));
-    } else {
-      left = hn::IfThenZeroElse(has_left_, left);
-      right = hn::IfThenElseZero(has_right_, right);
+    if constexpr (kAtLeft && kWrap) {
+      left =
+          hn::IfThenElse(first_column_, hn::Set(d, first[columns_ - 1]), left);
+    } else if constexpr (kAtLeft) {
+      left = hn::IfThenZeroElse(first_column_, left);
+    }
+    if constexpr (kAtRight && kWrap) {
+      right = hn::IfThenElse(before_last_, right, hn::Set(d, first[0]));
+    } else if constexpr (kAtRight) {
+      right = hn::IfThenElseZero(before_last_, right);
     }
     return hn::Add(AddByProduct(d, left, hn::LoadU(d, at)), right);
   }
@@ -90,10 +120,10 @@ class Strip {
   const float* HWY_RESTRICT from_;
   ptrdiff_t columns_;
   ptrdiff_t column_;
-  // The first lane, if it is the row's first column; all lanes but the last
-  // one if that is the row's last column.
-  hn::Mask<D> has_left_;
-  hn::Mask<D> has_right_;
+  // The lane of the row's first column, if there is one; the lanes of all
+  // columns but the row's last one.
+  hn::Mask<D> first_column_;
+  hn::Mask<D> before_last_;
 };
 
 template <bool kWrap>
