@@ -26,7 +26,7 @@ std::string Superscript(int number) {
 }
 
 // Powers of ten beyond four digits are written as such.
-std::string TickLabel(double value) {
+std::string PowerLabel(double value) {
   const double exponent = std::log10(value);
   if (std::abs(exponent - std::round(exponent)) < 1e-9 &&
       std::abs(exponent) > 3.5) {
@@ -37,10 +37,14 @@ std::string TickLabel(double value) {
 }
 
 std::string TickList(const std::vector<double>& ticks) {
-  return absl::StrJoin(ticks, ", ", [](std::string* out, double tick) {
-    absl::StrAppendFormat(out, "'%s' %.9g",
-                          tick > 0 ? TickLabel(tick) : absl::StrCat(tick),
-                          tick);
+  // Numbers of up to six digits are all written alike.
+  const bool plain = std::ranges::all_of(ticks, [](double tick) {
+    return tick <= 0 || (tick > 0.9e-3 && tick < 1e6);
+  });
+  return absl::StrJoin(ticks, ", ", [&](std::string* out, double tick) {
+    absl::StrAppendFormat(
+        out, "'%s' %.9g",
+        plain || tick <= 0 ? absl::StrCat(tick) : PowerLabel(tick), tick);
   });
 }
 

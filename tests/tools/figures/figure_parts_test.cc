@@ -16,6 +16,7 @@ namespace tactus::client {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 TEST(AxisTest, GivenEndsHoldUnlessTheyHideValues) {
   const Axis axis = {.title = "accuracy", .low = 75, .high = 100};
@@ -43,6 +44,22 @@ TEST(AxisTest, LogarithmicLabelsAreRoundAndFew) {
       EXPECT_LE(ticks.size(), 11u) << low << ' ' << decades;
     }
   }
+}
+
+// Labels of a logarithmic axis over `range`, as gnuplot gets them.
+std::string LogLabels(const Range& range) {
+  GnuplotScript script(800, 600);
+  SetAxis('x', {.scale = AxisScale::kLog}, range, script);
+  const size_t at = script.text().find("set xtics (");
+  return script.text().substr(at, script.text().find(')', at) - at);
+}
+
+TEST(AxisTest, LabelsOfUpToSixDigitsAreNumbers) {
+  EXPECT_THAT(LogLabels({900, 110'000}), HasSubstr("'10000' 10000"));
+  EXPECT_THAT(LogLabels({900, 110'000}), HasSubstr("'100000' 100000"));
+  EXPECT_THAT(LogLabels({0.001, 1}), HasSubstr("'0.001' 0.001"));
+  EXPECT_THAT(LogLabels({1, 1e7}), HasSubstr("'10⁶' 1000000"));
+  EXPECT_THAT(LogLabels({1e-9, 1}), HasSubstr("'10⁻⁹' 1e-09"));
 }
 
 constexpr Box kArea = {140, 100, 1100, 760};
