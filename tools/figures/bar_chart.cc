@@ -17,6 +17,8 @@ constexpr int kBarWidth = 1400;
 constexpr int kSectionHeight = 330;
 constexpr double kNameHeight = 44;
 constexpr double kGroupNameHeight = 56;
+// Height of the title of the groups, below the last section.
+constexpr int kTitleHeight = 40;
 // What the bars of a group take of its width.
 constexpr double kGroupFill = 0.84;
 constexpr double kValueSize = 19;
@@ -137,8 +139,15 @@ absl::StatusOr<GnuplotScript> ScriptOf(const BarChart& chart) {
   }
   const int sections = static_cast<int>(chart.sections.size());
   const int heading_height = heading.subtitle.empty() ? 130 : 170;
-  GnuplotScript script(kBarWidth, heading_height + sections * kSectionHeight);
-  const Box area = AddHeading(heading, script, {.bottom = 8});
+  const int title_height = chart.x_title.empty() ? 0 : kTitleHeight;
+  GnuplotScript script(
+      kBarWidth, heading_height + sections * kSectionHeight + title_height);
+  const Box area = AddHeading(heading, script, {.bottom = 8. + title_height});
+  if (title_height > 0) {
+    script.Text(chart.x_title,
+                {(area.left + area.right) / 2, area.bottom + title_height / 2.},
+                {.align = Align::kCentre});
+  }
   Axis y = chart.y;
   y.low = 0;
   const Range range = RangeShown(y, values);

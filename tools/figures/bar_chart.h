@@ -6,6 +6,7 @@
 //   BarChart chart;
 //   chart.title = "Accuracy by features";
 //   chart.y = {.title = "accuracy (%)", .high = 100};
+//   chart.x_title = "features";
 //   chart.series = {"here", "paper"};
 //   chart.sections = {{"HMM", {{"force", {Bar{48, 45.7, 50.3}, Bar{39}}}}}};
 //   TACTUS_RETURN_IF_ERROR(DrawFigure(chart, "accuracy.png"));
@@ -52,6 +53,8 @@ struct BarChart {
   // Names; at most kMaxSeries.
   std::vector<std::string> series = {};
   std::vector<BarSection> sections = {};
+  // What the names of the groups are; below the last section.
+  std::string x_title = {};
   std::vector<ReferenceLine> references = {};
   // Decimals of the values above the bars.
   int decimals = 1;

@@ -167,6 +167,17 @@ TEST(FigureTest, CountsAreBarsBelowThePlot) {
   for (const Spot& point : points) EXPECT_LT(point.bottom, bars[1].top);
 }
 
+TEST(FigureTest, TheTitleOfGroupsStandsBelowThem) {
+  BarChart chart;
+  chart.series = {"a"};
+  chart.sections = {{"s", {{"g", {Bar{50}}}}}};
+  const int height = Drawn(chart).height;
+  chart.x_title = "features";
+  const PngImage image = Drawn(chart);
+  EXPECT_GT(image.height, height);
+  EXPECT_GT(Ink(image, 600, height, 900, image.height).pixels, 100);
+}
+
 TEST(FigureTest, WhatCannotBeDrawnIsRefused) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   LinePlot uneven;

@@ -92,6 +92,7 @@ BarChart AccuracyChart(const std::vector<ReproducedRow>& rows) {
                              ": accuracy on the robot condition left out");
   chart.subtitle = "f force, m motion, a area; black bars are 95 % intervals";
   chart.y = {.title = "accuracy (%)", .low = 0, .high = 100};
+  chart.x_title = "features";
   chart.series = {"here", "paper"};
   chart.references = {
       {.name = "majority class (paper)", .y = source.majority_percent}};

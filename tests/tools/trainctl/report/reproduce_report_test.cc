@@ -141,6 +141,7 @@ TEST(ReproduceReportTest, BarsHaveIntervalsOfTheContactsCounted) {
   EXPECT_NEAR(*bars[0]->high, 86.17, 0.01);
   EXPECT_FALSE(chart.sections[1].groups[0].bars[0]);
   EXPECT_EQ(chart.sections[1].groups[0].bars[1]->value, 40.42);
+  EXPECT_EQ(chart.x_title, "features");
 }
 
 TEST(ReproduceReportTest, TheConfusionFigureNamesItsInterval) {
