@@ -71,7 +71,9 @@ void AddBaselines(const Json& r, const Json& baselines, Html& html) {
 
 void AddMatrix(const Json& classes, const Json& confusion, Html& html) {
   html.Heading("Confusion matrix");
-  html.Paragraph("Rows are labels, columns are answers.");
+  html.Paragraph(
+      "Rows are true classes, columns are answers. Percentages are of the "
+      "row.");
   html.Add("<div class=\"wide\">\n<table>\n<thead><tr><td></td>");
   for (const Json& name : classes) {
     html.Add("<th scope=\"col\" class=\"v\"><bdi>", Escaped(Text(name)),
@@ -92,9 +94,11 @@ void AddMatrix(const Json& classes, const Json& confusion, Html& html) {
       }
       // Right answers are blue, wrong ones red; the digits stay readable.
       html.Add(absl::StrFormat(
-          "<td style=\"background:rgba(%s,%.2f)\">%d</td>",
+          "<td style=\"background:rgba(%s,%.2f)\">%d<br><small>%.1f %%"
+          "</small></td>",
           i == k ? "60,120,216" : "216,60,60",
-          i == k ? 0.1 + 0.5 * part : std::min(0.6, 0.1 + part), count));
+          i == k ? 0.1 + 0.5 * part : std::min(0.6, 0.1 + part), count,
+          100 * part));
     }
     html.Add("</tr>\n");
   }
