@@ -59,6 +59,13 @@ int SeriesMarker(int index) {
   return kMarkers[index % kMaxSeries];
 }
 
+int HollowMarker(int index) {
+  // gnuplot numbers an outline directly before its filled form; the star has
+  // none.
+  const int marker = SeriesMarker(index);
+  return marker == 3 ? marker : marker - 1;
+}
+
 double TextWidth(absl::string_view text, double size, bool bold) {
   double width = 0;
   for (const char c : text) {

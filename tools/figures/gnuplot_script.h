@@ -60,6 +60,8 @@ inline constexpr int kMaxSeries = 7;
 const char* SeriesColour(int index);
 // gnuplot's number of the index-th series' marker.
 int SeriesMarker(int index);
+// The same marker as an outline.
+int HollowMarker(int index);
 
 // Heights of letters, in pixels.
 inline constexpr double kTitleSize = 30;

@@ -31,9 +31,10 @@ absl::Status Check(const LinePlot& plot) {
     const size_t length = series.x.size();
     const size_t intervals = series.low.size();
     if (series.y.size() != length || series.high.size() != intervals ||
-        (intervals != 0 && intervals != length)) {
+        (intervals != 0 && intervals != length) ||
+        (!series.few.empty() && series.few.size() != length)) {
       return InvalidConfig(series.name, "lengths that differ",
-                           "x, y, low and high of one length");
+                           "x, y, low, high and few of one length");
     }
   }
   if (!plot.counts.counts.empty() &&
@@ -53,6 +54,54 @@ std::vector<std::vector<double>> RowsOf(const Series& series) {
     }
   }
   return rows;
+}
+
+bool HasFew(const Series& series) {
+  return std::ranges::find(series.few, true) != series.few.end();
+}
+
+// Defines the data of series i: all its points; if some stand for few
+// observations, also those, and the others as lines with gaps between them.
+void AddData(const Series& series, int i, GnuplotScript& script) {
+  const std::vector<std::vector<double>> rows = RowsOf(series);
+  script.Data(absl::StrCat("series", i), rows);
+  if (!HasFew(series)) return;
+  std::vector<std::vector<double>> few;
+  std::vector<std::vector<double>> many;
+  for (size_t k = 0; k < rows.size(); ++k) {
+    // gnuplot interrupts a line at a row without numbers.
+    if (series.few[k]) many.emplace_back();
+    (series.few[k] ? few : many).push_back(rows[k]);
+  }
+  script.Data(absl::StrCat("few", i), few);
+  script.Data(absl::StrCat("many", i), many);
+}
+
+// Line and markers of series i, of those whose last is `last`.
+void AppendPoints(const Series& series, int i, int last,
+                  std::vector<std::string>& curves) {
+  const double depth = i / std::max(2., static_cast<double>(last));
+  const char* colour = SeriesColour(i);
+  const double size = 2.1 + 0.8 * depth;
+  const bool few = HasFew(series);
+  if (few) {
+    // White inside, so that the interval does not show through.
+    curves.push_back(absl::StrFormat(
+        "$few%d using 1:2 with points lc rgb '#ffffff' pt %d ps %g", i,
+        SeriesMarker(i), size));
+    curves.push_back(absl::StrFormat(
+        "$few%d using 1:2 with points lc rgb '%s' lw 3 pt %d ps %g", i, colour,
+        HollowMarker(i), size));
+    // A block without numbers is an error to gnuplot.
+    if (std::ranges::find(series.few, false) == series.few.end()) return;
+  }
+  std::string curve = absl::StrFormat(
+      "$%s%d using 1:2 with %s lc rgb '%s' lw %g", few ? "many" : "series", i,
+      series.markers ? "linespoints" : "lines", colour, 4 + 3.2 * depth);
+  if (series.markers) {
+    absl::StrAppendFormat(&curve, " pt %d ps %g", SeriesMarker(i), size);
+  }
+  curves.push_back(std::move(curve));
 }
 
 // Arguments of gnuplot's `plot`, lowest first: intervals, reference lines, then
@@ -84,10 +133,7 @@ std::string Curves(const LinePlot& plot) {
   }
   const int last = static_cast<int>(plot.series.size()) - 1;
   for (int i = last; i >= 0; --i) {
-    const double depth = i / std::max(2., static_cast<double>(last));
-    curves.push_back(absl::StrFormat(
-        "$series%d using 1:2 with linespoints lc rgb '%s' lw %g pt %d ps %g", i,
-        SeriesColour(i), 4 + 3.2 * depth, SeriesMarker(i), 2.1 + 0.8 * depth));
+    AppendPoints(plot.series[i], i, last, curves);
   }
   return absl::StrJoin(curves, ", \\\n  ");
 }
@@ -95,11 +141,15 @@ std::string Curves(const LinePlot& plot) {
 void AddCounts(const LinePlot& plot, const Range& x, const Box& area,
                GnuplotScript& script) {
   const CountBars& bars = plot.counts;
+  const int most = std::ranges::max(bars.counts);
+  const Axis y = {.title = bars.title, .scale = AxisScale::kLog};
+  // Nothing is 0.5 high: the axis is logarithmic. Above the highest bar is room
+  // for its number.
+  const Range range = {0.5, 5. * std::max(1, most)};
   std::vector<std::vector<double>> rows;
   for (size_t i = 0; i < bars.counts.size(); ++i) {
     const double left = bars.edges[i];
     const double right = bars.edges[i + 1];
-    // Nothing is 0.5 high: the axis is logarithmic.
     rows.push_back({(left + right) / 2, std::max(0.5, 1. * bars.counts[i]),
                     0.9 * (right - left)});
     if (bars.counts[i] == 0) continue;
@@ -107,16 +157,17 @@ void AddCounts(const LinePlot& plot, const Range& x, const Box& area,
     if (place < 0 || place > 1) continue;
     script.Text(
         absl::StrCat(bars.counts[i]),
-        {area.left + place * area.width(), area.top - 14},
+        {area.left + place * area.width(),
+         area.bottom - PlaceOn(y, range, bars.counts[i]) * area.height() - 13},
         {.size = kSmallSize, .colour = kSoftInk, .align = Align::kCentre});
   }
   script.Data("counts", rows);
   script.PlotArea(area);
-  const Axis y = {.title = bars.title, .scale = AxisScale::kLog};
-  const int most = std::ranges::max(bars.counts);
   SetAxis('x', plot.x, x, script);
-  SetAxis('y', y, {0.5, 2. * std::max(1, most)}, script);
+  SetAxis('y', y, range, script);
   script.Add("set ytics (1, 10, 100, 1000, 10000, 100000)");
+  // Lines would cross the numbers.
+  script.Add("set grid noytics");
   script.Add("plot $counts using 1:2:3 with boxes lc rgb '%s' ", "#b5b5b5");
 }
 
@@ -134,7 +185,16 @@ absl::StatusOr<GnuplotScript> ScriptOf(const LinePlot& plot) {
     Append(series.high, all_y);
     heading.legend.push_back(
         {.name = series.name,
+         .sample = series.markers ? LegendSample::kLineAndMarker
+                                  : LegendSample::kLine,
          .index = static_cast<int>(heading.legend.size())});
+  }
+  const auto few = std::ranges::find_if(plot.series, HasFew);
+  if (few != plot.series.end()) {
+    heading.legend.push_back(
+        {.name = plot.few_name,
+         .sample = LegendSample::kHollowMarker,
+         .index = static_cast<int>(few - plot.series.begin())});
   }
   for (const ReferenceLine& line : plot.references) {
     all_y.push_back(line.y);
@@ -157,7 +217,7 @@ absl::StatusOr<GnuplotScript> ScriptOf(const LinePlot& plot) {
   area.bottom -= below;
   const Range x = RangeShown(plot.x, all_x);
   for (size_t i = 0; i < plot.series.size(); ++i) {
-    script.Data(absl::StrCat("series", i), RowsOf(plot.series[i]));
+    AddData(plot.series[i], static_cast<int>(i), script);
   }
   if (with_counts) script.Add("set multiplot");
   script.PlotArea(area);

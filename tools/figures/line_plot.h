@@ -33,6 +33,11 @@ struct Series {
   std::vector<double> low = {};
   std::vector<double> high = {};
   IntervalStyle interval = IntervalStyle::kBand;
+  // Empty, or whether each point stands for few observations: its marker is
+  // hollow, and no line leads to it.
+  std::vector<bool> few = {};
+  // False: the line alone is drawn, for curves of many points.
+  bool markers = true;
 };
 
 // A dashed line across the plot at a value of the y axis, named in the legend.
@@ -41,7 +46,8 @@ struct ReferenceLine {
   double y = 0;
 };
 
-// Bars below the plot that say how many observations are behind its points.
+// Bars below the plot, each with its number, that say how many observations
+// are behind its points.
 struct CountBars {
   std::string title = {};
   // Bar i reaches from edges[i] to edges[i + 1] on the plot's x axis.
@@ -59,6 +65,8 @@ struct LinePlot {
   std::vector<ReferenceLine> references = {};
   // A thin line y = x, named in the legend; empty for none.
   std::string diagonal = {};
+  // Name of the hollow markers in the legend, which has them if there are any.
+  std::string few_name = {};
   // Not drawn if there are no counts.
   CountBars counts = {};
 };

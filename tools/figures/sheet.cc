@@ -8,13 +8,24 @@ namespace tactus::client {
 namespace {
 
 constexpr double kSampleLength = 52;
+constexpr double kMarkerLength = 24;
 constexpr double kSampleGap = 12;
 constexpr double kEntryGap = 36;
 constexpr double kLegendRow = 1.5 * kTextSize;
 
+bool IsMarker(LegendSample sample) {
+  return sample == LegendSample::kMarker ||
+         sample == LegendSample::kHollowMarker;
+}
+
+double SampleLength(LegendSample sample) {
+  return IsMarker(sample) ? kMarkerLength : kSampleLength;
+}
+
 void AddSample(const LegendEntry& entry, Point left, GnuplotScript& script) {
-  const Point right = {left.x + kSampleLength, left.y};
-  const Point middle = {left.x + kSampleLength / 2, left.y};
+  const double length = SampleLength(entry.sample);
+  const Point right = {left.x + length, left.y};
+  const Point middle = {left.x + length / 2, left.y};
   const char* colour = SeriesColour(entry.index);
   switch (entry.sample) {
     case LegendSample::kLineAndMarker:
@@ -32,12 +43,15 @@ void AddSample(const LegendEntry& entry, Point left, GnuplotScript& script) {
           script.At({right.x, left.y - 10}), colour);
       break;
     case LegendSample::kMarker:
+    case LegendSample::kHollowMarker:
       break;
   }
-  if (entry.sample == LegendSample::kLineAndMarker ||
-      entry.sample == LegendSample::kMarker) {
-    script.Add("set label '' at %s point lc rgb '%s' pt %d ps 2.6",
-               script.At(middle), colour, SeriesMarker(entry.index));
+  if (entry.sample == LegendSample::kLineAndMarker || IsMarker(entry.sample)) {
+    script.Add("set label '' at %s point lc rgb '%s' lw 3 pt %d ps 2.6",
+               script.At(middle), colour,
+               entry.sample == LegendSample::kHollowMarker
+                   ? HollowMarker(entry.index)
+                   : SeriesMarker(entry.index));
   }
 }
 
@@ -47,13 +61,13 @@ double AddLegend(const std::vector<LegendEntry>& legend, Point from,
                  double right, GnuplotScript& script) {
   Point at = {from.x, from.y + kLegendRow / 2};
   for (const LegendEntry& entry : legend) {
-    const double width =
-        kSampleLength + kSampleGap + TextWidth(entry.name, kTextSize);
+    const double text_left = SampleLength(entry.sample) + kSampleGap;
+    const double width = text_left + TextWidth(entry.name, kTextSize);
     if (at.x > from.x && at.x + width > right) {
       at = {from.x, at.y + kLegendRow};
     }
     AddSample(entry, at, script);
-    script.Text(entry.name, {at.x + kSampleLength + kSampleGap, at.y}, {});
+    script.Text(entry.name, {at.x + text_left, at.y}, {});
     at.x += width + kEntryGap;
   }
   return legend.empty() ? from.y : at.y + kLegendRow / 2;

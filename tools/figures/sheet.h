@@ -20,7 +20,14 @@
 
 namespace tactus::client {
 
-enum class LegendSample { kLineAndMarker, kLine, kMarker, kBar, kDashes };
+enum class LegendSample {
+  kLineAndMarker,
+  kLine,
+  kMarker,
+  kHollowMarker,
+  kBar,
+  kDashes
+};
 
 struct LegendEntry {
   std::string name = {};

@@ -167,6 +167,58 @@ TEST(FigureTest, CountsAreBarsBelowThePlot) {
   for (const Spot& point : points) EXPECT_LT(point.bottom, bars[1].top);
 }
 
+TEST(FigureTest, EachCountStandsOnItsBar) {
+  LinePlot plot;
+  plot.x = {.title = "x", .low = 0, .high = 2};
+  plot.series = {{.name = "one", .x = {0.5, 1.5}, .y = {3, 4}}};
+  plot.counts = {"contacts", {0, 1, 2}, {10, 2000}};
+  const auto script = ScriptOf(plot);
+  ASSERT_TRUE(script.ok()) << script.status();
+  const auto bars = Spots(Drawn(plot), ColourOf("#b5b5b5"), 1000);
+  ASSERT_EQ(bars.size(), 2u);
+  const auto& texts = script->text_boxes();
+  for (const size_t i : {0, 1}) {
+    const Box& count = texts[texts.size() - 2 + i];
+    EXPECT_NEAR((count.left + count.right) / 2, bars[i].x(), 2) << i;
+    EXPECT_NEAR(count.bottom, bars[i].top, 8) << i;
+  }
+}
+
+// Pixels of the first series' colour in the column halfway between two points.
+int LineBetween(const PngImage& image, const Spot& a, const Spot& b) {
+  const int x = static_cast<int>((a.x() + b.x()) / 2);
+  int pixels = 0;
+  for (int y = 150; y < image.height; ++y) {
+    pixels += image.At(x, y) == ColourOf(SeriesColour(0));
+  }
+  return pixels;
+}
+
+TEST(FigureTest, NoLineLeadsToAPointOfFewObservations) {
+  LinePlot plot;
+  plot.few_name = "few";
+  plot.x = {.title = "x", .low = 0, .high = 5};
+  plot.y = {.title = "y", .low = 0, .high = 10};
+  plot.series = {
+      {.name = "a", .x = {1, 2, 3, 4}, .y = {5, 5, 5, 5}, .markers = false}};
+  const PngImage joined = Drawn(plot);
+  // The markers alone, to know where the points are.
+  plot.series[0].markers = true;
+  plot.series[0].few = {true, true, true, true};
+  const auto points = DataSpots(Drawn(plot), 0, 150);
+  ASSERT_EQ(points.size(), 4u);
+  EXPECT_GT(LineBetween(joined, points[1], points[2]), 0);
+  plot.series[0].few = {false, false, true, false};
+  const PngImage image = Drawn(plot);
+  EXPECT_GT(LineBetween(image, points[0], points[1]), 0);
+  EXPECT_EQ(LineBetween(image, points[1], points[2]), 0);
+  EXPECT_EQ(LineBetween(image, points[2], points[3]), 0);
+  // The marker is white inside.
+  EXPECT_EQ(image.At(static_cast<int>(points[2].x()),
+                     static_cast<int>(points[2].y())),
+            0xffffffu);
+}
+
 TEST(FigureTest, TheTitleOfGroupsStandsBelowThem) {
   BarChart chart;
   chart.series = {"a"};
@@ -184,6 +236,8 @@ TEST(FigureTest, WhatCannotBeDrawnIsRefused) {
   uneven.series = {{.name = "a", .x = {1, 2}, .y = {1}}};
   LinePlot one_sided;
   one_sided.series = {{.name = "a", .x = {1}, .y = {1}, .low = {1}}};
+  LinePlot few_of_another;
+  few_of_another.series = {{.name = "a", .x = {1}, .y = {1}, .few = {1, 1}}};
   LinePlot not_finite;
   not_finite.series = {{.name = "a", .x = {1}, .y = {nan}}};
   LinePlot below_zero;
@@ -214,9 +268,10 @@ TEST(FigureTest, WhatCannotBeDrawnIsRefused) {
   too_large.counts.assign(kMaxMatrixClasses + 1,
                           std::vector<int>(kMaxMatrixClasses + 1, 1));
   const std::vector<Figure> figures = {
-      LinePlot{}, uneven,     one_sided, not_finite,        below_zero,
-      few_edges,  no_points,  too_many,  few_bars,          negative,
-      no_groups,  not_square, too_wide,  ConfusionMatrix{}, too_large};
+      LinePlot{}, uneven,     one_sided,         few_of_another,
+      not_finite, below_zero, few_edges,         no_points,
+      too_many,   few_bars,   negative,          no_groups,
+      not_square, too_wide,   ConfusionMatrix{}, too_large};
   for (size_t i = 0; i < figures.size(); ++i) {
     EXPECT_EQ(ReasonOf(DrawFigure(figures[i], "/nowhere/a.png")),
               "INVALID_CONFIG")

@@ -12,6 +12,8 @@ namespace tactus::client {
 namespace {
 
 constexpr int kBins = 15;
+// A bin of fewer contacts says little: its interval is wide.
+constexpr int kFewContacts = 10;
 
 // The best row of a table as a dashed line.
 ReferenceLine BestOfPaper(Experiment experiment) {
@@ -128,12 +130,14 @@ LinePlot ReliabilityPlot(const NamedEvaluation& shown) {
       WithCommas(static_cast<int>(outcomes.size())),
       ExpectedCalibrationError(outcomes));
   plot.diagonal = "probability = accuracy";
+  plot.few_name = absl::StrCat("fewer than ", kFewContacts, " contacts");
   plot.x = {.title = "probability of the answer (%)", .low = 0, .high = 100};
   plot.y = {.title = "right answers (%)", .low = 0, .high = 100};
   plot.counts = {.title = "contacts"};
   Series series = {.name = shown.name, .interval = IntervalStyle::kBars};
   for (const ReliabilityBin& bin : bins) {
     AppendAccuracy(100 * bin.mean_probability, bin.right, bin.count, series);
+    series.few.push_back(bin.count < kFewContacts);
   }
   if (!bins.empty()) {
     // The axis begins with the first bin that holds a contact.

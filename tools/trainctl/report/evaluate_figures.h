@@ -60,7 +60,7 @@ std::optional<Experiment> ComparableExperiment(const Evaluation& evaluation);
 
 // Percentage of right answers over the claimed probability, after the last
 // frame, with the number of contacts in each bin below; the diagonal is what
-// the claim promises.
+// the claim promises. No line passes through bins of fewer than 10 contacts.
 LinePlot ReliabilityPlot(const NamedEvaluation& shown);
 
 // Percentage of contacts that are decided, and decided rightly, by each time

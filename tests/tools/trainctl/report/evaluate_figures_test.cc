@@ -155,6 +155,15 @@ TEST(ReliabilityPlotTest, ShowsPercentBesideTheDiagonal) {
   EXPECT_THAT(plot.counts.edges, SizeIs(4));
 }
 
+TEST(ReliabilityPlotTest, BinsOfFewerThanTenContactsAreMarked) {
+  Evaluation evaluation;
+  evaluation.final.assign(9, Answered(0.75, true));
+  evaluation.final.insert(evaluation.final.end(), 10, Answered(0.9, true));
+  const LinePlot plot = ReliabilityPlot({"HMM", &evaluation, 5});
+  EXPECT_THAT(plot.series[0].few, ElementsAre(true, false));
+  EXPECT_EQ(plot.few_name, "fewer than 10 contacts");
+}
+
 TEST(ReliabilityPlotTest, TextsDoNotOverlap) {
   Random random(5);
   Evaluation evaluation;
