@@ -157,7 +157,7 @@ LinePlot ReliabilityPlot(const NamedEvaluation& shown) {
 }
 
 LinePlot DecisionPlot(const NamedEvaluation& shown) {
-  constexpr int kPoints = 20;
+  constexpr int kPoints = 100;
   const auto& decisions = shown.evaluation->decisions;
   const int count = static_cast<int>(decisions.size());
   LinePlot plot;
@@ -166,8 +166,8 @@ LinePlot DecisionPlot(const NamedEvaluation& shown) {
                                " felt contacts; bands are 95 % intervals");
   plot.x = {.title = "time since onset (s)", .low = 0, .high = shown.seconds};
   plot.y = {.title = "contacts (%)", .low = 0, .high = 100};
-  Series decided = {.name = "decided"};
-  Series rightly = {.name = "decided rightly"};
+  Series decided = {.name = "decided", .markers = false};
+  Series rightly = {.name = "decided rightly", .markers = false};
   for (int i = 0; i <= kPoints; ++i) {
     const double seconds = shown.seconds * i / kPoints;
     int before = 0;

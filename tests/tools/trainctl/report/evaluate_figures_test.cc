@@ -128,9 +128,9 @@ TEST(DecisionPlotTest, CountsWhatIsDecidedByEachTime) {
   evaluation.decisions[3] = DecisionOutcome{.seconds = 2, .right = true};
   const LinePlot plot = DecisionPlot({"HMM", &evaluation, 2});
   ASSERT_THAT(plot.series, SizeIs(2));
-  ASSERT_THAT(plot.series[0].x, SizeIs(21));
+  ASSERT_THAT(plot.series[0].x, SizeIs(101));
   const auto at = [&](int series, double seconds) {
-    return plot.series[series].y[std::lround(seconds * 10)];
+    return plot.series[series].y[std::lround(seconds * 50)];
   };
   EXPECT_EQ(at(0, 0.4), 0);
   EXPECT_EQ(at(0, 0.5), 25);
