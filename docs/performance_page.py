@@ -18,7 +18,7 @@ COMPARISONS = {
         "time of the whole classifier on a contact frame, mean over the first 1.2 s of 48 "
         "contacts, median of 15 rounds in which the variants take turns. Models step at "
         "intervals of a tenth of the time since onset, but at least 5 and at most 20 frames; "
-        "\"at 10-40\": at least 10 and at most 40. HMMs are counted per category, of four; "
+        "\"at 10-40\": at least 10 and at most 40. HMMs are counted per class, of four; "
         "\"tuned\" is the preset for one's own trials: 20 HMMs, one network and a network that "
         "estimates the object; \"nothing skipped\" is the same with all skip rules off, of "
         "which two apply here ([skipping.md](skipping.md)): unused cues and unchanged scores. "
@@ -29,9 +29,9 @@ COMPARISONS = {
         "Precision of the HMM scores",
         "The forward algorithm of all HMMs of the model \"tuned\" on what they see of some "
         "of the contacts up to 1.2 s, scores read after each step. Time is processor time of a step; "
-        "error is the largest of a category's log-likelihood, nats per step, against "
+        "error is the largest of a class's log-likelihood, nats per step, against "
         "logarithms in long double. \"pruned\": in double, state by state, and without the "
-        "states that hold no more than the bound of their category's forward mass; this "
+        "states that hold no more than the bound of their class's forward mass; this "
         "is measured here and not served ([skipping.md](skipping.md)).",
         "error, nats",
     ),

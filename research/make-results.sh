@@ -89,7 +89,7 @@ paper_signals=("none, ideal signals" "contacts 1, training 1"
 # Both readings of the noise: the absolute one gives nothing away.
 signals() {
   title "Ideal signals, one robot condition left out" "${paper_signals[@]}"
-  printf '\nThe paper does not state whose variance the noise is a share of. With the *relative* reading it is that of the trial'"'"'s own signal, so the noise of the first frames shows how large the signals will be in the end ([cues.md](../../docs/cues.md#what-ideal-signals-give-away)). With the *absolute* one all trials have the same noise, as strong on the mean ([simulator.md](../../docs/simulator.md#signals)); what it costs is not the leak alone, because light contacts disappear in it. The most frequent category is HU: 544 of 1,835 (29.65 %%, 95 %% interval 27.60 to 31.78 %%).\n'
+  printf '\nThe paper does not state whose variance the noise is a share of. With the *relative* reading it is that of the trial'"'"'s own signal, so the noise of the first frames shows how large the signals will be in the end ([cues.md](../../docs/cues.md#what-ideal-signals-give-away)). With the *absolute* one all trials have the same noise, as strong on the mean ([simulator.md](../../docs/simulator.md#signals)); what it costs is not the leak alone, because light contacts disappear in it. The most frequent class is HU: 544 of 1,835 (29.65 %%, 95 %% interval 27.60 to 31.78 %%).\n'
   for noise in relative absolute; do
     printf '\n## Noise: %s\n' "$noise"
     show simulate --protocol=paper --goal=0.019 --noise="$noise" \
@@ -100,7 +100,7 @@ signals() {
       --no-estimates --figures="$figures"
     printf '\n![Accuracy over time](%s/anytime.png)\n\n![Reliability](%s/reliability.png)\n' \
       "$(basename "$figures")" "$(basename "$figures")"
-    printf '\nBoosted trees on some 350 summaries of the same contacts ([other learners](upper-reference.md)), by the category in the end:\n\n```\n'
+    printf '\nBoosted trees on some 350 summaries of the same contacts ([other learners](upper-reference.md)), by the class in the end:\n\n```\n'
     world_signals --data="signals-$noise.h5" --out="$noise"
     reference upper/left_out_reference.py "$noise"
   done
@@ -115,10 +115,10 @@ materials() {
 }
 
 unknown() {
-  title "What no category explains: is it unknown?" "good" \
-    "contacts 3 (categories) and 7 (materials), training 1" \
-    "the felt contacts among 8,000 (categories), 2,400 (materials inside of the range) and 1,200 (each other group of materials)"
-  printf '\n## A category left out\n\nModels of the other three categories and of all groups of arms but one score contacts of that category and of the others, with the arms of that group. 0.5 is chance.\n'
+  title "What no class explains: is it unknown?" "good" \
+    "contacts 3 (classes) and 7 (materials), training 1" \
+    "the felt contacts among 8,000 (classes), 2,400 (materials inside of the range) and 1,200 (each other group of materials)"
+  printf '\n## A class left out\n\nModels of the other three classes and of all groups of arms but one score contacts of that class and of the others, with the arms of that group. 0.5 is chance.\n'
   local left_out=(evaluate --data=world:skin=good,contacts=8000,seed=3
     --protocol=leave-one-category-out --preset=world --seed=1)
   for truth in so-far final; do
@@ -179,17 +179,17 @@ materials are easy for the trees, because those of a group have one modulus.
 
 ## Would another score do better?
 
-`unknown` compares the likelihood of the best category's HMMs, and the stiffness that a
+`unknown` compares the likelihood of the best class's HMMs, and the stiffness that a
 network estimates, with those of held-out contacts. The tables have three other scores.
 They are computed outside of Tactus from the HMMs' cues at 5 s, and no bundle has them:
 
-- the Mahalanobis distance from the nearest category;
+- the Mahalanobis distance from the nearest class;
 - the mean distance from the 20 nearest contacts;
 - how rare so low a density is (a mixture of 20 Gaussians) times how rare so extreme a
   `log_slope` is. It was chosen among some thirty scores for its area on other materials
   of the group `softer-3x`, so its figure for this group is a little too good.
 
-With a category left out, their task is a little easier than that of `unknown`: a quarter
+With a class left out, their task is a little easier than that of `unknown`: a quarter
 of all contacts is left out, and all arms are in training. For foreign materials they are
 fitted to the 8,000 contacts alone. In brackets are 95 % intervals, and 0.5 is chance.
 
@@ -249,7 +249,7 @@ cody() {
   done
   printf '$ research/pooled_table.py %s\n```\n\n' "${reports[*]}"
   /usr/bin/python3 -B "$research/pooled_table.py" "${reports[@]}"
-  printf '\nIn brackets are 95 %% intervals. A face is as large as that of any other object, whatever its category: a threshold on the size of the face tells hard from soft in less than 60 %% of the contacts ([virtual-cody.md](../virtual-cody.md)). The first seed in full:\n'
+  printf '\nIn brackets are 95 %% intervals. A face is as large as that of any other object, whatever its class: a threshold on the size of the face tells hard from soft in less than 60 %% of the contacts ([virtual-cody.md](../virtual-cody.md)). The first seed in full:\n'
   show evaluate --data=cody-1.h5 --protocol=loco --preset=tuned --seed=1 --no-estimates
 }
 
@@ -277,7 +277,7 @@ served() {
   "$bench" $command ${TACTUS_SERVED_FLAGS:-} --table=served-table.md \
     --figure="$out/served.png" >/dev/null
   cat <<'TEXT'
-Time is processor time of the classifier on a contact frame, without the features of the frame: the median of 15 rounds in which the variants take turns on 64 whole contacts. "Wrong" is the fraction of wrong answers about the category so far, mean over 0.1, 0.25, 0.5, 1.2, 2.5 and 5 s after onset; the log loss is the mean over the same times. [skipping.md](../../docs/skipping.md#leaving-out-steps-of-the-lstms) explains the variants. A point is on the front if no other is faster and at most as often wrong, or as fast and less often wrong.
+Time is processor time of the classifier on a contact frame, without the features of the frame: the median of 15 rounds in which the variants take turns on 64 whole contacts. "Wrong" is the fraction of wrong answers about the class so far, mean over 0.1, 0.25, 0.5, 1.2, 2.5 and 5 s after onset; the log loss is the mean over the same times. [skipping.md](../../docs/skipping.md#leaving-out-steps-of-the-lstms) explains the variants. A point is on the front if no other is faster and at most as often wrong, or as fast and less often wrong.
 
 ![Time and errors](served.png)
 
@@ -292,7 +292,7 @@ fit-scale() {
   "$bench" fit-scale --table=fit-scale-table.md --figure="$out/fit-scale.png" >/dev/null
   cat <<'TEXT'
 Contacts of the random world, preset `tuned` with one network, two epochs and five HMMs
-a category, and its calibration. The program is `trainctl fit`, which simulates the
+a class, and its calibration. The program is `trainctl fit`, which simulates the
 contacts too. Processor time is that of all threads; peak memory is the largest resident
 set. [training-speed.md](../training-speed.md#memory) says what lies where.
 
@@ -325,7 +325,7 @@ the bundle is better than they are, the trees have missed something.
 
 `default.tactus` was trained on 300,000 contacts of seed 1, of the skins `good` and
 `measured`. The trees were trained on 19,000 of seed 2, and both were tested on those
-of seed 1001, as in [the random world](world.md). The bundle answers about the category
+of seed 1001, as in [the random world](world.md). The bundle answers about the class
 so far, so the last column is not what it was trained for. Accuracies are of the
 contacts that the skin felt.
 EOT
@@ -353,14 +353,14 @@ fine-skin() {
   show evaluate --data=world:skin=paper,contacts=20000,seed=1001 --model=paper-skin.tactus
 }
 
-# With the categories as frequent as in the random world, and as if they were
+# With the classes as frequent as in the random world, and as if they were
 # equally frequent: in the paper's set they are neither.
 breadth() {
   title "The paper's contacts by a model of the random world" "none, ideal signals" \
     "contacts 1, training 1 to 3" "${paper_signals[2]}"
   show simulate --protocol=paper --goal=0.019 --seed=1 --out=signals.h5
   for shares in recorded even; do
-    printf '\n## Shares of the categories: %s\n' "$shares"
+    printf '\n## Shares of the classes: %s\n' "$shares"
     show fit --data=world:skin=ideal,contacts=100000,seed=1 --preset=world --truth=final \
       --shares="$shares" --seed=1 --out="$shares.tactus"
     show evaluate --data=signals.h5 --model="$shares.tactus"
@@ -558,7 +558,7 @@ explanations() {
 - *Any state follows any:* without the order of the states.
 - *libghmm:* the paper's library updates the same initial HMMs and finds the best paths.
   A broken HMM holds a NaN or an invalid covariance after that. A contact is refused if
-  libghmm finds no path in the HMM of the contact's own category; such answers count as
+  libghmm finds no path in the HMM of the contact's own class; such answers count as
   wrong.
 - *One feature not scaled:* the paper scales features that are combined.
 

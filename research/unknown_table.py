@@ -31,7 +31,7 @@ def main():
         felt = [trial for trial in trials if trial["detected"]]
         groups[os.path.basename(path).removesuffix(".json")] = (felt, len(trials))
     known = [trial["unknown"] for trial in next(iter(groups.values()))[0]]
-    print("| materials | felt | right answers, % | most frequent category, % | called unknown, % | area under the ROC curve |")
+    print("| materials | felt | right answers, % | most frequent class, % | called unknown, % | area under the ROC curve |")
     print("|---|---|---|---|---|---|")
     for number, (name, (felt, count)) in enumerate(groups.items()):
         scores = [trial["unknown"] for trial in felt]

@@ -6,7 +6,7 @@
     left_out_reference.py signals
 
 The trees and their summaries are those of upper_reference.py. Prints accuracies, by
-the category in the end, as a Markdown table.
+the class in the end, as a Markdown table.
 """
 
 import sys

@@ -1,12 +1,12 @@
 #!/usr/bin/python3
-"""Other scores of `unknown`, for categories that are left out or foreign materials.
+"""Other scores of `unknown`, for classes that are left out or foreign materials.
 
     world-signals --data=world:skin=good,contacts=8000,seed=3 --out=world
     unknown_scores.py world
     unknown_scores.py world inside softer-3x lighter-10x
 
 The scores see the HMMs' ten cues 5 s after the onset. In the first form they are fitted
-to three categories of three quarters of the contacts and tested on the last quarter,
+to three classes of three quarters of the contacts and tested on the last quarter,
 each quarter in turn. In the second they are fitted to all contacts of the first folder,
 and tell those of the second from those of each of the others. Prints areas under the ROC
 curve, with 95 % intervals, as a Markdown table.
@@ -40,7 +40,7 @@ FOLDS = 4
 
 
 def mahalanobis(fitted, labels, tested):
-    """Squared distance from the nearest category's mean, by its covariance."""
+    """Squared distance from the nearest class's mean, by its covariance."""
     distances = []
     for category in np.unique(labels):
         own = fitted[labels == category]
@@ -51,7 +51,7 @@ def mahalanobis(fitted, labels, tested):
 
 
 def neighbours(fitted, labels, tested):
-    """Mean distance from the 20 nearest contacts, whatever their category."""
+    """Mean distance from the 20 nearest contacts, whatever their class."""
     del labels
     return NearestNeighbors(n_neighbors=20).fit(fitted).kneighbors(tested)[0].mean(axis=1)
 
@@ -87,7 +87,7 @@ SCORES = [
 
 
 def read(folder):
-    """Cues [contacts x 10] and categories."""
+    """Cues [contacts x 10] and classes."""
     contacts = Contacts(folder)
     names = list(contacts.array("cue_names"))
     cues = contacts.cues(SECONDS)[:, [names.index(name) for name in CUES]].astype(float)

@@ -77,7 +77,7 @@ def main():
         def add_trees(name, learnt, tested):
             add(name, trees(learnt, known, flags.iterations).predict(tested))
 
-        add("the most frequent category", np.full(len(asked), np.bincount(known).argmax()))
+        add("the most frequent class", np.full(len(asked), np.bincount(known).argmax()))
         if "posterior" in test.names():
             add("the bundle", test.posterior(seconds).argmax(axis=1))
         learnt, tested = train.felt(seconds), test.felt(seconds)
@@ -97,7 +97,7 @@ def main():
         f"Trained on {train.count:,} contacts, tested on {test.count:,}; "
         f"{test.recorded - test.count:,} of {test.recorded:,} were never felt.\n"
     )
-    print("| accuracy, % (95 % interval) | 5 s | 1.2 s, category so far | 1.2 s, in the end |")
+    print("| accuracy, % (95 % interval) | 5 s | 1.2 s, class so far | 1.2 s, in the end |")
     print("|---|---|---|---|")
     for name, cells in rows.items():
         print(f"| {name} | {' | '.join(cells)} |")
