@@ -22,7 +22,7 @@ COMPARISONS = {
         "\"tuned\" is the preset for one's own trials: 20 HMMs, one network and a network that "
         "estimates the object; \"nothing skipped\" is the same with all skip rules off, of "
         "which two apply here ([skipping.md](skipping.md)): unused cues and unchanged scores. "
-        "What the built-in model costs is in [results/served.md](results/served.md).",
+        "What the built-in model costs is in [results/served.md](../research/results/served.md).",
         "wrong after 1.2 s, %",
     ),
     "precision": (
@@ -40,7 +40,7 @@ COMPARISONS = {
         "Scenes of the grid of robot conditions, every other one with the object fixed, "
         "without those of more than 20,000 events. Time is processor time per frame of the "
         "100 Hz signals, median of 3 rounds; error is the largest of a noiseless feature as "
-        "a share of its peak, against long double matrix exponentials. The model "
+        "a fraction of its peak, against long double matrix exponentials. The model "
         "\"tuned\" classifies the contacts of each method.",
         "error / peak",
     ),
@@ -113,7 +113,7 @@ def main():
     print("# Performance\n")
     print(
         "Written by `docs/make-performance.sh`; another machine gives other times, and "
-        "ratios that resemble these. [training-speed.md](training-speed.md) is about "
+        "ratios that resemble these. [training-speed.md](../research/training-speed.md) is about "
         "whole trainings.\n"
     )
     if "--quick" in sys.argv:
