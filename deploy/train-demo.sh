@@ -44,8 +44,11 @@ die() {
 
 # build: installs and builds what is missing.
 build() {
+  # A build folder that has the tests keeps them.
+  local fresh=()
+  [[ -e build/release/CMakeCache.txt ]] || fresh=(-D TACTUS_BUILD_TESTS=OFF)
   deploy/install-deps.sh &&
-    cmake --preset release -D TACTUS_BUILD_TESTS=OFF &&
+    cmake --preset release "${fresh[@]}" &&
     cmake --build --preset release --parallel "$(nproc)" \
       --target tactusd tactus-trainer trainctl tactus-stream
 }

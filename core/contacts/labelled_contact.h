@@ -4,7 +4,7 @@
 // onset to the end of the trial. Models are fitted and evaluated on these.
 //
 //   TACTUS_ASSIGN_OR_RETURN(auto contact, ExtractContact(trial));
-//   if (!contact.has_value()) ++undetectable;
+//   if (!contact.has_value()) ++never_felt;
 //
 // Plain data and free functions without state; thread-safe.
 #pragma once
@@ -72,7 +72,7 @@ inline constexpr double kNeverReleased = -1;
 
 // Extracts the contact of a trial. Taxels, if the trial has them, go through
 // the feature path; else the stored signals are taken. Returns nothing if no
-// taxel reaches the onset threshold: the trial is undetectable.
+// taxel reaches the onset threshold: the trial is never felt.
 //
 // Models are trained on whole trials: the contact ends with the trial. With
 // another `release_after_s` (seconds without touch) a trial may have several

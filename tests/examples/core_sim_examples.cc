@@ -171,7 +171,7 @@ static absl::Status SkinModelExample() {
 
 static absl::Status RecordContactExample(const SimulatedContact& contact,
                                          uint64_t seed) {
-  int undetectable = 0;
+  int never_felt = 0;
 #include "core/sim/skin/record_contact.h.inc"
   return absl::OkStatus();
 }

@@ -152,7 +152,7 @@ static absl::Status UnknownExample(const Contacts& contacts,
 }
 
 static absl::Status LabelledContactExample(const Trial& trial) {
-  int undetectable = 0;
+  int never_felt = 0;
 #include "core/contacts/labelled_contact.h.inc"
   return absl::OkStatus();
 }

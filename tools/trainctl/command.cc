@@ -92,7 +92,7 @@ absl::StatusOr<LoadedContacts> LoadWorld(const std::string& text,
                           MakeWorldContacts(recipe, RunOnThreads, progress));
   LoadedContacts loaded;
   loaded.trials = recipe.contacts;
-  loaded.undetectable = std::accumulate(world.never_felt.begin(),
+  loaded.never_felt = std::accumulate(world.never_felt.begin(),
                                         world.never_felt.end(), uint64_t{0});
   loaded.without_poses = !recipe.poses;
   loaded.contacts = std::move(world.contacts);
@@ -129,7 +129,7 @@ absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
       }
       loaded.contacts.push_back(*std::move(contact));
     } else {
-      ++loaded.undetectable;
+      ++loaded.never_felt;
     }
     reading.Add(1 / static_cast<double>(reader.size()));
   }

@@ -54,7 +54,7 @@ double SecondsSinceStart();
 struct LoadedContacts {
   std::vector<LabelledContact> contacts;
   int trials = 0;
-  int undetectable = 0;
+  int never_felt = 0;
   // Some trial comes from taxels without poses.
   bool without_poses = false;
   // SHA-256 of the data as a whole, for Provenance::data_sha256.

@@ -7,7 +7,7 @@
 //   Random random = Random::ForStream(seed, contact.spec.number);
 //   const Placement placement = DrawPlacement(skin.layout, random);
 //   Trial trial = RecordContact(contact, skin, placement, random);
-//   if (!Detectable(trial, skin.layout)) ++undetectable;
+//   if (!Detectable(trial, skin.layout)) ++never_felt;
 //
 // The object's face is pressed against the cover along a line
 // (line_contact.h). Frame `lead_in_frames - 1 + j` is read j / 100 s after the

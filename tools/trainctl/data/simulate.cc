@@ -41,7 +41,7 @@ int Sum(const int (&counts)[4]) {
 
 struct Tally {
   int counts[4] = {};
-  int undetectable = 0;
+  int never_felt = 0;
   int clamped = 0;
 };
 
@@ -50,7 +50,7 @@ void Count(const SensedContact& contact, const SimulateFlags& flags,
   const auto* found = std::find(kLabels, kLabels + 4, contact.trial.label);
   ++tally.counts[found - kLabels];
   tally.clamped += contact.clamped;
-  tally.undetectable +=
+  tally.never_felt +=
       !flags.skin.empty() && !Detectable(contact.trial, layout);
 }
 
@@ -86,7 +86,7 @@ void Print(const SimulateFlags& flags, const Tally& tally) {
                  {"trials", Sum(tally.counts)},
                  {"counts", ToJson(tally.counts)}};
     if (paper != nullptr) json["paper_counts"] = ToJson(*paper);
-    json["undetectable"] = tally.undetectable;
+    json["undetectable"] = tally.never_felt;
     json["strain_clamped"] = tally.clamped;
     if (goal) json["goal_m"] = *goal;
     if (flags.skin.empty()) {
@@ -102,8 +102,8 @@ void Print(const SimulateFlags& flags, const Tally& tally) {
   std::cout << "          HU    HM    SU    SM   total\n"
             << Row("here", tally.counts);
   if (paper != nullptr) std::cout << Row("paper", *paper);
-  std::cout << absl::StrFormat("%d undetectable, %d with clamped strain, ",
-                               tally.undetectable, tally.clamped);
+  std::cout << absl::StrFormat("%d never felt, %d with clamped strain, ",
+                               tally.never_felt, tally.clamped);
   if (goal) std::cout << absl::StrFormat("goal %g m, ", *goal);
   std::cout << (flags.skin.empty()
                     ? absl::StrCat("ideal signals, noise ",

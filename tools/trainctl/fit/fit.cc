@@ -77,7 +77,7 @@ absl::Status RunFit(const FitCommandFlags& flags) {
                                {"sha256", BundleSha256(bytes)},
                                {"bytes", bytes.size()},
                                {"trials", loaded.trials},
-                               {"undetectable", loaded.undetectable},
+                               {"undetectable", loaded.never_felt},
                                {"unusable", chosen.unusable},
                                {"classes", model.class_names},
                                {"features", FeaturesToString(options.features)},
@@ -89,11 +89,11 @@ absl::Status RunFit(const FitCommandFlags& flags) {
   } else {
     std::cout << ChoiceText(chosen.choice)
               << absl::StrFormat(
-                     "%s: preset %s, %d bytes, %d trials, %d undetectable, "
+                     "%s: preset %s, %d bytes, %d trials, %d never felt, "
                      "%sseed %d, %.1f s\n"
                      "sha256 %s\n",
                      flags.out, chosen.preset, bytes.size(), loaded.trials,
-                     loaded.undetectable,
+                     loaded.never_felt,
                      chosen.unusable.empty()
                          ? ""
                          : absl::StrFormat("%d unusable, ",

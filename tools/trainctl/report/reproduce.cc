@@ -84,7 +84,7 @@ ReproducedRow Reproduce(Experiment experiment, const PaperRow& paper,
     return row;
   }
   row.trials = data.trials;
-  row.undetectable = data.undetectable;
+  row.never_felt = data.never_felt;
   row.ours_percent = 100 * Accuracy(result->final);
   row.class_names = result->class_names;
   row.confusion = CountConfusion(result->final,
@@ -120,7 +120,7 @@ absl::StatusOr<int> RunExperiment(const ReproduceFlags& flags,
   if (!flags.json) {
     std::cout << absl::StrFormat(
         "Accuracies are of %s\n",
-        FeltContacts(data.trials - data.undetectable, data.trials));
+        FeltContacts(data.trials - data.never_felt, data.trials));
     std::cout << ConfusionBlocks(rows) << "\n";
   }
   if (!flags.figures.empty()) {

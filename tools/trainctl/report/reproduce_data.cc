@@ -61,7 +61,7 @@ absl::StatusOr<LoadedContacts> SimulateExperiment(Experiment experiment,
       if (contact) {
         data.contacts.push_back(*std::move(contact));
       } else {
-        ++data.undetectable;
+        ++data.never_felt;
       }
     }
   }

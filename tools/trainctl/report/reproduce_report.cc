@@ -103,7 +103,7 @@ BarChart AccuracyChart(const std::vector<ReproducedRow>& rows) {
     }
     std::optional<Bar> ours;
     if (row.ours_percent) {
-      ours = BarOf(*row.ours_percent, row.trials - row.undetectable);
+      ours = BarOf(*row.ours_percent, row.trials - row.never_felt);
     }
     chart.sections.back().groups.push_back(
         {std::string(row.paper.features),
@@ -204,7 +204,7 @@ Json RowToJson(const ReproducedRow& row) {
                {"paper", row.paper.accuracy_percent},
                {"difference", nullptr},
                {"trials", row.trials},
-               {"undetectable", row.undetectable},
+               {"undetectable", row.never_felt},
                {"felt", row.felt()},
                {"right", row.right()},
                {"ours_interval", nullptr},

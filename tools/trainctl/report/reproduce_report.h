@@ -32,7 +32,7 @@ struct ReproducedRow {
   std::string reason;
   // Trials simulated; those of them that the skin never felt are not counted.
   int trials = 0;
-  int undetectable = 0;
+  int never_felt = 0;
   // Classes of the contacts classified; empty without an answer.
   std::vector<std::string> class_names;
   Confusion confusion;

@@ -26,7 +26,7 @@ ReproducedRow Known(Algorithm algorithm, absl::string_view features) {
   row.class_names = {"HU", "SM"};
   row.confusion = {{50, 10}, {14, 46}};
   row.trials = 121;
-  row.undetectable = 1;
+  row.never_felt = 1;
   row.seconds = 2.5;
   return row;
 }
