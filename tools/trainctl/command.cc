@@ -93,7 +93,7 @@ absl::StatusOr<LoadedContacts> LoadWorld(const std::string& text,
   LoadedContacts loaded;
   loaded.trials = recipe.contacts;
   loaded.never_felt = std::accumulate(world.never_felt.begin(),
-                                        world.never_felt.end(), uint64_t{0});
+                                      world.never_felt.end(), uint64_t{0});
   loaded.without_poses = !recipe.poses;
   loaded.contacts = std::move(world.contacts);
   loaded.data_sha256 = Sha256Hex(text);

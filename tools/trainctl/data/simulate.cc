@@ -50,8 +50,7 @@ void Count(const SensedContact& contact, const SimulateFlags& flags,
   const auto* found = std::find(kLabels, kLabels + 4, contact.trial.label);
   ++tally.counts[found - kLabels];
   tally.clamped += contact.clamped;
-  tally.never_felt +=
-      !flags.skin.empty() && !Detectable(contact.trial, layout);
+  tally.never_felt += !flags.skin.empty() && !Detectable(contact.trial, layout);
 }
 
 const int (*CountsOfPaper(const std::string& protocol))[4] {
