@@ -22,6 +22,8 @@ elif ! /usr/bin/python3 -c 'import torch' && ! python3 -c 'import torch'; then
   exit 1
 fi
 
+# What fails, fails before the measurements.
+tests/docs/performance_page_test.sh
 "$bench" all "${quick[@]}" --except=frontier,served,fit-scale --json >"$work/all.json"
 "$bench" frontier "${quick[@]}" --table="$work/frontier.csv" --figures="$out" \
   >"$work/frontier.txt"

@@ -6,8 +6,11 @@ the CSV of `tactus-bench frontier --table`; --quick if they are of quick runs.
 
 import csv
 import json
+import pathlib
 import sys
 
+sys.path.insert(
+    0, str(pathlib.Path(__file__).resolve().parent.parent / "research"))
 from intervals import wilson
 
 COMPARISONS = {
