@@ -7,6 +7,7 @@
 #include "client/drivers/calibration/calibration_in_use.h"
 #include "client/drivers/calibration/calibration_json.h"
 #include "tests/fuzz/damaged.h"
+#include "tests/support/flat_layout.h"
 
 namespace {
 
@@ -16,15 +17,7 @@ using namespace tactus::client;
 Calibration GoodCalibration(bool gains) {
   Calibration good;
   good.device = "serial \"left\"";
-  good.layout = {.name = "s",
-                 .rows = 2,
-                 .columns = 2,
-                 .row_pitch_m = 0.01,
-                 .column_pitch_m = 0.01,
-                 .taxel_area_m2 = 1e-4,
-                 .unit = TaxelUnit::kCounts,
-                 .contact_threshold = 10,
-                 .onset_threshold = 20};
+  good.layout = testing::FlatLayout("s", 2, 2, TaxelUnit::kCounts, 10, 20);
   good.frames = 100;
   good.sample_rate_hz = 30;
   good.baseline = {1, 2.5, 0, 1e-3};

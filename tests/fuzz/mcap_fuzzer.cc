@@ -10,6 +10,7 @@
 #include "core/import/import_recording.h"
 #include "core/skin/layout_proto.h"
 #include "tests/fuzz/damaged.h"
+#include "tests/support/flat_layout.h"
 
 namespace {
 
@@ -39,14 +40,8 @@ std::string GoodRecording(bool u16, bool poses, bool light_touch) {
         file->WriteMetadata({kTrialMetadata, {{"id", "1"}, {"label", "HU"}}})
             .ok());
     v1::StreamConfig config;
-    SkinLayout layout = {.name = "s",
-                         .rows = 2,
-                         .columns = 2,
-                         .row_pitch_m = 0.01,
-                         .column_pitch_m = 0.01,
-                         .taxel_area_m2 = 1e-4,
-                         .contact_threshold = 10,
-                         .onset_threshold = 20};
+    SkinLayout layout =
+        testing::FlatLayout("s", 2, 2, TaxelUnit::kNewton, 10, 20);
     if (light_touch) {
       layout.light_touch = {.window_s = 0.05,
                             .rows = 1,

@@ -9,27 +9,20 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/core/import/import_all.h"
+#include "tests/support/flat_layout.h"
 #include "tests/support/scratch_dir.h"
 
 namespace tactus {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using namespace std::string_literals;
 
 // 2 x 2 counts at 100 Hz; a contact begins at 20 and goes on from 10.
 SkinLayout RecordedSkin() {
-  return {.name = "mine",
-          .rows = 2,
-          .columns = 2,
-          .row_pitch_m = 0.01,
-          .column_pitch_m = 0.01,
-          .taxel_area_m2 = 1e-4,
-          .unit = TaxelUnit::kCounts,
-          .contact_threshold = 10,
-          .onset_threshold = 20};
+  return testing::FlatLayout("mine", 2, 2, TaxelUnit::kCounts, 10, 20);
 }
 
 // Writes a recording frame by frame.

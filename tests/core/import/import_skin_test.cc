@@ -12,8 +12,8 @@
 namespace tactus {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 template <typename Number>
 std::string Npy(const std::string& type, const std::string& shape,
@@ -38,7 +38,7 @@ constexpr char kSkin[] = R"({
   "unit": "counts", "contact_threshold": 2, "onset_threshold": 3,
   "sample_rate_hz": 50)";
 
-class ImportSkinTest : public testing::Test {
+class ImportSkinTest : public ::testing::Test {
  protected:
   ImportSkinTest() {
     Skin("");
@@ -282,7 +282,7 @@ struct Mistake {
 };
 
 class MistakeTest : public ImportSkinTest,
-                    public testing::WithParamInterface<Mistake> {};
+                    public ::testing::WithParamInterface<Mistake> {};
 
 TEST_P(MistakeTest, IsNamedWithFileLineAndField) {
   Write(GetParam().file, GetParam().text);
@@ -309,7 +309,7 @@ Mistake InRow(const std::string& header, const std::string& row,
 
 INSTANTIATE_TEST_SUITE_P(
     Skin, MistakeTest,
-    testing::Values(
+    ::testing::Values(
         Mistake{"skin.json", "{", "skin.json: line 1: is no JSON"},
         Mistake{"skin.json", "[]", "skin.json: must be one JSON object"},
         Mistake{"skin.json", "{}", "name: is missing"},
@@ -374,7 +374,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 INSTANTIATE_TEST_SUITE_P(
     Table, MistakeTest,
-    testing::Values(
+    ::testing::Values(
         InTable("frames,label\n", "trials.csv: names no trial"),
         InTable("files,label\na.npy,x\n",
                 "trials.csv: has no column frames "
@@ -417,7 +417,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 INSTANTIATE_TEST_SUITE_P(
     Frames, MistakeTest,
-    testing::Values(
+    ::testing::Values(
         Mistake{"b.npy", Npy<float>("<f4", "(1, 3)", {1, 2, 3}),
                 "trials.csv: line 3: frames: b.npy: has shape 1 x 3; it must "
                 "be frames x 4"},
@@ -435,10 +435,9 @@ INSTANTIATE_TEST_SUITE_P(
                 "b.npy: holds '<c8'"}));
 
 // Mistakes of CSV files of frames.
-class FrameCsvMistakeTest
-    : public ImportSkinTest,
-      public testing::WithParamInterface<std::pair<const char*, const char*>> {
-};
+class FrameCsvMistakeTest : public ImportSkinTest,
+                            public ::testing::WithParamInterface<
+                                std::pair<const char*, const char*>> {};
 
 TEST_P(FrameCsvMistakeTest, IsNamedWithItsLine) {
   Write("trials.csv", "frames,label\nf.csv,x\n");
@@ -451,7 +450,7 @@ TEST_P(FrameCsvMistakeTest, IsNamedWithItsLine) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, FrameCsvMistakeTest,
-    testing::Values(
+    ::testing::Values(
         std::pair("", "frames: "), std::pair("a,b,c,d\n", "holds no numbers"),
         std::pair("0,1,2,3\n0,1,2\n", "f.csv: line 2: has 3 cells"),
         std::pair("a,b,c,d\n0,1,x,3\n", "f.csv: line 2: c is \"x\""),

@@ -19,8 +19,8 @@
 namespace tactus {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 // Where recordings are, or empty. They are not part of the project.
 std::string Recordings(const std::string& name) {
@@ -96,7 +96,7 @@ struct BadCsv {
   const char* content;
 };
 
-class BadCsvTest : public testing::TestWithParam<BadCsv> {};
+class BadCsvTest : public ::testing::TestWithParam<BadCsv> {};
 
 TEST_P(BadCsvTest, IsRefusedWithItsLine) {
   const ScratchDir dir;
@@ -110,7 +110,7 @@ TEST_P(BadCsvTest, IsRefusedWithItsLine) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, BadCsvTest,
-    testing::Values(
+    ::testing::Values(
         BadCsv{"no header line", ""}, BadCsv{"no header line", "# a=b\n"},
         BadCsv{"line 1: # is followed by", "# hello\n"},
         BadCsv{"line 2: key \"label\" repeated", "# label=a\n# label=b\n"},

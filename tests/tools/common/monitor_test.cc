@@ -1,22 +1,16 @@
 #include "tools/common/monitor.h"
 
 #include "gtest/gtest.h"
+#include "tests/support/flat_layout.h"
 
 namespace tactus::client {
 namespace {
 
 SkinInfo SmallSkin() {
   SkinInfo info;
-  info.layout = {.name = "small",
-                 .rows = 2,
-                 .columns = 2,
-                 .row_pitch_m = 0.01,
-                 .column_pitch_m = 0.01,
-                 .taxel_area_m2 = 1e-4,
-                 .unit = TaxelUnit::kCounts,
-                 .contact_threshold = 2,
-                 .onset_threshold = 3,
-                 .mask = {1, 1, 1, 0}};
+  info.layout =
+      tactus::testing::FlatLayout("small", 2, 2, TaxelUnit::kCounts, 2, 3);
+  info.layout.mask = {1, 1, 1, 0};
   info.scale = 0.5;
   return info;
 }

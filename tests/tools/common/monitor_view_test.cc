@@ -8,6 +8,7 @@
 #include "core/base/text.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/support/flat_layout.h"
 #include "tools/common/skin_heatmap.h"
 #include "tools/common/terminal.h"
 
@@ -19,15 +20,8 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 SkinLayout Grid(int rows, int columns) {
-  return {.name = "grid",
-          .rows = rows,
-          .columns = columns,
-          .row_pitch_m = 0.01,
-          .column_pitch_m = 0.01,
-          .taxel_area_m2 = 1e-4,
-          .unit = TaxelUnit::kNewton,
-          .contact_threshold = 0.01,
-          .onset_threshold = 0.02};
+  return tactus::testing::FlatLayout("grid", rows, columns, TaxelUnit::kNewton,
+                                     0.01, 0.02);
 }
 
 MonitorState Example() {

@@ -4,6 +4,7 @@
 #include "core/base/errors.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/support/flat_layout.h"
 
 namespace tactus::client {
 namespace {
@@ -13,15 +14,8 @@ using ::testing::HasSubstr;
 Calibration SmallCalibration() {
   Calibration made;
   made.device = "serial \"palm\" \\ é";
-  made.layout = {.name = "small",
-                 .rows = 1,
-                 .columns = 3,
-                 .row_pitch_m = 0.01,
-                 .column_pitch_m = 0.01,
-                 .taxel_area_m2 = 1e-4,
-                 .unit = TaxelUnit::kCounts,
-                 .contact_threshold = 10,
-                 .onset_threshold = 15};
+  made.layout =
+      tactus::testing::FlatLayout("small", 1, 3, TaxelUnit::kCounts, 10, 15);
   made.created_ms = 1'790'000'000'123;
   made.frames = 300;
   made.sample_rate_hz = 29.97;

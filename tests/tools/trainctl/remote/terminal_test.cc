@@ -8,6 +8,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/support/child_tactusd.h"
+#include "tests/support/flat_layout.h"
 #include "tests/support/pty_program.h"
 
 namespace tactus::client {
@@ -41,16 +42,9 @@ class AtTheTerminalTest : public ::testing::Test {
   static Trial Touch(int number) {
     Trial trial;
     trial.label = "any";
-    SetSkin({.name = "bench",
-             .rows = 4,
-             .columns = 6,
-             .row_pitch_m = 0.01,
-             .column_pitch_m = 0.01,
-             .taxel_area_m2 = 1e-4,
-             .unit = TaxelUnit::kCounts,
-             .contact_threshold = 30,
-             .onset_threshold = 40},
-            trial);
+    SetSkin(
+        tactus::testing::FlatLayout("bench", 4, 6, TaxelUnit::kCounts, 30, 40),
+        trial);
     trial.taxels.rows = 4;
     trial.taxels.columns = 6;
     for (int t = 0; t < 180; ++t) {

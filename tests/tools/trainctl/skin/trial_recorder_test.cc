@@ -9,6 +9,7 @@
 #include "core/data/trial_file.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/support/flat_layout.h"
 #include "tools/trainctl/skin/trial_journal.h"
 
 namespace tactus::client {
@@ -20,15 +21,8 @@ namespace fs = std::filesystem;
 
 SkinInfo RecorderSkin() {
   SkinInfo info;
-  info.layout = {.name = "bench",
-                 .rows = 2,
-                 .columns = 3,
-                 .row_pitch_m = 0.01,
-                 .column_pitch_m = 0.01,
-                 .taxel_area_m2 = 1e-4,
-                 .unit = TaxelUnit::kCounts,
-                 .contact_threshold = 5,
-                 .onset_threshold = 10};
+  info.layout =
+      tactus::testing::FlatLayout("bench", 2, 3, TaxelUnit::kCounts, 5, 10);
   info.scale = 0.5;
   info.sample_rate_hz = 100;
   return info;
