@@ -1,6 +1,7 @@
 #include "core/train/train_spec.h"
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -57,6 +58,11 @@ absl::Status SetShares(v1::ClassShares shares, FitOptions& options) {
 absl::StatusOr<FitOptions> OptionsOf(const v1::TrainSpec& spec,
                                      absl::string_view preset) {
   TACTUS_ASSIGN_OR_RETURN(FitOptions options, FitPreset(preset));
+  return ApplySpec(spec, std::move(options));
+}
+
+absl::StatusOr<FitOptions> ApplySpec(const v1::TrainSpec& spec,
+                                     FitOptions options) {
   if (spec.features_size() > 0) {
     std::vector<std::string> letters;
     for (const std::string& feature : spec.features()) {

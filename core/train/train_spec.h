@@ -20,6 +20,9 @@ namespace tactus {
 // which names the field.
 absl::StatusOr<FitOptions> OptionsOf(const v1::TrainSpec& spec,
                                      absl::string_view preset);
+// The same on top of other options than a preset's.
+absl::StatusOr<FitOptions> ApplySpec(const v1::TrainSpec& spec,
+                                     FitOptions options);
 
 // OK if there are such options for the preset that the spec names, or leaves to
 // be chosen.

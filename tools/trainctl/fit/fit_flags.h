@@ -21,28 +21,19 @@
 #include "core/eval/chosen_options.h"
 #include "core/train/fit.h"
 #include "tools/trainctl/command.h"
+#include "tools/trainctl/fit/spec_flags.h"
 
 namespace tactus::client {
 
 struct FitFlags {
-  // Empty: as chosen_options.h says.
-  std::string preset;
-  std::string features = "f,m,a";
-  std::string truth;  // empty: the preset's
-  std::string shares = "recorded";
-  uint64_t seed = 1;
+  SpecFlags spec;
+  // Those that a server does not know.
   int states = 0;
-  int mixtures = 0;
-  std::optional<int> networks;
-  int epochs = 0;
   std::optional<int> stretches;
-  int choice_work = kDefaultChoiceWork;
   bool no_estimates = false;
   bool skip_unusable = false;
   std::string hmm_cues;
   std::string lstm_cues;
-  std::string with_cues;
-  std::string without_cues;
 
   void Add(CLI::App& command);
   // Returns the first of these flags that was given, like "--preset"; empty if

@@ -7,10 +7,10 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "tools/trainctl/exit_code.h"
+#include "tools/trainctl/fit/spec_flags.h"
 #include "tools/trainctl/remote/flags.h"
 #include "tools/trainctl/remote/job.h"
 #include "tools/trainctl/remote/report.h"
-#include "tools/trainctl/remote/spec.h"
 #include "tools/trainctl/verbs.h"
 
 namespace tactus::client {

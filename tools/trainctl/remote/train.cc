@@ -4,9 +4,9 @@
 #include "absl/strings/str_cat.h"
 #include "client/training/retry.h"
 #include "core/base/status_macros.h"
+#include "tools/trainctl/fit/spec_flags.h"
 #include "tools/trainctl/remote/flags.h"
 #include "tools/trainctl/remote/job.h"
-#include "tools/trainctl/remote/spec.h"
 
 namespace tactus::client {
 namespace {
@@ -69,37 +69,7 @@ void AddTrain(CLI::App& app, const SelectCommand& select) {
       ->add_option("--model", flags->model,
                    "Model that gets a new version; it may be new")
       ->required();
-  command->add_option("--preset", flags->spec.preset,
-                      "auto, tuned, world, paper, pattern, whole-skin or "
-                      "profile; default: auto for a skin without poses, else "
-                      "tuned");
-  command->add_option("--choice-work", flags->spec.choice_work,
-                      "With preset auto: work that LSTMs may cost while "
-                      "presets are compared, in billions of multiplications; "
-                      "0 compares HMMs alone; default: 1,000");
-  command->add_option("--features", flags->spec.features,
-                      "Features that models may use: any of f (force), m "
-                      "(motion), a (area), like f,m");
-  command->add_option("--truth", flags->spec.truth,
-                      "What answers are about: final (the class in the end) "
-                      "or so-far (unmoved until the object has moved), instead "
-                      "of the preset's");
-  command->add_option("--shares", flags->spec.shares,
-                      "Prior of the classes in calibrated answers: "
-                      "recorded (as among the trials; the default) or even");
-  command->add_option("--seed", flags->spec.seed, "Seed of every random choice")
-      ->capture_default_str();
-  command->add_option("--networks", flags->spec.networks,
-                      "Number of LSTMs, instead of the preset's; 0 for none");
-  command->add_option("--epochs", flags->spec.epochs,
-                      "Epochs of LSTM training, instead of the preset's");
-  command->add_option("--hmms-per-class", flags->spec.hmms_per_class,
-                      "HMMs per class, instead of the preset's");
-  command->add_option("--with-cues", flags->spec.with_cues,
-                      "Cues that the LSTMs take beside the preset's, like "
-                      "force_pitch_short");
-  command->add_option("--without-cues", flags->spec.without_cues,
-                      "Cues that neither HMMs nor LSTMs take, like log_drag");
+  flags->spec.Add(*command);
   command->add_flag("--skip-unusable", flags->skip_unusable,
                     "Leave out trials that a model cannot use, instead of "
                     "refusing the dataset");

@@ -111,7 +111,7 @@ absl::Status Draw(const EvaluateFlags& flags, const Evaluation& result) {
   return DrawFigure(ReliabilityPlot(named), flags.figures + "/reliability.png");
 }
 
-// Measures how well `unknown` detects contacts of a category that was left out
+// Measures how well `unknown` detects contacts of a class that was left out
 // of training.
 absl::Status RunUnknown(const EvaluateFlags& flags) {
   ProgressDisplay display;
@@ -127,7 +127,7 @@ absl::Status RunUnknown(const EvaluateFlags& flags) {
   RemarkCopies(chosen.contacts);
   if (flags.json) {
     std::cout << JsonText(Json({{"protocol", flags.protocol},
-                                {"seed", flags.fit.seed},
+                                {"seed", flags.fit.spec.seed},
                                 {"preset", chosen.preset},
                                 {"choice", ChoiceToJson(chosen.choice)},
                                 {"categories", UnknownToJson(results)},
@@ -135,7 +135,7 @@ absl::Status RunUnknown(const EvaluateFlags& flags) {
               << "\n";
   } else {
     std::cout << ChoiceText(chosen.choice) << UnknownText(results)
-              << absl::StrFormat("seed %d, %.1f s\n", flags.fit.seed,
+              << absl::StrFormat("seed %d, %.1f s\n", flags.fit.spec.seed,
                                  SecondsSinceStart());
   }
   return absl::OkStatus();
@@ -156,7 +156,8 @@ absl::StatusOr<EvaluationRun> RunProtocol(const EvaluateFlags& flags,
                                           const Progress& progress) {
   // Nearest neighbours are not fitted by a preset.
   FitFlags fit = flags.fit;
-  if (flags.algorithm == "1nn" && fit.preset.empty()) fit.preset = "tuned";
+  if (flags.algorithm == "1nn" && fit.spec.preset.empty())
+    fit.spec.preset = "tuned";
   TACTUS_ASSIGN_OR_RETURN(
       const Protocol protocol,
       ParseProtocol(flags.protocol,
@@ -233,7 +234,7 @@ void Print(const EvaluateFlags& flags, const EvaluationRun& run,
     if (fitted) {
       json["preset"] = run.chosen.preset;
       json["choice"] = ChoiceToJson(run.chosen.choice);
-      json["seed"] = flags.fit.seed;
+      json["seed"] = flags.fit.spec.seed;
     }
     json["seconds"] = SecondsSinceStart();
     std::cout << JsonText(json) << "\n";
@@ -245,7 +246,7 @@ void Print(const EvaluateFlags& flags, const EvaluationRun& run,
             << EvaluationText(evaluation);
   if (fitted) {
     std::cout << absl::StrFormat("preset %s, seed %d, ", run.chosen.preset,
-                                 flags.fit.seed);
+                                 flags.fit.spec.seed);
   }
   std::cout << absl::StrFormat("%s trials, %.1f s\n", WithCommas(trials),
                                SecondsSinceStart());
@@ -312,7 +313,7 @@ std::vector<std::pair<std::string, std::string>> Facts(
         "preset",
         absl::StrCat(run.chosen.preset,
                      run.chosen.choice ? ", chosen by inner folds" : ""));
-    facts.emplace_back("seed", absl::StrCat(flags.fit.seed));
+    facts.emplace_back("seed", absl::StrCat(flags.fit.spec.seed));
   } else {
     facts.emplace_back("bundle", flags.model);
   }

@@ -14,7 +14,7 @@ using ::testing::Not;
 TEST(FitFlagsTest, WithCuesGivesThemToTheLstms) {
   const auto preset = FitFlags().Options("world");
   FitFlags flags;
-  flags.with_cues = "force_pitch_short,log_row_spread";
+  flags.spec.with_cues = "force_pitch_short,log_row_spread";
   const auto more = flags.Options("world");
   ASSERT_TRUE(preset.ok() && more.ok()) << more.status();
   EXPECT_EQ(more->hmm_cues, preset->hmm_cues);
@@ -27,10 +27,10 @@ TEST(FitFlagsTest, WithCuesGivesThemToTheLstms) {
 TEST(FitFlagsTest, WithCuesRefusesWhatHasNoEffect) {
   FitFlags flags;
   const auto refused = [&](const char* cues, const char* preset) {
-    flags.with_cues = cues;
+    flags.spec.with_cues = cues;
     const absl::Status status = flags.Options(preset).status();
     EXPECT_EQ(ReasonOf(status), "INVALID_CONFIG") << cues;
-    EXPECT_THAT(status.message(), HasSubstr("--with-cues"));
+    EXPECT_THAT(status.message(), HasSubstr("with_cues"));
   };
   refused("log_drag", "world");
   refused("log_dreg", "world");
@@ -41,7 +41,7 @@ TEST(FitFlagsTest, WithCuesRefusesWhatHasNoEffect) {
 TEST(FitFlagsTest, WithoutCuesTakesThemFromAllInputs) {
   const auto all = FitFlags().Options("world");
   FitFlags flags;
-  flags.without_cues = "log_drag,log_area";
+  flags.spec.without_cues = "log_drag,log_area";
   const auto fewer = flags.Options("world");
   ASSERT_TRUE(all.ok() && fewer.ok()) << fewer.status();
   EXPECT_EQ(fewer->hmm_cues.size(), all->hmm_cues.size() - 2);
@@ -58,13 +58,13 @@ TEST(FitFlagsTest, WithoutCuesTakesThemFromAllInputs) {
 TEST(FitFlagsTest, WithoutCuesRefusesWhatHasNoEffect) {
   FitFlags flags;
   for (const char* cue : {"row_load_0", "log_dreg", "log_drag,log_drag"}) {
-    flags.without_cues = cue;
+    flags.spec.without_cues = cue;
     const absl::Status status = flags.Options("world").status();
     EXPECT_EQ(ReasonOf(status), "INVALID_CONFIG") << cue;
-    EXPECT_THAT(status.message(), HasSubstr("--without-cues"));
+    EXPECT_THAT(status.message(), HasSubstr("without_cues"));
   }
   // Without any cue, models would take the features themselves.
-  flags.hmm_cues = flags.without_cues = "log_drag";
+  flags.hmm_cues = flags.spec.without_cues = "log_drag";
   EXPECT_EQ(ReasonOf(flags.Options("world").status()), "INVALID_CONFIG");
 }
 

@@ -1,16 +1,22 @@
-// File: spec.h
+// File: spec_flags.h
 //
-// How a server is to fit models, from the flags of `train` and `evaluate`.
+// SpecFlags: the flags of a TrainSpec, which say how models are to be fitted,
+// here or by a server.
 //
+//   SpecFlags flags;
+//   flags.Add(*command);
 //   TACTUS_ASSIGN_OR_RETURN(v1::TrainSpec spec, TrainSpecOf(flags));
 //
-// Thread-safe: a free function without state.
+// The command line writes to the SpecFlags, which must not move after Add().
+// Not thread-safe.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "CLI/CLI.hpp"
 #include "absl/status/statusor.h"
 #include "tactus/v1/operations.pb.h"
 
@@ -29,11 +35,14 @@ struct SpecFlags {
   std::optional<uint32_t> choice_work;
   std::string with_cues;     // "force_pitch_short,force_pitch_long"
   std::string without_cues;  // "log_drag"
+
+  // Returns the options that it adds; the command owns them.
+  std::vector<const CLI::Option*> Add(CLI::App& command);
 };
 
 // The spec, without its dataset and model. INVALID_CONFIG, with the exit code
-// of wrong usage, for words that are not those above. The server checks the
-// rest.
+// of wrong usage, for words that are not those above. ApplySpec and the server
+// check the rest.
 absl::StatusOr<v1::TrainSpec> TrainSpecOf(const SpecFlags& flags);
 
 }  // namespace tactus::client
