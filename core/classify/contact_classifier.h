@@ -6,7 +6,7 @@
 //   for (const ContactSample& sample : contact) classifier.Step(sample, 0);
 //   classifier.probability();
 //
-// Scores the HMMs of every category with the incremental forward algorithm (or
+// Scores the HMMs of every class with the incremental forward algorithm (or
 // Viterbi) and steps the LSTMs, both at the model's intervals (step_clock.h).
 // Memory is constant; nothing allocates. Skips what skip_rules.h allows.
 //

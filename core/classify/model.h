@@ -57,8 +57,8 @@ struct InputSpec {
   TaxelEmbedding embedding;
 };
 
-// What a posterior is about: the category that the contact has in the end, or
-// its category so far, in which an object is unmoved until it moves.
+// What a posterior is about: the class that the contact has in the end, or
+// its class so far, in which an object is unmoved until it moves.
 enum class Truth { kFinal, kSoFar };
 
 // What a model takes the motion from. A model that was fitted with poses reads

@@ -14,7 +14,7 @@
 //   one factor, forces are larger by that factor and motions do not change. The
 //   ringing keeps this symmetry too.
 //
-// Changing pace or load never changes the category. Changing stiffness is
+// Changing pace or load never changes the class. Changing stiffness is
 // allowed only if the object stays on its side of the hard/soft border.
 //
 //   Random random(seed);

@@ -12,20 +12,20 @@
 namespace tactus {
 namespace {
 
-constexpr size_t kMinCategories = 3;
+constexpr size_t kMinClasses = 3;
 constexpr double kUnknown = 0.5;
 // 97.5 % of a normal distribution lie below.
 constexpr double kNormal95 = 1.959963984540054;
 
 // Returns `unknown` of every contact of `fold`, by a model that is fitted to
-// the contacts outside of `fold` and of `category`.
+// the contacts outside of `fold` and of the class `left_out`.
 absl::StatusOr<std::vector<double>> ScoreFold(
     const std::vector<const LabelledContact*>& contacts,
-    const std::vector<int>& fold, const std::string& category,
+    const std::vector<int>& fold, const std::string& left_out,
     const FitOptions& options, const Progress& progress) {
   std::vector<const LabelledContact*> rest;
   for (int i : Complement(fold, static_cast<int>(contacts.size()))) {
-    if (contacts[i]->label != category) rest.push_back(contacts[i]);
+    if (contacts[i]->label != left_out) rest.push_back(contacts[i]);
   }
   TACTUS_ASSIGN_OR_RETURN(Model model,
                           FitModel(rest, options, RunSerially, progress));
@@ -84,11 +84,11 @@ absl::StatusOr<std::vector<UnknownResult>> EvaluateUnknown(
     const std::vector<const LabelledContact*>& contacts,
     const FitOptions& options, const ParallelFor& parallel,
     const Progress& progress) {
-  const std::vector<std::string> categories = ClassNames(contacts);
-  if (categories.size() < kMinCategories) {
+  const std::vector<std::string> classes = ClassNames(contacts);
+  if (classes.size() < kMinClasses) {
     return InvalidTrainingData(
-        absl::StrCat("the contacts have ", categories.size(),
-                     " categories; leaving one out takes ", kMinCategories));
+        absl::StrCat("the contacts have ", classes.size(),
+                     " classes; leaving one out takes ", kMinClasses));
   }
   TACTUS_ASSIGN_OR_RETURN(const auto folds,
                           MakeFolds(contacts, Protocol::kLeaveOneConditionOut));
@@ -99,7 +99,7 @@ absl::StatusOr<std::vector<UnknownResult>> EvaluateUnknown(
   needed.lstm.networks = estimates ? 1 : 0;
   needed.lstm.cells = {1};
 
-  const size_t jobs = categories.size() * folds.size();
+  const size_t jobs = classes.size() * folds.size();
   std::vector<absl::StatusOr<std::vector<double>>> unknown(
       jobs, std::vector<double>());
   const Progress job_progress = progress.Part("fit and test folds", 1)
@@ -107,24 +107,24 @@ absl::StatusOr<std::vector<UnknownResult>> EvaluateUnknown(
   parallel(static_cast<int>(jobs), [&](int job) {
     unknown[job] =
         ScoreFold(contacts, folds[job % folds.size()],
-                  categories[job / folds.size()], needed, job_progress);
+                  classes[job / folds.size()], needed, job_progress);
   });
 
   std::vector<UnknownResult> results;
-  for (size_t c = 0; c < categories.size(); ++c) {
+  for (size_t c = 0; c < classes.size(); ++c) {
     std::vector<double> left_out;
     std::vector<double> known;
     for (size_t f = 0; f < folds.size(); ++f) {
       const auto& scores = unknown[c * folds.size() + f];
       TACTUS_RETURN_IF_ERROR(scores.status());
       for (size_t i = 0; i < folds[f].size(); ++i) {
-        const bool is_known = contacts[folds[f][i]]->label != categories[c];
+        const bool is_known = contacts[folds[f][i]]->label != classes[c];
         (is_known ? known : left_out).push_back((*scores)[i]);
       }
     }
     const double area = AreaUnderRoc(left_out, known);
     results.push_back(
-        {.category = categories[c],
+        {.left_out = classes[c],
          .contacts = static_cast<int>(left_out.size()),
          .other_contacts = static_cast<int>(known.size()),
          .detected = FractionAbove(left_out, kUnknown),

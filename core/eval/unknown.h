@@ -1,8 +1,8 @@
 // File: unknown.h
 //
-// Measures how well `unknown` detects contacts of a category that was left out
-// of training. A model of all other categories classifies contacts of that
-// category and of the others, all from a robot condition that was left out too.
+// Measures how well `unknown` detects contacts of a class that was left out
+// of training. A model of all other classes classifies contacts of that
+// class and of the others, all from a robot condition that was left out too.
 //
 //   TACTUS_ASSIGN_OR_RETURN(auto result,
 //                           EvaluateUnknown(contacts, options, RunSerially));
@@ -24,26 +24,26 @@
 namespace tactus {
 
 struct UnknownResult {
-  // The category left out of fitting.
-  std::string category;
-  // Number of contacts of that category, and of the others.
+  // The class left out of fitting.
+  std::string left_out;
+  // Number of contacts of that class, and of the others.
   int contacts = 0;
   int other_contacts = 0;
   // Fraction of those contacts, and of the others, whose `unknown` is above one
   // half after the last frame.
   double detected = 0;
   double false_alarms = 0;
-  // Probability that a contact of the category has a larger `unknown` than a
+  // Probability that a contact of the class has a larger `unknown` than a
   // contact of the others; 0.5 is chance.
   double area_under_roc = 0;
   // Its 95 % interval.
   Interval area_interval;
 };
 
-// Returns one entry per category. The number and the size of the LSTMs that
+// Returns one entry per class. The number and the size of the LSTMs that
 // classify do not change `unknown`; without any, or without estimates, it comes
 // from the HMMs alone. INVALID_TRAINING_DATA if there are fewer than three
-// categories; else the errors of FitModel.
+// classes; else the errors of FitModel.
 absl::StatusOr<std::vector<UnknownResult>> EvaluateUnknown(
     const std::vector<const LabelledContact*>& contacts,
     const FitOptions& options, const ParallelFor& parallel,

@@ -1,14 +1,14 @@
 // File: hmm_bank.h
 //
-// All categories' HMMs of one model, packed so that they are scored together:
+// All classes' HMMs of one model, packed so that they are scored together:
 // components of one shape lie side by side, in float if its precision suffices,
-// else in double. The score of a category is log sum_k weight_k p(o | hmm_k).
+// else in double. The score of a class is log sum_k weight_k p(o | hmm_k).
 //
 //   TACTUS_ASSIGN_OR_RETURN(HmmBank bank, HmmBank::Create(mixtures));
 //   BankFilter filter(bank, Score::kForward);
 //   filter.Step(observation);         // per frame
 //   filter.Skip(3);                   // three frames were lost
-//   filter.LogLikelihood(scores);     // one per category
+//   filter.LogLikelihood(scores);     // one per class
 //
 // Precision, relative to the sum of the frames' absolute log-densities: 1e-6 in
 // float and 1e-12 in double. See scaled_filter.h for outliers.
@@ -29,18 +29,18 @@ namespace tactus {
 
 class HmmBank {
  public:
-  // mixtures: one per category, at least one. Fails as Validate(mixture) does,
+  // mixtures: one per class, at least one. Fails as Validate(mixture) does,
   // and with INVALID_MODEL if their dimensions differ.
   static absl::StatusOr<HmmBank> Create(std::span<const HmmMixture> mixtures);
 
   int dimensions() const { return dimensions_; }
-  int categories() const { return static_cast<int>(first_.size()) - 1; }
+  int classes() const { return static_cast<int>(first_.size()) - 1; }
 
  private:
   friend class BankFilter;
 
   // Components of one shape; `component` holds their indices, counted through
-  // all categories.
+  // all classes.
   struct FloatGroup {
     std::vector<int> component;
     ScaledModel<float> model;
@@ -56,10 +56,10 @@ class HmmBank {
   int dimensions_ = 0;
   std::vector<FloatGroup> floats_;
   std::vector<DoubleGroup> doubles_;
-  // Mantissa and exponent of the weights of all categories' components in turn.
+  // Mantissa and exponent of the weights of all classes' components in turn.
   std::vector<double> weight_mantissa_;
   std::vector<double> weight_exponent_;
-  // Index of each category's first component, then the number of components.
+  // Index of each class's first component, then the number of components.
   std::vector<int> first_;
 };
 
@@ -72,8 +72,8 @@ class BankFilter {
   void Step(std::span<const double> observation);
   void Skip(int missing);
 
-  // Writes each category's log sum_k weight_k p(o_1 .. o_t | k), or of the best
-  // paths, in nats; finite, 0 before the first frame. out: [categories]
+  // Writes each class's log sum_k weight_k p(o_1 .. o_t | k), or of the best
+  // paths, in nats; finite, 0 before the first frame. out: [classes]
   void LogLikelihood(std::span<double> out);
 
  private:

@@ -1,9 +1,9 @@
 // File: mixture.h
 //
-// A category modelled by several HMMs: log p(o | category) =
+// A class modelled by several HMMs: log p(o | class) =
 // log sum_k weight_k p(o | hmm_k). The paper's model has one component. With
 // several, each models one cluster of trials (train_mixture.h). HmmBank scores
-// the mixtures of all categories.
+// the mixtures of all classes.
 //
 //   HmmMixture mixture = {.log_weight = {0}, .components = {model}};
 //   TACTUS_RETURN_IF_ERROR(Validate(mixture));

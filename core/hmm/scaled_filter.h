@@ -2,7 +2,7 @@
 //
 // The incremental forward algorithm, or Viterbi algorithm, of all HMMs of a
 // ScaledModel: one call per frame, constant memory. HmmBank combines the
-// results into categories.
+// results into classes.
 //
 //   ScaledFilter<float> filter(packed, {}, Score::kForward);
 //   filter.Step(observation);

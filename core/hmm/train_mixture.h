@@ -1,13 +1,13 @@
 // File: train_mixture.h
 //
-// Trains the mixture of HMMs of one category: k-means groups the trials by the
+// Trains the mixture of HMMs of one class: k-means groups the trials by the
 // shape of their trajectories, Baum-Welch trains one HMM per group, and the
 // weight of an HMM is the fraction of the trials in its group.
 //
 //   TrainMixtureOptions options;
 //   options.components = 10;
 //   TACTUS_ASSIGN_OR_RETURN(TrainedMixture trained,
-//                           TrainMixture(trials_of_category, options));
+//                           TrainMixture(trials_of_class, options));
 //
 // Thread-safe: a free function; deterministic given options.baum_welch.seed.
 #pragma once

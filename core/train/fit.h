@@ -1,7 +1,7 @@
 // File: fit.h
 //
 // Fitting a Model to labelled contacts: feature scaling, one mixture of HMMs
-// per category, calibration on inner folds.
+// per class, calibration on inner folds.
 //
 //   TACTUS_ASSIGN_OR_RETURN(FitOptions options, FitPreset("tuned"));
 //   TACTUS_ASSIGN_OR_RETURN(Model model,

@@ -107,13 +107,13 @@ std::vector<Cue> CuesFor(const std::vector<Cue>& cues,
 // (ExtractOptions::whole_skin).
 bool UsesWholeSkin(const FitOptions& options);
 
-// "paper": one 10-state left-right HMM a category on the scaled features,
+// "paper": one 10-state left-right HMM a class on the scaled features,
 // scored by Viterbi, and a 2 x 50 softsign LSTM on every frame (Section
 // "Algorithm Parameters").
 // "tuned": mixtures of HMMs and an LSTM on cues, fused.
 // "world": as "tuned", for 10,000 contacts and more of many objects and arms
 // (docs/simulator.md). No copies, held-out contacts instead of inner folds, and
-// answers about the category so far.
+// answers about the class so far.
 // "profile": mixtures of HMMs on the load profile, for recordings on a skin
 // whose place matters (research/recordings.md).
 // "pattern": mixtures of HMMs on a learned linear embedding of all taxels, for

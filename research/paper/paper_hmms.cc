@@ -9,7 +9,7 @@
 // - A broken HMM is invalid after training: it holds a NaN, or a covariance is
 //   not positive definite.
 // - A contact is refused if libghmm finds no path for it in the HMM of its own
-//   category. Its answer counts as wrong.
+//   class. Its answer counts as wrong.
 //
 // Progress goes to stderr, a Markdown table to stdout.
 #include <algorithm>
@@ -108,7 +108,7 @@ void Scale(const std::vector<int>& training, int dimensions,
   }
 }
 
-// Training contacts and HMM of one category.
+// Training contacts and HMM of one class.
 struct Category {
   std::string label;
   std::vector<SequenceView> contacts;
@@ -135,7 +135,7 @@ absl::Status Train(const Variant& variant, Category& category) {
   return BaumWelch(category.contacts, training, category.hmm).status();
 }
 
-// Log-likelihood of the best path, [contacts x categories].
+// Log-likelihood of the best path, [contacts x classes].
 using Scores = std::vector<std::vector<double>>;
 
 absl::StatusOr<Scores> ScoreHere(const std::vector<Category>& categories,
@@ -174,7 +174,7 @@ Scores ScoreWithLibghmm(const std::vector<Category>& categories,
 
 struct Count {
   int right = 0;
-  // Contacts without a path in the HMM of their own category.
+  // Contacts without a path in the HMM of their own class.
   int refused = 0;
   int hmms = 0;
   // HMMs that are invalid after training.

@@ -6,7 +6,7 @@
 //
 // | array | shape | meaning |
 // |---|---|---|
-// | label | N | category in the end |
+// | label | N | class in the end |
 // | material | N | name of the material |
 // | condition | N | name of the robot condition |
 // | felt | N x 500 x 4 | largest taxel (N), area (m^2), motion (m), net force |

@@ -60,7 +60,7 @@ std::unique_ptr<Benchmark> MakeSkippingBenchmark();
 std::unique_ptr<Benchmark> MakeServedBenchmark();
 
 // `trainctl fit` of the preset `tuned` (one network, two epochs, five HMMs a
-// category) on more and more contacts of the random world, ideal signals. Rows
+// class) on more and more contacts of the random world, ideal signals. Rows
 // fit-scale/TRIALS/time (s of processor time) and fit-scale/TRIALS/memory (MB,
 // the peak). --table and --figure show the same.
 std::unique_ptr<Benchmark> MakeFitScaleBenchmark();
@@ -84,7 +84,7 @@ std::unique_ptr<Benchmark> MakeIdleBenchmark();
 // Scoring one frame with HMMs, compared with libghmm, and the error of a long
 // contact's score, compared with long double. Rows hmm/forward and hmm/viterbi:
 // ns per frame and model, 4 left-right models of 10 states and 3 features. Row
-// hmm/default-bundle: ns per frame of the default bundle's shape, 4 categories
+// hmm/default-bundle: ns per frame of the default bundle's shape, 4 classes
 // of 20 such models.
 std::unique_ptr<Benchmark> MakeHmmBenchmark();
 

@@ -86,7 +86,7 @@ absl::StatusOr<double> AccuracyOf(
 absl::StatusOr<MeasuredClassifiers> MeasureClassifiers(
     const FrontierContacts& contacts, bool quick);
 
-// An error is the largest of a category's log-likelihood, in nats per scored
+// An error is the largest of a class's log-likelihood, in nats per scored
 // frame, against logarithms in long double. Returns NUMERICAL_FAILURE if an
 // error exceeds the scorer's stated bound; pruned scorers state none.
 absl::StatusOr<std::vector<FrontierPoint>> MeasurePrecision(

@@ -31,7 +31,7 @@ constexpr double kNoTolerance = std::numeric_limits<double>::infinity();
 struct Sequence {
   std::vector<double> observations;
   int label = 0;
-  std::vector<long double> truth;  // one score per category
+  std::vector<long double> truth;  // one score per class
 };
 
 std::vector<Sequence> MakeSequences(

@@ -23,7 +23,7 @@ constexpr char kReference[] = "long double, relative";
 struct Shape {
   const char* name;
   int categories;
-  int components;  // of each category
+  int components;  // of each class
   Score score;
   // Scores are read on every frame, as a stream does; else at the end, as
   // libghmm gives them.
@@ -52,7 +52,7 @@ std::vector<HmmMixture> DrawCategories(const Shape& shape, Random& random) {
   return categories;
 }
 
-// Scores of all categories after `observations`.
+// Scores of all classes after `observations`.
 void ScoreOurs(const Shape& shape, BankFilter& filter,
                const std::vector<double>& observations,
                std::vector<double>& scores) {
@@ -64,7 +64,7 @@ void ScoreOurs(const Shape& shape, BankFilter& filter,
   filter.LogLikelihood(scores);
 }
 
-// Largest relative difference of a category's score from the reference.
+// Largest relative difference of a class's score from the reference.
 double RelativeError(const std::vector<HmmMixture>& categories, Score score,
                      const std::vector<double>& observations,
                      const std::vector<double>& got) {

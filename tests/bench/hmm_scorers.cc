@@ -31,7 +31,7 @@ class BankScorer : public HmmScorer {
   BankFilter filter_;
 };
 
-// Scores each component alone and adds up the components of each category.
+// Scores each component alone and adds up the components of each class.
 class ComponentScorer : public HmmScorer {
  public:
   explicit ComponentScorer(const std::vector<HmmMixture>& mixtures)
@@ -160,10 +160,10 @@ struct State {
   // Values of this frame; 0 for a state that is not reached.
   double predicted = 0;
   double log_density = 0;
-  double mass = 0;  // fraction of the category's forward mass
+  double mass = 0;  // fraction of the class's forward mass
 };
 
-// All components of a category as one HMM.
+// All components of a class as one HMM.
 class PrunedCategory {
  public:
   PrunedCategory(const HmmMixture& mixture, double bound) : bound_(bound) {

@@ -1,6 +1,6 @@
 // File: hmm_scorers.h
 //
-// Ways to score the HMMs of all categories frame by frame, in different
+// Ways to score the HMMs of all classes frame by frame, in different
 // precisions: scaled in float as served, scaled in double, logarithms in
 // double, and without states of little weight.
 //
@@ -37,7 +37,7 @@ class HmmScorer {
   virtual ~HmmScorer() = default;
   virtual void Reset() = 0;
   virtual void Step(std::span<const double> observation) = 0;
-  // Writes one log-likelihood per category.
+  // Writes one log-likelihood per class.
   virtual void Scores(std::span<double> out) = 0;
 };
 
@@ -55,7 +55,7 @@ absl::StatusOr<std::unique_ptr<HmmScorer>> MakeLogarithmScorer(
 
 // Scaled in double, without states of little weight. After each frame, the
 // scorer drops the states that hold at most a fraction `bound` of their
-// category's forward mass. A dropped state returns when a transition from a
+// class's forward mass. A dropped state returns when a transition from a
 // kept state leads to it. A bound of 0 drops the states whose mass underflows.
 // The server keeps all states (docs/skipping.md). mixtures: valid.
 std::unique_ptr<HmmScorer> MakePrunedScorer(

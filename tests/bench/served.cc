@@ -42,7 +42,7 @@ struct ServedVariant {
 
 struct ServedPoint {
   double nanoseconds = 0;
-  // Wrong answers about the category so far, as fractions: mean over the times
+  // Wrong answers about the class so far, as fractions: mean over the times
   // of kAnytimeSeconds, 1.2 s after onset, and at the end.
   double wrong = 0;
   double wrong_soon = 0;

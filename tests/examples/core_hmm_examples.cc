@@ -94,7 +94,7 @@ static void SequenceBatchExample(const Sequences& sequences, int t) {
 #include "core/hmm/sequence_batch.h.inc"
 }
 
-static absl::Status TrainMixtureExample(const Sequences& trials_of_category) {
+static absl::Status TrainMixtureExample(const Sequences& trials_of_class) {
 #include "core/hmm/train_mixture.h.inc"
   return absl::OkStatus();
 }

@@ -23,7 +23,7 @@ size_t DashedLines(const Evaluation& evaluation) {
 TEST(FigureOfOtherClassesTest, HasNoLineOfThePaper) {
   EXPECT_EQ(DashedLines(Of({"cup", "mug"}, false)), 0u);
   EXPECT_EQ(DashedLines(Of({"cup", "mug"}, true)), 0u);
-  // Recordings with the paper's categories are no simulations either.
+  // Recordings with the paper's classes are no simulations either.
   EXPECT_EQ(DashedLines(Of({"HU", "HM", "SU", "SM"}, false)), 0u);
   EXPECT_EQ(DashedLines(Of({"HU", "HM", "SU", "SM"}, true)), 1u);
 }

@@ -1,6 +1,6 @@
 // File: class_words.h
 //
-// The names of the four categories of the paper in words. Models and files have
+// The names of the four classes of the paper in words. Models and files have
 // the short ones.
 //
 //   ClassWords("HU");     // "hard-unmoved"

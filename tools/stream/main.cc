@@ -328,7 +328,7 @@ int Main(int argc, char** argv) {
                  "MCAP file to record frames, poses and answers to; it must "
                  "not exist");
   app.add_option("--label", flags.label,
-                 "Category of the contacts in the recording of a real skin");
+                 "Class of the contacts in the recording of a real skin");
   app.add_option("--condition", flags.condition,
                  "Robot condition in the recording of a real skin");
   app.add_option("--object", flags.object,

@@ -2,7 +2,7 @@
 //
 // A world of random contacts, to train and test models on more than a
 // laboratory could record. Everything is drawn independently, so that nothing
-// about an object but its physics is correlated with its category.
+// about an object but its physics is correlated with its class.
 //
 //   for (uint64_t n = 0; n < 100'000; ++n) {
 //     TACTUS_ASSIGN_OR_RETURN(Trial trial, WorldTrial(skin, seed, n));

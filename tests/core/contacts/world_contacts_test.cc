@@ -128,7 +128,7 @@ TEST(MakeWorldContactsTest, PoseNoiseIsTheSameInAllContacts) {
   }
 }
 
-// The category so far is that of an unmoved object until it has moved by 1 mm,
+// The class so far is that of an unmoved object until it has moved by 1 mm,
 // and in the end that of the label.
 TEST(MakeWorldContactsTest, TheLabelSoFarEndsAsTheLabel) {
   WorldRecipe recipe;

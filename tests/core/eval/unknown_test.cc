@@ -28,7 +28,7 @@ TEST(AreaIntervalTest, IsHanleyAndMcNeils) {
   EXPECT_EQ(AreaInterval(0.5, 0, 5).low, 0);
 }
 
-// Three categories on three levels of force, at two conditions.
+// Three classes on three levels of force, at two conditions.
 std::vector<LabelledContact> Levels() {
   std::vector<LabelledContact> contacts;
   Random random(1);
@@ -59,13 +59,13 @@ TEST(EvaluateUnknownTest, FindsWhatIsFarFromAllThatWasFitted) {
   ASSERT_TRUE(results.ok()) << results.status();
   ASSERT_EQ(results->size(), 3u);
   const UnknownResult& far = (*results)[2];
-  EXPECT_EQ(far.category, "c");
+  EXPECT_EQ(far.left_out, "c");
   EXPECT_EQ(far.detected, 1);
   EXPECT_EQ(far.area_under_roc, 1);
   EXPECT_LT(far.false_alarms, 0.2);
 }
 
-// The HMMs see the area alone, which says nothing of the category, and the
+// The HMMs see the area alone, which says nothing of the class, and the
 // estimator the force. Networks that classify are only needed to have an
 // estimator, so their number changes nothing.
 TEST(EvaluateUnknownTest, FindsTheSoftestIfThereAreNetworks) {
@@ -89,7 +89,7 @@ TEST(EvaluateUnknownTest, FindsTheSoftestIfThereAreNetworks) {
     const auto results =
         EvaluateUnknown(testing::PointersTo(contacts), options, RunSerially);
     EXPECT_TRUE(results.ok()) << results.status();
-    EXPECT_EQ(results->back().category, "SM");
+    EXPECT_EQ(results->back().left_out, "SM");
     return results->back().area_under_roc;
   };
   EXPECT_LT(softest(0), 0.6);

@@ -16,7 +16,7 @@
 namespace tactus {
 namespace {
 
-// Scores of a category by the log-domain filters of its components.
+// Scores of a class by the log-domain filters of its components.
 class Reference {
  public:
   Reference(const HmmMixture& mixture, Score score)
@@ -61,7 +61,7 @@ class Reference {
   std::vector<ViterbiFilter> viterbi_;
 };
 
-// Categories of 1 to `most` components of 1 to 12 states.
+// Classes of 1 to `most` components of 1 to 12 states.
 std::vector<HmmMixture> RandomCategories(int dimensions, CovarianceType type,
                                          bool left_right, int most,
                                          Random& random) {

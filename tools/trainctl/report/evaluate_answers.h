@@ -9,8 +9,8 @@
 // | column | meaning |
 // |---|---|
 // | trial | the id |
-// | label | the category in the end |
-// | label_so_far | the category so far at the last frame, if it is another |
+// | label | the class in the end |
+// | label_so_far | the class so far at the last frame, if it is another |
 // | answer | the most probable class after the last frame |
 // | probability_NAME | of each class NAME, after the last frame |
 //

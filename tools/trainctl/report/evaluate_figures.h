@@ -55,7 +55,7 @@ LinePlot AnytimePlot(const NamedEvaluation& shown,
                      std::optional<Experiment> paper);
 
 // The experiment of the paper that an evaluation may be compared with: that of
-// simulated contacts with the paper's four categories. Nothing for others.
+// simulated contacts with the paper's four classes. Nothing for others.
 std::optional<Experiment> ComparableExperiment(const Evaluation& evaluation);
 
 // Percentage of right answers over the claimed probability, after the last

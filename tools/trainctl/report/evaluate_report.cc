@@ -73,8 +73,8 @@ Json ToJson(const std::vector<ReliabilityBin>& bins) {
   return list;
 }
 
-// The outcomes at one of the anytime moments, judged by the category in the end
-// or by the category so far.
+// The outcomes at one of the anytime moments, judged by the class in the end
+// or by the class so far.
 std::vector<Outcome> Judged(std::vector<Outcome> outcomes,
                             const Evaluation& result, int time, bool so_far) {
   for (size_t i = 0; so_far && i < outcomes.size(); ++i) {
@@ -382,7 +382,7 @@ std::string EvaluationText(const Json& r) {
 Json UnknownToJson(const std::vector<UnknownResult>& results) {
   Json categories = Json::array();
   for (const UnknownResult& r : results) {
-    categories.push_back({{"category", r.category},
+    categories.push_back({{"category", r.left_out},
                           {"contacts", r.contacts},
                           {"detected", r.detected},
                           {"other_contacts", r.other_contacts},
@@ -400,7 +400,7 @@ std::string UnknownText(const std::vector<UnknownResult>& results) {
         &text,
         "without %s: unknown are %s of its %s contacts and %s of the %s "
         "others; area under the ROC curve %.3f (95 %% interval %.3f to %.3f)\n",
-        r.category, Percent(r.detected), WithCommas(r.contacts),
+        r.left_out, Percent(r.detected), WithCommas(r.contacts),
         Percent(r.false_alarms), WithCommas(r.other_contacts), r.area_under_roc,
         r.area_interval.low, r.area_interval.high);
   }

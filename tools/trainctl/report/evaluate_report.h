@@ -47,7 +47,7 @@ void NameConfusions(const std::vector<WrongAnswer>& wrong, Json& evaluation);
 // newline.
 std::string EvaluationText(const Json& evaluation);
 
-// The results for contacts of left-out categories.
+// The results for contacts of left-out classes.
 Json UnknownToJson(const std::vector<UnknownResult>& results);
 std::string UnknownText(const std::vector<UnknownResult>& results);
 

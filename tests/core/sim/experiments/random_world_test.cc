@@ -28,7 +28,7 @@ double Correlation(const std::vector<double>& a, const std::vector<double>& b) {
   return ab / std::sqrt(aa * bb);
 }
 
-// What decides the category (stiffness, mass, friction, fixed) tells nothing
+// What decides the class (stiffness, mass, friction, fixed) tells nothing
 // about anything else that is drawn.
 TEST(RandomWorldTest, NothingButPhysicsIsCorrelatedWithTheObject) {
   const SkinModel skin = *SkinModelNamed("good");
