@@ -58,8 +58,7 @@ OptionsRequest FitFlags::Request(bool without_poses) const {
       .without_poses = without_poses,
       .skip_unusable = skip_unusable,
       .networks_given = spec.networks.has_value(),
-      .choice_work =
-          static_cast<int>(spec.choice_work.value_or(kDefaultChoiceWork)),
+      .choice_work = spec.choice_work.value_or(kDefaultChoiceWork),
       .options_of = [this](absl::string_view name) { return Options(name); }};
 }
 

@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
@@ -31,6 +32,20 @@ absl::StatusOr<Value> Named(const std::map<std::string, Value>& values,
   return WithExitCode(InvalidConfig(flag, text, want), kExitUsage);
 }
 
+// Calls `set` with the number, if there is one, for a field of the spec.
+template <typename Set>
+absl::Status SetCount(const char* flag, const std::optional<int>& count,
+                      int64_t least, int64_t most, Set set) {
+  if (!count) return absl::OkStatus();
+  if (*count < least || *count > most) {
+    return WithExitCode(
+        InvalidConfig(flag, *count, absl::StrCat(least, " to ", most)),
+        kExitUsage);
+  }
+  set(static_cast<uint32_t>(*count));
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 std::vector<const CLI::Option*> SpecFlags::Add(CLI::App& command) {
@@ -39,12 +54,11 @@ std::vector<const CLI::Option*> SpecFlags::Add(CLI::App& command) {
                          "auto, tuned, world, paper, pattern, whole-skin or "
                          "profile; default: auto for a skin without poses, "
                          "else tuned"),
-      command
-          .add_option("--choice-work", choice_work,
-                      "With preset auto: work that LSTMs may cost while "
-                      "presets are compared, in billions of multiplications; "
-                      "0 compares HMMs alone; default: 1,000")
-          ->check(CLI::Range(0, static_cast<int>(limits::kMaxChoiceWork))),
+      command.add_option("--choice-work", choice_work,
+                         "With preset auto: work that LSTMs may cost while "
+                         "presets are compared, in billions of "
+                         "multiplications; 0 compares HMMs alone; default: "
+                         "1,000"),
       command.add_option("--features", features,
                          "Features that models may use: any of f (force), m "
                          "(motion), a (area), like f,m"),
@@ -93,10 +107,18 @@ absl::StatusOr<v1::TrainSpec> TrainSpecOf(const SpecFlags& flags) {
       Named(kShares, "--shares", flags.shares, "recorded or even"));
   spec.set_shares(shares);
   spec.set_seed(flags.seed);
-  if (flags.networks) spec.set_networks(*flags.networks);
-  if (flags.epochs) spec.set_epochs(*flags.epochs);
-  if (flags.hmms_per_class) spec.set_hmms_per_class(*flags.hmms_per_class);
-  if (flags.choice_work) spec.set_choice_work(*flags.choice_work);
+  TACTUS_RETURN_IF_ERROR(
+      SetCount("--networks", flags.networks, 0, limits::kMaxLstms,
+               [&](uint32_t count) { spec.set_networks(count); }));
+  TACTUS_RETURN_IF_ERROR(
+      SetCount("--epochs", flags.epochs, 1, limits::kMaxEpochs,
+               [&](uint32_t count) { spec.set_epochs(count); }));
+  TACTUS_RETURN_IF_ERROR(SetCount(
+      "--hmms-per-class", flags.hmms_per_class, 1, limits::kMaxHmmsPerClass,
+      [&](uint32_t count) { spec.set_hmms_per_class(count); }));
+  TACTUS_RETURN_IF_ERROR(
+      SetCount("--choice-work", flags.choice_work, 0, limits::kMaxChoiceWork,
+               [&](uint32_t count) { spec.set_choice_work(count); }));
   if (!flags.with_cues.empty()) {
     for (const auto cue : absl::StrSplit(flags.with_cues, ',')) {
       spec.add_with_cues(std::string(cue));

@@ -29,10 +29,10 @@ struct SpecFlags {
   std::string truth;     // "final" or "so-far"
   std::string shares;    // "recorded" or "even"
   uint64_t seed = 1;
-  std::optional<uint32_t> networks;
-  std::optional<uint32_t> epochs;
-  std::optional<uint32_t> hmms_per_class;
-  std::optional<uint32_t> choice_work;
+  std::optional<int> networks;
+  std::optional<int> epochs;
+  std::optional<int> hmms_per_class;
+  std::optional<int> choice_work;
   std::string with_cues;     // "force_pitch_short,force_pitch_long"
   std::string without_cues;  // "log_drag"
 
@@ -41,8 +41,8 @@ struct SpecFlags {
 };
 
 // The spec, without its dataset and model. INVALID_CONFIG, with the exit code
-// of wrong usage, for words that are not those above. ApplySpec and the server
-// check the rest.
+// of wrong usage, for words that are not those above and for numbers out of
+// range. ApplySpec and the server check the rest.
 absl::StatusOr<v1::TrainSpec> TrainSpecOf(const SpecFlags& flags);
 
 }  // namespace tactus::client

@@ -57,10 +57,10 @@ SpecFlags SpecFlagsOf(const CLI::App& command) {
           .truth = text("--truth"),
           .shares = text("--shares"),
           .seed = Given<uint64_t>(command, "--seed").value_or(1),
-          .networks = Given<uint32_t>(command, "--networks"),
-          .epochs = Given<uint32_t>(command, "--epochs"),
-          .hmms_per_class = Given<uint32_t>(command, "--hmms-per-class"),
-          .choice_work = Given<uint32_t>(command, "--choice-work"),
+          .networks = Given<int>(command, "--networks"),
+          .epochs = Given<int>(command, "--epochs"),
+          .hmms_per_class = Given<int>(command, "--hmms-per-class"),
+          .choice_work = Given<int>(command, "--choice-work"),
           .with_cues = text("--with-cues"),
           .without_cues = text("--without-cues")};
 }
