@@ -1,7 +1,7 @@
 // File: driver_plugin.h
 //
-// A skin driver in a shared library of its own, which `tactus-stream
-// --driver=./my_skin.so` and `trainctl record` load:
+// Makes a skin driver loadable from a shared library. Users name the library
+// with `--driver=./my_skin.so` of `tactus-stream` and `trainctl record`:
 //
 //   TACTUS_SKIN_DRIVER([](const DriverOptions& options) {
 //     return std::make_unique<MySkin>(options);

@@ -60,11 +60,14 @@ struct CueRow {
   int count = 1;
 };
 
+// Window of smooth features, seconds.
+inline constexpr double kSmoothS = 0.05;
+
 // A touched frame of the contact. All numbers are finite and within
 // kLargestSample.
 struct CueStep {
   const ContactSample& sample;
-  // Net force, area and motion; their running means over 50 ms.
+  // Net force, area and motion; their running means over kSmoothS.
   FeatureVector x;
   FeatureVector smooth;
   // Frames that were touched, and all frames since onset; from 1.

@@ -6,12 +6,6 @@
 #include "core/cues/cue_math.h"
 
 namespace tactus {
-namespace {
-
-// Window of CueStep::smooth.
-constexpr double kSmoothS = 0.05;
-
-}  // namespace
 
 CueTracker::CueTracker(double sample_rate_hz, CueGroups groups,
                        const TaxelEmbedding* embedding)

@@ -8,7 +8,7 @@ namespace {
 class Levels final : public CueComputation {
  public:
   explicit Levels(const CueContext& context)
-      : rate_(context.sample_rate_hz), window_(context.Window(0.05)) {}
+      : rate_(context.sample_rate_hz), window_(context.Window(kSmoothS)) {}
   void Reset() override { peak_ = {}; }
   void Step(const CueStep& step) override {
     peak_.Step(ClampSample(step.sample.features[kNetForce]),

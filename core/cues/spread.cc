@@ -10,7 +10,8 @@ constexpr double kSpreadFloor = 1e-5;
 
 class Spread final : public CueComputation {
  public:
-  explicit Spread(const CueContext& context) : window_(context.Window(0.05)) {}
+  explicit Spread(const CueContext& context)
+      : window_(context.Window(kSmoothS)) {}
   void Reset() override {
     rows_ = {};
     columns_ = {};

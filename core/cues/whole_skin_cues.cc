@@ -56,8 +56,8 @@ CueGroup WholeSkinCues() {
                {"skin_peak_share_rate", kF, kHolds, kRate},
                {"skin_spread_rate", kFA, kHolds, kRate},
                {"skin_change_short", kFM, kHolds,
-                "log of the share of the load that lies elsewhere than in the "
-                "mean pattern of 0.1 s"},
+                "log of the fraction of the load that has moved away from the "
+                "mean pattern of the last 0.1 s"},
                {"skin_change_long", kFM, kHolds,
                 "`skin_change_short` for 0.4 s"},
                {"skin_change_since_onset", kFM, kHolds,

@@ -1,4 +1,7 @@
 // What happens in the last 0.1 s, and in the last 0.4 s.
+#include <array>
+#include <vector>
+
 #include "core/cues/cue_group.h"
 #include "core/cues/cue_math.h"
 
@@ -66,36 +69,33 @@ constexpr absl::string_view kWindowResponse =
     "relative change of area over relative change of force in the window, "
     "signed log; 0 while the force rests";
 
+// The rows of a window, in the order of WindowMoments::Derive.
+std::vector<CueRow> WindowRows(const std::array<absl::string_view, 5>& names) {
+  constexpr unsigned kHolds = kLoad | kStiffness;
+  return {
+      {names[0], kNeedsForce | kNeedsMotion, kPace | kLoad, kWindowStiffness},
+      {names[1], kNeedsForce, kHolds, kWindowRipple},
+      {names[2], kNeedsMotion, kHolds, kWindowRipple},
+      {names[3], kNeedsArea, kHolds, kWindowRipple},
+      {names[4], kNeedsForce | kNeedsArea, kPace | kHolds, kWindowResponse}};
+}
+
 }  // namespace
 
 CueGroup ShortWindowCues() {
   return {.name = "short_window",
-          .rows = {{"stiffness_short", kNeedsForce | kNeedsMotion,
-                    kPace | kLoad, kWindowStiffness},
-                   {"force_ripple_short", kNeedsForce, kLoad | kStiffness,
-                    kWindowRipple},
-                   {"motion_ripple_short", kNeedsMotion, kLoad | kStiffness,
-                    kWindowRipple},
-                   {"area_ripple_short", kNeedsArea, kLoad | kStiffness,
-                    kWindowRipple},
-                   {"area_response_short", kNeedsForce | kNeedsArea,
-                    kPace | kLoad | kStiffness, kWindowResponse}},
+          .rows = WindowRows({"stiffness_short", "force_ripple_short",
+                              "motion_ripple_short", "area_ripple_short",
+                              "area_response_short"}),
           .standard = true,
           .make = MakeCues<ShortWindow>};
 }
 
 CueGroup LongWindowCues() {
   return {.name = "long_window",
-          .rows = {{"stiffness_long", kNeedsForce | kNeedsMotion, kPace | kLoad,
-                    kWindowStiffness},
-                   {"force_ripple_long", kNeedsForce, kLoad | kStiffness,
-                    kWindowRipple},
-                   {"motion_ripple_long", kNeedsMotion, kLoad | kStiffness,
-                    kWindowRipple},
-                   {"area_ripple_long", kNeedsArea, kLoad | kStiffness,
-                    kWindowRipple},
-                   {"area_response_long", kNeedsForce | kNeedsArea,
-                    kPace | kLoad | kStiffness, kWindowResponse}},
+          .rows = WindowRows({"stiffness_long", "force_ripple_long",
+                              "motion_ripple_long", "area_ripple_long",
+                              "area_response_long"}),
           .standard = true,
           .make = MakeCues<LongWindow>};
 }

@@ -26,10 +26,10 @@ namespace tactus::client {
 // The work of a sub-command. It runs after the command line is parsed.
 using Command = std::function<absl::Status()>;
 
-// A verb of trainctl is a function void AddX(CLI::App& app, const
-// SelectCommand& select) that adds it to `app`, in a file of its own, and a
-// line of verbs.inc. Parsing calls `select` with the work of the verb that was
-// given.
+// A verb of trainctl is one file and one line of verbs.inc. The file defines
+//   void AddX(CLI::App& app, const SelectCommand& select);
+// which adds the verb to `app`. When the verb was typed, parsing calls `select`
+// with its work.
 using SelectCommand = std::function<void(Command)>;
 
 // Adds a verb to `group`, which may be the program itself. --help ends with
