@@ -105,9 +105,8 @@ absl::StatusOr<std::vector<UnknownResult>> EvaluateUnknown(
   const Progress job_progress = progress.Part("fit and test folds", 1)
                                     .Part("", 1 / static_cast<double>(jobs));
   parallel(static_cast<int>(jobs), [&](int job) {
-    unknown[job] =
-        ScoreFold(contacts, folds[job % folds.size()],
-                  classes[job / folds.size()], needed, job_progress);
+    unknown[job] = ScoreFold(contacts, folds[job % folds.size()],
+                             classes[job / folds.size()], needed, job_progress);
   });
 
   std::vector<UnknownResult> results;
