@@ -12,6 +12,8 @@
 #include <span>
 #include <vector>
 
+#include "core/base/wilson_interval.h"
+
 namespace tactus {
 
 // One classified contact.
@@ -32,14 +34,6 @@ int CountRight(std::span<const Outcome> outcomes);
 
 // Fraction of outcomes whose answer is their label; 0 without outcomes.
 double Accuracy(std::span<const Outcome> outcomes);
-
-// The 95 % interval of a fraction of which `successes` out of `count` were
-// seen: Wilson's score interval (JASA 22, 1927). [0, 1] for a count of 0.
-struct Interval {
-  double low = 0;
-  double high = 1;
-};
-Interval WilsonInterval(int successes, int count);
 
 // Expected calibration error: mean over 15 equal-width bins of the top
 // probability, weighted by size, of |accuracy - mean probability|

@@ -14,9 +14,9 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
+#include "core/base/text_cells.h"
+#include "core/base/text_lines.h"
 #include "core/files/file_bytes.h"
-#include "core/files/text_cells.h"
-#include "core/files/text_lines.h"
 
 namespace tactus {
 namespace {

@@ -12,10 +12,10 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
+#include "core/base/text_cells.h"
+#include "core/base/text_lines.h"
 #include "core/files/cell_advice.h"
 #include "core/files/number_cells.h"
-#include "core/files/text_cells.h"
-#include "core/files/text_lines.h"
 
 namespace tactus {
 namespace {

@@ -18,7 +18,10 @@
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
+#include "core/base/text_cells.h"
+#include "core/base/text_lines.h"
 #include "core/base/thread_priority.h"
+#include "core/base/wilson_interval.h"
 #include "core/base/wire_check.h"
 #include "core/bundle/model_proto.h"
 #include "core/classify/contact_pipeline.h"
@@ -124,6 +127,20 @@ static absl::Status AddressExample(const std::string& address) {
 static absl::Status WireCheckExample(const std::string& bytes, int64_t limit) {
 #include "core/base/wire_check.h.inc"
   return absl::OkStatus();
+}
+
+void Use(size_t number, absl::string_view line);
+
+static void TextLinesExample(const std::string& text) {
+#include "core/base/text_lines.h.inc"
+}
+
+static void TextCellsExample() {
+#include "core/base/text_cells.h.inc"
+}
+
+static void WilsonIntervalExample() {
+#include "core/base/wilson_interval.h.inc"
 }
 
 static void ThreadPriorityExample() {

@@ -45,8 +45,6 @@
 #include "core/files/npz.h"
 #include "core/files/number_cells.h"
 #include "core/files/number_text.h"
-#include "core/files/text_cells.h"
-#include "core/files/text_lines.h"
 #include "core/import/event_frames.h"
 #include "core/import/file_names.h"
 #include "core/import/frame_columns.h"
@@ -131,16 +129,6 @@ static absl::Status NumberTextExample() {
 
 static void NumberCellsExample() {
 #include "core/files/number_cells.h.inc"
-}
-
-void Use(size_t number, absl::string_view line);
-
-static void TextLinesExample(const std::string& text) {
-#include "core/files/text_lines.h.inc"
-}
-
-static void TextCellsExample() {
-#include "core/files/text_cells.h.inc"
 }
 
 static absl::Status Hdf5FiltersExample(hid_t properties,

@@ -1,11 +1,11 @@
-#include "core/files/text_cells.h"
+#include "core/base/text_cells.h"
 
 #include <algorithm>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "core/files/text_lines.h"
+#include "core/base/text_lines.h"
 
 namespace tactus {
 namespace {
