@@ -26,7 +26,7 @@ target_link_libraries(tactus_core
 set(core_libraries tactus_core tactus_core_bundle tactus_core_checksum
     tactus_core_classify tactus_core_cues tactus_core_data tactus_core_features
     tactus_core_file_bytes tactus_core_files tactus_core_hmm tactus_core_light_touch
-    tactus_core_lstm tactus_core_taxels tactus_core_trial)
+    tactus_core_lstm tactus_core_questions tactus_core_taxels tactus_core_trial)
 foreach(library ${base_libraries} ${client_libraries} ${core_libraries})
   string(REPLACE "tactus_" "" name ${library})
   set_target_properties(${library} PROPERTIES EXPORT_NAME ${name})
@@ -81,7 +81,7 @@ install_headers(client client/stream client/drivers client/drivers/calibration c
   core/features core/skin core/taxels)
 install_headers(core core/bundle core/classify core/cues core/data core/files
   core/hmm
-  core/light_touch core/lstm)
+  core/light_touch core/lstm core/questions)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/generated/tactus
   DESTINATION ${headers} COMPONENT client FILES_MATCHING PATTERN "*.h")
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/proto/tactus
