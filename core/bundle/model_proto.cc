@@ -74,6 +74,11 @@ constexpr EnumTable<HiddenActivation, v1::LstmNetwork::HiddenActivation, 4>
          {HiddenActivation::kSigmoid,
           v1::LstmNetwork::HIDDEN_ACTIVATION_SIGMOID}}};
 
+constexpr EnumTable<Question::Kind, v1::Question::Kind, 2> kQuestionKinds{
+    "question kind",
+    {{Question::kProperty, v1::Question::KIND_PROPERTY},
+     {Question::kState, v1::Question::KIND_STATE}}};
+
 constexpr EnumTable<PoseNeed, v1::PoseNeed, 3> kPoseNeeds{
     "poses",
     {{PoseNeed::kEither, v1::POSE_NEED_UNSPECIFIED},
@@ -266,6 +271,8 @@ void ToProto(const Calibration& c, v1::Calibration* out) {
   out->set_stiffness_deviation_scale(c.stiffness_deviation_scale);
   out->set_moved_deviation_scale(c.moved_deviation_scale);
   out->set_held(c.held);
+  Assign(c.question_threshold, out->mutable_question_threshold());
+  Assign(c.question_frames, out->mutable_question_frames());
 }
 
 // What bundles of earlier releases do not hold.
@@ -300,8 +307,29 @@ Calibration FromProto(const v1::Calibration& in) {
   c.stiffness_deviation_scale = in.stiffness_deviation_scale();
   c.moved_deviation_scale = in.moved_deviation_scale();
   c.held = in.held();
+  c.question_threshold = ToVector(in.question_threshold());
+  c.question_frames = ToVector(in.question_frames());
   FillIn(c);
   return c;
+}
+
+void ToProto(const Question& question, v1::Question* out) {
+  out->set_name(question.name);
+  out->set_kind(kQuestionKinds.ToWire(question.kind));
+  for (const std::string& value : question.values) out->add_values(value);
+  Assign(question.value_of_class, out->mutable_value_of_class());
+}
+
+absl::StatusOr<Question> FromProto(const v1::Question& in) {
+  Question question;
+  question.name = in.name();
+  TACTUS_ASSIGN_OR_RETURN(question.kind, kQuestionKinds.FromWire(in.kind()));
+  question.values.assign(in.values().begin(), in.values().end());
+  // Validate(Model) refuses indices that are too large, and so negative ones.
+  for (const uint32_t value : in.value_of_class()) {
+    question.value_of_class.push_back(static_cast<int>(value));
+  }
+  return question;
 }
 
 void ToProto(const Provenance& provenance, v1::Provenance* out) {
@@ -391,6 +419,9 @@ v1::ModelBundle ModelToProto(const Model& model) {
   for (const std::string& name : model.class_names) {
     bundle.add_class_names(name);
   }
+  for (const Question& question : model.questions) {
+    ToProto(question, bundle.add_questions());
+  }
   ToProto(model.inputs, bundle.mutable_inputs());
   for (const HmmMixture& mixture : model.hmms) {
     v1::HmmMixture* row = bundle.add_hmms();
@@ -428,6 +459,10 @@ absl::StatusOr<Model> ModelFromProto(const v1::ModelBundle& bundle) {
   Model model;
   model.class_names.assign(bundle.class_names().begin(),
                            bundle.class_names().end());
+  for (const v1::Question& row : bundle.questions()) {
+    TACTUS_ASSIGN_OR_RETURN(Question question, FromProto(row));
+    model.questions.push_back(std::move(question));
+  }
   TACTUS_ASSIGN_OR_RETURN(model.inputs, FromProto(bundle.inputs()));
   for (const v1::HmmMixture& row : bundle.hmms()) {
     HmmMixture& mixture = model.hmms.emplace_back();

@@ -39,6 +39,20 @@ absl::Status CheckTable(absl::string_view name,
   return absl::OkStatus();
 }
 
+// When something is decided.
+absl::Status CheckRule(absl::string_view what, double threshold,
+                       uint32_t frames) {
+  if (!(threshold > 0.5 && threshold <= 1)) {
+    return InvalidModel(absl::StrCat("calibration.", what, "_threshold"),
+                        threshold, "above 0.5 and at most 1");
+  }
+  if (frames < 1 || frames > limits::kMaxDecisionFrames) {
+    return InvalidModel(absl::StrCat("calibration.", what, "_frames"), frames,
+                        absl::StrCat("1 to ", limits::kMaxDecisionFrames));
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 CalibrationPoint CalibrationAt(const Calibration& c, double frames) {
@@ -178,13 +192,11 @@ absl::Status Validate(const Calibration& c, int classes, bool has_lstm) {
                           absl::StrCat(kTiny, " to ", kHuge));
     }
   }
-  if (!(c.decision_threshold > 0.5 && c.decision_threshold <= 1)) {
-    return InvalidModel("calibration.decision_threshold", c.decision_threshold,
-                        "above 0.5 and at most 1");
-  }
-  if (c.decision_frames < 1 || c.decision_frames > limits::kMaxDecisionFrames) {
-    return InvalidModel("calibration.decision_frames", c.decision_frames,
-                        absl::StrCat("1 to ", limits::kMaxDecisionFrames));
+  TACTUS_RETURN_IF_ERROR(
+      CheckRule("decision", c.decision_threshold, c.decision_frames));
+  for (size_t q = 0; q < c.question_threshold.size(); ++q) {
+    TACTUS_RETURN_IF_ERROR(
+        CheckRule("question", c.question_threshold[q], c.question_frames[q]));
   }
   return absl::OkStatus();
 }

@@ -8,12 +8,30 @@
 #include "core/classify/contact_classifier.h"
 
 namespace tactus {
+namespace {
+
+std::vector<DecisionRule> RulesOf(const Calibration& c,
+                                  const std::vector<Question>& questions) {
+  const bool own = !c.question_threshold.empty();
+  std::vector<DecisionRule> rules;
+  for (size_t q = 0; q < questions.size(); ++q) {
+    rules.push_back({questions[q].kind,
+                     own ? c.question_threshold[q] : c.decision_threshold,
+                     own ? c.question_frames[q] : c.decision_frames});
+  }
+  return rules;
+}
+
+}  // namespace
 
 absl::StatusOr<std::shared_ptr<const CompiledModel>> CompiledModel::Create(
     Model model) {
   TACTUS_RETURN_IF_ERROR(Validate(model));
   std::shared_ptr<CompiledModel> compiled(new CompiledModel(std::move(model)));
   const Model& m = compiled->model_;
+  compiled->questions_ =
+      m.questions.empty() ? DefaultQuestions(m.class_names) : m.questions;
+  compiled->rules_ = RulesOf(m.calibration, compiled->questions_);
   TACTUS_ASSIGN_OR_RETURN(compiled->hmms_, HmmBank::Create(m.hmms));
   for (const LstmNetwork& network : m.lstms) {
     TACTUS_ASSIGN_OR_RETURN(auto lstm, CompiledLstm::Create(network));

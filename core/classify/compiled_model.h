@@ -19,6 +19,8 @@
 #include "core/classify/model.h"
 #include "core/hmm/hmm_bank.h"
 #include "core/lstm/stepper.h"
+#include "core/questions/decision_tracker.h"
+#include "core/questions/question.h"
 
 namespace tactus {
 
@@ -29,6 +31,11 @@ class CompiledModel {
       Model model);
 
   const Model& model() const { return model_; }
+  // What the classes answer: Model::questions, or DefaultQuestions() if the
+  // model names none. At least one.
+  const std::vector<Question>& questions() const { return questions_; }
+  // When each question is decided.
+  const std::vector<DecisionRule>& rules() const { return rules_; }
   // The HMMs of all classes.
   const HmmBank& hmms() const { return *hmms_; }
   // Empty without an LSTM.
@@ -42,6 +49,8 @@ class CompiledModel {
   explicit CompiledModel(Model model) : model_(std::move(model)) {}
 
   Model model_;
+  std::vector<Question> questions_;
+  std::vector<DecisionRule> rules_;
   std::optional<HmmBank> hmms_;
   std::vector<CompiledLstm> lstms_;
   std::optional<CompiledLstm> estimator_;

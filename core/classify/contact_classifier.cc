@@ -8,6 +8,20 @@
 namespace tactus {
 namespace {
 
+// The model's rules, or one threshold and one number of frames for all of them
+// where the options give some.
+std::vector<DecisionRule> RulesFor(const CompiledModel& model,
+                                   const ContactClassifier::Options& options) {
+  std::vector<DecisionRule> rules = model.rules();
+  for (DecisionRule& rule : rules) {
+    if (options.decision_threshold > 0) {
+      rule.threshold = options.decision_threshold;
+    }
+    if (options.decision_frames > 0) rule.frames = options.decision_frames;
+  }
+  return rules;
+}
+
 ContactClassifier::Options FillIn(ContactClassifier::Options options,
                                   const Calibration& calibration) {
   if (options.decision_threshold <= 0) {
@@ -41,7 +55,8 @@ ContactClassifier::ContactClassifier(std::shared_ptr<const CompiledModel> model,
             &model_->model().inputs.embedding),
       hmms_(model_->hmms(), model_->model().hmm_score),
       hmm_clock_(model_->model().inputs.hmm_steps),
-      lstm_clock_(model_->model().inputs.lstm_steps) {
+      lstm_clock_(model_->model().inputs.lstm_steps),
+      tracker_(RulesFor(*model_, options)) {
   const Model& m = model_->model();
   const Calibration& c = m.calibration;
   skipped_[SkipRule::kUnusedCues] = CountUnused(groups_);
@@ -50,6 +65,9 @@ ContactClassifier::ContactClassifier(std::shared_ptr<const CompiledModel> model,
   log_likelihood_.resize(classes);
   hmm_probability_.resize(classes);
   probability_.resize(classes);
+  for (const Question& question : model_->questions()) {
+    value_probability_.emplace_back(question.values.size());
+  }
   bias_.resize(classes);
   log_prior_.resize(classes);
   std::transform(c.prior.begin(), c.prior.end(), log_prior_.begin(),
@@ -87,6 +105,7 @@ void ContactClassifier::Reset() {
   std::copy(prior.begin(), prior.end(), hmm_probability_.begin());
   hmm_probability_known_ = true;
   std::copy(prior.begin(), prior.end(), probability_.begin());
+  UpdateValues();
   if (!lstm_score_.empty()) {
     std::copy(prior.begin(), prior.end(), lstm_probability_.begin());
     std::fill(lstm_score_.begin(), lstm_score_.end(), 0.0);
@@ -104,6 +123,7 @@ void ContactClassifier::Reset() {
                                  prior.begin());
   frames_above_ = 0;
   decision_.reset();
+  tracker_.Reset();
   settled_steps_ = 0;
   left_out_ = 0;
   unchanged_ = 0;
@@ -121,6 +141,7 @@ void ContactClassifier::Step(const ContactSample& sample,
   UpdateProbabilities();
   if (stepped) UpdateSettled();
   UpdateDecision();
+  UpdateQuestions();
 }
 
 void ContactClassifier::StepHmms(uint64_t missing_before) {
@@ -246,6 +267,7 @@ void ContactClassifier::UpdateProbabilities() {
       AskHmmsFirst();
     }
   }
+  UpdateValues();
   if (hmm_steps_ == 0) return;
   const double best =
       *std::max_element(log_likelihood_.begin(), log_likelihood_.end());
@@ -287,12 +309,26 @@ void ContactClassifier::UpdateDecision() {
   const int best_class = static_cast<int>(best - probability_.begin());
   recent_best_[(scored_frames_ - 1) % kStabilityWindow] = best_class;
   // An unknown contact is not decided.
-  const bool above = *best >= options_.decision_threshold && unknown_ < 0.5;
+  const bool above = *best >= options_.decision_threshold &&
+                     unknown_ < DecisionTracker::kUnknown;
   const bool same = best_class == best_class_ && frames_above_ > 0;
   frames_above_ = above ? (same ? frames_above_ + 1 : 1) : 0;
   best_class_ = best_class;
   if (!decision_ && frames_above_ >= options_.decision_frames) {
     decision_ = Decision{best_class, frames_};
+  }
+}
+
+void ContactClassifier::UpdateValues() {
+  const std::vector<Question>& questions = model_->questions();
+  for (size_t q = 0; q < questions.size(); ++q) {
+    ValueProbability(questions[q], probability_, value_probability_[q]);
+  }
+}
+
+void ContactClassifier::UpdateQuestions() {
+  for (size_t q = 0; q < value_probability_.size(); ++q) {
+    tracker_.Step(q, value_probability_[q], unknown_, frames_);
   }
 }
 

@@ -26,6 +26,7 @@
 #include "core/classify/skip_rules.h"
 #include "core/classify/step_savings.h"
 #include "core/cues/cue_tracker.h"
+#include "core/questions/decision_tracker.h"
 
 namespace tactus {
 
@@ -48,13 +49,15 @@ enum class Scorers {
 class ContactClassifier {
  public:
   struct Options {
-    // Zero selects the model's value.
+    // When the class and every question are decided; zero selects the model's
+    // values.
     double decision_threshold = 0;
     uint32_t decision_frames = 0;
     // Which models answer; as if the model had no others.
     Scorers scorers = Scorers::kAll;
     // The caller reads nothing between a contact's decision and its end, so
-    // the LSTMs and the object estimate may stop at the decision.
+    // the LSTMs and the object estimate may stop at the decision. Questions are
+    // then decided by the probabilities that are left.
     bool decisions_only = false;
     // Steps of the LSTMs that are left out; none by default.
     StepSavings savings = {};
@@ -127,7 +130,16 @@ class ContactClassifier {
   uint64_t saved_steps() const { return saved_steps_; }
   // Counts over all contacts; never reset.
   const SkipCounters& skipped() const { return skipped_; }
-  // Set once per contact; unchanged until Reset().
+  // One probability per value of a question (CompiledModel::questions); they
+  // sum to 1.
+  std::span<const double> value_probability(size_t question) const {
+    return value_probability_[question];
+  }
+  // One per question. EventAt(decision, frames()) is what the last frame did.
+  std::span<const QuestionDecision> decisions() const {
+    return tracker_.decisions();
+  }
+  // The decision on the class. Set once per contact; unchanged until Reset().
   const std::optional<Decision>& decision() const { return decision_; }
 
   static constexpr int kStabilityWindow = 16;
@@ -148,6 +160,8 @@ class ContactClassifier {
   void AskHmmsFirst();
   void UpdateSettled();
   void UpdateDecision();
+  void UpdateValues();
+  void UpdateQuestions();
 
   std::shared_ptr<const CompiledModel> model_;
   Options options_;
@@ -173,6 +187,8 @@ class ContactClassifier {
   std::vector<double> lstm_score_;
   std::vector<double> lstm_probability_;
   std::vector<double> probability_;
+  // [questions][values]
+  std::vector<std::vector<double>> value_probability_;
   mutable std::vector<double> bias_;
   // The calibration that the probabilities were computed with.
   CalibrationPoint calibration_point_;
@@ -203,6 +219,7 @@ class ContactClassifier {
   uint64_t saved_steps_ = 0;
   std::vector<double> next_input_;
   std::optional<Decision> decision_;
+  DecisionTracker tracker_;
 };
 
 }  // namespace tactus

@@ -38,6 +38,25 @@ absl::Status CheckClassNames(const std::vector<std::string>& names) {
   return absl::OkStatus();
 }
 
+absl::Status CheckQuestions(const Model& model) {
+  const size_t questions = model.questions.size();
+  if (questions > 0) {
+    TACTUS_RETURN_IF_ERROR(Validate(std::span<const Question>(model.questions),
+                                    model.class_names.size()));
+  }
+  const Calibration& c = model.calibration;
+  if (c.question_threshold.size() != c.question_frames.size() ||
+      (!c.question_threshold.empty() &&
+       c.question_threshold.size() != questions)) {
+    return InvalidModel(
+        "calibration.question_threshold and question_frames size",
+        absl::StrCat(c.question_threshold.size(), " and ",
+                     c.question_frames.size()),
+        absl::StrCat("both 0, or both ", questions, ", one per question"));
+  }
+  return absl::OkStatus();
+}
+
 absl::Status CheckHmms(const Model& model) {
   if (model.hmms.size() != model.class_names.size()) {
     return InvalidModel("number of HMM mixtures", model.hmms.size(),
@@ -233,6 +252,7 @@ absl::Status CheckWarmUp(const Model& model) {
 absl::Status Validate(const Model& model) {
   const bool has_lstm = !model.lstms.empty();
   TACTUS_RETURN_IF_ERROR(CheckClassNames(model.class_names));
+  TACTUS_RETURN_IF_ERROR(CheckQuestions(model));
   TACTUS_RETURN_IF_ERROR(Validate(model.inputs, has_lstm));
   TACTUS_RETURN_IF_ERROR(CheckHmms(model));
   TACTUS_RETURN_IF_ERROR(CheckLstms(model));

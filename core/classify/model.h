@@ -26,6 +26,7 @@
 #include "core/features/feature.h"
 #include "core/hmm/mixture.h"
 #include "core/lstm/network.h"
+#include "core/questions/question.h"
 #include "core/skin/layout.h"
 #include "core/taxels/taxel_embedding.h"
 
@@ -105,6 +106,9 @@ struct Calibration {
   // A decision is a probability >= threshold for this many frames.
   double decision_threshold = 0.9;
   uint32_t decision_frames = 10;
+  // The same for each of Model::questions; empty for the two values above.
+  std::vector<double> question_threshold;
+  std::vector<uint32_t> question_frames;
 };
 
 struct Provenance {
@@ -140,6 +144,9 @@ inline constexpr double kDefaultReleaseAfterS = 0.5;
 
 struct Model {
   std::vector<std::string> class_names;
+  // What the classes answer; empty for DefaultQuestions(class_names).
+  // CompiledModel::questions() returns either.
+  std::vector<Question> questions;
   InputSpec inputs;
   // One mixture per class.
   std::vector<HmmMixture> hmms;

@@ -40,6 +40,10 @@ Model FullModel() {
   model.calibration.hmm_weight = {0.75, 0.125};
   model.calibration.fused_bias[5] = -0.5;
   model.calibration.held = true;
+  model.questions = DefaultQuestions(model.class_names);
+  model.questions[0].name = "härte";
+  model.calibration.question_threshold = {0.97, 0.99};
+  model.calibration.question_frames = {4, 10'000};
   model.truth = Truth::kSoFar;
   model.poses = PoseNeed::kNeeded;
   model.more_layouts = {model.layout};
@@ -118,6 +122,57 @@ TEST(BundleTest, CalibrationsOfEarlierReleasesAreFilledIn) {
   EXPECT_TRUE(Validate(*model).ok()) << Validate(*model);
 }
 
+TEST(BundleTest, BundlesOfEarlierReleasesAnswerTheDefaultQuestions) {
+  v1::ModelBundle bundle = ModelToProto(FullModel());
+  bundle.clear_questions();
+  bundle.mutable_calibration()->clear_question_threshold();
+  bundle.mutable_calibration()->clear_question_frames();
+  const auto model = ModelFromProto(bundle);
+  ASSERT_TRUE(model.ok()) << model.status();
+  EXPECT_TRUE(model->questions.empty());
+  const auto compiled = CompiledModel::Create(*model);
+  ASSERT_TRUE(compiled.ok()) << compiled.status();
+  ASSERT_EQ((*compiled)->questions().size(), 2u);
+  EXPECT_EQ((*compiled)->questions()[0].name, "hardness");
+  EXPECT_EQ((*compiled)->questions()[1].name, "mobility");
+  for (const DecisionRule& rule : (*compiled)->rules()) {
+    EXPECT_EQ(rule.threshold, 0.8);
+    EXPECT_EQ(rule.frames, 5u);
+  }
+  // Kept as it is, its bytes stay the same.
+  EXPECT_TRUE(google::protobuf::util::MessageDifferencer::Equals(
+      ModelToProto((*compiled)->model()), bundle));
+}
+
+TEST(BundleTest, QuestionsMustFitTheClasses) {
+  const auto refused = [](auto change, const char* text) {
+    v1::ModelBundle bundle = ModelToProto(FullModel());
+    change(bundle);
+    auto model = ModelFromProto(bundle);
+    const absl::Status status = model.ok() ? Validate(*model) : model.status();
+    EXPECT_EQ(ReasonOf(status), "INVALID_MODEL") << text;
+    EXPECT_THAT(std::string(status.message()), ::testing::HasSubstr(text));
+  };
+  using Bundle = v1::ModelBundle;
+  refused([](Bundle& b) { b.mutable_questions(0)->set_value_of_class(2, 2); },
+          "below 2");
+  refused([](Bundle& b) { b.mutable_questions(0)->set_value_of_class(2, ~0U); },
+          "below 2");
+  refused([](Bundle& b) { b.mutable_questions(1)->clear_kind(); },
+          "question kind");
+  refused([](Bundle& b) { b.clear_questions(); },
+          "question_threshold and question_frames");
+  refused([](Bundle& b) { b.mutable_calibration()->clear_question_frames(); },
+          "question_threshold and question_frames");
+  refused(
+      [](Bundle& b) {
+        b.mutable_calibration()->set_question_threshold(0, 0.5);
+      },
+      "calibration.question_threshold");
+  refused([](Bundle& b) { b.mutable_calibration()->set_question_frames(0, 0); },
+          "calibration.question_frames");
+}
+
 TEST(BundleTest, RoundTripKeepsEveryField) {
   const Model model = FullModel();
   auto bytes = EncodeBundle(model);
@@ -131,6 +186,15 @@ TEST(BundleTest, RoundTripKeepsEveryField) {
   EXPECT_EQ(back->release_after_s, -1);
   EXPECT_EQ(back->hmm_score, Score::kViterbi);
   EXPECT_EQ(back->truth, Truth::kSoFar);
+  ASSERT_EQ(back->questions.size(), 2u);
+  EXPECT_EQ(back->questions[0].name, "härte");
+  EXPECT_EQ(back->questions[0].kind, Question::kProperty);
+  EXPECT_EQ(back->questions[1].kind, Question::kState);
+  EXPECT_EQ(back->questions[1].values, model.questions[1].values);
+  EXPECT_EQ(back->questions[1].value_of_class,
+            model.questions[1].value_of_class);
+  EXPECT_EQ((*compiled)->rules()[1].threshold, 0.99);
+  EXPECT_EQ((*compiled)->rules()[1].frames, 10'000u);
   EXPECT_EQ(back->poses, PoseNeed::kNeeded);
   EXPECT_EQ(back->more_layouts, model.more_layouts);
   EXPECT_EQ(back->calibration.hmm_weight, model.calibration.hmm_weight);

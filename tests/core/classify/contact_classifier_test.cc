@@ -100,6 +100,52 @@ TEST(ContactClassifierTest, DecidesOnceAfterTheAskedForFrames) {
   EXPECT_EQ(classifier.decision()->frame, frame);
 }
 
+// The sums of the classes' probabilities, and the rule in plain loops.
+TEST(ContactClassifierTest, EachQuestionIsDecidedWhenItsValueIsSure) {
+  constexpr double kThreshold = 0.95;
+  constexpr int kFrames = 6;
+  ContactClassifier classifier(
+      SmallCompiled(),
+      {.decision_threshold = kThreshold, .decision_frames = kFrames});
+  EXPECT_DOUBLE_EQ(classifier.value_probability(0)[0], 0.5);
+  int run[2][2] = {};
+  uint64_t decided[2] = {};
+  int value[2] = {};
+  uint64_t changed[2] = {};
+  for (uint64_t t = 1; t <= 300; ++t) {
+    classifier.Step(t < 100 ? kHard : kSoftMoved, 0);
+    const auto p = classifier.probability();
+    const double sums[2][2] = {{p[0] + p[1], p[2] + p[3]},
+                               {p[0] + p[2], p[1] + p[3]}};
+    for (int q = 0; q < 2; ++q) {
+      for (int v = 0; v < 2; ++v) {
+        EXPECT_DOUBLE_EQ(classifier.value_probability(q)[v], sums[q][v]);
+        const bool above =
+            sums[q][v] >= kThreshold && classifier.unknown() < 0.5;
+        run[q][v] = above ? run[q][v] + 1 : 0;
+        if (run[q][v] < kFrames) continue;
+        if (decided[q] == 0) {
+          decided[q] = t;
+        } else if (v != value[q]) {
+          changed[q] = t;
+        }
+        value[q] = v;
+      }
+      const QuestionDecision& decision = classifier.decisions()[q];
+      ASSERT_EQ(decision.frame, decided[q]) << t;
+      ASSERT_EQ(decision.changed_frame, changed[q]) << t;
+      ASSERT_EQ(decision.value, value[q]) << t;
+    }
+  }
+  EXPECT_GT(decided[0], 0u);
+  EXPECT_GT(changed[1], 100u);
+  EXPECT_EQ(classifier.decisions()[0].revised, changed[0] > 0);
+  EXPECT_FALSE(classifier.decisions()[1].revised);
+  classifier.Reset();
+  EXPECT_FALSE(classifier.decisions()[0].decided());
+  EXPECT_DOUBLE_EQ(classifier.value_probability(1)[0], 0.5);
+}
+
 TEST(ContactClassifierTest, WhatNoModelExplainsIsUnknownAndUndecided) {
   ContactClassifier classifier(SmallCompiled(), {});
   for (int t = 0; t < 50; ++t) classifier.Step({{1e9, 0, 5}, 1e9}, 0);

@@ -1,0 +1,33 @@
+// What the examples of public headers need around them. They only have to
+// compile. The build takes each .inc from the comment of the header it names.
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/status_macros.h"
+#include "core/classify/model.h"
+#include "core/questions/decision_tracker.h"
+#include "core/questions/question.h"
+#include "core/questions/question_table.h"
+
+namespace tactus::examples {
+
+void Report(int value);
+
+static void QuestionExample() {
+#include "core/questions/question.h.inc"
+}
+
+static absl::Status QuestionTableExample(const std::string& text,
+                                         Model& model) {
+#include "core/questions/question_table.h.inc"
+  return absl::OkStatus();
+}
+
+static void DecisionTrackerExample(uint64_t frames, double unknown,
+                                   std::span<const double> value_probability) {
+#include "core/questions/decision_tracker.h.inc"
+}
+
+}  // namespace tactus::examples
