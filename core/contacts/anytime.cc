@@ -14,16 +14,25 @@ std::array<uint64_t, kAnytimeCount> AnytimeFrames(double rate) {
   return frames;
 }
 
+void WalkFrames(const LabelledContact& contact, ContactClassifier& classifier,
+                absl::FunctionRef<void(size_t frame)> visit) {
+  for (size_t t = 0; t < contact.frames.size(); ++t) {
+    classifier.StepOrHold(contact.frames[t], /*missing_before=*/0);
+    visit(t);
+  }
+}
+
 void WalkContact(const LabelledContact& contact, ContactClassifier& classifier,
-                 absl::FunctionRef<void(int time)> visit) {
+                 absl::FunctionRef<void(int time)> visit,
+                 absl::FunctionRef<void(size_t frame)> each) {
   const auto due = AnytimeFrames(contact.sample_rate_hz);
   int next = 0;
-  for (const ContactFrame& frame : contact.frames) {
-    classifier.StepOrHold(frame, /*missing_before=*/0);
+  WalkFrames(contact, classifier, [&](size_t frame) {
+    each(frame);
     for (; next < kAnytimeCount && classifier.frames() >= due[next]; ++next) {
       visit(next);
     }
-  }
+  });
   for (; next < kAnytimeCount; ++next) visit(next);
 }
 

@@ -30,10 +30,17 @@ inline constexpr std::array<double, kAnytimeCount> kAnytimeSeconds = {
 std::array<uint64_t, kAnytimeCount> AnytimeFrames(double rate);
 
 // Steps `classifier`, which must be new or reset, through all frames of
-// `contact`. Calls `visit(i)` for every i below kAnytimeCount, in order: after
-// the frame at which time i is reached, or after the last frame of a contact
-// that ends before time i.
-void WalkContact(const LabelledContact& contact, ContactClassifier& classifier,
-                 absl::FunctionRef<void(int time)> visit);
+// `contact`. Calls `visit(frame)`, frame from 0, after each of them.
+void WalkFrames(const LabelledContact& contact, ContactClassifier& classifier,
+                absl::FunctionRef<void(size_t frame)> visit);
+
+// Steps the classifier in the same way. Calls `visit(i)` for every i below
+// kAnytimeCount, in order: after the frame at which time i is reached, or after
+// the last frame of a contact that ends before time i. `each`, if it is given,
+// is called after every frame, before the times that the frame reaches.
+void WalkContact(
+    const LabelledContact& contact, ContactClassifier& classifier,
+    absl::FunctionRef<void(int time)> visit,
+    absl::FunctionRef<void(size_t frame)> each = [](size_t) {});
 
 }  // namespace tactus

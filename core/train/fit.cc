@@ -17,6 +17,7 @@
 #include "core/contacts/folds.h"
 #include "core/contacts/trained_on.h"
 #include "core/train/calibrate.h"
+#include "core/train/fit_decisions.h"
 #include "core/train/model_fit.h"
 #include "core/train/usable.h"
 
@@ -179,8 +180,7 @@ std::vector<std::vector<int>> MakeInnerFolds(
 struct Fold {
   std::string prefix;
   std::vector<int> contacts;
-  // Empty once the scores are there, or if a class has no contact outside of
-  // the fold.
+  // Empty if a class has no contact outside of the fold.
   std::unique_ptr<ModelFit> fit;
   std::shared_ptr<const CompiledModel> model;
   std::vector<ScoredContact> scores;
@@ -231,12 +231,9 @@ absl::StatusOr<std::vector<Fold>> MakeFoldFits(
     TACTUS_ASSIGN_OR_RETURN(auto scores,
                             run.saved.Find<std::vector<ScoredContact>>(
                                 absl::StrCat(made.prefix, "scores")));
-    if (scores) {
-      made.scores = *std::move(scores);
-    } else {
-      made.fit = std::make_unique<ModelFit>(
-          run, made.prefix, FoldNetworks(run.options, folds.size() - 1), rest);
-    }
+    if (scores) made.scores = *std::move(scores);
+    made.fit = std::make_unique<ModelFit>(
+        run, made.prefix, FoldNetworks(run.options, folds.size() - 1), rest);
   }
   return folds;
 }
@@ -353,17 +350,20 @@ LearningPoint PointOf(const Fold& fold, int number, size_t folds) {
   return point;
 }
 
-// Scores the contacts of all folds that have no scores yet.
+// Compiles the models of all folds, and scores the contacts of those that have
+// no scores yet.
 absl::Status ScoreFolds(const std::vector<const LabelledContact*>& contacts,
                         const ParallelFor& parallel, const Progress& progress,
                         const FitRun& run, std::vector<Fold>& folds) {
   std::vector<std::pair<Fold*, int>> tasks;
+  std::vector<bool> had_scores;
   for (Fold& fold : folds) {
+    had_scores.push_back(!fold.scores.empty());
     if (fold.fit != nullptr) {
       TACTUS_ASSIGN_OR_RETURN(fold.model,
                               CompiledModel::Create(fold.fit->TakeModel()));
     }
-    if (fold.model == nullptr) continue;
+    if (fold.model == nullptr || had_scores.back()) continue;
     fold.scores.resize(fold.contacts.size());
     for (size_t i = 0; i < fold.contacts.size(); ++i) {
       tasks.emplace_back(&fold, static_cast<int>(i));
@@ -379,11 +379,47 @@ absl::Status ScoreFolds(const std::vector<const LabelledContact*>& contacts,
     return absl::OkStatus();
   }));
   for (size_t f = 0; f < folds.size(); ++f) {
-    if (folds[f].model == nullptr) continue;
+    if (folds[f].model == nullptr || had_scores[f]) continue;
     TACTUS_RETURN_IF_ERROR(run.saved.Put(
         absl::StrCat(folds[f].prefix, "scores"), folds[f].scores));
     run.Report(PointOf(folds[f], static_cast<int>(f), folds.size()));
   }
+  return absl::OkStatus();
+}
+
+// A fold's model with the calibration of the whole one, which may have an
+// estimator where the fold's has none.
+absl::StatusOr<std::shared_ptr<const CompiledModel>> Calibrated(
+    const Fold& fold, const Calibration& calibration) {
+  Model model = fold.model->model();
+  model.calibration = calibration;
+  if (!model.estimator) model.calibration.softest.clear();
+  return CompiledModel::Create(std::move(model));
+}
+
+// Fits the thresholds of decisions to those that the calibrated models of the
+// folds make on the contacts that they were not fitted to.
+absl::Status FitQuestions(const std::vector<const LabelledContact*>& contacts,
+                          const ParallelFor& parallel, const FitRun& run,
+                          const std::vector<Fold>& folds, Model& model) {
+  std::vector<
+      std::pair<std::shared_ptr<const CompiledModel>, const LabelledContact*>>
+      tasks;
+  for (const Fold& fold : folds) {
+    if (fold.model == nullptr) continue;
+    TACTUS_ASSIGN_OR_RETURN(const auto calibrated,
+                            Calibrated(fold, model.calibration));
+    for (const int i : fold.contacts) {
+      tasks.emplace_back(calibrated, contacts[i]);
+    }
+  }
+  std::vector<TriedDecisions> tried(tasks.size());
+  TACTUS_RETURN_IF_ERROR(RunAll(parallel, tasks.size(), [&](int t) {
+    TACTUS_RETURN_IF_ERROR(run.GoOn());
+    tried[t] = TryDecisions(tasks[t].first, *tasks[t].second);
+    return absl::OkStatus();
+  }));
+  FitDecisions(tried, model.calibration);
   return absl::OkStatus();
 }
 
@@ -460,8 +496,10 @@ absl::StatusOr<Model> FitModel(
   }
   TACTUS_RETURN_IF_ERROR(CheckPoses(contacts, options.features));
   TACTUS_RETURN_IF_ERROR(CheckUsable(contacts, options));
+  TACTUS_ASSIGN_OR_RETURN(const std::vector<Question> questions,
+                          QuestionsOf(options, class_names));
   const SavedParts saved(journal, contacts, options);
-  const FitRun run = {options, class_names, journal, saved};
+  const FitRun run = {options, class_names, questions, journal, saved};
   const HeldOut held = HoldOut(contacts, options);
   const auto fitted = Select(contacts, held.fitted);
   if (ClassNames(fitted) != class_names) {
@@ -491,6 +529,7 @@ absl::StatusOr<Model> FitModel(
   TACTUS_RETURN_IF_ERROR(ScoreFolds(contacts, parallel, progress, run, folds));
   if (options.calibrate) {
     TACTUS_RETURN_IF_ERROR(Calibrate(options.shares, folds, model));
+    TACTUS_RETURN_IF_ERROR(FitQuestions(contacts, parallel, run, folds, model));
   }
   SetRequirements(contacts, options.features, model);
   TACTUS_RETURN_IF_ERROR(AddWarmUp(contacts, model));

@@ -33,7 +33,8 @@ std::vector<std::string> ClassNames(
 // fewer than two contacts of some class, if skins or sampling rates are mixed,
 // if cues of the load profile are asked of ideal signals, or if a contact is
 // not usable (usable.h). INVALID_CONFIG if
-// the features allow no cue. CANCELLED or CHECKPOINT_INVALID as fit_journal.h
+// the features allow no cue, or if the label table has no row of some class.
+// CANCELLED or CHECKPOINT_INVALID as fit_journal.h
 // describes. Of the provenance, the caller fills in everything but trials,
 // their fingerprints and seed. `journal` may be null and must outlive the call.
 // `start`, if there is one, lends its threads instead of those of `parallel`

@@ -123,14 +123,24 @@ void Fields(Archive& archive, VariationRange& range) {
   archive(copies, pace, load, stiffness);
 }
 template <class Archive>
+void Fields(Archive& archive, Question& question) {
+  archive(question.name, question.kind, question.values,
+          question.value_of_class);
+}
+template <class Archive>
+void Fields(Archive& archive, QuestionTable& table) {
+  archive(table.class_names, table.questions);
+}
+template <class Archive>
 void Fields(Archive& archive, FitOptions& options) {
   auto& [features, hmm_cues, log_features, hmm_steps, states, hmms_per_class,
-         score, max_iterations, covariance_floor, lstm, truth, variations,
-         inner_folds, calibration_folds, held_out, calibrate, shares, seed] =
-      options;
+         score, max_iterations, covariance_floor, lstm, questions, truth,
+         variations, inner_folds, calibration_folds, held_out, calibrate,
+         shares, seed] = options;
   archive(features, hmm_cues, log_features, hmm_steps, states, hmms_per_class,
-          score, max_iterations, covariance_floor, lstm, truth, variations,
-          inner_folds, calibration_folds, held_out, calibrate, shares, seed);
+          score, max_iterations, covariance_floor, lstm, questions, truth,
+          variations, inner_folds, calibration_folds, held_out, calibrate,
+          shares, seed);
 }
 
 }  // namespace tactus

@@ -153,6 +153,14 @@ std::vector<Cue> CuesFor(const std::vector<Cue>& cues,
   return usable;
 }
 
+absl::StatusOr<std::vector<Question>> QuestionsOf(
+    const FitOptions& options, const std::vector<std::string>& class_names) {
+  if (options.questions.class_names.empty()) {
+    return DefaultQuestions(class_names);
+  }
+  return QuestionsFor(options.questions, class_names);
+}
+
 bool UsesWholeSkin(const FitOptions& options) {
   const auto of_skin = [](Cue cue) {
     return (SourcesOf(cue) & (kFromTaxels | kFromProfile)) != 0;

@@ -12,6 +12,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -20,6 +21,7 @@
 #include "core/contacts/varied_contacts.h"
 #include "core/inputs/inputs.h"
 #include "core/lstm/train.h"
+#include "core/questions/question_table.h"
 
 namespace tactus {
 
@@ -75,6 +77,8 @@ struct FitOptions {
   // Smallest variance of a scaled input in any state.
   double covariance_floor = 1e-3;
   LstmFit lstm;
+  // What the classes answer; without rows, DefaultQuestions().
+  QuestionTable questions;
   // What the posteriors are about.
   Truth truth = Truth::kFinal;
   // Models are trained on every contact and on its copies drawn from this
@@ -102,6 +106,11 @@ struct FitOptions {
 // features themselves.
 std::vector<Cue> CuesFor(const std::vector<Cue>& cues,
                          const std::vector<Feature>& features);
+
+// What models of these classes are asked: the options' label table, or
+// DefaultQuestions(). INVALID_CONFIG as QuestionsFor() has it.
+absl::StatusOr<std::vector<Question>> QuestionsOf(
+    const FitOptions& options, const std::vector<std::string>& class_names);
 
 // True if the models look at more of the skin than the features
 // (ExtractOptions::whole_skin).

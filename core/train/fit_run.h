@@ -13,6 +13,7 @@
 
 #include "absl/status/status.h"
 #include "core/base/errors.h"
+#include "core/questions/question.h"
 #include "core/train/fit_journal.h"
 #include "core/train/fit_options.h"
 #include "core/train/saved_parts.h"
@@ -22,6 +23,7 @@ namespace tactus {
 struct FitRun {
   const FitOptions& options;
   const std::vector<std::string>& class_names;
+  const std::vector<Question>& questions;
   FitJournal* journal;  // may be null
   const SavedParts& saved;
 

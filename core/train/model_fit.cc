@@ -40,6 +40,7 @@ ModelFit::ModelFit(const FitRun& run, std::string prefix,
       networks_(lstms_ + (estimates_ ? 1 : 0)) {
   trained_.resize(networks_);
   model_.class_names = run.class_names;
+  model_.questions = run.questions;
   model_.hmm_score = run.options.score;
   model_.truth = run.options.truth;
   model_.layout = contacts.front()->layout;

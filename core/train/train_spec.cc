@@ -10,6 +10,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/features/feature.h"
+#include "core/questions/question_table.h"
 #include "core/train/choose_cues.h"
 
 namespace tactus {
@@ -94,6 +95,10 @@ absl::StatusOr<FitOptions> ApplySpec(const v1::TrainSpec& spec,
                            absl::StrCat("1 to ", limits::kMaxHmmsPerClass));
     }
     options.hmms_per_class = static_cast<int>(spec.hmms_per_class());
+  }
+  if (!spec.questions().empty()) {
+    TACTUS_ASSIGN_OR_RETURN(options.questions,
+                            ParseQuestionTable(spec.questions()));
   }
   TACTUS_RETURN_IF_ERROR(SetTruth(spec.truth(), options));
   TACTUS_RETURN_IF_ERROR(SetShares(spec.shares(), options));

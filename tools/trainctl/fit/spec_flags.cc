@@ -6,8 +6,11 @@
 #include "absl/strings/str_split.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
+#include "core/base/limits_questions.h"
 #include "core/base/status_macros.h"
 #include "core/features/feature.h"
+#include "core/files/file_bytes.h"
+#include "core/questions/question_table.h"
 #include "tools/trainctl/exit_code.h"
 
 namespace tactus::client {
@@ -85,6 +88,10 @@ std::vector<const CLI::Option*> SpecFlags::Add(CLI::App& command) {
       command.add_option(
           "--without-cues", without_cues,
           "Cues that neither HMMs nor LSTMs take, like log_drag"),
+      command.add_option("--questions", questions,
+                         "CSV file with what each class answers to each "
+                         "question, like class,hardness,mobility:state; "
+                         "default: as the names of the classes say"),
   };
 }
 
@@ -128,6 +135,13 @@ absl::StatusOr<v1::TrainSpec> TrainSpecOf(const SpecFlags& flags) {
     for (const auto cue : absl::StrSplit(flags.without_cues, ',')) {
       spec.add_without_cues(std::string(cue));
     }
+  }
+  if (!flags.questions.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(
+        *spec.mutable_questions(),
+        ReadFileBytes(flags.questions, limits::kMaxQuestionTableBytes));
+    TACTUS_RETURN_IF_ERROR(Annotate(
+        ParseQuestionTable(spec.questions()).status(), flags.questions));
   }
   return spec;
 }

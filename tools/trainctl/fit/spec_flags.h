@@ -33,16 +33,18 @@ struct SpecFlags {
   std::optional<int> epochs;
   std::optional<int> hmms_per_class;
   std::optional<int> choice_work;
-  std::string with_cues;     // "force_pitch_short,force_pitch_long"
-  std::string without_cues;  // "log_drag"
+  std::string with_cues;       // "force_pitch_short,force_pitch_long"
+  std::string without_cues;    // "log_drag"
+  std::string questions = {};  // path of a label table
 
   // Returns the options that it adds; the command owns them.
   std::vector<const CLI::Option*> Add(CLI::App& command);
 };
 
-// The spec, without its dataset and model. INVALID_CONFIG, with the exit code
-// of wrong usage, for words that are not those above and for numbers out of
-// range. ApplySpec and the server check the rest.
+// The spec, without its dataset and model, with the text of the label table.
+// INVALID_CONFIG, with the exit code of wrong usage, for words that are not
+// those above and for numbers out of range; IO or INVALID_CONFIG for the label
+// table. ApplySpec and the server check the rest.
 absl::StatusOr<v1::TrainSpec> TrainSpecOf(const SpecFlags& flags);
 
 }  // namespace tactus::client
