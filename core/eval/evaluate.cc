@@ -10,6 +10,7 @@
 #include "core/classify/contact_classifier.h"
 #include "core/classify/input_spec.h"
 #include "core/contacts/class_counts.h"
+#include "core/contacts/question_truth.h"
 #include "core/eval/evaluate_nearest.h"
 
 namespace tactus {
@@ -84,6 +85,74 @@ void Copy(std::span<const double> probability, Outcome& outcome) {
   outcome.probability.assign(probability.begin(), probability.end());
 }
 
+// Makes room for the answers to `questions`.
+void PrepareQuestions(std::vector<Question> questions, size_t contacts,
+                      Evaluation& result) {
+  result.questions = std::move(questions);
+  result.question_outcomes.assign(result.questions.size(),
+                                  std::vector<QuestionOutcome>(contacts));
+}
+
+// The truths of all questions about a contact and the watches of the answers.
+class WatchedQuestions {
+ public:
+  WatchedQuestions(const LabelledContact& contact, int index,
+                   Evaluation& result)
+      : contact_(contact), index_(index), result_(result) {
+    // Watches refer to the truths.
+    truths_.reserve(result.questions.size());
+    for (const Question& question : result.questions) {
+      watches_.emplace_back(
+          truths_.emplace_back(question, result.class_names, contact),
+          question.kind);
+    }
+  }
+
+  void Step(size_t frame, const ContactClassifier& classifier) {
+    for (size_t q = 0; q < watches_.size(); ++q) {
+      watches_[q].Step(frame, classifier.value_probability(q));
+      const QuestionDecision& decision = classifier.decisions()[q];
+      if (EventAt(decision, classifier.frames()) != DecisionEvent::kDecided) {
+        continue;
+      }
+      outcome(q).decision = {
+          static_cast<double>(decision.frame) / contact_.sample_rate_hz,
+          decision.value, truths_[q].at(frame)};
+    }
+  }
+
+  // At the next of kAnytimeSeconds.
+  void RecordTime(const ContactClassifier& classifier) {
+    for (size_t q = 0; q < watches_.size(); ++q) {
+      outcome(q).anytime.push_back(AnswerOf(q, classifier));
+    }
+  }
+
+  void Finish(const ContactClassifier& classifier) {
+    for (size_t q = 0; q < watches_.size(); ++q) {
+      outcome(q).final = AnswerOf(q, classifier);
+      outcome(q).timing = watches_[q].Finish(contact_.sample_rate_hz);
+      outcome(q).changes = classifier.decisions()[q].changes;
+    }
+  }
+
+ private:
+  QuestionOutcome& outcome(size_t q) {
+    return result_.question_outcomes[q][index_];
+  }
+  Outcome AnswerOf(size_t q, const ContactClassifier& classifier) const {
+    const auto probability = classifier.value_probability(q);
+    return {truths_[q].at(classifier.frames() - 1),
+            {probability.begin(), probability.end()}};
+  }
+
+  const LabelledContact& contact_;
+  const int index_;
+  Evaluation& result_;
+  std::vector<QuestionTruth> truths_;
+  std::vector<QuestionWatch> watches_;
+};
+
 // Classifies one contact and writes its outcomes at place `index`.
 void EvaluateContact(const std::shared_ptr<const CompiledModel>& model,
                      const LabelledContact& contact, int index,
@@ -97,12 +166,19 @@ void EvaluateContact(const std::shared_ptr<const CompiledModel>& model,
                   contact.object_motion[classifier.frames() - 1]};
     }
   };
-  WalkContact(contact, classifier, [&](int time) {
-    record(result.anytime[time][index], result.anytime_estimates[time][index]);
-    if (result.algorithm != Algorithm::kFused) return;
-    Copy(classifier.hmm_probability(), result.anytime_hmm[time][index]);
-    Copy(classifier.lstm_probability(), result.anytime_lstm[time][index]);
-  });
+  WatchedQuestions questions(contact, index, result);
+  WalkContact(
+      contact, classifier,
+      [&](int time) {
+        record(result.anytime[time][index],
+               result.anytime_estimates[time][index]);
+        questions.RecordTime(classifier);
+        if (result.algorithm != Algorithm::kFused) return;
+        Copy(classifier.hmm_probability(), result.anytime_hmm[time][index]);
+        Copy(classifier.lstm_probability(), result.anytime_lstm[time][index]);
+      },
+      [&](size_t frame) { questions.Step(frame, classifier); });
+  questions.Finish(classifier);
   record(result.final[index], result.final_estimates[index]);
   if (const auto& decision = classifier.decision()) {
     const std::string label = result.truth == Truth::kSoFar
@@ -159,6 +235,7 @@ absl::StatusOr<Evaluation> EvaluateModel(
       Evaluation result,
       PrepareEvaluation(contacts, model->model().class_names, algorithm));
   result.truth = model->model().truth;
+  PrepareQuestions(model->questions(), contacts.size(), result);
   const Progress walk = progress.Part("classify contacts", 1);
   parallel(static_cast<int>(contacts.size()), [&](int i) {
     EvaluateContact(model, *contacts[i], i, result);
@@ -193,6 +270,11 @@ absl::StatusOr<Evaluation> EvaluateProtocol(
       Evaluation result,
       PrepareEvaluation(contacts, ClassNames(contacts), algorithm));
   result.truth = options.truth;
+  if (algorithm != Algorithm::kNearest) {
+    TACTUS_ASSIGN_OR_RETURN(std::vector<Question> questions,
+                            QuestionsOf(options, result.class_names));
+    PrepareQuestions(std::move(questions), contacts.size(), result);
+  }
   std::vector<absl::Status> failures(folds.size());
   const Progress fold_progress =
       progress.Part("fit and test folds", 1)

@@ -22,6 +22,8 @@
 #include "core/classify/object_estimate.h"
 #include "core/contacts/anytime.h"
 #include "core/eval/metrics.h"
+#include "core/eval/question_outcome.h"
+#include "core/questions/question.h"
 
 namespace tactus {
 
@@ -71,6 +73,10 @@ struct Evaluation {
   std::vector<std::vector<std::optional<EstimateOutcome>>> anytime_estimates;
   // The decisions of `algorithm`; nothing for contacts that it did not decide.
   std::vector<std::optional<DecisionOutcome>> decisions;
+  // What the models are asked, and [questions][contacts] how the answers went.
+  // Empty for kNearest, whose answers are no probabilities.
+  std::vector<Question> questions;
+  std::vector<std::vector<QuestionOutcome>> question_outcomes;
   // Probability that training had nothing like the contact, after its last
   // frame (UnknownProbability).
   std::vector<double> unknown;

@@ -16,6 +16,7 @@
 #include "core/contacts/copies.h"
 #include "core/contacts/folds.h"
 #include "core/contacts/labelled_contact.h"
+#include "core/contacts/question_truth.h"
 #include "core/contacts/trained_on.h"
 #include "core/contacts/variation.h"
 #include "core/contacts/varied_contacts.h"
@@ -30,6 +31,7 @@
 #include "core/eval/metrics.h"
 #include "core/eval/out_of_fold.h"
 #include "core/eval/paper_tables.h"
+#include "core/eval/question_outcome.h"
 #include "core/eval/unknown.h"
 #include "core/inputs/cue_table.h"
 #include "core/inputs/fit_embedding.h"
@@ -39,6 +41,7 @@
 #include "core/train/calibrate.h"
 #include "core/train/choose_cues.h"
 #include "core/train/fit.h"
+#include "core/train/fit_decisions.h"
 #include "core/train/fit_fields.h"
 #include "core/train/fit_journal.h"
 #include "core/train/fit_models.h"
@@ -307,6 +310,25 @@ static void CueTableExample(const VariedContacts& contacts,
 
 static void VariationExample(const LabelledContact& contact, uint64_t seed) {
 #include "core/contacts/variation.h.inc"
+}
+
+static void QuestionTruthExample(const Question& question, const Model& model,
+                                 const LabelledContact& contact) {
+#include "core/contacts/question_truth.h.inc"
+}
+
+static void QuestionOutcomeExample(
+    const Question& question, const std::vector<std::string>& class_names,
+    const LabelledContact& contact, ContactClassifier& classifier,
+    QuestionOutcome& outcome, const std::vector<QuestionOutcome>& outcomes) {
+#include "core/eval/question_outcome.h.inc"
+}
+
+static void FitDecisionsExample(
+    const std::vector<const LabelledContact*>& held_out,
+    std::shared_ptr<const CompiledModel> calibrated_model,
+    Calibration& calibration) {
+#include "core/train/fit_decisions.h.inc"
 }
 
 }  // namespace tactus::examples

@@ -7,6 +7,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "tools/trainctl/report/html.h"
+#include "tools/trainctl/report/question_report.h"
 #include "tools/trainctl/text.h"
 
 namespace tactus::client {
@@ -311,6 +312,7 @@ std::string EvaluationPage(const EvaluationPageParts& parts) {
   AddTimes(r, parts.pictures.anytime, html);
   AddReliability(r, parts.pictures.reliability, html);
   AddDecisions(r, parts.pictures.decisions, html);
+  if (r.contains("questions")) AddQuestions(r["questions"], html);
   if (!parts.worst.empty()) AddWorst(parts.worst, parts.pictures.worst, html);
   return html.Finish();
 }

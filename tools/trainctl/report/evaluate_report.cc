@@ -8,6 +8,7 @@
 #include "absl/strings/str_join.h"
 #include "core/base/text.h"
 #include "tools/trainctl/report/evaluate_figures.h"
+#include "tools/trainctl/report/question_report.h"
 #include "tools/trainctl/text.h"
 
 namespace tactus::client {
@@ -345,6 +346,7 @@ Json EvaluationToJson(const Evaluation& result, int trials) {
   json.update(Json{{"ece", ExpectedCalibrationError(result.final)},
                    {"reliability", ToJson(ReliabilityBins(result.final))},
                    {"decision", ToJson(result.decisions)},
+                   {"questions", QuestionsToJson(result)},
                    {"estimate", ToJson(result.final_estimates)},
                    {"estimate_at_1.2", ToJson(result.anytime_estimates[3])}});
   return json;
@@ -374,6 +376,7 @@ std::string EvaluationText(const Json& r) {
     text += ErrorLine("log10 of stiffness (N/m)", e["log10_stiffness"], 1);
     text += ErrorLine("distance moved (mm)", e["moved_m"], 1000);
   }
+  text += QuestionsText(r["questions"]);
   return absl::StrCat(text, RecallLines(r["per_class"]),
                       ConfusionLines(r["confusions"]),
                       ConfusionTable(r["classes"], r["confusion"]));

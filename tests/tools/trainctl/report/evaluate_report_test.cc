@@ -120,6 +120,78 @@ TEST(EvaluatePageTest, TheWorstTrialsComeFirst) {
   EXPECT_EQ(worst[6]["answer"], worst[6]["label"]);
 }
 
+// A model that was asked about hardness and mobility: 20 contacts, 8 of which
+// change; of those, one is missed.
+Evaluation Asked() {
+  Evaluation result = Made(2, {0, 0});
+  result.class_names = {"HU", "SM"};
+  result.questions = DefaultQuestions({"HU", "SM"});
+  result.question_outcomes.resize(2, std::vector<QuestionOutcome>(20));
+  for (int i = 0; i < 20; ++i) {
+    QuestionOutcome& hardness = result.question_outcomes[0][i];
+    hardness.final = {i % 2, {0.75, 0.25}};
+    hardness.anytime.assign(kAnytimeCount, hardness.final);
+    hardness.timing = {.from_s = 0, .delay_s = 0.25, .false_alarm = i == 0};
+    if (i < 5) hardness.decision = {.value = 0, .truth = i == 1 ? 1 : 0};
+    hardness.changes = i == 1;
+    QuestionOutcome& mobility = result.question_outcomes[1][i];
+    mobility.final = {i < 8, {0.25, 0.75}};
+    mobility.anytime.assign(kAnytimeCount, mobility.final);
+    if (i == 0) {
+      mobility.timing = {.from_s = 1.5};
+    } else if (i < 8) {
+      mobility.timing = {.from_s = 0.5, .delay_s = 0.01 * i};
+    } else {
+      mobility.timing.false_alarm = i < 11;
+    }
+  }
+  return result;
+}
+
+TEST(QuestionReportTest, TheJsonHoldsDelaysAlarmsAndDecisions) {
+  const Json json = EvaluationToJson(Asked(), 20);
+  for (const char* kept : {"accuracy", "ece", "undetectable", "decision"}) {
+    EXPECT_TRUE(json.contains(kept)) << kept;
+  }
+  const Json& mobility = json["questions"]["mobility"];
+  EXPECT_EQ(mobility["kind"], "state");
+  EXPECT_DOUBLE_EQ(mobility["delay_ms"]["median"].get<double>(), 40);
+  EXPECT_TRUE(mobility["delay_ms"]["p90"].is_null());
+  EXPECT_TRUE(mobility["delay_ms"]["p99"].is_null());
+  EXPECT_EQ(mobility["delay_ms"]["missed"], 1);
+  EXPECT_EQ(mobility["delay_ms_late"]["contacts"], 1);
+  EXPECT_TRUE(mobility["delay_ms_late"]["median"].is_null());
+  EXPECT_EQ(mobility["false_alarms"], 0.25);
+  EXPECT_EQ(mobility["accuracy"], 0.4);
+  EXPECT_EQ(mobility["accuracy_at"]["1.2"], 0.4);
+  EXPECT_TRUE(mobility["decisions"]["fraction"].is_null());
+  const Json& hardness = json["questions"]["hardness"];
+  EXPECT_EQ(hardness["delay_ms"]["p99"], 250);
+  EXPECT_EQ(hardness["false_alarms"], 0.05);
+  EXPECT_EQ(hardness["decisions"]["made"], 5);
+  EXPECT_EQ(hardness["decisions"]["right"], 4);
+  EXPECT_EQ(hardness["decisions"]["fraction"], 0.8);
+  EXPECT_EQ(hardness["decisions"]["revised"], 1);
+  EXPECT_EQ(hardness["decisions"]["constant"]["value"], "hard");
+  EXPECT_TRUE(
+      Json(EvaluationToJson(Made(2, {0, 0}), 20))["questions"].is_null());
+}
+
+TEST(QuestionReportTest, TextAndPageShowTheSameFigures) {
+  EvaluationPageParts parts;
+  parts.evaluation = EvaluationToJson(Asked(), 20);
+  const std::string text = EvaluationText(parts.evaluation);
+  const std::string page = EvaluationPage(parts);
+  for (const char* part :
+       {"4 of 5, 80.00 %", "40 / never / never ms, 1 of 8 contacts never",
+        "3 of 12, 25.00 %", "always hard"}) {
+    EXPECT_THAT(text, HasSubstr(part));
+    EXPECT_THAT(page, HasSubstr(part));
+  }
+  EXPECT_THAT(text, HasSubstr("Question mobility (state):"));
+  EXPECT_THAT(page, HasSubstr("Question: mobility"));
+}
+
 TEST(EvaluatePageTest, HoldsEveryPart) {
   const NamedContacts named(30, "trial-");
   Evaluation result = Made(3, {0, 4, 1});
