@@ -54,6 +54,17 @@ TEST(TrainSpecTest, SharesCanBeEven) {
   EXPECT_EQ(Options(spec, "world").shares, ClassShares::kRecorded);
 }
 
+TEST(TrainSpecTest, QuestionsAreALabelTable) {
+  EXPECT_TRUE(Options({}, "world").questions.class_names.empty());
+  v1::TrainSpec spec;
+  spec.set_questions("class,loose:state\nHU,no\nHM,yes\n");
+  const FitOptions options = Options(spec, "world");
+  ASSERT_EQ(options.questions.questions.size(), 1u);
+  EXPECT_EQ(options.questions.questions[0].kind, Question::kState);
+  spec.set_questions("class,loose:maybe\nHU,no\nHM,yes\n");
+  EXPECT_EQ(ReasonOf(CheckOptions(spec)), "INVALID_CONFIG");
+}
+
 TEST(TrainSpecTest, CuesAreAddedAndLeftOut) {
   v1::TrainSpec spec;
   spec.add_with_cues("force_pitch_short");

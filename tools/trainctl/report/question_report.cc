@@ -129,12 +129,18 @@ std::vector<std::vector<std::string>> Rows(const Json& q) {
   return rows;
 }
 
+// Three times a line.
 std::string TimesText(const Json& q) {
-  std::string text;
+  constexpr size_t kPerLine = 3;
+  std::vector<std::string> times;
   for (const auto& [seconds, accuracy] : q["accuracy_at"].items()) {
-    absl::StrAppendFormat(&text, "%s%s s %s (%.3f)", text.empty() ? "" : ", ",
-                          seconds, Percent(accuracy.get<double>()),
-                          q["ece_at"][seconds].get<double>());
+    times.push_back(absl::StrFormat("%s s %s (%.3f)", seconds,
+                                    Percent(accuracy.get<double>()),
+                                    q["ece_at"][seconds].get<double>()));
+  }
+  std::string text = "  accuracy (calibration error) after";
+  for (size_t i = 0; i < times.size(); ++i) {
+    absl::StrAppend(&text, i % kPerLine == 0 ? "\n    " : ", ", times[i]);
   }
   return text;
 }
@@ -160,8 +166,7 @@ std::string QuestionsText(const Json& questions) {
     for (const auto& row : Rows(q)) {
       absl::StrAppendFormat(&text, "  %-28s %s\n", row[0], row[1]);
     }
-    absl::StrAppend(&text, "  accuracy (calibration error) after ",
-                    TimesText(q), "\n");
+    absl::StrAppend(&text, TimesText(q), "\n");
   }
   return text;
 }

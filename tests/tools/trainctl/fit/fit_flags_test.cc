@@ -3,6 +3,7 @@
 #include "core/base/errors.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/support/scratch_dir.h"
 
 namespace tactus::client {
 namespace {
@@ -66,6 +67,22 @@ TEST(FitFlagsTest, WithoutCuesRefusesWhatHasNoEffect) {
   // Without any cue, models would take the features themselves.
   flags.hmm_cues = flags.spec.without_cues = "log_drag";
   EXPECT_EQ(ReasonOf(flags.Options("world").status()), "INVALID_CONFIG");
+}
+
+TEST(FitFlagsTest, QuestionsAreReadFromAFile) {
+  const ScratchDir folder;
+  FitFlags flags;
+  flags.spec.questions = folder / "table.csv";
+  EXPECT_EQ(ReasonOf(flags.Options("world").status()), "IO");
+  WriteBytes(flags.spec.questions, "class,loose\nHU,no\nHM,yes\n");
+  const auto options = flags.Options("world");
+  ASSERT_TRUE(options.ok()) << options.status();
+  EXPECT_EQ(options->questions.class_names,
+            (std::vector<std::string>{"HU", "HM"}));
+  WriteBytes(flags.spec.questions, "class,loose\nHU,no\nHM\n");
+  const absl::Status status = flags.Options("world").status();
+  EXPECT_EQ(ReasonOf(status), "INVALID_CONFIG");
+  EXPECT_THAT(std::string(status.message()), HasSubstr("table.csv: number of"));
 }
 
 }  // namespace
