@@ -51,9 +51,9 @@ absl::StatusOr<SkinInfo> RecordingDriver::OnConfigure() {
     TACTUS_ASSIGN_OR_RETURN(info.layout, LayoutFromProto(played.geometry()));
   }
   info.taxel_type = played.taxel_type();
-  info.scale = played.scale() == 0 ? 1 : played.scale();
+  info.scale = played.has_scale() ? played.scale() : 1;
   info.sample_rate_hz =
-      played.sample_rate_hz() == 0 ? 100 : played.sample_rate_hz();
+      played.has_sample_rate_hz() ? played.sample_rate_hz() : 100;
   info.with_poses = config_.with_poses();
   is_u16_ = info.taxel_type == v1::TAXEL_TYPE_UINT16;
   return info;

@@ -5,7 +5,7 @@
 // the same model gives the same posteriors, bit for bit.
 //
 //   RecordingDriver driver("run.mcap", {.on_event = [&](const auto& event) {
-//     if (const auto* p = std::get_if<v1::Posterior>(&event)) Expect(*p);
+//     if (const auto* p = std::get_if<v1::Answer>(&event)) Expect(*p);
 //   }});
 //   TACTUS_ASSIGN_OR_RETURN(const SkinInfo info, driver.Configure());
 //

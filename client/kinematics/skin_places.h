@@ -4,11 +4,11 @@
 // turns the centroid in an answer into a point in space.
 //
 //   const SkinPlaces places(info.layout);
-//   const v1::ContactFeatures& features = posterior.features();
-//   const std::optional<Pose> pose = poses.PoseAt(posterior.capture_time_ns());
+//   const v1::ContactPatch& patch = answer.contacts(0).patch();
+//   const std::optional<Pose> pose = poses.PoseAt(answer.capture_time_ns());
 //   if (pose) {
 //     const Eigen::Vector3d place = places.InWorld(
-//         {features.centroid_row(), features.centroid_column()}, *pose);
+//         {patch.centroid_row(), patch.centroid_column()}, *pose);
 //   }
 //
 // The places come from the layout (core/skin/geometry.h: flat, or a cylinder),

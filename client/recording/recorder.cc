@@ -92,8 +92,8 @@ void Recorder::Frame(const SkinFrame& frame, const SkinFrame* raw) {
 
 void Recorder::EndTrial() { Push(v1::EndOfTrial(), 0, /*must=*/true); }
 
-void Recorder::Result(const v1::Posterior& posterior) {
-  const bool kept = Push(posterior, posterior.ByteSizeLong(), /*must=*/false);
+void Recorder::Result(const v1::Answer& answer) {
+  const bool kept = Push(answer, answer.ByteSizeLong(), /*must=*/false);
   const std::lock_guard lock(mutex_);
   ++(kept ? totals_.results : totals_.lost_results);
 }
@@ -150,7 +150,7 @@ void Recorder::WriteAll() {
       if (std::holds_alternative<v1::FrameBatch>(entry.event)) {
         ++totals_.lost_frames;
         --totals_.frames;
-      } else if (std::holds_alternative<v1::Posterior>(entry.event)) {
+      } else if (std::holds_alternative<v1::Answer>(entry.event)) {
         ++totals_.lost_results;
         --totals_.results;
       }

@@ -9,7 +9,7 @@
 //   recorder->Begin(info, config, stream->started());
 //   recorder->BeginTrial({{"label", "HU"}});
 //   recorder->Frame(frame);     // as the driver returned it
-//   recorder->Result(posterior);
+//   recorder->Result(answer);
 //   recorder->EndTrial();
 //   TACTUS_RETURN_IF_ERROR(recorder->Finish());
 //
@@ -84,7 +84,7 @@ class Recorder {
   // the same frame as the skin sent it; kept or lost with it.
   void Frame(const SkinFrame& frame, const SkinFrame* raw = nullptr);
   void EndTrial();
-  void Result(const v1::Posterior& posterior);
+  void Result(const v1::Answer& answer);
   // Writes what waits and completes the file. Further calls return the same.
   absl::Status Finish();
 

@@ -114,9 +114,9 @@ void ContactStream::OnChecked(const v1::ClassifyContactResponse& response) {
     return;
   }
   on_response_(response);
-  if (!response.posterior().is_final()) return;
+  if (!response.answer().is_final()) return;
   const std::lock_guard lock(mutex_);
-  final_ = response.posterior();
+  final_ = response.answer();
   ++finals_;
   answered_.notify_all();
 }
@@ -137,8 +137,8 @@ absl::Status ContactStream::Write(const v1::ClassifyContactRequest& request) {
   return status.ok() ? StreamFinished() : status;
 }
 
-absl::StatusOr<v1::Posterior> ContactStream::EndTrial() {
-  const Watch watch(&watchdog_, "end_of_trial", timeouts_.final_posterior);
+absl::StatusOr<v1::Answer> ContactStream::EndTrial() {
+  const Watch watch(&watchdog_, "end_of_trial", timeouts_.final_answer);
   TACTUS_RETURN_IF_ERROR(Write(end_of_trial_));
   {
     std::unique_lock lock(mutex_);

@@ -6,14 +6,14 @@
 //       auto stream,
 //       ContactStream::Open(MakeChannel("127.0.0.1:50051"), MakeConfig(info),
 //                           [](const auto& response) {
-//                             if (response.has_posterior()) {
-//                               Use(response.posterior());
+//                             if (response.has_answer()) {
+//                               Use(response.answer());
 //                             }
 //                           }));
 //   FrameEncoder encoder(info, {});
 //   encoder.Add(frame);
 //   TACTUS_RETURN_IF_ERROR(stream->Send(encoder.request()));
-//   TACTUS_ASSIGN_OR_RETURN(const v1::Posterior answer, stream->EndTrial());
+//   TACTUS_ASSIGN_OR_RETURN(const v1::Answer answer, stream->EndTrial());
 //   TACTUS_RETURN_IF_ERROR(stream->Close());
 //
 // Every response is checked before the callback sees it (response_checker.h),
@@ -59,8 +59,8 @@ struct StreamTimeouts {
   std::chrono::milliseconds open{10'000};
   // For one message to leave. Send waits if the server stops reading.
   std::chrono::milliseconds send{10'000};
-  // From EndTrial to the trial's final posterior.
-  std::chrono::milliseconds final_posterior{10'000};
+  // From EndTrial to the trial's final answer.
+  std::chrono::milliseconds final_answer{10'000};
   // From Close to the stream's status.
   std::chrono::milliseconds close{10'000};
 };
@@ -97,10 +97,10 @@ class ContactStream {
 
   // Sends frames (or any other request).
   absl::Status Send(const v1::ClassifyContactRequest& request);
-  // Ends the trial and returns its final posterior.
-  absl::StatusOr<v1::Posterior> EndTrial();
+  // Ends the trial and returns its final answer.
+  absl::StatusOr<v1::Answer> EndTrial();
   // Ends the stream: the server first sends what it still owes, with the final
-  // posterior of an open trial.
+  // answer of an open trial.
   absl::Status Close();
 
   // True once no further response can come.
@@ -141,9 +141,9 @@ class ContactStream {
   bool has_started_ = false;
   bool ended_ = false;
   v1::StreamStarted started_;
-  // Number of final posteriors, and the last one.
+  // Number of final answers, and the last one.
   uint64_t finals_ = 0;
-  v1::Posterior final_;
+  v1::Answer final_;
 };
 
 }  // namespace tactus::client

@@ -8,6 +8,7 @@
 #include "absl/strings/string_view.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
+#include "core/base/limits_questions.h"
 #include "core/base/status_macros.h"
 
 namespace tactus::client {
@@ -32,7 +33,7 @@ absl::Status CheckFinite(absl::string_view field, double value) {
 absl::Status CheckCount(absl::string_view field, int got, int want) {
   if (got == want) return absl::OkStatus();
   return InvalidResponse(absl::StrCat("size of ", field), got,
-                         absl::StrCat(want, ", one per class"));
+                         absl::StrCat(want, ", one per class or value"));
 }
 
 absl::Status CheckDistribution(absl::string_view field,
@@ -51,7 +52,7 @@ absl::Status CheckDistribution(absl::string_view field,
 // A class whose models exclude the contact has the logarithm of 0.
 absl::Status CheckLogLikelihood(const RepeatedField<double>& values,
                                 int classes) {
-  constexpr absl::string_view kField = "posterior.log_likelihood";
+  constexpr absl::string_view kField = "diagnostics.log_likelihood";
   TACTUS_RETURN_IF_ERROR(CheckCount(kField, values.size(), classes));
   for (const double value : values) {
     if (std::isnan(value) || value == std::numeric_limits<double>::infinity()) {
@@ -61,49 +62,105 @@ absl::Status CheckLogLikelihood(const RepeatedField<double>& values,
   return absl::OkStatus();
 }
 
-absl::Status CheckDecision(const v1::Posterior& posterior, int classes) {
-  if (!posterior.has_decision()) return absl::OkStatus();
-  const v1::Decision& decision = posterior.decision();
-  TACTUS_RETURN_IF_ERROR(CheckRange("posterior.decision.class_index",
-                                    decision.class_index(), 0, classes - 1));
-  if (decision.sequence() > posterior.sequence()) {
+absl::Status CheckScores(const v1::Answer& answer, int classes) {
+  if (!answer.has_diagnostics()) return absl::OkStatus();
+  const auto& all = answer.diagnostics().contacts();
+  if (all.size() != answer.contacts_size()) {
     return InvalidResponse(
-        "posterior.decision.sequence", decision.sequence(),
-        absl::StrCat("at most posterior.sequence, ", posterior.sequence()));
+        "size of diagnostics.contacts", all.size(),
+        absl::StrCat(answer.contacts_size(), ", one per contact"));
   }
-  if (decision.time_since_onset_ns() < 0) {
-    return InvalidResponse("posterior.decision.time_since_onset_ns",
-                           decision.time_since_onset_ns(), "at least 0");
+  for (const v1::ContactScores& scores : all) {
+    TACTUS_RETURN_IF_ERROR(
+        CheckLogLikelihood(scores.log_likelihood(), classes));
+    TACTUS_RETURN_IF_ERROR(CheckDistribution(
+        "diagnostics.hmm_probability", scores.hmm_probability(), classes));
+    if (!scores.lstm_probability().empty()) {
+      TACTUS_RETURN_IF_ERROR(CheckDistribution(
+          "diagnostics.lstm_probability", scores.lstm_probability(), classes));
+    }
+    TACTUS_RETURN_IF_ERROR(
+        CheckRange("diagnostics.stability", scores.stability(), 0, 1));
   }
   return absl::OkStatus();
 }
 
-absl::Status CheckFeatures(const v1::Posterior& posterior, int taxels) {
-  if (!posterior.has_features()) return absl::OkStatus();
-  const v1::ContactFeatures& features = posterior.features();
-  for (const double value :
-       {features.max_force(), features.area_m2(), features.motion_m(),
-        features.centroid_row(), features.centroid_column()}) {
-    TACTUS_RETURN_IF_ERROR(CheckFinite("posterior.features", value));
+absl::Status CheckVector(absl::string_view field, const v1::Vector3& vector) {
+  for (const double value : {vector.x(), vector.y(), vector.z()}) {
+    TACTUS_RETURN_IF_ERROR(CheckFinite(field, value));
   }
-  TACTUS_RETURN_IF_ERROR(CheckRange("posterior.features.area_taxels",
-                                    features.area_taxels(), 0, taxels));
-  return CheckRange("posterior.features.region_count", features.region_count(),
-                    0, taxels);
+  return absl::OkStatus();
 }
 
-absl::Status CheckObject(const v1::Posterior& posterior) {
-  if (!posterior.has_object()) return absl::OkStatus();
-  const v1::ObjectEstimate& object = posterior.object();
+absl::Status CheckPlace(const v1::SkinPlace& place) {
+  TACTUS_RETURN_IF_ERROR(CheckVector("contact.patch's link", place.link()));
+  TACTUS_RETURN_IF_ERROR(
+      CheckVector("contact.patch's link_normal", place.link_normal()));
+  TACTUS_RETURN_IF_ERROR(CheckVector("contact.patch's world", place.world()));
+  return CheckVector("contact.patch's world_normal", place.world_normal());
+}
+
+absl::Status CheckPatch(const v1::Contact& contact, int taxels) {
+  if (!contact.has_patch()) return absl::OkStatus();
+  const v1::ContactPatch& patch = contact.patch();
+  for (const double value : {patch.force(), patch.max_force(), patch.area_m2(),
+                             patch.centroid_row(), patch.centroid_column()}) {
+    TACTUS_RETURN_IF_ERROR(CheckFinite("contact.patch", value));
+  }
+  TACTUS_RETURN_IF_ERROR(
+      CheckRange("contact.patch.area_taxels", patch.area_taxels(), 1, taxels));
+  TACTUS_RETURN_IF_ERROR(CheckRange("size of contact.patch.taxels",
+                                    patch.taxels_size(), 0, taxels));
+  for (const uint32_t taxel : patch.taxels()) {
+    TACTUS_RETURN_IF_ERROR(
+        CheckRange("contact.patch.taxels", taxel, 0, taxels - 1));
+  }
+  TACTUS_RETURN_IF_ERROR(CheckPlace(patch.centroid()));
+  return CheckPlace(patch.centre_of_pressure());
+}
+
+absl::Status CheckDecision(const v1::QuestionAnswer& answer,
+                           uint64_t sequence) {
+  if (!answer.has_decision()) return absl::OkStatus();
+  const v1::Decision& decision = answer.decision();
+  TACTUS_RETURN_IF_ERROR(CheckRange("decision.value", decision.value(), 0,
+                                    answer.probability_size() - 1));
+  for (const uint64_t at : {decision.sequence(), decision.changed_sequence()}) {
+    if (at > sequence) {
+      return InvalidResponse(
+          "sequence of a decision", at,
+          absl::StrCat("at most answer.sequence, ", sequence));
+    }
+  }
+  for (const int64_t time : {decision.time_since_onset_ns(),
+                             decision.changed_time_since_onset_ns()}) {
+    if (time < 0) {
+      return InvalidResponse("time_since_onset_ns of a decision", time,
+                             "at least 0");
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckObject(const v1::Contact& contact) {
+  if (!contact.has_object()) return absl::OkStatus();
+  const v1::ObjectEstimate& object = contact.object();
   for (const double value : {object.log10_stiffness(), object.moved_m()}) {
-    TACTUS_RETURN_IF_ERROR(CheckFinite("posterior.object", value));
+    TACTUS_RETURN_IF_ERROR(CheckFinite("contact.object", value));
   }
   for (const double value :
        {object.log10_stiffness_deviation(), object.moved_deviation_m()}) {
-    TACTUS_RETURN_IF_ERROR(CheckRange("posterior.object's deviations", value, 0,
+    TACTUS_RETURN_IF_ERROR(CheckRange("contact.object's deviations", value, 0,
                                       std::numeric_limits<double>::max()));
   }
   return absl::OkStatus();
+}
+
+// True if some contact of the answer has this id.
+bool HasContact(const v1::Answer& answer, uint64_t id) {
+  return std::ranges::any_of(answer.contacts(), [id](const auto& contact) {
+    return contact.id() == id;
+  });
 }
 
 }  // namespace
@@ -124,7 +181,7 @@ absl::Status ResponseChecker::Check(
   if (classes_ == 0) {
     return InvalidResponse("first response", "not `started`", "`started`");
   }
-  if (response.has_posterior()) return CheckPosterior(response.posterior());
+  if (response.has_answer()) return CheckAnswer(response.answer());
   return absl::OkStatus();
 }
 
@@ -147,72 +204,115 @@ absl::Status ResponseChecker::CheckStarted(const v1::StreamStarted& started) {
                                     limits::kMaxRows));
   TACTUS_RETURN_IF_ERROR(CheckRange(
       "started.geometry.columns", geometry.columns(), 1, limits::kMaxColumns));
+  TACTUS_RETURN_IF_ERROR(CheckQuestions(started));
   classes_ = started.class_names_size();
   taxels_ = static_cast<int>(geometry.rows() * geometry.columns());
   return absl::OkStatus();
 }
 
-absl::Status ResponseChecker::CheckPosterior(const v1::Posterior& posterior) {
-  TACTUS_RETURN_IF_ERROR(CheckOrder(posterior));
-  if (posterior.contact_state() < v1::CONTACT_STATE_NO_CONTACT ||
-      posterior.contact_state() > v1::CONTACT_STATE_RELEASED) {
-    return InvalidResponse("posterior.contact_state",
-                           static_cast<int>(posterior.contact_state()),
-                           "a value of ContactState");
+absl::Status ResponseChecker::CheckQuestions(const v1::StreamStarted& started) {
+  TACTUS_RETURN_IF_ERROR(CheckRange("number of started.questions",
+                                    started.questions_size(), 1,
+                                    limits::kMaxQuestions));
+  for (const v1::Question& question : started.questions()) {
+    TACTUS_RETURN_IF_ERROR(CheckRange("number of a question's values",
+                                      question.values_size(), 1,
+                                      started.class_names_size()));
+    TACTUS_RETURN_IF_ERROR(CheckCount("question.value_of_class",
+                                      question.value_of_class_size(),
+                                      started.class_names_size()));
+    for (const uint32_t value : question.value_of_class()) {
+      TACTUS_RETURN_IF_ERROR(CheckRange("question.value_of_class", value, 0,
+                                        question.values_size() - 1));
+    }
+    values_.push_back(question.values_size());
   }
-  if (posterior.time_since_onset_ns() < 0) {
-    return InvalidResponse("posterior.time_since_onset_ns",
-                           posterior.time_since_onset_ns(), "at least 0");
-  }
-  TACTUS_RETURN_IF_ERROR(
-      CheckLogLikelihood(posterior.log_likelihood(), classes_));
-  TACTUS_RETURN_IF_ERROR(CheckDistribution("posterior.probability",
-                                           posterior.probability(), classes_));
-  TACTUS_RETURN_IF_ERROR(CheckDistribution(
-      "posterior.hmm_probability", posterior.hmm_probability(), classes_));
-  if (!posterior.lstm_probability().empty()) {
-    TACTUS_RETURN_IF_ERROR(CheckDistribution(
-        "posterior.lstm_probability", posterior.lstm_probability(), classes_));
-  }
-  TACTUS_RETURN_IF_ERROR(
-      CheckRange("posterior.unknown", posterior.unknown(), 0, 1));
-  TACTUS_RETURN_IF_ERROR(
-      CheckRange("posterior.stability", posterior.stability(), 0, 1));
-  TACTUS_RETURN_IF_ERROR(CheckDecision(posterior, classes_));
-  TACTUS_RETURN_IF_ERROR(CheckFeatures(posterior, taxels_));
-  return CheckObject(posterior);
+  return absl::OkStatus();
 }
 
-absl::Status ResponseChecker::CheckOrder(const v1::Posterior& posterior) {
-  const uint64_t sequence = posterior.sequence();
+absl::Status ResponseChecker::CheckAnswer(const v1::Answer& answer) {
+  TACTUS_RETURN_IF_ERROR(CheckOrder(answer));
+  TACTUS_RETURN_IF_ERROR(CheckRange("number of answer.contacts",
+                                    answer.contacts_size(), 0,
+                                    limits::kMaxContacts));
+  for (const v1::Contact& contact : answer.contacts()) {
+    TACTUS_RETURN_IF_ERROR(CheckContact(contact, answer.sequence()));
+  }
+  for (const v1::ContactEvent& event : answer.events()) {
+    if (!HasContact(answer, event.contact_id())) {
+      return InvalidResponse("event.contact_id", event.contact_id(),
+                             "the id of a contact of the answer");
+    }
+    if (event.question() >= values_.size()) {
+      return InvalidResponse("event.question", event.question(),
+                             absl::StrCat("below ", values_.size()));
+    }
+    TACTUS_RETURN_IF_ERROR(CheckRange("event.value", event.value(), 0,
+                                      values_[event.question()] - 1));
+  }
+  return CheckScores(answer, classes_);
+}
+
+absl::Status ResponseChecker::CheckContact(const v1::Contact& contact,
+                                           uint64_t sequence) {
+  if (contact.id() == 0) return InvalidResponse("contact.id", 0, "at least 1");
+  if (contact.state() < v1::Contact::STATE_TOUCHING ||
+      contact.state() > v1::Contact::STATE_RELEASED) {
+    return InvalidResponse("contact.state", static_cast<int>(contact.state()),
+                           "a value of Contact.State");
+  }
+  if (contact.onset_sequence() > sequence) {
+    return InvalidResponse("contact.onset_sequence", contact.onset_sequence(),
+                           absl::StrCat("at most answer.sequence, ", sequence));
+  }
+  if (contact.time_since_onset_ns() < 0) {
+    return InvalidResponse("contact.time_since_onset_ns",
+                           contact.time_since_onset_ns(), "at least 0");
+  }
+  TACTUS_RETURN_IF_ERROR(CheckPatch(contact, taxels_));
+  TACTUS_RETURN_IF_ERROR(CheckFinite("contact.motion_m", contact.motion_m()));
+  TACTUS_RETURN_IF_ERROR(CheckDistribution("contact.probability",
+                                           contact.probability(), classes_));
+  if (contact.answers_size() != static_cast<int>(values_.size())) {
+    return InvalidResponse("size of contact.answers", contact.answers_size(),
+                           absl::StrCat(values_.size(), ", one per question"));
+  }
+  for (size_t q = 0; q < values_.size(); ++q) {
+    const v1::QuestionAnswer& answer = contact.answers(q);
+    TACTUS_RETURN_IF_ERROR(CheckDistribution("contact.answers.probability",
+                                             answer.probability(), values_[q]));
+    TACTUS_RETURN_IF_ERROR(CheckDecision(answer, sequence));
+  }
+  TACTUS_RETURN_IF_ERROR(
+      CheckRange("contact.unknown", contact.unknown(), 0, 1));
+  return CheckObject(contact);
+}
+
+absl::Status ResponseChecker::CheckOrder(const v1::Answer& answer) {
+  const uint64_t sequence = answer.sequence();
   const uint64_t sent = sent_sequence_;
   if (sequence > sent) {
     return InvalidResponse(
-        "posterior.sequence", sequence,
+        "answer.sequence", sequence,
         absl::StrCat("at most ", sent, ", the last frame that was sent"));
   }
-  if (posterior.onset_sequence() > sequence) {
-    return InvalidResponse(
-        "posterior.onset_sequence", posterior.onset_sequence(),
-        absl::StrCat("at most posterior.sequence, ", sequence));
-  }
-  if (!posterior.is_final()) {
+  if (!answer.is_final()) {
     if (sequence <= last_sequence_) {
-      return InvalidResponse("posterior.sequence", sequence,
+      return InvalidResponse("answer.sequence", sequence,
                              absl::StrCat("above ", last_sequence_));
     }
     last_sequence_ = sequence;
     return absl::OkStatus();
   }
   if (sequence < last_sequence_) {
-    return InvalidResponse("sequence of a final posterior", sequence,
+    return InvalidResponse("sequence of a final answer", sequence,
                            absl::StrCat("at least ", last_sequence_));
   }
   last_sequence_ = sequence;
   // The end of a stream may end one trial more.
   const uint64_t most = trials_ended_ + 1;
   if (++finals_ > most) {
-    return InvalidResponse("number of final posteriors", finals_,
+    return InvalidResponse("number of final answers", finals_,
                            absl::StrCat("at most ", most));
   }
   return absl::OkStatus();

@@ -14,6 +14,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "tactus/v1/contact.pb.h"
@@ -33,8 +34,10 @@ class ResponseChecker {
 
  private:
   absl::Status CheckStarted(const v1::StreamStarted& started);
-  absl::Status CheckPosterior(const v1::Posterior& posterior);
-  absl::Status CheckOrder(const v1::Posterior& posterior);
+  absl::Status CheckQuestions(const v1::StreamStarted& started);
+  absl::Status CheckAnswer(const v1::Answer& answer);
+  absl::Status CheckContact(const v1::Contact& contact, uint64_t sequence);
+  absl::Status CheckOrder(const v1::Answer& answer);
 
   // Written by OnSent.
   std::atomic<uint64_t> sent_sequence_ = 0;
@@ -42,6 +45,8 @@ class ResponseChecker {
   // 0 until `started` has arrived.
   int classes_ = 0;
   int taxels_ = 0;
+  // How many values each question has.
+  std::vector<int> values_;
   uint64_t last_sequence_ = 0;
   uint64_t finals_ = 0;
 };

@@ -88,7 +88,7 @@ void ResumableStream::OnEnd() {
 }
 
 void ResumableStream::OnResponse(const v1::ClassifyContactResponse& response) {
-  if (!response.has_posterior()) {
+  if (!response.has_answer()) {
     on_response_(response);
     return;
   }
@@ -103,9 +103,9 @@ void ResumableStream::OnResponse(const v1::ClassifyContactResponse& response) {
   }
   if (shown == nullptr) return;
   on_response_(*shown);
-  if (!shown->posterior().is_final()) return;
+  if (!shown->answer().is_final()) return;
   const std::lock_guard lock(mutex_);
-  final_ = shown->posterior();
+  final_ = shown->answer();
   final_due_.reset();
   changed_.notify_all();
 }
@@ -165,7 +165,7 @@ bool ResumableStream::Owes() const {
   return history_->trial_open() || history_->ending();
 }
 
-absl::StatusOr<v1::Posterior> ResumableStream::EndTrial() {
+absl::StatusOr<v1::Answer> ResumableStream::EndTrial() {
   Lock lock(mutex_);
   if (state_ == State::kEnded) return EndStatus();
   history_->EndTrial();
@@ -220,8 +220,8 @@ void ResumableStream::Cancel() {
 void ResumableStream::SendEnd(Lock& lock) {
   end_is_sent_ = true;
   final_due_.reset();
-  if (options_.timeouts.final_posterior.count() > 0) {
-    final_due_ = Clock::now() + options_.timeouts.final_posterior;
+  if (options_.timeouts.final_answer.count() > 0) {
+    final_due_ = Clock::now() + options_.timeouts.final_answer;
   }
   SendNow(end_of_trial_, lock);
 }
@@ -250,8 +250,7 @@ absl::Status ResumableStream::AwaitEnd(Lock& lock) {
     } else if (Clock::now() < *final_due_) {
       changed_.wait_until(lock, *final_due_);
     } else {
-      late =
-          NoResponse("end_of_trial", options_.timeouts.final_posterior.count());
+      late = NoResponse("end_of_trial", options_.timeouts.final_answer.count());
       stream_->Cancel();
       changed_.wait(lock, may_end);
     }
@@ -389,10 +388,10 @@ bool ResumableStream::CatchUp(Lock& lock) {
 
 void ResumableStream::AwaitAnswer(const v1::FrameBatch& batch, Lock& lock) {
   const uint64_t last = batch.first_sequence() + batch.frame_count() - 1;
-  // Answers that the robot has may supersede each other. Decisions and ends of
-  // contacts are never superseded.
+  // Answers that the robot has may supersede each other. Answers with events
+  // are never superseded.
   if (last < history_->delivered() ||
-      config_.cadence() == v1::RESULT_CADENCE_ON_DECISION) {
+      config_.cadence() == v1::RESULT_CADENCE_EVENTS) {
     return;
   }
   milliseconds pause = kLeastPause;
@@ -412,7 +411,7 @@ milliseconds ResumableStream::PauseFor(const v1::FrameBatch& batch) const {
   // Half of the time that the frames span, so that the rest catches up with a
   // robot that goes on.
   const double rate =
-      config_.sample_rate_hz() > 0 ? config_.sample_rate_hz() : 100;
+      config_.has_sample_rate_hz() ? config_.sample_rate_hz() : 100;
   return std::clamp(
       milliseconds(static_cast<int64_t>(500.0 * batch.frame_count() / rate)),
       kLeastPause, kLongestPause);

@@ -11,13 +11,13 @@
 //   FrameEncoder encoder(info, {});
 //   encoder.Add(frame);
 //   TACTUS_RETURN_IF_ERROR(stream->Send(encoder.request()));
-//   TACTUS_ASSIGN_OR_RETURN(const v1::Posterior answer, stream->EndTrial());
+//   TACTUS_ASSIGN_OR_RETURN(const v1::Answer answer, stream->EndTrial());
 //   TACTUS_RETURN_IF_ERROR(stream->Close());
 //
 // When the stream is lost, it opens another one and sends the frames again that
 // the answers depend on (stream_history.h). The callback then gets what it
 // would have got from one stream, with the robot's own sequence numbers and
-// times: no posterior twice, and none left out except the interim ones that a
+// times: no answer twice, and none left out except the interim ones that a
 // server may drop, which `superseded` counts.
 //
 // What it resumes after:
@@ -119,10 +119,10 @@ class ResumableStream {
   // Sends frames. INVALID_ARGUMENT for any other request and for frames whose
   // sequence numbers do not rise; the stream then goes on.
   absl::Status Send(const v1::ClassifyContactRequest& request);
-  // Ends the trial and returns its final posterior.
-  absl::StatusOr<v1::Posterior> EndTrial();
+  // Ends the trial and returns its final answer.
+  absl::StatusOr<v1::Answer> EndTrial();
   // Ends the stream: the server first sends what it still owes, with the final
-  // posterior of an open trial. A stream that is lost is resumed for it.
+  // answer of an open trial. A stream that is lost is resumed for it.
   absl::Status Close();
 
   // True once no further response can come.
@@ -198,7 +198,7 @@ class ResumableStream {
   // The current stream has got end_of_trial for this trial.
   bool end_is_sent_ = false;
   std::optional<Clock::time_point> final_due_;
-  std::optional<v1::Posterior> final_;
+  std::optional<v1::Answer> final_;
   Statistics statistics_;
 
   // When the stream was lost, and when it was resumed last.

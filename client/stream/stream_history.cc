@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 namespace tactus::client {
 namespace {
@@ -10,7 +11,7 @@ namespace {
 constexpr double kDefaultRateHz = 100;
 
 double RateOf(const v1::StreamConfig& config) {
-  return config.sample_rate_hz() > 0 ? config.sample_rate_hz() : kDefaultRateHz;
+  return config.has_sample_rate_hz() ? config.sample_rate_hz() : kDefaultRateHz;
 }
 
 uint64_t IntervalOf(const v1::StreamConfig& config) {
@@ -116,84 +117,115 @@ StreamHistory::Beginning StreamHistory::BeginStream() {
   }
   base_contacts_ = contacts_;
   base_end_.reset();
-  if (is_released_) base_end_ = last_end_;
+  if (!is_touched_) base_end_ = last_end_;
   return Beginning::kLost;
 }
 
 const v1::ClassifyContactResponse* StreamHistory::Take(
     const v1::ClassifyContactResponse& response) {
-  const v1::Posterior& posterior = response.posterior();
-  answered_ = std::max(answered_, posterior.sequence());
-  if (!IsNew(posterior)) {
-    if (!posterior.is_final()) repeated_superseded_ = posterior.superseded();
+  const v1::Answer& answer = response.answer();
+  answered_ = std::max(answered_, answer.sequence());
+  if (!IsNew(answer)) {
+    if (!answer.is_final()) repeated_superseded_ = answer.superseded();
     return nullptr;
   }
   const v1::ClassifyContactResponse* shown =
       is_resumed_ ? Rebase(response) : &response;
-  Learn(shown->posterior());
+  Learn(shown->answer());
   return shown;
 }
 
-bool StreamHistory::IsNew(const v1::Posterior& posterior) const {
-  if (!posterior.is_final()) return posterior.sequence() > delivered_;
+bool StreamHistory::IsNew(const v1::Answer& answer) const {
+  if (!answer.is_final()) return answer.sequence() > delivered_;
   // A server that ends the trial before all frames have come ends it too soon.
-  return ending_ &&
-         (trial_frames_ == 0 || posterior.sequence() == last_sequence_);
+  return ending_ && (trial_frames_ == 0 || answer.sequence() == last_sequence_);
 }
 
 const v1::ClassifyContactResponse* StreamHistory::Rebase(
     const v1::ClassifyContactResponse& response) {
   rebased_ = response;
-  v1::Posterior* posterior = rebased_.mutable_posterior();
+  v1::Answer* answer = rebased_.mutable_answer();
   // In a trial without frames, a final repeats the last frame before it.
-  if (posterior->is_final() && trial_frames_ == 0) {
-    posterior->set_sequence(last_sequence_);
-    posterior->set_capture_time_ns(last_time_ns_);
+  if (answer->is_final() && trial_frames_ == 0) {
+    answer->set_sequence(last_sequence_);
+    answer->set_capture_time_ns(last_time_ns_);
   }
-  if (posterior->contact_id() == 0 && base_end_) ShowReleased(posterior);
-  posterior->set_contact_id(posterior->contact_id() + base_contacts_);
-  posterior->set_frames_missing(posterior->frames_missing() + base_missing_);
-  posterior->set_superseded(
-      base_superseded_ + posterior->superseded() -
-      std::min(repeated_superseded_, posterior->superseded()));
+  CountContactsOn(answer);
+  if (answer->is_final() && answer->contacts().empty() && base_end_) {
+    ShowEnded(answer);
+  }
+  answer->set_frames_missing(answer->frames_missing() + base_missing_);
+  answer->set_superseded(base_superseded_ + answer->superseded() -
+                         std::min(repeated_superseded_, answer->superseded()));
   return &rebased_;
 }
 
-void StreamHistory::ShowReleased(v1::Posterior* posterior) const {
-  const v1::Posterior& end = *base_end_;
-  const int64_t onset_time_ns =
-      end.capture_time_ns() - end.time_since_onset_ns();
-  posterior->set_contact_state(v1::CONTACT_STATE_RELEASED);
-  posterior->set_onset_sequence(end.onset_sequence());
-  posterior->set_time_since_onset_ns(posterior->capture_time_ns() -
-                                     onset_time_ns);
-  *posterior->mutable_log_likelihood() = end.log_likelihood();
-  *posterior->mutable_probability() = end.probability();
-  *posterior->mutable_hmm_probability() = end.hmm_probability();
-  *posterior->mutable_lstm_probability() = end.lstm_probability();
-  posterior->set_unknown(end.unknown());
-  posterior->set_stability(end.stability());
-  if (end.has_decision()) *posterior->mutable_decision() = end.decision();
-  if (end.has_object()) *posterior->mutable_object() = end.object();
+void StreamHistory::CountContactsOn(v1::Answer* answer) const {
+  const auto rebased = [this](uint64_t id) {
+    return id == 0 ? 0 : id + base_contacts_;
+  };
+  for (v1::Contact& contact : *answer->mutable_contacts()) {
+    contact.set_id(rebased(contact.id()));
+    contact.set_parent_id(rebased(contact.parent_id()));
+    contact.set_merged_into(rebased(contact.merged_into()));
+  }
+  for (v1::ContactEvent& event : *answer->mutable_events()) {
+    event.set_contact_id(rebased(event.contact_id()));
+    event.set_other_id(rebased(event.other_id()));
+  }
 }
 
-void StreamHistory::Learn(const v1::Posterior& posterior) {
-  superseded_ = posterior.superseded();
-  contacts_ = posterior.contact_id();
-  if (posterior.is_final()) {
+void StreamHistory::ShowEnded(v1::Answer* answer) const {
+  v1::Contact* contact = answer->add_contacts();
+  *contact = base_end_->contact;
+  contact->set_time_since_onset_ns(answer->capture_time_ns() -
+                                   base_end_->onset_time_ns);
+  if (base_end_->scores) {
+    *answer->mutable_diagnostics()->add_contacts() = *base_end_->scores;
+  }
+}
+
+void StreamHistory::Learn(const v1::Answer& answer) {
+  superseded_ = answer.superseded();
+  if (answer.is_final()) {
     FinishTrial();
     return;
   }
-  delivered_ = posterior.sequence();
-  is_released_ = posterior.contact_state() == v1::CONTACT_STATE_RELEASED;
-  if (posterior.is_contact_end()) {
-    last_end_ = posterior;
-    idle_from_ = posterior.sequence() + 1;
-  } else if (posterior.contact_state() == v1::CONTACT_STATE_IN_CONTACT) {
-    DropBefore(posterior.onset_sequence(),
-               std::max<uint64_t>(posterior.contact_id(), 1) - 1);
-  } else {
-    DropBefore(posterior.sequence() + 1, posterior.contact_id());
+  delivered_ = answer.sequence();
+  LearnContacts(answer);
+  if (is_touched_) {
+    DropBefore(touched_from_, contacts_until_touched_);
+  } else if (answer.contacts().empty()) {
+    DropBefore(answer.sequence() + 1, contacts_);
+  }
+}
+
+void StreamHistory::LearnContacts(const v1::Answer& answer) {
+  uint64_t first_onset = answer.sequence() + 1;
+  uint64_t first_id = 0;
+  for (int i = 0; i < answer.contacts_size(); ++i) {
+    const v1::Contact& contact = answer.contacts(i);
+    contacts_ = std::max(contacts_, contact.id());
+    if (contact.state() == v1::Contact::STATE_RELEASED) {
+      last_end_.emplace();
+      last_end_->contact = contact;
+      last_end_->onset_time_ns =
+          answer.capture_time_ns() - contact.time_since_onset_ns();
+      if (answer.diagnostics().contacts_size() > i) {
+        last_end_->scores = answer.diagnostics().contacts(i);
+      }
+      continue;
+    }
+    first_onset = std::min<uint64_t>(first_onset, contact.onset_sequence());
+    first_id = first_id == 0 ? contact.id() : std::min(first_id, contact.id());
+  }
+  const bool was_touched = std::exchange(is_touched_, first_id != 0);
+  if (is_touched_ && !was_touched) {
+    touched_from_ = first_onset;
+    contacts_until_touched_ = first_id - 1;
+  }
+  if (!is_touched_ && !answer.contacts().empty()) {
+    idle_from_ = answer.sequence() + 1;
   }
 }
 
@@ -222,7 +254,7 @@ void StreamHistory::FinishTrial() {
   missing_ = 0;
   ending_ = false;
   beginning_lost_ = false;
-  is_released_ = false;
+  is_touched_ = false;
   last_end_.reset();
   end_before_.reset();
   contacts_before_ = contacts_;

@@ -2,17 +2,18 @@
 //
 // StreamHistory: what a client must keep of its stream to go on after a lost
 // connection as if nothing had happened. It decides which frames a new stream
-// must get again, and makes the new stream's posteriors those of one stream.
+// must get again, and makes the new stream's answers those of one stream.
 //
 //   StreamHistory history(config, started, limits::kMaxReplayBytes);
 //   history.Add(batch);                     // before it is sent
-//   if (const auto* response = history.Take(posterior)) Use(*response);
+//   if (const auto* response = history.Take(answer)) Use(*response);
 //   // The connection is lost.
 //   history.BeginStream();
 //   while (history.NextUnsent(&batch)) Send(batch);
 //
 // What it keeps: the messages since the beginning of the trial. Messages before
-// the current contact are dropped where no bit of an answer depends on them:
+// the last frame without a contact are dropped where no bit of an answer
+// depends on them:
 //
 //   - The frame that a replay begins with is touched by no contact, and lies at
 //     least 0.2 s before the next onset if frames have poses, because motion is
@@ -24,12 +25,12 @@
 // If that is more than fits, the oldest messages are dropped, and a replay is
 // inexact (BeginStream): the server has never seen the beginning.
 //
-// Take changes what differs between two streams: contact_id, frames_missing and
-// superseded count on; after the release of a contact that is not sent again,
-// the posteriors show this contact, as they did before. All other fields are
-// equal bit for bit, because the server computes them from equal frames. No
-// posterior is returned twice. With other cadences than every frame,
-// `superseded` may also count some posteriors that the robot has had.
+// Take changes what differs between two streams: ids of contacts,
+// frames_missing and superseded count on; a final without contacts shows the
+// last that ended, also if it is not sent again. All other fields are equal bit
+// for bit, because the server computes them from equal frames. No answer is
+// returned twice. With other cadences than every frame, `superseded` may also
+// count some answers that the robot has had.
 //
 // No threads, no clock, no gRPC. After warm-up, nothing is allocated per frame
 // until the first replay. Not thread-safe.
@@ -69,18 +70,18 @@ class StreamHistory {
   void SentAll();
 
   // A new stream begins: all that is kept is unsent. kLost if frames that it
-  // needs were dropped. The contact in progress then goes on with a new
-  // contact_id, without what was felt before.
+  // needs were dropped. The contacts in progress then go on with new ids,
+  // without what was felt before.
   Beginning BeginStream();
 
-  // Takes a posterior of the current stream. Returns the response for the
+  // Takes an answer of the current stream. Returns the response for the
   // robot, valid until the next call, or null if the robot has had it or must
   // not get it: a server that drains ends trials that the robot has not ended.
   const v1::ClassifyContactResponse* Take(
       const v1::ClassifyContactResponse& response);
 
-  // Sequence number of the last frame added, of the last one in a posterior
-  // that was returned, and of the last one in a posterior of this stream.
+  // Sequence number of the last frame added, of the last one in an answer
+  // that was returned, and of the last one in an answer of this stream.
   uint64_t last_sequence() const { return last_sequence_; }
   uint64_t delivered() const { return delivered_; }
   uint64_t answered() const { return answered_; }
@@ -110,13 +111,22 @@ class StreamHistory {
   // Makes room by dropping messages that were sent once.
   char* Append(size_t bytes);
   void PopFront();
-  // True if the robot may have this posterior.
-  bool IsNew(const v1::Posterior& posterior) const;
+  // A contact that ended.
+  struct Ended {
+    v1::Contact contact;
+    int64_t onset_time_ns = 0;
+    std::optional<v1::ContactScores> scores;
+  };
+
+  // True if the robot may have this answer.
+  bool IsNew(const v1::Answer& answer) const;
   const v1::ClassifyContactResponse* Rebase(
       const v1::ClassifyContactResponse& response);
-  void ShowReleased(v1::Posterior* posterior) const;
-  // Learns from a posterior that the robot gets.
-  void Learn(const v1::Posterior& posterior);
+  void CountContactsOn(v1::Answer* answer) const;
+  void ShowEnded(v1::Answer* answer) const;
+  // Learns from an answer that the robot gets.
+  void Learn(const v1::Answer& answer);
+  void LearnContacts(const v1::Answer& answer);
   // Drops the messages before the last one that a replay may begin with, given
   // that no contact touched the frames from idle_from_ to before `idle_to`.
   void DropBefore(uint64_t idle_to, uint64_t contacts);
@@ -146,28 +156,31 @@ class StreamHistory {
   uint64_t delivered_ = 0;
   uint64_t answered_ = 0;
   uint64_t superseded_ = 0;
-  // As of the last posterior.
+  // As of the last answer: contacts so far, and whether there is one.
   uint64_t contacts_ = 0;
-  bool is_released_ = false;
-  // The frame after the end of the last contact of this trial, and the
-  // posterior of this end.
+  bool is_touched_ = false;
+  // Since it is touched: the first onset, and the contacts before it.
+  uint64_t touched_from_ = 0;
+  uint64_t contacts_until_touched_ = 0;
+  // The frame after the one with which all contacts of this trial had ended,
+  // and the contact that ended last.
   uint64_t idle_from_ = 0;
-  std::optional<v1::Posterior> last_end_;
+  std::optional<Ended> last_end_;
   uint64_t idle_to_ = 0;
 
   // The same before the first message in the ring.
   uint64_t contacts_before_ = 0;
-  std::optional<v1::Posterior> end_before_;
+  std::optional<Ended> end_before_;
 
   // The current stream is not the first, and what it does not know.
   bool is_resumed_ = false;
   uint64_t base_contacts_ = 0;
   uint64_t base_missing_ = 0;
-  // Superseded posteriors of earlier streams, and those of this one that the
+  // Superseded answers of earlier streams, and those of this one that the
   // robot has had from an earlier stream.
   uint64_t base_superseded_ = 0;
   uint64_t repeated_superseded_ = 0;
-  std::optional<v1::Posterior> base_end_;
+  std::optional<Ended> base_end_;
   v1::ClassifyContactResponse rebased_;
 };
 

@@ -20,6 +20,11 @@ inline constexpr double kMaxTaxelPitchM = 1;
 inline constexpr double kMinTaxelAreaM2 = 1e-12;
 inline constexpr double kMaxTaxelAreaM2 = 1;
 
+// Contacts that are followed on a skin at the same time.
+inline constexpr int kMaxContacts = 8;
+// Contacts that ended in a trial of ClassifyTrial, in its response.
+inline constexpr int kMaxTrialContacts = 64;
+
 // One request message on a stream.
 inline constexpr uint32_t kMaxFramesPerMessage = 64;
 inline constexpr size_t kMaxMessageBytes = 64 * 1024;
@@ -108,8 +113,8 @@ inline constexpr int kConnectionIdleMs = 300'000;
 // How long a listening socket may fail to answer the server's own check.
 inline constexpr int kSelfCheckMs = 10'000;
 inline constexpr int kDrainGraceMs = 5'000;
-// Posteriors that must not be dropped and wait for a slow reader.
-inline constexpr size_t kMaxQueuedFinals = 64;
+// Answers that must not be dropped and wait for a slow reader.
+inline constexpr size_t kMaxQueuedKept = 64;
 
 // Models.
 inline constexpr int kMaxClasses = 64;

@@ -164,9 +164,6 @@ bool ContactClassifier::StepLstmsIfDue() {
   step_due_ = true;
   if (lstms_.empty()) {
     ++skipped_[SkipRule::kUnusedLstms];
-  } else if (options_.decisions_only && decision_ &&
-             skip_[SkipRule::kLstmsAfterDecision]) {
-    ++skipped_[SkipRule::kLstmsAfterDecision];
   } else if (options_.savings.any() && SavesStep()) {
     ++saved_steps_;
   } else {

@@ -55,10 +55,6 @@ class ContactClassifier {
     uint32_t decision_frames = 0;
     // Which models answer; as if the model had no others.
     Scorers scorers = Scorers::kAll;
-    // The caller reads nothing between a contact's decision and its end, so
-    // the LSTMs and the object estimate may stop at the decision. Questions are
-    // then decided by the probabilities that are left.
-    bool decisions_only = false;
     // Steps of the LSTMs that are left out; none by default.
     StepSavings savings = {};
   };

@@ -1,11 +1,13 @@
 #include "core/classify/contact_pipeline.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/classify/input_spec.h"
 
 namespace tactus {
 namespace {
@@ -47,6 +49,12 @@ absl::Status CheckPoses(bool with_poses, const Model& model) {
 
 }  // namespace
 
+int MostContacts(const Model& model, const ContactPipeline::Options& options) {
+  if (options.max_contacts > 0) return options.max_contacts;
+  const bool sees_skin = UsesProfile(model.inputs) || UsesTaxels(model.inputs);
+  return sees_skin || options.release_after_s < 0 ? 1 : limits::kMaxContacts;
+}
+
 absl::Status ContactPipeline::Check(const SkinLayout& layout,
                                     const CompiledModel& model,
                                     const Options& options) {
@@ -68,65 +76,109 @@ absl::StatusOr<std::unique_ptr<ContactPipeline>> ContactPipeline::Create(
 ContactPipeline::ContactPipeline(
     const SkinLayout& layout, const std::shared_ptr<const CompiledModel>& model,
     const Options& options)
-    : uses_poses_(model->model().poses != PoseNeed::kIgnored),
-      classifier_(model, options.decision, options.skip),
+    : model_(model),
+      options_(options),
+      uses_poses_(model->model().poses != PoseNeed::kIgnored),
+      max_contacts_(MostContacts(model->model(), options)),
+      classifiers_{std::make_unique<ContactClassifier>(model, options.decision,
+                                                       options.skip)},
       tracker_(layout,
                {.sample_rate_hz = options.sample_rate_hz,
                 .release_after_s = options.release_after_s == 0
                                        ? model->model().release_after_s
                                        : options.release_after_s,
-                .load_profile = classifier_.uses_profile(),
-                .taxel_loads = classifier_.uses_taxels(),
-                .load_spread = classifier_.uses_spread(),
+                .max_contacts = max_contacts_,
+                .load_profile = classifiers_[0]->uses_profile(),
+                .taxel_loads = classifiers_[0]->uses_taxels(),
+                .load_spread = classifiers_[0]->uses_spread(),
                 .skip_untouched = options.skip[SkipRule::kUntouchedFrames],
                 .reuse_unchanged = options.skip[SkipRule::kUnchangedFrames],
-                .skip_quiet_rows = options.skip[SkipRule::kQuietRows]}),
-      skip_(options.skip) {}
+                .skip_quiet_rows = options.skip[SkipRule::kQuietRows]}) {}
 
-const ContactReport& ContactPipeline::Step(const FrameView& frame) {
+std::span<const ContactReport> ContactPipeline::Step(const FrameView& frame) {
   FrameView seen = frame;
   if (!uses_poses_) seen.pose = nullptr;
-  report_.features = tracker_.Step(seen);
-  report_.state = tracker_.state();
-  report_.onset = tracker_.onset();
-  report_.released = tracker_.released();
-  report_.decided = false;
+  tracker_.Step(seen);
+  count_ = 0;
+  for (const TrackedContact* contact : tracker_.contacts()) {
+    Report(*contact, frame, reports_[count_++]);
+  }
   CountSkipped();
-  if (report_.onset) {
-    ++report_.contact_id;
-    classifier_.Reset();
+  return contacts();
+}
+
+void ContactPipeline::Report(const TrackedContact& contact,
+                             const FrameView& frame, ContactReport& report) {
+  ContactClassifier& classifier = ClassifierOf(contact.slot);
+  report = {.id = contact.id(),
+            .slot = contact.slot,
+            .phase = contact.phase,
+            .onset = contact.onset,
+            .parent = contact.parent,
+            .merged_into = contact.merged_into,
+            .features = &contact.features(),
+            .classifier = &classifier};
+  if (report.released()) {
+    ended_ = report;
+    ended_.features = &no_features_;
+    return;
   }
-  if (report_.state == ContactState::kInContact) {
-    // Frames lost before the onset belong to no contact.
-    const uint64_t missing = report_.onset ? 0 : frame.missing_before;
-    const bool decided_before = classifier_.decision().has_value();
-    classifier_.StepOrHold(
-        {report_.features.sample(), report_.features.touched}, missing);
-    report_.decided = !decided_before && classifier_.decision().has_value();
+  if (report.onset) classifier.Reset();
+  // Frames lost before the onset belong to no contact.
+  const uint64_t missing = report.onset ? 0 : frame.missing_before;
+  if (report.phase == TouchPhase::kMerged) {
+    classifier.Hold(missing);
+    return;
   }
-  return report_;
+  const FrameFeatures& features = contact.features();
+  classifier.StepOrHold({features.sample(), features.touched}, missing);
+}
+
+ContactClassifier& ContactPipeline::ClassifierOf(int slot) {
+  std::unique_ptr<ContactClassifier>& classifier = classifiers_[slot];
+  if (classifier == nullptr) {
+    classifier = std::make_unique<ContactClassifier>(model_, options_.decision,
+                                                     options_.skip);
+  }
+  return *classifier;
+}
+
+const ContactReport* ContactPipeline::main_contact() const {
+  for (const ContactReport& contact : contacts()) {
+    if (!contact.released()) return &contact;
+  }
+  return ended_.id == 0 ? nullptr : &ended_;
 }
 
 void ContactPipeline::CountSkipped() {
   skipped_[SkipRule::kUnchangedFrames] += tracker_.reused();
   skipped_[SkipRule::kQuietRows] += tracker_.quiet_rows();
+  const bool in_contact = std::ranges::any_of(
+      contacts(),
+      [](const ContactReport& contact) { return !contact.released(); });
   skipped_[SkipRule::kUntouchedFrames] +=
-      skip_[SkipRule::kUntouchedFrames] && !report_.features.touched &&
-      report_.state != ContactState::kInContact;
+      options_.skip[SkipRule::kUntouchedFrames] && !tracker_.touched() &&
+      !in_contact;
 }
 
 SkipCounters ContactPipeline::skipped() const {
   SkipCounters all = skipped_;
-  all += classifier_.skipped();
+  for (const auto& classifier : classifiers_) {
+    if (classifier != nullptr) all += classifier->skipped();
+  }
+  // Cues are counted once.
+  all[SkipRule::kUnusedCues] =
+      classifiers_[0]->skipped()[SkipRule::kUnusedCues];
   return all;
 }
 
 void ContactPipeline::EndTrial() {
   tracker_.Reset();
-  classifier_.Reset();
-  const uint64_t contacts = report_.contact_id;
-  report_ = {};
-  report_.contact_id = contacts;
+  for (const auto& classifier : classifiers_) {
+    if (classifier != nullptr) classifier->Reset();
+  }
+  count_ = 0;
+  ended_ = {};
 }
 
 }  // namespace tactus

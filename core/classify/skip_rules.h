@@ -1,8 +1,8 @@
 // File: skip_rules.h
 //
 // Rules that skip work which the answers do not need. Each rule has a switch
-// and a counter. All rules except kLstmsAfterDecision change no bit of any
-// answer. docs/skipping.md states how much time each rule saves.
+// and a counter. They change no bit of any answer. docs/skipping.md states how
+// much time each rule saves.
 //
 //   ContactPipeline::Options options;
 //   options.skip[SkipRule::kUnchangedFrames] = false;
@@ -29,9 +29,6 @@ enum class SkipRule {
   kUnusedCues,
   // Does not step the LSTMs in a stream that asked for HMMs only.
   kUnusedLstms,
-  // Does not step the LSTMs after the decision in a stream that asked for
-  // decisions only.
-  kLstmsAfterDecision,
   // Keeps the probabilities when neither scores nor calibration have changed.
   kUnchangedScores,
   // Writes and checks only the listed taxels of sparse frames.
@@ -40,7 +37,7 @@ enum class SkipRule {
   // counter is the number of rows of the skin.
   kQuietRows,
 };
-inline constexpr int kSkipRuleCount = 8;
+inline constexpr int kSkipRuleCount = 7;
 
 // One value of Type per rule.
 template <typename Type>

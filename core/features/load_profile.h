@@ -9,7 +9,8 @@
 // larger loads vary more.
 //
 //   segmenter.Segment(frame.taxels);
-//   segmenter.SumLoads(frame.taxels, row_loads, column_loads);
+//   segmenter.SumLoads(frame.taxels, segmenter.rows(), row_loads,
+//                      column_loads);
 //   const LoadProfile profile = MakeLoadProfile(row_loads, column_loads);
 //
 // Thread-safe: a free function without state. Nothing allocates.

@@ -1,6 +1,7 @@
 #include "core/features/segmenter.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -10,6 +11,9 @@
 
 namespace tactus {
 namespace {
+
+// The most regions that FindLargest finds.
+constexpr size_t kMaxFound = 32;
 
 // Bits begin .. end-1; 0 <= begin < end <= 64.
 uint64_t BitRange(int begin, int end) {
@@ -34,7 +38,8 @@ Segmenter::Segmenter(const SkinLayout& layout, bool skip_untouched)
       valid_(TouchedWords(layout.taxels()), ~uint64_t{0}),
       touched_(valid_.size() + 1),
       selected_(valid_.size()),
-      row_columns_(rows_) {
+      row_columns_(rows_),
+      largest_rows_(rows_) {
   for (size_t i = 0; i < layout.mask.size(); ++i) {
     if (layout.mask[i] == 0) valid_[i / 64] &= ~(uint64_t{1} << (i % 64));
   }
@@ -58,12 +63,12 @@ int Segmenter::Segment(std::span<const float> shape, float threshold,
   if (touched && LocateBlob()) {
     regions_ = 1;
   } else {
-    const int root = FindRegions(values);
+    largest_root_ = FindRegions(values);
     if (regions_ > 1) {
-      SelectRegion(root);
+      SelectRegion(largest_root_);
       sum = SumTouched(values, selected_);
     }
-    if (regions_ > 0) Locate(root);
+    if (regions_ > 0) Locate(largest_root_, largest_);
   }
   largest_.max_value = sum.max_value;
   largest_.total = sum.total;
@@ -123,7 +128,7 @@ bool Segmenter::LocateBlob() {
   largest_.first_taxel =
       first_row_ * columns_ + std::countr_zero(row_columns_[first_row_]);
   largest_.centroid_row = static_cast<double>(row_sum) / taxels;
-  largest_.centroid_column = CentroidColumn(column_sum / 2);
+  largest_.centroid_column = CentroidColumn(column_sum / 2, taxels);
   return true;
 }
 
@@ -132,10 +137,10 @@ bool Segmenter::Crosses(uint64_t columns) const {
          (columns >> (columns_ - 1)) != 0;
 }
 
-double Segmenter::CentroidColumn(int64_t column_sum) const {
-  const int64_t round = int64_t{columns_} * largest_.taxels;
+double Segmenter::CentroidColumn(int64_t column_sum, int taxels) const {
+  const int64_t round = int64_t{columns_} * taxels;
   if (column_sum >= round) column_sum -= round;
-  return static_cast<double>(column_sum) / largest_.taxels;
+  return static_cast<double>(column_sum) / taxels;
 }
 
 int Segmenter::FindRegions(std::span<const float> taxels) {
@@ -235,7 +240,7 @@ void Segmenter::SelectRegion(int root) {
   }
 }
 
-void Segmenter::Locate(int root) {
+void Segmenter::Locate(int root, Region& region) const {
   uint64_t columns = 0;
   for (const Run& run : runs_) {
     if (run.parent == root) columns |= BitRange(run.begin, run.end);
@@ -253,35 +258,80 @@ void Segmenter::Locate(int root) {
     if (run.begin < tail) column_sum += int64_t{columns_} * length;
   }
   const Run& first = runs_[root];
-  largest_.taxels = first.taxels;
-  largest_.first_taxel = first.row * columns_ + first.begin;
-  largest_.centroid_row = static_cast<double>(row_sum) / first.taxels;
-  largest_.centroid_column = CentroidColumn(column_sum);
+  region.taxels = first.taxels;
+  region.first_taxel = first.row * columns_ + first.begin;
+  region.centroid_row = static_cast<double>(row_sum) / first.taxels;
+  region.centroid_column = CentroidColumn(column_sum, first.taxels);
 }
 
-bool Segmenter::LargestHolds(int taxel) const {
-  if (regions_ == 0) return false;
-  const std::vector<uint64_t>& bits = regions_ == 1 ? touched_ : selected_;
-  return (bits[taxel / 64] >> (taxel % 64) & 1) != 0;
+int Segmenter::FindLargest(std::span<const float> values,
+                           std::span<RegionPlace> regions) {
+  if (regions_ == 0 || regions.empty()) return 0;
+  if (regions_ == 1) {
+    regions[0].region = largest_;
+    std::ranges::copy(row_columns_, regions[0].rows.begin());
+    return 1;
+  }
+  // The roots of the largest so far, by falling size.
+  std::array<int, kMaxFound> roots;
+  const size_t room = std::min(regions.size(), roots.size());
+  size_t found = 0;
+  for (int i = 0; i < static_cast<int>(runs_.size()); ++i) {
+    if (runs_[i].parent != i) continue;
+    size_t place = found;
+    while (place > 0 && runs_[roots[place - 1]].taxels < runs_[i].taxels) {
+      --place;
+    }
+    if (place == room) continue;
+    if (found < room) ++found;
+    std::copy_backward(roots.begin() + place, roots.begin() + found - 1,
+                       roots.begin() + found);
+    roots[place] = i;
+  }
+  for (size_t i = 0; i < found; ++i) {
+    CopyRegion(roots[i], regions[i].rows);
+    Locate(roots[i], regions[i].region);
+    SelectRegion(roots[i]);
+    const TouchedSum sum = SumTouched(values, selected_);
+    regions[i].region.max_value = sum.max_value;
+    regions[i].region.total = sum.total;
+  }
+  return static_cast<int>(found);
 }
 
-void Segmenter::SumLoads(std::span<const float> taxels,
+void Segmenter::CopyRegion(int root, std::span<uint64_t> rows) const {
+  std::fill(rows.begin(), rows.end(), 0);
+  for (const Run& run : runs_) {
+    if (run.parent == root) rows[run.row] |= BitRange(run.begin, run.end);
+  }
+}
+
+std::span<const uint64_t> Segmenter::LargestRows() {
+  if (regions_ <= 1) return row_columns_;
+  CopyRegion(largest_root_, largest_rows_);
+  return largest_rows_;
+}
+
+void Segmenter::SumLoads(std::span<const float> values,
+                         std::span<const uint64_t> rows,
                          std::span<double> row_loads,
                          std::span<double> column_loads) const {
   std::fill(row_loads.begin(), row_loads.end(), 0.0);
   std::fill(column_loads.begin(), column_loads.end(), 0.0);
   if (regions_ == 0) return;
   for (int row = first_row_; row < end_row_; ++row) {
-    const float* values = &taxels[ptrdiff_t{row} * columns_];
-    for (uint64_t rest = row_columns_[row]; rest != 0; rest &= rest - 1) {
+    const float* in_row = &values[ptrdiff_t{row} * columns_];
+    for (uint64_t rest = rows[row]; rest != 0; rest &= rest - 1) {
       const int column = std::countr_zero(rest);
-      row_loads[row] += values[column];
-      column_loads[column] += values[column];
+      row_loads[row] += in_row[column];
+      column_loads[column] += in_row[column];
     }
   }
 }
 
-LoadSpread Segmenter::LargestSpread(std::span<const float> taxels) const {
+LoadSpread Segmenter::Spread(std::span<const float> values,
+                             std::span<const uint64_t> rows,
+                             const Region& region) const {
   double load = 0;
   double row_sum = 0;
   double row_squares = 0;
@@ -289,14 +339,13 @@ LoadSpread Segmenter::LargestSpread(std::span<const float> taxels) const {
   double column_squares = 0;
   for (int row = first_row_; regions_ > 0 && row < end_row_; ++row) {
     const int first = row * columns_;
-    for (uint64_t rest = row_columns_[row]; rest != 0; rest &= rest - 1) {
+    for (uint64_t rest = rows[row]; rest != 0; rest &= rest - 1) {
       const int place = std::countr_zero(rest);
-      if (regions_ > 1 && !LargestHolds(first + place)) continue;
-      const double value = std::max(taxels[first + place], 0.0F);
+      const double value = std::max(values[first + place], 0.0F);
       // From the centroid, the short way round.
-      double column = place - largest_.centroid_column;
+      double column = place - region.centroid_column;
       if (wrap_) column -= columns_ * std::round(column / columns_);
-      const double away = row - largest_.centroid_row;
+      const double away = row - region.centroid_row;
       load += value;
       row_sum += value * away;
       row_squares += value * away * away;
@@ -313,16 +362,17 @@ LoadSpread Segmenter::LargestSpread(std::span<const float> taxels) const {
           .columns = variance(column_squares, column_sum)};
 }
 
-void Segmenter::CopyLoads(std::span<const float> taxels,
+void Segmenter::CopyLoads(std::span<const float> values,
+                          std::span<const uint64_t> rows,
                           std::vector<TaxelLoad>& loads) const {
   loads.clear();
   if (regions_ == 0) return;
   for (int row = first_row_; row < end_row_; ++row) {
     const int first = row * columns_;
-    for (uint64_t rest = row_columns_[row]; rest != 0; rest &= rest - 1) {
+    for (uint64_t rest = rows[row]; rest != 0; rest &= rest - 1) {
       const int taxel = first + std::countr_zero(rest);
       // A taxel of a region of light touch may read nothing at once.
-      const float load = std::max(taxels[taxel], 0.0F);
+      const float load = std::max(values[taxel], 0.0F);
       loads.push_back({static_cast<uint32_t>(taxel), std::sqrt(load)});
     }
   }

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "core/features/feature.h"
+#include "core/features/taxel_rows.h"
 #include "core/skin/layout.h"
 
 namespace tactus {
@@ -37,6 +38,12 @@ struct Region {
   double centroid_column = 0;
   // Smallest row-major index.
   int first_taxel = 0;
+};
+
+// A region and its taxels.
+struct RegionPlace {
+  Region region;
+  TaxelRows rows = {};
 };
 
 // Returns `value` as taxels are compared with it: as a float, so that a reading
@@ -72,24 +79,43 @@ class Segmenter {
   // the smaller first_taxel. A zero Region if there is none.
   const Region& largest() const { return largest_; }
 
-  // True if the largest region has this taxel, by its row-major index.
-  bool LargestHolds(int taxel) const;
+  // The largest region, one word per row as rows(). Valid until the next
+  // Segment().
+  std::span<const uint64_t> LargestRows();
 
   // Largest value in any region; 0 if there is none.
   float peak() const { return peak_; }
 
-  // Writes the sums of the touched taxels in each row and in each column;
-  // `taxels` are those last segmented, or their values.
-  void SumLoads(std::span<const float> taxels, std::span<double> row_loads,
+  // How many regions there are.
+  int regions() const { return regions_; }
+
+  // The touched taxels, one word per row: bit c of word r is set if the taxel
+  // in row r and column c is touched. Of no meaning without a region.
+  std::span<const uint64_t> rows() const { return row_columns_; }
+
+  // Fills `regions` with the largest regions, as many as it has room for, by
+  // falling size; ties go to the smaller first_taxel. Returns how many, at most
+  // 32.
+  // `values` are those last segmented.
+  int FindLargest(std::span<const float> values,
+                  std::span<RegionPlace> regions);
+
+  // Writes the sums of the taxels of `rows` in each row and in each column.
+  // `rows` are touched, one word per row as rows(); `values` are those last
+  // segmented.
+  void SumLoads(std::span<const float> values, std::span<const uint64_t> rows,
+                std::span<double> row_loads,
                 std::span<double> column_loads) const;
 
-  // Mean squared distances of the largest region's load from its middle, in
-  // squared rows and columns; zero without load. `taxels` as for SumLoads.
-  LoadSpread LargestSpread(std::span<const float> taxels) const;
+  // Mean squared distances of the load of `rows`, a region or a part of one,
+  // from its middle, in squared rows and columns; zero without load. The middle
+  // lies near `region`. `values` and `rows` as for SumLoads.
+  LoadSpread Spread(std::span<const float> values,
+                    std::span<const uint64_t> rows, const Region& region) const;
 
-  // Writes the touched taxels of the whole skin to `loads`, by rising index;
-  // `taxels` as for SumLoads. Reuses the memory of `loads`.
-  void CopyLoads(std::span<const float> taxels,
+  // Writes the taxels of `rows` to `loads`, by rising index; `values` and
+  // `rows` as for SumLoads. Reuses the memory of `loads`.
+  void CopyLoads(std::span<const float> values, std::span<const uint64_t> rows,
                  std::vector<TaxelLoad>& loads) const;
 
   // Writes rows x columns labels, row-major: 0 is background, regions are
@@ -130,13 +156,14 @@ class Segmenter {
   float Peak(std::span<const float> taxels, int root);
   // Sets the bits of a region alone.
   void SelectRegion(int root);
-  // Finds the place of the largest region.
-  void Locate(int root);
+  void CopyRegion(int root, std::span<uint64_t> rows) const;
+  // Finds the place of the region of a root; its loads stay as they are.
+  void Locate(int root, Region& region) const;
   // True if a region with taxels in `columns` crosses the seam.
   bool Crosses(uint64_t columns) const;
   // Returns the mean column of a region from the sum of its columns, counted
   // along the region.
-  double CentroidColumn(int64_t column_sum) const;
+  double CentroidColumn(int64_t column_sum, int taxels) const;
 
   int rows_;
   int columns_;
@@ -154,10 +181,14 @@ class Segmenter {
   // One word per row: bit c is set if column c is touched. Rows before
   // first_row_ and from end_row_ on are untouched.
   std::vector<uint64_t> row_columns_;
+  // The same of the largest region, once it was asked for.
+  std::vector<uint64_t> largest_rows_;
   int first_row_ = 0;
   int end_row_ = 0;
   // Empty if the frame is one blob.
   std::vector<Run> runs_;
+  // The first run of the largest region.
+  int largest_root_ = 0;
   int regions_ = 0;
   Region largest_;
   float peak_ = 0;

@@ -138,6 +138,10 @@ void ValueProbability(const Question& question,
   for (size_t k = 0; k < class_probability.size(); ++k) {
     value_probability[question.value_of_class[k]] += class_probability[k];
   }
+  // A sum may be rounded to more than 1.
+  for (double& probability : value_probability) {
+    probability = std::min(probability, 1.0);
+  }
 }
 
 }  // namespace tactus

@@ -11,15 +11,17 @@ absl::Status Run(const char* server) {
   skin.scale = 0.001;  // The skin counts millinewtons.
   auto config = tactus::client::MakeConfig(skin);
   config.set_model("models/no-poses");  // "default" needs poses of the arm.
-  TACTUS_ASSIGN_OR_RETURN(const auto stream,
-                          tactus::client::ContactStream::Open(
-                              tactus::client::MakeChannel(server), config,
-                              [](const auto& response) {
-                                if (!response.posterior().has_decision())
-                                  return;
-                                // A robot would react here, while it still
-                                // touches.
-                              }));
+  TACTUS_ASSIGN_OR_RETURN(
+      const auto stream,
+      tactus::client::ContactStream::Open(
+          tactus::client::MakeChannel(server), config,
+          [](const auto& response) {
+            for (const auto& event : response.answer().events()) {
+              // A robot would react here: touched,
+              // decided, changed, released.
+              std::printf("event %d\n", event.kind());
+            }
+          }));
   tactus::client::FrameEncoder encoder(skin, {});
   tactus::client::SkinFrame frame;
   for (int t = 0; t < 100; ++t) {
@@ -31,9 +33,11 @@ absl::Status Run(const char* server) {
     encoder.Clear();
   }
   TACTUS_ASSIGN_OR_RETURN(const auto answer, stream->EndTrial());
-  for (int k = 0; k < answer.probability_size(); ++k) {
-    std::printf("%s %.6f\n", stream->started().class_names(k).c_str(),
-                answer.probability(k));
+  for (const auto& contact : answer.contacts()) {
+    for (int k = 0; k < contact.probability_size(); ++k) {
+      std::printf("%s %.6f\n", stream->started().class_names(k).c_str(),
+                  contact.probability(k));
+    }
   }
   return stream->Close();
 }

@@ -14,7 +14,6 @@ def requests():
             geometry=common_pb2.SensorGeometry(layout="cody-forearm"),
             taxel_type=common_pb2.TAXEL_TYPE_UINT16,
             scale=0.001,  # The skin counts millinewtons.
-            release_after_ms=-1,
         )
     )
     for t in range(100):
@@ -37,6 +36,9 @@ with grpc.insecure_channel(server) as channel:
     for response in stub.ClassifyContact(requests(), timeout=10):
         if response.HasField("started"):
             names = response.started.class_names
-        elif response.posterior.is_final:
-            for name, p in zip(names, response.posterior.probability):
-                print(f"{name} {p:.6f}")
+        for event in response.answer.events:  # A robot would react here.
+            print(f"event {event.kind}")
+        if response.answer.is_final:
+            for contact in response.answer.contacts:
+                for name, p in zip(names, contact.probability):
+                    print(f"{name} {p:.6f}")

@@ -27,13 +27,17 @@ absl::Status Classify(
     trial.taxels.Decode(t, taxels.data());  // Read your skin here.
     tactus::FrameView frame{.taxels = taxels};
     if (options.with_poses) frame.pose = &trial.poses[t];
-    if (pipeline->Step(frame).decided) {
-      // A robot would react here, while it still touches.
+    for (const tactus::ContactReport& contact : pipeline->Step(frame)) {
+      if (contact.classifier->decisions()[0].decided()) {
+        // A robot would react here, while it still touches.
+      }
     }
   }
   std::printf("%s", trial.id.c_str());
-  for (const double probability : pipeline->classifier().probability()) {
-    std::printf(" %.17g", probability);
+  if (const tactus::ContactReport* contact = pipeline->main_contact()) {
+    for (const double probability : contact->classifier->probability()) {
+      std::printf(" %.17g", probability);
+    }
   }
   std::printf("\n");
   return absl::OkStatus();

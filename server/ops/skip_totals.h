@@ -37,7 +37,6 @@ class SkipTotals {
         total(SkipRule::kUnchangedFrames), " unchanged frames, ",
         total(SkipRule::kUnchangedScores), " unchanged scores, ",
         total(SkipRule::kUnusedLstms), " unused LSTM steps, ",
-        total(SkipRule::kLstmsAfterDecision), " LSTM steps after decisions, ",
         total(SkipRule::kUnlistedTaxels), " sparse frames, ",
         total(SkipRule::kQuietRows), " quiet rows");
   }

@@ -9,12 +9,12 @@ namespace tactus::server {
 
 void ResponseQueue::BeginRequest() { ++request_; }
 
-v1::Posterior* ResponseQueue::AddInterim() {
+v1::Answer* ResponseQueue::AddInterim() {
   Supersede();
-  return AddPosterior(true);
+  return AddAnswer(true);
 }
 
-v1::Posterior* ResponseQueue::AddFinal() { return AddPosterior(false); }
+v1::Answer* ResponseQueue::AddKept() { return AddAnswer(false); }
 
 v1::ClassifyContactResponse* ResponseQueue::AddMessage() {
   waiting_.push_back(std::make_unique<Entry>());
@@ -22,7 +22,7 @@ v1::ClassifyContactResponse* ResponseQueue::AddMessage() {
   return &waiting_.back()->response;
 }
 
-v1::Posterior* ResponseQueue::AddPosterior(bool interim) {
+v1::Answer* ResponseQueue::AddAnswer(bool interim) {
   std::unique_ptr<Entry> entry;
   if (spare_.empty()) {
     entry = std::make_unique<Entry>();
@@ -32,11 +32,11 @@ v1::Posterior* ResponseQueue::AddPosterior(bool interim) {
   }
   entry->interim = interim;
   entry->request = request_;
-  v1::Posterior* posterior = entry->response.mutable_posterior();
-  posterior->set_superseded(superseded_);
-  if (!interim) ++waiting_finals_;
+  v1::Answer* answer = entry->response.mutable_answer();
+  answer->set_superseded(superseded_);
+  if (!interim) ++waiting_kept_;
   waiting_.push_back(std::move(entry));
-  return posterior;
+  return answer;
 }
 
 void ResponseQueue::Supersede() {
@@ -58,15 +58,17 @@ void ResponseQueue::Supersede() {
 void ResponseQueue::EndRequest(int64_t elapsed_ns, int64_t now_ns) {
   carried_ns_ += elapsed_ns;
   const auto is_new = [this](const std::unique_ptr<Entry>& entry) {
-    return entry->request == request_ && entry->response.has_posterior();
+    return entry->request == request_ && entry->response.has_answer();
   };
   const auto count = std::count_if(waiting_.begin(), waiting_.end(), is_new);
   if (count == 0) return;
   for (const std::unique_ptr<Entry>& entry : waiting_) {
     if (!is_new(entry)) continue;
     entry->ready_ns = now_ns;
-    entry->response.mutable_posterior()->set_server_compute_ns(carried_ns_ /
-                                                               count);
+    v1::Answer* answer = entry->response.mutable_answer();
+    if (answer->has_diagnostics()) {
+      answer->mutable_diagnostics()->set_server_compute_ns(carried_ns_ / count);
+    }
   }
   carried_ns_ = 0;
 }
@@ -75,10 +77,13 @@ const v1::ClassifyContactResponse* ResponseQueue::StartWrite(int64_t now_ns) {
   if (writing_ != nullptr || waiting_.empty()) return nullptr;
   writing_ = std::move(waiting_.front());
   waiting_.erase(waiting_.begin());
-  if (writing_->response.has_posterior()) {
-    if (!writing_->interim) --waiting_finals_;
-    writing_->response.mutable_posterior()->set_queue_ns(
-        std::max<int64_t>(0, now_ns - writing_->ready_ns));
+  if (writing_->response.has_answer()) {
+    if (!writing_->interim) --waiting_kept_;
+    v1::Answer* answer = writing_->response.mutable_answer();
+    if (answer->has_diagnostics()) {
+      answer->mutable_diagnostics()->set_queue_ns(
+          std::max<int64_t>(0, now_ns - writing_->ready_ns));
+    }
   }
   return &writing_->response;
 }
@@ -86,11 +91,11 @@ const v1::ClassifyContactResponse* ResponseQueue::StartWrite(int64_t now_ns) {
 void ResponseQueue::FinishWrite() { Recycle(std::move(writing_)); }
 
 bool ResponseQueue::full() const {
-  return waiting_finals_ >= limits::kMaxQueuedFinals;
+  return waiting_kept_ >= limits::kMaxQueuedKept;
 }
 
 void ResponseQueue::Recycle(std::unique_ptr<Entry> entry) {
-  if (entry->response.has_posterior()) spare_.push_back(std::move(entry));
+  if (entry->response.has_answer()) spare_.push_back(std::move(entry));
 }
 
 }  // namespace tactus::server

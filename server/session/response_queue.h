@@ -1,12 +1,12 @@
 // File: response_queue.h
 //
 // ResponseQueue: the answers of one stream that wait to be written, in order.
-// Its size is bounded: interim posteriors that still wait are dropped when a
-// later request message adds its own. All other answers stay until they are
+// Its size is bounded: interim answers that still wait are dropped when a
+// later request message adds its own. All others are kept until they are
 // written.
 //
 //   queue.BeginRequest();
-//   WriteInto(queue.AddInterim());
+//   WriteInto(has_events ? queue.AddKept() : queue.AddInterim());
 //   queue.EndRequest(elapsed_ns, now_ns);
 //   if (const auto* response = queue.StartWrite(now_ns)) Write(*response);
 //   queue.FinishWrite();
@@ -25,19 +25,19 @@ namespace tactus::server {
 
 class ResponseQueue {
  public:
-  // Starts a request message: interim posteriors added from now on replace
+  // Starts a request message: interim answers added from now on replace
   // those of earlier messages that still wait.
   void BeginRequest();
 
-  // Add an answer and return it for writing. A posterior holds old values:
-  // overwrite every field except server_compute_ns, queue_ns and superseded.
-  // The pointer is valid until FinishWrite.
-  v1::Posterior* AddInterim();
-  v1::Posterior* AddFinal();
+  // Add an answer and return it for writing. It holds old values: overwrite
+  // every field except `superseded` and the times of its diagnostics. The
+  // pointer is valid until FinishWrite.
+  v1::Answer* AddInterim();
+  v1::Answer* AddKept();
   v1::ClassifyContactResponse* AddMessage();
 
   // Ends a request message that took `elapsed_ns` to compute and ended at
-  // `now_ns`. Divides the time among its posteriors.
+  // `now_ns`. Divides the time among its answers.
   void EndRequest(int64_t elapsed_ns, int64_t now_ns);
 
   // The next answer, valid until FinishWrite; null if none waits or one is
@@ -47,9 +47,9 @@ class ResponseQueue {
 
   // True if nothing waits and nothing is being written.
   bool empty() const { return waiting_.empty() && writing_ == nullptr; }
-  // True if the maximum number of finals waits: read no further request.
+  // True if the maximum number of kept answers waits: read no further request.
   bool full() const;
-  // Interim posteriors dropped so far.
+  // Interim answers dropped so far.
   uint64_t superseded() const { return superseded_; }
   // Number of answers that wait.
   size_t size() const { return waiting_.size(); }
@@ -62,19 +62,19 @@ class ResponseQueue {
     int64_t ready_ns = 0;
   };
 
-  v1::Posterior* AddPosterior(bool interim);
+  v1::Answer* AddAnswer(bool interim);
   void Supersede();
   void Recycle(std::unique_ptr<Entry> entry);
 
   // In the order of writing.
   std::vector<std::unique_ptr<Entry>> waiting_;
   std::unique_ptr<Entry> writing_;
-  // Written posteriors, for reuse.
+  // Written answers, for reuse.
   std::vector<std::unique_ptr<Entry>> spare_;
-  size_t waiting_finals_ = 0;
+  size_t waiting_kept_ = 0;
   uint64_t request_ = 0;
   uint64_t superseded_ = 0;
-  // Compute time of earlier requests without a posterior.
+  // Compute time of earlier requests without an answer.
   int64_t carried_ns_ = 0;
 };
 

@@ -13,6 +13,21 @@
 #include "server/session/request_parser.h"
 
 namespace tactus::server {
+namespace {
+
+v1::Question QuestionToProto(const Question& question) {
+  v1::Question out;
+  out.set_name(question.name);
+  out.set_kind(question.kind == Question::kState ? v1::Question::KIND_STATE
+                                                 : v1::Question::KIND_PROPERTY);
+  for (const std::string& value : question.values) out.add_values(value);
+  for (const int value : question.value_of_class) {
+    out.add_value_of_class(static_cast<uint32_t>(value));
+  }
+  return out;
+}
+
+}  // namespace
 
 StreamSession::StreamSession(const ModelSource* models, Options options)
     : models_(models), options_(std::move(options)) {}
@@ -88,7 +103,7 @@ absl::Status StreamSession::OnConfig(const v1::StreamConfig& config) {
   if (!fits.ok()) return NameFittingModels(fits, pinned, settings_, *models_);
   pinned_ = std::move(pinned);
   decoder_.emplace(settings_);
-  writer_.emplace(settings_.with_features);
+  writer_.emplace(&settings_);
   rate_.emplace(settings_.pipeline.sample_rate_hz);
   WriteStarted();
   return absl::OkStatus();
@@ -97,7 +112,6 @@ absl::Status StreamSession::OnConfig(const v1::StreamConfig& config) {
 void StreamSession::MakePipeline() {
   pipeline_ = std::make_unique<ContactPipeline>(
       settings_.layout, pinned_->model, settings_.pipeline);
-  last_best_class_ = pipeline_->classifier().best_class();
 }
 
 void StreamSession::CheckForNewerModel() {
@@ -112,22 +126,26 @@ void StreamSession::CheckForNewerModel() {
 }
 
 void StreamSession::WriteStarted() {
-  const Model& model = pinned_->model->model();
+  const CompiledModel& compiled = *pinned_->model;
+  const Model& model = compiled.model();
   v1::StreamStarted* started = responses_.AddMessage()->mutable_started();
   started->set_model_version(pinned_->version_name);
   started->set_bundle_sha256(pinned_->sha256);
   for (const std::string& name : model.class_names) {
     started->add_class_names(name);
   }
+  for (const Question& question : compiled.questions()) {
+    *started->add_questions() = QuestionToProto(question);
+  }
   for (const Feature feature : FeaturesUsed(model.inputs)) {
     started->add_features(std::string(FeatureName(feature)));
   }
-  started->set_has_lstm(!model.lstms.empty());
   started->set_stream_id(options_.stream_id);
   v1::StreamLimits* limits = started->mutable_limits();
   limits->set_max_frames_per_message(limits::kMaxFramesPerMessage);
   limits->set_max_message_bytes(limits::kMaxMessageBytes);
   limits->set_idle_timeout_ms(options_.idle_timeout_ms);
+  limits->set_max_contacts(MostContacts(model, settings_.pipeline));
   started->mutable_server()->set_version(options_.server_version);
   started->mutable_server()->set_api("tactus.v1");
   *started->mutable_geometry() = LayoutToProto(settings_.layout);
@@ -168,21 +186,17 @@ void StreamSession::OnFrame(const v1::FrameBatch& batch, uint32_t index,
                             uint64_t missing_before) {
   FrameView frame = decoder_->Frame(batch, index);
   frame.missing_before = missing_before;
-  const ContactReport& report = pipeline_->Step(frame);
+  pipeline_->Step(frame);
   ++frames_;
   ++trial_frames_;
-  writer_->OnFrame(report, batch.first_sequence() + index,
-                   decoder_->CaptureTime(batch, index), frame.missing_before);
-  const bool due = IsDue(report);
-  if (report.released || report.decided) {
-    WritePosterior(false, responses_.AddFinal());
+  writer_->OnFrame(*pipeline_, frame, batch.first_sequence() + index,
+                   decoder_->CaptureTime(batch, index));
+  const bool due = IsDue();
+  if (writer_->has_events()) {
+    writer_->Write(*pipeline_, false, responses_.AddKept());
   } else if (due) {
-    WritePosterior(false, responses_.AddInterim());
+    writer_->Write(*pipeline_, false, responses_.AddInterim());
   }
-}
-
-void StreamSession::WritePosterior(bool is_final, v1::Posterior* posterior) {
-  writer_->Write(*pipeline_, is_final, posterior);
 }
 
 std::string StreamSession::LogName() const {
@@ -198,32 +212,35 @@ SkipCounters StreamSession::skipped() const {
   return skipped;
 }
 
-bool StreamSession::IsDue(const ContactReport& report) {
-  const int best_class = pipeline_->classifier().best_class();
-  const bool changed =
-      report.state != last_state_ || best_class != last_best_class_;
-  last_state_ = report.state;
-  last_best_class_ = best_class;
+bool StreamSession::IsDue() {
   switch (settings_.cadence) {
     case v1::RESULT_CADENCE_EVERY_N_FRAMES:
       return trial_frames_ % settings_.result_interval_frames == 0;
     case v1::RESULT_CADENCE_ON_CHANGE:
-      return changed;
-    case v1::RESULT_CADENCE_ON_DECISION:
+      return HasChanged();
+    case v1::RESULT_CADENCE_EVENTS:
       return false;
     default:
       return true;
   }
 }
 
+bool StreamSession::HasChanged() {
+  std::array<Seen, limits::kMaxContacts> now = {};
+  for (const ContactReport& contact : pipeline_->contacts()) {
+    if (contact.released()) continue;
+    now[contact.slot] = {contact.id, contact.classifier->best_class()};
+  }
+  return std::exchange(seen_, now) != now;
+}
+
 void StreamSession::OnEndOfTrial() {
-  WritePosterior(true, responses_.AddFinal());
+  writer_->Write(*pipeline_, true, responses_.AddKept());
   pipeline_->EndTrial();
   writer_->OnEndOfTrial();
   rate_->Pause();
   trial_frames_ = 0;
-  last_state_ = ContactState::kNoContact;
-  last_best_class_ = pipeline_->classifier().best_class();
+  seen_ = {};
 }
 
 void StreamSession::OnHalfClose() {

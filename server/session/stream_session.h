@@ -22,18 +22,20 @@
 // the caller serialises calls and passes the time.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "absl/status/status.h"
+#include "core/base/limits.h"
 #include "core/base/rate_watch.h"
 #include "core/classify/contact_pipeline.h"
 #include "google/protobuf/io/zero_copy_stream.h"
+#include "server/session/answer_writer.h"
 #include "server/session/frame_decoder.h"
 #include "server/session/model_source.h"
-#include "server/session/posterior_writer.h"
 #include "server/session/response_queue.h"
 #include "server/session/stream_settings.h"
 #include "tactus/v1/contact.pb.h"
@@ -99,9 +101,11 @@ class StreamSession {
   // rate. `missing` frames were lost before `batch`.
   void WatchRate(const v1::FrameBatch& batch, uint64_t missing);
   void OnEndOfTrial();
-  void WritePosterior(bool is_final, v1::Posterior* posterior);
-  // True if the cadence asks for an interim posterior after this frame.
-  bool IsDue(const ContactReport& report);
+  // True if the cadence asks for an interim answer after this frame.
+  bool IsDue();
+  // True if the contacts, or what they probably are, differ from those of the
+  // frame before.
+  bool HasChanged();
   void WriteStarted();
   // Makes the pipeline of a configured stream; OnConfig has checked that this
   // cannot fail.
@@ -126,15 +130,20 @@ class StreamSession {
   // Made for the first frame, because it is most of a stream's memory.
   std::unique_ptr<ContactPipeline> pipeline_;
   std::optional<FrameDecoder> decoder_;
-  std::optional<PosteriorWriter> writer_;
+  std::optional<AnswerWriter> writer_;
   std::optional<RateWatch> rate_;
 
   uint64_t frames_ = 0;
   // Frames of the open trial; 0 if none is open.
   uint64_t trial_frames_ = 0;
-  // Values after the frame before, for RESULT_CADENCE_ON_CHANGE.
-  ContactState last_state_ = ContactState::kNoContact;
-  int last_best_class_ = 0;
+  // Contacts of the frame before by id, with their best classes; for
+  // RESULT_CADENCE_ON_CHANGE.
+  struct Seen {
+    uint64_t id = 0;
+    int best_class = 0;
+    bool operator==(const Seen&) const = default;
+  };
+  std::array<Seen, limits::kMaxContacts> seen_ = {};
 };
 
 }  // namespace tactus::server

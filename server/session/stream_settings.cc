@@ -31,10 +31,12 @@ absl::Status ParseTaxels(const v1::StreamConfig& config,
                          "TAXEL_TYPE_UINT16 or TAXEL_TYPE_FLOAT32");
   }
   settings.taxel_type = config.taxel_type();
-  if (!std::isfinite(config.scale()) || config.scale() < 0) {
-    return InvalidConfig("scale", config.scale(), "finite and above 0");
+  if (config.has_scale()) {
+    if (!std::isfinite(config.scale()) || config.scale() <= 0) {
+      return InvalidConfig("scale", config.scale(), "finite and above 0");
+    }
+    settings.scale = config.scale();
   }
-  settings.scale = config.scale() == 0 ? 1 : config.scale();
   settings.with_poses = config.with_poses();
   return absl::OkStatus();
 }
@@ -48,7 +50,7 @@ absl::Status ParseCadence(const v1::StreamConfig& config,
       return absl::OkStatus();
     case v1::RESULT_CADENCE_EVERY_FRAME:
     case v1::RESULT_CADENCE_ON_CHANGE:
-    case v1::RESULT_CADENCE_ON_DECISION:
+    case v1::RESULT_CADENCE_EVENTS:
       return absl::OkStatus();
     case v1::RESULT_CADENCE_EVERY_N_FRAMES:
       break;
@@ -66,50 +68,75 @@ absl::Status ParseCadence(const v1::StreamConfig& config,
   return absl::OkStatus();
 }
 
+absl::Status ParseDecision(const v1::StreamConfig& config,
+                           ContactClassifier::Options& options) {
+  if (config.has_decision_threshold()) {
+    const double threshold = config.decision_threshold();
+    if (!(threshold > 0.5 && threshold <= 1)) {
+      return InvalidConfig("decision_threshold", threshold,
+                           "above 0.5 and at most 1, or absent");
+    }
+    options.decision_threshold = threshold;
+  }
+  if (config.has_decision_frames()) {
+    const uint32_t frames = config.decision_frames();
+    if (frames < 1 || frames > limits::kMaxDecisionFrames) {
+      return InvalidConfig(
+          "decision_frames", frames,
+          absl::StrCat("1 to ", limits::kMaxDecisionFrames, ", or absent"));
+    }
+    options.decision_frames = frames;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ParseContacts(const v1::StreamConfig& config,
+                           ContactPipeline::Options& options) {
+  if (config.has_release_after_ms()) {
+    const uint32_t release = config.release_after_ms();
+    if (release < 1 || release > limits::kMaxReleaseAfterMs) {
+      return InvalidConfig(
+          "release_after_ms", release,
+          absl::StrCat("1 to ", limits::kMaxReleaseAfterMs, ", or absent"));
+    }
+    if (config.never_release()) {
+      return InvalidConfig("release_after_ms", release,
+                           "absent with never_release");
+    }
+    options.release_after_s = release / 1e3;
+  }
+  if (config.never_release()) options.release_after_s = -1;
+  if (config.has_max_contacts()) {
+    const uint32_t most = config.max_contacts();
+    if (most < 1 || most > limits::kMaxContacts) {
+      return InvalidConfig(
+          "max_contacts", most,
+          absl::StrCat("1 to ", limits::kMaxContacts, ", or absent"));
+    }
+    options.max_contacts = static_cast<int>(most);
+  }
+  return absl::OkStatus();
+}
+
 absl::Status ParsePipeline(const v1::StreamConfig& config,
                            ContactPipeline::Options& options) {
-  const double rate = config.sample_rate_hz() == 0 ? kDefaultSampleRateHz
-                                                   : config.sample_rate_hz();
+  const double rate = config.has_sample_rate_hz() ? config.sample_rate_hz()
+                                                  : kDefaultSampleRateHz;
   if (!(rate >= limits::kMinSampleRateHz && rate <= limits::kMaxSampleRateHz)) {
     return InvalidConfig("sample_rate_hz", rate,
                          absl::StrCat(limits::kMinSampleRateHz, " to ",
                                       limits::kMaxSampleRateHz));
   }
   options.sample_rate_hz = rate;
-
-  const double threshold = config.decision_threshold();
-  if (threshold != 0 && !(threshold > 0.5 && threshold <= 1)) {
-    return InvalidConfig("decision_threshold", threshold,
-                         "above 0.5 and at most 1, or 0 for the model's");
-  }
-  options.decision.decision_threshold = threshold;
-  if (config.decision_frames() > limits::kMaxDecisionFrames) {
-    return InvalidConfig("decision_frames", config.decision_frames(),
-                         absl::StrCat("at most ", limits::kMaxDecisionFrames));
-  }
-  options.decision.decision_frames = config.decision_frames();
-
-  if (config.release_after_ms() > limits::kMaxReleaseAfterMs) {
-    return InvalidConfig("release_after_ms", config.release_after_ms(),
-                         absl::StrCat("at most ", limits::kMaxReleaseAfterMs));
-  }
   options.with_poses = config.with_poses();
-  // 0 stays 0, and the pipeline takes the model's.
-  options.release_after_s = config.release_after_ms() / 1e3;
-  return absl::OkStatus();
-}
-
-absl::Status ParseModelParts(const v1::StreamConfig& config,
-                             ContactPipeline::Options& options) {
-  if (!v1::ModelParts_IsValid(config.model_parts())) {
-    return InvalidConfig("model_parts", static_cast<int>(config.model_parts()),
-                         "a value of ModelParts");
+  TACTUS_RETURN_IF_ERROR(ParseDecision(config, options.decision));
+  TACTUS_RETURN_IF_ERROR(ParseContacts(config, options));
+  if (!v1::Effort_IsValid(config.effort())) {
+    return InvalidConfig("effort", static_cast<int>(config.effort()),
+                         "a value of Effort");
   }
-  options.decision.scorers = config.model_parts() == v1::MODEL_PARTS_HMM
-                                 ? Scorers::kHmms
-                                 : Scorers::kAll;
-  options.decision.decisions_only =
-      config.cadence() == v1::RESULT_CADENCE_ON_DECISION;
+  options.decision.scorers =
+      config.effort() == v1::EFFORT_LOW ? Scorers::kHmms : Scorers::kAll;
   return absl::OkStatus();
 }
 
@@ -132,8 +159,8 @@ absl::StatusOr<StreamSettings> ParseStreamConfig(
   TACTUS_RETURN_IF_ERROR(ParseTaxels(config, settings));
   TACTUS_RETURN_IF_ERROR(ParseCadence(config, settings));
   TACTUS_RETURN_IF_ERROR(ParsePipeline(config, settings.pipeline));
-  TACTUS_RETURN_IF_ERROR(ParseModelParts(config, settings.pipeline));
-  settings.with_features = config.with_features();
+  settings.with_taxels = config.with_taxels();
+  settings.with_diagnostics = config.with_diagnostics();
   return settings;
 }
 

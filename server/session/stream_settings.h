@@ -25,7 +25,8 @@ struct StreamSettings {
   // Wire value times scale is the value in the layout's unit; above 0.
   double scale = 1;
   bool with_poses = false;
-  bool with_features = false;
+  bool with_taxels = false;
+  bool with_diagnostics = false;
   // Never UNSPECIFIED.
   v1::ResultCadence cadence = v1::RESULT_CADENCE_EVERY_FRAME;
   // At least 1.

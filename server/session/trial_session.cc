@@ -75,10 +75,23 @@ void TrialSession::KeepAnswers() {
       *response_.mutable_started() = answer->started();
     } else if (answer->notice().kind() == v1::StreamNotice::KIND_RATE_DIFFERS) {
       *response_.mutable_notice() = answer->notice();
-    } else if (answer->posterior().is_final()) {
-      *response_.mutable_posterior() = answer->posterior();
+    } else if (answer->answer().is_final()) {
+      *response_.mutable_answer() = answer->answer();
+    } else {
+      KeepEnded(answer->answer());
     }
     answers.FinishWrite();
+  }
+}
+
+void TrialSession::KeepEnded(const v1::Answer& answer) {
+  auto* ended = response_.mutable_ended_contacts();
+  for (const v1::Contact& contact : answer.contacts()) {
+    if (contact.state() != v1::Contact::STATE_RELEASED) continue;
+    if (ended->size() == limits::kMaxTrialContacts) {
+      ended->DeleteSubrange(0, 1);
+    }
+    *ended->Add() = contact;
   }
 }
 

@@ -43,6 +43,7 @@ class TrialSession {
  private:
   void TakePart(v1::ClassifyContactRequest* request);
   void KeepAnswers();
+  void KeepEnded(const v1::Answer& answer);
 
   StreamSession session_;
   const std::string bytes_;

@@ -49,9 +49,8 @@ std::unique_ptr<Benchmark> MakeSessionBenchmark();
 // Each rule of skip_rules.h on and off, on 64 contacts of the random world as
 // the skin `good` records them, with the default bundle. Rows skipping/RULE: ns
 // per frame, before the onset or after it, whichever the rule is for. The error
-// is the largest change of a probability at a contact's end. Fails if an exact
-// rule changes one. Rows lstms_after_decision_decided and _other_class: numbers
-// of contacts.
+// is the largest change of a probability at a contact's end. Fails if a rule
+// changes one.
 std::unique_ptr<Benchmark> MakeSkippingBenchmark();
 
 // The built-in model on held-out contacts of the random world, as it is served

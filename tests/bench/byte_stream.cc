@@ -85,7 +85,7 @@ absl::Status ByteStream::Receive() {
   if (!response_.ParseFromZeroCopyStream(&reader)) {
     return MalformedRequest(read_.Length());
   }
-  const v1::Posterior& posterior = response_.posterior();
+  const v1::Answer& posterior = response_.answer();
   ++answered_;
   if (options_.echo) {
     ++settled_;

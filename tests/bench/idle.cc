@@ -33,7 +33,7 @@ class AnswerClock {
   void OnResponse(const v1::ClassifyContactResponse& response) {
     const auto now = steady_clock::now();
     const std::lock_guard lock(mutex_);
-    if (response.has_posterior()) sequence_ = response.posterior().sequence();
+    if (response.has_answer()) sequence_ = response.answer().sequence();
     time_ = now;
     answered_.notify_one();
   }

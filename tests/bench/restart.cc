@@ -40,7 +40,7 @@ struct RestartOptions {
 class GapClock {
  public:
   void OnResponse(const v1::ClassifyContactResponse& response) {
-    if (!response.has_posterior()) return;
+    if (!response.has_answer()) return;
     const auto now = steady_clock::now();
     const std::lock_guard lock(mutex_);
     if (answers_++ > 0) longest_ = std::max(longest_, now - last_);
@@ -101,9 +101,9 @@ class KilledContact {
     }
     if (restart.joinable()) restart.join();
     TACTUS_RETURN_IF_ERROR(restarted);
-    TACTUS_ASSIGN_OR_RETURN(const v1::Posterior answer, stream->EndTrial());
-    probability_.assign(answer.probability().begin(),
-                        answer.probability().end());
+    TACTUS_ASSIGN_OR_RETURN(const v1::Answer answer, stream->EndTrial());
+    const auto& probability = answer.contacts(0).probability();
+    probability_.assign(probability.begin(), probability.end());
     resumed_ = stream->statistics().resumed;
     return stream->Close();
   }

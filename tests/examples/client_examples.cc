@@ -7,6 +7,7 @@
 #include "client/drivers/replay_driver.h"
 #include "client/drivers/sim_driver.h"
 #include "client/drivers/skin_driver.h"
+#include "client/stream/answers.h"
 #include "client/stream/channel.h"
 #include "client/stream/contact_stream.h"
 #include "client/stream/frame_encoder.h"
@@ -22,7 +23,7 @@
 
 namespace tactus::client::examples {
 
-void Use(const v1::Posterior& posterior);
+void Use(const v1::Answer& answer);
 void Use(const SkinFrame& frame);
 void Use(const v1::ClassifyContactResponse& response);
 void Send(const v1::FrameBatch& batch);
@@ -31,6 +32,13 @@ void Send(absl::string_view bytes);
 static absl::Status ChannelExample() {
 #include "client/stream/channel.h.inc"
   return absl::OkStatus();
+}
+
+void Show(const std::string& class_name);
+
+static void AnswersExample(const v1::StreamStarted& started,
+                           const v1::Answer& answer) {
+#include "client/stream/answers.h.inc"
 }
 
 static absl::Status ContactStreamExample(const SkinInfo& info,
@@ -59,7 +67,7 @@ static absl::Status ResumableStreamExample(const SkinInfo& info,
 static void StreamHistoryExample(const v1::StreamConfig& config,
                                  const v1::StreamStarted& started,
                                  v1::FrameBatch batch,
-                                 const v1::ClassifyContactResponse& posterior) {
+                                 const v1::ClassifyContactResponse& answer) {
 #include "client/stream/stream_history.h.inc"
 }
 

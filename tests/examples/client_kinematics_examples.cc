@@ -39,8 +39,7 @@ static absl::Status JointReceiverExample(JointPoses& poses) {
   return absl::OkStatus();
 }
 
-static void SkinPlacesExample(const SkinInfo& info,
-                              const v1::Posterior& posterior,
+static void SkinPlacesExample(const SkinInfo& info, const v1::Answer& answer,
                               JointPoses& poses) {
 #include "client/kinematics/skin_places.h.inc"
 }

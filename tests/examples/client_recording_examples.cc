@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "client/drivers/recording_driver.h"
-#include "client/recording/posterior_check.h"
+#include "client/recording/answer_check.h"
 #include "client/recording/recorder.h"
 #include "client/stream/contact_stream.h"
 #include "core/base/status_macros.h"
@@ -11,7 +11,7 @@
 namespace tactus::client::examples {
 
 void Use(const SkinFrame& frame);
-void Expect(const v1::Posterior& posterior);
+void Expect(const v1::Answer& answer);
 
 static void LabelledDriverExample(LabelledDriver& driver, SkinFrame& frame) {
 #include "client/drivers/labelled_driver.h.inc"
@@ -25,14 +25,14 @@ static absl::Status RecordingDriverExample() {
 static absl::Status RecorderExample(
     const SkinInfo& info, const v1::StreamConfig& config,
     const std::unique_ptr<ContactStream>& stream, const SkinFrame& frame,
-    const v1::Posterior& posterior) {
+    const v1::Answer& answer) {
 #include "client/recording/recorder.h.inc"
   return absl::OkStatus();
 }
 
-static void PosteriorCheckExample(const v1::Posterior& recorded,
-                                  const v1::Posterior& posterior) {
-#include "client/recording/posterior_check.h.inc"
+static void AnswerCheckExample(const v1::Answer& recorded,
+                               const v1::Answer& answer) {
+#include "client/recording/answer_check.h.inc"
 }
 
 }  // namespace tactus::client::examples

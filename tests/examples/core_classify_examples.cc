@@ -38,6 +38,8 @@ static void ContactClassifierExample(std::shared_ptr<const CompiledModel> model,
 #include "core/classify/contact_classifier.h.inc"
 }
 
+void Use(uint64_t contact_id, int best_class);
+
 static void ContactPipelineExample(const SkinLayout& layout,
                                    std::shared_ptr<const CompiledModel> model,
                                    std::span<const FrameView> frames) {

@@ -5,11 +5,16 @@
 #include <vector>
 
 #include "core/base/status_macros.h"
+#include "core/features/contact_track.h"
 #include "core/features/contact_tracker.h"
 #include "core/features/feature.h"
 #include "core/features/load_profile.h"
 #include "core/features/recent_poses.h"
+#include "core/features/region_owners.h"
 #include "core/features/segmenter.h"
+#include "core/features/skin_tracker.h"
+#include "core/features/taxel_rows.h"
+#include "core/features/touch_finder.h"
 #include "core/features/touched.h"
 #include "core/light_touch/light_touch.h"
 #include "core/light_touch/light_touch_kernels.h"
@@ -24,6 +29,10 @@
 namespace tactus::examples {
 
 void Use(float force, int taxels, double row);
+void Use(const Region& region);
+void Use(const FrameFeatures& features);
+void Use(uint64_t id, TouchPhase phase, const FrameFeatures& features);
+void JoinThem();
 
 struct SomeModel {
   void Reset();
@@ -34,6 +43,36 @@ static void ContactTrackerExample(const SkinLayout& layout,
                                   std::span<const FrameView> frames,
                                   SomeModel& model) {
 #include "core/features/contact_tracker.h.inc"
+}
+
+static void SkinTrackerExample(const SkinLayout& layout,
+                               std::span<const FrameView> frames) {
+#include "core/features/skin_tracker.h.inc"
+}
+
+static void ContactTrackExample(const SkinLayout& layout,
+                                const ContactTrack::Options& options,
+                                uint64_t id, const FrameView& frame,
+                                const ContactTouch& touch, bool touched,
+                                const RecentPoses& poses) {
+#include "core/features/contact_track.h.inc"
+}
+
+static void TouchFinderExample(const SkinLayout& layout,
+                               const FrameView& frame) {
+#include "core/features/touch_finder.h.inc"
+}
+
+static void RegionOwnersExample(const SkinLayout& layout,
+                                std::span<const RegionPlace> regions,
+                                std::span<KnownContact> contacts) {
+#include "core/features/region_owners.h.inc"
+}
+
+static void TaxelRowsExample(const SkinLayout& layout,
+                             const RegionPlace& region,
+                             const RegionPlace& other) {
+#include "core/features/taxel_rows.h.inc"
 }
 
 static void TaxelLoadExample() {

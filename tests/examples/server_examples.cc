@@ -37,10 +37,10 @@
 #include "server/rpc/request_limits.h"
 #include "server/rpc/training_rpcs.h"
 #include "server/rpc/trial_call.h"
+#include "server/session/answer_writer.h"
 #include "server/session/fitting_models.h"
 #include "server/session/frame_decoder.h"
 #include "server/session/model_source.h"
-#include "server/session/posterior_writer.h"
 #include "server/session/request_parser.h"
 #include "server/session/response_queue.h"
 #include "server/session/stream_session.h"
@@ -162,12 +162,14 @@ static void ModelSourceExample(const ModelSource& models,
 #include "server/session/model_source.h.inc"
 }
 
-static void PosteriorWriterExample(PosteriorWriter& writer,
-                                   ContactPipeline& pipeline,
-                                   const FrameView& frame, uint64_t sequence,
-                                   int64_t time_ns, uint64_t missing_before,
-                                   v1::Posterior* posterior) {
-#include "server/session/posterior_writer.h.inc"
+static void AnswerWriterExample(AnswerWriter& writer, ContactPipeline& pipeline,
+                                const FrameView& frame, uint64_t sequence,
+                                int64_t time_ns, v1::Answer* answer) {
+#include "server/session/answer_writer.h.inc"
+}
+
+static void SpareMessagesExample(v1::Answer* answer) {
+#include "server/session/spare_messages.h.inc"
 }
 
 static absl::Status ModelRegistryExample() {
@@ -232,10 +234,10 @@ static absl::Status RequestLimitsExample(size_t size) {
   return absl::OkStatus();
 }
 
-void WriteInto(v1::Posterior* posterior);
+void WriteInto(v1::Answer* posterior);
 
-static void ResponseQueueExample(ResponseQueue& queue, int64_t elapsed_ns,
-                                 int64_t now_ns) {
+static void ResponseQueueExample(ResponseQueue& queue, bool has_events,
+                                 int64_t elapsed_ns, int64_t now_ns) {
 #include "server/session/response_queue.h.inc"
 }
 

@@ -31,7 +31,7 @@ std::string GoodRecording(bool u16, bool poses, bool light_touch) {
     const uint16_t configs = add(kConfigTopic, "tactus.v1.StreamConfig");
     const uint16_t frames = add(kFrameTopic, "tactus.v1.FrameBatch");
     const uint16_t ends = add(kEndOfTrialTopic, "tactus.v1.EndOfTrial");
-    const uint16_t results = add(kResultTopic, "tactus.v1.Posterior");
+    const uint16_t results = add(kResultTopic, "tactus.v1.Answer");
     REQUIRE(file->WriteMetadata({kRecordingMetadata,
                                  {{"format", kRecordingFormat},
                                   {"version", kRecordingVersion}}})
@@ -73,7 +73,7 @@ std::string GoodRecording(bool u16, bool poses, bool light_touch) {
       for (int k = 0; poses && k < 7; ++k) frame.add_poses(k == 6 ? 1 : 0);
       const uint64_t time = 10'000'000UL * i;
       REQUIRE(file->Write(frames, time, frame.SerializeAsString()).ok());
-      v1::Posterior posterior;
+      v1::Answer posterior;
       posterior.set_sequence(static_cast<uint64_t>(i) + 1);
       if (i % 20 == 0) {
         REQUIRE(file->Write(results, time, posterior.SerializeAsString()).ok());

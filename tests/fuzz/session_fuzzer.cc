@@ -87,7 +87,7 @@ Request Frames(FuzzedDataProvider& data, uint64_t sequence) {
   return request;
 }
 
-void CheckPosterior(const tactus::v1::Posterior& posterior) {
+void CheckPosterior(const tactus::v1::Answer& posterior) {
   double sum = 0;
   for (const double p : posterior.probability()) {
     REQUIRE(p >= 0 && p <= 1);
@@ -100,7 +100,7 @@ void CheckPosterior(const tactus::v1::Posterior& posterior) {
 
 void Read(StreamSession& session) {
   while (const auto* response = session.responses().StartWrite(0)) {
-    if (response->has_posterior()) CheckPosterior(response->posterior());
+    if (response->has_answer()) CheckPosterior(response->answer());
     session.responses().FinishWrite();
   }
 }
@@ -144,7 +144,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
     if (!status.ok()) REQUIRE(!tactus::ReasonOf(status).empty());
     if (!session.wants_request()) Read(session);
     REQUIRE(session.responses().size() <=
-            2 * tactus::limits::kMaxQueuedFinals +
+            2 * tactus::limits::kMaxQueuedKept +
                 tactus::limits::kMaxFramesPerMessage);
   }
   session.OnHalfClose();

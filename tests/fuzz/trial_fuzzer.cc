@@ -33,7 +33,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
     trial.Step(&parsed);
   }
   if (trial.status().ok()) {
-    REQUIRE(trial.response().posterior().is_final());
+    REQUIRE(trial.response().answer().is_final());
   } else {
     REQUIRE(!tactus::ReasonOf(trial.status()).empty());
   }

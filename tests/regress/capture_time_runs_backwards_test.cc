@@ -38,8 +38,9 @@ class CaptureTimeRunsBackwardsTest : public ::testing::Test {
     int64_t last = 0;
     int64_t back = 0;
     while (const auto* response = session_.responses().StartWrite(0)) {
-      if (response->has_posterior()) {
-        const int64_t time = response->posterior().time_since_onset_ns();
+      if (response->answer().contacts_size() > 0) {
+        const int64_t time =
+            response->answer().contacts(0).time_since_onset_ns();
         back = std::max(back, last - time);
         last = time;
       }

@@ -1,5 +1,5 @@
 // A held calibration was read at the steps of the LSTMs only if they were
-// taken. Two rules that leave out steps of the LSTMs, and should change no bit,
+// taken. A rule that leaves out steps of the LSTMs, and should change no bit,
 // changed the probabilities of the HMMs.
 #include <algorithm>
 #include <memory>
@@ -47,17 +47,6 @@ TEST(HeldCalibrationOfRestingLstmsTest, LstmsThatNobodyAskedFor) {
   ExpectSameHmms(ContactClassifier(model, hmms),
                  ContactClassifier(model, hmms, step_anyway));
   ExpectSameHmms(ContactClassifier(model, hmms), ContactClassifier(model, {}));
-}
-
-TEST(HeldCalibrationOfRestingLstmsTest, LstmsAfterTheDecision) {
-  const auto model = HeldModel();
-  ContactClassifier::Options decisions;
-  decisions.decisions_only = true;
-  decisions.decision_threshold = 0.4;
-  ContactClassifier::Options all = decisions;
-  all.decisions_only = false;
-  ExpectSameHmms(ContactClassifier(model, decisions),
-                 ContactClassifier(model, all));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// A server that decided for class 200,000 crashed tactus-stream, because the
+// A server that decided for value 200,000 crashed tactus-stream, because the
 // client used responses without a check.
 #include <functional>
 #include <limits>
@@ -19,7 +19,7 @@
 namespace tactus::client {
 namespace {
 
-using testing::GoodPosterior;
+using testing::GoodAnswer;
 using testing::GoodStarted;
 using ::testing::HasSubstr;
 using testing::ScriptedServer;
@@ -31,60 +31,123 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 struct Change {
   // Part of the error's text.
   std::string field;
-  std::function<void(v1::Posterior*)> apply;
+  std::function<void(v1::Answer*)> apply;
 };
 
-// Each makes a posterior for frame 3 invalid.
-std::vector<Change> Changes() {
-  return {
-      {"decision.class_index",
-       [](auto* p) { p->mutable_decision()->set_class_index(200'000); }},
-      {"decision.class_index",
-       [](auto* p) { p->mutable_decision()->set_class_index(4); }},
-      {"decision.sequence",
-       [](auto* p) { p->mutable_decision()->set_sequence(4); }},
-      {"decision.time_since_onset_ns",
-       [](auto* p) { p->mutable_decision()->set_time_since_onset_ns(-1); }},
-      {"size of posterior.probability",
-       [](auto* p) { p->clear_probability(); }},
-      {"size of posterior.probability",
-       [](auto* p) { p->mutable_probability()->Resize(10'000, 0); }},
-      {"posterior.probability", [](auto* p) { p->set_probability(1, kNan); }},
-      {"posterior.probability", [](auto* p) { p->set_probability(1, 1.5); }},
-      {"posterior.probability", [](auto* p) { p->set_probability(1, -0.25); }},
-      {"sum of posterior.probability",
-       [](auto* p) { p->set_probability(1, 0.5); }},
-      {"size of posterior.hmm_probability",
-       [](auto* p) { p->add_hmm_probability(0); }},
-      {"size of posterior.lstm_probability",
-       [](auto* p) { p->add_lstm_probability(1); }},
-      {"size of posterior.log_likelihood",
-       [](auto* p) { p->clear_log_likelihood(); }},
-      {"log_likelihood", [](auto* p) { p->set_log_likelihood(0, kNan); }},
-      {"log_likelihood", [](auto* p) { p->set_log_likelihood(0, kInf); }},
-      {"posterior.unknown", [](auto* p) { p->set_unknown(kNan); }},
-      {"posterior.stability", [](auto* p) { p->set_stability(2); }},
-      {"contact_state",
-       [](auto* p) { p->set_contact_state(v1::CONTACT_STATE_UNSPECIFIED); }},
-      {"contact_state",
-       [](auto* p) {
-         p->set_contact_state(static_cast<v1::ContactState>(77));
-       }},
-      {"posterior.sequence", [](auto* p) { p->set_sequence(4); }},
-      {"posterior.sequence", [](auto* p) { p->set_sequence(1); }},
-      {"posterior.sequence",
-       [](auto* p) { p->set_sequence(std::numeric_limits<uint64_t>::max()); }},
-      {"onset_sequence", [](auto* p) { p->set_onset_sequence(4); }},
-      {"time_since_onset_ns", [](auto* p) { p->set_time_since_onset_ns(-1); }},
-      {"posterior.features",
-       [](auto* p) { p->mutable_features()->set_max_force(kNan); }},
-      {"area_taxels",
-       [](auto* p) { p->mutable_features()->set_area_taxels(385); }},
-      {"posterior.object",
-       [](auto* p) { p->mutable_object()->set_moved_m(kInf); }},
-      {"deviations",
-       [](auto* p) { p->mutable_object()->set_moved_deviation_m(-1); }},
+void AddContactChanges(std::vector<Change>& changes) {
+  const auto add = [&](std::string field, auto change) {
+    changes.push_back({std::move(field), [change](v1::Answer* answer) {
+                         change(answer->mutable_contacts(0));
+                       }});
   };
+  add("size of contact.probability", [](auto* c) { c->clear_probability(); });
+  add("size of contact.probability",
+      [](auto* c) { c->mutable_probability()->Resize(10'000, 0); });
+  add("contact.probability", [](auto* c) { c->set_probability(1, kNan); });
+  add("contact.probability", [](auto* c) { c->set_probability(1, 1.5); });
+  add("contact.probability", [](auto* c) { c->set_probability(1, -0.25); });
+  add("sum of contact.probability",
+      [](auto* c) { c->set_probability(1, 0.5); });
+  add("contact.unknown", [](auto* c) { c->set_unknown(kNan); });
+  add("contact.id", [](auto* c) { c->set_id(0); });
+  add("contact.state",
+      [](auto* c) { c->set_state(v1::Contact::STATE_UNSPECIFIED); });
+  add("contact.state",
+      [](auto* c) { c->set_state(static_cast<v1::Contact::State>(77)); });
+  add("onset_sequence", [](auto* c) { c->set_onset_sequence(4); });
+  add("time_since_onset_ns", [](auto* c) { c->set_time_since_onset_ns(-1); });
+  add("contact.motion_m", [](auto* c) { c->set_motion_m(kInf); });
+  add("contact.patch",
+      [](auto* c) { c->mutable_patch()->set_max_force(kNan); });
+  add("area_taxels", [](auto* c) { c->mutable_patch()->set_area_taxels(385); });
+  add("patch.taxels", [](auto* c) { c->mutable_patch()->add_taxels(384); });
+  add("size of contact.patch.taxels",
+      [](auto* c) { c->mutable_patch()->mutable_taxels()->Resize(385, 0); });
+  add("patch's link", [](auto* c) {
+    c->mutable_patch()->mutable_centroid()->mutable_link()->set_y(kNan);
+  });
+  add("patch's world_normal", [](auto* c) {
+    c->mutable_patch()
+        ->mutable_centre_of_pressure()
+        ->mutable_world_normal()
+        ->set_z(kInf);
+  });
+  add("contact.object",
+      [](auto* c) { c->mutable_object()->set_moved_m(kInf); });
+  add("deviations",
+      [](auto* c) { c->mutable_object()->set_moved_deviation_m(-1); });
+  add("size of contact.answers", [](auto* c) { c->clear_answers(); });
+  add("size of contact.answers", [](auto* c) { c->add_answers(); });
+  add("contact.answers.probability",
+      [](auto* c) { c->mutable_answers(1)->set_probability(0, 2); });
+}
+
+void AddDecisionChanges(std::vector<Change>& changes) {
+  const auto add = [&](std::string field, auto change) {
+    changes.push_back({std::move(field), [change](v1::Answer* answer) {
+                         change(answer->mutable_contacts(0)
+                                    ->mutable_answers(1)
+                                    ->mutable_decision());
+                       }});
+  };
+  add("decision.value", [](auto* d) { d->set_value(200'000); });
+  add("decision.value", [](auto* d) { d->set_value(2); });
+  add("sequence of a decision", [](auto* d) { d->set_sequence(4); });
+  add("sequence of a decision", [](auto* d) { d->set_changed_sequence(4); });
+  add("time_since_onset_ns of a decision",
+      [](auto* d) { d->set_time_since_onset_ns(-1); });
+  add("time_since_onset_ns of a decision",
+      [](auto* d) { d->set_changed_time_since_onset_ns(-1); });
+}
+
+void AddScoreChanges(std::vector<Change>& changes) {
+  const auto add = [&](std::string field, auto change) {
+    changes.push_back(
+        {std::move(field), [change](v1::Answer* answer) {
+           change(answer->mutable_diagnostics()->mutable_contacts(0));
+         }});
+  };
+  add("size of diagnostics.hmm_probability",
+      [](auto* s) { s->add_hmm_probability(0); });
+  add("size of diagnostics.lstm_probability",
+      [](auto* s) { s->add_lstm_probability(1); });
+  add("size of diagnostics.log_likelihood",
+      [](auto* s) { s->clear_log_likelihood(); });
+  add("log_likelihood", [](auto* s) { s->set_log_likelihood(0, kNan); });
+  add("log_likelihood", [](auto* s) { s->set_log_likelihood(0, kInf); });
+  add("diagnostics.stability", [](auto* s) { s->set_stability(2); });
+}
+
+// Each makes an answer to frame 3 invalid.
+std::vector<Change> Changes() {
+  std::vector<Change> changes = {
+      {"answer.sequence", [](auto* p) { p->set_sequence(4); }},
+      {"answer.sequence", [](auto* p) { p->set_sequence(1); }},
+      {"answer.sequence",
+       [](auto* p) { p->set_sequence(std::numeric_limits<uint64_t>::max()); }},
+      {"number of answer.contacts",
+       [](auto* p) {
+         const v1::Contact contact = p->contacts(0);
+         for (int i = 0; i < 8; ++i) *p->add_contacts() = contact;
+       }},
+      {"size of diagnostics.contacts",
+       [](auto* p) { p->mutable_diagnostics()->clear_contacts(); }},
+      {"event.contact_id", [](auto* p) { p->add_events()->set_contact_id(2); }},
+      {"event.question",
+       [](auto* p) {
+         p->add_events()->set_contact_id(1);
+         p->mutable_events(0)->set_question(2);
+       }},
+      {"event.value",
+       [](auto* p) {
+         p->add_events()->set_contact_id(1);
+         p->mutable_events(0)->set_value(2);
+       }},
+  };
+  AddContactChanges(changes);
+  AddDecisionChanges(changes);
+  AddScoreChanges(changes);
+  return changes;
 }
 
 // A checker for a stream with frames 1 to 3.
@@ -100,7 +163,7 @@ struct Checker : ResponseChecker {
 struct StartedChecker : Checker {
   StartedChecker() {
     EXPECT_TRUE(Check(GoodStarted()).ok());
-    EXPECT_TRUE(Check(GoodPosterior(1)).ok());
+    EXPECT_TRUE(Check(GoodAnswer(1)).ok());
   }
 };
 
@@ -114,18 +177,21 @@ void ExpectInvalid(ResponseChecker&& checker,
 }
 
 TEST(InvalidResponsesTest, EachFieldIsChecked) {
-  EXPECT_TRUE(StartedChecker().Check(GoodPosterior(3)).ok());
+  EXPECT_TRUE(StartedChecker().Check(GoodAnswer(3)).ok());
   for (const Change& change : Changes()) {
-    v1::ClassifyContactResponse response = GoodPosterior(3);
-    change.apply(response.mutable_posterior());
+    v1::ClassifyContactResponse response = GoodAnswer(3);
+    change.apply(response.mutable_answer());
     ExpectInvalid(StartedChecker(), response, change.field);
   }
 }
 
 TEST(InvalidResponsesTest, ImpossibleClassesAndUnknownKindsPass) {
   StartedChecker checker;
-  v1::ClassifyContactResponse response = GoodPosterior(2);
-  response.mutable_posterior()->set_log_likelihood(0, -kInf);
+  v1::ClassifyContactResponse response = GoodAnswer(2);
+  response.mutable_answer()
+      ->mutable_diagnostics()
+      ->mutable_contacts(0)
+      ->set_log_likelihood(0, -kInf);
   EXPECT_TRUE(checker.Check(response).ok());
   EXPECT_TRUE(checker.Check({}).ok());
   response.mutable_notice()->set_kind(
@@ -134,7 +200,7 @@ TEST(InvalidResponsesTest, ImpossibleClassesAndUnknownKindsPass) {
 }
 
 TEST(InvalidResponsesTest, StartedComesFirstAndOnce) {
-  ExpectInvalid(Checker(), GoodPosterior(1), "first response");
+  ExpectInvalid(Checker(), GoodAnswer(1), "first response");
   ExpectInvalid(Checker(), {}, "first response");
   ExpectInvalid(StartedChecker(), GoodStarted(), "number of `started`");
 }
@@ -150,6 +216,17 @@ TEST(InvalidResponsesTest, StartedIsChecked) {
           {"class_names", [](auto* s) { s->set_class_names(1, ""); }},
           {"class_names",
            [](auto* s) { s->set_class_names(1, std::string(129, 'x')); }},
+          {"started.questions", [](auto* s) { s->clear_questions(); }},
+          {"started.questions",
+           [](auto* s) {
+             for (int i = 0; i < 9; ++i) *s->add_questions() = s->questions(0);
+           }},
+          {"question's values",
+           [](auto* s) { s->mutable_questions(0)->clear_values(); }},
+          {"value_of_class",
+           [](auto* s) { s->mutable_questions(0)->add_value_of_class(0); }},
+          {"value_of_class",
+           [](auto* s) { s->mutable_questions(1)->set_value_of_class(3, 2); }},
           {"geometry.rows",
            [](auto* s) { s->mutable_geometry()->set_rows(0); }},
           {"geometry.columns",
@@ -164,11 +241,11 @@ TEST(InvalidResponsesTest, StartedIsChecked) {
 
 TEST(InvalidResponsesTest, MoreFinalsThanTrialsAreRefused) {
   StartedChecker checker;
-  v1::ClassifyContactResponse response = GoodPosterior(1);
-  response.mutable_posterior()->set_is_final(true);
+  v1::ClassifyContactResponse response = GoodAnswer(1);
+  response.mutable_answer()->set_is_final(true);
   // The server may end the stream and with it the open trial.
   EXPECT_TRUE(checker.Check(response).ok());
-  ExpectInvalid(std::move(checker), response, "number of final posteriors");
+  ExpectInvalid(std::move(checker), response, "number of final answers");
 }
 
 // Sends each change through the whole client, in a separate stream.
@@ -179,16 +256,16 @@ TEST(InvalidResponsesOnTheWireTest, EndTheStreamWithAClearError) {
       stream->Read(&request);
       stream->Write(GoodStarted());
       stream->Read(&request);
-      stream->Write(GoodPosterior(1));
-      v1::ClassifyContactResponse response = GoodPosterior(3);
-      change.apply(response.mutable_posterior());
+      stream->Write(GoodAnswer(1));
+      v1::ClassifyContactResponse response = GoodAnswer(3);
+      change.apply(response.mutable_answer());
       stream->Write(response);
       return ScriptedServer::SayNothing(context);
     });
     uint64_t last = 0;
     auto stream = ContactStream::Open(
         MakeChannel(server.address()), testing::ConfigRequest().config(),
-        [&](const auto& r) { last = r.posterior().sequence(); });
+        [&](const auto& r) { last = r.answer().sequence(); });
     ASSERT_TRUE(stream.ok()) << stream.status();
     ASSERT_TRUE(
         (*stream)
@@ -207,7 +284,7 @@ TEST(InvalidResponsesOnTheWireTest, EndTheStreamWithAClearError) {
 TEST(InvalidResponsesOnTheWireTest, OpenReportsThem) {
   for (const bool empty_end : {false, true}) {
     ScriptedServer server([=](grpc::ServerContext*, Stream* stream) {
-      if (!empty_end) stream->Write(GoodPosterior(1));
+      if (!empty_end) stream->Write(GoodAnswer(1));
       return grpc::Status::OK;
     });
     const auto stream = ContactStream::Open(MakeChannel(server.address()),
@@ -254,9 +331,12 @@ TEST(InvalidResponsesOnTheWireTest, TheTrialPlayerReportsThem) {
     stream->Write(GoodStarted());
     while (stream->Read(&request)) {
       const uint64_t sequence = request.frames().first_sequence();
-      v1::ClassifyContactResponse response = GoodPosterior(sequence);
-      response.mutable_posterior()->mutable_decision()->set_class_index(
-          200'000);
+      v1::ClassifyContactResponse response = GoodAnswer(sequence);
+      response.mutable_answer()
+          ->mutable_contacts(0)
+          ->mutable_answers(0)
+          ->mutable_decision()
+          ->set_value(200'000);
       stream->Write(response);
     }
     return grpc::Status::OK;

@@ -29,7 +29,7 @@ LoadReport Load(const ScriptedServer& server) {
 TEST(LoadOfAnotherServiceTest, IsReportedAsRefused) {
   ScriptedServer server([](grpc::ServerContext*, Stream* stream) {
     v1::ClassifyContactRequest request;
-    while (stream->Read(&request)) stream->Write(testing::GoodPosterior(1));
+    while (stream->Read(&request)) stream->Write(testing::GoodAnswer(1));
     return grpc::Status::OK;
   });
   const LoadReport report = Load(server);
@@ -44,8 +44,7 @@ TEST(LoadOfAnotherServiceTest, AnswersToFramesNeverSentEndTheStream) {
     stream->Read(&request);
     stream->Write(testing::GoodStarted());
     while (stream->Read(&request)) {
-      stream->Write(
-          testing::GoodPosterior(std::numeric_limits<uint64_t>::max()));
+      stream->Write(testing::GoodAnswer(std::numeric_limits<uint64_t>::max()));
     }
     return grpc::Status::OK;
   });

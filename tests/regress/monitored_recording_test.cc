@@ -5,7 +5,7 @@
 
 #include "client/drivers/recording_driver.h"
 #include "client/drivers/sim_driver.h"
-#include "client/recording/posterior_check.h"
+#include "client/recording/answer_check.h"
 #include "client/recording/recorder.h"
 #include "gtest/gtest.h"
 #include "tests/server/support/test_server.h"
@@ -23,7 +23,7 @@ TEST(RegressTest, AMonitoredRecordingReplaysBitForBit) {
    public:
     void OnStarted(const SkinInfo&, const v1::StreamStarted&) override {}
     void OnFrame(const SkinFrame&, uint64_t) override {}
-    void OnPosterior(const v1::Posterior&) override {}
+    void OnAnswer(const v1::Answer&) override {}
     void OnRead() override {}
   };
   const ScratchDir folder;
@@ -42,19 +42,17 @@ TEST(RegressTest, AMonitoredRecordingReplaysBitForBit) {
   const auto start = ReadRecordingStart(path);
   ASSERT_TRUE(start.ok()) << start.status();
   EXPECT_EQ(start->trial.Text("label"), "HU");
-  PosteriorCheck check;
+  AnswerCheck check;
   RecordingDriver driver(path, {.on_event = EventsTo(check)});
   std::vector<std::string> labels;
   LivePlayer again(
       server.channel(), &driver,
-      {.check = &check,
-       .with_features = start->config.with_features(),
-       .cadence = start->config.cadence()},
+      {.check = &check, .cadence = start->config.cadence()},
       [&](const LiveContact&) { labels.push_back(driver.trial().label); },
       [](const std::string&) {});
   ASSERT_TRUE(again.Run().ok());
   EXPECT_EQ(labels, (std::vector<std::string>{"HU", "HM", "SU"}));
-  const PosteriorCheck::Counts counts = check.Result();
+  const AnswerCheck::Counts counts = check.Result();
   // A frame whose answer was late, then or now, has none; ends of trials have.
   // The bug left two equal answers.
   EXPECT_GT(counts.equal, 3U);

@@ -16,7 +16,7 @@
 namespace tactus::client {
 namespace {
 
-using testing::GoodPosterior;
+using testing::GoodAnswer;
 using testing::GoodStarted;
 using testing::ScriptedServer;
 using testing::TimeLimit;
@@ -67,7 +67,7 @@ TEST(SilentServerTest, EndTrialReturnsWithoutAFinalPosterior) {
   const TimeLimit limit("EndTrial() waits", [&] { server.Stop(); });
   auto stream =
       *ContactStream::Open(MakeChannel(server.address()), GoodConfig(), Ignore,
-                           {.final_posterior = kShort});
+                           {.final_answer = kShort});
   const absl::Status status = stream->EndTrial().status();
   EXPECT_EQ(ReasonOf(status), "NO_RESPONSE") << status;
   // The status stays.
@@ -113,7 +113,7 @@ TEST(SilentServerTest, TheTrialPlayerReturnsWithoutAnswers) {
   const TimeLimit limit("Run() waits", [&] { server.Stop(); });
   SimDriver driver({.seed = 1}, 1, {});
   TrialPlayer player(MakeChannel(server.address()), &driver,
-                     {.timeouts = {.final_posterior = kShort}},
+                     {.timeouts = {.final_answer = kShort}},
                      [](const TrialResult&) {});
   EXPECT_EQ(ReasonOf(player.Run()), "NO_RESPONSE");
 }
@@ -128,8 +128,8 @@ TEST(SilentServerTest, AServerThatAnswersInTimeIsNotCancelled) {
         sequence = request.frames().first_sequence();
         continue;
       }
-      v1::ClassifyContactResponse response = GoodPosterior(sequence);
-      response.mutable_posterior()->set_is_final(true);
+      v1::ClassifyContactResponse response = GoodAnswer(sequence);
+      response.mutable_answer()->set_is_final(true);
       stream->Write(response);
     }
     return grpc::Status::OK;

@@ -87,7 +87,7 @@ TEST(StreamsWithoutConfigTest, TheFirstMessageHasADeadline) {
   // A stream that was configured may be silent for longer.
   std::this_thread::sleep_for(milliseconds(100));
   ASSERT_TRUE(robot.Write(testing::DenseU16(1, {testing::Touch(1)})));
-  EXPECT_TRUE(robot.Read().has_posterior());
+  EXPECT_TRUE(robot.Read().has_answer());
   robot.HalfClose();
   EXPECT_TRUE(robot.Finish().ok());
 }

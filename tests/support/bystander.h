@@ -68,7 +68,7 @@ class Bystander {
         stream_.Write(ConfigRequest(model_)) && stream_.Read().has_started();
     while (alive && !stop_) {
       alive = stream_.Write(DenseU16(++sequence, {Touch(1)})) &&
-              stream_.Read().posterior().sequence() == sequence;
+              stream_.Read().answer().sequence() == sequence;
       if (alive) ++answered_;
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }

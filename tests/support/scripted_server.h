@@ -69,24 +69,47 @@ class ScriptedServer final : private v1::ContactService::Service {
 inline v1::ClassifyContactResponse GoodStarted() {
   v1::ClassifyContactResponse response;
   v1::StreamStarted* started = response.mutable_started();
+  v1::Question* hardness = started->add_questions();
+  hardness->set_name("hardness");
+  hardness->set_kind(v1::Question::KIND_PROPERTY);
+  hardness->add_values("hard");
+  hardness->add_values("soft");
+  v1::Question* mobility = started->add_questions();
+  mobility->set_name("mobility");
+  mobility->set_kind(v1::Question::KIND_STATE);
+  mobility->add_values("unmoved");
+  mobility->add_values("moved");
   for (const char* name : {"HU", "HM", "SU", "SM"}) {
     started->add_class_names(name);
+    hardness->add_value_of_class(name[0] == 'S');
+    mobility->add_value_of_class(name[1] == 'M');
   }
   started->mutable_geometry()->set_rows(16);
   started->mutable_geometry()->set_columns(24);
   return response;
 }
 
-inline v1::ClassifyContactResponse GoodPosterior(uint64_t sequence) {
+// With one contact and all that a stream may ask for.
+inline v1::ClassifyContactResponse GoodAnswer(uint64_t sequence) {
   v1::ClassifyContactResponse response;
-  v1::Posterior* posterior = response.mutable_posterior();
-  posterior->set_sequence(sequence);
-  posterior->set_contact_state(v1::CONTACT_STATE_IN_CONTACT);
-  posterior->set_onset_sequence(1);
+  v1::Answer* answer = response.mutable_answer();
+  answer->set_sequence(sequence);
+  v1::Contact* contact = answer->add_contacts();
+  contact->set_id(1);
+  contact->set_state(v1::Contact::STATE_TOUCHING);
+  contact->set_onset_sequence(1);
+  contact->set_motion_m(0);
+  contact->mutable_patch()->set_area_taxels(4);
+  v1::ContactScores* scores = answer->mutable_diagnostics()->add_contacts();
   for (int k = 0; k < 4; ++k) {
-    posterior->add_log_likelihood(-1);
-    posterior->add_probability(0.25);
-    posterior->add_hmm_probability(0.25);
+    contact->add_probability(0.25);
+    scores->add_log_likelihood(-1);
+    scores->add_hmm_probability(0.25);
+  }
+  for (int q = 0; q < 2; ++q) {
+    v1::QuestionAnswer* question = contact->add_answers();
+    question->add_probability(0.5);
+    question->add_probability(0.5);
   }
   return response;
 }

@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_format.h"
 #include "client/drivers/calibration/idle_frames.h"
+#include "client/stream/answers.h"
 #include "tools/common/percentile.h"
 
 namespace tactus::client {
@@ -35,6 +36,7 @@ Monitor::Monitor(const SkinInfo& info) : info_(info) {
 
 void Monitor::Started(const v1::StreamStarted& started) {
   const std::lock_guard lock(mutex_);
+  started_ = started;
   state_.title += "   " + started.model_version();
   state_.class_names.assign(started.class_names().begin(),
                             started.class_names().end());
@@ -57,32 +59,37 @@ void Monitor::Frame(const SkinFrame& frame, uint64_t sequence, int64_t now_ns) {
   if (sequence > 0) sent_[sequence % kWindow] = {sequence, now_ns};
 }
 
-void Monitor::Answer(const v1::Posterior& posterior, int64_t now_ns) {
+void Monitor::Answer(const v1::Answer& answer, int64_t now_ns) {
   const std::lock_guard lock(mutex_);
-  const Sent& sent = sent_[posterior.sequence() % kWindow];
-  if (sent.sequence == posterior.sequence() && !posterior.is_final()) {
+  const Sent& sent = sent_[answer.sequence() % kWindow];
+  if (sent.sequence == answer.sequence() && !answer.is_final()) {
     answers_ms_.Add(static_cast<double>(now_ns - sent.time_ns) / 1e6);
   }
-  state_.in_contact = posterior.contact_state() == v1::CONTACT_STATE_IN_CONTACT;
-  state_.contact_id = posterior.contact_id();
-  if (state_.in_contact) {
-    state_.contact_s =
-        static_cast<double>(posterior.time_since_onset_ns()) / 1e9;
-  }
-  state_.max_force = posterior.features().max_force();
-  state_.area_taxels = posterior.features().area_taxels();
-  state_.area_m2 = posterior.features().area_m2();
-  state_.motion_m = posterior.features().motion_m();
-  state_.probability.assign(posterior.probability().begin(),
-                            posterior.probability().end());
-  state_.unknown = posterior.unknown();
+  state_.superseded = answer.superseded();
+  state_.contacts = static_cast<int>(std::count_if(
+      answer.contacts().begin(), answer.contacts().end(), IsOpen));
+  state_.in_contact = state_.contacts > 0;
+  const v1::Contact* contact = MainContact(answer);
+  const v1::ContactPatch& patch = contact != nullptr && IsOpen(*contact)
+                                      ? contact->patch()
+                                      : v1::ContactPatch::default_instance();
+  state_.max_force = patch.max_force();
+  state_.area_taxels = patch.area_taxels();
+  state_.area_m2 = patch.area_m2();
+  // Without a contact its last probabilities stay.
+  if (contact == nullptr) return;
+  state_.motion_m = contact->motion_m();
+  state_.contact_id = contact->id();
+  state_.contact_s = static_cast<double>(contact->time_since_onset_ns()) / 1e9;
+  state_.probability.assign(contact->probability().begin(),
+                            contact->probability().end());
+  state_.unknown = contact->unknown();
   state_.decision.reset();
-  if (posterior.has_decision()) {
-    state_.decision = static_cast<int>(posterior.decision().class_index());
+  if (const auto decided = DecidedClassOf(started_, *contact)) {
+    state_.decision = decided->class_index;
     state_.decision_ms =
-        static_cast<double>(posterior.decision().time_since_onset_ns()) / 1e6;
+        static_cast<double>(decided->time_since_onset_ns) / 1e6;
   }
-  state_.superseded = posterior.superseded();
 }
 
 MonitorState Monitor::Snapshot(const DriverStatistics& statistics) {

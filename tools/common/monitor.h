@@ -6,7 +6,7 @@
 //   Monitor monitor(info);
 //   monitor.Started(stream->started());
 //   monitor.Frame(frame, encoder.last_sequence(), now_ns);
-//   monitor.Answer(posterior, now_ns);
+//   monitor.Answer(answer, now_ns);
 //   const MonitorState state = monitor.Snapshot(driver.Statistics());
 //
 // Thread-safe: answers come from a stream's thread.
@@ -33,7 +33,7 @@ class Monitor {
   // A frame that is sent with this sequence number at `now_ns`; 0: it is not
   // sent.
   void Frame(const SkinFrame& frame, uint64_t sequence, int64_t now_ns);
-  void Answer(const v1::Posterior& posterior, int64_t now_ns);
+  void Answer(const v1::Answer& answer, int64_t now_ns);
 
   // The present state. The full scale follows the largest load at once, and
   // sinks slowly; it is at least twice the onset threshold.
@@ -54,6 +54,7 @@ class Monitor {
 
   const SkinInfo info_;
   std::mutex mutex_;
+  v1::StreamStarted started_;
   MonitorState state_;
   double peak_ = 0;
   Window ages_ms_;

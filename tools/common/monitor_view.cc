@@ -71,9 +71,12 @@ const char* UnitOf(const MonitorState& state) {
 
 void ShowContact(const MonitorState& state, Panel& panel) {
   if (state.in_contact) {
-    panel.Line(absl::StrFormat("contact %d   %.2f s", state.contact_id,
-                               state.contact_s),
-               kGood);
+    std::string line = absl::StrFormat("contact %d   %.2f s", state.contact_id,
+                                       state.contact_s);
+    if (state.contacts > 1) {
+      absl::StrAppendFormat(&line, "   1 of %d", state.contacts);
+    }
+    panel.Line(line, kGood);
   } else {
     panel.Line(state.contact_id == 0
                    ? std::string("no contact yet")

@@ -30,7 +30,8 @@ struct MonitorState {
   // Load of the last colour, in the same unit.
   double full_scale = 1;
 
-  // State of the contact, if the server sends features.
+  // Contacts on the skin, and the largest of them.
+  int contacts = 0;
   bool in_contact = false;
   uint64_t contact_id = 0;
   double contact_s = 0;

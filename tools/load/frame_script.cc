@@ -52,8 +52,6 @@ absl::StatusOr<FrameScript> FrameScript::Create(const Options& options) {
   FrameScript script;
   script.config_ = MakeConfig(info);
   script.frame_period_ns_ = std::llround(1e9 / info.sample_rate_hz);
-  // Robots that stream on and on: a contact ends when the skin is left.
-  script.config_.set_release_after_ms(0);
   script.config_.set_cadence(v1::RESULT_CADENCE_EVERY_N_FRAMES);
   script.config_.set_result_interval_frames(options.frames_per_message);
 

@@ -88,8 +88,8 @@ void LoadStream::OnRead(bool ok) {
   grpc::ProtoBufferReader bytes(&read_);
   if (!response_.ParseFromZeroCopyStream(&bytes)) {
     Cancel();
-  } else if (response_.has_posterior() && accepted_) {
-    OnPosterior(response_.posterior(), now_ns);
+  } else if (response_.has_answer() && accepted_) {
+    OnAnswer(response_.answer(), now_ns);
   } else if (response_.has_started()) {
     accepted_ = true;
     Settle();
@@ -100,17 +100,17 @@ void LoadStream::OnRead(bool ok) {
   call_->Read(&read_, read_done_.tag());
 }
 
-void LoadStream::OnPosterior(const v1::Posterior& posterior, int64_t now_ns) {
-  superseded_ = posterior.superseded();
+void LoadStream::OnAnswer(const v1::Answer& answer, int64_t now_ns) {
+  superseded_ = answer.superseded();
   const uint64_t frames = shared_->frames_per_message;
-  const uint64_t sequence = posterior.sequence();
+  const uint64_t sequence = answer.sequence();
   if (sequence > written_ * frames) {
     // No Tactus server answers frames that were never sent.
     Cancel();
     return;
   }
-  // Decisions and ends of contacts may come in between.
-  if (posterior.is_final() || sequence <= last_sequence_ ||
+  // Answers with events may come in between.
+  if (answer.is_final() || sequence <= last_sequence_ ||
       sequence % frames != 0) {
     return;
   }

@@ -84,7 +84,7 @@ class LoadStream {
   void WriteNext();
   // Accepted or refused.
   void Settle();
-  void OnPosterior(const v1::Posterior& posterior, int64_t now_ns);
+  void OnAnswer(const v1::Answer& answer, int64_t now_ns);
 
   LoadShared* const shared_;
   const int robot_;

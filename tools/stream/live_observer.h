@@ -5,7 +5,7 @@
 //   class Screen : public LiveObserver { ... };
 //   LivePlayer player(channel, &driver, {.observer = &screen}, ...);
 //
-// OnPosterior is called on the stream's reading thread, everything else on the
+// OnAnswer is called on the stream's reading thread, everything else on the
 // thread of LivePlayer::Run.
 #pragma once
 
@@ -25,7 +25,7 @@ class LiveObserver {
                          const v1::StreamStarted& started) = 0;
   // A frame is about to be sent with this sequence number.
   virtual void OnFrame(const SkinFrame& frame, uint64_t sequence) = 0;
-  virtual void OnPosterior(const v1::Posterior& posterior) = 0;
+  virtual void OnAnswer(const v1::Answer& answer) = 0;
   // The driver was read, which happens at least ten times a second, with or
   // without a frame.
   virtual void OnRead() = 0;

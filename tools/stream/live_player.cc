@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "client/stream/answers.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "tools/common/rate_news.h"
@@ -15,31 +16,6 @@ namespace {
 
 // Frames whose rate is compared with the configured one.
 constexpr size_t kRateFrames = 200;
-
-LiveContact ContactOf(const v1::Posterior& posterior) {
-  LiveContact contact;
-  contact.id = posterior.contact_id();
-  contact.onset_ns =
-      posterior.capture_time_ns() - posterior.time_since_onset_ns();
-  contact.duration_s =
-      static_cast<double>(posterior.time_since_onset_ns()) / 1e9;
-  const auto& p = posterior.probability();
-  const auto best = std::max_element(p.begin(), p.end());
-  if (best != p.end()) {
-    contact.answer = static_cast<int>(best - p.begin());
-    contact.probability = *best;
-  }
-  contact.unknown = posterior.unknown();
-  contact.log_likelihood.assign(posterior.log_likelihood().begin(),
-                                posterior.log_likelihood().end());
-  contact.frames_missing = posterior.frames_missing();
-  if (posterior.has_decision()) {
-    contact.decision = static_cast<int>(posterior.decision().class_index());
-    contact.decision_ms =
-        static_cast<double>(posterior.decision().time_since_onset_ns()) / 1e6;
-  }
-  return contact;
-}
 
 }  // namespace
 
@@ -65,15 +41,18 @@ absl::Status LivePlayer::Stream() {
   v1::StreamConfig config = MakeConfig(info);
   config.set_model(options_.model);
   config.set_client_id(options_.client_id);
-  config.set_with_features(options_.observer != nullptr ||
-                           options_.with_features);
+  config.set_with_diagnostics(true);
   places_.emplace(info.layout);
   if (options_.cadence) {
     config.set_cadence(*options_.cadence);
   } else if (options_.observer == nullptr) {
     config.set_cadence(v1::RESULT_CADENCE_ON_CHANGE);
   }
-  config.set_release_after_ms(options_.release_after_ms);
+  config.set_never_release(options_.release_after_ms < 0);
+  if (options_.release_after_ms > 0) {
+    config.set_release_after_ms(options_.release_after_ms);
+  }
+  if (options_.max_contacts > 0) config.set_max_contacts(options_.max_contacts);
   TACTUS_ASSIGN_OR_RETURN(
       stream_, ResumableStream::Open(channel_, config,
                                      [this](const auto& r) { OnResponse(r); },
@@ -182,37 +161,56 @@ void LivePlayer::OnResponse(const v1::ClassifyContactResponse& response) {
     const std::lock_guard lock(mutex_);
     noticed_hz_ = response.notice().measured_rate_hz();
   }
-  if (!response.has_posterior()) return;
-  const v1::Posterior& posterior = response.posterior();
-  if (options_.observer != nullptr) options_.observer->OnPosterior(posterior);
-  if (options_.recorder) options_.recorder->Result(posterior);
-  if (options_.check) options_.check->Receive(posterior);
-  const auto place = PlaceOf(posterior);
-  const bool open_at_end =
-      posterior.is_final() &&
-      posterior.contact_state() == v1::CONTACT_STATE_IN_CONTACT;
-  if (!posterior.is_contact_end() && !open_at_end) return;
+  if (!response.has_answer()) return;
+  const v1::Answer& answer = response.answer();
+  if (options_.observer != nullptr) options_.observer->OnAnswer(answer);
+  if (options_.recorder) options_.recorder->Result(answer);
+  if (options_.check) options_.check->Receive(answer);
+  KeepPlaces(answer);
   const std::lock_guard lock(mutex_);
-  contacts_.push_back(ContactOf(posterior));
-  contacts_.back().place = place;
+  for (int i = 0; i < answer.contacts_size(); ++i) {
+    const v1::Contact& contact = answer.contacts(i);
+    // A final shows those that end with it, or one that has been reported.
+    if (answer.is_final() != IsOpen(contact)) continue;
+    contacts_.push_back(ContactOf(contact, answer, i));
+  }
 }
 
-std::optional<Eigen::Vector3d> LivePlayer::PlaceOf(
-    const v1::Posterior& posterior) {
-  if (!options_.pose_at || posterior.contact_id() == 0) return std::nullopt;
-  if (posterior.contact_id() == placed_contact_) return place_;
-  placed_contact_ = posterior.contact_id();
-  place_.reset();
-  const auto pose = options_.pose_at(posterior.capture_time_ns());
-  const bool is_felt =
-      posterior.contact_state() == v1::CONTACT_STATE_IN_CONTACT &&
-      posterior.has_features();
-  if (pose && is_felt) {
-    const v1::ContactFeatures& features = posterior.features();
-    place_ = places_->InWorld(
-        {features.centroid_row(), features.centroid_column()}, *pose);
+LiveContact LivePlayer::ContactOf(const v1::Contact& contact,
+                                  const v1::Answer& answer, int index) {
+  LiveContact live;
+  live.id = contact.id();
+  live.onset_ns = answer.capture_time_ns() - contact.time_since_onset_ns();
+  live.duration_s = static_cast<double>(contact.time_since_onset_ns()) / 1e9;
+  live.answer = BestClass(contact);
+  live.probability = contact.probability(live.answer);
+  live.unknown = contact.unknown();
+  const auto& scores = answer.diagnostics().contacts(index).log_likelihood();
+  live.log_likelihood.assign(scores.begin(), scores.end());
+  live.frames_missing = answer.frames_missing();
+  if (const auto decided = DecidedClassOf(stream_->started(), contact)) {
+    live.decision = decided->class_index;
+    live.decision_ms = static_cast<double>(decided->time_since_onset_ns) / 1e6;
   }
-  return place_;
+  if (const auto place = place_of_.extract(contact.id())) {
+    live.place = place.mapped();
+  }
+  return live;
+}
+
+void LivePlayer::KeepPlaces(const v1::Answer& answer) {
+  if (!options_.pose_at) return;
+  for (const v1::ContactEvent& event : answer.events()) {
+    if (event.kind() != v1::ContactEvent::KIND_TOUCHED) continue;
+    const auto pose = options_.pose_at(answer.capture_time_ns());
+    if (!pose) continue;
+    for (const v1::Contact& contact : answer.contacts()) {
+      if (contact.id() != event.contact_id()) continue;
+      const v1::ContactPatch& patch = contact.patch();
+      place_of_[contact.id()] = places_->InWorld(
+          {patch.centroid_row(), patch.centroid_column()}, *pose);
+    }
+  }
 }
 
 void LivePlayer::ReportContacts() {

@@ -21,6 +21,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -32,7 +33,7 @@
 #include "client/drivers/labelled_driver.h"
 #include "client/drivers/skin_driver.h"
 #include "client/kinematics/skin_places.h"
-#include "client/recording/posterior_check.h"
+#include "client/recording/answer_check.h"
 #include "client/recording/recorder.h"
 #include "client/stream/frame_encoder.h"
 #include "client/stream/resumable_stream.h"
@@ -77,8 +78,11 @@ class LivePlayer {
     std::string token = {};
     // Names the robot to the server, and to a proxy (robot_id.h).
     std::string client_id = {};
-    // Milliseconds without a touch after which a contact ends; 0: the model's.
+    // Milliseconds without a touch after which a contact ends; 0: the model's;
+    // below 0: none ends.
     int release_after_ms = 0;
+    // Contacts that are followed at the same time; 0: the server's default.
+    int max_contacts = 0;
     // Sees all frames, and answers to each of them; may be null. Outlives the
     // player.
     LiveObserver* observer = nullptr;
@@ -92,14 +96,12 @@ class LivePlayer {
     // too.
     const CalibratedDriver* calibrated = nullptr;
     // If set, gets the server's answers.
-    PosteriorCheck* check = nullptr;
-    // Answers have features, as they have for an observer.
-    bool with_features = false;
+    AnswerCheck* check = nullptr;
     // Which frames the server answers. If not set: all of them if there is an
     // observer, else those that change the answer.
     std::optional<v1::ResultCadence> cadence = {};
     // If set, contacts have their place: the pose of the skin's link at a
-    // capture time. Thread-safe. Needs with_features.
+    // capture time. Thread-safe.
     std::function<std::optional<Pose>(int64_t capture_time_ns)> pose_at = {};
   };
   using OnContact = std::function<void(const LiveContact&)>;
@@ -124,8 +126,10 @@ class LivePlayer {
   absl::Status SendFrame(const SkinFrame& frame);
   absl::Status EndTrial();
   void OnResponse(const v1::ClassifyContactResponse& response);
-  // The place of the contact of `posterior`: found in its first posterior.
-  std::optional<Eigen::Vector3d> PlaceOf(const v1::Posterior& posterior);
+  // Keeps the place in the world of each contact that begins.
+  void KeepPlaces(const v1::Answer& answer);
+  LiveContact ContactOf(const v1::Contact& contact, const v1::Answer& answer,
+                        int index);
   void ReportContacts();
   void ReportNews();
   void ReportConnection();
@@ -161,10 +165,9 @@ class LivePlayer {
   uint64_t without_beginning_ = 0;
   std::vector<int> stuck_;
 
-  // Used by the stream's reading thread: the last contact and its place.
+  // Used by the stream's reading thread: where the contacts began, by id.
   std::optional<SkinPlaces> places_;
-  uint64_t placed_contact_ = 0;
-  std::optional<Eigen::Vector3d> place_;
+  std::map<uint64_t, Eigen::Vector3d> place_of_;
 
   // Shared with the stream's reading thread.
   std::mutex mutex_;

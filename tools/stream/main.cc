@@ -56,8 +56,9 @@ struct Flags {
   }
 };
 
-absl::StatusOr<std::unique_ptr<LabelledDriver>> MakeDriver(
-    const Flags& flags, size_t shard, PosteriorCheck& check) {
+absl::StatusOr<std::unique_ptr<LabelledDriver>> MakeDriver(const Flags& flags,
+                                                           size_t shard,
+                                                           AnswerCheck& check) {
   if (flags.IsReplayOfRecording()) {
     return std::make_unique<RecordingDriver>(
         flags.source.data,
@@ -101,10 +102,15 @@ absl::Status ReplaySkin(const Flags& flags,
                         LivePlayer::Options player) {
   TACTUS_ASSIGN_OR_RETURN(const RecordingStart start,
                           ReadRecordingStart(flags.source.data));
-  PosteriorCheck check;
+  AnswerCheck check;
   player.check = &check;
-  player.release_after_ms = start.config.release_after_ms();
-  player.with_features = start.config.with_features();
+  player.release_after_ms =
+      start.config.never_release()
+          ? -1
+          : static_cast<int>(start.config.release_after_ms());
+  if (start.config.has_max_contacts()) {
+    player.max_contacts = static_cast<int>(start.config.max_contacts());
+  }
   player.cadence = start.config.cadence();
   if (player.model.empty()) player.model = start.config.model();
   for (auto& [key, value] : player.trial) {
@@ -155,7 +161,6 @@ absl::Status RunSkin(const Flags& flags,
   player.labelled = dynamic_cast<const LabelledDriver*>(&source->driver());
   ArmSource* const arm = source->arm();
   if (arm != nullptr) {
-    player.with_features = true;
     player.pose_at = [arm](int64_t time_ns) { return arm->PoseAt(time_ns); };
     std::fprintf(stderr, "tactus-stream: %s\n", arm->Usage().c_str());
   }
@@ -226,7 +231,7 @@ absl::Status Run(const Flags& flags) {
         FinishRecorder(recorder.get(), flags.record, stderr);
     return status.ok() ? recorded : status;
   }
-  PosteriorCheck check;
+  AnswerCheck check;
   player_options.recorder = recorder.get();
   if (flags.IsReplayOfRecording()) player_options.check = &check;
   std::mutex mutex;

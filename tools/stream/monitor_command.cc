@@ -36,8 +36,8 @@ class MonitorScreen : public LiveObserver {
   void OnFrame(const SkinFrame& frame, uint64_t sequence) override {
     monitor_->Frame(frame, sequence, Clock::System().NowNs());
   }
-  void OnPosterior(const v1::Posterior& posterior) override {
-    monitor_->Answer(posterior, Clock::System().NowNs());
+  void OnAnswer(const v1::Answer& answer) override {
+    monitor_->Answer(answer, Clock::System().NowNs());
   }
   void OnRead() override {
     while (const auto key = terminal_->ReadKey()) {

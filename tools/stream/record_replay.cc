@@ -55,18 +55,18 @@ CalibratedDriverOptions Recalibration(const RecordingStart& start,
   return options;
 }
 
-std::function<void(const RecordingEvent&)> EventsTo(PosteriorCheck& check) {
+std::function<void(const RecordingEvent&)> EventsTo(AnswerCheck& check) {
   return [&check](const RecordingEvent& event) {
-    if (const auto* posterior = std::get_if<v1::Posterior>(&event)) {
-      check.Expect(*posterior);
+    if (const auto* answer = std::get_if<v1::Answer>(&event)) {
+      check.Expect(*answer);
     } else if (const auto* started = std::get_if<v1::StreamStarted>(&event)) {
       check.ExpectModel(started->bundle_sha256());
     }
   };
 }
 
-Json ToJson(const PosteriorCheck& check) {
-  const PosteriorCheck::Counts counts = check.Result();
+Json ToJson(const AnswerCheck& check) {
+  const AnswerCheck::Counts counts = check.Result();
   return {{"same_model", check.SameModel()},
           {"equal", counts.equal},
           {"different", counts.different},

@@ -5,7 +5,7 @@
 //
 //   TACTUS_ASSIGN_OR_RETURN(const RecordingStart start,
 //                           ReadRecordingStart("run.mcap"));
-//   PosteriorCheck check;
+//   AnswerCheck check;
 //   RecordingDriver driver("run.mcap", {.on_event = EventsTo(check)});
 //   LivePlayer player(channel, &driver, {.check = &check}, ...);
 //   TACTUS_RETURN_IF_ERROR(FinishRecorder(recorder.get(), path, stderr));
@@ -23,7 +23,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "client/drivers/calibrated_driver.h"
-#include "client/recording/posterior_check.h"
+#include "client/recording/answer_check.h"
 #include "client/recording/recorder.h"
 #include "tools/common/json.h"
 
@@ -58,10 +58,10 @@ CalibratedDriverOptions Recalibration(const RecordingStart& start,
 
 // Hands what the server answered and the model's checksum to `check`, which
 // outlives the result.
-std::function<void(const RecordingEvent&)> EventsTo(PosteriorCheck& check);
+std::function<void(const RecordingEvent&)> EventsTo(AnswerCheck& check);
 
 // {"equal": 40, ...}.
-Json ToJson(const PosteriorCheck& check);
+Json ToJson(const AnswerCheck& check);
 
 // Completes the file `path` and prints what it holds and what was lost. A file
 // without a frame, as of a stream that was refused, is removed. OK for null.

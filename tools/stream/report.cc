@@ -180,13 +180,9 @@ void Report::PrintSummary() {
                all.undecided());
   if (!times.empty()) {
     std::fprintf(out_,
-                 "time to decision: median %.0f ms, 90 %% within %.0f ms\n",
+                 "time to the decision as it stood in the end: median %.0f ms, "
+                 "90 %% within %.0f ms\n",
                  Percentile(times, 0.5), Percentile(times, 0.9));
-  }
-  if (all.decided_wrong > 0) {
-    std::fprintf(out_,
-                 "(A decision is made once, early. An object that moves after "
-                 "it counts as decided wrongly.)\n");
   }
   std::fprintf(out_,
                "round trip: median %.0f us, 99 %% within %.0f us\n"

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "client/stream/answers.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
@@ -42,6 +43,7 @@ absl::Status TrialPlayer::Run() {
   v1::StreamConfig config = MakeConfig(info);
   config.set_model(options_.model);
   config.set_client_id(options_.client_id);
+  config.set_with_diagnostics(true);
   TACTUS_ASSIGN_OR_RETURN(
       stream_, ResumableStream::Open(channel_, config,
                                      [this](const auto& r) { OnResponse(r); },
@@ -126,21 +128,21 @@ absl::Status TrialPlayer::SendBatch() {
 absl::Status TrialPlayer::EndTrial() {
   TACTUS_RETURN_IF_ERROR(SendBatch());
   if (options_.recorder) options_.recorder->EndTrial();
-  TACTUS_ASSIGN_OR_RETURN(const v1::Posterior posterior, stream_->EndTrial());
+  TACTUS_ASSIGN_OR_RETURN(const v1::Answer answer, stream_->EndTrial());
   in_trial_ = false;
   {
     const std::lock_guard lock(mutex_);
     const uint64_t accounted =
-        std::min(totals_.frames, answers_ + posterior.superseded());
+        std::min(totals_.frames, answers_ + answer.superseded());
     totals_.lost = totals_.frames - accounted;
   }
-  TACTUS_ASSIGN_OR_RETURN(const TrialResult result, Result(posterior));
+  TACTUS_ASSIGN_OR_RETURN(const TrialResult result, Result(answer));
   on_trial_(result);
   return absl::OkStatus();
 }
 
 absl::StatusOr<TrialResult> TrialPlayer::Result(
-    const v1::Posterior& posterior) const {
+    const v1::Answer& answer) const {
   const Trial& trial = driver_->trial();
   TrialResult result;
   const auto label =
@@ -152,17 +154,18 @@ absl::StatusOr<TrialResult> TrialPlayer::Result(
   result.index = driver_->trial_index();
   result.id = TrialName(trial.id, trial.source);
   result.label = static_cast<int>(label - class_names_.begin());
-  result.detected = posterior.contact_state() != v1::CONTACT_STATE_NO_CONTACT;
-  const auto& p = posterior.probability();
+  const v1::Contact* contact = MainContact(answer);
+  result.detected = contact != nullptr;
+  if (!result.detected) return result;
+  const auto& p = contact->probability();
   result.probability.assign(p.begin(), p.end());
-  result.answer =
-      static_cast<int>(std::max_element(p.begin(), p.end()) - p.begin());
-  result.log_likelihood.assign(posterior.log_likelihood().begin(),
-                               posterior.log_likelihood().end());
-  if (posterior.has_decision()) {
-    result.decision = static_cast<int>(posterior.decision().class_index());
+  result.answer = BestClass(*contact);
+  const auto& scores = answer.diagnostics().contacts(0).log_likelihood();
+  result.log_likelihood.assign(scores.begin(), scores.end());
+  if (const auto decided = DecidedClassOf(stream_->started(), *contact)) {
+    result.decision = decided->class_index;
     result.decision_ms =
-        static_cast<double>(posterior.decision().time_since_onset_ns()) / 1e6;
+        static_cast<double>(decided->time_since_onset_ns) / 1e6;
   }
   return result;
 }
@@ -174,14 +177,14 @@ void TrialPlayer::OnResponse(const v1::ClassifyContactResponse& response) {
     totals_.rate_news = RateNews(response.notice().measured_rate_hz(),
                                  response.notice().stated_rate_hz());
   }
-  if (!response.has_posterior()) return;
-  const v1::Posterior& posterior = response.posterior();
-  if (options_.recorder) options_.recorder->Result(posterior);
-  if (options_.check) options_.check->Receive(posterior);
-  if (posterior.is_final()) return;
+  if (!response.has_answer()) return;
+  const v1::Answer& answer = response.answer();
+  if (options_.recorder) options_.recorder->Result(answer);
+  if (options_.check) options_.check->Receive(answer);
+  if (answer.is_final()) return;
   const std::lock_guard lock(mutex_);
   ++answers_;
-  last_answer_ = posterior.sequence();
+  last_answer_ = answer.sequence();
   if (last_answer_ == sent_sequence_) {
     rtt_us_.push_back(static_cast<double>(now_ns - sent_ns_) / 1e3);
   }
@@ -189,7 +192,7 @@ void TrialPlayer::OnResponse(const v1::ClassifyContactResponse& response) {
 }
 
 absl::Status TrialPlayer::AwaitAnswer(uint64_t sequence) {
-  const auto limit = options_.timeouts.final_posterior;
+  const auto limit = options_.timeouts.final_answer;
   auto deadline = steady_clock::now() + limit;
   const auto is_answered = [&] { return last_answer_ >= sequence; };
   std::unique_lock lock(mutex_);

@@ -24,7 +24,7 @@
 
 #include "absl/status/status.h"
 #include "client/drivers/labelled_driver.h"
-#include "client/recording/posterior_check.h"
+#include "client/recording/answer_check.h"
 #include "client/recording/recorder.h"
 #include "client/stream/frame_encoder.h"
 #include "client/stream/resumable_stream.h"
@@ -59,7 +59,7 @@ class TrialPlayer {
     // True: frames leave at their capture times. False: each message leaves
     // as soon as the one before is answered.
     bool real_time = false;
-    // `final_posterior` also bounds the wait for the answer to a message.
+    // `final_answer` also bounds the wait for the answer to a message.
     StreamTimeouts timeouts = {};
     // How long a lost stream may take to go on (resumable_stream.h); 0: a loss
     // is an error.
@@ -71,7 +71,7 @@ class TrialPlayer {
     // If set, what the driver returns and what the server answers is recorded.
     Recorder* recorder = nullptr;
     // If set, gets the server's answers.
-    PosteriorCheck* check = nullptr;
+    AnswerCheck* check = nullptr;
   };
   struct Totals {
     uint64_t frames = 0;
@@ -107,7 +107,7 @@ class TrialPlayer {
   void BeginTrial(const SkinFrame& frame);
   absl::Status SendBatch();
   absl::Status EndTrial();
-  absl::StatusOr<TrialResult> Result(const v1::Posterior& posterior) const;
+  absl::StatusOr<TrialResult> Result(const v1::Answer& answer) const;
   void OnResponse(const v1::ClassifyContactResponse& response);
   // Waits for the answer to frame `sequence`, or the stream's end.
   absl::Status AwaitAnswer(uint64_t sequence);

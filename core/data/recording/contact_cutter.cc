@@ -20,13 +20,13 @@ static_assert(std::endian::native == std::endian::little,
 constexpr int64_t kBeforeNs = 1'000'000'000;
 
 double Rate(const v1::StreamConfig& config) {
-  return config.sample_rate_hz() == 0 ? 100 : config.sample_rate_hz();
+  return config.has_sample_rate_hz() ? config.sample_rate_hz() : 100;
 }
 
 ContactTracker::Options TrackerOptions(const v1::StreamConfig& config) {
   ContactTracker::Options options;
   options.sample_rate_hz = Rate(config);
-  if (config.release_after_ms() != 0) {
+  if (config.has_release_after_ms()) {
     options.release_after_s = config.release_after_ms() / 1e3;
   }
   return options;
@@ -50,7 +50,7 @@ ContactCutter::ContactCutter(std::string path, const v1::StreamConfig& config,
                              const SkinLayout& layout)
     : path_(std::move(path)),
       layout_(layout),
-      scale_(config.scale() == 0 ? 1 : config.scale()),
+      scale_(config.has_scale() ? config.scale() : 1),
       is_u16_(config.taxel_type() == v1::TAXEL_TYPE_UINT16),
       rate_hz_(Rate(config)),
       tracker_(layout, TrackerOptions(config)),

@@ -3,7 +3,7 @@
 // The schema of a protobuf message for an MCAP file: its FileDescriptorSet, so
 // that other programs decode the messages without our sources.
 //
-//   const McapSchema schema = MessageSchema(*v1::Posterior::descriptor());
+//   const McapSchema schema = MessageSchema(*v1::Answer::descriptor());
 //
 // Thread-safe: free functions without state.
 #pragma once

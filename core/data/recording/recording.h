@@ -74,7 +74,7 @@ struct RawFrame {
 // skin, its calibration and what it sent; ends of trials; and results.
 using RecordingEvent =
     std::variant<v1::StreamConfig, v1::StreamStarted, RecordedTrial,
-                 v1::FrameBatch, v1::EndOfTrial, v1::Posterior,
+                 v1::FrameBatch, v1::EndOfTrial, v1::Answer,
                  RecordedCalibration, RawFrame>;
 
 }  // namespace tactus

@@ -81,7 +81,7 @@ absl::Status RecordingReader::TakeMessage(RecordingEvent& event, bool* found) {
     TACTUS_RETURN_IF_ERROR(ParseEvent<v1::FrameBatch>(event));
     return CheckFrame(std::get<v1::FrameBatch>(event));
   }
-  if (topic == kResultTopic) return ParseEvent<v1::Posterior>(event);
+  if (topic == kResultTopic) return ParseEvent<v1::Answer>(event);
   if (topic == kEndOfTrialTopic) return ParseEvent<v1::EndOfTrial>(event);
   if (topic == kStartedTopic) return ParseEvent<v1::StreamStarted>(event);
   if (topic == kConfigTopic) {
@@ -163,11 +163,12 @@ absl::StatusOr<SkinLayout> RecordingReader::CheckConfig(
   if (!layout.ok()) return Invalid(layout.status().message());
   const double rate = config.sample_rate_hz();
   // Written so that NaN is refused.
-  if (rate != 0 &&
+  if (config.has_sample_rate_hz() &&
       !(rate >= limits::kMinSampleRateHz && rate <= limits::kMaxSampleRateHz)) {
     return Invalid(absl::StrCat("has the sample_rate_hz ", rate));
   }
-  if (!std::isfinite(config.scale()) || config.scale() < 0) {
+  if (config.has_scale() &&
+      !(std::isfinite(config.scale()) && config.scale() > 0)) {
     return Invalid(absl::StrCat("has the scale ", config.scale()));
   }
   if (config.release_after_ms() > limits::kMaxReleaseAfterMs) {

@@ -68,7 +68,7 @@ RecordingWriter::RecordingWriter(std::unique_ptr<McapWriter> file)
       configs_(AddTopic(kConfigTopic, config_schema_, *file_)),
       ends_(AddTopic<v1::EndOfTrial>(kEndOfTrialTopic, *file_)),
       started_(AddTopic<v1::StreamStarted>(kStartedTopic, *file_)),
-      results_(AddTopic<v1::Posterior>(kResultTopic, *file_)) {}
+      results_(AddTopic<v1::Answer>(kResultTopic, *file_)) {}
 
 absl::Status RecordingWriter::Write(const RecordingEvent& event) {
   const auto* frame = std::get_if<v1::FrameBatch>(&event);
@@ -112,7 +112,7 @@ absl::Status RecordingWriter::WriteNow(const RecordingEvent& event) {
   if (const auto* frame = std::get_if<v1::FrameBatch>(&event)) {
     return WriteFrame(*frame);
   }
-  if (const auto* result = std::get_if<v1::Posterior>(&event)) {
+  if (const auto* result = std::get_if<v1::Answer>(&event)) {
     return WriteMessage(results_, result->capture_time_ns(), *result);
   }
   if (const auto* trial = std::get_if<RecordedTrial>(&event)) {
@@ -150,7 +150,7 @@ absl::Status RecordingWriter::WriteCalibration(
 
 absl::Status RecordingWriter::WriteFrame(const v1::FrameBatch& frame) {
   TACTUS_RETURN_IF_ERROR(WriteMessage(frames_, time_ns_, frame));
-  const double scale = config_.scale() == 0 ? 1 : config_.scale();
+  const double scale = config_.has_scale() ? config_.scale() : 1;
   return file_->Write(images_,
                       static_cast<uint64_t>(std::max<int64_t>(time_ns_, 0)),
                       image_->Encode(frame, config_.taxel_type(), scale));

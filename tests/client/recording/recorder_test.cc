@@ -45,7 +45,7 @@ Counts CountEvents(const std::string& path) {
     if (!more.ok() || !*more) break;
     counts.frames += std::holds_alternative<v1::FrameBatch>(event);
     counts.raw += std::holds_alternative<RawFrame>(event);
-    counts.results += std::holds_alternative<v1::Posterior>(event);
+    counts.results += std::holds_alternative<v1::Answer>(event);
     counts.calibrations += std::holds_alternative<RecordedCalibration>(event);
   }
   EXPECT_EQ(reader->CutOff(), "");
@@ -72,7 +72,7 @@ TEST(RecorderThreadsTest, FramesAndResultsOfTwoThreadsAddUp) {
         recorder->BeginTrial({{"label", "HU"}});
         std::thread results([&] {
           for (uint64_t i = 1; i <= kFrames; ++i) {
-            v1::Posterior posterior;
+            v1::Answer posterior;
             posterior.set_sequence(i);
             recorder->Result(posterior);
           }
@@ -110,7 +110,7 @@ TEST(RecorderThreadsTest, ResultsMayComeWhileItEnds) {
   recorder->Frame(RecorderFrame(1));
   std::atomic<bool> stop = false;
   std::thread results([&] {
-    v1::Posterior posterior;
+    v1::Answer posterior;
     while (!stop) {
       posterior.set_sequence(posterior.sequence() + 1);
       recorder->Result(posterior);

@@ -22,10 +22,10 @@ void Ignore(const v1::ClassifyContactResponse&) {}
 
 TEST(ContactStreamTest, CarriesAContactFromStartToClose) {
   TestServer server;
-  std::vector<v1::Posterior> posteriors;
+  std::vector<v1::Answer> posteriors;
   auto stream = ContactStream::Open(
       server.channel(), GoodConfig(),
-      [&](const auto& r) { posteriors.push_back(r.posterior()); });
+      [&](const auto& r) { posteriors.push_back(r.answer()); });
   ASSERT_TRUE(stream.ok()) << stream.status();
   EXPECT_EQ((*stream)->started().class_names_size(), 4);
   ASSERT_TRUE((*stream)->Send(DenseU16(1, {Touch(1), Touch(2)})).ok());
@@ -71,18 +71,19 @@ TEST(ContactStreamTest, EndTrialReturnsTheFinalPosteriorOfEachTrial) {
   int finals = 0;
   auto stream = *ContactStream::Open(
       server.channel(), GoodConfig(),
-      [&](const auto& r) { finals += r.posterior().is_final(); });
+      [&](const auto& r) { finals += r.answer().is_final(); });
   ASSERT_TRUE(stream->Send(DenseU16(1, {Touch(1), Touch(2)})).ok());
   const auto first = stream->EndTrial();
   ASSERT_TRUE(first.ok()) << first.status();
   EXPECT_TRUE(first->is_final());
   EXPECT_EQ(first->sequence(), 2u);
-  EXPECT_EQ(first->contact_state(), v1::CONTACT_STATE_IN_CONTACT);
+  ASSERT_EQ(first->contacts_size(), 1);
+  EXPECT_EQ(first->contacts(0).state(), v1::Contact::STATE_TOUCHING);
   ASSERT_TRUE(stream->Send(DenseU16(3, {testing::Untouched()})).ok());
   const auto second = stream->EndTrial();
   ASSERT_TRUE(second.ok()) << second.status();
   EXPECT_EQ(second->sequence(), 3u);
-  EXPECT_EQ(second->contact_state(), v1::CONTACT_STATE_NO_CONTACT);
+  EXPECT_EQ(second->contacts_size(), 0);
   EXPECT_EQ(finals, 2);
   EXPECT_TRUE(stream->Close().ok());
 }
@@ -111,7 +112,7 @@ TEST(ContactStreamTest, ARobotGivesItsOwnGeometry) {
   }
   ASSERT_TRUE(stream->Send(encoder.request()).ok());
   // Below the onset's threshold.
-  EXPECT_EQ(stream->EndTrial()->contact_state(), v1::CONTACT_STATE_NO_CONTACT);
+  EXPECT_EQ(stream->EndTrial()->contacts_size(), 0);
 
   // No preset at all.
   info.layout.name = "my-palm";

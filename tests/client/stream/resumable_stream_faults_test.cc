@@ -40,16 +40,16 @@ class Answers {
   ContactStream::OnResponse Callback() {
     return [this](const auto& response) {
       const std::lock_guard lock(mutex_);
-      posteriors_.push_back(response.posterior());
+      posteriors_.push_back(response.answer());
     };
   }
-  std::vector<v1::Posterior> posteriors() {
+  std::vector<v1::Answer> posteriors() {
     const std::lock_guard lock(mutex_);
     return posteriors_;
   }
   std::vector<uint64_t> sequences() {
     std::vector<uint64_t> sequences;
-    for (const v1::Posterior& posterior : posteriors()) {
+    for (const v1::Answer& posterior : posteriors()) {
       sequences.push_back(posterior.sequence());
     }
     return sequences;
@@ -65,7 +65,7 @@ class Answers {
 
  private:
   std::mutex mutex_;
-  std::vector<v1::Posterior> posteriors_;
+  std::vector<v1::Answer> posteriors_;
 };
 
 // A script whose calls differ: `calls[i]` serves the i-th, and the last one all
@@ -115,10 +115,10 @@ ScriptedCalls::Call Answering(int frames, bool with_finals = true) {
     for (int i = 0; i < frames && stream->Read(&request); ++i) {
       if (request.has_frames()) {
         sequence = request.frames().first_sequence();
-        stream->Write(testing::GoodPosterior(sequence));
+        stream->Write(testing::GoodAnswer(sequence));
       } else if (with_finals) {
-        auto response = testing::GoodPosterior(sequence);
-        response.mutable_posterior()->set_is_final(true);
+        auto response = testing::GoodAnswer(sequence);
+        response.mutable_answer()->set_is_final(true);
         stream->Write(response);
       }
     }
@@ -164,7 +164,7 @@ TEST(ResumableStreamFaultsTest, KilledWhileTheFirstFrameIsOnItsWay) {
     ASSERT_TRUE(answers.Await(1));
     const auto answer = stream->EndTrial();
     ASSERT_TRUE(answer.ok()) << answer.status();
-    EXPECT_EQ(answer->contact_id(), 1u);
+    EXPECT_EQ(answer->contacts(0).id(), 1u);
     EXPECT_TRUE(stream->Close().ok());
     EXPECT_EQ(answers.sequences(), (std::vector<uint64_t>{1, 1}));
     EXPECT_EQ(stream->statistics().resumed, 1u);
@@ -283,7 +283,7 @@ TEST(ResumableStreamFaultsTest, AFinalThatDoesNotComeIsAskedForAgain) {
       {Answering(1'000, /*with_finals=*/false), Answering(1'000)});
   Answers answers;
   ResumeOptions options;
-  options.timeouts.final_posterior = milliseconds(200);
+  options.timeouts.final_answer = milliseconds(200);
   auto stream = *ResumableStream::Open(MakeChannel(server.address()), NoPoses(),
                                        answers.Callback(), options);
   ASSERT_TRUE(stream->Send(DenseU16(1, {Touch(1)})).ok());
@@ -351,7 +351,7 @@ TEST(ResumableStreamFaultsTest, AnIdleStreamIsResumedByTheNextFrame) {
   ASSERT_TRUE(stream->Send(DenseU16(2, {Touch(1)})).ok());
   const auto answer = stream->EndTrial();
   ASSERT_TRUE(answer.ok()) << answer.status();
-  EXPECT_EQ(answer->onset_sequence(), 1u);
+  EXPECT_EQ(answer->contacts(0).onset_sequence(), 1u);
   EXPECT_GE(stream->statistics().resumed, 1u);
   EXPECT_TRUE(stream->Close().ok());
 }
@@ -390,15 +390,16 @@ TEST(ResumableStreamFaultsTest, ALostBeginningIsReported) {
     ASSERT_TRUE(stream->Send(DenseU16(++sequence, {Touch(1)})).ok());
     ASSERT_TRUE(answers.Await(sequence));
   }
-  EXPECT_EQ(answers.posteriors().back().contact_id(), 1u);
+  EXPECT_EQ(answers.posteriors().back().contacts(0).id(), 1u);
   server.Restart();
   ASSERT_TRUE(stream->Send(DenseU16(++sequence, {Touch(1)})).ok());
   ASSERT_TRUE(answers.Await(sequence));
-  const v1::Posterior next = answers.posteriors().back();
+  const v1::Answer next = answers.posteriors().back();
   EXPECT_EQ(next.sequence(), kFrames + 1);
-  EXPECT_EQ(next.contact_state(), v1::CONTACT_STATE_IN_CONTACT);
-  EXPECT_EQ(next.contact_id(), 2u);
-  EXPECT_GT(next.onset_sequence(), 1u);
+  ASSERT_EQ(next.contacts_size(), 1);
+  EXPECT_EQ(next.contacts(0).state(), v1::Contact::STATE_TOUCHING);
+  EXPECT_EQ(next.contacts(0).id(), 2u);
+  EXPECT_GT(next.contacts(0).onset_sequence(), 1u);
   EXPECT_EQ(stream->statistics().without_beginning, 1u);
   EXPECT_TRUE(stream->Close().ok());
   EXPECT_EQ(answers.posteriors().size(), kFrames + 2);

@@ -40,8 +40,8 @@ const Recording& Touches() {
   static const auto* const recording = [] {
     auto* made = new Recording;
     made->config = testing::ConfigRequest(testing::kModelWithoutPoses).config();
-    made->config.clear_release_after_ms();
-    made->config.set_with_features(true);
+    made->config.clear_never_release();
+    made->config.set_with_diagnostics(true);
     uint64_t sequence = 0;
     for (int trial = 0; trial < 2; ++trial) {
       for (int contact = 0; contact < 2; ++contact) {
@@ -85,11 +85,11 @@ const Recording& SimulatedContacts() {
   return *recording;
 }
 
-std::string SameBits(v1::Posterior posterior) {
-  posterior.clear_server_compute_ns();
-  posterior.clear_queue_ns();
-  posterior.clear_superseded();
-  return posterior.SerializeAsString();
+std::string SameBits(v1::Answer answer) {
+  answer.mutable_diagnostics()->clear_server_compute_ns();
+  answer.mutable_diagnostics()->clear_queue_ns();
+  answer.clear_superseded();
+  return answer.SerializeAsString();
 }
 
 // A robot that waits for the answer to each frame. An impatient one does not
@@ -114,26 +114,24 @@ class Robot {
         TACTUS_RETURN_IF_ERROR(stream_->Send(request));
         Await(request.frames().first_sequence());
       } else {
-        TACTUS_ASSIGN_OR_RETURN(const v1::Posterior final_posterior,
+        TACTUS_ASSIGN_OR_RETURN(const v1::Answer final_answer,
                                 stream_->EndTrial());
-        EXPECT_TRUE(final_posterior.is_final());
+        EXPECT_TRUE(final_answer.is_final());
       }
     }
     return stream_->Close();
   }
 
   // Interim posteriors by sequence number, and finals.
-  const std::map<uint64_t, v1::Posterior>& interims() const {
-    return interims_;
-  }
-  const std::vector<v1::Posterior>& finals() const { return finals_; }
+  const std::map<uint64_t, v1::Answer>& interims() const { return interims_; }
+  const std::vector<v1::Answer>& finals() const { return finals_; }
   ResumableStream& stream() { return *stream_; }
   void set_patient(bool patient) { patient_ = patient; }
 
  private:
   void OnResponse(const v1::ClassifyContactResponse& response) {
-    if (!response.has_posterior()) return;
-    const v1::Posterior& posterior = response.posterior();
+    if (!response.has_answer()) return;
+    const v1::Answer& posterior = response.answer();
     const std::lock_guard lock(mutex_);
     if (posterior.is_final()) {
       finals_.push_back(posterior);
@@ -158,8 +156,8 @@ class Robot {
   std::mutex mutex_;
   std::condition_variable answered_;
   uint64_t last_ = 0;
-  std::map<uint64_t, v1::Posterior> interims_;
-  std::vector<v1::Posterior> finals_;
+  std::map<uint64_t, v1::Answer> interims_;
+  std::vector<v1::Answer> finals_;
   std::unique_ptr<ResumableStream> stream_;
 };
 
@@ -219,8 +217,9 @@ uint64_t ExpectResumed(const Events& events,
 void Restart(RestartedServer& server, Robot&) { server.Restart(); }
 
 TEST(ResumableStreamTest, AServerIsKilledInMidContact) {
-  ASSERT_EQ(Undisturbed(Touches()).interims().at(30).contact_state(),
-            v1::CONTACT_STATE_IN_CONTACT);
+  const v1::Answer answer = Undisturbed(Touches()).interims().at(30);
+  ASSERT_EQ(answer.contacts_size(), 1);
+  ASSERT_EQ(answer.contacts(0).state(), v1::Contact::STATE_TOUCHING);
   EXPECT_EQ(ExpectResumed({{30, Restart}}), 1u);
 }
 
@@ -233,8 +232,7 @@ TEST(ResumableStreamTest, BeforeTheFirstAnswer) {
 }
 
 TEST(ResumableStreamTest, BetweenContactsOfATrial) {
-  ASSERT_EQ(Undisturbed(Touches()).interims().at(120).contact_state(),
-            v1::CONTACT_STATE_RELEASED);
+  ASSERT_EQ(Undisturbed(Touches()).interims().at(120).contacts_size(), 0);
   // In the pause after each contact.
   EXPECT_EQ(ExpectResumed({{120, Restart}, {258, Restart}}), 2u);
 }

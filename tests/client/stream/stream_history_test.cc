@@ -1,5 +1,5 @@
 // StreamHistory against StreamSession: a robot whose stream is lost at any
-// place gets the posteriors of one stream, bit for bit.
+// place gets the answers of one stream, bit for bit.
 #include "client/stream/stream_history.h"
 
 #include <memory>
@@ -51,10 +51,10 @@ const OneModel& Models() {
 }
 
 v1::StreamConfig SmallConfig(bool with_poses, bool light_touch,
-                             double rate_hz = 100) {
+                             double rate_hz = 100, int columns = 6) {
   SkinLayout layout = *LayoutPreset("cody-forearm");
   layout.rows = 4;
-  layout.columns = 6;
+  layout.columns = columns;
   layout.name = "small";
   if (light_touch) {
     layout.light_touch = LightTouch{.window_s = 0.05,
@@ -71,12 +71,35 @@ v1::StreamConfig SmallConfig(bool with_poses, bool light_touch,
   config.set_with_poses(with_poses);
   if (rate_hz == 1000) config.set_model("models/fast");
   config.set_release_after_ms(rate_hz == 1000 ? 6 : 60);
-  config.set_with_features(true);
+  config.set_with_taxels(true);
+  config.set_with_diagnostics(true);
   return config;
 }
 
-// What a robot sends: trials of touches and pauses of any length, with lost
-// frames, in messages of up to `batch` frames.
+// One object: touches and pauses of any length.
+class Toucher {
+ public:
+  // The load in the next frame; 0 in a pause.
+  double Next(double rate_hz, Random& random) {
+    if (left_-- <= 0) {
+      touched_ = !touched_;
+      // Pauses longer and shorter than the 0.2 s before an onset.
+      const int longest = rate_hz == 1000 ? 400 : 60;
+      left_ = static_cast<int>(random.Index(touched_ ? 40 : longest));
+      newton_ = 0;
+    }
+    newton_ += random.Uniform(0, 0.2);
+    return touched_ ? newton_ : 0;
+  }
+
+ private:
+  int left_ = 0;
+  bool touched_ = false;
+  double newton_ = 0;
+};
+
+// What a robot sends: trials of touches, with lost frames, in messages of up to
+// `batch` frames. A wide skin is touched by two objects.
 std::vector<v1::ClassifyContactRequest> Script(const v1::StreamConfig& config,
                                                int trials, int frames,
                                                uint32_t batch, uint64_t seed) {
@@ -86,19 +109,14 @@ std::vector<v1::ClassifyContactRequest> Script(const v1::StreamConfig& config,
   double way = 0;
   const auto period_ns = static_cast<int64_t>(1e9 / config.sample_rate_hz());
   for (int trial = 0; trial < trials; ++trial) {
-    int left = 0;
-    bool touched = false;
-    double newton = 0;
+    Toucher left;
+    Toucher right;
+    const auto columns = static_cast<int>(config.geometry().columns());
     v1::FrameBatch* open = nullptr;
     for (int t = 0; t < frames; ++t) {
-      if (left-- <= 0) {
-        touched = !touched;
-        // Pauses longer and shorter than the 0.2 s before an onset.
-        const int longest = config.sample_rate_hz() == 1000 ? 400 : 60;
-        left = static_cast<int>(random.Index(touched ? 40 : longest));
-        newton = 0;
-      }
-      newton += random.Uniform(0, 0.2);
+      const double on_left = left.Next(config.sample_rate_hz(), random);
+      const double on_right =
+          columns < 12 ? 0 : right.Next(config.sample_rate_hz(), random);
       ++sequence;
       const bool lost = random.Index(25) == 0;
       if (lost) sequence += 1 + random.Index(random.Index(5) == 0 ? 300 : 5);
@@ -111,9 +129,11 @@ std::vector<v1::ClassifyContactRequest> Script(const v1::StreamConfig& config,
             static_cast<int64_t>(random.Index(period_ns / 10)));
       }
       open->set_frame_count(open->frame_count() + 1);
-      for (int taxel = 0; taxel < 24; ++taxel) {
+      for (int taxel = 0; taxel < 4 * columns; ++taxel) {
         double value = random.Uniform(0, 0.01);
-        if (touched && taxel % 6 < 3) value += newton * random.Uniform();
+        const int column = taxel % columns;
+        if (column < 3) value += on_left * random.Uniform();
+        if (column >= 7 && column < 10) value += on_right * random.Uniform();
         const auto count = static_cast<uint16_t>(value / testing::kStep);
         open->mutable_taxels()->append(reinterpret_cast<const char*>(&count),
                                        sizeof(count));
@@ -160,25 +180,25 @@ class ServerEnd {
   v1::StreamStarted started_;
 };
 
-std::string Bits(v1::Posterior posterior) {
-  posterior.clear_server_compute_ns();
-  posterior.clear_queue_ns();
-  return posterior.SerializeAsString();
+std::string Bits(v1::Answer answer) {
+  answer.mutable_diagnostics()->clear_server_compute_ns();
+  answer.mutable_diagnostics()->clear_queue_ns();
+  return answer.SerializeAsString();
 }
 
-std::vector<v1::Posterior> Uninterrupted(
+std::vector<v1::Answer> Uninterrupted(
     const v1::StreamConfig& config,
     const std::vector<v1::ClassifyContactRequest>& script) {
   ServerEnd server(config);
-  std::vector<v1::Posterior> posteriors;
+  std::vector<v1::Answer> answers;
   for (const v1::ClassifyContactRequest& request : script) {
     server.Send(request);
     while (const auto* response = server.Next()) {
-      posteriors.push_back(response->posterior());
+      answers.push_back(response->answer());
       server.Taken();
     }
   }
-  return posteriors;
+  return answers;
 }
 
 // A robot whose stream is lost again and again.
@@ -217,7 +237,7 @@ class LossyRobot {
     }
   }
 
-  const std::vector<v1::Posterior>& posteriors() const { return posteriors_; }
+  const std::vector<v1::Answer>& answers() const { return answers_; }
   StreamHistory& history() { return history_; }
   int losses() const { return losses_; }
   int inexact() const { return inexact_; }
@@ -234,7 +254,7 @@ class LossyRobot {
       const auto* response = server_->Next();
       if (response == nullptr) break;
       const auto* shown = history_.Take(*response);
-      if (shown != nullptr) posteriors_.push_back(shown->posterior());
+      if (shown != nullptr) answers_.push_back(shown->answer());
       server_->Taken();
     }
     if (!lost) return true;
@@ -247,7 +267,7 @@ class LossyRobot {
     server_->session().Finish(absl::UnavailableError(""));
     while (const auto* response = server_->Next()) {
       const auto* shown = history_.Take(*response);
-      if (shown != nullptr) posteriors_.push_back(shown->posterior());
+      if (shown != nullptr) answers_.push_back(shown->answer());
       server_->Taken();
     }
   }
@@ -279,19 +299,19 @@ class LossyRobot {
   const int losses_in_;
   std::unique_ptr<ServerEnd> server_;
   StreamHistory history_;
-  std::vector<v1::Posterior> posteriors_;
+  std::vector<v1::Answer> answers_;
   int losses_ = 0;
   int inexact_ = 0;
   size_t most_bytes_ = 0;
 };
 
-void ExpectEqual(const std::vector<v1::Posterior>& got,
-                 const std::vector<v1::Posterior>& want) {
+void ExpectEqual(const std::vector<v1::Answer>& got,
+                 const std::vector<v1::Answer>& want) {
   ASSERT_EQ(got.size(), want.size());
   for (size_t i = 0; i < want.size(); ++i) {
     ASSERT_EQ(Bits(got[i]), Bits(want[i]))
-        << "posterior " << i << "\n got " << got[i].ShortDebugString()
-        << "\nwant " << want[i].ShortDebugString();
+        << "answer " << i << "\n got " << got[i].ShortDebugString() << "\nwant "
+        << want[i].ShortDebugString();
   }
 }
 
@@ -302,6 +322,7 @@ struct Case {
   bool light_touch;
   double rate_hz;
   uint32_t batch;
+  int columns = 6;
 };
 
 TEST(StreamHistoryTest, LostStreamsGoOnBitForBit) {
@@ -312,29 +333,39 @@ TEST(StreamHistoryTest, LostStreamsGoOnBitForBit) {
       {v1::RESULT_CADENCE_EVERY_FRAME, 0, true, true, 100, 1},
       {v1::RESULT_CADENCE_EVERY_N_FRAMES, 7, true, false, 100, 2},
       {v1::RESULT_CADENCE_ON_CHANGE, 0, true, false, 100, 1},
-      {v1::RESULT_CADENCE_ON_DECISION, 0, true, false, 100, 4},
+      {v1::RESULT_CADENCE_EVENTS, 0, true, false, 100, 4},
+      {v1::RESULT_CADENCE_EVERY_FRAME, 0, true, false, 100, 1, 14},
+      {v1::RESULT_CADENCE_EVENTS, 0, false, false, 100, 3, 14},
+      {v1::RESULT_CADENCE_EVERY_FRAME, 0, false, true, 100, 1, 14},
   };
   int losses = 0;
+  // Answers with two contacts.
+  int both_touch = 0;
   for (const Case& c : cases) {
     v1::StreamConfig config =
-        SmallConfig(c.with_poses, c.light_touch, c.rate_hz);
+        SmallConfig(c.with_poses, c.light_touch, c.rate_hz, c.columns);
     config.set_cadence(c.cadence);
     config.set_result_interval_frames(c.interval);
     for (uint64_t seed = 1; seed <= 5; ++seed) {
       SCOPED_TRACE(absl::StrCat("cadence ", c.cadence, " poses ", c.with_poses,
-                                " light touch ", c.light_touch, " seed ",
-                                seed));
+                                " light touch ", c.light_touch, " columns ",
+                                c.columns, " seed ", seed));
       const int frames = c.rate_hz == 1000 ? 1000 : 400;
       const auto script = Script(config, 3, frames, c.batch, seed);
       LossyRobot robot(config, seed, 60);
       robot.Run(script);
-      ExpectEqual(robot.posteriors(), Uninterrupted(config, script));
+      const std::vector<v1::Answer> want = Uninterrupted(config, script);
+      ExpectEqual(robot.answers(), want);
+      for (const v1::Answer& answer : want) {
+        both_touch += answer.contacts_size() > 1;
+      }
       EXPECT_EQ(robot.inexact(), 0);
       losses += robot.losses();
       if (HasFatalFailure()) return;
     }
   }
   EXPECT_GT(losses, 150);
+  EXPECT_GT(both_touch, 500);
 }
 
 // Plays `frames` frames without a touch, or with one touch that never ends.

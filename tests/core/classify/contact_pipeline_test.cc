@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/base/errors.h"
 #include "core/skin/geometry.h"
@@ -25,13 +26,15 @@ class ContactPipelineTest : public ::testing::Test {
     return *ContactPipeline::Create(layout_, model_, options);
   }
 
-  // A 2 x 2 region of `force` at the seam; none for 0.
-  const ContactReport& Step(ContactPipeline& pipeline, float force) {
+  // A 2 x 2 region of `force` at the seam; none for 0. Returns the contact,
+  // null if there is none.
+  const ContactReport* Step(ContactPipeline& pipeline, float force) {
     std::fill(taxels_.begin(), taxels_.end(), 0.0F);
     for (int row : {5, 6}) {
       for (int column : {0, 23}) taxels_[row * 24 + column] = force;
     }
-    return pipeline.Step({.taxels = taxels_});
+    const auto contacts = pipeline.Step({.taxels = taxels_});
+    return contacts.empty() ? nullptr : &contacts[0];
   }
 
   SkinLayout layout_;
@@ -41,32 +44,36 @@ class ContactPipelineTest : public ::testing::Test {
 
 TEST_F(ContactPipelineTest, ReportsOneContactAfterAnother) {
   auto pipeline = Make();
-  EXPECT_EQ(Step(*pipeline, 0).state, ContactState::kNoContact);
-  EXPECT_EQ(pipeline->report().contact_id, 0u);
-  EXPECT_TRUE(Step(*pipeline, 1).onset);
-  EXPECT_EQ(pipeline->report().contact_id, 1u);
-  EXPECT_EQ(pipeline->report().features.area_taxels, 4);
-  for (int t = 0; t < 20; ++t) Step(*pipeline, 1);
-  EXPECT_EQ(pipeline->classifier().frames(), 21u);
+  EXPECT_EQ(Step(*pipeline, 0), nullptr);
+  EXPECT_EQ(pipeline->main_contact(), nullptr);
+  const ContactReport* contact = Step(*pipeline, 1);
+  EXPECT_TRUE(contact->onset);
+  EXPECT_EQ(contact->id, 1u);
+  EXPECT_EQ(contact->features->area_taxels, 4);
+  for (int t = 0; t < 20; ++t) contact = Step(*pipeline, 1);
+  EXPECT_EQ(contact->classifier->frames(), 21u);
   int quiet = 0;
-  while (!Step(*pipeline, 0).released) ASSERT_LT(++quiet, 20);
-  EXPECT_EQ(pipeline->report().state, ContactState::kReleased);
+  while (!Step(*pipeline, 0)->released()) ASSERT_LT(++quiet, 20);
   // The scores of the contact that ended stay readable.
-  EXPECT_GT(pipeline->classifier().frames(), 20u);
-  EXPECT_TRUE(Step(*pipeline, 1).onset);
-  EXPECT_EQ(pipeline->report().contact_id, 2u);
-  EXPECT_EQ(pipeline->classifier().frames(), 1u);
+  EXPECT_EQ(Step(*pipeline, 0), nullptr);
+  EXPECT_TRUE(pipeline->main_contact()->released());
+  EXPECT_GT(pipeline->main_contact()->classifier->frames(), 20u);
+  contact = Step(*pipeline, 1);
+  EXPECT_TRUE(contact->onset);
+  EXPECT_EQ(contact->id, 2u);
+  EXPECT_EQ(contact->classifier->frames(), 1u);
 }
 
 TEST_F(ContactPipelineTest, ScoresRestWhileTouchIsLost) {
   auto pipeline = Make();
   for (int t = 0; t < 10; ++t) Step(*pipeline, 1);
-  const auto scores = pipeline->classifier().log_likelihood();
+  const auto scores = pipeline->contacts()[0].classifier->log_likelihood();
   const std::vector<double> before(scores.begin(), scores.end());
-  Step(*pipeline, 0);
-  EXPECT_EQ(pipeline->report().state, ContactState::kInContact);
+  const ContactReport* contact = Step(*pipeline, 0);
+  EXPECT_EQ(contact->phase, TouchPhase::kInContact);
+  EXPECT_FALSE(contact->features->touched);
   EXPECT_EQ(std::vector<double>(scores.begin(), scores.end()), before);
-  EXPECT_EQ(pipeline->classifier().frames(), 11u);
+  EXPECT_EQ(contact->classifier->frames(), 11u);
   Step(*pipeline, 1);
   EXPECT_NE(std::vector<double>(scores.begin(), scores.end()), before);
 }
@@ -75,17 +82,57 @@ TEST_F(ContactPipelineTest, EndTrialResetsTheContactButNotTheCount) {
   auto pipeline = Make();
   Step(*pipeline, 1);
   pipeline->EndTrial();
-  EXPECT_EQ(pipeline->report().state, ContactState::kNoContact);
-  EXPECT_EQ(pipeline->classifier().frames(), 0u);
-  EXPECT_TRUE(Step(*pipeline, 1).onset);
-  EXPECT_EQ(pipeline->report().contact_id, 2u);
+  EXPECT_TRUE(pipeline->contacts().empty());
+  EXPECT_EQ(pipeline->main_contact(), nullptr);
+  const ContactReport* contact = Step(*pipeline, 1);
+  EXPECT_TRUE(contact->onset);
+  EXPECT_EQ(contact->id, 2u);
 }
 
-TEST_F(ContactPipelineTest, ReportsTheDecisionOnItsFrameOnly) {
-  auto pipeline = Make();
-  int decided = 0;
-  for (int t = 0; t < 200; ++t) decided += Step(*pipeline, 2.7F).decided;
-  EXPECT_EQ(decided, 1);
+// Two contacts have the scores that each has alone.
+TEST_F(ContactPipelineTest, ContactsDoNotChangeEachOthersScores) {
+  const auto touch = [&](int row, int column, float force) {
+    for (int i : {0, 1}) taxels_[(row + i) * 24 + column] = force;
+  };
+  const auto run = [&](bool first, bool second) {
+    auto pipeline = Make();
+    std::map<int, std::vector<double>> scores;
+    for (int t = 0; t < 60; ++t) {
+      std::fill(taxels_.begin(), taxels_.end(), 0.0F);
+      if (first) touch(2, 3, 1 + 0.01F * static_cast<float>(t));
+      // It is a contact once it has been there for two frames.
+      if (second && t >= 10) touch(12, 15, 2 + 0.02F * static_cast<float>(t));
+      for (const ContactReport& contact : pipeline->Step({.taxels = taxels_})) {
+        const auto score = contact.classifier->log_likelihood();
+        scores[static_cast<int>(contact.features->centroid.row)] = {
+            score.begin(), score.end()};
+      }
+    }
+    return scores;
+  };
+  const auto both = run(true, true);
+  ASSERT_EQ(both.size(), 2u);
+  EXPECT_EQ(both.at(2), run(true, false).at(2));
+  // Alone it begins a frame earlier.
+  EXPECT_NE(both.at(12), run(false, true).at(12));
+}
+
+TEST_F(ContactPipelineTest, AModelThatSeesTheWholeSkinHasOneContact) {
+  EXPECT_EQ(Make()->max_contacts(), limits::kMaxContacts);
+  Model model = testing::SmallModel();
+  model.inputs.hmm[0].cue = NamedCue("row_load_1");
+  model_ = *CompiledModel::Create(std::move(model));
+  EXPECT_EQ(Make()->max_contacts(), 1);
+}
+
+TEST_F(ContactPipelineTest, ContactsThatNeverEndAreOne) {
+  ContactPipeline::Options options;
+  options.release_after_s = -1;
+  EXPECT_EQ(
+      (*ContactPipeline::Create(layout_, model_, options))->max_contacts(), 1);
+  options.max_contacts = 3;
+  EXPECT_EQ(
+      (*ContactPipeline::Create(layout_, model_, options))->max_contacts(), 3);
 }
 
 TEST_F(ContactPipelineTest, RefusesAnotherSkinOrRate) {
@@ -163,14 +210,14 @@ TEST_F(ContactPipelineTest, PosesAreDemandedOrIgnoredAsTheModelWasTrained) {
     ignored->Step({.taxels = taxels_, .pose = &pose});
     used->Step({.taxels = taxels_, .pose = &pose});
   }
-  EXPECT_EQ(ignored->report().features.motion_m, 0);
-  EXPECT_GT(used->report().features.motion_m, 0.02);
+  EXPECT_EQ(ignored->contacts()[0].features->motion_m, 0);
+  EXPECT_GT(used->contacts()[0].features->motion_m, 0.02);
 }
 
 TEST_F(ContactPipelineTest, MeasuresTheSpreadIfTheModelTakesIt) {
   auto without = Make();
   Step(*without, 1);
-  EXPECT_EQ(without->report().features.spread, LoadSpread());
+  EXPECT_EQ(without->contacts()[0].features->spread, LoadSpread());
   Model model = testing::SmallModel();
   model.inputs.hmm[0] = {NamedCue("log_column_spread"), 0, -4};
   EXPECT_TRUE(NeedsSkin(model.inputs));
@@ -178,7 +225,7 @@ TEST_F(ContactPipelineTest, MeasuresTheSpreadIfTheModelTakesIt) {
   auto with = Make();
   Step(*with, 1);
   // Two columns of the same load.
-  EXPECT_NEAR(std::sqrt(with->report().features.spread.columns),
+  EXPECT_NEAR(std::sqrt(with->contacts()[0].features->spread.columns),
               layout_.column_pitch_m / 2, 1e-7);
   testing::AllocationCounter counter;
   for (int t = 0; t < 100; ++t) Step(*with, 1);

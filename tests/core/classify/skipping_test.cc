@@ -16,22 +16,25 @@ void Append(std::span<const double> values, Numbers& out) {
   out.insert(out.end(), values.begin(), values.end());
 }
 
-// The answers that follow from the frame and from the HMMs.
+// The answers that follow from the frame and from the HMMs; the number of
+// contacts if there is none.
 Numbers HmmAnswers(const ContactPipeline& pipeline) {
-  const ContactReport& r = pipeline.report();
-  const ContactClassifier& c = pipeline.classifier();
-  Numbers out = {static_cast<double>(r.state),
-                 static_cast<double>(r.contact_id),
+  Numbers count = {static_cast<double>(pipeline.contacts().size())};
+  if (pipeline.main_contact() == nullptr) return count;
+  const ContactReport& r = *pipeline.main_contact();
+  const ContactClassifier& c = *r.classifier;
+  Numbers out = {count[0],
+                 static_cast<double>(r.phase),
+                 static_cast<double>(r.id),
                  static_cast<double>(r.onset),
-                 static_cast<double>(r.released),
-                 static_cast<double>(r.features.touched),
-                 r.features.max_force,
-                 r.features.net_force,
-                 r.features.area_m2,
-                 r.features.motion_m,
-                 r.features.centroid.row,
-                 r.features.centroid.column,
-                 static_cast<double>(r.features.region_count),
+                 static_cast<double>(r.features->touched),
+                 r.features->max_force,
+                 r.features->net_force,
+                 r.features->area_m2,
+                 r.features->motion_m,
+                 r.features->centroid.row,
+                 r.features->centroid.column,
+                 static_cast<double>(r.features->region_count),
                  static_cast<double>(c.frames()),
                  static_cast<double>(c.hmm_steps())};
   Append(c.log_likelihood(), out);
@@ -41,14 +44,19 @@ Numbers HmmAnswers(const ContactPipeline& pipeline) {
 
 // All answers that a stream may send.
 Numbers AllAnswers(const ContactPipeline& pipeline) {
-  const ContactClassifier& c = pipeline.classifier();
   Numbers out = HmmAnswers(pipeline);
+  if (pipeline.main_contact() == nullptr) return out;
+  const ContactClassifier& c = *pipeline.main_contact()->classifier;
   Append(c.probability(), out);
   Append(c.lstm_probability(), out);
   Append(c.lstm_score(), out);
   out.insert(out.end(),
-             {static_cast<double>(pipeline.report().decided), c.stability(),
-              static_cast<double>(c.best_class()), c.unknown()});
+             {c.stability(), static_cast<double>(c.best_class()), c.unknown()});
+  for (const QuestionDecision& decision : c.decisions()) {
+    out.insert(out.end(), {static_cast<double>(decision.value),
+                           static_cast<double>(decision.frame),
+                           static_cast<double>(decision.changed_frame)});
+  }
   if (c.decision()) {
     out.push_back(static_cast<double>(c.decision()->class_index));
     out.push_back(static_cast<double>(c.decision()->frame));
@@ -194,49 +202,6 @@ TEST_F(SkippingTest, UnchangedScoresOfAHeldCalibration) {
   model.calibration.held = true;
   model_ = *CompiledModel::Create(model);
   ExpectExact(SkipRule::kUnchangedScores);
-}
-
-// The decision, all answers before it, and all scores of the HMMs are exact.
-TEST_F(SkippingTest, LstmsAfterDecision) {
-  const SkipRule rule = SkipRule::kLstmsAfterDecision;
-  EXPECT_EQ(Run({}).skipped[rule], 0u);
-  options_.decision.decisions_only = true;
-  const Trace on = Run({});
-  const Trace off = RunWithout(rule);
-  EXPECT_GT(on.skipped[rule], 100u);
-  EXPECT_EQ(off.skipped[rule], 0u);
-  EXPECT_TRUE(on.hmm == off.hmm);
-  EXPECT_FALSE(on.all == off.all);
-  options_.decision.decisions_only = false;
-  EXPECT_TRUE(Run({}).all == off.all);
-}
-
-TEST_F(SkippingTest, ADecisionIsTheSameHoweverTheLstmsRestAfterIt) {
-  for (const bool decisions_only : {false, true}) {
-    ContactClassifier::Options options = options_.decision;
-    ContactClassifier every(model_, options);
-    options.decisions_only = decisions_only;
-    ContactClassifier resting(model_, options);
-    Random random(2);
-    for (int t = 0; t < 400; ++t) {
-      const double force = random.Uniform(1, 3);
-      const bool decided = every.decision().has_value();
-      for (ContactClassifier* c : {&every, &resting}) {
-        c->Step({{force, 1e-3, 0.01}, force}, 0);
-      }
-      if (!decided) {
-        EXPECT_TRUE(
-            std::ranges::equal(every.probability(), resting.probability()));
-      }
-      ASSERT_EQ(every.decision().has_value(), resting.decision().has_value());
-      if (every.decision()) {
-        EXPECT_EQ(every.decision()->frame, resting.decision()->frame);
-        EXPECT_EQ(every.decision()->class_index,
-                  resting.decision()->class_index);
-      }
-    }
-    EXPECT_TRUE(every.decision());
-  }
 }
 
 // Steps that StepSavings leave out, on 400 random frames of one contact.

@@ -227,12 +227,13 @@ TEST_F(SkinStressTest, SingleFrameContacts) {
   for (int t = 0; t < 2000; ++t) {
     taxels[t % taxels.size()] = t % 2 == 0 ? 3.0F : 0.0F;
     if (t % 2 != 0) std::ranges::fill(taxels, 0.0F);
-    pipeline->Step({.taxels = taxels});
-    ASSERT_NO_FATAL_FAILURE(ExpectSound(pipeline->classifier()));
-    EXPECT_EQ(pipeline->report().onset, t % 2 == 0);
-    EXPECT_EQ(pipeline->report().released, t % 2 != 0);
+    const auto contacts = pipeline->Step({.taxels = taxels});
+    ASSERT_EQ(contacts.size(), 1u);
+    ASSERT_NO_FATAL_FAILURE(ExpectSound(*contacts[0].classifier));
+    EXPECT_EQ(contacts[0].onset, t % 2 == 0);
+    EXPECT_EQ(contacts[0].released(), t % 2 != 0);
   }
-  EXPECT_EQ(pipeline->report().contact_id, 1000u);
+  EXPECT_EQ(pipeline->contacts_begun(), 1000u);
 }
 
 TEST_F(SkinStressTest, AllTaxelsAndCheckerboards) {
@@ -247,11 +248,13 @@ TEST_F(SkinStressTest, AllTaxelsAndCheckerboards) {
         const bool white = (i / 64 + i) % 2 == 0;
         taxels[i] = checkerboard && white ? 0 : 2.0F + 0.1F * t;
       }
-      const ContactReport& report = pipeline->Step({.taxels = taxels});
-      ASSERT_NO_FATAL_FAILURE(ExpectSound(pipeline->classifier()));
+      const auto contacts = pipeline->Step({.taxels = taxels});
       const bool split = checkerboard && connectivity == Connectivity::kFour;
-      EXPECT_EQ(report.features.region_count, split ? 2048 : 1);
-      EXPECT_EQ(report.features.area_taxels,
+      EXPECT_EQ(pipeline->tracker().regions(), split ? 2048 : 1);
+      // The parts are near each other: they are one contact.
+      ASSERT_EQ(contacts.size(), 1u);
+      ASSERT_NO_FATAL_FAILURE(ExpectSound(*contacts[0].classifier));
+      EXPECT_EQ(contacts[0].features->area_taxels,
                 split ? 1 : (checkerboard ? 2048 : 4096));
     }
   }
@@ -268,9 +271,10 @@ TEST_F(SkinStressTest, TaxelsOfAnySize) {
     const auto size = static_cast<float>(std::pow(10, random.Uniform(-45, 38)));
     for (float& taxel : taxels) taxel = size;
     taxels[t] = std::numeric_limits<float>::quiet_NaN();
-    pipeline->Step({.taxels = taxels});
-    ASSERT_NO_FATAL_FAILURE(ExpectSound(pipeline->classifier()));
-    ASSERT_TRUE(std::isfinite(pipeline->report().features.net_force));
+    for (const ContactReport& contact : pipeline->Step({.taxels = taxels})) {
+      ASSERT_NO_FATAL_FAILURE(ExpectSound(*contact.classifier));
+      ASSERT_TRUE(std::isfinite(contact.features->net_force));
+    }
   }
 }
 

@@ -64,11 +64,11 @@ std::vector<RecordingEvent> RecordedEvents(bool u16, bool poses) {
   for (int i = 0; i < kRecordedFrames; ++i) {
     if (i % 15 == 0) events.emplace_back(RecordedTrial{{{"label", "HU"}}});
     events.emplace_back(RecordedFrame(config, i));
-    v1::Posterior posterior;
-    posterior.set_sequence(static_cast<uint64_t>(i) + 1);
-    posterior.set_capture_time_ns(int64_t{100'000'000} * i - 1'000'000);
-    posterior.add_probability(1.0 / (1 + i));
-    events.emplace_back(posterior);
+    v1::Answer answer;
+    answer.set_sequence(static_cast<uint64_t>(i) + 1);
+    answer.set_capture_time_ns(int64_t{100'000'000} * i - 1'000'000);
+    answer.add_contacts()->add_probability(1.0 / (1 + i));
+    events.emplace_back(answer);
     if (i % 15 == 14) events.emplace_back(v1::EndOfTrial());
   }
   return events;
@@ -406,7 +406,7 @@ TEST(RecordingTest, RefusesConfigurationsThatNoStreamHas) {
                 HasSubstr("has the sample_rate_hz"));
   }
   for (const double scale :
-       {-1.0, nan, std::numeric_limits<double>::infinity()}) {
+       {-1.0, 0.0, nan, std::numeric_limits<double>::infinity()}) {
     EXPECT_THAT(outcome([=](Config& c) { c.set_scale(scale); }),
                 HasSubstr("has the scale"));
   }

@@ -40,7 +40,7 @@ class SupersededTest : public ::testing::Test {
     int notices = 0;
     int posteriors = 0;
     while (const auto* answer = session.responses().StartWrite(0)) {
-      posteriors += answer->has_posterior();
+      posteriors += answer->has_answer();
       if (answer->has_notice()) {
         EXPECT_EQ(answer->notice().kind(),
                   v1::StreamNotice::KIND_MODEL_SUPERSEDED);

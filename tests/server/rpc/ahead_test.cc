@@ -28,10 +28,10 @@ void ReadUpTo(uint64_t last, RawStream& stream, uint64_t* answered,
   uint64_t sequence = 0;
   while (sequence < last) {
     const v1::ClassifyContactResponse response = stream.Read();
-    ASSERT_TRUE(response.has_posterior()) << "after frame " << sequence;
-    ASSERT_GT(response.posterior().sequence(), sequence);
-    sequence = response.posterior().sequence();
-    *superseded = response.posterior().superseded();
+    ASSERT_TRUE(response.has_answer()) << "after frame " << sequence;
+    ASSERT_GT(response.answer().sequence(), sequence);
+    sequence = response.answer().sequence();
+    *superseded = response.answer().superseded();
     ++*answered;
   }
   EXPECT_EQ(sequence, last);

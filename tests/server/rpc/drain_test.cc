@@ -45,11 +45,11 @@ TEST(DrainTest, AStreamThatFinishesInTimeEndsWell) {
   EXPECT_EQ(refused.code(), absl::StatusCode::kUnavailable);
   EXPECT_EQ(ReasonOf(refused), "DRAINING");
   ASSERT_TRUE(stream.Write(DenseU16(1, {Touch(1)})));
-  EXPECT_EQ(stream.Read().posterior().sequence(), 1u);
+  EXPECT_EQ(stream.Read().answer().sequence(), 1u);
   stream.HalfClose();
   EXPECT_TRUE(stream.Finish().ok());
   ASSERT_EQ(stream.rest().size(), 1u);
-  EXPECT_TRUE(stream.rest()[0].posterior().is_final());
+  EXPECT_TRUE(stream.rest()[0].answer().is_final());
   stop.join();
   EXPECT_EQ(server.server().gate().live(), 0);
 }
@@ -62,7 +62,7 @@ TEST(DrainTest, StreamsThatStayGetTheirFinalAndTheReason) {
     ASSERT_TRUE(streams.back()->Write(ConfigRequest()));
     ASSERT_TRUE(streams.back()->Read().has_started());
     ASSERT_TRUE(streams.back()->Write(DenseU16(1, {Touch(1)})));
-    ASSERT_TRUE(streams.back()->Read().has_posterior());
+    ASSERT_TRUE(streams.back()->Read().has_answer());
   }
   std::thread stop([&] { server.server().Stop(); });
   for (auto& stream : streams) {
@@ -71,7 +71,7 @@ TEST(DrainTest, StreamsThatStayGetTheirFinalAndTheReason) {
     EXPECT_EQ(ReasonOf(status), "DRAINING");
     ASSERT_EQ(stream->rest().size(), 2u);
     EXPECT_TRUE(stream->rest()[0].has_notice());
-    EXPECT_TRUE(stream->rest()[1].posterior().is_final());
+    EXPECT_TRUE(stream->rest()[1].answer().is_final());
   }
   stop.join();
 }

@@ -38,7 +38,7 @@ TEST_P(StreamContractTest, BadInputMeetsItsReasonAndHarmsNobody) {
   EXPECT_FALSE(status.message().empty());
 
   ASSERT_TRUE(bystander.Write(testing::DenseU16(1, {testing::Touch(1)})));
-  EXPECT_EQ(bystander.Read().posterior().sequence(), 1u);
+  EXPECT_EQ(bystander.Read().answer().sequence(), 1u);
   bystander.HalfClose();
   EXPECT_TRUE(bystander.Finish().ok());
   testing::ExpectGoodStream(channel);

@@ -170,7 +170,7 @@ TEST(StreamLifecycleTest, SilenceEndsAStreamWithItsFinal) {
   const absl::Status status = stream.Finish();
   EXPECT_EQ(ReasonOf(status), "STREAM_IDLE");
   ASSERT_FALSE(stream.rest().empty());
-  EXPECT_TRUE(stream.rest().back().posterior().is_final());
+  EXPECT_TRUE(stream.rest().back().answer().is_final());
   EXPECT_TRUE(Eventually([&] { return IsBalanced(server); }));
 }
 
@@ -181,7 +181,7 @@ TEST(StreamLifecycleTest, FramesKeepAStreamFromBeingIdle) {
   for (uint64_t sequence = 1; sequence <= 30; ++sequence) {
     std::this_thread::sleep_for(std::chrono::milliseconds(30));
     ASSERT_TRUE(stream.Write(DenseU16(sequence, {Touch(1)})));
-    ASSERT_EQ(stream.Read().posterior().sequence(), sequence);
+    ASSERT_EQ(stream.Read().answer().sequence(), sequence);
   }
   stream.HalfClose();
   EXPECT_TRUE(stream.Finish().ok());
@@ -215,7 +215,7 @@ TEST(StreamLifecycleTest, SlowReaderLosesInterimsOnly) {
   uint64_t last = 0;
   uint64_t superseded = 0;
   for (const auto& response : stream.rest()) {
-    const v1::Posterior& p = response.posterior();
+    const v1::Answer& p = response.answer();
     // A final repeats the sequence of the frame before it.
     EXPECT_GE(p.sequence(), last);
     last = p.sequence();

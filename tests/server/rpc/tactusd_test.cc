@@ -55,7 +55,7 @@ TEST(TactusdTest, ServesItsBuiltInModelAndStopsOnSigterm) {
   auto stream = client::ContactStream::Open(
       client::MakeChannel(address), config, [&](const auto& response) {
         noticed |= response.has_notice();
-        final |= response.posterior().is_final();
+        final |= response.answer().is_final();
       });
   ASSERT_TRUE(stream.ok()) << stream.status();
   EXPECT_EQ((*stream)->started().model_version(), "models/no-poses/versions/1");
@@ -90,7 +90,7 @@ TEST(TactusdTest, DrainEndsItAsSigtermDoes) {
       channel, testing::ConfigRequest(testing::kModelWithoutPoses).config(),
       [&](const auto& response) {
         noticed |= response.has_notice();
-        final |= response.posterior().is_final();
+        final |= response.answer().is_final();
       });
   ASSERT_TRUE(stream.ok()) << stream.status();
   ASSERT_TRUE((*stream)->Send(testing::DenseU16(1, {testing::Touch(1)})).ok());

@@ -1,4 +1,4 @@
-// The packing of frames into messages does not change the posteriors: they are
+// The packing of frames into messages does not change the answers: they are
 // those of the pipeline, bit for bit.
 #include <cstring>
 
@@ -24,12 +24,16 @@ std::string Fingerprint(double unknown, std::span<const double> likelihood,
   return bytes;
 }
 
-std::string Fingerprint(const v1::Posterior& p) {
+// Empty without a contact.
+std::string Fingerprint(const v1::Answer& answer) {
+  if (answer.contacts().empty()) return "";
+  const v1::Contact& contact = answer.contacts(0);
   const auto span = [](const google::protobuf::RepeatedField<double>& field) {
     return std::span<const double>(field.data(), field.size());
   };
-  return Fingerprint(p.unknown(), span(p.log_likelihood()),
-                     span(p.probability()));
+  return Fingerprint(contact.unknown(),
+                     span(answer.diagnostics().contacts(0).log_likelihood()),
+                     span(contact.probability()));
 }
 
 struct Recording {
@@ -66,7 +70,12 @@ std::vector<std::string> Offline(const testing::TestModels& models,
     FrameView frame{.taxels = taxels};
     if (!recording.poses.empty()) frame.pose = &recording.poses[t];
     pipeline->Step(frame);
-    const ContactClassifier& c = pipeline->classifier();
+    const ContactReport* contact = pipeline->main_contact();
+    if (contact == nullptr) {
+      prints.emplace_back();
+      continue;
+    }
+    const ContactClassifier& c = *contact->classifier;
     prints.push_back(
         Fingerprint(c.unknown(), c.log_likelihood(), c.probability()));
   }
@@ -94,9 +103,10 @@ v1::ClassifyContactRequest Config(Packing packing, bool with_poses) {
   auto request = testing::ConfigRequest();
   v1::StreamConfig* config = request.mutable_config();
   config->set_with_poses(with_poses);
+  config->set_with_diagnostics(true);
   if (packing == Packing::kDenseF32 || packing == Packing::kSparseF32) {
     config->set_taxel_type(v1::TAXEL_TYPE_FLOAT32);
-    config->set_scale(0);
+    config->clear_scale();
   }
   return request;
 }
@@ -105,9 +115,9 @@ v1::ClassifyContactRequest Config(Packing packing, bool with_poses) {
 int Collect(StreamSession& session, std::vector<std::string>& prints) {
   int finals = 0;
   while (const auto* response = session.responses().StartWrite(0)) {
-    if (response->has_posterior()) {
-      prints.push_back(Fingerprint(response->posterior()));
-      finals += response->posterior().is_final();
+    if (response->has_answer()) {
+      prints.push_back(Fingerprint(response->answer()));
+      finals += response->answer().is_final();
     }
     session.responses().FinishWrite();
   }

@@ -6,11 +6,11 @@
 namespace tactus::server {
 namespace {
 
-// Sequences of the posteriors that wait, in order of writing.
+// Sequences of the answers that wait, in order of writing.
 std::vector<uint64_t> Drain(ResponseQueue& queue) {
   std::vector<uint64_t> sequences;
   while (const auto* response = queue.StartWrite(0)) {
-    sequences.push_back(response->posterior().sequence());
+    sequences.push_back(response->answer().sequence());
     queue.FinishWrite();
   }
   return sequences;
@@ -29,10 +29,10 @@ TEST(ResponseQueueTest, NewRequestSupersedesWaitingInterimsOnly) {
   queue.BeginRequest();
   queue.AddMessage()->mutable_started();
   queue.AddInterim()->set_sequence(1);
-  queue.AddFinal()->set_sequence(2);
+  queue.AddKept()->set_sequence(2);
   queue.AddInterim()->set_sequence(3);
   queue.BeginRequest();
-  v1::Posterior* newest = queue.AddInterim();
+  v1::Answer* newest = queue.AddInterim();
   newest->set_sequence(4);
   EXPECT_EQ(newest->superseded(), 2u);
   EXPECT_EQ(queue.superseded(), 2u);
@@ -50,7 +50,7 @@ TEST(ResponseQueueTest, TheOneBeingWrittenStaysAsItIs) {
     queue.BeginRequest();
     queue.AddInterim()->set_sequence(i);
     EXPECT_EQ(queue.StartWrite(0), nullptr);
-    EXPECT_EQ(writing->posterior().sequence(), 1u);
+    EXPECT_EQ(writing->answer().sequence(), 1u);
     EXPECT_EQ(queue.size(), 1u);
   }
   queue.FinishWrite();
@@ -58,17 +58,17 @@ TEST(ResponseQueueTest, TheOneBeingWrittenStaysAsItIs) {
   EXPECT_TRUE(queue.empty());
 }
 
-TEST(ResponseQueueTest, IsFullOfFinalsNotOfInterims) {
+TEST(ResponseQueueTest, IsFullOfKeptAnswersNotOfInterims) {
   ResponseQueue queue;
   queue.BeginRequest();
-  for (size_t i = 0; i < limits::kMaxQueuedFinals - 1; ++i) {
-    queue.AddFinal();
+  for (size_t i = 0; i < limits::kMaxQueuedKept - 1; ++i) {
+    queue.AddKept();
     queue.AddInterim();
   }
   EXPECT_FALSE(queue.full());
-  queue.AddFinal();
+  queue.AddKept();
   EXPECT_TRUE(queue.full());
-  // The first in line is a final.
+  // The first in line is a kept one.
   ASSERT_NE(queue.StartWrite(0), nullptr);
   EXPECT_FALSE(queue.full());
 }
@@ -78,16 +78,20 @@ TEST(ResponseQueueTest, DividesComputeTimeAndReportsWaitingTime) {
   queue.BeginRequest();
   queue.EndRequest(100, 1000);  // Brought nothing.
   queue.BeginRequest();
+  queue.AddInterim()->mutable_diagnostics();
   queue.AddInterim();
-  queue.AddInterim();
-  queue.EndRequest(300, 2000);
+  queue.AddInterim()->mutable_diagnostics();
+  queue.EndRequest(500, 2000);
   const auto* response = queue.StartWrite(2050);
-  EXPECT_EQ(response->posterior().server_compute_ns(), 200);
-  EXPECT_EQ(response->posterior().queue_ns(), 50);
+  EXPECT_EQ(response->answer().diagnostics().server_compute_ns(), 200);
+  EXPECT_EQ(response->answer().diagnostics().queue_ns(), 50);
+  queue.FinishWrite();
+  // Who did not ask gets no times.
+  EXPECT_FALSE(queue.StartWrite(2100)->answer().has_diagnostics());
   queue.FinishWrite();
   response = queue.StartWrite(2300);
-  EXPECT_EQ(response->posterior().server_compute_ns(), 200);
-  EXPECT_EQ(response->posterior().queue_ns(), 300);
+  EXPECT_EQ(response->answer().diagnostics().server_compute_ns(), 200);
+  EXPECT_EQ(response->answer().diagnostics().queue_ns(), 300);
 }
 
 }  // namespace

@@ -21,6 +21,7 @@ using Encode = v1::ClassifyContactRequest (*)(uint64_t,
 
 v1::ClassifyContactRequest Config(bool f32) {
   auto request = testing::ConfigRequest();
+  request.mutable_config()->clear_never_release();
   request.mutable_config()->set_release_after_ms(30);
   if (f32) {
     request.mutable_config()->set_taxel_type(v1::TAXEL_TYPE_FLOAT32);
@@ -99,9 +100,10 @@ TEST_F(SessionSkippingTest, SparseFramesLeaveNothingBehind) {
   }
 }
 
-TEST_F(SessionSkippingTest, HmmOnlyLeavesOutTheLstms) {
+TEST_F(SessionSkippingTest, LowEffortLeavesOutTheLstms) {
   auto config = Config(false);
-  config.mutable_config()->set_model_parts(v1::MODEL_PARTS_HMM);
+  config.mutable_config()->set_with_diagnostics(true);
+  config.mutable_config()->set_effort(v1::EFFORT_LOW);
   Model model = testing::SmallModel();
   testing::AddLstms(2, model);
   class LstmModels : public ModelSource {
@@ -124,17 +126,18 @@ TEST_F(SessionSkippingTest, HmmOnlyLeavesOutTheLstms) {
       session.OnRequest(testing::DenseU16(1, std::vector(9, Touch(2)))).ok());
   session.OnHalfClose();
   EXPECT_EQ(session.skipped()[SkipRule::kUnusedLstms], 9u);
-  int posteriors = 0;
+  int answers = 0;
   while (const auto* response = session.responses().StartWrite(0)) {
-    if (response->has_posterior()) {
-      const v1::Posterior& posterior = response->posterior();
-      EXPECT_EQ(posterior.lstm_probability_size(), 0);
-      EXPECT_EQ(posterior.probability(1), posterior.hmm_probability(1));
-      ++posteriors;
+    if (response->has_answer()) {
+      const v1::Answer& answer = response->answer();
+      const v1::ContactScores& scores = answer.diagnostics().contacts(0);
+      EXPECT_EQ(scores.lstm_probability_size(), 0);
+      EXPECT_EQ(answer.contacts(0).probability(1), scores.hmm_probability(1));
+      ++answers;
     }
     session.responses().FinishWrite();
   }
-  EXPECT_EQ(posteriors, 10);
+  EXPECT_EQ(answers, 10);
 }
 
 // From the bytes of the message to the answer, one and several frames each.
@@ -149,9 +152,9 @@ TEST_F(SessionSkippingTest, NoEncodingAllocates) {
     for (const bool poses : {false, true}) {
       StreamSession session(&models_, {});
       auto config = Config(c.f32);
-      config.mutable_config()->set_release_after_ms(-1);
       config.mutable_config()->set_with_poses(poses);
-      config.mutable_config()->set_with_features(true);
+      config.mutable_config()->set_with_taxels(true);
+      config.mutable_config()->set_with_diagnostics(true);
       ASSERT_TRUE(session.OnRequest(config).ok());
       std::vector<std::string> messages;
       for (int t = 0; t < 200; ++t) {

@@ -62,12 +62,17 @@ class TrialSessionTest : public ::testing::Test {
     while (const auto* answer = session.responses().StartWrite(0)) {
       if (answer->has_started()) {
         *response.mutable_started() = answer->started();
+      } else if (answer->answer().is_final()) {
+        *response.mutable_answer() = answer->answer();
       } else {
-        *response.mutable_posterior() = answer->posterior();
+        for (const v1::Contact& contact : answer->answer().contacts()) {
+          if (contact.state() != v1::Contact::STATE_RELEASED) continue;
+          *response.add_ended_contacts() = contact;
+        }
       }
       session.responses().FinishWrite();
     }
-    response.mutable_posterior()->clear_superseded();
+    response.mutable_answer()->clear_superseded();
     return response;
   }
 
@@ -80,14 +85,16 @@ class TrialSessionTest : public ::testing::Test {
 TEST_F(TrialSessionTest, AnswersTheBitsOfAStream) {
   v1::StreamConfig config = ConfigRequest().config();
   for (uint64_t seed = 1; seed <= 20; ++seed) {
-    config.set_with_features(seed % 2 == 0);
-    config.set_release_after_ms(seed % 3 == 0 ? 30 : -1);
-    config.set_cadence(seed % 5 == 0 ? v1::RESULT_CADENCE_ON_DECISION
+    config.set_with_diagnostics(seed % 2 == 0);
+    config.set_never_release(seed % 3 != 0);
+    config.clear_release_after_ms();
+    if (seed % 3 == 0) config.set_release_after_ms(30);
+    config.set_cadence(seed % 5 == 0 ? v1::RESULT_CADENCE_EVENTS
                                      : v1::RESULT_CADENCE_UNSPECIFIED);
     const auto trial = Trial(config, Contact(100, seed), 1 + seed * 3);
     const absl::Status status = Run(trial.SerializeAsString());
     ASSERT_TRUE(status.ok()) << status;
-    EXPECT_TRUE(response_.posterior().is_final());
+    EXPECT_TRUE(response_.answer().is_final());
     EXPECT_EQ(response_.SerializeAsString(), Stream(trial).SerializeAsString());
     EXPECT_EQ(frames_, 100u);
     // One step for each part, and one for the end.
@@ -95,11 +102,11 @@ TEST_F(TrialSessionTest, AnswersTheBitsOfAStream) {
   }
 }
 
-TEST_F(TrialSessionTest, ATrialWithoutFramesGetsThePrior) {
+TEST_F(TrialSessionTest, ATrialWithoutFramesHasNoContact) {
   ASSERT_TRUE(
       Run(Trial(ConfigRequest().config(), {}, 1).SerializeAsString()).ok());
-  EXPECT_TRUE(response_.posterior().is_final());
-  EXPECT_DOUBLE_EQ(response_.posterior().probability(0), 0.25);
+  EXPECT_TRUE(response_.answer().is_final());
+  EXPECT_EQ(response_.answer().contacts_size(), 0);
 }
 
 TEST_F(TrialSessionTest, ErrorsAreThoseOfTheStream) {

@@ -184,9 +184,25 @@ void AddConfigRows(Table& t) {
   bad("ThresholdAboveOne", [](auto* c) { c->set_decision_threshold(1.01); });
   bad("NanThreshold", [](auto* c) { c->set_decision_threshold(kNan); });
   bad("DecisionFramesTooMany", [](auto* c) { c->set_decision_frames(10'001); });
-  bad("UnknownParts",
-      [](auto* c) { c->set_model_parts(static_cast<v1::ModelParts>(9)); });
-  bad("ReleaseTooLate", [](auto* c) { c->set_release_after_ms(60'001); });
+  bad("NoScale", [](auto* c) { c->set_scale(0); });
+  bad("NoRate", [](auto* c) { c->set_sample_rate_hz(0); });
+  bad("NoDecisionFrames", [](auto* c) { c->set_decision_frames(0); });
+  bad("NoRelease", [](auto* c) {
+    c->clear_never_release();
+    c->set_release_after_ms(0);
+  });
+  bad("ReleaseThatNeverComes", [](auto* c) {
+    c->set_never_release(true);
+    c->set_release_after_ms(100);
+  });
+  bad("NoContacts", [](auto* c) { c->set_max_contacts(0); });
+  bad("TooManyContacts", [](auto* c) { c->set_max_contacts(9); });
+  bad("UnknownEffort",
+      [](auto* c) { c->set_effort(static_cast<v1::Effort>(9)); });
+  bad("ReleaseTooLate", [](auto* c) {
+    c->clear_never_release();
+    c->set_release_after_ms(60'001);
+  });
   bad("ClientIdTooLong",
       [](auto* c) { c->set_client_id(std::string(129, 'x')); });
   bad("ModelNameTooLong", [](auto* c) { c->set_model(std::string(129, 'x')); });

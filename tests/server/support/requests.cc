@@ -70,7 +70,7 @@ v1::ClassifyContactRequest ConfigRequest(const std::string& model) {
   config->mutable_geometry()->set_layout("cody-forearm");
   config->set_taxel_type(v1::TAXEL_TYPE_UINT16);
   config->set_scale(kStep);
-  config->set_release_after_ms(-1);
+  config->set_never_release(true);
   return request;
 }
 

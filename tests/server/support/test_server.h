@@ -110,15 +110,16 @@ inline void ExpectGoodStream(const std::shared_ptr<grpc::Channel>& channel,
   ASSERT_TRUE(stream.Read().has_started());
   ASSERT_TRUE(stream.Write(DenseU16(1, {Untouched(), Touch(1), Touch(2)})));
   for (uint64_t sequence = 1; sequence <= 3; ++sequence) {
-    ASSERT_EQ(stream.Read().posterior().sequence(), sequence);
+    ASSERT_EQ(stream.Read().answer().sequence(), sequence);
   }
   stream.HalfClose();
   const absl::Status status = stream.Finish();
   EXPECT_TRUE(status.ok()) << status;
   ASSERT_EQ(stream.rest().size(), 1u);
-  const v1::Posterior& final_posterior = stream.rest()[0].posterior();
-  EXPECT_TRUE(final_posterior.is_final());
-  EXPECT_EQ(final_posterior.contact_state(), v1::CONTACT_STATE_IN_CONTACT);
+  const v1::Answer& final_answer = stream.rest()[0].answer();
+  EXPECT_TRUE(final_answer.is_final());
+  ASSERT_EQ(final_answer.contacts_size(), 1);
+  EXPECT_EQ(final_answer.contacts(0).state(), v1::Contact::STATE_TOUCHING);
 }
 
 }  // namespace tactus::testing

@@ -30,12 +30,12 @@ TEST(MonitorTest, MeasuresAgesAndAnswers) {
     const int64_t time_ns = static_cast<int64_t>(i) * 10'000'000;
     monitor.Frame(FrameOf({1, 2, 3, 4}, time_ns), i, time_ns + 2'000'000);
     if (i % 2 == 0) continue;
-    v1::Posterior posterior;
+    v1::Answer posterior;
     posterior.set_sequence(i);
     monitor.Answer(posterior, time_ns + 2'500'000);
   }
   // One that was sent too long ago.
-  v1::Posterior late;
+  v1::Answer late;
   late.set_sequence(3);
   monitor.Answer(late, 20'000'000'000);
   const MonitorState state = monitor.Snapshot({});

@@ -131,8 +131,7 @@ PlayResult Play(ScaraSkin& arm) {
   UntilLastTouch driver(&arm.driver, &arm.touches, &arm.clock);
   LivePlayer player(
       MakeChannel(server.address()), &driver,
-      {.with_features = true,
-       .pose_at = [&](int64_t t) { return arm.poses.PoseAt(t); }},
+      {.pose_at = [&](int64_t t) { return arm.poses.PoseAt(t); }},
       [&](const LiveContact& contact) {
         ++result.felt;
         const std::string label = arm.touches.LabelAt(contact.onset_ns);

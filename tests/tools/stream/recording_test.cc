@@ -5,7 +5,7 @@
 
 #include "client/drivers/recording_driver.h"
 #include "client/drivers/sim_driver.h"
-#include "client/recording/posterior_check.h"
+#include "client/recording/answer_check.h"
 #include "client/recording/recorder.h"
 #include "core/base/errors.h"
 #include "core/base/random.h"
@@ -87,7 +87,7 @@ void RecordSim(TestServer& server, const std::string& path, uint32_t batch) {
 
 struct Replay {
   absl::Status status;
-  PosteriorCheck::Counts counts;
+  AnswerCheck::Counts counts;
   std::string text;
   std::vector<std::string> labels;
   std::string problem;
@@ -96,7 +96,7 @@ struct Replay {
 Replay ReplayTrials(TestServer& server, const std::string& path,
                     size_t max_trials = 0, const std::string& record = "") {
   Replay replay;
-  PosteriorCheck check;
+  AnswerCheck check;
   std::unique_ptr<Recorder> recorder;
   if (!record.empty()) {
     recorder = *Recorder::Create(
@@ -132,7 +132,7 @@ TEST(ReplayTest, TrialsGiveTheRecordedPosteriorsBitForBit) {
     EXPECT_GT(replay.counts.equal, 400U);
     EXPECT_EQ(replay.text,
               absl::StrCat(replay.counts.equal, " of ", replay.counts.equal,
-                           " posteriors equal the recording's"));
+                           " answers equal the recording's"));
     EXPECT_EQ(replay.labels,
               (std::vector<std::string>{"HU", "HM", "SU", "SM"}));
     EXPECT_EQ(replay.problem, "");
@@ -210,21 +210,20 @@ TEST(ReplayTest, ASkinWithLostFramesGivesTheRecordedPosteriorsBitForBit) {
     const auto start = ReadRecordingStart(path);
     ASSERT_TRUE(start.ok()) << start.status();
     EXPECT_TRUE(start->is_live);
-    EXPECT_EQ(start->config.release_after_ms(), 300);
+    EXPECT_EQ(start->config.release_after_ms(), 300U);
     EXPECT_EQ(start->trial.Text("label"), "HU");
-    PosteriorCheck check;
+    AnswerCheck check;
     RecordingDriver driver(path, {.on_event = EventsTo(check)});
     int contacts = 0;
     LivePlayer again(
-        server.channel(), &driver,
-        {.release_after_ms = start->config.release_after_ms(), .check = &check},
+        server.channel(), &driver, {.release_after_ms = 300, .check = &check},
         [&](const LiveContact&) { ++contacts; }, DropNews);
     status = again.Run();
     ASSERT_TRUE(status.ok()) << status;
     EXPECT_EQ(contacts, 3);
     EXPECT_EQ(again.missing(), player.missing());
     EXPECT_GT(again.missing(), 40U);
-    const PosteriorCheck::Counts counts = check.Result();
+    const AnswerCheck::Counts counts = check.Result();
     EXPECT_GT(counts.equal, 6U);
     EXPECT_EQ(counts.different, 0U) << check.Text();
     EXPECT_TRUE(check.SameModel());
@@ -283,7 +282,7 @@ std::vector<v1::FrameBatch> FramesOf(const std::string& path, bool raw) {
 // Streams and records a calibrated skin; the posteriors go to `check`.
 absl::Status RecordCalibrated(TestServer& server, SkinDriver& skin,
                               CalibratedDriverOptions options,
-                              const std::string& path, PosteriorCheck* check) {
+                              const std::string& path, AnswerCheck* check) {
   const auto recorder = *Recorder::Create(
       path, {.about = {{"stream", "skin"}, {"device", options.device}},
              .sync = false});
@@ -333,7 +332,7 @@ TEST(ReplayTest, ACalibratedSkinIsRecordedAsItSentAndCalibratedAgain) {
   const auto loads = FramesOf(folder / "a.mcap", false);
   ASSERT_EQ(loads.size(), raw.size());
   for (const double threshold : {0.0, 8.0, 300.0}) {
-    PosteriorCheck check;
+    AnswerCheck check;
     RecordingDriver recording(
         folder / "a.mcap", {.raw = threshold > 0, .on_event = EventsTo(check)});
     const std::string path = folder / absl::StrCat(threshold, ".mcap");
@@ -362,7 +361,7 @@ TEST(ReplayTest, ACalibratedSkinIsRecordedAsItSentAndCalibratedAgain) {
         ASSERT_EQ(made_raw[i].SerializeAsString(), raw[i].SerializeAsString());
       }
     }
-    const PosteriorCheck::Counts counts = check.Result();
+    const AnswerCheck::Counts counts = check.Result();
     EXPECT_EQ(counts.different == 0, threshold < 300) << check.Text();
     if (threshold < 300) {
       EXPECT_GT(counts.equal, 6U);
@@ -448,20 +447,20 @@ TEST(ReplayTest, ThePaceChangesNoFrame) {
   EXPECT_EQ(read(true), frames);
 }
 
-TEST(PosteriorCheckTest, FindsOneBitAndAnotherModel) {
-  v1::Posterior recorded;
+TEST(AnswerCheckTest, FindsOneBitAndAnotherModel) {
+  v1::Answer recorded;
   recorded.set_sequence(7);
-  recorded.add_probability(0.5);
-  recorded.set_queue_ns(1);
-  v1::Posterior received = recorded;
-  received.set_queue_ns(2);
-  PosteriorCheck check;
+  recorded.add_contacts()->add_probability(0.5);
+  recorded.mutable_diagnostics()->set_queue_ns(1);
+  v1::Answer received = recorded;
+  received.mutable_diagnostics()->set_queue_ns(2);
+  AnswerCheck check;
   check.Expect(recorded);
   check.Receive(received);
-  EXPECT_EQ(check.Text(), "1 of 1 posteriors equal the recording's");
+  EXPECT_EQ(check.Text(), "1 of 1 answers equal the recording's");
   recorded.set_sequence(8);
   received.set_sequence(8);
-  received.set_probability(0, std::nextafter(0.5, 1));
+  received.mutable_contacts(0)->set_probability(0, std::nextafter(0.5, 1));
   check.Receive(received);
   check.Expect(recorded);
   check.ExpectModel("a");
@@ -471,7 +470,7 @@ TEST(PosteriorCheckTest, FindsOneBitAndAnotherModel) {
   received.set_is_final(true);
   check.Receive(received);
   EXPECT_EQ(check.Text(),
-            "1 of 3 posteriors equal the recording's; the model is another "
+            "1 of 3 answers equal the recording's; the model is another "
             "one; 1 differ, from frame 8 on; 1 did not come; 1 were not "
             "recorded");
 }

@@ -71,7 +71,6 @@ Trial MakeTrial(uint64_t seed, bool u16, bool poses) {
 // The offline answer: frames straight into the pipeline.
 std::vector<double> Offline(const TestServer& server, const Trial& trial) {
   ContactPipeline::Options options;
-  options.release_after_s = -1;
   auto pipeline = *ContactPipeline::Create(*LayoutPreset(trial.layout),
                                            server.models().model(), options);
   std::vector<float> taxels(trial.taxels.rows * trial.taxels.columns);
@@ -81,7 +80,9 @@ std::vector<double> Offline(const TestServer& server, const Trial& trial) {
     if (!trial.poses.empty()) frame.pose = &trial.poses[t];
     pipeline->Step(frame);
   }
-  const auto likelihood = pipeline->classifier().log_likelihood();
+  if (pipeline->main_contact() == nullptr) return {};
+  const auto likelihood =
+      pipeline->main_contact()->classifier->log_likelihood();
   return {likelihood.begin(), likelihood.end()};
 }
 

@@ -95,17 +95,24 @@ absl::Status TraceTaxels(const Trial& trial,
   options.sample_rate_hz = trial.sample_rate_hz;
   options.with_poses = !trial.poses.empty();
   options.release_after_s = kNeverReleased;
+  options.max_contacts = 1;
   TACTUS_ASSIGN_OR_RETURN(
       auto pipeline, ContactPipeline::Create(trace.layout, model, options));
+  const ContactClassifier before(model, {});
   TACTUS_RETURN_IF_ERROR(TraceFrames(
       trial,
       [&](const FrameView& frame) {
-        const ContactReport& report = pipeline->Step(frame);
-        AppendScores(pipeline->classifier(), trace);
-        return std::pair(report.state, report.features);
+        const auto contacts = pipeline->Step(frame);
+        if (contacts.empty()) {
+          AppendScores(before, trace);
+          return std::pair(ContactState::kNoContact, FrameFeatures());
+        }
+        AppendScores(*contacts[0].classifier, trace);
+        return std::pair(ContactState::kInContact, *contacts[0].features);
       },
       trace));
-  TakeDecision(pipeline->classifier(), trial.sample_rate_hz, trace);
+  TakeDecision(*pipeline->main_contact()->classifier, trial.sample_rate_hz,
+               trace);
   return absl::OkStatus();
 }
 

@@ -10,12 +10,11 @@ std::string ServedModel::Open(const std::shared_ptr<grpc::Channel>& channel,
                               const std::string& token) {
   v1::StreamConfig config = MakeConfig(info);
   config.set_model(model);
-  config.set_with_features(true);
   auto stream = ContactStream::Open(
       channel, config,
       [monitor = monitor_](const v1::ClassifyContactResponse& response) {
-        if (!response.has_posterior()) return;
-        monitor->Answer(response.posterior(), Clock::System().NowNs());
+        if (!response.has_answer()) return;
+        monitor->Answer(response.answer(), Clock::System().NowNs());
       },
       {}, token);
   if (!stream.ok()) {
@@ -42,8 +41,8 @@ std::string ServedModel::Send(const SkinFrame& frame) {
 
 std::string ServedModel::EndTrial() {
   if (stream_ == nullptr) return "";
-  const auto posterior = stream_->EndTrial();
-  return posterior.ok() ? "" : Ended(posterior.status());
+  const auto answer = stream_->EndTrial();
+  return answer.ok() ? "" : Ended(answer.status());
 }
 
 std::string ServedModel::Ended(absl::Status status) {

@@ -67,11 +67,15 @@ absl::StatusOr<Json> ClassifyTaxels(
     trial.taxels.Decode(t, taxels.data());
     FrameView frame{.taxels = taxels};
     if (!trial.poses.empty()) frame.pose = &trial.poses[t];
-    const ContactReport& report = pipeline->Step(frame);
-    if (trace != nullptr) trace->Add(pipeline->classifier(), report.contact_id);
+    for (const ContactReport& contact : pipeline->Step(frame)) {
+      if (trace != nullptr) trace->Add(*contact.classifier, contact.id);
+    }
   }
-  return Answer(trial, model->model(), pipeline->classifier(),
-                pipeline->report().contact_id > 0);
+  const ContactReport* contact = pipeline->main_contact();
+  if (contact != nullptr) {
+    return Answer(trial, model->model(), *contact->classifier, true);
+  }
+  return Answer(trial, model->model(), ContactClassifier(model, {}), false);
 }
 
 absl::StatusOr<Json> ClassifySignals(

@@ -26,15 +26,11 @@ std::string Numbers(const Json& values) {
 }  // namespace
 
 void ScoreTrace::Add(const ContactClassifier& classifier, uint64_t contact_id) {
-  if (contact_id != contact_id_) {
-    contact_id_ = contact_id;
-    hmm_steps_ = lstm_steps_ = 0;
-  }
-  const bool hmms = classifier.hmm_steps() != hmm_steps_;
-  const bool lstms = classifier.lstm_steps() != lstm_steps_;
+  Steps& taken = taken_[contact_id];
+  const bool hmms = classifier.hmm_steps() != taken.hmm;
+  const bool lstms = classifier.lstm_steps() != taken.lstm;
   if (!hmms && !lstms) return;
-  hmm_steps_ = classifier.hmm_steps();
-  lstm_steps_ = classifier.lstm_steps();
+  taken = {classifier.hmm_steps(), classifier.lstm_steps()};
   Json step = {{"contact", contact_id}, {"frame", classifier.frames()}};
   if (lstms) {
     std::vector<double> raw;
@@ -55,7 +51,7 @@ void ScoreTrace::Add(const ContactClassifier& classifier, uint64_t contact_id) {
 }
 
 Json ScoreTrace::Take() {
-  contact_id_ = hmm_steps_ = lstm_steps_ = 0;
+  taken_.clear();
   return std::exchange(steps_, Json::array());
 }
 

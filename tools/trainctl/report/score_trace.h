@@ -12,6 +12,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 
 #include "core/classify/contact_classifier.h"
@@ -38,9 +39,13 @@ class ScoreTrace {
 
  private:
   Json steps_ = Json::array();
-  uint64_t contact_id_ = 0;
-  uint64_t hmm_steps_ = 0;
-  uint64_t lstm_steps_ = 0;
+  // Steps of a contact so far.
+  struct Steps {
+    uint64_t hmm = 0;
+    uint64_t lstm = 0;
+  };
+  // By contact.
+  std::map<uint64_t, Steps> taken_;
 };
 
 // For people: one line per step and model.

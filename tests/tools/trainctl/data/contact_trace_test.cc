@@ -32,17 +32,18 @@ TEST(ContactTraceTest, PosteriorsAreThoseOfThePipeline) {
   std::vector<float> taxels(layout.taxels());
   for (int i = 0; i < 80; ++i) {
     trial.taxels.Decode(i, taxels.data());
-    pipeline->Step({.taxels = taxels});
+    const auto contacts = pipeline->Step({.taxels = taxels});
+    const ContactClassifier untouched(model, {});
+    const ContactClassifier& c =
+        contacts.empty() ? untouched : *contacts[0].classifier;
     for (int k = 0; k < 4; ++k) {
-      EXPECT_EQ(trace->probability[k][i],
-                pipeline->classifier().probability()[k])
-          << i;
+      EXPECT_EQ(trace->probability[k][i], c.probability()[k]) << i;
     }
-    EXPECT_EQ(trace->unknown[i], pipeline->classifier().unknown());
+    EXPECT_EQ(trace->unknown[i], c.unknown());
   }
-  ASSERT_EQ(trace->decision.has_value(),
-            pipeline->classifier().decision().has_value());
-  EXPECT_EQ(trace->Answer(), pipeline->classifier().best_class());
+  const ContactClassifier& last = *pipeline->main_contact()->classifier;
+  ASSERT_EQ(trace->decision.has_value(), last.decision().has_value());
+  EXPECT_EQ(trace->Answer(), last.best_class());
 }
 
 TEST(ContactTraceTest, TimesCountFromTheOnset) {

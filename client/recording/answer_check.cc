@@ -1,4 +1,4 @@
-#include "client/recording/posterior_check.h"
+#include "client/recording/answer_check.h"
 
 #include "absl/strings/str_cat.h"
 #include "core/base/serialize.h"
@@ -6,28 +6,30 @@
 namespace tactus::client {
 namespace {
 
-std::string Bits(v1::Posterior posterior) {
-  posterior.clear_server_compute_ns();
-  posterior.clear_queue_ns();
-  posterior.clear_superseded();
-  return SerializeDeterministic(posterior);
+std::string Bits(v1::Answer answer) {
+  if (answer.has_diagnostics()) {
+    answer.mutable_diagnostics()->clear_server_compute_ns();
+    answer.mutable_diagnostics()->clear_queue_ns();
+  }
+  answer.clear_superseded();
+  return SerializeDeterministic(answer);
 }
 
 }  // namespace
 
-void PosteriorCheck::ExpectModel(const std::string& sha256) {
+void AnswerCheck::ExpectModel(const std::string& sha256) {
   const std::lock_guard lock(mutex_);
   models_[0] = sha256;
 }
 
-void PosteriorCheck::ReceiveModel(const std::string& sha256) {
+void AnswerCheck::ReceiveModel(const std::string& sha256) {
   const std::lock_guard lock(mutex_);
   models_[1] = sha256;
 }
 
-void PosteriorCheck::Add(const v1::Posterior& posterior, int side) {
-  const std::pair key(posterior.sequence(), posterior.is_final());
-  std::string bits = Bits(posterior);
+void AnswerCheck::Add(const v1::Answer& answer, int side) {
+  const std::pair key(answer.sequence(), answer.is_final());
+  std::string bits = Bits(answer);
   const std::lock_guard lock(mutex_);
   const auto other = waiting_[1 - side].find(key);
   if (other == waiting_[1 - side].end()) {
@@ -45,7 +47,7 @@ void PosteriorCheck::Add(const v1::Posterior& posterior, int side) {
   waiting_[1 - side].erase(other);
 }
 
-PosteriorCheck::Counts PosteriorCheck::Result() const {
+AnswerCheck::Counts AnswerCheck::Result() const {
   const std::lock_guard lock(mutex_);
   Counts counts = counts_;
   counts.only_recorded = waiting_[0].size();
@@ -53,17 +55,17 @@ PosteriorCheck::Counts PosteriorCheck::Result() const {
   return counts;
 }
 
-bool PosteriorCheck::SameModel() const {
+bool AnswerCheck::SameModel() const {
   const std::lock_guard lock(mutex_);
   return models_[0] == models_[1];
 }
 
-std::string PosteriorCheck::Text() const {
+std::string AnswerCheck::Text() const {
   const Counts counts = Result();
   std::string text =
       absl::StrCat(counts.equal, " of ",
                    counts.equal + counts.different + counts.only_recorded,
-                   " posteriors equal the recording's");
+                   " answers equal the recording's");
   if (!SameModel()) absl::StrAppend(&text, "; the model is another one");
   if (counts.different > 0) {
     absl::StrAppend(&text, "; ", counts.different, " differ, from frame ",

@@ -1,0 +1,241 @@
+#include "core/features/contact_track.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/features/load_profile.h"
+
+namespace tactus {
+namespace {
+
+constexpr uint64_t kNever = std::numeric_limits<uint64_t>::max();
+// Longer than any stream, and exact in a double.
+constexpr double kMaxReleaseFrames = 0x1p53;
+
+// Longer than all but one in 500 bounces of a strong contact of the random
+// world, and shorter than people take to touch again.
+constexpr double kStrongReleaseS = 0.25;
+// A strong contact's largest taxel, in contact_thresholds.
+constexpr double kStrong = 20;
+// The recent load fades by a factor of e in this time.
+constexpr double kRecentS = 1;
+// A skin that has drawn back this far has let go. Above the noise of poses.
+constexpr double kDrawnBackM = 0.005;
+// A shorter loss of load says nothing.
+constexpr uint64_t kLeastLoss = 3;
+
+// 0.07 s at 100 Hz is 7 frames, though the product is 7.000000000000001.
+uint64_t WholeFrames(double seconds, double rate) {
+  const double whole = std::ceil(seconds * rate * (1 - 1e-12));
+  return static_cast<uint64_t>(std::clamp(whole, 1.0, kMaxReleaseFrames));
+}
+
+uint64_t ReleaseFrames(const ContactTrack::Options& options) {
+  if (options.release_after_s < 0) return kNever;
+  return WholeFrames(options.release_after_s, options.sample_rate_hz);
+}
+
+Eigen::Vector3d WorldPosition(const Eigen::Vector3d& link_position,
+                              const Pose& pose) {
+  return pose.position + pose.orientation * link_position;
+}
+
+// True if `rows` have the taxel nearest to a centroid.
+bool Holds(const SkinLayout& layout, std::span<const uint64_t> rows,
+           const SkinPoint& point) {
+  const auto row = static_cast<size_t>(std::lround(point.row));
+  const auto column = static_cast<int>(std::lround(point.column));
+  return (rows[row] >> (column % layout.columns) & 1) != 0;
+}
+
+// True if a region as large and round as `region` around its centroid holds
+// `point`.
+bool Reaches(const SkinLayout& layout, const Region& region,
+             const SkinPoint& point) {
+  const double area =
+      region.taxels * layout.row_pitch_m * layout.column_pitch_m;
+  const double radius = std::sqrt(area / std::numbers::pi);
+  return SkinDistance(layout, {region.centroid_row, region.centroid_column},
+                      point) <= radius;
+}
+
+}  // namespace
+
+ContactTrack::ContactTrack(const SkinLayout& layout, const Options& options)
+    : layout_(layout),
+      release_frames_(ReleaseFrames(options)),
+      strong_release_frames_(
+          WholeFrames(kStrongReleaseS, options.sample_rate_hz)),
+      options_(options),
+      contact_threshold_(TaxelThreshold(layout.contact_threshold)),
+      fading_(std::exp(-1 / (kRecentS * options.sample_rate_hz))),
+      row_loads_(options.load_profile ? layout.rows : 0),
+      column_loads_(options.load_profile ? layout.columns : 0) {
+  if (options.taxel_loads) loads_.reserve(layout.taxels());
+}
+
+void ContactTrack::Begin(uint64_t id, const FrameView& frame,
+                         const ContactTouch& touch, const RecentPoses& poses) {
+  id_ = id;
+  features_ = {};
+  lost_frames_ = 0;
+  unloaded_frames_ = 0;
+  faint_frames_ = 0;
+  recent_load_ = 0;
+  onset_point_ = {touch.region->centroid_row, touch.region->centroid_column};
+  travelled_ = false;
+  has_pose_ = frame.pose != nullptr;
+  if (has_pose_) {
+    pose_ = *frame.pose;
+    onset_link_position_ = LinkPosition(layout_, onset_point_);
+    onset_position_ = WorldPosition(onset_link_position_, pose_);
+    onset_normal_ = pose_.orientation * LinkNormal(layout_, onset_point_);
+    onset_error_ = poses.NewestError(onset_link_position_, onset_normal_);
+  }
+  KeepLoad(touch.region->max_value);
+  Measure(touch);
+  features_.motion_m = Motion(frame.pose);
+}
+
+bool ContactTrack::Step(const FrameView& frame, const ContactTouch* touch,
+                        const RecentPoses& poses) {
+  if (Lost(frame, touch != nullptr)) return false;
+  if (frame.pose != nullptr) pose_ = *frame.pose;
+  if (options_.release_by_evidence && IsClearlyOver(frame, touch, poses)) {
+    return false;
+  }
+  if (touch != nullptr) {
+    Measure(*touch);
+  } else {
+    MeasureNothing();
+  }
+  features_.motion_m = Motion(frame.pose);
+  return true;
+}
+
+void ContactTrack::Pause(const FrameView& frame) {
+  MeasureNothing();
+  features_.motion_m = Motion(frame.pose);
+}
+
+void ContactTrack::StepUnchanged(const FrameView& frame) {
+  KeepLoad(features_.max_force);
+  features_.motion_m = Motion(frame.pose);
+}
+
+bool ContactTrack::Lost(const FrameView& frame, bool touched) {
+  // Missing frames belong to the loss if it began before them.
+  const bool going_on = lost_frames_ > 0;
+  if (going_on || !touched) {
+    const uint64_t room = release_frames_ - lost_frames_;
+    lost_frames_ += std::min(frame.missing_before, room);
+    if (lost_frames_ < release_frames_ && !touched) ++lost_frames_;
+    if (lost_frames_ == release_frames_ && release_frames_ != kNever) {
+      return true;
+    }
+  }
+  if (touched) lost_frames_ = 0;
+  return false;
+}
+
+bool ContactTrack::IsClearlyOver(const FrameView& frame,
+                                 const ContactTouch* touch,
+                                 const RecentPoses& poses) {
+  const bool loaded =
+      touch != nullptr && touch->region->max_value >= contact_threshold_;
+  const bool was_loaded = unloaded_frames_ == 0;
+  if (loaded && was_loaded) {
+    KeepLoad(touch->region->max_value);
+    return false;
+  }
+  const uint64_t gone = unloaded_frames_ + (loaded ? 0 : 1) +
+                        (was_loaded ? 0 : frame.missing_before);
+  if (was_loaded) farthest_m_ = -std::numeric_limits<double>::max();
+  // A fainter touch that lasts is one that light touch feels.
+  bool is_over = false;
+  if (faint_frames_ <= options_.fading_frames) {
+    const bool drawn_back = HasDrawnBack(poses);
+    const bool was_strong = recent_load_ >= kStrong * contact_threshold_;
+    is_over = gone >= release_frames_ ||
+              (was_strong && gone >= strong_release_frames_) ||
+              (drawn_back && gone >= kLeastLoss);
+  }
+  if (loaded) {
+    unloaded_frames_ = 0;
+    faint_frames_ = 0;
+    KeepLoad(touch->region->max_value);
+  } else {
+    unloaded_frames_ = gone;
+    faint_frames_ += touch != nullptr;
+  }
+  // While the means of light touch are above their level, nobody knows.
+  return is_over && (loaded || touch == nullptr);
+}
+
+void ContactTrack::KeepLoad(double largest) {
+  recent_load_ = std::max(recent_load_ * fading_, largest);
+}
+
+bool ContactTrack::HasDrawnBack(const RecentPoses& poses) {
+  if (!has_pose_) return false;
+  const double out_m =
+      onset_normal_.dot(WorldPosition(onset_link_position_, pose_) -
+                        onset_position_) -
+      poses.NewestError(onset_link_position_, onset_normal_);
+  farthest_m_ = std::max(farthest_m_, out_m);
+  return farthest_m_ - out_m >= kDrawnBackM;
+}
+
+void ContactTrack::MeasureNothing() {
+  const SkinPoint centroid = features_.centroid;
+  features_ = {};
+  features_.centroid = centroid;
+}
+
+void ContactTrack::Measure(const ContactTouch& touch) {
+  const Region& region = *touch.region;
+  features_.touched = true;
+  features_.max_force = region.max_value;
+  features_.net_force = region.total;
+  features_.area_taxels = region.taxels;
+  features_.area_m2 = region.taxels * layout_.taxel_area_m2;
+  if (!row_loads_.empty()) {
+    touch.segmenter->SumLoads(touch.values, touch.all_rows, row_loads_,
+                              column_loads_);
+    features_.profile = MakeLoadProfile(row_loads_, column_loads_);
+  }
+  if (loads_.capacity() > 0) {
+    touch.segmenter->CopyLoads(touch.values, touch.all_rows, loads_);
+    features_.loads = loads_;
+  }
+  if (options_.load_spread) {
+    features_.spread =
+        touch.segmenter->Spread(touch.values, touch.rows, region);
+    features_.spread.rows *=
+        static_cast<float>(layout_.row_pitch_m * layout_.row_pitch_m);
+    features_.spread.columns *=
+        static_cast<float>(layout_.column_pitch_m * layout_.column_pitch_m);
+  }
+  features_.region_count = touch.segmenter->regions();
+  features_.centroid = {region.centroid_row, region.centroid_column};
+  // A region with a hole, or in the shape of an L, may not hold the place of
+  // its own centroid; a long one may not reach one that it holds.
+  travelled_ = !Holds(layout_, touch.rows, onset_point_) &&
+               !Reaches(layout_, region, onset_point_);
+}
+
+double ContactTrack::Motion(const Pose* pose) {
+  if (!has_pose_) {
+    return SkinDistance(layout_, features_.centroid, onset_point_);
+  }
+  if (pose != nullptr) pose_ = *pose;
+  const Eigen::Vector3d position =
+      WorldPosition(travelled_ ? LinkPosition(layout_, features_.centroid)
+                               : onset_link_position_,
+                    pose_);
+  return onset_normal_.dot(position - onset_position_) + onset_error_;
+}
+
+}  // namespace tactus
