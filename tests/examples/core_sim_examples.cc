@@ -20,6 +20,7 @@
 #include "core/sim/experiments/paper_set.h"
 #include "core/sim/experiments/random_world.h"
 #include "core/sim/model/contact_phase.h"
+#include "core/sim/model/equilibrium.h"
 #include "core/sim/model/materials.h"
 #include "core/sim/model/scene.h"
 #include "core/sim/model/trajectory.h"
@@ -37,8 +38,8 @@
 namespace tactus::examples {
 
 static void BounceExample(const ContactScene& scene, const ContactModes& modes,
-                          bool ramping, ContactPhase phase, double time,
-                          double until, const PieceState& state) {
+                          const EquilibriumLeg& leg, ContactPhase phase,
+                          double time, double until, const PieceState& state) {
   int changes_of_contact = 0;
 #include "core/sim/exact/bounce.h.inc"
 }
@@ -60,7 +61,8 @@ static void ContactModesExample(const ContactScene& scene) {
 }
 
 static void ContactPieceExample(const ContactScene& scene,
-                                const ContactModes& modes) {
+                                const ContactModes& modes,
+                                const EquilibriumLeg& leg) {
 #include "core/sim/exact/contact_piece.h.inc"
 }
 
@@ -108,6 +110,10 @@ static absl::Status PaperSetExample(uint64_t seed) {
 static absl::Status MaterialsExample(const std::string& csv_text) {
 #include "core/sim/model/materials.h.inc"
   return absl::OkStatus();
+}
+
+static void EquilibriumExample(const ContactScene& scene) {
+#include "core/sim/model/equilibrium.h.inc"
 }
 
 static absl::Status SceneExample() {

@@ -58,10 +58,9 @@ double Faded(double x) {
 }  // namespace
 
 BounceTrain::BounceTrain(const ContactScene& scene, const ContactModes& modes,
-                         bool ramping)
+                         const EquilibriumLeg& leg)
     : modes_(&modes),
-      equilibrium_speed_(ramping ? scene.velocity_m_s : 0),
-      equilibrium_start_(ramping ? scene.lead_m : scene.goal_m),
+      leg_(leg),
       friction_(scene.mu_kinetic * kGravity),
       compliance_(scene.object_mass_kg / modes.stiffness),
       rigidity_(modes.stiffness / scene.object_mass_kg),
@@ -90,9 +89,8 @@ BounceMoment BounceTrain::MomentOf(ContactPhase phase, double time,
                                    const PieceState& state) const {
   BounceMoment moment;
   moment.time = time;
-  moment.lag =
-      state.position - (equilibrium_start_ + equilibrium_speed_ * time);
-  moment.rate = state.arm_speed() - equilibrium_speed_;
+  moment.lag = state.position - leg_.PositionAt(time);
+  moment.rate = state.arm_speed() - leg_.speed_m_s;
   moment.approach = state.approach;
   moment.touching = Touching(phase);
   return moment;
@@ -101,9 +99,8 @@ BounceMoment BounceTrain::MomentOf(ContactPhase phase, double time,
 PieceState BounceTrain::StateOf(const BounceMoment& moment) const {
   PieceState state;
   state.approach = moment.approach;
-  state.position =
-      equilibrium_start_ + equilibrium_speed_ * moment.time + moment.lag;
-  state.speed = moment.rate + equilibrium_speed_ - moment.approach;
+  state.position = leg_.PositionAt(moment.time) + moment.lag;
+  state.speed = moment.rate + leg_.speed_m_s - moment.approach;
   return state;
 }
 
@@ -152,7 +149,7 @@ double BounceTrain::FlyBy(BounceMoment& moment, double t) const {
     t -= correction;
     if (std::abs(correction) < 1e-8 * t) break;
   }
-  const double speed = moment.rate + equilibrium_speed_ - moment.approach;
+  const double speed = moment.rate + leg_.speed_m_s - moment.approach;
   if (!(speed > 1.01 * friction_ * t)) return 0;
   // It comes back as fast as it left, but for the change of gravity. So little
   // is rounded here: in 10^5 bounces a bias of one part in 10^16 would count.
@@ -218,7 +215,7 @@ double BounceTrain::PressBy(BounceMoment& moment) {
   const double rest = friction_ + slow.y[2];
   const double ring = -compliance_ * rest;
   const double ring_rate = moment.approach - compliance_ * slow.y[3];
-  const double speed = rate + equilibrium_speed_;
+  const double speed = rate + leg_.speed_m_s;
   if (!(rest > 0 && ring_rate > -0.05 * ring * frequency_ &&
         (std::abs(slow.y[3]) + std::abs(slow.y[4]) * turn) * turn <
             0.01 * rest &&

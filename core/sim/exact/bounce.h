@@ -6,7 +6,7 @@
 // series describe the slow motion, they need no exponentials and no search for
 // their end: Newton's method starts at the end of the bounce before.
 //
-//   BounceTrain train(scene, modes, ramping);
+//   BounceTrain train(scene, modes, leg);
 //   BounceMoment moment = train.MomentOf(phase, time, state);
 //   while (train.Next(until, moment) > 0) ++changes_of_contact;
 //
@@ -18,6 +18,7 @@
 #include "core/sim/exact/contact_modes.h"
 #include "core/sim/exact/contact_piece.h"
 #include "core/sim/model/contact_phase.h"
+#include "core/sim/model/equilibrium.h"
 #include "core/sim/model/scene.h"
 
 namespace tactus {
@@ -36,7 +37,7 @@ struct BounceMoment {
 class BounceTrain {
  public:
   BounceTrain(const ContactScene& scene, const ContactModes& modes,
-              bool ramping);
+              const EquilibriumLeg& leg);
 
   // `phase` is kSliding or kCoasting and `state` its start, touching.
   BounceMoment MomentOf(ContactPhase phase, double time,
@@ -66,8 +67,7 @@ class BounceTrain {
   void Turn(double angle);
 
   const ContactModes* modes_;
-  double equilibrium_speed_;
-  double equilibrium_start_;
+  EquilibriumLeg leg_;
   // Constants derived from the scene.
   double friction_;    // acceleration, m/s^2
   double compliance_;  // m_obj / k_obj

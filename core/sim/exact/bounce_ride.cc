@@ -62,7 +62,7 @@ class Rider {
         sink_(sink),
         summary_(summary),
         pieces_(sink.detail() == BounceDetail::kPieces),
-        train_(scene_, modes_, ride.ramping) {}
+        train_(scene_, modes_, *ride.leg) {}
 
   double Go(double time, PhaseStart& next);
 
@@ -83,8 +83,8 @@ class Rider {
   bool Skips(const Bounce& bounce) const;
 
   ContactPiece Piece(const BounceMoment& start) const {
-    return {scene_,        modes_,     BounceTrain::PhaseOf(start),
-            ride_.ramping, start.time, train_.StateOf(start)};
+    return {scene_,     modes_,     BounceTrain::PhaseOf(start),
+            *ride_.leg, start.time, train_.StateOf(start)};
   }
   void HandPiece(const BounceMoment& start, double span);
   void HandLeap(const BounceSeries& series, const BounceMoment& origin,

@@ -17,6 +17,7 @@
 #include "core/sim/exact/contact_modes.h"
 #include "core/sim/exact/contact_piece.h"
 #include "core/sim/exact/piece_sink.h"
+#include "core/sim/model/equilibrium.h"
 #include "core/sim/model/scene.h"
 
 namespace tactus {
@@ -40,8 +41,8 @@ double SkippedBounceBound(const ContactScene& scene, double speed,
 struct BounceRide {
   const ContactScene* scene;
   const ContactModes* modes;
-  // The equilibrium point keeps its speed until `until`.
-  bool ramping = true;
+  // The equilibrium point is on this leg until `until`, s.
+  const EquilibriumLeg* leg;
   double until = 0;
   // Limits the error estimate of a leap, and SkippedBounceBound() of bounces
   // that are replaced by their mean. At 0 every bounce is solved.

@@ -41,17 +41,16 @@ PairState Scaled(const PairState& state, double factor) {
 }  // namespace
 
 ContactPiece::ContactPiece(const ContactScene& scene, const ContactModes& modes,
-                           ContactPhase phase, bool ramping, double begin,
-                           const PieceState& start)
+                           ContactPhase phase, const EquilibriumLeg& leg,
+                           double begin, const PieceState& start)
     : scene_(&scene),
       modes_(&modes),
       phase_(phase),
       begin_(begin),
       start_(start),
-      equilibrium_speed_(ramping ? scene.velocity_m_s : 0),
+      equilibrium_speed_(leg.speed_m_s),
       pair_(&modes.arm) {
-  const double equilibrium =
-      ramping ? scene.lead_m + scene.velocity_m_s * begin : scene.goal_m;
+  const double equilibrium = leg.PositionAt(begin);
   const double k = scene.actuator_stiffness;
   const double stiffness = modes.stiffness;
   switch (phase) {

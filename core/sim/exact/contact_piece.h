@@ -1,10 +1,11 @@
 // File: contact_piece.h
 //
 // One piece of a contact in closed form: the motion from a known state on,
-// within one phase (contact_phase.h) and at constant speed of the equilibrium
-// point. It consists of polynomials and damped pairs; there are no time steps.
+// within one phase (contact_phase.h) and on one leg of the equilibrium point's
+// way (equilibrium.h). It consists of polynomials and damped pairs; there are
+// no time steps.
 //
-//   ContactPiece piece(scene, modes, ContactPhase::kStuck, /*ramping=*/true,
+//   ContactPiece piece(scene, modes, ContactPhase::kStuck, leg,
 //                      /*begin=*/0, {});
 //   PieceState later = piece.At(0.01);
 //
@@ -17,6 +18,7 @@
 #include "core/sim/exact/contact_modes.h"
 #include "core/sim/exact/first_crossing.h"
 #include "core/sim/model/contact_phase.h"
+#include "core/sim/model/equilibrium.h"
 #include "core/sim/model/scene.h"
 
 namespace tactus {
@@ -46,7 +48,7 @@ struct PieceForm {
 class ContactPiece {
  public:
   ContactPiece(const ContactScene& scene, const ContactModes& modes,
-               ContactPhase phase, bool ramping, double begin,
+               ContactPhase phase, const EquilibriumLeg& leg, double begin,
                const PieceState& start);
 
   ContactPhase phase() const { return phase_; }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
@@ -10,6 +12,7 @@
 #include "core/sim/exact/bounce_ride.h"
 #include "core/sim/exact/contact_modes.h"
 #include "core/sim/exact/first_crossing.h"
+#include "core/sim/model/equilibrium.h"
 
 namespace tactus {
 namespace {
@@ -195,13 +198,12 @@ absl::StatusOr<PieceSummary> SolvePieces(const ContactScene& scene,
   PieceSummary summary;
   PhaseStart next;
   next.state.approach = scene.touch_speed_m_s;
-  bool ramping = true;
+  const std::vector<EquilibriumLeg> legs = EquilibriumLegs(scene);
+  auto leg = legs.begin();
   double time = 0;
   while (time < scene.duration_s) {
-    const double until = ramping ? std::min(scene.RampEnd(), scene.duration_s)
-                                 : scene.duration_s;
-    const ContactPiece piece(scene, modes, next.phase, ramping, time,
-                             next.state);
+    const double until = std::min(leg->end_s, scene.duration_s);
+    const ContactPiece piece(scene, modes, next.phase, *leg, time, next.state);
     const PieceEnd end = FindEnd(scene, piece, until - time);
     sink.Take(piece, end.time);
     next = Follow(scene, piece, end, summary.events);
@@ -210,14 +212,15 @@ absl::StatusOr<PieceSummary> SolvePieces(const ContactScene& scene,
     }
     if (end.ending == Ending::kHorizon) {
       time = until;
-      ramping = false;
+      // The last leg never ends before the scene does.
+      if (std::next(leg) != legs.end()) ++leg;
     } else {
       time = std::min(time + end.time, until);
     }
     if (end.ending == Ending::kContact && Sliding(next.phase)) {
       const BounceRide ride = {&scene,
                                &modes,
-                               ramping,
+                               &*leg,
                                until,
                                options.skip_tolerance,
                                options.max_events};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
@@ -57,6 +58,15 @@ absl::Status Validate(const ContactScene& scene) {
       CheckRange("scene.touch_speed_m_s", scene.touch_speed_m_s, 0, 10));
   TACTUS_RETURN_IF_ERROR(
       CheckRange("scene.lead_m", scene.lead_m, 0, scene.goal_m));
+  // Written so that a NaN fails; infinity is no retreat.
+  if (!(scene.retreat_after_s >= 0)) {
+    return InvalidScene("scene.retreat_after_s", scene.retreat_after_s,
+                        "at least 0, or infinite");
+  }
+  if (scene.retreat_after_s < std::numeric_limits<double>::infinity()) {
+    TACTUS_RETURN_IF_ERROR(CheckRange("scene.retreat_speed_m_s",
+                                      scene.retreat_speed_m_s, 1e-5, 10));
+  }
   TACTUS_RETURN_IF_ERROR(
       CheckRange("scene.object_mass_kg", scene.object_mass_kg, 1e-6, 1e6));
   TACTUS_RETURN_IF_ERROR(

@@ -3,7 +3,7 @@
 // ContactScene: one press of the arm against one object in the paper's lumped
 // element model (Section "Robot and Object Model", eqs. 1 to 7). It begins when
 // the arm touches the undeformed object: at rest, as in the paper, or in motion
-// after an approach.
+// after an approach. If it has a retreat, the arm lifts off again.
 //
 //   ContactScene scene;
 //   scene.goal_m = 0.019;
@@ -11,6 +11,8 @@
 //
 // Plain data, SI units; safe to share between threads once built.
 #pragma once
+
+#include <limits>
 
 #include "absl/status/status.h"
 
@@ -28,6 +30,10 @@ struct ContactScene {
   // The equilibrium point moves at `velocity_m_s` to `goal_m` and stays there.
   double velocity_m_s = 0.005;
   double goal_m = 0.019;
+  // From this time after the touch on, it moves back at `retreat_speed_m_s`,
+  // whether it has reached the goal or not. Infinite: never.
+  double retreat_after_s = std::numeric_limits<double>::infinity();
+  double retreat_speed_m_s = 0;
   // At the touch: the arm's speed, and how far the equilibrium point is ahead
   // of the arm. Both 0: the arm starts there at rest.
   double touch_speed_m_s = 0;
@@ -47,7 +53,7 @@ struct ContactScene {
   double KineticFriction() const {
     return mu_kinetic * object_mass_kg * kGravity;
   }
-  // Time at which the equilibrium point reaches the goal, s.
+  // Time at which the equilibrium point reaches the goal without a retreat, s.
   double RampEnd() const { return (goal_m - lead_m) / velocity_m_s; }
 };
 

@@ -15,6 +15,9 @@ ContactScene SceneOf(const TrialSpec& spec) {
   scene.mu_static = friction.mu_static;
   scene.mu_kinetic = friction.mu_kinetic;
   scene.fixed = spec.fixed;
+  scene.duration_s = spec.duration_s;
+  scene.retreat_after_s = spec.retreat_after_s;
+  scene.retreat_speed_m_s = spec.retreat_speed_m_s;
   SetApproach(spec.approach_s, scene);
   return scene;
 }

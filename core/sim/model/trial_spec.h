@@ -12,6 +12,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "core/sim/model/materials.h"
 #include "core/sim/model/scene.h"
@@ -34,6 +35,10 @@ struct TrialSpec {
   // Time for which the arm moves freely before the touch, s; 0: it starts at
   // rest on the object.
   double approach_s = 0;
+  double duration_s = 5;
+  // The lift-off, as in ContactScene.
+  double retreat_after_s = std::numeric_limits<double>::infinity();
+  double retreat_speed_m_s = 0;
   // Identifies the trial within its list and seeds its noise. Even; the fixed
   // twin has the next number.
   uint64_t number = 0;

@@ -34,6 +34,12 @@ inline ContactScene RandomScene(Random& random) {
   return scene;
 }
 
+// Lets the arm of `scene` lift off during the scene, often before its goal.
+inline void SetRetreat(Random& random, ContactScene& scene) {
+  scene.retreat_after_s = random.Uniform(0, scene.duration_s);
+  scene.retreat_speed_m_s = LogUniform(random, 0.001, 0.3);
+}
+
 // How fast the contact of `scene` rings while the object slides, rad/s.
 inline double RingingRate(const ContactScene& scene) {
   return std::sqrt(scene.object_stiffness *

@@ -7,7 +7,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
@@ -68,7 +70,9 @@ class Run {
   Run(const ContactScene& scene, const SolverOptions& options)
       : scene_(scene),
         options_(options),
-        equations_(scene, ContactPhase::kStuck, true) {}
+        legs_(EquilibriumLegs(scene)),
+        leg_(legs_.begin()),
+        equations_(scene, ContactPhase::kStuck, *leg_) {}
 
   absl::StatusOr<Trajectory> Go();
 
@@ -95,8 +99,9 @@ class Run {
 
   const ContactScene& scene_;
   const SolverOptions& options_;
+  const std::vector<EquilibriumLeg> legs_;
+  std::vector<EquilibriumLeg>::const_iterator leg_;
   PhaseEquations equations_;
-  bool ramping_ = true;
   double time_ = 0;
   double phase_start_ = 0;
   double contact_time_ = 0;  // in finished phases
@@ -206,7 +211,7 @@ void Run::EnterPhase(ContactPhase phase) {
   }
   phase_start_ = time_;
   std::copy_n(state(), kSceneStates, impulse_state_.begin());
-  equations_ = PhaseEquations(scene_, phase, ramping_);
+  equations_ = PhaseEquations(scene_, phase, *leg_);
 }
 
 absl::Status Run::Sample(double time) {
@@ -286,15 +291,13 @@ absl::StatusOr<Trajectory> Run::Go() {
   trajectory_.samples.back().v_arm = scene_.touch_speed_m_s;
   state()[kArmVelocity] = scene_.touch_speed_m_s;
   while (time_ < scene_.duration_s) {
-    const double until = ramping_
-                             ? std::min(scene_.RampEnd(), scene_.duration_s)
-                             : scene_.duration_s;
+    const double until = std::min(leg_->end_s, scene_.duration_s);
     TACTUS_RETURN_IF_ERROR(Restart());
     TACTUS_ASSIGN_OR_RETURN(const bool event, Advance(until));
     if (event) {
       TACTUS_RETURN_IF_ERROR(Switch());
-    } else if (ramping_) {
-      ramping_ = false;
+    } else if (std::next(leg_) != legs_.end()) {
+      ++leg_;
       EnterPhase(equations_.phase);
     }
   }

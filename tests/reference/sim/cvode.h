@@ -3,8 +3,9 @@
 // Integrates a ContactScene with SUNDIALS CVODE: BDF of order up to 5 with a
 // dense Newton solver, as the paper used MATLAB's ode15s (Section
 // "Implementation"). Each phase (contact_phase.h) is integrated up to the event
-// that root finding locates; there the solver restarts. The end of the
-// equilibrium point's ramp is a known time and ends a step exactly.
+// that root finding locates; there the solver restarts. The ends of
+// the equilibrium point's legs (equilibrium.h) are known times; each ends a
+// step exactly.
 //
 //   TACTUS_ASSIGN_OR_RETURN(Trajectory run, IntegrateCvode(scene, {}));
 //

@@ -23,18 +23,26 @@ constexpr int kSize = kStates + kInputs;
 using Vector = std::array<Real, kSize>;
 using Matrix = std::array<Vector, kSize>;
 
+// What the equilibrium point does.
+enum Motion { kAdvances, kRests, kRetreats };
+
 struct Mode {
   bool touching = true;
   bool sliding = false;
-  bool ramping = true;
+  Motion motion = kAdvances;
 };
+
+Real SpeedOf(const ContactScene& s, Motion motion) {
+  if (motion == kAdvances) return s.velocity_m_s;
+  return motion == kRests ? 0 : -Real(s.retreat_speed_m_s);
+}
 
 Matrix Equations(const ContactScene& s, const Mode& mode) {
   const Real m = s.arm_mass_kg;
   const Real k = s.actuator_stiffness;
   const Real b = s.actuator_damping;
   const Real contact = mode.touching ? Real(s.object_stiffness) : 0;
-  const Real speed = mode.ramping ? Real(s.velocity_m_s) : 0;
+  const Real speed = SpeedOf(s, mode.motion);
   Matrix a = {};
   a[0][1] = 1;
   // Arm: m (w + v)' = k (eq - x - d) + b (speed - v - w) - contact d.
@@ -166,6 +174,8 @@ class ReferenceRun {
   void Switch(int which);
   void Advance(Real until);
   void Sample();
+  // Changes to `motion` at `from`, once, if that is not beyond `until`.
+  void Turn(Real from, Motion motion, Real until);
 
   const ContactScene& s_;
   const double rate_;
@@ -176,7 +186,7 @@ class ReferenceRun {
   Real time_ = 0;
   Real contact_time_ = 0;
   // By mode.
-  std::array<std::optional<Stepper>, 8> steppers_;
+  std::array<std::optional<Stepper>, 12> steppers_;
   Trajectory out_;
 };
 
@@ -255,7 +265,7 @@ void ReferenceRun::Advance(Real until) {
   while (time_ < until) {
     const Real length = StepLength();
     std::optional<Stepper>& stepper =
-        steppers_[mode_.touching * 4 + mode_.sliding * 2 + mode_.ramping];
+        steppers_[mode_.touching * 6 + mode_.sliding * 3 + mode_.motion];
     if (!stepper) stepper.emplace(a_, length);
     bool met = false;
     while (time_ < until && !met) {
@@ -289,6 +299,14 @@ void ReferenceRun::Sample() {
   out_.samples.push_back(sample);
 }
 
+void ReferenceRun::Turn(Real from, Motion motion, Real until) {
+  if (mode_.motion >= motion || from > until) return;
+  Advance(from);
+  mode_.motion = motion;
+  if (motion == kRests) x_[6] = s_.goal_m;
+  a_ = Equations(s_, mode_);
+}
+
 absl::StatusOr<Trajectory> ReferenceRun::Go() {
   TACTUS_RETURN_IF_ERROR(Validate(s_));
   const double fastest =
@@ -309,12 +327,8 @@ absl::StatusOr<Trajectory> ReferenceRun::Go() {
   for (int n = 1; n <= samples; ++n) {
     const Real until = n / static_cast<Real>(rate_);
     const Real ramp_end = (Real(s_.goal_m) - s_.lead_m) / s_.velocity_m_s;
-    if (mode_.ramping && ramp_end <= until) {
-      Advance(ramp_end);
-      mode_.ramping = false;
-      x_[6] = s_.goal_m;
-      a_ = Equations(s_, mode_);
-    }
+    if (ramp_end < s_.retreat_after_s) Turn(ramp_end, kRests, until);
+    Turn(s_.retreat_after_s, kRetreats, until);
     Advance(until);
     Sample();
   }

@@ -5,7 +5,7 @@
 namespace tactus {
 
 PhaseEquations::PhaseEquations(const ContactScene& scene, ContactPhase p,
-                               bool ramping)
+                               const EquilibriumLeg& leg)
     : stiffness(Touching(p) ? scene.object_stiffness : 0),
       static_limit(scene.fixed ? std::numeric_limits<double>::infinity()
                                : scene.StaticLimit()),
@@ -14,8 +14,8 @@ PhaseEquations::PhaseEquations(const ContactScene& scene, ContactPhase p,
       arm_compliance(1 / scene.arm_mass_kg),
       object_compliance(Sliding(p) ? 1 / scene.object_mass_kg : 0),
       friction(Sliding(p) ? scene.mu_kinetic * kGravity : 0),
-      equilibrium(ramping ? scene.lead_m : scene.goal_m),
-      speed(ramping ? scene.velocity_m_s : 0),
+      equilibrium(leg.origin_m),
+      speed(leg.speed_m_s),
       phase(p) {}
 
 void PhaseEquations::Derivative(double time, const double* state,

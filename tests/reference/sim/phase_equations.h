@@ -4,7 +4,7 @@
 // (core/sim/model/contact_phase.h) and the functions whose zeros end it, in the
 // form that a step-by-step solver takes.
 //
-//   PhaseEquations equations(scene, ContactPhase::kStuck, /*ramping=*/true);
+//   PhaseEquations equations(scene, ContactPhase::kStuck, leg);
 //   equations.Derivative(time, state, derivative);
 //
 // Plain data; thread-safe once built.
@@ -13,6 +13,7 @@
 #include <array>
 
 #include "core/sim/model/contact_phase.h"
+#include "core/sim/model/equilibrium.h"
 #include "core/sim/model/scene.h"
 
 namespace tactus {
@@ -30,7 +31,8 @@ using SceneState = std::array<double, kSceneStates>;
 
 // The equations of one phase: scene constants, folded.
 struct PhaseEquations {
-  PhaseEquations(const ContactScene& scene, ContactPhase phase, bool ramping);
+  PhaseEquations(const ContactScene& scene, ContactPhase phase,
+                 const EquilibriumLeg& leg);
 
   // Writes d(state)/dt at `time` (s).
   void Derivative(double time, const double* state, double* derivative) const;

@@ -15,7 +15,8 @@ namespace tactus::client {
 namespace {
 
 constexpr char kKeys[] =
-    "m_arm, k_act, b_act, v, goal, m_obj, k_obj, mu_s, mu_k, fixed or duration";
+    "m_arm, k_act, b_act, v, goal, m_obj, k_obj, mu_s, mu_k, fixed, duration, "
+    "retreat_after or retreat_speed";
 
 }  // namespace
 
@@ -49,6 +50,8 @@ absl::StatusOr<ContactScene> ParseScene(absl::string_view json) {
       {"mu_s", &scene.mu_static},
       {"mu_k", &scene.mu_kinetic},
       {"duration", &scene.duration_s},
+      {"retreat_after", &scene.retreat_after_s},
+      {"retreat_speed", &scene.retreat_speed_m_s},
   };
   for (const auto& [key, value] : object.items()) {
     if (key == "fixed") {

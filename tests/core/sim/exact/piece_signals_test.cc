@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/sim/exact/exact.h"
 #include "core/sim/exact/simulate_contact.h"
@@ -23,15 +24,21 @@ TEST(PieceSignalsTest, AreThoseOfTheSampledTrajectory) {
     double edge;
     double velocity;
     bool fixed;
-  } cases[] = {{"fat", 0.01, 0.02, false},        {"fat", 0.2, 0.005, false},
-               {"light-foam", 0.1, 0.02, false},  {"muscle", 0.1, 0.02, false},
-               {"steel", 0.1, 0.02, false},       {"steel", 0.01, 0.005, true},
-               {"abs-plastic", 0.01, 0.02, false}};
+    double retreat_after_s = std::numeric_limits<double>::infinity();
+  } cases[] = {
+      {"fat", 0.01, 0.02, false},        {"fat", 0.2, 0.005, false},
+      {"light-foam", 0.1, 0.02, false},  {"muscle", 0.1, 0.02, false},
+      {"steel", 0.1, 0.02, false},       {"steel", 0.01, 0.005, true},
+      {"fat", 0.2, 0.02, false, 2.5},    {"muscle", 0.1, 0.02, false, 1.2},
+      {"steel", 0.1, 0.02, true, 3.003}, {"steel", 0.05, 0.02, false, 2},
+      {"abs-plastic", 0.01, 0.02, false}};
   for (const auto& c : cases) {
     TrialSpec spec;
     spec.object = {*FindMaterial(c.material), c.edge, Surface::kGlass};
     spec.robot.velocity = c.velocity;
     spec.fixed = c.fixed;
+    spec.retreat_after_s = c.retreat_after_s;
+    spec.retreat_speed_m_s = 0.05;
     const auto contact = SimulateContact(spec);
     const auto run = IntegrateExact(SceneOf(spec), {});
     ASSERT_TRUE(contact.ok() && run.ok());

@@ -1,9 +1,11 @@
 #include "core/sim/model/scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "core/base/errors.h"
+#include "core/sim/model/equilibrium.h"
 #include "core/sim/model/materials.h"
 #include "gtest/gtest.h"
 #include "tests/support/find_material.h"
@@ -19,6 +21,30 @@ ContactScene GoodScene() {
   scene.mu_static = 0.5;
   scene.mu_kinetic = 0.4;
   return scene;
+}
+
+TEST(EquilibriumLegsTest, ThePointComesBackFromWhereverItTurns) {
+  ContactScene scene = GoodScene();
+  scene.lead_m = 0.004;
+  scene.retreat_speed_m_s = 0.03;
+  // 3 s to the goal.
+  for (const double turn : {1.0, 4.0}) {
+    scene.retreat_after_s = turn;
+    const auto legs = EquilibriumLegs(scene);
+    ASSERT_EQ(legs.size(), turn < 3 ? 2 : 3);
+    double begin = 0;
+    for (const EquilibriumLeg& leg : legs) {
+      const double end = std::min(leg.end_s, 6.0);
+      for (const double t : {begin, (begin + end) / 2, end}) {
+        const double forward =
+            std::min(0.004 + 0.005 * std::min(t, turn), 0.019);
+        EXPECT_NEAR(leg.PositionAt(t), forward - 0.03 * std::max(t - turn, 0.0),
+                    1e-15);
+      }
+      begin = end;
+    }
+    EXPECT_EQ(begin, 6);
+  }
 }
 
 TEST(ValidateSceneTest, EachBadFieldIsNamed) {
@@ -40,6 +66,12 @@ TEST(ValidateSceneTest, EachBadFieldIsNamed) {
       {"scene.touch_speed_m_s",
        [](ContactScene& s) { s.touch_speed_m_s = -0.001; }},
       {"scene.lead_m", [](ContactScene& s) { s.lead_m = 2 * s.goal_m; }},
+      {"scene.retreat_after_s",
+       [](ContactScene& s) { s.retreat_after_s = std::nan(""); }},
+      {"scene.retreat_after_s",
+       [](ContactScene& s) { s.retreat_after_s = -1; }},
+      {"scene.retreat_speed_m_s",
+       [](ContactScene& s) { s.retreat_after_s = 1; }},
       {"scene.object_mass_kg", [](ContactScene& s) { s.object_mass_kg = 0; }},
       {"scene.object_stiffness",
        [](ContactScene& s) {
