@@ -149,6 +149,8 @@ inline constexpr double kMaxLogVariance = 200;
 inline constexpr double kMaxSceneDurationS = 60;
 inline constexpr double kMaxTrajectoryRateHz = 20'000;
 inline constexpr int kMaxLeadInFrames = 1'000;
+// Objects that press at once in one trial.
+inline constexpr int kMaxSceneObjects = 4;
 inline constexpr uint64_t kMaxWorldContacts = 10'000'000;
 
 // Training service.
@@ -196,6 +198,7 @@ inline constexpr size_t kMaxFramesPerTrial = 10'000'000;
 inline constexpr size_t kMaxTrialArrayBytes = 1024UL * 1024 * 1024;
 inline constexpr size_t kMaxTrialTextBytes = 256;
 inline constexpr size_t kMaxTrialIdBytes = 64;
+inline constexpr size_t kMaxTouchesPerTrial = 64;
 // Largest accepted time of a trial in seconds, as kMaxCaptureTimeNs.
 inline constexpr double kMaxTrialTimeS = 4e9;
 // Memory of the process that reads a trial file first, beyond what it has.

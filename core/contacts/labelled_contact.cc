@@ -50,6 +50,12 @@ std::string LabelSoFar(const LabelledContact& contact, size_t frame) {
 
 absl::StatusOr<std::optional<LabelledContact>> ExtractContact(
     const Trial& trial, const ExtractOptions& options) {
+  if (trial.touches.size() > 1) {
+    return InvalidTrainingData(absl::StrCat(
+        "trial ", trial.id, " has ", trial.touches.size(),
+        " touches; models are fitted to and evaluated on trials of one "
+        "contact. Cut it into one trial for each touch"));
+  }
   LabelledContact contact;
   contact.id = trial.id;
   contact.source = trial.source;

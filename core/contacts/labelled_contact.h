@@ -79,6 +79,8 @@ inline constexpr double kNeverReleased = -1;
 // contacts, and the last one is extracted: a server's final answer is about
 // that one.
 //
+// INVALID_TRAINING_DATA for a trial with several touches (Trial::touches): its
+// label is that of the first alone.
 struct ExtractOptions {
   // For trials that carry no skin (LayoutOfTrial). May be null.
   const SkinLayout* layout = nullptr;

@@ -148,6 +148,23 @@ absl::Status ValidateObjectMotion(const Trial& trial,
   return absl::OkStatus();
 }
 
+absl::Status ValidateTouches(const Trial& trial, const Complaint& complain) {
+  if (trial.touches.empty()) return absl::OkStatus();
+  const std::string fault = TouchesFault(trial.touches, trial.time);
+  if (!fault.empty()) return complain("touches", fault);
+  if (trial.touches.front().label != trial.label) {
+    return complain("touches", "0: label is ",
+                    Quoted(trial.touches.front().label),
+                    "; it must be the trial's, ", Quoted(trial.label));
+  }
+  if (!trial.object_motion.empty()) {
+    return complain("touches",
+                    "the trial has an object_motion; with touches, each of "
+                    "them has its own");
+  }
+  return absl::OkStatus();
+}
+
 absl::Status ValidateAttributes(const Trial& trial, const Complaint& complain) {
   struct Text {
     absl::string_view name;
@@ -247,6 +264,7 @@ absl::Status Validate(const Trial& trial, absl::string_view path) {
   TACTUS_RETURN_IF_ERROR(ValidatePoses(trial, complain));
   TACTUS_RETURN_IF_ERROR(ValidateObjectMotion(trial, complain));
   TACTUS_RETURN_IF_ERROR(ValidateAttributes(trial, complain));
+  TACTUS_RETURN_IF_ERROR(ValidateTouches(trial, complain));
   return ValidateSkin(trial, complain);
 }
 

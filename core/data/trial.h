@@ -1,8 +1,8 @@
 // File: trial.h
 //
-// One recorded or simulated contact, labelled: time, and the three signals
-// and/or the taxel frames they come from. Mirrors a group of the trial file
-// (docs/formats.md).
+// One recorded or simulated contact, or several (`touches`), labelled: time,
+// and the three signals and/or the taxel frames they come from. Mirrors a group
+// of the trial file (docs/formats.md).
 //
 //   std::vector<float> frame(trial.taxels.rows * trial.taxels.columns);
 //   for (size_t t = 0; t < trial.taxels.frames(); ++t) {
@@ -19,6 +19,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
+#include "core/data/touch.h"
 #include "core/features/feature.h"
 #include "core/skin/frame.h"
 #include "core/skin/layout.h"
@@ -59,6 +60,12 @@ struct Trial {
   // Empty, or one per time: how far the object has moved, m; truth, never an
   // input.
   std::vector<double> object_motion;
+
+  // Empty: the whole trial has one contact, of `label`. Else its contacts in
+  // the order of their beginnings, at most limits::kMaxTouchesPerTrial. What
+  // the trial says of its object is then said of the first of them, and
+  // `object_motion` is empty.
+  std::vector<Touch> touches;
 
   // "HU", "HM", "SU", "SM", or any other class name.
   std::string label;

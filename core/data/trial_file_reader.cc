@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <utility>
@@ -83,6 +84,60 @@ absl::Status ReadArrays(hid_t group, const Hdf5Complaint& complain,
 
   return ReadDoubles(group, "object_motion", frames, 0, complain,
                      &trial->object_motion);
+}
+
+absl::Status ReadTouch(hid_t group, const Hdf5Complaint& complain,
+                       Touch* touch) {
+  double row = std::nan("");
+  double column = std::nan("");
+  const std::pair<const char*, double*> numbers[] = {
+      {"begin_s", &touch->begin_s},
+      {"end_s", &touch->end_s},
+      {"stiffness", &touch->stiffness},
+      {"row", &row},
+      {"column", &column},
+  };
+  for (const auto& [name, value] : numbers) {
+    TACTUS_RETURN_IF_ERROR(ReadNumber(group, name, complain, value));
+  }
+  if (!std::isnan(row) || !std::isnan(column)) {
+    touch->centre = SkinPoint{row, column};
+  }
+  const std::pair<const char*, std::string*> texts[] = {
+      {"label", &touch->label},
+      {"object", &touch->object},
+      {"material", &touch->material},
+  };
+  for (const auto& [name, value] : texts) {
+    TACTUS_RETURN_IF_ERROR(ReadText(group, name, complain, value));
+  }
+  return ReadDoubles(group, "object_motion", 0, 0, complain,
+                     &touch->object_motion);
+}
+
+absl::Status ReadTouches(hid_t trial, const Hdf5Complaint& complain,
+                         std::vector<Touch>* touches) {
+  TACTUS_ASSIGN_OR_RETURN(const bool has,
+                          HasHardLink(trial, "touches", complain));
+  if (!has) return absl::OkStatus();
+  const Hdf5Handle all(H5Gopen2(trial, "touches", H5P_DEFAULT), H5Gclose);
+  if (!all.ok()) return complain.Hdf5("touches");
+  TACTUS_ASSIGN_OR_RETURN(const std::vector<std::string> names,
+                          ListNames(all.get(), complain));
+  if (names.size() > limits::kMaxTouchesPerTrial) {
+    return complain("touches", "there are ", names.size(), "; at most ",
+                    limits::kMaxTouchesPerTrial, " are allowed");
+  }
+  for (const std::string& name : names) {
+    TACTUS_RETURN_IF_ERROR(
+        HasHardLink(all.get(), name.c_str(), complain).status());
+    const Hdf5Handle group(H5Gopen2(all.get(), name.c_str(), H5P_DEFAULT),
+                           H5Gclose);
+    if (!group.ok()) return complain.Hdf5("touches");
+    TACTUS_RETURN_IF_ERROR(
+        ReadTouch(group.get(), complain, &touches->emplace_back()));
+  }
+  return absl::OkStatus();
 }
 
 absl::Status ReadAttributes(hid_t group, const Hdf5Complaint& complain,
@@ -256,6 +311,7 @@ absl::StatusOr<Trial> TrialFileReader::Read(size_t index) const {
   if (!group.ok()) return complain.Hdf5("group");
   TACTUS_RETURN_IF_ERROR(ReadArrays(group.get(), complain, &trial));
   TACTUS_RETURN_IF_ERROR(ReadAttributes(group.get(), complain, &trial));
+  TACTUS_RETURN_IF_ERROR(ReadTouches(group.get(), complain, &trial.touches));
   TACTUS_RETURN_IF_ERROR(
       ReadSkin(group.get(), complain, &state_->last_skin, &trial));
   TACTUS_RETURN_IF_ERROR(Validate(trial, state_->path));

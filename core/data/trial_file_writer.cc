@@ -146,6 +146,41 @@ bool WriteObjectMotion(hid_t group, const std::vector<double>& motion) {
       .ok();
 }
 
+// Keeps all attributes in the group's header: smaller and faster.
+Hdf5Handle CreateGroup(hid_t parent, const char* name) {
+  const Hdf5Handle properties(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
+  H5Pset_attr_phase_change(properties.get(), 32, 31);
+  return {H5Gcreate2(parent, name, H5P_DEFAULT, properties.get(), H5P_DEFAULT),
+          H5Gclose};
+}
+
+bool WriteTouch(hid_t group, const Touch& touch) {
+  return WriteNumber(group, "begin_s", touch.begin_s) &&
+         WriteNumber(group, "end_s", touch.end_s) &&
+         WriteText(group, "label", touch.label) &&
+         (!touch.centre ||
+          (WriteNumber(group, "row", touch.centre->row) &&
+           WriteNumber(group, "column", touch.centre->column))) &&
+         WriteText(group, "object", touch.object) &&
+         WriteText(group, "material", touch.material) &&
+         WriteNumber(group, "stiffness", touch.stiffness) &&
+         (touch.object_motion.empty() ||
+          WriteObjectMotion(group, touch.object_motion));
+}
+
+bool WriteTouches(hid_t trial, const std::vector<Touch>& touches) {
+  if (touches.empty()) return true;
+  Hdf5Handle all = CreateGroup(trial, "touches");
+  if (!all.ok()) return false;
+  for (size_t i = 0; i < touches.size(); ++i) {
+    Hdf5Handle group = CreateGroup(all.get(), TouchName(i).c_str());
+    if (!group.ok() || !WriteTouch(group.get(), touches[i]) || !group.Close()) {
+      return false;
+    }
+  }
+  return all.Close();
+}
+
 bool WriteTrial(hid_t group, const Trial& trial) {
   const hsize_t frames = trial.time.size();
   static_assert(sizeof(FeatureVector) == kFeatureCount * sizeof(double));
@@ -157,6 +192,7 @@ bool WriteTrial(hid_t group, const Trial& trial) {
          (trial.poses.empty() || WritePoses(group, trial.poses)) &&
          (trial.object_motion.empty() ||
           WriteObjectMotion(group, trial.object_motion)) &&
+         WriteTouches(group, trial.touches) &&
          (trial.source.empty() || WriteText(group, "source", trial.source)) &&
          WriteText(group, "label", trial.label) &&
          WriteText(group, "condition", trial.condition) &&
@@ -268,12 +304,7 @@ absl::Status TrialFileWriter::Append(const Trial& trial) {
   }
 
   const Hdf5Quiet quiet;
-  const Hdf5Handle properties(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
-  // Keeps all attributes in the group's header: smaller and faster.
-  H5Pset_attr_phase_change(properties.get(), 32, 31);
-  Hdf5Handle group(H5Gcreate2(state.trials.get(), id.c_str(), H5P_DEFAULT,
-                              properties.get(), H5P_DEFAULT),
-                   H5Gclose);
+  Hdf5Handle group = CreateGroup(state.trials.get(), id.c_str());
   if (!group.ok() || !WriteTrial(group.get(), trial) || !group.Close()) {
     return state.Break(absl::StrCat("trial ", id, " cannot be written"));
   }

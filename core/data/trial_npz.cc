@@ -1,5 +1,6 @@
 #include "core/data/trial_npz.h"
 
+#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -17,6 +18,11 @@ namespace tactus {
 namespace {
 
 constexpr size_t kPoseSize = 7;
+
+// As in a trial file, so that "touches/00/label" is the first touch's label.
+std::string TouchPrefix(size_t index) {
+  return absl::StrCat("touches/", TouchName(index), "/");
+}
 
 using NamedBytes = std::vector<std::pair<std::string, std::string>>;
 
@@ -42,6 +48,31 @@ void AddTaxels(const TaxelSeries& taxels, NamedBytes* arrays) {
                     : NpyBytes(shape, std::span<const uint16_t>(taxels.u16)));
   arrays->emplace_back("taxel_scale",
                        NpyBytes({}, std::span(&taxels.scale, 1)));
+}
+
+void AddTouches(const std::vector<Touch>& touches, NamedBytes* arrays) {
+  for (size_t i = 0; i < touches.size(); ++i) {
+    const Touch& touch = touches[i];
+    const std::string prefix = TouchPrefix(i);
+    const auto number = [&](const char* name, const double& value) {
+      arrays->emplace_back(prefix + name, NpyBytes({}, std::span(&value, 1)));
+    };
+    number("begin_s", touch.begin_s);
+    number("end_s", touch.end_s);
+    arrays->emplace_back(prefix + "label", NpyText(touch.label));
+    if (touch.centre) {
+      number("row", touch.centre->row);
+      number("column", touch.centre->column);
+    }
+    arrays->emplace_back(prefix + "object", NpyText(touch.object));
+    arrays->emplace_back(prefix + "material", NpyText(touch.material));
+    number("stiffness", touch.stiffness);
+    if (touch.object_motion.empty()) continue;
+    arrays->emplace_back(
+        prefix + "object_motion",
+        NpyBytes({touch.object_motion.size()},
+                 std::span<const double>(touch.object_motion)));
+  }
 }
 
 // Texts and numbers of a trial by their names in files.
@@ -101,6 +132,42 @@ class TrialArrays {
     return absl::OkStatus();
   }
 
+  // Fills `out` with touch `index`; nothing if the archive has no such touch.
+  absl::Status OneTouch(size_t index, std::optional<Touch>* out) {
+    const std::string prefix = TouchPrefix(index);
+    if (!arrays_.contains(prefix + "begin_s")) return absl::OkStatus();
+    Touch& touch = out->emplace();
+    double row = std::nan("");
+    double column = std::nan("");
+    const std::pair<const char*, double*> numbers[] = {
+        {"begin_s", &touch.begin_s},
+        {"end_s", &touch.end_s},
+        {"stiffness", &touch.stiffness},
+        {"row", &row},
+        {"column", &column},
+    };
+    for (const auto& [name, value] : numbers) {
+      TACTUS_RETURN_IF_ERROR(Number(prefix + name, value));
+    }
+    if (!std::isnan(row) || !std::isnan(column)) {
+      touch.centre = SkinPoint{row, column};
+    }
+    TACTUS_RETURN_IF_ERROR(Text(prefix + "label", &touch.label));
+    TACTUS_RETURN_IF_ERROR(Text(prefix + "object", &touch.object));
+    TACTUS_RETURN_IF_ERROR(Text(prefix + "material", &touch.material));
+    return Numbers(prefix + "object_motion", {0}, &touch.object_motion);
+  }
+
+  absl::Status Touches(std::vector<Touch>* out) {
+    for (size_t i = 0; i < limits::kMaxTouchesPerTrial; ++i) {
+      std::optional<Touch> touch;
+      TACTUS_RETURN_IF_ERROR(OneTouch(i, &touch));
+      if (!touch) break;
+      out->push_back(*std::move(touch));
+    }
+    return absl::OkStatus();
+  }
+
   absl::Status Skin(std::optional<SkinLayout>* out) {
     std::string text;
     TACTUS_RETURN_IF_ERROR(Text("skin", &text));
@@ -140,7 +207,8 @@ class TrialArrays {
         arrays_.begin()->first,
         "is of no use; use time, signals, taxels, taxel_scale, "
         "pose, object_motion, source, label, condition, object, material, "
-        "layout, skin, unit, stiffness, velocity and sample_rate_hz");
+        "layout, skin, unit, stiffness, velocity, sample_rate_hz and "
+        "touches/00/begin_s and so on (docs/formats.md)");
   }
 
  private:
@@ -189,6 +257,7 @@ absl::StatusOr<std::string> TrialToNpz(const Trial& trial) {
         "object_motion",
         NpyBytes({frames}, std::span<const double>(trial.object_motion)));
   }
+  AddTouches(trial.touches, &arrays);
   Trial attributes;
   attributes.source = trial.source;
   attributes.label = trial.label;
@@ -246,6 +315,7 @@ absl::StatusOr<Trial> TrialFromNpz(absl::string_view path,
   for (const auto& [name, number] : NumbersOf(trial)) {
     TACTUS_RETURN_IF_ERROR(arrays.Number(name, number));
   }
+  TACTUS_RETURN_IF_ERROR(arrays.Touches(&trial.touches));
   TACTUS_RETURN_IF_ERROR(arrays.CheckAllTaken());
   TACTUS_RETURN_IF_ERROR(Validate(trial, path));
   return trial;

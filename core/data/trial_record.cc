@@ -153,6 +153,43 @@ absl::Status TakeTaxels(const v1::TrialRecord& record,
   return absl::OkStatus();
 }
 
+void AddTouch(const Touch& touch, v1::TrialRecord* record) {
+  v1::Touch& to = *record->add_touches();
+  to.set_begin_s(touch.begin_s);
+  to.set_end_s(touch.end_s);
+  to.set_label(touch.label);
+  if (touch.centre) {
+    to.set_row(touch.centre->row);
+    to.set_column(touch.centre->column);
+  }
+  to.set_object(touch.object);
+  to.set_material(touch.material);
+  to.set_stiffness(touch.stiffness);
+  to.mutable_object_motion()->Add(touch.object_motion.begin(),
+                                  touch.object_motion.end());
+}
+
+absl::Status TakeTouches(const v1::TrialRecord& record,
+                         const RecordComplaint& complain, Trial* trial) {
+  for (const v1::Touch& from : record.touches()) {
+    Touch& touch = trial->touches.emplace_back();
+    touch.begin_s = from.begin_s();
+    touch.end_s = from.end_s();
+    touch.label = from.label();
+    if (from.has_row() != from.has_column()) {
+      return complain("touches", trial->touches.size() - 1,
+                      ": has a row or a column alone; give both or none");
+    }
+    if (from.has_row()) touch.centre = SkinPoint{from.row(), from.column()};
+    touch.object = from.object();
+    touch.material = from.material();
+    touch.stiffness = from.stiffness();
+    touch.object_motion.assign(from.object_motion().begin(),
+                               from.object_motion().end());
+  }
+  return absl::OkStatus();
+}
+
 void TakeArrays(const v1::TrialRecord& record, Trial* trial) {
   trial->time.assign(record.time().begin(), record.time().end());
   trial->signals.resize(record.signals_size() / kFeatureCount);
@@ -196,6 +233,7 @@ v1::TrialRecord ToRecord(const Trial& trial) {
   }
   record.mutable_object_motion()->Add(trial.object_motion.begin(),
                                       trial.object_motion.end());
+  for (const Touch& touch : trial.touches) AddTouch(touch, &record);
   const TaxelSeries& taxels = trial.taxels;
   if (taxels.empty()) return record;
   *record.mutable_geometry() = GeometryOf(trial);
@@ -269,6 +307,7 @@ absl::StatusOr<Trial> FromRecord(const v1::TrialRecord& record) {
   TACTUS_RETURN_IF_ERROR(TakeUnit(record, complain, &trial));
   TACTUS_RETURN_IF_ERROR(TakeTaxels(record, complain, &trial));
   TakeArrays(record, &trial);
+  TACTUS_RETURN_IF_ERROR(TakeTouches(record, complain, &trial));
   if (const absl::Status status = Validate(trial, kPath); !status.ok()) {
     return InvalidTrial(
         absl::StripPrefix(status.message(), absl::StrCat(kPath, ": ")));

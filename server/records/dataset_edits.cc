@@ -228,6 +228,12 @@ absl::Status DatasetStore::StoreRelabelled(BlobStore::Batch& batch,
       data_->blobs().Read(trial.sha256(), limits::kMaxTrialRecordBytes));
   TACTUS_ASSIGN_OR_RETURN(v1::TrialRecord record,
                           StoredTrialRecord(bytes, trial.sha256()));
+  if (record.touches_size() > 0) {
+    return InvalidTrial(absl::StrCat(
+        "trial ", Quoted(trial.id()), " has ", record.touches_size(),
+        " touches with a label each, which no relabelling changes; upload it "
+        "with other labels instead"));
+  }
   record.set_label(label);
   const std::string relabelled = SerializeDeterministic(record);
   if (relabelled.size() > limits::kMaxTrialRecordBytes) {

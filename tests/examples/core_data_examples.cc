@@ -18,6 +18,7 @@
 #include "core/data/recording/recording_reader.h"
 #include "core/data/recording/recording_writer.h"
 #include "core/data/similar_names.h"
+#include "core/data/touch.h"
 #include "core/data/trial.h"
 #include "core/data/trial_csv.h"
 #include "core/data/trial_file.h"
@@ -69,6 +70,10 @@ namespace tactus::examples {
 absl::Status Use(Trial trial);
 
 void Remark(const Trial& trial);
+
+static void TouchExample(Trial& trial) {
+#include "core/data/touch.h.inc"
+}
 
 static absl::Status TrialIdExample(
     Trial trial,

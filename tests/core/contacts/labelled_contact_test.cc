@@ -1,6 +1,7 @@
 #include "core/contacts/labelled_contact.h"
 
 #include "core/base/errors.h"
+#include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
 namespace tactus {
@@ -43,6 +44,24 @@ TEST(ExtractContactTest, TheSpreadOfTheLoadIsInMetres) {
   const LoadSpread spread = (*contact)->frames.back().sample.spread;
   EXPECT_NEAR(spread.rows, 0.0108 * 0.0108 * 3 / 16, 1e-10);
   EXPECT_EQ(spread.columns, 0);
+}
+
+// Its label is that of the first touch: models would learn wrong labels.
+TEST(ExtractContactTest, ATrialOfSeveralTouchesIsRefused) {
+  Trial trial;
+  trial.id = "000003";
+  trial.time = {0, 0.01, 0.02};
+  trial.signals = {{1, 0, 0}, {1, 0, 0}, {1, 0, 0}};
+  trial.label = "HU";
+  Touch touch;
+  touch.label = "HU";
+  trial.touches = {touch};
+  EXPECT_TRUE(ExtractContact(trial).ok());
+  trial.touches.push_back(touch);
+  const absl::Status status = ExtractContact(trial).status();
+  EXPECT_EQ(ReasonOf(status), "INVALID_TRAINING_DATA");
+  EXPECT_THAT(std::string(status.message()),
+              ::testing::HasSubstr("trial 000003 has 2 touches"));
 }
 
 TEST(ExtractContactTest, BelowOnsetItIsUndetectable) {

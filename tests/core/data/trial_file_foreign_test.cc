@@ -298,6 +298,7 @@ TEST(ForeignTrialFileTest, H5pyReadsWhatWeWrite) {
   trial.object.clear();
   trial.taxels.u16[5] = 4711;
   ASSERT_TRUE(writer->Append(trial).ok());
+  ASSERT_TRUE(writer->Append(TrialOfTouches(8, 40)).ok());
   ASSERT_TRUE(writer->Close().ok());
   WriteBytes(dir / "check.py", R"(
 import sys, h5py
@@ -315,6 +316,14 @@ assert abs((g['pose'][:, 3:] ** 2).sum(axis=1) - 1).max() < 1e-12
 assert text(g.attrs['label']) == 'SM' and text(g.attrs['object']) == ''
 assert text(g.attrs['material']) == 'polymer foam'
 assert g.attrs['stiffness'] == 1234.5678901234567
+g = f['trials/000001']
+assert list(g['touches']) == ['00', '01']
+t = g['touches/00']
+assert t.attrs['begin_s'] == g['time'][1] and t.attrs['end_s'] == g['time'][39]
+assert t.attrs['row'] == 1 / 3 and t.attrs['column'] == 2.7
+assert t['object_motion'].shape == (39,)
+assert text(g['touches/01'].attrs['label']) == 'egg'
+assert 'row' not in g['touches/01'].attrs
 )");
   const std::string command =
       "/usr/bin/python3 " + (dir / "check.py") + " " + (dir / "a.h5");
@@ -340,6 +349,11 @@ with h5py.File(sys.argv[1], 'w') as f:
     d.attrs['scale'] = 0.001
     g.attrs['label'] = 'HU'
     g.attrs['object'] = 'gr\u00fcn'
+    for i, (begin, end, label) in enumerate([(1, 1.99, 'HU'), (2.5, 4, 'SM')]):
+        t = g.create_group(f'touches/{i:02d}')
+        t.attrs['begin_s'] = begin
+        t.attrs['end_s'] = end
+        t.attrs['label'] = label
 )");
   const std::string command =
       "/usr/bin/python3 " + (dir / "write.py") + " " + (dir / "a.h5");
@@ -350,6 +364,11 @@ with h5py.File(sys.argv[1], 'w') as f:
   ASSERT_TRUE(trial.ok()) << trial.status();
   EXPECT_EQ(trial->label, "HU");
   EXPECT_EQ(trial->object, "gr\xC3\xBCn");
+  ASSERT_EQ(trial->touches.size(), 2);
+  EXPECT_EQ(trial->touches[1].label, "SM");
+  EXPECT_EQ(trial->touches[1].begin_s, 2.5);
+  EXPECT_EQ(trial->touches[0].end_s, 1.99);
+  EXPECT_FALSE(trial->touches[0].centre);
   EXPECT_EQ(trial->taxels.scale, 0.001);
   EXPECT_EQ(trial->taxels.u16, std::vector<uint16_t>(500 * 16 * 24, 20));
 }

@@ -30,7 +30,8 @@ absl::Status WriteFile(const std::string& path,
 TEST(TrialFileTest, EveryFieldComesBackBitForBit) {
   const ScratchDir dir;
   std::vector<Trial> trials = {FullTrial(1, 500), FullTrial(2, 3, true),
-                               FullTrial(3, 1), FullTrial(4, 40'000)};
+                               FullTrial(3, 1), FullTrial(4, 40'000),
+                               TrialOfTouches(5, 40)};
   trials[1].poses.clear();
   trials[1].object_motion.clear();
   trials[2].signals.clear();
@@ -48,6 +49,23 @@ TEST(TrialFileTest, EveryFieldComesBackBitForBit) {
     trials[i].id = trial->id;
     EXPECT_TRUE(SameBits(trials[i], *trial)) << i;
   }
+}
+
+// 64 touches have names that sort as they are numbered.
+TEST(TrialFileTest, TouchesKeepTheirOrder) {
+  const ScratchDir dir;
+  Trial trial = TrialOfTouches(1, 200);
+  const Touch touch = trial.touches[1];
+  trial.touches.assign(64, touch);
+  for (int i = 0; i < 64; ++i) {
+    Touch& each = trial.touches[i];
+    each.begin_s = each.end_s = trial.time[2 * i];
+    each.label = i == 0 ? trial.label : "class " + std::to_string(i);
+  }
+  ASSERT_TRUE(WriteFile(dir / "a.h5", {trial}).ok());
+  const auto back = TrialFileReader::Open(dir / "a.h5")->Read(0);
+  ASSERT_TRUE(back.ok()) << back.status();
+  EXPECT_TRUE(SameTouches(back->touches, trial.touches));
 }
 
 TEST(TrialFileTest, AFileWithoutTrialsIsValid) {

@@ -26,6 +26,21 @@ TEST(TrialNpzTest, EveryFieldComesBackBitForBit) {
   }
 }
 
+TEST(TrialNpzTest, TouchesComeBackBitForBit) {
+  const Trial trial = TrialOfTouches(3, 17);
+  const auto bytes = TrialToNpz(trial);
+  ASSERT_TRUE(bytes.ok()) << bytes.status();
+  auto back = TrialFromNpz("x.npz", *bytes);
+  ASSERT_TRUE(back.ok()) << back.status();
+  EXPECT_TRUE(SameBits(trial, *back));
+  // By the names that docs/formats.md gives them.
+  const auto arrays = ParseNpz("x.npz", *bytes);
+  ASSERT_TRUE(arrays.ok()) << arrays.status();
+  EXPECT_EQ(arrays->at("touches/01/label").text.front(), "egg");
+  EXPECT_EQ(arrays->at("touches/00/row").f64.front(), 1.0 / 3);
+  EXPECT_FALSE(arrays->contains("touches/01/row"));
+}
+
 // What somebody writes by hand: no more than is needed, other number types.
 TEST(TrialNpzTest, TheLeastIsRead) {
   const std::vector<double> time = {0, 0.01};

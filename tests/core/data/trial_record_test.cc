@@ -50,6 +50,23 @@ TEST(TrialRecordTest, EveryBitComesBack) {
   }
 }
 
+TEST(TrialRecordTest, TouchesComeBack) {
+  Trial trial = TrialOfTouches(3, 9);
+  trial.id = "000042";
+  const auto same = ThereAndBack(trial);
+  ASSERT_TRUE(same.ok()) << same.status();
+  EXPECT_TRUE(SameBits(trial, *same));
+  v1::TrialRecord record = ToRecord(trial);
+  EXPECT_EQ(record.touches(1).label(), "egg");
+  EXPECT_FALSE(record.touches(1).has_row());
+  EXPECT_EQ(record.touches(0).column(), 2.7);
+  record.mutable_touches(1)->set_row(1);
+  const absl::Status half = FromRecord(record).status();
+  EXPECT_EQ(ReasonOf(half), "INVALID_TRIAL");
+  EXPECT_THAT(std::string(half.message()),
+              HasSubstr("trial 000042: touches: 1: has a row or a column"));
+}
+
 TEST(TrialRecordTest, PartsMayBeAbsent) {
   Trial bare;
   bare.id = "a";

@@ -3,7 +3,9 @@
 // Small valid trials, for the tests of core/data.
 #pragma once
 
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include "core/base/random.h"
 #include "core/data/trial.h"
@@ -65,6 +67,43 @@ inline Trial FullTrial(uint64_t seed, int frames, bool floats = false) {
   return trial;
 }
 
+// FullTrial with two touches that overlap: one with all that may be known of
+// it, one with nothing but its label. `frames` >= 3.
+inline Trial TrialOfTouches(uint64_t seed, int frames, bool floats = false) {
+  Trial trial = FullTrial(seed, frames, floats);
+  trial.object_motion.clear();
+  Touch first;
+  first.begin_s = trial.time[1];
+  first.end_s = trial.time[frames - 1];
+  first.label = trial.label;
+  first.centre = {1.0 / 3, 2.7};
+  first.object = "cube, gr\xC3\xBCn";
+  first.material = "foam";
+  first.stiffness = 1e5 / 3;
+  for (int t = 1; t < frames; ++t) first.object_motion.push_back(1e-4 * t / 3);
+  Touch second;
+  second.begin_s = trial.time[1] + 1e-5;
+  second.end_s = second.begin_s;
+  second.label = "egg";
+  trial.touches = {first, second};
+  return trial;
+}
+
+inline bool SameTouches(const std::vector<Touch>& a,
+                        const std::vector<Touch>& b) {
+  const auto same = [](const Touch& x, const Touch& y) {
+    const auto centre = [](const Touch& t) {
+      return std::vector<double>{t.centre ? t.centre->row : -1,
+                                 t.centre ? t.centre->column : -1};
+    };
+    return x.begin_s == y.begin_s && x.end_s == y.end_s && x.label == y.label &&
+           centre(x) == centre(y) && x.object == y.object &&
+           x.material == y.material && x.stiffness == y.stiffness &&
+           x.object_motion == y.object_motion;
+  };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), same);
+}
+
 // True if all numbers have the same bits and all texts are the same.
 inline bool SameBits(const Trial& a, const Trial& b) {
   const auto poses = [](const Trial& t) {
@@ -85,7 +124,8 @@ inline bool SameBits(const Trial& a, const Trial& b) {
          a.material == b.material && a.stiffness == b.stiffness &&
          a.object_motion == b.object_motion && a.velocity == b.velocity &&
          a.sample_rate_hz == b.sample_rate_hz && a.layout == b.layout &&
-         a.unit == b.unit && a.skin == b.skin;
+         a.unit == b.unit && a.skin == b.skin &&
+         SameTouches(a.touches, b.touches);
 }
 
 }  // namespace tactus

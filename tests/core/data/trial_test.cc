@@ -44,6 +44,7 @@ TEST(TaxelSeriesTest, FloatsComeAsTheyAre) {
 TEST(ValidateTrialTest, FullTrialsAreValid) {
   EXPECT_TRUE(Validate(FullTrial(1, 5), "x").ok());
   EXPECT_TRUE(Validate(FullTrial(1, 5, true), "x").ok());
+  EXPECT_TRUE(Validate(TrialOfTouches(1, 5), "x").ok());
   Trial bare;
   bare.time = {0};
   bare.signals = {{0, 0, 0}};
@@ -147,6 +148,56 @@ INSTANTIATE_TEST_SUITE_P(
                  [](Trial& t) { t.sample_rate_hz = 0; }},
         BadTrial{"sample_rate_hz", "is 20000",
                  [](Trial& t) { t.sample_rate_hz = 20000; }}));
+
+class ValidateBadTouchTest : public testing::TestWithParam<BadTrial> {};
+
+TEST_P(ValidateBadTouchTest, NamesTheTouchAndTheValue) {
+  Trial trial = TrialOfTouches(7, 4);
+  trial.id = "000042";
+  GetParam().spoil(trial);
+  const absl::Status status = Validate(trial, "file.h5");
+  EXPECT_EQ(ReasonOf(status), "TRIAL_FILE_INVALID");
+  EXPECT_THAT(std::string(status.message()),
+              HasSubstr(std::string("file.h5: trial 000042: touches: ") +
+                        GetParam().part));
+  EXPECT_THAT(std::string(status.message()), HasSubstr(GetParam().text));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, ValidateBadTouchTest,
+    testing::Values(
+        BadTrial{"0: begin_s", "is -1 s",
+                 [](Trial& t) { t.touches[0].begin_s = -1; }},
+        BadTrial{"1: begin_s", "before the begin of the touch before",
+                 [](Trial& t) { t.touches[1].begin_s = t.time[0]; }},
+        BadTrial{"1: begin_s", "is 9 s",
+                 [](Trial& t) { t.touches[1].begin_s = 9; }},
+        BadTrial{"1: end_s", "is 9 s",
+                 [](Trial& t) { t.touches[1].end_s = 9; }},
+        BadTrial{"1: end_s", "is nan",
+                 [](Trial& t) { t.touches[1].end_s = kNan; }},
+        BadTrial{"1: end_s", "it must be begin_s",
+                 [](Trial& t) { t.touches[1].end_s = t.time[0]; }},
+        BadTrial{"0: label", "\"SU\"; it must be the trial's, \"SM\"",
+                 [](Trial& t) { t.touches[0].label = "SU"; }},
+        BadTrial{"1: label", "300 bytes",
+                 [](Trial& t) { t.touches[1].label = std::string(300, 'x'); }},
+        BadTrial{"1: object", "control character",
+                 [](Trial& t) { t.touches[1].object = "a\n"; }},
+        BadTrial{"1: stiffness", "is -1",
+                 [](Trial& t) { t.touches[1].stiffness = -1; }},
+        BadTrial{"0: row", "is nan",
+                 [](Trial& t) { t.touches[0].centre->row = kNan; }},
+        BadTrial{"0: column", "is 65",
+                 [](Trial& t) { t.touches[0].centre->column = 65; }},
+        BadTrial{"0: object_motion", "has 4 entries; it must have",
+                 [](Trial& t) { t.touches[0].object_motion.push_back(0); }},
+        BadTrial{"0: entry 1 of object_motion", "is inf",
+                 [](Trial& t) { t.touches[0].object_motion[1] = kInf; }},
+        BadTrial{"the trial has an object_motion", "its own",
+                 [](Trial& t) { t.object_motion.assign(4, 0); }},
+        BadTrial{"there are 65", "at most 64",
+                 [](Trial& t) { t.touches.resize(65, t.touches[0]); }}));
 
 }  // namespace
 }  // namespace tactus

@@ -68,6 +68,25 @@ TEST_F(DatasetEditsTest, ARelabelledRecordKeepsEverythingElse) {
   EXPECT_EQ(trials->front().label(), "X");
 }
 
+// Each touch has its own label; the trial's is that of the first.
+TEST_F(DatasetEditsTest, ATrialOfTouchesIsNotRelabelled) {
+  Open();
+  Trial trial = testing::SmallTrial(20, 5);
+  trial.id = "trial-x";
+  Touch touch;
+  touch.label = trial.label;
+  trial.touches = {touch, touch};
+  const auto uploaded =
+      stores_->Upload(testing::Packed(ToRecord(trial).SerializeAsString()));
+  ASSERT_TRUE(uploaded.ok()) << uploaded.status();
+  v1::RelabelTrialsRequest request = Relabelling("");
+  request.set_trials(0, trial.id);
+  const auto refused = stores_->datasets->Relabel(request, kCaller);
+  EXPECT_EQ(ReasonOf(refused.status()), "INVALID_TRIAL");
+  EXPECT_THAT(std::string(refused.status().message()),
+              ::testing::HasSubstr("trial-x\" has 2 touches"));
+}
+
 TEST_F(DatasetEditsTest, AQuotaThatIsExceededChangesNothing) {
   const auto use = static_cast<int64_t>(Pack(0, 4).size());
   Open({.stored_bytes = use});

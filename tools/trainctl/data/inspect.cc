@@ -104,10 +104,13 @@ absl::StatusOr<Json> InspectTrials(const std::string& path,
   std::map<std::string, int> skins;
   ContactSummary contacts;
   size_t frames = 0;
+  size_t touches = 0;
   int with_poses = 0;
   for (size_t i = 0; i < reader.size(); ++i) {
     TACTUS_ASSIGN_OR_RETURN(const Trial trial, reader.Read(i));
-    ++labels[trial.label];
+    if (trial.touches.empty()) ++labels[trial.label];
+    for (const Touch& touch : trial.touches) ++labels[touch.label];
+    touches += trial.touches.size();
     ++conditions[trial.condition];
     ++materials[trial.material];
     ++layouts[trial.layout];
@@ -131,6 +134,7 @@ absl::StatusOr<Json> InspectTrials(const std::string& path,
   return Json{{"kind", "trials"},
               {"trials", reader.size()},
               {"frames", frames},
+              {"touches", touches},
               {"counts", labels},
               {"layouts", layouts},
               {"skins", skin_list},
