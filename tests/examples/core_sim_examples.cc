@@ -30,6 +30,7 @@
 #include "core/sim/skin/dent_kernels.h"
 #include "core/sim/skin/line_contact.h"
 #include "core/sim/skin/record_contact.h"
+#include "core/sim/skin/record_contacts.h"
 #include "core/sim/skin/signals.h"
 #include "core/sim/skin/simulated_contact.h"
 #include "core/sim/skin/skin_model.h"
@@ -110,6 +111,13 @@ static absl::Status PaperSetExample(uint64_t seed) {
 static absl::Status MaterialsExample(const std::string& csv_text) {
 #include "core/sim/model/materials.h.inc"
   return absl::OkStatus();
+}
+
+static void RecordContactsExample(const SimulatedContact& first,
+                                  const SimulatedContact& second,
+                                  const Trial& metadata, const SkinModel& skin,
+                                  const LinkMotion& motion, Random& random) {
+#include "core/sim/skin/record_contacts.h.inc"
 }
 
 static void EquilibriumExample(const ContactScene& scene) {
