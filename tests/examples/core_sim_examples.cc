@@ -17,8 +17,11 @@
 #include "core/sim/exact/simulate_contact.h"
 #include "core/sim/experiments/cody_set.h"
 #include "core/sim/experiments/grid_set.h"
+#include "core/sim/experiments/link_path.h"
 #include "core/sim/experiments/paper_set.h"
+#include "core/sim/experiments/random_scene.h"
 #include "core/sim/experiments/random_world.h"
+#include "core/sim/experiments/world_draws.h"
 #include "core/sim/model/contact_phase.h"
 #include "core/sim/model/equilibrium.h"
 #include "core/sim/model/materials.h"
@@ -188,6 +191,24 @@ static absl::Status RecordContactExample(const SimulatedContact& contact,
   int never_felt = 0;
 #include "core/sim/skin/record_contact.h.inc"
   return absl::OkStatus();
+}
+
+static void LinkPathExample(const SkinModel& skin, const PlacedContact& first,
+                            const PlacedContact& second,
+                            size_t last_frame_of_first,
+                            size_t last_frame_of_second, size_t frames,
+                            LinkMotion& motion) {
+#include "core/sim/experiments/link_path.h.inc"
+}
+
+static absl::Status RandomSceneExample(const SkinModel& skin, uint64_t seed,
+                                       uint64_t number) {
+#include "core/sim/experiments/random_scene.h.inc"
+  return absl::OkStatus();
+}
+
+static void WorldDrawsExample(Random& random) {
+#include "core/sim/experiments/world_draws.h.inc"
 }
 
 static absl::Status RandomWorldExample(const SkinModel& skin, uint64_t seed) {

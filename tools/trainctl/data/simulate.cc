@@ -40,6 +40,8 @@ int Sum(const int (&counts)[4]) {
 }
 
 struct Tally {
+  int trials = 0;
+  // Over all contacts of the trials.
   int counts[4] = {};
   int never_felt = 0;
   int clamped = 0;
@@ -47,8 +49,12 @@ struct Tally {
 
 void Count(const SensedContact& contact, const SimulateFlags& flags,
            const SkinLayout& layout, Tally& tally) {
-  const auto* found = std::find(kLabels, kLabels + 4, contact.trial.label);
-  ++tally.counts[found - kLabels];
+  const auto count = [&tally](const std::string& label) {
+    ++tally.counts[std::find(kLabels, kLabels + 4, label) - kLabels];
+  };
+  ++tally.trials;
+  if (contact.trial.touches.empty()) count(contact.trial.label);
+  for (const Touch& touch : contact.trial.touches) count(touch.label);
   tally.clamped += contact.clamped;
   tally.never_felt += !flags.skin.empty() && !Detectable(contact.trial, layout);
 }
@@ -82,12 +88,17 @@ void Print(const SimulateFlags& flags, const Tally& tally) {
   const int(*paper)[4] = CountsOfPaper(flags.protocol);
   if (flags.json) {
     Json json = {{"protocol", flags.protocol},
-                 {"trials", Sum(tally.counts)},
+                 {"trials", tally.trials},
                  {"counts", ToJson(tally.counts)}};
     if (paper != nullptr) json["paper_counts"] = ToJson(*paper);
     json["undetectable"] = tally.never_felt;
     json["strain_clamped"] = tally.clamped;
     if (goal) json["goal_m"] = *goal;
+    if (flags.scene.touches > 1) {
+      json["touches"] = flags.scene.touches;
+      json["gap_s"] = flags.scene.gap_s;
+    }
+    if (flags.scene.objects > 1) json["objects"] = flags.scene.objects;
     if (flags.skin.empty()) {
       json["noise"] = NoiseOrDefault(flags.noise);
     } else {
@@ -138,12 +149,12 @@ absl::Status RunSimulate(const SimulateFlags& flags) {
       TACTUS_RETURN_IF_ERROR(contacts.status());
       simulating.Add((grid ? static_cast<double>(contacts->size()) : 1) / all);
       for (const SensedContact& contact : *contacts) {
-        if (Sum(tally.counts) == limit) break;
+        if (tally.trials == limit) break;
         Count(contact, flags, layout, tally);
         if (writer) TACTUS_RETURN_IF_ERROR(writer->Append(contact.trial));
       }
     }
-    if (Sum(tally.counts) == limit) break;
+    if (tally.trials == limit) break;
   }
   if (writer) TACTUS_RETURN_IF_ERROR(writer->Close());
   display.Clear();
@@ -163,7 +174,23 @@ void AddSimulate(CLI::App& app, const SelectCommand& select) {
       "paper (its 1,835 trials), grid (other robot conditions), cody (its "
       "robot experiment) or random (objects, arms and places of all kinds)");
   command->add_option("--contacts", flags->contacts,
-                      "Number of contacts of --protocol=random");
+                      "Number of trials of --protocol=random");
+  CLI::Option* touches = command->add_option(
+      "--touches", flags->scene.touches,
+      "Contacts of each random trial: the arm lets go and touches another "
+      "object");
+  command
+      ->add_option("--gap", flags->scene.gap_s,
+                   "Seconds without load between two of --touches")
+      ->needs(touches);
+  command
+      ->add_option("--objects", flags->scene.objects,
+                   "Objects that press at overlapping times in each random "
+                   "trial, up to 4")
+      ->excludes(touches);
+  command->add_option("--touch-seconds", flags->scene.touch_s,
+                      "Of --touches and --objects: seconds from a touch to its "
+                      "lift-off");
   command->add_option("--skin", flags->skin,
                       "Skin that records the contacts: paper, good or measured "
                       "(docs/simulator.md); default: none, so that ideal "

@@ -141,6 +141,10 @@ absl::StatusOr<SimulateJobs> CodyJobs(const SimulateFlags& flags,
   return JobsOf(std::move(jobs));
 }
 
+bool HasSeveral(const SceneOptions& scene) {
+  return scene.touches > 1 || scene.objects > 1;
+}
+
 absl::StatusOr<SimulateJobs> WorldJobs(const SimulateFlags& flags) {
   if (!flags.stiffnesses.empty() || !flags.velocities.empty() ||
       !flags.goals.empty() || !flags.materials.empty()) {
@@ -150,13 +154,18 @@ absl::StatusOr<SimulateJobs> WorldJobs(const SimulateFlags& flags) {
   if (flags.contacts < 1) {
     return InvalidConfig("--contacts", flags.contacts, "at least 1");
   }
+  if (const absl::Status status = Validate(flags.scene); !status.ok()) {
+    return WithExitCode(status, kExitUsage);
+  }
   TACTUS_ASSIGN_OR_RETURN(const SkinModel skin, SkinModelNamed(flags.skin));
   return SimulateJobs{
       static_cast<size_t>(flags.contacts),
-      [skin, seed = flags.seed](
+      [skin, scene = flags.scene, seed = flags.seed](
           size_t i) -> absl::StatusOr<std::vector<SensedContact>> {
         SensedContact sensed;
-        TACTUS_ASSIGN_OR_RETURN(sensed.trial, WorldTrial(skin, seed, i));
+        TACTUS_ASSIGN_OR_RETURN(
+            sensed.trial, HasSeveral(scene) ? SceneTrial(skin, scene, seed, i)
+                                            : WorldTrial(skin, seed, i));
         return std::vector<SensedContact>{std::move(sensed)};
       }};
 }
@@ -188,6 +197,10 @@ absl::StatusOr<SimulateJobs> MakeJobs(const SimulateFlags& flags,
     return InvalidConfig("--sample", flags.sample, "at least 1");
   }
   if (flags.protocol == "random") return WorldJobs(flags);
+  if (HasSeveral(flags.scene)) {
+    return InvalidConfig("--protocol with --touches or --objects",
+                         flags.protocol, "random");
+  }
   if (flags.protocol == "cody") return CodyJobs(flags, layout);
   TACTUS_ASSIGN_OR_RETURN(const std::vector<Material> materials,
                           ReadMaterials(flags.materials));

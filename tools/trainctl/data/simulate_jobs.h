@@ -18,6 +18,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/data/trial.h"
+#include "core/sim/experiments/random_scene.h"
 #include "core/skin/layout.h"
 
 namespace tactus::client {
@@ -39,12 +40,14 @@ struct SimulateFlags {
   // A named skin (SkinModelNamed) that records the contacts; empty for ideal
   // signals.
   std::string skin;
-  // Contacts of the random world.
+  // Trials of the random world.
   int64_t contacts = 1000;
+  // Contacts of each of them.
+  SceneOptions scene;
   bool json = false;
 };
 
-// One contact as the sensor measures it.
+// One trial as the sensor measures it.
 struct SensedContact {
   Trial trial;
   // Some sample's strain had to be clamped.

@@ -31,13 +31,17 @@ TEST(ParseSceneTest, KeysAndDefaults) {
   EXPECT_EQ(scene->arm_mass_kg, kCodyArmMass);
   EXPECT_FALSE(scene->fixed);
   EXPECT_EQ(scene->actuator_damping, CriticalDamping(2050, kCodyArmMass));
+  EXPECT_GT(scene->retreat_after_s, 1e300);
   const auto other = ParseScene(
       R"({"m_arm": 2, "b_act": 0, "fixed": true, "m_obj": 1, "k_obj": 1e4,
-          "mu_s": 0.5, "mu_k": 0.5})");
+          "mu_s": 0.5, "mu_k": 0.5, "retreat_after": 1.5,
+          "retreat_speed": 0.03})");
   ASSERT_TRUE(other.ok()) << other.status();
   EXPECT_EQ(other->arm_mass_kg, 2);
   EXPECT_EQ(other->actuator_damping, 0);
   EXPECT_TRUE(other->fixed);
+  EXPECT_EQ(other->retreat_after_s, 1.5);
+  EXPECT_EQ(other->retreat_speed_m_s, 0.03);
 }
 
 TEST(ParseSceneTest, WhatIsWrongIsNamed) {

@@ -1,0 +1,69 @@
+#include "tools/trainctl/data/simulate_jobs.h"
+
+#include <algorithm>
+
+#include "core/base/errors.h"
+#include "gtest/gtest.h"
+
+namespace tactus::client {
+namespace {
+
+SimulateFlags RandomFlags() {
+  SimulateFlags flags;
+  flags.protocol = "random";
+  flags.skin = "good";
+  flags.contacts = 3;
+  return flags;
+}
+
+TEST(SimulateJobsTest, RandomTrialsHaveAsManyTouchesAsAskedFor) {
+  for (const SceneOptions& scene :
+       {SceneOptions{}, SceneOptions{.touches = 2, .touch_s = 0.5},
+        SceneOptions{.touch_s = 0.5, .objects = 3}}) {
+    SimulateFlags flags = RandomFlags();
+    flags.scene = scene;
+    const SkinLayout layout = *LayoutOf(flags);
+    const auto jobs = MakeJobs(flags, layout);
+    ASSERT_TRUE(jobs.ok()) << jobs.status();
+    ASSERT_EQ(jobs->count, 3);
+    const auto sensed = jobs->run(2);
+    ASSERT_TRUE(sensed.ok()) << sensed.status();
+    ASSERT_EQ(sensed->size(), 1);
+    const Trial& trial = sensed->front().trial;
+    EXPECT_EQ(trial.id, "000002");
+    const int several = std::max(scene.touches, scene.objects);
+    EXPECT_EQ(trial.touches.size(), several > 1 ? several : 0);
+  }
+}
+
+TEST(SimulateJobsTest, BadCombinationsAreNamed) {
+  const struct {
+    void (*spoil)(SimulateFlags&);
+    const char* field;
+  } cases[] = {
+      {[](SimulateFlags& f) { f.scene.touches = 0; }, "touches"},
+      {[](SimulateFlags& f) { f.scene.objects = 5; }, "objects"},
+      {[](SimulateFlags& f) { f.scene.gap_s = -1; }, "gap"},
+      {[](SimulateFlags& f) {
+         f.scene.touches = 2;
+         f.protocol = "paper";
+       },
+       "--protocol with --touches or --objects"},
+      {[](SimulateFlags& f) {
+         f.scene.objects = 2;
+         f.protocol = "cody";
+       },
+       "--protocol with --touches or --objects"},
+  };
+  for (const auto& c : cases) {
+    SimulateFlags flags = RandomFlags();
+    c.spoil(flags);
+    const SkinLayout layout = *LayoutOf(flags);
+    const auto jobs = MakeJobs(flags, layout);
+    EXPECT_EQ(ReasonOf(jobs.status()), "INVALID_CONFIG") << c.field;
+    EXPECT_EQ(InfoOf(jobs.status()).metadata().at("field"), c.field);
+  }
+}
+
+}  // namespace
+}  // namespace tactus::client
