@@ -34,8 +34,8 @@ struct KnownContact {
   // Where it is sought: its taxels in the frame before or, if it did not touch
   // then, all that it had of late.
   TaxelRows rows = {};
-  // The centroid of its region when it touched last, and how far that moves in a
-  // frame.
+  // The centroid of its region when it touched last, and how far that moves in
+  // a frame.
   SkinPoint centroid = {};
   SkinPoint velocity = {};
 };
