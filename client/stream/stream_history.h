@@ -47,6 +47,13 @@
 
 namespace tactus::client {
 
+// A contact that ended.
+struct EndedContact {
+  v1::Contact contact;
+  int64_t onset_time_ns = 0;
+  std::optional<v1::ContactScores> scores;
+};
+
 class StreamHistory {
  public:
   // How exact a replay is.
@@ -111,13 +118,6 @@ class StreamHistory {
   // Makes room by dropping messages that were sent once.
   char* Append(size_t bytes);
   void PopFront();
-  // A contact that ended.
-  struct Ended {
-    v1::Contact contact;
-    int64_t onset_time_ns = 0;
-    std::optional<v1::ContactScores> scores;
-  };
-
   // True if the robot may have this answer.
   bool IsNew(const v1::Answer& answer) const;
   const v1::ClassifyContactResponse* Rebase(
@@ -165,12 +165,12 @@ class StreamHistory {
   // The frame after the one with which all contacts of this trial had ended,
   // and the contact that ended last.
   uint64_t idle_from_ = 0;
-  std::optional<Ended> last_end_;
+  std::optional<EndedContact> last_end_;
   uint64_t idle_to_ = 0;
 
   // The same before the first message in the ring.
   uint64_t contacts_before_ = 0;
-  std::optional<Ended> end_before_;
+  std::optional<EndedContact> end_before_;
 
   // The current stream is not the first, and what it does not know.
   bool is_resumed_ = false;
@@ -180,7 +180,7 @@ class StreamHistory {
   // robot has had from an earlier stream.
   uint64_t base_superseded_ = 0;
   uint64_t repeated_superseded_ = 0;
-  std::optional<Ended> base_end_;
+  std::optional<EndedContact> base_end_;
   v1::ClassifyContactResponse rebased_;
 };
 

@@ -3,7 +3,7 @@
 # skin on a pseudo-terminal and the joint values by UDP, both from
 # moving_arm.py, in real time. The places of the contacts must be those that
 # moving_arm.py computes, within 15 mm, and a replay of the recording must give
-# the same posteriors.
+# the same answers.
 #
 #   tests/tools/stream/arm_stream_check.sh BUILD_FOLDER
 set -euo pipefail
@@ -44,10 +44,10 @@ echo '{"layout": "cody-forearm"}' >"$work/cody.json"
   --urdf="$here/../../golden/kinematics/scara.urdf" --skin-link=skin \
   --joints="127.0.0.1:$port" --seconds=15 --json --record="$work/arm.mcap" \
   >"$work/stream.json"
-# Poses, and answers with features, are in the recording.
+# Poses, and answers, are in the recording.
 "$bin/tactus-stream" --server="unix:$work/socket" --driver=replay \
   --data="$work/arm.mcap" | tail -n 1 | tee "$work/replay.txt"
-grep -Eq '^([0-9]+) of \1 posteriors equal' "$work/replay.txt"
+grep -Eq '^([0-9]+) of \1 answers equal' "$work/replay.txt"
 
 /usr/bin/python3 - "$work/arm.txt" "$work/stream.json" <<'CHECK'
 import json

@@ -59,7 +59,7 @@ compare() {
   fi
 
   stream --driver=replay --data="$1" >"$work/out"
-  grep -E "^([0-9]+) of \1 posteriors equal the recording's$" "$work/out"
+  grep -E "^([0-9]+) of \1 answers equal the recording's$" "$work/out"
 
   read -r begin end < <("$content" "$1" --last-chunk)
   for size in "$begin" $((begin + 1)) $((begin + 9)) $(((begin + end) / 2)) \
