@@ -1,11 +1,12 @@
 // Drives a StreamSession with messages of arbitrary bytes and with frame
 // batches whose fields are arbitrary, while the reader comes and goes. Every
-// posterior must be a probability distribution, every end have a reason, the
-// queue stay bounded.
+// contact's answers must be probability distributions, every event be about a
+// contact of its answer, every end have a reason, the queue stay bounded.
 #include <fuzzer/FuzzedDataProvider.h>
 
 #include <cmath>
 #include <cstring>
+#include <set>
 
 #include "core/base/errors.h"
 #include "core/base/limits.h"
@@ -21,16 +22,17 @@ using Request = tactus::v1::ClassifyContactRequest;
 #define REQUIRE(condition) \
   if (!(condition)) __builtin_trap()
 
-// A small skin, so that few bytes make a frame.
-constexpr int kSide = 3;
+// A small skin, so that few bytes make a frame, with room for two contacts.
+constexpr int kRows = 2;
+constexpr int kColumns = 9;
 
 Request Config(FuzzedDataProvider& data) {
   Request request;
   auto* config = request.mutable_config();
   auto* geometry = config->mutable_geometry();
   geometry->set_layout("fuzz");
-  geometry->set_rows(kSide);
-  geometry->set_columns(kSide);
+  geometry->set_rows(kRows);
+  geometry->set_columns(kColumns);
   geometry->set_row_pitch_m(0.01);
   geometry->set_column_pitch_m(0.01);
   geometry->set_taxel_area_m2(1e-4);
@@ -40,15 +42,22 @@ Request Config(FuzzedDataProvider& data) {
   geometry->set_onset_threshold(0.2);
   config->set_taxel_type(data.ConsumeBool() ? tactus::v1::TAXEL_TYPE_UINT16
                                             : tactus::v1::TAXEL_TYPE_FLOAT32);
-  config->set_scale(data.ConsumeBool() ? 0.001 : 0);
+  if (data.ConsumeBool()) config->set_scale(0.001);
   config->set_with_poses(data.ConsumeBool());
-  config->set_with_features(data.ConsumeBool());
-  config->set_release_after_ms(data.ConsumeIntegralInRange(-1, 50));
+  config->set_with_taxels(data.ConsumeBool());
+  config->set_with_diagnostics(data.ConsumeBool());
+  config->set_never_release(data.ConsumeBool());
+  if (!config->never_release()) {
+    config->set_release_after_ms(data.ConsumeIntegralInRange(1, 50));
+  }
+  if (data.ConsumeBool()) {
+    config->set_max_contacts(data.ConsumeIntegralInRange(1, 8));
+  }
   config->set_cadence(static_cast<tactus::v1::ResultCadence>(
       data.ConsumeIntegralInRange(0, 4)));
   config->set_result_interval_frames(data.ConsumeIntegralInRange(1, 4));
-  config->set_model_parts(
-      static_cast<tactus::v1::ModelParts>(data.ConsumeIntegralInRange(0, 2)));
+  config->set_effort(
+      static_cast<tactus::v1::Effort>(data.ConsumeIntegralInRange(0, 2)));
   return request;
 }
 
@@ -61,7 +70,7 @@ Request Frames(FuzzedDataProvider& data, uint64_t sequence) {
       data.ConsumeBool() ? static_cast<int64_t>(sequence) * 10'000'000
                          : data.ConsumeIntegral<int64_t>());
   batch->set_frame_count(count);
-  const size_t taxels = count * kSide * kSide;
+  const size_t taxels = count * kRows * kColumns;
   if (data.ConsumeBool()) {
     batch->set_taxels(
         data.ConsumeBytesAsString(taxels * (data.ConsumeBool() ? 2 : 4)));
@@ -69,7 +78,7 @@ Request Frames(FuzzedDataProvider& data, uint64_t sequence) {
     auto* sparse = batch->mutable_sparse();
     size_t entries = 0;
     for (uint32_t i = 0; i < count; ++i) {
-      sparse->add_counts(data.ConsumeIntegralInRange(0, kSide * kSide));
+      sparse->add_counts(data.ConsumeIntegralInRange(0, kRows * kColumns));
       entries += sparse->counts(static_cast<int>(i));
     }
     sparse->set_indices(data.ConsumeBytesAsString(2 * entries));
@@ -87,20 +96,41 @@ Request Frames(FuzzedDataProvider& data, uint64_t sequence) {
   return request;
 }
 
-void CheckPosterior(const tactus::v1::Answer& posterior) {
+void CheckDistribution(const google::protobuf::RepeatedField<double>& values) {
   double sum = 0;
-  for (const double p : posterior.probability()) {
+  for (const double p : values) {
     REQUIRE(p >= 0 && p <= 1);
     sum += p;
   }
   REQUIRE(std::abs(sum - 1) < 1e-6);
-  for (const double l : posterior.log_likelihood()) REQUIRE(std::isfinite(l));
-  REQUIRE(posterior.unknown() >= 0 && posterior.unknown() <= 1);
+}
+
+void CheckAnswer(const tactus::v1::Answer& answer) {
+  REQUIRE(answer.contacts_size() <= tactus::limits::kMaxContacts);
+  std::set<uint64_t> ids;
+  for (const tactus::v1::Contact& contact : answer.contacts()) {
+    REQUIRE(contact.id() > 0 && ids.insert(contact.id()).second);
+    CheckDistribution(contact.probability());
+    REQUIRE(contact.answers_size() == 2);
+    for (const auto& question : contact.answers()) {
+      CheckDistribution(question.probability());
+    }
+    REQUIRE(contact.unknown() >= 0 && contact.unknown() <= 1);
+    REQUIRE(contact.onset_sequence() <= answer.sequence());
+    REQUIRE(contact.has_patch() ==
+            (contact.state() == tactus::v1::Contact::STATE_TOUCHING));
+  }
+  for (const tactus::v1::ContactEvent& event : answer.events()) {
+    REQUIRE(ids.count(event.contact_id()) == 1);
+  }
+  for (const auto& scores : answer.diagnostics().contacts()) {
+    for (const double l : scores.log_likelihood()) REQUIRE(std::isfinite(l));
+  }
 }
 
 void Read(StreamSession& session) {
   while (const auto* response = session.responses().StartWrite(0)) {
-    if (response->has_answer()) CheckPosterior(response->answer());
+    if (response->has_answer()) CheckAnswer(response->answer());
     session.responses().FinishWrite();
   }
 }
