@@ -49,7 +49,7 @@ std::vector<Question> DefaultQuestions(
     const std::vector<std::string>& class_names);
 
 // Sets `value_probability` (one per value) to the sums of the probabilities of
-// the classes that answer with each value. Allocates nothing.
+// the classes that answer with each value, at most 1. Allocates nothing.
 void ValueProbability(const Question& question,
                       std::span<const double> class_probability,
                       std::span<double> value_probability);
