@@ -61,6 +61,23 @@ Request Config(FuzzedDataProvider& data) {
   return request;
 }
 
+// Frames with a load on some columns, which stays for several frames: any
+// bytes seldom make two contacts.
+std::string Presses(FuzzedDataProvider& data, uint32_t frames) {
+  std::string taxels;
+  uint32_t columns = 0;
+  for (uint32_t i = 0; i < frames; ++i) {
+    if (i == 0 || data.ConsumeIntegralInRange(0, 7) == 0) {
+      columns = data.ConsumeIntegral<uint16_t>();
+    }
+    for (int taxel = 0; taxel < kRows * kColumns; ++taxel) {
+      const uint16_t load = (columns >> taxel % kColumns & 1) * 2'000;
+      taxels.append(reinterpret_cast<const char*>(&load), sizeof(load));
+    }
+  }
+  return taxels;
+}
+
 Request Frames(FuzzedDataProvider& data, uint64_t sequence) {
   Request request;
   auto* batch = request.mutable_frames();
@@ -72,6 +89,8 @@ Request Frames(FuzzedDataProvider& data, uint64_t sequence) {
   batch->set_frame_count(count);
   const size_t taxels = count * kRows * kColumns;
   if (data.ConsumeBool()) {
+    batch->set_taxels(Presses(data, count));
+  } else if (data.ConsumeBool()) {
     batch->set_taxels(
         data.ConsumeBytesAsString(taxels * (data.ConsumeBool() ? 2 : 4)));
   } else {

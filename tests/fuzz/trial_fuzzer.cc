@@ -1,5 +1,5 @@
 // Gives arbitrary bytes to a TrialSession, with and without a good config in
-// front. Each trial must end, with a final posterior or with a reason.
+// front. Each trial must end, with a final answer or with a reason.
 #include <fuzzer/FuzzedDataProvider.h>
 
 #include "core/base/errors.h"

@@ -99,7 +99,8 @@ class Toucher {
 };
 
 // What a robot sends: trials of touches, with lost frames, in messages of up to
-// `batch` frames. A wide skin is touched by two objects.
+// `batch` frames. A wide skin is touched by two objects. The right one spreads
+// as its load grows, until it joins the left one around the seam.
 std::vector<v1::ClassifyContactRequest> Script(const v1::StreamConfig& config,
                                                int trials, int frames,
                                                uint32_t batch, uint64_t seed) {
@@ -133,7 +134,9 @@ std::vector<v1::ClassifyContactRequest> Script(const v1::StreamConfig& config,
         double value = random.Uniform(0, 0.01);
         const int column = taxel % columns;
         if (column < 3) value += on_left * random.Uniform();
-        if (column >= 7 && column < 10) value += on_right * random.Uniform();
+        if (column >= 7 && column < 9 + 2 * on_right) {
+          value += on_right * random.Uniform();
+        }
         const auto count = static_cast<uint16_t>(value / testing::kStep);
         open->mutable_taxels()->append(reinterpret_cast<const char*>(&count),
                                        sizeof(count));
@@ -339,8 +342,9 @@ TEST(StreamHistoryTest, LostStreamsGoOnBitForBit) {
       {v1::RESULT_CADENCE_EVERY_FRAME, 0, false, true, 100, 1, 14},
   };
   int losses = 0;
-  // Answers with two contacts.
-  int both_touch = 0;
+  // Answers with two contacts, and contacts that joined another.
+  int with_two = 0;
+  int merged = 0;
   for (const Case& c : cases) {
     v1::StreamConfig config =
         SmallConfig(c.with_poses, c.light_touch, c.rate_hz, c.columns);
@@ -357,7 +361,10 @@ TEST(StreamHistoryTest, LostStreamsGoOnBitForBit) {
       const std::vector<v1::Answer> want = Uninterrupted(config, script);
       ExpectEqual(robot.answers(), want);
       for (const v1::Answer& answer : want) {
-        both_touch += answer.contacts_size() > 1;
+        with_two += answer.contacts_size() > 1;
+        for (const v1::ContactEvent& event : answer.events()) {
+          merged += event.kind() == v1::ContactEvent::KIND_MERGED;
+        }
       }
       EXPECT_EQ(robot.inexact(), 0);
       losses += robot.losses();
@@ -365,7 +372,8 @@ TEST(StreamHistoryTest, LostStreamsGoOnBitForBit) {
     }
   }
   EXPECT_GT(losses, 150);
-  EXPECT_GT(both_touch, 500);
+  EXPECT_GT(with_two, 500);
+  EXPECT_GT(merged, 20);
 }
 
 // Plays `frames` frames without a touch, or with one touch that never ends.
