@@ -16,14 +16,20 @@ constexpr double kMaxReleaseFrames = 0x1p53;
 
 // Longer than all but one in 500 bounces of a strong contact of the random
 // world, and shorter than people take to touch again.
-constexpr double kStrongReleaseS = 0.25;
-// A strong contact's largest taxel, in contact_thresholds.
+constexpr double kGoneS = 0.25;
+// A load of this time is no bounce.
+constexpr double kSteadyS = 0.1;
+// A strong contact's largest taxel, and one that is too much for what comes
+// back after kGoneS, in contact_thresholds.
 constexpr double kStrong = 20;
-// The recent load fades by a factor of e in this time.
+constexpr double kNewLoad = 4;
+// A contact stays firm for this time.
 constexpr double kRecentS = 1;
 // A skin that has drawn back this far has let go. Above the noise of poses.
 constexpr double kDrawnBackM = 0.005;
-// A shorter loss of load says nothing.
+// Of the least mean that is felt: noise alone is seldom above.
+constexpr double kHalf = 0.5;
+// A shorter loss says nothing.
 constexpr uint64_t kLeastLoss = 3;
 
 // 0.07 s at 100 Hz is 7 frames, though the product is 7.000000000000001.
@@ -66,11 +72,11 @@ bool Reaches(const SkinLayout& layout, const Region& region,
 ContactTrack::ContactTrack(const SkinLayout& layout, const Options& options)
     : layout_(layout),
       release_frames_(ReleaseFrames(options)),
-      strong_release_frames_(
-          WholeFrames(kStrongReleaseS, options.sample_rate_hz)),
+      firm_release_frames_(WholeFrames(kGoneS, options.sample_rate_hz)),
+      steady_frames_(WholeFrames(kSteadyS, options.sample_rate_hz)),
+      recent_frames_(WholeFrames(kRecentS, options.sample_rate_hz)),
       options_(options),
       contact_threshold_(TaxelThreshold(layout.contact_threshold)),
-      fading_(std::exp(-1 / (kRecentS * options.sample_rate_hz))),
       row_loads_(options.load_profile ? layout.rows : 0),
       column_loads_(options.load_profile ? layout.columns : 0) {
   if (options.taxel_loads) loads_.reserve(layout.taxels());
@@ -81,9 +87,9 @@ void ContactTrack::Begin(uint64_t id, const FrameView& frame,
   id_ = id;
   features_ = {};
   lost_frames_ = 0;
-  unloaded_frames_ = 0;
-  faint_frames_ = 0;
-  recent_load_ = 0;
+  unfelt_frames_ = 0;
+  loaded_frames_ = 0;
+  since_firm_ = recent_frames_;
   onset_point_ = {touch.region->centroid_row, touch.region->centroid_column};
   travelled_ = false;
   has_pose_ = frame.pose != nullptr;
@@ -94,7 +100,7 @@ void ContactTrack::Begin(uint64_t id, const FrameView& frame,
     onset_normal_ = pose_.orientation * LinkNormal(layout_, onset_point_);
     onset_error_ = poses.NewestError(onset_link_position_, onset_normal_);
   }
-  KeepLoad(touch.region->max_value);
+  KeepFelt(touch.max_value, touch.light_peak);
   Measure(touch);
   features_.motion_m = Motion(frame.pose);
 }
@@ -121,7 +127,8 @@ void ContactTrack::Pause(const FrameView& frame) {
 }
 
 void ContactTrack::StepUnchanged(const FrameView& frame) {
-  KeepLoad(features_.max_force);
+  // There is no light touch where frames are compared.
+  KeepFelt(load_, /*light_peak=*/0);
   features_.motion_m = Motion(frame.pose);
 }
 
@@ -143,39 +150,55 @@ bool ContactTrack::Lost(const FrameView& frame, bool touched) {
 bool ContactTrack::IsClearlyOver(const FrameView& frame,
                                  const ContactTouch* touch,
                                  const RecentPoses& poses) {
-  const bool loaded =
-      touch != nullptr && touch->region->max_value >= contact_threshold_;
-  const bool was_loaded = unloaded_frames_ == 0;
-  if (loaded && was_loaded) {
-    KeepLoad(touch->region->max_value);
+  const bool is_loaded =
+      touch != nullptr && touch->max_value >= contact_threshold_;
+  const double light_peak = touch == nullptr ? 0 : touch->light_peak;
+  const double above_left = light_peak - kAboveFading * light_left_;
+  const bool is_felt =
+      is_loaded || (loaded_frames_ == 0 && above_left > options_.least_light);
+  if (is_felt && unfelt_frames_ == 0) {
+    KeepFelt(touch->max_value, light_peak);
     return false;
   }
-  const uint64_t gone = unloaded_frames_ + (loaded ? 0 : 1) +
-                        (was_loaded ? 0 : frame.missing_before);
-  if (was_loaded) farthest_m_ = -std::numeric_limits<double>::max();
-  // A fainter touch that lasts is one that light touch feels.
-  bool is_over = false;
-  if (faint_frames_ <= options_.fading_frames) {
-    const bool drawn_back = HasDrawnBack(poses);
-    const bool was_strong = recent_load_ >= kStrong * contact_threshold_;
-    is_over = gone >= release_frames_ ||
-              (was_strong && gone >= strong_release_frames_) ||
-              (drawn_back && gone >= kLeastLoss);
-  }
-  if (loaded) {
-    unloaded_frames_ = 0;
-    faint_frames_ = 0;
-    KeepLoad(touch->region->max_value);
+  if (unfelt_frames_ == 0) {
+    farthest_m_ = -std::numeric_limits<double>::max();
   } else {
-    unloaded_frames_ = gone;
-    faint_frames_ += touch != nullptr;
+    unfelt_frames_ += frame.missing_before;
   }
-  // While the means of light touch are above their level, nobody knows.
-  return is_over && (loaded || touch == nullptr);
+  const bool drawn_back = HasDrawnBack(poses);
+  const bool was_firm = since_firm_ < recent_frames_;
+  const bool is_new_load =
+      is_loaded && touch->max_value >= kNewLoad * contact_threshold_;
+  // A light touch may be there that is about to show.
+  const bool may_be_felt =
+      !is_loaded && above_left > kHalf * options_.least_light;
+  const uint64_t gone = unfelt_frames_ + !is_felt;
+  const bool is_over =
+      gone >= release_frames_ ||
+      (!may_be_felt &&
+       (((was_firm || is_new_load) && gone >= firm_release_frames_) ||
+        (drawn_back && gone >= kLeastLoss)));
+  if (!is_felt) {
+    unfelt_frames_ = gone;
+    // Of a load there is as much left as there is.
+    light_left_ =
+        loaded_frames_ > 0 ? light_peak : light_left_ * options_.fading;
+    loaded_frames_ = 0;
+  } else if (!is_over) {
+    KeepFelt(touch->max_value, light_peak);
+  }
+  return is_over;
 }
 
-void ContactTrack::KeepLoad(double largest) {
-  recent_load_ = std::max(recent_load_ * fading_, largest);
+void ContactTrack::KeepFelt(float largest, double light_peak) {
+  load_ = largest;
+  light_left_ = light_peak;
+  loaded_frames_ = largest >= contact_threshold_ ? loaded_frames_ + 1 : 0;
+  const bool is_firm = loaded_frames_ >= steady_frames_ ||
+                       largest >= kStrong * contact_threshold_;
+  since_firm_ =
+      is_firm ? 0 : std::min(since_firm_ + unfelt_frames_ + 1, recent_frames_);
+  unfelt_frames_ = 0;
 }
 
 bool ContactTrack::HasDrawnBack(const RecentPoses& poses) {

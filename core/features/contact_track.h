@@ -77,10 +77,18 @@ struct ContactTouch {
   std::span<const float> values;
   // It sums over rows.
   const Segmenter* segmenter = nullptr;
+  // The largest reading in any region of the contact; if it is below
+  // contact_threshold, also the largest TouchFinder::LightPeak, else 0.
+  float max_value = 0;
+  double light_peak = 0;
 };
 
 class ContactTrack {
  public:
+  // A mean of light touch that is above this times what is left of an earlier
+  // load, and Options::least_light, is that of a load that is there.
+  static constexpr double kAboveFading = 1.2;
+
   struct Options {
     double sample_rate_hz = 100;
     // Seconds; below 0 a contact is never released.
@@ -88,16 +96,23 @@ class ContactTrack {
     bool load_profile = true;
     bool taxel_loads = false;
     bool load_spread = false;
-    // A contact also ends before release_after_s when it is clearly over:
-    //   - it was strong, and its load is gone for longer than a bounce takes,
-    //     0.25 s; it was strong if a taxel read 20 times contact_threshold
-    //     within the last second or so;
-    //   - the skin has drawn back by 5 mm from where it lost the load.
-    // On a skin with light touch the means of a load that is gone fade away;
-    // the time in which they do counts as a part of the loss.
+    // A contact also ends before release_after_s when it is clearly over, and
+    // frames in which it is not felt count as a loss of touch. It is felt while
+    // a taxel reads contact_threshold. On a skin with light touch it is also
+    // felt while the largest mean of its region is above what is left of an
+    // earlier load (kAboveFading): once a load is gone, means fall by `fading`
+    // in each frame. It is over
+    //   - when it was firm and is not felt for longer than a bounce takes,
+    //     0.25 s. It was firm if, within the second before it was felt last,
+    //     some taxel read contact_threshold in each frame of 0.1 s, or one read
+    //     20 times as much;
+    //   - when it was not felt for 0.25 s and then some taxel reads 4 times
+    //     contact_threshold: that is the load of another contact;
+    //   - when the skin has drawn back by 5 mm from where it was felt last.
     bool release_by_evidence = false;
-    // Frames in which these means fade (TouchFinder::fading_frames).
-    uint64_t fading_frames = 0;
+    // Those of TouchFinder.
+    double fading = 0;
+    double least_light = 0;
   };
 
   // `layout` must be valid.
@@ -122,15 +137,22 @@ class ContactTrack {
   const FrameFeatures& features() const { return features_; }
   // After its end: all are 0.
   void ForgetFeatures() { features_ = {}; }
+  // With release_by_evidence: it does not touch the skin, or all that is felt is
+  // what is left of an earlier load; and the largest mean that is left of it.
+  bool unfelt() const { return unfelt_frames_ > 0; }
+  // It was not felt for longer than 0.1 s.
+  bool is_lost() const { return unfelt_frames_ > steady_frames_; }
+  double light_left() const { return light_left_; }
 
  private:
   // Counts a loss of touch; true once it is too long.
   bool Lost(const FrameView& frame, bool touched);
-  // Counts a loss of load; true if the contact is clearly over.
+  // Counts frames in which it is not felt; true if it is clearly over.
   bool IsClearlyOver(const FrameView& frame, const ContactTouch* touch,
                      const RecentPoses& poses);
-  void KeepLoad(double largest);
-  // True if the skin has drawn back since the load was lost.
+  // Takes a frame in which it is felt, by its largest reading and light_peak.
+  void KeepFelt(float largest, double light_peak);
+  // True if the skin has drawn back since the contact was felt last.
   bool HasDrawnBack(const RecentPoses& poses);
   // Measures all features but the motion.
   void Measure(const ContactTouch& touch);
@@ -139,24 +161,29 @@ class ContactTrack {
 
   SkinLayout layout_;
   // Frames of lost touch that release a contact, the largest value means never;
-  // and those after which a strong contact is over.
+  // those after which a firm contact is over; those of a steady load that make
+  // a contact firm, and those after which it is firm no more.
   uint64_t release_frames_;
-  uint64_t strong_release_frames_;
+  uint64_t firm_release_frames_;
+  uint64_t steady_frames_;
+  uint64_t recent_frames_;
   const Options options_;
   float contact_threshold_;
-  // Factor by which the recent load fades with each frame.
-  double fading_;
 
   uint64_t id_ = 0;
   FrameFeatures features_;
   uint64_t lost_frames_ = 0;
-  // Frames since a taxel was last at contact_threshold, and how many of them
-  // were touched all the same.
-  uint64_t unloaded_frames_ = 0;
-  uint64_t faint_frames_ = 0;
-  // The largest taxel, as it fades within a second or so.
-  double recent_load_ = 0;
-  // How far out the skin was, at the most, since the load was lost.
+  // Frames since it was felt last.
+  uint64_t unfelt_frames_ = 0;
+  // Frames with a taxel at contact_threshold in a row; and, when it was felt
+  // last, frames since it was firm.
+  uint64_t loaded_frames_ = 0;
+  uint64_t since_firm_ = 0;
+  // Its largest reading when it was felt last, and what is left of the largest
+  // mean since then.
+  float load_ = 0;
+  double light_left_ = 0;
+  // How far out the skin was, at the most, since it was felt last.
   double farthest_m_ = 0;
   // The place where the contact began: on the skin, in the link's frame and in
   // the world.

@@ -14,6 +14,15 @@ bool Takes(const KnownContact& contact) {
   return contact.active && contact.host == RegionOwners::kNobody;
 }
 
+// True if a region that overlaps contact `a` so much, and `b` so much, is that
+// of `a`. One that may have ended has less right to it.
+bool HasMore(const KnownContact& a, int overlap_a, const KnownContact& b,
+             int overlap_b) {
+  if (a.touched != b.touched) return a.touched;
+  if (overlap_a != overlap_b) return overlap_a > overlap_b;
+  return a.id < b.id;
+}
+
 }  // namespace
 
 void RegionOwners::Find(std::span<const RegionPlace> regions,
@@ -50,8 +59,9 @@ void RegionOwners::GiveOverlapping(std::span<const RegionPlace> regions,
       // A border that has grown over a neighbour counts less.
       const int overlap = sets_.Overlap(grown_[slot], regions[r].rows) +
                           sets_.Overlap(expected_[slot], regions[r].rows);
-      if (overlap == 0 || overlap < most) continue;
-      if (overlap == most && contacts[owners_[r]].id < contacts[slot].id) {
+      if (overlap == 0) continue;
+      if (owners_[r] != kNobody &&
+          !HasMore(contacts[slot], overlap, contacts[owners_[r]], most)) {
         continue;
       }
       most = overlap;
@@ -69,7 +79,7 @@ void RegionOwners::GiveNear(std::span<const RegionPlace> regions,
     for (int i = 0; i < kGap; ++i) sets_.Grow(near);
     int most = 0;
     for (size_t slot = 0; slot < contacts.size(); ++slot) {
-      if (!Takes(contacts[slot])) continue;
+      if (!Takes(contacts[slot]) || contacts[slot].lost) continue;
       const int overlap = sets_.Overlap(grown_[slot], near);
       if (overlap <= most) continue;
       most = overlap;

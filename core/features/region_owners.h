@@ -27,11 +27,13 @@ struct KnownContact {
   // False for a free slot.
   bool active = false;
   uint64_t id = 0;
-  // It touched in the frame before.
+  // It was felt in the frame before.
   bool touched = false;
+  // It was not felt for so long that it comes back at its place only.
+  bool lost = false;
   // The slot of the contact that it is merged into, or RegionOwners::kNobody.
   int host = -1;
-  // Where it is sought: its taxels in the frame before or, if it did not touch
+  // Where it is sought: its taxels in the frame before or, if it was not felt
   // then, all that it had of late.
   TaxelRows rows = {};
   // The centroid of its region when it touched last, and how far that moves in

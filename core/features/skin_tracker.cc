@@ -12,6 +12,10 @@ namespace {
 // one that touches elsewhere while others touch, and a part of another one.
 constexpr int kNewFrames = 2;
 constexpr int kPartFrames = 3;
+// The same in seconds for one that only light touch feels.
+constexpr double kLightS = 0.5;
+// What is less of the least mean that is felt is nothing.
+constexpr double kLeastLeft = 0.1;
 // A contact that has lost touch comes back where it was in the last two
 // stretches of its time.
 constexpr double kStretchS = 0.5;
@@ -27,7 +31,8 @@ ContactTrack::Options TrackOptions(const SkinTracker::Options& options,
           .load_spread = options.load_spread,
           .release_by_evidence =
               options.max_contacts > 1 && options.release_after_s >= 0,
-          .fading_frames = finder.fading_frames()};
+          .fading = finder.fading(),
+          .least_light = finder.least_light()};
 }
 
 }  // namespace
@@ -44,6 +49,9 @@ SkinTracker::SkinTracker(const SkinLayout& layout, const Options& options)
       owners_(layout),
       stretch_frames_(
           static_cast<int>(std::ceil(kStretchS * options.sample_rate_hz))),
+      light_frames_(
+          static_cast<int>(std::ceil(kLightS * options.sample_rate_hz))),
+      contact_threshold_(TaxelThreshold(layout.contact_threshold)),
       measured_taxels_(options.reuse_unchanged && !layout.light_touch
                            ? layout.taxels()
                            : 0) {
@@ -59,6 +67,7 @@ void SkinTracker::Reset() {
   reused_ = false;
   measured_ = false;
   candidate_count_ = 0;
+  residue_count_ = 0;
   contact_count_ = 0;
   recent_poses_.Reset();
   finder_.Reset();
@@ -129,6 +138,7 @@ void SkinTracker::StepSeveral(const FrameView& frame) {
   place_count_ =
       touched_ ? finder_.segmenter().FindLargest(finder_.values(), places_) : 0;
   FindOwners();
+  FadeResidues();
   MoveOn(frame);
   BeginNew(frame);
 }
@@ -140,13 +150,11 @@ void SkinTracker::FindOwners() {
     if (!known.active) continue;
     const TrackedContact& contact = *slots_[slot];
     known.id = contact.id();
-    known.touched = contact.features().touched;
+    known.touched = contact.features().touched && !contact.track.is_lost();
+    known.lost = contact.track.is_lost();
     known.host = contact.host;
     known.rows = contact.rows;
-    if (!known.touched) {
-      sets_.Add(contact.stretch_rows, known.rows);
-      sets_.Add(contact.earlier_rows, known.rows);
-    }
+    if (!known.touched) AddRecentRows(contact, known.rows);
     known.centroid = contact.features().centroid;
     known.velocity = contact.velocity;
   }
@@ -173,7 +181,10 @@ void SkinTracker::MoveOn(const FrameView& frame) {
     contact.merged_into = 0;
     const int region = owners_.main_region(contact.slot);
     if (region == RegionOwners::kNobody) {
-      if (!contact.track.Step(frame, nullptr, recent_poses_)) End(contact);
+      if (!contact.track.Step(frame, nullptr, recent_poses_)) {
+        KeepResidue(contact);
+        End(contact);
+      }
       continue;
     }
     contact.region = region;
@@ -181,6 +192,7 @@ void SkinTracker::MoveOn(const FrameView& frame) {
     if (contact.track.Step(frame, &touch, recent_poses_)) {
       Follow(contact, *touch.region);
     } else {
+      KeepResidue(contact);
       End(contact);
     }
   }
@@ -197,16 +209,26 @@ ContactTouch SkinTracker::TouchOf(int slot, int region) {
   const Segmenter& segmenter = finder_.segmenter();
   std::copy(segmenter.rows().begin(), segmenter.rows().end(),
             own_rows_.begin());
+  ContactTouch touch = {.region = &places_[region].region,
+                        .rows = places_[region].rows,
+                        .all_rows = own_rows_,
+                        .values = finder_.values(),
+                        .segmenter = &segmenter};
   for (int r = 0; r < place_count_; ++r) {
     const int owner = owners_.owner(r);
-    if (owner == RegionOwners::kNobody || owner == slot) continue;
-    sets_.Remove(places_[r].rows, own_rows_);
+    if (owner == slot) {
+      touch.max_value = std::max(touch.max_value, places_[r].region.max_value);
+    } else if (owner != RegionOwners::kNobody) {
+      sets_.Remove(places_[r].rows, own_rows_);
+    }
   }
-  return {.region = &places_[region].region,
-          .rows = places_[region].rows,
-          .all_rows = own_rows_,
-          .values = finder_.values(),
-          .segmenter = &segmenter};
+  if (touch.max_value >= contact_threshold_) return touch;
+  for (int r = 0; r < place_count_; ++r) {
+    if (owners_.owner(r) != slot) continue;
+    touch.light_peak =
+        std::max(touch.light_peak, finder_.LightPeak(places_[r]));
+  }
+  return touch;
 }
 
 void SkinTracker::Follow(TrackedContact& contact, const Region& region) {
@@ -251,10 +273,9 @@ void SkinTracker::BeginNew(const FrameView& frame) {
   const bool none = std::ranges::none_of(
       slots_, [](const auto& slot) { return slot != nullptr && slot->active; });
   if (none) {
-    // All that the skin feels may be one contact.
     candidate_count_ = 0;
     settled_ = regions_ <= 1;
-    if (touched_ && finder_.begins()) Begin(frame, 0, 0);
+    if (touched_ && finder_.begins()) BeginFirst(frame);
     return;
   }
   for (size_t i = 0; i < candidate_count_; ++i) candidates_[i].seen = false;
@@ -263,6 +284,11 @@ void SkinTracker::BeginNew(const FrameView& frame) {
     const bool was_ended = owner != RegionOwners::kNobody &&
                            slots_[owner]->phase == TouchPhase::kReleased;
     const bool is_part = owner != RegionOwners::kNobody && !was_ended;
+    const bool is_fading_part = is_part && slots_[owner]->track.unfelt();
+    if (IsResidue(places_[r],
+                  is_fading_part ? slots_[owner]->track.light_left() : 0)) {
+      continue;
+    }
     if (is_part) {
       const int main = owners_.main_region(owner);
       if (r == main || !owners_.Apart(places_[r].rows, places_[main].rows)) {
@@ -282,13 +308,30 @@ void SkinTracker::BeginNew(const FrameView& frame) {
   settled_ = kept == 0;
 }
 
+void SkinTracker::BeginFirst(const FrameView& frame) {
+  if (residue_count_ == 0) {
+    // All that the skin feels may be one contact.
+    Begin(frame, 0, 0);
+    return;
+  }
+  for (int r = 0; r < place_count_; ++r) {
+    if (IsResidue(places_[r], 0) || !finder_.Begins(places_[r])) continue;
+    Begin(frame, r, 0);
+    return;
+  }
+}
+
 bool SkinTracker::IsContact(const RegionPlace& place, bool is_part) {
   const bool alone = std::ranges::none_of(slots_, [](const auto& slot) {
     return slot != nullptr && slot->active &&
-           slot->phase == TouchPhase::kInContact && slot->features().touched;
+           slot->phase == TouchPhase::kInContact && slot->features().touched &&
+           !slot->track.is_lost();
   });
   if (alone) return true;
-  const int needed = is_part ? kPartFrames : kNewFrames;
+  const bool is_light = place.region.max_value < contact_threshold_;
+  const int needed = is_light  ? light_frames_
+                     : is_part ? kPartFrames
+                               : kNewFrames;
   for (size_t i = 0; i < candidate_count_; ++i) {
     Candidate& candidate = candidates_[i];
     if (candidate.seen || !sets_.Overlaps(candidate.rows, place.rows)) continue;
@@ -326,6 +369,43 @@ void SkinTracker::Begin(const FrameView& frame, int region, uint64_t parent) {
   owners_.Give(region, contact->slot);
   const ContactTouch touch = TouchOf(contact->slot, region);
   contact->track.Begin(++begun_, frame, touch, recent_poses_);
+}
+
+void SkinTracker::KeepResidue(const TrackedContact& contact) {
+  const double left = contact.track.light_left();
+  if (left == 0 || residue_count_ == residues_.size()) return;
+  Residue& residue = residues_[residue_count_++];
+  residue = {.rows = contact.rows, .light_peak = left};
+  AddRecentRows(contact, residue.rows);
+}
+
+void SkinTracker::AddRecentRows(const TrackedContact& contact,
+                                TaxelRows& rows) const {
+  sets_.Add(contact.stretch_rows, rows);
+  sets_.Add(contact.earlier_rows, rows);
+}
+
+void SkinTracker::FadeResidues() {
+  size_t kept = 0;
+  for (size_t i = 0; i < residue_count_; ++i) {
+    Residue& residue = residues_[i];
+    residue.light_peak *= finder_.fading();
+    if (residue.light_peak < kLeastLeft * finder_.least_light()) continue;
+    residues_[kept++] = residue;
+  }
+  residue_count_ = kept;
+}
+
+bool SkinTracker::IsResidue(const RegionPlace& place, double left) {
+  if (place.region.max_value >= contact_threshold_) return false;
+  for (size_t i = 0; i < residue_count_; ++i) {
+    if (!sets_.Overlaps(residues_[i].rows, place.rows)) continue;
+    left = std::max(left, residues_[i].light_peak);
+  }
+  // As ContactTrack tells what is felt.
+  return left > 0 &&
+         finder_.LightPeak(place) <=
+             ContactTrack::kAboveFading * left + finder_.least_light();
 }
 
 std::span<const uint64_t> SkinTracker::RowsOf(int slot) {

@@ -89,8 +89,13 @@ struct TrackedContact {
 // With several contacts, a region belongs to the contact that it overlaps most,
 // after that contact's region has moved on as before and grown by one taxel.
 //   - A region that overlaps none is a new contact if it can begin
-//     (TouchFinder::Begins) and is more than kGap taxels away from all
-//     contacts; nearer, it is a part of the nearest.
+//     (TouchFinder::Begins) and is more than kGap taxels away from all contacts
+//     that are felt; nearer, it is a part of the nearest. While there are other
+//     contacts, it must last for some frames, and for 0.5 s if only light touch
+//     feels it.
+//   - A contact that is not felt (ContactTrack::Options) comes back where it
+//     was of late, and has no right to a region of one that is.
+//   - What light touch still feels of a contact that has ended begins none.
 //   - A contact whose region falls into parts keeps the largest. Another part
 //     becomes a contact of its own, with this one as `parent`, once it has been
 //     more than kGap taxels away for kPartFrames frames and can begin.
@@ -182,6 +187,13 @@ class SkinTracker {
     bool seen = false;
   };
 
+  // What light touch still feels of a contact that has ended.
+  struct Residue {
+    TaxelRows rows;
+    // What is left of the largest mean.
+    double light_peak = 0;
+  };
+
   bool Unchanged(std::span<const float> taxels) const;
   void StepUnchanged(const FrameView& frame);
   // For max_contacts 1.
@@ -191,9 +203,18 @@ class SkinTracker {
   // Takes all contacts that were there to this frame.
   void MoveOn(const FrameView& frame);
   void BeginNew(const FrameView& frame);
+  // Begins one with the largest region that is none of an ended contact.
+  void BeginFirst(const FrameView& frame);
   // True if a region that belongs to nobody, or is a part of another contact,
   // has lasted long enough to be a contact.
   bool IsContact(const RegionPlace& place, bool is_part);
+  void KeepResidue(const TrackedContact& contact);
+  // Adds the taxels that the contact had of late.
+  void AddRecentRows(const TrackedContact& contact, TaxelRows& rows) const;
+  void FadeResidues();
+  // True if the region is what is left of contacts that have ended, or of one
+  // of which a mean of `left` is left.
+  bool IsResidue(const RegionPlace& place, double left);
   void Begin(const FrameView& frame, int region, uint64_t parent);
   TrackedContact* FreeSlot();
   // What the frame shows of a contact with this largest region.
@@ -213,6 +234,8 @@ class SkinTracker {
   TaxelSets sets_;
   RegionOwners owners_;
   const int stretch_frames_;
+  const int light_frames_;
+  const float contact_threshold_;
   // Made when they are first needed.
   std::array<std::unique_ptr<TrackedContact>, limits::kMaxContacts> slots_;
   uint64_t begun_ = 0;
@@ -236,6 +259,8 @@ class SkinTracker {
   TaxelRows own_rows_ = {};
   std::array<Candidate, RegionOwners::kMaxRegions> candidates_;
   size_t candidate_count_ = 0;
+  std::array<Residue, limits::kMaxContacts> residues_;
+  size_t residue_count_ = 0;
   std::array<const TrackedContact*, limits::kMaxContacts> contacts_ = {};
   size_t contact_count_ = 0;
 };

@@ -19,11 +19,7 @@ TouchFinder::TouchFinder(const SkinLayout& layout, const Options& options)
   light_onset_total_ = light.onset_threshold * light.rows * light.columns;
   light_taxel_ = static_cast<float>(light.contact_threshold *
                                     std::sqrt(light.rows * light.columns));
-  // The means forget as e^(-t / window).
-  const double fall =
-      std::log(std::max(1.0, layout.contact_threshold / light_taxel_));
-  fading_frames_ = static_cast<uint64_t>(
-      std::ceil(light.window_s * options.sample_rate_hz * (1 + fall)));
+  fading_ = std::exp(-1 / (light.window_s * options.sample_rate_hz));
 }
 
 void TouchFinder::Reset() {
@@ -75,6 +71,12 @@ bool TouchFinder::Begins(const RegionPlace& place) const {
     }
   }
   return total >= light_onset_total_;
+}
+
+double TouchFinder::LightPeak(const RegionPlace& place) {
+  if (!light_) return 0;
+  return light_->RegionPeak(
+      std::span(place.rows).first(segmenter_.rows().size()));
 }
 
 }  // namespace tactus

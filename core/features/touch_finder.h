@@ -52,9 +52,9 @@ class TouchFinder {
   // Forgets everything, as if new.
   void Reset();
 
-  // Frames in which the means of light touch fade after a load at
-  // contact_threshold is gone; 0 without light touch.
-  uint64_t fading_frames() const { return fading_frames_; }
+  // The factor by which the means of light touch fall in a frame once a load is
+  // gone; 0 without light touch.
+  double fading() const { return fading_; }
 
   // Takes the next frame's values and returns how many regions there are.
   int Find(std::span<const float> taxels);
@@ -71,6 +71,11 @@ class TouchFinder {
   // with light touch, the means of all its taxels make up a region's at
   // light_touch.onset_threshold.
   bool Begins(const RegionPlace& place) const;
+  // The largest mean that light touch has around a taxel of the region, over
+  // the window: it lags behind the load. 0 without light touch.
+  double LightPeak(const RegionPlace& place);
+  // The least mean that is felt; 0 without light touch.
+  double least_light() const { return light_contact_; }
   // The loads of the taxels, to sum over regions.
   std::span<const float> values() const { return values_; }
   const Segmenter& segmenter() const { return segmenter_; }
@@ -92,7 +97,7 @@ class TouchFinder {
   float light_onset_ = 0;
   double light_onset_total_ = 0;
   float light_taxel_ = 0;
-  uint64_t fading_frames_ = 0;
+  double fading_ = 0;
   int columns_;
   bool begins_ = false;
   int quiet_rows_ = 0;

@@ -1,6 +1,7 @@
 #include "core/light_touch/light_touch.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace tactus {
@@ -103,6 +104,21 @@ void LightTouchFilter::Step(std::span<const float> taxels) {
   light_frames_ = light ? std::min(light_frames_ + 1, drift_frames_ + 1) : 0;
   Learn(readings, felt, /*rest=*/light_frames_ <= drift_frames_);
   background_.swap(moved_);
+}
+
+float LightTouchFilter::RegionPeak(std::span<const uint64_t> rows) {
+  RowRange range = {0, rows_};
+  while (range.begin < range.end && rows[range.begin] == 0) ++range.begin;
+  while (range.begin < range.end && rows[range.end - 1] == 0) --range.end;
+  // These are the sums that regions() has, if it has them.
+  region_sum_.Run(difference_, share_, range, regions_);
+  float peak = 0;
+  for (size_t row = range.begin; row < range.end; ++row) {
+    for (uint64_t rest = rows[row]; rest != 0; rest &= rest - 1) {
+      peak = std::max(peak, regions_[row * columns_ + std::countr_zero(rest)]);
+    }
+  }
+  return peak;
 }
 
 RowRange LightTouchFilter::LoudRows() const {

@@ -71,6 +71,10 @@ class LightTouchFilter {
   // Largest of them; at least 0.
   float region_peak() const { return region_peak_; }
 
+  // The largest of them around the taxels of `rows`, one word per row with bit
+  // c for column c; at least 0. Not in the first 0.3 s.
+  float RegionPeak(std::span<const uint64_t> rows);
+
   // Each taxel's mean above its background over the window, if it is in a
   // region whose mean is at least contact_threshold; else 0. It never differs
   // by more than the layout's contact_threshold from the reading, so that
