@@ -91,6 +91,7 @@ readonly TESTS=(
   openssl
   python3-grpcio
   python3-h5py
+  python3-scipy
   python3-sklearn
   rsync
   shellcheck
