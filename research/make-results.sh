@@ -10,7 +10,7 @@
 #
 # Pages, with minutes on two cores, some three hours together: signals (2),
 # materials (2), taxels (4), grid (1), unknown (11), default-bundle (1), cody (1),
-# recordings (1), presets (14), paper-tables (40), explanations (20), simulator (8), world (1),
+# recordings (1), presets (14), paper-tables (40), explanations (20), simulator (8), world (1), touches (4),
 # served (1; less with TACTUS_SERVED_CONTACTS), upper-reference (10), fine-skin (36
 # beside a build), breadth (22), inputs (4; less with TACTUS_INPUTS_CONTACTS),
 # fit-scale (8).
@@ -22,7 +22,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 all_pages=(signals materials taxels grid unknown default-bundle cody recordings
-  presets paper-tables explanations simulator world served upper-reference fine-skin breadth
+  presets paper-tables explanations simulator world touches served upper-reference fine-skin breadth
   inputs fit-scale)
 
 root=$PWD
@@ -254,6 +254,45 @@ cody() {
 }
 
 # 20,000 contacts of another seed: no object, arm or place of them was trained on.
+# touches_row NAME FILE: a line of the table of touches.
+touches_row() {
+  /usr/bin/python3 -B "$research/touches_row.py" "$1" "$2"
+}
+
+# Pairs by the gap between them, then scenes; the same contacts alone beside them.
+touches() {
+  title "Touches that follow each other, and touches at once" "good" \
+    "scenes 4101 (pairs) and 4102 (objects), training 1" \
+    "1,000 trials of two touches a row, 500 trials of two to four objects"
+  printf '\nA touch is right if the last answers of all its contacts are; those of *alone* are the same contacts, each in a trial of its own ([simulator.md](../../docs/simulator.md#several-contacts-in-a-trial)). Rows of several objects say little about the models: the pose of the arm follows the first object only, so the motion of the others is not measured.\n\n'
+  local rows=$work/rows
+  printf '| trials | touches | found | broken | merged | switched | at none | right of those felt | calibration error | always the most frequent class |\n|---|---|---|---|---|---|---|---|---|---|\n' >"$rows"
+  printf '```\n'
+  local name gap objects
+  for gap in 0.25 0.65 0.85; do
+    quietly simulate --protocol=random --skin=good --contacts=1000 --touches=2 \
+      --gap="$gap" --seed=4101 --out=touches.h5
+    "$trainctl" evaluate --data=touches.h5 --model=default.tactus --json >touches.json
+    touches_row "two touches, $gap s between them" touches.json >>"$rows"
+  done
+  quietly simulate --protocol=random --skin=good --contacts=1000 --touches=2 --alone \
+    --seed=4101 --out=touches.h5
+  "$trainctl" evaluate --data=touches.h5 --model=default.tactus --json >touches.json
+  touches_row "the same, each alone" touches.json >>"$rows"
+  for objects in 2 3 4; do
+    for name in "$objects objects" "the same, each alone"; do
+      local alone=()
+      [[ $name != *alone ]] || alone=(--alone)
+      quietly simulate --protocol=random --skin=good --contacts=500 \
+        --objects="$objects" "${alone[@]}" --seed=4102 --out=touches.h5
+      "$trainctl" evaluate --data=touches.h5 --model=default.tactus --json >touches.json
+      touches_row "$name" touches.json >>"$rows"
+    done
+  done
+  printf '```\n\n'
+  cat "$rows"
+}
+
 world() {
   title "The random world: objects and arms that were never trained on" \
     "good, then measured, then good without poses" "contacts 1001, training 1" \

@@ -26,6 +26,8 @@ struct LabelledContact {
   std::string id;
   // Trial::source.
   std::string source;
+  // Which one of several touches of the trial it is (touch_contacts.h).
+  std::optional<size_t> touch;
   // FrameFingerprint of the trial, by which folds keep equal recordings
   // together; set by whoever read the trial. Empty: like no other.
   std::string fingerprint;
@@ -49,10 +51,9 @@ struct LabelledContact {
 // Makes a sample from an ideal signal. Its force is both peak and net force.
 ContactSample IdealSample(const FeatureVector& signals);
 
-// What reports call the contact: the recording, or the trial's id.
-inline const std::string& ContactName(const LabelledContact& contact) {
-  return TrialName(contact.id, contact.source);
-}
+// What reports call the contact: the recording, or the trial's id, and the
+// touch: "000012/01".
+std::string ContactName(const LabelledContact& contact);
 
 // True if the contact comes from ideal signals and not from a skin.
 inline bool IsIdeal(const LabelledContact& contact) {

@@ -16,6 +16,7 @@
 #include "core/contacts/copies.h"
 #include "core/contacts/folds.h"
 #include "core/contacts/labelled_contact.h"
+#include "core/contacts/touch_contacts.h"
 #include "core/contacts/question_truth.h"
 #include "core/contacts/trained_on.h"
 #include "core/contacts/variation.h"
@@ -157,6 +158,11 @@ static absl::Status UnknownExample(const Contacts& contacts,
 static absl::Status LabelledContactExample(const Trial& trial) {
   int never_felt = 0;
 #include "core/contacts/labelled_contact.h.inc"
+  return absl::OkStatus();
+}
+
+static absl::Status TouchContactsExample(const Trial& trial) {
+#include "core/contacts/touch_contacts.h.inc"
   return absl::OkStatus();
 }
 

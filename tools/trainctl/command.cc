@@ -100,12 +100,31 @@ absl::StatusOr<LoadedContacts> LoadWorld(const std::string& text,
   return loaded;
 }
 
+// The contacts of a trial with touches, which are counted.
+absl::StatusOr<std::vector<LabelledContact>> FollowTrial(
+    const Trial& trial, const ExtractOptions& extract, int max_contacts,
+    LoadedContacts& loaded) {
+  TACTUS_ASSIGN_OR_RETURN(
+      TouchContacts found,
+      ExtractContacts(trial, {.layout = extract.layout,
+                              .release_after_s = extract.release_after_s,
+                              .max_contacts = max_contacts,
+                              .whole_skin = extract.whole_skin}));
+  const TouchCounts& counts = found.counts;
+  if (!loaded.touches) loaded.touches.emplace();
+  *loaded.touches += counts;
+  loaded.never_felt +=
+      static_cast<int>(counts.touches - counts.found - counts.merged);
+  return std::move(found.contacts);
+}
+
 }  // namespace
 
 absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
                                             const std::string& layout_path,
                                             const Progress& progress,
-                                            ExtractOptions extract) {
+                                            ExtractOptions extract,
+                                            int max_contacts) {
   if (IsWorldRecipe(path)) return LoadWorld(path, progress);
   SkinLayout layout;
   if (!layout_path.empty()) {
@@ -119,17 +138,28 @@ absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
   for (size_t i = 0; i < reader.size(); ++i) {
     TACTUS_ASSIGN_OR_RETURN(const Trial trial, reader.Read(i));
     rates.Add(trial);
-    TACTUS_ASSIGN_OR_RETURN(auto contact, ExtractContact(trial, extract));
+    std::vector<LabelledContact> contacts;
+    if (max_contacts > 0 && !trial.touches.empty()) {
+      TACTUS_ASSIGN_OR_RETURN(
+          contacts, FollowTrial(trial, extract, max_contacts, loaded));
+    } else {
+      TACTUS_ASSIGN_OR_RETURN(auto contact, ExtractContact(trial, extract));
+      loaded.never_felt += !contact;
+      if (contact) contacts.push_back(*std::move(contact));
+    }
     ++loaded.trials;
     loaded.without_poses |= !trial.taxels.empty() && trial.poses.empty();
-    if (contact) {
-      contact->fingerprint = FrameFingerprint(trial);
+    const std::string fingerprint =
+        contacts.empty() ? "" : FrameFingerprint(trial);
+    for (size_t n = 0; n < contacts.size(); ++n) {
+      LabelledContact& contact = contacts[n];
+      // Contacts of one trial are no copies of each other.
+      contact.fingerprint =
+          n == 0 ? fingerprint : absl::StrCat(fingerprint, "/", n);
       if (!loaded.contacts.empty()) {
-        TACTUS_RETURN_IF_ERROR(CheckOneSkin(loaded.contacts.front(), *contact));
+        TACTUS_RETURN_IF_ERROR(CheckOneSkin(loaded.contacts.front(), contact));
       }
-      loaded.contacts.push_back(*std::move(contact));
-    } else {
-      ++loaded.never_felt;
+      loaded.contacts.push_back(std::move(contact));
     }
     reading.Add(1 / static_cast<double>(reader.size()));
   }

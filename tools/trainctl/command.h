@@ -9,6 +9,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@
 #include "core/base/work.h"
 #include "core/classify/compiled_model.h"
 #include "core/contacts/labelled_contact.h"
+#include "core/contacts/touch_contacts.h"
 #include "core/import/odd_rates.h"
 #include "tools/common/json.h"
 
@@ -59,18 +61,23 @@ struct LoadedContacts {
   bool without_poses = false;
   // SHA-256 of the data as a whole, for Provenance::data_sha256.
   std::string data_sha256;
+  // Of trials whose contacts were followed; `never_felt` then counts their
+  // touches that no contact was at.
+  std::optional<TouchCounts> touches;
 
   std::vector<const LabelledContact*> Pointers() const;
 };
 
 // Reads the trial file at `path`. `layout_path`, if not empty, is a JSON file
 // with the skin of trials that carry none; `extract` holds the other options of
-// ExtractContact(). INVALID_TRAINING_DATA if the trials have several skins or
-// rates.
+// ExtractContact(). With `max_contacts` above 0, trials that have touches are
+// followed as a server with so many contacts does (ExtractContacts).
+// INVALID_TRAINING_DATA if the trials have several skins or rates.
 absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
                                             const std::string& layout_path,
                                             const Progress& progress,
-                                            ExtractOptions extract = {});
+                                            ExtractOptions extract = {},
+                                            int max_contacts = 0);
 
 // Names contacts that have the frames of an earlier one, on standard error.
 void RemarkCopies(const std::vector<const LabelledContact*>& contacts);

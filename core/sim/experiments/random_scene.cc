@@ -226,6 +226,58 @@ Trial MetadataOf(const std::vector<SimulatedContact>& contacts,
   return trial;
 }
 
+// One for each touch of the scene.
+absl::StatusOr<std::vector<SimulatedContact>> Simulate(
+    const DrawnScene& scene) {
+  std::vector<SimulatedContact> contacts;
+  for (const DrawnTouch& touch : scene.touches) {
+    TACTUS_ASSIGN_OR_RETURN(contacts.emplace_back(),
+                            SimulateContact(touch.spec));
+  }
+  return contacts;
+}
+
+// Records the contacts of the scene's touches.
+absl::StatusOr<Trial> Record(const DrawnScene& scene,
+                             const std::vector<SimulatedContact>& contacts,
+                             const SkinModel& skin, const SceneOptions& options,
+                             Random& random) {
+  const size_t lead_in = scene.placement.lead_in_frames;
+  const bool together = options.objects > 1;
+  std::vector<PlacedContact> placed;
+  size_t end = 0;
+  for (size_t i = 0; i < contacts.size(); ++i) {
+    PlacedContact contact = {.contact = &contacts[i],
+                             .centre = scene.touches[i].centre,
+                             .tilt_rad = scene.touches[i].tilt_rad,
+                             .begin_frame = lead_in};
+    TACTUS_RETURN_IF_ERROR(FindLoad(contacts[i], contact));
+    if (together) {
+      contact.begin_frame += Frames(scene.touches[i].onset_s);
+    } else if (i > 0) {
+      contact.begin_frame = LastFrame(placed.back()) + Frames(options.gap_s) +
+                            1 - contact.begin_sample;
+    }
+    end = std::max(end, LastFrame(contact) + 1);
+    placed.push_back(contact);
+  }
+
+  LinkPath path(skin.layout, placed.front());
+  const PlacedContact* last = &placed.front();
+  for (size_t i = 1; i < placed.size() && !together; ++i) {
+    path.Follow(LastFrame(*last), Frames(std::min(options.gap_s, kTurnS)),
+                placed[i]);
+    last = &placed[i];
+  }
+  path.Rest(LastFrame(*last), Frames(kTurnS));
+  const LinkMotion motion = {
+      .steps = path.Steps(end + Frames(kSceneIdleS)),
+      .pose_noise_m = scene.placement.pose_noise_m,
+      .pose_gain_error = scene.placement.pose_gain_error};
+  return RecordContacts(MetadataOf(contacts, placed), placed, skin, motion,
+                        random);
+}
+
 }  // namespace
 
 absl::Status Validate(const SceneOptions& options) {
@@ -258,47 +310,30 @@ absl::StatusOr<Trial> SceneTrial(const SkinModel& skin,
   TACTUS_RETURN_IF_ERROR(Validate(options));
   Random random = Random::ForStream(seed, kSceneStream + number);
   const DrawnScene scene = DrawScene(skin, options, number, random);
-  const size_t lead_in = scene.placement.lead_in_frames;
-  const bool together = options.objects > 1;
+  TACTUS_ASSIGN_OR_RETURN(const auto contacts, Simulate(scene));
+  return Record(scene, contacts, skin, options, random);
+}
 
-  // Neither vector grows later: the placed contacts point into the first.
-  std::vector<SimulatedContact> contacts;
-  std::vector<PlacedContact> placed;
-  for (const DrawnTouch& touch : scene.touches) {
-    TACTUS_ASSIGN_OR_RETURN(contacts.emplace_back(),
-                            SimulateContact(touch.spec));
+absl::StatusOr<std::vector<Trial>> SceneTrialsAlone(const SkinModel& skin,
+                                                    const SceneOptions& options,
+                                                    uint64_t seed,
+                                                    uint64_t number) {
+  TACTUS_RETURN_IF_ERROR(Validate(options));
+  Random random = Random::ForStream(seed, kSceneStream + number);
+  const DrawnScene scene = DrawScene(skin, options, number, random);
+  TACTUS_ASSIGN_OR_RETURN(auto contacts, Simulate(scene));
+  const auto count = static_cast<uint64_t>(contacts.size());
+  std::vector<Trial> trials;
+  for (uint64_t i = 0; i < count; ++i) {
+    DrawnScene alone = {.placement = scene.placement,
+                        .touches = {scene.touches[i]}};
+    alone.touches.front().onset_s = 0;
+    contacts[i].spec.number = number * count + i;
+    TACTUS_ASSIGN_OR_RETURN(
+        trials.emplace_back(),
+        Record(alone, {contacts[i]}, skin, options, random));
   }
-  size_t end = 0;
-  for (size_t i = 0; i < contacts.size(); ++i) {
-    PlacedContact contact = {.contact = &contacts[i],
-                             .centre = scene.touches[i].centre,
-                             .tilt_rad = scene.touches[i].tilt_rad,
-                             .begin_frame = lead_in};
-    TACTUS_RETURN_IF_ERROR(FindLoad(contacts[i], contact));
-    if (together) {
-      contact.begin_frame += Frames(scene.touches[i].onset_s);
-    } else if (i > 0) {
-      contact.begin_frame = LastFrame(placed.back()) + Frames(options.gap_s) +
-                            1 - contact.begin_sample;
-    }
-    end = std::max(end, LastFrame(contact) + 1);
-    placed.push_back(contact);
-  }
-
-  LinkPath path(skin.layout, placed.front());
-  const PlacedContact* last = &placed.front();
-  for (size_t i = 1; i < placed.size() && !together; ++i) {
-    path.Follow(LastFrame(*last), Frames(std::min(options.gap_s, kTurnS)),
-                placed[i]);
-    last = &placed[i];
-  }
-  path.Rest(LastFrame(*last), Frames(kTurnS));
-  const LinkMotion motion = {
-      .steps = path.Steps(end + Frames(kSceneIdleS)),
-      .pose_noise_m = scene.placement.pose_noise_m,
-      .pose_gain_error = scene.placement.pose_gain_error};
-  return RecordContacts(MetadataOf(contacts, placed), placed, skin, motion,
-                        random);
+  return trials;
 }
 
 }  // namespace tactus

@@ -30,6 +30,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -68,5 +69,13 @@ absl::Status Validate(const SceneOptions& options);
 absl::StatusOr<Trial> SceneTrial(const SkinModel& skin,
                                  const SceneOptions& options, uint64_t seed,
                                  uint64_t number);
+
+// The touches of that trial one by one: each trial has one of them, of the same
+// object at the same place, as if the others were not there. Trial i of the
+// result has the id number x (touches or objects) + i.
+absl::StatusOr<std::vector<Trial>> SceneTrialsAlone(const SkinModel& skin,
+                                                    const SceneOptions& options,
+                                                    uint64_t seed,
+                                                    uint64_t number);
 
 }  // namespace tactus

@@ -99,6 +99,7 @@ void Print(const SimulateFlags& flags, const Tally& tally) {
       json["gap_s"] = flags.scene.gap_s;
     }
     if (flags.scene.objects > 1) json["objects"] = flags.scene.objects;
+    if (flags.alone) json["alone"] = true;
     if (flags.skin.empty()) {
       json["noise"] = NoiseOrDefault(flags.noise);
     } else {
@@ -188,6 +189,9 @@ void AddSimulate(CLI::App& app, const SelectCommand& select) {
                    "Objects that press at overlapping times in each random "
                    "trial, up to 4")
       ->excludes(touches);
+  command->add_flag("--alone", flags->alone,
+                    "Write each contact of --touches or --objects as a trial "
+                    "of its own, as if the others were not there");
   command->add_option("--touch-seconds", flags->scene.touch_s,
                       "Of --touches and --objects: seconds from a touch to its "
                       "lift-off");

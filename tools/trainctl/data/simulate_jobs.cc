@@ -157,7 +157,25 @@ absl::StatusOr<SimulateJobs> WorldJobs(const SimulateFlags& flags) {
   if (const absl::Status status = Validate(flags.scene); !status.ok()) {
     return WithExitCode(status, kExitUsage);
   }
+  if (flags.alone && !HasSeveral(flags.scene)) {
+    return InvalidConfig("--alone", "given",
+                         "with --touches or --objects: one contact is alone");
+  }
   TACTUS_ASSIGN_OR_RETURN(const SkinModel skin, SkinModelNamed(flags.skin));
+  if (flags.alone) {
+    return SimulateJobs{
+        static_cast<size_t>(flags.contacts),
+        [skin, scene = flags.scene, seed = flags.seed](
+            size_t i) -> absl::StatusOr<std::vector<SensedContact>> {
+          TACTUS_ASSIGN_OR_RETURN(std::vector<Trial> trials,
+                                  SceneTrialsAlone(skin, scene, seed, i));
+          std::vector<SensedContact> sensed;
+          for (Trial& trial : trials) {
+            sensed.push_back({.trial = std::move(trial), .clamped = false});
+          }
+          return sensed;
+        }};
+  }
   return SimulateJobs{
       static_cast<size_t>(flags.contacts),
       [skin, scene = flags.scene, seed = flags.seed](

@@ -44,6 +44,8 @@ struct SimulateFlags {
   int64_t contacts = 1000;
   // Contacts of each of them.
   SceneOptions scene;
+  // Each of these contacts in a trial of its own, as if it were alone.
+  bool alone = false;
   bool json = false;
 };
 

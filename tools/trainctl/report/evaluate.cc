@@ -12,6 +12,7 @@
 #include "core/base/run_on_threads.h"
 #include "core/base/status_macros.h"
 #include "core/base/version.h"
+#include "core/classify/contact_pipeline.h"
 #include "core/contacts/contact_set.h"
 #include "core/contacts/copies.h"
 #include "core/contacts/trained_on.h"
@@ -30,6 +31,7 @@
 #include "tools/trainctl/report/evaluate_page.h"
 #include "tools/trainctl/report/evaluate_pictures.h"
 #include "tools/trainctl/report/evaluate_report.h"
+#include "tools/trainctl/report/touch_report.h"
 #include "tools/trainctl/text.h"
 
 namespace tactus::client {
@@ -244,6 +246,9 @@ void Print(const EvaluateFlags& flags, const EvaluationRun& run,
   if (!warning.empty()) std::cout << warning << "\n";
   std::cout << ChoiceText(run.chosen.choice) << Title(flags, run) << ": "
             << EvaluationText(evaluation);
+  if (evaluation.contains("contacts")) {
+    std::cout << TouchesText(evaluation["contacts"]);
+  }
   if (fitted) {
     std::cout << absl::StrFormat("preset %s, seed %d, ", run.chosen.preset,
                                  flags.fit.spec.seed);
@@ -373,7 +378,8 @@ absl::Status RunEvaluate(const EvaluateFlags& flags) {
       const LoadedContacts loaded,
       LoadContacts(flags.data, flags.layout, display.progress(),
                    {.release_after_s = model ? model->model().release_after_s
-                                             : kNeverReleased}));
+                                             : kNeverReleased},
+                   model ? MostContacts(model->model(), {}) : 0));
   TACTUS_ASSIGN_OR_RETURN(
       const EvaluationRun run,
       model ? RunModel(flags, model, loaded, display.progress())
@@ -387,12 +393,15 @@ absl::Status RunEvaluate(const EvaluateFlags& flags) {
         AnswersCsv(run.result, TestedContacts(flags, run, loaded))));
   }
   const Contacts tested = TestedContacts(flags, run, loaded);
-  // Trials that were left out were neither felt nor missed.
-  const int trials =
-      loaded.trials - static_cast<int>(run.chosen.unusable.size());
+  // Trials that were left out were neither felt nor missed; a trial with
+  // touches may have any number of contacts.
+  const int trials = static_cast<int>(tested.size()) + loaded.never_felt;
   Json evaluation = EvaluationToJson(run.result, trials);
   NameConfusions(WrongAnswers(run.result, tested), evaluation);
   evaluation["duplicates"] = FindCopies(tested).size();
+  if (loaded.touches) {
+    evaluation["contacts"] = TouchesToJson(*loaded.touches, run.result, tested);
+  }
   if (!flags.report.empty()) {
     TACTUS_RETURN_IF_ERROR(
         WritePage(flags, run, model, loaded, evaluation, display.progress()));

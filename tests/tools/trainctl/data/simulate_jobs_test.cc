@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "absl/strings/str_format.h"
 #include "core/base/errors.h"
 #include "gtest/gtest.h"
 
@@ -36,6 +37,29 @@ TEST(SimulateJobsTest, RandomTrialsHaveAsManyTouchesAsAskedFor) {
   }
 }
 
+TEST(SimulateJobsTest, ContactsOfASceneAlone) {
+  SimulateFlags flags = RandomFlags();
+  flags.scene = {.touch_s = 0.5, .objects = 3};
+  const SkinLayout layout = *LayoutOf(flags);
+  const auto together = MakeJobs(flags, layout)->run(2);
+  flags.alone = true;
+  const auto alone = MakeJobs(flags, layout)->run(2);
+  ASSERT_TRUE(together.ok() && alone.ok());
+  const std::vector<Touch>& touches = together->front().trial.touches;
+  ASSERT_EQ(alone->size(), 3u);
+  for (size_t i = 0; i < 3; ++i) {
+    const Trial& trial = (*alone)[i].trial;
+    EXPECT_EQ(trial.id, absl::StrFormat("%06d", 6 + i));
+    ASSERT_EQ(trial.touches.size(), 1u);
+    const Touch& touch = trial.touches.front();
+    // It begins earlier, because nothing comes before it.
+    EXPECT_EQ(touch.object, touches[i].object);
+    EXPECT_EQ(touch.label, touches[i].label);
+    EXPECT_EQ(touch.centre->row, touches[i].centre->row);
+    EXPECT_EQ(touch.object_motion, touches[i].object_motion);
+  }
+}
+
 TEST(SimulateJobsTest, BadCombinationsAreNamed) {
   const struct {
     void (*spoil)(SimulateFlags&);
@@ -54,6 +78,7 @@ TEST(SimulateJobsTest, BadCombinationsAreNamed) {
          f.protocol = "cody";
        },
        "--protocol with --touches or --objects"},
+      {[](SimulateFlags& f) { f.alone = true; }, "--alone"},
   };
   for (const auto& c : cases) {
     SimulateFlags flags = RandomFlags();

@@ -6,6 +6,7 @@
 #include "gtest/gtest.h"
 #include "tools/trainctl/report/evaluate_answers.h"
 #include "tools/trainctl/report/evaluate_page.h"
+#include "tools/trainctl/report/touch_report.h"
 
 namespace tactus::client {
 namespace {
@@ -55,6 +56,32 @@ TEST(EvaluateReportTest, RecallPrecisionAndConfusionsPerClass) {
   EXPECT_NE(best, text.npos);
   EXPECT_THAT(text, HasSubstr("class_1<b> taken for class_0<b>: 4\n"));
   EXPECT_THAT(text, HasSubstr("Rows are labels, columns are answers:"));
+}
+
+// A touch that is broken in two is right if both answers are.
+TEST(EvaluateReportTest, TouchesAreRightIfAllTheirContactsAre) {
+  const Evaluation result = Made(2, {0, 1});
+  std::vector<LabelledContact> contacts(result.final.size());
+  std::vector<const LabelledContact*> pointers;
+  for (size_t i = 0; i < contacts.size(); ++i) {
+    // Contact 10 is answered wrongly, and is of the touch of contact 11.
+    contacts[i].id = i < 12 ? "000000" : "000001";
+    contacts[i].touch = i < 11 ? i : i - 1;
+    pointers.push_back(&contacts[i]);
+  }
+  const TouchCounts counts = {.touches = 25,
+                              .found = 19,
+                              .broken = 1,
+                              .merged = 1,
+                              .switched = 3,
+                              .spurious = 2};
+  const Json json = TouchesToJson(counts, result, pointers);
+  EXPECT_EQ(json["right"], 18);
+  EXPECT_EQ(json["accuracy"], 0.9);
+  EXPECT_THAT(TouchesText(json),
+              HasSubstr("19 of 25 found, 1 broken, 1 merged, 3 switched; 2 "
+                        "contacts at none\n"));
+  EXPECT_THAT(TouchesText(json), HasSubstr("90.00 %"));
 }
 
 TEST(EvaluateReportTest, AWideMatrixIsLeftToThePage) {
