@@ -10,9 +10,13 @@
 #include "absl/strings/strip.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
+#include "core/base/random.h"
 #include "core/base/status_macros.h"
+#include "core/contacts/touch_contacts.h"
 #include "core/sim/exact/simulate_contact.h"
+#include "core/sim/experiments/random_scene.h"
 #include "core/sim/experiments/random_world.h"
+#include "core/sim/experiments/world_draws.h"
 
 namespace tactus {
 namespace {
@@ -23,6 +27,10 @@ constexpr absl::string_view kIdeal = "ideal";
 constexpr uint64_t kChunk = 64;
 // Beyond it poses say nothing about any contact.
 constexpr double kMaxPoseNoiseMm = 100;
+// Which arms lift off, and when, comes from other streams than the contacts.
+constexpr uint64_t kLiftOffStream = uint64_t{1} << 37;
+constexpr double kFirstLiftOffS = 0.3;
+constexpr double kLastLiftOffS = 5;
 
 absl::Status SetSkins(absl::string_view names, WorldRecipe& recipe) {
   recipe.skins.clear();
@@ -57,6 +65,15 @@ absl::Status SetPoseNoise(absl::string_view value, WorldRecipe& recipe) {
   return absl::OkStatus();
 }
 
+absl::Status SetLiftOffs(absl::string_view value, WorldRecipe& recipe) {
+  // Written so that NaN is refused.
+  if (!absl::SimpleAtod(value, &recipe.liftoffs) ||
+      !(recipe.liftoffs >= 0 && recipe.liftoffs <= 1)) {
+    return InvalidConfig("liftoffs", value, "0 to 1");
+  }
+  return absl::OkStatus();
+}
+
 absl::Status SetPart(absl::string_view part, WorldRecipe& recipe) {
   const std::pair<absl::string_view, absl::string_view> field =
       absl::StrSplit(part, absl::MaxSplits('=', 1));
@@ -76,13 +93,35 @@ absl::Status SetPart(absl::string_view part, WorldRecipe& recipe) {
     return absl::OkStatus();
   }
   if (field.first == "pose-noise") return SetPoseNoise(field.second, recipe);
+  if (field.first == "liftoffs") return SetLiftOffs(field.second, recipe);
   return InvalidConfig("part of the recipe", part,
-                       "skin=..., contacts=..., seed=..., poses=... or "
-                       "pose-noise=...");
+                       "skin=..., contacts=..., seed=..., poses=..., "
+                       "pose-noise=... or liftoffs=...");
 }
 
 // A skin that records, or none for ideal signals.
 using Skins = std::vector<std::optional<SkinModel>>;
+
+// A contact of an arm that lifts off: of those that the skin felt, the longest.
+absl::StatusOr<std::optional<LabelledContact>> MakeLiftedContact(
+    const WorldRecipe& recipe, const SkinModel& skin, uint64_t number,
+    Random& random) {
+  SceneOptions scene;
+  scene.touch_s = LogUniformBetween(kFirstLiftOffS, kLastLiftOffS, random);
+  TACTUS_ASSIGN_OR_RETURN(Trial trial,
+                          SceneTrial(skin, scene, recipe.seed, number));
+  if (!recipe.poses) trial.poses.clear();
+  TACTUS_ASSIGN_OR_RETURN(
+      TouchContacts found,
+      ExtractContacts(
+          trial, {.max_contacts = limits::kMaxContacts, .whole_skin = false}));
+  if (found.contacts.empty()) return std::optional<LabelledContact>();
+  LabelledContact& longest = *std::ranges::max_element(
+      found.contacts, {},
+      [](const LabelledContact& contact) { return contact.frames.size(); });
+  longest.touch.reset();
+  return std::optional(std::move(longest));
+}
 
 absl::StatusOr<std::optional<LabelledContact>> MakeContact(
     const WorldRecipe& recipe, const Skins& skins, uint64_t number) {
@@ -91,6 +130,10 @@ absl::StatusOr<std::optional<LabelledContact>> MakeContact(
     TACTUS_ASSIGN_OR_RETURN(const Trial trial,
                             WorldSignals(recipe.noise, recipe.seed, number));
     return ExtractContact(trial);
+  }
+  Random random = Random::ForStream(recipe.seed, kLiftOffStream + number);
+  if (random.Uniform() < recipe.liftoffs) {
+    return MakeLiftedContact(recipe, *skin, number, random);
   }
   TACTUS_ASSIGN_OR_RETURN(Trial trial, WorldTrial(*skin, recipe.seed, number));
   if (!recipe.poses) trial.poses.clear();
@@ -117,6 +160,10 @@ absl::StatusOr<WorldRecipe> ParseWorldRecipe(absl::string_view text) {
         "pose-noise", "given",
         "absent: ideal signals and contacts without poses have "
         "no noise of poses");
+  }
+  if (recipe.liftoffs > 0 && recipe.skins.front() == kIdeal) {
+    return InvalidConfig("liftoffs", recipe.liftoffs,
+                         "absent: ideal signals know of no release");
   }
   return recipe;
 }

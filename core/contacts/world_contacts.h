@@ -41,14 +41,19 @@ struct WorldRecipe {
   // Standard deviation of each coordinate of a pose, m, the same in all
   // contacts. If absent, each contact draws its own.
   std::optional<double> pose_noise_m;
+  // In this share of the contacts the arm lifts off, 0.3 to 5 s after the touch
+  // (log-uniform); they are followed to their release, as a server does, and
+  // have objects and arms of their own. The others end while the arm presses.
+  double liftoffs = 0;
 };
 
 // True if `text` names a recipe and not a file.
 bool IsWorldRecipe(absl::string_view text);
 
 // Parses "world:" and any of skin=NAME+NAME, contacts=N, seed=S, poses=yes|no,
-// pose-noise=MILLIMETRES, separated by commas. INVALID_CONFIG, which names the
-// part, also if pose-noise is given where there are no noisy poses.
+// pose-noise=MILLIMETRES, liftoffs=SHARE, separated by commas. INVALID_CONFIG,
+// which names the part, also if pose-noise is given where there are no noisy
+// poses, or liftoffs without a skin.
 absl::StatusOr<WorldRecipe> ParseWorldRecipe(absl::string_view text);
 
 struct WorldContacts {

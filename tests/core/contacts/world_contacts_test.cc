@@ -1,5 +1,6 @@
 #include "core/contacts/world_contacts.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/errors.h"
@@ -38,6 +39,9 @@ TEST(ParseWorldRecipeTest, NamesWhatIsWrong) {
       {"world:pose-noise=", "pose-noise"},
       {"world:pose-noise=1,poses=no", "pose-noise"},
       {"world:pose-noise=1,skin=ideal", "pose-noise"},
+      {"world:liftoffs=1.1", "1.1"},
+      {"world:liftoffs=nan", "nan"},
+      {"world:liftoffs=0.1,skin=ideal", "liftoffs"},
       {"world:colour=red", "colour"},
       {"file.h5", "file.h5"}};
   for (const auto& [text, named] : kBad) {
@@ -46,6 +50,40 @@ TEST(ParseWorldRecipeTest, NamesWhatIsWrong) {
     EXPECT_NE(status.message().find(named), std::string::npos) << status;
   }
   EXPECT_FALSE(IsWorldRecipe("file.h5"));
+}
+
+// How many of the contacts that both recipes felt are not the same.
+int CountDifferent(const WorldContacts& a, const WorldContacts& b) {
+  int different = 0;
+  for (const LabelledContact& contact : a.contacts) {
+    const auto same_id =
+        std::ranges::find(b.contacts, contact.id, &LabelledContact::id);
+    different += same_id != b.contacts.end() &&
+                 same_id->object_motion != contact.object_motion;
+  }
+  return different;
+}
+
+TEST(MakeWorldContactsTest, SomeArmsLiftOff) {
+  WorldRecipe recipe;
+  recipe.contacts = 120;
+  recipe.seed = 5;
+  const auto none = MakeWorldContacts(recipe, RunSerially);
+  recipe.liftoffs = 0.3;
+  const auto some = MakeWorldContacts(recipe, RunSerially);
+  recipe.liftoffs = 1;
+  const auto all = MakeWorldContacts(recipe, RunSerially);
+  ASSERT_TRUE(none.ok() && some.ok() && all.ok());
+  EXPECT_GT(CountDifferent(*none, *some), 20);
+  EXPECT_LT(CountDifferent(*none, *some), 55);
+  EXPECT_GT(CountDifferent(*none, *all), 90);
+  for (const LabelledContact& contact : all->contacts) {
+    // Up to 5 s until the lift-off, up to half of it for the way back.
+    EXPECT_LT(contact.frames.size(), 850u);
+    EXPECT_FALSE(contact.object_motion.empty());
+    EXPECT_EQ(contact.label.back() == 'M',
+              contact.object_motion.back() > kMovedM);
+  }
 }
 
 TEST(MakeWorldContactsTest, ThreadsChangeNothingAndSkinsTakeTurns) {
