@@ -12,8 +12,8 @@
 #pragma once
 
 #include "absl/status/status.h"
+#include "core/stream/stream_settings.h"
 #include "server/session/model_source.h"
-#include "server/session/stream_settings.h"
 
 namespace tactus::server {
 

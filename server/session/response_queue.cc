@@ -16,6 +16,10 @@ v1::Answer* ResponseQueue::AddInterim() {
 
 v1::Answer* ResponseQueue::AddKept() { return AddAnswer(false); }
 
+v1::StreamNotice* ResponseQueue::AddNotice() {
+  return AddMessage()->mutable_notice();
+}
+
 v1::ClassifyContactResponse* ResponseQueue::AddMessage() {
   waiting_.push_back(std::make_unique<Entry>());
   waiting_.back()->request = request_;

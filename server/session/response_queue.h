@@ -19,11 +19,12 @@
 #include <memory>
 #include <vector>
 
+#include "core/stream/answer_sink.h"
 #include "tactus/v1/contact.pb.h"
 
 namespace tactus::server {
 
-class ResponseQueue {
+class ResponseQueue : public AnswerSink {
  public:
   // Starts a request message: interim answers added from now on replace
   // those of earlier messages that still wait.
@@ -32,8 +33,9 @@ class ResponseQueue {
   // Add an answer and return it for writing. It holds old values: overwrite
   // every field except `superseded` and the times of its diagnostics. The
   // pointer is valid until FinishWrite.
-  v1::Answer* AddInterim();
-  v1::Answer* AddKept();
+  v1::Answer* AddInterim() override;
+  v1::Answer* AddKept() override;
+  v1::StreamNotice* AddNotice() override;
   v1::ClassifyContactResponse* AddMessage();
 
   // Ends a request message that took `elapsed_ns` to compute and ended at

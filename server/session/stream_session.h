@@ -22,22 +22,16 @@
 // the caller serialises calls and passes the time.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 
 #include "absl/status/status.h"
-#include "core/base/limits.h"
-#include "core/base/rate_watch.h"
-#include "core/classify/contact_pipeline.h"
+#include "core/stream/contact_session.h"
+#include "core/stream/stream_settings.h"
 #include "google/protobuf/io/zero_copy_stream.h"
-#include "server/session/answer_writer.h"
-#include "server/session/frame_decoder.h"
 #include "server/session/model_source.h"
 #include "server/session/response_queue.h"
-#include "server/session/stream_settings.h"
 #include "tactus/v1/contact.pb.h"
 
 namespace tactus::server {
@@ -79,14 +73,18 @@ class StreamSession {
   // False while too many finals wait, and once the stream is finishing.
   bool wants_request() const { return !finishing_ && !responses_.full(); }
   ResponseQueue& responses() { return responses_; }
-  uint64_t frames() const { return frames_; }
+  uint64_t frames() const { return contacts_ ? contacts_->frames() : 0; }
   // Names the stream in logs, for example: stream 7 of client "left-arm".
   std::string LogName() const;
   // Compares the capture times of the frames with the config's rate; null
   // before the config.
-  const RateWatch* rate() const { return rate_ ? &*rate_ : nullptr; }
+  const RateWatch* rate() const {
+    return contacts_ ? &contacts_->rate() : nullptr;
+  }
   // What was skipped so far.
-  SkipCounters skipped() const;
+  SkipCounters skipped() const {
+    return contacts_ ? contacts_->skipped() : SkipCounters();
+  }
 
  private:
   // Ends the stream if `status` is an error; returns it.
@@ -94,22 +92,7 @@ class StreamSession {
   absl::Status Take(const v1::ClassifyContactRequest& request);
   absl::Status Dispatch(const v1::ClassifyContactRequest& request);
   absl::Status OnConfig(const v1::StreamConfig& config);
-  absl::Status OnFrames(const v1::FrameBatch& batch);
-  void OnFrame(const v1::FrameBatch& batch, uint32_t index,
-               uint64_t missing_before);
-  // Adds a notice, once per stream, if the capture times are those of another
-  // rate. `missing` frames were lost before `batch`.
-  void WatchRate(const v1::FrameBatch& batch, uint64_t missing);
-  void OnEndOfTrial();
-  // True if the cadence asks for an interim answer after this frame.
-  bool IsDue();
-  // True if the contacts, or what they probably are, differ from those of the
-  // frame before.
-  bool HasChanged();
   void WriteStarted();
-  // Makes the pipeline of a configured stream; OnConfig has checked that this
-  // cannot fail.
-  void MakePipeline();
   // Adds a notice, once per stream, if the name in the config now stands for
   // another version.
   void CheckForNewerModel();
@@ -127,23 +110,7 @@ class StreamSession {
   uint64_t generation_ = 0;
   // The client was sent KIND_MODEL_SUPERSEDED.
   bool superseded_ = false;
-  // Made for the first frame, because it is most of a stream's memory.
-  std::unique_ptr<ContactPipeline> pipeline_;
-  std::optional<FrameDecoder> decoder_;
-  std::optional<AnswerWriter> writer_;
-  std::optional<RateWatch> rate_;
-
-  uint64_t frames_ = 0;
-  // Frames of the open trial; 0 if none is open.
-  uint64_t trial_frames_ = 0;
-  // Contacts of the frame before by id, with their best classes; for
-  // RESULT_CADENCE_ON_CHANGE.
-  struct Seen {
-    uint64_t id = 0;
-    int best_class = 0;
-    bool operator==(const Seen&) const = default;
-  };
-  std::array<Seen, limits::kMaxContacts> seen_ = {};
+  std::optional<ContactSession> contacts_;
 };
 
 }  // namespace tactus::server

@@ -37,14 +37,11 @@
 #include "server/rpc/request_limits.h"
 #include "server/rpc/training_rpcs.h"
 #include "server/rpc/trial_call.h"
-#include "server/session/answer_writer.h"
 #include "server/session/fitting_models.h"
-#include "server/session/frame_decoder.h"
 #include "server/session/model_source.h"
 #include "server/session/request_parser.h"
 #include "server/session/response_queue.h"
 #include "server/session/stream_session.h"
-#include "server/session/stream_settings.h"
 #include "server/session/trial_session.h"
 #include "server/tactus_server.h"
 #include "server/trainer/yield_timer.h"
@@ -162,16 +159,6 @@ static void ModelSourceExample(const ModelSource& models,
 #include "server/session/model_source.h.inc"
 }
 
-static void AnswerWriterExample(AnswerWriter& writer, ContactPipeline& pipeline,
-                                const FrameView& frame, uint64_t sequence,
-                                int64_t time_ns, v1::Answer* answer) {
-#include "server/session/answer_writer.h.inc"
-}
-
-static void SpareMessagesExample(v1::Answer* answer) {
-#include "server/session/spare_messages.h.inc"
-}
-
 static absl::Status ModelRegistryExample() {
 #include "server/registry/model_registry.h.inc"
   return absl::OkStatus();
@@ -216,13 +203,6 @@ static absl::Status ServerExample(const ModelRegistry& registry) {
   return absl::OkStatus();
 }
 
-static absl::Status FrameDecoderExample(const StreamSettings& settings,
-                                        const v1::FrameBatch& batch,
-                                        ContactPipeline& pipeline) {
-#include "server/session/frame_decoder.h.inc"
-  return absl::OkStatus();
-}
-
 static absl::Status RequestParserExample(Bytes& bytes, size_t size) {
   v1::ClassifyContactRequest request;
 #include "server/session/request_parser.h.inc"
@@ -248,10 +228,6 @@ static void StreamSessionExample(const ModelSource* models, Bytes& bytes,
                                  int64_t now_ns) {
   v1::ClassifyContactRequest request;
 #include "server/session/stream_session.h.inc"
-}
-
-static void StreamSettingsExample(const v1::StreamConfig& config) {
-#include "server/session/stream_settings.h.inc"
 }
 
 void Send(const v1::ClassifyTrialResponse& response);

@@ -22,10 +22,10 @@
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
 #include "core/skin/frame.h"
-#include "server/session/stream_settings.h"
+#include "core/stream/stream_settings.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus::server {
+namespace tactus {
 
 class FrameDecoder {
  public:
@@ -91,4 +91,4 @@ class FrameDecoder {
   int64_t last_capture_time_ns_ = 0;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus

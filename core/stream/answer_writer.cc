@@ -1,4 +1,4 @@
-#include "server/session/answer_writer.h"
+#include "core/stream/answer_writer.h"
 
 #include <algorithm>
 #include <bit>
@@ -8,7 +8,7 @@
 #include "core/questions/decision_tracker.h"
 #include "core/skin/geometry.h"
 
-namespace tactus::server {
+namespace tactus {
 namespace {
 
 using google::protobuf::RepeatedField;
@@ -320,4 +320,4 @@ void AnswerWriter::WriteAnswers(const ContactReport& report, Contact* contact) {
   }
 }
 
-}  // namespace tactus::server
+}  // namespace tactus

@@ -16,7 +16,7 @@
 #include "core/skin/layout.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus::server {
+namespace tactus {
 
 struct StreamSettings {
   std::string model;
@@ -46,4 +46,4 @@ struct StreamSettings {
 absl::StatusOr<StreamSettings> ParseStreamConfig(
     const v1::StreamConfig& config);
 
-}  // namespace tactus::server
+}  // namespace tactus

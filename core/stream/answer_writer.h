@@ -20,11 +20,11 @@
 #include "core/base/limits_questions.h"
 #include "core/classify/contact_pipeline.h"
 #include "core/skin/layout.h"
-#include "server/session/spare_messages.h"
-#include "server/session/stream_settings.h"
+#include "core/stream/spare_messages.h"
+#include "core/stream/stream_settings.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus::server {
+namespace tactus {
 
 class AnswerWriter {
  public:
@@ -90,4 +90,4 @@ class AnswerWriter {
   SpareMessages<v1::Decision> spare_decisions_;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus

@@ -1,4 +1,4 @@
-#include "server/session/frame_decoder.h"
+#include "core/stream/frame_decoder.h"
 
 #include <algorithm>
 #include <bit>
@@ -12,7 +12,7 @@
 #include "core/base/status_macros.h"
 #include "core/skin/taxel_values.h"
 
-namespace tactus::server {
+namespace tactus {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
@@ -295,4 +295,4 @@ float FrameDecoder::Value(const char* wire) const {
              : ScaledTaxel(Load<float>(wire), scale_);
 }
 
-}  // namespace tactus::server
+}  // namespace tactus

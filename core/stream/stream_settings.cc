@@ -1,4 +1,4 @@
-#include "server/session/stream_settings.h"
+#include "core/stream/stream_settings.h"
 
 #include <cmath>
 
@@ -9,7 +9,7 @@
 #include "core/base/text.h"
 #include "core/skin/layout_proto.h"
 
-namespace tactus::server {
+namespace tactus {
 namespace {
 
 constexpr double kDefaultSampleRateHz = 100;
@@ -164,4 +164,4 @@ absl::StatusOr<StreamSettings> ParseStreamConfig(
   return settings;
 }
 
-}  // namespace tactus::server
+}  // namespace tactus
