@@ -1,27 +1,27 @@
 // File: fitting_models.h
 //
-// What a client can do whose skin does not fit the model that it named: use
-// another model of this server, or train one.
+// The model of a stream: the one that it names, or one that fits its skin. If
+// none does, the error says what a client can do: use another model of this
+// server, or train one.
 //
-//   const absl::Status fits =
-//       ContactPipeline::Check(settings.layout, *pinned.model,
-//                              settings.pipeline);
-//   if (!fits.ok()) return NameFittingModels(fits, pinned, settings, models);
+//   TACTUS_ASSIGN_OR_RETURN(PinnedModel pinned, FindModel(models, settings));
 //
 // Thread-safe: a free function without state.
 #pragma once
 
-#include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "core/stream/stream_settings.h"
 #include "server/session/model_source.h"
 
 namespace tactus::server {
 
-// `misfit`, which is why `named` does not serve the stream, with the names of
-// models that do. If there are none, it says how to train one.
-absl::Status NameFittingModels(const absl::Status& misfit,
-                               const PinnedModel& named,
-                               const StreamSettings& settings,
-                               const ModelSource& models);
+// Without a name, "default" if it fits the stream, else the first by name of
+// the models whose newest version does; its name becomes that of `settings`.
+// MODEL_NOT_FOUND for a name that is not there; INVALID_CONFIG or
+// GEOMETRY_MISMATCH, as ContactPipeline::Check, if no model serves the stream,
+// with the names of models that would, or with what all models need and how to
+// train one.
+absl::StatusOr<PinnedModel> FindModel(const ModelSource& models,
+                                      StreamSettings& settings);
 
 }  // namespace tactus::server

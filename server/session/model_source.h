@@ -40,7 +40,7 @@ class ModelSource {
   virtual absl::StatusOr<PinnedModel> Find(
       absl::string_view name, absl::string_view client_id) const = 0;
 
-  // The newest version of each model.
+  // The newest version of each model, by name.
   virtual std::vector<PinnedModel> Newest() const { return {}; }
 
   // Changes whenever a later Find may return another version for a name.

@@ -78,11 +78,7 @@ absl::Status StreamSession::OnConfig(const v1::StreamConfig& config) {
   TACTUS_ASSIGN_OR_RETURN(settings_, ParseStreamConfig(config));
   // Before Find: a version added in between is then found by the next message.
   generation_ = models_->generation();
-  TACTUS_ASSIGN_OR_RETURN(PinnedModel pinned,
-                          models_->Find(settings_.model, settings_.client_id));
-  const absl::Status fits = ContactPipeline::Check(
-      settings_.layout, *pinned.model, settings_.pipeline);
-  if (!fits.ok()) return NameFittingModels(fits, pinned, settings_, *models_);
+  TACTUS_ASSIGN_OR_RETURN(PinnedModel pinned, FindModel(*models_, settings_));
   pinned_ = std::move(pinned);
   contacts_.emplace(settings_, pinned_->model, &responses_);
   WriteStarted();

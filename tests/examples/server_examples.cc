@@ -75,8 +75,7 @@ static absl::Status AuthorizerExample(TactusServer::Options& options) {
   return absl::OkStatus();
 }
 
-static absl::Status FittingModelsExample(const StreamSettings& settings,
-                                         const PinnedModel& pinned,
+static absl::Status FittingModelsExample(StreamSettings& settings,
                                          const ModelSource& models) {
 #include "server/session/fitting_models.h.inc"
   return absl::OkStatus();

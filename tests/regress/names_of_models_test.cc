@@ -101,6 +101,57 @@ TEST(NamesOfModelsTest, ASkinThatNoModelFitsGetsTheNextStep) {
                     HasSubstr("train one: "), HasSubstr("trainctl fit")));
 }
 
+TEST(NamesOfModelsTest, AStreamWithoutAModelGetsOneThatFits) {
+  ModelRegistry registry;
+  Fill(registry);
+  const auto model_of = [&](const v1::ClassifyContactRequest& request) {
+    StreamSession session(&registry, {});
+    const absl::Status status = session.OnRequest(request);
+    if (!status.ok()) return std::string(status.message());
+    return session.responses().StartWrite(0)->started().model_version();
+  };
+  v1::ClassifyContactRequest request = testing::ConfigRequest();
+  request.mutable_config()->set_with_poses(true);
+  EXPECT_EQ(model_of(request), "models/default/versions/1");
+  // The default needs poses.
+  request.mutable_config()->set_with_poses(false);
+  EXPECT_EQ(model_of(request), "models/pad/versions/2");
+  // The first by name.
+  ASSERT_TRUE(
+      registry.AddBuiltIn("arm", Bundle(PoseNeed::kIgnored, "cody-forearm"))
+          .ok());
+  EXPECT_EQ(model_of(request), "models/arm/versions/1");
+  request.mutable_config()->mutable_geometry()->set_layout("vitac-12x32");
+  EXPECT_THAT(
+      model_of(request),
+      AllOf(HasSubstr("models/arm/versions/1 needs cody-forearm 16x24"),
+            HasSubstr("models/default/versions/1 needs cody-forearm 16x24"),
+            HasSubstr("with poses"), HasSubstr("train one: ")));
+}
+
+TEST(NamesOfModelsTest, AStreamLearnsOfNewerVersionsOfTheModelThatItGot) {
+  ModelRegistry registry;
+  Fill(registry);
+  StreamSession session(&registry, {});
+  v1::ClassifyContactRequest request = testing::ConfigRequest();
+  ASSERT_TRUE(session.OnRequest(request).ok());
+  ASSERT_TRUE(
+      registry.AddBuiltIn("pad", Bundle(PoseNeed::kIgnored, "cody-forearm"))
+          .ok());
+  ASSERT_TRUE(
+      session.OnRequest(testing::DenseU16(1, {testing::Untouched()})).ok());
+  EXPECT_TRUE(session.responses().StartWrite(0)->has_started());
+  session.responses().FinishWrite();
+  EXPECT_EQ(session.responses().StartWrite(0)->notice().kind(),
+            v1::StreamNotice::KIND_MODEL_SUPERSEDED);
+}
+
+TEST(NamesOfModelsTest, AServerWithoutModelsSaysSo) {
+  const ModelRegistry registry;
+  EXPECT_THAT(ErrorOf(registry, testing::ConfigRequest()),
+              HasSubstr("does not exist"));
+}
+
 // A wrong config is no matter of models.
 TEST(NamesOfModelsTest, AWrongRateGetsNoModels) {
   ModelRegistry registry;
