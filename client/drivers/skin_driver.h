@@ -27,22 +27,11 @@
 #include "absl/status/statusor.h"
 #include "client/drivers/driver_statistics.h"
 #include "client/stream/skin_frame.h"
+#include "tactus/driver.h"
 
 namespace tactus::client {
 
 enum class DriverState { kUnconfigured, kInactive, kActive, kFinalised };
-
-enum class ReadResult {
-  // A frame was read.
-  kFrame,
-  // No frame: the trial is over, the next frame begins another.
-  kEndOfTrial,
-  // No frame: nothing will follow.
-  kEndOfData,
-  // No frame yet: the hardware sends none at the moment. Statistics() may say
-  // why. Read again.
-  kNoFrame,
-};
 
 class SkinDriver {
  public:

@@ -33,6 +33,8 @@ inline constexpr size_t kMaxMessageBytes = 64 * 1024;
 // of messages. 200 s of 16 x 24 taxels as u16 with poses at 100 Hz.
 inline constexpr size_t kMaxReplayBytes = 16UL * 1024 * 1024;
 inline constexpr size_t kMinReplayBytes = 256UL * 1024;
+// Events of a stream that wait for a robot to poll them.
+inline constexpr size_t kMaxPolledEvents = 16'384;
 
 // Stream configuration.
 inline constexpr double kMinSampleRateHz = 0.01;

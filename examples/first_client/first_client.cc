@@ -1,45 +1,33 @@
-// Streams one second of touch to a Tactus server and prints its answer.
+// Streams one second of touch to a Tactus server and prints what it felt.
 #include <cstdio>
 
-#include "client/stream/contact_stream.h"
-#include "client/stream/frame_encoder.h"
-#include "core/base/status_macros.h"
+#include "tactus/client.h"
 
 absl::Status Run(const char* server) {
-  tactus::client::SkinInfo skin;
-  TACTUS_ASSIGN_OR_RETURN(skin.layout, tactus::LayoutPreset("cody-forearm"));
-  skin.scale = 0.001;  // The skin counts millinewtons.
-  auto config = tactus::client::MakeConfig(skin);
-  config.set_model("models/no-poses");  // "default" needs poses of the arm.
-  TACTUS_ASSIGN_OR_RETURN(
-      const auto stream,
-      tactus::client::ContactStream::Open(
-          tactus::client::MakeChannel(server), config,
-          [](const auto& response) {
-            for (const auto& event : response.answer().events()) {
-              // A robot would react here: touched,
-              // decided, changed, released.
-              std::printf("event %d\n", event.kind());
-            }
-          }));
-  tactus::client::FrameEncoder encoder(skin, {});
-  tactus::client::SkinFrame frame;
+  const tactus::Client client(server);
+  const auto stream = client.Open(
+      {.name = "cody-forearm", .scale = 0.001},  // It counts millinewtons.
+      {.on_event = [](const tactus::Event& event) {
+        std::puts(ToText(event).c_str());  // A robot would react here.
+      }});
+  if (!stream.ok()) return stream.status();
+  tactus::Frame frame;
   for (int t = 0; t < 100; ++t) {
     frame.capture_time_ns = 10'000'000 * t;
-    frame.u16.assign(skin.layout.taxels(), 0);  // Read your skin here.
-    for (const int taxel : {180, 181, 204, 205}) frame.u16[taxel] = 20 * t;
-    encoder.Add(frame);
-    TACTUS_RETURN_IF_ERROR(stream->Send(encoder.request()));
-    encoder.Clear();
+    frame.values.assign(16 * 24, 0);  // Read your skin here.
+    for (const int taxel : {180, 181, 204, 205}) frame.values[taxel] = 20 * t;
+    const absl::Status pushed = (*stream)->Push(frame);
+    if (!pushed.ok()) return pushed;
   }
-  TACTUS_ASSIGN_OR_RETURN(const auto answer, stream->EndTrial());
-  for (const auto& contact : answer.contacts()) {
-    for (int k = 0; k < contact.probability_size(); ++k) {
-      std::printf("%s %.6f\n", stream->started().class_names(k).c_str(),
-                  contact.probability(k));
+  const auto answer = (*stream)->EndTrial();
+  if (!answer.ok()) return answer.status();
+  for (const auto& question : answer->main()->answers) {
+    for (const auto& [value, probability] : question.values) {
+      std::printf("%s: %s %.6f\n", question.question.c_str(), value.c_str(),
+                  probability);
     }
   }
-  return stream->Close();
+  return (*stream)->Close();
 }
 
 int main(int argc, char** argv) {

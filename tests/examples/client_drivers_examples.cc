@@ -13,7 +13,6 @@
 #include "client/drivers/can/gs_usb_protocol.h"
 #include "client/drivers/can/socket_can.h"
 #include "client/drivers/can_skin_driver.h"
-#include "client/drivers/driver_plugin.h"
 #include "client/drivers/icub_skin/icub_skin.h"
 #include "client/drivers/icub_skin/unroll.h"
 #include "client/drivers/serial/low_latency.h"
@@ -31,14 +30,6 @@ void Use(const icub::TrianglePart& part);
 void Use(const icub::SkinScan& scan);
 void Use(const Eigen::Vector3d& position);
 void Mask(int taxel);
-
-struct MySkin : SkinDriver {
-  explicit MySkin(const DriverOptions& options);
-  absl::StatusOr<SkinInfo> OnConfigure() override;
-  absl::StatusOr<ReadResult> OnRead(SkinFrame& frame) override;
-};
-
-#include "client/drivers/driver_plugin.h.inc"
 
 static void ClockExample() {
 #include "client/drivers/clock.h.inc"

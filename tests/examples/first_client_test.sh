@@ -13,7 +13,10 @@ work=$build/first_client
 rm -rf "$work"
 mkdir -p "$work/stubs"
 
-cmake --install "$build" --component client --prefix "$work/prefix" >/dev/null
+for component in base client; do
+  cmake --install "$build" --component "$component" --prefix "$work/prefix" \
+    >/dev/null
+done
 cmake -S examples/first_client -B "$work/build" -G Ninja \
   -DCMAKE_PREFIX_PATH="$work/prefix" "$@" >/dev/null
 cmake --build "$work/build" >/dev/null
@@ -38,4 +41,9 @@ PYTHONPATH="$work/stubs" /usr/bin/python3 \
   examples/first_client/first_client.py "$address" >"$work/py.txt"
 cat "$work/cc.txt"
 diff "$work/cc.txt" "$work/py.txt"
-[[ $(grep -c '^[HS][UM] [01]\.[0-9]*$' "$work/cc.txt") -eq 4 ]]
+grep -q ': contact 1 touched$' "$work/cc.txt"
+[[ $(grep -cE '^(hardness|mobility): [a-z]+ [01]\.[0-9]*$' "$work/cc.txt") -eq 4 ]]
+
+# Only the public headers, which need no other ones.
+diff <(cd client/include && find tactus -name '*.h' | sort) \
+  <(cd "$work/prefix/include" && find . -name '*.h' | sed 's|^\./||' | sort)

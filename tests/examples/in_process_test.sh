@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The example without a server, as docs/your-first-client.md shows it: builds it
-# against an installed Tactus::core and classifies simulated contacts. A server
+# against an installed Tactus::classifier and classifies simulated contacts. A server
 # must give the same posteriors, bit for bit.
 #
 #   tests/examples/in_process_test.sh BUILD_DIR [CMAKE OPTION...]
@@ -13,7 +13,7 @@ work=$build/in_process
 rm -rf "$work"
 mkdir -p "$work"
 
-for component in client core; do
+for component in base classifier drivers; do
   cmake --install "$build" --component "$component" --prefix "$work/prefix" \
     >/dev/null
 done

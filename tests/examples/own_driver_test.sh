@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # docs/drivers.md, "A driver of your own": builds the example outside of the tree
-# against an installed Tactus::client and streams it with tactus-stream. What is
+# against the installed headers and streams it with tactus-stream. What is
 # no driver, or lacks an option, is refused with what would be right.
 #
 #   tests/examples/own_driver_test.sh BUILD_DIR [CMAKE OPTION...]
@@ -12,7 +12,10 @@ shift
 work=$build/own_driver
 rm -rf "$work"
 mkdir -p "$work"
-cmake --install "$build" --component client --prefix "$work/prefix" >/dev/null
+for component in base client; do
+  cmake --install "$build" --component "$component" --prefix "$work/prefix" \
+    >/dev/null
+done
 cmake -S examples/own_driver -B "$work/build" -G Ninja \
   -DCMAKE_PREFIX_PATH="$work/prefix" "$@" >/dev/null
 cmake --build "$work/build" >/dev/null
@@ -26,8 +29,7 @@ for ((i = 0; i < 600; i++)); do
   sleep 0.1
 done
 stream() {
-  "$build/bin/tactus-stream" --server="127.0.0.1:$(cat "$work/port")" \
-    --model=no-poses "$@"
+  "$build/bin/tactus-stream" --server="127.0.0.1:$(cat "$work/port")" "$@"
 }
 fail() { echo "own_driver_test: $1" >&2; exit 1; }
 refused() {
@@ -40,7 +42,7 @@ stream --driver="$work/build/my_skin.so" --driver-option=steps=100 --json \
 grep -Eq '"frames": *100' "$work/out.json" ||
   fail "the frames are missing: $(cat "$work/out.json")"
 refused 'steps=N is missing' --driver="$work/build/my_skin.so"
-refused 'TACTUS_SKIN_DRIVER' --driver="$work/build/none.so"
+refused 'TACTUS_DRIVER' --driver="$work/build/none.so"
 # A library that is none of ours.
 refused 'makes no driver' --driver="$(find /usr/lib -name 'libz.so' | head -n 1)"
 refused 'absent without a driver' --driver=sim --driver-option=a=b

@@ -174,6 +174,16 @@ std::string WhyNot(const std::string& path, const std::string& header,
   const auto to = [&](absl::string_view top) {
     return absl::StartsWith(header, top);
   };
+  // The installed headers.
+  if (from("client/include/")) {
+    const bool is_public =
+        to("tactus/") && !to("tactus/v1/") && absl::EndsWith(header, ".h");
+    const bool is_plain =
+        !absl::StrContains(header, '/') && !absl::StrContains(header, '.');
+    return is_public || is_plain || to("absl/status/")
+               ? ""
+               : "public headers use the standard library and absl::Status";
+  }
   if (from("core/") && (to("server/") || to("client/"))) {
     return "core knows neither server nor client";
   }

@@ -232,6 +232,9 @@ TEST(IncludeRuleTest, WhatIsAllowedPasses) {
       {"client/a.cc", "#include \"core/sim/a.h\""},
       {"tests/client/a.cc", "#include \"server/rpc/a.h\""},
       {"tools/load/a.cc", "#include \"tools/load/b.h\""},
+      {"client/include/tactus/a.h", "#include <vector>"},
+      {"client/include/tactus/a.h", "#include \"absl/status/statusor.h\""},
+      {"client/include/tactus/a.h", "#include \"tactus/b.h\""},
   };
   for (const auto& [path, line] : allowed) {
     EXPECT_THAT(IncludeViolations(path, line, kRooms), IsEmpty());
@@ -275,6 +278,15 @@ TEST(IncludeRuleTest, EachWrongArrowIsFound) {
       {"server/jobs/a.cc", "#include <grpcpp/grpcpp.h>", "jobs/ knows"},
       {"server/names/a.cc", "#include \"server/rpc/a.h\"", "names/ knows"},
       {"core/hmm/a.cc", "#include \"tests/a.h\"", "only tests"},
+      {"client/include/tactus/a.h", "#include \"core/base/a.h\"",
+       "public headers"},
+      {"client/include/tactus/a.h", "#include \"tactus/v1/contact.pb.h\"",
+       "public headers"},
+      {"client/include/tactus/a.h", "#include <grpcpp/channel.h>",
+       "public headers"},
+      {"client/include/tactus/a.h", "#include \"Eigen/Core\"",
+       "public headers"},
+      {"client/include/tactus/a.h", "#include <unistd.h>", "public headers"},
   };
   for (const Case& c : cases) {
     EXPECT_THAT(

@@ -52,8 +52,10 @@ in_build() {
 built=$PWD/build/release
 in_build "$PWD/deploy/install-deps.sh" --build
 in_build cmake --build "$built" --target tactus_component_client
-in_build cmake --install "$built" --component client --prefix /usr/local \
-  >/dev/null
+for component in base client; do
+  in_build cmake --install "$built" --component "$component" \
+    --prefix /usr/local >/dev/null
+done
 in_build cmake -G Ninja -S "$PWD/examples/first_client" -B /tmp/first_client \
   >/dev/null
 in_build cmake --build /tmp/first_client
@@ -65,8 +67,8 @@ wait_for "$!" in_build "$built/bin/tactusd" --health-check=127.0.0.1:50051 ||
 in_build sh -c '/tmp/first_client/first_client 127.0.0.1:50051 >/tmp/client.txt'
 answer=$(in_storage mount "$build")/tmp/client.txt
 cat "$answer"
-[[ $(grep -c '^[HS][UM] [01]\.[0-9]*$' "$answer") -eq 4 ]] ||
-  die "the client prints no four classes"
+[[ $(grep -cE '^(hardness|mobility): [a-z]+ [01]\.[0-9]*$' "$answer") -eq 4 ]] ||
+  die "the client prints no four probabilities"
 kill_below "${runners[@]}"
 runners=()
 leave_network

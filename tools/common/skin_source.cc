@@ -10,6 +10,7 @@
 #include "client/drivers/can/socket_can.h"
 #include "client/drivers/replay_driver.h"
 #include "client/drivers/sim_driver.h"
+#include "client/front/wrapped_driver.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/data/trial_layout.h"
@@ -293,8 +294,9 @@ absl::Status SkinSource::MakeDriver(const SkinSourceOptions& options) {
     return absl::OkStatus();
   }
   if (IsDriverLibrary(options.driver)) {
-    TACTUS_ASSIGN_OR_RETURN(plugin_,
+    TACTUS_ASSIGN_OR_RETURN(std::unique_ptr<Driver> plugin,
                             LoadDriver(options.driver, options.driver_options));
+    plugin_ = WrapDriver(std::move(plugin));
     driver_ = plugin_.get();
     return absl::OkStatus();
   }

@@ -23,16 +23,16 @@
 #include "client/drivers/serial/serial_skin.h"
 #include "client/drivers/trial_driver.h"
 #include "client/drivers/xela/xela_skin.h"
+#include "client/front/plugin_driver.h"
 #include "tools/common/arm_source.h"
 #include "tools/common/icub_source.h"
 #include "tools/common/paced_driver.h"
-#include "tools/common/plugin_driver.h"
 
 namespace tactus::client {
 
 struct SkinSourceOptions {
   // "sim", "replay", "icub-can", "icub-usb", "xela-can", "serial", or a library
-  // (plugin_driver.h).
+  // (client/front/plugin_driver.h).
   std::string driver = "sim";
   DriverOptions driver_options = {};
   // JSON file with the skin.

@@ -1,4 +1,4 @@
-#include "tools/common/plugin_driver.h"
+#include "client/front/plugin_driver.h"
 
 #include <dlfcn.h>
 
@@ -13,8 +13,8 @@ namespace tactus::client {
 namespace {
 
 absl::Status NoDriver(const std::string& path, const std::string& is) {
-  return InvalidConfig("--driver", absl::StrCat(Quoted(path), ", ", is),
-                       "a library that is built with TACTUS_SKIN_DRIVER of "
+  return InvalidConfig("driver", absl::StrCat(Quoted(path), ", ", is),
+                       "a library that is built with TACTUS_DRIVER of "
                        "this release (docs/drivers.md)");
 }
 
@@ -24,7 +24,7 @@ bool IsDriverLibrary(const std::string& driver) {
   return absl::EndsWith(driver, ".so");
 }
 
-absl::StatusOr<std::unique_ptr<SkinDriver>> LoadDriver(
+absl::StatusOr<std::unique_ptr<Driver>> LoadDriver(
     const std::string& path, const DriverOptions& options) {
   // Without a slash dlopen would look among the system's libraries.
   const std::string absolute = std::filesystem::absolute(path);
@@ -35,7 +35,7 @@ absl::StatusOr<std::unique_ptr<SkinDriver>> LoadDriver(
   }
   using Abi = int();
   using Make =
-      void(const DriverOptions&, absl::StatusOr<std::unique_ptr<SkinDriver>>*);
+      void(const DriverOptions&, absl::StatusOr<std::unique_ptr<Driver>>*);
   auto* const abi = reinterpret_cast<Abi*>(dlsym(library, "tactus_driver_abi"));
   auto* const make =
       reinterpret_cast<Make*>(dlsym(library, "tactus_make_driver"));
@@ -46,7 +46,7 @@ absl::StatusOr<std::unique_ptr<SkinDriver>> LoadDriver(
     return NoDriver(path, absl::StrCat("which is built for version ", abi(),
                                        " of the interface, not ", kDriverAbi));
   }
-  absl::StatusOr<std::unique_ptr<SkinDriver>> driver = nullptr;
+  absl::StatusOr<std::unique_ptr<Driver>> driver = nullptr;
   make(options, &driver);
   if (driver.ok() && *driver == nullptr) {
     return NoDriver(path, "which makes no driver");

@@ -1,0 +1,49 @@
+#include "tactus/classifier.h"
+
+#include <utility>
+
+#include "client/front/local_stream.h"
+#include "core/base/errors.h"
+#include "core/base/limits.h"
+#include "core/base/status_macros.h"
+#include "core/bundle/bundle.h"
+#include "core/classify/compiled_model.h"
+#include "core/files/file_bytes.h"
+
+namespace tactus {
+
+class Classifier::Impl {
+ public:
+  explicit Impl(client::LocalModel model) : model_(std::move(model)) {}
+
+  const client::LocalModel& model() const { return model_; }
+
+ private:
+  const client::LocalModel model_;
+};
+
+absl::StatusOr<Classifier> Classifier::Load(const std::string& path) {
+  TACTUS_ASSIGN_OR_RETURN(const std::string bytes,
+                          ReadFileBytes(path, limits::kMaxBundleBytes));
+  client::LocalModel model = {
+      .model = nullptr, .version = path, .sha256 = BundleSha256(bytes)};
+  auto decoded = DecodeBundle(bytes);
+  if (!decoded.ok()) return Annotate(decoded.status(), path);
+  model.model = *std::move(decoded);
+  const absl::Status same = RunWarmUp(*model.model);
+  if (!same.ok()) return Annotate(same, path);
+  return Classifier(std::make_unique<const Impl>(std::move(model)));
+}
+
+Classifier::Classifier(std::unique_ptr<const Impl> impl)
+    : impl_(std::move(impl)) {}
+Classifier::~Classifier() = default;
+Classifier::Classifier(Classifier&&) noexcept = default;
+Classifier& Classifier::operator=(Classifier&&) noexcept = default;
+
+absl::StatusOr<std::unique_ptr<Stream>> Classifier::Open(
+    const Skin& skin, const StreamOptions& options) const {
+  return client::OpenLocalStream(impl_->model(), skin, options);
+}
+
+}  // namespace tactus
