@@ -78,6 +78,7 @@ readonly TESTS=(
   ccache
   clang-14
   clang-format
+  doxygen
   gnuplot-nox
   haproxy
   libclang-rt-14-dev
