@@ -239,7 +239,8 @@ absl::Status TaxelTooLarge(uint64_t sequence, int taxel, double value) {
   return MakeError(StatusCode::kInvalidArgument,
                    v1::ERROR_REASON_NON_FINITE_TAXEL,
                    absl::StrCat("taxel ", taxel, " of frame ", sequence, " is ",
-                                value, "; it must be at most 1e12"),
+                                value, "; it must be ",
+                                value < 0 ? "at least -1e12" : "at most 1e12"),
                    {{"sequence", absl::StrCat(sequence)},
                     {"taxel", absl::StrCat(taxel)},
                     {"value", absl::StrCat(value)}});

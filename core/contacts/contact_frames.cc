@@ -18,7 +18,8 @@ size_t ContactFrames::bytes() const {
   return std::span(features_).size_bytes() +
          std::span(net_force_).size_bytes() + std::span(profile_).size_bytes() +
          touched_.size() / 8 + std::span(spread_).size_bytes() +
-         std::span(loads_).size_bytes() + std::span(load_ends_).size_bytes();
+         std::span(shear_).size_bytes() + std::span(loads_).size_bytes() +
+         std::span(load_ends_).size_bytes();
 }
 
 void ContactFrames::clear() {
@@ -27,6 +28,7 @@ void ContactFrames::clear() {
   profile_.clear();
   touched_.clear();
   spread_.clear();
+  shear_.clear();
   loads_.clear();
   load_ends_.clear();
 }
@@ -37,6 +39,7 @@ void ContactFrames::shrink_to_fit() {
   profile_.shrink_to_fit();
   touched_.shrink_to_fit();
   spread_.shrink_to_fit();
+  shear_.shrink_to_fit();
   loads_.shrink_to_fit();
   load_ends_.shrink_to_fit();
 }
@@ -51,12 +54,13 @@ void ContactFrames::MakeRoomFor(const Numbers& numbers) {
   if (spread_.empty() && numbers.spread != LoadSpread{}) {
     spread_.resize(size());
   }
+  if (shear_.empty() && numbers.shear != Shear{}) shear_.resize(size());
 }
 
 void ContactFrames::MakeRoomFor(const ContactFrame& frame) {
   const ContactSample& sample = frame.sample;
-  MakeRoomFor(
-      Numbers{sample.features, sample.net_force, frame.touched, sample.spread});
+  MakeRoomFor(Numbers{sample.features, sample.net_force, frame.touched,
+                      sample.spread, sample.shear});
   if (profile_.empty() && sample.profile != LoadProfile{}) {
     profile_.resize(size());
   }
@@ -68,6 +72,7 @@ void ContactFrames::push_back_numbers(const Numbers& numbers) {
   PutLast(size(), numbers.net_force, net_force_);
   PutLast(size(), numbers.touched, touched_);
   PutLast(size(), numbers.spread, spread_);
+  PutLast(size(), numbers.shear, shear_);
 }
 
 void ContactFrames::SetNumbers(size_t t, const Numbers& numbers) {
@@ -76,6 +81,7 @@ void ContactFrames::SetNumbers(size_t t, const Numbers& numbers) {
   if (!net_force_.empty()) net_force_[t] = numbers.net_force;
   if (!touched_.empty()) touched_[t] = numbers.touched;
   if (!spread_.empty()) spread_[t] = numbers.spread;
+  if (!shear_.empty()) shear_[t] = numbers.shear;
 }
 
 void ContactFrames::push_back(const ContactFrame& frame) {
@@ -85,6 +91,7 @@ void ContactFrames::push_back(const ContactFrame& frame) {
   PutLast(size(), frame.sample.profile, profile_);
   PutLast(size(), frame.touched, touched_);
   PutLast(size(), frame.sample.spread, spread_);
+  PutLast(size(), frame.sample.shear, shear_);
   const auto& loads = frame.sample.loads;
   if (loads_.empty() && loads.empty()) return;
   // Frames before the first one with taxels have none.
@@ -100,6 +107,7 @@ void ContactFrames::Set(size_t t, const ContactFrame& frame) {
   if (!profile_.empty()) profile_[t] = frame.sample.profile;
   if (!touched_.empty()) touched_[t] = frame.touched;
   if (!spread_.empty()) spread_[t] = frame.sample.spread;
+  if (!shear_.empty()) shear_[t] = frame.sample.shear;
 }
 
 }  // namespace tactus

@@ -1,6 +1,6 @@
 // File: contact_frames.h
 //
-// ContactFrames: the frames of a contact in little memory. A frame has 23
+// ContactFrames: the frames of a contact in little memory. A frame has 25
 // numbers and the touched taxels, but contacts of ideal signals need three
 // numbers: the net force is the force, and there are no taxels.
 //
@@ -56,10 +56,10 @@ class ContactFrames {
   Iterator end() const { return {this, size()}; }
   // Inline, so that a caller that drops a part of the frame does not copy it.
   ContactFrame operator[](size_t t) const {
-    return {
-        {features_[t], net_force(t),
-         profile_.empty() ? LoadProfile{} : profile_[t], loads(t), spread(t)},
-        touched(t)};
+    return {{features_[t], net_force(t),
+             profile_.empty() ? LoadProfile{} : profile_[t], loads(t),
+             spread(t), shear(t)},
+            touched(t)};
   }
   ContactFrame front() const { return (*this)[0]; }
   ContactFrame back() const { return (*this)[size() - 1]; }
@@ -73,6 +73,8 @@ class ContactFrames {
     return spread_.empty() ? LoadSpread{} : spread_[t];
   }
 
+  Shear shear(size_t t) const { return shear_.empty() ? Shear{} : shear_[t]; }
+
   std::span<const TaxelLoad> loads(size_t t) const {
     if (load_ends_.empty()) return {};
     const size_t begin = t == 0 ? 0 : load_ends_[t - 1];
@@ -85,11 +87,12 @@ class ContactFrames {
     double net_force = 0;
     bool touched = true;
     LoadSpread spread = {};
+    Shear shear = {};
   };
   // True if numbers() is all there is of each frame.
   bool plain() const { return profile_.empty() && load_ends_.empty(); }
   Numbers numbers(size_t t) const {
-    return {features_[t], net_force(t), touched(t), spread(t)};
+    return {features_[t], net_force(t), touched(t), spread(t), shear(t)};
   }
   // Appends a plain frame.
   void push_back_numbers(const Numbers& numbers);
@@ -122,6 +125,7 @@ class ContactFrames {
   std::vector<LoadProfile> profile_;
   std::vector<bool> touched_;
   std::vector<LoadSpread> spread_;
+  std::vector<Shear> shear_;
   // The taxels of all frames, and where those of each frame end.
   std::vector<TaxelLoad> loads_;
   std::vector<uint32_t> load_ends_;

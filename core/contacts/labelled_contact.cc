@@ -15,8 +15,9 @@ void TakeTaxels(const Trial& trial, const SkinLayout& layout,
                                   .release_after_s = options.release_after_s,
                                   .load_profile = options.whole_skin,
                                   .taxel_loads = options.whole_skin,
-                                  .load_spread = true});
-  std::vector<float> taxels(layout.taxels());
+                                  .load_spread = true,
+                                  .shear = true});
+  std::vector<float> taxels(layout.values());
   for (size_t t = 0; t < trial.taxels.frames(); ++t) {
     trial.taxels.Decode(t, taxels.data());
     FrameView frame{.taxels = taxels};

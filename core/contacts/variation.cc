@@ -22,13 +22,18 @@ FeatureVector Between(const FeatureVector& before, const FeatureVector& after,
   return features;
 }
 
+Shear Between(const Shear& before, const Shear& after, double fraction) {
+  return {static_cast<float>(Between(before.first, after.first, fraction)),
+          static_cast<float>(Between(before.second, after.second, fraction))};
+}
+
 ContactFrames::Numbers Between(const ContactFrames::Numbers& before,
                                const ContactFrames::Numbers& after,
                                double fraction) {
   if (!before.touched || !after.touched) return before;
   return {Between(before.features, after.features, fraction),
           Between(before.net_force, after.net_force, fraction), true,
-          before.spread};
+          before.spread, Between(before.shear, after.shear, fraction)};
 }
 
 void AtPace(const LabelledContact& contact, double pace,
@@ -58,6 +63,7 @@ void AtPace(const LabelledContact& contact, double pace,
       ContactFrame frame = contact.frames[before];
       frame.sample.features = numbers.features;
       frame.sample.net_force = numbers.net_force;
+      frame.sample.shear = numbers.shear;
       warped.frames.push_back(frame);
     }
     if (contact.object_motion.empty()) continue;
@@ -141,6 +147,8 @@ void Vary(const LabelledContact& contact, const ContactNoise& noise,
     // The largest taxel is part of the region: one draw serves both.
     peak = varied_force(peak, peak_noise, t);
     numbers.net_force = varied_force(numbers.net_force, net_noise, t);
+    numbers.shear.first *= static_cast<float>(force);
+    numbers.shear.second *= static_cast<float>(force);
     motion = load * motion + motion_noise * deviates[2 * t + 1];
     varied.frames.SetNumbers(t, numbers);
   }

@@ -241,6 +241,9 @@ void ContactTrack::Measure(const ContactTouch& touch) {
     features_.spread.columns *=
         static_cast<float>(layout_.column_pitch_m * layout_.column_pitch_m);
   }
+  if (options_.shear) {
+    features_.shear = SumShear(layout_, touch.axis_values, touch.rows);
+  }
   features_.region_count = touch.segmenter->regions();
   features_.centroid = {region.centroid_row, region.centroid_column};
   // A region with a hole, or in the shape of an L, may not hold the place of

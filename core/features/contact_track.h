@@ -56,13 +56,21 @@ struct FrameFeatures {
   std::span<const TaxelLoad> loads = {};
   // Spread of the largest region; zero if untouched, or if it is not measured.
   LoadSpread spread = {};
+  // Shear on the largest region; zero if untouched, on a skin of one axis, or
+  // if it is not measured.
+  Shear shear = {};
   // Number of regions on the whole skin.
   int region_count = 0;
   // Centroid of the largest region; while touch is lost, the last one.
   SkinPoint centroid = {};
 
   ContactSample sample() const {
-    return {{max_force, area_m2, motion_m}, net_force, profile, loads, spread};
+    return {{max_force, area_m2, motion_m},
+            net_force,
+            profile,
+            loads,
+            spread,
+            shear};
   }
 };
 
@@ -75,6 +83,8 @@ struct ContactTouch {
   std::span<const uint64_t> all_rows;
   // The loads of the skin's taxels.
   std::span<const float> values;
+  // The frame's values of all axes.
+  std::span<const float> axis_values;
   // It sums over rows.
   const Segmenter* segmenter = nullptr;
   // The largest reading in any region of the contact; if it is below
@@ -96,6 +106,7 @@ class ContactTrack {
     bool load_profile = true;
     bool taxel_loads = false;
     bool load_spread = false;
+    bool shear = false;
     // A contact also ends before release_after_s when it is clearly over, and
     // frames in which it is not felt count as a loss of touch. It is felt while
     // a taxel reads contact_threshold. On a skin with light touch it is also

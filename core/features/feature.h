@@ -16,6 +16,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "core/skin/normal_loads.h"
 #include "core/taxels/taxel_load.h"
 
 namespace tactus {
@@ -57,6 +58,9 @@ struct ContactSample {
   std::span<const TaxelLoad> loads = {};
   // Spread of the whole region. Zero for ideal signals, and if not needed.
   LoadSpread spread = {};
+  // Shear on the whole region. Zero for ideal signals, on skins of one axis,
+  // and if not needed.
+  Shear shear = {};
 };
 
 // One frame of a contact.

@@ -23,12 +23,14 @@ constexpr double kStretchS = 0.5;
 constexpr double kNewest = 0.5;
 
 ContactTrack::Options TrackOptions(const SkinTracker::Options& options,
+                                   const SkinLayout& layout,
                                    const TouchFinder& finder) {
   return {.sample_rate_hz = options.sample_rate_hz,
           .release_after_s = options.release_after_s,
           .load_profile = options.load_profile,
           .taxel_loads = options.taxel_loads,
           .load_spread = options.load_spread,
+          .shear = options.shear && layout.axes == 3,
           .release_by_evidence =
               options.max_contacts > 1 && options.release_after_s >= 0,
           .fading = finder.fading(),
@@ -40,11 +42,12 @@ ContactTrack::Options TrackOptions(const SkinTracker::Options& options,
 SkinTracker::SkinTracker(const SkinLayout& layout, const Options& options)
     : layout_(layout),
       options_(options),
+      loads_(layout),
       finder_(layout, {.sample_rate_hz = options.sample_rate_hz,
                        .skip_untouched = options.skip_untouched,
                        .skip_quiet_rows = options.skip_quiet_rows}),
       recent_poses_(options.sample_rate_hz),
-      track_options_(TrackOptions(options, finder_)),
+      track_options_(TrackOptions(options, layout, finder_)),
       sets_(layout),
       owners_(layout),
       stretch_frames_(
@@ -53,7 +56,7 @@ SkinTracker::SkinTracker(const SkinLayout& layout, const Options& options)
           static_cast<int>(std::ceil(kLightS * options.sample_rate_hz))),
       contact_threshold_(TaxelThreshold(layout.contact_threshold)),
       measured_taxels_(options.reuse_unchanged && !layout.light_touch
-                           ? layout.taxels()
+                           ? layout.values()
                            : 0) {
   slots_[0] = std::make_unique<TrackedContact>(0, layout_, track_options_);
 }
@@ -90,7 +93,8 @@ void SkinTracker::Step(const FrameView& frame) {
     contact->active &= contact->phase != TouchPhase::kReleased;
     contact->onset = false;
   }
-  regions_ = finder_.Find(frame.taxels);
+  axis_values_ = frame.taxels;
+  regions_ = finder_.Find(loads_.Of(frame.taxels));
   touched_ = regions_ > 0;
   if (options_.max_contacts == 1) {
     StepOne(frame);
@@ -101,7 +105,7 @@ void SkinTracker::Step(const FrameView& frame) {
 }
 
 void SkinTracker::StepUnchanged(const FrameView& frame) {
-  finder_.Repeat(frame.taxels);
+  finder_.Repeat(loads_.Of(frame.taxels));
   for (size_t i = 0; i < contact_count_; ++i) {
     TrackedContact& contact = *slots_[contacts_[i]->slot];
     contact.onset = false;
@@ -119,6 +123,7 @@ void SkinTracker::StepOne(const FrameView& frame) {
              .rows = finder_.segmenter().LargestRows(),
              .all_rows = finder_.segmenter().rows(),
              .values = finder_.values(),
+             .axis_values = axis_values_,
              .segmenter = &finder_.segmenter()};
   }
   if (contact.active) {
@@ -213,6 +218,7 @@ ContactTouch SkinTracker::TouchOf(int slot, int region) {
                         .rows = places_[region].rows,
                         .all_rows = own_rows_,
                         .values = finder_.values(),
+                        .axis_values = axis_values_,
                         .segmenter = &segmenter};
   for (int r = 0; r < place_count_; ++r) {
     const int owner = owners_.owner(r);

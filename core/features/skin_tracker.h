@@ -29,6 +29,7 @@
 #include "core/features/touch_finder.h"
 #include "core/skin/frame.h"
 #include "core/skin/layout.h"
+#include "core/skin/normal_loads.h"
 
 namespace tactus {
 
@@ -135,6 +136,8 @@ class SkinTracker {
     bool taxel_loads = false;
     // If true, `spread` is measured.
     bool load_spread = false;
+    // If true, `shear` is measured, on skins of three axes.
+    bool shear = false;
     // Skips that change no bit: those of TouchFinder, and reuse_unchanged: a
     // frame whose taxels equal those of the touched frame before it keeps the
     // features, except for the motion.
@@ -149,7 +152,7 @@ class SkinTracker {
   // Forgets everything but the number of contacts.
   void Reset();
 
-  // Takes the next frame of rows x columns taxels.
+  // Takes the next frame of rows x columns x axes values.
   void Step(const FrameView& frame);
 
   // The contacts of the last frame, with those that it ended: the one with the
@@ -228,6 +231,7 @@ class SkinTracker {
 
   const SkinLayout layout_;
   const Options options_;
+  NormalLoads loads_;
   TouchFinder finder_;
   RecentPoses recent_poses_;
   const ContactTrack::Options track_options_;
@@ -243,7 +247,9 @@ class SkinTracker {
   bool touched_ = false;
   int regions_ = 0;
   bool reused_ = false;
-  // The taxels of the last frame, if all its contacts touched. Empty if frames
+  // The values of the frame that is taken, as the caller holds them.
+  std::span<const float> axis_values_;
+  // The values of the last frame, if all its contacts touched. Empty if frames
   // are never compared, as on a skin with light touch, whose means change with
   // every frame.
   std::vector<float> measured_taxels_;

@@ -27,7 +27,8 @@ struct Pose {
 
 // Views one frame; owns nothing.
 struct FrameView {
-  // rows x columns values, row-major, in the layout's unit; finite and >= 0.
+  // rows x columns x axes values, row-major, in the layout's unit; finite, and
+  // >= 0 unless the layout has signed_values.
   std::span<const float> taxels;
   // Null if the robot sends no poses.
   const Pose* pose = nullptr;

@@ -68,6 +68,26 @@ std::string LightText(const std::optional<LightTouch>& light) {
                       light->onset_threshold);
 }
 
+absl::Status CheckAxes(const SkinLayout& layout) {
+  if (layout.axes != 1 && layout.axes != 3) {
+    return InvalidConfig("geometry.axes", layout.axes, "1 or 3");
+  }
+  if (!layout.normal_axis) return absl::OkStatus();
+  if (*layout.normal_axis >= 0 && *layout.normal_axis < layout.axes) {
+    return absl::OkStatus();
+  }
+  return InvalidConfig("geometry.normal_axis", *layout.normal_axis,
+                       absl::StrCat("0 to ", layout.axes - 1,
+                                    ", below geometry.axes, or absent"));
+}
+
+// "1, unsigned", or "3, signed, normal 2".
+std::string AxesText(const SkinLayout& layout) {
+  return absl::StrCat(
+      layout.axes, layout.signed_values ? ", signed" : ", unsigned",
+      layout.normal_axis ? absl::StrCat(", normal ", *layout.normal_axis) : "");
+}
+
 absl::string_view UnitName(TaxelUnit unit) {
   return unit == TaxelUnit::kNewton ? "newton" : "counts";
 }
@@ -153,7 +173,17 @@ absl::Status Validate(const SkinLayout& layout) {
     return InvalidConfig("geometry.mask size", layout.mask.size(),
                          absl::StrCat(layout.taxels(), ", one per taxel"));
   }
+  TACTUS_RETURN_IF_ERROR(CheckAxes(layout));
   return CheckLightTouch(layout);
+}
+
+std::vector<uint8_t> ValueMask(const SkinLayout& layout) {
+  std::vector<uint8_t> mask;
+  mask.reserve(layout.mask.size() * layout.axes);
+  for (const uint8_t valid : layout.mask) {
+    mask.insert(mask.end(), layout.axes, valid);
+  }
+  return mask;
 }
 
 std::string SkinDifference(const SkinLayout& layout, const SkinLayout& other) {
@@ -169,6 +199,7 @@ std::string SkinDifference(const SkinLayout& layout, const SkinLayout& other) {
   for (std::string difference :
        {Differ("layout", layout.name, other.name),
         Differ("shape", shape(layout), shape(other)),
+        Differ("axes", AxesText(layout), AxesText(other)),
         Differ("unit", UnitName(layout.unit), UnitName(other.unit)),
         Differ("contact_threshold", layout.contact_threshold,
                other.contact_threshold, 0),

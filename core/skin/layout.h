@@ -68,8 +68,20 @@ struct SkinLayout {
   // If set, contact_threshold and onset_threshold apply to what each taxel
   // reads above its background.
   std::optional<LightTouch> light_touch = std::nullopt;
+  // Values of a taxel: 1, its load; or 3, along x (across the rows), y (across
+  // the columns) and z (out of the skin), of taxel 0 first. core/skin/
+  // normal_loads.h makes one load of them.
+  int axes = 1;
+  // The axis that carries the load, 0 to axes - 1. Without one, the load is the
+  // distance of a taxel's values from those of the untouched skin, which are 0.
+  // A skin of one axis whose values have no sign needs none.
+  std::optional<int> normal_axis = std::nullopt;
+  // Values may be below 0.
+  bool signed_values = false;
 
   int taxels() const { return rows * columns; }
+  // Values of a frame: `axes` for each taxel.
+  int values() const { return taxels() * axes; }
   // Radius of the cylinder formed by wrapping columns, in metres.
   double CylinderRadius() const;
 
@@ -78,6 +90,9 @@ struct SkinLayout {
 
 // OK if every field is in range; else INVALID_CONFIG naming the field.
 absl::Status Validate(const SkinLayout& layout);
+
+// The mask with one byte per value of a frame; empty if all are valid.
+std::vector<uint8_t> ValueMask(const SkinLayout& layout);
 
 // The first difference between two layouts that changes what a frame means to a
 // model, as "contact_threshold 4, not 5" with the value of `layout` first;

@@ -71,6 +71,14 @@ void ApplyLightTouch(const v1::SensorGeometry& geometry, SkinLayout& layout) {
                         .onset_threshold = from.onset_threshold()};
 }
 
+void ApplyAxes(const v1::SensorGeometry& geometry, SkinLayout& layout) {
+  layout.axes = geometry.axes() == 0 ? 1 : BoundedSide(geometry.axes());
+  if (geometry.has_normal_axis()) {
+    layout.normal_axis = BoundedSide(geometry.normal_axis());
+  }
+  layout.signed_values = geometry.signed_values();
+}
+
 // A preset may be refined by mask, connectivity, thresholds and light
 // touch, not reshaped.
 absl::StatusOr<SkinLayout> PresetLayout(const v1::SensorGeometry& geometry) {
@@ -80,7 +88,8 @@ absl::StatusOr<SkinLayout> PresetLayout(const v1::SensorGeometry& geometry) {
   }
   if (geometry.row_pitch_m() != 0 || geometry.column_pitch_m() != 0 ||
       geometry.taxel_area_m2() != 0 || geometry.wrap_columns() ||
-      geometry.unit() != v1::TAXEL_UNIT_UNSPECIFIED) {
+      geometry.unit() != v1::TAXEL_UNIT_UNSPECIFIED || geometry.axes() != 0 ||
+      geometry.has_normal_axis() || geometry.signed_values()) {
     return InvalidConfig("geometry", "a preset with parts of a shape",
                          "a layout name alone, or a shape with rows, columns");
   }
@@ -108,6 +117,7 @@ absl::StatusOr<SkinLayout> DescribedLayout(const v1::SensorGeometry& geometry) {
   layout.wrap_columns = geometry.wrap_columns();
   layout.contact_threshold = geometry.contact_threshold();
   layout.onset_threshold = geometry.onset_threshold();
+  ApplyAxes(geometry, layout);
   TACTUS_ASSIGN_OR_RETURN(layout.unit, UnitFromProto(geometry.unit()));
   return layout;
 }
@@ -138,6 +148,9 @@ v1::SensorGeometry LayoutToProto(const SkinLayout& layout) {
     light.set_contact_threshold(layout.light_touch->contact_threshold);
     light.set_onset_threshold(layout.light_touch->onset_threshold);
   }
+  if (layout.axes != 1) geometry.set_axes(layout.axes);
+  if (layout.normal_axis) geometry.set_normal_axis(*layout.normal_axis);
+  geometry.set_signed_values(layout.signed_values);
   for (size_t i = 0; i < layout.mask.size(); ++i) {
     if (layout.mask[i] == 0) {
       geometry.add_masked_taxels(static_cast<uint32_t>(i));

@@ -10,7 +10,6 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
-#include "core/skin/taxel_values.h"
 
 namespace tactus {
 namespace {
@@ -32,30 +31,26 @@ uint16_t SparseIndex(const v1::SparseFrames& sparse, size_t entry) {
   return Load<uint16_t>(sparse.indices().data() + 2 * entry);
 }
 
-bool IsGood(float value) {
-  // Written so that NaN is not.
-  return value >= 0 && value <= limits::kMaxTaxelValue;
-}
-
-absl::Status BadValue(uint64_t sequence, int taxel, float value) {
-  if (!std::isfinite(value)) return NonFiniteTaxel(sequence, taxel);
-  if (value < 0) return NegativeTaxel(sequence, taxel, value);
-  return TaxelTooLarge(sequence, taxel, value);
+TaxelRange RangeOf(const SkinLayout& layout) {
+  return {layout.signed_values ? -limits::kMaxTaxelValue : 0,
+          limits::kMaxTaxelValue};
 }
 
 }  // namespace
 
 FrameDecoder::FrameDecoder(const StreamSettings& settings)
-    : taxel_count_(settings.layout.taxels()),
+    : value_count_(settings.layout.values()),
+      axes_(settings.layout.axes),
       taxel_type_(settings.taxel_type),
       taxel_bytes_(settings.taxel_bytes()),
       scale_(settings.scale),
       with_poses_(settings.with_poses),
       frame_period_ns_(settings.frame_period_ns()),
-      mask_(settings.layout.mask),
-      taxels_(taxel_count_, 0.0F),
+      range_(RangeOf(settings.layout)),
+      mask_(ValueMask(settings.layout)),
+      taxels_(value_count_, 0.0F),
       skip_unlisted_(settings.pipeline.skip[SkipRule::kUnlistedTaxels]) {
-  listed_.reserve(taxel_count_);
+  listed_.reserve(value_count_);
 }
 
 absl::Status FrameDecoder::Check(const v1::FrameBatch& batch) {
@@ -96,7 +91,7 @@ absl::Status FrameDecoder::CheckOrder(const v1::FrameBatch& batch) const {
 
 absl::Status FrameDecoder::CheckSizes(const v1::FrameBatch& batch) const {
   if (!batch.has_sparse()) {
-    const size_t want = batch.frame_count() * taxel_count_ * taxel_bytes_;
+    const size_t want = batch.frame_count() * value_count_ * taxel_bytes_;
     if (batch.taxels().size() == want) return absl::OkStatus();
     return FrameSizeMismatch(batch.first_sequence(), "taxels",
                              batch.taxels().size(), want);
@@ -130,9 +125,9 @@ absl::Status FrameDecoder::CheckSparse(const v1::FrameBatch& batch) const {
     int last = -1;
     for (uint32_t k = 0; k < sparse.counts(i); ++k, ++entry) {
       const uint16_t taxel = SparseIndex(sparse, entry);
-      if (taxel >= taxel_count_) {
+      if (taxel >= value_count_) {
         return InvalidSparseIndex(first + i, taxel,
-                                  absl::StrCat("below ", taxel_count_));
+                                  absl::StrCat("below ", value_count_));
       }
       if (taxel <= last) {
         return InvalidSparseIndex(first + i, taxel,
@@ -185,23 +180,34 @@ absl::Status FrameDecoder::CheckValues(const v1::FrameBatch& batch) {
   // Masked taxels may hold anything.
   for (uint32_t i = 0; i < batch.frame_count(); ++i) {
     DecodeDense(batch, i);
-    const auto bad = std::ranges::find_if_not(taxels_, IsGood);
+    const auto bad = std::ranges::find_if_not(
+        taxels_, [this](float value) { return range_.Has(value); });
     if (bad == taxels_.end()) continue;
     return BadValue(batch.first_sequence() + i,
-                    static_cast<int>(bad - taxels_.begin()), *bad);
+                    static_cast<size_t>(bad - taxels_.begin()), *bad);
   }
   return absl::OkStatus();
 }
 
 bool FrameDecoder::ValuesAreWithin(absl::string_view wire) const {
-  if (taxel_type_ != v1::TAXEL_TYPE_UINT16) {
-    return TaxelsWithin<float>(wire.data(), wire.size() / taxel_bytes_, scale_,
-                               limits::kMaxTaxelValue);
-  }
   // No count is negative, and few scales make the largest one too large.
-  return IsGood(ScaledTaxel(std::numeric_limits<uint16_t>::max(), scale_)) ||
-         TaxelsWithin<uint16_t>(wire.data(), wire.size() / taxel_bytes_, scale_,
-                                limits::kMaxTaxelValue);
+  if (taxel_type_ == v1::TAXEL_TYPE_UINT16 &&
+      range_.Has(
+          tactus::ScaledTaxel(std::numeric_limits<uint16_t>::max(), scale_))) {
+    return true;
+  }
+  return TaxelsWithin(taxel_type_, wire.data(), wire.size() / taxel_bytes_,
+                      scale_, range_);
+}
+
+absl::Status FrameDecoder::BadValue(uint64_t sequence, size_t place,
+                                    float value) const {
+  const int taxel = static_cast<int>(place) / axes_;
+  if (!std::isfinite(value)) return NonFiniteTaxel(sequence, taxel);
+  if (value < range_.lowest && range_.lowest == 0) {
+    return NegativeTaxel(sequence, taxel, value);
+  }
+  return TaxelTooLarge(sequence, taxel, value);
 }
 
 absl::Status FrameDecoder::CheckListedValues(
@@ -210,10 +216,10 @@ absl::Status FrameDecoder::CheckListedValues(
   size_t entry = 0;
   for (uint32_t i = 0; i < batch.frame_count(); ++i) {
     for (uint32_t k = 0; k < sparse.counts(static_cast<int>(i)); ++k, ++entry) {
-      const uint16_t taxel = SparseIndex(sparse, entry);
+      const uint16_t place = SparseIndex(sparse, entry);
       const float value = SparseValue(sparse, entry);
-      if (IsGood(value) || Masked(taxel)) continue;
-      return BadValue(batch.first_sequence() + i, taxel, value);
+      if (range_.Has(value) || Masked(place)) continue;
+      return BadValue(batch.first_sequence() + i, place, value);
     }
   }
   return absl::OkStatus();
@@ -250,12 +256,8 @@ int64_t FrameDecoder::CaptureTime(const v1::FrameBatch& batch,
 
 void FrameDecoder::DecodeDense(const v1::FrameBatch& batch, uint32_t index) {
   const char* wire =
-      batch.taxels().data() + index * taxel_count_ * taxel_bytes_;
-  if (taxel_type_ == v1::TAXEL_TYPE_UINT16) {
-    ScaleTaxels<uint16_t>(wire, scale_, taxels_);
-  } else {
-    ScaleTaxels<float>(wire, scale_, taxels_);
-  }
+      batch.taxels().data() + index * value_count_ * taxel_bytes_;
+  ScaleTaxels(taxel_type_, wire, scale_, taxels_);
   listed_only_ = false;
   // What a masked taxel holds is never looked at.
   for (size_t i = 0; i < mask_.size(); ++i) {
@@ -285,14 +287,9 @@ void FrameDecoder::DecodeSparse(const v1::FrameBatch& batch, uint32_t index) {
 
 float FrameDecoder::SparseValue(const v1::SparseFrames& sparse,
                                 size_t entry) const {
-  return Value(sparse.values().data() + entry * taxel_bytes_);
-}
-
-float FrameDecoder::Value(const char* wire) const {
   // In double, as trial files are read: the same bits online and offline.
-  return taxel_type_ == v1::TAXEL_TYPE_UINT16
-             ? ScaledTaxel(Load<uint16_t>(wire), scale_)
-             : ScaledTaxel(Load<float>(wire), scale_);
+  return ScaledTaxel(taxel_type_, sparse.values().data() + entry * taxel_bytes_,
+                     scale_);
 }
 
 }  // namespace tactus

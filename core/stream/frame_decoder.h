@@ -10,8 +10,8 @@
 //   }
 //   decoder.Accept(batch);
 //
-// For a sparse frame it writes and checks only the listed taxels, and clears
-// the taxels that the frame decoded before had set. Allocates only in the
+// For a sparse frame it writes and checks only the listed values, and clears
+// the values that the frame decoded before had set. Allocates only in the
 // constructor. Not thread-safe: one per stream.
 #pragma once
 
@@ -22,6 +22,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
 #include "core/skin/frame.h"
+#include "core/skin/taxel_values.h"
 #include "core/stream/stream_settings.h"
 #include "tactus/v1/contact.pb.h"
 
@@ -43,7 +44,7 @@ class FrameDecoder {
   void Accept(const v1::FrameBatch& batch);
 
   uint64_t last_sequence() const { return last_sequence_.value_or(0); }
-  // Accepted frames of which only the listed taxels were written and checked.
+  // Accepted frames of which only the listed values were written and checked.
   uint64_t sparse_frames() const { return sparse_frames_; }
   int64_t CaptureTime(const v1::FrameBatch& batch, uint32_t index) const;
 
@@ -62,26 +63,29 @@ class FrameDecoder {
   // order; `sparse_entry_` is the next entry.
   void DecodeDense(const v1::FrameBatch& batch, uint32_t index);
   void DecodeSparse(const v1::FrameBatch& batch, uint32_t index);
-  float Value(const char* wire) const;
   float SparseValue(const v1::SparseFrames& sparse, size_t entry) const;
-  bool Masked(size_t taxel) const {
-    return !mask_.empty() && mask_[taxel] == 0;
+  bool Masked(size_t place) const {
+    return !mask_.empty() && mask_[place] == 0;
   }
+  // The error of the value at `place` of a frame.
+  absl::Status BadValue(uint64_t sequence, size_t place, float value) const;
 
-  size_t taxel_count_;
+  size_t value_count_;
+  int axes_;
   v1::TaxelType taxel_type_;
   size_t taxel_bytes_;
   double scale_;
   bool with_poses_;
   double frame_period_ns_;
-  // Empty if no taxel is masked, else one byte per taxel, 0 = ignore.
+  TaxelRange range_;
+  // Empty if no taxel is masked, else one byte per value, 0 = ignore.
   std::vector<uint8_t> mask_;
 
   // The frame decoded last.
   std::vector<float> taxels_;
   Pose pose_;
   size_t sparse_entry_ = 0;
-  // If it was sparse: only the taxels in `listed_` are set.
+  // If it was sparse: only the values in `listed_` are set.
   bool skip_unlisted_;
   bool listed_only_ = false;
   std::vector<uint16_t> listed_;

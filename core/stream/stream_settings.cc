@@ -25,10 +25,15 @@ absl::Status CheckName(absl::string_view field, absl::string_view name) {
 
 absl::Status ParseTaxels(const v1::StreamConfig& config,
                          StreamSettings& settings) {
-  if (config.taxel_type() != v1::TAXEL_TYPE_UINT16 &&
-      config.taxel_type() != v1::TAXEL_TYPE_FLOAT32) {
-    return InvalidConfig("taxel_type", static_cast<int>(config.taxel_type()),
-                         "TAXEL_TYPE_UINT16 or TAXEL_TYPE_FLOAT32");
+  if (TaxelBytes(config.taxel_type()) == 0) {
+    return InvalidConfig(
+        "taxel_type", static_cast<int>(config.taxel_type()),
+        "TAXEL_TYPE_UINT16, TAXEL_TYPE_INT16 or TAXEL_TYPE_FLOAT32");
+  }
+  if (config.taxel_type() == v1::TAXEL_TYPE_INT16 &&
+      !settings.layout.signed_values) {
+    return InvalidConfig("taxel_type", "TAXEL_TYPE_INT16",
+                         "of a geometry with signed_values");
   }
   settings.taxel_type = config.taxel_type();
   if (config.has_scale()) {

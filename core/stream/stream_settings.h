@@ -14,6 +14,7 @@
 #include "absl/status/statusor.h"
 #include "core/classify/contact_pipeline.h"
 #include "core/skin/layout.h"
+#include "core/skin/taxel_values.h"
 #include "tactus/v1/contact.pb.h"
 
 namespace tactus {
@@ -34,10 +35,8 @@ struct StreamSettings {
   ContactPipeline::Options pipeline;
   std::string client_id;
 
-  // Bytes of one taxel on the wire.
-  size_t taxel_bytes() const {
-    return taxel_type == v1::TAXEL_TYPE_UINT16 ? 2 : 4;
-  }
+  // Bytes of one value on the wire.
+  size_t taxel_bytes() const { return TaxelBytes(taxel_type); }
   // Nanoseconds between frames.
   double frame_period_ns() const { return 1e9 / pipeline.sample_rate_hz; }
 };

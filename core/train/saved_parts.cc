@@ -21,7 +21,7 @@ void AddContact(const LabelledContact& contact, Sha256& hash) {
     const ContactFrames::Numbers numbers = frames.numbers(t);
     for (const double feature : numbers.features) writer(feature);
     writer(numbers.net_force, numbers.touched, numbers.spread.rows,
-           numbers.spread.columns);
+           numbers.spread.columns, numbers.shear.first, numbers.shear.second);
     if (frames.plain()) continue;
     const ContactSample& sample = frames[t].sample;
     for (const double load : sample.profile) writer(load);

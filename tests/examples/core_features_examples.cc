@@ -21,6 +21,7 @@
 #include "core/light_touch/region_kernels.h"
 #include "core/light_touch/region_sum.h"
 #include "core/light_touch/row_marks.h"
+#include "core/skin/normal_loads.h"
 #include "core/skin/pose_spacing.h"
 #include "core/skin/taxel_values.h"
 #include "core/taxels/taxel_embedding.h"
@@ -28,6 +29,7 @@
 
 namespace tactus::examples {
 
+void Use(float load);
 void Use(float force, int taxels, double row);
 void Use(const Region& region);
 void Use(const FrameFeatures& features);
@@ -135,7 +137,13 @@ static void TouchedExample(std::span<const float> taxels, float threshold) {
 #include "core/features/touched.h.inc"
 }
 
-static void TaxelValuesExample(const char* wire, double scale, float limit,
+static void NormalLoadsExample(const SkinLayout& layout,
+                               const FrameView& frame) {
+#include "core/skin/normal_loads.h.inc"
+}
+
+static void TaxelValuesExample(v1::TaxelType type, const char* wire,
+                               double scale, float limit,
                                std::span<float> taxels) {
 #include "core/skin/taxel_values.h.inc"
 }

@@ -57,12 +57,8 @@ ContactCutter::ContactCutter(std::string path, const v1::StreamConfig& config,
       taxels_(static_cast<size_t>(layout.taxels())) {}
 
 absl::Status ContactCutter::Decode(const v1::FrameBatch& frame) {
-  const char* wire = frame.taxels().data();
-  if (is_u16_) {
-    ScaleTaxels<uint16_t>(wire, scale_, taxels_);
-  } else {
-    ScaleTaxels<float>(wire, scale_, taxels_);
-  }
+  ScaleTaxels(is_u16_ ? v1::TAXEL_TYPE_UINT16 : v1::TAXEL_TYPE_FLOAT32,
+              frame.taxels().data(), scale_, taxels_);
   for (size_t i = 0; i < taxels_.size(); ++i) {
     if (taxels_[i] >= 0 && taxels_[i] <= limits::kMaxTaxelValue) continue;
     return TrialFileInvalid(

@@ -10,7 +10,8 @@ bool Same(const ContactFrame& a, const ContactFrame& b) {
   return a.sample.features == b.sample.features &&
          a.sample.net_force == b.sample.net_force &&
          a.sample.profile == b.sample.profile &&
-         a.sample.spread == b.sample.spread && a.touched == b.touched;
+         a.sample.spread == b.sample.spread &&
+         a.sample.shear == b.sample.shear && a.touched == b.touched;
 }
 
 // A frame of ideal signals, now and then with a net force of its own or without
@@ -22,6 +23,7 @@ ContactFrame SometimesSpecial(Random& random) {
   if (random.Index(12) == 0) frame.sample.net_force += 1;
   if (random.Index(12) == 0) frame.touched = false;
   if (random.Index(12) == 0) frame.sample.spread = {1e-4F, 0};
+  if (random.Index(12) == 0) frame.sample.shear = {0, -2.5F};
   return frame;
 }
 
@@ -65,7 +67,8 @@ TEST(ContactFramesTest, NumbersMakeTheSameFrames) {
       const ContactFrame frame = SometimesSpecial(random);
       frames.push_back(frame);
       copy.push_back_numbers({frame.sample.features, frame.sample.net_force,
-                              frame.touched, frame.sample.spread});
+                              frame.touched, frame.sample.spread,
+                              frame.sample.shear});
       if (t > 6) {
         frames.Set(t - 6, frame);
         copy.SetNumbers(t - 6, frames.numbers(t));

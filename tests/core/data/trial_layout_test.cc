@@ -44,7 +44,10 @@ TEST(ReadLayoutFileTest, ReadsTheDocumentedExample) {
                      .onset_threshold = 0.02,
                      .connectivity = Connectivity::kEight,
                      .mask = std::vector<uint8_t>(64, 1),
-                     .light_touch = LightTouch{0.1, 3, 3, 0.0004, 0.0006}};
+                     .light_touch = LightTouch{0.1, 3, 3, 0.0004, 0.0006},
+                     .axes = 3,
+                     .normal_axis = 2,
+                     .signed_values = true};
   want.mask[0] = 0;
   want.mask[7] = 0;
   EXPECT_EQ(*layout, want);

@@ -59,6 +59,85 @@ TEST(LayoutFromProtoTest, RoundTripKeepsEveryField) {
   EXPECT_EQ(*back, layout);
 }
 
+v1::SensorGeometry ThreeAxes() {
+  SkinLayout layout = *LayoutPreset("cody-forearm");
+  layout.name = "mine";
+  layout.axes = 3;
+  layout.normal_axis = 2;
+  layout.signed_values = true;
+  return LayoutToProto(layout);
+}
+
+TEST(LayoutFromProtoTest, RoundTripKeepsAxes) {
+  auto layout = LayoutFromProto(ThreeAxes());
+  ASSERT_TRUE(layout.ok()) << layout.status();
+  EXPECT_EQ(layout->axes, 3);
+  EXPECT_EQ(layout->normal_axis, 2);
+  EXPECT_TRUE(layout->signed_values);
+  EXPECT_EQ(layout->taxels(), 16 * 24);
+  EXPECT_EQ(layout->values(), 3 * 16 * 24);
+  EXPECT_EQ(*LayoutFromProto(LayoutToProto(*layout)), *layout);
+  layout->normal_axis.reset();
+  EXPECT_EQ(*LayoutFromProto(LayoutToProto(*layout)), *layout);
+}
+
+TEST(LayoutFromProtoTest, WithoutAxesASkinHasOneAxisAndNoSign) {
+  const SkinLayout preset = *LayoutPreset("cody-forearm");
+  EXPECT_EQ(preset.axes, 1);
+  EXPECT_FALSE(preset.normal_axis);
+  EXPECT_FALSE(preset.signed_values);
+  // The same bytes as before there were axes.
+  const v1::SensorGeometry geometry = LayoutToProto(preset);
+  EXPECT_EQ(geometry.axes(), 0U);
+  EXPECT_FALSE(geometry.has_normal_axis());
+  EXPECT_FALSE(geometry.signed_values());
+}
+
+TEST(LayoutFromProtoTest, RefusesWrongAxes) {
+  for (const uint32_t axes : {2U, 4U, 4'000'000'000U}) {
+    v1::SensorGeometry geometry = ThreeAxes();
+    geometry.set_axes(axes);
+    geometry.clear_normal_axis();
+    const absl::Status status = LayoutFromProto(geometry).status();
+    EXPECT_EQ(ReasonOf(status), "INVALID_CONFIG");
+    EXPECT_NE(status.message().find("geometry.axes"), std::string::npos);
+  }
+  for (const uint32_t normal : {3U, 4'000'000'000U}) {
+    v1::SensorGeometry geometry = ThreeAxes();
+    geometry.set_normal_axis(normal);
+    const absl::Status status = LayoutFromProto(geometry).status();
+    EXPECT_EQ(ReasonOf(status), "INVALID_CONFIG");
+    EXPECT_NE(status.message().find("geometry.normal_axis"), std::string::npos);
+  }
+  v1::SensorGeometry line = ThreeAxes();
+  line.clear_axes();
+  EXPECT_EQ(ReasonOf(LayoutFromProto(line).status()), "INVALID_CONFIG");
+  // A preset has its own.
+  v1::SensorGeometry preset;
+  preset.set_layout("cody-forearm");
+  preset.set_axes(3);
+  EXPECT_EQ(ReasonOf(LayoutFromProto(preset).status()), "INVALID_CONFIG");
+}
+
+TEST(LayoutFromProtoTest, SkinsOfOtherAxesDiffer) {
+  const SkinLayout three = *LayoutFromProto(ThreeAxes());
+  SkinLayout one = three;
+  one.axes = 1;
+  one.normal_axis.reset();
+  EXPECT_EQ(SkinDifference(one, three),
+            "axes 1, signed, not 3, signed, normal 2");
+}
+
+TEST(LayoutFromProtoTest, EachValueOfAMaskedTaxelIsMasked) {
+  SkinLayout layout = *LayoutFromProto(ThreeAxes());
+  EXPECT_TRUE(ValueMask(layout).empty());
+  layout.mask.assign(layout.taxels(), 1);
+  layout.mask[1] = 0;
+  const std::vector<uint8_t> mask = ValueMask(layout);
+  ASSERT_EQ(mask.size(), 3U * 16 * 24);
+  for (size_t i = 0; i < mask.size(); ++i) EXPECT_EQ(mask[i] == 0, i / 3 == 1);
+}
+
 TEST(LayoutFromProtoTest, LightTouchIsOffUnlessGiven) {
   v1::SensorGeometry geometry;
   geometry.set_layout("cody-forearm");

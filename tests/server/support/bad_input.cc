@@ -342,6 +342,76 @@ void AddPoseRows(Table& t) {
       "INVALID_POSE");
 }
 
+// A skin of 2 x 2 taxels of three signed axes, in int16.
+Request AxesConfig() {
+  Request request = ConfigRequest();
+  v1::StreamConfig* config = request.mutable_config();
+  v1::SensorGeometry* g = config->mutable_geometry();
+  g->set_layout("mine");
+  g->set_rows(2);
+  g->set_columns(2);
+  g->set_row_pitch_m(0.01);
+  g->set_column_pitch_m(0.01);
+  g->set_taxel_area_m2(1e-4);
+  g->set_unit(v1::TAXEL_UNIT_NEWTON);
+  g->set_contact_threshold(0.01);
+  g->set_onset_threshold(0.02);
+  g->set_axes(3);
+  g->set_normal_axis(2);
+  g->set_signed_values(true);
+  config->set_taxel_type(v1::TAXEL_TYPE_INT16);
+  return request;
+}
+
+void AddAxesRows(Table& t) {
+  const auto config = [&](std::string name, auto change, std::string reason) {
+    Request request = AxesConfig();
+    change(request.mutable_config());
+    t.Add(std::move(name), {request}, kInvalid, std::move(reason));
+  };
+  config(
+      "AxesTwo", [](auto* c) { c->mutable_geometry()->set_axes(2); },
+      "INVALID_CONFIG");
+  config(
+      "NormalAxisThree",
+      [](auto* c) { c->mutable_geometry()->set_normal_axis(3); },
+      "INVALID_CONFIG");
+  config(
+      "SignedTypeOfUnsignedSkin",
+      [](auto* c) { c->mutable_geometry()->set_signed_values(false); },
+      "INVALID_CONFIG");
+  // Twelve values a frame.
+  const auto batch = [](uint64_t sequence, size_t bytes) {
+    Request request;
+    request.mutable_frames()->set_first_sequence(sequence);
+    request.mutable_frames()->set_first_capture_time_ns(
+        static_cast<int64_t>(sequence) * 10'000'000);
+    request.mutable_frames()->set_frame_count(1);
+    request.mutable_frames()->mutable_taxels()->assign(bytes, '\xff');
+    return request;
+  };
+  t.Add("OneAxisOfThree", {AxesConfig(), batch(1, 24), batch(2, 8)}, kInvalid,
+        "FRAME_SIZE_MISMATCH");
+  Request sparse = batch(2, 0);
+  sparse.mutable_frames()->mutable_sparse()->add_counts(1);
+  sparse.mutable_frames()->mutable_sparse()->mutable_values()->assign(2, '\1');
+  sparse.mutable_frames()->mutable_sparse()->mutable_indices()->assign("\x0c\0",
+                                                                       2);
+  t.Add("SparseIndexBeyondTheAxes", {AxesConfig(), batch(1, 24), sparse},
+        kInvalid, "INVALID_SPARSE_INDEX");
+  Request floats = AxesConfig();
+  floats.mutable_config()->set_scale(1);
+  floats.mutable_config()->set_taxel_type(v1::TAXEL_TYPE_FLOAT32);
+  Request low = batch(1, 0);
+  for (int i = 0; i < 12; ++i)
+    low.mutable_frames()->mutable_taxels()->append(std::string(4, '\0'));
+  SetFloat(7, -2e12F, low.mutable_frames());
+  t.Add("SignedTooLow", {floats, low}, kInvalid, "NON_FINITE_TAXEL");
+  floats.mutable_config()->mutable_geometry()->set_signed_values(false);
+  SetFloat(7, -0.5F, low.mutable_frames());
+  t.Add("NegativeOfUnsignedAxes", {floats, low}, kInvalid, "NEGATIVE_TAXEL");
+}
+
 }  // namespace
 
 std::vector<BadInput> BadInputs() {
@@ -353,6 +423,7 @@ std::vector<BadInput> BadInputs() {
   AddValueRows(table);
   AddSparseRows(table);
   AddPoseRows(table);
+  AddAxesRows(table);
   return table.Take();
 }
 
