@@ -42,6 +42,7 @@ absl::StatusOr<SkinInfo> CalibratedDriver::OnConfigure() {
   }
   TACTUS_ASSIGN_OR_RETURN(raw_info_, driver_->Configure());
   layout_ = raw_info_.layout;
+  TACTUS_RETURN_IF_ERROR(CheckOneAxis(layout_));
   const auto taxels = static_cast<size_t>(layout_.taxels());
   gate_.assign(taxels, 0);
   baseline_.assign(taxels, 0);

@@ -55,7 +55,7 @@ absl::StatusOr<SkinInfo> RecordingDriver::OnConfigure() {
   info.sample_rate_hz =
       played.has_sample_rate_hz() ? played.sample_rate_hz() : 100;
   info.with_poses = config_.with_poses();
-  is_u16_ = info.taxel_type == v1::TAXEL_TYPE_UINT16;
+  taxel_type_ = info.taxel_type;
   return info;
 }
 
@@ -145,8 +145,10 @@ void RecordingDriver::TakeFrame(const v1::FrameBatch& batch, SkinFrame& frame) {
   frame.capture_time_ns = batch.first_capture_time_ns();
   frame.missing_before = batch.first_sequence() - sequence_ - 1;
   sequence_ = batch.first_sequence();
-  if (is_u16_) {
+  if (taxel_type_ == v1::TAXEL_TYPE_UINT16) {
     CopyTaxels(batch.taxels(), frame.u16);
+  } else if (taxel_type_ == v1::TAXEL_TYPE_INT16) {
+    CopyTaxels(batch.taxels(), frame.i16);
   } else {
     CopyTaxels(batch.taxels(), frame.f32);
   }

@@ -80,8 +80,8 @@ class RecordingDriver : public LabelledDriver {
   std::unique_ptr<RecordingReader> reader_;
   v1::StreamConfig config_;
   std::optional<RecordedCalibration> calibration_;
-  // Frames that are played are u16.
-  bool is_u16_ = false;
+  // The type of frames that are played.
+  v1::TaxelType taxel_type_ = v1::TAXEL_TYPE_UINT16;
   // Pose of the last frame, and its trial.
   Pose pose_;
   Trial trial_;

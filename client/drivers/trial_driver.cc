@@ -28,8 +28,7 @@ absl::StatusOr<SkinInfo> TrialDriver::InfoOf(const Trial& trial) const {
   SkinInfo info;
   TACTUS_ASSIGN_OR_RETURN(info.layout,
                           LayoutOfTrial(trial, layout_ ? &*layout_ : nullptr));
-  info.taxel_type =
-      trial.taxels.u16.empty() ? v1::TAXEL_TYPE_FLOAT32 : v1::TAXEL_TYPE_UINT16;
+  info.taxel_type = trial.taxels.type();
   info.scale = trial.taxels.scale;
   info.sample_rate_hz = trial.sample_rate_hz;
   info.with_poses = !trial.poses.empty();
@@ -75,16 +74,16 @@ absl::StatusOr<ReadResult> TrialDriver::OnRead(SkinFrame& frame) {
 
 void TrialDriver::FillFrame(SkinFrame& frame) {
   const TaxelSeries& taxels = trial_.taxels;
-  const auto size = static_cast<ptrdiff_t>(taxels.rows) * taxels.columns;
-  const ptrdiff_t begin = static_cast<ptrdiff_t>(frame_) * size;
+  const auto size = static_cast<ptrdiff_t>(taxels.frame_size());
+  const auto copy = [&](const auto& values, auto& into) {
+    if (values.empty()) return;
+    const auto begin = values.begin() + static_cast<ptrdiff_t>(frame_) * size;
+    into.assign(begin, begin + size);
+  };
   frame.capture_time_ns = start_ns_ + ElapsedNs(trial_, frame_);
-  if (taxels.u16.empty()) {
-    frame.f32.assign(taxels.f32.begin() + begin,
-                     taxels.f32.begin() + begin + size);
-  } else {
-    frame.u16.assign(taxels.u16.begin() + begin,
-                     taxels.u16.begin() + begin + size);
-  }
+  copy(taxels.u16, frame.u16);
+  copy(taxels.i16, frame.i16);
+  copy(taxels.f32, frame.f32);
   if (!trial_.poses.empty()) frame.pose = trial_.poses[frame_];
   ++frame_;
 }

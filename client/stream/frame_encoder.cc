@@ -18,7 +18,7 @@ void Append(const Value* values, size_t count, std::string* bytes) {
 }  // namespace
 
 FrameEncoder::FrameEncoder(const SkinInfo& info, const Options& options)
-    : is_u16_(info.taxel_type == v1::TAXEL_TYPE_UINT16),
+    : type_(info.taxel_type),
       with_poses_(info.with_poses),
       sparse_(options.sparse) {
   request_.mutable_frames();
@@ -32,8 +32,10 @@ void FrameEncoder::Add(const SkinFrame& frame) {
   }
   batch->set_frame_count(batch->frame_count() + 1);
   ++next_sequence_;
-  if (is_u16_) {
+  if (type_ == v1::TAXEL_TYPE_UINT16) {
     AddTaxels(frame.u16, batch);
+  } else if (type_ == v1::TAXEL_TYPE_INT16) {
+    AddTaxels(frame.i16, batch);
   } else {
     AddTaxels(frame.f32, batch);
   }

@@ -46,7 +46,7 @@ class FrameEncoder {
   template <typename Value>
   void AddTaxels(const std::vector<Value>& taxels, v1::FrameBatch* batch);
 
-  const bool is_u16_;
+  const v1::TaxelType type_;
   const bool with_poses_;
   const bool sparse_;
   uint64_t next_sequence_ = 1;

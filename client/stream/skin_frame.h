@@ -48,9 +48,10 @@ struct SkinFrame {
   // Frames that the skin lost directly before this one, for
   // FrameEncoder::Skip.
   uint64_t missing_before = 0;
-  // rows x columns values, row-major. Only the vector of the stream's taxel
-  // type is used.
+  // rows x columns x axes values, row-major. Only the vector of the stream's
+  // taxel type is used.
   std::vector<uint16_t> u16;
+  std::vector<int16_t> i16;
   std::vector<float> f32;
   // Pose of the skin's link; used only if the stream has poses.
   Pose pose;

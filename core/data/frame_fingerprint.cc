@@ -30,6 +30,7 @@ bool IsBlank(const Trial& trial) {
   const TaxelSeries& taxels = trial.taxels;
   if (!taxels.empty()) {
     return AllZero(taxels.u16.data(), taxels.u16.size()) &&
+           AllZero(taxels.i16.data(), taxels.i16.size()) &&
            AllZero(taxels.f32.data(), taxels.f32.size());
   }
   return std::ranges::all_of(trial.signals, [](const FeatureVector& signals) {
@@ -49,9 +50,10 @@ std::string FrameFingerprint(const Trial& trial) {
       skin ? static_cast<uint64_t>(taxels.columns) : kFeatureCount};
   Sha256 hash;
   hash.Add(BytesOf(shape.data(), shape.size()));
+  if (taxels.axes > 1) hash.Add(BytesOf(&taxels.axes, 1));
   hash.Add(BytesOf(trial.time.data(), frames));
   if (skin) {
-    std::vector<float> frame(static_cast<size_t>(taxels.rows) * taxels.columns);
+    std::vector<float> frame(taxels.frame_size());
     for (size_t t = 0; t < taxels.frames(); ++t) {
       taxels.Decode(t, frame.data());
       hash.Add(BytesOf(frame.data(), frame.size()));

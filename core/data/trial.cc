@@ -69,24 +69,37 @@ absl::Status ValidateSignals(const Trial& trial, const Complaint& complain) {
   return absl::OkStatus();
 }
 
-absl::Status ValidateTaxels(const Trial& trial, const Complaint& complain) {
+absl::Status ValidateShape(const Trial& trial, const Complaint& complain) {
   const TaxelSeries& taxels = trial.taxels;
-  if (taxels.empty()) return absl::OkStatus();
   if (taxels.rows < 1 || taxels.rows > limits::kMaxRows || taxels.columns < 1 ||
       taxels.columns > limits::kMaxColumns) {
     return complain("taxels", "frames are ", taxels.rows, " x ", taxels.columns,
                     "; each side must be 1 to ", limits::kMaxRows);
   }
-  if (!taxels.u16.empty() && !taxels.f32.empty()) {
-    return complain("taxels", "both types are filled; only one may be");
+  const int axes = trial.skin ? trial.skin->axes : 1;
+  if (taxels.axes != axes) {
+    return complain("taxels", "a taxel has ", taxels.axes,
+                    " values; the skin has ", axes, " axes");
   }
-  const size_t count = taxels.u16.size() + taxels.f32.size();
-  const size_t per_frame = static_cast<size_t>(taxels.rows) * taxels.columns;
-  if (count != trial.time.size() * per_frame) {
+  const int types =
+      !taxels.u16.empty() + !taxels.i16.empty() + !taxels.f32.empty();
+  if (types > 1) {
+    return complain("taxels", types, " types are filled; only one may be");
+  }
+  const size_t count =
+      taxels.u16.size() + taxels.i16.size() + taxels.f32.size();
+  if (count != trial.time.size() * taxels.frame_size()) {
     return complain("taxels", "has ", count,
-                    " values; it must have one frame of ", per_frame,
+                    " values; it must have one frame of ", taxels.frame_size(),
                     " per time, ", trial.time.size());
   }
+  return absl::OkStatus();
+}
+
+absl::Status ValidateTaxels(const Trial& trial, const Complaint& complain) {
+  const TaxelSeries& taxels = trial.taxels;
+  if (taxels.empty()) return absl::OkStatus();
+  TACTUS_RETURN_IF_ERROR(ValidateShape(trial, complain));
   if (!std::isfinite(taxels.scale) || taxels.scale <= 0 ||
       taxels.scale * 65535 > limits::kMaxTaxelValue) {
     return complain("taxels", "scale is ", taxels.scale,
@@ -96,11 +109,18 @@ absl::Status ValidateTaxels(const Trial& trial, const Complaint& complain) {
     return complain("taxels", "scale is ", taxels.scale,
                     "; it must be 1 with float values");
   }
+  const bool has_sign = trial.skin && trial.skin->signed_values;
+  if (!taxels.i16.empty() && !has_sign) {
+    return complain("taxels",
+                    "are int16; only a skin with signed_values has them");
+  }
+  const float lowest = has_sign ? -limits::kMaxTaxelValue : 0;
   for (size_t i = 0; i < taxels.f32.size(); ++i) {
     const float value = taxels.f32[i];
-    if (!(value >= 0 && value <= limits::kMaxTaxelValue)) {
-      return complain("taxels", "taxel ", i % per_frame, " of frame ",
-                      i / per_frame, " is ", value, "; it must be 0 to 1e12");
+    if (!(value >= lowest && value <= limits::kMaxTaxelValue)) {
+      return complain("taxels", "taxel ", i % taxels.frame_size() / taxels.axes,
+                      " of frame ", i / taxels.frame_size(), " is ", value,
+                      "; it must be ", has_sign ? "-1e12" : "0", " to 1e12");
     }
   }
   return absl::OkStatus();
@@ -237,15 +257,40 @@ void SetSkin(const SkinLayout& skin, Trial& trial) {
 }
 
 size_t TaxelSeries::frames() const {
-  const size_t per_frame = static_cast<size_t>(rows) * columns;
-  return per_frame == 0 ? 0 : (u16.size() + f32.size()) / per_frame;
+  const size_t per_frame = frame_size();
+  return per_frame == 0 ? 0
+                        : (u16.size() + i16.size() + f32.size()) / per_frame;
+}
+
+v1::TaxelType TaxelSeries::type() const {
+  if (!u16.empty()) return v1::TAXEL_TYPE_UINT16;
+  return i16.empty() ? v1::TAXEL_TYPE_FLOAT32 : v1::TAXEL_TYPE_INT16;
+}
+
+std::vector<size_t> TaxelSeries::shape() const {
+  std::vector<size_t> shape = {frames(), static_cast<size_t>(rows),
+                               static_cast<size_t>(columns)};
+  if (axes > 1) shape.push_back(axes);
+  return shape;
+}
+
+void TaxelSeries::SetShape(const SkinLayout& skin) {
+  rows = skin.rows;
+  columns = skin.columns;
+  axes = skin.axes;
 }
 
 void TaxelSeries::Decode(size_t index, float* out) const {
-  const size_t per_frame = static_cast<size_t>(rows) * columns;
+  const size_t per_frame = frame_size();
   const size_t begin = index * per_frame;
-  if (u16.empty()) {
+  if (!f32.empty()) {
     for (size_t i = 0; i < per_frame; ++i) out[i] = f32[begin + i];
+    return;
+  }
+  if (!i16.empty()) {
+    for (size_t i = 0; i < per_frame; ++i) {
+      out[i] = static_cast<float>(i16[begin + i] * scale);
+    }
     return;
   }
   for (size_t i = 0; i < per_frame; ++i) {

@@ -4,7 +4,7 @@
 // and the three signals and/or the taxel frames they come from. Mirrors a group
 // of the trial file (docs/formats.md).
 //
-//   std::vector<float> frame(trial.taxels.rows * trial.taxels.columns);
+//   std::vector<float> frame(trial.taxels.frame_size());
 //   for (size_t t = 0; t < trial.taxels.frames(); ++t) {
 //     trial.taxels.Decode(t, frame.data());
 //   }
@@ -23,23 +23,37 @@
 #include "core/features/feature.h"
 #include "core/skin/frame.h"
 #include "core/skin/layout.h"
+#include "tactus/v1/common.pb.h"
 
 namespace tactus {
 
-// Taxel frames as stored: row-major, rows x columns a frame.
+// Taxel frames as stored: row-major, rows x columns x axes a frame.
 struct TaxelSeries {
   int rows = 0;
   int columns = 0;
-  // One of the two is filled. u16 values times `scale` give the unit; f32
+  // 1 or 3, as SkinLayout::axes.
+  int axes = 1;
+  // One of the three is filled. Integers times `scale` give the unit; f32
   // values are in the unit already and have scale 1.
   std::vector<uint16_t> u16;
+  std::vector<int16_t> i16;
   std::vector<float> f32;
   double scale = 1;
 
   size_t frames() const;
-  bool empty() const { return u16.empty() && f32.empty(); }
-  // Writes frame `index` in the unit to `out`, which has rows x columns
-  // places: u16 values are multiplied in double and rounded once.
+  // Values of a frame.
+  size_t frame_size() const {
+    return static_cast<size_t>(rows) * columns * axes;
+  }
+  bool empty() const { return u16.empty() && i16.empty() && f32.empty(); }
+  // How the values are stored.
+  v1::TaxelType type() const;
+  // {frames, rows, columns}, and the axes if there are several.
+  std::vector<size_t> shape() const;
+  // Takes rows, columns and axes from a skin.
+  void SetShape(const SkinLayout& skin);
+  // Writes frame `index` in the unit to `out`, which has frame_size() places:
+  // integers are multiplied in double and rounded once.
   void Decode(size_t index, float* out) const;
 };
 

@@ -71,11 +71,14 @@ absl::StatusOr<std::string> TaxelsToCsv(const Trial& trial) {
   std::string text = Attributes(trial) + "time";
   for (int row = 0; row < taxels.rows; ++row) {
     for (int column = 0; column < taxels.columns; ++column) {
-      absl::StrAppend(&text, ",r", row, "c", column);
+      for (int axis = 0; axis < taxels.axes; ++axis) {
+        absl::StrAppend(&text, ",r", row, "c", column);
+        if (taxels.axes > 1) text += "xyz"[axis];
+      }
     }
   }
   text += '\n';
-  std::vector<float> frame(static_cast<size_t>(taxels.rows) * taxels.columns);
+  std::vector<float> frame(taxels.frame_size());
   for (size_t t = 0; t < trial.time.size(); ++t) {
     AppendNumber(trial.time[t], &text);
     taxels.Decode(t, frame.data());

@@ -26,22 +26,26 @@ absl::Status ReadTaxels(hid_t group, hsize_t frames,
   TACTUS_RETURN_IF_ERROR(OpenDataset(group, kName, complain, &dataset));
   const hid_t type = dataset.type.get();
   const size_t bytes = H5Tget_size(type);
-  const bool integer = H5Tget_class(type) == H5T_INTEGER && bytes == 2 &&
-                       H5Tget_sign(type) == H5T_SGN_NONE;
+  const bool integer = H5Tget_class(type) == H5T_INTEGER && bytes == 2;
+  const bool has_sign = integer && H5Tget_sign(type) != H5T_SGN_NONE;
   if (!integer && !(H5Tget_class(type) == H5T_FLOAT && bytes == 4)) {
-    return complain(kName, "must be uint16 or float32");
+    return complain(kName, "must be uint16, int16 or float32");
   }
-  if (dataset.dims.size() == 3 && (dataset.dims[1] > limits::kMaxRows ||
-                                   dataset.dims[2] > limits::kMaxColumns)) {
+  const bool has_axes = dataset.dims.size() == 4;
+  if ((dataset.dims.size() == 3 || has_axes) &&
+      (dataset.dims[1] > limits::kMaxRows ||
+       dataset.dims[2] > limits::kMaxColumns)) {
     return complain(kName, "frames are ", dataset.dims[1], " x ",
                     dataset.dims[2], "; each side must be 1 to ",
                     limits::kMaxRows);
   }
   std::vector<hsize_t> want = {frames, 0, 0};
+  if (has_axes) want.push_back(3);
   TACTUS_RETURN_IF_ERROR(CheckShape(dataset, kName, want, bytes, complain));
   out->rows = static_cast<int>(dataset.dims[1]);
   out->columns = static_cast<int>(dataset.dims[2]);
-  const size_t count = frames * out->rows * out->columns;
+  out->axes = has_axes ? 3 : 1;
+  const size_t count = frames * out->frame_size();
   if (!integer) {
     out->f32.resize(count);
     return ReadValues(dataset, kName, H5T_NATIVE_FLOAT, complain,
@@ -49,6 +53,11 @@ absl::Status ReadTaxels(hid_t group, hsize_t frames,
   }
   TACTUS_RETURN_IF_ERROR(
       ReadNumber(dataset.id.get(), "scale", complain, &out->scale));
+  if (has_sign) {
+    out->i16.resize(count);
+    return ReadValues(dataset, kName, H5T_NATIVE_INT16, complain,
+                      out->i16.data());
+  }
   out->u16.resize(count);
   return ReadValues(dataset, kName, H5T_NATIVE_UINT16, complain,
                     out->u16.data());

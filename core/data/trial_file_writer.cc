@@ -15,6 +15,7 @@
 #include "core/files/draft_file.h"
 #include "core/files/hdf5_handle.h"
 #include "core/skin/layout_json.h"
+#include "core/skin/taxel_values.h"
 
 namespace tactus {
 namespace {
@@ -98,26 +99,26 @@ bool WriteDoubles(hid_t group, const char* name, hsize_t rows, hsize_t columns,
       .ok();
 }
 
-bool WriteTaxels(hid_t group, hsize_t frames, const TaxelSeries& taxels) {
-  const hsize_t rows = taxels.rows;
-  const hsize_t columns = taxels.columns;
-  if (taxels.u16.empty()) {
-    return WriteArray(group, {"taxels",
-                              H5T_NATIVE_FLOAT,
-                              H5T_IEEE_F32LE,
-                              {frames, rows, columns},
-                              rows * columns * sizeof(float),
-                              taxels.f32.data(),
-                              true})
-        .ok();
+bool WriteTaxels(hid_t group, const TaxelSeries& taxels) {
+  const std::vector<size_t> shape = taxels.shape();
+  Array array = {.name = "taxels",
+                 .memory_type = H5T_NATIVE_FLOAT,
+                 .file_type = H5T_IEEE_F32LE,
+                 .dims = {shape.begin(), shape.end()},
+                 .row_bytes = taxels.frame_size() * TaxelBytes(taxels.type()),
+                 .data = taxels.f32.data(),
+                 .compress = true};
+  if (!taxels.f32.empty()) return WriteArray(group, array).ok();
+  if (!taxels.u16.empty()) {
+    array.memory_type = H5T_NATIVE_UINT16;
+    array.file_type = H5T_STD_U16LE;
+    array.data = taxels.u16.data();
+  } else {
+    array.memory_type = H5T_NATIVE_INT16;
+    array.file_type = H5T_STD_I16LE;
+    array.data = taxels.i16.data();
   }
-  const Hdf5Handle dataset = WriteArray(group, {"taxels",
-                                                H5T_NATIVE_UINT16,
-                                                H5T_STD_U16LE,
-                                                {frames, rows, columns},
-                                                rows * columns * 2,
-                                                taxels.u16.data(),
-                                                true});
+  const Hdf5Handle dataset = WriteArray(group, array);
   return dataset.ok() && WriteNumber(dataset.get(), "scale", taxels.scale);
 }
 
@@ -188,7 +189,7 @@ bool WriteTrial(hid_t group, const Trial& trial) {
          (trial.signals.empty() ||
           WriteDoubles(group, "signals", frames, kFeatureCount,
                        trial.signals[0].data())) &&
-         (trial.taxels.empty() || WriteTaxels(group, frames, trial.taxels)) &&
+         (trial.taxels.empty() || WriteTaxels(group, trial.taxels)) &&
          (trial.poses.empty() || WritePoses(group, trial.poses)) &&
          (trial.object_motion.empty() ||
           WriteObjectMotion(group, trial.object_motion)) &&

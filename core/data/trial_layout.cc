@@ -35,13 +35,18 @@ absl::StatusOr<SkinLayout> LayoutOfTrial(const Trial& trial,
   } else {
     TACTUS_ASSIGN_OR_RETURN(found, LayoutPreset(trial.layout));
   }
-  if (found.rows != trial.taxels.rows ||
-      found.columns != trial.taxels.columns) {
+  const TaxelSeries& taxels = trial.taxels;
+  if (found.rows != taxels.rows || found.columns != taxels.columns ||
+      found.axes != taxels.axes) {
+    const auto shape = [](int rows, int columns, int axes) {
+      return absl::StrCat(rows, "x", columns,
+                          axes == 1 ? "" : absl::StrCat("x", axes));
+    };
     return InvalidConfig(
         absl::StrCat("shape of trial ", trial.id),
-        absl::StrCat(trial.taxels.rows, "x", trial.taxels.columns),
-        absl::StrCat(found.rows, "x", found.columns, ", as layout ",
-                     found.name));
+        shape(taxels.rows, taxels.columns, taxels.axes),
+        absl::StrCat(shape(found.rows, found.columns, found.axes),
+                     ", as layout ", found.name));
   }
   if (UnitText(found.unit) != trial.unit) {
     return InvalidConfig(

@@ -39,13 +39,15 @@ void AddPoses(const std::vector<Pose>& poses, NamedBytes* arrays) {
 }
 
 void AddTaxels(const TaxelSeries& taxels, NamedBytes* arrays) {
-  const std::vector<size_t> shape = {taxels.frames(),
-                                     static_cast<size_t>(taxels.rows),
-                                     static_cast<size_t>(taxels.columns)};
-  arrays->emplace_back(
-      "taxels", taxels.u16.empty()
-                    ? NpyBytes(shape, std::span<const float>(taxels.f32))
-                    : NpyBytes(shape, std::span<const uint16_t>(taxels.u16)));
+  const std::vector<size_t> shape = taxels.shape();
+  std::string& bytes = arrays->emplace_back("taxels", "").second;
+  if (!taxels.u16.empty()) {
+    bytes = NpyBytes(shape, std::span<const uint16_t>(taxels.u16));
+  } else if (!taxels.i16.empty()) {
+    bytes = NpyBytes(shape, std::span<const int16_t>(taxels.i16));
+  } else {
+    bytes = NpyBytes(shape, std::span<const float>(taxels.f32));
+  }
   arrays->emplace_back("taxel_scale",
                        NpyBytes({}, std::span(&taxels.scale, 1)));
 }
@@ -110,7 +112,7 @@ class TrialArrays {
     out->assign(array.f64.begin(), array.f64.end());
     out->insert(out->end(), array.f32.begin(), array.f32.end());
     out->insert(out->end(), array.i64.begin(), array.i64.end());
-    if (!array.text.empty() || !array.u16.empty()) {
+    if (!array.text.empty() || !array.u16.empty() || !array.i16.empty()) {
       return Invalid(name, "must be floating-point numbers");
     }
     return absl::OkStatus();
@@ -182,7 +184,9 @@ class TrialArrays {
     auto node = arrays_.extract("taxels");
     if (node.empty()) return absl::OkStatus();
     NpyArray& array = node.mapped();
-    TACTUS_RETURN_IF_ERROR(CheckShape("taxels", array, {frames, 0, 0}));
+    std::vector<size_t> shape = {frames, 0, 0};
+    if (array.shape.size() == 4) shape.push_back(3);
+    TACTUS_RETURN_IF_ERROR(CheckShape("taxels", array, shape));
     if (array.shape[1] > limits::kMaxRows ||
         array.shape[2] > limits::kMaxColumns) {
       return Invalid(
@@ -190,12 +194,14 @@ class TrialArrays {
           absl::StrCat("has frames of ", array.shape[1], " x ", array.shape[2],
                        "; each side must be 1 to ", limits::kMaxRows));
     }
-    if (array.u16.empty() && array.f32.empty()) {
-      return Invalid("taxels", "must be uint16 or float32");
+    if (array.u16.empty() && array.i16.empty() && array.f32.empty()) {
+      return Invalid("taxels", "must be uint16, int16 or float32");
     }
     out->rows = static_cast<int>(array.shape[1]);
     out->columns = static_cast<int>(array.shape[2]);
+    out->axes = array.shape.size() == 4 ? 3 : 1;
     out->u16 = std::move(array.u16);
+    out->i16 = std::move(array.i16);
     out->f32 = std::move(array.f32);
     return absl::OkStatus();
   }

@@ -13,6 +13,7 @@
 #include "core/base/wire_check.h"
 #include "core/data/trial_layout.h"
 #include "core/skin/layout_proto.h"
+#include "core/skin/taxel_values.h"
 
 namespace tactus {
 namespace {
@@ -51,6 +52,7 @@ v1::SensorGeometry GeometryOf(const Trial& trial) {
   geometry.set_layout(trial.layout);
   geometry.set_rows(trial.taxels.rows);
   geometry.set_columns(trial.taxels.columns);
+  if (trial.taxels.axes > 1) geometry.set_axes(trial.taxels.axes);
   geometry.set_unit(UnitToProto(trial.unit));
   return geometry;
 }
@@ -65,8 +67,7 @@ absl::Status TakeGeometry(const v1::SensorGeometry& geometry,
                     unit);
   }
   SetSkin(*layout, *trial);
-  trial->taxels.rows = layout->rows;
-  trial->taxels.columns = layout->columns;
+  trial->taxels.SetShape(*layout);
   return absl::OkStatus();
 }
 
@@ -123,25 +124,31 @@ absl::Status TakeTaxels(const v1::TrialRecord& record,
   }
   TACTUS_RETURN_IF_ERROR(TakeGeometry(record.geometry(), complain, trial));
   TaxelSeries& taxels = trial->taxels;
-  const bool integers = record.taxel_type() == v1::TAXEL_TYPE_UINT16;
-  if (!integers && record.taxel_type() != v1::TAXEL_TYPE_FLOAT32) {
+  const size_t value_bytes = TaxelBytes(record.taxel_type());
+  if (value_bytes == 0) {
     return complain("taxel_type", "is ", static_cast<int>(record.taxel_type()),
-                    "; it must be TAXEL_TYPE_UINT16 or TAXEL_TYPE_FLOAT32");
+                    "; it must be TAXEL_TYPE_UINT16, TAXEL_TYPE_INT16 or "
+                    "TAXEL_TYPE_FLOAT32");
   }
-  const size_t value_bytes = integers ? sizeof(uint16_t) : sizeof(float);
-  const size_t count =
-      static_cast<size_t>(taxels.rows) * taxels.columns * record.time_size();
+  const size_t count = taxels.frame_size() * record.time_size();
   const std::string& bytes = record.taxels();
   if (bytes.size() != count * value_bytes) {
-    return complain("taxels", "has ", bytes.size(),
-                    " bytes; it must have one frame of ", taxels.rows, " x ",
-                    taxels.columns, " values per time, ", count * value_bytes,
-                    " bytes");
+    return complain(
+        "taxels", "has ", bytes.size(), " bytes; it must have one frame of ",
+        taxels.rows, " x ", taxels.columns,
+        taxels.axes > 1 ? " x 3 values per time, " : " values per time, ",
+        count * value_bytes, " bytes");
   }
-  if (integers) {
+  if (record.taxel_type() == v1::TAXEL_TYPE_UINT16) {
     taxels.scale = record.scale();
     taxels.u16.resize(count);
     std::memcpy(taxels.u16.data(), bytes.data(), bytes.size());
+    return absl::OkStatus();
+  }
+  if (record.taxel_type() == v1::TAXEL_TYPE_INT16) {
+    taxels.scale = record.scale();
+    taxels.i16.resize(count);
+    std::memcpy(taxels.i16.data(), bytes.data(), bytes.size());
     return absl::OkStatus();
   }
   if (record.scale() != 0) {
@@ -237,12 +244,14 @@ v1::TrialRecord ToRecord(const Trial& trial) {
   const TaxelSeries& taxels = trial.taxels;
   if (taxels.empty()) return record;
   *record.mutable_geometry() = GeometryOf(trial);
+  record.set_taxel_type(taxels.type());
   if (!taxels.u16.empty()) {
-    record.set_taxel_type(v1::TAXEL_TYPE_UINT16);
     record.set_scale(taxels.scale);
     record.set_taxels(taxels.u16.data(), taxels.u16.size() * sizeof(uint16_t));
+  } else if (!taxels.i16.empty()) {
+    record.set_scale(taxels.scale);
+    record.set_taxels(taxels.i16.data(), taxels.i16.size() * sizeof(int16_t));
   } else {
-    record.set_taxel_type(v1::TAXEL_TYPE_FLOAT32);
     record.set_taxels(taxels.f32.data(), taxels.f32.size() * sizeof(float));
   }
   return record;

@@ -49,14 +49,15 @@ bool EndsWithAny(absl::string_view path,
 
 double ArrayFile::Number(size_t index) const {
   if (!array.u16.empty()) return array.u16[index];
+  if (!array.i16.empty()) return array.i16[index];
   if (!array.i64.empty()) return static_cast<double>(array.i64[index]);
   if (!array.f32.empty()) return array.f32[index];
   return array.f64[index];
 }
 
 size_t ArrayFile::size() const {
-  return array.u16.size() + array.i64.size() + array.f32.size() +
-         array.f64.size();
+  return array.u16.size() + array.i16.size() + array.i64.size() +
+         array.f32.size() + array.f64.size();
 }
 
 ArrayFile ArrayFile::Slice(size_t index) const {
@@ -69,6 +70,7 @@ ArrayFile ArrayFile::Slice(size_t index) const {
     to.assign(begin, begin + static_cast<ptrdiff_t>(count));
   };
   cut(array.u16, slice.array.u16);
+  cut(array.i16, slice.array.i16);
   cut(array.i64, slice.array.i64);
   cut(array.f32, slice.array.f32);
   cut(array.f64, slice.array.f64);

@@ -273,6 +273,8 @@ absl::Status TakeArray(absl::string_view path, Header& header,
   }
   if (type == "u2")
     return TakeValues<uint16_t>(path, header, bytes, &array->u16);
+  if (type == "i2")
+    return TakeValues<int16_t>(path, header, bytes, &array->i16);
   if (type == "i8")
     return TakeValues<int64_t>(path, header, bytes, &array->i64);
   if (type == "f4") return TakeValues<float>(path, header, bytes, &array->f32);
@@ -283,7 +285,6 @@ absl::Status TakeArray(absl::string_view path, Header& header,
     return TakeValues<uint8_t>(path, header, bytes, f64);
   }
   if (type == "i1") return TakeValues<int8_t>(path, header, bytes, f64);
-  if (type == "i2") return TakeValues<int16_t>(path, header, bytes, f64);
   if (type == "i4") return TakeValues<int32_t>(path, header, bytes, f64);
   if (type == "u4") return TakeValues<uint32_t>(path, header, bytes, f64);
   if (type == "u8") return TakeValues<uint64_t>(path, header, bytes, f64);

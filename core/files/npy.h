@@ -1,7 +1,7 @@
 // File: npy.h
 //
-// Reads NumPy's .npy files (format versions 1 to 3): uint16, int64, float32,
-// float64 or text (<U), up to four dimensions, of either order of bytes and of
+// Reads NumPy's .npy files (format versions 1 to 3): uint16, int16, int64,
+// float32, float64 or text (<U), up to four dimensions, of either order of bytes and of
 // axes. Other integers, float16 and booleans become float64. Anything else,
 // object arrays among it, is refused.
 //
@@ -27,6 +27,7 @@ struct NpyArray {
   // Empty for a single value.
   std::vector<size_t> shape;
   std::vector<uint16_t> u16;
+  std::vector<int16_t> i16;
   std::vector<int64_t> i64;
   std::vector<float> f32;
   std::vector<double> f64;

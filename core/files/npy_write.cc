@@ -91,6 +91,11 @@ std::string NpyBytes(const std::vector<size_t>& shape,
   return NumbersNpy("<u2", shape, values);
 }
 
+std::string NpyBytes(const std::vector<size_t>& shape,
+                     std::span<const int16_t> values) {
+  return NumbersNpy("<i2", shape, values);
+}
+
 std::string NpyText(const std::vector<std::string>& texts) {
   return Texts({texts.size()}, texts);
 }

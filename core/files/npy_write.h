@@ -27,6 +27,8 @@ std::string NpyBytes(const std::vector<size_t>& shape,
                      std::span<const float> values);
 std::string NpyBytes(const std::vector<size_t>& shape,
                      std::span<const uint16_t> values);
+std::string NpyBytes(const std::vector<size_t>& shape,
+                     std::span<const int16_t> values);
 
 // A vector of texts, which are UTF-8.
 std::string NpyText(const std::vector<std::string>& texts);

@@ -36,10 +36,25 @@ class Finder {
   Finder(const std::string& path, const ArrayFile& file, const SkinFile& skin)
       : path_(path), file_(file), skin_(skin) {
     const std::vector<size_t>& shape = file.array.shape;
-    const bool grid = shape.size() == 3 && skin.cells.empty() &&
-                      shape[1] == static_cast<size_t>(skin.layout.rows) &&
-                      shape[2] == static_cast<size_t>(skin.layout.columns);
-    width_ = grid ? shape[1] * shape[2] : shape.size() == 2 ? shape[1] : 0;
+    if (shape.size() == 2) width_ = shape[1];
+    for (const std::vector<size_t>& frame : FrameShapes(skin)) {
+      if (std::equal(frame.begin(), frame.end(), shape.begin() + 1,
+                     shape.end())) {
+        width_ = skin.frame_size();
+      }
+    }
+  }
+
+  // The shapes of a frame that has several axes.
+  static std::vector<std::vector<size_t>> FrameShapes(const SkinFile& skin) {
+    std::vector<std::vector<size_t>> shapes;
+    const auto axes = static_cast<size_t>(skin.layout.axes);
+    if (axes > 1) shapes.push_back({skin.frame_taxels(), axes});
+    if (!skin.cells.empty()) return shapes;
+    shapes.push_back({static_cast<size_t>(skin.layout.rows),
+                      static_cast<size_t>(skin.layout.columns)});
+    if (axes > 1) shapes.back().push_back(axes);
+    return shapes;
   }
 
   absl::StatusOr<FrameColumns> Run() {

@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
+#include "core/data/trial_loads.h"
 #include "core/skin/idle_thresholds.h"
 
 namespace tactus {
@@ -26,19 +27,22 @@ void IdleNoise::Keep(float value) {
 void IdleNoise::Add(const Trial& trial) {
   const size_t frames = trial.taxels.frames();
   if (frames == 0) return;
-  const size_t size =
-      static_cast<size_t>(trial.taxels.rows) * trial.taxels.columns;
+  SkinLayout skin = trial.skin.value_or(SkinLayout());
+  skin.rows = trial.taxels.rows;
+  skin.columns = trial.taxels.columns;
+  const auto size = static_cast<size_t>(skin.taxels());
   std::vector<size_t> taxels;
   for (size_t i = 0; i < size; ++i) {
-    if (!trial.skin || trial.skin->mask.empty() || trial.skin->mask[i] != 0) {
+    if (skin.mask.empty() || skin.mask[i] != 0) {
       taxels.push_back(i);
     }
   }
+  TrialLoads loads(trial.taxels, skin);
   std::vector<float> values(frames * size);
   std::vector<double> sums(size, 0);
   float peak = 0;
   for (size_t t = 0; t < frames; ++t) {
-    trial.taxels.Decode(t, &values[t * size]);
+    std::ranges::copy(loads.Frame(t), &values[t * size]);
     for (const size_t i : taxels) {
       peak = std::max(peak, values[t * size + i]);
       sums[i] += values[t * size + i];

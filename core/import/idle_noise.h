@@ -2,7 +2,7 @@
 //
 // What an untouched skin reports, and the thresholds that follow from it:
 //
-//   q = 99.9th percentile of the idle values of all taxels
+//   q = 99.9th percentile of the idle loads of all taxels
 //   margin = the larger of (q - median of them) / 2
 //            and 2 % of the median trial's largest value
 //   contact_threshold = q + margin, onset_threshold = contact_threshold +
@@ -50,7 +50,8 @@ class IdleNoise {
  public:
   explicit IdleNoise(const IdleValues& which) : which_(which) {}
 
-  // Takes a trial's taxels, those that `trial.skin` masks excepted.
+  // Takes the loads of a trial's taxels, those that `trial.skin` masks
+  // excepted.
   void Add(const Trial& trial);
 
   // INVALID_TRAINING_DATA if there are no values, or if the contact threshold

@@ -261,31 +261,31 @@ class SkinFolder {
   // Takes frames away that have the time of the one before.
   void DropRepeated(Trial& trial) {
     const size_t frames = trial.taxels.frames();
-    const auto cells = static_cast<size_t>(skin_.layout.taxels());
-    const auto move = [](auto& list, size_t from, size_t to, size_t size) {
+    const size_t size = trial.taxels.frame_size();
+    const auto move = [](auto& list, size_t from, size_t to, size_t each) {
       if (list.empty()) return;
-      const auto begin = list.begin() + static_cast<ptrdiff_t>(from * size);
-      std::copy(begin, begin + static_cast<ptrdiff_t>(size),
-                list.begin() + static_cast<ptrdiff_t>(to * size));
+      const auto begin = list.begin() + static_cast<ptrdiff_t>(from * each);
+      std::copy(begin, begin + static_cast<ptrdiff_t>(each),
+                list.begin() + static_cast<ptrdiff_t>(to * each));
     };
     size_t kept = 1;
     for (size_t t = 1; t < frames; ++t) {
       if (trial.time[t] == trial.time[kept - 1]) continue;
       move(trial.time, t, kept, 1);
       move(trial.poses, t, kept, 1);
-      move(trial.taxels.u16, t, kept, cells);
-      move(trial.taxels.f32, t, kept, cells);
+      move(trial.taxels.u16, t, kept, size);
+      move(trial.taxels.f32, t, kept, size);
       ++kept;
     }
     if (kept == frames) return;
     notes_.AddDropped(frames - kept);
-    const auto cut = [&](auto& list, size_t size) {
-      if (!list.empty()) list.resize(kept * size);
+    const auto cut = [&](auto& list, size_t each) {
+      if (!list.empty()) list.resize(kept * each);
     };
     cut(trial.time, 1);
     cut(trial.poses, 1);
-    cut(trial.taxels.u16, cells);
-    cut(trial.taxels.f32, cells);
+    cut(trial.taxels.u16, size);
+    cut(trial.taxels.f32, size);
   }
 
   absl::Status CheckTime(size_t row, const Trial& trial) {

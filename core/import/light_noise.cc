@@ -5,6 +5,7 @@
 
 #include "core/base/limits.h"
 #include "core/data/trial_layout.h"
+#include "core/data/trial_loads.h"
 #include "core/light_touch/light_touch.h"
 
 namespace tactus {
@@ -40,11 +41,10 @@ void LightNoise::Add(const Trial& trial) {
   }
   if (layout != *layout_) return;
   LightTouchFilter filter(layout, trial.sample_rate_hz);
-  std::vector<float> taxels(layout.taxels());
+  TrialLoads loads(trial.taxels, layout);
   const size_t frames = std::min<size_t>(trial.taxels.frames(), frames_);
   for (size_t t = 0; t < frames; ++t) {
-    trial.taxels.Decode(t, taxels.data());
-    filter.Step(taxels);
+    filter.Step(loads.Frame(t));
     if (!filter.ready()) continue;
     ++counted_;
     for (size_t i = 0; i < squares_.size(); ++i) {

@@ -83,34 +83,36 @@ absl::Status Convert(const std::string& path, const std::vector<double>& values,
   TACTUS_ASSIGN_OR_RETURN(const std::vector<double> baselines,
                           Baselines(path, values, skin));
   const size_t size = skin.frame_size();
-  const auto cells = static_cast<size_t>(skin.layout.taxels());
+  const SkinLayout& layout = skin.layout;
+  const auto places = static_cast<size_t>(layout.values());
   const double gain = skin.pressing_lowers ? -skin.scale : skin.scale;
-  taxels.f32.assign(values.size() / size * cells, 0);
+  const double lowest = layout.signed_values ? -limits::kMaxTaxelValue : 0;
+  taxels.f32.assign(values.size() / size * places, 0);
   for (size_t i = 0; i < values.size(); ++i) {
-    const size_t taxel = i % size;
-    const size_t cell = skin.cells.empty() ? taxel : skin.cells[taxel];
-    double value = gain * (values[i] - baselines[taxel]);
+    const size_t number = i % size;
+    const size_t place = skin.PlaceOf(number);
+    double value = gain * (values[i] - baselines[number]);
     if (value < 0 && skin.negative_values == NegativeValues::kZero) value = 0;
     if (value < 0 && skin.negative_values == NegativeValues::kAbsolute) {
       value = -value;
     }
     // Written so that a NaN fails. A masked taxel may hold anything.
     const bool masked =
-        !skin.layout.mask.empty() && skin.layout.mask[cell] == 0;
+        !layout.mask.empty() && layout.mask[place / layout.axes] == 0;
     if (masked) value = 0;
-    if (!(value >= 0 && value <= limits::kMaxTaxelValue)) {
+    if (!(value >= lowest && value <= limits::kMaxTaxelValue)) {
       return TrialFileInvalid(
           path,
-          absl::StrCat("taxel ", taxel, " of frame ", i / size, " is ", value,
-                       "; it must be 0 to 1e12",
-                       value < 0
+          absl::StrCat("taxel ", number / layout.axes, " of frame ", i / size,
+                       " is ", value, "; it must be ", lowest, " to 1e12",
+                       value < 0 && lowest == 0
                            ? ". If values below zero are right, say in "
-                             "skin.json what they mean: baseline, pressing or "
-                             "negative_values"
+                             "skin.json what they mean: baseline, pressing, "
+                             "negative_values or signed_values"
                            : ""));
     }
     // No negative zero.
-    taxels.f32[i / size * cells + cell] = static_cast<float>(value) + 0.0F;
+    taxels.f32[i / size * places + place] = static_cast<float>(value) + 0.0F;
   }
   return absl::OkStatus();
 }
@@ -129,8 +131,7 @@ absl::StatusOr<RecordedFrames> MakeFrames(const std::string& path,
                                           const SkinFile& skin,
                                           double rate_hz) {
   RecordedFrames frames;
-  frames.taxels.rows = skin.layout.rows;
-  frames.taxels.columns = skin.layout.columns;
+  frames.taxels.SetShape(skin.layout);
   if (skin.events != EventRule::kNone) {
     TACTUS_ASSIGN_OR_RETURN(EventFrames events,
                             MakeEventFrames(path, file, skin, rate_hz));

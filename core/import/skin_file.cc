@@ -232,7 +232,7 @@ void TakeShape(const std::string& folder, Fields& fields, SkinFile& skin) {
 // `masked_taxels` counts in the order of the files.
 void TakeMask(Fields& fields, SkinFile& skin) {
   // Without a shape, which is a mistake of its own, no taxel has a place.
-  if (!fields.Has("masked_taxels") || skin.frame_size() == 0) return;
+  if (!fields.Has("masked_taxels") || skin.frame_taxels() == 0) return;
   const Json& list = fields.At("masked_taxels");
   if (!list.is_array()) {
     return fields.Complain("masked_taxels", list, "a list of taxels");
@@ -241,13 +241,30 @@ void TakeMask(Fields& fields, SkinFile& skin) {
   if (mask.empty()) mask.assign(skin.layout.taxels(), 1);
   for (const Json& taxel : list) {
     if (!taxel.is_number_unsigned() ||
-        taxel.get<uint64_t>() >= skin.frame_size()) {
+        taxel.get<uint64_t>() >= skin.frame_taxels()) {
       return fields.Complain(
           "masked_taxels", taxel,
-          absl::StrCat("a taxel from 0 to ", skin.frame_size() - 1));
+          absl::StrCat("a taxel from 0 to ", skin.frame_taxels() - 1));
     }
     const auto index = taxel.get<size_t>();
     mask[skin.cells.empty() ? index : skin.cells[index]] = 0;
+  }
+}
+
+// What does not fit together is found by Validate().
+void TakeAxes(Fields& fields, SkinFile& skin) {
+  SkinLayout& layout = skin.layout;
+  fields.Whole("axes", 1, 3, &layout.axes);
+  if (layout.axes == 2) fields.Complain("axes", 2, "1 or 3");
+  if (fields.Has("normal_axis")) {
+    layout.normal_axis = 0;
+    fields.Whole("normal_axis", 0, 2, &*layout.normal_axis);
+  }
+  fields.Bool("signed_values", &layout.signed_values);
+  if (layout.signed_values && fields.Has("negative_values")) {
+    fields.Complain("negative_values",
+                    "is given with signed_values; values below zero stay as "
+                    "they are, so give one of the two");
   }
 }
 
@@ -451,6 +468,7 @@ absl::StatusOr<SkinFile> ReadSkinFile(const std::string& path) {
   SkinFile skin;
   Fields fields(path, json);
   TakeShape(std::filesystem::path(path).parent_path(), fields, skin);
+  TakeAxes(fields, skin);
   TakeThresholds(fields, skin);
   TakeLightTouch(path, fields, skin);
   TakeNumbers(fields, skin);

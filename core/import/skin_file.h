@@ -78,9 +78,17 @@ struct SkinFile {
   // For each number of a frame its taxel, row-major; empty: in order.
   std::vector<int> cells;
 
-  // Numbers of one frame in the files.
-  size_t frame_size() const {
+  // Taxels of one frame in the files.
+  size_t frame_taxels() const {
     return cells.empty() ? static_cast<size_t>(layout.taxels()) : cells.size();
+  }
+  // Numbers of one frame in the files: those of all axes of a taxel together.
+  size_t frame_size() const { return frame_taxels() * layout.axes; }
+  // For a number of a frame in the files its place in a frame of the skin.
+  size_t PlaceOf(size_t number) const {
+    if (cells.empty()) return number;
+    return static_cast<size_t>(cells[number / layout.axes]) * layout.axes +
+           number % layout.axes;
   }
 };
 

@@ -24,9 +24,11 @@
 #include "core/data/trial_file.h"
 #include "core/data/trial_id.h"
 #include "core/data/trial_layout.h"
+#include "core/data/trial_loads.h"
 #include "core/data/trial_npz.h"
 #include "core/data/trial_pack.h"
 #include "core/data/trial_record.h"
+#include "core/features/skin_tracker.h"
 #include "core/files/array_file.h"
 #include "core/files/array_order.h"
 #include "core/files/cell_advice.h"
@@ -110,6 +112,7 @@ static void RecordingExample() {
 }
 
 void Use(const v1::FrameBatch& frame);
+void Use(std::span<const float> loads);
 
 static absl::Status RecordingReaderExample() {
 #include "core/data/recording/recording_reader.h.inc"
@@ -276,6 +279,11 @@ static void NpyWriteExample(const std::vector<double>& values) {
 static absl::Status NpzExample(const std::vector<double>& time) {
 #include "core/files/npz.h.inc"
   return absl::OkStatus();
+}
+
+static void TrialLoadsExample(const Trial& trial, const SkinLayout& skin,
+                              SkinTracker& tracker) {
+#include "core/data/trial_loads.h.inc"
 }
 
 static absl::Status TrialNpzExample(const Trial& trial) {

@@ -26,7 +26,8 @@ double Monitor::Window::Quantile(double p) const {
       p);
 }
 
-Monitor::Monitor(const SkinInfo& info) : info_(info) {
+Monitor::Monitor(const SkinInfo& info)
+    : info_(info), loads_(info.layout), values_(info.layout.values()) {
   state_.layout = info.layout;
   state_.configured_hz = info.sample_rate_hz;
   state_.title = absl::StrFormat("%s, %d x %d at %g Hz", info.layout.name,
@@ -44,8 +45,9 @@ void Monitor::Started(const v1::StreamStarted& started) {
 
 void Monitor::Frame(const SkinFrame& frame, uint64_t sequence, int64_t now_ns) {
   const std::lock_guard lock(mutex_);
-  state_.values.resize(static_cast<size_t>(info_.layout.taxels()));
-  RawValues(info_, frame, state_.values);
+  RawValues(info_, frame, values_);
+  const std::span<const float> loads = loads_.Of(values_);
+  state_.values.assign(loads.begin(), loads.end());
   float largest = 0;
   for (size_t i = 0; i < state_.values.size(); ++i) {
     state_.values[i] = static_cast<float>(state_.values[i] * info_.scale);

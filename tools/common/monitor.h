@@ -19,6 +19,7 @@
 
 #include "client/drivers/driver_statistics.h"
 #include "client/stream/skin_frame.h"
+#include "core/skin/normal_loads.h"
 #include "tactus/v1/contact.pb.h"
 #include "tools/common/monitor_view.h"
 
@@ -54,6 +55,9 @@ class Monitor {
 
   const SkinInfo info_;
   std::mutex mutex_;
+  NormalLoads loads_;
+  // All axes of the last frame.
+  std::vector<float> values_;
   v1::StreamStarted started_;
   MonitorState state_;
   double peak_ = 0;

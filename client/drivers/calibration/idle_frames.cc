@@ -17,7 +17,7 @@ void IdleFrames::Add(const SkinFrame& frame) {
 }
 
 double IdleFrames::resolution() const {
-  return info_.taxel_type == v1::TAXEL_TYPE_UINT16 ? 1 : 0;
+  return info_.taxel_type == v1::TAXEL_TYPE_FLOAT32 ? 0 : 1;
 }
 
 std::vector<float> IdleFrames::Series(size_t taxel) const {
@@ -30,6 +30,8 @@ void RawValues(const SkinInfo& info, const SkinFrame& frame,
                std::span<float> values) {
   if (info.taxel_type == v1::TAXEL_TYPE_UINT16) {
     std::copy_n(frame.u16.begin(), values.size(), values.begin());
+  } else if (info.taxel_type == v1::TAXEL_TYPE_INT16) {
+    std::copy_n(frame.i16.begin(), values.size(), values.begin());
   } else {
     std::copy_n(frame.f32.begin(), values.size(), values.begin());
   }

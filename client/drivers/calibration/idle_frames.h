@@ -55,7 +55,8 @@ class IdleFrames {
   std::vector<float> values_;
 };
 
-// Writes the numbers of a frame, as the skin sent them, to `values`.
+// Writes the numbers of a frame, as the skin sent them, to `values`, which has
+// room for those of all axes.
 void RawValues(const SkinInfo& info, const SkinFrame& frame,
                std::span<float> values);
 

@@ -51,22 +51,24 @@ ContactCutter::ContactCutter(std::string path, const v1::StreamConfig& config,
     : path_(std::move(path)),
       layout_(layout),
       scale_(config.has_scale() ? config.scale() : 1),
-      is_u16_(config.taxel_type() == v1::TAXEL_TYPE_UINT16),
+      type_(config.taxel_type()),
       rate_hz_(Rate(config)),
       tracker_(layout, TrackerOptions(config)),
-      taxels_(static_cast<size_t>(layout.taxels())) {}
+      taxels_(static_cast<size_t>(layout.values())) {}
 
 absl::Status ContactCutter::Decode(const v1::FrameBatch& frame) {
-  ScaleTaxels(is_u16_ ? v1::TAXEL_TYPE_UINT16 : v1::TAXEL_TYPE_FLOAT32,
-              frame.taxels().data(), scale_, taxels_);
+  ScaleTaxels(type_, frame.taxels().data(), scale_, taxels_);
+  const TaxelRange range = {layout_.signed_values ? -limits::kMaxTaxelValue : 0,
+                            limits::kMaxTaxelValue};
   for (size_t i = 0; i < taxels_.size(); ++i) {
-    if (taxels_[i] >= 0 && taxels_[i] <= limits::kMaxTaxelValue) continue;
+    if (range.Has(taxels_[i])) continue;
     return TrialFileInvalid(
-        path_, absl::StrCat("taxel ", i,
-                            " of the frame with the sequence "
-                            "number ",
-                            frame.first_sequence(), " is ", taxels_[i],
-                            "; it must be 0 to ", limits::kMaxTaxelValue));
+        path_,
+        absl::StrCat("taxel ", i / layout_.axes,
+                     " of the frame with the sequence "
+                     "number ",
+                     frame.first_sequence(), " is ", taxels_[i],
+                     "; it must be ", range.lowest, " to ", range.largest));
   }
   return absl::OkStatus();
 }
@@ -127,8 +129,7 @@ void ContactCutter::Cut() { contact_ = std::exchange(frames_, {}); }
 Trial ContactCutter::Take() {
   Trial trial;
   trial.sample_rate_hz = rate_hz_;
-  trial.taxels.rows = layout_.rows;
-  trial.taxels.columns = layout_.columns;
+  trial.taxels.SetShape(layout_);
   missing_ = 0;
   const int64_t start_ns = contact_.front().first_capture_time_ns();
   uint64_t expected = contact_.front().first_sequence();
@@ -137,14 +138,16 @@ Trial ContactCutter::Take() {
     expected = frame.first_sequence() + 1;
     trial.time.push_back(
         static_cast<double>(frame.first_capture_time_ns() - start_ns) / 1e9);
-    if (is_u16_) {
+    if (type_ == v1::TAXEL_TYPE_UINT16) {
       AppendTaxels(frame.taxels(), trial.taxels.u16);
+    } else if (type_ == v1::TAXEL_TYPE_INT16) {
+      AppendTaxels(frame.taxels(), trial.taxels.i16);
     } else {
       AppendTaxels(frame.taxels(), trial.taxels.f32);
     }
     if (frame.poses_size() > 0) trial.poses.push_back(PoseOf(frame));
   }
-  if (is_u16_) {
+  if (type_ != v1::TAXEL_TYPE_FLOAT32) {
     trial.taxels.scale = scale_;
   } else {
     for (float& value : trial.taxels.f32) value = ScaledTaxel(value, scale_);

@@ -55,7 +55,7 @@ class ContactCutter {
   const std::string path_;
   const SkinLayout layout_;
   const double scale_;
-  const bool is_u16_;
+  const v1::TaxelType type_;
   const double rate_hz_;
   ContactTracker tracker_;
   std::vector<float> taxels_;

@@ -1,9 +1,12 @@
 #include "core/data/recording/foxglove_image.h"
 
 #include <cmath>
-#include <cstring>
+#include <span>
+#include <vector>
 
 #include "core/base/serialize.h"
+#include "core/skin/normal_loads.h"
+#include "core/skin/taxel_values.h"
 #include "google/protobuf/descriptor.pb.h"
 #include "google/protobuf/io/coded_stream.h"
 #include "google/protobuf/io/zero_copy_stream_impl_lite.h"
@@ -43,13 +46,6 @@ void WriteFixed(int field, uint32_t value, CodedOutputStream& out) {
   out.WriteLittleEndian32(value);
 }
 
-template <typename Value>
-double Load(const std::string& bytes, size_t index) {
-  Value value;
-  std::memcpy(&value, bytes.data() + index * sizeof(value), sizeof(value));
-  return value;
-}
-
 }  // namespace
 
 McapSchema FoxgloveImage::Schema() {
@@ -84,12 +80,15 @@ McapSchema FoxgloveImage::Schema() {
 std::string FoxgloveImage::Encode(const v1::FrameBatch& batch,
                                   v1::TaxelType type, double scale) const {
   const double half = kHalfGrey * layout_.onset_threshold;
+  // As they were sent, without a rounding; loads scale as values do.
+  std::vector<float> values(layout_.values());
+  ScaleTaxels(type, batch.taxels().data(), 1, values);
+  NormalLoads normal(layout_);
+  const std::span<const float> loads = normal.Of(values);
   std::string pixels(static_cast<size_t>(layout_.taxels()), '\0');
   for (size_t i = 0; i < pixels.size(); ++i) {
     if (!layout_.mask.empty() && layout_.mask[i] == 0) continue;
-    const double value = scale * (type == v1::TAXEL_TYPE_UINT16
-                                      ? Load<uint16_t>(batch.taxels(), i)
-                                      : Load<float>(batch.taxels(), i));
+    const double value = scale * loads[i];
     // NaN is black too.
     if (!(value > 0)) continue;
     const double grey = std::isinf(value) ? 255 : 255 * value / (value + half);

@@ -9,6 +9,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 #include "core/skin/layout_proto.h"
+#include "core/skin/taxel_values.h"
 
 namespace tactus {
 namespace {
@@ -175,11 +176,9 @@ absl::StatusOr<SkinLayout> RecordingReader::CheckConfig(
     return Invalid(
         absl::StrCat("has the release_after_ms ", config.release_after_ms()));
   }
-  size_t value = 0;
-  if (config.taxel_type() == v1::TAXEL_TYPE_UINT16) value = 2;
-  if (config.taxel_type() == v1::TAXEL_TYPE_FLOAT32) value = 4;
+  const size_t value = TaxelBytes(config.taxel_type());
   if (value == 0) return Invalid("has an unknown type of taxels");
-  *sizes = {static_cast<size_t>(layout->taxels()) * value,
+  *sizes = {static_cast<size_t>(layout->values()) * value,
             config.with_poses() ? kPoseNumbers : 0};
   return *std::move(layout);
 }

@@ -8,6 +8,7 @@
 #include "core/base/status_macros.h"
 #include "core/data/recording/message_schema.h"
 #include "core/skin/layout_proto.h"
+#include "core/skin/taxel_values.h"
 
 namespace tactus {
 namespace {
@@ -27,9 +28,8 @@ uint16_t AddTopic(const char* topic, McapWriter& file) {
 }
 
 // Bytes of a frame of a stream with this configuration and this skin.
-size_t TaxelBytes(const v1::StreamConfig& config, const SkinLayout& layout) {
-  const size_t value = config.taxel_type() == v1::TAXEL_TYPE_UINT16 ? 2 : 4;
-  return static_cast<size_t>(layout.taxels()) * value;
+size_t FrameBytes(const v1::StreamConfig& config, const SkinLayout& layout) {
+  return static_cast<size_t>(layout.values()) * TaxelBytes(config.taxel_type());
 }
 
 // `bytes` is 0 before the configuration.
@@ -76,13 +76,13 @@ absl::Status RecordingWriter::Write(const RecordingEvent& event) {
     TACTUS_ASSIGN_OR_RETURN(SkinLayout layout,
                             LayoutFromProto(config->geometry()));
     config_ = *config;
-    frame_bytes_ = TaxelBytes(*config, layout);
+    frame_bytes_ = FrameBytes(*config, layout);
     image_.emplace(std::move(layout));
   }
   if (const auto* raw = std::get_if<RecordedCalibration>(&event)) {
     TACTUS_ASSIGN_OR_RETURN(const SkinLayout layout,
                             LayoutFromProto(raw->raw.geometry()));
-    raw_bytes_ = TaxelBytes(raw->raw, layout);
+    raw_bytes_ = FrameBytes(raw->raw, layout);
   }
   if (const auto* raw = std::get_if<RawFrame>(&event)) {
     TACTUS_RETURN_IF_ERROR(CheckSize(raw->batch, raw_bytes_));

@@ -205,10 +205,21 @@ INSTANTIATE_TEST_SUITE_P(
                   f.Array("time", H5T_IEEE_F64LE, {kFrames}, -1);
                   f.Array("signals", H5T_IEEE_F64LE, {5, 3}, 0);
                 }},
-        BadFile{"trial 000007: taxels: must be uint16 or float32",
+        BadFile{"trial 000007: taxels: must be uint16, int16 or float32",
+                [](ForeignFile& f) {
+                  WriteMinimal(f);
+                  f.Array("taxels", H5T_STD_I32LE, {kFrames, 2, 2}, 0);
+                }},
+        BadFile{"trial 000007: taxels: are int16; only a skin with signed",
                 [](ForeignFile& f) {
                   WriteMinimal(f);
                   f.Array("taxels", H5T_STD_I16LE, {kFrames, 2, 2}, 0);
+                }},
+        BadFile{"trial 000007: taxels: has shape 4 x 2 x 2 x 2; it must be "
+                "4 x rows x columns x 3",
+                [](ForeignFile& f) {
+                  WriteMinimal(f);
+                  f.Array("taxels", H5T_STD_U16LE, {kFrames, 2, 2, 2}, 0);
                 }},
         BadFile{"trial 000007: taxels: has shape 4 x 4; it must be 4 x rows x "
                 "columns",

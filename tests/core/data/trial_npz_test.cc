@@ -80,7 +80,7 @@ TEST(TrialNpzTest, EachMistakeIsNamed) {
        "array stiffness must be floating-point"},
       {{{"time", time},
         {"taxels", NpyBytes({2, 1, 1}, std::span<const double>(two))}},
-       "array taxels must be uint16 or float32"},
+       "array taxels must be uint16, int16 or float32"},
       {{{"time", time}, {"signals", signals}, {"skin", NpyText("{")}},
        "array skin "},
       {{{"time", time},

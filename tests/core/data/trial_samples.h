@@ -89,6 +89,29 @@ inline Trial TrialOfTouches(uint64_t seed, int frames, bool floats = false) {
   return trial;
 }
 
+// FullTrial on a skin of three signed axes; uint16 values have no sign.
+inline Trial TrialOfAxes(uint64_t seed, int frames, v1::TaxelType type) {
+  Trial trial =
+      FullTrial(seed, frames, /*floats=*/type == v1::TAXEL_TYPE_FLOAT32);
+  trial.skin->axes = trial.taxels.axes = 3;
+  trial.skin->normal_axis = 2;
+  trial.skin->signed_values = true;
+  trial.taxels.u16.clear();
+  trial.taxels.f32.clear();
+  Random random(seed);
+  for (int i = 0; i < 36 * frames; ++i) {
+    const auto bits = static_cast<uint16_t>(random.Index(65536));
+    if (type == v1::TAXEL_TYPE_UINT16) {
+      trial.taxels.u16.push_back(bits);
+    } else if (type == v1::TAXEL_TYPE_INT16) {
+      trial.taxels.i16.push_back(static_cast<int16_t>(bits));
+    } else {
+      trial.taxels.f32.push_back(static_cast<float>(random.Gaussian()));
+    }
+  }
+  return trial;
+}
+
 inline bool SameTouches(const std::vector<Touch>& a,
                         const std::vector<Touch>& b) {
   const auto same = [](const Touch& x, const Touch& y) {
@@ -118,6 +141,7 @@ inline bool SameBits(const Trial& a, const Trial& b) {
   return a.id == b.id && a.source == b.source && a.time == b.time &&
          a.signals == b.signals && a.taxels.rows == b.taxels.rows &&
          a.taxels.columns == b.taxels.columns && a.taxels.u16 == b.taxels.u16 &&
+         a.taxels.axes == b.taxels.axes && a.taxels.i16 == b.taxels.i16 &&
          a.taxels.f32 == b.taxels.f32 && a.taxels.scale == b.taxels.scale &&
          poses(a) == poses(b) && a.label == b.label &&
          a.condition == b.condition && a.object == b.object &&

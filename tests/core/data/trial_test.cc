@@ -92,7 +92,7 @@ INSTANTIATE_TEST_SUITE_P(
                  [](Trial& t) { t.signals[3][1] = kInf; }},
         BadTrial{"taxels", "65 x 4", [](Trial& t) { t.taxels.rows = 65; }},
         BadTrial{"taxels", "3 x 0", [](Trial& t) { t.taxels.columns = 0; }},
-        BadTrial{"taxels", "both types",
+        BadTrial{"taxels", "2 types",
                  [](Trial& t) { t.taxels.f32.push_back(1); }},
         BadTrial{"taxels", "has 47 values",
                  [](Trial& t) { t.taxels.u16.pop_back(); }},

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/contacts/labelled_contact.h"
+#include "core/data/trial_loads.h"
 #include "core/features/contact_tracker.h"
 
 namespace tactus::client {
@@ -31,7 +32,7 @@ Json Spread(const std::vector<double>& values) {
 
 }  // namespace
 
-void ContactSummary::CountTouched(const std::vector<float>& taxels,
+void ContactSummary::CountTouched(std::span<const float> taxels,
                                   const SkinLayout& layout) {
   touched_.resize(std::max(touched_.size(), taxels.size()), 0);
   ++frames_;
@@ -40,7 +41,7 @@ void ContactSummary::CountTouched(const std::vector<float>& taxels,
   }
 }
 
-void ContactSummary::KeepIdle(const std::vector<float>& taxels,
+void ContactSummary::KeepIdle(std::span<const float> taxels,
                               const SkinLayout& layout) {
   ++idle_frames_;
   if (idle_.size() + taxels.size() > kMaxIdleValues) return;
@@ -54,7 +55,7 @@ absl::Status ContactSummary::Add(const Trial& trial, const SkinLayout& layout) {
   ContactTracker tracker(layout, {.sample_rate_hz = trial.sample_rate_hz,
                                   .release_after_s = kNeverReleased,
                                   .load_profile = false});
-  std::vector<float> taxels(layout.taxels());
+  TrialLoads loads(trial.taxels, layout);
   size_t onset = 0;
   size_t last_touched = 0;
   size_t longest_loss = 0;
@@ -65,12 +66,13 @@ absl::Status ContactSummary::Add(const Trial& trial, const SkinLayout& layout) {
   double touched = 0;
   double load = 0;
   double change = 0;
+  std::vector<float> taxels(layout.taxels(), 0);
   std::vector<float> before(taxels.size(), 0);
   for (size_t t = 0; t < trial.taxels.frames(); ++t) {
     before.swap(taxels);
-    trial.taxels.Decode(t, taxels.data());
+    std::ranges::copy(loads.Frame(t), taxels.begin());
     CountTouched(taxels, layout);
-    FrameView frame{.taxels = taxels};
+    FrameView frame{.taxels = loads.values()};
     if (!trial.poses.empty()) frame.pose = &trial.poses[t];
     const FrameFeatures& features = tracker.Step(frame);
     if (tracker.state() != ContactState::kInContact) {

@@ -13,6 +13,7 @@
 // thread-safe.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -31,8 +32,8 @@ class ContactSummary {
   Json ToJson() const;
 
  private:
-  void CountTouched(const std::vector<float>& taxels, const SkinLayout& layout);
-  void KeepIdle(const std::vector<float>& taxels, const SkinLayout& layout);
+  void CountTouched(std::span<const float> taxels, const SkinLayout& layout);
+  void KeepIdle(std::span<const float> taxels, const SkinLayout& layout);
 
   int trials_ = 0;
   int felt_ = 0;

@@ -12,6 +12,7 @@
 #include "core/contacts/labelled_contact.h"
 #include "core/data/trial_id.h"
 #include "core/data/trial_layout.h"
+#include "core/data/trial_loads.h"
 #include "core/features/contact_tracker.h"
 
 namespace tactus::client {
@@ -53,16 +54,16 @@ absl::Status TraceFrames(const Trial& trial, const Step& step,
                          ContactTrace& trace) {
   std::optional<size_t> onset;
   std::vector<bool> touched;
+  TrialLoads loads(trial.taxels, trace.layout);
   for (size_t i = 0; i < trial.taxels.frames(); ++i) {
-    std::vector<float> taxels(trace.layout.taxels());
-    trial.taxels.Decode(i, taxels.data());
-    FrameView frame{.taxels = taxels};
+    const std::span<const float> taxels = loads.Frame(i);
+    FrameView frame{.taxels = loads.values()};
     if (!trial.poses.empty()) frame.pose = &trial.poses[i];
     const std::pair<ContactState, FrameFeatures> now = step(frame);
     if (!onset && now.first == ContactState::kInContact) onset = i;
     touched.push_back(now.second.touched);
     trace.features.push_back(now.second.sample().features);
-    trace.frames.push_back(std::move(taxels));
+    trace.frames.emplace_back(taxels.begin(), taxels.end());
   }
   if (!onset) {
     return InvalidConfig(

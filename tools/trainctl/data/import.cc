@@ -15,6 +15,7 @@
 #include "core/data/frame_fingerprint.h"
 #include "core/data/trial_file.h"
 #include "core/data/trial_id.h"
+#include "core/data/trial_loads.h"
 #include "core/skin/layout_json.h"
 #include "tools/trainctl/command.h"
 #include "tools/trainctl/data/resting_load.h"
@@ -33,9 +34,9 @@ struct ImportFlags {
 
 // True if some taxel reaches the onset threshold.
 bool IsFelt(const Trial& trial, const SkinLayout& skin) {
-  std::vector<float> taxels(skin.taxels());
+  TrialLoads loads(trial.taxels, skin);
   for (size_t t = 0; t < trial.taxels.frames(); ++t) {
-    trial.taxels.Decode(t, taxels.data());
+    const std::span<const float> taxels = loads.Frame(t);
     for (size_t i = 0; i < taxels.size(); ++i) {
       const bool valid = skin.mask.empty() || skin.mask[i] != 0;
       if (valid && taxels[i] >= skin.onset_threshold) return true;

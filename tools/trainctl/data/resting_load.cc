@@ -3,14 +3,16 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
+#include "core/data/trial_loads.h"
 
 namespace tactus::client {
 
 void RestingLoad::Add(const Trial& trial) {
   if (!trial.skin || trial.taxels.frames() == 0) return;
   const SkinLayout& skin = *trial.skin;
-  taxels_.resize(skin.taxels());
-  trial.taxels.Decode(0, taxels_.data());
+  TrialLoads loads(trial.taxels, skin);
+  const std::span<const float> first = loads.Frame(0);
+  taxels_.assign(first.begin(), first.end());
   if (!skin.mask.empty()) {
     size_t kept = 0;
     for (size_t i = 0; i < skin.mask.size(); ++i) {

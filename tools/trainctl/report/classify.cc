@@ -62,7 +62,7 @@ absl::StatusOr<Json> ClassifyTaxels(
   options.with_poses = !trial.poses.empty();
   TACTUS_ASSIGN_OR_RETURN(auto pipeline,
                           ContactPipeline::Create(layout, model, options));
-  std::vector<float> taxels(layout.taxels());
+  std::vector<float> taxels(layout.values());
   for (size_t t = 0; t < trial.taxels.frames(); ++t) {
     trial.taxels.Decode(t, taxels.data());
     FrameView frame{.taxels = taxels};

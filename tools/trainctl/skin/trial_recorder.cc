@@ -34,7 +34,7 @@ TrialRecorder::TrialRecorder(const SkinInfo& info, const SkinInfo* raw_info,
       options_(options),
       tracker_(info.layout, {.sample_rate_hz = info.sample_rate_hz,
                              .release_after_s = options.release_after_s}),
-      values_(info.layout.taxels()),
+      values_(info.layout.values()),
       counts_(options.labels.size()) {}
 
 std::optional<size_t> TrialRecorder::LabelOf(char key) const {
@@ -191,10 +191,9 @@ Trial TrialRecorder::MakeTrial(const SkinInfo& info, bool raw) const {
   trial.object = options_.object;
   trial.material = options_.group;
   trial.sample_rate_hz = info.sample_rate_hz;
-  trial.taxels.rows = info.layout.rows;
-  trial.taxels.columns = info.layout.columns;
-  const bool u16 = info.taxel_type == v1::TAXEL_TYPE_UINT16;
-  trial.taxels.scale = u16 ? info.scale : 1;
+  trial.taxels.SetShape(info.layout);
+  const bool floats = info.taxel_type == v1::TAXEL_TYPE_FLOAT32;
+  trial.taxels.scale = floats ? 1 : info.scale;
   SetSkin(info.layout, trial);
   const int64_t begin_ns = onset_ns_ - Nanoseconds(options_.pre_roll_s);
   std::optional<int64_t> first_ns;
@@ -204,12 +203,15 @@ Trial TrialRecorder::MakeTrial(const SkinInfo& info, bool raw) const {
     if (time_ns < begin_ns) continue;
     if (!first_ns) first_ns = time_ns;
     trial.time.push_back(static_cast<double>(time_ns - *first_ns) / 1e9);
-    if (u16) {
-      trial.taxels.u16.insert(trial.taxels.u16.end(), frame.u16.begin(),
-                              frame.u16.end());
+    const auto append = [](const auto& values, auto& all) {
+      all.insert(all.end(), values.begin(), values.end());
+    };
+    if (info.taxel_type == v1::TAXEL_TYPE_UINT16) {
+      append(frame.u16, trial.taxels.u16);
+    } else if (info.taxel_type == v1::TAXEL_TYPE_INT16) {
+      append(frame.i16, trial.taxels.i16);
     } else {
-      trial.taxels.f32.insert(trial.taxels.f32.end(), frame.f32.begin(),
-                              frame.f32.end());
+      append(frame.f32, trial.taxels.f32);
     }
     if (info.with_poses) trial.poses.push_back(frame.pose);
   }
