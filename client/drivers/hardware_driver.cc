@@ -164,7 +164,7 @@ bool HardwareDriver::Finish(SkinFrame& frame) {
   last_frame_ns_ = quiet_since_ns_ = now_ns;
   if (attempts_ > 0) ++reconnects_;
   attempts_ = 0;
-  stuck_->Add(frame.u16);
+  CheckStuck(frame);
   if (options_.pose_at) {
     const auto pose = options_.pose_at(frame.capture_time_ns);
     if (!pose) {
@@ -180,6 +180,21 @@ bool HardwareDriver::Finish(SkinFrame& frame) {
   last_capture_ns_ = frame.capture_time_ns;
   frame.missing_before = meter_->Add(frame.capture_time_ns, now_ns);
   return true;
+}
+
+void HardwareDriver::CheckStuck(const SkinFrame& frame) {
+  if (info_.taxel_type != v1::TAXEL_TYPE_INT16) {
+    stuck_->Add(frame.u16);
+    return;
+  }
+  const auto axes = static_cast<size_t>(info_.layout.axes);
+  const auto normal = static_cast<size_t>(info_.layout.normal_axis.value_or(0));
+  loads_.resize(frame.i16.size() / axes);
+  for (size_t i = 0; i < loads_.size(); ++i) {
+    loads_[i] = static_cast<uint16_t>(
+        std::max<int16_t>(frame.i16[axes * i + normal], 0));
+  }
+  stuck_->Add(loads_);
 }
 
 std::string HardwareDriver::PoseProblem() const {

@@ -83,9 +83,14 @@ class HardwareDriver : public SkinDriver {
   SkinDevice* const device_;
   const HardwareDriverOptions options_;
   Clock* const clock_;
+  // Looks for taxels that do not move.
+  void CheckStuck(const SkinFrame& frame);
+
   SkinInfo info_;
   std::optional<FrameMeter> meter_;
   std::optional<StuckTaxels> stuck_;
+  // The loads of a skin of signed values, for stuck_.
+  std::vector<uint16_t> loads_;
   int64_t last_capture_ns_ = 0;
   // The last frame, or when the driver became active.
   int64_t last_frame_ns_ = 0;

@@ -14,7 +14,7 @@ namespace {
 constexpr uint32_t kFirstId = 0x710;
 // A byte of status and three numbers.
 constexpr size_t kFrameBytes = 7;
-constexpr size_t kZ = 5;
+constexpr size_t kFirstNumber = 1;
 constexpr uint16_t kAll = 0xFFFF;
 
 }  // namespace
@@ -28,7 +28,10 @@ SkinLayout XelaLayout() {
           .taxel_area_m2 = 0.0047 * 0.0047,
           .unit = TaxelUnit::kCounts,
           .contact_threshold = 100,
-          .onset_threshold = 200};
+          .onset_threshold = 200,
+          .axes = 3,
+          .normal_axis = 2,
+          .signed_values = true};
 }
 
 std::vector<CanFilter> XelaSkin::Filters() const {
@@ -41,6 +44,15 @@ absl::StatusOr<SkinInfo> XelaSkin::Setup(CanBus& bus, Clock& clock) {
     return InvalidConfig("taxels of the layout", options_.layout.taxels(),
                          "16");
   }
+  const SkinLayout& layout = options_.layout;
+  const bool three =
+      layout.axes == kAxes && layout.normal_axis == kZ && layout.signed_values;
+  if (!three && (layout.axes != 1 || layout.signed_values)) {
+    return InvalidConfig(
+        "axes of the layout",
+        absl::StrCat(layout.axes, layout.signed_values ? ", signed" : ""),
+        "3 with signed_values and normal_axis 2, or 1 without a sign");
+  }
   if (options_.board < icub::kFirstBoard || options_.board > icub::kLastBoard ||
       options_.baseline_scans < 1) {
     return InvalidConfig(
@@ -49,7 +61,7 @@ absl::StatusOr<SkinInfo> XelaSkin::Setup(CanBus& bus, Clock& clock) {
         "1 to 14, and at least 1");
   }
   TACTUS_RETURN_IF_ERROR(Start(bus));
-  std::array<double, kTaxels> sum = {};
+  std::array<double, kAxes* kTaxels> sum = {};
   int scans = 0;
   // Half of the scans may be lost.
   const int64_t end_ns =
@@ -62,15 +74,16 @@ absl::StatusOr<SkinInfo> XelaSkin::Setup(CanBus& bus, Clock& clock) {
                             bus.Receive(can, end_ns - now_ns));
     if (!received || !Collect(can)) continue;
     ++scans;
-    for (int i = 0; i < kTaxels; ++i) sum[i] += z_[i];
+    for (size_t i = 0; i < sum.size(); ++i) sum[i] += scan_[i];
   }
   TACTUS_RETURN_IF_ERROR(Stop(bus));
   if (scans < options_.baseline_scans) {
     return IoError(bus.name(), absl::StrCat("XELA patch: ", Missing()));
   }
-  for (int i = 0; i < kTaxels; ++i) baseline_[i] = sum[i] / scans;
+  for (size_t i = 0; i < sum.size(); ++i) baseline_[i] = sum[i] / scans;
   SkinInfo info;
   info.layout = options_.layout;
+  if (three) info.taxel_type = v1::TAXEL_TYPE_INT16;
   info.scale = options_.scale;
   info.sample_rate_hz = 1e9 / kPeriodNs;
   return info;
@@ -106,7 +119,11 @@ bool XelaSkin::Collect(const CanFrame& can) {
   if (heard_ == 0) start_ns_ = can.time_ns;
   heard_ |= bit;
   heard_recently_ |= bit;
-  z_[taxel] = static_cast<uint16_t>(can.data[kZ] << 8 | can.data[kZ + 1]);
+  for (size_t axis = 0; axis < kAxes; ++axis) {
+    const size_t at = kFirstNumber + 2 * axis;
+    scan_[kAxes * taxel + axis] =
+        static_cast<uint16_t>(can.data[at] << 8 | can.data[at + 1]);
+  }
   if (heard_ != kAll) return false;
   heard_ = heard_recently_ = 0;
   return true;
@@ -116,10 +133,20 @@ bool XelaSkin::Take(const CanFrame& can, SkinFrame& frame) {
   if (!Collect(can)) return false;
   frame.capture_time_ns = start_ns_;
   frame.f32.clear();
+  if (options_.layout.axes == kAxes) {
+    frame.u16.clear();
+    frame.i16.resize(scan_.size());
+    for (size_t i = 0; i < scan_.size(); ++i) {
+      frame.i16[i] = static_cast<int16_t>(std::clamp(
+          std::round(Above(static_cast<int>(i))), -32768.0, 32767.0));
+    }
+    return true;
+  }
+  frame.i16.clear();
   frame.u16.resize(kTaxels);
   for (int i = 0; i < kTaxels; ++i) {
     frame.u16[i] = static_cast<uint16_t>(
-        std::clamp(std::round(z_[i] - baseline_[i]), 0.0, 65535.0));
+        std::clamp(std::round(Above(kAxes * i + kZ)), 0.0, 65535.0));
   }
   return true;
 }

@@ -8,10 +8,11 @@
 //
 // Every 10 ms the patch sends a frame for each taxel, id 0x710 + taxel, with a
 // byte of status and X, Y and Z as big-endian numbers of 16 bits. It starts and
-// stops with the messages of an iCub's board. A taxel's value is how far Z is
-// above its mean in Setup, at least 0; X and Y are not used. So nothing must
-// touch the patch in Setup. A scan counts if all 16 taxels have come within
-// 0.9 periods; the rules are those of icub::ScanAssembler.
+// stops with the messages of an iCub's board. A taxel's values are how far X, Y
+// and Z are above their means in Setup, as int16; beyond its limits they are
+// cut off. So nothing must touch the patch in Setup. A layout of one axis gets
+// Z alone, at least 0, as uint16. A scan counts if all 16 taxels have come
+// within 0.9 periods; the rules are those of icub::ScanAssembler.
 //
 // Ids and bytes are those of public code (o2as/ur-o2as); they were not verified
 // with a patch. Not thread-safe.
@@ -27,12 +28,13 @@
 
 namespace tactus::client {
 
-// 4 x 4 taxels 4.7 mm apart, in counts, with nominal thresholds.
+// 4 x 4 taxels 4.7 mm apart of three axes, the load being Z, in counts, with
+// nominal thresholds.
 SkinLayout XelaLayout();
 
 struct XelaSkinOptions {
   int board = 1;
-  // 4 x 4.
+  // 4 x 4, of three signed axes with Z as the normal one, or of one axis.
   SkinLayout layout = XelaLayout();
   double scale = 1;
   // Scans whose mean is an untouched patch.
@@ -57,12 +59,18 @@ class XelaSkin : public CanSkinProtocol {
   std::string Missing() const override;
 
  private:
-  // True if the frame completed z_.
+  static constexpr int kAxes = 3;
+  static constexpr int kZ = 2;
+
+  // True if the frame completed scan_.
   bool Collect(const CanFrame& can);
+  // How far a value is above its baseline.
+  double Above(int value) const { return scan_[value] - baseline_[value]; }
 
   const XelaSkinOptions options_;
-  std::array<uint16_t, kTaxels> z_ = {};
-  std::array<double, kTaxels> baseline_ = {};
+  // X, Y and Z of each taxel.
+  std::array<uint16_t, kAxes* kTaxels> scan_ = {};
+  std::array<double, kAxes* kTaxels> baseline_ = {};
   // Bit i: taxel i has come.
   uint16_t heard_ = 0;
   // Since the last whole scan.
