@@ -43,13 +43,14 @@ class TouchFollower {
                           .max_contacts = options.max_contacts,
                           .load_profile = options.whole_skin,
                           .taxel_loads = options.whole_skin,
-                          .load_spread = true}),
+                          .load_spread = true,
+                          .shear = true}),
         least_stay_(
             static_cast<size_t>(std::ceil(kSwitchedS * trial.sample_rate_hz))),
         switched_(trial.touches.size()) {}
 
   TouchContacts Run() {
-    std::vector<float> taxels(layout_.taxels());
+    std::vector<float> taxels(layout_.values());
     for (size_t t = 0; t < trial_.taxels.frames(); ++t) {
       trial_.taxels.Decode(t, taxels.data());
       FrameView frame{.taxels = taxels};
