@@ -5,6 +5,7 @@
 #include "core/base/random.h"
 #include "core/base/status_macros.h"
 #include "core/sim/exact/simulate_contact.h"
+#include "core/sim/experiments/random_scene.h"
 #include "core/sim/model/materials.h"
 #include "core/sim/model/trial_spec.h"
 #include "core/sim/skin/record_contact.h"
@@ -19,6 +20,8 @@ constexpr double kMovedM = 0.001;
 // Draws until the class wanted comes up; one in ten does at worst.
 constexpr int kMaxDraws = 1000;
 constexpr int kEdges = 10;
+// Long enough for objects that slip late, s.
+constexpr double kSceneTouchS = 3;
 
 TrialSpec Draw(Random& random) {
   const auto materials = Materials();
@@ -40,6 +43,11 @@ TrialSpec Draw(Random& random) {
 absl::StatusOr<Trial> SimDriver::MakeTrial(size_t index) {
   const absl::string_view want = kLabels[index % std::size(kLabels)];
   TACTUS_ASSIGN_OR_RETURN(const SkinModel skin, SkinModelNamed(options_.skin));
+  if (options_.objects > 1) {
+    return SceneTrial(skin,
+                      {.touch_s = kSceneTouchS, .objects = options_.objects},
+                      options_.seed, index);
+  }
   Random random = Random::ForStream(options_.seed, index);
   for (int draw = 0; draw < kMaxDraws; ++draw) {
     TrialSpec spec = Draw(random);

@@ -28,6 +28,10 @@ class SimDriver : public TrialDriver {
     uint64_t seed = 1;
     // "paper", "good" or "measured".
     std::string skin = "good";
+    // With several, a trial is a scene of so many objects at once
+    // (core/sim/experiments/random_scene.h), labelled as the first one; the
+    // two options below do not apply.
+    int objects = 1;
     // Frames before the touch; 0 for those of Placement.
     int lead_in_frames = 0;
     // Where all contacts are; nothing for places drawn from the seed.

@@ -12,6 +12,7 @@
 #include "client/drivers/sim_driver.h"
 #include "client/front/wrapped_driver.h"
 #include "core/base/errors.h"
+#include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/data/trial_layout.h"
 #include "core/files/file_bytes.h"
@@ -53,7 +54,9 @@ absl::StatusOr<std::unique_ptr<TrialDriver>> MakePlayedTrials(
         ReplayDriver::Options{.max_trials = options.trials, .layout = layout});
   }
   return std::make_unique<SimDriver>(
-      SimDriver::Options{.seed = options.seed, .skin = options.skin},
+      SimDriver::Options{.seed = options.seed,
+                         .skin = options.skin,
+                         .objects = options.objects},
       options.trials == 0 ? kSimulatedTrials : options.trials, shard);
 }
 
@@ -108,6 +111,10 @@ void AddSkinFlags(CLI::App& app, SkinSourceOptions& options) {
       "NAME=VALUE for a driver of your own; may be repeated");
   app.add_option("--skin", options.skin,
                  "Skin of --driver=sim: paper, good or measured")
+      ->capture_default_str();
+  app.add_option("--objects", options.objects,
+                 "Objects at once in each trial of --driver=sim")
+      ->check(CLI::Range(1, limits::kMaxSceneObjects))
       ->capture_default_str();
   app.add_option("--data", options.data, "Trial file for --driver=replay")
       ->check(CLI::ExistingFile);

@@ -40,6 +40,8 @@ struct SkinSourceOptions {
   // Simulated contacts.
   std::string skin = "good";
   uint64_t seed = 1;
+  // In each of their trials, at once.
+  int objects = 1;
   // Recorded ones.
   std::string data = {};
   // Contacts to play; 0: all recorded ones, or kSimulatedTrials.

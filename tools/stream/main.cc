@@ -22,6 +22,7 @@
 #include "tools/common/skin_source.h"
 #include "tools/common/token_file.h"
 #include "tools/common/vetted_servers.h"
+#include "tools/stream/event_printer.h"
 #include "tools/stream/live_command.h"
 #include "tools/stream/monitor_command.h"
 #include "tools/stream/record_replay.h"
@@ -39,6 +40,7 @@ struct Flags {
   int parallel = 1;
   bool json = false;
   bool monitor = false;
+  bool events = false;
   std::string posteriors;
   double timeout_s = 10;
   double reconnect_s = 30;
@@ -50,6 +52,9 @@ struct Flags {
   std::string label;
   std::string condition;
   std::string object;
+
+  // The driver is played as a skin: its contacts are not compared with labels.
+  bool IsSkin() const { return source.IsLive() || monitor || events; }
 
   bool IsReplayOfRecording() const {
     return source.driver == "replay" && IsRecording(source.data);
@@ -164,6 +169,8 @@ absl::Status RunSkin(const Flags& flags,
     player.pose_at = [arm](int64_t time_ns) { return arm->PoseAt(time_ns); };
     std::fprintf(stderr, "tactus-stream: %s\n", arm->Usage().c_str());
   }
+  EventPrinter printer(flags.json);
+  if (flags.events) player.observer = &printer;
   const absl::Status status =
       flags.monitor ? RunMonitor(channel, source->driver(), player)
                     : RunLive(channel, source->driver(), player, flags.json);
@@ -188,7 +195,7 @@ absl::Status Run(const Flags& flags) {
         ReadToken(flags.token_file, flags.server, flags.tls_ca.has_value()));
   }
   const auto channel = MakeChannel(flags.server, options);
-  bool is_live = flags.source.IsLive() || flags.monitor;
+  bool is_live = flags.IsSkin();
   std::string device = is_live ? DeviceId(flags.source) : "";
   if (flags.IsReplayOfRecording()) {
     TACTUS_ASSIGN_OR_RETURN(const RecordingStart start,
@@ -201,8 +208,9 @@ absl::Status Run(const Flags& flags) {
                            "given with a recording of trials",
                            "absent without a real skin");
     }
-    if (flags.monitor) {
-      return InvalidConfig("--monitor", "a recording",
+    if (flags.monitor || flags.events) {
+      return InvalidConfig(flags.monitor ? "--monitor" : "--events",
+                           "a recording",
                            "a skin, or a trial file (trainctl import)");
     }
     // Frames of a message have the times of their first frame.
@@ -295,6 +303,11 @@ absl::Status CheckFlags(const Flags& flags) {
     return InvalidConfig("--layout", "given",
                          "absent: a recording has its skin");
   }
+  if (flags.source.objects > 1 && !flags.IsSkin()) {
+    return InvalidConfig("--objects", flags.source.objects,
+                         "1 without --events or --monitor: a trial with "
+                         "several contacts has several answers");
+  }
   if (flags.parallel > 1 &&
       (!flags.record.empty() || flags.IsReplayOfRecording())) {
     return InvalidConfig("--parallel", flags.parallel,
@@ -371,6 +384,10 @@ int Main(int argc, char** argv) {
                "Show the skin and the answers in the terminal; simulated and "
                "recorded contacts at the rate of their skin")
       ->excludes("--json");
+  app.add_flag("--events", flags.events,
+               "Print a line for each event, as it happens; simulated and "
+               "recorded contacts at the rate of their skin")
+      ->excludes("--monitor");
   app.add_option("--posteriors", flags.posteriors,
                  "File for each trial's final scores, JSON lines");
   if (const absl::Status status = CheckArguments(argc, argv); !status.ok()) {
