@@ -1,0 +1,151 @@
+#include "core/stream/contact_session.h"
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/errors.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/server/support/requests.h"
+#include "tests/support/allocation_counter.h"
+#include "tests/support/small_model.h"
+
+namespace tactus {
+namespace {
+
+using testing::DenseU16;
+using ::testing::ElementsAre;
+using testing::Touch;
+using testing::Untouched;
+
+// Says how each answer came: interim, kept, or a notice.
+class Sink : public AnswerSink {
+ public:
+  v1::Answer* AddInterim() override { return Add("interim"); }
+  v1::Answer* AddKept() override { return Add("kept"); }
+  v1::StreamNotice* AddNotice() override {
+    came_.emplace_back("notice");
+    return &notice_;
+  }
+
+  std::vector<std::string> Take() { return std::exchange(came_, {}); }
+  const v1::Answer& answer() const { return answer_; }
+  const v1::StreamNotice& notice() const { return notice_; }
+
+ private:
+  v1::Answer* Add(const char* how) {
+    came_.emplace_back(how);
+    return &answer_;
+  }
+
+  std::vector<std::string> came_;
+  v1::Answer answer_;
+  v1::StreamNotice notice_;
+};
+
+StreamSettings Settings(v1::ResultCadence cadence) {
+  v1::StreamConfig config = testing::ConfigRequest().config();
+  config.set_cadence(cadence);
+  return *ParseStreamConfig(config);
+}
+
+std::shared_ptr<const CompiledModel> SmallCompiled() {
+  return *CompiledModel::Create(testing::SmallModel());
+}
+
+TEST(ContactSessionTest, AnswersWithEventsAreKept) {
+  Sink sink;
+  ContactSession session(Settings(v1::RESULT_CADENCE_EVERY_FRAME),
+                         SmallCompiled(), &sink);
+  const auto batch = DenseU16(1, {Untouched(), Touch(2), Touch(2)});
+  ASSERT_TRUE(session.OnFrames(batch.frames()).ok());
+  EXPECT_TRUE(session.trial_open());
+  EXPECT_EQ(session.frames(), 3u);
+  EXPECT_THAT(sink.Take(), ElementsAre("interim", "kept", "interim"));
+  session.OnEndOfTrial();
+  EXPECT_FALSE(session.trial_open());
+  EXPECT_THAT(sink.Take(), ElementsAre("kept"));
+  EXPECT_TRUE(sink.answer().is_final());
+  EXPECT_EQ(sink.answer().contacts_size(), 1);
+}
+
+TEST(ContactSessionTest, TheCadenceOfEventsGivesNoInterimAnswers) {
+  Sink sink;
+  ContactSession session(Settings(v1::RESULT_CADENCE_EVENTS), SmallCompiled(),
+                         &sink);
+  const auto batch = DenseU16(1, {Untouched(), Touch(2), Touch(2)});
+  ASSERT_TRUE(session.OnFrames(batch.frames()).ok());
+  EXPECT_THAT(sink.Take(), ElementsAre("kept"));
+}
+
+TEST(ContactSessionTest, AWrongBatchChangesNothing) {
+  Sink sink;
+  ContactSession session(Settings(v1::RESULT_CADENCE_EVERY_FRAME),
+                         SmallCompiled(), &sink);
+  ASSERT_TRUE(session.OnFrames(DenseU16(5, {Touch(1)}).frames()).ok());
+  sink.Take();
+  EXPECT_EQ(ReasonOf(session.OnFrames(DenseU16(5, {Touch(1)}).frames())),
+            "SEQUENCE_REGRESSION");
+  EXPECT_TRUE(sink.Take().empty());
+  EXPECT_EQ(session.frames(), 1u);
+  ASSERT_TRUE(session.OnFrames(DenseU16(7, {Touch(1)}).frames()).ok());
+  EXPECT_EQ(sink.answer().frames_missing(), 1u);
+}
+
+TEST(ContactSessionTest, ATrialWithoutFramesHasAnEmptyFinal) {
+  Sink sink;
+  ContactSession session(Settings(v1::RESULT_CADENCE_EVERY_FRAME),
+                         SmallCompiled(), &sink);
+  session.OnEndOfTrial();
+  EXPECT_THAT(sink.Take(), ElementsAre("kept"));
+  EXPECT_TRUE(sink.answer().is_final());
+  EXPECT_EQ(sink.answer().contacts_size(), 0);
+}
+
+TEST(ContactSessionTest, AnotherRateIsNoticedOnce) {
+  Sink sink;
+  ContactSession session(Settings(v1::RESULT_CADENCE_EVENTS), SmallCompiled(),
+                         &sink);
+  for (uint64_t i = 1; i <= 500; ++i) {
+    auto request = DenseU16(i, {Untouched()});
+    request.mutable_frames()->set_first_capture_time_ns(20'000'000 * i);
+    ASSERT_TRUE(session.OnFrames(request.frames()).ok());
+  }
+  EXPECT_THAT(sink.Take(), ElementsAre("notice"));
+  EXPECT_NEAR(sink.notice().measured_rate_hz(), 50, 0.1);
+  EXPECT_EQ(sink.notice().stated_rate_hz(), 100);
+}
+
+class QuietSink : public AnswerSink {
+ public:
+  v1::Answer* AddInterim() override { return &answer_; }
+  v1::Answer* AddKept() override { return &answer_; }
+  v1::StreamNotice* AddNotice() override { return &notice_; }
+
+ private:
+  v1::Answer answer_;
+  v1::StreamNotice notice_;
+};
+
+TEST(ContactSessionTest, AFrameAllocatesNothing) {
+  QuietSink sink;
+  ContactSession session(Settings(v1::RESULT_CADENCE_EVERY_FRAME),
+                         SmallCompiled(), &sink);
+  auto request = DenseU16(1, {Touch(2)});
+  v1::FrameBatch& frames = *request.mutable_frames();
+  const auto step = [&] {
+    frames.set_first_sequence(frames.first_sequence() + 1);
+    frames.set_first_capture_time_ns(frames.first_capture_time_ns() +
+                                     10'000'000);
+    ASSERT_TRUE(session.OnFrames(frames).ok());
+  };
+  for (int i = 0; i < 50; ++i) step();
+  const testing::AllocationCounter counter;
+  for (int i = 0; i < 50; ++i) step();
+  EXPECT_EQ(counter.count(), 0);
+}
+
+}  // namespace
+}  // namespace tactus
