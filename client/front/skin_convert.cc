@@ -25,12 +25,12 @@ absl::StatusOr<v1::SensorGeometry> ToGeometry(const Skin& skin) {
   geometry.set_layout(skin.name);
   geometry.set_rows(skin.rows);
   geometry.set_columns(skin.columns);
-  // A preset has these itself.
+  geometry.set_row_pitch_m(skin.row_pitch_m);
+  geometry.set_column_pitch_m(skin.column_pitch_m);
+  geometry.set_taxel_area_m2(skin.taxel_area_m2);
+  geometry.set_wrap_columns(skin.wrap_columns);
+  // A preset has its own.
   if (skin.rows != 0 || skin.columns != 0) {
-    geometry.set_row_pitch_m(skin.row_pitch_m);
-    geometry.set_column_pitch_m(skin.column_pitch_m);
-    geometry.set_taxel_area_m2(skin.taxel_area_m2);
-    geometry.set_wrap_columns(skin.wrap_columns);
     geometry.set_unit(skin.unit == SkinUnit::kNewton ? v1::TAXEL_UNIT_NEWTON
                                                      : v1::TAXEL_UNIT_COUNTS);
   }

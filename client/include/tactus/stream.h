@@ -74,7 +74,8 @@ struct StreamOptions {
 
   Cadence cadence = Cadence::kInterval;
   int interval_frames = 1;
-  // Frames that travel in one message. More cost less and answer later.
+  // Frames that travel in one message, 1 to 64; they count as one sample period
+  // apart. More cost less and answer later.
   int frames_per_message = 1;
 
   // What decides a question; absent: what the model was calibrated to.

@@ -19,6 +19,9 @@ TEST(SkinConvertTest, ANameAloneIsAPreset) {
   EXPECT_EQ(info->scale, 0.001);
   EXPECT_EQ(ReasonOf(ToSkinInfo({.name = "my-arm"}).status()),
             "UNKNOWN_LAYOUT");
+  // Its shape cannot be changed in part.
+  const auto reshaped = ToSkinInfo({.name = "cody-forearm", .row_pitch_m = 1});
+  EXPECT_EQ(ReasonOf(reshaped.status()), "INVALID_CONFIG");
 }
 
 TEST(SkinConvertTest, APresetMayHaveOtherThresholdsAndAMask) {
