@@ -21,9 +21,9 @@ namespace tactus {
 // TRIAL_FILE_INVALID if the trial is not valid or has no signals.
 absl::StatusOr<std::string> SignalsToCsv(const Trial& trial);
 
-// The same attributes, the header time,r0c0,r0c1,... (time,r0c0x,r0c0y,r0c0z,...
-// with three axes) and one line a frame with the taxels in the trial's unit. TRIAL_FILE_INVALID if the trial is not valid
-// or has no taxels.
+// The same attributes, the header time,r0c0,r0c1,... (with three axes
+// time,r0c0x,r0c0y,r0c0z,...) and one line a frame with the taxels in the
+// trial's unit. TRIAL_FILE_INVALID if the trial is not valid or has no taxels.
 absl::StatusOr<std::string> TaxelsToCsv(const Trial& trial);
 
 }  // namespace tactus

@@ -1,9 +1,9 @@
 // File: npy.h
 //
 // Reads NumPy's .npy files (format versions 1 to 3): uint16, int16, int64,
-// float32, float64 or text (<U), up to four dimensions, of either order of bytes and of
-// axes. Other integers, float16 and booleans become float64. Anything else,
-// object arrays among it, is refused.
+// float32, float64 or text (<U), up to four dimensions, of either order of
+// bytes and of axes. Other integers, float16 and booleans become float64.
+// Anything else, object arrays among it, is refused.
 //
 //   TACTUS_ASSIGN_OR_RETURN(NpyArray array, ReadNpy("trials/0000.npy"));
 //   // array.shape = {605, 384}; array.u16 has 605 x 384 values.

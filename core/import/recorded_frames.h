@@ -33,8 +33,9 @@ struct RecordedFrames {
   std::vector<RisingColumn> rising;
 };
 
-// `file` holds frames x taxels or frames x rows x columns numbers, with axes as
-// a last axis or taxel after taxel, with time and poses as FindFrameColumns() says. Or, if skin.events says so, it is a
+// `file` holds frames x taxels or frames x rows x columns numbers, the three of
+// a taxel with three axes one after the other or along a last axis, with time
+// and poses as FindFrameColumns() says. Or, if skin.events says so, it is a
 // list of events (event_frames.h). Unsigned 16-bit numbers that need no more
 // than a scale stay as they are. TRIAL_FILE_INVALID names `path`, the frame and
 // the taxel.

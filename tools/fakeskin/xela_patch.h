@@ -46,7 +46,7 @@ class XelaPatch : public CanPeer {
   // The taxel that is sent next, and when.
   int taxel_ = 0;
   int64_t next_ns_ = 0;
-  // Of the present scan.
+  // The present scan.
   std::array<double, kValues> counts_ = {};
 };
 

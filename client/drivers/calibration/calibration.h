@@ -67,8 +67,9 @@ struct CalibrateOptions {
 absl::Status CheckOneAxis(const SkinLayout& layout);
 
 // The calibration of a skin that nothing touches. INVALID_CONFIG if `before`
-// does not fit or the skin does not pass CheckOneAxis(); INVALID_TRAINING_DATA if no taxel that the layout does not mask
-// ever changed and `pressed_later` is not set; else the errors of Tare.
+// does not fit or the skin does not pass CheckOneAxis(); INVALID_TRAINING_DATA
+// if no taxel that the layout does not mask ever changed and `pressed_later` is
+// not set; else the errors of Tare.
 absl::StatusOr<Calibration> Calibrate(const IdleFrames& idle,
                                       const CalibrateOptions& options);
 
