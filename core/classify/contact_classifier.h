@@ -120,6 +120,8 @@ class ContactClassifier {
   bool uses_profile() const { return (sources_ & kFromProfile) != 0; }
   // False if no input is made from ContactSample::spread.
   bool uses_spread() const { return (sources_ & kFromSpread) != 0; }
+  // False if no input is made from ContactSample::shear.
+  bool uses_shear() const { return (sources_ & kFromShear) != 0; }
   // True if an input is made from ContactSample::loads.
   bool uses_taxels() const { return UsesTaxels(model_->model().inputs); }
   // Steps of the LSTMs that Options::savings left out, over all contacts.

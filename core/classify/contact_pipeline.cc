@@ -91,6 +91,7 @@ ContactPipeline::ContactPipeline(
                 .load_profile = classifiers_[0]->uses_profile(),
                 .taxel_loads = classifiers_[0]->uses_taxels(),
                 .load_spread = classifiers_[0]->uses_spread(),
+                .shear = classifiers_[0]->uses_shear(),
                 .skip_untouched = options.skip[SkipRule::kUntouchedFrames],
                 .reuse_unchanged = options.skip[SkipRule::kUnchangedFrames],
                 .skip_quiet_rows = options.skip[SkipRule::kQuietRows]}) {}

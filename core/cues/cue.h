@@ -36,6 +36,7 @@ inline constexpr CueSources kFromProfile = 1;    // ContactSample::profile
 inline constexpr CueSources kFromSpread = 2;     // ContactSample::spread
 inline constexpr CueSources kFromTaxels = 4;     // ContactSample::loads
 inline constexpr CueSources kFromEmbedding = 8;  // loads and a TaxelEmbedding
+inline constexpr CueSources kFromShear = 16;     // ContactSample::shear
 
 int CueCount();
 

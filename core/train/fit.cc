@@ -486,9 +486,10 @@ std::vector<std::string> ClassNames(
 
 absl::StatusOr<Model> FitModel(
     const std::vector<const LabelledContact*>& contacts,
-    const FitOptions& options, const ParallelFor& parallel,
+    const FitOptions& given, const ParallelFor& parallel,
     const Progress& progress, FitJournal* journal, const ParallelFor& start) {
   TACTUS_RETURN_IF_ERROR(CheckContacts(contacts));
+  const FitOptions options = SuitedToAxes(given, contacts);
   const std::vector<std::string> class_names = ClassNames(contacts);
   TACTUS_RETURN_IF_ERROR(CheckCues(contacts, options.hmm_cues, options));
   if (options.lstm.networks > 0) {

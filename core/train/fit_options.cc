@@ -21,14 +21,21 @@ FitOptions PaperPreset() {
   return options;
 }
 
+// The cues, and those of shear.
+std::vector<Cue> WithShear(std::vector<Cue> cues) {
+  const std::vector<Cue> shear = CuesOfGroup("shear");
+  cues.insert(cues.end(), shear.begin(), shear.end());
+  return cues;
+}
+
 FitOptions TunedPreset() {
   FitOptions options;
-  options.hmm_cues = {
-      NamedCue("log_drag"),           NamedCue("log_motion"),
-      NamedCue("log_area"),           NamedCue("log_slope"),
-      NamedCue("log_slope_misfit"),   NamedCue("force_ripple_long"),
-      NamedCue("motion_ripple_long"), NamedCue("log_spring"),
-      NamedCue("log_spring_misfit"),  NamedCue("force_drop")};
+  options.hmm_cues =
+      WithShear({NamedCue("log_drag"), NamedCue("log_motion"),
+                 NamedCue("log_area"), NamedCue("log_slope"),
+                 NamedCue("log_slope_misfit"), NamedCue("force_ripple_long"),
+                 NamedCue("motion_ripple_long"), NamedCue("log_spring"),
+                 NamedCue("log_spring_misfit"), NamedCue("force_drop")});
   options.hmm_steps = {5, 20};
   options.hmms_per_class = 20;
   options.states = 6;
@@ -36,7 +43,7 @@ FitOptions TunedPreset() {
   options.variations = {.copies = 4, .pace = 3, .load = 2, .stiffness = 5};
   LstmFit& lstm = options.lstm;
   lstm.networks = 1;
-  lstm.cues = StandardCues();
+  lstm.cues = WithShear(StandardCues());
   lstm.limit = 5;
   lstm.stretched_cues = {NamedCue("log_spring"),
                          NamedCue("log_stiffest_spring"), NamedCue("log_slope"),
@@ -75,7 +82,7 @@ FitOptions WorldPreset() {
 // Where on the skin the load is, by HMMs alone (research/recordings.md).
 FitOptions ProfilePreset() {
   FitOptions options;
-  options.hmm_cues = CuesOfGroup("load_profile");
+  options.hmm_cues = WithShear(CuesOfGroup("load_profile"));
   options.log_features = false;
   options.states = 3;
   options.hmms_per_class = 8;
@@ -101,20 +108,20 @@ LstmFit RecordingsLstm(std::vector<Cue> cues) {
 // Which taxels are loaded, and how that changes.
 FitOptions PatternPreset() {
   FitOptions options = ProfilePreset();
-  options.hmm_cues = CuesOfGroup("embedding");
-  options.lstm = RecordingsLstm(CuesOfGroup("embedding"));
+  options.hmm_cues = WithShear(CuesOfGroup("embedding"));
+  options.lstm = RecordingsLstm(WithShear(CuesOfGroup("embedding")));
   return options;
 }
 
 // The whole skin, wherever it is touched.
 FitOptions WholeSkinPreset() {
   FitOptions options = ProfilePreset();
-  options.hmm_cues = {
-      NamedCue("skin_force"),        NamedCue("skin_taxels"),
-      NamedCue("skin_peak_share"),   NamedCue("skin_spread"),
-      NamedCue("skin_change_short"), NamedCue("skin_change_long"),
-      NamedCue("skin_travel")};
-  options.lstm = RecordingsLstm(CuesOfGroup("whole_skin"));
+  options.hmm_cues =
+      WithShear({NamedCue("skin_force"), NamedCue("skin_taxels"),
+                 NamedCue("skin_peak_share"), NamedCue("skin_spread"),
+                 NamedCue("skin_change_short"), NamedCue("skin_change_long"),
+                 NamedCue("skin_travel")});
+  options.lstm = RecordingsLstm(WithShear(CuesOfGroup("whole_skin")));
   return options;
 }
 
@@ -151,6 +158,23 @@ std::vector<Cue> CuesFor(const std::vector<Cue>& cues,
   };
   std::copy_if(cues.begin(), cues.end(), std::back_inserter(usable), known);
   return usable;
+}
+
+FitOptions SuitedToAxes(const FitOptions& options,
+                        const std::vector<const LabelledContact*>& contacts) {
+  FitOptions suited = options;
+  const bool all_feel = std::ranges::all_of(
+      contacts, [](const auto* contact) { return contact->layout.axes == 3; });
+  if (all_feel) return suited;
+  for (std::vector<Cue>* cues :
+       {&suited.hmm_cues, &suited.lstm.cues, &suited.lstm.stretched_cues}) {
+    std::vector<Cue> others = *cues;
+    std::erase_if(others,
+                  [](Cue cue) { return (SourcesOf(cue) & kFromShear) != 0; });
+    // No cues would stand for the features.
+    if (!others.empty()) *cues = std::move(others);
+  }
+  return suited;
 }
 
 absl::StatusOr<std::vector<Question>> QuestionsOf(

@@ -107,6 +107,11 @@ struct FitOptions {
 std::vector<Cue> CuesFor(const std::vector<Cue>& cues,
                          const std::vector<Feature>& features);
 
+// The options without the cues of shear, unless all skins of the contacts have
+// three axes. Models that take no other cues keep them.
+FitOptions SuitedToAxes(const FitOptions& options,
+                        const std::vector<const LabelledContact*>& contacts);
+
 // What models of these classes are asked: the options' label table, or
 // DefaultQuestions(). INVALID_CONFIG as QuestionsFor() has it.
 absl::StatusOr<std::vector<Question>> QuestionsOf(
@@ -116,6 +121,7 @@ absl::StatusOr<std::vector<Question>> QuestionsOf(
 // (ExtractOptions::whole_skin).
 bool UsesWholeSkin(const FitOptions& options);
 
+// All but "paper" take the cues of shear too, on skins of three axes.
 // "paper": one 10-state left-right HMM a class on the scaled features,
 // scored by Viterbi, and a 2 x 50 softsign LSTM on every frame (Section
 // "Algorithm Parameters").

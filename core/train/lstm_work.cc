@@ -8,7 +8,8 @@
 namespace tactus {
 
 double LstmWork(const std::vector<const LabelledContact*>& contacts,
-                const FitOptions& options) {
+                const FitOptions& given) {
+  const FitOptions options = SuitedToAxes(given, contacts);
   const LstmFit& lstm = options.lstm;
   double steps = 0;
   std::set<std::string> classes;

@@ -232,6 +232,40 @@ TEST_F(ContactPipelineTest, MeasuresTheSpreadIfTheModelTakesIt) {
   EXPECT_EQ(counter.count(), 0);
 }
 
+// And so is the shear, on a skin of three axes.
+TEST_F(ContactPipelineTest, MeasuresTheShearIfTheModelTakesIt) {
+  SkinLayout layout = layout_;
+  layout.axes = 3;
+  layout.normal_axis = 2;
+  layout.signed_values = true;
+  std::vector<float> values(layout.values(), 0);
+  for (const int taxel : {5 * 24 + 3, 5 * 24 + 4}) {
+    values[3 * taxel] = -0.5F;
+    values[3 * taxel + 1] = 0.25F;
+    values[3 * taxel + 2] = 1;
+  }
+  for (const bool takes : {false, true}) {
+    Model model = testing::SmallModel();
+    if (takes) model.inputs.hmm[0] = {NamedCue("log_shear"), 0, -4};
+    EXPECT_EQ(NeedsSkin(model.inputs), takes);
+    ContactPipeline::Options options;
+    options.with_poses = false;
+    auto pipeline = *ContactPipeline::Create(
+        layout, *CompiledModel::Create(std::move(model)), options);
+    pipeline->Step({.taxels = values});
+    ASSERT_EQ(pipeline->contacts().size(), 1u);
+    const FrameFeatures& features = *pipeline->contacts()[0].features;
+    EXPECT_EQ(features.net_force, 2);
+    EXPECT_EQ(features.shear, takes ? (Shear{-1, 0.5F}) : Shear());
+    testing::AllocationCounter counter;
+    for (int t = 0; t < 100; ++t) {
+      values[0] += 1e-3F;
+      pipeline->Step({.taxels = values});
+    }
+    EXPECT_EQ(counter.count(), 0);
+  }
+}
+
 TEST_F(ContactPipelineTest, AFrameAllocatesNothing) {
   auto pipeline = Make();
   Step(*pipeline, 1);

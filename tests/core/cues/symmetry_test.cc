@@ -49,6 +49,9 @@ std::vector<double> CuesAfter(const Change& change) {
     }
     sample.spread = {static_cast<float>(1e-4 * (1 + u)),
                      static_cast<float>(4e-4 * (2 - u))};
+    sample.shear = {
+        static_cast<float>(0.3 * force * std::cos(2 * u)),
+        static_cast<float>((0.1 + 0.2 * u * u) * force * std::sin(2 * u))};
     std::vector<TaxelLoad> loads;
     for (int i = 0; i < kTaxels; ++i) {
       const double distance = i - 4 - 3 * u;

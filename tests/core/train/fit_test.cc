@@ -370,12 +370,78 @@ TEST(FitModelTest, CuesThatSayNothingAreRefused) {
   EXPECT_EQ(reason(contacts, options), "INVALID_CONFIG");
 }
 
+// Only skins of three axes have shear.
+TEST(FitOptionsTest, CuesOfShearNeedThreeAxes) {
+  auto contacts = ContactsByPlace();
+  const FitOptions options = *FitPreset("tuned");
+  const std::vector<Cue> shear = CuesOfGroup("shear");
+  const auto with_shear = [&](const std::vector<Cue>& cues) {
+    return std::ranges::count_if(
+        cues, [&](Cue cue) { return std::ranges::count(shear, cue) > 0; });
+  };
+  const FitOptions one = SuitedToAxes(options, testing::PointersTo(contacts));
+  EXPECT_EQ(with_shear(one.hmm_cues), 0);
+  EXPECT_EQ(one.lstm.cues, StandardCues());
+  EXPECT_EQ(one.hmm_cues.size() + shear.size(), options.hmm_cues.size());
+  for (LabelledContact& contact : contacts) contact.layout.axes = 3;
+  const FitOptions three = SuitedToAxes(options, testing::PointersTo(contacts));
+  EXPECT_EQ(three.hmm_cues, options.hmm_cues);
+  EXPECT_EQ(three.lstm.cues, options.lstm.cues);
+  EXPECT_EQ(with_shear(three.hmm_cues), 8);
+  // One of them feels no shear.
+  contacts.back().layout.axes = 1;
+  EXPECT_EQ(SuitedToAxes(options, testing::PointersTo(contacts)).hmm_cues,
+            one.hmm_cues);
+}
+
+// Two classes that only shear tells apart.
+TEST(FitModelTest, ModelsLearnFromShear) {
+  Random random(5);
+  std::vector<LabelledContact> contacts;
+  for (int i = 0; i < 24; ++i) {
+    LabelledContact& contact = contacts.emplace_back();
+    contact.id = std::to_string(i);
+    contact.label = i % 2 == 0 ? "slip" : "hold";
+    contact.condition = std::to_string(i % 3);
+    contact.layout =
+        testing::FlatLayout("mine", 4, 4, TaxelUnit::kCounts, 1, 1);
+    contact.layout.axes = 3;
+    contact.layout.normal_axis = 2;
+    for (int t = 0; t < 60; ++t) {
+      ContactFrame frame;
+      const double force = 5 + 0.1 * random.Gaussian();
+      frame.sample.features = {force, 1e-4, 0};
+      frame.sample.net_force = force;
+      const double pull = i % 2 == 0 ? 2 : 0.2;
+      frame.sample.shear = {static_cast<float>(pull + 0.02 * random.Gaussian()),
+                            0};
+      contact.frames.push_back(frame);
+    }
+  }
+  FitOptions options = *FitPreset("whole-skin");
+  options.hmm_cues = {NamedCue("log_peak"), NamedCue("log_shear_ratio")};
+  options.hmms_per_class = 2;
+  const auto model =
+      FitModel(testing::PointersTo(contacts), options, RunSerially);
+  ASSERT_TRUE(model.ok()) << model.status();
+  const auto compiled = *CompiledModel::Create(*model);
+  for (const LabelledContact& contact : contacts) {
+    ContactClassifier classifier(compiled, {});
+    EXPECT_TRUE(classifier.uses_shear());
+    for (const auto& frame : contact.frames) classifier.StepOrHold(frame, 0);
+    EXPECT_EQ(model->class_names[classifier.best_class()], contact.label);
+  }
+}
+
 TEST(FitPresetTest, AcceptsItsNames) {
   EXPECT_EQ(FitPreset("paper")->score, Score::kViterbi);
   EXPECT_FALSE(FitPreset("paper")->log_features);
   EXPECT_EQ(FitPreset("paper")->lstm.steps.max, 1u);
   EXPECT_EQ(FitPreset("tuned")->lstm.networks, 1);
-  EXPECT_EQ(FitPreset("profile")->hmm_cues, CuesOfGroup("load_profile"));
+  std::vector<Cue> profile = CuesOfGroup("load_profile");
+  const std::vector<Cue> shear = CuesOfGroup("shear");
+  profile.insert(profile.end(), shear.begin(), shear.end());
+  EXPECT_EQ(FitPreset("profile")->hmm_cues, profile);
   EXPECT_EQ(ReasonOf(FitPreset("magic").status()), "INVALID_CONFIG");
 }
 
