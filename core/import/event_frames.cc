@@ -100,15 +100,22 @@ class EventReader {
     };
     if (columns_.taxel != kAbsent) {
       TACTUS_ASSIGN_OR_RETURN(event.taxel,
-                              place(columns_.taxel, skin_.frame_size()));
+                              place(columns_.taxel, skin_.event_taxels()));
     } else {
       TACTUS_ASSIGN_OR_RETURN(const size_t row,
-                              place(columns_.row, skin_.layout.rows));
+                              place(columns_.row, skin_.event_rows()));
       TACTUS_ASSIGN_OR_RETURN(const size_t column,
                               place(columns_.column, skin_.layout.columns));
       event.taxel = row * skin_.layout.columns + column;
     }
     if (columns_.value != kAbsent) event.value = At(index, columns_.value);
+    if (skin_.two_planes) {
+      if (std::isnan(event.value)) {
+        return Complain(index, "its polarity is no number");
+      }
+      if (!(event.value > 0)) event.taxel += skin_.event_taxels();
+      event.value = 1;
+    }
     return event;
   }
 
@@ -136,7 +143,12 @@ absl::StatusOr<EventFrames> MakeEventFrames(const std::string& path,
                                             const SkinFile& skin,
                                             double rate_hz) {
   TACTUS_ASSIGN_OR_RETURN(const EventColumns columns, FindColumns(path, file));
-  if (columns.row != kAbsent && !skin.cells.empty()) {
+  if (skin.two_planes && columns.value == kAbsent) {
+    return TrialFileInvalid(path,
+                            "has no value per event; \"polarity\": \"two "
+                            "planes\" needs one");
+  }
+  if (columns.row != kAbsent && skin.placed) {
     return TrialFileInvalid(
         path, "has rows and columns; with taxel_positions name taxels");
   }

@@ -2,6 +2,8 @@
 //
 // Lists of events, as event-driven skins record them, as frames at a fixed
 // rate. An event has a time, a taxel and perhaps a value (a polarity, say).
+// With SkinFile::two_planes, events with a value above 0 count in the first
+// plane, and all others in the second one.
 //
 //   TACTUS_ASSIGN_OR_RETURN(
 //       const EventFrames frames,
@@ -22,7 +24,8 @@ namespace tactus {
 struct EventFrames {
   // Seconds; frame k holds the events from time[k] on, for 1 / rate_hz.
   std::vector<double> time;
-  // [frames x frame_size] numbers, as skin.events says.
+  // [frames x frame_size] numbers, as skin.events says; of two planes those of
+  // the first before those of the second, and each event counts as 1.
   std::vector<double> numbers;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numeric>
 #include <set>
 
 #include "absl/strings/str_cat.h"
@@ -169,6 +170,7 @@ absl::Status TakePositions(const std::string& path, SkinFile& skin) {
   skin.layout.column_pitch_m = grid->column_pitch_m;
   skin.layout.mask = std::move(grid->mask);
   skin.cells = std::move(grid->cells);
+  skin.placed = true;
   return absl::OkStatus();
 }
 
@@ -363,6 +365,36 @@ void TakeNumbers(Fields& fields, SkinFile& skin) {
   }
 }
 
+// The skin becomes two planes of taxels, one below the other. Too many rows are
+// found by Validate().
+void TakePolarity(Fields& fields, SkinFile& skin) {
+  bool wanted = false;
+  fields.Choice<bool>("polarity", {{"two planes", true}}, &wanted);
+  if (!wanted || skin.frame_taxels() == 0) return;
+  SkinLayout& layout = skin.layout;
+  if (layout.axes != 1 ||
+      (skin.events != EventRule::kCount && skin.events != EventRule::kSum)) {
+    return fields.Complain("polarity",
+                           "needs \"events\": \"count\" or \"sum\", and "
+                           "one axis");
+  }
+  std::vector<uint8_t> plane = layout.mask;
+  if (plane.empty()) plane.assign(layout.taxels(), 1);
+  const std::vector<uint8_t> between(layout.columns, 0);
+  const int second = layout.taxels() + layout.columns;
+  if (skin.cells.empty()) {
+    skin.cells.resize(layout.taxels());
+    std::iota(skin.cells.begin(), skin.cells.end(), 0);
+  }
+  const std::vector<int> cells = skin.cells;
+  for (const int cell : cells) skin.cells.push_back(second + cell);
+  layout.mask = plane;
+  layout.mask.insert(layout.mask.end(), between.begin(), between.end());
+  layout.mask.insert(layout.mask.end(), plane.begin(), plane.end());
+  layout.rows = 2 * layout.rows + 1;
+  skin.two_planes = true;
+}
+
 // A column by its name or by its place.
 std::optional<std::string> ColumnText(const Json& json) {
   if (json.is_string()) return json.get<std::string>();
@@ -473,6 +505,7 @@ absl::StatusOr<SkinFile> ReadSkinFile(const std::string& path) {
   TakeLightTouch(path, fields, skin);
   TakeNumbers(fields, skin);
   TakeMask(fields, skin);
+  TakePolarity(fields, skin);
   TakeFormat(fields, skin);
   fields.Text("dataset", &skin.dataset);
   fields.Text("bag_values", &skin.bag_values);

@@ -52,6 +52,10 @@ struct SkinFile {
   bool pressing_lowers = false;
   NegativeValues negative_values = NegativeValues::kRefused;
   EventRule events = EventRule::kNone;
+  // Events with a value above 0 make one plane of taxels and the others a
+  // second one below it, with a masked row between them. The layout has both
+  // planes; files number the taxels of one.
+  bool two_planes = false;
   // Seconds per unit of the files' times.
   double time_scale_s = 1;
   // What the frames' files do not say of themselves.
@@ -77,10 +81,19 @@ struct SkinFile {
   std::map<std::string, std::string> fields;
   // For each number of a frame its taxel, row-major; empty: in order.
   std::vector<int> cells;
+  // `cells` come from a file of positions, so taxels have no row and column.
+  bool placed = false;
 
   // Taxels of one frame in the files.
   size_t frame_taxels() const {
     return cells.empty() ? static_cast<size_t>(layout.taxels()) : cells.size();
+  }
+  // Taxels and rows that events name: those of one plane.
+  size_t event_taxels() const {
+    return two_planes ? frame_taxels() / 2 : frame_taxels();
+  }
+  int event_rows() const {
+    return two_planes ? (layout.rows - 1) / 2 : layout.rows;
   }
   // Numbers of one frame in the files: those of all axes of a taxel together.
   size_t frame_size() const { return frame_taxels() * layout.axes; }
