@@ -69,5 +69,8 @@ rm research/results/grid.md
 echo '# changed' >>research/a.py
 run || fail "a lost page is not written"
 says '2 of 2 pages written'
+# A page of data that only some have.
+! run eflesh || fail "takes data that there are not"
+says "TACTUS_EFLESH_DIR is ''"
 ! run nonsense || fail "takes a page that there is not"
 says "unknown page 'nonsense'"
