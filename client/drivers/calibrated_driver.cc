@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client/drivers/calibration/tare.h"
+#include "client/drivers/one_axis.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
@@ -42,7 +43,7 @@ absl::StatusOr<SkinInfo> CalibratedDriver::OnConfigure() {
   }
   TACTUS_ASSIGN_OR_RETURN(raw_info_, driver_->Configure());
   layout_ = raw_info_.layout;
-  TACTUS_RETURN_IF_ERROR(CheckOneAxis(layout_));
+  TACTUS_RETURN_IF_ERROR(CheckOneAxis("a calibrated skin", layout_));
   const auto taxels = static_cast<size_t>(layout_.taxels());
   gate_.assign(taxels, 0);
   baseline_.assign(taxels, 0);

@@ -15,6 +15,7 @@
 #include "client/drivers/can_skin_driver.h"
 #include "client/drivers/icub_skin/icub_skin.h"
 #include "client/drivers/icub_skin/unroll.h"
+#include "client/drivers/one_axis.h"
 #include "client/drivers/serial/low_latency.h"
 #include "client/drivers/serial/serial_search.h"
 #include "client/drivers/serial/serial_skin.h"
@@ -169,6 +170,11 @@ static absl::Status SerialSkinExample() {
 static void FrameMeterExample(SkinFrame& frame, Clock& clock,
                               DriverStatistics& statistics) {
 #include "client/drivers/driver_statistics.h.inc"
+}
+
+static absl::Status OneAxisExample(const SkinLayout& layout) {
+#include "client/drivers/one_axis.h.inc"
+  return absl::OkStatus();
 }
 
 static void StuckTaxelsExample(const SkinFrame& frame) {

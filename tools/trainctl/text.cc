@@ -56,8 +56,9 @@ std::string FeltContacts(int felt, int trials) {
 std::string SkinText(const SkinLayout& skin) {
   const auto masked = std::count(skin.mask.begin(), skin.mask.end(), 0);
   return absl::StrFormat(
-      "skin %s: %d x %d taxels%s%s, %s; contact from %g, onset from %g\n",
+      "skin %s: %d x %d taxels%s%s%s, %s; contact from %g, onset from %g\n",
       skin.name, skin.rows, skin.columns,
+      skin.axes > 1 ? absl::StrFormat(" of %d axes", skin.axes) : "",
       skin.wrap_columns ? ", columns wrapped" : "",
       masked > 0 ? absl::StrFormat(", %d masked", masked) : "",
       UnitText(skin.unit), skin.contact_threshold, skin.onset_threshold);

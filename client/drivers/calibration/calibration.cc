@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/drivers/calibration/tare.h"
+#include "client/drivers/one_axis.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
@@ -64,20 +65,10 @@ absl::Status CheckChanges(const std::vector<TaxelNoise>& noise,
 
 }  // namespace
 
-absl::Status CheckOneAxis(const SkinLayout& layout) {
-  if (layout.axes == 1 && !layout.signed_values) return absl::OkStatus();
-  return InvalidConfig(
-      "skin to calibrate",
-      absl::StrCat(Quoted(layout.name), " with axes ", layout.axes,
-                   layout.signed_values ? " and signed values" : ""),
-      "one with axes 1 and without signed values; take the baseline of others "
-      "away in their driver, or on import");
-}
-
 absl::StatusOr<Calibration> Calibrate(const IdleFrames& idle,
                                       const CalibrateOptions& options) {
   const SkinInfo& info = idle.info();
-  TACTUS_RETURN_IF_ERROR(CheckOneAxis(info.layout));
+  TACTUS_RETURN_IF_ERROR(CheckOneAxis("a calibration", info.layout));
   std::optional<EarlierBaseline> earlier;
   if (options.before != nullptr) {
     TACTUS_RETURN_IF_ERROR(
@@ -107,7 +98,7 @@ absl::StatusOr<Calibration> Calibrate(const IdleFrames& idle,
 
 absl::Status Validate(const Calibration& calibration) {
   TACTUS_RETURN_IF_ERROR(Validate(calibration.layout));
-  TACTUS_RETURN_IF_ERROR(CheckOneAxis(calibration.layout));
+  TACTUS_RETURN_IF_ERROR(CheckOneAxis("a calibration", calibration.layout));
   const int count = calibration.layout.taxels();
   const auto taxels = static_cast<size_t>(count);
   if (const std::string fault =

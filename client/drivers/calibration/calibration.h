@@ -61,15 +61,10 @@ struct CalibrateOptions {
   double least_margin = 0;
 };
 
-// OK for a skin whose taxels have one value without a sign; else
-// INVALID_CONFIG. Calibrations and tares have one number per taxel, and cut
-// values off at 0.
-absl::Status CheckOneAxis(const SkinLayout& layout);
-
 // The calibration of a skin that nothing touches. INVALID_CONFIG if `before`
-// does not fit or the skin does not pass CheckOneAxis(); INVALID_TRAINING_DATA
-// if no taxel that the layout does not mask ever changed and `pressed_later` is
-// not set; else the errors of Tare.
+// does not fit or the skin has several axes or signed values;
+// INVALID_TRAINING_DATA if no taxel that the layout does not mask ever changed
+// and `pressed_later` is not set; else the errors of Tare.
 absl::StatusOr<Calibration> Calibrate(const IdleFrames& idle,
                                       const CalibrateOptions& options);
 

@@ -13,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "client/drivers/icub_skin/unroll.h"
+#include "client/drivers/one_axis.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
@@ -239,6 +240,7 @@ std::vector<std::optional<Eigen::Vector3d>> CellPositions(
 
 absl::Status Validate(const SkinPatch& patch) {
   TACTUS_RETURN_IF_ERROR(tactus::Validate(patch.layout));
+  TACTUS_RETURN_IF_ERROR(CheckOneAxis("an iCub's skin", patch.layout));
   if (patch.boards.empty()) {
     return InvalidConfig("boards", "none", "at least one");
   }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client/drivers/one_axis.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
@@ -27,6 +28,8 @@ SerialSkin::SerialSkin(std::string path, const SerialSkinOptions& options,
 
 absl::Status SerialSkin::Open() {
   TACTUS_RETURN_IF_ERROR(Validate(options_.layout));
+  TACTUS_RETURN_IF_ERROR(
+      CheckOneAxis("a skin on a serial line", options_.layout));
   if (!(options_.sample_rate_hz >= limits::kMinSampleRateHz &&
         options_.sample_rate_hz <= limits::kMaxSampleRateHz)) {
     return InvalidConfig("sample_rate_hz", options_.sample_rate_hz,

@@ -46,6 +46,21 @@ TEST(TareTest, FindsTheOffsetsOfTheTaxels) {
   }
 }
 
+// Calibrations have one number per taxel.
+TEST(CalibrateTest, SkinsOfSeveralAxesOrSignsAreRefused) {
+  for (const bool axes : {false, true}) {
+    SkinInfo info;
+    info.layout = *LayoutPreset("vitac-12x32");
+    info.layout.signed_values = true;
+    if (axes) info.layout.axes = 3;
+    const IdleFrames idle(info, 100);
+    const absl::Status status = Calibrate(idle, {}).status();
+    EXPECT_EQ(ReasonOf(status), "INVALID_CONFIG");
+    EXPECT_THAT(std::string(status.message()),
+                HasSubstr("axes of the layout of a calibration"));
+  }
+}
+
 TEST(TareTest, AnUntouchedSkinIsNotRefused) {
   for (uint64_t seed = 1; seed <= 50; ++seed) {
     for (const double noise : {0., 0.2, 1., 20.}) {

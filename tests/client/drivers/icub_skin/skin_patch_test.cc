@@ -167,6 +167,16 @@ TEST(SkinPatchTest, PlacesThatFitOnNoGridAreRounded) {
             "INVALID_CONFIG");
 }
 
+TEST(SkinPatchTest, ItHasOneAxis) {
+  SkinPatch patch = *PortPatch({{.address = 1}});
+  patch.layout.axes = 3;
+  const absl::Status status = Validate(patch);
+  EXPECT_EQ(ReasonOf(status), "INVALID_CONFIG");
+  EXPECT_NE(status.message().find("axes of the layout of an iCub's skin"),
+            std::string::npos)
+      << status;
+}
+
 TEST(SkinPatchTest, CellsMustFitTheLayout) {
   SkinPatch patch = *PortPatch({{.address = 1}});
   EXPECT_TRUE(Validate(patch).ok());

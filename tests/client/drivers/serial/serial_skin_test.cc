@@ -43,6 +43,17 @@ std::vector<Values> AllFrames(SerialFrames& frames) {
   return all;
 }
 
+TEST(SerialSkinTest, ALineHasOneNumberPerTaxel) {
+  SerialSkinOptions options;
+  options.layout = *LayoutPreset("vitac-12x32");
+  options.layout.axes = 3;
+  SerialSkin skin("/dev/null", options);
+  const absl::Status status = skin.Open();
+  EXPECT_EQ(ReasonOf(status), "INVALID_CONFIG");
+  EXPECT_THAT(std::string(status.message()),
+              HasSubstr("axes of the layout of a skin on a serial line"));
+}
+
 TEST(SerialFramesTest, AsciiBeginsAtTheFirstEmptyLine) {
   SerialFrames frames(SerialFormat::kAscii, 2, 3);
   frames.Add(AsBytes("7 8 9\n\n1 2 3\r\n4, 5,6\n\n"), 5);
