@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Shows Tactus at work; on a fresh Debian 12 this is all it takes.
 #
-#   deploy/demo.sh                 simulated contacts, a line for each, then what
-#                                  was felt, answered and decided of each class
-#   deploy/demo.sh --json          the same as one JSON object on stdout
+#   deploy/demo.sh                 two objects at once, as events; then simulated
+#                                  contacts, a line for each, and what was felt,
+#                                  answered and decided of each class
+#   deploy/demo.sh --json          the contacts as one JSON object on stdout
 #   deploy/demo.sh OPTION...       further options for tactus-stream
 #
 # Installs what is missing, builds tactusd and tactus-stream, starts tactusd on
@@ -17,6 +18,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 readonly BIN=build/release/bin
 readonly TRIALS=64
 readonly ROBOTS=32   # side by side, so that real time does not take minutes
+readonly SCENE=1     # seed of two objects of which one slips
 
 if [[ ${1-} == -h || ${1-} == --help ]]; then
   sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "$0"
@@ -68,9 +70,18 @@ if [[ ! -s $work/port ]]; then
   die "tactusd did not begin to serve"
 fi
 
-"$BIN/tactus-stream" --server="127.0.0.1:$(<"$work/port")" --driver=sim \
-  --trials="$TRIALS" --rate=real --parallel="$ROBOTS" "$@" || {
-  status=$?
-  cat "$work/tactusd.log" >&2
-  exit "$status"
+# stream OPTION...: simulated contacts in real time.
+stream() {
+  "$BIN/tactus-stream" --server="127.0.0.1:$(<"$work/port")" --driver=sim \
+    --rate=real "$@" || {
+    status=$?
+    cat "$work/tactusd.log" >&2
+    exit "$status"
+  }
 }
+if [[ $# -eq 0 ]]; then
+  echo "Two objects at once, as events:"
+  stream --objects=2 --trials=1 --seed="$SCENE" --events
+  printf '\n%s contacts, a line for each:\n' "$TRIALS"
+fi
+stream --trials="$TRIALS" --parallel="$ROBOTS" "$@"
