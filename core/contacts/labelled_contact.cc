@@ -42,12 +42,6 @@ ContactSample IdealSample(const FeatureVector& signals) {
   return {signals, signals[static_cast<int>(Feature::kForce)]};
 }
 
-std::string ContactName(const LabelledContact& contact) {
-  const std::string& name = TrialName(contact.id, contact.source);
-  if (!contact.touch) return name;
-  return absl::StrCat(name, "/", TouchName(*contact.touch));
-}
-
 std::string LabelSoFar(const LabelledContact& contact, size_t frame) {
   const bool moves = contact.label == "HM" || contact.label == "SM";
   const std::vector<double>& motion = contact.object_motion;

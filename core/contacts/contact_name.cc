@@ -1,0 +1,12 @@
+#include "absl/strings/str_cat.h"
+#include "core/contacts/labelled_contact.h"
+
+namespace tactus {
+
+std::string ContactName(const LabelledContact& contact) {
+  const std::string& name = TrialName(contact.id, contact.source);
+  if (!contact.touch) return name;
+  return absl::StrCat(name, "/", TouchName(*contact.touch));
+}
+
+}  // namespace tactus
