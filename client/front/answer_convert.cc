@@ -1,5 +1,6 @@
 #include "client/front/answer_convert.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "absl/strings/str_cat.h"
@@ -137,6 +138,8 @@ AnswerConverter::AnswerConverter(const v1::StreamStarted& started) {
   }
   info_.rows = static_cast<int>(started.geometry().rows());
   info_.columns = static_cast<int>(started.geometry().columns());
+  // On the wire, 0 means 1.
+  info_.axes = std::max(1, static_cast<int>(started.geometry().axes()));
   info_.max_contacts = static_cast<int>(started.limits().max_contacts());
 }
 

@@ -10,8 +10,6 @@
 namespace tactus::client {
 namespace {
 
-constexpr float kLargestUint16 = std::numeric_limits<uint16_t>::max();
-
 // The message holds no negative numbers; it is checked whole later.
 absl::Status CheckCount(const char* field, int value) {
   if (value >= 0) return absl::OkStatus();
@@ -34,6 +32,13 @@ absl::StatusOr<v1::SensorGeometry> ToGeometry(const Skin& skin) {
     geometry.set_unit(skin.unit == SkinUnit::kNewton ? v1::TAXEL_UNIT_NEWTON
                                                      : v1::TAXEL_UNIT_COUNTS);
   }
+  TACTUS_RETURN_IF_ERROR(CheckCount("skin.axes", skin.axes));
+  if (skin.axes != 1) geometry.set_axes(skin.axes);
+  if (skin.normal_axis) {
+    TACTUS_RETURN_IF_ERROR(CheckCount("skin.normal_axis", *skin.normal_axis));
+    geometry.set_normal_axis(*skin.normal_axis);
+  }
+  geometry.set_signed_values(skin.signed_values);
   geometry.set_contact_threshold(skin.contact_threshold);
   geometry.set_onset_threshold(skin.onset_threshold);
   for (const int taxel : skin.masked_taxels) {
@@ -58,21 +63,43 @@ absl::StatusOr<v1::SensorGeometry> ToGeometry(const Skin& skin) {
   return geometry;
 }
 
+template <typename Number>
 absl::Status CopyWhole(const std::vector<float>& values,
-                       std::vector<uint16_t>& out) {
+                       std::vector<Number>& out) {
+  constexpr int kLeast = std::numeric_limits<Number>::min();
+  constexpr int kMost = std::numeric_limits<Number>::max();
   out.resize(values.size());
   for (size_t i = 0; i < values.size(); ++i) {
     const float value = values[i];
     // Written so that NaN is refused.
-    if (!(value >= 0 && value <= kLargestUint16) ||
-        value != static_cast<float>(static_cast<uint16_t>(value))) {
-      return InvalidConfig(absl::StrCat("frame.values[", i, "]"), value,
-                           "a whole number from 0 to 65535, or the encoding "
-                           "kFloat32 of the skin");
+    if (!(value >= kLeast && value <= kMost) ||
+        value != static_cast<float>(static_cast<Number>(value))) {
+      return InvalidConfig(
+          absl::StrCat("frame.values[", i, "]"), value,
+          absl::StrCat("a whole number from ", kLeast, " to ", kMost,
+                       ", or the encoding kFloat32 of the skin"));
     }
-    out[i] = static_cast<uint16_t>(value);
+    out[i] = static_cast<Number>(value);
   }
   return absl::OkStatus();
+}
+
+v1::TaxelType ToTaxelType(TaxelEncoding encoding) {
+  switch (encoding) {
+    case TaxelEncoding::kUint16:
+      return v1::TAXEL_TYPE_UINT16;
+    case TaxelEncoding::kInt16:
+      return v1::TAXEL_TYPE_INT16;
+    case TaxelEncoding::kFloat32:
+      return v1::TAXEL_TYPE_FLOAT32;
+  }
+  return v1::TAXEL_TYPE_UNSPECIFIED;
+}
+
+TaxelEncoding ToEncoding(v1::TaxelType type) {
+  if (type == v1::TAXEL_TYPE_UINT16) return TaxelEncoding::kUint16;
+  return type == v1::TAXEL_TYPE_INT16 ? TaxelEncoding::kInt16
+                                      : TaxelEncoding::kFloat32;
 }
 
 }  // namespace
@@ -81,9 +108,7 @@ absl::StatusOr<SkinInfo> ToSkinInfo(const Skin& skin) {
   SkinInfo info;
   TACTUS_ASSIGN_OR_RETURN(const v1::SensorGeometry geometry, ToGeometry(skin));
   TACTUS_ASSIGN_OR_RETURN(info.layout, LayoutFromProto(geometry));
-  info.taxel_type = skin.encoding == TaxelEncoding::kUint16
-                        ? v1::TAXEL_TYPE_UINT16
-                        : v1::TAXEL_TYPE_FLOAT32;
+  info.taxel_type = ToTaxelType(skin.encoding);
   info.scale = skin.scale;
   info.sample_rate_hz = skin.sample_rate_hz;
   info.with_poses = skin.with_poses;
@@ -105,9 +130,10 @@ Skin ToSkin(const SkinInfo& info) {
       .contact_threshold = layout.contact_threshold,
       .onset_threshold = layout.onset_threshold,
       .only_side_neighbours = layout.connectivity == Connectivity::kFour,
-      .encoding = info.taxel_type == v1::TAXEL_TYPE_UINT16
-                      ? TaxelEncoding::kUint16
-                      : TaxelEncoding::kFloat32,
+      .axes = layout.axes,
+      .normal_axis = layout.normal_axis,
+      .signed_values = layout.signed_values,
+      .encoding = ToEncoding(info.taxel_type),
       .scale = info.scale,
       .sample_rate_hz = info.sample_rate_hz,
       .with_poses = info.with_poses};
@@ -127,13 +153,15 @@ Skin ToSkin(const SkinInfo& info) {
 
 absl::Status ToSkinFrame(const Frame& frame, const SkinInfo& info,
                          SkinFrame& out) {
-  const auto taxels = static_cast<size_t>(info.layout.taxels());
-  if (frame.values.size() != taxels) {
+  const auto values = static_cast<size_t>(info.layout.values());
+  if (frame.values.size() != values) {
     return InvalidConfig("number of frame.values", frame.values.size(),
-                         absl::StrCat(taxels, ", the skin's taxels"));
+                         absl::StrCat(values, ", the skin's values"));
   }
   if (info.taxel_type == v1::TAXEL_TYPE_UINT16) {
     TACTUS_RETURN_IF_ERROR(CopyWhole(frame.values, out.u16));
+  } else if (info.taxel_type == v1::TAXEL_TYPE_INT16) {
+    TACTUS_RETURN_IF_ERROR(CopyWhole(frame.values, out.i16));
   } else {
     out.f32 = frame.values;
   }
@@ -150,6 +178,8 @@ void ToFrame(const SkinFrame& frame, const SkinInfo& info, Frame& out) {
   out.missing_before = frame.missing_before;
   if (info.taxel_type == v1::TAXEL_TYPE_UINT16) {
     out.values.assign(frame.u16.begin(), frame.u16.end());
+  } else if (info.taxel_type == v1::TAXEL_TYPE_INT16) {
+    out.values.assign(frame.i16.begin(), frame.i16.end());
   } else {
     out.values = frame.f32;
   }

@@ -22,8 +22,8 @@ namespace tactus::client {
 absl::StatusOr<SkinInfo> ToSkinInfo(const Skin& skin);
 Skin ToSkin(const SkinInfo& info);
 
-// INVALID_CONFIG if the values are not as many as the skin has taxels, or are
-// not whole numbers of two bytes though its encoding says so.
+// INVALID_CONFIG if the values are not as many as the skin has, or are not whole
+// numbers of two bytes though its encoding says so.
 absl::Status ToSkinFrame(const Frame& frame, const SkinInfo& info,
                          SkinFrame& out);
 void ToFrame(const SkinFrame& frame, const SkinInfo& info, Frame& out);

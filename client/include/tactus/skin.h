@@ -30,10 +30,13 @@ enum class SkinUnit { kNewton, kCounts };
 
 // How values travel to a server. The answers do not depend on it.
 enum class TaxelEncoding {
-  // Two bytes a taxel: whole numbers from 0 to 65,535.
+  // Two bytes a value: whole numbers from 0 to 65,535.
   kUint16,
-  // Four bytes a taxel.
+  // Four bytes a value.
   kFloat32,
+  // Two bytes a value: whole numbers from -32,768 to 32,767, for skins with
+  // signed values.
+  kInt16,
 };
 
 // How contacts are felt that are too light for a single taxel: by the mean of a
@@ -76,6 +79,14 @@ struct Skin {
   // Taxels that touch at a corner only are no neighbours.
   bool only_side_neighbours = false;
   std::optional<SkinLightTouch> light_touch = std::nullopt;
+  // Values of a taxel: 1, its load; or 3, along x (across the rows), y (across
+  // the columns) and z (out of the skin), of the first taxel first.
+  int axes = 1;
+  // The axis that carries the load. Without one, the load is the distance of a
+  // taxel's values from 0, which the untouched skin reads, as for magnetometers.
+  std::optional<int> normal_axis = std::nullopt;
+  // Values may be below 0.
+  bool signed_values = false;
 
   TaxelEncoding encoding = TaxelEncoding::kUint16;
   // Frame::values times this is in `unit`; above 0.
@@ -103,7 +114,8 @@ struct Frame {
   int64_t capture_time_ns = 0;
   // Frames that the skin lost directly before this one.
   uint64_t missing_before = 0;
-  // [rows x columns], row-major, at least 0; times Skin::scale in its unit.
+  // [rows x columns x axes], row-major, at least 0 unless the skin has signed
+  // values; times Skin::scale in its unit.
   std::vector<float> values = {};
   // Used only if the skin has poses.
   LinkPose pose = {};

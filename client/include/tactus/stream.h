@@ -116,9 +116,10 @@ struct StreamInfo {
   std::string model_sha256 = {};
   std::vector<std::string> classes = {};
   std::vector<QuestionInfo> questions = {};
-  // Taxels of a frame.
+  // Taxels of a frame, and values of each.
   int rows = 0;
   int columns = 0;
+  int axes = 1;
   int max_contacts = 0;
 };
 
@@ -145,7 +146,7 @@ class Stream {
   virtual const StreamInfo& info() const = 0;
 
   // Takes the next frame. INVALID_CONFIG if its values are not as many as the
-  // skin has taxels, or not as its encoding says; the stream then goes on.
+  // skin has, or not as its encoding says; the stream then goes on.
   virtual absl::Status Push(const Frame& frame) = 0;
   // Ends the trial and returns its final answer. The next frame begins another.
   virtual absl::StatusOr<Answer> EndTrial() = 0;

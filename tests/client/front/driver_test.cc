@@ -106,7 +106,7 @@ TEST(WrappedDriverTest, APublicDriverHasTheStatesOfAllDrivers) {
   ASSERT_EQ(*driver->Read(frame), ReadResult::kFrame);
   EXPECT_EQ(frame.u16, std::vector<uint16_t>(60, 3));
   EXPECT_THAT(driver->Read(frame).status().message(),
-              HasSubstr("60, the skin's taxels"));
+              HasSubstr("60, the skin's values"));
   EXPECT_TRUE(driver->Finalise().ok());
   EXPECT_TRUE(driver->Finalise().ok());
   EXPECT_EQ(finalised, 1);

@@ -182,6 +182,32 @@ TEST(ClassifierTest, AWrongFrameEndsTheStreamAsAServerDoes) {
   EXPECT_EQ(stream->Close(), late);
 }
 
+TEST(ClassifierTest, AShearedContactIsFelt) {
+  const Skin skin = {.name = "pad",
+                     .rows = 4,
+                     .columns = 4,
+                     .row_pitch_m = 0.005,
+                     .column_pitch_m = 0.005,
+                     .taxel_area_m2 = 25e-6,
+                     .contact_threshold = 1,
+                     .onset_threshold = 2,
+                     .axes = 3,
+                     .normal_axis = 2,
+                     .signed_values = true,
+                     .encoding = TaxelEncoding::kInt16};
+  auto stream = *OpenLocalStream(SmallLocalModel(), skin, {});
+  EXPECT_EQ(stream->info().axes, 3);
+  Frame frame;
+  frame.values.assign(48, 0);
+  frame.values[3 * 5] = -7;
+  frame.values[3 * 5 + 2] = 4;
+  ASSERT_TRUE(stream->Push(frame).ok());
+  const auto answer = stream->EndTrial();
+  ASSERT_TRUE(answer.ok()) << answer.status();
+  ASSERT_NE(answer->main(), nullptr);
+  EXPECT_EQ(answer->main()->patch->force, 4);
+}
+
 TEST(ClassifierTest, AfterTheEndCallsSaySo) {
   Record record;
   auto stream =

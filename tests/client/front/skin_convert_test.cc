@@ -56,7 +56,10 @@ TEST(SkinConvertTest, EveryFieldComesBack) {
                                            .contact_threshold = 1,
                                            .onset_threshold = 2}};
   info.layout.mask[5] = 0;
-  info.taxel_type = v1::TAXEL_TYPE_FLOAT32;
+  info.layout.axes = 3;
+  info.layout.normal_axis = 2;
+  info.layout.signed_values = true;
+  info.taxel_type = v1::TAXEL_TYPE_INT16;
   info.scale = 0.5;
   info.sample_rate_hz = 50;
   info.with_poses = true;
@@ -99,13 +102,42 @@ TEST(SkinConvertTest, FramesGoThereAndBack) {
   }
 }
 
+TEST(SkinConvertTest, SignedValuesOfThreeAxesGoThereAndBack) {
+  const auto info = ToSkinInfo({.name = "pad",
+                                .rows = 2,
+                                .columns = 2,
+                                .row_pitch_m = 0.005,
+                                .column_pitch_m = 0.005,
+                                .taxel_area_m2 = 25e-6,
+                                .contact_threshold = 3,
+                                .onset_threshold = 4,
+                                .axes = 3,
+                                .signed_values = true,
+                                .encoding = TaxelEncoding::kInt16});
+  ASSERT_TRUE(info.ok()) << info.status();
+  Frame frame;
+  for (int i = 0; i < 12; ++i) {
+    frame.values.push_back(static_cast<float>(i % 2 == 0 ? i : -i));
+  }
+  frame.values[3] = -32'768;
+  SkinFrame there;
+  ASSERT_TRUE(ToSkinFrame(frame, *info, there).ok());
+  EXPECT_EQ(there.i16[3], -32'768);
+  Frame back;
+  ToFrame(there, *info, back);
+  EXPECT_EQ(back.values, frame.values);
+  frame.values[3] = 32'768;
+  EXPECT_THAT(ToSkinFrame(frame, *info, there).message(),
+              HasSubstr("-32768 to 32767"));
+}
+
 TEST(SkinConvertTest, ValuesThatTheEncodingCannotHoldAreRefused) {
   const SkinInfo info = *ToSkinInfo({.name = "icub-6x10"});
   SkinFrame out;
   Frame frame;
   frame.values.assign(59, 0.0F);
   EXPECT_THAT(ToSkinFrame(frame, info, out).message(),
-              HasSubstr("60, the skin's taxels"));
+              HasSubstr("60, the skin's values"));
   frame.values.push_back(0);
   for (const float bad :
        {-1.0F, 0.5F, 65'536.0F, std::numeric_limits<float>::quiet_NaN(),
