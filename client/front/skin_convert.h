@@ -22,7 +22,7 @@ namespace tactus::client {
 absl::StatusOr<SkinInfo> ToSkinInfo(const Skin& skin);
 Skin ToSkin(const SkinInfo& info);
 
-// INVALID_CONFIG if the values are not as many as the skin has, or are not whole
+// INVALID_CONFIG if the values are not as many as the skin has, or not whole
 // numbers of two bytes though its encoding says so.
 absl::Status ToSkinFrame(const Frame& frame, const SkinInfo& info,
                          SkinFrame& out);

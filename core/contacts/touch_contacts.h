@@ -60,9 +60,9 @@ struct ExtractContactsOptions {
   bool whole_skin = true;
 };
 
-// A contact's frames are those from its onset to its release or the end of the
-// trial; while it is merged they are untouched. Its label says how its object is at the
-// end; its object has not moved before the touch, and rests after it.
+// Frames are those from the onset to the release or the end of the trial; while
+// the contact is merged they are untouched. Its label says how its object is at
+// the end; its object has not moved before the touch, and rests after it.
 // INVALID_TRAINING_DATA for a trial without touches or without taxels.
 absl::StatusOr<TouchContacts> ExtractContacts(
     const Trial& trial, const ExtractContactsOptions& options);

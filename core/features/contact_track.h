@@ -148,8 +148,8 @@ class ContactTrack {
   const FrameFeatures& features() const { return features_; }
   // After its end: all are 0.
   void ForgetFeatures() { features_ = {}; }
-  // With release_by_evidence: it does not touch the skin, or all that is felt is
-  // what is left of an earlier load; and the largest mean that is left of it.
+  // With release_by_evidence: it does not touch, or all that is felt is what is
+  // left of an earlier load; and the largest mean that is left of it.
   bool unfelt() const { return unfelt_frames_ > 0; }
   // It was not felt for longer than 0.1 s.
   bool is_lost() const { return unfelt_frames_ > steady_frames_; }

@@ -27,8 +27,7 @@ class EventPrinter final : public LiveObserver {
  public:
   explicit EventPrinter(bool json) : json_(json) {}
 
-  void OnStarted(const SkinInfo& info,
-                 const v1::StreamStarted& started) override {
+  void OnStarted(const SkinInfo&, const v1::StreamStarted& started) override {
     started_ = started;
   }
   void OnFrame(const SkinFrame&, uint64_t) override {}

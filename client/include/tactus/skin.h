@@ -83,7 +83,7 @@ struct Skin {
   // the columns) and z (out of the skin), of the first taxel first.
   int axes = 1;
   // The axis that carries the load. Without one, the load is the distance of a
-  // taxel's values from 0, which the untouched skin reads, as for magnetometers.
+  // taxel's values from 0, which untouched skin reads, as for magnetometers.
   std::optional<int> normal_axis = std::nullopt;
   // Values may be below 0.
   bool signed_values = false;

@@ -4,8 +4,8 @@
 //   tracking_samples FOLDER SEED
 //
 // FOLDER/NAME.frames has the frames, rows x columns bytes each, 1 for a touched
-// taxel; FOLDER/NAME.csv a line for each contact that touches in a frame: frame,
-// id, taxels of its largest region, row and column of that region's centroid.
+// taxel; FOLDER/NAME.csv a line for each contact that touches in a frame: its
+// frame, id, taxels of its largest region, row and column of its centroid.
 // NAME is "flat" or "round", whose columns wrap. Prints rows and columns.
 #include <algorithm>
 #include <cstdint>
