@@ -269,7 +269,8 @@ TEST(TrialPlayerTest, TrialsOfAnotherSkinAreRefused) {
     trial.label = "SU";
     skin.onset_threshold = onset;
     SetSkin(skin, trial);
-    trial.taxels = {12, 32, {}, std::vector<float>(3 * 384, 45), 1};
+    trial.taxels.SetShape(skin);
+    trial.taxels.f32.assign(3 * 384, 45);
     trial.time = {0, 0.01, 0.02};
     MemoryDriver driver({trial});
     TrialPlayer player(server.channel(), &driver, {.model = "models/vitac"},
