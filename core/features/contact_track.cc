@@ -27,7 +27,7 @@ constexpr double kNewLoad = 4;
 constexpr double kRecentS = 1;
 // A skin that has drawn back this far has let go. Above the noise of poses.
 constexpr double kDrawnBackM = 0.005;
-// Of the least mean that is felt: noise alone is seldom above.
+// Noise alone is seldom above this share of the least mean that is felt.
 constexpr double kHalf = 0.5;
 // A shorter loss says nothing.
 constexpr uint64_t kLeastLoss = 3;
@@ -180,7 +180,7 @@ bool ContactTrack::IsClearlyOver(const FrameView& frame,
         (drawn_back && gone >= kLeastLoss)));
   if (!is_felt) {
     unfelt_frames_ = gone;
-    // Of a load there is as much left as there is.
+    // As much of a load is left as there is.
     light_left_ =
         loaded_frames_ > 0 ? light_peak : light_left_ * options_.fading;
     loaded_frames_ = 0;

@@ -61,7 +61,7 @@ struct LoadedContacts {
   bool without_poses = false;
   // SHA-256 of the data as a whole, for Provenance::data_sha256.
   std::string data_sha256;
-  // Of trials whose contacts were followed; `never_felt` then counts their
+  // Counts of trials whose contacts were followed; `never_felt` then counts
   // touches that no contact was at.
   std::optional<TouchCounts> touches;
 
