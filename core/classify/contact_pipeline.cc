@@ -117,6 +117,7 @@ void ContactPipeline::Report(const TrackedContact& contact,
             .onset = contact.onset,
             .parent = contact.parent,
             .merged_into = contact.merged_into,
+            .felt = !contact.track.unfelt(),
             .features = &contact.features(),
             .classifier = &classifier};
   if (report.released()) {

@@ -44,6 +44,9 @@ struct ContactReport {
   // into; 0 if none.
   uint64_t parent = 0;
   uint64_t merged_into = 0;
+  // False while light touch feels only what is left of an earlier load, which
+  // says nothing of where the contact is (ContactTrack::unfelt).
+  bool felt = true;
   // Valid until the next Step().
   const FrameFeatures* features = nullptr;
   // Its scores; after its end the last ones. They rest while touch is lost and

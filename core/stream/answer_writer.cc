@@ -143,7 +143,7 @@ void AnswerWriter::FindDecisions(const ContactReport& report) {
 
 void AnswerWriter::FindTravel(const ContactReport& report) {
   const FrameFeatures& features = *report.features;
-  if (!features.touched) return;
+  if (!features.touched || !report.felt) return;
   const SkinLayout& layout = settings_->layout;
   Past& past = past_[report.slot];
   // The width of the region, and of a taxel.

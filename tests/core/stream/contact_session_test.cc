@@ -15,8 +15,10 @@
 namespace tactus {
 namespace {
 
+using ::testing::Contains;
 using testing::DenseU16;
 using ::testing::ElementsAre;
+using ::testing::Not;
 using testing::Touch;
 using testing::Untouched;
 
@@ -92,6 +94,41 @@ TEST(ContactSessionTest, AWrongBatchChangesNothing) {
   EXPECT_EQ(session.frames(), 1u);
   ASSERT_TRUE(session.OnFrames(DenseU16(7, {Touch(1)}).frames()).ok());
   EXPECT_EQ(sink.answer().frames_missing(), 1u);
+}
+
+// What light touch still feels of a load that is gone shrinks to where the load
+// was largest: the contact has not moved.
+TEST(ContactSessionTest, ALoadThatFadesDoesNotMoveOverTheSkin) {
+  v1::StreamConfig config = testing::ConfigRequest().config();
+  config.clear_never_release();
+  v1::LightTouch& light = *config.mutable_geometry()->mutable_light_touch();
+  light.set_window_s(0.1);
+  light.set_rows(3);
+  light.set_columns(3);
+  light.set_contact_threshold(0.0004);
+  light.set_onset_threshold(0.0006);
+  config.set_scale(0.0001);
+  Sink sink;
+  ContactSession session(*ParseStreamConfig(config), SmallCompiled(), &sink);
+  // At first, the load is the same everywhere.
+  testing::Counts begin = Untouched();
+  testing::Counts strip = Untouched();
+  for (int row = 2; row < 14; ++row) {
+    begin[row * 24 + 5] = 500;
+    strip[row * 24 + 5] = row < 5 ? 500 : 60;
+  }
+  std::vector<v1::ContactEvent::Kind> events;
+  for (uint64_t t = 1; t <= 200; ++t) {
+    const bool pressed = t > 60 && t <= 110;
+    const auto batch =
+        DenseU16(t, {pressed ? (t <= 80 ? begin : strip) : Untouched()});
+    ASSERT_TRUE(session.OnFrames(batch.frames()).ok());
+    for (const v1::ContactEvent& event : sink.answer().events()) {
+      events.push_back(event.kind());
+    }
+  }
+  EXPECT_THAT(events, Contains(v1::ContactEvent::KIND_RELEASED));
+  EXPECT_THAT(events, Not(Contains(v1::ContactEvent::KIND_MOVED_OVER_SKIN)));
 }
 
 TEST(ContactSessionTest, ATrialWithoutFramesHasAnEmptyFinal) {
