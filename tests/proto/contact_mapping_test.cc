@@ -25,7 +25,8 @@ struct SkinContactEntry {
   std::optional<double> pressure;
 };
 
-// The message of tactile_msgs. Its header's frame_id is the link of the stream's layout.
+// The message of tactile_msgs. Its header's frame_id is the link of the
+// stream's layout.
 struct TactileContact {
   std::string name;
   std::optional<Vector3> position;
