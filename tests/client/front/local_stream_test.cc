@@ -16,7 +16,6 @@
 #include "tactus/client.h"
 #include "tests/client/front/front_frames.h"
 #include "tests/client/stream/restarted_server.h"
-#include "tests/support/allocation_counter.h"
 #include "tests/support/scratch_dir.h"
 #include "tests/support/small_model.h"
 
@@ -146,26 +145,6 @@ LocalModel SmallLocalModel() {
   return {.model = *CompiledModel::Create(testing::SmallModel()),
           .version = "small",
           .sha256 = ""};
-}
-
-TEST(ClassifierTest, AFrameAllocatesNothing) {
-  Answer kept;
-  auto stream = *OpenLocalStream(
-      SmallLocalModel(), CodySkin(),
-      {.on_answer =
-           [&](const Answer& answer) { kept.sequence += answer.sequence; },
-       .on_event = [](const Event&) {}});
-  uint64_t sequence = 0;
-  Frame frame = CodyFrame(1, Touch(2));
-  const auto push = [&] {
-    frame.capture_time_ns += 10'000'000;
-    ++sequence;
-    ASSERT_TRUE(stream->Push(frame).ok());
-  };
-  for (int i = 0; i < 50; ++i) push();
-  const testing::AllocationCounter counter;
-  for (int i = 0; i < 50; ++i) push();
-  EXPECT_EQ(counter.count(), 0);
 }
 
 TEST(ClassifierTest, AWrongFrameEndsTheStreamAsAServerDoes) {
