@@ -41,9 +41,9 @@ struct WorldRecipe {
   // Standard deviation of each coordinate of a pose, m, the same in all
   // contacts. If absent, each contact draws its own.
   std::optional<double> pose_noise_m;
-  // In this share of the contacts the arm lifts off, 0.3 to 5 s after the touch
-  // (log-uniform); they are followed to their release, as a server does, and
-  // have objects and arms of their own. The others end while the arm presses.
+  // Share of contacts in which the arm lifts off, 0.3 to 5 s after the touch
+  // (log-uniform). Their objects and arms are not those of the same number
+  // without a lift-off, and they last until a server would release them.
   double liftoffs = 0;
 };
 

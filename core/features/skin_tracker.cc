@@ -408,7 +408,7 @@ bool SkinTracker::IsResidue(const RegionPlace& place, double left) {
     if (!sets_.Overlaps(residues_[i].rows, place.rows)) continue;
     left = std::max(left, residues_[i].light_peak);
   }
-  // As ContactTrack tells what is felt.
+  // The rule by which ContactTrack::Step decides whether a contact is felt.
   return left > 0 &&
          finder_.LightPeak(place) <=
              ContactTrack::kAboveFading * left + finder_.least_light();

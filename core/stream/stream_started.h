@@ -1,7 +1,7 @@
 // File: stream_started.h
 //
-// What a stream is told of the model that answers it: names, questions, the
-// skin, and limits of the contract.
+// The first message of a stream: the names and the questions of its model, the
+// skin, and the limits of the contract.
 //
 //   v1::StreamStarted started;
 //   WriteStarted(settings, *model, &started);

@@ -80,7 +80,7 @@ struct DriverStatistics {
   bool connected = false;
   // The last reason for a break; stays after it.
   std::string problem = {};
-  // Why frames are dropped for want of a pose, while this goes on.
+  // Why frames have no pose and are dropped; empty while they have one.
   std::string pose_problem = {};
   // Why frames that came whole were refused; empty if none were.
   std::string refused = {};
