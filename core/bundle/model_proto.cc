@@ -135,6 +135,10 @@ void ToProto(const InputSpec& spec, v1::InputSpec* out) {
   out->set_hmm_max_interval(spec.hmm_steps.max);
   out->set_lstm_min_interval(spec.lstm_steps.min);
   out->set_lstm_max_interval(spec.lstm_steps.max);
+  out->set_hmm_first_step(spec.hmm_steps.first);
+  out->set_hmm_interval_divisor(spec.hmm_steps.divisor);
+  out->set_lstm_first_step(spec.lstm_steps.first);
+  out->set_lstm_interval_divisor(spec.lstm_steps.divisor);
   out->set_sample_rate_hz(spec.sample_rate_hz);
   if (spec.embedding.taxels == 0) return;
   v1::TaxelEmbedding* embedding = out->mutable_embedding();
@@ -158,9 +162,17 @@ absl::StatusOr<InputSpec> FromProto(const v1::InputSpec& in) {
   for (size_t i = 0; i < spec.lstm.size(); ++i) {
     spec.lstm[i].limit = in.lstm_limit(static_cast<int>(i));
   }
-  spec.hmm_steps = {std::max(in.hmm_min_interval(), 1U),
-                    std::max(in.hmm_max_interval(), 1U)};
-  spec.lstm_steps = {in.lstm_min_interval(), in.lstm_max_interval()};
+  const auto divisor = [](uint32_t stated) {
+    return stated > 0 ? stated : StepIntervals{}.divisor;
+  };
+  spec.hmm_steps = {.min = std::max(in.hmm_min_interval(), 1U),
+                    .max = std::max(in.hmm_max_interval(), 1U),
+                    .first = in.hmm_first_step(),
+                    .divisor = divisor(in.hmm_interval_divisor())};
+  spec.lstm_steps = {.min = in.lstm_min_interval(),
+                     .max = in.lstm_max_interval(),
+                     .first = in.lstm_first_step(),
+                     .divisor = divisor(in.lstm_interval_divisor())};
   spec.sample_rate_hz = in.sample_rate_hz();
   const v1::TaxelEmbedding& embedding = in.embedding();
   // Validate(Model) compares them with the skin.

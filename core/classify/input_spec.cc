@@ -46,6 +46,14 @@ absl::Status CheckSteps(absl::string_view name, const StepIntervals& steps) {
         name, absl::StrCat(steps.min, ", ", steps.max),
         absl::StrCat("1 <= min <= max <= ", limits::kMaxBridgedFrames));
   }
+  if (steps.first > steps.min) {
+    return InvalidModel(absl::StrCat("first of ", name), steps.first,
+                        absl::StrCat("at most min, ", steps.min));
+  }
+  if (steps.divisor < 2 || steps.divisor > limits::kMaxBridgedFrames) {
+    return InvalidModel(absl::StrCat("divisor of ", name), steps.divisor,
+                        absl::StrCat("2 to ", limits::kMaxBridgedFrames));
+  }
   return absl::OkStatus();
 }
 

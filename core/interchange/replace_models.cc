@@ -28,10 +28,6 @@ bool Same(const std::vector<ModelInput>& a, const std::vector<ModelInput>& b) {
       [](const ModelInput& x, const ModelInput& y) { return Same(x, y); });
 }
 
-bool Same(const StepIntervals& a, const StepIntervals& b) {
-  return a.min == b.min && a.max == b.max;
-}
-
 absl::StatusOr<size_t> ClassIndex(const std::string& name, const Model& model) {
   const auto found = std::ranges::find(model.class_names, name);
   if (found != model.class_names.end()) {
@@ -56,7 +52,7 @@ absl::Status ReplaceHmms(const ForeignModel& foreign, Model& model) {
   const StepIntervals steps = foreign.steps.value_or(model.inputs.hmm_steps);
   const bool changed =
       (!foreign.inputs.empty() && !Same(foreign.inputs, model.inputs.hmm)) ||
-      !Same(steps, model.inputs.hmm_steps);
+      steps != model.inputs.hmm_steps;
   if (changed && replaced.size() != model.class_names.size()) {
     return InvalidModel("inputs", "other than the model's",
                         "the model's unless the HMMs of all classes are there");
@@ -97,7 +93,7 @@ absl::Status ReplaceLstms(const ForeignModel& foreign, Model& model) {
   const bool same_inputs =
       foreign.inputs.empty() || Same(foreign.inputs, model.inputs.lstm);
   const bool same_steps =
-      !foreign.steps || Same(*foreign.steps, model.inputs.lstm_steps);
+      !foreign.steps || *foreign.steps == model.inputs.lstm_steps;
   // It was trained on the earlier steps and inputs.
   if (!same_inputs || !same_steps) RemoveEstimator(model);
   if (!same_inputs) model.inputs.lstm = foreign.inputs;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -203,9 +204,16 @@ void FitEstimateScales(std::span<const ScoredContact> contacts,
 
 }  // namespace
 
-std::vector<double> CalibrationFrames(double rate) {
-  const auto frames = AnytimeFrames(rate);
-  std::vector<double> distinct(frames.begin(), frames.end());
+std::vector<double> CalibrationFrames(double rate,
+                                      const StepIntervals& lstm_steps) {
+  std::vector<double> distinct;
+  for (const double early_s : {0.01, 0.03}) {
+    const double frame = std::max(1.0, std::round(early_s * rate));
+    if (lstm_steps.first > 0 && frame >= lstm_steps.first) {
+      distinct.push_back(frame);
+    }
+  }
+  std::ranges::copy(AnytimeFrames(rate), std::back_inserter(distinct));
   distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
   return distinct;
 }
@@ -237,10 +245,18 @@ ScoredContact ScoreContact(const std::shared_ptr<const CompiledModel>& model,
                               : std::numeric_limits<double>::quiet_NaN());
     }
   };
-  const auto frames = AnytimeFrames(contact.sample_rate_hz);
-  WalkContact(contact, classifier, [&](int time) {
-    if (time == 0 || frames[time] > frames[time - 1]) record();
+  const InputSpec& inputs = model->model().inputs;
+  const std::vector<double> frames =
+      CalibrationFrames(contact.sample_rate_hz, inputs.lstm_steps);
+  size_t next = 0;
+  WalkFrames(contact, classifier, [&](size_t) {
+    for (; next < frames.size() &&
+           static_cast<double>(classifier.frames()) >= frames[next];
+         ++next) {
+      record();
+    }
   });
+  for (; next < frames.size(); ++next) record();
   return scored;
 }
 
@@ -267,11 +283,12 @@ HeldOutSkill SkillOf(std::span<const ScoredContact> contacts) {
   return {skill.loss / count, skill.accuracy / count};
 }
 
-void FitCalibration(std::span<const ScoredContact> contacts, double rate,
+void FitCalibration(std::span<const ScoredContact> contacts,
+                    const std::vector<double>& frames,
                     Calibration& calibration) {
   Calibration& c = calibration;
   c.held = true;
-  c.frames = CalibrationFrames(rate);
+  c.frames = frames;
   for (auto* table :
        {&c.hmm_inverse_temperature, &c.hmm_bias, &c.lstm_inverse_temperature,
         &c.lstm_bias, &c.hmm_weight, &c.lstm_weight, &c.fused_bias}) {

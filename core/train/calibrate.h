@@ -15,7 +15,8 @@
 //
 //   std::vector<ScoredContact> scored;
 //   scored.push_back(ScoreContact(model_without_it, contact));
-//   FitCalibration(scored, /*rate=*/100, model.calibration);
+//   FitCalibration(scored, CalibrationFrames(/*rate=*/100),
+//                  model.calibration);
 //
 // Thread-safe: free functions without state.
 #pragma once
@@ -30,8 +31,10 @@
 namespace tactus {
 
 // Frames since onset at which calibrations are fitted: those of AnytimeFrames
-// that differ.
-std::vector<double> CalibrationFrames(double rate);
+// that differ. Before them 0.01 and 0.03 s, if LSTMs of these steps have a
+// first one that early (StepIntervals::first).
+std::vector<double> CalibrationFrames(double rate,
+                                      const StepIntervals& lstm_steps = {});
 
 // A held-out contact's scores at each calibration time.
 struct ScoredContact {
@@ -69,10 +72,11 @@ struct HeldOutSkill {
 };
 HeldOutSkill SkillOf(std::span<const ScoredContact> contacts);
 
-// Sets frames, inverse temperatures, biases, weights, what `unknown` compares
-// with (fit_unknown.h) and the scales of the estimates' deviations. Keeps prior
-// and decision rule.
-void FitCalibration(std::span<const ScoredContact> contacts, double rate,
+// Sets frames, those of the scores, inverse temperatures, biases, weights, what
+// `unknown` compares with (fit_unknown.h) and the scales of the estimates'
+// deviations. Keeps prior and decision rule.
+void FitCalibration(std::span<const ScoredContact> contacts,
+                    const std::vector<double>& frames,
                     Calibration& calibration);
 
 // Makes a fitted calibration answer as if all classes were equally frequent.

@@ -440,7 +440,10 @@ absl::Status Calibrate(ClassShares shares, std::vector<Fold>& folds,
   if (!model.estimator) {
     for (ScoredContact& contact : all) contact.log10_stiffness.clear();
   }
-  FitCalibration(all, model.inputs.sample_rate_hz, model.calibration);
+  FitCalibration(
+      all,
+      CalibrationFrames(model.inputs.sample_rate_hz, model.inputs.lstm_steps),
+      model.calibration);
   if (shares == ClassShares::kEven) {
     PresumeEvenShares(all, model.calibration);
   }

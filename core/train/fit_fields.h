@@ -68,7 +68,7 @@ void Fields(Archive& archive, ScoredContact& scored) {
 
 template <class Archive>
 void Fields(Archive& archive, StepIntervals& steps) {
-  archive(steps.min, steps.max);
+  archive(steps.min, steps.max, steps.first, steps.divisor);
 }
 template <class Archive>
 void Fields(Archive& archive, ModelInput& input) {

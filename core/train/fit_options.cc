@@ -72,7 +72,7 @@ FitOptions WorldPreset() {
   options.held_out = 0.1;
   options.hmms_per_class = 4;
   options.hmm_steps = {10, 40};
-  options.lstm.steps = {5, 40};
+  options.lstm.steps = {.min = 5, .max = 50, .first = 1, .divisor = 8};
   options.lstm.estimator_cells = {24, 24};
   options.lstm.training.epochs = 12;
   options.lstm.training.batch_size = 32;

@@ -15,10 +15,10 @@ namespace {
 constexpr size_t kNamed = 5;
 
 // The first step of the models that are trained is due at this frame.
-uint32_t FirstStep(const FitOptions& options) {
+uint64_t FirstStep(const FitOptions& options) {
   return options.lstm.networks > 0
-             ? std::max(options.hmm_steps.min, options.lstm.steps.min)
-             : options.hmm_steps.min;
+             ? std::max(options.hmm_steps.First(), options.lstm.steps.First())
+             : options.hmm_steps.First();
 }
 
 }  // namespace

@@ -59,6 +59,10 @@ void AddInputs(const std::vector<ModelInput>& inputs,
   out["sample_rate_hz"] = sample_rate_hz;
   out["min_interval"] = steps.min;
   out["max_interval"] = steps.max;
+  if (steps.first > 0) out["first_step"] = steps.first;
+  if (steps.divisor != StepIntervals().divisor) {
+    out["interval_divisor"] = steps.divisor;
+  }
   OrderedJson& rows = out["inputs"] = OrderedJson::array();
   for (const ModelInput& input : inputs) {
     OrderedJson row = {{"cue", std::string(CueName(input.cue))},
@@ -78,6 +82,13 @@ absl::Status ReadInputs(const OrderedJson& json, ForeignModel* model) {
     StepIntervals steps;
     TACTUS_ASSIGN_OR_RETURN(steps.min, ReadInterval(json, "min_interval"));
     TACTUS_ASSIGN_OR_RETURN(steps.max, ReadInterval(json, "max_interval"));
+    if (json.contains("first_step")) {
+      TACTUS_ASSIGN_OR_RETURN(steps.first, ReadInterval(json, "first_step"));
+    }
+    if (json.contains("interval_divisor")) {
+      TACTUS_ASSIGN_OR_RETURN(steps.divisor,
+                              ReadInterval(json, "interval_divisor"));
+    }
     model->steps = steps;
   }
   const auto inputs = json.find("inputs");

@@ -32,8 +32,8 @@ Model FullModel() {
   model.inputs.lstm = {{NamedCue("log_spring"), 0, 1, 2},
                        {Cue::kArea, 0.5, 3, 4},
                        {NamedCue("log_time")}};
-  model.inputs.lstm_steps = {5, 20};
-  model.inputs.hmm_steps = {4, 30};
+  model.inputs.lstm_steps = {.min = 5, .max = 20, .first = 2, .divisor = 8};
+  model.inputs.hmm_steps = {.min = 4, .max = 30, .first = 3, .divisor = 9};
   testing::AddLstmCalibration(model.calibration);
   model.calibration.lstm_weight = {0.25, 0.5};
   model.calibration.lstm_inverse_temperature = {1, 0.75};
@@ -54,6 +54,21 @@ Model FullModel() {
   model.warm_up.probability = {0.1, 0.2, 0.3, 0.4};
   model.warm_up.log_likelihood = {-1, -2, -3, -4};
   return model;
+}
+
+// Bundles of earlier releases say neither where the first step is nor how the
+// intervals grow.
+TEST(BundleTest, WithoutAFirstStepItIsAtMinAndIntervalsAreATenth) {
+  v1::ModelBundle bundle = ModelToProto(FullModel());
+  v1::InputSpec& inputs = *bundle.mutable_inputs();
+  inputs.clear_lstm_first_step();
+  inputs.clear_lstm_interval_divisor();
+  inputs.clear_hmm_first_step();
+  inputs.clear_hmm_interval_divisor();
+  const auto back = ModelFromProto(bundle);
+  ASSERT_TRUE(back.ok()) << back.status();
+  EXPECT_EQ(back->inputs.lstm_steps, (StepIntervals{5, 20, 0, 10}));
+  EXPECT_EQ(back->inputs.hmm_steps, (StepIntervals{4, 30, 0, 10}));
 }
 
 // Bundles of earlier releases say nothing of it.
@@ -208,8 +223,8 @@ TEST(BundleTest, RoundTripKeepsEveryField) {
   EXPECT_EQ(back->calibration.softest, (std::vector<double>{2, 3}));
   EXPECT_EQ(back->lstms[0].classes(), 4);
   EXPECT_EQ(back->inputs.lstm[1].cue, Cue::kArea);
-  EXPECT_EQ(back->inputs.lstm_steps.max, 20u);
-  EXPECT_EQ(back->inputs.hmm_steps.min, 4u);
+  EXPECT_EQ(back->inputs.lstm_steps, model.inputs.lstm_steps);
+  EXPECT_EQ(back->inputs.hmm_steps, model.inputs.hmm_steps);
   EXPECT_EQ(back->warm_up.samples[1].features, (FeatureVector{5, 6, 7}));
   EXPECT_EQ(back->warm_up.samples[1].net_force, 8);
 }

@@ -69,6 +69,9 @@ TEST(ValidateInputSpecTest, EachSpoiltFieldIsRefused) {
       [](InputSpec& s) { s.lstm = s.hmm; },
       [](InputSpec& s) { s.lstm_steps.min = 0; },
       [](InputSpec& s) { s.hmm_steps.min = 0; },
+      [](InputSpec& s) { s.lstm_steps.first = s.lstm_steps.min + 1; },
+      [](InputSpec& s) { s.hmm_steps.divisor = 1; },
+      [](InputSpec& s) { s.hmm_steps.divisor = 0; },
       [](InputSpec& s) {
         s.lstm_steps = {5, 4};
       },

@@ -36,7 +36,7 @@ TEST(FitCalibrationTest, FindsTheFactorThatMakesScoresHonest) {
   }
   Calibration c;
   c.prior = {0.5, 0.5};
-  FitCalibration(contacts, 100, c);
+  FitCalibration(contacts, CalibrationFrames(100), c);
   ASSERT_EQ(c.hmm_inverse_temperature.size(), 6u);
   std::vector<Outcome> outcomes;
   const double log_prior[] = {std::log(0.5), std::log(0.5)};
@@ -80,7 +80,7 @@ TEST(FitCalibrationTest, TwoSensorsAreFusedByBayesRule) {
   Random random(7);
   Calibration c;
   c.prior = {0.5, 0.5};
-  FitCalibration(TwoSensors(1, random), 100, c);
+  FitCalibration(TwoSensors(1, random), CalibrationFrames(100), c);
   for (int time = 0; time < 6; ++time) {
     EXPECT_NEAR(c.hmm_weight[time] * c.hmm_inverse_temperature[time], 1, 0.1);
     EXPECT_NEAR(c.lstm_weight[time] * c.lstm_inverse_temperature[time], 1, 0.1);
@@ -92,7 +92,7 @@ TEST(FitCalibrationTest, AModelThatSaysNothingGetsNoWeight) {
   Random random(8);
   Calibration c;
   c.prior = {0.5, 0.5};
-  FitCalibration(TwoSensors(0, random), 100, c);
+  FitCalibration(TwoSensors(0, random), CalibrationFrames(100), c);
   EXPECT_EQ(c.hmm_weight, std::vector<double>(6, 1));
   EXPECT_EQ(c.lstm_weight, std::vector<double>(6, 0));
   EXPECT_EQ(c.fused_bias, std::vector<double>(12, 0));
@@ -126,7 +126,7 @@ TEST(PresumeEvenSharesTest, TakesAwayTheLogOddsOfTheShares) {
   const auto contacts = TwoSensors(1, random, kShare);
   Calibration c;
   c.prior = {0.5, 0.5};
-  FitCalibration(contacts, 100, c);
+  FitCalibration(contacts, CalibrationFrames(100), c);
   const double odds = std::log(kShare / (1 - kShare));
   EXPECT_NEAR(FusedLogOdds(c, 0, 0), odds, 0.2);
   EXPECT_NEAR(FusedLogOdds(c, 1, -2), odds - 1, 0.3);
@@ -146,7 +146,7 @@ TEST(FitCalibrationTest, FewKnownContactsAreCalledUnknown) {
   }
   Calibration c;
   c.prior = {0.5, 0.5};
-  FitCalibration(contacts, 100, c);
+  FitCalibration(contacts, CalibrationFrames(100), c);
   EXPECT_NEAR(c.evidence_median[0], -50, 1e-12);
   const CalibrationPoint point = CalibrationAt(c, c.frames[0]);
   EXPECT_NEAR(UnknownProbability(point, -95, {}), 0.5, 1e-12);
@@ -185,7 +185,7 @@ TEST(FitCalibrationTest, AnObjectSofterThanKnownOnesIsUnknown) {
   const auto contacts = SoftAndHard(4000);
   Calibration c;
   c.prior = {0.5, 0.5};
-  FitCalibration(contacts, 100, c);
+  FitCalibration(contacts, CalibrationFrames(100), c);
   ASSERT_TRUE(Validate(c, 2, false).ok());
   ASSERT_EQ(c.softest.size(), 6u);
   // Both reasons together give as many false alarms as one did.
@@ -200,7 +200,7 @@ TEST(FitCalibrationTest, ObjectsOfOneStiffnessAreKnownDownToHalf) {
   for (ScoredContact& contact : contacts) contact.log10_stiffness.assign(6, 5);
   Calibration c;
   c.prior = {0.5, 0.5};
-  FitCalibration(contacts, 100, c);
+  FitCalibration(contacts, CalibrationFrames(100), c);
   ASSERT_TRUE(Validate(c, 2, false).ok());
   const CalibrationPoint point = CalibrationAt(c, c.frames[3]);
   EXPECT_LT(UnknownProbability(point, 0, 4.75), 0.5);
@@ -215,11 +215,11 @@ TEST(FitCalibrationTest, TooFewEstimatesSayNothingOfTheStiffness) {
   }
   Calibration c;
   c.prior = {0.5, 0.5};
-  FitCalibration(contacts, 100, c);
+  FitCalibration(contacts, CalibrationFrames(100), c);
   EXPECT_TRUE(c.softest.empty());
   EXPECT_TRUE(Validate(c, 2, false).ok());
   contacts[39].log10_stiffness[0] = 8;
-  FitCalibration(contacts, 100, c);
+  FitCalibration(contacts, CalibrationFrames(100), c);
   EXPECT_EQ(c.softest.size(), 6u);
 }
 

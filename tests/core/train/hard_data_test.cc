@@ -84,7 +84,7 @@ TEST(HardDataTest, CalibrationOfSeparableScoresIsFinite) {
     }
     Calibration c;
     c.prior.assign(kClasses, 1.0 / kClasses);
-    FitCalibration(contacts, 100, c);
+    FitCalibration(contacts, CalibrationFrames(100), c);
     const absl::Status valid = Validate(c, kClasses, /*has_lstm=*/true);
     EXPECT_TRUE(valid.ok()) << margin << ": " << valid;
     const CalibrationPoint point = CalibrationAt(c, 50);

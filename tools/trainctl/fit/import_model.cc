@@ -119,7 +119,10 @@ absl::Status Calibrate(const ImportModelFlags& flags, Model& model) {
     return InvalidTrainingData(
         absl::StrCat(flags.calibrate, " has no contact to calibrate with"));
   }
-  FitCalibration(scored, model.inputs.sample_rate_hz, model.calibration);
+  FitCalibration(
+      scored,
+      CalibrationFrames(model.inputs.sample_rate_hz, model.inputs.lstm_steps),
+      model.calibration);
   return absl::OkStatus();
 }
 
