@@ -4,9 +4,14 @@
 #include <cmath>
 
 #include "core/base/limits.h"
+#include "core/questions/consensus.h"
 
 namespace tactus {
 namespace {
+
+// Frames from an evaluation of the LSTMs to a look at a new course: one frame
+// more shows more of it than the next one.
+constexpr uint64_t kCourseFrames = 2;
 
 // The model's rules, or one threshold and one number of frames for all of them
 // where the options give some.
@@ -92,6 +97,14 @@ void ContactClassifier::MakeLstms() {
   lstm_input_.resize(m.inputs.lstm.size());
   next_input_.resize(m.inputs.lstm.size());
   for (const CompiledLstm& lstm : model_->lstms()) lstms_.emplace_back(lstm);
+  if (!options_.looks || options_.savings.any() || lstm_score_.empty()) return;
+  const std::vector<Question>& questions = model_->questions();
+  for (size_t q = 0; q < questions.size(); ++q) {
+    if (questions[q].kind != Question::kState) continue;
+    const std::vector<double> none(questions[q].values.size());
+    states_.push_back({q, none, none});
+  }
+  if (!states_.empty()) look_lstms_ = lstms_;
 }
 
 void ContactClassifier::Reset() {
@@ -128,6 +141,10 @@ void ContactClassifier::Reset() {
   left_out_ = 0;
   unchanged_ = 0;
   lstm_steps_ = 0;
+  looks_ = 0;
+  evaluations_ = 0;
+  evaluated_frame_ = 0;
+  watch_.Reset();
   hmms_are_sure_ = false;
 }
 
@@ -137,7 +154,10 @@ void ContactClassifier::Step(const ContactSample& sample,
   ++scored_frames_;
   cues_.Step(sample, frames_);
   StepHmms(missing_before);
+  evaluated_now_ = false;
+  const bool left_course = !look_lstms_.empty() && watch_.Step(sample);
   const bool stepped = StepLstmsIfDue();
+  if (!stepped) LookIfDue(left_course);
   UpdateProbabilities();
   if (stepped) UpdateSettled();
   UpdateDecision();
@@ -204,18 +224,43 @@ bool ContactClassifier::InputsChanged() {
 }
 
 void ContactClassifier::StepLstms() {
-  scores_changed_ = true;
   ++lstm_steps_;
   for (LstmStepper& lstm : lstms_) lstm.Step(lstm_input_);
-  const double weight = 1 / static_cast<double>(lstms_.size());
+  ScoreLstms(lstms_);
+  if (estimator_) EstimateObject();
+}
+
+void ContactClassifier::LookIfDue(bool left_course) {
+  if (look_lstms_.empty() || lstm_steps_ == 0) return;
+  const auto sure = [&](const State& state) {
+    return *std::ranges::max_element(value_probability_[state.question]) >=
+           kSureState;
+  };
+  const bool new_course =
+      left_course && frames_ >= evaluated_frame_ + kCourseFrames;
+  if (!new_course && std::ranges::all_of(states_, sure)) return;
+  ++looks_;
+  MakeInput(model_->model().inputs.lstm, cues_, next_input_);
+  for (size_t i = 0; i < lstms_.size(); ++i) {
+    look_lstms_[i] = lstms_[i];
+    look_lstms_[i].Step(next_input_);
+  }
+  ScoreLstms(look_lstms_);
+}
+
+void ContactClassifier::ScoreLstms(std::span<const LstmStepper> lstms) {
+  scores_changed_ = true;
+  evaluated_now_ = true;
+  evaluated_frame_ = frames_;
+  watch_.Restart();
+  const double weight = 1 / static_cast<double>(lstms.size());
   for (size_t k = 0; k < lstm_score_.size(); ++k) {
     double mean = 0;
-    for (const LstmStepper& lstm : lstms_) {
+    for (const LstmStepper& lstm : lstms) {
       mean += weight * lstm.probability()[k];
     }
     lstm_score_[k] = std::log(mean);
   }
-  if (estimator_) EstimateObject();
 }
 
 void ContactClassifier::EstimateObject() {
@@ -265,12 +310,31 @@ void ContactClassifier::UpdateProbabilities() {
     }
   }
   UpdateValues();
+  AgreeOnStates();
   if (hmm_steps_ == 0) return;
   const double best =
       *std::max_element(log_likelihood_.begin(), log_likelihood_.end());
   unknown_ = UnknownProbability(
       point, best / static_cast<double>(hmm_steps_),
       object_ ? std::optional(object_->log10_stiffness) : std::nullopt);
+}
+
+void ContactClassifier::AgreeOnStates() {
+  evaluations_ += evaluated_now_;
+  for (State& state : states_) {
+    if (evaluated_now_) state.before.swap(state.last);
+    std::ranges::copy(value_probability_[state.question], state.last.begin());
+  }
+  if (evaluations_ == 0) return;
+  for (const State& state : states_) {
+    std::vector<double>& agreed = value_probability_[state.question];
+    Consensus(evaluations_ > 1 ? std::span<const double>(state.before)
+                               : std::span<const double>(),
+              agreed);
+    SetValueProbability(model_->questions()[state.question], agreed,
+                        probability_);
+    UpdateValues();
+  }
 }
 
 void ContactClassifier::AskHmmsFirst() {

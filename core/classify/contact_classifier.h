@@ -8,7 +8,12 @@
 //
 // Scores the HMMs of every class with the incremental forward algorithm (or
 // Viterbi) and steps the LSTMs, both at the model's intervals (step_clock.h).
-// Memory is constant; nothing allocates. Skips what skip_rules.h allows.
+// Between two steps, a look evaluates the LSTMs on a copy of their state, which
+// is then forgotten: a model with a state question (question.h) takes one when
+// the contact leaves its course (course_watch.h) and while a state is not sure.
+// What it says of a state is what the last two evaluations agree on
+// (consensus.h). Memory is constant; nothing allocates. Skips what skip_rules.h
+// allows.
 //
 // Shares ownership of the model. Not thread-safe: one per stream.
 #pragma once
@@ -21,6 +26,7 @@
 
 #include "core/classify/calibration.h"
 #include "core/classify/compiled_model.h"
+#include "core/classify/course_watch.h"
 #include "core/classify/input_spec.h"
 #include "core/classify/object_estimate.h"
 #include "core/classify/skip_rules.h"
@@ -55,8 +61,11 @@ class ContactClassifier {
     uint32_t decision_frames = 0;
     // Which models answer; as if the model had no others.
     Scorers scorers = Scorers::kAll;
-    // Steps of the LSTMs that are left out; none by default.
+    // Steps of the LSTMs that are left out; none by default. If there are any,
+    // no looks are taken.
     StepSavings savings = {};
+    // Looks are taken if the model has a state question.
+    bool looks = true;
   };
 
   ContactClassifier(std::shared_ptr<const CompiledModel> model,
@@ -87,16 +96,17 @@ class ContactClassifier {
   uint64_t frames() const { return frames_; }
   // Steps of the HMMs so far.
   uint64_t hmm_steps() const { return hmm_steps_; }
-  // Steps of the LSTMs so far.
+  // Steps of the LSTMs so far, and looks between them.
   uint64_t lstm_steps() const { return lstm_steps_; }
+  uint64_t looks() const { return looks_; }
   // The scaled inputs of the last step of the HMMs and of the LSTMs, in the
   // order of InputSpec; of no meaning before the first.
   std::span<const double> hmm_input() const { return hmm_input_; }
   std::span<const double> lstm_input() const { return lstm_input_; }
   // One log p(HMM inputs | class) per class.
   std::span<const double> log_likelihood() const { return log_likelihood_; }
-  // Log of the LSTMs' mean probability before calibration, one per class;
-  // empty unless LSTMs take part.
+  // Log of the LSTMs' mean probability before calibration at their last step
+  // or look, one per class; empty unless LSTMs take part.
   std::span<const double> lstm_score() const { return lstm_score_; }
   // One probability per class; they sum to 1. The prior before the first frame.
   std::span<const double> probability() const { return probability_; }
@@ -141,6 +151,9 @@ class ContactClassifier {
   const std::optional<Decision>& decision() const { return decision_; }
 
   static constexpr int kStabilityWindow = 16;
+  // A state whose most probable value has less than this is looked at in every
+  // frame.
+  static constexpr double kSureState = 0.95;
 
  private:
   void MakeLstms();
@@ -152,7 +165,11 @@ class ContactClassifier {
   bool SavesStep();
   bool InputsChanged();
   void StepLstms();
+  // Takes a look if one is due. `left_course` is what watch_ said.
+  void LookIfDue(bool left_course);
+  void ScoreLstms(std::span<const LstmStepper> lstms);
   void EstimateObject();
+  void AgreeOnStates();
   void UpdateProbabilities();
   void UpdateHmmProbability() const;
   void AskHmmsFirst();
@@ -173,6 +190,9 @@ class ContactClassifier {
   // Empty if the LSTMs are never stepped.
   std::vector<LstmStepper> lstms_;
   std::optional<LstmStepper> estimator_;
+  // One per LSTM; empty if no looks are taken.
+  std::vector<LstmStepper> look_lstms_;
+  CourseWatch watch_;
 
   std::vector<double> hmm_input_;
   std::vector<double> lstm_input_;
@@ -187,6 +207,18 @@ class ContactClassifier {
   std::vector<double> probability_;
   // [questions][values]
   std::vector<std::vector<double>> value_probability_;
+  // One per state question, if looks are taken: its probabilities by the LSTMs'
+  // last evaluation and by the one before.
+  struct State {
+    size_t question = 0;
+    std::vector<double> last;
+    std::vector<double> before;
+  };
+  std::vector<State> states_;
+  // Evaluations of the LSTMs since onset, and the frame of the last.
+  uint64_t evaluations_ = 0;
+  uint64_t evaluated_frame_ = 0;
+  bool evaluated_now_ = false;
   mutable std::vector<double> bias_;
   // The calibration that the probabilities were computed with.
   CalibrationPoint calibration_point_;
@@ -213,6 +245,7 @@ class ContactClassifier {
   uint32_t left_out_ = 0;
   uint32_t unchanged_ = 0;
   uint64_t lstm_steps_ = 0;
+  uint64_t looks_ = 0;
   bool hmms_are_sure_ = false;
   uint64_t saved_steps_ = 0;
   std::vector<double> next_input_;

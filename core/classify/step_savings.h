@@ -3,8 +3,8 @@
 // StepSavings: leaves out steps of the LSTMs that would probably not change the
 // answer. Unlike the rules of skip_rules.h this changes answers: a network that
 // missed a step has another state, and `unknown` uses the object's estimate of
-// the last step taken. docs/skipping.md states what each setting costs and
-// saves.
+// the last step taken. No looks are taken either (contact_classifier.h).
+// docs/skipping.md states what each setting costs and saves.
 //
 //   ContactClassifier::Options options;
 //   options.savings = {.settled_probability = 0.98,

@@ -144,4 +144,25 @@ void ValueProbability(const Question& question,
   }
 }
 
+void SetValueProbability(const Question& question,
+                         std::span<const double> value_probability,
+                         std::span<double> class_probability) {
+  const std::vector<int>& value_of = question.value_of_class;
+  for (size_t v = 0; v < value_probability.size(); ++v) {
+    double sum = 0;
+    int classes = 0;
+    for (size_t k = 0; k < value_of.size(); ++k) {
+      if (value_of[k] != static_cast<int>(v)) continue;
+      sum += class_probability[k];
+      ++classes;
+    }
+    for (size_t k = 0; k < value_of.size(); ++k) {
+      if (value_of[k] != static_cast<int>(v)) continue;
+      class_probability[k] =
+          sum > 0 ? class_probability[k] / sum * value_probability[v]
+                  : value_probability[v] / classes;
+    }
+  }
+}
+
 }  // namespace tactus

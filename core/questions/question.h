@@ -54,4 +54,11 @@ void ValueProbability(const Question& question,
                       std::span<const double> class_probability,
                       std::span<double> value_probability);
 
+// The reverse: scales the probabilities of the classes that answer with each
+// value, so that they sum to its `value_probability`. Classes without any share
+// it evenly. Allocates nothing.
+void SetValueProbability(const Question& question,
+                         std::span<const double> value_probability,
+                         std::span<double> class_probability);
+
 }  // namespace tactus

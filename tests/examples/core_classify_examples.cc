@@ -14,6 +14,7 @@
 #include "core/classify/compiled_model.h"
 #include "core/classify/contact_classifier.h"
 #include "core/classify/contact_pipeline.h"
+#include "core/classify/course_watch.h"
 #include "core/classify/input_spec.h"
 #include "core/classify/model.h"
 #include "core/classify/object_estimate.h"
@@ -36,6 +37,12 @@ static void FieldCountExample(const std::string& bytes) {
 static void ContactClassifierExample(std::shared_ptr<const CompiledModel> model,
                                      std::span<const ContactSample> contact) {
 #include "core/classify/contact_classifier.h.inc"
+}
+
+void Look(const ContactSample& sample);
+
+static void CourseWatchExample(std::span<const ContactSample> contact) {
+#include "core/classify/course_watch.h.inc"
 }
 
 void Use(uint64_t contact_id, int best_class);

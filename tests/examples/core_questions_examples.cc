@@ -7,6 +7,7 @@
 
 #include "core/base/status_macros.h"
 #include "core/classify/model.h"
+#include "core/questions/consensus.h"
 #include "core/questions/decision_tracker.h"
 #include "core/questions/question.h"
 #include "core/questions/question_table.h"
@@ -14,6 +15,10 @@
 namespace tactus::examples {
 
 void Report(int value);
+
+static void ConsensusExample() {
+#include "core/questions/consensus.h.inc"
+}
 
 static void QuestionExample() {
 #include "core/questions/question.h.inc"

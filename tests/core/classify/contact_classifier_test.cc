@@ -233,7 +233,7 @@ TEST(ContactClassifierTest, LstmsRestBetweenTheirIntervals) {
   Model model = testing::SmallModel();
   testing::AddLstms(1, model);
   model.inputs.lstm_steps = {5, 20};
-  ContactClassifier classifier(*CompiledModel::Create(model), {});
+  ContactClassifier classifier(*CompiledModel::Create(model), {.looks = false});
   std::vector<int> stepped;
   std::vector<double> last(4, 0.0);
   Random random(3);
@@ -251,6 +251,96 @@ TEST(ContactClassifierTest, LstmsRestBetweenTheirIntervals) {
   EXPECT_EQ(stepped.back() - stepped[stepped.size() - 2], 20);
 }
 
+// Noise around a constant force; from frame 201 on twice as much.
+ContactSample PushedOn(int t, Random& random) {
+  const double force = (t <= 200 ? 2 : 4) + 0.01 * random.Gaussian();
+  return {{force, 0, 0.001}, force};
+}
+
+Model ModelWithLstms() {
+  Model model = testing::SmallModel();
+  testing::AddLstms(2, model);
+  model.inputs.lstm_steps = {5, 40};
+  return model;
+}
+
+// After a look the LSTMs are where they were: at each of their steps they say
+// the same as without looks.
+TEST(ContactClassifierTest, LooksLeaveNoTrace) {
+  const auto model = *CompiledModel::Create(ModelWithLstms());
+  ContactClassifier with(model, {});
+  ContactClassifier without(model, {.looks = false});
+  Random random(3);
+  uint64_t steps = 0;
+  for (int t = 1; t <= 400; ++t) {
+    const ContactSample sample = PushedOn(t, random);
+    with.Step(sample, 0);
+    without.Step(sample, 0);
+    ASSERT_EQ(with.lstm_steps(), without.lstm_steps());
+    if (with.lstm_steps() == steps) continue;
+    steps = with.lstm_steps();
+    ASSERT_TRUE(std::ranges::equal(with.lstm_score(), without.lstm_score()));
+  }
+  EXPECT_GT(with.looks(), 0u);
+  EXPECT_EQ(without.looks(), 0u);
+}
+
+TEST(ContactClassifierTest, ANewCourseIsLookedAtBeforeTheNextStep) {
+  Model model = ModelWithLstms();
+  // Untrained networks are never sure; these always are.
+  for (LstmNetwork& lstm : model.lstms) lstm.dense_bias[0] = 60;
+  ContactClassifier classifier(*CompiledModel::Create(model), {});
+  Random random(3);
+  for (int t = 1; t <= 200; ++t) classifier.Step(PushedOn(t, random), 0);
+  const uint64_t steps = classifier.lstm_steps();
+  const uint64_t looks = classifier.looks();
+  // Steps are 20 frames apart.
+  for (int t = 201; t <= 210; ++t) classifier.Step(PushedOn(t, random), 0);
+  EXPECT_EQ(classifier.lstm_steps(), steps);
+  EXPECT_GT(classifier.looks(), looks);
+}
+
+TEST(ContactClassifierTest, AStateThatIsNotSureIsLookedAtInEachFrame) {
+  // Untrained networks are never sure.
+  ContactClassifier classifier(*CompiledModel::Create(ModelWithLstms()),
+                               {.scorers = Scorers::kLstms});
+  Random random(3);
+  for (int t = 1; t <= 100; ++t) {
+    const bool sure = classifier.lstm_steps() == 0 ||
+                      std::ranges::max(classifier.value_probability(1)) >=
+                          ContactClassifier::kSureState;
+    const uint64_t before = classifier.lstm_steps() + classifier.looks();
+    classifier.Step(PushedOn(t, random), 0);
+    if (!sure) {
+      EXPECT_EQ(classifier.lstm_steps() + classifier.looks(), before + 1) << t;
+    }
+  }
+  EXPECT_GT(classifier.looks(), 50u);
+}
+
+TEST(ContactClassifierTest, OnlyStatesAreLookedAt) {
+  Model model = ModelWithLstms();
+  model.class_names = {"foil", "wood", "cork", "felt"};
+  ContactClassifier classifier(*CompiledModel::Create(model), {});
+  Random random(3);
+  for (int t = 1; t <= 400; ++t) classifier.Step(PushedOn(t, random), 0);
+  EXPECT_EQ(classifier.looks(), 0u);
+}
+
+// The probability of a state is what two evaluations in a row agree on; the
+// classes keep their shares of it.
+TEST(ContactClassifierTest, ClassesSumToWhatTheStateAgreesOn) {
+  ContactClassifier classifier(*CompiledModel::Create(ModelWithLstms()), {});
+  Random random(4);
+  for (int t = 1; t <= 300; ++t) {
+    classifier.Step({{random.Uniform(0, 4), 0, random.Uniform(0, 0.02)}, 1}, 0);
+    const auto p = classifier.probability();
+    EXPECT_NEAR(std::accumulate(p.begin(), p.end(), 0.0), 1, 1e-12);
+    EXPECT_NEAR(p[1] + p[3], classifier.value_probability(1)[1], 1e-12);
+    EXPECT_NEAR(p[0] + p[1], classifier.value_probability(0)[0], 1e-12);
+  }
+}
+
 // At a step, a held calibration gives the same answer as one that is read at
 // every frame. Between two steps it gives the answer of the first.
 TEST(ContactClassifierTest, AHeldCalibrationIsReadAtSteps) {
@@ -259,9 +349,10 @@ TEST(ContactClassifierTest, AHeldCalibrationIsReadAtSteps) {
   model.inputs.hmm_steps = {4, 4};
   model.inputs.lstm_steps = {6, 6};
   model.calibration.frames = {1, 60};
-  ContactClassifier every_frame(*CompiledModel::Create(model), {});
+  const ContactClassifier::Options no_looks = {.looks = false};
+  ContactClassifier every_frame(*CompiledModel::Create(model), no_looks);
   model.calibration.held = true;
-  ContactClassifier held(*CompiledModel::Create(model), {});
+  ContactClassifier held(*CompiledModel::Create(model), no_looks);
   Random random(3);
   std::vector<double> answer;
   int moved = 0;

@@ -215,6 +215,7 @@ class StepSavingsTest : public SkippingTest {
   Result RunSaving(const StepSavings& savings) const {
     ContactClassifier::Options options;
     options.savings = savings;
+    options.looks = false;
     ContactClassifier classifier(model_, options);
     Random random(2);
     Result result;

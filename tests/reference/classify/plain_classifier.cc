@@ -95,7 +95,9 @@ PlainClassifier::PlainClassifier(const Model& model)
     : model_(&model),
       cues_(model.inputs.sample_rate_hz),
       hmm_clock_(model.inputs.hmm_steps),
-      lstm_clock_(model.inputs.lstm_steps) {
+      lstm_clock_(model.inputs.lstm_steps),
+      questions_(model.questions.empty() ? DefaultQuestions(model.class_names)
+                                         : model.questions) {
   Reset();
 }
 
@@ -114,6 +116,17 @@ void PlainClassifier::Reset() {
   hmm_steps_ = 0;
   hmm_clock_.Reset();
   lstm_clock_.Reset();
+  watch_.Reset();
+  evaluations_ = 0;
+  evaluated_frame_ = 0;
+  agreed_.clear();
+  for (const Question& question : questions_) {
+    Numbers& value = agreed_.emplace_back(question.values.size());
+    for (int k = 0; k < m.classes(); ++k) {
+      value[question.value_of_class[k]] += m.calibration.prior[k];
+    }
+  }
+  last_ = before_ = agreed_;
   log_alpha_.clear();
   for (const HmmMixture& mixture : m.hmms) {
     log_alpha_.emplace_back(mixture.components.size());
@@ -137,12 +150,16 @@ void PlainClassifier::StepOrHold(const ContactFrame& frame) {
   cues_.Step(frame.sample, frames_);
   const bool hmms_due = hmm_clock_.Tick(frames_);
   const bool lstms_due = !model_->lstms.empty() && lstm_clock_.Tick(frames_);
+  const bool left_course = watch_.Step(frame.sample);
+  evaluated_now_ = false;
   if (hmms_due) StepHmms();
   if (lstms_due) StepLstms();
-  if (hmms_due || lstms_due || !answered_ || !model_->calibration.held) {
-    UpdateProbabilities();
-    answered_ = true;
-  }
+  if (!lstms_due && LookIsDue(left_course)) Look();
+  const bool read =
+      hmms_due || lstms_due || !answered_ || !model_->calibration.held;
+  if (read) calibration_frame_ = frames_;
+  if (read || evaluated_now_) UpdateProbabilities();
+  answered_ = true;
 }
 
 Numbers PlainClassifier::Inputs(const std::vector<ModelInput>& inputs) const {
@@ -221,19 +238,51 @@ Numbers PlainClassifier::StepNetwork(const LstmNetwork& network, Numbers x,
   return outputs;
 }
 
-void PlainClassifier::StepLstms() {
+bool PlainClassifier::LookIsDue(bool left_course) const {
+  if (evaluations_ == 0) return false;
+  bool states = false;
+  bool unsure = false;
+  for (size_t q = 0; q < questions_.size(); ++q) {
+    if (questions_[q].kind != Question::kState) continue;
+    states = true;
+    unsure |= *std::ranges::max_element(agreed_[q]) < 0.95L;
+  }
+  return states && (unsure || (left_course && frames_ >= evaluated_frame_ + 2));
+}
+
+void PlainClassifier::Look() {
+  std::vector<Memory> copy = memories_;
+  lstm_score_ = ScoreOf(copy, Inputs(model_->inputs.lstm));
+  ++evaluations_;
+  evaluated_frame_ = frames_;
+  evaluated_now_ = true;
+  watch_.Restart();
+}
+
+Numbers PlainClassifier::ScoreOf(std::vector<Memory>& memories,
+                                 const Numbers& x) const {
   const Model& m = *model_;
-  const Numbers x = Inputs(m.inputs.lstm);
   Numbers mean(m.classes());
   for (size_t n = 0; n < m.lstms.size(); ++n) {
-    Numbers outputs = StepNetwork(m.lstms[n], x, memories_[n]);
+    Numbers outputs = StepNetwork(m.lstms[n], x, memories[n]);
     outputs.resize(m.classes());
     const Numbers probability = Normalised(outputs);
     for (int k = 0; k < m.classes(); ++k) {
       mean[k] += probability[k] / static_cast<long double>(m.lstms.size());
     }
   }
-  for (int k = 0; k < m.classes(); ++k) lstm_score_[k] = std::log(mean[k]);
+  for (long double& score : mean) score = std::log(score);
+  return mean;
+}
+
+void PlainClassifier::StepLstms() {
+  const Model& m = *model_;
+  const Numbers x = Inputs(m.inputs.lstm);
+  lstm_score_ = ScoreOf(memories_, x);
+  ++evaluations_;
+  evaluated_frame_ = frames_;
+  evaluated_now_ = true;
+  watch_.Restart();
   if (!m.estimator) return;
   const Numbers outputs = StepNetwork(*m.estimator, x, estimator_memory_);
   double regression[2];
@@ -251,7 +300,7 @@ void PlainClassifier::StepLstms() {
 
 void PlainClassifier::UpdateProbabilities() {
   const Calibration& c = model_->calibration;
-  const Reader read(c, frames_);
+  const Reader read(c, calibration_frame_);
   const auto classes = static_cast<size_t>(model_->classes());
   const auto tempered = [&](const Numbers& scores,
                             const std::vector<double>& factor,
@@ -280,6 +329,7 @@ void PlainClassifier::UpdateProbabilities() {
     }
     probability_ = Normalised(logs);
   }
+  AgreeOnStates();
   if (hmm_steps_ == 0) return;
   const long double evidence = *std::ranges::max_element(log_likelihood_) /
                                static_cast<long double>(hmm_steps_);
@@ -290,6 +340,35 @@ void PlainClassifier::UpdateProbabilities() {
     log_odds = std::max(log_odds, (read(c.softest) - stiffness) / 0.05L);
   }
   unknown_ = 1 / (1 + std::exp(-log_odds));
+}
+
+void PlainClassifier::AgreeOnStates() {
+  for (size_t q = 0; q < questions_.size(); ++q) {
+    const Question& question = questions_[q];
+    Numbers value(question.values.size());
+    for (size_t k = 0; k < probability_.size(); ++k) {
+      value[question.value_of_class[k]] += probability_[k];
+    }
+    if (evaluated_now_) before_[q] = last_[q];
+    last_[q] = agreed_[q] = value;
+    if (question.kind != Question::kState || evaluations_ == 0) continue;
+    const auto best_of = [](const Numbers& p) {
+      return std::ranges::max_element(p) - p.begin();
+    };
+    const auto best = best_of(value);
+    Numbers& agreed = agreed_[q];
+    if (evaluations_ > 1 && best_of(before_[q]) == best) {
+      if (before_[q][best] < value[best]) agreed = before_[q];
+    } else {
+      Numbers halves;
+      for (const long double p : value) halves.push_back(std::log(p) / 2);
+      agreed = Normalised(halves);
+    }
+    for (size_t k = 0; k < probability_.size(); ++k) {
+      const int v = question.value_of_class[k];
+      probability_[k] *= agreed[v] / value[v];
+    }
+  }
 }
 
 }  // namespace tactus

@@ -4,7 +4,7 @@
 // formulas of the headers in plain loops: cues, inputs, mixtures of HMMs by the
 // forward algorithm in the domain of logarithms, LSTMs, calibration, `unknown`
 // and the object estimate. Shares no code with ContactClassifier but plain data
-// and the schedule of the steps. The tests compare the two.
+// and what says when to step and look. The tests compare the two.
 //
 //   PlainClassifier plain(model);
 //   plain.StepOrHold(frame);
@@ -17,8 +17,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/classify/course_watch.h"
 #include "core/classify/model.h"
 #include "core/classify/object_estimate.h"
+#include "core/classify/step_clock.h"
+#include "core/questions/question.h"
 #include "tests/reference/classify/plain_cues.h"
 
 namespace tactus {
@@ -50,7 +53,12 @@ class PlainClassifier {
   Numbers Inputs(const std::vector<ModelInput>& inputs) const;
   void StepHmms();
   void StepLstms();
+  // On a copy of the networks' memories.
+  void Look();
+  Numbers ScoreOf(std::vector<Memory>& memories, const Numbers& x) const;
+  bool LookIsDue(bool left_course) const;
   void UpdateProbabilities();
+  void AgreeOnStates();
   // Outputs of the dense layer.
   static Numbers StepNetwork(const LstmNetwork& network, Numbers x,
                              Memory& memory);
@@ -58,9 +66,20 @@ class PlainClassifier {
   const Model* model_;
   PlainCues cues_;
   uint64_t frames_ = 0;
+  uint64_t calibration_frame_ = 0;
   uint64_t hmm_steps_ = 0;
   StepClock hmm_clock_;
   StepClock lstm_clock_;
+  CourseWatch watch_;
+  const std::vector<Question> questions_;
+  uint64_t evaluations_ = 0;
+  uint64_t evaluated_frame_ = 0;
+  bool evaluated_now_ = false;
+  // [questions][values], of states: by the last evaluation, by the one before,
+  // and what they agree on.
+  std::vector<Numbers> last_;
+  std::vector<Numbers> before_;
+  std::vector<Numbers> agreed_;
   // [class][component][state]: log p(inputs so far, state).
   std::vector<std::vector<Numbers>> log_alpha_;
   std::vector<Memory> memories_;
