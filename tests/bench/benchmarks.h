@@ -41,9 +41,12 @@ std::unique_ptr<Benchmark> MakeTrainLstmBenchmark();
 // The whole per-frame path with the default bundle: the server's cost of a
 // stream without its messages, on contacts of the random world as the skin
 // `good` records them. Rows session/contact (ns per frame of a contact at 100
-// Hz, from the first touch on), session/idle (ns per frame without touch), the
-// same of the features alone, and all of these without light touch. Fails if
-// the bundle does not give its stored answers.
+// Hz, from the first touch on), session/idle (ns per frame without touch),
+// session/contacts_N (N small objects pressed at once, far apart), the same of
+// the features alone, and all of these without light touch. The row
+// session/further_contact says what each contact beyond the first costs, beside
+// its classifier's step. Fails if the bundle does not give its stored answers,
+// or if N objects are not N contacts.
 std::unique_ptr<Benchmark> MakeSessionBenchmark();
 
 // Each rule of skip_rules.h on and off, on 64 contacts of the random world as

@@ -6,7 +6,7 @@
 //   FrameTimer timer(trials);
 //   timer.Run(n, [&] { pipeline->EndTrial(); },
 //             [&](int t) { pipeline->Step(trials[n].frame(t)); });
-//   timer.Result().contact;
+//   timer.Result().contact;  // timer.Of(n).contact
 //
 // Keeps a reference to the trials. Not thread-safe.
 #pragma once
@@ -18,8 +18,8 @@
 
 namespace tactus::client {
 
-// Nanoseconds of a frame before the onset and of one after it, each the sum of
-// the trials' medians.
+// Nanoseconds of a frame before the onset and of one after it, each from the
+// medians of the trials' runs.
 struct FrameTimes {
   double idle = 0;
   double contact = 0;
@@ -46,11 +46,16 @@ class FrameTimer {
     contact_[trial].push_back(time(frames.frames()));
   }
 
-  FrameTimes Result() const {
+  // Over all trials, and of one of them.
+  FrameTimes Result() const { return Between(0, trials_->size()); }
+  FrameTimes Of(size_t trial) const { return Between(trial, trial + 1); }
+
+ private:
+  FrameTimes Between(size_t first, size_t end) const {
     FrameTimes times;
     double idle_frames = 0;
     double contact_frames = 0;
-    for (size_t i = 0; i < trials_->size(); ++i) {
+    for (size_t i = first; i < end; ++i) {
       times.idle += Percentile(idle_[i], 0.5);
       times.contact += Percentile(contact_[i], 0.5);
       idle_frames += (*trials_)[i].lead_in;
@@ -61,7 +66,6 @@ class FrameTimer {
     return times;
   }
 
- private:
   const std::vector<RenderedTrial>* trials_;
   std::vector<std::vector<double>> idle_;
   std::vector<std::vector<double>> contact_;

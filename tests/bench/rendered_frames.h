@@ -1,7 +1,8 @@
 // File: rendered_frames.h
 //
 // Frames for benchmarks, as the robot's skin would send them: one simulated
-// contact at each of several places, with the skin's noise.
+// contact at each of several places, or several objects pressed at once, with
+// the skin's noise.
 //
 //   TACTUS_ASSIGN_OR_RETURN(const auto trials, RenderTrials(skin, 8));
 //   for (const RenderedTrial& trial : trials) { ... trial.frame(t) ... }
@@ -43,5 +44,10 @@ absl::StatusOr<std::vector<RenderedTrial>> RenderTrials(const SkinModel& skin,
 // The first `count` contacts of the random world that `skin` feels.
 absl::StatusOr<std::vector<RenderedTrial>> WorldTrials(const SkinModel& skin,
                                                        int count);
+
+// One trial that presses 1 to 8 small objects at once, far apart on a skin of
+// the named models. Its lead-in ends 0.5 s after the touch, when all of them
+// are contacts.
+absl::StatusOr<RenderedTrial> PressedTrial(const SkinModel& skin, int objects);
 
 }  // namespace tactus::client
