@@ -1,9 +1,12 @@
+#include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
+#include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/bundle/bundle.h"
 #include "core/classify/compiled_model.h"
@@ -87,17 +90,22 @@ class SessionBenchmark : public Benchmark {
                               std::vector<BenchRow>& rows) const {
     TACTUS_ASSIGN_OR_RETURN(const auto pipeline,
                             ContactPipeline::Create(layout, model_, {}));
-    ContactClassifier alone(model_, {});
+    // As many as there are contacts, so that they share the caches alike.
+    std::vector<std::unique_ptr<ContactClassifier>> alone;
+    for (int k = 0; k < limits::kMaxContacts; ++k) {
+      alone.push_back(std::make_unique<ContactClassifier>(
+          model_, ContactClassifier::Options()));
+    }
     SkinTracker tracker(layout, {.max_contacts = pipeline->max_contacts(),
-                                 .load_profile = alone.uses_profile(),
-                                 .load_spread = alone.uses_spread(),
-                                 .shear = alone.uses_shear()});
+                                 .load_profile = alone[0]->uses_profile(),
+                                 .load_spread = alone[0]->uses_spread(),
+                                 .shear = alone[0]->uses_shear()});
     FrameTimer whole(trials);
     FrameTimer features(trials);
     FrameTimer classifier(trials);
     for (size_t n = 0; n < trials.size(); ++n) {
       TACTUS_RETURN_IF_ERROR(CheckContacts(trials[n], kPressed[n], *pipeline));
-      const std::vector<ContactFrame> samples = Samples(trials[n], tracker);
+      const Samples samples = SamplesOf(trials[n], tracker);
       for (int i = 0; i < repetitions_; ++i) {
         whole.Run(
             n, [&] { pipeline->EndTrial(); },
@@ -106,8 +114,16 @@ class SessionBenchmark : public Benchmark {
             n, [&] { tracker.Reset(); },
             [&](int t) { tracker.Step(trials[n].frame(t)); });
         classifier.Run(
-            n, [&] { alone.Reset(); },
-            [&](int t) { alone.StepOrHold(samples[t], 0); });
+            n,
+            [&] {
+              for (const auto& each : alone) each->Reset();
+            },
+            [&](int t) {
+              for (size_t k = 0; k < alone.size(); ++k) {
+                const ContactFrame& frame = samples[t][k];
+                if (frame.touched) alone[k]->Step(frame.sample, 0);
+              }
+            });
       }
     }
     for (size_t n = 0; n < trials.size(); ++n) {
@@ -120,22 +136,23 @@ class SessionBenchmark : public Benchmark {
     rows.push_back(
         Row("further_contact", (whole.Of(last).contact - whole.Of(0).contact) /
                                    (kPressed[last] - kPressed[0])));
-    rows.back().peer = classifier.Of(0).contact;
+    rows.back().peer = classifier.Of(last).contact / kPressed[last];
     rows.back().peer_name = "its classifier's step alone";
     return absl::OkStatus();
   }
 
-  // The features of a trial's largest contact.
-  static std::vector<ContactFrame> Samples(const RenderedTrial& trial,
-                                           SkinTracker& tracker) {
-    std::vector<ContactFrame> samples;
+  // The features of a trial's contacts, by frame and by slot.
+  using Samples = std::vector<std::array<ContactFrame, limits::kMaxContacts>>;
+  static Samples SamplesOf(const RenderedTrial& trial, SkinTracker& tracker) {
+    Samples samples(trial.frames());
     tracker.Reset();
     for (int t = 0; t < trial.frames(); ++t) {
+      for (ContactFrame& frame : samples[t]) frame.touched = false;
       tracker.Step(trial.frame(t));
-      ContactFrame& frame = samples.emplace_back();
-      if (tracker.contacts().empty()) continue;
-      const FrameFeatures& features = tracker.contacts().front()->features();
-      frame = {features.sample(), features.touched};
+      for (const TrackedContact* contact : tracker.contacts()) {
+        const FrameFeatures& features = contact->features();
+        samples[t][contact->slot] = {features.sample(), features.touched};
+      }
     }
     return samples;
   }
