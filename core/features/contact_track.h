@@ -79,8 +79,9 @@ struct ContactTouch {
   // The contact's largest region, and its taxels.
   const Region* region = nullptr;
   std::span<const uint64_t> rows;
-  // All taxels that count as the contact's.
-  std::span<const uint64_t> all_rows;
+  // All taxels that count as the contact's; only for the load profile and the
+  // taxels' loads.
+  std::span<const uint64_t> all_rows = {};
   // The loads of the skin's taxels.
   std::span<const float> values;
   // The frame's values of all axes.

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace tactus {
 namespace {
@@ -30,22 +31,22 @@ void RegionOwners::Find(std::span<const RegionPlace> regions,
   for (size_t slot = 0; slot < contacts.size(); ++slot) {
     const KnownContact& contact = contacts[slot];
     if (!Takes(contact)) continue;
-    expected_[slot] = contact.rows;
+    TaxelRows& expected = expected_[slot];
+    expected = contact.rows;
     const auto rows = static_cast<int>(std::lround(contact.velocity.row));
     const auto columns = static_cast<int>(std::lround(contact.velocity.column));
-    if (contact.touched && (rows != 0 || columns != 0)) {
-      sets_.Move(rows, columns, expected_[slot]);
-    }
-    grown_[slot] = expected_[slot];
+    const bool moves = contact.touched && (rows != 0 || columns != 0);
+    if (moves) sets_.Move(rows, columns, expected);
+    grown_[slot] = expected;
     // A centroid also moves when a region grows or shrinks at one side.
-    sets_.Add(contact.rows, grown_[slot]);
+    if (moves) sets_.Add(contact.rows, grown_[slot]);
     sets_.Grow(grown_[slot]);
   }
   GiveOverlapping(regions, contacts);
   GiveNear(regions, contacts);
   Merge(regions, contacts);
   Part(regions, contacts);
-  FindMain(regions, contacts);
+  FindMain(regions.size());
 }
 
 void RegionOwners::GiveOverlapping(std::span<const RegionPlace> regions,
@@ -56,19 +57,26 @@ void RegionOwners::GiveOverlapping(std::span<const RegionPlace> regions,
     int most = 0;
     for (size_t slot = 0; slot < contacts.size(); ++slot) {
       if (!Takes(contacts[slot])) continue;
-      // A border that has grown over a neighbour counts less.
-      const int overlap = sets_.Overlap(grown_[slot], regions[r].rows) +
-                          sets_.Overlap(expected_[slot], regions[r].rows);
-      if (overlap == 0) continue;
-      if (owners_[r] != kNobody &&
-          !HasMore(contacts[slot], overlap, contacts[owners_[r]], most)) {
-        continue;
-      }
-      most = overlap;
-      owners_[r] = static_cast<int>(slot);
+      if (!sets_.Overlaps(grown_[slot], regions[r].rows)) continue;
       overlaps_[r] = true;
+      const int owner = std::exchange(owners_[r], static_cast<int>(slot));
+      // Nothing is counted for a region that only one contact overlaps.
+      if (owner == kNobody) continue;
+      if (most == 0) most = Right(owner, regions[r]);
+      const int overlap = Right(static_cast<int>(slot), regions[r]);
+      if (HasMore(contacts[slot], overlap, contacts[owner], most)) {
+        most = overlap;
+      } else {
+        owners_[r] = owner;
+      }
     }
   }
+}
+
+int RegionOwners::Right(int slot, const RegionPlace& region) const {
+  // A border that has grown over a neighbour counts less.
+  return sets_.Overlap(grown_[slot], region.rows) +
+         sets_.Overlap(expected_[slot], region.rows);
 }
 
 void RegionOwners::GiveNear(std::span<const RegionPlace> regions,
@@ -93,17 +101,16 @@ void RegionOwners::Merge(std::span<const RegionPlace> regions,
   for (size_t slot = 0; slot < contacts.size(); ++slot) {
     KnownContact& contact = contacts[slot];
     if (!Takes(contact) || !contact.touched) continue;
-    bool has_region = false;
+    if (HasRegion(static_cast<int>(slot), regions.size())) continue;
+    const double least = kSwallowed * sets_.Count(expected_[slot]);
     int swallower = kNobody;
     for (size_t r = 0; r < regions.size(); ++r) {
-      has_region |= owners_[r] == static_cast<int>(slot) && overlaps_[r];
       if (owners_[r] != kNobody && overlaps_[r] &&
-          sets_.Overlap(expected_[slot], regions[r].rows) >=
-              kSwallowed * sets_.Count(expected_[slot])) {
+          sets_.Overlap(expected_[slot], regions[r].rows) >= least) {
         swallower = owners_[r];
       }
     }
-    if (has_region || swallower == kNobody) continue;
+    if (swallower == kNobody) continue;
     contact.host = swallower;
     for (KnownContact& guest : contacts) {
       if (guest.active && guest.host == static_cast<int>(slot)) {
@@ -111,6 +118,13 @@ void RegionOwners::Merge(std::span<const RegionPlace> regions,
       }
     }
   }
+}
+
+bool RegionOwners::HasRegion(int slot, size_t regions) const {
+  for (size_t r = 0; r < regions; ++r) {
+    if (owners_[r] == slot && overlaps_[r]) return true;
+  }
+  return false;
 }
 
 void RegionOwners::Part(std::span<const RegionPlace> regions,
@@ -138,16 +152,11 @@ void RegionOwners::Part(std::span<const RegionPlace> regions,
   }
 }
 
-void RegionOwners::FindMain(std::span<const RegionPlace> regions,
-                            std::span<const KnownContact> contacts) {
-  for (size_t slot = 0; slot < contacts.size(); ++slot) {
-    int& main = main_[slot];
-    main = kNobody;
-    for (size_t r = 0; r < regions.size(); ++r) {
-      if (owners_[r] != static_cast<int>(slot)) continue;
-      main = static_cast<int>(r);
-      break;
-    }
+void RegionOwners::FindMain(size_t regions) {
+  main_.fill(kNobody);
+  // The first region comes last.
+  for (size_t r = regions; r-- > 0;) {
+    if (owners_[r] != kNobody) main_[owners_[r]] = static_cast<int>(r);
   }
 }
 

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -79,8 +80,11 @@ class RegionOwners {
              std::span<KnownContact> contacts);
   void Part(std::span<const RegionPlace> regions,
             std::span<KnownContact> contacts);
-  void FindMain(std::span<const RegionPlace> regions,
-                std::span<const KnownContact> contacts);
+  void FindMain(size_t regions);
+  // How much of a region a contact overlaps, with its grown border.
+  int Right(int slot, const RegionPlace& region) const;
+  // True if a contact overlaps a region that is given to it.
+  bool HasRegion(int slot, size_t regions) const;
   double Distance(const Region& region, const SkinPoint& point) const;
 
   SkinLayout layout_;

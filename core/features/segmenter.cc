@@ -7,8 +7,6 @@
 #include <cstddef>
 #include <limits>
 
-#include "core/features/touched.h"
-
 namespace tactus {
 namespace {
 
@@ -37,9 +35,7 @@ Segmenter::Segmenter(const SkinLayout& layout, bool skip_untouched)
       skip_untouched_(skip_untouched),
       valid_(TouchedWords(layout.taxels()), ~uint64_t{0}),
       touched_(valid_.size() + 1),
-      selected_(valid_.size()),
-      row_columns_(rows_),
-      largest_rows_(rows_) {
+      row_columns_(rows_) {
   for (size_t i = 0; i < layout.mask.size(); ++i) {
     if (layout.mask[i] == 0) valid_[i / 64] &= ~(uint64_t{1} << (i % 64));
   }
@@ -64,10 +60,7 @@ int Segmenter::Segment(std::span<const float> shape, float threshold,
     regions_ = 1;
   } else {
     largest_root_ = FindRegions(values);
-    if (regions_ > 1) {
-      SelectRegion(largest_root_);
-      sum = SumTouched(values, selected_);
-    }
+    if (regions_ > 1) sum = SumRegion(values, largest_root_);
     if (regions_ > 0) Locate(largest_root_, largest_);
   }
   largest_.max_value = sum.max_value;
@@ -108,14 +101,13 @@ bool Segmenter::LocateBlob() {
   int64_t row_sum = 0;
   // Twice the sum.
   int64_t column_sum = 0;
-  bool is_blob = true;
   uint64_t reached = all;
   for (int row = first_row_; row < end_row_; ++row) {
     uint64_t run = row_columns_[row];
     if (turn > 0) run = (run >> turn | run << (columns_ - turn)) & all;
     // Its lowest bit carries past the end of its first stretch.
     const uint64_t past = run + (run & -run);
-    is_blob &= (run & reached) != 0 && (run & past) == 0;
+    if ((run & reached) == 0 || (run & past) != 0) return false;
     reached = reach_ == 0 ? run : run | run << 1 | run >> 1;
     const int begin = std::countr_zero(run);
     const int end = std::countr_zero(past);
@@ -123,7 +115,6 @@ bool Segmenter::LocateBlob() {
     row_sum += int64_t{row} * (end - begin);
     column_sum += int64_t{2 * turn + begin + end - 1} * (end - begin);
   }
-  if (!is_blob) return false;
   largest_.taxels = taxels;
   largest_.first_taxel =
       first_row_ * columns_ + std::countr_zero(row_columns_[first_row_]);
@@ -207,51 +198,56 @@ int Segmenter::MeasureRegions(std::span<const float> taxels) {
     Run& run = runs_[i];
     // Its parent comes earlier and knows its first run by now.
     run.parent = runs_[run.parent].parent;
-    regions_ += run.parent == i;
-    runs_[run.parent].taxels += run.end - run.begin;
+    Run& root = runs_[run.parent];
+    if (run.parent == i) {
+      ++regions_;
+    } else {
+      runs_[root.last].next = i;
+    }
+    root.last = i;
+    root.taxels += run.end - run.begin;
   }
   int best = 0;
   if (regions_ == 1) return best;
+  // Below 0: not known yet.
+  float best_peak = -1;
   for (int i = 1; i < static_cast<int>(runs_.size()); ++i) {
     const int taxels_here = runs_[i].taxels;
     const int most = runs_[best].taxels;
-    if (taxels_here > most ||
-        (taxels_here == most && Peak(taxels, i) > Peak(taxels, best))) {
-      best = i;
+    if (taxels_here < most) continue;
+    float peak = -1;
+    if (taxels_here == most) {
+      if (best_peak < 0) best_peak = SumRegion(taxels, best).max_value;
+      peak = SumRegion(taxels, i).max_value;
+      if (!(peak > best_peak)) continue;
     }
+    best = i;
+    best_peak = peak;
   }
   return best;
 }
 
-float Segmenter::Peak(std::span<const float> taxels, int root) {
-  SelectRegion(root);
-  return SumTouched(taxels, selected_).max_value;
-}
-
-void Segmenter::SelectRegion(int root) {
-  std::fill(selected_.begin(), selected_.end(), 0);
-  for (const Run& run : runs_) {
-    if (run.parent != root) continue;
-    const int bit = run.row * columns_ + run.begin;
-    const uint64_t columns = BitRange(0, run.end - run.begin);
-    selected_[bit / 64] |= columns << (bit % 64);
-    const uint64_t rest = columns >> 1 >> (63 - bit % 64);
-    if (rest != 0) selected_[bit / 64 + 1] |= rest;
+TouchedSum Segmenter::SumRegion(std::span<const float> taxels, int root) const {
+  TouchedAdder sum;
+  for (int i = root; i != kNoRun; i = runs_[i].next) {
+    const size_t first = ptrdiff_t{runs_[i].row} * columns_;
+    sum.Add(taxels, first + runs_[i].begin, first + runs_[i].end);
   }
+  return sum.Sum();
 }
 
 void Segmenter::Locate(int root, Region& region) const {
   uint64_t columns = 0;
-  for (const Run& run : runs_) {
-    if (run.parent == root) columns |= BitRange(run.begin, run.end);
+  for (int i = root; i != kNoRun; i = runs_[i].next) {
+    columns |= BitRange(runs_[i].begin, runs_[i].end);
   }
   // Across the seam its columns form one arc of the cylinder: those of its
   // end, next to column 0, are counted beyond the last one.
   const int tail = Crosses(columns) ? std::countr_one(columns) : 0;
   int64_t row_sum = 0;
   int64_t column_sum = 0;
-  for (const Run& run : runs_) {
-    if (run.parent != root) continue;
+  for (int i = root; i != kNoRun; i = runs_[i].next) {
+    const Run& run = runs_[i];
     const int length = run.end - run.begin;
     row_sum += int64_t{run.row} * length;
     column_sum += int64_t{run.begin + run.end - 1} * length / 2;
@@ -269,7 +265,10 @@ int Segmenter::FindLargest(std::span<const float> values,
   if (regions_ == 0 || regions.empty()) return 0;
   if (regions_ == 1) {
     regions[0].region = largest_;
-    std::ranges::copy(row_columns_, regions[0].rows.begin());
+    regions[0].rows.Clear();
+    for (int row = first_row_; row < end_row_; ++row) {
+      regions[0].rows.Add(row, row_columns_[row]);
+    }
     return 1;
   }
   // The roots of the largest so far, by falling size.
@@ -290,26 +289,29 @@ int Segmenter::FindLargest(std::span<const float> values,
   }
   for (size_t i = 0; i < found; ++i) {
     CopyRegion(roots[i], regions[i].rows);
+    if (roots[i] == largest_root_) {
+      regions[i].region = largest_;
+      continue;
+    }
     Locate(roots[i], regions[i].region);
-    SelectRegion(roots[i]);
-    const TouchedSum sum = SumTouched(values, selected_);
+    const TouchedSum sum = SumRegion(values, roots[i]);
     regions[i].region.max_value = sum.max_value;
     regions[i].region.total = sum.total;
   }
   return static_cast<int>(found);
 }
 
-void Segmenter::CopyRegion(int root, std::span<uint64_t> rows) const {
-  std::fill(rows.begin(), rows.end(), 0);
-  for (const Run& run : runs_) {
-    if (run.parent == root) rows[run.row] |= BitRange(run.begin, run.end);
+void Segmenter::CopyRegion(int root, TaxelRows& rows) const {
+  rows.Clear();
+  for (int i = root; i != kNoRun; i = runs_[i].next) {
+    rows.Add(runs_[i].row, BitRange(runs_[i].begin, runs_[i].end));
   }
 }
 
 std::span<const uint64_t> Segmenter::LargestRows() {
   if (regions_ <= 1) return row_columns_;
   CopyRegion(largest_root_, largest_rows_);
-  return largest_rows_;
+  return largest_rows_.words().first(rows_);
 }
 
 void Segmenter::SumLoads(std::span<const float> values,

@@ -20,6 +20,7 @@
 
 #include "core/features/feature.h"
 #include "core/features/taxel_rows.h"
+#include "core/features/touched.h"
 #include "core/skin/layout.h"
 
 namespace tactus {
@@ -123,6 +124,8 @@ class Segmenter {
   void CopyLabels(std::span<uint16_t> labels) const;
 
  private:
+  static constexpr int kNoRun = -1;
+
   // A maximal stretch of touched taxels in one row: columns begin .. end-1.
   struct Run {
     int row = 0;
@@ -131,8 +134,11 @@ class Segmenter {
     // Index of an earlier run of the same region, or its own; once all rows
     // are known, of the region's first run.
     int parent = 0;
-    // Taxels of the region, in its first run.
+    // Taxels of the region and the index of its last run, in its first run.
     int taxels = 0;
+    int last = 0;
+    // Index of the region's next run.
+    int next = kNoRun;
   };
 
   // Finds the touched taxels, row by row. Returns false if there are none; then
@@ -152,11 +158,9 @@ class Segmenter {
   // Finds each run's region and its size. Returns the first run of the
   // largest.
   int MeasureRegions(std::span<const float> taxels);
-  // Largest value in a region.
-  float Peak(std::span<const float> taxels, int root);
-  // Sets the bits of a region alone.
-  void SelectRegion(int root);
-  void CopyRegion(int root, std::span<uint64_t> rows) const;
+  // Largest value and sum of the region of a root.
+  TouchedSum SumRegion(std::span<const float> taxels, int root) const;
+  void CopyRegion(int root, TaxelRows& rows) const;
   // Finds the place of the region of a root; its loads stay as they are.
   void Locate(int root, Region& region) const;
   // True if a region with taxels in `columns` crosses the seam.
@@ -174,15 +178,14 @@ class Segmenter {
   float threshold_;
   bool skip_untouched_;
   // One bit per taxel, row-major: valid taxels; touched taxels, and one word
-  // more; taxels of one region.
+  // more.
   std::vector<uint64_t> valid_;
   std::vector<uint64_t> touched_;
-  std::vector<uint64_t> selected_;
   // One word per row: bit c is set if column c is touched. Rows before
   // first_row_ and from end_row_ on are untouched.
   std::vector<uint64_t> row_columns_;
   // The same of the largest region, once it was asked for.
-  std::vector<uint64_t> largest_rows_;
+  TaxelRows largest_rows_;
   int first_row_ = 0;
   int end_row_ = 0;
   // Empty if the frame is one blob.

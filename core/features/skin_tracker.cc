@@ -212,21 +212,18 @@ void SkinTracker::MoveOn(const FrameView& frame) {
 
 ContactTouch SkinTracker::TouchOf(int slot, int region) {
   const Segmenter& segmenter = finder_.segmenter();
-  std::copy(segmenter.rows().begin(), segmenter.rows().end(),
-            own_rows_.begin());
   ContactTouch touch = {.region = &places_[region].region,
-                        .rows = places_[region].rows,
-                        .all_rows = own_rows_,
+                        .rows = places_[region].rows.words(),
                         .values = finder_.values(),
                         .axis_values = axis_values_,
                         .segmenter = &segmenter};
   for (int r = 0; r < place_count_; ++r) {
-    const int owner = owners_.owner(r);
-    if (owner == slot) {
-      touch.max_value = std::max(touch.max_value, places_[r].region.max_value);
-    } else if (owner != RegionOwners::kNobody) {
-      sets_.Remove(places_[r].rows, own_rows_);
-    }
+    if (owners_.owner(r) != slot) continue;
+    touch.max_value = std::max(touch.max_value, places_[r].region.max_value);
+  }
+  if (track_options_.load_profile || track_options_.taxel_loads) {
+    FindOwnRows(slot);
+    touch.all_rows = own_rows_.words();
   }
   if (touch.max_value >= contact_threshold_) return touch;
   for (int r = 0; r < place_count_; ++r) {
@@ -237,8 +234,19 @@ ContactTouch SkinTracker::TouchOf(int slot, int region) {
   return touch;
 }
 
+void SkinTracker::FindOwnRows(int slot) {
+  own_rows_.Clear();
+  const std::span<const uint64_t> touched = finder_.segmenter().rows();
+  for (int row = 0; row < layout_.rows; ++row) own_rows_.Add(row, touched[row]);
+  for (int r = 0; r < place_count_; ++r) {
+    const int owner = owners_.owner(r);
+    if (owner == slot || owner == RegionOwners::kNobody) continue;
+    sets_.Remove(places_[r].rows, own_rows_);
+  }
+}
+
 void SkinTracker::Follow(TrackedContact& contact, const Region& region) {
-  contact.rows = {};
+  contact.rows.Clear();
   for (int r = 0; r < place_count_; ++r) {
     if (owners_.owner(r) == contact.slot) {
       sets_.Add(places_[r].rows, contact.rows);
@@ -260,7 +268,7 @@ void SkinTracker::Follow(TrackedContact& contact, const Region& region) {
 void SkinTracker::FollowRows(TrackedContact& contact, const SkinPoint& moved) {
   if (++contact.stretch_frames > stretch_frames_) {
     contact.earlier_rows = contact.stretch_rows;
-    contact.stretch_rows = {};
+    contact.stretch_rows.Clear();
     contact.stretch_frames = 1;
   }
   sets_.Add(contact.rows, contact.stretch_rows);
@@ -370,7 +378,7 @@ void SkinTracker::Begin(const FrameView& frame, int region, uint64_t parent) {
   contact->region = region;
   contact->rows = places_[region].rows;
   contact->stretch_rows = contact->rows;
-  contact->earlier_rows = {};
+  contact->earlier_rows.Clear();
   contact->stretch_frames = 1;
   owners_.Give(region, contact->slot);
   const ContactTouch touch = TouchOf(contact->slot, region);
@@ -416,7 +424,7 @@ bool SkinTracker::IsResidue(const RegionPlace& place, double left) {
 
 std::span<const uint64_t> SkinTracker::RowsOf(int slot) {
   if (options_.max_contacts == 1) return finder_.segmenter().LargestRows();
-  return places_[slots_[slot]->region].rows;
+  return places_[slots_[slot]->region].rows.words().first(layout_.rows);
 }
 
 std::optional<SkinPoint> SkinTracker::CentreOfPressure(int slot) {

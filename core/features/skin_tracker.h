@@ -222,6 +222,8 @@ class SkinTracker {
   TrackedContact* FreeSlot();
   // What the frame shows of a contact with this largest region.
   ContactTouch TouchOf(int slot, int region);
+  // Fills own_rows_ with all touched taxels that no other contact has.
+  void FindOwnRows(int slot);
   // Keeps a touched contact's taxels and where they move.
   void Follow(TrackedContact& contact, const Region& region);
   void FollowRows(TrackedContact& contact, const SkinPoint& moved);

@@ -1,7 +1,8 @@
 // File: taxel_rows.h
 //
 // Sets of taxels as one word per row, bit c of word r being the taxel in row r
-// and column c: how regions overlap and how near they are.
+// and column c: how regions overlap and how near they are. What is done to a
+// set costs as many rows as it spans, whatever the skin's size.
 //
 //   const TaxelSets sets(layout);
 //   TaxelRows grown = region.rows;
@@ -11,16 +12,61 @@
 // Plain data; thread-safe. Nothing allocates.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "core/base/limits.h"
 #include "core/skin/layout.h"
 
 namespace tactus {
 
-// Rows beyond those of the skin are 0.
-using TaxelRows = std::array<uint64_t, limits::kMaxRows>;
+class TaxelRows {
+ public:
+  TaxelRows() = default;
+  TaxelRows(const TaxelRows&) = default;
+  TaxelRows& operator=(const TaxelRows& other) {
+    const int end = std::max(end_, other.end_);
+    for (int row = std::min(first_, other.first_); row < end; ++row) {
+      words_[row] = other.words_[row];
+    }
+    first_ = other.first_;
+    end_ = other.end_;
+    columns_ = other.columns_;
+    return *this;
+  }
+
+  void Clear() {
+    std::fill(words_.begin() + std::min(first_, end_), words_.begin() + end_,
+              uint64_t{0});
+    first_ = limits::kMaxRows;
+    end_ = 0;
+    columns_ = 0;
+  }
+  void Add(int row, uint64_t columns) {
+    words_[row] |= columns;
+    first_ = std::min(first_, row);
+    end_ = std::max(end_, row + 1);
+    columns_ |= columns;
+  }
+
+  uint64_t operator[](int row) const { return words_[row]; }
+  // All rows; those beyond the skin are 0.
+  std::span<const uint64_t> words() const { return words_; }
+  // Rows before first() and from end() on have no taxel.
+  int first() const { return first_; }
+  int end() const { return end_; }
+
+ private:
+  friend class TaxelSets;
+
+  std::array<uint64_t, limits::kMaxRows> words_ = {};
+  int first_ = limits::kMaxRows;
+  int end_ = 0;
+  // Other columns have no taxel.
+  uint64_t columns_ = 0;
+};
 
 class TaxelSets {
  public:
@@ -42,6 +88,8 @@ class TaxelSets {
  private:
   // The row moved to higher columns, or to lower ones if below 0.
   uint64_t Turn(uint64_t row, int columns) const;
+  // The row with its neighbours on both sides.
+  uint64_t Widen(uint64_t row) const;
 
   int rows_;
   int columns_;

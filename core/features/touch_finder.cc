@@ -65,7 +65,7 @@ bool TouchFinder::Begins(const RegionPlace& place) const {
   if (place.region.max_value >= onset_threshold_) return true;
   if (!light_ || !light_->has_shape()) return false;
   double total = 0;
-  for (size_t row = 0; row < segmenter_.rows().size(); ++row) {
+  for (int row = place.rows.first(); row < place.rows.end(); ++row) {
     for (uint64_t rest = place.rows[row]; rest != 0; rest &= rest - 1) {
       total += light_->shape()[row * columns_ + std::countr_zero(rest)];
     }
@@ -75,8 +75,7 @@ bool TouchFinder::Begins(const RegionPlace& place) const {
 
 double TouchFinder::LightPeak(const RegionPlace& place) {
   if (!light_) return 0;
-  return light_->RegionPeak(
-      std::span(place.rows).first(segmenter_.rows().size()));
+  return light_->RegionPeak(place.rows.words().first(segmenter_.rows().size()));
 }
 
 }  // namespace tactus

@@ -38,9 +38,7 @@ bool FindTouched(const float* taxels, size_t count, float threshold,
   return (any | word) != 0;
 }
 
-// Sums run in this many stripes at any vector width, so that every width
-// rounds alike.
-constexpr size_t kStripes = 16;
+constexpr size_t kStripes = TouchedAdder::kStripes;
 
 void SumTouched(const float* taxels, size_t count, const uint64_t* bits,
                 TouchedSum* sum) {
@@ -72,15 +70,12 @@ void SumTouched(const float* taxels, size_t count, const uint64_t* bits,
       totals[part] = hn::Add(totals[part], hn::PromoteTo(d, value));
     }
   }
-  double stripes[kStripes];
+  std::array<double, kStripes> stripes;
   for (size_t part = 0; part < kParts; ++part) {
-    hn::StoreU(totals[part], d, stripes + part * kLanes);
+    hn::StoreU(totals[part], d, stripes.data() + part * kLanes);
   }
   sum->max_value = hn::GetLane(hn::MaxOfLanes(f, largest));
-  for (size_t half = kStripes / 2; half > 0; half /= 2) {
-    for (size_t i = 0; i < half; ++i) stripes[i] += stripes[i + half];
-  }
-  sum->total = stripes[0];
+  sum->total = TouchedAdder::SumOfStripes(stripes);
 }
 
 }  // namespace tactus::HWY_NAMESPACE

@@ -16,19 +16,23 @@ using Plain = std::set<std::pair<int, int>>;
 
 Plain ToPlain(const TaxelRows& rows) {
   Plain plain;
-  for (int r = 0; r < static_cast<int>(rows.size()); ++r) {
+  for (int r = 0; r < limits::kMaxRows; ++r) {
     for (int c = 0; c < 64; ++c) {
       if ((rows[r] >> c & 1) != 0) plain.emplace(r, c);
     }
+    EXPECT_TRUE(rows[r] == 0 || (r >= rows.first() && r < rows.end())) << r;
   }
   return plain;
 }
 
 TaxelRows RandomRows(const SkinLayout& layout, Random& random) {
-  TaxelRows rows = {};
-  for (int i = 0; i < 12; ++i) {
-    rows[random.Index(layout.rows)] |= uint64_t{1}
-                                       << random.Index(layout.columns);
+  TaxelRows rows;
+  // Some are empty, and some span a part of the skin.
+  const uint64_t count = random.Index(12);
+  const auto first = static_cast<int>(random.Index(layout.rows));
+  for (uint64_t i = 0; i < count; ++i) {
+    rows.Add(first + static_cast<int>(random.Index(layout.rows - first)),
+             uint64_t{1} << random.Index(layout.columns));
   }
   return rows;
 }
@@ -76,6 +80,10 @@ TEST(TaxelRowsTest, SetsAreThoseOfPlaces) {
         sets.Remove(a, changed);
         EXPECT_EQ(sets.Overlap(changed, a), 0);
         EXPECT_EQ(sets.Count(changed), sets.Count(b) - common);
+        changed = b;
+        EXPECT_EQ(ToPlain(changed), ToPlain(b));
+        changed.Clear();
+        EXPECT_EQ(ToPlain(changed), Plain());
       }
     }
   }

@@ -63,11 +63,15 @@ TEST(TouchedTest, SumsAreRightAndTheSameBitsAtAnyWidth) {
       const TouchedSum sum = SumTouched(taxels, bits);
       long double total = 0;
       float largest = 0;
+      TouchedAdder adder;
       for (size_t i = 0; i < size; ++i) {
         if ((bits[i / 64] >> (i % 64) & 1) == 0) continue;
         total += taxels[i];
         largest = std::max(largest, taxels[i]);
+        adder.Add(taxels, i, i + 1);
       }
+      ASSERT_EQ(adder.Sum().max_value, sum.max_value);
+      ASSERT_EQ(adder.Sum().total, sum.total);
       ASSERT_EQ(sum.max_value, largest);
       ASSERT_NEAR(sum.total, static_cast<double>(total), 1e-15 * size);
       totals.push_back(sum.total);
