@@ -100,7 +100,8 @@ class Toucher {
 
 // What a robot sends: trials of touches, with lost frames, in messages of up to
 // `batch` frames. A wide skin is touched by two objects. The right one spreads
-// as its load grows, until it joins the left one around the seam.
+// as its load grows, until it joins the left one around the seam. A wider one
+// is touched by two more.
 std::vector<v1::ClassifyContactRequest> Script(const v1::StreamConfig& config,
                                                int trials, int frames,
                                                uint32_t batch, uint64_t seed) {
@@ -112,12 +113,19 @@ std::vector<v1::ClassifyContactRequest> Script(const v1::StreamConfig& config,
   for (int trial = 0; trial < trials; ++trial) {
     Toucher left;
     Toucher right;
+    Toucher third;
+    Toucher fourth;
     const auto columns = static_cast<int>(config.geometry().columns());
     v1::FrameBatch* open = nullptr;
     for (int t = 0; t < frames; ++t) {
       const double on_left = left.Next(config.sample_rate_hz(), random);
       const double on_right =
           columns < 12 ? 0 : right.Next(config.sample_rate_hz(), random);
+      const auto on_more = [&](Toucher& toucher) {
+        return columns < 30 ? 0 : toucher.Next(config.sample_rate_hz(), random);
+      };
+      const double on_third = on_more(third);
+      const double on_fourth = on_more(fourth);
       ++sequence;
       const bool lost = random.Index(25) == 0;
       if (lost) sequence += 1 + random.Index(random.Index(5) == 0 ? 300 : 5);
@@ -137,6 +145,8 @@ std::vector<v1::ClassifyContactRequest> Script(const v1::StreamConfig& config,
         if (column >= 7 && column < 9 + 2 * on_right) {
           value += on_right * random.Uniform();
         }
+        if (on_third > 0 && column >= 19 && column < 21) value += on_third;
+        if (on_fourth > 0 && column >= 24 && column < 27) value += on_fourth;
         const auto count = static_cast<uint16_t>(value / testing::kStep);
         open->mutable_taxels()->append(reinterpret_cast<const char*>(&count),
                                        sizeof(count));
@@ -340,10 +350,13 @@ TEST(StreamHistoryTest, LostStreamsGoOnBitForBit) {
       {v1::RESULT_CADENCE_EVERY_FRAME, 0, true, false, 100, 1, 14},
       {v1::RESULT_CADENCE_EVENTS, 0, false, false, 100, 3, 14},
       {v1::RESULT_CADENCE_EVERY_FRAME, 0, false, true, 100, 1, 14},
+      {v1::RESULT_CADENCE_EVERY_FRAME, 0, true, false, 100, 2, 30},
+      {v1::RESULT_CADENCE_EVENTS, 0, false, true, 100, 3, 30},
   };
   int losses = 0;
-  // Answers with two contacts, and contacts that joined another.
+  // Answers with two contacts and with three, and contacts that joined another.
   int with_two = 0;
+  int with_three = 0;
   int merged = 0;
   for (const Case& c : cases) {
     v1::StreamConfig config =
@@ -362,6 +375,7 @@ TEST(StreamHistoryTest, LostStreamsGoOnBitForBit) {
       ExpectEqual(robot.answers(), want);
       for (const v1::Answer& answer : want) {
         with_two += answer.contacts_size() > 1;
+        with_three += answer.contacts_size() > 2;
         for (const v1::ContactEvent& event : answer.events()) {
           merged += event.kind() == v1::ContactEvent::KIND_MERGED;
         }
@@ -373,6 +387,7 @@ TEST(StreamHistoryTest, LostStreamsGoOnBitForBit) {
   }
   EXPECT_GT(losses, 150);
   EXPECT_GT(with_two, 500);
+  EXPECT_GT(with_three, 200);
   EXPECT_GT(merged, 20);
 }
 
