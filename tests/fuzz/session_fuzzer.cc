@@ -1,17 +1,19 @@
-// Drives a StreamSession with messages of arbitrary bytes and with frame
-// batches whose fields are arbitrary, while the reader comes and goes. Every
-// contact's answers must be probability distributions, every event be about a
-// contact of its answer, every end have a reason, the queue stay bounded.
+// Drives a StreamSession of any skin with messages of arbitrary bytes, with
+// frame batches whose fields are arbitrary, and with several objects that press
+// at once, while the reader comes and goes. Every contact's answers must be
+// probability distributions, its taxels its own and those of the skin, every
+// event be about a contact of its answer, every end have a reason, the queue
+// stay bounded.
 #include <fuzzer/FuzzedDataProvider.h>
 
 #include <cmath>
-#include <cstring>
 #include <set>
 
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "google/protobuf/io/zero_copy_stream_impl_lite.h"
 #include "server/session/stream_session.h"
+#include "tests/fuzz/any_skin.h"
 #include "tests/server/support/test_models.h"
 
 namespace {
@@ -22,97 +24,64 @@ using Request = tactus::v1::ClassifyContactRequest;
 #define REQUIRE(condition) \
   if (!(condition)) __builtin_trap()
 
-// A small skin, so that few bytes make a frame, with room for two contacts.
-constexpr int kRows = 2;
-constexpr int kColumns = 9;
-
-Request Config(FuzzedDataProvider& data) {
-  Request request;
-  auto* config = request.mutable_config();
-  auto* geometry = config->mutable_geometry();
-  geometry->set_layout("fuzz");
-  geometry->set_rows(kRows);
-  geometry->set_columns(kColumns);
-  geometry->set_row_pitch_m(0.01);
-  geometry->set_column_pitch_m(0.01);
-  geometry->set_taxel_area_m2(1e-4);
-  geometry->set_wrap_columns(data.ConsumeBool());
-  geometry->set_unit(tactus::v1::TAXEL_UNIT_NEWTON);
-  geometry->set_contact_threshold(0.1);
-  geometry->set_onset_threshold(0.2);
-  config->set_taxel_type(data.ConsumeBool() ? tactus::v1::TAXEL_TYPE_UINT16
-                                            : tactus::v1::TAXEL_TYPE_FLOAT32);
-  if (data.ConsumeBool()) config->set_scale(0.001);
-  config->set_with_poses(data.ConsumeBool());
-  config->set_with_taxels(data.ConsumeBool());
-  config->set_with_diagnostics(data.ConsumeBool());
-  config->set_never_release(data.ConsumeBool());
-  if (!config->never_release()) {
-    config->set_release_after_ms(data.ConsumeIntegralInRange(1, 50));
-  }
-  if (data.ConsumeBool()) {
-    config->set_max_contacts(data.ConsumeIntegralInRange(1, 8));
-  }
-  config->set_cadence(static_cast<tactus::v1::ResultCadence>(
-      data.ConsumeIntegralInRange(0, 4)));
-  config->set_result_interval_frames(data.ConsumeIntegralInRange(1, 4));
-  config->set_effort(
-      static_cast<tactus::v1::Effort>(data.ConsumeIntegralInRange(0, 2)));
-  return request;
+bool Seldom(FuzzedDataProvider& data) {
+  return data.ConsumeIntegralInRange(0, 63) == 63;
 }
 
-// Frames with a load on some columns, which stays for several frames: any
-// bytes seldom make two contacts.
-std::string Presses(FuzzedDataProvider& data, uint32_t frames) {
-  std::string taxels;
-  uint32_t columns = 0;
-  for (uint32_t i = 0; i < frames; ++i) {
-    if (i == 0 || data.ConsumeIntegralInRange(0, 7) == 0) {
-      columns = data.ConsumeIntegral<uint16_t>();
-    }
-    for (int taxel = 0; taxel < kRows * kColumns; ++taxel) {
-      const uint16_t load = (columns >> taxel % kColumns & 1) * 2'000;
-      taxels.append(reinterpret_cast<const char*>(&load), sizeof(load));
-    }
-  }
-  return taxels;
-}
-
-Request Frames(FuzzedDataProvider& data, uint64_t sequence) {
+Request Frames(FuzzedDataProvider& data, uint64_t sequence,
+               tactus::fuzz::Presses& presses) {
   Request request;
   auto* batch = request.mutable_frames();
-  const auto count = data.ConsumeIntegralInRange<uint32_t>(0, 5);
-  batch->set_first_sequence(sequence + data.ConsumeIntegralInRange(0, 300));
+  // What ends a stream is rare, so that most streams have contacts.
+  const auto count =
+      Seldom(data) ? 0 : data.ConsumeIntegralInRange<uint32_t>(1, 5);
+  batch->set_first_sequence(sequence +
+                            (data.ConsumeIntegralInRange(0, 9) == 0
+                                 ? data.ConsumeIntegralInRange(0, 300)
+                                 : 0));
   batch->set_first_capture_time_ns(
-      data.ConsumeBool() ? static_cast<int64_t>(sequence) * 10'000'000
-                         : data.ConsumeIntegral<int64_t>());
+      Seldom(data)
+          ? data.ConsumeIntegral<int64_t>()
+          : static_cast<int64_t>(batch->first_sequence()) * 10'000'000);
   batch->set_frame_count(count);
-  const size_t taxels = count * kRows * kColumns;
-  if (data.ConsumeBool()) {
-    batch->set_taxels(Presses(data, count));
-  } else if (data.ConsumeBool()) {
-    batch->set_taxels(
-        data.ConsumeBytesAsString(taxels * (data.ConsumeBool() ? 2 : 4)));
+  const bool sparse = data.ConsumeBool();
+  if (!Seldom(data)) {
+    for (uint32_t i = 0; i < count; ++i) {
+      if (data.ConsumeBool()) presses.Change(data);
+      presses.AppendTo(sparse, batch);
+    }
+  } else if (!sparse) {
+    batch->set_taxels(data.ConsumeBytesAsString(count * presses.values() *
+                                                presses.value_bytes()));
   } else {
-    auto* sparse = batch->mutable_sparse();
     size_t entries = 0;
     for (uint32_t i = 0; i < count; ++i) {
-      sparse->add_counts(data.ConsumeIntegralInRange(0, kRows * kColumns));
-      entries += sparse->counts(static_cast<int>(i));
+      const auto listed =
+          data.ConsumeIntegralInRange<uint32_t>(0, presses.values());
+      batch->mutable_sparse()->add_counts(listed);
+      entries += listed;
     }
-    sparse->set_indices(data.ConsumeBytesAsString(2 * entries));
-    sparse->set_values(
-        data.ConsumeBytesAsString(entries * (data.ConsumeBool() ? 2 : 4)));
-  }
-  if (data.ConsumeBool()) {
-    for (uint32_t i = 0; i < count; ++i) {
-      for (int k = 0; k < 3; ++k) {
-        batch->add_poses(data.ConsumeFloatingPoint<double>());
-      }
-      for (double q : {0.0, 0.0, 0.0, 1.0}) batch->add_poses(q);
-    }
+    batch->mutable_sparse()->set_indices(
+        data.ConsumeBytesAsString(2 * entries));
+    batch->mutable_sparse()->set_values(
+        data.ConsumeBytesAsString(entries * presses.value_bytes()));
   }
   return request;
+}
+
+// The poses that the configuration asks for, and seldom others.
+void AddPoses(FuzzedDataProvider& data, bool wanted,
+              tactus::v1::FrameBatch* batch) {
+  if (Seldom(data)) wanted = !wanted;
+  if (!wanted) return;
+  const bool any = Seldom(data);
+  for (uint32_t i = 0; i < batch->frame_count(); ++i) {
+    for (int k = 0; k < 3; ++k) {
+      batch->add_poses(any ? data.ConsumeFloatingPoint<double>()
+                           : 1e-3 * data.ConsumeIntegral<int8_t>());
+    }
+    for (double q : {0.0, 0.0, 0.0, 1.0}) batch->add_poses(q);
+  }
 }
 
 void CheckDistribution(const google::protobuf::RepeatedField<double>& values) {
@@ -124,32 +93,80 @@ void CheckDistribution(const google::protobuf::RepeatedField<double>& values) {
   REQUIRE(std::abs(sum - 1) < 1e-6);
 }
 
-void CheckAnswer(const tactus::v1::Answer& answer) {
-  REQUIRE(answer.contacts_size() <= tactus::limits::kMaxContacts);
+using tactus::v1::StreamConfig;
+
+// Its taxels rise, and no other contact has them.
+void CheckPatch(const tactus::v1::ContactPatch& patch,
+                const StreamConfig& config, std::set<uint32_t>& taken) {
+  REQUIRE(patch.force() >= 0 && patch.max_force() >= 0);
+  REQUIRE(patch.area_taxels() > 0);
+  const auto& geometry = config.geometry();
+  REQUIRE(patch.centroid_row() >= 0 &&
+          patch.centroid_row() <= geometry.rows() - 1);
+  REQUIRE(patch.centroid_column() >= 0 &&
+          patch.centroid_column() < geometry.columns());
+  if (!config.with_taxels()) {
+    REQUIRE(patch.taxels().empty());
+    return;
+  }
+  REQUIRE(patch.area_taxels() == static_cast<uint32_t>(patch.taxels_size()));
+  uint32_t next = 0;
+  for (const uint32_t taxel : patch.taxels()) {
+    REQUIRE(taxel >= next && taxel < geometry.rows() * geometry.columns());
+    REQUIRE(taken.insert(taxel).second);
+    next = taxel + 1;
+  }
+  for (const uint32_t masked : geometry.masked_taxels()) {
+    REQUIRE(taken.count(masked) == 0);
+  }
+}
+
+void CheckContact(const tactus::v1::Contact& contact) {
+  CheckDistribution(contact.probability());
+  REQUIRE(contact.answers_size() == 2);
+  for (const auto& question : contact.answers()) {
+    CheckDistribution(question.probability());
+  }
+  REQUIRE(contact.unknown() >= 0 && contact.unknown() <= 1);
+  REQUIRE(contact.has_patch() ==
+          (contact.state() == tactus::v1::Contact::STATE_TOUCHING));
+  // One that ends may have joined its parent.
+  REQUIRE((contact.state() == tactus::v1::Contact::STATE_MERGED) <=
+          (contact.merged_into() != 0));
+  REQUIRE(contact.merged_into() != contact.id());
+  REQUIRE(contact.parent_id() < contact.id());
+}
+
+void CheckAnswer(const tactus::v1::Answer& answer, const StreamConfig& config) {
+  int going_on = 0;
   std::set<uint64_t> ids;
+  std::set<uint32_t> taken;
   for (const tactus::v1::Contact& contact : answer.contacts()) {
     REQUIRE(contact.id() > 0 && ids.insert(contact.id()).second);
-    CheckDistribution(contact.probability());
-    REQUIRE(contact.answers_size() == 2);
-    for (const auto& question : contact.answers()) {
-      CheckDistribution(question.probability());
-    }
-    REQUIRE(contact.unknown() >= 0 && contact.unknown() <= 1);
+    CheckContact(contact);
     REQUIRE(contact.onset_sequence() <= answer.sequence());
-    REQUIRE(contact.has_patch() ==
-            (contact.state() == tactus::v1::Contact::STATE_TOUCHING));
+    going_on += contact.state() != tactus::v1::Contact::STATE_RELEASED;
+    if (contact.has_patch()) CheckPatch(contact.patch(), config, taken);
   }
+  REQUIRE(going_on <= (config.has_max_contacts()
+                           ? static_cast<int>(config.max_contacts())
+                           : tactus::limits::kMaxContacts));
   for (const tactus::v1::ContactEvent& event : answer.events()) {
     REQUIRE(ids.count(event.contact_id()) == 1);
   }
+  if (config.cadence() == tactus::v1::RESULT_CADENCE_EVENTS) {
+    REQUIRE(answer.is_final() || answer.events_size() > 0);
+  }
+  REQUIRE(answer.diagnostics().contacts_size() ==
+          (config.with_diagnostics() ? answer.contacts_size() : 0));
   for (const auto& scores : answer.diagnostics().contacts()) {
     for (const double l : scores.log_likelihood()) REQUIRE(std::isfinite(l));
   }
 }
 
-void Read(StreamSession& session) {
+void Read(StreamSession& session, const StreamConfig& config) {
   while (const auto* response = session.responses().StartWrite(0)) {
-    if (response->has_answer()) CheckAnswer(response->answer());
+    if (response->has_answer()) CheckAnswer(response->answer(), config);
     session.responses().FinishWrite();
   }
 }
@@ -160,12 +177,19 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
   static const auto* const models = new tactus::testing::TestModels();
   FuzzedDataProvider data(bytes, size);
   StreamSession session(models, {});
-  if (data.ConsumeBool()) REQUIRE(session.OnRequest(Config(data)).ok());
+  Request first;
+  *first.mutable_config() = tactus::fuzz::AnyConfig(data);
+  const StreamConfig& config = first.config();
+  tactus::fuzz::Presses presses(config);
+  if (!Seldom(data)) {
+    const absl::Status status = session.OnRequest(first);
+    REQUIRE(status.ok() || !tactus::ReasonOf(status).empty());
+  }
   tactus::v1::ClassifyContactRequest parsed;
   uint64_t sequence = 1;
   while (data.remaining_bytes() > 0) {
     absl::Status status;
-    switch (data.ConsumeIntegralInRange(0, 4)) {
+    switch (data.ConsumeIntegralInRange(0, 47)) {
       case 0: {
         const std::string message = data.ConsumeRandomLengthString();
         google::protobuf::io::ArrayInputStream stream(
@@ -180,10 +204,15 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
         break;
       }
       case 2:
-        Read(session);
+      case 3:
+      case 4:
+      case 5:
+      case 6:
+        Read(session, config);
         break;
       default: {
-        const Request frames = Frames(data, sequence);
+        Request frames = Frames(data, sequence, presses);
+        AddPoses(data, config.with_poses(), frames.mutable_frames());
         status = session.OnRequest(frames);
         sequence =
             frames.frames().first_sequence() + frames.frames().frame_count();
@@ -191,13 +220,13 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
     }
     session.EndRequest(0, 1);
     if (!status.ok()) REQUIRE(!tactus::ReasonOf(status).empty());
-    if (!session.wants_request()) Read(session);
+    if (!session.wants_request()) Read(session, config);
     REQUIRE(session.responses().size() <=
             2 * tactus::limits::kMaxQueuedKept +
                 tactus::limits::kMaxFramesPerMessage);
   }
   session.OnHalfClose();
-  Read(session);
+  Read(session, config);
   REQUIRE(session.state() == StreamSession::State::kDone);
   return 0;
 }
