@@ -1,15 +1,13 @@
 #include "core/contacts/anytime.h"
 
-#include <algorithm>
-#include <cmath>
+#include "core/features/contact_time.h"
 
 namespace tactus {
 
 std::array<uint64_t, kAnytimeCount> AnytimeFrames(double rate) {
   std::array<uint64_t, kAnytimeCount> frames;
   for (int i = 0; i < kAnytimeCount; ++i) {
-    frames[i] = static_cast<uint64_t>(
-        std::max(1.0, std::round(kAnytimeSeconds[i] * rate)));
+    frames[i] = FramesIn(kAnytimeSeconds[i], rate);
   }
   return frames;
 }

@@ -12,6 +12,7 @@
 #include "core/contacts/class_counts.h"
 #include "core/contacts/question_truth.h"
 #include "core/eval/evaluate_nearest.h"
+#include "core/features/contact_time.h"
 
 namespace tactus {
 namespace {
@@ -116,7 +117,7 @@ class WatchedQuestions {
         continue;
       }
       outcome(q).decision = {
-          static_cast<double>(decision.frame) / contact_.sample_rate_hz,
+          ContactSeconds(decision.frame, contact_.sample_rate_hz),
           decision.value, truths_[q].at(frame)};
     }
   }
@@ -185,7 +186,7 @@ void EvaluateContact(const std::shared_ptr<const CompiledModel>& model,
                                   ? LabelSoFar(contact, decision->frame - 1)
                                   : contact.label;
     result.decisions[index] = {
-        static_cast<double>(decision->frame) / contact.sample_rate_hz,
+        ContactSeconds(decision->frame, contact.sample_rate_hz),
         result.class_names[decision->class_index] == label};
   }
   result.unknown[index] = classifier.unknown();

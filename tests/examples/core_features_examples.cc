@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/status_macros.h"
+#include "core/features/contact_time.h"
 #include "core/features/contact_track.h"
 #include "core/features/contact_tracker.h"
 #include "core/features/feature.h"
@@ -69,6 +70,10 @@ static void RegionOwnersExample(const SkinLayout& layout,
                                 std::span<const RegionPlace> regions,
                                 std::span<KnownContact> contacts) {
 #include "core/features/region_owners.h.inc"
+}
+
+static void ContactTimeExample() {
+#include "core/features/contact_time.h.inc"
 }
 
 static void TaxelRowsExample(const SkinLayout& layout,

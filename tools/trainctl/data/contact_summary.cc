@@ -5,6 +5,7 @@
 
 #include "core/contacts/labelled_contact.h"
 #include "core/data/trial_loads.h"
+#include "core/features/contact_time.h"
 #include "core/features/contact_tracker.h"
 
 namespace tactus::client {
@@ -98,7 +99,7 @@ absl::Status ContactSummary::Add(const Trial& trial, const SkinLayout& layout) {
   ++felt_;
   const double rate = trial.sample_rate_hz;
   onset_s_.push_back(static_cast<double>(onset) / rate);
-  contact_s_.push_back(static_cast<double>(last_touched - onset + 1) / rate);
+  contact_s_.push_back(ContactSeconds(last_touched - onset + 1, rate));
   peak_.push_back(peak);
   taxels_.push_back(area / touched);
   regions_.push_back(regions / touched);

@@ -13,6 +13,7 @@
 #include "core/data/trial_id.h"
 #include "core/data/trial_layout.h"
 #include "core/data/trial_loads.h"
+#include "core/features/contact_time.h"
 #include "core/features/contact_tracker.h"
 
 namespace tactus::client {
@@ -29,9 +30,8 @@ void AppendScores(const ContactClassifier& classifier, ContactTrace& trace) {
 void TakeDecision(const ContactClassifier& classifier, double rate_hz,
                   ContactTrace& trace) {
   if (!classifier.decision()) return;
-  trace.decision = {
-      classifier.decision()->class_index,
-      static_cast<double>(classifier.decision()->frame) / rate_hz};
+  trace.decision = {classifier.decision()->class_index,
+                    ContactSeconds(classifier.decision()->frame, rate_hz)};
 }
 
 // Sets the times of all frames, and the release, from the frame of the onset.
@@ -43,7 +43,7 @@ void SetTimes(size_t onset, const std::vector<bool>& touched, double rate_hz,
     if (touched[i]) last_touched = i;
   }
   if (last_touched + 1 < touched.size()) {
-    trace.release_s = trace.time[last_touched];
+    trace.release_s = ContactSeconds(last_touched + 1 - onset, rate_hz);
   }
 }
 

@@ -12,6 +12,7 @@
 #include "core/data/trial_file.h"
 #include "core/data/trial_id.h"
 #include "core/data/trial_layout.h"
+#include "core/features/contact_time.h"
 #include "tools/trainctl/command.h"
 #include "tools/trainctl/report/score_trace.h"
 
@@ -42,11 +43,10 @@ Json Answer(const Trial& trial, const Model& model,
   json["probability"] = probability;
   json["log_likelihood"] = classifier.log_likelihood();
   json["unknown"] = classifier.unknown();
-  json["decision_s"] =
-      classifier.decision()
-          ? Json(static_cast<double>(classifier.decision()->frame) /
-                 trial.sample_rate_hz)
-          : Json(nullptr);
+  json["decision_s"] = classifier.decision()
+                           ? Json(ContactSeconds(classifier.decision()->frame,
+                                                 trial.sample_rate_hz))
+                           : Json(nullptr);
   return json;
 }
 

@@ -7,6 +7,7 @@
 #include "core/base/run_on_threads.h"
 #include "core/base/status_macros.h"
 #include "core/data/trial_file.h"
+#include "core/features/contact_time.h"
 #include "tools/figures/figure.h"
 #include "tools/figures/gnuplot.h"
 #include "tools/trainctl/data/contact_picture.h"
@@ -29,8 +30,8 @@ absl::StatusOr<EvaluationPictures> DrawEvaluation(
   const Progress part = progress.Part(kPhase, 1);
   double longest = 0;
   for (const LabelledContact* contact : contacts) {
-    longest = std::max(longest, static_cast<double>(contact->frames.size()) /
-                                    contact->sample_rate_hz);
+    longest = std::max(longest, ContactSeconds(contact->frames.size(),
+                                               contact->sample_rate_hz));
   }
   EvaluationPictures pictures;
   if (contacts.empty()) return pictures;

@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/drivers/calibration/idle_frames.h"
+#include "core/features/contact_time.h"
 
 namespace tactus::client {
 namespace {
@@ -99,8 +100,14 @@ void TrialRecorder::ForgetBefore(int64_t time_ns) {
 }
 
 double TrialRecorder::contact_s() const {
-  const int64_t end_ns = in_contact() ? now_ns_ : last_touch_ns_;
-  return static_cast<double>(end_ns - onset_ns_) / 1e9;
+  if (contacts_ == 0) return 0;
+  return SecondsUntil(in_contact() ? now_ns_ : last_touch_ns_);
+}
+
+double TrialRecorder::SecondsUntil(int64_t time_ns) const {
+  const int64_t frame_ns =
+      Nanoseconds(ContactSeconds(/*frames=*/1, info_.sample_rate_hz));
+  return static_cast<double>(time_ns - onset_ns_ + frame_ns) / 1e9;
 }
 
 RecorderStep TrialRecorder::Frame(const SkinFrame& frame,

@@ -83,7 +83,7 @@ class TrialRecorder {
   const std::optional<size_t>& label() const { return label_; }
   // The contact that is going on is kept if it ends now.
   bool keeping() const { return in_contact() && label_ && !skipped_; }
-  // How long the contact lasts, or lasted.
+  // How long the contact lasts, or lasted; 0 before the first.
   double contact_s() const;
   // Features of the last frame, and the number of contacts so far.
   const FrameFeatures& features() const { return tracker_.features(); }
@@ -105,9 +105,9 @@ class TrialRecorder {
   std::optional<size_t> LabelOf(char key) const;
   RecorderStep End();
   // From the onset to the last touch.
-  double touched_s() const {
-    return static_cast<double>(last_touch_ns_ - onset_ns_) / 1e9;
-  }
+  // From the onset to the end of the frame at this time.
+  double SecondsUntil(int64_t time_ns) const;
+  double touched_s() const { return SecondsUntil(last_touch_ns_); }
   Trial MakeTrial(const SkinInfo& info, bool raw) const;
 
   const SkinInfo info_;

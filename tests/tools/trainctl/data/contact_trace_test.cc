@@ -2,10 +2,13 @@
 
 #include "core/base/errors.h"
 #include "core/classify/contact_pipeline.h"
+#include "core/contacts/labelled_contact.h"
+#include "core/features/contact_time.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/support/small_model.h"
 #include "tests/tools/trainctl/data/touch_trial.h"
+#include "tools/trainctl/data/contact_summary.h"
 
 namespace tactus::client {
 namespace {
@@ -44,6 +47,22 @@ TEST(ContactTraceTest, PosteriorsAreThoseOfThePipeline) {
   const ContactClassifier& last = *pipeline->main_contact()->classifier;
   ASSERT_EQ(trace->decision.has_value(), last.decision().has_value());
   EXPECT_EQ(trace->Answer(), last.best_class());
+}
+
+// The recorder's test has the same for what it cuts.
+TEST(ContactTraceTest, ATouchOfTwoSecondsHasOneLength) {
+  const Trial trial = TouchTrial(300, 10 + FramesIn(2, 100));
+  const auto trace = TraceContact(trial, {}, nullptr);
+  ASSERT_TRUE(trace.ok()) << trace.status();
+  EXPECT_EQ(trace->release_s, 2.0);
+  ContactSummary summary;
+  ASSERT_TRUE(summary.Add(trial, *LayoutPreset("cody-forearm")).ok());
+  EXPECT_EQ(summary.ToJson()["contact_s"]["median"], 2.0);
+  // It ends with its last frame.
+  const auto contact =
+      ExtractContact(trial, {.release_after_s = ContactSeconds(1, 100)});
+  ASSERT_TRUE(contact.ok() && contact->has_value());
+  EXPECT_EQ(ContactSeconds((*contact)->frames.size(), 100), 2.0);
 }
 
 TEST(ContactTraceTest, TimesCountFromTheOnset) {

@@ -85,7 +85,7 @@ TEST(TrialRecorderTest, OnsetAndReleaseCutATrial) {
   desk.Frames(150, 60);
   EXPECT_TRUE(desk.recorder.in_contact());
   EXPECT_TRUE(desk.recorder.keeping());
-  EXPECT_NEAR(desk.recorder.contact_s(), 1.49, 1e-9);
+  EXPECT_NEAR(desk.recorder.contact_s(), 1.5, 1e-9);
   desk.Frames(100, 0);
   ASSERT_EQ(desk.trials.size(), 1u);
   const Trial& trial = desk.trials[0].trial;
@@ -108,7 +108,7 @@ TEST(TrialRecorderTest, OnsetAndReleaseCutATrial) {
   const auto contact = ExtractContact(trial);
   ASSERT_TRUE(contact.ok() && contact->has_value());
   EXPECT_EQ((*contact)->frames.size(), 200u);
-  EXPECT_EQ(desk.news, "kept HM, 1.49 s of contact");
+  EXPECT_EQ(desk.news, "kept HM, 1.50 s of contact");
 }
 
 TEST(TrialRecorderTest, TheLabelStaysUntilAnother) {
@@ -247,11 +247,11 @@ TEST(TrialRecorderTest, ABrushIsNotKept) {
   Desk desk;
   desk.Key('1');
   desk.Frames(100, 0);
-  desk.Frames(20, 60);
+  desk.Frames(19, 60);
   desk.Frames(100, 0);
   EXPECT_TRUE(desk.trials.empty());
   EXPECT_EQ(desk.news, "a contact of 0.19 s is too short to be kept");
-  desk.Frames(21, 60);
+  desk.Frames(20, 60);
   desk.Frames(100, 0);
   EXPECT_EQ(desk.trials.size(), 1u);
 }
