@@ -62,6 +62,14 @@ class Recording {
   Trial trial_;
 };
 
+// The first contact of this touch.
+const LabelledContact& ContactAt(size_t touch, const TouchContacts& found) {
+  const auto at =
+      std::ranges::find(found.contacts, touch, &LabelledContact::touch);
+  EXPECT_NE(at, found.contacts.end());
+  return *at;
+}
+
 TEST(ExtractContactsTest, EachTouchHasItsContact) {
   Recording recording(300);
   for (const size_t begin : {20, 150}) {
@@ -78,7 +86,7 @@ TEST(ExtractContactsTest, EachTouchHasItsContact) {
                 found.counts.spurious,
             0u);
   ASSERT_EQ(found.contacts.size(), 2u);
-  const LabelledContact& second = found.contacts[1];
+  const LabelledContact& second = ContactAt(1, found);
   EXPECT_EQ(ContactName(second), "000007/01");
   EXPECT_EQ(second.label, "SM");
   EXPECT_EQ(second.condition, "slow");
@@ -90,8 +98,8 @@ TEST(ExtractContactsTest, EachTouchHasItsContact) {
   EXPECT_DOUBLE_EQ(second.object_motion[10], 0.01);
   // After its touch the object rests.
   EXPECT_DOUBLE_EQ(second.object_motion.back(), 0.079);
-  EXPECT_EQ(found.contacts[0].label, "HU");
-  EXPECT_TRUE(found.contacts[0].object_motion.empty());
+  EXPECT_EQ(ContactAt(0, found).label, "HU");
+  EXPECT_TRUE(ContactAt(0, found).object_motion.empty());
 }
 
 TEST(ExtractContactsTest, ATouchWithALongLossIsBroken) {

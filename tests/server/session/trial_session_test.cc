@@ -2,6 +2,8 @@
 // errors.
 #include "server/session/trial_session.h"
 
+#include <algorithm>
+
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "gtest/gtest.h"
@@ -99,6 +101,51 @@ TEST_F(TrialSessionTest, AnswersTheBitsOfAStream) {
     EXPECT_EQ(frames_, 100u);
     // One step for each part, and one for the end.
     EXPECT_EQ(steps_, trial.frames_size() + 2);
+  }
+}
+
+// The contact of this id among those that ended; null if there is none.
+const v1::Contact* Ended(const v1::ClassifyTrialResponse& response,
+                         uint64_t id) {
+  const auto& ended = response.ended_contacts();
+  const auto found = std::ranges::find(ended, id, &v1::Contact::id);
+  return found == ended.end() ? nullptr : &*found;
+}
+
+// Contacts end in another order than they begin, and two in one frame.
+TEST_F(TrialSessionTest, ContactsThatEndedAreFoundByTheirIds) {
+  struct Press {
+    int column, from, until;
+  };
+  const Press presses[] = {{2, 0, 60}, {8, 10, 30}, {14, 20, 60}, {20, 70, 75}};
+  std::vector<Counts> frames;
+  for (int t = 0; t < 100; ++t) {
+    frames.push_back(testing::Untouched());
+    for (const Press& press : presses) {
+      if (t < press.from || t >= press.until) continue;
+      for (int row = 4; row < 7; ++row) {
+        frames.back()[row * 24 + press.column] = 1024;
+      }
+    }
+  }
+  v1::StreamConfig config = ConfigRequest().config();
+  config.clear_never_release();
+  config.set_release_after_ms(30);
+  for (const bool whole : {false, true}) {
+    ASSERT_TRUE(
+        Run(Trial(config, frames, whole ? 20 : 1).SerializeAsString()).ok());
+    ASSERT_EQ(response_.ended_contacts_size(), 4);
+    for (uint64_t id = 1; id <= 4; ++id) {
+      SCOPED_TRACE(id);
+      const v1::Contact* const contact = Ended(response_, id);
+      ASSERT_NE(contact, nullptr);
+      EXPECT_EQ(contact->state(), v1::Contact::STATE_RELEASED);
+      const Press& press = presses[id - 1];
+      // One that touches beside others is a contact in its second frame.
+      EXPECT_NEAR(contact->onset_sequence(), 1 + press.from, 1);
+      EXPECT_NEAR(contact->time_since_onset_ns() / 1e6,
+                  10 * (press.until - press.from) + 20, 10);
+    }
   }
 }
 
