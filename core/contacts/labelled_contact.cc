@@ -42,11 +42,15 @@ ContactSample IdealSample(const FeatureVector& signals) {
   return {signals, signals[static_cast<int>(Feature::kForce)]};
 }
 
+std::string LabelAtRest(const std::string& label) {
+  if (label == "HM") return "HU";
+  return label == "SM" ? "SU" : label;
+}
+
 std::string LabelSoFar(const LabelledContact& contact, size_t frame) {
-  const bool moves = contact.label == "HM" || contact.label == "SM";
   const std::vector<double>& motion = contact.object_motion;
-  if (!moves || motion.empty() || motion[frame] > kMovedM) return contact.label;
-  return contact.label == "HM" ? "HU" : "SU";
+  if (motion.empty() || motion[frame] > kMovedM) return contact.label;
+  return LabelAtRest(contact.label);
 }
 
 absl::StatusOr<std::optional<LabelledContact>> ExtractContact(

@@ -63,6 +63,9 @@ inline bool IsIdeal(const LabelledContact& contact) {
 // An object that has moved by at most this is unmoved so far, m.
 inline constexpr double kMovedM = 0.001;
 
+// The label while the object is at rest: HU of HM, SU of SM; others stay.
+std::string LabelAtRest(const std::string& label);
+
 // The label as far as frame `frame` shows it: a contact that ends as HM or SM
 // is HU or SU until its object has moved by more than kMovedM. Other labels,
 // and contacts whose object's motion is unknown, keep their label.

@@ -22,7 +22,7 @@ QuestionTruth::QuestionTruth(const Question& question,
     return answer_of(LabelSoFar(contact, frame), final_);
   };
   const size_t frames = contact.frames.size();
-  first_ = value(0);
+  first_ = answer_of(LabelAtRest(contact.label), final_);
   while (changed_ < frames && value(changed_) == first_) ++changed_;
   // An object that moves back is still a moved one.
   if (changed_ == frames) final_ = first_;

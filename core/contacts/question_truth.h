@@ -3,11 +3,12 @@
 // QuestionTruth: the right answer to a question at each frame of a labelled
 // contact. That of a property is the answer of the contact's label. That of a
 // state is the answer of the label so far (LabelSoFar): an object is unmoved
-// until it has moved by 1 mm.
+// until it has moved by 1 mm. One that moved so far before it was felt has
+// changed at frame 0.
 //
 //   const QuestionTruth truth(question, model.class_names, contact);
 //   truth.at(0);      // the right value at the onset
-//   truth.change();   // the first frame with another one
+//   truth.change();   // the first frame at which the object has changed
 //
 // Refers to its arguments, which must outlive it. Thread-safe.
 #pragma once
@@ -32,8 +33,8 @@ class QuestionTruth {
   // Index into Question::values. Frames count from 0.
   int at(size_t frame) const { return frame < changed_ ? first_ : final_; }
   int final_value() const { return final_; }
-  // The first frame at which the answer is not that of frame 0; nothing if
-  // there is none.
+  // The first frame at which the answer is not that of an object at rest;
+  // nothing if there is none.
   std::optional<size_t> change() const;
   // False for a state of a contact whose object's motion is unknown: then its
   // label is taken as the answer at every frame.

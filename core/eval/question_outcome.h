@@ -37,8 +37,8 @@ inline constexpr double kLateS = 1;
 // never comes.
 struct QuestionTiming {
   // The time from which delays are counted, s since onset: 0 for a property,
-  // the change of the right answer for a state. Nothing for a state that does
-  // not change, or whose history is unknown.
+  // the change for a state, 0 if it came before the onset. Nothing for a state
+  // that does not change, or whose history is unknown.
   std::optional<double> from_s = {};
   // Until the right value has a probability above kSure for the first time.
   std::optional<double> delay_s = {};

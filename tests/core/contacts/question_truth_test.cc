@@ -33,6 +33,17 @@ TEST(QuestionTruthTest, AStateChangesWhenTheObjectHasMoved) {
   EXPECT_FALSE(hardness.change());
 }
 
+// Such a contact counted as one that never changes: its first answer, unmoved,
+// was a false alarm.
+TEST(QuestionTruthTest, AnObjectCanHaveMovedBeforeItIsFelt) {
+  const auto questions = DefaultQuestions(kClasses);
+  const LabelledContact contact = Contact("HM", {0.002, 0.01});
+  const QuestionTruth mobility(questions[1], kClasses, contact);
+  EXPECT_EQ(mobility.at(0), 1);
+  EXPECT_EQ(mobility.final_value(), 1);
+  EXPECT_EQ(mobility.change(), 0u);
+}
+
 TEST(QuestionTruthTest, AContactThatEndsBeforeTheMoveWasUnmoved) {
   const auto questions = DefaultQuestions(kClasses);
   const LabelledContact contact = Contact("HM", {0, 0.0005});
