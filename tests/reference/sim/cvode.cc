@@ -1,20 +1,15 @@
 #include "tests/reference/sim/cvode.h"
 
-#include <cvode/cvode.h>
-#include <nvector/nvector_serial.h>
-#include <sunlinsol/sunlinsol_dense.h>
-#include <sunmatrix/sunmatrix_dense.h>
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <memory>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "tests/reference/sim/cvode_handles.h"
 #include "tests/reference/sim/phase_equations.h"
 #include "tests/reference/sim/read_signals.h"
 
@@ -25,24 +20,6 @@ constexpr int kMaxOrder = 5;
 // Contacts that ring faster than this (rad/s, beyond what a 100 Hz skin behind
 // a 200 Hz filter can tell) are integrated with SolverOptions::ringing_order.
 constexpr double kRingingRate = 1000;
-
-struct ContextDelete {
-  void operator()(_SUNContext* context) const { SUNContext_Free(&context); }
-};
-struct VectorDelete {
-  void operator()(_generic_N_Vector* vector) const { N_VDestroy(vector); }
-};
-struct MatrixDelete {
-  void operator()(_generic_SUNMatrix* matrix) const { SUNMatDestroy(matrix); }
-};
-struct LinearSolverDelete {
-  void operator()(_generic_SUNLinearSolver* solver) const {
-    SUNLinSolFree(solver);
-  }
-};
-struct CvodeDelete {
-  void operator()(void* memory) const { CVodeFree(&memory); }
-};
 
 int Derivative(double time, N_Vector y, N_Vector derivative, void* data) {
   static_cast<const PhaseEquations*>(data)->Derivative(
@@ -114,13 +91,13 @@ class Run {
   int64_t steps_ = 0;
   size_t samples_due_ = 0;
 
-  std::unique_ptr<_SUNContext, ContextDelete> context_;
-  std::unique_ptr<_generic_N_Vector, VectorDelete> y_;
-  std::unique_ptr<_generic_N_Vector, VectorDelete> dense_;
-  std::unique_ptr<_generic_N_Vector, VectorDelete> tolerance_;
-  std::unique_ptr<_generic_SUNMatrix, MatrixDelete> matrix_;
-  std::unique_ptr<_generic_SUNLinearSolver, LinearSolverDelete> linear_;
-  std::unique_ptr<void, CvodeDelete> cvode_;
+  CvodeContext context_;
+  CvodeVector y_;
+  CvodeVector dense_;
+  CvodeVector tolerance_;
+  CvodeMatrix matrix_;
+  CvodeLinearSolver linear_;
+  CvodeMemory cvode_;
 };
 
 absl::Status Run::Failure(absl::string_view what, int flag) const {
