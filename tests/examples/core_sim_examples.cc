@@ -4,6 +4,10 @@
 #include <vector>
 
 #include "core/base/status_macros.h"
+#include "core/sim/coupled/coupled.h"
+#include "core/sim/coupled/coupled_equations.h"
+#include "core/sim/coupled/coupled_scene.h"
+#include "core/sim/coupled/press_together.h"
 #include "core/sim/exact/bounce.h"
 #include "core/sim/exact/bounce_ride.h"
 #include "core/sim/exact/bounce_series.h"
@@ -40,6 +44,30 @@
 #include "core/sim/skin/taxel_kernels.h"
 
 namespace tactus::examples {
+
+static absl::Status CoupledExample(const CoupledScene& scene) {
+#include "core/sim/coupled/coupled.h.inc"
+  return absl::OkStatus();
+}
+
+static void CoupledEquationsExample(const CoupledScene& scene,
+                                    const CoupledPhases& phases,
+                                    const EquilibriumLeg& leg,
+                                    const CoupledState& state) {
+#include "core/sim/coupled/coupled_equations.h.inc"
+}
+
+static absl::Status CoupledSceneExample(const ContactScene& scene,
+                                        const ContactScene& other) {
+#include "core/sim/coupled/coupled_scene.h.inc"
+  return absl::OkStatus();
+}
+
+static absl::Status PressTogetherExample(const TrialSpec& first,
+                                         const TrialSpec& second) {
+#include "core/sim/coupled/press_together.h.inc"
+  return absl::OkStatus();
+}
 
 static void BounceExample(const ContactScene& scene, const ContactModes& modes,
                           const EquilibriumLeg& leg, ContactPhase phase,
