@@ -18,7 +18,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 readonly BIN=build/release/bin
 readonly TRIALS=64
 readonly ROBOTS=32   # side by side, so that real time does not take minutes
-readonly SCENE=157   # seed of two objects, of which the first slips late
+readonly SCENE=1007  # seed of two objects, of which the first slips late
 
 if [[ ${1-} == -h || ${1-} == --help ]]; then
   sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "$0"

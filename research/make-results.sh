@@ -334,7 +334,7 @@ touches() {
   title "Touches that follow each other, and touches at once" "good" \
     "scenes 4101 (pairs) and 4102 (objects), training 1" \
     "1,000 trials of two touches a row, 500 trials of two to four objects"
-  printf '\nA touch is right if the last answers of all its contacts are; those of *alone* are the same contacts, each in a trial of its own ([simulator.md](../../docs/simulator.md#several-contacts-in-a-trial)). Each file is evaluated by `trainctl evaluate --data=touches.h5 --model=default.tactus --json`. Rows of several objects say little about the models: the pose of the arm follows the first object only, so the motion of the others is not measured.\n\n'
+  printf '\nA touch is right if the last answers of all its contacts are; those of *alone* are the same contacts, each in a trial of its own ([simulator.md](../../docs/simulator.md#several-contacts-in-a-trial)). Each file is evaluated by `trainctl evaluate --data=touches.h5 --model=default.tactus --json`. One arm presses all objects of a scene: a stiff or fixed one takes the load from the others, so more touches are too light to be felt than alone, and fewer objects move.\n\n'
   local rows=$work/rows
   printf '| trials | touches | found | broken | merged | switched | at none | right of those felt | calibration error | always the most frequent class |\n|---|---|---|---|---|---|---|---|---|---|\n' >"$rows"
   printf '```\n'

@@ -10,6 +10,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/sim/coupled/press_together.h"
 #include "core/sim/exact/simulate_contact.h"
 #include "core/sim/experiments/link_path.h"
 #include "core/sim/experiments/random_world.h"
@@ -23,6 +24,10 @@ namespace {
 // Trials come from other streams than the contacts of the world.
 constexpr uint64_t kSceneStream = uint64_t{1} << 36;
 constexpr double kOnsetSpanS = 2;
+// Objects at once begin within this share of the first one's duration and of
+// the way to the goal.
+constexpr double kOnsetShare = 0.9;
+constexpr double kOnsetWayShare = 0.7;
 // The arm comes to rest, or turns to the next object, within this time after
 // a contact, s.
 constexpr double kTurnS = 0.5;
@@ -39,8 +44,10 @@ struct DrawnTouch {
   TrialSpec spec;
   SkinPoint centre;
   double tilt_rad = 0;
-  // From the first touch of the trial, s.
+  // When the arm reaches one of several objects at once, s after the first
+  // touch, and how far it then has come, m.
   double onset_s = 0;
+  double distance_m = 0;
 };
 
 struct DrawnScene {
@@ -126,15 +133,27 @@ void DrawPlaces(const SkinLayout& layout, Random& random, DrawnScene& scene) {
 
 void DrawTogether(const SkinModel& skin, const SceneOptions& options,
                   const TrialSpec& arm, Random& random, DrawnScene& scene) {
+  const double way_s = SceneOf(arm).RampEnd();
   double first_s = 0;
+  double until_s = 0;
   for (int i = 0; i < options.objects; ++i) {
     DrawnTouch touch = DrawTouch(skin.layout, arm, random);
     const double lasts_s = options.touch_s * random.Uniform(0.5, 1.5);
     const double onset = random.Uniform();
     if (i == 0) first_s = lasts_s;
-    if (i > 0) touch.onset_s = onset * std::min(kOnsetSpanS, 0.9 * first_s);
-    DrawRetreat(lasts_s, options.touch_s, random, touch.spec);
+    if (i > 0) {
+      touch.onset_s = onset * std::min({kOnsetSpanS, kOnsetShare * first_s,
+                                        kOnsetWayShare * way_s});
+    }
+    until_s = std::max(until_s, touch.onset_s + lasts_s);
     scene.touches.push_back(std::move(touch));
+  }
+  TrialSpec retreat = arm;
+  DrawRetreat(until_s, options.touch_s, random, retreat);
+  for (DrawnTouch& touch : scene.touches) {
+    touch.spec.retreat_after_s = retreat.retreat_after_s;
+    touch.spec.retreat_speed_m_s = retreat.retreat_speed_m_s;
+    touch.spec.duration_s = retreat.duration_s;
   }
   DrawPlaces(skin.layout, random, scene);
   std::sort(scene.touches.begin(), scene.touches.end(),
@@ -226,10 +245,39 @@ Trial MetadataOf(const std::vector<SimulatedContact>& contacts,
   return trial;
 }
 
+// Puts each object where the arm is at its onset, held back by those before.
+absl::Status SetDistances(DrawnScene& scene) {
+  std::vector<PressedObject> before = {{.spec = scene.touches.front().spec}};
+  for (size_t i = 1; i < scene.touches.size(); ++i) {
+    DrawnTouch& touch = scene.touches[i];
+    TACTUS_ASSIGN_OR_RETURN(const double place,
+                            ArmAfter(touch.onset_s, before));
+    // An arm that has bounced off may be behind its start.
+    touch.distance_m = std::max(place, 0.0);
+    before.push_back({touch.spec, touch.distance_m});
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<DrawnScene> DrawWithDistances(const SkinModel& skin,
+                                             const SceneOptions& options,
+                                             uint64_t number, Random& random) {
+  DrawnScene scene = DrawScene(skin, options, number, random);
+  if (options.objects > 1) TACTUS_RETURN_IF_ERROR(SetDistances(scene));
+  return scene;
+}
+
 // One for each touch of the scene.
 absl::StatusOr<std::vector<SimulatedContact>> Simulate(
-    const DrawnScene& scene) {
+    const DrawnScene& scene, const SceneOptions& options) {
   std::vector<SimulatedContact> contacts;
+  if (options.objects > 1) {
+    std::vector<PressedObject> objects;
+    for (const DrawnTouch& touch : scene.touches) {
+      objects.push_back({touch.spec, touch.distance_m});
+    }
+    return PressTogether(objects);
+  }
   for (const DrawnTouch& touch : scene.touches) {
     TACTUS_ASSIGN_OR_RETURN(contacts.emplace_back(),
                             SimulateContact(touch.spec));
@@ -252,9 +300,7 @@ absl::StatusOr<Trial> Record(const DrawnScene& scene,
                              .tilt_rad = scene.touches[i].tilt_rad,
                              .begin_frame = lead_in};
     TACTUS_RETURN_IF_ERROR(FindLoad(contacts[i], contact));
-    if (together) {
-      contact.begin_frame += Frames(scene.touches[i].onset_s);
-    } else if (i > 0) {
+    if (!together && i > 0) {
       contact.begin_frame = LastFrame(placed.back()) + Frames(options.gap_s) +
                             1 - contact.begin_sample;
     }
@@ -269,7 +315,7 @@ absl::StatusOr<Trial> Record(const DrawnScene& scene,
                 placed[i]);
     last = &placed[i];
   }
-  path.Rest(LastFrame(*last), Frames(kTurnS));
+  path.Rest(together ? end - 1 : LastFrame(*last), Frames(kTurnS));
   const LinkMotion motion = {
       .steps = path.Steps(end + Frames(kSceneIdleS)),
       .pose_noise_m = scene.placement.pose_noise_m,
@@ -309,8 +355,9 @@ absl::StatusOr<Trial> SceneTrial(const SkinModel& skin,
                                  uint64_t number) {
   TACTUS_RETURN_IF_ERROR(Validate(options));
   Random random = Random::ForStream(seed, kSceneStream + number);
-  const DrawnScene scene = DrawScene(skin, options, number, random);
-  TACTUS_ASSIGN_OR_RETURN(const auto contacts, Simulate(scene));
+  TACTUS_ASSIGN_OR_RETURN(const DrawnScene scene,
+                          DrawWithDistances(skin, options, number, random));
+  TACTUS_ASSIGN_OR_RETURN(const auto contacts, Simulate(scene, options));
   return Record(scene, contacts, skin, options, random);
 }
 
@@ -320,18 +367,17 @@ absl::StatusOr<std::vector<Trial>> SceneTrialsAlone(const SkinModel& skin,
                                                     uint64_t number) {
   TACTUS_RETURN_IF_ERROR(Validate(options));
   Random random = Random::ForStream(seed, kSceneStream + number);
-  const DrawnScene scene = DrawScene(skin, options, number, random);
-  TACTUS_ASSIGN_OR_RETURN(auto contacts, Simulate(scene));
-  const auto count = static_cast<uint64_t>(contacts.size());
+  TACTUS_ASSIGN_OR_RETURN(const DrawnScene scene,
+                          DrawWithDistances(skin, options, number, random));
+  const auto count = static_cast<uint64_t>(scene.touches.size());
   std::vector<Trial> trials;
   for (uint64_t i = 0; i < count; ++i) {
     DrawnScene alone = {.placement = scene.placement,
                         .touches = {scene.touches[i]}};
-    alone.touches.front().onset_s = 0;
-    contacts[i].spec.number = number * count + i;
-    TACTUS_ASSIGN_OR_RETURN(
-        trials.emplace_back(),
-        Record(alone, {contacts[i]}, skin, options, random));
+    alone.touches.front().spec.number = number * count + i;
+    TACTUS_ASSIGN_OR_RETURN(const auto contacts, Simulate(alone, options));
+    TACTUS_ASSIGN_OR_RETURN(trials.emplace_back(),
+                            Record(alone, contacts, skin, options, random));
   }
   return trials;
 }

@@ -17,13 +17,15 @@
 // | retreat | 1 to 4 times the arm's speed, log-uniform; faster if the way |
 // | | back would take more than half a touch |
 // | objects at once: onset | up to 2 s after the first, uniform, but within |
-// | | 0.9 of the first one's duration |
-// | duration | 0.5 to 1.5 times touch_s, uniform |
+// | | 0.9 of the first one's duration and 0.7 of the way to the goal |
+// | duration | 0.5 to 1.5 times touch_s, uniform; the arm lifts off after |
+// | | the longest |
 // | place of the first | 1/4 at the seam, if the skin is a cylinder |
 // | places of the others | 1/2 anywhere, 1/4 beside the first, 1/4 over it |
 //
-// Objects do not push on each other through the arm: each one's contact is
-// simulated alone, and their loads are added. The pose follows the first.
+// Objects at once are pressed by one arm (press_together.h): each lies where
+// the arm would be at its onset, pressing those before, and all hold the arm
+// back. The arm moves along the first one's normal.
 //
 // Trial n is a function of seed and n: workers share nothing. Stateless;
 // thread-safe.
@@ -63,16 +65,17 @@ absl::Status Validate(const SceneOptions& options);
 // Simulates and records trial `number`. Its touches have the simulation's
 // truth: a touch begins and ends with the first and the last frame whose load
 // is at least kLeastLoadN. If no frame has so much, as when the samples miss a
-// short train of bounces, it has one frame, the first after the touch. An
-// object is moved (kWorldMovedM) as it is at the end of its touch.
-// INVALID_CONFIG for bad options, NUMERICAL_FAILURE as SimulateContact.
+// short train of bounces or a stiff object keeps the arm off a soft one, it has
+// one frame, the first after the touch of the first object. An object is moved
+// (kWorldMovedM) as it is at the end of its touch. INVALID_CONFIG for bad
+// options, NUMERICAL_FAILURE as SimulateContact and PressTogether.
 absl::StatusOr<Trial> SceneTrial(const SkinModel& skin,
                                  const SceneOptions& options, uint64_t seed,
                                  uint64_t number);
 
 // The touches of that trial one by one: each trial has one of them, of the same
-// object at the same place, as if the others were not there. Trial i of the
-// result has the id number x (touches or objects) + i.
+// object at the same place and distance, as if the others were not there. Trial
+// i of the result has the id number x (touches or objects) + i.
 absl::StatusOr<std::vector<Trial>> SceneTrialsAlone(const SkinModel& skin,
                                                     const SceneOptions& options,
                                                     uint64_t seed,

@@ -11,7 +11,8 @@
 //        .begin_frame = 180, .end_sample = 250}};
 //   Trial trial = RecordContacts(metadata, contacts, skin, motion, random);
 //
-// The objects do not push on each other. The same arguments give the same bits.
+// How the objects hold each other back is in the contacts already
+// (core/sim/coupled/press_together.h). The same arguments give the same bits.
 // Stateless; thread-safe with one generator for each thread.
 #pragma once
 

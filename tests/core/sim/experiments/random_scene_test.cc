@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/base/errors.h"
+#include "core/skin/geometry.h"
 #include "gtest/gtest.h"
 
 namespace tactus {
@@ -123,6 +124,44 @@ TEST(SceneTrialTest, ObjectsOverlapInTime) {
     }
   }
   EXPECT_GT(overlaps, 0.8 * pairs);
+}
+
+// How far the link gets along the normal of `centre`, m.
+double Reach(const Trial& trial, const SkinLayout& layout,
+             const SkinPoint& centre) {
+  const Eigen::Vector3d normal = LinkNormal(layout, centre);
+  double reach = 0;
+  for (const Pose& pose : trial.poses) {
+    reach = std::max(reach, normal.dot(pose.position));
+  }
+  return reach;
+}
+
+// Each of the objects holds the arm back, so with all it gets no further than
+// with one.
+TEST(SceneTrialTest, ObjectsHoldTheArmBackFromEachOther) {
+  const SkinModel skin = NoiseFree();
+  int held = 0;
+  for (uint64_t n = 0; n < 30; ++n) {
+    const auto together = SceneTrial(skin, {.objects = 2}, 8, n);
+    const auto alone = SceneTrialsAlone(skin, {.objects = 2}, 8, n);
+    ASSERT_TRUE(together.ok() && alone.ok()) << together.status();
+    ASSERT_EQ(alone->size(), 2);
+    // The arm moves along the normal of the object that it touches first.
+    const Touch& first = alone->front().touches.front();
+    const double reach = Reach(*together, skin.layout, *first.centre);
+    for (const Trial& trial : *alone) {
+      ASSERT_EQ(trial.touches.size(), 1);
+      const Touch& touch = trial.touches.front();
+      EXPECT_TRUE(std::ranges::any_of(
+          together->touches,
+          [&](const Touch& other) { return Key(other) == Key(touch); }));
+      const double free = Reach(trial, skin.layout, *touch.centre);
+      EXPECT_LE(reach, free + 1e-5) << n;
+      held += reach < 0.8 * free;
+    }
+  }
+  EXPECT_GT(held, 20);
 }
 
 TEST(SceneTrialTest, SameSeedSameBitsOtherNumberOtherScene) {
