@@ -1,73 +1,71 @@
 #include "tools/stream/event_printer.h"
 
-#include <string>
-
 #include "gtest/gtest.h"
 #include "tools/common/json.h"
 
 namespace tactus::client {
 namespace {
 
+using v1::ContactEvent;
+
 v1::StreamStarted Started() {
   v1::StreamStarted started;
+  v1::Question& hardness = *started.add_questions();
+  hardness.set_name("hardness");
+  hardness.add_values("hard");
+  hardness.add_values("soft");
   v1::Question& mobility = *started.add_questions();
   mobility.set_name("mobility");
   mobility.add_values("unmoved");
-  mobility.add_values("moved\x1b");
+  mobility.add_values("moved");
   return started;
 }
 
-// What is printed of two events of a contact, 1.54 s after its onset.
-std::string Printed(bool json) {
-  v1::Answer answer;
-  v1::Contact& contact = *answer.add_contacts();
-  contact.set_id(2);
-  contact.set_time_since_onset_ns(1'540'900'000);
-  v1::ContactEvent& changed = *answer.add_events();
-  changed.set_kind(v1::ContactEvent::KIND_CHANGED);
-  changed.set_contact_id(2);
-  changed.set_value(1);
-  v1::ContactEvent& merged = *answer.add_events();
-  merged.set_kind(v1::ContactEvent::KIND_MERGED);
-  merged.set_contact_id(2);
-  merged.set_other_id(7);
-  EventPrinter printer(json);
-  printer.OnStarted({}, Started());
-  ::testing::internal::CaptureStdout();
-  printer.OnAnswer(answer);
-  return ::testing::internal::GetCapturedStdout();
+ContactEvent Event(ContactEvent::Kind kind, int question = 0, int value = 0) {
+  ContactEvent event;
+  event.set_kind(kind);
+  event.set_contact_id(2);
+  event.set_question(question);
+  event.set_value(value);
+  event.set_other_id(7);
+  return event;
 }
 
-// Names come from the server; control characters would reach the terminal.
-TEST(EventPrinterTest, PrintsTheTextThatProgramsGet) {
-  EXPECT_EQ(Printed(/*json=*/false),
-            "1540 ms: contact 2 changed mobility: moved?\n"
-            "1540 ms: contact 2 merged into contact 7\n");
+TEST(EventLineTest, SaysWhatHappenedAndWhen) {
+  struct Case {
+    ContactEvent event;
+    int64_t ms;
+    const char* line;
+  };
+  for (const Case& c : {
+           Case{Event(ContactEvent::KIND_TOUCHED), 0,
+                "contact 2  0 ms: touched"},
+           Case{Event(ContactEvent::KIND_DECIDED, 0, 0), 120,
+                "contact 2  120 ms: hard"},
+           Case{Event(ContactEvent::KIND_CHANGED, 1, 1), 1540,
+                "contact 2  1,540 ms: now slipping"},
+           Case{Event(ContactEvent::KIND_SPLIT), 1'234'567,
+                "contact 2  1,234,567 ms: parted from contact 7"},
+       }) {
+    EXPECT_EQ(EventLine(c.event, c.ms, Started(), /*json=*/false), c.line);
+  }
 }
 
-TEST(EventPrinterTest, PrintsAnObjectALine) {
-  const std::string lines = Printed(/*json=*/true);
-  const size_t end = lines.find('\n');
-  EXPECT_EQ(Json::parse(lines.substr(0, end))["event"], "CHANGED");
-  EXPECT_EQ(
-      Json::parse(lines.substr(end + 1)),
-      Json({{"contact", 2}, {"ms", 1540}, {"event", "MERGED"}, {"other", 7}}));
-}
-
-TEST(EventJsonTest, HasWhatIsMeantAndNothingElse) {
-  EXPECT_EQ(Json::parse(EventJson({.kind = EventKind::kDecided,
-                                   .contact = 2,
-                                   .since_onset_ns = 30'000'000,
-                                   .question = "mobility",
-                                   .value = "moved"})),
+TEST(EventLineTest, JsonHasWhatIsMeantAndNothingElse) {
+  const auto line = [](const ContactEvent& event) {
+    return Json::parse(EventLine(event, 30, Started(), /*json=*/true));
+  };
+  EXPECT_EQ(line(Event(ContactEvent::KIND_DECIDED, 1, 1)),
             Json({{"contact", 2},
                   {"ms", 30},
                   {"event", "DECIDED"},
                   {"question", "mobility"},
                   {"value", "moved"}}));
   EXPECT_EQ(
-      Json::parse(EventJson({.kind = EventKind::kMovedOverSkin, .contact = 1})),
-      Json({{"contact", 1}, {"ms", 0}, {"event", "MOVED_OVER_SKIN"}}));
+      line(Event(ContactEvent::KIND_MERGED)),
+      Json({{"contact", 2}, {"ms", 30}, {"event", "MERGED"}, {"other", 7}}));
+  EXPECT_EQ(line(Event(ContactEvent::KIND_RELEASED)),
+            Json({{"contact", 2}, {"ms", 30}, {"event", "RELEASED"}}));
 }
 
 }  // namespace
