@@ -38,7 +38,7 @@
 #include "server/tactus_server.h"
 #include "spdlog/spdlog.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr int64_t kBytesPerMb = 1024L * 1024;
@@ -511,6 +511,8 @@ int Main(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server
 
-int main(int argc, char** argv) { return tactus::server::Main(argc, argv); }
+int main(int argc, char** argv) {
+  return tactus::internal::server::Main(argc, argv);
+}

@@ -17,7 +17,7 @@
 #include "server/rpc/admin_rpcs.h"
 #include "server/rpc/training_rpcs.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 using std::chrono::milliseconds;
@@ -212,4 +212,4 @@ std::shared_ptr<grpc::Channel> TactusServer::InProcessChannel() {
   return server_->InProcessChannel({});
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -29,7 +29,7 @@
 #include "server/rpc/control_service.h"
 #include "server/rpc/health_service.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class TactusServer {
  public:
@@ -111,4 +111,4 @@ class TactusServer {
   std::unique_ptr<grpc::Server> server_;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

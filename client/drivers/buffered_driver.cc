@@ -6,7 +6,7 @@
 
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr std::chrono::milliseconds kStatisticsInterval{250};
@@ -115,4 +115,4 @@ DriverStatistics BufferedDriver::Statistics() const {
   return statistics;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -24,7 +24,7 @@
 
 #include "client/drivers/skin_driver.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct BufferedDriverOptions {
   // At least 1.
@@ -74,4 +74,4 @@ class BufferedDriver : public SkinDriver {
   DriverStatistics statistics_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -12,7 +12,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // The frames of a tare may take this many times as long as at the skin's rate,
@@ -162,4 +162,4 @@ DriverStatistics CalibratedDriver::Statistics() const {
   return statistics;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

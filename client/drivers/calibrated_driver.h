@@ -38,7 +38,7 @@
 #include "client/drivers/clock.h"
 #include "client/drivers/skin_driver.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct CalibratedDriverOptions {
   // Name of the skin in use; compared with the calibration's.
@@ -101,4 +101,4 @@ class CalibratedDriver : public SkinDriver {
   std::vector<double> above_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -2,7 +2,7 @@
 
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 absl::StatusOr<bool> CanSkin::Poll(SkinFrame& frame, int64_t timeout_ns) {
   CanFrame can;
@@ -10,4 +10,4 @@ absl::StatusOr<bool> CanSkin::Poll(SkinFrame& frame, int64_t timeout_ns) {
   return received && protocol_->Take(can, frame);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

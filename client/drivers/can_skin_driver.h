@@ -14,7 +14,7 @@
 #include "client/drivers/can_skin_protocol.h"
 #include "client/drivers/hardware_driver.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // A protocol on a bus; both outlive it.
 class CanSkin : public SkinDevice {
@@ -55,4 +55,4 @@ class CanSkinDriver : public HardwareDriver {
   CanSkin skin_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

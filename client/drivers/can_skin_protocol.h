@@ -21,7 +21,7 @@
 #include "client/drivers/clock.h"
 #include "client/stream/skin_frame.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class CanSkinProtocol {
  public:
@@ -49,4 +49,4 @@ class CanSkinProtocol {
   virtual std::string Missing() const = 0;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <thread>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 class SystemClock : public Clock {
@@ -25,4 +25,4 @@ Clock& Clock::System() {
   return *clock;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

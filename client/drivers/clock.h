@@ -12,7 +12,7 @@
 
 #include <cstdint>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class Clock {
  public:
@@ -26,4 +26,4 @@ class Clock {
   static Clock& System();
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

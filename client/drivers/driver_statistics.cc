@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 uint64_t FrameMeter::Add(int64_t capture_ns, int64_t now_ns) {
   uint64_t missing = 0;
@@ -46,4 +46,4 @@ void FrameMeter::Write(DriverStatistics& statistics) const {
       std::max(0.0, squares / static_cast<double>(count) - mean * mean));
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

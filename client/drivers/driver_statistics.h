@@ -18,7 +18,7 @@
 
 #include "tactus/driver.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class FrameMeter {
  public:
@@ -48,4 +48,4 @@ class FrameMeter {
   size_t intervals_ = 0;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -6,7 +6,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // A taxel that reads one value for this long is stuck.
@@ -222,4 +222,4 @@ DriverStatistics HardwareDriver::Statistics() const {
   return statistics;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

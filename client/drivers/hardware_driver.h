@@ -33,7 +33,7 @@
 #include "client/drivers/skin_driver.h"
 #include "client/drivers/stuck_taxels.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct HardwareDriverOptions {
   int64_t read_timeout_ns = 100'000'000;
@@ -113,4 +113,4 @@ class HardwareDriver : public SkinDriver {
   absl::Status failed_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

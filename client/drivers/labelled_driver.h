@@ -14,7 +14,7 @@
 #include "client/drivers/skin_driver.h"
 #include "core/data/trial.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class LabelledDriver : public SkinDriver {
  public:
@@ -25,4 +25,4 @@ class LabelledDriver : public SkinDriver {
   virtual size_t trial_index() const = 0;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

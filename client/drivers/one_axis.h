@@ -14,7 +14,7 @@
 #include "core/base/errors.h"
 #include "core/skin/layout.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // OK for axes 1 without signed values; else INVALID_CONFIG, which calls the
 // part `what`.
@@ -27,4 +27,4 @@ inline absl::Status CheckOneAxis(absl::string_view what,
       "1, without signed_values");
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -10,7 +10,7 @@
 #include "core/base/status_macros.h"
 #include "core/skin/layout_proto.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
@@ -178,4 +178,4 @@ bool RecordingDriver::IsDue(int64_t capture_time_ns) {
   return left <= kWait;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

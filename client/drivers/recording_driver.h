@@ -26,7 +26,7 @@
 #include "client/drivers/labelled_driver.h"
 #include "core/data/recording/recording_reader.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class RecordingDriver : public LabelledDriver {
  public:
@@ -98,4 +98,4 @@ class RecordingDriver : public LabelledDriver {
   DriverStatistics statistics_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

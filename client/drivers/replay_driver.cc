@@ -6,7 +6,7 @@
 
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // The serial HDF5 library may be used by one thread at a time.
@@ -43,4 +43,4 @@ absl::StatusOr<Trial> ReplayDriver::MakeTrial(size_t index) {
   return reader_->Read(index);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -14,7 +14,7 @@
 #include "client/drivers/trial_driver.h"
 #include "core/data/trial_file.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class ReplayDriver : public TrialDriver {
  public:
@@ -38,4 +38,4 @@ class ReplayDriver : public TrialDriver {
   std::optional<TrialFileReader> reader_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

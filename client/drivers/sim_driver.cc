@@ -11,7 +11,7 @@
 #include "core/sim/skin/record_contact.h"
 #include "core/sim/skin/skin_model.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr absl::string_view kLabels[] = {"HU", "HM", "SU", "SM"};
@@ -73,4 +73,4 @@ absl::StatusOr<Trial> SimDriver::MakeTrial(size_t index) {
       "no simulated contact of class %s in %d draws", want, kMaxDraws));
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

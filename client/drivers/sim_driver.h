@@ -20,7 +20,7 @@
 #include "client/drivers/trial_driver.h"
 #include "core/skin/geometry.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class SimDriver : public TrialDriver {
  public:
@@ -48,4 +48,4 @@ class SimDriver : public TrialDriver {
   const Options options_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -19,7 +19,7 @@
 #include "client/drivers/clock.h"
 #include "client/stream/skin_frame.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class SkinDevice {
  public:
@@ -52,4 +52,4 @@ class SkinDevice {
   virtual std::string Refused() const { return ""; }
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

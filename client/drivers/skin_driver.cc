@@ -3,7 +3,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 absl::string_view Name(DriverState state) {
@@ -62,4 +62,4 @@ absl::Status SkinDriver::Finalise() {
   return finalised.ok() ? deactivated : finalised;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

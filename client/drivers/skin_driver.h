@@ -29,7 +29,7 @@
 #include "client/stream/skin_frame.h"
 #include "tactus/driver.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 enum class DriverState { kUnconfigured, kInactive, kActive, kFinalised };
 
@@ -65,4 +65,4 @@ class SkinDriver {
   DriverState state_ = DriverState::kUnconfigured;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 void StuckTaxels::Add(std::span<const uint16_t> taxels) {
   values_.resize(taxels.size(), 0);
@@ -23,4 +23,4 @@ std::vector<int> StuckTaxels::Taxels() const {
   return stuck;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

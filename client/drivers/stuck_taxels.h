@@ -16,7 +16,7 @@
 #include <span>
 #include <vector>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class StuckTaxels {
  public:
@@ -35,4 +35,4 @@ class StuckTaxels {
   std::vector<uint32_t> runs_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -7,7 +7,7 @@
 #include "core/base/status_macros.h"
 #include "core/data/trial_layout.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // Between the last frame of a trial and the first of the next.
@@ -88,4 +88,4 @@ void TrialDriver::FillFrame(SkinFrame& frame) {
   ++frame_;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -17,7 +17,7 @@
 #include "client/drivers/labelled_driver.h"
 #include "core/data/trial.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct Shard {
   size_t shard = 0;
@@ -62,4 +62,4 @@ class TrialDriver : public LabelledDriver {
   bool playing_ = false;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

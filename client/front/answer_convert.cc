@@ -8,7 +8,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 Contact::State ToState(v1::Contact::State state) {
@@ -284,4 +284,4 @@ absl::StatusOr<v1::StreamConfig> ToConfig(const SkinInfo& skin,
   return config;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -22,7 +22,7 @@
 #include "tactus/stream.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class AnswerConverter {
  public:
@@ -51,4 +51,4 @@ std::optional<Notice> ToNotice(const v1::StreamNotice& notice);
 absl::StatusOr<v1::StreamConfig> ToConfig(const SkinInfo& skin,
                                           const StreamOptions& options);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -1,6 +1,6 @@
 #include "client/front/answer_delivery.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 AnswerDelivery::AnswerDelivery(const StreamOptions& options)
     : on_answer_(options.on_answer),
@@ -46,4 +46,4 @@ void AnswerDelivery::Deliver(const Notice& notice) {
   if (on_notice_) on_notice_(notice);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -21,7 +21,7 @@
 #include "tactus/stream.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class AnswerDelivery {
  public:
@@ -50,4 +50,4 @@ class AnswerDelivery {
   EventQueue events_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -14,24 +14,28 @@ namespace tactus {
 
 class Classifier::Impl {
  public:
-  explicit Impl(client::LocalModel model) : model_(std::move(model)) {}
+  explicit Impl(internal::client::LocalModel model)
+      : model_(std::move(model)) {}
 
-  const client::LocalModel& model() const { return model_; }
+  const internal::client::LocalModel& model() const { return model_; }
 
  private:
-  const client::LocalModel model_;
+  const internal::client::LocalModel model_;
 };
 
 absl::StatusOr<Classifier> Classifier::Load(const std::string& path) {
-  TACTUS_ASSIGN_OR_RETURN(const std::string bytes,
-                          ReadFileBytes(path, limits::kMaxBundleBytes));
-  client::LocalModel model = {
-      .model = nullptr, .version = path, .sha256 = BundleSha256(bytes)};
-  auto decoded = DecodeBundle(bytes);
-  if (!decoded.ok()) return Annotate(decoded.status(), path);
+  TACTUS_ASSIGN_OR_RETURN(
+      const std::string bytes,
+      internal::ReadFileBytes(path, internal::limits::kMaxBundleBytes));
+  internal::client::LocalModel model = {
+      .model = nullptr,
+      .version = path,
+      .sha256 = internal::BundleSha256(bytes)};
+  auto decoded = internal::DecodeBundle(bytes);
+  if (!decoded.ok()) return internal::Annotate(decoded.status(), path);
   model.model = *std::move(decoded);
-  const absl::Status same = RunWarmUp(*model.model);
-  if (!same.ok()) return Annotate(same, path);
+  const absl::Status same = internal::RunWarmUp(*model.model);
+  if (!same.ok()) return internal::Annotate(same, path);
   return Classifier(std::make_unique<const Impl>(std::move(model)));
 }
 
@@ -43,7 +47,7 @@ Classifier& Classifier::operator=(Classifier&&) noexcept = default;
 
 absl::StatusOr<std::unique_ptr<Stream>> Classifier::Open(
     const Skin& skin, const StreamOptions& options) const {
-  return client::OpenLocalStream(impl_->model(), skin, options);
+  return internal::client::OpenLocalStream(impl_->model(), skin, options);
 }
 
 }  // namespace tactus

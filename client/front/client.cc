@@ -18,7 +18,7 @@ class Client::Impl {
                                                const StreamOptions& options) {
     TACTUS_ASSIGN_OR_RETURN(const std::shared_ptr<grpc::Channel> channel,
                             Channel());
-    return client::OpenRemoteStream(
+    return internal::client::OpenRemoteStream(
         channel, skin, options,
         {.timeouts = {.open = options_.open_timeout,
                       .send = options_.push_timeout,
@@ -34,12 +34,13 @@ class Client::Impl {
   absl::StatusOr<std::shared_ptr<grpc::Channel>> Channel() {
     const std::lock_guard lock(mutex_);
     if (channel_ != nullptr) return channel_;
-    client::ChannelOptions channel;
+    internal::client::ChannelOptions channel;
     if (!options_.tls_ca.empty()) {
-      TACTUS_ASSIGN_OR_RETURN(channel.tls_roots,
-                              client::ReadRootCertificates(options_.tls_ca));
+      TACTUS_ASSIGN_OR_RETURN(
+          channel.tls_roots,
+          internal::client::ReadRootCertificates(options_.tls_ca));
     }
-    channel_ = client::MakeChannel(address_, channel);
+    channel_ = internal::client::MakeChannel(address_, channel);
     return channel_;
   }
 

@@ -5,7 +5,7 @@
 
 #include "core/base/limits.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr size_t kFirstRoom = 16;
@@ -47,4 +47,4 @@ void EventQueue::Grow() {
                         limits::kMaxPolledEvents));
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -17,7 +17,7 @@
 
 #include "tactus/answer.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class EventQueue {
  public:
@@ -38,4 +38,4 @@ class EventQueue {
   uint64_t dropped_ = 0;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -12,7 +12,7 @@
 #include "core/stream/contact_session.h"
 #include "core/stream/stream_started.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 class LocalStream : public Stream, private AnswerSink {
@@ -140,4 +140,4 @@ absl::StatusOr<std::unique_ptr<Stream>> OpenLocalStream(
   return std::make_unique<LocalStream>(model, info, settings, options);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

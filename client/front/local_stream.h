@@ -17,7 +17,7 @@
 #include "core/classify/compiled_model.h"
 #include "tactus/stream.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // A model and what its streams call it.
 struct LocalModel {
@@ -31,4 +31,4 @@ struct LocalModel {
 absl::StatusOr<std::unique_ptr<Stream>> OpenLocalStream(
     const LocalModel& model, const Skin& skin, const StreamOptions& options);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -25,7 +25,7 @@
 #include "tactus/driver.h"
 
 namespace tactus {
-namespace client {
+namespace internal::client {
 namespace {
 
 constexpr char kDriverNames[] =
@@ -250,19 +250,23 @@ absl::StatusOr<std::unique_ptr<Driver>> MakeIcub(Options options, bool is_usb) {
 }
 
 }  // namespace
-}  // namespace client
+}  // namespace internal::client
 
 absl::StatusOr<std::unique_ptr<Driver>> MakeDriver(
     const std::string& name, const DriverOptions& options) {
-  const client::Options given(options);
-  if (client::IsDriverLibrary(name)) return client::LoadDriver(name, options);
-  if (name == "sim") return client::MakeSim(given);
-  if (name == "replay") return client::MakeReplay(given);
-  if (name == "serial") return client::MakeSerial(given);
-  if (name == "xela-can") return client::MakeXela(given);
-  if (name == "icub-can") return client::MakeIcub(given, /*is_usb=*/false);
-  if (name == "icub-usb") return client::MakeIcub(given, /*is_usb=*/true);
-  return InvalidConfig("driver", Quoted(name), client::kDriverNames);
+  const internal::client::Options given(options);
+  if (internal::client::IsDriverLibrary(name))
+    return internal::client::LoadDriver(name, options);
+  if (name == "sim") return internal::client::MakeSim(given);
+  if (name == "replay") return internal::client::MakeReplay(given);
+  if (name == "serial") return internal::client::MakeSerial(given);
+  if (name == "xela-can") return internal::client::MakeXela(given);
+  if (name == "icub-can")
+    return internal::client::MakeIcub(given, /*is_usb=*/false);
+  if (name == "icub-usb")
+    return internal::client::MakeIcub(given, /*is_usb=*/true);
+  return internal::InvalidConfig("driver", internal::Quoted(name),
+                                 internal::client::kDriverNames);
 }
 
 }  // namespace tactus

@@ -15,10 +15,10 @@ class MockStream::Impl {
   // Why a call fails; OK if it does not.
   absl::Status Refusal() const {
     if (!end.ok()) return end;
-    return closed ? StreamFinished() : absl::OkStatus();
+    return closed ? internal::StreamFinished() : absl::OkStatus();
   }
 
-  client::AnswerDelivery delivery;
+  internal::client::AnswerDelivery delivery;
   const StreamInfo info;
   std::vector<Frame> frames;
   Answer last;
@@ -88,6 +88,6 @@ StreamStatistics MockStream::statistics() {
   return statistics;
 }
 
-void MockStream::Cancel() { Fail(WorkCancelled("the stream")); }
+void MockStream::Cancel() { Fail(internal::WorkCancelled("the stream")); }
 
 }  // namespace tactus

@@ -9,7 +9,7 @@
 #include "core/base/errors.h"
 #include "core/base/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 absl::Status NoDriver(const std::string& path, const std::string& is) {
@@ -54,4 +54,4 @@ absl::StatusOr<std::unique_ptr<Driver>> LoadDriver(
   return driver;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -14,7 +14,7 @@
 #include "absl/status/statusor.h"
 #include "tactus/driver.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // True if the name of a driver is that of a library.
 bool IsDriverLibrary(const std::string& driver);
@@ -24,4 +24,4 @@ bool IsDriverLibrary(const std::string& driver);
 absl::StatusOr<std::unique_ptr<Driver>> LoadDriver(
     const std::string& path, const DriverOptions& options);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

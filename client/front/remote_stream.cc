@@ -11,7 +11,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // What a message has besides its frames, at the most.
@@ -144,4 +144,4 @@ absl::StatusOr<std::unique_ptr<Stream>> OpenRemoteStream(
   return stream;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -19,11 +19,11 @@
 #include "grpcpp/channel.h"
 #include "tactus/stream.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // The server's errors, and INVALID_CONFIG for options that are out of range.
 absl::StatusOr<std::unique_ptr<Stream>> OpenRemoteStream(
     const std::shared_ptr<grpc::Channel>& channel, const Skin& skin,
     const StreamOptions& options, const ResumeOptions& resume);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

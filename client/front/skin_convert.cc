@@ -7,7 +7,7 @@
 #include "core/base/status_macros.h"
 #include "core/skin/layout_proto.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // The message holds no negative numbers; it is checked whole later.
@@ -194,4 +194,4 @@ void ToFrame(const SkinFrame& frame, const SkinInfo& info, Frame& out) {
               .qw = turn.w()};
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

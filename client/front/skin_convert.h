@@ -16,7 +16,7 @@
 #include "client/stream/skin_frame.h"
 #include "tactus/skin.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // INVALID_CONFIG or UNKNOWN_LAYOUT naming the field that is wrong.
 absl::StatusOr<SkinInfo> ToSkinInfo(const Skin& skin);
@@ -28,4 +28,4 @@ absl::Status ToSkinFrame(const Frame& frame, const SkinInfo& info,
                          SkinFrame& out);
 void ToFrame(const SkinFrame& frame, const SkinInfo& info, Frame& out);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

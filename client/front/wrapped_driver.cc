@@ -5,7 +5,7 @@
 #include "client/front/skin_convert.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 class WrappedDriver : public SkinDriver {
@@ -74,4 +74,4 @@ std::unique_ptr<Driver> ExposeDriver(std::shared_ptr<SkinDriver> driver) {
   return std::make_unique<ExposedDriver>(std::move(driver));
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

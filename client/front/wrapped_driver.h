@@ -16,9 +16,9 @@
 #include "client/drivers/skin_driver.h"
 #include "tactus/driver.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 std::unique_ptr<SkinDriver> WrapDriver(std::unique_ptr<Driver> driver);
 std::unique_ptr<Driver> ExposeDriver(std::shared_ptr<SkinDriver> driver);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

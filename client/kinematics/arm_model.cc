@@ -10,7 +10,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 bool IsNumber(double value) {
@@ -79,4 +79,4 @@ void ArmModel::Interpolate(std::span<const double> a, std::span<const double> b,
   }
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -27,7 +27,7 @@
 #include "absl/strings/string_view.h"
 #include "core/skin/frame.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct ArmJoint {
   std::string name = {};
@@ -91,4 +91,4 @@ class ArmModel {
   std::unique_ptr<ArmChain> chain_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -7,7 +7,7 @@
 #include "core/base/errors.h"
 #include "core/base/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr absl::string_view kBlanks = " \t\r\n";
@@ -45,4 +45,4 @@ absl::Status ParseJointLine(absl::string_view line, int64_t& time_ns,
                        absl::StrCat(values.size(), ", after the time"));
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -18,11 +18,11 @@
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // INVALID_CONFIG unless `line` is a whole number and one number for each of
 // `values`.
 absl::Status ParseJointLine(absl::string_view line, int64_t& time_ns,
                             std::span<double> values);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -9,7 +9,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 std::string Milliseconds(int64_t ns) {
@@ -142,4 +142,4 @@ std::string JointPoses::Problem() const {
   return "";
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -32,7 +32,7 @@
 #include "client/kinematics/arm_model.h"
 #include "core/skin/frame.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct JointPosesOptions {
   // Samples that are kept, at least 2: a second at 1000 Hz.
@@ -103,4 +103,4 @@ class JointPoses {
   int64_t by_ns_ = 0;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

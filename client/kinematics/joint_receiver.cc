@@ -18,7 +18,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // More than any sample has.
@@ -119,4 +119,4 @@ void JointReceiver::ReceiveAll() {
   }
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

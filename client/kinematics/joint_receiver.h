@@ -26,7 +26,7 @@
 #include "client/drivers/clock.h"
 #include "client/kinematics/joint_poses.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class JointReceiver {
  public:
@@ -74,4 +74,4 @@ class JointReceiver {
   std::thread thread_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

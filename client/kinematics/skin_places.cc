@@ -7,7 +7,7 @@
 
 #include "core/base/errors.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 absl::StatusOr<SkinPlaces> SkinPlaces::FromPositions(
     const SkinLayout& layout,
@@ -77,4 +77,4 @@ Eigen::Vector3d SkinPlaces::NearestCell(const SkinPoint& point) const {
   return nearest;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

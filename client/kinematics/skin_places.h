@@ -28,7 +28,7 @@
 #include "core/skin/geometry.h"
 #include "core/skin/layout.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class SkinPlaces {
  public:
@@ -61,4 +61,4 @@ class SkinPlaces {
   std::vector<std::optional<Eigen::Vector3d>> cells_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

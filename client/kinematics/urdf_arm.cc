@@ -17,7 +17,7 @@
 #include "urdf_model/model.h"
 #include "urdf_parser/urdf_parser.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using Joints = std::vector<urdf::JointSharedPtr>;
@@ -295,4 +295,4 @@ absl::StatusOr<ArmModel> ArmModel::FromUrdf(absl::string_view urdf,
                   std::make_unique<KdlChain>(std::move(links)));
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -2,7 +2,7 @@
 #include "client/kinematics/arm_model.h"
 #include "core/base/errors.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 absl::StatusOr<ArmModel> ArmModel::FromUrdf(absl::string_view,
                                             const std::string&) {
@@ -11,4 +11,4 @@ absl::StatusOr<ArmModel> ArmModel::FromUrdf(absl::string_view,
                        "liburdfdom-dev liborocos-kdl-dev, then build again");
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -6,7 +6,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr size_t kNone = absl::string_view::npos;
@@ -80,4 +80,4 @@ absl::Status CheckUrdfText(absl::string_view urdf) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

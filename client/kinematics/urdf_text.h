@@ -13,10 +13,10 @@
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // INVALID_CONFIG if the text exceeds limits::kMaxUrdfBytes, kMaxUrdfDepth or
 // kMaxUrdfJoints, or holds a byte 0.
 absl::Status CheckUrdfText(absl::string_view urdf);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -3,7 +3,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/serialize.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 std::string Bits(v1::Answer answer) {
@@ -80,4 +80,4 @@ std::string AnswerCheck::Text() const {
   return text;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

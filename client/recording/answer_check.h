@@ -20,7 +20,7 @@
 
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class AnswerCheck {
  public:
@@ -57,4 +57,4 @@ class AnswerCheck {
   Counts counts_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // An open chunk is closed after this time without events.
@@ -187,4 +187,4 @@ absl::Status Recorder::Finish() {
   return final_status_;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

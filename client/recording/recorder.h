@@ -41,7 +41,7 @@
 #include "client/stream/frame_encoder.h"
 #include "core/data/recording/recording_writer.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class Recorder {
  public:
@@ -126,4 +126,4 @@ class Recorder {
   absl::Status status_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 bool Fits(const v1::StreamStarted& started, const v1::Contact& contact,
@@ -49,4 +49,4 @@ std::optional<DecidedClass> DecidedClassOf(const v1::StreamStarted& started,
   return decided;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

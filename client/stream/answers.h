@@ -16,7 +16,7 @@
 
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // The contact with the largest area; null if there is none. Refers to `answer`.
 const v1::Contact* MainContact(const v1::Answer& answer);
@@ -38,4 +38,4 @@ struct DecidedClass {
 std::optional<DecidedClass> DecidedClassOf(const v1::StreamStarted& started,
                                            const v1::Contact& contact);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 std::chrono::milliseconds Backoff::Next() {
   const std::chrono::milliseconds wait(std::llround(
@@ -12,4 +12,4 @@ std::chrono::milliseconds Backoff::Next() {
   return wait;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

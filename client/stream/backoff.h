@@ -16,7 +16,7 @@
 
 #include "core/base/random.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class Backoff {
  public:
@@ -33,4 +33,4 @@ class Backoff {
   std::chrono::milliseconds longest_ = kFirst;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

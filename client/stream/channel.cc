@@ -12,7 +12,7 @@
 #include "grpcpp/create_channel.h"
 #include "grpcpp/security/credentials.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 std::shared_ptr<grpc::Channel> MakeChannel(const std::string& address,
                                            const ChannelOptions& options) {
@@ -62,4 +62,4 @@ absl::StatusOr<std::string> ReadRootCertificates(const std::string& path) {
   return text.str();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -19,7 +19,7 @@
 #include "core/base/limits.h"
 #include "grpcpp/channel.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct ChannelOptions {
   // PEM of the authorities that may vouch for the server. If set, every
@@ -42,4 +42,4 @@ std::shared_ptr<grpc::Channel> MakeChannel(const std::string& address,
 // none.
 absl::StatusOr<std::string> ReadRootCertificates(const std::string& path);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -8,7 +8,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // Bounds the calls of one scope.
@@ -171,4 +171,4 @@ absl::Status ContactStream::Join() {
   return final_status_;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

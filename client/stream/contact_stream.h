@@ -51,7 +51,7 @@
 #include "grpcpp/client_context.h"
 #include "tactus/v1/contact.grpc.pb.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // How long a server may take. 0 is no limit.
 struct StreamTimeouts {
@@ -146,4 +146,4 @@ class ContactStream {
   v1::Answer final_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -4,7 +4,7 @@
 
 #include "core/skin/layout_proto.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
@@ -90,4 +90,4 @@ v1::StreamConfig MakeConfig(const SkinInfo& info) {
   return config;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -16,7 +16,7 @@
 #include "client/stream/skin_frame.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class FrameEncoder {
  public:
@@ -57,4 +57,4 @@ class FrameEncoder {
 // end as the model says.
 v1::StreamConfig MakeConfig(const SkinInfo& info);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <utility>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr size_t kFirstCapacity = 16 * 1024;
@@ -82,4 +82,4 @@ void MessageRing::Grow() {
   capacity_ = capacity;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -22,7 +22,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class MessageRing {
  public:
@@ -82,4 +82,4 @@ class MessageRing {
   Position end_ = 0;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -11,7 +11,7 @@
 #include "core/base/limits_questions.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using google::protobuf::RepeatedField;
@@ -318,4 +318,4 @@ absl::Status ResponseChecker::CheckOrder(const v1::Answer& answer) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

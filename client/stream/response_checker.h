@@ -19,7 +19,7 @@
 #include "absl/status/status.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class ResponseChecker {
  public:
@@ -51,4 +51,4 @@ class ResponseChecker {
   uint64_t finals_ = 0;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

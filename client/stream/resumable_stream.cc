@@ -9,7 +9,7 @@
 #include "core/base/status_macros.h"
 #include "grpcpp/channel.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using std::chrono::milliseconds;
@@ -417,4 +417,4 @@ milliseconds ResumableStream::PauseFor(const v1::FrameBatch& batch) const {
       kLeastPause, kLongestPause);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -76,7 +76,7 @@
 #include "grpcpp/channel.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct ResumeOptions {
   StreamTimeouts timeouts = {};
@@ -213,4 +213,4 @@ class ResumableStream {
   std::thread thread_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -15,7 +15,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 inline constexpr char kRobotIdKey[] = "x-robot-id";
 
@@ -29,4 +29,4 @@ inline bool IsRobotId(absl::string_view client_id) {
                      [](char c) { return c >= 0x20 && c <= 0x7e; });
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

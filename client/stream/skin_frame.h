@@ -28,7 +28,7 @@
 #include "core/skin/layout.h"
 #include "tactus/v1/common.pb.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // Fixed for the whole stream.
 struct SkinInfo {
@@ -57,4 +57,4 @@ struct SkinFrame {
   Pose pose;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -5,7 +5,7 @@
 #include "absl/strings/cord.h"
 #include "core/base/errors.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 absl::Status FromStatusProto(const v1::Status& status) {
   absl::Status result(static_cast<absl::StatusCode>(status.code()),
@@ -46,4 +46,4 @@ bool MayRetry(const absl::Status& status) {
   }
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

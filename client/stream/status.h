@@ -9,7 +9,7 @@
 #include "grpcpp/support/status.h"
 #include "tactus/v1/common.pb.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 absl::Status FromGrpcStatus(const grpc::Status& status);
 
@@ -20,4 +20,4 @@ absl::Status FromStatusProto(const v1::Status& status);
 // same call may succeed later. False for every answer of the server itself.
 bool MayRetry(const absl::Status& status);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

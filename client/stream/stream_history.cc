@@ -5,7 +5,7 @@
 #include <cstring>
 #include <utility>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr double kDefaultRateHz = 100;
@@ -262,4 +262,4 @@ void StreamHistory::FinishTrial() {
   base_end_.reset();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

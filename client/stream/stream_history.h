@@ -45,7 +45,7 @@
 #include "core/skin/pose_spacing.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // A contact that ended.
 struct EndedContact {
@@ -184,4 +184,4 @@ class StreamHistory {
   v1::ClassifyContactResponse rebased_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

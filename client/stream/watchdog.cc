@@ -5,7 +5,7 @@
 
 #include "core/base/errors.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // Longer timeouts are cut to this, so that no time point overflows.
@@ -62,4 +62,4 @@ void Watchdog::Run() {
   }
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

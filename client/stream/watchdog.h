@@ -22,7 +22,7 @@
 
 #include "absl/status/status.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class Watchdog {
  public:
@@ -62,4 +62,4 @@ class Watchdog {
   std::thread thread_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

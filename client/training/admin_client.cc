@@ -8,7 +8,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr int kAuditPageSize = 1'000;
@@ -93,4 +93,4 @@ absl::StatusOr<AdminClient::JobLog> AdminClient::ReadOperationLog(
   return log;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -15,7 +15,7 @@
 #include "client/training/training_client.h"
 #include "tactus/v1/admin.pb.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class AdminClient {
  public:
@@ -39,4 +39,4 @@ class AdminClient {
   TrainingClient& client_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

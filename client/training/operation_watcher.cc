@@ -9,7 +9,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 bool HasEnded(const v1::Operation& operation) {
   return operation.state() == v1::Operation::STATE_SUCCEEDED ||
@@ -100,4 +100,4 @@ void OperationWatcher::Cancel() {
   if (context_ != nullptr) context_->TryCancel();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -27,7 +27,7 @@
 #include "client/training/retry.h"
 #include "client/training/training_client.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // True if the job will never change again.
 bool HasEnded(const v1::Operation& operation);
@@ -64,4 +64,4 @@ class OperationWatcher {
   grpc::ClientContext* context_ = nullptr;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -3,7 +3,7 @@
 #include <thread>
 #include <utility>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 Retries::Retries(RetryOptions options, uint64_t seed)
     : options_(std::move(options)), backoff_(seed) {}
@@ -29,4 +29,4 @@ void Retries::Reset() {
   backoff_.Reset();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -20,7 +20,7 @@
 #include "client/stream/backoff.h"
 #include "client/stream/status.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct RetryOptions {
   // Failures in a row, without progress between them, that are repeated. Ten
@@ -62,4 +62,4 @@ auto Repeated(const RetryOptions& options, const Call& call)
   }
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -13,7 +13,7 @@
 #include "core/base/text.h"
 #include "core/bundle/bundle.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using std::chrono::milliseconds;
@@ -496,4 +496,4 @@ absl::StatusOr<std::vector<v1::AliasChange>> TrainingClient::ListAliasHistory(
   return changes;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -34,7 +34,7 @@
 #include "tactus/v1/operations.grpc.pb.h"
 #include "tactus/v1/training.grpc.pb.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // A channel that takes the larger responses of the training service.
 std::shared_ptr<grpc::Channel> MakeTrainingChannel(const std::string& address,
@@ -137,4 +137,4 @@ class TrainingClient {
 // The version "datasets/D/versions/V" or "models/M/versions/V" of a resource.
 std::string VersionName(absl::string_view resource, uint64_t version);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

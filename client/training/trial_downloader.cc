@@ -9,7 +9,7 @@
 #include "core/data/trial_pack.h"
 #include "core/data/trial_record.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 class Download {
@@ -114,4 +114,4 @@ absl::StatusOr<DownloadTotals> DownloadTrials(
   return Download(client, version, sink, options).Run();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -26,7 +26,7 @@
 #include "client/training/training_client.h"
 #include "core/data/trial.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct DownloadTotals {
   uint64_t trials = 0;
@@ -48,4 +48,4 @@ absl::StatusOr<DownloadTotals> DownloadTrials(
     const std::function<absl::Status(const Trial&)>& sink,
     const DownloadOptions& options);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

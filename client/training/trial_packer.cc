@@ -7,7 +7,7 @@
 #include "core/data/trial_pack.h"
 #include "core/data/trial_record.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 TrialPacker::TrialPacker(const NextTrial& next_trial, Options options)
     : next_trial_(next_trial), options_(options), thread_([this] { Run(); }) {}
@@ -78,4 +78,4 @@ bool TrialPacker::Hand(absl::StatusOr<PackChunk> chunk) {
   return !stopping_;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

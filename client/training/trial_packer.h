@@ -27,7 +27,7 @@
 #include "absl/status/statusor.h"
 #include "core/data/trial.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // Returns the next trial; nothing after the last one.
 using NextTrial = std::function<absl::StatusOr<std::optional<Trial>>()>;
@@ -95,4 +95,4 @@ class TrialPacker {
   std::thread thread_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -8,7 +8,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // True if the same bytes may be sent again: the call broke, or bytes were lost
@@ -156,4 +156,4 @@ void TrialUploader::Report(const TrialPacker& packer, int64_t bytes) const {
   if (options_.on_progress) options_.on_progress(bytes, packer.trials());
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

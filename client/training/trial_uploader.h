@@ -36,7 +36,7 @@
 #include "client/training/training_client.h"
 #include "client/training/trial_packer.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct UploadOptions {
   // Data of one message; the server accepts at most 1 MiB.
@@ -82,4 +82,4 @@ class TrialUploader {
   std::deque<PackChunk> unconfirmed_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -13,7 +13,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // The first word of a line for a certificate.
@@ -161,4 +161,4 @@ std::string WithoutEntry(absl::string_view text, absl::string_view name) {
   return rest;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -32,7 +32,7 @@
 #include "absl/strings/string_view.h"
 #include "core/access/role.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class AccessTable {
  public:
@@ -86,4 +86,4 @@ absl::StatusOr<std::string> TokenLine(absl::string_view name, Role role,
 // certificate `name`. All other lines stay as they are.
 std::string WithoutEntry(absl::string_view text, absl::string_view name);
 
-}  // namespace tactus
+}  // namespace tactus::internal

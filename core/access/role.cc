@@ -3,7 +3,7 @@
 #include "core/base/errors.h"
 #include "core/base/text.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 absl::string_view RoleName(Role role) {
   switch (role) {
@@ -24,4 +24,4 @@ absl::StatusOr<Role> ParseRole(absl::string_view name) {
   return InvalidConfig("the role", Quoted(name), "robot, trainer or admin");
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -12,7 +12,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 enum class Role {
   // Classify, and see which models there are.
@@ -29,4 +29,4 @@ absl::string_view RoleName(Role role);
 // INVALID_CONFIG for any other text.
 absl::StatusOr<Role> ParseRole(absl::string_view name);
 
-}  // namespace tactus
+}  // namespace tactus::internal

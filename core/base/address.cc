@@ -8,7 +8,7 @@
 #include "core/base/errors.h"
 #include "core/base/text.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr absl::string_view kUnixPrefix = "unix:";
@@ -53,4 +53,4 @@ bool StaysOnThisHost(absl::string_view address) {
           ntohl(ipv4.s_addr) >> 24 == 127);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

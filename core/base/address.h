@@ -15,7 +15,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct HostPort {
   // Without the brackets of an IPv6 address.
@@ -38,4 +38,4 @@ bool StaysOnThisHost(absl::string_view address);
 // Colons are allowed in a host only inside brackets.
 absl::StatusOr<HostPort> ParseHostPort(absl::string_view address);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -12,7 +12,7 @@
 #include <new>
 #include <vector>
 
-namespace tactus {
+namespace tactus::internal {
 
 template <typename T>
 struct CacheLineAllocator {
@@ -37,4 +37,4 @@ struct CacheLineAllocator {
 template <typename T>
 using AlignedVector = std::vector<T, CacheLineAllocator<T>>;
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -4,7 +4,7 @@
 #include "core/base/errors.h"
 #include "core/base/text.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 absl::Status CheckArguments(int argc, const char* const* argv) {
   for (int i = 1; i < argc; ++i) {
@@ -16,4 +16,4 @@ absl::Status CheckArguments(int argc, const char* const* argv) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,11 +9,11 @@
 
 #include "absl/status/status.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // INVALID_CONFIG unless every argument is UTF-8: labels, names and notes from
 // arguments go into messages, files and JSON, which are UTF-8. Paths of other
 // encodings are refused too.
 absl::Status CheckArguments(int argc, const char* const* argv);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -2,7 +2,7 @@
 
 #include "absl/strings/str_format.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 std::string BytesText(int64_t bytes) {
   const char* const units[] = {"B", "kB", "MB", "GB", "TB"};
@@ -12,4 +12,4 @@ std::string BytesText(int64_t bytes) {
   return absl::StrFormat("%.3g %s", value, units[unit]);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -12,8 +12,8 @@
 #include <cstdint>
 #include <string>
 
-namespace tactus {
+namespace tactus::internal {
 
 std::string BytesText(int64_t bytes);
 
-}  // namespace tactus
+}  // namespace tactus::internal

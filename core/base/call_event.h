@@ -15,7 +15,7 @@
 // Must live until the queue has returned it. Not thread-safe.
 #pragma once
 
-namespace tactus {
+namespace tactus::internal {
 
 class CallEvent {
  public:
@@ -40,4 +40,4 @@ class MemberEvent final : public CallEvent {
   const Handler handler_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -2,7 +2,7 @@
 
 #include <isa-l/crc.h>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // The library counts bytes in an int.
@@ -24,4 +24,4 @@ uint32_t ExtendCrc32c(uint32_t crc, absl::string_view bytes) {
   return ~state;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -12,10 +12,10 @@
 
 #include "absl/strings/string_view.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // The CRC32C of some bytes followed by `bytes`, where `crc` is that of the
 // former; 0 for none.
 uint32_t ExtendCrc32c(uint32_t crc, absl::string_view bytes);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 #include "core/base/serialize.h"
 #include "core/base/text.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Standard tools look for this type in grpc-status-details-bin.
@@ -558,4 +558,4 @@ absl::Status BundleChanged(absl::string_view version, absl::string_view got,
        {"expected", std::string(want)}});
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

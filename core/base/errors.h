@@ -19,7 +19,7 @@
 #include "absl/strings/string_view.h"
 #include "tactus/v1/common.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 using ErrorMetadata = std::vector<std::pair<std::string, std::string>>;
 
@@ -183,4 +183,4 @@ absl::Status NotResumed(int64_t limit_ms, const absl::Status& last);
 absl::Status BundleChanged(absl::string_view version, absl::string_view got,
                            absl::string_view want);
 
-}  // namespace tactus
+}  // namespace tactus::internal

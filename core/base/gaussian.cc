@@ -12,7 +12,7 @@
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace tactus::HWY_NAMESPACE {
+namespace tactus::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Terms of atanh(s) / s, sin(a) / a and cos(a), by powers of the square.
@@ -136,11 +136,11 @@ void ToGaussian(const uint64_t* HWY_RESTRICT bits, size_t count,
   }
 }
 
-}  // namespace tactus::HWY_NAMESPACE
+}  // namespace tactus::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace tactus {
+namespace tactus::internal {
 
 HWY_EXPORT(ToGaussian);
 
@@ -160,5 +160,5 @@ void FillGaussian(Random& random, std::span<double> deviates) {
   std::copy_n(rest.begin(), deviates.size(), deviates.begin());
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal
 #endif  // HWY_ONCE

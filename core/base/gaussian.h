@@ -16,10 +16,10 @@
 
 #include "core/base/random.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Fills `deviates` with numbers of zero mean and unit variance. Takes two
 // uniform numbers for each pair of deviates, and two for an odd last one.
 void FillGaussian(Random& random, std::span<double> deviates);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace tactus::limits {
+namespace tactus::internal::limits {
 
 // Skin shape, taxels per side.
 inline constexpr int kMaxRows = 64;
@@ -217,4 +217,4 @@ inline constexpr size_t kMaxMcapRecordBytes = 64UL * 1024 * 1024;
 inline constexpr size_t kMaxMcapSchemaBytes = 16UL * 1024 * 1024;
 inline constexpr size_t kMaxMcapMetadataBytes = 1024 * 1024;
 
-}  // namespace tactus::limits
+}  // namespace tactus::internal::limits

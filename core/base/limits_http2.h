@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace tactus::limits {
+namespace tactus::internal::limits {
 
 // A header block on the wire and decoded; gRPC itself answers a call with more
 // than 16 KiB of metadata. Its frames and its headers.
@@ -35,4 +35,4 @@ inline constexpr int kMaxVettedDescriptors = 1 << 20;
 inline constexpr int kUnreadTimeoutMs = 120'000;
 inline constexpr int kUnreadLookMs = 5'000;
 
-}  // namespace tactus::limits
+}  // namespace tactus::internal::limits

@@ -6,11 +6,11 @@
 
 #include <cstddef>
 
-namespace tactus::limits {
+namespace tactus::internal::limits {
 
 inline constexpr size_t kMaxQuestions = 8;
 inline constexpr size_t kMaxQuestionNameBytes = 64;
 // Text of a label table.
 inline constexpr size_t kMaxQuestionTableBytes = 256 * 1024;
 
-}  // namespace tactus::limits
+}  // namespace tactus::internal::limits

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace tactus::limits {
+namespace tactus::internal::limits {
 
 // One request, where server/rpc/request_limits.cc has no other limit.
 inline constexpr size_t kMaxControlRequestBytes = 16 * 1024;
@@ -36,4 +36,4 @@ inline constexpr int64_t kMaxClientModelBytes = 512L * 1024 * 1024;
 inline constexpr int64_t kKeptJobMs = 90L * 24 * 3'600 * 1'000;
 inline constexpr int kMaxKeptJobs = 1'000;
 
-}  // namespace tactus::limits
+}  // namespace tactus::internal::limits

@@ -8,7 +8,7 @@
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace tactus::HWY_NAMESPACE {
+namespace tactus::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Moves `state` on by `size` numbers and writes what it gives. Number i of a
@@ -53,11 +53,11 @@ void RefillBlock(size_t size, uint64_t* HWY_RESTRICT state,
   }
 }
 
-}  // namespace tactus::HWY_NAMESPACE
+}  // namespace tactus::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace tactus {
+namespace tactus::internal {
 
 HWY_EXPORT(RefillBlock);
 
@@ -84,5 +84,5 @@ void MersenneTwister::Fill(std::span<uint64_t> numbers) {
   }
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal
 #endif  // HWY_ONCE

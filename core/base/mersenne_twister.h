@@ -19,7 +19,7 @@
 #include <cstdint>
 #include <span>
 
-namespace tactus {
+namespace tactus::internal {
 
 class MersenneTwister {
  public:
@@ -46,4 +46,4 @@ class MersenneTwister {
   size_t next_ = kNumbers;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -16,7 +16,7 @@
 
 #include "core/base/mersenne_twister.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class Random {
  public:
@@ -70,4 +70,4 @@ class Random {
   bool has_spare_ = false;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // As a stream's rate may differ from its model's.
@@ -65,4 +65,4 @@ double RateWatch::RateOfWindow() const {
   return far(rest) < far(whole) ? rest : whole;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

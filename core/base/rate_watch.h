@@ -16,7 +16,7 @@
 
 #include <cstdint>
 
-namespace tactus {
+namespace tactus::internal {
 
 class RateWatch {
  public:
@@ -65,4 +65,4 @@ class RateWatch {
   bool differs_ = false;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

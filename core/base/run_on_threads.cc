@@ -5,7 +5,7 @@
 #include <thread>
 #include <vector>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 void Run(int threads, int count, const std::function<void(int)>& body) {
@@ -33,4 +33,4 @@ std::function<void(int, const std::function<void(int)>&)> OnThreads(
   };
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -18,7 +18,7 @@
 
 #include <functional>
 
-namespace tactus {
+namespace tactus::internal {
 
 // Calls body(0) .. body(count - 1), one thread per processor, in any order.
 // Returns when all calls have returned. The calling thread takes part.
@@ -28,4 +28,4 @@ void RunOnThreads(int count, const std::function<void(int)>& body);
 std::function<void(int count, const std::function<void(int)>& body)> OnThreads(
     int threads);
 
-}  // namespace tactus
+}  // namespace tactus::internal

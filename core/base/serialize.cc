@@ -3,7 +3,7 @@
 #include "google/protobuf/io/coded_stream.h"
 #include "google/protobuf/io/zero_copy_stream_impl_lite.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 std::string SerializeDeterministic(
     const google::protobuf::MessageLite& message) {
@@ -17,4 +17,4 @@ std::string SerializeDeterministic(
   return bytes;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

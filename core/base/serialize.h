@@ -15,10 +15,10 @@
 
 #include "google/protobuf/message_lite.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Returns the bytes of `message`.
 std::string SerializeDeterministic(
     const google::protobuf::MessageLite& message);
 
-}  // namespace tactus
+}  // namespace tactus::internal

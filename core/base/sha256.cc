@@ -6,7 +6,7 @@
 
 #include "absl/strings/escaping.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct Sha256::Context {
   EVP_MD_CTX* evp = EVP_MD_CTX_new();
@@ -47,4 +47,4 @@ bool IsSha256Hex(absl::string_view text) {
          });
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -15,7 +15,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class Sha256 {
  public:
@@ -43,4 +43,4 @@ std::string Sha256Hex(absl::string_view bytes);
 // True if `text` is 64 hexadecimal digits, lower case.
 bool IsSha256Hex(absl::string_view text);
 
-}  // namespace tactus
+}  // namespace tactus::internal

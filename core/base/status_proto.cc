@@ -4,7 +4,7 @@
 
 #include "absl/strings/cord.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 v1::Status ToStatusProto(const absl::Status& status) {
   v1::Status message;
@@ -28,4 +28,4 @@ absl::Status FromStatusProto(const v1::Status& message) {
   return status;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

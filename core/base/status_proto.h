@@ -13,10 +13,10 @@
 #include "absl/status/status.h"
 #include "tactus/v1/common.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 v1::Status ToStatusProto(const absl::Status& status);
 
 absl::Status FromStatusProto(const v1::Status& message);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/limits.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 struct Character {
@@ -90,4 +90,4 @@ std::string Quoted(absl::string_view text) {
                       shown.size() < text.size() ? "..." : "");
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -15,7 +15,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // True if `text` is well-formed UTF-8 (RFC 3629): no overlong forms, no
 // surrogates, nothing above U+10FFFF.
@@ -37,4 +37,4 @@ std::string Printable(absl::string_view text);
 // more.
 std::string Quoted(absl::string_view text);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/text_lines.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 bool IsBlank(char c) { return c == ' ' || c == '\t'; }
@@ -107,4 +107,4 @@ std::string DelimiterName(char delimiter) {
   }
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -13,7 +13,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Splits at `delimiter`, or for ' ' at runs of blanks and tabs. A cell loses
 // the blanks around it, and the double quotes around it if it has them;
@@ -26,4 +26,4 @@ bool SplitCells(absl::string_view line, char delimiter,
 // The name of a delimiter in a sentence: "commas".
 std::string DelimiterName(char delimiter);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -16,7 +16,7 @@
 #include "absl/strings/string_view.h"
 #include "absl/strings/strip.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class TextLines {
  public:
@@ -60,4 +60,4 @@ absl::string_view EncodingFault(absl::string_view text);
 // The same, and any other bytes that are no text at all.
 absl::string_view TextFileFault(absl::string_view text);
 
-}  // namespace tactus
+}  // namespace tactus::internal

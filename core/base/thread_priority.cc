@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr uint64_t kPromptSliceNs = 100'000;
@@ -45,4 +45,4 @@ bool SetThreadPriority(ThreadPriority priority) {
   return SetTimeSharing(getpriority(PRIO_PROCESS, 0), kPromptSliceNs);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

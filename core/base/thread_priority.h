@@ -10,7 +10,7 @@
 // Thread-safe and async-signal-safe.
 #pragma once
 
-namespace tactus {
+namespace tactus::internal {
 
 enum class ThreadPriority {
   // Runs soon after it wakes up, even if background threads keep all processors
@@ -26,4 +26,4 @@ enum class ThreadPriority {
 // Sets the priority of the calling thread. False if the kernel refuses.
 bool SetThreadPriority(ThreadPriority priority);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -4,8 +4,8 @@
 // is a separate header so that a new release recompiles only its few users.
 #pragma once
 
-namespace tactus {
+namespace tactus::internal {
 
 inline constexpr char kVersion[] = TACTUS_VERSION;
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tactus {
+namespace tactus::internal {
 
 Interval WilsonInterval(int successes, int count) {
   if (count == 0) return {};
@@ -19,4 +19,4 @@ Interval WilsonInterval(int successes, int count) {
           std::min(1., (middle + half) / scale)};
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

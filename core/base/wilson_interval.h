@@ -8,7 +8,7 @@
 // Plain data and a free function without state; thread-safe.
 #pragma once
 
-namespace tactus {
+namespace tactus::internal {
 
 struct Interval {
   double low = 0;
@@ -19,4 +19,4 @@ struct Interval {
 // seen: Wilson's score interval (JASA 22, 1927). [0, 1] for a count of 0.
 Interval WilsonInterval(int successes, int count);
 
-}  // namespace tactus
+}  // namespace tactus::internal

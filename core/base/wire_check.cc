@@ -7,7 +7,7 @@
 #include "google/protobuf/io/zero_copy_stream_impl_lite.h"
 #include "google/protobuf/wire_format_lite.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using google::protobuf::Descriptor;
@@ -136,4 +136,4 @@ WireCheck CheckWire(const Descriptor& type,
   return walk.Take();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -19,7 +19,7 @@
 #include "google/protobuf/descriptor.h"
 #include "google/protobuf/io/zero_copy_stream.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct WireCheck {
   // What is wrong: a field that the type does not know, at any depth, or a
@@ -35,4 +35,4 @@ WireCheck CheckWire(const google::protobuf::Descriptor& type,
 WireCheck CheckWire(const google::protobuf::Descriptor& type,
                     google::protobuf::io::ZeroCopyInputStream* bytes);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -18,7 +18,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Calls body(0) .. body(count - 1), in any order, on any threads, and returns
 // when all calls have returned.
@@ -64,4 +64,4 @@ class Progress {
   double weight_ = 1;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -17,7 +17,7 @@
 #include "core/bundle/field_count.h"
 #include "core/bundle/model_proto.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
@@ -130,4 +130,4 @@ absl::string_view BundleBody(absl::string_view bytes) {
   return bytes.substr(0, bytes.size() - std::min(bytes.size(), kDigestBytes));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

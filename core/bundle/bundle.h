@@ -17,7 +17,7 @@
 #include "absl/strings/string_view.h"
 #include "core/classify/compiled_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Bundles whose networks have hidden layers have version 2, because readers of
 // version 1 would leave the hidden layers out. All others have version 1. Both
@@ -51,4 +51,4 @@ std::string BundleSha256(absl::string_view bytes);
 // What that checksum covers: all bytes before it.
 absl::string_view BundleBody(absl::string_view bytes);
 
-}  // namespace tactus
+}  // namespace tactus::internal

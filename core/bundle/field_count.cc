@@ -5,7 +5,7 @@
 #include "google/protobuf/io/coded_stream.h"
 #include "google/protobuf/wire_format_lite.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using google::protobuf::Descriptor;
@@ -53,4 +53,4 @@ bool HasAtMostFields(const Descriptor& type, absl::string_view bytes,
   return CountFields(type, in, limit);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

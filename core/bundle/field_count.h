@@ -12,7 +12,7 @@
 #include "absl/strings/string_view.h"
 #include "google/protobuf/descriptor.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // True if `bytes` is the encoding of a message of type `type` with at most
 // `limit` fields: those of nested messages and fields that `type` does not know
@@ -20,4 +20,4 @@ namespace tactus {
 bool HasAtMostFields(const google::protobuf::Descriptor& type,
                      absl::string_view bytes, int limit);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -12,7 +12,7 @@
 #include "core/classify/input_spec.h"
 #include "core/skin/layout_proto.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 template <typename From, typename To>
@@ -516,4 +516,4 @@ absl::StatusOr<Model> ModelFromProto(const v1::ModelBundle& bundle) {
   return model;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -10,11 +10,11 @@
 #include "core/classify/model.h"
 #include "tactus/v1/bundle.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 v1::ModelBundle ModelToProto(const Model& model);
 
 // INVALID_MODEL if an enumeration or a feature name is unknown.
 absl::StatusOr<Model> ModelFromProto(const v1::ModelBundle& bundle);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Exponentiates in place relative to the largest entry and normalises.
@@ -201,4 +201,4 @@ absl::Status Validate(const Calibration& c, int classes, bool has_lstm) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

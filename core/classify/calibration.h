@@ -19,7 +19,7 @@
 
 #include "core/classify/model.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // The values of the tables at one number of frames.
 struct CalibrationPoint {
@@ -88,4 +88,4 @@ double UnknownProbability(const CalibrationPoint& point, double evidence,
 absl::Status Validate(const Calibration& calibration, int classes,
                       bool has_lstm);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 #include "core/base/status_macros.h"
 #include "core/classify/contact_classifier.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 std::vector<DecisionRule> RulesOf(const Calibration& c,
@@ -66,4 +66,4 @@ absl::Status RunWarmUp(const CompiledModel& model) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

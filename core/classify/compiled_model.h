@@ -22,7 +22,7 @@
 #include "core/questions/decision_tracker.h"
 #include "core/questions/question.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class CompiledModel {
  public:
@@ -61,4 +61,4 @@ class CompiledModel {
 // scored in float, and CPUs round its sums differently.
 absl::Status RunWarmUp(const CompiledModel& model);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 #include "core/base/limits.h"
 #include "core/questions/consensus.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Frames from an evaluation of the LSTMs to a look at a new course: one frame
@@ -402,4 +402,4 @@ double ContactClassifier::stability() const {
   return static_cast<double>(same) / static_cast<double>(count);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

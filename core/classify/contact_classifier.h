@@ -34,7 +34,7 @@
 #include "core/cues/cue_tracker.h"
 #include "core/questions/decision_tracker.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // A class whose probability stayed above the threshold for long enough.
 struct Decision {
@@ -253,4 +253,4 @@ class ContactClassifier {
   DecisionTracker tracker_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include "core/base/status_macros.h"
 #include "core/classify/input_spec.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // A larger difference of rates would change the meaning of a frame for the
@@ -183,4 +183,4 @@ void ContactPipeline::EndTrial() {
   ended_ = {};
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

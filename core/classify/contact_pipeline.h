@@ -29,7 +29,7 @@
 #include "core/features/skin_tracker.h"
 #include "core/skin/frame.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // A contact after a frame.
 struct ContactReport {
@@ -142,4 +142,4 @@ class ContactPipeline {
 // How many contacts a pipeline follows at the same time.
 int MostContacts(const Model& model, const ContactPipeline::Options& options);
 
-}  // namespace tactus
+}  // namespace tactus::internal

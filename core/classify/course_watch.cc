@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Weights of a frame in the level, in the slope and in the variance of errors.
@@ -75,4 +75,4 @@ bool CourseWatch::Step(double value, Channel& channel) const {
   return channel.above > kLeft || channel.below > kLeft;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

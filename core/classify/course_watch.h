@@ -20,7 +20,7 @@
 
 #include "core/features/feature.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class CourseWatch {
  public:
@@ -51,4 +51,4 @@ class CourseWatch {
   int frames_ = 0;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

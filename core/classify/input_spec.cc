@@ -8,7 +8,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 absl::Status CheckInputs(absl::string_view name,
@@ -144,4 +144,4 @@ absl::Status Validate(const InputSpec& spec, bool has_lstm) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -14,7 +14,7 @@
 #include "core/classify/model.h"
 #include "core/cues/cue_tracker.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Returns a cue before scaling: x, or log(max(x, 0) + log_offset).
 double TransformCue(double value, double log_offset);
@@ -48,4 +48,4 @@ int CountUnused(CueGroups groups);
 // Returns INVALID_MODEL that names what is wrong.
 absl::Status Validate(const InputSpec& spec, bool has_lstm);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -14,7 +14,7 @@
 #include "core/classify/input_spec.h"
 #include "core/classify/object_estimate.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 absl::Status CheckClassNames(const std::vector<std::string>& names) {
@@ -293,4 +293,4 @@ std::string SkinMisfit(const Model& model, const SkinLayout& layout) {
   return fits ? "" : differs(model.layout);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -30,7 +30,7 @@
 #include "core/skin/layout.h"
 #include "core/taxels/taxel_embedding.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // One input of a model: cue x -> (g(x) - offset) * gain, clamped to plus and
 // minus `limit`. g(x) is x if log_offset is 0, else log(max(x, 0) +
@@ -188,4 +188,4 @@ void RemoveEstimator(Model& model);
 // differs in nothing else: it feels a part of what they feel.
 std::string SkinMisfit(const Model& model, const SkinLayout& layout);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -15,7 +15,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tactus {
+namespace tactus::internal {
 
 // Outputs of the network: index 0 and 1.
 inline constexpr int kEstimateRegressions = 2;
@@ -51,4 +51,4 @@ inline ObjectEstimate DecodeEstimate(const double* mean,
           deviation[1] * motion};
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -16,7 +16,7 @@
 #include <array>
 #include <cstdint>
 
-namespace tactus {
+namespace tactus::internal {
 
 enum class SkipRule {
   // Does not segment frames outside a contact without a touched taxel.
@@ -76,4 +76,4 @@ class SkipCounters : public PerSkipRule<uint64_t> {
   }
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -16,7 +16,7 @@
 #include <algorithm>
 #include <cstdint>
 
-namespace tactus {
+namespace tactus::internal {
 
 // How often a model is stepped. A contact changes fast at first and slowly
 // later, so the interval between two steps is a fraction of the frames since
@@ -77,4 +77,4 @@ class StepClock {
   uint64_t due_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

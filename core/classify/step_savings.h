@@ -17,7 +17,7 @@
 
 #include <cstdint>
 
-namespace tactus {
+namespace tactus::internal {
 
 struct StepSavings {
   // The answer is settled if the same class had at least this probability after
@@ -42,4 +42,4 @@ struct StepSavings {
   }
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -3,7 +3,7 @@
 #include "core/base/status_macros.h"
 #include "core/classify/contact_classifier.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 absl::Status AnswerWarmUp(Model& model) {
   model.warm_up.probability.assign(model.class_names.size(), 0);
@@ -20,4 +20,4 @@ absl::Status AnswerWarmUp(Model& model) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

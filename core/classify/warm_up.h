@@ -12,11 +12,11 @@
 #include "absl/status/status.h"
 #include "core/classify/model.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Sets the probabilities and log-likelihoods of model.warm_up to what `model`
 // answers after its samples. Fails as Validate(model) does, whatever answers it
 // had.
 absl::Status AnswerWarmUp(Model& model);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include "core/base/limits_http2.h"
 #include "core/connections/vetted_reads.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // The first byte of a TLS record that begins a connection: a handshake or an
@@ -145,4 +145,4 @@ bool Passes(SSL* ssl, const uint8_t* bytes, size_t size) {
 }
 
 }  // namespace vetted_reads
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -24,7 +24,7 @@
 #include "absl/strings/string_view.h"
 #include "core/http2/http2_vet.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class VettedConnections {
  public:
@@ -49,4 +49,4 @@ class VettedConnections {
   static uint64_t bytes();
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -19,7 +19,7 @@ bool PassesAll(int fd, const msghdr& message, size_t size) {
   for (size_t i = 0; i < message.msg_iovlen && size > 0; ++i) {
     const iovec& part = message.msg_iov[i];
     const size_t bytes = std::min(size, part.iov_len);
-    if (!tactus::vetted_reads::Passes(
+    if (!tactus::internal::vetted_reads::Passes(
             fd, static_cast<const uint8_t*>(part.iov_base), bytes)) {
       return false;
     }
@@ -34,10 +34,10 @@ extern "C" {
 
 ssize_t recvmsg(int fd, msghdr* message, int flags) {
   // What follows a fault stays in the kernel.
-  if (tactus::vetted_reads::HasFault(fd)) return 0;
+  if (tactus::internal::vetted_reads::HasFault(fd)) return 0;
   const ssize_t size = syscall(SYS_recvmsg, fd, message, flags);
   if (size <= 0 || (flags & MSG_ERRQUEUE) != 0 ||
-      !tactus::vetted_reads::IsVetted(fd)) {
+      !tactus::internal::vetted_reads::IsVetted(fd)) {
     return size;
   }
   if (PassesAll(fd, *message, static_cast<size_t>(size))) return size;
@@ -47,12 +47,12 @@ ssize_t recvmsg(int fd, msghdr* message, int flags) {
 }
 
 int connect(int fd, const sockaddr* address, socklen_t length) {
-  tactus::vetted_reads::Opened(fd);
+  tactus::internal::vetted_reads::Opened(fd);
   return static_cast<int>(syscall(SYS_connect, fd, address, length));
 }
 
 int close(int fd) {
-  tactus::vetted_reads::Closed(fd);
+  tactus::internal::vetted_reads::Closed(fd);
   return static_cast<int>(syscall(SYS_close, fd));
 }
 
@@ -62,8 +62,8 @@ int SSL_read(SSL* ssl, void* buffer, int size) {
       reinterpret_cast<Function>(dlsym(RTLD_NEXT, "SSL_read"));
   const int got = original(ssl, buffer, size);
   if (got <= 0 ||
-      tactus::vetted_reads::Passes(ssl, static_cast<const uint8_t*>(buffer),
-                                   static_cast<size_t>(got))) {
+      tactus::internal::vetted_reads::Passes(
+          ssl, static_cast<const uint8_t*>(buffer), static_cast<size_t>(got))) {
     return got;
   }
   // Makes SSL_get_error return SSL_ERROR_SSL.

@@ -11,7 +11,7 @@
 
 #include <cstdint>
 
-namespace tactus::vetted_reads {
+namespace tactus::internal::vetted_reads {
 
 // `fd` is a new connection that this process opens; `fd` was closed.
 void Opened(int fd);
@@ -26,4 +26,4 @@ bool Passes(int fd, const uint8_t* bytes, size_t size);
 // The same for bytes that came over TLS, at any connection of gRPC.
 bool Passes(SSL* ssl, const uint8_t* bytes, size_t size);
 
-}  // namespace tactus::vetted_reads
+}  // namespace tactus::internal::vetted_reads

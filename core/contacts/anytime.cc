@@ -2,7 +2,7 @@
 
 #include "core/features/contact_time.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 std::array<uint64_t, kAnytimeCount> AnytimeFrames(double rate) {
   std::array<uint64_t, kAnytimeCount> frames;
@@ -34,4 +34,4 @@ void WalkContact(const LabelledContact& contact, ContactClassifier& classifier,
   for (; next < kAnytimeCount; ++next) visit(next);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

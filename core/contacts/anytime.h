@@ -18,7 +18,7 @@
 #include "core/classify/contact_classifier.h"
 #include "core/contacts/labelled_contact.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 inline constexpr int kAnytimeCount = 6;
 // Seconds since onset, increasing.
@@ -43,4 +43,4 @@ void WalkContact(
     absl::FunctionRef<void(int time)> visit,
     absl::FunctionRef<void(size_t frame)> each = [](size_t) {});
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -8,7 +8,7 @@
 #include "core/base/limits.h"
 #include "core/base/text.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using Contacts = std::vector<const LabelledContact*>;
@@ -177,4 +177,4 @@ absl::Status CheckFolds(const Contacts& contacts, const Folds& folds,
   return InvalidTrainingData(text);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

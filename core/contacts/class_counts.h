@@ -19,7 +19,7 @@
 #include "core/contacts/folds.h"
 #include "core/contacts/labelled_contact.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // A model is fitted to at least this many contacts of each class.
 inline constexpr int kMinContactsPerClass = 2;
@@ -53,4 +53,4 @@ std::vector<std::string> SmallClasses(
     const std::vector<const LabelledContact*>& contacts,
     const std::vector<std::vector<int>>& folds);
 
-}  // namespace tactus
+}  // namespace tactus::internal

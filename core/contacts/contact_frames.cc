@@ -1,6 +1,6 @@
 #include "core/contacts/contact_frames.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Puts the last frame's value into a part of the frames, if there is such a
@@ -110,4 +110,4 @@ void ContactFrames::Set(size_t t, const ContactFrame& frame) {
   if (!shear_.empty()) shear_[t] = frame.sample.shear;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -21,7 +21,7 @@
 
 #include "core/features/feature.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class ContactFrames {
  public:
@@ -131,4 +131,4 @@ class ContactFrames {
   std::vector<uint32_t> load_ends_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -1,7 +1,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/contacts/labelled_contact.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 std::string ContactName(const LabelledContact& contact) {
   const std::string& name = TrialName(contact.id, contact.source);
@@ -9,4 +9,4 @@ std::string ContactName(const LabelledContact& contact) {
   return absl::StrCat(name, "/", TouchName(*contact.touch));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 #include "core/base/errors.h"
 #include "core/skin/layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // As a stream's rate.
@@ -67,4 +67,4 @@ absl::Status CheckSkinOf(const Trial& trial, const SkinLayout& layout,
                model);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -13,7 +13,7 @@
 #include "core/classify/model.h"
 #include "core/contacts/labelled_contact.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // INVALID_TRAINING_DATA unless both contacts have the same skin
 // (SkinDifference) and the same sample rate. Ideal signals are a skin without a
@@ -31,4 +31,4 @@ absl::Status CheckFits(const LabelledContact& contact, const Model& model);
 absl::Status CheckSkinOf(const Trial& trial, const SkinLayout& layout,
                          const Model& model);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 #include "absl/strings/string_view.h"
 #include "core/data/frame_fingerprint.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 std::vector<int> FirstOfEqual(
     const std::vector<const LabelledContact*>& contacts) {
@@ -40,4 +40,4 @@ std::string CopyText(const std::vector<const LabelledContact*>& contacts,
                       first.label, ")");
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -14,7 +14,7 @@
 
 #include "core/contacts/labelled_contact.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Indices of a contact and of the first one with the same frames.
 struct Copy {
@@ -35,4 +35,4 @@ std::vector<Copy> FindCopies(
 std::string CopyText(const std::vector<const LabelledContact*>& contacts,
                      const Copy& copy);
 
-}  // namespace tactus
+}  // namespace tactus::internal

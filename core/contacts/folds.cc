@@ -9,7 +9,7 @@
 #include "core/base/text.h"
 #include "core/contacts/copies.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 template <typename Key>
@@ -128,4 +128,4 @@ std::vector<int> Complement(const std::vector<int>& fold, int count) {
   return rest;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

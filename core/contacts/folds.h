@@ -20,7 +20,7 @@
 #include "absl/strings/string_view.h"
 #include "core/contacts/labelled_contact.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct Protocol {
   enum Kind {
@@ -59,4 +59,4 @@ std::vector<std::vector<int>> StratifiedFolds(
 // may be in any order.
 std::vector<int> Complement(const std::vector<int>& fold, int count);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 #include "core/data/trial_layout.h"
 #include "core/features/contact_tracker.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 void TakeTaxels(const Trial& trial, const SkinLayout& layout,
@@ -86,4 +86,4 @@ absl::StatusOr<std::optional<LabelledContact>> ExtractContact(
   return std::optional<LabelledContact>(std::move(contact));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -20,7 +20,7 @@
 #include "core/features/feature.h"
 #include "core/skin/layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct LabelledContact {
   std::string id;
@@ -96,4 +96,4 @@ struct ExtractOptions {
 absl::StatusOr<std::optional<LabelledContact>> ExtractContact(
     const Trial& trial, const ExtractOptions& options = {});
 
-}  // namespace tactus
+}  // namespace tactus::internal

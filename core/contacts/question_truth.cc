@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace tactus {
+namespace tactus::internal {
 
 QuestionTruth::QuestionTruth(const Question& question,
                              const std::vector<std::string>& class_names,
@@ -33,4 +33,4 @@ std::optional<size_t> QuestionTruth::change() const {
   return changed_;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -21,7 +21,7 @@
 #include "core/contacts/labelled_contact.h"
 #include "core/questions/question.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class QuestionTruth {
  public:
@@ -48,4 +48,4 @@ class QuestionTruth {
   bool history_known_ = true;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

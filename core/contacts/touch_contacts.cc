@@ -11,7 +11,7 @@
 #include "core/data/trial_layout.h"
 #include "core/features/skin_tracker.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // A contact that is at another touch for a shorter time has not left its own.
@@ -221,4 +221,4 @@ absl::StatusOr<TouchContacts> ExtractContacts(
   return TouchFollower(trial, layout, options).Run();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

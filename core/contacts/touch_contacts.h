@@ -25,7 +25,7 @@
 #include "core/data/trial.h"
 #include "core/skin/layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // All but `spurious` count touches.
 struct TouchCounts {
@@ -67,4 +67,4 @@ struct ExtractContactsOptions {
 absl::StatusOr<TouchContacts> ExtractContacts(
     const Trial& trial, const ExtractContactsOptions& options);
 
-}  // namespace tactus
+}  // namespace tactus::internal

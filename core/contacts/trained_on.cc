@@ -8,7 +8,7 @@
 #include "core/base/limits.h"
 #include "core/data/frame_fingerprint.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // The first 64 bits.
@@ -104,4 +104,4 @@ std::string DataSha256(const std::vector<const LabelledContact*>& contacts) {
   return FingerprintOfAll(std::move(fingerprints));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -18,7 +18,7 @@
 #include "core/classify/model.h"
 #include "core/contacts/labelled_contact.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // The values of v1::TrainingBasis.
 enum class TrainingBasis { kUnknown, kFrames, kData, kName };
@@ -56,4 +56,4 @@ std::string TrainedOnText(const TrainedOn& trained);
 // FingerprintOfAll of the contacts; empty if one has no fingerprint.
 std::string DataSha256(const std::vector<const LabelledContact*>& contacts);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 
 #include "core/base/gaussian.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 double Between(double before, double after, double fraction) {
@@ -155,4 +155,4 @@ void Vary(const LabelledContact& contact, const ContactNoise& noise,
   for (double& moved : varied.object_motion) moved *= load;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -28,7 +28,7 @@
 #include "core/base/random.h"
 #include "core/contacts/labelled_contact.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct Variation {
   double pace = 1;       // > 0
@@ -62,4 +62,4 @@ void Vary(const LabelledContact& contact, const ContactNoise& noise,
 // difference of noise has 6 times its variance.)
 double NoiseOf(const std::vector<double>& values);
 
-}  // namespace tactus
+}  // namespace tactus::internal

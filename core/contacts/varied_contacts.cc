@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Draws a factor on the stiffness, uniform in its logarithm, from the part of
@@ -82,4 +82,4 @@ const LabelledContact& VariedContacts::Get(size_t index,
   return made;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -22,7 +22,7 @@
 #include "core/contacts/labelled_contact.h"
 #include "core/contacts/variation.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // How many copies of each contact are drawn, and from which ranges. The factors
 // are uniform in their logarithm: pace from 1 / pace to pace, load from
@@ -80,4 +80,4 @@ class VariedContacts {
   std::vector<ContactNoise> noise_;  // empty, or one per contact
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

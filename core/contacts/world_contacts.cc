@@ -18,7 +18,7 @@
 #include "core/sim/experiments/random_world.h"
 #include "core/sim/experiments/world_draws.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr absl::string_view kPrefix = "world:";
@@ -217,4 +217,4 @@ absl::StatusOr<WorldContacts> MakeWorldContacts(const WorldRecipe& recipe,
   return world;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -26,7 +26,7 @@
 #include "core/contacts/labelled_contact.h"
 #include "core/sim/skin/signals.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct WorldRecipe {
   // Names of skins (skin_model.h), or "ideal" for signals without a skin.
@@ -68,4 +68,4 @@ absl::StatusOr<WorldContacts> MakeWorldContacts(const WorldRecipe& recipe,
                                                 const ParallelFor& parallel,
                                                 const Progress& progress = {});
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/cues/cue_group.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 #define TACTUS_CUES(group) CueGroup group();
 #include "core/cues/cue_groups.inc"
@@ -125,4 +125,4 @@ std::vector<Cue> StandardCues() {
   return CuesWhere([](const CueGroup& g) { return g.standard; });
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -21,7 +21,7 @@
 #include "absl/strings/string_view.h"
 #include "core/features/feature.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // The raw features are the first cues. All others are known by their names.
 enum class Cue : uint16_t { kForce, kArea, kMotion };
@@ -69,4 +69,4 @@ std::vector<Cue> CuesOfGroup(absl::string_view group);
 // The cues that LSTMs take by default: those of all standard groups.
 std::vector<Cue> StandardCues();
 
-}  // namespace tactus
+}  // namespace tactus::internal

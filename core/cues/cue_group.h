@@ -31,7 +31,7 @@
 #include "core/features/feature.h"
 #include "core/taxels/taxel_embedding.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Indices of CueStep::x and CueStep::smooth.
 inline constexpr int kNetForce = static_cast<int>(Feature::kForce);
@@ -125,4 +125,4 @@ std::unique_ptr<CueComputation> MakeCues(const CueContext& context) {
 // All groups, in the order of cue_groups.inc.
 const std::vector<CueGroup>& AllCueGroups();
 
-}  // namespace tactus
+}  // namespace tactus::internal

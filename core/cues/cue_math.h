@@ -14,7 +14,7 @@
 
 #include "core/features/feature.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Floors of the logarithms: N, m^2, m, fractions of a mean.
 inline constexpr double kForceFloor = 1e-6;
@@ -77,4 +77,4 @@ struct RunningMoments {
   }
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

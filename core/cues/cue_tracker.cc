@@ -5,7 +5,7 @@
 
 #include "core/cues/cue_math.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 CueTracker::CueTracker(double sample_rate_hz, CueGroups groups,
                        const TaxelEmbedding* embedding)
@@ -65,4 +65,4 @@ void CueTracker::Derive(Part& part) {
   part.computation->Derive(std::span(values_).subspan(part.first, part.count));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -25,7 +25,7 @@
 #include "core/features/feature.h"
 #include "core/taxels/taxel_embedding.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class CueTracker {
  public:
@@ -71,4 +71,4 @@ class CueTracker {
   std::vector<double> values_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -2,7 +2,7 @@
 #include "core/cues/cue_group.h"
 #include "core/cues/cue_math.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 class EmbeddingValues final : public CueComputation {
@@ -39,4 +39,4 @@ CueGroup EmbeddingCues() {
           .make = MakeEmbedding};
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -3,7 +3,7 @@
 #include "core/cues/cue_group.h"
 #include "core/cues/cue_math.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // The anti-aliasing filter has settled after these seconds.
@@ -69,4 +69,4 @@ CueGroup ExtremeCues() {
           .make = MakeCues<Extremes>};
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

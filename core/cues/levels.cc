@@ -2,7 +2,7 @@
 #include "core/cues/cue_group.h"
 #include "core/cues/cue_math.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 class Levels final : public CueComputation {
@@ -58,4 +58,4 @@ CueGroup LevelCues() {
           .make = MakeCues<Levels>};
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -2,7 +2,7 @@
 #include "core/cues/cue_group.h"
 #include "core/cues/cue_math.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 class LoadProfileValues final : public CueComputation {
@@ -32,4 +32,4 @@ CueGroup LoadProfileCues() {
           .make = MakeCues<LoadProfileValues>};
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -2,7 +2,7 @@
 #include "core/cues/cue_group.h"
 #include "core/cues/cue_math.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 class RawFeatureValues final : public CueComputation {
@@ -34,4 +34,4 @@ CueGroup RawFeatures() {
           .make = MakeCues<RawFeatureValues>};
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -4,7 +4,7 @@
 #include "core/cues/cue_group.h"
 #include "core/cues/cue_math.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 class Roughness final : public CueComputation {
@@ -50,4 +50,4 @@ CueGroup RoughnessCues() {
           .make = MakeCues<Roughness>};
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

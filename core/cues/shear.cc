@@ -5,7 +5,7 @@
 #include "core/cues/cue_group.h"
 #include "core/cues/cue_math.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr double kShortS = 0.1;
@@ -127,4 +127,4 @@ CueGroup ShearCues() {
       .make = MakeCues<ShearComputation>};
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

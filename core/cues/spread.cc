@@ -2,7 +2,7 @@
 #include "core/cues/cue_group.h"
 #include "core/cues/cue_math.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Floor of a standard deviation, m.
@@ -48,4 +48,4 @@ CueGroup SpreadCues() {
           .make = MakeCues<Spread>};
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -3,7 +3,7 @@
 #include "core/cues/cue_group.h"
 #include "core/cues/cue_math.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Floor of the fraction of variance that is not explained.
@@ -92,4 +92,4 @@ CueGroup SpringCues() {
           .make = MakeCues<Springs>};
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

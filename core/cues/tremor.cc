@@ -2,7 +2,7 @@
 #include "core/cues/cue_group.h"
 #include "core/cues/cue_math.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 class Tremor final : public CueComputation {
@@ -82,4 +82,4 @@ CueGroup TremorCues() {
           .make = MakeCues<Tremor>};
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

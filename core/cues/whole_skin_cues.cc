@@ -2,7 +2,7 @@
 #include "core/cues/cue_group.h"
 #include "core/taxels/whole_skin.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 class WholeSkinNumbers final : public CueComputation {
@@ -68,4 +68,4 @@ CueGroup WholeSkinCues() {
       .make = MakeWholeSkin};
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -5,7 +5,7 @@
 #include "core/cues/cue_group.h"
 #include "core/cues/cue_math.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Below these, signed logarithms are nearly linear: N/m, fractions.
@@ -100,4 +100,4 @@ CueGroup LongWindowCues() {
           .make = MakeCues<LongWindow>};
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

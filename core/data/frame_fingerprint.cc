@@ -9,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/sha256.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Numbers are hashed as they lie in memory.
@@ -79,4 +79,4 @@ std::string FingerprintOfAll(std::vector<std::string> fingerprints) {
   return absl::BytesToHexString(hash.Finish());
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

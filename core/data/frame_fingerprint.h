@@ -17,7 +17,7 @@
 #include "absl/strings/string_view.h"
 #include "core/data/trial.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // SHA-256 in 64 hexadecimal digits: of the shape of the frames, their values
 // and their times. Values are those of the taxels in their unit, whether they
@@ -32,4 +32,4 @@ bool IdentifiesRecording(absl::string_view fingerprint);
 // SHA-256 of several fingerprints, in any order.
 std::string FingerprintOfAll(std::vector<std::string> fingerprints);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 #include "absl/strings/str_join.h"
 #include "core/base/text.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr size_t kMostRemarks = 10;
@@ -130,4 +130,4 @@ std::vector<std::string> SimilarNames::Remarks() const {
   return remarks;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

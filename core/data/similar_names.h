@@ -17,7 +17,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // `name` without the blanks at its ends and without the characters there that
 // cannot be seen. `name` is UTF-8.
@@ -40,4 +40,4 @@ class SimilarNames {
   std::map<std::string, std::set<std::string>> names_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -8,7 +8,7 @@
 #include "core/base/limits.h"
 #include "core/base/text.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 std::string TextsFault(const Touch& touch) {
@@ -101,4 +101,4 @@ std::string TouchesFault(const std::vector<Touch>& touches,
   return "";
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -18,7 +18,7 @@
 
 #include "core/skin/geometry.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct Touch {
   // The first and the last time with force, s, on Trial::time: the truth of a
@@ -47,4 +47,4 @@ std::string TouchName(size_t index);
 std::string TouchesFault(const std::vector<Touch>& touches,
                          const std::vector<double>& time);
 
-}  // namespace tactus
+}  // namespace tactus::internal

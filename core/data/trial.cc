@@ -8,7 +8,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Makes errors that name the file, the trial and the part.
@@ -313,4 +313,4 @@ absl::Status Validate(const Trial& trial, absl::string_view path) {
   return ValidateSkin(trial, complain);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -25,7 +25,7 @@
 #include "core/skin/layout.h"
 #include "tactus/v1/common.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Taxel frames as stored: row-major, rows x columns x axes a frame.
 struct TaxelSeries {
@@ -113,4 +113,4 @@ void SetSkin(const SkinLayout& skin, Trial& trial);
 // part.
 absl::Status Validate(const Trial& trial, absl::string_view path);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 template <typename Number>
@@ -91,4 +91,4 @@ absl::StatusOr<std::string> TaxelsToCsv(const Trial& trial) {
   return text;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -15,7 +15,7 @@
 #include "absl/status/statusor.h"
 #include "core/data/trial.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // `# key=value` lines, the header time,force,area,motion, and one line a frame.
 // TRIAL_FILE_INVALID if the trial is not valid or has no signals.
@@ -26,4 +26,4 @@ absl::StatusOr<std::string> SignalsToCsv(const Trial& trial);
 // trial's unit. TRIAL_FILE_INVALID if the trial is not valid or has no taxels.
 absl::StatusOr<std::string> TaxelsToCsv(const Trial& trial);
 
-}  // namespace tactus
+}  // namespace tactus::internal

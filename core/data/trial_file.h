@@ -24,7 +24,7 @@
 #include "absl/status/statusor.h"
 #include "core/data/trial.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct TrialFileOptions {
   // False: an existing file of that name is an error.
@@ -82,4 +82,4 @@ class TrialFileReader {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

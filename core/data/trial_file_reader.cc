@@ -14,7 +14,7 @@
 #include "core/files/hdf5_read.h"
 #include "core/skin/layout_json.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 absl::Status ReadTaxels(hid_t group, hsize_t frames,
@@ -336,4 +336,4 @@ absl::StatusOr<std::vector<Trial>> TrialFileReader::ReadAll() const {
   return trials;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -17,7 +17,7 @@
 #include "core/skin/layout_json.h"
 #include "core/skin/taxel_values.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr hsize_t kChunkBytes = 1024 * 1024;
@@ -324,4 +324,4 @@ absl::Status TrialFileWriter::Close() {
   return state->draft.Publish();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

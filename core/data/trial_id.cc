@@ -7,7 +7,7 @@
 #include "core/base/limits.h"
 #include "core/base/text.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 bool IsIdByte(unsigned char c) {
@@ -45,4 +45,4 @@ std::string TrialIds::Unique(absl::string_view wanted) {
   return id;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

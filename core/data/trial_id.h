@@ -18,7 +18,7 @@
 #include "absl/strings/string_view.h"
 #include "core/data/trial.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Says what is wrong with an id, to be put after its name. Empty if it has 1 to
 // limits::kMaxTrialIdBytes letters, digits, - or _.
@@ -48,4 +48,4 @@ class TrialIds {
   std::set<std::string> used_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

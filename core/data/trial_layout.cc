@@ -7,7 +7,7 @@
 #include "core/files/file_bytes.h"
 #include "core/skin/layout_json.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 absl::StatusOr<SkinLayout> ReadLayoutFile(const std::string& path) {
   TACTUS_ASSIGN_OR_RETURN(const std::string text,
@@ -57,4 +57,4 @@ absl::StatusOr<SkinLayout> LayoutOfTrial(const Trial& trial,
   return found;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

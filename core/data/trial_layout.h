@@ -16,7 +16,7 @@
 #include "core/data/trial.h"
 #include "core/skin/layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Reads a tactus.v1.SensorGeometry in JSON. IO if the file cannot be read;
 // INVALID_CONFIG or UNKNOWN_LAYOUT for its contents.
@@ -30,4 +30,4 @@ absl::StatusOr<SkinLayout> ReadLayoutFile(const std::string& path);
 absl::StatusOr<SkinLayout> LayoutOfTrial(const Trial& trial,
                                          const SkinLayout* layout = nullptr);
 
-}  // namespace tactus
+}  // namespace tactus::internal

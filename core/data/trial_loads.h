@@ -21,7 +21,7 @@
 #include "core/skin/layout.h"
 #include "core/skin/normal_loads.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class TrialLoads {
  public:
@@ -43,4 +43,4 @@ class TrialLoads {
   std::vector<float> values_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -14,7 +14,7 @@
 #include "core/files/npz.h"
 #include "core/skin/layout_json.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr size_t kPoseSize = 7;
@@ -327,4 +327,4 @@ absl::StatusOr<Trial> TrialFromNpz(absl::string_view path,
   return trial;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -16,7 +16,7 @@
 #include "absl/strings/string_view.h"
 #include "core/data/trial.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // The same trial gives the same bytes. The id is not part of them: it is the
 // file's name. TRIAL_FILE_INVALID if the trial is not valid.
@@ -28,4 +28,4 @@ absl::StatusOr<std::string> TrialToNpz(const Trial& trial);
 absl::StatusOr<Trial> TrialFromNpz(absl::string_view path,
                                    absl::string_view bytes);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include "core/base/text.h"
 #include "core/data/trial_record.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr size_t kLengthBytes = 4;
@@ -115,4 +115,4 @@ absl::Status TrialUnpacker::Finish() const {
                          "behind a record");
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

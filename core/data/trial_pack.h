@@ -27,7 +27,7 @@
 #include "absl/strings/string_view.h"
 #include "tactus/v1/trial.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // True for the length of a record that may be in a pack: 1 to
 // limits::kMaxTrialRecordBytes.
@@ -95,4 +95,4 @@ class TrialUnpacker {
   uint64_t records_ = 0;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

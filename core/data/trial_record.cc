@@ -15,7 +15,7 @@
 #include "core/skin/layout_proto.h"
 #include "core/skin/taxel_values.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Arrays of values are copied as they lie in memory.
@@ -324,4 +324,4 @@ absl::StatusOr<Trial> FromRecord(const v1::TrialRecord& record) {
   return trial;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

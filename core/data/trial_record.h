@@ -23,7 +23,7 @@
 #include "core/data/trial.h"
 #include "tactus/v1/trial.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // The record of a trial. Its geometry is the trial's skin, else the preset that
 // the trial names as its layout. FromRecord refuses the record if there is
@@ -47,4 +47,4 @@ absl::StatusOr<v1::TrialRecord> StoredTrialRecord(const std::string& bytes,
 // array is copied, so that a refused record costs no memory.
 absl::StatusOr<Trial> FromRecord(const v1::TrialRecord& record);
 
-}  // namespace tactus
+}  // namespace tactus::internal

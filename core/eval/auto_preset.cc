@@ -12,7 +12,7 @@
 #include "core/eval/out_of_fold.h"
 #include "core/train/lstm_work.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using Contacts = std::vector<const LabelledContact*>;
@@ -158,4 +158,4 @@ absl::StatusOr<PresetChoice> ChoosePreset(const Contacts& contacts,
   return choice;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

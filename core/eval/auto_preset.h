@@ -28,7 +28,7 @@
 #include "core/eval/choice_folds.h"
 #include "core/train/fit_options.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Billions of multiplications: two to five minutes of one processor core.
 inline constexpr int kDefaultChoiceWork = 1'000;
@@ -81,4 +81,4 @@ absl::StatusOr<PresetChoice> ChoosePreset(
     const ChoiceRequest& request, const ParallelFor& parallel,
     const Progress& progress = {});
 
-}  // namespace tactus
+}  // namespace tactus::internal

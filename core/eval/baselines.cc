@@ -12,7 +12,7 @@
 #include "core/contacts/folds.h"
 #include "core/nearest/pca_nearest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using Contacts = std::vector<const LabelledContact*>;
@@ -236,4 +236,4 @@ absl::StatusOr<Baselines> MeasureBaselines(
   return baselines;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -18,7 +18,7 @@
 #include "absl/status/statusor.h"
 #include "core/contacts/labelled_contact.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Numbers of contacts that are answered rightly.
 struct Baselines {
@@ -51,4 +51,4 @@ absl::StatusOr<int> CountNearestRight(
 int CountSizeRight(const std::vector<const LabelledContact*>& contacts,
                    const std::vector<std::vector<int>>& folds);
 
-}  // namespace tactus
+}  // namespace tactus::internal

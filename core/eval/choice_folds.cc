@@ -6,7 +6,7 @@
 
 #include "core/contacts/class_counts.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using Contacts = std::vector<const LabelledContact*>;
@@ -74,4 +74,4 @@ ChoiceFolds FoldsForChoice(const Contacts& contacts) {
           StratifiedFolds(contacts, kStratifiedChoice.folds)};
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -15,7 +15,7 @@
 #include "core/contacts/folds.h"
 #include "core/contacts/labelled_contact.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 enum class FoldsBy { kGroups, kConditions, kClasses };
 
@@ -34,4 +34,4 @@ inline const Protocol kStratifiedChoice(Protocol::kKFold, 3);
 // of one fold alone give that fold.
 ChoiceFolds FoldsForChoice(const std::vector<const LabelledContact*>& contacts);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 #include "core/contacts/class_counts.h"
 #include "core/train/usable.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // True if the preset follows from the contacts.
@@ -93,4 +93,4 @@ absl::StatusOr<ChosenOptions> ChooseOptions(
   return chosen;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -29,7 +29,7 @@
 #include "core/eval/auto_preset.h"
 #include "core/train/fit_options.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct OptionsRequest {
   // A name that `options_of` knows, kAutoPreset, or empty.
@@ -87,4 +87,4 @@ absl::StatusOr<ChosenOptions> ChooseOptions(
     const OptionsRequest& request, const ParallelFor& parallel,
     const Progress& progress = {});
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -14,7 +14,7 @@
 #include "core/eval/evaluate_nearest.h"
 #include "core/features/contact_time.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 Scorers ScorersOf(Algorithm algorithm) {
@@ -296,4 +296,4 @@ absl::StatusOr<Evaluation> EvaluateProtocol(
   return result;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -21,7 +21,7 @@
 #include "core/eval/evaluation.h"
 #include "core/train/fit.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // The algorithm that a server answers with by default.
 inline Algorithm ServedAlgorithm(bool has_lstms) {
@@ -44,4 +44,4 @@ absl::StatusOr<Evaluation> EvaluateProtocol(
     Algorithm algorithm, const FitOptions& options, const ParallelFor& parallel,
     const Progress& progress = {});
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -8,7 +8,7 @@
 #include "core/contacts/folds.h"
 #include "core/nearest/pca_nearest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr double kVarianceFraction = 0.95;
@@ -97,4 +97,4 @@ absl::Status EvaluateNearestFold(
   return absl::OkStatus();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -19,7 +19,7 @@
 #include "core/eval/evaluation.h"
 #include "core/features/feature.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Writes result.final and result.anytime of the contacts in `fold`, as answered
 // by all contacts that are not in it. `result` holds the labels of all
@@ -30,4 +30,4 @@ absl::Status EvaluateNearestFold(
     const std::vector<int>& fold, const std::vector<Feature>& features,
     Evaluation& result);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -2,7 +2,7 @@
 
 #include "core/base/errors.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 absl::StatusOr<Algorithm> ParseAlgorithm(absl::string_view name) {
   if (name == "hmm") return Algorithm::kHmm;
@@ -26,4 +26,4 @@ absl::string_view AlgorithmName(Algorithm algorithm) {
   return "fused";
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -25,7 +25,7 @@
 #include "core/eval/question_outcome.h"
 #include "core/questions/question.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 enum class Algorithm { kHmm, kLstm, kNearest, kFused };
 
@@ -82,4 +82,4 @@ struct Evaluation {
   std::vector<double> unknown;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

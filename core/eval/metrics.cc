@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace tactus {
+namespace tactus::internal {
 
 int Outcome::answer() const {
   return static_cast<int>(
@@ -95,4 +95,4 @@ EstimateErrors SummariseErrors(std::span<const EstimateError> errors) {
   return summary;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

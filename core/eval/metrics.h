@@ -14,7 +14,7 @@
 
 #include "core/base/wilson_interval.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // One classified contact.
 struct Outcome {
@@ -61,4 +61,4 @@ struct EstimateError {
 };
 EstimateErrors SummariseErrors(std::span<const EstimateError> errors);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -8,7 +8,7 @@
 #include "core/train/calibrate.h"
 #include "core/train/fit.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using Contacts = std::vector<const LabelledContact*>;
@@ -65,4 +65,4 @@ absl::StatusOr<int> CountOutOfFoldRight(
       }));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -19,7 +19,7 @@
 #include "core/contacts/labelled_contact.h"
 #include "core/train/fit_options.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // The answers are those of the LSTMs if the options have some, else of the
 // HMMs: a fitted model fuses both where that is better. The answer is that
@@ -29,4 +29,4 @@ absl::StatusOr<int> CountOutOfFoldRight(
     const std::vector<std::vector<int>>& folds, const FitOptions& options,
     const ParallelFor& parallel, const Progress& progress = {});
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -2,7 +2,7 @@
 
 #include <array>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr Algorithm kHmm = Algorithm::kHmm;
@@ -78,4 +78,4 @@ absl::string_view PaperName(Algorithm algorithm) {
   return "fused";
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -25,7 +25,7 @@
 #include "core/eval/evaluation.h"
 #include "core/features/feature.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 enum class Experiment {
   // Section "Experiments with Physics-Based Simulations": 1,835 trials of 5 s.
@@ -64,4 +64,4 @@ std::vector<Feature> PaperFeatures(absl::string_view features);
 // "HMM", "LSTM" or "1-NN", as the paper writes them; "fused" for our own.
 absl::string_view PaperName(Algorithm algorithm);
 
-}  // namespace tactus
+}  // namespace tactus::internal

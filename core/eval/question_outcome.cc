@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace tactus {
+namespace tactus::internal {
 
 QuestionWatch::QuestionWatch(const QuestionTruth& truth, Question::Kind kind)
     : truth_(truth) {
@@ -107,4 +107,4 @@ QuestionSummary Summarise(const Question& question,
   return summary;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -25,7 +25,7 @@
 #include "core/eval/metrics.h"
 #include "core/questions/question.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 inline constexpr double kSure = 0.9;
 // A change that comes later than this after the onset is a late one, s. The
@@ -120,4 +120,4 @@ struct QuestionSummary {
 QuestionSummary Summarise(const Question& question,
                           std::span<const QuestionOutcome> outcomes);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include "core/classify/contact_classifier.h"
 #include "core/contacts/folds.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr size_t kMinClasses = 3;
@@ -135,4 +135,4 @@ absl::StatusOr<std::vector<UnknownResult>> EvaluateUnknown(
   return results;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

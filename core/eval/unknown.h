@@ -21,7 +21,7 @@
 #include "core/eval/metrics.h"
 #include "core/train/fit.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct UnknownResult {
   // The class left out of fitting.
@@ -60,4 +60,4 @@ double AreaUnderRoc(std::span<const double> positive,
 // eq. 1). 0 to 1 if either count is 0.
 Interval AreaInterval(double area, int positive, int negative);
 
-}  // namespace tactus
+}  // namespace tactus::internal

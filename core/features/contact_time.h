@@ -14,7 +14,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace tactus {
+namespace tactus::internal {
 
 // `frames` count from 1 at the onset.
 inline double ContactSeconds(uint64_t frames, double rate_hz) {
@@ -26,4 +26,4 @@ inline uint64_t FramesIn(double seconds, double rate_hz) {
   return static_cast<uint64_t>(std::max(1.0, std::round(seconds * rate_hz)));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

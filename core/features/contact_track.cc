@@ -7,7 +7,7 @@
 
 #include "core/features/load_profile.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr uint64_t kNever = std::numeric_limits<uint64_t>::max();
@@ -264,4 +264,4 @@ double ContactTrack::Motion(const Pose* pose) {
   return onset_normal_.dot(position - onset_position_) + onset_error_;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

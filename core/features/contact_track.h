@@ -29,7 +29,7 @@
 #include "core/skin/geometry.h"
 #include "core/skin/layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // The features of one frame of a contact.
 struct FrameFeatures {
@@ -219,4 +219,4 @@ class ContactTrack {
   std::vector<TaxelLoad> loads_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -1,6 +1,6 @@
 #include "core/features/contact_tracker.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 void ContactTracker::Reset() {
   tracker_.Reset();
@@ -28,4 +28,4 @@ const FrameFeatures& ContactTracker::Step(const FrameView& frame) {
   return *features_;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

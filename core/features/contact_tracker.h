@@ -19,7 +19,7 @@
 #include "core/skin/frame.h"
 #include "core/skin/layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 enum class ContactState { kNoContact, kInContact, kReleased };
 
@@ -65,4 +65,4 @@ class ContactTracker {
   const FrameFeatures* features_ = &outside_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

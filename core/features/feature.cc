@@ -6,7 +6,7 @@
 #include "absl/strings/str_split.h"
 #include "core/base/errors.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr std::array<absl::string_view, kFeatureCount> kNames = {
@@ -44,4 +44,4 @@ std::string FeaturesToString(const std::vector<Feature>& features) {
   });
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

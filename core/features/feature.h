@@ -19,7 +19,7 @@
 #include "core/skin/normal_loads.h"
 #include "core/taxels/taxel_load.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 enum class Feature { kForce = 0, kArea = 1, kMotion = 2 };
 inline constexpr int kFeatureCount = 3;
@@ -80,4 +80,4 @@ absl::StatusOr<std::vector<Feature>> ParseFeatures(absl::string_view text);
 // The short form, e.g. "f,m,a".
 std::string FeaturesToString(const std::vector<Feature>& features);
 
-}  // namespace tactus
+}  // namespace tactus::internal

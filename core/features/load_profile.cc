@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 void FillBands(std::span<const double> loads, std::span<double> bands) {
@@ -28,4 +28,4 @@ LoadProfile MakeLoadProfile(std::span<const double> row_loads,
   return profile;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

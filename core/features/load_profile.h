@@ -20,10 +20,10 @@
 
 #include "core/features/feature.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // `row_loads` and `column_loads` hold one sum, at least 0, per row and column.
 LoadProfile MakeLoadProfile(std::span<const double> row_loads,
                             std::span<const double> column_loads);
 
-}  // namespace tactus
+}  // namespace tactus::internal

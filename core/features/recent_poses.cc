@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr int kLinePoses = 4;
@@ -127,4 +127,4 @@ double RecentPoses::NewestError(const Eigen::Vector3d& link_position,
   return -Smoothest(way);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -19,7 +19,7 @@
 #include "core/skin/frame.h"
 #include "core/skin/pose_spacing.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class RecentPoses {
  public:
@@ -69,4 +69,4 @@ class RecentPoses {
   bool newest_is_kept_ = false;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // A region that covers this part of a contact has swallowed it; one that covers
@@ -172,4 +172,4 @@ double RegionOwners::Distance(const Region& region,
                       point);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

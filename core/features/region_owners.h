@@ -21,7 +21,7 @@
 #include "core/skin/geometry.h"
 #include "core/skin/layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // What is known of a contact before a frame.
 struct KnownContact {
@@ -98,4 +98,4 @@ class RegionOwners {
   std::array<TaxelRows, limits::kMaxContacts> grown_ = {};
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

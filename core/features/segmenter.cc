@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <limits>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // The most regions that FindLargest finds.
@@ -400,4 +400,4 @@ void Segmenter::CopyLabels(std::span<uint16_t> labels) const {
   }
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -23,7 +23,7 @@
 #include "core/features/touched.h"
 #include "core/skin/layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // One connected component.
 struct Region {
@@ -197,4 +197,4 @@ class Segmenter {
   float peak_ = 0;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Frames for which a region must be there until it is a contact of its own:
@@ -489,4 +489,4 @@ void SkinTracker::Finish(const FrameView& frame) {
   if (measured_) std::ranges::copy(frame.taxels, measured_taxels_.begin());
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

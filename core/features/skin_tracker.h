@@ -31,7 +31,7 @@
 #include "core/skin/layout.h"
 #include "core/skin/normal_loads.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 enum class TouchPhase {
   // The contact touches the skin, or has lost touch for a moment.
@@ -273,4 +273,4 @@ class SkinTracker {
   size_t contact_count_ = 0;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstdlib>
 
-namespace tactus {
+namespace tactus::internal {
 
 TaxelSets::TaxelSets(const SkinLayout& layout)
     : rows_(layout.rows),
@@ -89,4 +89,4 @@ uint64_t TaxelSets::Widen(uint64_t row) const {
   return (wide | row << (columns_ - 1) | row >> (columns_ - 1)) & all_;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

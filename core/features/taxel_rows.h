@@ -20,7 +20,7 @@
 #include "core/base/limits.h"
 #include "core/skin/layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class TaxelRows {
  public:
@@ -97,4 +97,4 @@ class TaxelSets {
   uint64_t all_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-namespace tactus {
+namespace tactus::internal {
 
 TouchFinder::TouchFinder(const SkinLayout& layout, const Options& options)
     : segmenter_(layout, options.skip_untouched),
@@ -78,4 +78,4 @@ double TouchFinder::LightPeak(const RegionPlace& place) {
   return light_->RegionPeak(place.rows.words().first(segmenter_.rows().size()));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

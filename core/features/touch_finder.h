@@ -32,7 +32,7 @@
 #include "core/light_touch/light_touch.h"
 #include "core/skin/layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class TouchFinder {
  public:
@@ -104,4 +104,4 @@ class TouchFinder {
   std::span<const float> values_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -8,7 +8,7 @@
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace tactus::HWY_NAMESPACE {
+namespace tactus::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 bool FindTouched(const float* taxels, size_t count, float threshold,
@@ -78,11 +78,11 @@ void SumTouched(const float* taxels, size_t count, const uint64_t* bits,
   sum->total = TouchedAdder::SumOfStripes(stripes);
 }
 
-}  // namespace tactus::HWY_NAMESPACE
+}  // namespace tactus::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace tactus {
+namespace tactus::internal {
 
 HWY_EXPORT(FindTouched);
 HWY_EXPORT(SumTouched);
@@ -101,5 +101,5 @@ TouchedSum SumTouched(std::span<const float> taxels,
   return sum;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal
 #endif  // HWY_ONCE

@@ -20,7 +20,7 @@
 #include <cstdint>
 #include <span>
 
-namespace tactus {
+namespace tactus::internal {
 
 inline constexpr size_t TouchedWords(size_t taxels) {
   return (taxels + 63) / 64;
@@ -70,4 +70,4 @@ class TouchedAdder {
   std::array<double, kStripes> stripes_ = {};
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include "core/files/file_bytes.h"
 #include "core/files/npz.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // An array of NumPy may also be a single value or text.
@@ -109,4 +109,4 @@ absl::StatusOr<ArrayFile> ReadArrayFile(const std::string& path,
       ".hdf5 or .mat");
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

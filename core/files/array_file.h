@@ -18,7 +18,7 @@
 #include "core/files/npy.h"
 #include "core/files/number_text.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // What a file does not say of itself.
 struct ArrayFormat {
@@ -50,4 +50,4 @@ absl::StatusOr<ArrayFile> ReadArrayFile(const std::string& path,
                                         const std::string& dataset,
                                         const ArrayFormat& format = {});
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -12,7 +12,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace tactus {
+namespace tactus::internal {
 
 // The numbers of an array of `shape` with the last axis closest, from those
 // with the first axis closest.
@@ -40,4 +40,4 @@ std::vector<Value> FromColumnsFirst(const std::vector<size_t>& shape,
   return ordered;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -8,7 +8,7 @@
 #include "core/files/csv.h"
 #include "core/files/number_cells.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 bool LooksLikeDate(absl::string_view cell) {
@@ -72,4 +72,4 @@ std::string CellAdvice(absl::string_view cell, char decimal) {
   return "";
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -12,10 +12,10 @@
 
 #include "absl/strings/string_view.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // A sentence that begins with a full stop and a blank, or nothing. `decimal` is
 // the decimal sign of the file, '.' or ','.
 std::string CellAdvice(absl::string_view cell, char decimal);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -18,7 +18,7 @@
 #include "core/base/text_lines.h"
 #include "core/files/file_bytes.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // What is wrong with the text of a line, empty if nothing is.
@@ -198,4 +198,4 @@ absl::Status CsvTable::LineError(size_t number,
   return TrialFileInvalid(path_, absl::StrCat("line ", number, ": ", message));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -23,7 +23,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class CsvTable {
  public:
@@ -76,4 +76,4 @@ class CsvTable {
 // Parses a finite number; false otherwise. Independent of the locale.
 bool ParseNumber(absl::string_view text, double* value);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -14,7 +14,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Names of earlier drafts that may be in the way, left by programs that died.
@@ -93,4 +93,4 @@ absl::Status WriteFileBytes(const std::string& path, absl::string_view bytes) {
   return draft.Publish();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

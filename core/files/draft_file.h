@@ -19,7 +19,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class DraftFile {
  public:
@@ -48,4 +48,4 @@ class DraftFile {
 // Writes a whole file as a draft and publishes it.
 absl::Status WriteFileBytes(const std::string& path, absl::string_view bytes);
 
-}  // namespace tactus
+}  // namespace tactus::internal

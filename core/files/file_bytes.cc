@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 absl::StatusOr<std::string> ReadFileBytes(const std::string& path,
                                           size_t limit) {
@@ -26,4 +26,4 @@ absl::StatusOr<std::string> ReadFileBytes(const std::string& path,
   return content;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -12,11 +12,11 @@
 
 #include "absl/status/statusor.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // IO if the file cannot be read; TRIAL_FILE_INVALID if it has more than
 // `limit` bytes.
 absl::StatusOr<std::string> ReadFileBytes(const std::string& path,
                                           size_t limit);
 
-}  // namespace tactus
+}  // namespace tactus::internal

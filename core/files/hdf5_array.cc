@@ -15,7 +15,7 @@
 #include "core/files/hdf5_probe.h"
 #include "core/files/hdf5_read.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Datasets that an error lists.
@@ -215,4 +215,4 @@ absl::StatusOr<NpyArray> ReadHdf5Array(const std::string& path,
   return Read(path, name, order);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

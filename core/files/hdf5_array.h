@@ -15,7 +15,7 @@
 #include "absl/status/statusor.h"
 #include "core/files/npy.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // HDF5 itself has rows first. MATLAB stores its arrays with all axes reversed,
 // and marks them with the attribute MATLAB_class.
@@ -30,4 +30,4 @@ absl::StatusOr<NpyArray> ReadHdf5Array(const std::string& path,
                                        const std::string& name,
                                        Hdf5Order order);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 
 #include "core/base/text.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr H5Z_filter_t kReadFilters[] = {
@@ -59,4 +59,4 @@ absl::Status CheckFilters(hid_t properties, absl::string_view name,
   return absl::OkStatus();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -11,7 +11,7 @@
 #include "absl/status/status.h"
 #include "core/files/hdf5_read.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // TRIAL_FILE_INVALID, with the name and number of the first filter that is not
 // read, those that are, and what to do, about the part `name`. `properties` is
@@ -19,4 +19,4 @@ namespace tactus {
 absl::Status CheckFilters(hid_t properties, absl::string_view name,
                           const Hdf5Complaint& complain);
 
-}  // namespace tactus
+}  // namespace tactus::internal

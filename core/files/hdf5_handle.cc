@@ -1,6 +1,6 @@
 #include "core/files/hdf5_handle.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 herr_t TakeFirst(unsigned, const H5E_error2_t* error, void* out) {
@@ -33,4 +33,4 @@ std::string Hdf5LastError() {
   return text.empty() ? "HDF5 gives no reason" : text;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -15,7 +15,7 @@
 #include <string>
 #include <utility>
 
-namespace tactus {
+namespace tactus::internal {
 
 // Owns one HDF5 identifier and closes it.
 class Hdf5Handle {
@@ -58,4 +58,4 @@ class Hdf5Quiet {
 // The root cause HDF5 recorded for its last failed call.
 std::string Hdf5LastError();
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -21,7 +21,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Seconds of processor time granted: a floor, and more for large files.
@@ -143,4 +143,4 @@ absl::Status ProbeInChild(const std::string& path,
                          WhyItDied(outcome), ")"));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -14,7 +14,7 @@
 #include "absl/functional/function_ref.h"
 #include "absl/status/status.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Runs `read` in a child process whose processor time and memory are limited,
 // both by the size of the file (limits::kMaxProbeBytes at most). OK if `read`
@@ -24,4 +24,4 @@ namespace tactus {
 absl::Status ProbeInChild(const std::string& path,
                           absl::FunctionRef<absl::Status()> read);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include "core/base/status_macros.h"
 #include "core/files/hdf5_filters.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Best ratio deflate can reach; a dataset that claims more is damaged.
@@ -294,4 +294,4 @@ absl::Status ReadDoubles(hid_t group, const char* name, hsize_t rows,
   return ReadValues(dataset, name, H5T_NATIVE_DOUBLE, complain, out->data());
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

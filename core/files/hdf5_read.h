@@ -22,7 +22,7 @@
 #include "core/base/errors.h"
 #include "core/files/hdf5_handle.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Makes errors that name file, trial and part.
 class Hdf5Complaint {
@@ -101,4 +101,4 @@ absl::Status ReadDoubles(hid_t group, const char* name, hsize_t rows,
                          hsize_t columns, const Hdf5Complaint& complain,
                          std::vector<double>* out);
 
-}  // namespace tactus
+}  // namespace tactus::internal

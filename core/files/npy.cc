@@ -19,7 +19,7 @@
 #include "core/files/array_order.h"
 #include "core/files/file_bytes.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
@@ -325,4 +325,4 @@ absl::StatusOr<NpyArray> ReadNpy(const std::string& path) {
   return ParseNpy(path, bytes);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -20,7 +20,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // One of the vectors is filled, row-major.
 struct NpyArray {
@@ -42,4 +42,4 @@ absl::StatusOr<NpyArray> ReadNpy(const std::string& path);
 absl::StatusOr<NpyArray> ParseNpy(absl::string_view path,
                                   absl::string_view bytes);
 
-}  // namespace tactus
+}  // namespace tactus::internal

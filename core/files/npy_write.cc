@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
@@ -104,4 +104,4 @@ std::string NpyText(absl::string_view text) {
   return Texts({}, {std::string(text)});
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -17,7 +17,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // `values`, row-major, has as many entries as `shape` calls for; an empty shape
 // is a single value.
@@ -35,4 +35,4 @@ std::string NpyText(const std::vector<std::string>& texts);
 // A single text.
 std::string NpyText(absl::string_view text);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -17,7 +17,7 @@
 #include "core/base/text.h"
 #include "core/files/file_bytes.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
@@ -319,4 +319,4 @@ absl::StatusOr<std::string> NpzBytes(
   return bytes;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

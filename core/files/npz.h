@@ -24,7 +24,7 @@
 #include "absl/strings/string_view.h"
 #include "core/files/npy.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // By name, without the ending .npy.
 using NpzArrays = std::map<std::string, NpyArray>;
@@ -54,4 +54,4 @@ absl::StatusOr<NpyArray> ReadNpz(const std::string& path,
 absl::StatusOr<std::string> NpzBytes(
     const std::vector<std::pair<std::string, std::string>>& arrays);
 
-}  // namespace tactus
+}  // namespace tactus::internal

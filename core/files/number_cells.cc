@@ -9,7 +9,7 @@
 #include "absl/strings/strip.h"
 #include "core/files/csv.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // A number whose decimal sign is a comma, e.g. "-1,5e3".
@@ -102,4 +102,4 @@ bool InOrder(const std::vector<absl::string_view>& cells, double* first) {
   return !cells.empty();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

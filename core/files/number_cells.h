@@ -13,7 +13,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Parses a finite number whose decimal sign is `decimal`, '.' or ','.
 bool ParseCell(absl::string_view cell, char decimal, double* value);
@@ -41,4 +41,4 @@ DoubtfulPoint FindDoubtfulPoint(
 // True if the cells are first, first + 1, first + 2 ...
 bool InOrder(const std::vector<absl::string_view>& cells, double* first);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -17,7 +17,7 @@
 #include "core/files/cell_advice.h"
 #include "core/files/number_cells.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using Cells = std::vector<absl::string_view>;
@@ -525,4 +525,4 @@ absl::StatusOr<NumberText> ParseNumberText(const std::string& path,
   return Parser(path, text, format).Parse();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

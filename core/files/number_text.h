@@ -29,7 +29,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct NumberTextFormat {
   // ',', ';', '\t', '|' or ' ' (runs of blanks and tabs); 0: detected.
@@ -59,4 +59,4 @@ absl::StatusOr<NumberText> ParseNumberText(const std::string& path,
                                            absl::string_view text,
                                            const NumberTextFormat& format);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -11,7 +11,7 @@
 #include "core/hmm/expectation.h"
 #include "core/hmm/floored_covariance.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Probability that is moved to a re-seeded state in each distribution.
@@ -281,4 +281,4 @@ absl::StatusOr<BaumWelchReport> BaumWelch(
   return report;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -20,7 +20,7 @@
 #include "core/hmm/gaussian_hmm.h"
 #include "core/hmm/sequence.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct BaumWelchOptions {
   int max_iterations = 30;  // updates of the model, 0 or more
@@ -71,4 +71,4 @@ absl::StatusOr<BaumWelchReport> BaumWelch(
     const std::vector<SequenceView>& sequences, const BaumWelchOptions& options,
     GaussianHmm& model, BaumWelchSink on_iteration = IgnoreIteration);
 
-}  // namespace tactus
+}  // namespace tactus::internal

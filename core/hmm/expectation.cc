@@ -1,6 +1,6 @@
 #include "core/hmm/expectation.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 Expectation::Expectation(const std::vector<SequenceView>& sequences)
     : batches_(MakeBatches(sequences)) {
@@ -25,4 +25,4 @@ ExpectedCounts Expectation::Compute(const GaussianHmm& model, Counts wanted) {
   return counts;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

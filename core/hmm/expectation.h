@@ -19,7 +19,7 @@
 #include "core/hmm/sequence.h"
 #include "core/hmm/sequence_batch.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class Expectation {
  public:
@@ -35,4 +35,4 @@ class Expectation {
   std::vector<ForwardBackward> smoothers_;  // one per number of lanes
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 #include "Eigen/Core"
 #include "Eigen/Eigenvalues"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr double kSmallestEigenvalueRatio = 1e-10;
@@ -59,4 +59,4 @@ bool SetFlooredCovariance(const std::vector<double>& covariance, double floor,
   return raised;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -13,7 +13,7 @@
 
 #include "core/hmm/gaussian_hmm.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Stores `covariance` [D x D, symmetric] as that of `state`, in the model's
 // form (spherical: the mean of the variances). Raises eigenvalues or variances
@@ -24,4 +24,4 @@ namespace tactus {
 bool SetFlooredCovariance(const std::vector<double>& covariance, double floor,
                           int state, GaussianHmm& model);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 
 #include "core/hmm/smooth_kernels.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Number of frames whose moments are added at once. They and their shares stay
@@ -168,16 +168,17 @@ void ForwardBackward::TakeLastShares(const SequenceBatch& batch, int t) {
 
 void ForwardBackward::AddMoments(const SequenceBatch& batch, int first,
                                  int frames) {
-  tactus::AddMoments(MomentStep{.cells = model_->cells(),
-                                .dimensions = model_->shape().dimensions,
-                                .full = model_->shape().full,
-                                .frames = frames,
-                                .x = batch.frame(first),
-                                .share = Share(first),
-                                .share_pitch = 2 * model_->padded(),
-                                .plane = plane_,
-                                .means = means_.data(),
-                                .moments = moments_.data()});
+  tactus::internal::AddMoments(
+      MomentStep{.cells = model_->cells(),
+                 .dimensions = model_->shape().dimensions,
+                 .full = model_->shape().full,
+                 .frames = frames,
+                 .x = batch.frame(first),
+                 .share = Share(first),
+                 .share_pitch = 2 * model_->padded(),
+                 .plane = plane_,
+                 .means = means_.data(),
+                 .moments = moments_.data()});
 }
 
 double ForwardBackward::Sum(const double* first) const {
@@ -212,4 +213,4 @@ void ForwardBackward::AddTo(ExpectedCounts& counts) const {
   }
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -29,7 +29,7 @@
 #include "core/hmm/scaled_model.h"
 #include "core/hmm/sequence_batch.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Expected counts, summed over sequences.
 struct ExpectedCounts {
@@ -103,7 +103,7 @@ class ForwardBackward {
   double log_likelihood_ = 0;
   AlignedVector<double> starts_;   // [plane]
   AlignedVector<double> taken_;    // [jumps][padded], by the state entered
-  AlignedVector<double> moments_;  // as tactus::AddMoments keeps them
+  AlignedVector<double> moments_;  // as tactus::internal::AddMoments keeps them
   // Mantissas and exponents of each frame of the batch, [T][2][padded].
   AlignedVector<double> frames_;
   AlignedVector<double> cleared_;  // a frame whose shares are all zero
@@ -116,4 +116,4 @@ class ForwardBackward {
   AlignedVector<double> last_share_;                 // [plane]
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

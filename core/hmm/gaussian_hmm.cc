@@ -11,7 +11,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr double kSumTolerance = 1e-9;
@@ -187,4 +187,4 @@ GaussianHmm WithCovarianceType(const GaussianHmm& model, CovarianceType type) {
   return out;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -17,7 +17,7 @@
 
 #include "absl/status/status.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 enum class CovarianceType { kFull = 0, kDiagonal = 1, kSpherical = 2 };
 
@@ -49,4 +49,4 @@ GaussianHmm WithCovarianceType(const GaussianHmm& model, CovarianceType type);
 // Writes the covariance of `state` in full, row-major, to `out` [D x D].
 void FullCovariance(const GaussianHmm& model, int state, double* out);
 
-}  // namespace tactus
+}  // namespace tactus::internal

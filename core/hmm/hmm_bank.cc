@@ -13,7 +13,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Terms of a sum that are this many bits below the largest do not change it.
@@ -156,4 +156,4 @@ void BankFilter::LogLikelihood(std::span<double> out) {
   }
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

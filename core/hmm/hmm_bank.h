@@ -25,7 +25,7 @@
 #include "core/hmm/scaled_filter.h"
 #include "core/hmm/scaled_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class HmmBank {
  public:
@@ -86,4 +86,4 @@ class BankFilter {
   bool started_ = false;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 absl::Status CheckOptions(const InitOptions& options) {
@@ -113,4 +113,4 @@ absl::StatusOr<GaussianHmm> InitPaper(
   return model;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -18,7 +18,7 @@
 #include "core/hmm/gaussian_hmm.h"
 #include "core/hmm/sequence.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct InitOptions {
   int states = 10;  // N
@@ -39,4 +39,4 @@ struct InitOptions {
 absl::StatusOr<GaussianHmm> InitPaper(
     const std::vector<SequenceView>& sequences, const InitOptions& options);
 
-}  // namespace tactus
+}  // namespace tactus::internal

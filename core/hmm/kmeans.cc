@@ -7,7 +7,7 @@
 
 #include "core/base/random.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr int kStarts = 8;
@@ -182,4 +182,4 @@ KMeansResult KMeans(const Eigen::MatrixXd& points, int clusters, uint64_t seed,
       results, {}, [](const KMeansResult& result) { return result.inertia; }));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

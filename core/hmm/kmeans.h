@@ -17,7 +17,7 @@
 #include "Eigen/Core"
 #include "core/base/work.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct KMeansResult {
   Eigen::MatrixXd centres;      // [dimensions x clusters]
@@ -30,4 +30,4 @@ struct KMeansResult {
 KMeansResult KMeans(const Eigen::MatrixXd& points, int clusters, uint64_t seed,
                     const ParallelFor& parallel = RunSerially);
 
-}  // namespace tactus
+}  // namespace tactus::internal

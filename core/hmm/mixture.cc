@@ -7,7 +7,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 absl::Status Validate(const HmmMixture& mixture) {
   const size_t count = mixture.components.size();
@@ -40,4 +40,4 @@ absl::Status Validate(const HmmMixture& mixture) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -16,7 +16,7 @@
 #include "absl/status/status.h"
 #include "core/hmm/gaussian_hmm.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // K components of equal dimensions; plain data.
 struct HmmMixture {
@@ -33,4 +33,4 @@ absl::Status Validate(const HmmMixture& mixture);
 // by that of its best path, as in the paper.
 enum class Score { kForward = 0, kViterbi = 1 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -19,7 +19,7 @@
 #include "core/hmm/scaled_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace tactus {
+namespace tactus::internal {
 namespace HWY_NAMESPACE {
 
 // Shares of a vector of cells.
@@ -157,7 +157,7 @@ HWY_INLINE Cells<T> PowerOfBits(hn::Vec<Vector<T>> bits) {
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace tactus
+}  // namespace tactus::internal
 HWY_AFTER_NAMESPACE();
 
 #endif

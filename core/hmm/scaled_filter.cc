@@ -5,7 +5,7 @@
 #include <numbers>
 #include <type_traits>
 
-namespace tactus {
+namespace tactus::internal {
 template <typename T>
 ScaledFilter<T>::ScaledFilter(const ScaledModel<T>& model,
                               std::span<const ScaledModel<double>> exact,
@@ -170,4 +170,4 @@ double ScaledFilter<T>::log_likelihood(int component) const {
 template class ScaledFilter<float>;
 template class ScaledFilter<double>;
 
-}  // namespace tactus
+}  // namespace tactus::internal

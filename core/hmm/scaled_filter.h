@@ -32,7 +32,7 @@
 #include "core/hmm/mixture.h"
 #include "core/hmm/scaled_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 template <typename T>
 class ScaledFilter {
@@ -91,4 +91,4 @@ class ScaledFilter {
   std::unique_ptr<ScaledFilter<double>> redo_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -14,7 +14,7 @@
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
-namespace tactus {
+namespace tactus::internal {
 namespace HWY_NAMESPACE {
 
 // kJumps 0: any number of them.
@@ -220,11 +220,11 @@ void TotalFloat(const Reduction<float>& step) { TotalAny(step); }
 void TotalDouble(const Reduction<double>& step) { TotalAny(step); }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace tactus
+}  // namespace tactus::internal
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace tactus {
+namespace tactus::internal {
 
 HWY_EXPORT(PredictFloat);
 HWY_EXPORT(PredictDouble);
@@ -268,5 +268,5 @@ void Total(const Reduction<double>& step) {
   HWY_DYNAMIC_DISPATCH(TotalDouble)(step);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal
 #endif  // HWY_ONCE

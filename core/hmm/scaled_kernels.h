@@ -22,7 +22,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace tactus {
+namespace tactus::internal {
 
 // Largest number of cells evaluated together. Parameters are interleaved in
 // blocks of this size.
@@ -126,4 +126,4 @@ void FindLargest(const Reduction<double>& step);
 void Total(const Reduction<float>& step);
 void Total(const Reduction<double>& step);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -19,7 +19,7 @@
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace tactus {
+namespace tactus::internal {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -124,7 +124,7 @@ HWY_INLINE void Renormalise(D d, V& mantissa, V& exponent) {
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace tactus
+}  // namespace tactus::internal
 HWY_AFTER_NAMESPACE();
 
 #endif

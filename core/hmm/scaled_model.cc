@@ -11,7 +11,7 @@
 #include "Eigen/Cholesky"
 #include "Eigen/Core"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using Matrix =
@@ -285,13 +285,13 @@ WeighStep<T> ScaledModel<T>::Weighing(const T* x, const T* lowered,
 
 template <typename T>
 void ScaledModel<T>::Predict(bool best, Shares<T> from, Shares<T> to) const {
-  tactus::Predict(Prediction(best, from, to));
+  tactus::internal::Predict(Prediction(best, from, to));
 }
 
 template <typename T>
 bool ScaledModel<T>::Advance(bool best, const T* x, T* largest_exponent,
                              Shares<T> from, Shares<T> to) const {
-  return tactus::Advance(
+  return tactus::internal::Advance(
       AdvanceStep<T>{Prediction(best, from, to),
                      Weighing(x, zeros_.data(), largest_exponent, from, to)});
 }
@@ -300,7 +300,7 @@ template <typename T>
 void ScaledModel<T>::WeighOnce(const T* x, const T* lowered,
                                T* largest_exponent, Shares<T> from,
                                Shares<T> to) const {
-  tactus::Weigh(Weighing(x, lowered, largest_exponent, from, to));
+  tactus::internal::Weigh(Weighing(x, lowered, largest_exponent, from, to));
   Fold(largest_exponent, [](T a, T b) { return std::max(a, b); });
 }
 
@@ -352,4 +352,4 @@ template class ScaledModel<double>;
 template void SplitProbability(double, float&, float&);
 template void SplitProbability(double, double&, double&);
 
-}  // namespace tactus
+}  // namespace tactus::internal

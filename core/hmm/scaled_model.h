@@ -19,7 +19,7 @@
 #include "core/hmm/gaussian_hmm.h"
 #include "core/hmm/scaled_kernels.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // The properties that HMMs side by side have in common.
 struct HmmShape {
@@ -144,4 +144,4 @@ class ScaledModel {
 template <typename T>
 void SplitProbability(double p, T& mantissa, T& exponent);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 absl::Status Validate(const std::vector<SequenceView>& sequences) {
   if (sequences.empty()) {
@@ -70,4 +70,4 @@ FrameMoments ComputeFrameMoments(const std::vector<SequenceView>& sequences) {
   return moments;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

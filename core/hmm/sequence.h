@@ -14,7 +14,7 @@
 
 #include "absl/status/status.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct SequenceView {
   const double* data = nullptr;  // [frames x dimensions] row-major
@@ -42,4 +42,4 @@ struct FrameMoments {
 };
 FrameMoments ComputeFrameMoments(const std::vector<SequenceView>& sequences);
 
-}  // namespace tactus
+}  // namespace tactus::internal

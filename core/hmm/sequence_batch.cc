@@ -4,7 +4,7 @@
 #include <bit>
 #include <span>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 SequenceBatch MakeBatch(std::span<const SequenceView> sequences) {
@@ -47,4 +47,4 @@ std::vector<SequenceBatch> MakeBatches(
   return batches;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

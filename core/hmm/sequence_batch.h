@@ -17,7 +17,7 @@
 #include "core/hmm/scaled_kernels.h"
 #include "core/hmm/sequence.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct SequenceBatch {
   int dimensions = 0;
@@ -40,4 +40,4 @@ struct SequenceBatch {
 std::vector<SequenceBatch> MakeBatches(
     const std::vector<SequenceView>& sequences);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -12,7 +12,7 @@
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
-namespace tactus {
+namespace tactus::internal {
 namespace HWY_NAMESPACE {
 
 // Shares below this change no sum.
@@ -136,11 +136,11 @@ void AddMomentsOfCells(const MomentStep& step) {
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace tactus
+}  // namespace tactus::internal
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace tactus {
+namespace tactus::internal {
 
 HWY_EXPORT(SmoothCells);
 HWY_EXPORT(NormaliseCells);
@@ -154,5 +154,5 @@ void AddMoments(const MomentStep& step) {
   HWY_DYNAMIC_DISPATCH(AddMomentsOfCells)(step);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal
 #endif  // HWY_ONCE

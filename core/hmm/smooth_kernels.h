@@ -12,7 +12,7 @@
 
 #include "core/hmm/scaled_kernels.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // One step back in time. With i's belief at t (predict.from),
 //   taken[i][j] = belief[i] transition[i][j] / sum over k of
@@ -59,4 +59,4 @@ struct MomentStep {
 };
 void AddMoments(const MomentStep& step);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -12,7 +12,7 @@
 #include "core/hmm/init.h"
 #include "core/hmm/kmeans.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr int kMaxSummaryPoints = 1000;
@@ -180,4 +180,4 @@ absl::StatusOr<TrainedMixture> TrainMixture(
   return trained;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

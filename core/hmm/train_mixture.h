@@ -22,7 +22,7 @@
 #include "core/hmm/mixture.h"
 #include "core/hmm/sequence.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct TrainMixtureOptions {
   int components = 10;  // K at most; 1 is the paper's model
@@ -57,4 +57,4 @@ absl::StatusOr<TrainedMixture> TrainMixture(
     MixtureSink on_iteration = IgnoreComponent,
     const ParallelFor& parallel = RunSerially);
 
-}  // namespace tactus
+}  // namespace tactus::internal

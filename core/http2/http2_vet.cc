@@ -6,7 +6,7 @@
 #include "core/base/limits_http2.h"
 #include "nghttp2/nghttp2.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr absl::string_view kPreface("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n");
@@ -215,4 +215,4 @@ bool Http2Vet::CheckHeader(absl::string_view name, size_t value_bytes) {
   return name != kAborts || Fail("the header grpclb_client_stats");
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

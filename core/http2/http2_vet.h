@@ -31,7 +31,7 @@
 
 struct nghttp2_hd_inflater;
 
-namespace tactus {
+namespace tactus::internal {
 
 class Http2Vet {
  public:
@@ -102,4 +102,4 @@ class Http2Vet {
   std::unique_ptr<nghttp2_hd_inflater, DeleteInflater> inflater_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

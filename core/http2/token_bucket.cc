@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace tactus {
+namespace tactus::internal {
 
 bool TokenBucket::Take(int64_t now_ns) {
   // The first token is taken from a full bucket.
@@ -15,4 +15,4 @@ bool TokenBucket::Take(int64_t now_ns) {
   return true;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

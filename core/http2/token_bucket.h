@@ -10,7 +10,7 @@
 
 #include <cstdint>
 
-namespace tactus {
+namespace tactus::internal {
 
 class TokenBucket {
  public:
@@ -32,4 +32,4 @@ class TokenBucket {
   int64_t last_ns_ = 0;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

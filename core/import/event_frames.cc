@@ -10,7 +10,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr int kAbsent = -1;
@@ -195,4 +195,4 @@ absl::StatusOr<EventFrames> MakeEventFrames(const std::string& path,
   return frames;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

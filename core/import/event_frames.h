@@ -19,7 +19,7 @@
 #include "core/files/array_file.h"
 #include "core/import/skin_file.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct EventFrames {
   // Seconds; frame k holds the events from time[k] on, for 1 / rate_hz.
@@ -38,4 +38,4 @@ absl::StatusOr<EventFrames> MakeEventFrames(const std::string& path,
                                             const SkinFile& skin,
                                             double rate_hz);
 
-}  // namespace tactus
+}  // namespace tactus::internal

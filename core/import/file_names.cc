@@ -12,7 +12,7 @@
 #include "core/base/text.h"
 #include "core/import/skin_file.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr absl::string_view kWhat = "pattern of file names";
@@ -203,4 +203,4 @@ std::vector<std::string> FileNamePattern::fields() const {
   return fields;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -22,7 +22,7 @@
 
 #include "absl/status/statusor.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class FileNamePattern {
  public:
@@ -52,4 +52,4 @@ class FileNamePattern {
   std::vector<std::string> groups_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

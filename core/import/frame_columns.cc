@@ -13,7 +13,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr absl::string_view kRange = "..";
@@ -284,4 +284,4 @@ absl::StatusOr<FrameColumns> FindFrameColumns(const std::string& path,
   return Finder(path, file, skin).Run();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

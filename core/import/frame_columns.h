@@ -17,7 +17,7 @@
 #include "core/files/array_file.h"
 #include "core/import/skin_file.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct FrameColumns {
   // Places in a row of the file.
@@ -47,4 +47,4 @@ std::string ColumnName(const ArrayFile& file, size_t column);
 // The names of the columns of a pose in order.
 const std::vector<absl::string_view>& PoseColumns();
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -8,7 +8,7 @@
 #include "core/data/trial_loads.h"
 #include "core/skin/idle_thresholds.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr size_t kMaxValues = 4'000'000;
@@ -89,4 +89,4 @@ absl::StatusOr<IdleEstimate> IdleNoise::Estimate() const {
   return found;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -23,7 +23,7 @@
 #include "absl/status/statusor.h"
 #include "core/data/trial.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Which values are idle. One of the two is above 0.
 struct IdleValues {
@@ -68,4 +68,4 @@ class IdleNoise {
   std::vector<float> peaks_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

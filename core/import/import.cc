@@ -24,7 +24,7 @@
 #include "core/import/rate_check.h"
 #include "core/import/skin_file.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -250,4 +250,4 @@ absl::StatusOr<size_t> ImportTrials(const std::string& path, TrialSink sink,
       options);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

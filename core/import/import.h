@@ -30,7 +30,7 @@
 #include "absl/status/statusor.h"
 #include "core/data/trial.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 using TrialSink = absl::FunctionRef<absl::Status(Trial)>;
 
@@ -59,4 +59,4 @@ absl::StatusOr<size_t> ImportTrials(const std::string& path, TrialSink sink,
 // source.
 absl::StatusOr<Trial> ImportSignalsCsv(const std::string& path, size_t number);
 
-}  // namespace tactus
+}  // namespace tactus::internal

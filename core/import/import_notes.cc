@@ -4,7 +4,7 @@
 #include "absl/strings/str_join.h"
 #include "core/base/errors.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr size_t kShownKinds = 10;
@@ -105,4 +105,4 @@ void ImportNotes::Tell(
   if (!rates_.empty()) remark(rates_.Remark());
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -23,7 +23,7 @@
 #include "core/import/odd_rates.h"
 #include "core/import/rising_columns.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class ImportNotes {
  public:
@@ -57,4 +57,4 @@ class ImportNotes {
   OddRates rates_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -19,7 +19,7 @@
 #include "core/import/import_notes.h"
 #include "core/import/skin_file.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr absl::string_view kFields[] = {"label", "condition", "object",
@@ -232,4 +232,4 @@ absl::StatusOr<size_t> ImportRecording(const std::string& path,
       .Run();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -17,7 +17,7 @@
 #include "absl/status/statusor.h"
 #include "core/import/import.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // TRIAL_FILE_INVALID, DATA_LOST or IO with the file and the contact, or the
 // line of the table. options.remark gets a text for everything that is left
@@ -26,4 +26,4 @@ absl::StatusOr<size_t> ImportRecording(const std::string& path,
                                        const ImportOptions& options,
                                        TrialSink sink);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -26,7 +26,7 @@
 #include "core/import/skin_file.h"
 #include "core/import/trial_table.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -437,4 +437,4 @@ absl::StatusOr<size_t> ImportSkinFolder(const std::string& folder,
   return source.trials();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -16,7 +16,7 @@
 #include "absl/status/statusor.h"
 #include "core/import/import.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Every mistake is TRIAL_FILE_INVALID (or IO) with the file, the line of the
 // table, and the field. Nothing outside of `folder` is read but the files that
@@ -26,4 +26,4 @@ absl::StatusOr<size_t> ImportSkinFolder(const std::string& folder,
                                         const ImportOptions& options,
                                         TrialSink sink);
 
-}  // namespace tactus
+}  // namespace tactus::internal

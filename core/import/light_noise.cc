@@ -8,7 +8,7 @@
 #include "core/data/trial_loads.h"
 #include "core/light_touch/light_touch.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr double kWindow = 0.1;  // s
@@ -72,4 +72,4 @@ std::optional<LightTouch> LightNoise::Estimate() const {
   return light;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

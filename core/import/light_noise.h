@@ -22,7 +22,7 @@
 #include "core/data/trial.h"
 #include "core/skin/layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class LightNoise {
  public:
@@ -48,4 +48,4 @@ class LightNoise {
   size_t counted_ = 0;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 #include "absl/strings/strip.h"
 #include "core/base/errors.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr size_t kShownMistakes = 20;
@@ -69,4 +69,4 @@ absl::Status Mistakes::Status() const {
   return TrialFileInvalid(path_, text);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

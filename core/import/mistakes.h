@@ -18,7 +18,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class Mistakes {
  public:
@@ -50,4 +50,4 @@ class Mistakes {
   size_t not_shown_ = 0;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

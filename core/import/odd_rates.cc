@@ -6,7 +6,7 @@
 #include "core/data/trial_id.h"
 #include "core/import/rate_check.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 void OddRates::Add(const std::string& name, double stated_hz,
                    double measured_hz) {
@@ -33,4 +33,4 @@ std::string OddRates::Remark() const {
       count_, stated_hz_, least_hz_, most_hz_, first_);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -15,7 +15,7 @@
 
 #include "core/data/trial.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class OddRates {
  public:
@@ -36,4 +36,4 @@ class OddRates {
   size_t count_ = 0;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_format.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // The times may be those of a computer, or of frames that were dropped.
@@ -62,4 +62,4 @@ RateCheck CheckRate(const std::vector<double>& times, double stated_hz) {
   return check;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

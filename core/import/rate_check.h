@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace tactus {
+namespace tactus::internal {
 
 struct RateCheck {
   // Frames a second; 0 for fewer than two frames.
@@ -29,4 +29,4 @@ struct RateCheck {
 // `times` rise, in seconds.
 RateCheck CheckRate(const std::vector<double>& times, double stated_hz);
 
-}  // namespace tactus
+}  // namespace tactus::internal

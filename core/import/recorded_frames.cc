@@ -13,7 +13,7 @@
 #include "core/import/frame_columns.h"
 #include "core/import/rising_columns.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr size_t kPoseNumbers = 7;
@@ -179,4 +179,4 @@ absl::StatusOr<std::vector<Pose>> MakePoses(const std::string& path,
   return poses;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -19,7 +19,7 @@
 #include "core/import/rising_columns.h"
 #include "core/import/skin_file.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct RecordedFrames {
   TaxelSeries taxels;
@@ -47,4 +47,4 @@ absl::StatusOr<RecordedFrames> MakeFrames(const std::string& path,
 absl::StatusOr<std::vector<Pose>> MakePoses(const std::string& path,
                                             const ArrayFile& file);
 
-}  // namespace tactus
+}  // namespace tactus::internal

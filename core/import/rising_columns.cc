@@ -5,7 +5,7 @@
 
 #include "core/import/frame_columns.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Fewer frames may rise by chance.
@@ -84,4 +84,4 @@ std::vector<RisingColumn> RisingColumns::Always() const {
   return always;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -18,7 +18,7 @@
 
 #include "core/files/array_file.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct RisingColumn {
   size_t column = 0;
@@ -51,4 +51,4 @@ class RisingColumns {
   size_t files_ = 0;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

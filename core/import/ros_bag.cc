@@ -16,22 +16,22 @@
 #include "core/base/text.h"
 #include "core/import/ros_message.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // A message as its bytes. rosbag fills it through ros::serialization.
 struct RosBytes {
   std::string bytes;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal
 
 namespace ros::message_traits {
 
 // Accepts messages of any type.
 template <>
-struct MD5Sum<tactus::RosBytes> {
+struct MD5Sum<tactus::internal::RosBytes> {
   static const char* value() { return "*"; }
-  static const char* value(const tactus::RosBytes&) { return "*"; }
+  static const char* value(const tactus::internal::RosBytes&) { return "*"; }
 };
 
 }  // namespace ros::message_traits
@@ -39,9 +39,9 @@ struct MD5Sum<tactus::RosBytes> {
 namespace ros::serialization {
 
 template <>
-struct Serializer<tactus::RosBytes> {
+struct Serializer<tactus::internal::RosBytes> {
   template <typename Stream>
-  static void read(Stream& stream, tactus::RosBytes& message) {
+  static void read(Stream& stream, tactus::internal::RosBytes& message) {
     message.bytes.assign(reinterpret_cast<const char*>(stream.getData()),
                          stream.getLength());
   }
@@ -49,7 +49,7 @@ struct Serializer<tactus::RosBytes> {
 
 }  // namespace ros::serialization
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using PoseNumbers = std::array<double, 7>;
@@ -256,4 +256,4 @@ absl::StatusOr<ArrayFile> ReadBag(const std::string& path,
   return BagReader(path, topics).Run();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

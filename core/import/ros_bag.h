@@ -17,7 +17,7 @@
 #include "absl/status/statusor.h"
 #include "core/files/array_file.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct BagTopics {
   // With a message per frame.
@@ -38,4 +38,4 @@ struct BagTopics {
 absl::StatusOr<ArrayFile> ReadBag(const std::string& path,
                                   const BagTopics& topics);
 
-}  // namespace tactus
+}  // namespace tactus::internal

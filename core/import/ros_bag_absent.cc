@@ -2,7 +2,7 @@
 #include "core/base/errors.h"
 #include "core/import/ros_bag.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 absl::StatusOr<ArrayFile> ReadBag(const std::string& path, const BagTopics&) {
   return InvalidConfig(path, "a bag of ROS 1",
@@ -10,4 +10,4 @@ absl::StatusOr<ArrayFile> ReadBag(const std::string& path, const BagTopics&) {
                        "librosbag-storage-dev, then build again");
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

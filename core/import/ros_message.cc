@@ -13,7 +13,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr char kMessage[] = "ROS message";
@@ -207,4 +207,4 @@ absl::StatusOr<RosNumbers> RosMessageType::Read(absl::string_view bytes) const {
   return Reader(*this, bytes).Run();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -17,7 +17,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // The numbers of each field, by its path: "pose.position.x". Those of an array
 // stand one after another, also those of a field of an array of messages. Times
@@ -51,4 +51,4 @@ class RosMessageType {
   std::map<std::string, std::vector<Field>> types_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

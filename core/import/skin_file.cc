@@ -18,7 +18,7 @@
 #include "core/skin/taxel_grid.h"
 #include "nlohmann/json.hpp"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using Json = nlohmann::json;
@@ -524,4 +524,4 @@ absl::StatusOr<SkinFile> ReadSkinFile(const std::string& path) {
   return skin;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -20,7 +20,7 @@
 #include "core/files/array_file.h"
 #include "core/skin/layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // What becomes of values below zero.
 enum class NegativeValues { kRefused, kZero, kAbsolute };
@@ -112,4 +112,4 @@ const std::vector<absl::string_view>& TableFields();
 // TRIAL_FILE_INVALID with the file and the field for anything else.
 absl::StatusOr<SkinFile> ReadSkinFile(const std::string& path);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -14,7 +14,7 @@
 #include "core/import/mistakes.h"
 #include "core/import/skin_file.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -185,4 +185,4 @@ absl::Status TrialTable::Error(size_t row, absl::string_view field,
   return csv_.RowError(row, absl::StrCat(field, ": ", message));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -20,7 +20,7 @@
 #include "core/files/csv.h"
 #include "core/import/file_names.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class TrialTable {
  public:
@@ -68,4 +68,4 @@ class TrialTable {
   std::string path_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -5,7 +5,7 @@
 
 #include "core/inputs/inputs.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Bytes of a block of values, which takes about a millisecond to make, and of
@@ -92,4 +92,4 @@ void CueTable::Keep(const Block& block) {
   }
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -24,7 +24,7 @@
 #include "core/classify/input_spec.h"
 #include "core/contacts/varied_contacts.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class CueTable {
  public:
@@ -91,4 +91,4 @@ class CueTable {
   std::vector<size_t> begins_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

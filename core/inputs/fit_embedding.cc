@@ -11,7 +11,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using Eigen::MatrixXd;
@@ -236,4 +236,4 @@ absl::StatusOr<TaxelEmbedding> FitTaxelEmbedding(
   return embedding;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -23,7 +23,7 @@
 #include "core/contacts/labelled_contact.h"
 #include "core/taxels/taxel_embedding.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // All contacts must be of one skin and have its taxels (ContactFrames::loads).
 // The frames at which `steps` makes a step due are used. INVALID_TRAINING_DATA
@@ -32,4 +32,4 @@ absl::StatusOr<TaxelEmbedding> FitTaxelEmbedding(
     const std::vector<const LabelledContact*>& contacts,
     const std::vector<std::string>& class_names, const StepIntervals& steps);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr double kLogOffsetFraction = 0.02;
@@ -192,4 +192,4 @@ std::vector<double> MakeSequence(const LabelledContact& contact,
   return rows;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -20,7 +20,7 @@
 #include "core/contacts/varied_contacts.h"
 #include "core/inputs/cue_table.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 enum class Scaling {
   kStandard,  // zero mean, unit deviation (paper, eq. for S_f)
@@ -84,4 +84,4 @@ std::vector<double> MakeSequence(const LabelledContact& contact,
                                  std::span<const ModelInput> inputs,
                                  const StepIntervals& steps,
                                  const TaxelEmbedding* embedding = nullptr);
-}  // namespace tactus
+}  // namespace tactus::internal

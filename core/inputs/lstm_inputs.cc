@@ -6,7 +6,7 @@
 #include "core/classify/object_estimate.h"
 #include "core/inputs/inputs.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Makes sequences as batches ask for them.
 class LstmInputs::MadeForEachBatch : public LstmSequenceSource {
@@ -114,4 +114,4 @@ int16_t LstmInputs::ClassOf(absl::string_view label) const {
   return static_cast<int16_t>(found - class_names_.begin());
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

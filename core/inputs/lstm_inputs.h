@@ -26,7 +26,7 @@
 #include "core/contacts/varied_contacts.h"
 #include "core/lstm/sequence_source.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class LstmInputs {
  public:
@@ -75,4 +75,4 @@ class LstmInputs {
   std::vector<LstmSequence> with_targets_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -11,7 +11,7 @@
 #include "core/interchange/lstm/lstm_from_onnx.h"
 #include "core/interchange/model/model_file_error.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Pickles, and archives that hold them (.pt, .pth).
@@ -51,4 +51,4 @@ absl::StatusOr<ForeignModel> ReadModelFile(const std::string& path,
   return npz ? HmmsFromNpz(path, *bytes) : HmmsFromJson(path, *bytes);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

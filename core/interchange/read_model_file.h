@@ -16,10 +16,10 @@
 #include "core/interchange/lstm/lstm_from_keras.h"
 #include "core/interchange/model/foreign_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // IO or INVALID_MODEL naming `path`. `keras` is for Keras files alone.
 absl::StatusOr<ForeignModel> ReadModelFile(const std::string& path,
                                            const KerasOptions& keras = {});
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -11,7 +11,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Weight of the networks beside the HMMs until a calibration is fitted.
@@ -134,4 +134,4 @@ absl::Status ReplaceModels(const ForeignModel& foreign, Model& model) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

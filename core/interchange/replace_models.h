@@ -13,7 +13,7 @@
 #include "absl/status/status.h"
 #include "core/interchange/model/foreign_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // The HMMs of each class that `foreign` names replace that class's; its
 // networks replace all networks, their outputs put into the model's order of
@@ -24,4 +24,4 @@ namespace tactus {
 // nowhere stated, or the result is not valid.
 absl::Status ReplaceModels(const ForeignModel& foreign, Model& model);
 
-}  // namespace tactus
+}  // namespace tactus::internal

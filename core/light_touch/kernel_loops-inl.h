@@ -23,7 +23,7 @@
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace tactus::light_touch::HWY_NAMESPACE {
+namespace tactus::internal::light_touch::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr size_t kWidest = 16;
@@ -131,7 +131,7 @@ class Largest {
   float rest_ = 0;
 };
 
-}  // namespace tactus::light_touch::HWY_NAMESPACE
+}  // namespace tactus::internal::light_touch::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

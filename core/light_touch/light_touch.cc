@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr double kBackground = 1;         // s
@@ -235,4 +235,4 @@ void LightTouchFilter::Clear(const RowRange& was, const RowRange& now,
   if (!after.empty()) std::ranges::fill(Part(taxels, after), 0.0F);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

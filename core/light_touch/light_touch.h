@@ -35,7 +35,7 @@
 #include "core/light_touch/row_marks.h"
 #include "core/skin/layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class LightTouchFilter {
  public:
@@ -158,4 +158,4 @@ class LightTouchFilter {
   float region_peak_ = 0;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

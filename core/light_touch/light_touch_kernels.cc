@@ -9,7 +9,7 @@
 #include "core/light_touch/kernel_loops-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace tactus::light_touch::HWY_NAMESPACE {
+namespace tactus::internal::light_touch::HWY_NAMESPACE {
 
 // A mean that is `away` from its taxel, moved towards it.
 template <class D>
@@ -156,11 +156,11 @@ void Learn(const Rows& rows, const Readings& readings, const Near& near,
   }
 }
 
-}  // namespace tactus::light_touch::HWY_NAMESPACE
+}  // namespace tactus::internal::light_touch::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace tactus::light_touch {
+namespace tactus::internal::light_touch {
 
 HWY_EXPORT(MoveTowards);
 HWY_EXPORT(StepMeans);
@@ -197,5 +197,5 @@ void Learn(const Rows& rows, const Readings& readings, const Near& near,
   HWY_DYNAMIC_DISPATCH(Learn)(rows, readings, near, moved, values, shape);
 }
 
-}  // namespace tactus::light_touch
+}  // namespace tactus::internal::light_touch
 #endif  // HWY_ONCE

@@ -15,7 +15,7 @@
 #include <cstdint>
 #include <span>
 
-namespace tactus::light_touch {
+namespace tactus::internal::light_touch {
 
 // Arrays with one number per taxel.
 struct Means {
@@ -100,4 +100,4 @@ struct Near {
 void Learn(const Rows& rows, const Readings& readings, const Near& near,
            float* moved, float* values, float* shape);
 
-}  // namespace tactus::light_touch
+}  // namespace tactus::internal::light_touch

@@ -11,7 +11,7 @@
 #include "core/light_touch/kernel_loops-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace tactus::light_touch::HWY_NAMESPACE {
+namespace tactus::internal::light_touch::HWY_NAMESPACE {
 
 // With `kTerms` above 0, that many terms.
 template <int kTerms>
@@ -273,11 +273,11 @@ void MarkSums(const Grid& sums, int begin, int end, const Readings& readings,
   }
 }
 
-}  // namespace tactus::light_touch::HWY_NAMESPACE
+}  // namespace tactus::internal::light_touch::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace tactus::light_touch {
+namespace tactus::internal::light_touch {
 
 HWY_EXPORT(SumAlong);
 HWY_EXPORT(SumAround);
@@ -312,5 +312,5 @@ void MarkSums(const Grid& sums, int begin, int end, const Readings& readings,
   HWY_DYNAMIC_DISPATCH(MarkSums)(sums, begin, end, readings, levels, marks);
 }
 
-}  // namespace tactus::light_touch
+}  // namespace tactus::internal::light_touch
 #endif  // HWY_ONCE

@@ -16,7 +16,7 @@
 
 #include "core/light_touch/light_touch_kernels.h"
 
-namespace tactus::light_touch {
+namespace tactus::internal::light_touch {
 
 // Writes sums[i] = scale (from[i] + from[i + stride] + ...) of `terms` terms
 // for i < count. Returns the largest, or 0 if all are below.
@@ -67,4 +67,4 @@ float MarkAround(const Grid& grid, int begin, int end, float scale,
 void MarkSums(const Grid& sums, int begin, int end, const Readings& readings,
               const Levels& levels, const Marks& marks);
 
-}  // namespace tactus::light_touch
+}  // namespace tactus::internal::light_touch

@@ -5,7 +5,7 @@
 
 #include "core/light_touch/region_kernels.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 RegionSum::RegionSum(const SkinLayout& layout, const Region& region)
     : rows_(layout.rows),
@@ -68,4 +68,4 @@ float RegionSum::SumAround(const float* row, int column) const {
   return sum;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -19,7 +19,7 @@
 #include "core/light_touch/region_kernels.h"
 #include "core/skin/layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Rows begin .. end-1; none if both are 0.
 struct RowRange {
@@ -112,4 +112,4 @@ class RegionSum {
   AlignedVector<float> row_sums_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

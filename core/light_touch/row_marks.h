@@ -14,7 +14,7 @@
 
 #include "core/base/aligned_vector.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class RowMarks {
  public:
@@ -34,4 +34,4 @@ class RowMarks {
   AlignedVector<uint64_t> words_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 
 #include "core/base/errors.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 void Grow(size_t size, LstmBuffer& values) {
@@ -330,4 +330,4 @@ void LstmBackprop::WeightGradients(size_t index) {
   }
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

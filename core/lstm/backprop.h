@@ -29,7 +29,7 @@
 #include "core/lstm/packed_matrix.h"
 #include "core/lstm/sequence.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct LstmBatchLoss {
   // Sum of the sequences' losses, each times its weight.
@@ -103,4 +103,4 @@ class LstmBackprop {
   std::vector<int> steps_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

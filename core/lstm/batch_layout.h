@@ -18,7 +18,7 @@
 #include <span>
 #include <vector>
 
-namespace tactus {
+namespace tactus::internal {
 
 struct BatchLayout {
   void Arrange(std::span<const int> steps_of) {
@@ -53,4 +53,4 @@ struct BatchLayout {
   int rows = 0;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 
 #include "core/lstm/vector_math.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Rows of c kept in registers at once, and vectors of each: as many as the
@@ -300,4 +300,4 @@ std::span<const LstmKernels> SupportedLstmKernels() {
 
 const LstmKernels& BestLstmKernels() { return SupportedLstmKernels().back(); }
 
-}  // namespace tactus
+}  // namespace tactus::internal

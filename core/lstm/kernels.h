@@ -31,7 +31,7 @@
 #include "core/base/aligned_vector.h"
 #include "core/lstm/network.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // The widest vector, in floats.
 inline constexpr int kLstmLanes = 16;
@@ -112,4 +112,4 @@ std::span<const LstmKernels> SupportedLstmKernels();
 // The widest kernels that this CPU can run.
 const LstmKernels& BestLstmKernels();
 
-}  // namespace tactus
+}  // namespace tactus::internal

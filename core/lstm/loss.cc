@@ -6,7 +6,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 double CrossEntropy(const LstmLossOptions& options, int classes,
@@ -84,4 +84,4 @@ double StepLoss(const LstmLossOptions& options, int classes, int regressions,
   return loss;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -17,7 +17,7 @@
 #include "absl/status/status.h"
 #include "core/lstm/network.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 enum class LstmLoss { kLastStep, kEveryStep };
 
@@ -46,4 +46,4 @@ double StepLoss(const LstmLossOptions& options, int classes, int regressions,
                 const float* outputs, int label, std::span<const float> targets,
                 double scale, float* gradient);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -12,7 +12,7 @@
 #include "core/base/random.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr int kGates = 4;
@@ -156,4 +156,4 @@ LstmNetwork RandomNetwork(int inputs, const std::vector<int>& cells,
   return network;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -25,7 +25,7 @@
 
 #include "absl/status/status.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // tanh(x), or x / (1 + |x|).
 enum class Activation { kTanh, kSoftsign };
@@ -100,4 +100,4 @@ LstmNetwork RandomNetwork(int inputs, const std::vector<int>& cells,
                           GateActivation gate_activation, uint64_t seed,
                           float forget_bias = 1, int regressions = 0);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 
 #include "core/base/errors.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr int kNoiseBits = 12;
@@ -96,4 +96,4 @@ void AddNoise(double deviation, NoiseBits& source, std::span<float> values) {
   if (i < values.size()) draw(i, values.size() - i);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

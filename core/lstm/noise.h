@@ -19,7 +19,7 @@
 #include "absl/status/status.h"
 #include "core/base/random.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Fast random bits: SplitMix64 (Steele et al., OOPSLA 2014).
 class NoiseBits {
@@ -61,4 +61,4 @@ void DropoutMask(double probability, NoiseBits& source, std::span<float> mask);
 // third of the time of training.
 void AddNoise(double deviation, NoiseBits& source, std::span<float> values);
 
-}  // namespace tactus
+}  // namespace tactus::internal

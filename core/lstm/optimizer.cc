@@ -9,7 +9,7 @@
 #include "core/base/status_macros.h"
 #include "core/lstm/vector_math.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Mean squares below count as 0: they would fade into the denormal numbers,
@@ -211,4 +211,4 @@ void OptimizerStep(const OptimizerOptions& options, double learning_rate,
   });
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -18,7 +18,7 @@
 #include "absl/status/status.h"
 #include "core/lstm/network.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 enum class Optimizer { kRmsProp, kAdam };
 
@@ -56,4 +56,4 @@ void OptimizerStep(const OptimizerOptions& options, double learning_rate,
                    const LstmNetwork& gradient, OptimizerState& state,
                    LstmNetwork& network);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -14,7 +14,7 @@
 
 #include "core/lstm/kernels.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct PackedMatrix {
   PackedMatrix() = default;
@@ -60,4 +60,4 @@ struct PackedMatrix {
   LstmBuffer gradient;  // as forward
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 bool AllFinite(std::span<const float> values) {
@@ -67,4 +67,4 @@ absl::Status Validate(std::span<const LstmSequence> sequences,
   return absl::OkStatus();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -16,7 +16,7 @@
 #include "absl/status/status.h"
 #include "core/lstm/network.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct LstmSequence {
   // T x I, row-major, scaled as for inference; T of at least 1.
@@ -41,4 +41,4 @@ struct LstmSequence {
 absl::Status Validate(std::span<const LstmSequence> sequences,
                       const LstmNetwork& network);
 
-}  // namespace tactus
+}  // namespace tactus::internal

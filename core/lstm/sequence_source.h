@@ -16,7 +16,7 @@
 
 #include "core/lstm/sequence.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class LstmSequenceSource {
  public:
@@ -47,4 +47,4 @@ class LstmSequencesInMemory : public LstmSequenceSource {
   std::span<const LstmSequence> sequences_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

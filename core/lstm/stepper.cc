@@ -6,7 +6,7 @@
 
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Far beyond saturation, and small enough that no sum overflows.
@@ -206,4 +206,4 @@ void LstmStepper::Softmax() {
   }
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -27,7 +27,7 @@
 #include "core/lstm/kernels.h"
 #include "core/lstm/network.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // A network laid out for stepping. Immutable and thread-safe: any number of
 // steppers may use it.
@@ -135,4 +135,4 @@ class LstmStepper {
   Eigen::MatrixXd probability_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -12,7 +12,7 @@
 #include "core/base/random.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Number of sequences that run together during validation.
@@ -247,4 +247,4 @@ absl::StatusOr<LstmTrained> TrainLstm(LstmCheckpoint from,
       .Run(on_epoch, before_batch);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -33,7 +33,7 @@
 #include "core/lstm/sequence.h"
 #include "core/lstm/sequence_source.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct LstmTrainOptions {
   int epochs = 10;
@@ -108,4 +108,4 @@ absl::StatusOr<LstmTrained> TrainLstm(LstmCheckpoint from,
                                       LstmEpochSink on_epoch = IgnoreEpoch,
                                       LstmBatchCheck before_batch = GoOn);
 
-}  // namespace tactus
+}  // namespace tactus::internal

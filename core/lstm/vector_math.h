@@ -20,7 +20,7 @@
 #define TACTUS_INLINE [[gnu::always_inline]] inline
 #define TACTUS_INLINE_LAMBDA __attribute__((always_inline))
 
-namespace tactus {
+namespace tactus::internal {
 
 template <int kLanes>
 struct Lanes {
@@ -143,4 +143,4 @@ TACTUS_INLINE void FlushTiny(Floats& x) {
   x = size < 1e-30F - Floats{} ? Floats{} : x;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

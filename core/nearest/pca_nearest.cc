@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 absl::Status CheckInput(const Eigen::MatrixXd& samples,
@@ -96,4 +96,4 @@ absl::StatusOr<PcaNearest::Match> PcaNearest::Predict(
   return Match{labels_[nearest], static_cast<int>(nearest), std::sqrt(squared)};
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -16,7 +16,7 @@
 #include "Eigen/Core"
 #include "absl/status/statusor.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class PcaNearest {
  public:
@@ -49,4 +49,4 @@ class PcaNearest {
   std::vector<int> labels_;  // [samples]
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tactus {
+namespace tactus::internal {
 
 void Consensus(std::span<const double> before, std::span<double> now) {
   const auto best = std::ranges::max_element(now);
@@ -22,4 +22,4 @@ void Consensus(std::span<const double> before, std::span<double> now) {
   for (double& probability : now) probability /= sum;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

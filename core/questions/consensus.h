@@ -15,9 +15,9 @@
 
 #include <span>
 
-namespace tactus {
+namespace tactus::internal {
 
 // Both have one probability per value; they sum to 1. `before` may be empty.
 void Consensus(std::span<const double> before, std::span<double> now);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace tactus {
+namespace tactus::internal {
 
 DecisionEvent EventAt(const QuestionDecision& decision, uint64_t frame) {
   if (frame == 0) return DecisionEvent::kNone;
@@ -51,4 +51,4 @@ DecisionEvent DecisionTracker::Step(size_t question,
   return DecisionEvent::kChanged;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

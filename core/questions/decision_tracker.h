@@ -21,7 +21,7 @@
 
 #include "core/questions/question.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // When a question is decided.
 struct DecisionRule {
@@ -84,4 +84,4 @@ class DecisionTracker {
   std::vector<QuestionDecision> decisions_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

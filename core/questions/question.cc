@@ -12,7 +12,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 absl::Status CheckNames(absl::string_view what,
@@ -165,4 +165,4 @@ void SetValueProbability(const Question& question,
   }
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -19,7 +19,7 @@
 
 #include "absl/status/status.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct Question {
   enum Kind {
@@ -61,4 +61,4 @@ void SetValueProbability(const Question& question,
                          std::span<const double> value_probability,
                          std::span<double> class_probability);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -14,7 +14,7 @@
 #include "core/base/text_cells.h"
 #include "core/base/text_lines.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr absl::string_view kClass = "class";
@@ -219,4 +219,4 @@ absl::StatusOr<std::vector<Question>> QuestionsFor(
   return questions;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -27,7 +27,7 @@
 #include "absl/strings/string_view.h"
 #include "core/questions/question.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct QuestionTable {
   std::vector<std::string> class_names;
@@ -48,4 +48,4 @@ std::string FormatQuestionTable(const QuestionTable& table);
 absl::StatusOr<std::vector<Question>> QuestionsFor(
     const QuestionTable& table, const std::vector<std::string>& class_names);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -15,7 +15,7 @@
 #include "Eigen/Core"
 #include "Eigen/Geometry"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Pose of the skin's link in the world frame.
 struct Pose {
@@ -36,4 +36,4 @@ struct FrameView {
   uint64_t missing_before = 0;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 double ColumnAngle(const SkinLayout& layout, double column) {
@@ -40,4 +40,4 @@ double SkinDistance(const SkinLayout& layout, const SkinPoint& a,
                     (a.row - b.row) * layout.row_pitch_m);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

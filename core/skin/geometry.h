@@ -10,7 +10,7 @@
 #include "Eigen/Core"
 #include "core/skin/layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // A place on the skin by fractional row and column.
 struct SkinPoint {
@@ -31,4 +31,4 @@ Eigen::Vector3d LinkNormal(const SkinLayout& layout, const SkinPoint& point);
 double SkinDistance(const SkinLayout& layout, const SkinPoint& a,
                     const SkinPoint& b);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-namespace tactus {
+namespace tactus::internal {
 
 IdleThresholds ThresholdsAbove(double median, double high,
                                double least_margin) {
@@ -23,4 +23,4 @@ double IdleQuantile(std::vector<float> values, double fraction) {
   return *at;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

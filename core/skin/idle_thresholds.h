@@ -15,7 +15,7 @@
 
 #include <vector>
 
-namespace tactus {
+namespace tactus::internal {
 
 inline constexpr double kIdleFraction = 0.999;
 
@@ -31,4 +31,4 @@ IdleThresholds ThresholdsAbove(double median, double high, double least_margin);
 // exceed; the largest value at most. There is at least one value.
 double IdleQuantile(std::vector<float> values, double fraction);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -13,7 +13,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 absl::Status CheckRange(absl::string_view field, double value, double low,
@@ -230,4 +230,4 @@ absl::StatusOr<SkinLayout> LayoutPreset(absl::string_view name) {
   return UnknownLayout(name, absl::StrJoin(names, ", "));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -17,7 +17,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 enum class TaxelUnit { kNewton, kCounts };
 enum class Connectivity { kFour, kEight };
@@ -109,4 +109,4 @@ std::string SkinDifference(const SkinLayout& layout, const SkinLayout& other);
 // Any other name is UNKNOWN_LAYOUT, whose text lists the presets.
 absl::StatusOr<SkinLayout> LayoutPreset(absl::string_view name);
 
-}  // namespace tactus
+}  // namespace tactus::internal

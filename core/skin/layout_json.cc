@@ -6,7 +6,7 @@
 #include "core/skin/layout_proto.h"
 #include "google/protobuf/util/json_util.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 std::string LayoutToJson(const SkinLayout& layout) {
   google::protobuf::util::JsonPrintOptions options;
@@ -30,4 +30,4 @@ absl::StatusOr<SkinLayout> LayoutFromJson(absl::string_view json) {
   return LayoutFromProto(geometry);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -16,7 +16,7 @@
 #include "absl/strings/string_view.h"
 #include "core/skin/layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // One line.
 std::string LayoutToJson(const SkinLayout& layout);
@@ -25,4 +25,4 @@ std::string LayoutToJson(const SkinLayout& layout);
 // refined by what else it holds. INVALID_CONFIG or UNKNOWN_LAYOUT otherwise.
 absl::StatusOr<SkinLayout> LayoutFromJson(absl::string_view json);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 absl::StatusOr<TaxelUnit> UnitFromProto(v1::TaxelUnit unit) {
@@ -171,4 +171,4 @@ absl::StatusOr<SkinLayout> LayoutFromProto(const v1::SensorGeometry& geometry) {
   return layout;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include "core/skin/layout.h"
 #include "tactus/v1/common.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 v1::SensorGeometry LayoutToProto(const SkinLayout& layout);
 
@@ -18,4 +18,4 @@ v1::SensorGeometry LayoutToProto(const SkinLayout& layout);
 // replace the preset's. UNKNOWN_LAYOUT or INVALID_CONFIG otherwise.
 absl::StatusOr<SkinLayout> LayoutFromProto(const v1::SensorGeometry& geometry);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace tactus {
+namespace tactus::internal {
 
 NormalLoads::NormalLoads(const SkinLayout& layout)
     : axes_(layout.axes),
@@ -48,4 +48,4 @@ Shear SumShear(const SkinLayout& layout, std::span<const float> values,
   return {static_cast<float>(sums[0]), static_cast<float>(sums[1])};
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -22,7 +22,7 @@
 
 #include "core/skin/layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // What pulls along the skin: sums of the values of the two axes that are not
 // the normal one, the lower axis first (without a normal axis x and y), in the
@@ -57,4 +57,4 @@ class NormalLoads {
 Shear SumShear(const SkinLayout& layout, std::span<const float> values,
                std::span<const uint64_t> rows);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -15,7 +15,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace tactus {
+namespace tactus::internal {
 
 class PoseSpacing {
  public:
@@ -67,4 +67,4 @@ class PoseSpacing {
   bool any_ = false;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -12,7 +12,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr char kField[] = "taxel_positions";
@@ -219,4 +219,4 @@ absl::StatusOr<TaxelGrid> PlaceOnGrid(
   return best;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

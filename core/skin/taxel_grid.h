@@ -17,7 +17,7 @@
 #include "Eigen/Core"
 #include "absl/status/statusor.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct TaxelGrid {
   int rows = 0;
@@ -42,4 +42,4 @@ struct TaxelGrid {
 absl::StatusOr<TaxelGrid> PlaceOnGrid(
     const std::vector<Eigen::Vector3d>& positions);
 
-}  // namespace tactus
+}  // namespace tactus::internal

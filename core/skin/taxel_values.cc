@@ -9,7 +9,7 @@
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace tactus::HWY_NAMESPACE {
+namespace tactus::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 template <class D>
@@ -117,11 +117,11 @@ bool WithinF32(const char* wire, size_t count, double scale, float lowest,
   return Within<float>(wire, count, scale, lowest, largest);
 }
 
-}  // namespace tactus::HWY_NAMESPACE
+}  // namespace tactus::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace tactus {
+namespace tactus::internal {
 
 HWY_EXPORT(ScaleU16);
 HWY_EXPORT(ScaleI16);
@@ -196,5 +196,5 @@ bool TaxelsWithin(v1::TaxelType type, const char* wire, size_t count,
   }
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal
 #endif  // HWY_ONCE

@@ -17,7 +17,7 @@
 
 #include "tactus/v1/common.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Returns one number times `scale`, computed in double.
 template <typename Number>
@@ -51,4 +51,4 @@ void ScaleTaxels(v1::TaxelType type, const char* wire, double scale,
 bool TaxelsWithin(v1::TaxelType type, const char* wire, size_t count,
                   double scale, const TaxelRange& range);
 
-}  // namespace tactus
+}  // namespace tactus::internal

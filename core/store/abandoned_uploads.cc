@@ -10,7 +10,7 @@
 #include "core/store/numbers.h"
 #include "core/store/records.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // As the collection of uploads, and in Table::kNumbers.
@@ -59,4 +59,4 @@ absl::Status RemoveUpload(Transaction& change, const v1::StoredUpload& upload,
   return AppendAudit(change, entry);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

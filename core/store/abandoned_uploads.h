@@ -21,7 +21,7 @@
 #include "core/store/catalog.h"
 #include "tactus/v1/storage.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // True if the upload is not finished, and was made and last written to at least
 // limits::kAbandonedUploadMs ago.
@@ -42,4 +42,4 @@ absl::Status RemoveUpload(Transaction& change, const v1::StoredUpload& upload,
 // The number of the next upload.
 absl::StatusOr<uint64_t> NextUpload(const Transaction& look);
 
-}  // namespace tactus
+}  // namespace tactus::internal

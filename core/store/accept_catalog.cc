@@ -8,7 +8,7 @@
 #include "core/store/lost_and_found.h"
 #include "core/store/sqlite_catalog.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Moves the files of the catalogue. Returns where to; empty if there were none.
@@ -54,4 +54,4 @@ absl::StatusOr<std::string> AcceptCatalog(FileSystem& files,
   return done;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -15,7 +15,7 @@
 #include "absl/status/statusor.h"
 #include "core/store/file_system.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Makes a catalogue without records if there is none or it is damaged, after
 // moving the damaged one to lost+found; else takes its records as they are. The
@@ -23,4 +23,4 @@ namespace tactus {
 absl::StatusOr<std::string> AcceptCatalog(FileSystem& files,
                                           const std::string& folder);
 
-}  // namespace tactus
+}  // namespace tactus::internal

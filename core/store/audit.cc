@@ -4,7 +4,7 @@
 #include "core/store/numbers.h"
 #include "core/store/records.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 absl::Status AppendAudit(Transaction& change, const v1::AuditEntry& entry) {
   TACTUS_ASSIGN_OR_RETURN(const uint64_t number,
@@ -12,4 +12,4 @@ absl::Status AppendAudit(Transaction& change, const v1::AuditEntry& entry) {
   return PutRecord(change, Table::kAudit, NumberKey(number), entry);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

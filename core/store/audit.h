@@ -13,9 +13,9 @@
 #include "core/store/catalog.h"
 #include "tactus/v1/admin.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Appends `entry` in the transaction of the change that it records.
 absl::Status AppendAudit(Transaction& change, const v1::AuditEntry& entry);
 
-}  // namespace tactus
+}  // namespace tactus::internal

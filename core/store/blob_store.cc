@@ -9,7 +9,7 @@
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr char kDrafts[] = "/drafts";
@@ -126,4 +126,4 @@ absl::StatusOr<std::string> ReadBlobFile(FileSystem& files,
                          "dataset or model that needs it"));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

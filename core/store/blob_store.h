@@ -27,7 +27,7 @@
 #include "absl/strings/string_view.h"
 #include "core/store/file_system.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class BlobStore {
  public:
@@ -99,4 +99,4 @@ absl::StatusOr<std::string> ReadBlobFile(FileSystem& files,
                                          absl::string_view sha256,
                                          int64_t limit);
 
-}  // namespace tactus
+}  // namespace tactus::internal

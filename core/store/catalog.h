@@ -27,7 +27,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Numbers are stored: they never change.
 enum class Table {
@@ -96,4 +96,4 @@ class Catalog {
   virtual absl::Status Check() const = 0;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

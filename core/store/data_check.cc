@@ -26,7 +26,7 @@
 #include "tactus/v1/operations.pb.h"
 #include "tactus/v1/training.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using Severity = CheckResult::Severity;
@@ -466,4 +466,4 @@ std::vector<CheckResult> CheckData(FileSystem& files, const std::string& folder,
   return DataCheck(files, folder, options).Run();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -24,7 +24,7 @@
 
 #include "core/store/file_system.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct CheckResult {
   enum class Severity { kOk, kWarning, kError };
@@ -52,4 +52,4 @@ struct DataCheckOptions {
 std::vector<CheckResult> CheckData(FileSystem& files, const std::string& folder,
                                    const DataCheckOptions& options);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -8,7 +8,7 @@
 #include "core/store/directory_identity.h"
 #include "core/store/sqlite_catalog.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 absl::StatusOr<std::unique_ptr<DataDirectory>> DataDirectory::Open(
     FileSystem& files, const std::string& folder, const std::string& vfs) {
@@ -65,4 +65,4 @@ std::string DataDirectory::JobPath(absl::string_view id) const {
   return absl::StrCat(JobFolder(), "/", id);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -29,7 +29,7 @@
 #include "core/store/disk_reserve.h"
 #include "core/store/file_system.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class DataDirectory {
  public:
@@ -70,4 +70,4 @@ class DataDirectory {
   bool catalog_is_older_ = false;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

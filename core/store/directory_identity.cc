@@ -18,7 +18,7 @@
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr char kId[] = "id";
@@ -222,4 +222,4 @@ absl::Status MarkDirectory(FileSystem& files, const std::string& folder,
                          absl::StrCat(next.id, " ", next.starts, "\n"));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -22,7 +22,7 @@
 #include "core/store/catalog.h"
 #include "core/store/file_system.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // The file of a directory's catalogue.
 std::string CatalogPath(absl::string_view folder);
@@ -57,4 +57,4 @@ absl::Status MarkDirectory(FileSystem& files, const std::string& folder,
 absl::Status WithRestoreAdvice(const std::string& folder,
                                const absl::Status& status);
 
-}  // namespace tactus
+}  // namespace tactus::internal

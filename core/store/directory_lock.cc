@@ -12,7 +12,7 @@
 #include "absl/synchronization/mutex.h"
 #include "core/base/errors.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // The locks of this process. The kernel would grant it a second one on the same
@@ -75,4 +75,4 @@ DirectoryLock::~DirectoryLock() {
   own.files.erase(file_);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -16,7 +16,7 @@
 
 #include "absl/status/statusor.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class DirectoryLock {
  public:
@@ -41,4 +41,4 @@ class DirectoryLock {
   const FileId file_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include "core/base/status_macros.h"
 #include "core/store/disk_use.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr int64_t kReserveBytes = 32L * 1024 * 1024;
@@ -79,4 +79,4 @@ int64_t ReserveBytes(const std::string& folder, int64_t catalog_bytes) {
   return std::min(wanted, static_cast<int64_t>(space.capacity) / kPartOfDisk);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

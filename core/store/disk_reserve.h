@@ -19,7 +19,7 @@
 #include "absl/status/status.h"
 #include "core/store/file_system.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class DiskReserve {
  public:
@@ -54,4 +54,4 @@ class DiskReserve {
 // catalogue names, and at most a sixteenth of a small disk.
 int64_t ReserveBytes(const std::string& folder, int64_t catalog_bytes);
 
-}  // namespace tactus
+}  // namespace tactus::internal

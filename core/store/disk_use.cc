@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <system_error>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -51,4 +51,4 @@ int64_t FreeBytes(const std::string& folder) {
   return error ? -1 : static_cast<int64_t>(space.available);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

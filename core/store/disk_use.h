@@ -16,7 +16,7 @@
 
 #include "tactus/v1/admin.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // `folder`: as DataDirectory::Open. What cannot be read counts as 0.
 v1::DataUse MeasureData(const std::string& folder);
@@ -24,4 +24,4 @@ v1::DataUse MeasureData(const std::string& folder);
 // Free bytes of the file system that holds `folder`; -1 if that is unknown.
 int64_t FreeBytes(const std::string& folder);
 
-}  // namespace tactus
+}  // namespace tactus::internal

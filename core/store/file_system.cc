@@ -4,7 +4,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 absl::StatusOr<std::string> ReadWhole(FileSystem& files,
                                       const std::string& path, int64_t limit) {
@@ -30,4 +30,4 @@ absl::Status WriteAtomically(FileSystem& files, const std::string& path,
   return files.SyncDirectory(path.substr(0, path.rfind('/')));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -26,7 +26,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // A file that grows at its end. Closes when destroyed. Not thread-safe.
 class AppendableFile {
@@ -91,4 +91,4 @@ absl::StatusOr<std::string> ReadWhole(FileSystem& files,
 absl::Status WriteAtomically(FileSystem& files, const std::string& path,
                              absl::string_view bytes);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 absl::Status LostAndFound::MakeFolder() {
   const std::string all = data_folder_ + "/lost+found";
@@ -35,4 +35,4 @@ absl::Status LostAndFound::Take(const std::string& path) {
                        absl::StrCat(folder_, "/", path));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

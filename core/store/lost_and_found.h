@@ -15,7 +15,7 @@
 #include "absl/status/status.h"
 #include "core/store/file_system.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class LostAndFound {
  public:
@@ -37,4 +37,4 @@ class LostAndFound {
   std::string folder_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 std::string NumberKey(uint64_t number) {
   return absl::StrFormat("%010d", number);
@@ -46,4 +46,4 @@ absl::StatusOr<uint32_t> LastNumber(const Transaction& look,
   return number;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

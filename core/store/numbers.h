@@ -19,7 +19,7 @@
 #include "absl/strings/string_view.h"
 #include "core/store/catalog.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // "0000000012".
 std::string NumberKey(uint64_t number);
@@ -42,4 +42,4 @@ absl::Status KeepNumber(Transaction& change, Table table,
 absl::StatusOr<uint32_t> LastNumber(const Transaction& look,
                                     const std::string& name);
 
-}  // namespace tactus
+}  // namespace tactus::internal

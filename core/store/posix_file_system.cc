@@ -14,7 +14,7 @@
 #include "core/base/status_macros.h"
 #include "core/store/file_system.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 absl::Status ErrorOf(const std::string& path, int error) {
@@ -200,4 +200,4 @@ FileSystem& PosixFileSystem() {
   return files;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

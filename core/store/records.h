@@ -23,7 +23,7 @@
 #include "core/base/status_macros.h"
 #include "core/store/catalog.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 template <typename Message>
 absl::StatusOr<Message> ParseRecord(absl::string_view key,
@@ -86,4 +86,4 @@ inline absl::Status PutRecord(Transaction& change, Table table,
   return change.Put(table, key, SerializeDeterministic(message));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

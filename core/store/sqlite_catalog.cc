@@ -24,7 +24,7 @@
 #include "core/store/file_system.h"
 #include "core/store/tables.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Each entry changes the version before it into the next one: entry 0 makes
@@ -451,4 +451,4 @@ absl::StatusOr<int> CatalogVersionOf(const std::string& path) {
   });
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -16,7 +16,7 @@
 #include "absl/status/statusor.h"
 #include "core/store/catalog.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // The format that this program writes: SQLite's user_version.
 inline constexpr int kCatalogVersion = 2;
@@ -35,4 +35,4 @@ absl::Status AcceptRecords(const std::string& path);
 // if the file is no database.
 absl::StatusOr<int> CatalogVersionOf(const std::string& path);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -11,7 +11,7 @@
 
 #include "core/store/catalog.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // All tables, with a word for what is in them.
 inline constexpr std::pair<Table, const char*> kTables[] = {
@@ -31,4 +31,4 @@ inline constexpr std::pair<Table, const char*> kTables[] = {
     {Table::kDirectory, "data directory"},
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -11,7 +11,7 @@
 
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class AnswerSink {
  public:
@@ -27,4 +27,4 @@ class AnswerSink {
   virtual v1::StreamNotice* AddNotice() = 0;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -8,7 +8,7 @@
 #include "core/questions/decision_tracker.h"
 #include "core/skin/geometry.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using google::protobuf::RepeatedField;
@@ -320,4 +320,4 @@ void AnswerWriter::WriteAnswers(const ContactReport& report, Contact* contact) {
   }
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

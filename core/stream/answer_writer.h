@@ -24,7 +24,7 @@
 #include "core/stream/stream_settings.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class AnswerWriter {
  public:
@@ -90,4 +90,4 @@ class AnswerWriter {
   SpareMessages<v1::Decision> spare_decisions_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -4,7 +4,7 @@
 
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 ContactSession::ContactSession(const StreamSettings& settings,
                                std::shared_ptr<const CompiledModel> model,
@@ -106,4 +106,4 @@ void ContactSession::OnEndOfTrial() {
   seen_ = {};
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -27,7 +27,7 @@
 #include "core/stream/stream_settings.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class ContactSession {
  public:
@@ -88,4 +88,4 @@ class ContactSession {
   std::array<Seen, limits::kMaxContacts> seen_ = {};
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

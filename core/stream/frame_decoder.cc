@@ -11,7 +11,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
@@ -192,8 +192,8 @@ absl::Status FrameDecoder::CheckValues(const v1::FrameBatch& batch) {
 bool FrameDecoder::ValuesAreWithin(absl::string_view wire) const {
   // No count is negative, and few scales make the largest one too large.
   if (taxel_type_ == v1::TAXEL_TYPE_UINT16 &&
-      range_.Has(
-          tactus::ScaledTaxel(std::numeric_limits<uint16_t>::max(), scale_))) {
+      range_.Has(tactus::internal::ScaledTaxel(
+          std::numeric_limits<uint16_t>::max(), scale_))) {
     return true;
   }
   return TaxelsWithin(taxel_type_, wire.data(), wire.size() / taxel_bytes_,
@@ -292,4 +292,4 @@ float FrameDecoder::SparseValue(const v1::SparseFrames& sparse,
                      scale_);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

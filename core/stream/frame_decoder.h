@@ -26,7 +26,7 @@
 #include "core/stream/stream_settings.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class FrameDecoder {
  public:
@@ -95,4 +95,4 @@ class FrameDecoder {
   int64_t last_capture_time_ns_ = 0;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

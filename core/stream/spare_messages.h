@@ -14,7 +14,7 @@
 
 #include "google/protobuf/repeated_field.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 template <typename Message>
 class SpareMessages {
@@ -44,4 +44,4 @@ class SpareMessages {
   std::vector<std::unique_ptr<Message>> kept_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include "core/base/text.h"
 #include "core/skin/layout_proto.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr double kDefaultSampleRateHz = 100;
@@ -169,4 +169,4 @@ absl::StatusOr<StreamSettings> ParseStreamConfig(
   return settings;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -17,7 +17,7 @@
 #include "core/skin/taxel_values.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct StreamSettings {
   std::string model;
@@ -45,4 +45,4 @@ struct StreamSettings {
 absl::StatusOr<StreamSettings> ParseStreamConfig(
     const v1::StreamConfig& config);
 
-}  // namespace tactus
+}  // namespace tactus::internal

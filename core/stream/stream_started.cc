@@ -7,7 +7,7 @@
 #include "core/classify/input_spec.h"
 #include "core/skin/layout_proto.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 v1::Question QuestionToProto(const Question& question) {
@@ -48,4 +48,4 @@ void WriteStarted(const StreamSettings& settings, const CompiledModel& compiled,
                                                   : v1::TRUTH_FINAL);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -14,11 +14,11 @@
 #include "core/stream/stream_settings.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Fills in all that follows from settings and model; the version's name and
 // SHA-256, the stream's id, the server and its timeout stay as they are.
 void WriteStarted(const StreamSettings& settings, const CompiledModel& model,
                   v1::StreamStarted* started);
 
-}  // namespace tactus
+}  // namespace tactus::internal

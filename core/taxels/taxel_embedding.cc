@@ -7,7 +7,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 
-namespace tactus {
+namespace tactus::internal {
 absl::Status Validate(const TaxelEmbedding& embedding) {
   if (embedding.taxels < 0 || embedding.taxels > limits::kMaxTaxels) {
     return InvalidModel("taxels of the embedding", embedding.taxels,
@@ -58,4 +58,4 @@ void EmbeddingTracker::Step(std::span<const TaxelLoad> loads) {
   }
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -27,7 +27,7 @@
 #include "absl/status/status.h"
 #include "core/taxels/taxel_load.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 inline constexpr int kMaxEmbedding = 24;
 
@@ -76,4 +76,4 @@ class EmbeddingTracker {
   std::array<double, kMaxEmbedding> mean_ = {};
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -10,7 +10,7 @@
 
 #include <cstdint>
 
-namespace tactus {
+namespace tactus::internal {
 
 struct TaxelLoad {
   // Row-major.
@@ -23,4 +23,4 @@ struct TaxelLoad {
   bool operator==(const TaxelLoad&) const = default;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

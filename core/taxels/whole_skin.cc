@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr double kSmoothS = 0.05;
@@ -116,4 +116,4 @@ void WholeSkinTracker::StepPatterns(std::span<const TaxelLoad> loads,
   numbers_.log_travel = std::log(travel_ + kTravelFloor);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -24,7 +24,7 @@
 
 #include "core/taxels/taxel_load.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class WholeSkinTracker {
  public:
@@ -90,4 +90,4 @@ class WholeSkinTracker {
   std::vector<float> first_mean_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

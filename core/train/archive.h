@@ -25,7 +25,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 template <typename T>
 concept Plain = std::is_arithmetic_v<T> || std::is_enum_v<T>;
@@ -127,4 +127,4 @@ class ByteReader {
   bool whole_ = true;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -13,7 +13,7 @@
 #include "core/train/fit_unknown.h"
 #include "core/train/softmax_fit.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Keeps divisions finite.
@@ -322,4 +322,4 @@ void PresumeEvenShares(std::span<const ScoredContact> contacts,
   }
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

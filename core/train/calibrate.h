@@ -28,7 +28,7 @@
 #include "core/classify/object_estimate.h"
 #include "core/contacts/labelled_contact.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Frames since onset at which calibrations are fitted: those of AnytimeFrames
 // that differ. Before them 0.01 and 0.03 s, if LSTMs of these steps have a
@@ -87,4 +87,4 @@ void FitCalibration(std::span<const ScoredContact> contacts,
 void PresumeEvenShares(std::span<const ScoredContact> contacts,
                        Calibration& calibration);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 absl::StatusOr<std::vector<Cue>> CuesNamed(
     absl::string_view field, const std::vector<std::string>& names) {
@@ -63,4 +63,4 @@ absl::Status LeaveOutCues(absl::string_view field,
   return absl::OkStatus();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

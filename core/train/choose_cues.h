@@ -20,7 +20,7 @@
 #include "core/cues/cue.h"
 #include "core/train/fit_options.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // INVALID_CONFIG for a name that no cue has.
 absl::StatusOr<std::vector<Cue>> CuesNamed(
@@ -38,4 +38,4 @@ absl::Status LeaveOutCues(absl::string_view field,
                           const std::vector<std::string>& names,
                           FitOptions& options);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -21,7 +21,7 @@
 #include "core/train/model_fit.h"
 #include "core/train/usable.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // With more conditions than this, the contacts of a condition are too few to be
@@ -543,4 +543,4 @@ absl::StatusOr<Model> FitModel(
   return model;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

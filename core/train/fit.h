@@ -22,7 +22,7 @@
 #include "core/train/fit_journal.h"
 #include "core/train/fit_options.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Returns the labels of `contacts`: HU, HM, SU, SM first if present, then the
 // others in alphabetical order.
@@ -45,4 +45,4 @@ absl::StatusOr<Model> FitModel(
     const Progress& progress = {}, FitJournal* journal = nullptr,
     const ParallelFor& start = {});
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 #include "core/contacts/question_truth.h"
 #include "core/questions/decision_tracker.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr size_t kThresholds = kTriedThresholds.size();
@@ -76,4 +76,4 @@ void FitDecisions(std::span<const TriedDecisions> tried,
   calibration.question_frames.assign(questions, calibration.decision_frames);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

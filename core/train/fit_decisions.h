@@ -36,7 +36,7 @@
 #include "core/classify/compiled_model.h"
 #include "core/contacts/labelled_contact.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // The fraction of decisions that are to hold.
 inline constexpr double kDecisionsThatHold = 0.95;
@@ -61,4 +61,4 @@ TriedDecisions TryDecisions(const std::shared_ptr<const CompiledModel>& model,
 void FitDecisions(std::span<const TriedDecisions> tried,
                   Calibration& calibration);
 
-}  // namespace tactus
+}  // namespace tactus::internal

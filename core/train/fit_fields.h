@@ -15,7 +15,7 @@
 #include "core/train/calibrate.h"
 #include "core/train/fit_options.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 template <class Archive>
 void Fields(Archive& archive, GaussianHmm& hmm) {
@@ -143,4 +143,4 @@ void Fields(Archive& archive, FitOptions& options) {
           shares, seed);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -4,7 +4,7 @@
 #include "core/inputs/inputs.h"
 #include "core/train/fit_models.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Number of steps up to the last frame at which the object is unmoved so far.
@@ -111,4 +111,4 @@ absl::StatusOr<HmmMixture> FitClassHmms(
   return std::move(trained.mixture);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

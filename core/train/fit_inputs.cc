@@ -7,7 +7,7 @@
 #include "core/inputs/inputs.h"
 #include "core/train/fit_models.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Kept for each model that is fitted at the same time: the paper's 1,835
@@ -96,4 +96,4 @@ absl::Status FitLstmInputs(const FitRun& run, const std::string& part,
   return run.saved.Put(part, *spec);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -36,7 +36,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // A point of a learning curve.
 struct LearningPoint {
@@ -77,4 +77,4 @@ class FitJournal {
   virtual bool Cancelled() { return false; }
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -2,7 +2,7 @@
 #include "core/classify/object_estimate.h"
 #include "core/train/fit_models.h"
 
-namespace tactus {
+namespace tactus::internal {
 absl::StatusOr<LstmNetwork> FitLstm(const FitRun& run, const std::string& part,
                                     const LstmInputs& inputs,
                                     const InputSpec& spec, int n,
@@ -40,4 +40,4 @@ absl::StatusOr<LstmNetwork> FitLstm(const FitRun& run, const std::string& part,
   return std::move(trained.network);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -23,7 +23,7 @@
 #include "core/inputs/lstm_inputs.h"
 #include "core/train/fit_run.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // The inputs of HMMs. The journal may have those of LSTMs too; the part is put
 // by FitLstmInputs. Writes the HMMs' cues to `table` if they were made and are
@@ -52,4 +52,4 @@ absl::StatusOr<LstmNetwork> FitLstm(const FitRun& run, const std::string& part,
                                     const InputSpec& spec, int n,
                                     bool estimates, const Progress& progress);
 
-}  // namespace tactus
+}  // namespace tactus::internal

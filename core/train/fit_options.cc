@@ -5,7 +5,7 @@
 
 #include "core/base/errors.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Section "Algorithm Parameters".
@@ -195,4 +195,4 @@ bool UsesWholeSkin(const FitOptions& options) {
            std::ranges::any_of(options.lstm.stretched_cues, of_skin)));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -23,7 +23,7 @@
 #include "core/lstm/train.h"
 #include "core/questions/question_table.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // How LSTMs are trained.
 struct LstmFit {
@@ -140,4 +140,4 @@ absl::StatusOr<FitOptions> FitPreset(absl::string_view name);
 // Stands for the preset that suits the contacts best (core/eval).
 inline constexpr absl::string_view kAutoPreset = "auto";
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -18,7 +18,7 @@
 #include "core/train/fit_options.h"
 #include "core/train/saved_parts.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct FitRun {
   const FitOptions& options;
@@ -37,4 +37,4 @@ struct FitRun {
   }
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 
 #include "core/classify/calibration.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Otherwise a constant score would make every other contact unknown.
@@ -80,4 +80,4 @@ void FitUnknown(std::span<const ScoredContact> contacts,
   }
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

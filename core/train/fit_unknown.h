@@ -19,7 +19,7 @@
 
 #include "core/train/calibrate.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Fraction of held-out contacts that are called unknown at most, and that of
 // those called unknown because their object is soft.
@@ -37,4 +37,4 @@ inline constexpr size_t kMinEstimates = 40;
 void FitUnknown(std::span<const ScoredContact> contacts,
                 Calibration& calibration);
 
-}  // namespace tactus
+}  // namespace tactus::internal

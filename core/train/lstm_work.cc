@@ -5,7 +5,7 @@
 
 #include "core/inputs/inputs.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 double LstmWork(const std::vector<const LabelledContact*>& contacts,
                 const FitOptions& given) {
@@ -30,4 +30,4 @@ double LstmWork(const std::vector<const LabelledContact*>& contacts,
          lstm.training.epochs * lstm.networks;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

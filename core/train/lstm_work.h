@@ -13,7 +13,7 @@
 #include "core/contacts/labelled_contact.h"
 #include "core/train/fit_options.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Multiplications of training the options' LSTMs on `contacts`, without an
 // estimator of the object: three per weight and step (forwards, and backwards
@@ -22,4 +22,4 @@ namespace tactus {
 double LstmWork(const std::vector<const LabelledContact*>& contacts,
                 const FitOptions& options);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Work of the HMMs of a class relative to that of a network.
@@ -60,14 +60,15 @@ size_t ModelFit::InputBytes() const {
 absl::Status ModelFit::FitHmmInputs(const ParallelFor& parallel) {
   hmm_contacts_.MeasureNoise(parallel);
   TACTUS_ASSIGN_OR_RETURN(
-      model_.inputs, tactus::FitHmmInputs(run_, absl::StrCat(prefix_, "inputs"),
-                                          hmm_contacts_, parallel, &hmm_cues_));
+      model_.inputs,
+      tactus::internal::FitHmmInputs(run_, absl::StrCat(prefix_, "inputs"),
+                                     hmm_contacts_, parallel, &hmm_cues_));
   return absl::OkStatus();
 }
 
 absl::Status ModelFit::FitLstmInputs(bool keep) {
   if (networks_ > 0) lstm_contacts_.MeasureNoise();
-  TACTUS_RETURN_IF_ERROR(tactus::FitLstmInputs(
+  TACTUS_RETURN_IF_ERROR(tactus::internal::FitLstmInputs(
       run_, absl::StrCat(prefix_, "inputs"), lstm_contacts_, &model_.inputs));
   if (networks_ > 0) {
     lstm_inputs_.emplace(lstm_contacts_, run_.class_names, model_.inputs,
@@ -152,4 +153,4 @@ Model ModelFit::TakeModel() {
   return std::move(model_);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

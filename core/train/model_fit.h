@@ -29,7 +29,7 @@
 #include "core/train/fit_models.h"
 #include "core/train/fit_run.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class ModelFit {
  public:
@@ -94,4 +94,4 @@ class ModelFit {
   std::optional<LstmInputs> lstm_inputs_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

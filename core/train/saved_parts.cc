@@ -5,7 +5,7 @@
 #include "core/base/version.h"
 #include "core/skin/layout_proto.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // A plain frame has 150 bytes of zeros beside its numbers.
@@ -77,4 +77,4 @@ absl::Status SavedParts::PutBytes(absl::string_view part,
   return journal_->Put(part, std::move(payload));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

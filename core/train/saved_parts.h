@@ -29,7 +29,7 @@
 #include "core/train/fit_fields.h"
 #include "core/train/fit_journal.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class SavedParts {
  public:
@@ -70,4 +70,4 @@ class SavedParts {
   std::string fit_;  // SHA-256 of contacts, options and version
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 #include "Eigen/Cholesky"
 #include "Eigen/Core"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr int kMaxIterations = 50;
@@ -211,4 +211,4 @@ double LogLoss(const SoftmaxFit& fit, const ScoredLabel& contact) {
   return problem.LossOf(0, x);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -17,7 +17,7 @@
 #include <span>
 #include <vector>
 
-namespace tactus {
+namespace tactus::internal {
 
 struct ScoredLabel {
   int label = 0;
@@ -43,4 +43,4 @@ SoftmaxFit FitSoftmax(std::span<const ScoredLabel> contacts,
 // -log(probability of the label).
 double LogLoss(const SoftmaxFit& fit, const ScoredLabel& contact);
 
-}  // namespace tactus
+}  // namespace tactus::internal

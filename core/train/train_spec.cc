@@ -13,7 +13,7 @@
 #include "core/questions/question_table.h"
 #include "core/train/choose_cues.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // "force" -> "f", as ParseFeatures takes it.
@@ -125,4 +125,4 @@ absl::Status CheckOptions(const v1::TrainSpec& spec) {
   return OptionsOf(spec, chosen ? "tuned" : spec.preset()).status();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -14,7 +14,7 @@
 #include "core/train/fit_options.h"
 #include "tactus/v1/operations.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // The options of `preset`, with what else the spec asks for. INVALID_CONFIG,
 // which names the field.
@@ -28,4 +28,4 @@ absl::StatusOr<FitOptions> ApplySpec(const v1::TrainSpec& spec,
 // be chosen.
 absl::Status CheckOptions(const v1::TrainSpec& spec);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -8,7 +8,7 @@
 #include "core/base/errors.h"
 #include "core/inputs/inputs.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Ids that the text of an error names.
@@ -45,4 +45,4 @@ absl::Status CheckUsable(const std::vector<const LabelledContact*>& contacts,
       " after onset or later, where the models take their first step"));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -18,7 +18,7 @@
 #include "core/contacts/labelled_contact.h"
 #include "core/train/fit_options.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Only the contact itself counts. A fit leaves out copies without a step.
 bool IsUsable(const LabelledContact& contact, const FitOptions& options);
@@ -28,4 +28,4 @@ bool IsUsable(const LabelledContact& contact, const FitOptions& options);
 absl::Status CheckUsable(const std::vector<const LabelledContact*>& contacts,
                          const FitOptions& options);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -35,7 +35,7 @@
 #include "core/hmm/init.h"
 #include "tests/bench/ghmm_peer.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using client::GhmmPeer;
@@ -307,6 +307,6 @@ int Main(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal
 
-int main(int argc, char** argv) { return tactus::Main(argc, argv); }
+int main(int argc, char** argv) { return tactus::internal::Main(argc, argv); }

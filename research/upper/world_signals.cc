@@ -47,7 +47,7 @@
 #include "core/files/npy_write.h"
 #include "core/sim/experiments/random_world.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr size_t kFrames = 500;
@@ -257,6 +257,6 @@ int Main(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal
 
-int main(int argc, char** argv) { return tactus::Main(argc, argv); }
+int main(int argc, char** argv) { return tactus::internal::Main(argc, argv); }

@@ -17,7 +17,7 @@
 #include "core/base/limits.h"
 #include "core/base/thread_priority.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr size_t kLengthBytes = 4;
@@ -169,4 +169,4 @@ JobProcess::End JobProcess::Wait(std::chrono::milliseconds patience) {
           .text = Describe(status)};
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -22,7 +22,7 @@
 #include "absl/status/statusor.h"
 #include "tactus/v1/storage.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class JobProcess {
  public:
@@ -75,4 +75,4 @@ class JobProcess {
   std::string buffer_;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -18,7 +18,7 @@
 #include "server/trainer/job_files.h"
 #include "spdlog/spdlog.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 using std::chrono::milliseconds;
@@ -496,4 +496,4 @@ absl::Status JobQueue::MoveAlias(Operation& operation) {
       .status();
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -40,7 +40,7 @@
 #include "server/records/operation_store.h"
 #include "server/records/pinned_version.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class JobQueue {
  public:
@@ -129,4 +129,4 @@ class JobQueue {
   std::thread others_;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

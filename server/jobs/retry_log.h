@@ -15,7 +15,7 @@
 #include <bit>
 #include <cstdint>
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class RetryLog {
  public:
@@ -28,4 +28,4 @@ class RetryLog {
   uint64_t failures_ = 0;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -7,7 +7,7 @@
 #include "core/store/file_system.h"
 #include "spdlog/spdlog.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 absl::StatusOr<std::unique_ptr<TrainingBackend>> TrainingBackend::Open(
     const Options& options, ModelRegistry* registry) {
   TACTUS_ASSIGN_OR_RETURN(
@@ -81,4 +81,4 @@ void TrainingBackend::Stop() {
   jobs_.Stop();
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

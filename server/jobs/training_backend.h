@@ -34,7 +34,7 @@
 #include "server/records/upload_store.h"
 #include "server/registry/model_registry.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class TrainingBackend {
  public:
@@ -109,4 +109,4 @@ class TrainingBackend {
   std::thread sweeper_;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -12,7 +12,7 @@
 #include "server/ops/peer.h"
 #include "spdlog/spdlog.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 // Connections of one socket before the others have their turn.
@@ -130,4 +130,4 @@ void Acceptor::LogRefusal(Verdict verdict, const SocketAddress& peer) {
   }
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

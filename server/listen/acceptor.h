@@ -29,7 +29,7 @@
 #include "server/listen/listening_socket.h"
 #include "server/ops/log_limiter.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class Acceptor {
  public:
@@ -79,4 +79,4 @@ class Acceptor {
   SocketAddress self_check_;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

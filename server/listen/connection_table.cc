@@ -9,7 +9,7 @@
 
 #include "server/ops/clock.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr int64_t kLookIntervalNs = 20'000'000;
@@ -87,4 +87,4 @@ void ConnectionTable::RemoveEnded() {
   last_look_ns_ = MonotonicNs();
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -24,7 +24,7 @@
 #include <string>
 #include <unordered_map>
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 enum class Verdict { kAdmitted, kTooMany, kTooManyOfPeer };
 
@@ -71,4 +71,4 @@ class ConnectionTable {
   int64_t last_look_ns_ = 0;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

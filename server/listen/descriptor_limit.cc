@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 // An idle tactusd has 15 to 25 open.
@@ -28,4 +28,4 @@ int ConnectionsThatFit(int descriptors) {
   return std::max(1, descriptors - kOwnDescriptors);
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -8,7 +8,7 @@
 // Free functions; call RaiseDescriptorLimit before threads start.
 #pragma once
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // Raises the soft limit of open files (RLIMIT_NOFILE), which is often 1,024, to
 // the hard limit. Returns the limit that then holds.
@@ -18,4 +18,4 @@ int RaiseDescriptorLimit();
 // process needs for itself (log, sockets, epoll, bundles, the self-check).
 int ConnectionsThatFit(int descriptors);
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

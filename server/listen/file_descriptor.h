@@ -12,7 +12,7 @@
 
 #include <utility>
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class FileDescriptor {
  public:
@@ -37,4 +37,4 @@ class FileDescriptor {
   int number_ = -1;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -11,7 +11,7 @@
 #include "server/ops/log_limiter.h"
 #include "spdlog/spdlog.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 // Strangers cause faults, so their lines are bounded.
@@ -76,4 +76,4 @@ void GrpcListener::HandOver(const ListeningSocket& socket, int fd) {
   (UsesTls(socket) ? tls_ : plain_)->HandleNewConnection(&connection);
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

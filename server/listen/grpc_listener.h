@@ -25,7 +25,7 @@
 #include "server/ops/guarded_credentials.h"
 #include "server/ops/tls.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class GrpcListener {
  public:
@@ -74,4 +74,4 @@ class GrpcListener {
   std::unique_ptr<Acceptor> acceptor_;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -14,7 +14,7 @@
 #include "core/base/status_macros.h"
 #include "core/connections/vetted_connections.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 // The connection preface and an empty SETTINGS frame (RFC 9113, 3.4).
@@ -144,4 +144,4 @@ absl::Status ListenerProbe::Run(std::chrono::milliseconds timeout) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

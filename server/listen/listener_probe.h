@@ -22,7 +22,7 @@
 
 struct ssl_ctx_st;
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class ListenerProbe {
  public:
@@ -39,4 +39,4 @@ class ListenerProbe {
   std::shared_ptr<ssl_ctx_st> tls_;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -15,7 +15,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr int kFlags = SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC;
@@ -117,4 +117,4 @@ absl::StatusOr<std::vector<ListeningSocket>> ListenOn(
   return sockets;
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

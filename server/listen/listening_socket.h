@@ -16,7 +16,7 @@
 #include "server/listen/file_descriptor.h"
 #include "server/listen/socket_address.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 struct ListeningSocket {
   ListeningSocket() = default;
@@ -41,4 +41,4 @@ struct ListeningSocket {
 absl::StatusOr<std::vector<ListeningSocket>> ListenOn(
     const std::string& address);
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

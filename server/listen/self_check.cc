@@ -7,7 +7,7 @@
 
 #include "server/listen/listener_probe.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 using std::chrono::milliseconds;
@@ -73,4 +73,4 @@ void SelfCheck::Run() {
   } while (Sleep(period));
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -22,7 +22,7 @@
 #include "absl/status/status.h"
 #include "server/listen/grpc_listener.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class SelfCheck {
  public:
@@ -57,4 +57,4 @@ class SelfCheck {
   std::thread thread_;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -5,7 +5,7 @@
 
 #include <cstring>
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 template <typename Address>
@@ -80,4 +80,4 @@ bool SocketAddress::operator==(const SocketAddress& other) const {
          std::memcmp(&storage, &other.storage, length) == 0;
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

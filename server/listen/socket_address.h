@@ -12,7 +12,7 @@
 
 #include <string>
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 struct SocketAddress {
   sockaddr_storage storage = {};
@@ -40,4 +40,4 @@ struct SocketAddress {
   bool operator==(const SocketAddress& other) const;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -8,7 +8,7 @@
 #include "absl/strings/strip.h"
 #include "core/base/errors.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr absl::string_view kVersions = "/versions/";
@@ -104,4 +104,4 @@ std::string CatalogKey(const ResourceName& name) {
   return absl::StrCat(name.id, "/", NumberKey(name.version));
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

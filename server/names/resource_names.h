@@ -20,7 +20,7 @@
 #include "absl/strings/string_view.h"
 #include "core/store/numbers.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 struct ResourceName {
   // "datasets", "uploads", "operations", "models" or "aliases".
@@ -50,4 +50,4 @@ absl::StatusOr<ResourceName> ParseVersionName(absl::string_view name,
 // The key under which a catalogue keeps it: numbers sort by their value.
 std::string CatalogKey(const ResourceName& name);
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -16,7 +16,7 @@
 #include <thread>
 #include <utility>
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class AlarmClock {
  public:
@@ -48,4 +48,4 @@ class AlarmClock {
   std::thread thread_;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

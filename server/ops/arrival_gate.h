@@ -26,7 +26,7 @@
 
 #include "server/ops/clock.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class ArrivalGate {
  public:
@@ -101,4 +101,4 @@ class ArrivalGate {
   std::atomic<uint64_t> refused_ = 0;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

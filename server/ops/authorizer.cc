@@ -15,7 +15,7 @@
 #include "server/ops/peer.h"
 #include "spdlog/spdlog.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr absl::string_view kClassification = "/tactus.v1.ContactService/";
@@ -167,4 +167,4 @@ absl::StatusOr<Caller> Authorizer::Check(const Credentials& credentials,
       .name = entry->name, .peer = credentials.peer, .role = entry->role};
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -36,7 +36,7 @@
 #include "server/ops/log_limiter.h"
 #include "server/records/caller.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class Authorizer {
  public:
@@ -86,4 +86,4 @@ class Authorizer {
   mutable LogLimiter log_{{.lines_per_second = 1, .burst = 20}};
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -18,7 +18,7 @@
 #include "absl/status/status.h"
 #include "core/base/errors.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class ClientStreams {
  public:
@@ -55,4 +55,4 @@ class ClientStreams {
   std::unordered_map<std::string, int> live_of_;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -7,7 +7,7 @@
 #include <chrono>
 #include <cstdint>
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 inline constexpr int64_t kNsPerMs = 1'000'000;
 
@@ -18,4 +18,4 @@ inline int64_t MonotonicNs() {
       .count();
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -12,7 +12,7 @@
 #include "server/ops/clock.h"
 #include "spdlog/spdlog.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr char kTooMany[] =
@@ -208,4 +208,4 @@ std::shared_ptr<grpc::ServerCredentials> Guard(
   return credentials;
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -29,7 +29,7 @@
 #include "grpcpp/security/server_credentials.h"
 #include "server/ops/arrival_gate.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // Ends refused calls on its own thread, at most a few at a time, and logs once
 // per second how many calls were refused. When it is idle, it gives memory that
@@ -65,4 +65,4 @@ struct Guards {
 std::shared_ptr<grpc::ServerCredentials> Guard(
     std::shared_ptr<grpc::ServerCredentials> credentials, const Guards& guards);
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -3,7 +3,7 @@
 #include "grpc/health/v1/health.grpc.pb.h"
 #include "grpcpp/client_context.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 using grpc::health::v1::Health;
 using grpc::health::v1::HealthCheckRequest;
@@ -26,4 +26,4 @@ absl::StatusOr<bool> ProbeHealth(const std::shared_ptr<grpc::Channel>& channel,
   return response.status() == HealthCheckResponse::SERVING;
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -14,7 +14,7 @@
 #include "absl/status/statusor.h"
 #include "grpcpp/channel.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // True if `service` ("" = the server as a whole) is SERVING. The RPC's own
 // error if there is no answer.
@@ -22,4 +22,4 @@ absl::StatusOr<bool> ProbeHealth(const std::shared_ptr<grpc::Channel>& channel,
                                  const std::string& service,
                                  std::chrono::milliseconds timeout);
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

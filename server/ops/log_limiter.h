@@ -19,7 +19,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class LogLimiter {
  public:
@@ -62,4 +62,4 @@ inline std::string LeftOut(uint64_t count) {
   return count == 0 ? "" : absl::StrCat(" (", count, " lines left out before)");
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

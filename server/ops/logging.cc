@@ -12,7 +12,7 @@
 #include "spdlog/sinks/stdout_sinks.h"
 #include "spdlog/spdlog.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr size_t kMaxTextBytes = 2'000;
@@ -81,4 +81,4 @@ absl::Status StartLogging(const std::string& level) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -16,9 +16,9 @@
 
 #include "absl/status/status.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // `level` is trace, debug, info, warn, error or off; INVALID_CONFIG otherwise.
 absl::Status StartLogging(const std::string& level);
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -9,7 +9,7 @@
 #include "absl/strings/str_replace.h"
 #include "absl/strings/strip.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 std::string PeerOfHost(absl::string_view host) {
   // "fe80::1%eth0": inet_pton takes no interface.
@@ -77,4 +77,4 @@ bool IsOnThisHost(absl::string_view address) {
   return IN6_IS_ADDR_V4MAPPED(&ipv6) && is_loopback();
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -11,7 +11,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // The peer at the IP address `host`:
 //
@@ -37,4 +37,4 @@ std::string PeerOf(absl::string_view address);
 // process. False for every text that is none of these.
 bool IsOnThisHost(absl::string_view address);
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -10,7 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 absl::Status WritePortFile(const std::string& path, int port) {
   const std::string draft = absl::StrCat(path, ".", getpid());
@@ -28,4 +28,4 @@ absl::Status WritePortFile(const std::string& path, int port) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

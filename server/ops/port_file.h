@@ -7,10 +7,10 @@
 
 #include "absl/status/status.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // Writes `port` and a newline to `path` in one step: a reader sees the whole
 // file or none. IO if that fails.
 absl::Status WritePortFile(const std::string& path, int port);
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

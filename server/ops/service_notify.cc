@@ -10,7 +10,7 @@
 
 #include "core/base/errors.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 absl::Status NotifyService(absl::string_view state) {
   const char* path = std::getenv("NOTIFY_SOCKET");
@@ -33,4 +33,4 @@ absl::Status NotifyService(absl::string_view state) {
   return sent < 0 ? IoError(path, std::strerror(error)) : absl::OkStatus();
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -14,10 +14,10 @@
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // Sends `state` if systemd started this process; does nothing otherwise. IO if
 // systemd is there but cannot be reached.
 absl::Status NotifyService(absl::string_view state);
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -2,7 +2,7 @@
 
 #include <pthread.h>
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 StopSignals::StopSignals() {
   sigemptyset(&signals_);
@@ -25,4 +25,4 @@ int StopSignals::Wait(const std::function<void()>& on_hangup) {
   return signal;
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -19,7 +19,7 @@
 #include <csignal>
 #include <functional>
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class StopSignals {
  public:
@@ -35,4 +35,4 @@ class StopSignals {
   sigset_t signals_;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

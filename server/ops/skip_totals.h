@@ -15,7 +15,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/classify/skip_rules.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class SkipTotals {
  public:
@@ -45,4 +45,4 @@ class SkipTotals {
   PerSkipRule<std::atomic<uint64_t>> totals_;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -22,7 +22,7 @@
 #include "absl/status/status.h"
 #include "core/base/errors.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class StreamGate {
  public:
@@ -85,4 +85,4 @@ class StreamGate {
   std::atomic<uint64_t> frames_ = 0;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

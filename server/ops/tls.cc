@@ -14,7 +14,7 @@
 #include "grpcpp/security/tls_certificate_verifier.h"
 #include "grpcpp/security/tls_credentials_options.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 // The text of a PEM file whose blocks are labelled `kind`.
@@ -84,4 +84,4 @@ absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> ReadOwnCertificate(
   return grpc::experimental::TlsCredentials(options);
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -15,7 +15,7 @@
 #include "grpcpp/security/credentials.h"
 #include "grpcpp/security/server_credentials.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 struct TlsIdentity {
   // PEM: the server's certificate and those that vouch for it, in order.
@@ -50,4 +50,4 @@ absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> ReadTlsRoots(
 absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> ReadOwnCertificate(
     const std::string& certificate_path);
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -9,7 +9,7 @@
 #include "core/store/audit.h"
 #include "core/store/records.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 // Entries that are read at once, while others wait for the catalogue.
@@ -69,4 +69,4 @@ absl::StatusOr<Page<v1::AuditEntry>> ListAudit(const Catalog& catalog,
   }
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

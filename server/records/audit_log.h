@@ -22,7 +22,7 @@
 #include "server/records/paging.h"
 #include "tactus/v1/admin.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // Appends an entry: `verb` was done to `name`, for `reason` if one was given.
 absl::Status Audit(Transaction& change, const Caller& caller, int64_t now_ms,
@@ -41,4 +41,4 @@ absl::StatusOr<Page<v1::AuditEntry>> ListAudit(const Catalog& catalog,
                                                absl::string_view page_token,
                                                const AuditFilter& filter);
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -8,7 +8,7 @@
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr int64_t kPartBytes = 1024L * 1024;
@@ -55,4 +55,4 @@ absl::Status ReadBlobParts(
   return each_part(take);
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -18,7 +18,7 @@
 #include "absl/strings/string_view.h"
 #include "core/store/data_directory.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // Runs `take` on each part, in order; ends with its first error. DATA_LOST if
 // the blob does not exist, is larger than `limit`, or does not have this
@@ -27,4 +27,4 @@ absl::Status ReadBlobParts(
     const DataDirectory& data, absl::string_view sha256, int64_t limit,
     absl::FunctionRef<absl::Status(absl::string_view)> take);
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

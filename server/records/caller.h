@@ -18,7 +18,7 @@
 #include "core/access/role.h"
 #include "core/base/errors.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 struct Caller {
   // A token's name, a certificate's subject, or the peer.
@@ -49,4 +49,4 @@ inline int64_t SystemNowMs() {
       .count();
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -17,7 +17,7 @@
 #include "server/records/request_key.h"
 #include "tactus/v1/trial.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // An edit of the newest version of a dataset.
 struct DatasetStore::Edit {
@@ -249,4 +249,4 @@ absl::Status DatasetStore::StoreRelabelled(BlobStore::Batch& batch,
   return absl::OkStatus();
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -22,7 +22,7 @@
 #include "tactus/v1/models.pb.h"
 #include "tactus/v1/operations.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr char kDatasets[] = "datasets";
@@ -442,4 +442,4 @@ absl::StatusOr<uint32_t> DatasetStore::Delete(absl::string_view name,
   return static_cast<uint32_t>(unused.size());
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -27,7 +27,7 @@
 #include "server/records/quotas.h"
 #include "tactus/v1/training.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class DatasetStore {
  public:
@@ -136,4 +136,4 @@ class DatasetStore {
   std::mutex mutex_;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

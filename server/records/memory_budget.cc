@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 MemoryBudget::Lease MemoryBudget::Take(int64_t bytes) {
   const int64_t wanted = std::min(bytes, all_);
@@ -28,4 +28,4 @@ void MemoryBudget::Return(int64_t bytes) {
   returned_.notify_all();
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

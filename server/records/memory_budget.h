@@ -20,7 +20,7 @@
 #include <cstdint>
 #include <mutex>
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class MemoryBudget {
  public:
@@ -57,4 +57,4 @@ class MemoryBudget {
   uint64_t turn_ = 0;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -16,7 +16,7 @@
 #include "server/records/blob_parts.h"
 #include "server/records/dataset_store.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr char kModels[] = "models";
@@ -528,4 +528,4 @@ absl::StatusOr<std::vector<v1::AliasChange>> ModelStore::History(
   return changes;
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

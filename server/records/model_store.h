@@ -33,7 +33,7 @@
 #include "server/registry/model_registry.h"
 #include "tactus/v1/models.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class ModelStore {
  public:
@@ -123,4 +123,4 @@ class ModelStore {
   std::mutex mutex_;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

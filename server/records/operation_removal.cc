@@ -10,7 +10,7 @@
 #include "server/names/resource_names.h"
 #include "server/records/request_key.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 using v1::Operation;
@@ -81,4 +81,4 @@ absl::Status RemoveOperation(Transaction& change, const Operation& operation) {
   return change.Erase(Table::kOperations, key);
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -19,7 +19,7 @@
 #include "core/store/catalog.h"
 #include "tactus/v1/operations.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // True in the states SUCCEEDED, FAILED and CANCELLED.
 bool HasEnded(const v1::Operation& operation);
@@ -42,4 +42,4 @@ absl::StatusOr<std::vector<v1::Operation>> OldOperations(
 absl::Status RemoveOperation(Transaction& change,
                              const v1::Operation& operation);
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

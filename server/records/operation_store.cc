@@ -13,7 +13,7 @@
 #include "server/records/dataset_store.h"
 #include "server/records/request_key.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 using v1::Operation;
@@ -422,4 +422,4 @@ void OperationStore::StopWaiting() {
   changed_.notify_all();
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -38,7 +38,7 @@
 #include "tactus/v1/operations.pb.h"
 #include "tactus/v1/storage.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class OperationStore {
  public:
@@ -143,4 +143,4 @@ class OperationStore {
   bool stopping_ = false;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -14,7 +14,7 @@
 #include "absl/status/statusor.h"
 #include "core/base/errors.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // One page of a list and the token of the next one.
 template <typename Item>
@@ -33,4 +33,4 @@ inline absl::StatusOr<int> PageSize(int32_t wanted) {
   return wanted < kMax ? wanted : kMax;
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -4,7 +4,7 @@
 #include "core/base/status_macros.h"
 #include "server/records/blob_parts.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 absl::StatusOr<PinnedVersion> PinnedVersion::Find(const DataDirectory& data,
                                                   const DatasetStore& datasets,
@@ -33,4 +33,4 @@ absl::Status PinnedVersion::Explain(const absl::Status& error) const {
   return absl::IsNotFound(found) ? found : error;
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

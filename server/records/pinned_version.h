@@ -27,7 +27,7 @@
 #include "server/records/dataset_store.h"
 #include "tactus/v1/training.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class PinnedVersion {
  public:
@@ -65,4 +65,4 @@ class PinnedVersion {
   v1::DatasetVersion info_;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

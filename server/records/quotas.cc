@@ -8,7 +8,7 @@
 #include "tactus/v1/storage.pb.h"
 #include "tactus/v1/training.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 // How many records of `table` satisfy `counts`.
@@ -118,4 +118,4 @@ absl::Status CheckQueuedJobs(const Transaction& look, const Quotas& quotas,
                        "cancel)");
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

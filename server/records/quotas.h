@@ -22,7 +22,7 @@
 #include "core/base/limits_training.h"
 #include "core/store/catalog.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // 0 means no limit.
 struct Quotas {
@@ -55,4 +55,4 @@ absl::Status CheckModelBytes(const Transaction& look, const Quotas& quotas,
 absl::Status CheckQueuedJobs(const Transaction& look, const Quotas& quotas,
                              absl::string_view client);
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -15,7 +15,7 @@
 #include "absl/strings/string_view.h"
 #include "server/records/caller.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // `kind`: what the request makes. Different names, kinds or ids give different
 // keys.
@@ -25,4 +25,4 @@ inline std::string RequestKey(absl::string_view kind, const Caller& caller,
                       request_id);
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

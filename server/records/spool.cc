@@ -5,7 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 absl::StatusOr<std::unique_ptr<Spool>> Spool::Create(
     const DataDirectory& data) {
@@ -29,4 +29,4 @@ absl::StatusOr<std::string> Spool::Read() const {
   return data_.files().Read(path_, 0, size_);
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

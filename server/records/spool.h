@@ -21,7 +21,7 @@
 #include "absl/strings/string_view.h"
 #include "core/store/data_directory.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class Spool {
  public:
@@ -49,4 +49,4 @@ class Spool {
   int64_t size_ = 0;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -9,7 +9,7 @@
 #include "core/data/frame_fingerprint.h"
 #include "core/data/trial_id.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 // "trial 000002 (pad_17.csv)".
@@ -169,4 +169,4 @@ absl::StatusOr<TrialMerge> MergeTrials(
   return Merger(held, uploaded, options).Run();
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

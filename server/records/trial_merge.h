@@ -18,7 +18,7 @@
 #include "absl/status/statusor.h"
 #include "tactus/v1/training.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 struct MergeOptions {
   // CreateUploadRequest.replace_labels.
@@ -46,4 +46,4 @@ absl::StatusOr<TrialMerge> MergeTrials(
     const std::vector<v1::TrialInfo>& held,
     const std::vector<v1::TrialInfo>& uploaded, const MergeOptions& options);
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -13,7 +13,7 @@
 #include "core/data/trial_pack.h"
 #include "core/data/trial_record.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 // What is known of one trial: its TrialInfo, and its draft's name.
@@ -127,4 +127,4 @@ absl::Status TrialTaker::Commit(uint32_t* known) {
   return batch_.Commit();
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -28,7 +28,7 @@
 #include "server/records/memory_budget.h"
 #include "tactus/v1/training.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class TrialTaker {
  public:
@@ -88,4 +88,4 @@ class TrialTaker {
   absl::Status fault_;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -22,7 +22,7 @@
 #include "server/records/trial_merge.h"
 #include "tactus/v1/trial.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr char kUploads[] = "uploads";
@@ -458,4 +458,4 @@ absl::Status UploadStore::RemoveStrayFiles() {
   return absl::OkStatus();
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -41,7 +41,7 @@
 #include "tactus/v1/storage.pb.h"
 #include "tactus/v1/training.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class UploadStore {
  public:
@@ -156,4 +156,4 @@ class UploadStore {
   std::deque<std::pair<std::string, std::unique_ptr<TrialTaker>>> takers_;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -21,7 +21,7 @@ extern const char kDefaultEnd[] asm("tactus_default_bundle_end");
 extern const char kNoPosesBegin[] asm("tactus_no_poses_bundle_begin");
 extern const char kNoPosesEnd[] asm("tactus_no_poses_bundle_end");
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 absl::string_view DefaultBundle() {
   return absl::string_view(kDefaultBegin, kDefaultEnd - kDefaultBegin);
@@ -31,4 +31,4 @@ absl::string_view NoPosesBundle() {
   return absl::string_view(kNoPosesBegin, kNoPosesEnd - kNoPosesBegin);
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -7,9 +7,9 @@
 
 #include "absl/strings/string_view.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 absl::string_view DefaultBundle();
 absl::string_view NoPosesBundle();
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -14,7 +14,7 @@
 #include "core/bundle/bundle.h"
 #include "server/names/resource_names.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr absl::string_view kModels = "models/";
@@ -202,4 +202,4 @@ absl::StatusOr<std::string> ReadBundleFile(const std::string& path) {
   return bytes;
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -24,7 +24,7 @@
 #include "absl/strings/string_view.h"
 #include "server/session/model_source.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // What an alias names. Both are "models/M/versions/V".
 struct AliasTarget {
@@ -92,4 +92,4 @@ bool IsCanary(absl::string_view alias, absl::string_view client_id,
 // larger than any bundle.
 absl::StatusOr<std::string> ReadBundleFile(const std::string& path);
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -12,7 +12,7 @@
 #include "spdlog/spdlog.h"
 #include "tactus/v1/admin.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr char kAdminService[] = "/tactus.v1.AdminService/";
@@ -110,4 +110,4 @@ void AddAdminRpcs(const AdminOptions& options, ControlService& control) {
       }));
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

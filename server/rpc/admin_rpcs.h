@@ -17,7 +17,7 @@
 #include "server/jobs/training_backend.h"
 #include "server/rpc/control_service.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 struct AdminOptions {
   // Null without a data directory.
@@ -34,4 +34,4 @@ struct AdminOptions {
 
 void AddAdminRpcs(const AdminOptions& options, ControlService& control);
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -22,7 +22,7 @@
 #include <cstdint>
 #include <utility>
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class AnswerPacing {
  public:
@@ -69,4 +69,4 @@ class AnswerPacing {
   int unflushed_ = 0;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

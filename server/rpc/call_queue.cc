@@ -4,7 +4,7 @@
 
 #include "grpcpp/alarm.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 // Events of other calls before those that were deferred have their turn.
@@ -94,4 +94,4 @@ void CallQueue::HandleDeferred(bool idle) {
   due_.clear();
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

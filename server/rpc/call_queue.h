@@ -28,7 +28,7 @@
 #include "grpcpp/completion_queue.h"
 #include "server/ops/arrival_gate.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class CallQueue {
  public:
@@ -75,4 +75,4 @@ class CallQueue {
   std::thread thread_;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

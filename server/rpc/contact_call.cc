@@ -11,7 +11,7 @@
 #include "server/rpc/status.h"
 #include "spdlog/spdlog.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 ContactCall::ContactCall(RawContactService* service, CallQueue* queue,
                          Delegate* delegate)
     : service_(service), delegate_(delegate), call_(queue) {
@@ -217,4 +217,4 @@ void ContactCall::DeleteIfOver() {
   delete this;
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -25,7 +25,7 @@
 #include "server/session/stream_session.h"
 #include "tactus/v1/contact.grpc.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // Calls move raw bytes: a message is measured before it is parsed, and one that
 // cannot be parsed is not mistaken for a half-close.
@@ -132,4 +132,4 @@ class ContactCall {
   grpc::Alarm idle_alarm_;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

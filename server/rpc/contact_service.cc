@@ -10,7 +10,7 @@
 #include "server/ops/clock.h"
 #include "spdlog/spdlog.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 std::string Outcome(const absl::Status& status) {
@@ -128,4 +128,4 @@ void ContactService::ForEachStream(std::function<void(ContactCall*)> visit) {
   }
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -29,7 +29,7 @@
 #include "server/rpc/contact_call.h"
 #include "server/rpc/trial_call.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class ContactService final : public RawContactService,
                              private ContactCall::Delegate,
@@ -107,4 +107,4 @@ class ContactService final : public RawContactService,
   std::condition_variable stream_done_;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -7,7 +7,7 @@
 #include "server/rpc/control_service.h"
 #include "server/rpc/status.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 ControlCall::ControlCall(ControlService* service, CallQueue* queue)
     : service_(service), call_(queue) {
@@ -130,4 +130,4 @@ void ControlCall::EndOperation() {
   if (--in_flight_ == 0) delete this;
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -24,7 +24,7 @@
 #include "server/rpc/call_queue.h"
 #include "server/rpc/incoming_call.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class ControlService;
 
@@ -114,4 +114,4 @@ class ControlCall final : private ControlStream {
   bool is_gone_ = false;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -22,7 +22,7 @@
 #include "server/rpc/control_service.h"
 #include "server/rpc/request_limits.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // Parses a message of a caller. This is the one place where these services do
 // so: the bytes are compared with the limit of their RPC before, and fields
@@ -94,4 +94,4 @@ ControlService::Handler ServerStream(
   };
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -6,7 +6,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 ControlService::~ControlService() { StopWorkers(); }
 
@@ -77,4 +77,4 @@ void ControlService::StopWorkers() {
   workers_.clear();
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

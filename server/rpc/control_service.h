@@ -29,7 +29,7 @@
 #include "server/ops/stream_gate.h"
 #include "server/rpc/control_call.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class ControlService {
  public:
@@ -89,4 +89,4 @@ class ControlService {
   bool stopping_ = false;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -18,7 +18,7 @@
 #include "server/rpc/training_rpcs.h"
 #include "tactus/v1/training.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr char kDatasetService[] = "/tactus.v1.TrainingService/";
@@ -255,4 +255,4 @@ void AddDatasetRpcs(TrainingBackend* backend, ControlService& control) {
           }));
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -7,7 +7,7 @@
 #include "server/rpc/incoming_call.h"
 #include "server/rpc/status.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 using grpc::health::v1::HealthCheckRequest;
 using grpc::health::v1::HealthCheckResponse;
@@ -188,4 +188,4 @@ absl::Status HealthService::Admit(const HealthCheckRequest& request,
   return watch_gate_.Enter(peer);
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

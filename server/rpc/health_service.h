@@ -29,7 +29,7 @@
 #include "server/ops/stream_gate.h"
 #include "server/rpc/call_queue.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class HealthCheck;
 class HealthWatch;
@@ -70,4 +70,4 @@ class HealthService final : public HealthServiceBase {
   std::map<CallQueue*, std::unordered_set<HealthWatch*>> watches_;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -18,7 +18,7 @@
 #include "server/ops/peer.h"
 #include "server/rpc/call_queue.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // `Context`: grpc::ServerContext or a class derived from it.
 template <typename Context>
@@ -65,4 +65,4 @@ class BasicIncomingCall {
 
 using IncomingCall = BasicIncomingCall<grpc::ServerContext>;
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -9,7 +9,7 @@
 #include "server/rpc/training_rpcs.h"
 #include "tactus/v1/models.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr char kModelService[] = "/tactus.v1.ModelService/";
@@ -205,4 +205,4 @@ void AddModelRpcs(TrainingBackend* backend, ControlService& control) {
   AddAliases(backend, control);
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -9,7 +9,7 @@
 #include "server/rpc/training_rpcs.h"
 #include "tactus/v1/operations.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 using std::chrono::milliseconds;
@@ -141,4 +141,4 @@ void AddOperationRpcs(TrainingBackend* backend, ControlService& control) {
           }));
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -6,7 +6,7 @@
 #include "core/base/limits.h"
 #include "core/base/limits_training.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 // All others are names, numbers and short texts.
@@ -28,4 +28,4 @@ size_t MaxRequestBytes(const google::protobuf::Descriptor& type) {
   return limits::kMaxControlRequestBytes;
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

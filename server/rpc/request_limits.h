@@ -13,8 +13,8 @@
 
 #include "google/protobuf/descriptor.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 size_t MaxRequestBytes(const google::protobuf::Descriptor& type);
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -4,7 +4,7 @@
 
 #include "core/base/status_proto.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 grpc::Status ToGrpcStatus(const absl::Status& status) {
   if (status.ok()) return grpc::Status::OK;
@@ -14,4 +14,4 @@ grpc::Status ToGrpcStatus(const absl::Status& status) {
                       ToStatusProto(status).SerializeAsString());
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -8,8 +8,8 @@
 #include "absl/status/status.h"
 #include "grpcpp/support/status.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 grpc::Status ToGrpcStatus(const absl::Status& status);
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -15,7 +15,7 @@
 #include "server/rpc/control_handlers.h"
 #include "tactus/v1/training.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr char kTrainingService[] = "/tactus.v1.TrainingService/";
@@ -136,4 +136,4 @@ void AddTrainingRpcs(TrainingBackend* backend, ControlService& control) {
   AddJobs(backend, control);
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -16,7 +16,7 @@
 #include "server/jobs/training_backend.h"
 #include "server/rpc/control_service.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 void AddTrainingRpcs(TrainingBackend* backend, ControlService& control);
 // Its parts.
@@ -30,4 +30,4 @@ void AddRpc(TrainingBackend* backend, ControlService& control,
             const std::string& method, Role role,
             ControlService::Handler handler);
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

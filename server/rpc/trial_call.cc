@@ -9,7 +9,7 @@
 #include "core/base/limits.h"
 #include "server/rpc/status.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 std::string Flatten(const grpc::ByteBuffer& buffer) {
@@ -95,4 +95,4 @@ void TrialCall::DeleteIfOver() {
   delete this;
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -24,7 +24,7 @@
 #include "server/rpc/incoming_call.h"
 #include "server/session/trial_session.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class TrialCall {
  public:
@@ -89,4 +89,4 @@ class TrialCall {
   std::optional<TrialSession> trial_;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -8,7 +8,7 @@
 #include "server/rpc/training_rpcs.h"
 #include "tactus/v1/training.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr char kUploadService[] = "/tactus.v1.TrainingService/";
@@ -105,4 +105,4 @@ void AddUploadRpcs(TrainingBackend* backend, ControlService& control) {
           }));
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

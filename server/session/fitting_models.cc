@@ -8,7 +8,7 @@
 #include "core/classify/contact_pipeline.h"
 #include "core/skin/layout.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr char kHowToTrain[] =
@@ -91,4 +91,4 @@ absl::StatusOr<PinnedModel> FindModel(const ModelSource& models,
   return all.empty() ? misfit : Advised(misfit, all, settings);
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

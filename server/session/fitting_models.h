@@ -13,7 +13,7 @@
 #include "core/stream/stream_settings.h"
 #include "server/session/model_source.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // Without a name, "default" if it fits the stream, else the first by name of
 // the models whose newest version does; its name becomes that of `settings`.
@@ -24,4 +24,4 @@ namespace tactus::server {
 absl::StatusOr<PinnedModel> FindModel(const ModelSource& models,
                                       StreamSettings& settings);
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -18,7 +18,7 @@
 #include "absl/strings/string_view.h"
 #include "core/classify/compiled_model.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // One version of a model; keeps it in memory.
 struct PinnedModel {
@@ -48,4 +48,4 @@ class ModelSource {
   virtual uint64_t generation() const { return 0; }
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

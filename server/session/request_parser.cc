@@ -7,7 +7,7 @@
 #include "google/protobuf/unknown_field_set.h"
 #include "google/protobuf/wire_format_lite.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 using google::protobuf::internal::WireFormatLite;
@@ -90,4 +90,4 @@ bool ParseRequest(google::protobuf::io::ZeroCopyInputStream* bytes,
   return request->MergeFromCodedStream(&input) && input.ConsumedEntireMessage();
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

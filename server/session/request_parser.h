@@ -13,10 +13,10 @@
 #include "google/protobuf/io/zero_copy_stream.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // False if the bytes are not a request; `request` is then unspecified.
 bool ParseRequest(google::protobuf::io::ZeroCopyInputStream* bytes,
                   v1::ClassifyContactRequest* request);
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -5,7 +5,7 @@
 
 #include "core/base/limits.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 void ResponseQueue::BeginRequest() { ++request_; }
 
@@ -102,4 +102,4 @@ void ResponseQueue::Recycle(std::unique_ptr<Entry> entry) {
   if (entry->response.has_answer()) spare_.push_back(std::move(entry));
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

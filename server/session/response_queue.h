@@ -22,7 +22,7 @@
 #include "core/stream/answer_sink.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class ResponseQueue : public AnswerSink {
  public:
@@ -80,4 +80,4 @@ class ResponseQueue : public AnswerSink {
   int64_t carried_ns_ = 0;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -11,7 +11,7 @@
 #include "server/session/fitting_models.h"
 #include "server/session/request_parser.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 StreamSession::StreamSession(const ModelSource* models, Options options)
     : models_(models), options_(std::move(options)) {}
 
@@ -97,7 +97,7 @@ void StreamSession::CheckForNewerModel() {
 
 void StreamSession::WriteStarted() {
   v1::StreamStarted* started = responses_.AddMessage()->mutable_started();
-  tactus::WriteStarted(settings_, *pinned_->model, started);
+  tactus::internal::WriteStarted(settings_, *pinned_->model, started);
   started->set_model_version(pinned_->version_name);
   started->set_bundle_sha256(pinned_->sha256);
   started->set_stream_id(options_.stream_id);
@@ -134,4 +134,4 @@ void StreamSession::Finish(absl::Status status) {
   final_status_ = std::move(status);
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -34,7 +34,7 @@
 #include "server/session/response_queue.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class StreamSession {
  public:
@@ -113,4 +113,4 @@ class StreamSession {
   std::optional<ContactSession> contacts_;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

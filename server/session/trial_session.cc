@@ -9,7 +9,7 @@
 #include "google/protobuf/io/zero_copy_stream_impl_lite.h"
 #include "google/protobuf/wire_format_lite.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 using google::protobuf::internal::WireFormatLite;
@@ -95,4 +95,4 @@ void TrialSession::KeepEnded(const v1::Answer& answer) {
   }
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -20,7 +20,7 @@
 #include "server/session/stream_session.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class TrialSession {
  public:
@@ -53,4 +53,4 @@ class TrialSession {
   v1::ClassifyTrialResponse response_;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -11,7 +11,7 @@
 #include "core/contacts/anytime.h"
 #include "core/eval/metrics.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 // Smallest probability that a logarithm is taken of.
@@ -176,4 +176,4 @@ v1::Comparison Compare(const Evaluation& current, const Evaluation& candidate,
   return comparison;
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -18,7 +18,7 @@
 #include "tactus/v1/operations.pb.h"
 #include "tactus/v1/storage.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // `never_felt`: trials without a contact.
 v1::EvaluationReport ReportOf(const Evaluation& evaluation,
@@ -44,4 +44,4 @@ v1::Comparison Compare(const Evaluation& current, const Evaluation& candidate,
 // 1 if both are 0.
 double McNemar(uint32_t first, uint32_t second);
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -6,7 +6,7 @@
 #include <cerrno>
 #include <cstring>
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr std::chrono::milliseconds kInterval(100);
@@ -66,4 +66,4 @@ void EventWriter::Write(const v1::JobEvent& event) {
   }
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

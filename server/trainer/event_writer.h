@@ -18,7 +18,7 @@
 #include "core/train/fit_journal.h"
 #include "tactus/v1/storage.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class EventWriter {
  public:
@@ -41,4 +41,4 @@ class EventWriter {
   std::chrono::steady_clock::time_point sent_ = {};
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -7,7 +7,7 @@
 // Constants without state.
 #pragma once
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // It did the job; the outcome is in the job's folder.
 inline constexpr int kExitDone = 0;
@@ -18,4 +18,4 @@ inline constexpr int kExitOutOfMemory = 3;
 // The disk has no room for the outcome.
 inline constexpr int kExitStorageFull = 4;
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

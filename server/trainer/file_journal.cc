@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/sha256.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr int64_t kMaxPartBytes = 1024L * 1024 * 1024;
@@ -47,4 +47,4 @@ absl::Status FileJournal::Put(absl::string_view part, std::string bytes) {
 
 void FileJournal::OnPoint(const LearningPoint& point) { events_->Send(point); }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

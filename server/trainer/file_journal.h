@@ -17,7 +17,7 @@
 #include "core/train/fit_journal.h"
 #include "server/trainer/event_writer.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 class FileJournal final : public FitJournal {
  public:
@@ -47,4 +47,4 @@ class FileJournal final : public FitJournal {
   static_assert(std::atomic<bool>::is_always_lock_free);
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -28,7 +28,7 @@
 #include "server/trainer/job_files.h"
 #include "tactus/v1/storage.pb.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 using v1::Operation;
@@ -367,4 +367,4 @@ absl::Status RunJob(FileSystem& files, const std::string& folder,
                          SerializeDeterministic(outcome));
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -25,7 +25,7 @@
 #include "server/trainer/event_writer.h"
 #include "server/trainer/file_journal.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // The threads that a job borrows: until the first iteration of a training, or
 // until an evaluation has read its trials, and then.
@@ -40,4 +40,4 @@ absl::Status RunJob(FileSystem& files, const std::string& folder,
                     const JobThreads& threads, EventWriter* events,
                     FileJournal* journal);
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -8,10 +8,10 @@
 // Constants without state.
 #pragma once
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // Built-in bundles, which are no blobs.
 inline constexpr char kCandidateFile[] = "/candidate.tactus";
 inline constexpr char kCurrentFile[] = "/current.tactus";
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -19,7 +19,7 @@
 #include "server/trainer/job.h"
 #include "server/trainer/yield_timer.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 FileJournal* running_journal = nullptr;
@@ -81,6 +81,8 @@ int Main(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server
 
-int main(int argc, char** argv) { return tactus::server::Main(argc, argv); }
+int main(int argc, char** argv) {
+  return tactus::internal::server::Main(argc, argv);
+}

@@ -10,7 +10,7 @@
 #include <mutex>
 #include <utility>
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr long kIntervalNs = 500'000;
@@ -74,4 +74,4 @@ ParallelFor Yielding(ParallelFor parallel) {
 
 uint64_t YieldsOfThisThread() { return yields; }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -18,7 +18,7 @@
 
 #include "core/base/work.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // From now on until its end the calling thread yields at intervals. A second
 // call changes nothing. Does nothing if the kernel grants no timer
@@ -31,4 +31,4 @@ ParallelFor Yielding(ParallelFor parallel);
 // How often the calling thread has yielded.
 uint64_t YieldsOfThisThread();
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

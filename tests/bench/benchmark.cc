@@ -6,7 +6,7 @@
 #include "absl/strings/str_join.h"
 #include "tools/common/json.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 template <typename T>
@@ -70,4 +70,4 @@ std::string RowsToText(const std::vector<BenchRow>& rows) {
   return text;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -21,7 +21,7 @@ namespace CLI {
 class App;
 }  // namespace CLI
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct BenchRow {
   // "hmm/forward".
@@ -62,4 +62,4 @@ std::string RowsToJson(const std::vector<BenchRow>& rows);
 // The same as aligned text for people.
 std::string RowsToText(const std::vector<BenchRow>& rows);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -13,7 +13,7 @@
 
 #include "tests/bench/benchmark.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // Segmentation of skin frames, compared with OpenCV's connected components.
 // Rows features/contact, features/contact_flat (columns do not wrap) and
@@ -152,4 +152,4 @@ std::unique_ptr<Benchmark> MakeTrainingBenchmark();
 // hardly better than guesses.
 std::unique_ptr<Benchmark> MakeFrontierBenchmark();
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -10,7 +10,7 @@
 #include "grpcpp/impl/rpc_method.h"
 #include "grpcpp/support/proto_buffer_reader.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using std::chrono::steady_clock;
@@ -125,4 +125,4 @@ absl::Status ByteStream::Play(int messages, int window) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -21,7 +21,7 @@
 #include "grpcpp/support/sync_stream.h"
 #include "tools/load/frame_script.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class ByteStream {
  public:
@@ -78,4 +78,4 @@ class ByteStream {
   std::string typical_answer_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

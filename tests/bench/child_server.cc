@@ -20,7 +20,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 namespace fs = std::filesystem;
 
@@ -142,4 +142,4 @@ ChildServer::~ChildServer() {
   if (pid_ >= 0) EndProcess(pid_);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -21,7 +21,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class ChildServer {
  public:
@@ -68,4 +68,4 @@ absl::Status AwaitSuccess(pid_t pid, absl::string_view what,
 // Sends SIGTERM and waits until the process has ended.
 void EndProcess(pid_t pid);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -14,7 +14,7 @@
 #include "grpcpp/server.h"
 #include "grpcpp/server_builder.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 class EchoReactor : public grpc::ServerGenericBidiReactor {
@@ -151,4 +151,4 @@ absl::Status RunEchoServer(const EchoOptions& options) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

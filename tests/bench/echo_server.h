@@ -18,7 +18,7 @@ namespace CLI {
 class App;
 }  // namespace CLI
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct EchoOptions {
   std::string port_file;
@@ -33,4 +33,4 @@ void AddEchoFlags(EchoOptions& options, CLI::App& command);
 // Serves on a free port until the process ends. IO if it cannot listen.
 absl::Status RunEchoServer(const EchoOptions& options);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -15,7 +15,7 @@
 #include "tests/bench/rendered_frames.h"
 #include "tests/bench/timing.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr char kOpenCv[] = "OpenCV connectedComponentsWithStats";
@@ -213,4 +213,4 @@ std::unique_ptr<Benchmark> MakeFeaturesBenchmark() {
   return std::make_unique<FeaturesBenchmark>();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

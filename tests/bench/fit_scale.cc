@@ -17,7 +17,7 @@
 #include "tests/bench/temporary_folder.h"
 #include "tools/figures/figure.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 struct FitCost {
@@ -130,4 +130,4 @@ std::unique_ptr<Benchmark> MakeFitScaleBenchmark() {
   return std::make_unique<FitScaleBenchmark>();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

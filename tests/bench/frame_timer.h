@@ -16,7 +16,7 @@
 #include "tests/bench/rendered_frames.h"
 #include "tests/bench/timing.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // Nanoseconds of a frame before the onset and of one after it, each from the
 // medians of the trials' runs.
@@ -71,4 +71,4 @@ class FrameTimer {
   std::vector<std::vector<double>> contact_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -20,7 +20,7 @@
 #include "tools/figures/figure.h"
 #include "tools/figures/pareto.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr Comparison kComparisons[] = {
@@ -199,4 +199,4 @@ std::unique_ptr<Benchmark> MakeFrontierBenchmark() {
   return std::make_unique<FrontierBenchmark>();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -22,7 +22,7 @@
 #include "tests/bench/benchmark.h"
 #include "tests/bench/frontier_models.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // Points of one comparison are compared with each other.
 enum class Comparison { kClassifier, kPrecision, kSimulator };
@@ -100,4 +100,4 @@ absl::StatusOr<std::vector<FrontierPoint>> MeasurePrecision(
 absl::StatusOr<std::vector<FrontierPoint>> MeasureSimulators(
     const std::shared_ptr<const CompiledModel>& model, bool quick);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -13,7 +13,7 @@
 #include "tests/bench/timing.h"
 #include "tools/common/percentile.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr int kTimedContacts = 48;
@@ -183,4 +183,4 @@ absl::StatusOr<MeasuredClassifiers> MeasureClassifiers(
   return measured;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

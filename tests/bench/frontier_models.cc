@@ -16,7 +16,7 @@
 #include "core/sim/experiments/paper_set.h"
 #include "core/train/fit.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr size_t kTestContacts = 6000;
@@ -250,4 +250,4 @@ absl::StatusOr<std::vector<ClassifierVariant>> FitVariants(
   return variants;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -24,7 +24,7 @@
 #include "core/sim/model/trial_spec.h"
 #include "core/sim/skin/simulated_contact.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // Seeds of the noise and of the drawn conditions.
 inline constexpr uint64_t kTrainingSeed = 1;
@@ -70,4 +70,4 @@ inline constexpr int kLstmVariant = 3;
 absl::StatusOr<std::vector<ClassifierVariant>> FitVariants(
     const std::vector<LabelledContact>& contacts, bool quick);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -17,7 +17,7 @@
 #include "tests/bench/timing.h"
 #include "tools/common/percentile.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr int kContacts = 100;
@@ -179,4 +179,4 @@ absl::StatusOr<std::vector<FrontierPoint>> MeasurePrecision(
   return points;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

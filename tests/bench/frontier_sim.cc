@@ -14,7 +14,7 @@
 #include "tests/bench/timing.h"
 #include "tools/common/percentile.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr int kScenes = 48;
@@ -151,4 +151,4 @@ absl::StatusOr<std::vector<FrontierPoint>> MeasureSimulators(
   return points;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -50,7 +50,7 @@ extern "C" int clapack_dpotrf(int, int, int n, double* a, int) {
   return 0;
 }
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 struct FreeModel {
@@ -210,4 +210,4 @@ std::unique_ptr<GhmmPeer> MakeGhmmPeer(const GaussianHmm& model) {
   return std::make_unique<Peer>(model);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -19,7 +19,7 @@
 #include "core/hmm/gaussian_hmm.h"
 #include "core/hmm/sequence.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class GhmmPeer {
  public:
@@ -43,4 +43,4 @@ class GhmmPeer {
 // Null without libghmm.
 std::unique_ptr<GhmmPeer> MakeGhmmPeer(const GaussianHmm& model);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

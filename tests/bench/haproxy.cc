@@ -22,7 +22,7 @@
 #include "core/base/status_macros.h"
 #include "tests/bench/child_server.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr char kProgram[] = "/usr/sbin/haproxy";
@@ -98,4 +98,4 @@ Haproxy::~Haproxy() {
   if (pid_ >= 0) EndProcess(pid_);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

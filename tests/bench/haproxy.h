@@ -17,7 +17,7 @@
 #include "absl/status/statusor.h"
 #include "tests/bench/temporary_folder.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class Haproxy {
  public:
@@ -43,4 +43,4 @@ class Haproxy {
   std::string address_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -13,7 +13,7 @@
 #include "tests/bench/hmm_models.h"
 #include "tests/bench/timing.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr int kStates = 10;
@@ -161,4 +161,4 @@ std::unique_ptr<Benchmark> MakeHmmBenchmark() {
   return std::make_unique<HmmBenchmark>();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -8,7 +8,7 @@
 #include "Eigen/Cholesky"
 #include "Eigen/Core"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using Matrix =
@@ -130,4 +130,4 @@ long double ReferenceScore(const GaussianHmm& model, Score score,
   return total;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

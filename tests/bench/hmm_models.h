@@ -16,7 +16,7 @@
 #include "core/hmm/gaussian_hmm.h"
 #include "core/hmm/mixture.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // A model in which a state stays or moves to the next. Features are of order 1
 // and correlated.
@@ -32,4 +32,4 @@ std::vector<double> DrawTrial(const GaussianHmm& model, int frames,
 long double ReferenceScore(const GaussianHmm& model, Score score,
                            const std::vector<double>& observations);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

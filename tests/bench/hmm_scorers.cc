@@ -14,7 +14,7 @@
 #include "core/hmm/scaled_filter.h"
 #include "tests/reference/hmm/forward_filter.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 class BankScorer : public HmmScorer {
@@ -294,4 +294,4 @@ std::unique_ptr<HmmScorer> MakePrunedScorer(
   return std::make_unique<PrunedScorer>(mixtures, bound);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -21,7 +21,7 @@
 #include "absl/status/statusor.h"
 #include "core/hmm/mixture.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // log sum_k exp(values_k).
 template <typename T>
@@ -61,4 +61,4 @@ absl::StatusOr<std::unique_ptr<HmmScorer>> MakeLogarithmScorer(
 std::unique_ptr<HmmScorer> MakePrunedScorer(
     const std::vector<HmmMixture>& mixtures, double bound);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

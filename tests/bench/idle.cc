@@ -15,7 +15,7 @@
 #include "tests/bench/child_server.h"
 #include "tools/common/percentile.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using std::chrono::steady_clock;
@@ -150,4 +150,4 @@ std::unique_ptr<Benchmark> MakeIdleBenchmark() {
   return std::make_unique<IdleBenchmark>();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -13,7 +13,7 @@
 #include "tools/common/percentile.h"
 #include "tools/load/find_max.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 struct LoadBenchOptions {
@@ -115,4 +115,4 @@ std::unique_ptr<Benchmark> MakeLoadBenchmark() {
   return std::make_unique<LoadBenchmark>();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

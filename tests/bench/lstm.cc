@@ -12,7 +12,7 @@
 #include "tests/bench/timing.h"
 #include "tests/bench/torch_peer.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr double kTolerance = 1e-5;
@@ -103,4 +103,4 @@ std::unique_ptr<Benchmark> MakeLstmBenchmark() {
   return std::make_unique<LstmBenchmark>();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -11,7 +11,7 @@
 #include "tests/bench/benchmarks.h"
 #include "tests/bench/echo_server.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 struct Command {
@@ -99,6 +99,8 @@ int Main(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client
 
-int main(int argc, char** argv) { return tactus::client::Main(argc, argv); }
+int main(int argc, char** argv) {
+  return tactus::internal::client::Main(argc, argv);
+}

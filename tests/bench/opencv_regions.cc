@@ -6,7 +6,7 @@
 #include "core/features/segmenter.h"
 #include "opencv2/imgproc.hpp"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 OpenCvRegions::OpenCvRegions(const SkinLayout& layout)
     : layout_(layout), labels_(layout.taxels()) {
@@ -57,4 +57,4 @@ void OpenCvRegions::JoinAcross(int left, int right) {
   std::replace(merged_.begin(), merged_.end(), drop, keep);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -17,7 +17,7 @@
 #include "core/skin/layout.h"
 #include "opencv2/core.hpp"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class OpenCvRegions {
  public:
@@ -49,4 +49,4 @@ class OpenCvRegions {
   std::vector<int> areas_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -8,7 +8,7 @@
 #include "core/sim/skin/record_contact.h"
 #include "core/sim/skin/record_contacts.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // Seed of the built-in models' test contacts (research/results/world.md).
@@ -98,4 +98,4 @@ absl::StatusOr<RenderedTrial> PressedTrial(const SkinModel& skin, int objects) {
   return trial;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -17,7 +17,7 @@
 #include "core/sim/skin/skin_model.h"
 #include "core/skin/frame.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct RenderedTrial {
   int taxels = 0;  // per frame
@@ -50,4 +50,4 @@ absl::StatusOr<std::vector<RenderedTrial>> WorldTrials(const SkinModel& skin,
 // are contacts.
 absl::StatusOr<RenderedTrial> PressedTrial(const SkinModel& skin, int objects);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

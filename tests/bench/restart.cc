@@ -19,7 +19,7 @@
 #include "tests/bench/haproxy.h"
 #include "tools/common/percentile.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using std::chrono::milliseconds;
@@ -208,4 +208,4 @@ std::unique_ptr<Benchmark> MakeRestartBenchmark() {
   return std::make_unique<RestartBenchmark>();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -27,7 +27,7 @@
 #include "tools/figures/figure.h"
 #include "tools/figures/pareto.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr int kTimedServedContacts = 64;
@@ -347,4 +347,4 @@ std::unique_ptr<Benchmark> MakeServedBenchmark() {
   return std::make_unique<ServedBenchmark>();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

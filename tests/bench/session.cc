@@ -17,7 +17,7 @@
 #include "tests/bench/frame_timer.h"
 #include "tests/bench/rendered_frames.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr int kTrials = 8;
@@ -190,4 +190,4 @@ std::unique_ptr<Benchmark> MakeSessionBenchmark() {
   return std::make_unique<SessionBenchmark>();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

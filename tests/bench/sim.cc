@@ -18,7 +18,7 @@
 #include "tests/bench/work_precision.h"
 #include "tools/figures/figure.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 struct SimBenchOptions {
@@ -252,4 +252,4 @@ std::unique_ptr<Benchmark> MakeSimBenchmark() {
   return std::make_unique<SimBenchmark>();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -11,7 +11,7 @@
 #include "tests/reference/sim/long_double.h"
 #include "tests/reference/sim/read_signals.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr std::array<double, 2> kBounds = {1e-6, 1e-3};
@@ -158,4 +158,4 @@ absl::StatusOr<SceneComparison> CompareScenes(
   return comparison;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

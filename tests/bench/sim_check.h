@@ -24,7 +24,7 @@
 #include "core/sim/exact/simulate_contact.h"
 #include "tests/reference/sim/cvode.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // Options of the compared methods: CVODE at a relative tolerance, with absolute
 // tolerances in proportion to its defaults, and the exact method at a skip
@@ -78,4 +78,4 @@ absl::StatusOr<SceneComparison> CompareScenes(
     const char* what, int count, double budget,
     absl::FunctionRef<TrialSpec(int)> spec_of);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

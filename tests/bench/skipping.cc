@@ -13,7 +13,7 @@
 #include "tests/bench/benchmarks.h"
 #include "tests/bench/frame_timer.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // A rule and the frames on which it skips.
@@ -143,4 +143,4 @@ std::unique_ptr<Benchmark> MakeSkippingBenchmark() {
   return std::make_unique<SkippingBenchmark>();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

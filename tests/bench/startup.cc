@@ -24,7 +24,7 @@
 #include "tools/load/event_loop.h"
 #include "tools/load/load_stream.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using std::chrono::milliseconds;
@@ -235,4 +235,4 @@ std::unique_ptr<Benchmark> MakeStartupBenchmark() {
   return std::make_unique<StartupBenchmark>();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

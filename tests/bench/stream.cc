@@ -12,7 +12,7 @@
 #include "tests/bench/haproxy.h"
 #include "tests/bench/timing.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 enum class Way { kDirect, kThroughHaproxy };
@@ -233,4 +233,4 @@ std::unique_ptr<Benchmark> MakeStreamBenchmark() {
   return std::make_unique<StreamBenchmark>();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -7,7 +7,7 @@
 
 #include "core/base/errors.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 absl::StatusOr<TemporaryFolder> TemporaryFolder::Create() {
   std::string path =
@@ -24,4 +24,4 @@ TemporaryFolder::~TemporaryFolder() {
   std::filesystem::remove_all(path_, error);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -14,7 +14,7 @@
 
 #include "absl/status/statusor.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class TemporaryFolder {
  public:
@@ -34,4 +34,4 @@ class TemporaryFolder {
   std::string path_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

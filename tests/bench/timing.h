@@ -22,7 +22,7 @@
 
 #include "tools/common/percentile.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // Processor time of this thread, s.
 inline double ThreadSeconds() {
@@ -78,4 +78,4 @@ double MedianSeconds(int repetitions, Ours&& ours) {
   return Interleave(repetitions, ours, [] {}).ours;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

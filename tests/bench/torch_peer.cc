@@ -16,7 +16,7 @@
 #include "core/base/status_macros.h"
 #include "nlohmann/json.hpp"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // Reads commands, one per line, and answers each with one line.
@@ -218,4 +218,4 @@ std::string TorchPeer::Receive() {
   return line;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -24,7 +24,7 @@
 #include "absl/strings/string_view.h"
 #include "core/lstm/network.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 inline constexpr char kTorch[] = "PyTorch nn.LSTM, one thread";
 
@@ -75,4 +75,4 @@ class TorchPeer {
   FILE* from_ = nullptr;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

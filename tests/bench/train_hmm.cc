@@ -12,7 +12,7 @@
 #include "tests/bench/hmm_models.h"
 #include "tests/bench/timing.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // Both optimisers run so long for the comparison of their optima; a tolerance
@@ -125,4 +125,4 @@ std::unique_ptr<Benchmark> MakeTrainHmmBenchmark() {
   return std::make_unique<TrainHmmBenchmark>();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

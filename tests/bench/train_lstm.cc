@@ -13,7 +13,7 @@
 #include "tests/bench/timing.h"
 #include "tests/bench/torch_peer.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr double kTolerance = 1e-4;
@@ -139,4 +139,4 @@ std::unique_ptr<Benchmark> MakeTrainLstmBenchmark() {
   return std::make_unique<TrainLstmBenchmark>();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -25,7 +25,7 @@
 #include "tools/common/percentile.h"
 #include "tools/load/load.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using std::chrono::duration;
@@ -330,4 +330,4 @@ std::unique_ptr<Benchmark> MakeTrainingBenchmark() {
   return std::make_unique<TrainingBenchmark>();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

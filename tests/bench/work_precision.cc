@@ -5,7 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 Series& SeriesOf(const std::string& name, LinePlot& plot) {
@@ -51,4 +51,4 @@ LinePlot WorkFigure(const std::vector<WorkPoint>& points) {
   return plot;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -15,7 +15,7 @@
 
 #include "tools/figures/line_plot.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct WorkPoint {
   std::string sample;
@@ -36,4 +36,4 @@ std::string WorkTable(const std::vector<WorkPoint>& points);
 // errors are above 0.
 LinePlot WorkFigure(const std::vector<WorkPoint>& points);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

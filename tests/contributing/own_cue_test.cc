@@ -6,7 +6,7 @@
 #include "core/cues/cue_tracker.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(OwnCueTest, IsComputedAndListedBehindAllOthers) {
@@ -28,4 +28,4 @@ TEST(OwnCueTest, ChangesNoOther) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -23,7 +23,7 @@
 #include "core/base/status_macros.h"
 #include "core/skin/idle_thresholds.h"
 
-namespace tactus::client::examples {
+namespace tactus::internal::client::examples {
 
 void Use(const CanFrame& frame);
 void Use(const SkinFrame& frame);
@@ -245,4 +245,4 @@ static absl::Status CalibratedDriverExample(SkinDriver& buffered_driver,
   return absl::OkStatus();
 }
 
-}  // namespace tactus::client::examples
+}  // namespace tactus::internal::client::examples

@@ -21,7 +21,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::client::examples {
+namespace tactus::internal::client::examples {
 
 void Use(const v1::Answer& answer);
 void Use(const SkinFrame& frame);
@@ -110,4 +110,4 @@ static absl::Status SkinDriverExample(SkinDriver& driver) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus::client::examples
+}  // namespace tactus::internal::client::examples

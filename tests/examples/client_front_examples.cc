@@ -17,7 +17,7 @@
 #include "tactus/mock.h"
 #include "tactus/status.h"
 
-namespace tactus::examples {
+namespace tactus::internal::examples {
 
 void ChooseAnotherModel();
 void LetGo();
@@ -56,9 +56,9 @@ static void MockExample(const Frame& frame) {
 
 #include "client/include/tactus/driver.h.inc"
 
-}  // namespace tactus::examples
+}  // namespace tactus::internal::examples
 
-namespace tactus::client::examples {
+namespace tactus::internal::client::examples {
 
 void Use(const Answer& answer);
 void Use(const Event& event);
@@ -112,4 +112,4 @@ static void WrappedDriverExample(std::unique_ptr<Driver> driver) {
 #include "client/front/wrapped_driver.h.inc"
 }
 
-}  // namespace tactus::client::examples
+}  // namespace tactus::internal::client::examples

@@ -15,7 +15,7 @@
 #include "core/base/status_macros.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus::client::kinematics_examples {
+namespace tactus::internal::client::kinematics_examples {
 
 static absl::Status ArmModelExample(const std::string& urdf,
                                     const std::vector<double>& joint_values) {
@@ -49,4 +49,4 @@ static absl::Status UrdfTextExample(const std::string& urdf) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus::client::kinematics_examples
+}  // namespace tactus::internal::client::kinematics_examples

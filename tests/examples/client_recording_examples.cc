@@ -8,7 +8,7 @@
 #include "client/stream/contact_stream.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::client::examples {
+namespace tactus::internal::client::examples {
 
 void Use(const SkinFrame& frame);
 void Expect(const v1::Answer& answer);
@@ -35,4 +35,4 @@ static void AnswerCheckExample(const v1::Answer& recorded,
 #include "client/recording/answer_check.h.inc"
 }
 
-}  // namespace tactus::client::examples
+}  // namespace tactus::internal::client::examples

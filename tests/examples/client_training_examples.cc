@@ -16,7 +16,7 @@
 #include "core/data/trial_file.h"
 #include "core/data/trial_record.h"
 
-namespace tactus::client::examples {
+namespace tactus::internal::client::examples {
 
 bool Try();
 absl::Status Send();
@@ -65,4 +65,4 @@ static absl::Status OperationWatcherExample(TrainingClient& client) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus::client::examples
+}  // namespace tactus::internal::client::examples

@@ -6,7 +6,7 @@
 #include "core/access/role.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::examples {
+namespace tactus::internal::examples {
 
 void Print(absl::string_view text);
 void Use(const std::string& name);
@@ -22,4 +22,4 @@ static absl::Status AccessTableExample(absl::string_view text,
   return absl::OkStatus();
 }
 
-}  // namespace tactus::examples
+}  // namespace tactus::internal::examples

@@ -33,7 +33,7 @@
 #include "gtest/gtest.h"
 #include "tactus/v1/trial.pb.h"
 
-namespace tactus::examples {
+namespace tactus::internal::examples {
 
 absl::StatusOr<Model> LoadModel(const std::string& path);
 
@@ -147,4 +147,4 @@ static void ThreadPriorityExample() {
 #include "core/base/thread_priority.h.inc"
 }
 
-}  // namespace tactus::examples
+}  // namespace tactus::internal::examples

@@ -24,7 +24,7 @@
 #include "core/classify/warm_up.h"
 #include "core/hmm/hmm_bank.h"
 
-namespace tactus::examples {
+namespace tactus::internal::examples {
 
 static void BundleExample(const std::string& bytes) {
 #include "core/bundle/bundle.h.inc"
@@ -104,4 +104,4 @@ static absl::Status WarmUpExample(Model model,
   return absl::OkStatus();
 }
 
-}  // namespace tactus::examples
+}  // namespace tactus::internal::examples

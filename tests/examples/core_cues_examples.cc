@@ -6,7 +6,7 @@
 #include "core/cues/cue_math.h"
 #include "core/cues/cue_tracker.h"
 
-namespace tactus::examples {
+namespace tactus::internal::examples {
 
 static absl::string_view CueExample() {
 #include "core/cues/cue.h.inc"
@@ -26,4 +26,4 @@ static void CueMathExample(const CueStep& step, double window,
 #include "core/cues/cue_math.h.inc"
 }
 
-}  // namespace tactus::examples
+}  // namespace tactus::internal::examples

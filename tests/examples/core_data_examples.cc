@@ -67,7 +67,7 @@
 #include "core/import/skin_file.h"
 #include "core/import/trial_table.h"
 
-namespace tactus::examples {
+namespace tactus::internal::examples {
 
 absl::Status Use(Trial trial);
 
@@ -371,4 +371,4 @@ static absl::Status TrialLayoutExample(const Trial& trial) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus::examples
+}  // namespace tactus::internal::examples

@@ -28,7 +28,7 @@
 #include "core/taxels/taxel_embedding.h"
 #include "core/taxels/whole_skin.h"
 
-namespace tactus::examples {
+namespace tactus::internal::examples {
 
 void Use(float load);
 void Use(float force, int taxels, double row);
@@ -158,4 +158,4 @@ static absl::Status FeatureExample(const ContactSample& sample) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus::examples
+}  // namespace tactus::internal::examples

@@ -20,7 +20,7 @@
 #include "core/hmm/train_mixture.h"
 #include "core/nearest/pca_nearest.h"
 
-namespace tactus::examples {
+namespace tactus::internal::examples {
 
 using Sequences = std::vector<SequenceView>;
 
@@ -106,4 +106,4 @@ static absl::Status PcaNearestExample(const Eigen::MatrixXd& samples,
   return absl::OkStatus();
 }
 
-}  // namespace tactus::examples
+}  // namespace tactus::internal::examples

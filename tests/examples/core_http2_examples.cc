@@ -9,7 +9,7 @@
 #include "server/ops/alarm_clock.h"
 #include "server/ops/clock.h"
 
-namespace tactus::server::examples {
+namespace tactus::internal::server::examples {
 
 static void Http2VetExample(
     std::span<const uint8_t> bytes,
@@ -37,4 +37,4 @@ static void AlarmClockExample(std::chrono::system_clock::time_point deadline,
 #include "server/ops/alarm_clock.h.inc"
 }
 
-}  // namespace tactus::server::examples
+}  // namespace tactus::internal::server::examples

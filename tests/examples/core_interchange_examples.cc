@@ -29,7 +29,7 @@
 #include "core/interchange/read_model_file.h"
 #include "core/interchange/replace_models.h"
 
-namespace tactus::examples {
+namespace tactus::internal::examples {
 
 static absl::Status ForeignModelExample(Model& model) {
 #include "core/interchange/model/foreign_model.h.inc"
@@ -140,4 +140,4 @@ static absl::Status ReadModelFileExample(Model& model) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus::examples
+}  // namespace tactus::internal::examples

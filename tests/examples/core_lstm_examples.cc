@@ -18,7 +18,7 @@
 #include "core/lstm/train.h"
 #include "core/lstm/vector_math.h"
 
-namespace tactus::examples {
+namespace tactus::internal::examples {
 
 void Use(std::span<const double> probability);
 
@@ -90,4 +90,4 @@ static void VectorMathExample(const float* from) {
 #include "core/lstm/vector_math.h.inc"
 }
 
-}  // namespace tactus::examples
+}  // namespace tactus::internal::examples

@@ -12,7 +12,7 @@
 #include "core/questions/question.h"
 #include "core/questions/question_table.h"
 
-namespace tactus::examples {
+namespace tactus::internal::examples {
 
 void Report(int value);
 
@@ -35,4 +35,4 @@ static void DecisionTrackerExample(uint64_t frames, double unknown,
 #include "core/questions/decision_tracker.h.inc"
 }
 
-}  // namespace tactus::examples
+}  // namespace tactus::internal::examples

@@ -43,7 +43,7 @@
 #include "core/sim/skin/skin_model.h"
 #include "core/sim/skin/taxel_kernels.h"
 
-namespace tactus::examples {
+namespace tactus::internal::examples {
 
 static absl::Status CoupledExample(const CoupledScene& scene) {
 #include "core/sim/coupled/coupled.h.inc"
@@ -251,4 +251,4 @@ static void TaxelKernelsExample(const std::vector<double>& forces,
 #include "core/sim/skin/taxel_kernels.h.inc"
 }
 
-}  // namespace tactus::examples
+}  // namespace tactus::internal::examples

@@ -28,7 +28,7 @@
 #include "core/train/train_spec.h"
 #include "tactus/v1/training.pb.h"
 
-namespace tactus::examples {
+namespace tactus::internal::examples {
 
 static void Crc32cExample(const std::vector<std::string>& chunks) {
 #include "core/base/crc32c.h.inc"
@@ -138,4 +138,4 @@ static absl::Status AcceptCatalogExample(FileSystem& files) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus::examples
+}  // namespace tactus::internal::examples

@@ -11,7 +11,7 @@
 #include "core/stream/stream_settings.h"
 #include "core/stream/stream_started.h"
 
-namespace tactus::examples {
+namespace tactus::internal::examples {
 
 static void AnswerSinkExample(AnswerWriter& writer, ContactPipeline& pipeline,
                               AnswerSink& sink) {
@@ -52,4 +52,4 @@ static void StreamStartedExample(const StreamSettings& settings,
 #include "core/stream/stream_started.h.inc"
 }
 
-}  // namespace tactus::examples
+}  // namespace tactus::internal::examples

@@ -55,7 +55,7 @@
 #include "core/train/softmax_fit.h"
 #include "core/train/usable.h"
 
-namespace tactus::examples {
+namespace tactus::internal::examples {
 
 std::map<absl::string_view, double> done;
 
@@ -337,4 +337,4 @@ static void FitDecisionsExample(
 #include "core/train/fit_decisions.h.inc"
 }
 
-}  // namespace tactus::examples
+}  // namespace tactus::internal::examples

@@ -40,7 +40,7 @@ int main(int argc, char** argv) {
     const std::string header = argv[i];
     const std::optional<std::string> text = ReadText(header);
     if (!text || !Write(fs::path(argv[1]) / (header + ".inc"),
-                        tactus::HeaderExample(*text))) {
+                        tactus::internal::HeaderExample(*text))) {
       std::cerr << "example_texts: cannot read " << header
                 << " or write its example\n";
       return 1;

@@ -2,7 +2,7 @@
 
 #include <sstream>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 bool HoldsSemicolon(const std::string& line) {
@@ -35,4 +35,4 @@ std::string HeaderExample(const std::string& header) {
   return example;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -8,11 +8,11 @@
 
 #include <string>
 
-namespace tactus {
+namespace tactus::internal {
 
 // The blocks of code as they stand there, an empty line between two; empty if
 // there are none. A block follows an empty comment line, is indented by three
 // blanks or more, and holds a semicolon.
 std::string HeaderExample(const std::string& header);
 
-}  // namespace tactus
+}  // namespace tactus::internal

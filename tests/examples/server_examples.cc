@@ -49,7 +49,7 @@
 #include "tactus/v1/models.pb.h"
 #include "tactus/v1/training.pb.h"
 
-namespace tactus::server::examples {
+namespace tactus::internal::server::examples {
 
 using Bytes = google::protobuf::io::ZeroCopyInputStream;
 
@@ -237,4 +237,4 @@ static void TrialSessionExample(const ModelSource* models,
 #include "server/session/trial_session.h.inc"
 }
 
-}  // namespace tactus::server::examples
+}  // namespace tactus::internal::server::examples

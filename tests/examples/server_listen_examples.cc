@@ -25,7 +25,7 @@
 #include "server/ops/service_notify.h"
 #include "spdlog/spdlog.h"
 
-namespace tactus::server::examples {
+namespace tactus::internal::server::examples {
 
 static void AcceptorExample(std::vector<ListeningSocket> sockets) {
 #include "server/listen/acceptor.h.inc"
@@ -85,4 +85,4 @@ static void ServiceNotifyExample() {
 #include "server/ops/service_notify.h.inc"
 }
 
-}  // namespace tactus::server::examples
+}  // namespace tactus::internal::server::examples

@@ -40,7 +40,7 @@
 #include "server/trainer/job_files.h"
 #include "spdlog/spdlog.h"
 
-namespace tactus::server::examples {
+namespace tactus::internal::server::examples {
 
 void Use();
 
@@ -233,4 +233,4 @@ static void JobExample(FileSystem& files, const std::string& folder,
 #include "server/trainer/job.h.inc"
 }
 
-}  // namespace tactus::server::examples
+}  // namespace tactus::internal::server::examples

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-namespace tactus::fuzz {
+namespace tactus::internal::fuzz {
 namespace {
 
 constexpr double kScale = 0.001;
@@ -156,4 +156,4 @@ void Presses::AppendTo(bool sparse, v1::FrameBatch* batch) const {
   if (sparse) batch->mutable_sparse()->add_counts(listed);
 }
 
-}  // namespace tactus::fuzz
+}  // namespace tactus::internal::fuzz

@@ -20,7 +20,7 @@
 #include "core/skin/taxel_values.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus::fuzz {
+namespace tactus::internal::fuzz {
 
 // Most of them are accepted.
 v1::StreamConfig AnyConfig(FuzzedDataProvider& data);
@@ -62,4 +62,4 @@ class Presses {
   std::array<Object, 8> objects_;
 };
 
-}  // namespace tactus::fuzz
+}  // namespace tactus::internal::fuzz

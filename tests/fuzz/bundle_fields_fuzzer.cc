@@ -162,16 +162,18 @@ void RequireDistribution(std::span<const double> probability) {
   REQUIRE(std::abs(sum - 1) < 1e-6);
 }
 
-void Classify(FuzzedDataProvider& data,
-              const std::shared_ptr<const tactus::CompiledModel>& model) {
-  tactus::ContactClassifier classifier(model, {});
+void Classify(
+    FuzzedDataProvider& data,
+    const std::shared_ptr<const tactus::internal::CompiledModel>& model) {
+  tactus::internal::ContactClassifier classifier(model, {});
   for (int i = 0; i < 30; ++i) {
-    tactus::ContactSample sample = {{1.0 + i, 1e-4 * i, 1e-3 * i}, 2.0 + i, {}};
+    tactus::internal::ContactSample sample = {
+        {1.0 + i, 1e-4 * i, 1e-3 * i}, 2.0 + i, {}};
     sample.profile.fill(0.1 * i);
     if (data.ConsumeBool()) {
       // What the largest taxels and poses can give.
-      sample = {{tactus::limits::kMaxTaxelValue, 4096, 1e6},
-                4096 * double{tactus::limits::kMaxTaxelValue},
+      sample = {{tactus::internal::limits::kMaxTaxelValue, 4096, 1e6},
+                4096 * double{tactus::internal::limits::kMaxTaxelValue},
                 {}};
       sample.profile.fill(data.ConsumeFloatingPointInRange(0.0, 1e8));
     }
@@ -195,26 +197,28 @@ void Classify(FuzzedDataProvider& data,
 }
 
 tactus::v1::ModelBundle DefaultModel() {
-  return tactus::ModelToProto(
-      (*tactus::DecodeBundle(tactus::server::DefaultBundle()))->model());
+  return tactus::internal::ModelToProto(
+      (*tactus::internal::DecodeBundle(
+           tactus::internal::server::DefaultBundle()))
+          ->model());
 }
 
 tactus::v1::ModelBundle SmallModel() {
-  tactus::Model model = tactus::testing::SmallModel();
-  model.layout = *tactus::LayoutPreset("cody-forearm");
+  tactus::internal::Model model = tactus::internal::testing::SmallModel();
+  model.layout = *tactus::internal::LayoutPreset("cody-forearm");
   model.inputs.lstm = model.inputs.hmm;
   testing::AddLstmCalibration(model.calibration);
   const auto network = [](int regressions) {
-    return tactus::RandomNetwork(2, {3, 2}, 4, tactus::Activation::kTanh,
-                                 tactus::GateActivation::kSigmoid, 1, 1,
-                                 regressions);
+    return tactus::internal::RandomNetwork(
+        2, {3, 2}, 4, tactus::internal::Activation::kTanh,
+        tactus::internal::GateActivation::kSigmoid, 1, 1, regressions);
   };
   model.lstms = {network(0), network(0)};
   model.estimator = network(2);
   model.warm_up.samples.assign(5, {{2.0, 0.0, 0.001}, 2.0, {}});
   model.warm_up.probability.assign(4, 0.25);
   model.warm_up.log_likelihood.assign(4, -1);
-  return tactus::ModelToProto(model);
+  return tactus::internal::ModelToProto(model);
 }
 
 }  // namespace
@@ -228,14 +232,14 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
   for (int n = data.ConsumeIntegralInRange(0, 6); n > 0; --n) {
     Mutate(data, &bundle);
   }
-  const auto model = tactus::DecodeBundle(
-      tactus::testing::SealedBundle(bundle.SerializeAsString()));
+  const auto model = tactus::internal::DecodeBundle(
+      tactus::internal::testing::SealedBundle(bundle.SerializeAsString()));
   if (!model.ok()) {
-    REQUIRE(!tactus::ReasonOf(model.status()).empty());
+    REQUIRE(!tactus::internal::ReasonOf(model.status()).empty());
     return 0;
   }
   // A warm-up trial that other numbers answer is no reason not to go on.
-  tactus::RunWarmUp(**model).IgnoreError();
+  tactus::internal::RunWarmUp(**model).IgnoreError();
   Classify(data, *model);
   return 0;
 }

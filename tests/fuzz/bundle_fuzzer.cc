@@ -8,12 +8,12 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const absl::string_view bytes(reinterpret_cast<const char*>(data), size);
-  if (tactus::DecodeBundle(bytes).ok()) __builtin_trap();
+  if (tactus::internal::DecodeBundle(bytes).ok()) __builtin_trap();
   tactus::v1::ModelBundle message;
   if (!message.ParseFromArray(data, static_cast<int>(size))) return 0;
-  auto model = tactus::ModelFromProto(message);
+  auto model = tactus::internal::ModelFromProto(message);
   if (!model.ok()) return 0;
-  auto compiled = tactus::CompiledModel::Create(*std::move(model));
-  if (compiled.ok()) tactus::RunWarmUp(**compiled).IgnoreError();
+  auto compiled = tactus::internal::CompiledModel::Create(*std::move(model));
+  if (compiled.ok()) tactus::internal::RunWarmUp(**compiled).IgnoreError();
   return 0;
 }

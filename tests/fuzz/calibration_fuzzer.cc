@@ -11,8 +11,8 @@
 
 namespace {
 
-using namespace tactus;
-using namespace tactus::client;
+using namespace tactus::internal;
+using namespace tactus::internal::client;
 
 Calibration GoodCalibration(bool gains) {
   Calibration good;

@@ -23,7 +23,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size);
 
 namespace {
 
-using tactus::Random;
+using tactus::internal::Random;
 
 constexpr double kMaxBytes = 4096;
 

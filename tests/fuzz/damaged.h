@@ -24,7 +24,7 @@
 #define REQUIRE(condition) \
   if (!(condition)) __builtin_trap()
 
-namespace tactus::fuzz {
+namespace tactus::internal::fuzz {
 
 // One of `good`, with bytes that are changed, removed and put in; or the
 // fuzzer's bytes alone.
@@ -85,4 +85,4 @@ inline std::string Golden(const std::string& name) {
   return bytes;
 }
 
-}  // namespace tactus::fuzz
+}  // namespace tactus::internal::fuzz

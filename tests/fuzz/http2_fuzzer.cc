@@ -11,7 +11,7 @@
 
 namespace {
 
-using namespace tactus;
+using namespace tactus::internal;
 
 constexpr std::string_view kHello(
     "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\4\0\0\0\0\0", 33);

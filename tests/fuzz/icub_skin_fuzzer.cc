@@ -6,8 +6,8 @@
 
 namespace {
 
-using namespace tactus;
-using namespace tactus::client;
+using namespace tactus::internal;
+using namespace tactus::internal::client;
 
 CanFrame AnyFrame(FuzzedDataProvider& data) {
   CanFrame frame;

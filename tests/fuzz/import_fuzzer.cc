@@ -7,7 +7,7 @@
 
 namespace {
 
-using namespace tactus;
+using namespace tactus::internal;
 
 std::vector<std::string> Skins() {
   return {

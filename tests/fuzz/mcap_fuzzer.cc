@@ -14,7 +14,8 @@
 
 namespace {
 
-using namespace tactus;
+using namespace tactus::internal;
+namespace v1 = tactus::v1;
 
 // A skin of 2 x 2, with a contact in the middle. Without descriptors, which
 // nobody reads.

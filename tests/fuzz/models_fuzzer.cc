@@ -11,7 +11,7 @@
 
 namespace {
 
-using namespace tactus;
+using namespace tactus::internal;
 
 void Use(const absl::StatusOr<ForeignModel>& foreign) {
   fuzz::RequireReason(foreign.status());

@@ -5,8 +5,8 @@
 
 namespace {
 
-using namespace tactus;
-using namespace tactus::client;
+using namespace tactus::internal;
+using namespace tactus::internal::client;
 
 void Positions(const std::string& text, bool place) {
   const auto positions = icub::ParsePositions(text);

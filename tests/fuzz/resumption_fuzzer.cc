@@ -15,8 +15,8 @@
 
 namespace {
 
-using tactus::client::StreamHistory;
-using tactus::server::StreamSession;
+using tactus::internal::client::StreamHistory;
+using tactus::internal::server::StreamSession;
 using Request = tactus::v1::ClassifyContactRequest;
 
 #define REQUIRE(condition) \
@@ -24,8 +24,8 @@ using Request = tactus::v1::ClassifyContactRequest;
 
 constexpr int kMaxMessages = 60;
 
-const tactus::testing::TestModels& Models() {
-  static const auto* const models = new tactus::testing::TestModels();
+const tactus::internal::testing::TestModels& Models() {
+  static const auto* const models = new tactus::internal::testing::TestModels();
   return *models;
 }
 
@@ -38,7 +38,7 @@ Request EndOfTrial() {
 // Trials of frames in order, with lost ones, and the end of the last one.
 std::vector<Request> Script(FuzzedDataProvider& data,
                             const tactus::v1::StreamConfig& config) {
-  tactus::fuzz::Presses presses(config);
+  tactus::internal::fuzz::Presses presses(config);
   std::vector<Request> script;
   uint64_t sequence = 1;
   while (data.remaining_bytes() > 40 && script.size() < kMaxMessages) {
@@ -93,7 +93,7 @@ class Robot {
         const tactus::v1::StreamStarted& started)
       : data_(data),
         config_(config),
-        history_(config, started, tactus::limits::kMaxReplayBytes) {
+        history_(config, started, tactus::internal::limits::kMaxReplayBytes) {
     Connect();
   }
 
@@ -177,7 +177,8 @@ class Robot {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
   FuzzedDataProvider data(bytes, size);
-  const tactus::v1::StreamConfig config = tactus::fuzz::AnyConfig(data);
+  const tactus::v1::StreamConfig config =
+      tactus::internal::fuzz::AnyConfig(data);
   tactus::v1::StreamStarted started;
   const auto session = Open(config, &started);
   if (session == nullptr) return 0;

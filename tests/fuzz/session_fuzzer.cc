@@ -18,7 +18,7 @@
 
 namespace {
 
-using tactus::server::StreamSession;
+using tactus::internal::server::StreamSession;
 using Request = tactus::v1::ClassifyContactRequest;
 
 #define REQUIRE(condition) \
@@ -29,7 +29,7 @@ bool Seldom(FuzzedDataProvider& data) {
 }
 
 Request Frames(FuzzedDataProvider& data, uint64_t sequence,
-               tactus::fuzz::Presses& presses) {
+               tactus::internal::fuzz::Presses& presses) {
   Request request;
   auto* batch = request.mutable_frames();
   // What ends a stream is rare, so that most streams have contacts.
@@ -150,7 +150,7 @@ void CheckAnswer(const tactus::v1::Answer& answer, const StreamConfig& config) {
   }
   REQUIRE(going_on <= (config.has_max_contacts()
                            ? static_cast<int>(config.max_contacts())
-                           : tactus::limits::kMaxContacts));
+                           : tactus::internal::limits::kMaxContacts));
   for (const tactus::v1::ContactEvent& event : answer.events()) {
     REQUIRE(ids.count(event.contact_id()) == 1);
   }
@@ -174,16 +174,16 @@ void Read(StreamSession& session, const StreamConfig& config) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
-  static const auto* const models = new tactus::testing::TestModels();
+  static const auto* const models = new tactus::internal::testing::TestModels();
   FuzzedDataProvider data(bytes, size);
   StreamSession session(models, {});
   Request first;
-  *first.mutable_config() = tactus::fuzz::AnyConfig(data);
+  *first.mutable_config() = tactus::internal::fuzz::AnyConfig(data);
   const StreamConfig& config = first.config();
-  tactus::fuzz::Presses presses(config);
+  tactus::internal::fuzz::Presses presses(config);
   if (!Seldom(data)) {
     const absl::Status status = session.OnRequest(first);
-    REQUIRE(status.ok() || !tactus::ReasonOf(status).empty());
+    REQUIRE(status.ok() || !tactus::internal::ReasonOf(status).empty());
   }
   tactus::v1::ClassifyContactRequest parsed;
   uint64_t sequence = 1;
@@ -219,11 +219,11 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
       }
     }
     session.EndRequest(0, 1);
-    if (!status.ok()) REQUIRE(!tactus::ReasonOf(status).empty());
+    if (!status.ok()) REQUIRE(!tactus::internal::ReasonOf(status).empty());
     if (!session.wants_request()) Read(session, config);
     REQUIRE(session.responses().size() <=
-            2 * tactus::limits::kMaxQueuedKept +
-                tactus::limits::kMaxFramesPerMessage);
+            2 * tactus::internal::limits::kMaxQueuedKept +
+                tactus::internal::limits::kMaxFramesPerMessage);
   }
   session.OnHalfClose();
   Read(session, config);

@@ -7,8 +7,8 @@
 
 namespace {
 
-using namespace tactus;
-using namespace tactus::client;
+using namespace tactus::internal;
+using namespace tactus::internal::client;
 
 std::vector<std::string> GoodBytes(SerialFormat format) {
   std::string bytes;

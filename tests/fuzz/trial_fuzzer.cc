@@ -21,12 +21,12 @@ std::string ConfigBytes() {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
-  static const auto* const models = new tactus::testing::TestModels();
+  static const auto* const models = new tactus::internal::testing::TestModels();
   FuzzedDataProvider data(bytes, size);
   std::string request = data.ConsumeBool() ? ConfigBytes() : "";
   request += data.ConsumeRemainingBytesAsString();
   const size_t most_steps = request.size() + 2;
-  tactus::server::TrialSession trial(models, {}, std::move(request));
+  tactus::internal::server::TrialSession trial(models, {}, std::move(request));
   tactus::v1::ClassifyContactRequest parsed;
   for (size_t steps = 0; !trial.done(); ++steps) {
     REQUIRE(steps < most_steps);
@@ -35,7 +35,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
   if (trial.status().ok()) {
     REQUIRE(trial.response().answer().is_final());
   } else {
-    REQUIRE(!tactus::ReasonOf(trial.status()).empty());
+    REQUIRE(!tactus::internal::ReasonOf(trial.status()).empty());
   }
   return 0;
 }

@@ -24,7 +24,7 @@ std::string TaxelPack() {
       record.mutable_taxels()->append(i == 7 ? "\x05\x01" : "\x01\x00", 2);
     }
   }
-  return tactus::testing::Packed(record.SerializeAsString());
+  return tactus::internal::testing::Packed(record.SerializeAsString());
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 #include "absl/strings/string_view.h"
 #include "absl/strings/strip.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr int kMaxLines = 600;
@@ -135,6 +135,15 @@ std::string Included(absl::string_view line) {
   const char close = line[0] == '<' ? '>' : '"';
   line.remove_prefix(1);
   return std::string(line.substr(0, line.find(close)));
+}
+
+constexpr absl::string_view kPublicNamespace = "namespace tactus {";
+
+// The installed headers, and what stands behind them.
+bool DefinesPublicNames(const std::string& path) {
+  return absl::StartsWith(path, "client/include/") ||
+         (absl::StartsWith(path, "client/front/") &&
+          absl::EndsWith(path, ".cc"));
 }
 
 bool IsGrpc(const std::string& header) {
@@ -292,6 +301,11 @@ std::vector<std::string> StyleViolations(const std::string& path,
                                         kMaxColumns));
     }
     in_comment = is_comment;
+    if (line == kPublicNamespace && !DefinesPublicNames(path)) {
+      violations.push_back(absl::StrCat(path, ":", number,
+                                        ": what is not installed is in "
+                                        "tactus::internal"));
+    }
     for (const std::string& word : leftovers) {
       if (!absl::StrContains(line, word)) continue;
       violations.push_back(absl::StrCat(path, ":", number, ": ", word));
@@ -350,4 +364,4 @@ std::vector<std::string> FilesNamed(const std::string& path,
   return files;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace tactus {
+namespace tactus::internal {
 
 // The sub-folders that a CMakeLists.txt adds, in its order: in
 // core/CMakeLists.txt the rooms of core, lowest first.
@@ -46,4 +46,4 @@ std::vector<std::string> StyleViolations(const std::string& path,
 std::vector<std::string> FilesNamed(const std::string& path,
                                     const std::string& page);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -11,7 +11,7 @@
 #include "tests/examples/header_example.h"
 #include "tests/house/house_rules.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -340,6 +340,10 @@ TEST(StyleRuleTest, EachRuleCanFail) {
               ElementsAre(HasSubstr("core/a.cc:2")));
   EXPECT_THAT(StyleViolations("core/a.cc", std::string("// FIX") + "ME\n"),
               ElementsAre(HasSubstr("core/a.cc:1")));
+  const std::string in_public = "\nnamespace tactus {\n";
+  EXPECT_THAT(StyleViolations("client/front/a.cc", in_public), IsEmpty());
+  EXPECT_THAT(StyleViolations("core/a.cc", in_public),
+              ElementsAre(HasSubstr("a.cc:2: what is not installed")));
   EXPECT_THAT(
       StyleViolations("core/a.cc", std::string("int x;\n  // O") + "f y.\n"),
       ElementsAre(HasSubstr("core/a.cc:2: a comment names")));
@@ -356,4 +360,4 @@ TEST(StyleRuleTest, EachRuleCanFail) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using google::protobuf::DescriptorProto;
@@ -140,4 +140,4 @@ std::vector<std::string> BreakingChanges(const FileDescriptorSet& before,
   return Comparison(Contract(before), Contract(after)).complaints();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

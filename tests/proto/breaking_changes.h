@@ -11,7 +11,7 @@
 
 #include "google/protobuf/descriptor.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Everything in `before` that is gone from `after` or means something else
 // there, as "place: what". Additions break nothing.
@@ -19,4 +19,4 @@ std::vector<std::string> BreakingChanges(
     const google::protobuf::FileDescriptorSet& before,
     const google::protobuf::FileDescriptorSet& after);
 
-}  // namespace tactus
+}  // namespace tactus::internal

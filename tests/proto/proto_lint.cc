@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using google::protobuf::DescriptorProto;
@@ -225,4 +225,4 @@ std::vector<std::string> SharedMessages(const FileDescriptorSet& files) {
   return complaints;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

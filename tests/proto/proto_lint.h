@@ -11,7 +11,7 @@
 
 #include "google/protobuf/descriptor.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Everything wrong with one file, as "place: what". The file must have been
 // made with its source information, which holds the comments.
@@ -22,4 +22,4 @@ std::vector<std::string> Lint(
 std::vector<std::string> SharedMessages(
     const google::protobuf::FileDescriptorSet& files);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -11,7 +11,7 @@
 #include "tests/proto/breaking_changes.h"
 #include "tests/proto/proto_lint.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using google::protobuf::DescriptorProto;
@@ -280,4 +280,4 @@ TEST(BreakingChangesTest, AdditionsAreAllowed) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

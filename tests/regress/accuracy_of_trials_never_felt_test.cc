@@ -5,7 +5,7 @@
 #include "tests/support/scratch_dir.h"
 #include "tests/support/trainctl_run.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using client::Json;
@@ -55,4 +55,4 @@ TEST(AccuracyOfTrialsNeverFeltTest, CountsFeltContacts) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -10,7 +10,7 @@
 #include "tests/support/scratch_dir.h"
 #include "tests/support/trainctl_run.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using client::Json;
@@ -73,4 +73,4 @@ TEST(AnswersThatCannotBeWrittenTest, ProtocolsAndBundlesWriteThem) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -13,7 +13,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/data/trial_samples.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::AllOf;
@@ -144,4 +144,4 @@ TEST_F(ArrayOrderTest, AWrongNameGetsTheListOfDatasets) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include "gtest/gtest.h"
 #include "tests/client/drivers/serial/talking_skin.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using testing::AsBytes;
@@ -92,4 +92,4 @@ TEST(AsciiAbove255Test, ASkinOfAnotherFormatIsNamed) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -8,7 +8,7 @@
 #include "core/base/errors.h"
 #include "gtest/gtest.h"
 
-namespace tactus::client::gs_usb {
+namespace tactus::internal::client::gs_usb {
 namespace {
 
 constexpr uint32_t kLargest = 0xFFFFFFFF;
@@ -111,4 +111,4 @@ TEST(BitTimingThatOverflowsTest, NoTimingIsOutsideOfTheLimits) {
 }
 
 }  // namespace
-}  // namespace tactus::client::gs_usb
+}  // namespace tactus::internal::client::gs_usb

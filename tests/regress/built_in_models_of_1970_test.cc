@@ -9,7 +9,7 @@
 #include "tests/support/scratch_dir.h"
 #include "tests/tools/trainctl/remote/trainctl_program.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -36,4 +36,4 @@ TEST(BuiltInModelsOf1970Test, ListHasNoTimeAndNoSize) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

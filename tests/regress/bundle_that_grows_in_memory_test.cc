@@ -9,7 +9,7 @@
 #include "tests/support/sealed_bundle.h"
 #include "tests/support/small_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::SealedBundle;
@@ -62,4 +62,4 @@ TEST(BundleThatGrowsInMemoryTest, WrongEncodingsHaveNoCount) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -10,7 +10,7 @@
 #include "tests/server/support/requests.h"
 #include "tests/server/support/test_models.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr int64_t kPeriodNs = 10'000'000;
@@ -71,4 +71,4 @@ TEST_F(CaptureTimeRunsBackwardsTest, TheLastFrameIsTheBound) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

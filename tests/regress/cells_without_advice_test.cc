@@ -16,7 +16,7 @@
 #include "tests/core/import/import_all.h"
 #include "tests/support/scratch_dir.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::AllOf;
@@ -230,4 +230,4 @@ TEST_F(FolderTest, RecordsOfNumPyAreNamed) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -8,7 +8,7 @@
 #include "tests/support/small_trials.h"
 #include "tests/support/trainctl_run.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::AllOf;
@@ -140,4 +140,4 @@ TEST(ClassOfOneTest, ConditionsThatAreClassesCanBeFitted) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

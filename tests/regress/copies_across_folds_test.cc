@@ -14,7 +14,7 @@
 #include "tests/support/scratch_dir.h"
 #include "tests/support/trainctl_run.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using client::Json;
@@ -116,4 +116,4 @@ TEST_F(CopiesAcrossFoldsTest, NoFoldHasACopyOnBothSides) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

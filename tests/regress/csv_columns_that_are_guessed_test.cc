@@ -10,7 +10,7 @@
 #include "tests/core/data/trial_samples.h"
 #include "tests/core/import/import_all.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::AllOf;
@@ -219,4 +219,4 @@ TEST_F(GuessedColumnsTest, ARisingTaxelIsRemarkedUpon) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

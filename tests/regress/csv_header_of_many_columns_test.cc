@@ -9,7 +9,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -57,4 +57,4 @@ TEST(CsvHeaderOfManyColumnsTest, SoAreMoreCellsThanFitInMemory) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

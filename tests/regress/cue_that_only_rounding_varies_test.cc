@@ -4,7 +4,7 @@
 #include "core/train/fit.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Force and motion are in proportion in all contacts, so springs are constant.
@@ -36,4 +36,4 @@ TEST(CueThatOnlyRoundingVariesTest, IsNotScaledUp) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

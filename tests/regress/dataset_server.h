@@ -20,7 +20,7 @@
 #include "tests/support/small_trials.h"
 #include "tests/tools/trainctl/remote/trainctl_program.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 class DatasetServer {
  public:
@@ -63,4 +63,4 @@ class DatasetServer {
   std::optional<TrainingServer> server_;
 };
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

@@ -4,7 +4,7 @@
 #include "tests/core/eval/synthetic_contacts.h"
 #include "tests/support/small_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 std::vector<std::pair<double, bool>> Decisions(const Model& model,
@@ -53,4 +53,4 @@ TEST_F(DecisionOfAnotherAlgorithmTest, LstmsDecideAsIfTheyHadAllWeight) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -17,7 +17,7 @@
 #include "tests/server/support/test_server.h"
 #include "tests/server/support/training_server.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using std::chrono::milliseconds;
@@ -295,4 +295,4 @@ TEST(DeletionAmidCallsTest, EveryCallEndsWithItsReason) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -15,7 +15,7 @@
 #include "tests/support/bystander.h"
 #include "tests/support/child_tactusd.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using server::FileDescriptor;
@@ -108,4 +108,4 @@ TEST(DescriptorsRunOutTest, UnfinishedHandshakesAndIdleConnectionsAreClosed) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -4,7 +4,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/scratch_dir.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(DiskInBytesTest, DoctorPrintsUnits) {
@@ -23,4 +23,4 @@ TEST(DiskInBytesTest, DoctorPrintsUnits) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -4,7 +4,7 @@
 #include "gtest/gtest.h"
 #include "tests/regress/dataset_server.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -40,4 +40,4 @@ TEST(DownloadsWithoutBoundTest, ShareMemoryAndSayWhenItIsUsedUp) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -31,12 +31,13 @@ extern "C" int fsync(int fd) {
   struct stat info = {};
   fstat(fd, &info);
   if (!watched.empty()) {
-    syncs.push_back({S_ISDIR(info.st_mode), tactus::ReadBytes(watched)});
+    syncs.push_back(
+        {S_ISDIR(info.st_mode), tactus::internal::ReadBytes(watched)});
   }
   return static_cast<int>(syscall(SYS_fsync, fd));
 }
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -111,4 +112,4 @@ TEST(DraftThatFollowsALinkTest, AFailureLeavesTheTargetAsItWas) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -15,7 +15,7 @@
 #include "tools/trainctl/app.h"
 #include "tools/trainctl/unknown_word.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -359,4 +359,4 @@ TEST(ErrorTextsTest, TextsOfTheSourcesNameCommandsThatExist) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

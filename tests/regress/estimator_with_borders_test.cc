@@ -5,7 +5,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/small_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(EstimatorWithBordersTest, IsRemovedWithThem) {
@@ -25,4 +25,4 @@ TEST(EstimatorWithBordersTest, IsRemovedWithThem) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 #include "tests/support/scratch_dir.h"
 #include "tests/support/trainctl_run.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using client::Json;
@@ -59,4 +59,4 @@ TEST_F(EvaluationOfHalfABundleTest, NothingIsFusedWithoutLstms) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include "tests/support/small_trials.h"
 #include "tests/support/trainctl_run.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using client::Json;
@@ -81,4 +81,4 @@ TEST_F(EvaluationOnTrainingDataTest, OtherDataAreATest) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -3,7 +3,7 @@
 #include "gtest/gtest.h"
 #include "tools/trainctl/report/evaluate_figures.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 Evaluation Of(std::vector<std::string> class_names, bool knows_motion) {
@@ -29,4 +29,4 @@ TEST(FigureOfOtherClassesTest, HasNoLineOfThePaper) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -50,7 +50,7 @@ extern "C" hid_t H5Fopen(const char* path, unsigned flags, hid_t access) {
   return library(path, flags, access);
 }
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -124,4 +124,4 @@ TEST_F(FileThatCrashesItsReaderTest, AGoodFileIsReadAsBefore) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -15,7 +15,7 @@
 #include "tests/support/small_model.h"
 #include "tests/support/trainctl_run.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::RunTrainctl;
@@ -126,4 +126,4 @@ TEST(FinalsOfClassifyAndServerTest, AreEqualWhateverTheBundleSays) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

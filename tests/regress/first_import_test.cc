@@ -11,7 +11,7 @@
 #include "tests/support/scratch_dir.h"
 #include "tests/support/trainctl_run.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::AllOf;
@@ -87,4 +87,4 @@ TEST_F(FirstImportTest, ASkinThatRestsAboveItsThresholdIsRemarkedUpon) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -5,7 +5,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/trainctl_run.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -37,4 +37,4 @@ TEST(FitFlagsWithoutEffectTest, FlagsOfOtherProtocolsAreRefused) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

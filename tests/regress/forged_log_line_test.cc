@@ -8,7 +8,7 @@
 #include "tests/support/bystander.h"
 #include "tests/support/child_tactusd.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::Bystander;
@@ -49,4 +49,4 @@ TEST(ForgedLogLineTest, NamesStayWithinTheirLine) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

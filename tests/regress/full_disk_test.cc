@@ -15,7 +15,7 @@
 #include "tests/server/records/old_directory.h"
 #include "tests/server/records/stores.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 namespace fs = std::filesystem;
@@ -165,4 +165,4 @@ TEST_F(FullDiskTest, AnUploadThatFillsTheDiskIsRefusedAndCanGoOn) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -11,7 +11,7 @@
 #include "tests/support/sealed_bundle.h"
 #include "tests/support/small_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 struct Bounds {
@@ -77,4 +77,4 @@ TEST(GeometryWithoutBoundsTest, ThoseOfBundlesTheSame) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

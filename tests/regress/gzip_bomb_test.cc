@@ -10,7 +10,7 @@
 #include "tests/support/child_tactusd.h"
 #include "tests/support/raw_http2.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using std::chrono::milliseconds;
@@ -86,4 +86,4 @@ INSTANTIATE_TEST_SUITE_P(Encodings, GzipBombTest,
                          ::testing::Values("gzip", "deflate"));
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

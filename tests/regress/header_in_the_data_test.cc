@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "tests/client/drivers/serial/talking_skin.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using testing::AsBytes;
@@ -108,4 +108,4 @@ TEST(HeaderInTheDataTest, ComesAfterTheHeaderIsKnown) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -13,7 +13,7 @@
 #include "tests/support/child_tactusd.h"
 #include "tests/support/raw_http2.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using std::chrono::milliseconds;
@@ -146,4 +146,4 @@ TEST(HeaderThatAbortsTest, ItsConnectionIsClosedAndTheLogSaysWhy) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -11,7 +11,7 @@
 #include "tests/support/child_tactusd.h"
 #include "tests/support/raw_http2.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::Bystander;
@@ -110,4 +110,4 @@ INSTANTIATE_TEST_SUITE_P(All, FloodTest, ::testing::ValuesIn(kFloods),
                          [](const auto& test) { return test.param.name; });
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -11,7 +11,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/small_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 std::shared_ptr<const CompiledModel> HeldModel() {
@@ -50,4 +50,4 @@ TEST(HeldCalibrationOfRestingLstmsTest, LstmsThatNobodyAskedFor) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -14,7 +14,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -108,4 +108,4 @@ TEST(HmmThatPythonWroteTest, AnyOtherRowOfZerosIsNamed) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

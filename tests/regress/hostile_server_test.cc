@@ -16,10 +16,10 @@
 #include "tests/support/raw_http2.h"
 #include "tests/tools/trainctl/remote/trainctl_program.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
-using ::tactus::testing::RawHttp2;
+using ::tactus::internal::testing::RawHttp2;
 using testing::Outcome;
 using testing::Trainctl;
 
@@ -133,4 +133,4 @@ TEST(HostileServerTest, AnEndOnEachConnection) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

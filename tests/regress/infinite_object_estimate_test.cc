@@ -6,7 +6,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/small_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(InfiniteObjectEstimateTest, IsLimited) {
@@ -35,4 +35,4 @@ TEST(InfiniteObjectEstimateTest, IsLimited) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -16,7 +16,7 @@
 #include "tests/support/scripted_server.h"
 #include "tools/stream/trial_player.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using testing::GoodAnswer;
@@ -349,4 +349,4 @@ TEST(InvalidResponsesOnTheWireTest, TheTrialPlayerReportsThem) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

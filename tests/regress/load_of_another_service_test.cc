@@ -9,7 +9,7 @@
 #include "tests/support/scripted_server.h"
 #include "tools/load/load.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using testing::ScriptedServer;
@@ -54,4 +54,4 @@ TEST(LoadOfAnotherServiceTest, AnswersToFramesNeverSentEndTheStream) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

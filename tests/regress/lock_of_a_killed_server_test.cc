@@ -11,7 +11,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/scratch_dir.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(RegressTest, AForkedChildDoesNotHoldTheLockOfItsParent) {
@@ -39,4 +39,4 @@ TEST(RegressTest, AForkedChildDoesNotHoldTheLockOfItsParent) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

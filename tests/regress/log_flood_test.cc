@@ -9,7 +9,7 @@
 #include "tests/support/child_tactusd.h"
 #include "tests/support/raw_http2.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using std::chrono::milliseconds;
@@ -90,4 +90,4 @@ TEST(LogFloodTest, TextThatIsNotUtf8DoesNotFloodTheLog) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -11,7 +11,7 @@
 #include "tests/support/bystander.h"
 #include "tests/support/child_tactusd.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::Bystander;
@@ -48,4 +48,4 @@ TEST(LogReaderGoneTest, SighupDrains) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

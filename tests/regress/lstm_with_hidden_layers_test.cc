@@ -7,7 +7,7 @@
 #include "tests/core/interchange/golden.h"
 #include "tests/core/interchange/peer_answers.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(LstmWithHiddenLayersTest, GoesIntoAModelAndAnswersAsItsProgram) {
@@ -45,4 +45,4 @@ TEST(LstmWithHiddenLayersTest, ItsClassesAreReordered) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

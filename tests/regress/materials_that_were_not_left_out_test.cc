@@ -5,7 +5,7 @@
 #include "core/contacts/folds.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(MaterialsThatWereNotLeftOutTest, TheOrderOfAFoldDoesNotMatter) {
@@ -13,4 +13,4 @@ TEST(MaterialsThatWereNotLeftOutTest, TheOrderOfAFoldDoesNotMatter) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -10,7 +10,7 @@
 #include "tests/core/data/trial_samples.h"
 #include "tests/core/import/import_all.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::AllOf;
@@ -107,4 +107,4 @@ TEST(RateCheckTest, NamesTheFactorOfAnotherUnit) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

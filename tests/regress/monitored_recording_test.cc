@@ -13,7 +13,7 @@
 #include "tools/stream/live_player.h"
 #include "tools/stream/record_replay.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using testing::TestServer;
@@ -60,4 +60,4 @@ TEST(RegressTest, AMonitoredRecordingReplaysBitForBit) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -7,7 +7,7 @@
 #include "core/skin/geometry.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr double kPoseNoise = 50e-6;  // m on each axis
@@ -68,4 +68,4 @@ TEST(MotionOfALinkAtRestTest, NorAfterAnApproach) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

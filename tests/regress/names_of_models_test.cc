@@ -12,7 +12,7 @@
 #include "tests/server/support/requests.h"
 #include "tests/support/small_model.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 using ::testing::AllOf;
@@ -162,4 +162,4 @@ TEST(NamesOfModelsTest, AWrongRateGetsNoModels) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

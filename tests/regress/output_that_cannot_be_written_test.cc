@@ -6,7 +6,7 @@
 #include "tests/support/scratch_dir.h"
 #include "tests/support/trainctl_run.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -35,4 +35,4 @@ TEST(OutputThatCannotBeWrittenTest, AFitThatFailsLeavesNoFile) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -12,7 +12,7 @@
 #include "tests/support/sealed_bundle.h"
 #include "tests/support/small_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 v1::ModelBundle SmallBundle() { return ModelToProto(testing::SmallModel()); }
@@ -66,4 +66,4 @@ TEST(OverlongWarmUpAnswersTest, SoAreEndlessTrials) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -5,7 +5,7 @@
 #include "core/questions/question.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(ProbabilityAboveOneTest, AValueOfAllLikelyClassesHasOne) {
@@ -20,4 +20,4 @@ TEST(ProbabilityAboveOneTest, AValueOfAllLikelyClassesHasOne) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

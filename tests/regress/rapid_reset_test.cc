@@ -12,7 +12,7 @@
 #include "tests/support/child_tactusd.h"
 #include "tests/support/raw_http2.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using std::chrono::milliseconds;
@@ -124,4 +124,4 @@ TEST(ArrivalGateTest, CallsCountUntilTheyEnd) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -12,7 +12,7 @@
 #include "tests/server/support/test_models.h"
 #include "tests/support/scratch_dir.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr int64_t kSecond = 1'000'000'000;
@@ -184,4 +184,4 @@ TEST(RateThatNobodyComparesTest, TrialsOfAFileHaveTheRateThatTheyState) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

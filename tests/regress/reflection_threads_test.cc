@@ -8,7 +8,7 @@
 #include "tests/support/child_tactusd.h"
 #include "tests/support/raw_http2.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using std::chrono::milliseconds;
@@ -57,4 +57,4 @@ INSTANTIATE_TEST_SUITE_P(Reflection, ReflectionThreadsTest, ::testing::Bool(),
                          });
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 #include "gtest/gtest.h"
 #include "tests/regress/dataset_server.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using client::Json;
@@ -195,4 +195,4 @@ TEST_F(RelabelledRecordingTest, AJobNamesCopiesAndWhatItWasTrainedOn) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

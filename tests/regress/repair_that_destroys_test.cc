@@ -15,7 +15,7 @@
 #include "tests/server/records/old_directory.h"
 #include "tests/server/records/stores.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 namespace fs = std::filesystem;
@@ -305,4 +305,4 @@ TEST_F(RepairTest, AMarkerThatCannotBeReadStillSaysThatTheFolderWasUsed) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "tests/regress/dataset_server.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::DatasetServer;
@@ -124,4 +124,4 @@ TEST(RepeatedTrialIdsTest, VersionsOfEarlierReleasesDownload) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

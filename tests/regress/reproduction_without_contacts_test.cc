@@ -3,7 +3,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/trainctl_run.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(ReproductionWithoutContactsTest, CodysRowsHaveResults) {
@@ -20,4 +20,4 @@ TEST(ReproductionWithoutContactsTest, CodysRowsHaveResults) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -13,7 +13,7 @@
 #include "tests/support/time_limit.h"
 #include "tools/stream/trial_player.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using testing::GoodAnswer;
@@ -147,4 +147,4 @@ TEST(SilentServerTest, AServerThatAnswersInTimeIsNotCancelled) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

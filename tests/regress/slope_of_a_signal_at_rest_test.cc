@@ -9,7 +9,7 @@
 #include "core/cues/cue_tracker.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(SlopeOfASignalAtRestTest, StaysSmall) {
@@ -43,4 +43,4 @@ TEST(SlopeOfASignalAtRestTest, StaysSmallIfTheForceRests) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

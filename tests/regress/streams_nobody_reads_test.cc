@@ -16,7 +16,7 @@
 #include "tests/support/child_tactusd.h"
 #include "tests/support/raw_http2.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using server::ConnectionTable;
@@ -106,4 +106,4 @@ TEST(StreamsNobodyReadsTest, TheServerEnds) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

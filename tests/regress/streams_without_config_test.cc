@@ -9,7 +9,7 @@
 #include "tests/support/child_tactusd.h"
 #include "tests/support/raw_http2.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using std::chrono::milliseconds;
@@ -128,4 +128,4 @@ TEST(StreamsWithoutConfigTest, WatchesKeepNoLongNames) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 #include "gtest/gtest.h"
 #include "tools/stream/report.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::AllOf;
@@ -150,4 +150,4 @@ TEST(SummaryOfTheDemoTest, JsonKeepsItsFieldsAndHasTheNewOnes) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

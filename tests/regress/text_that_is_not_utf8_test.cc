@@ -19,7 +19,7 @@
 #include "tests/server/support/test_models.h"
 #include "tools/common/json.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -143,4 +143,4 @@ TEST(TextThatIsNotUtf8Test, ErrorsAndJsonTakeIt) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include "tests/support/child_tactusd.h"
 #include "tests/support/time_limit.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::Bystander;
@@ -77,4 +77,4 @@ TEST(TlsFailsOpenTest, LogAndHealthCheckKnowOfTls) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/data/trial_samples.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(TrialOfAbsurdNumbersTest, IsRefused) {
@@ -34,4 +34,4 @@ TEST(TrialOfAbsurdNumbersTest, ClocksThatCountFrom1970AreFine) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

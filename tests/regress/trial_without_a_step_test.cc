@@ -10,7 +10,7 @@
 #include "tests/support/scratch_dir.h"
 #include "tests/support/trainctl_run.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -72,4 +72,4 @@ TEST(TrialWithoutAStepTest, ACopyWithoutAStepIsLeftOut) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 #include "tests/support/bystander.h"
 #include "tests/support/raw_http2.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using std::chrono::milliseconds;
@@ -77,4 +77,4 @@ TEST(TrialsWithoutAReaderTest, EndAfterTheIdleTimeout) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -5,7 +5,7 @@
 #include "tools/trainctl/app.h"
 #include "tools/trainctl/unknown_word.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::AllOf;
@@ -55,4 +55,4 @@ TEST(UnknownCommandTest, TheProgramExitsAsAfterWrongUsage) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -24,7 +24,7 @@
 #include "tests/support/small_model.h"
 #include "tests/support/small_trials.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::Bystander;
@@ -279,4 +279,4 @@ TEST(UnknownFieldsTest, OfBundlesAreRefused) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include "tests/server/support/training_server.h"
 #include "tests/support/scratch_dir.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr char kTraining[] = "/tactus.v1.TrainingService/";
@@ -113,4 +113,4 @@ TEST(UploadOfAnotherTrainerTest, SoDoesAJobThatIsDeleted) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include "tests/tools/fakeskin/played_function_fs.h"
 #include "tools/fakeskin/function_fs.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::ElementsAre;
@@ -39,4 +39,4 @@ TEST(UsbReadsAfterAResetTest, BeginAgainIfTheyFail) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -4,7 +4,7 @@
 #include "gtest/gtest.h"
 #include "tests/server/support/training_server.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 namespace {
 
 using ::testing::AllOf;
@@ -74,4 +74,4 @@ TEST(ValidationOfUntrainableDataTest, EvaluationsToo) {
 }
 
 }  // namespace
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

@@ -16,11 +16,11 @@ std::atomic<int64_t> allocations = 0;
 
 }  // namespace
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 int64_t AllocationsSoFar() { return allocations.load(); }
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing
 
 #ifdef ABSL_HAVE_THREAD_SANITIZER
 

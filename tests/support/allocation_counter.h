@@ -11,7 +11,7 @@
 
 #include <cstdint>
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 // Allocations since the program started, all threads.
 int64_t AllocationsSoFar();
@@ -25,4 +25,4 @@ class AllocationCounter {
   int64_t start_;
 };
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

@@ -4,7 +4,7 @@
 
 #include "gtest/gtest.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 namespace {
 
 // Else all tests that expect no allocation pass, whatever they do.
@@ -18,4 +18,4 @@ TEST(AllocationCounterTest, CountsBothKindsOfNew) {
 }
 
 }  // namespace
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

@@ -20,7 +20,7 @@
 
 #include "tests/server/support/test_server.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 class Bystander {
  public:
@@ -84,4 +84,4 @@ class Bystander {
   std::thread thread_;
 };
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

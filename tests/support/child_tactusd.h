@@ -38,7 +38,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/time_limit.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 class ChildTactusd {
  public:
@@ -225,4 +225,4 @@ class ChildTactusd {
   const std::string base_ = NextBase();
 };
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

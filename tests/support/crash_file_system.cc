@@ -11,7 +11,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 namespace {
 
 namespace fs = std::filesystem;
@@ -280,4 +280,4 @@ void CrashFileSystem::OnCreate(const std::string& path) {
   names_.push_back({FolderOf(path), [path] { fs::remove(path); }});
 }
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

@@ -26,7 +26,7 @@
 
 #include "core/store/file_system.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 class CrashFileSystem final : public FileSystem {
  public:
@@ -115,4 +115,4 @@ class CrashFileSystem final : public FileSystem {
   std::list<Name> names_;
 };
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <new>
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 namespace {
 
 sqlite3_vfs* Real() { return sqlite3_vfs_find("unix"); }
@@ -163,4 +163,4 @@ CrashVfs::CrashVfs(CrashFileSystem* files) : name_(NewName()), vfs_(*Real()) {
 
 CrashVfs::~CrashVfs() { sqlite3_vfs_unregister(&vfs_); }
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

@@ -17,7 +17,7 @@
 
 #include "tests/support/crash_file_system.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 class CrashVfs {
  public:
@@ -33,4 +33,4 @@ class CrashVfs {
   sqlite3_vfs vfs_;
 };
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

@@ -11,7 +11,7 @@
 #include "absl/strings/string_view.h"
 #include "core/sim/model/materials.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Null if no material has that name.
 inline const Material* FindMaterial(absl::string_view name) {
@@ -21,4 +21,4 @@ inline const Material* FindMaterial(absl::string_view name) {
   return nullptr;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

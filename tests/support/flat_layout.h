@@ -12,7 +12,7 @@
 
 #include "core/skin/layout.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 inline SkinLayout FlatLayout(std::string name, int rows, int columns,
                              TaxelUnit unit, double contact_threshold,
@@ -35,4 +35,4 @@ inline SkinLayout FlatLayout(int rows, int columns) {
   return FlatLayout("", rows, columns, TaxelUnit::kNewton, 1, 1);
 }
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

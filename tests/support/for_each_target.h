@@ -12,7 +12,7 @@
 #include "gtest/gtest.h"
 #include "hwy/targets.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 template <typename Check>
 void ForEachTarget(Check check) {
@@ -26,4 +26,4 @@ void ForEachTarget(Check check) {
   hwy::GetChosenTarget().Update(hwy::SupportedTargets());
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

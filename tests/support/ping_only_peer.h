@@ -22,7 +22,7 @@
 #include <thread>
 #include <vector>
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 class PingOnlyPeer {
  public:
@@ -124,4 +124,4 @@ class PingOnlyPeer {
   std::thread thread_;
 };
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

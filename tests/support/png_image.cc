@@ -7,7 +7,7 @@
 
 #include "gtest/gtest.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr int kChannels = 3;
@@ -141,4 +141,4 @@ Spot Ink(const PngImage& image, int left, int top, int right, int bottom) {
   return ink;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

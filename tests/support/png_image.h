@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct PngImage {
   int width = 0;
@@ -50,4 +50,4 @@ std::vector<Spot> Spots(const PngImage& image, uint32_t colour, int least = 20);
 // The patch of pixels that are not white within a part of the picture.
 Spot Ink(const PngImage& image, int left, int top, int right, int bottom);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

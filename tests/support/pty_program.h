@@ -24,7 +24,7 @@
 #include <string>
 #include <vector>
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 class PtyProgram {
  public:
@@ -133,4 +133,4 @@ class PtyProgram {
   size_t seen_ = 0;
 };
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

@@ -32,7 +32,7 @@
 #include <utility>
 #include <vector>
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 class RawHttp2 {
  public:
@@ -304,4 +304,4 @@ class RawHttp2 {
   std::map<FrameType, int> received_;
 };
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

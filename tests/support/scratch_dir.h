@@ -15,7 +15,7 @@
 
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // A separate folder for the running test, removed at the end.
 class ScratchDir {
@@ -57,4 +57,4 @@ inline void WriteBytes(const std::string& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

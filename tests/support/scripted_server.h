@@ -24,7 +24,7 @@
 #include "grpcpp/server_builder.h"
 #include "tactus/v1/contact.grpc.pb.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 class ScriptedServer final : private v1::ContactService::Service {
  public:
@@ -114,4 +114,4 @@ inline v1::ClassifyContactResponse GoodAnswer(uint64_t sequence) {
   return response;
 }
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

@@ -16,7 +16,7 @@
 
 #include "core/bundle/bundle.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 inline std::string SealedBundle(const std::string& payload) {
   const uint32_t version = kBundleFormatVersion;
@@ -32,4 +32,4 @@ inline std::string SealedBundle(const std::string& payload) {
   return bytes;
 }
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <string>
 
-namespace tactus {
+namespace tactus::internal {
 
 inline std::string SharedDataPath(const std::string& name) {
   if (const char* data = std::getenv("TACTUS_DATA_DIR")) {
@@ -18,4 +18,4 @@ inline std::string SharedDataPath(const std::string& name) {
          name;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

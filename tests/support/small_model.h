@@ -9,7 +9,7 @@
 
 #include "core/classify/model.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 // Classes HU, HM, SU, SM; features force (log) and motion; one two-state
 // left-right HMM a class around the given levels. Fits any skin.
@@ -61,4 +61,4 @@ inline void AddLstms(int count, Model& model) {
   AddLstmCalibration(model.calibration);
 }
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

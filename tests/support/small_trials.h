@@ -15,7 +15,7 @@
 #include "core/data/trial.h"
 #include "core/data/trial_record.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 // A contact of ideal signals: soft ones (even numbers) yield more slowly than
 // hard ones. Models can be fitted to those of `frames` 60.
@@ -54,4 +54,4 @@ inline std::string SmallPack(int first = 0, int end = 16, int frames = 60) {
   return pack;
 }
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

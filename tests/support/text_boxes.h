@@ -12,7 +12,7 @@
 #include "tools/figures/gnuplot_script.h"
 #include "tools/figures/label_places.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // Names the first pair of texts that overlap, or the first text beyond the
 // sheet, by their places in the script; empty if there is none. Letters are
@@ -38,4 +38,4 @@ inline std::string CoveredTexts(const GnuplotScript& script) {
   return "";
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

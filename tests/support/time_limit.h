@@ -21,7 +21,7 @@
 
 #include "gtest/gtest.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 // How long a call that must return may take.
 inline constexpr std::chrono::seconds kLongestCall(60);
@@ -64,4 +64,4 @@ class TimeLimit {
   std::thread thread_;
 };
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

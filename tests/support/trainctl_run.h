@@ -16,7 +16,7 @@
 #include "gtest/gtest.h"
 #include "tools/trainctl/verbs.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 struct TrainctlRun {
   absl::Status status;
@@ -46,4 +46,4 @@ inline TrainctlRun RunTrainctl(const std::string& arguments) {
   return run;
 }
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

@@ -9,7 +9,7 @@
 #include "core/base/status_macros.h"
 #include "core/files/file_bytes.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 absl::StatusOr<std::unique_ptr<ArmSource>> ArmSource::Make(
     const ArmSourceOptions& options) {
@@ -47,4 +47,4 @@ std::string ArmSource::Summary() const {
       s.last_refusal.empty() ? "" : ", the last: ", s.last_refusal);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

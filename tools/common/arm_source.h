@@ -23,7 +23,7 @@
 #include "client/kinematics/joint_poses.h"
 #include "client/kinematics/joint_receiver.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct ArmSourceOptions {
   // A file. Empty: frames without poses.
@@ -59,4 +59,4 @@ class ArmSource {
   std::unique_ptr<JointReceiver> receiver_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

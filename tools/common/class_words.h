@@ -14,7 +14,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 inline std::string ClassWords(absl::string_view name) {
   static constexpr std::pair<absl::string_view, absl::string_view> kWords[] = {
@@ -28,4 +28,4 @@ inline std::string ClassWords(absl::string_view name) {
   return std::string(name);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

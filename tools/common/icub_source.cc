@@ -11,7 +11,7 @@
 #include "core/data/trial_layout.h"
 #include "core/files/file_bytes.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr size_t kMaxPositionFileBytes = 4 * 1024 * 1024;
@@ -78,4 +78,4 @@ absl::StatusOr<std::unique_ptr<IcubSource>> IcubSource::Make(
       {.period_ms = options.period_ms, .scale = options.scale}, driver));
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

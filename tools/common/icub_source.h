@@ -20,7 +20,7 @@
 #include "client/drivers/can_skin_driver.h"
 #include "client/drivers/icub_skin/icub_skin.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct IcubSourceOptions {
   // With libusb; else through the kernel's `interface`.
@@ -64,4 +64,4 @@ class IcubSource {
   BufferedDriver buffered_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -14,7 +14,7 @@
 
 #include "nlohmann/json.hpp"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // Objects keep the order in which keys were set.
 using Json = nlohmann::ordered_json;
@@ -25,4 +25,4 @@ inline std::string JsonText(const Json& json, int indent = -1) {
                    Json::error_handler_t::replace);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

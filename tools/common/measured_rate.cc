@@ -7,7 +7,7 @@
 #include "core/base/errors.h"
 #include "tools/common/percentile.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr double kMostDifference = 0.05;
@@ -71,4 +71,4 @@ absl::Status MeasuredRate::Check(double configured_hz) const {
                       configured_hz));
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

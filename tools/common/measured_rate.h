@@ -17,7 +17,7 @@
 #include "absl/status/status.h"
 #include "client/stream/skin_frame.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class MeasuredRate {
  public:
@@ -39,4 +39,4 @@ class MeasuredRate {
   std::vector<double> periods_s_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -8,7 +8,7 @@
 #include "client/stream/answers.h"
 #include "tools/common/percentile.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // The full scale halves in this time without a larger load.
@@ -109,4 +109,4 @@ MonitorState Monitor::Snapshot(const DriverStatistics& statistics) {
   return state;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

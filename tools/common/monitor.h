@@ -23,7 +23,7 @@
 #include "tactus/v1/contact.pb.h"
 #include "tools/common/monitor_view.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class Monitor {
  public:
@@ -71,4 +71,4 @@ class Monitor {
   std::array<Sent, kWindow> sent_ = {};
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

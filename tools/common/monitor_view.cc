@@ -8,7 +8,7 @@
 #include "tools/common/skin_heatmap.h"
 #include "tools/common/text_canvas.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // Characters of the panel right of the heatmap, and between the two.
@@ -197,4 +197,4 @@ std::vector<std::string> RenderMonitor(const MonitorState& state,
   return canvas.Lines(style.colour);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -19,7 +19,7 @@
 
 #include "core/skin/layout.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct MonitorState {
   // The first line, e.g. the model's version.
@@ -77,4 +77,4 @@ struct ScreenStyle {
 std::vector<std::string> RenderMonitor(const MonitorState& state,
                                        const ScreenStyle& style);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

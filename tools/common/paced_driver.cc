@@ -6,7 +6,7 @@
 
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr int64_t kReadTimeoutNs = 100'000'000;
@@ -52,4 +52,4 @@ DriverStatistics PacedDriver::Statistics() const {
   return statistics;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

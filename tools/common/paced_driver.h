@@ -18,7 +18,7 @@
 #include "client/drivers/clock.h"
 #include "client/drivers/skin_driver.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class PacedDriver : public SkinDriver {
  public:
@@ -47,4 +47,4 @@ class PacedDriver : public SkinDriver {
   std::optional<int64_t> start_ns_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

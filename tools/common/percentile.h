@@ -15,7 +15,7 @@
 #include <limits>
 #include <vector>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // The p-quantile (nearest rank): the smallest value v such that at least a
 // fraction p of `values` is <= v. NaN if there are no values.
@@ -27,4 +27,4 @@ inline double Percentile(std::vector<double> values, double p) {
   return values[std::clamp<size_t>(rank, 1, values.size()) - 1];
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -2,7 +2,7 @@
 
 #include "absl/strings/str_format.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 std::string RateNews(double measured_hz, double stated_hz) {
   return absl::StrFormat(
@@ -12,4 +12,4 @@ std::string RateNews(double measured_hz, double stated_hz) {
       measured_hz, stated_hz);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -9,9 +9,9 @@
 
 #include <string>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // A sentence that names both rates and what to do.
 std::string RateNews(double measured_hz, double stated_hz);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

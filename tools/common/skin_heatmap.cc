@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // From grey over purple, red and orange to a light yellow.
@@ -125,4 +125,4 @@ HeatmapArea DrawHeatmap(const SkinLayout& layout, std::span<const float> values,
           (dots.rows() + halves - 1) / halves};
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -19,7 +19,7 @@
 #include "core/skin/layout.h"
 #include "tools/common/text_canvas.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // In characters.
 struct HeatmapArea {
@@ -41,4 +41,4 @@ HeatmapArea DrawHeatmap(const SkinLayout& layout, std::span<const float> values,
                         double full_scale, const HeatmapArea& area, bool colour,
                         TextCanvas& canvas);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -17,7 +17,7 @@
 #include "core/data/trial_layout.h"
 #include "core/files/file_bytes.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 namespace fs = std::filesystem;
@@ -359,4 +359,4 @@ absl::StatusOr<std::unique_ptr<SkinSource>> SkinSource::Make(
   return source;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

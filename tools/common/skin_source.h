@@ -28,7 +28,7 @@
 #include "tools/common/icub_source.h"
 #include "tools/common/paced_driver.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct SkinSourceOptions {
   // "sim", "replay", "icub-can", "icub-usb", "xela-can", "serial", or a library
@@ -148,4 +148,4 @@ class SkinSource {
   SkinDriver* driver_ = nullptr;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -13,7 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
@@ -122,4 +122,4 @@ std::optional<char> Terminal::ReadKey() {
 
 bool Terminal::interrupted() const { return g_interrupted != 0; }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -26,7 +26,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct TerminalSize {
   int columns = 80;
@@ -67,4 +67,4 @@ class Terminal {
 // The rule of colour().
 bool UsesColour(const char* no_color, const char* term, const char* locale);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -5,7 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // Bytes of the character that begins with `first`.
@@ -76,4 +76,4 @@ std::vector<std::string> TextCanvas::Lines(bool colour) const {
   return lines;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -15,7 +15,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class TextCanvas {
  public:
@@ -52,4 +52,4 @@ class TextCanvas {
   std::vector<Cell> cells_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

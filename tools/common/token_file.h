@@ -20,7 +20,7 @@
 #include "core/base/status_macros.h"
 #include "core/files/file_bytes.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // The token in the file, for a server at `address`. IO if the file cannot be
 // read or holds no token; INVALID_CONFIG if the token would leave this host
@@ -45,4 +45,4 @@ inline absl::StatusOr<std::string> ReadToken(const std::string& path,
   return std::string(token);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -7,7 +7,7 @@
 
 #include "core/connections/vetted_connections.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 const char* program_name = "";
@@ -32,4 +32,4 @@ void VetServers(const char* program) {
       {.connects = true, .now_ns = SteadyNs, .on_fault = ReportOnce});
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

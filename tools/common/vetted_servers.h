@@ -9,9 +9,9 @@
 // does not say why. Thread-safe.
 #pragma once
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // `program` must stay valid.
 void VetServers(const char* program);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -14,7 +14,7 @@
 
 #include "client/drivers/can/can_frame.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class CanPeer {
  public:
@@ -29,4 +29,4 @@ class CanPeer {
   virtual bool Emit(int64_t now_ns, CanFrame& frame) = 0;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -20,7 +20,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr uint16_t kPacketBytes = 32;
@@ -295,4 +295,4 @@ void FunctionFs::Answer(uint8_t type, uint8_t request, uint16_t length) {
   }
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

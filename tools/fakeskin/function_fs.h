@@ -31,7 +31,7 @@
 
 #include "absl/status/status.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct FunctionFsOptions {
   // Where FunctionFS is mounted.
@@ -110,4 +110,4 @@ class FunctionFs {
   std::vector<std::unique_ptr<Transfer>> receives_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

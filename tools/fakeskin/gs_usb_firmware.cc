@@ -1,6 +1,6 @@
 #include "tools/fakeskin/gs_usb_firmware.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using gs_usb::Request;
@@ -94,4 +94,4 @@ std::vector<uint8_t> GsUsbFirmware::FromBus(const CanFrame& frame) const {
   return bytes;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -23,7 +23,7 @@
 
 #include "client/drivers/can/gs_usb_protocol.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct GsUsbFirmwareOptions {
   uint32_t features = gs_usb::kHardwareStamps;
@@ -78,4 +78,4 @@ class GsUsbFirmware {
   std::vector<uint8_t> bit_timing_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -4,7 +4,7 @@
 
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 GsUsbGadget::GsUsbGadget(const FunctionFsOptions& options, Clock* clock)
     : name_(options.directory),
@@ -70,4 +70,4 @@ absl::StatusOr<bool> GsUsbGadget::Receive(CanFrame& frame, int64_t timeout_ns) {
   return true;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -24,7 +24,7 @@
 #include "tools/fakeskin/function_fs.h"
 #include "tools/fakeskin/gs_usb_firmware.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class GsUsbGadget : public CanBus {
  public:
@@ -54,4 +54,4 @@ class GsUsbGadget : public CanBus {
   uint64_t while_stopped_ = 0;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

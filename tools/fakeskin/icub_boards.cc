@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using icub::kBoardValues;
@@ -142,4 +142,4 @@ bool IcubBoards::Emit(int64_t now_ns, CanFrame& frame) {
   return true;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

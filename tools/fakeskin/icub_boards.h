@@ -23,7 +23,7 @@
 #include "client/drivers/icub_skin/scan_assembler.h"
 #include "tools/fakeskin/can_peer.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // What may be wrong with a board.
 struct IcubFault {
@@ -81,4 +81,4 @@ class IcubBoards : public CanPeer {
   uint64_t scans_ = 0;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

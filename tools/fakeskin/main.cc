@@ -16,7 +16,7 @@
 #include "tools/fakeskin/sim_touches.h"
 #include "tools/fakeskin/xela_patch.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 std::atomic<bool> interrupted = false;
@@ -132,6 +132,8 @@ int Main(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client
 
-int main(int argc, char** argv) { return tactus::client::Main(argc, argv); }
+int main(int argc, char** argv) {
+  return tactus::internal::client::Main(argc, argv);
+}

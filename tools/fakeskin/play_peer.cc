@@ -4,7 +4,7 @@
 
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr int64_t kLongestWaitNs = 100'000'000;
@@ -32,4 +32,4 @@ absl::Status PlayPeer(CanPeer& peer, CanBus& bus, Clock& clock,
   return absl::OkStatus();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -15,11 +15,11 @@
 #include "client/drivers/clock.h"
 #include "tools/fakeskin/can_peer.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // Opens the bus and plays until `go_on`, which is asked at least every 0.1 s,
 // returns false. IO if the bus fails.
 absl::Status PlayPeer(CanPeer& peer, CanBus& bus, Clock& clock,
                       const std::function<bool()>& go_on);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // Frame of a trial at a time since its begin, or the last.
@@ -124,4 +124,4 @@ std::string SimTouches::LabelAt(int64_t time_ns) {
   return touch == nullptr ? "" : touch->trial.label;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

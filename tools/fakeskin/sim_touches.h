@@ -22,7 +22,7 @@
 #include "client/drivers/sim_driver.h"
 #include "tools/fakeskin/icub_boards.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct SimTouchesOptions {
   uint64_t seed = 1;
@@ -82,4 +82,4 @@ class SimTouches {
   std::optional<int64_t> end_ns_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -6,7 +6,7 @@
 
 #include "client/drivers/icub_skin/board_messages.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr int kBoard = 1;
@@ -80,4 +80,4 @@ void PressXela(int64_t time_ns, std::span<double> counts) {
   }
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -17,7 +17,7 @@
 
 #include "tools/fakeskin/can_peer.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class XelaPatch : public CanPeer {
  public:
@@ -55,4 +55,4 @@ class XelaPatch : public CanPeer {
 // shear turns.
 void PressXela(int64_t time_ns, std::span<double> counts);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

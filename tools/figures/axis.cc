@@ -8,7 +8,7 @@
 #include "absl/strings/str_join.h"
 #include "core/base/errors.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // Free stretch beyond the outermost values, as a fraction of their distance.
@@ -127,4 +127,4 @@ void SetAxis(char which, const Axis& axis, const Range& range,
   }
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -17,7 +17,7 @@
 #include "absl/status/status.h"
 #include "tools/figures/gnuplot_script.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 enum class AxisScale { kLinear, kLog };
 
@@ -58,4 +58,4 @@ std::vector<double> LogTicks(const Range& range);
 void SetAxis(char which, const Axis& axis, const Range& range,
              GnuplotScript& script);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -9,7 +9,7 @@
 #include "core/base/status_macros.h"
 #include "tools/figures/sheet.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr int kBarWidth = 1400;
@@ -167,4 +167,4 @@ absl::StatusOr<GnuplotScript> ScriptOf(const BarChart& chart) {
   return script;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -22,7 +22,7 @@
 #include "tools/figures/axis.h"
 #include "tools/figures/line_plot.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct Bar {
   double value = 0;
@@ -64,4 +64,4 @@ struct BarChart {
 // nothing at all, too much, groups whose bars are not one per series.
 absl::StatusOr<GnuplotScript> ScriptOf(const BarChart& chart);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

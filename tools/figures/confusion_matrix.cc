@@ -11,7 +11,7 @@
 #include "core/base/status_macros.h"
 #include "tools/figures/sheet.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr int kCellWidth = 140;
@@ -122,4 +122,4 @@ absl::StatusOr<GnuplotScript> ScriptOf(const ConfusionMatrix& matrix) {
   return script;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -18,7 +18,7 @@
 #include "absl/status/statusor.h"
 #include "tools/figures/gnuplot_script.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // What can still be read on one sheet.
 inline constexpr int kMaxMatrixClasses = 16;
@@ -36,4 +36,4 @@ struct ConfusionMatrix {
 // no class or too many, counts of another shape or below 0.
 absl::StatusOr<GnuplotScript> ScriptOf(const ConfusionMatrix& matrix);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -3,7 +3,7 @@
 #include "core/base/status_macros.h"
 #include "tools/figures/gnuplot.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 absl::StatusOr<std::string> FigureAsPng(const Figure& figure) {
   TACTUS_ASSIGN_OR_RETURN(
@@ -19,4 +19,4 @@ absl::Status DrawFigure(const Figure& figure, const std::string& path) {
   return DrawToFile(script.text(), path);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

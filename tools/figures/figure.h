@@ -23,7 +23,7 @@
 #include "tools/figures/line_plot.h"
 #include "tools/figures/scatter_plot.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 using Figure = std::variant<LinePlot, ScatterPlot, BarChart, ConfusionMatrix>;
 
@@ -35,4 +35,4 @@ absl::StatusOr<std::string> FigureAsPng(const Figure& figure);
 // if gnuplot is not installed or `path` cannot be written.
 absl::Status DrawFigure(const Figure& figure, const std::string& path);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -20,7 +20,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr char kProgram[] = "gnuplot";
@@ -172,4 +172,4 @@ absl::Status DrawToFile(const std::string& script, const std::string& path) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

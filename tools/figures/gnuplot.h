@@ -19,7 +19,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // What the script writes to standard output: for a GnuplotScript, the bytes of
 // a PNG file. IO if gnuplot is not installed (the text names the package), or
@@ -30,4 +30,4 @@ absl::StatusOr<std::string> RunGnuplot(const std::string& script);
 // RunGnuplot, and IO if `path` cannot be written.
 absl::Status DrawToFile(const std::string& script, const std::string& path);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -6,7 +6,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr char kFont[] = "DejaVu Sans";
@@ -174,4 +174,4 @@ std::string GnuplotScript::At(Point at) const {
   return absl::StrFormat("screen %.6f,%.6f", at.x / width_, 1 - at.y / height_);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

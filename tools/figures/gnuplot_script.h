@@ -23,7 +23,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/string_view.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct Point {
   double x = 0;
@@ -134,4 +134,4 @@ class GnuplotScript {
   std::vector<Box> text_boxes_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

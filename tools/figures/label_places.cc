@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // From the centre of a marker to where its label or its leader may begin.
@@ -136,4 +136,4 @@ std::vector<LabelPlace> PlaceLabels(const std::vector<LabelledPoint>& points,
   return chosen;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -19,7 +19,7 @@
 
 #include "tools/figures/gnuplot_script.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct LabelledPoint {
   // Pixels.
@@ -50,4 +50,4 @@ std::vector<LabelPlace> PlaceLabels(const std::vector<LabelledPoint>& points,
 // Pixels that both boxes cover.
 double Overlap(const Box& a, const Box& b);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -9,7 +9,7 @@
 #include "core/base/status_macros.h"
 #include "tools/figures/sheet.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr int kLineWidth = 1120;
@@ -237,4 +237,4 @@ absl::StatusOr<GnuplotScript> ScriptOf(const LinePlot& plot) {
   return script;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

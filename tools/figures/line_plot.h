@@ -19,7 +19,7 @@
 #include "absl/status/statusor.h"
 #include "tools/figures/axis.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // How the intervals of a series are drawn.
 enum class IntervalStyle { kBand, kBars };
@@ -75,4 +75,4 @@ struct LinePlot {
 // no series or too many, lengths that differ, numbers that do not fit the axis.
 absl::StatusOr<GnuplotScript> ScriptOf(const LinePlot& plot);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -4,7 +4,7 @@
 #include <limits>
 #include <numeric>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 std::vector<int> ParetoFront(const std::vector<ScatterPoint>& points,
                              Better better_x, Better better_y) {
@@ -31,4 +31,4 @@ std::vector<int> ParetoFront(const std::vector<ScatterPoint>& points,
   return front;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -12,7 +12,7 @@
 #include "tools/figures/pareto.h"
 #include "tools/figures/sheet.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr int kScatterWidth = 1200;
@@ -152,4 +152,4 @@ absl::StatusOr<GnuplotScript> ScriptOf(const ScatterPlot& plot) {
   return script;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -20,7 +20,7 @@
 #include "absl/status/statusor.h"
 #include "tools/figures/axis.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct ScatterPoint {
   double x = 0;
@@ -54,4 +54,4 @@ struct ScatterPlot {
 // no series or too many, numbers that do not fit the axis.
 absl::StatusOr<GnuplotScript> ScriptOf(const ScatterPlot& plot);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

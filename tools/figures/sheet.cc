@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_format.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr double kSampleLength = 52;
@@ -91,4 +91,4 @@ Box AddHeading(const Heading& heading, GnuplotScript& script,
   return {margins.left, y + 22, right, script.height() - margins.bottom};
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -18,7 +18,7 @@
 
 #include "tools/figures/gnuplot_script.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 enum class LegendSample {
   kLineAndMarker,
@@ -59,4 +59,4 @@ Box AddHeading(const Heading& heading, GnuplotScript& script,
 double AddLegend(const std::vector<LegendEntry>& legend, Point from,
                  double right, GnuplotScript& script);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

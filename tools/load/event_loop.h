@@ -18,7 +18,7 @@
 #include "core/base/call_event.h"
 #include "grpcpp/completion_queue.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class EventLoop {
  public:
@@ -69,4 +69,4 @@ class EventLoop {
   grpc::CompletionQueue queue_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -5,7 +5,7 @@
 
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 absl::StatusOr<LoadReport> FindMaxRobots(
     LoadOptions options, const FindMaxOptions& search,
@@ -37,4 +37,4 @@ absl::StatusOr<LoadReport> FindMaxRobots(
   }
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

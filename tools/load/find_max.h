@@ -15,7 +15,7 @@
 #include "absl/status/statusor.h"
 #include "tools/load/load.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct FindMaxOptions {
   double p99_limit_ms = 10;
@@ -35,4 +35,4 @@ absl::StatusOr<LoadReport> FindMaxRobots(
     LoadOptions options, const FindMaxOptions& search,
     const std::function<void(const LoadReport&)>& on_test);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -12,7 +12,7 @@
 #include "google/protobuf/io/coded_stream.h"
 #include "google/protobuf/wire_format_lite.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using google::protobuf::internal::WireFormatLite;
@@ -99,4 +99,4 @@ grpc::ByteBuffer FrameScript::Message(size_t position,
   return grpc::ByteBuffer(slices, 2);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

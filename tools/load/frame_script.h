@@ -20,7 +20,7 @@
 #include "grpcpp/support/slice.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class FrameScript {
  public:
@@ -59,4 +59,4 @@ class FrameScript {
   std::vector<grpc::Slice> bodies_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

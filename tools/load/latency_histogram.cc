@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 void LatencyHistogram::Add(int64_t delay_ns) {
   delay_ns = std::max<int64_t>(0, delay_ns);
@@ -48,4 +48,4 @@ int64_t LatencyHistogram::EndOf(size_t bucket) {
   return static_cast<int64_t>(((mantissa + 1) << shift) - 1);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

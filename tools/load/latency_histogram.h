@@ -14,7 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class LatencyHistogram {
  public:
@@ -40,4 +40,4 @@ class LatencyHistogram {
   std::atomic<int64_t> max_ns_ = 0;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

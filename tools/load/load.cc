@@ -17,7 +17,7 @@
 #include "tools/load/event_loop.h"
 #include "tools/load/load_stream.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using std::chrono::nanoseconds;
@@ -216,4 +216,4 @@ absl::StatusOr<LoadReport> RunLoad(const LoadOptions& options) {
   return RunLoad(options, script);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -20,7 +20,7 @@
 #include "client/stream/channel.h"
 #include "tools/load/frame_script.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct LoadOptions {
   std::string address;
@@ -83,4 +83,4 @@ std::string LoadToText(const LoadReport& report);
 // One JSON object with the report's fields.
 std::string LoadToJson(const LoadReport& report);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

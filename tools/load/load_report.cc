@@ -2,7 +2,7 @@
 #include "tools/common/json.h"
 #include "tools/load/load.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 std::string LoadToText(const LoadReport& report) {
   std::string text = absl::StrFormat(
@@ -41,4 +41,4 @@ std::string LoadToJson(const LoadReport& report) {
   return JsonText(json, 1);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -8,7 +8,7 @@
 #include "grpcpp/impl/codegen/proto_utils.h"
 #include "grpcpp/support/proto_buffer_reader.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr char kMethod[] = "/tactus.v1.ContactService/ClassifyContact";
@@ -142,4 +142,4 @@ void LoadStream::OnFinished(bool) {
   ++shared_->ended;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

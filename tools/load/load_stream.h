@@ -26,7 +26,7 @@
 #include "tools/load/latency_histogram.h"
 #include "tools/load/schedule.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // What the streams of one test share.
 struct LoadShared {
@@ -119,4 +119,4 @@ class LoadStream {
 // Nanoseconds of the clock that schedules are in.
 int64_t LoadClockNs();
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

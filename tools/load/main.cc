@@ -13,7 +13,7 @@
 #include "tools/load/find_max.h"
 #include "tools/load/load.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 struct Flags {
@@ -109,6 +109,8 @@ int Main(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client
 
-int main(int argc, char** argv) { return tactus::client::Main(argc, argv); }
+int main(int argc, char** argv) {
+  return tactus::internal::client::Main(argc, argv);
+}

@@ -4,7 +4,7 @@
 
 #include "core/base/random.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 Schedule::Schedule(int robots, int64_t start_ns, int64_t period_ns,
                    uint64_t seed)
@@ -17,4 +17,4 @@ Schedule::Schedule(int robots, int64_t start_ns, int64_t period_ns,
   std::sort(phases_ns_.begin(), phases_ns_.end());
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class Schedule {
  public:
@@ -34,4 +34,4 @@ class Schedule {
   std::vector<int64_t> phases_ns_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

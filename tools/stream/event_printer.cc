@@ -9,7 +9,7 @@
 #include "core/base/text.h"
 #include "tools/common/json.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using v1::ContactEvent;
@@ -99,4 +99,4 @@ void EventPrinter::OnAnswer(const v1::Answer& answer) {
   if (answer.events_size() > 0) std::fflush(stdout);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

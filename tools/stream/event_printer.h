@@ -17,7 +17,7 @@
 #include "tactus/v1/contact.pb.h"
 #include "tools/stream/live_observer.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // The line of `event`, which happened `ms` after the contact's onset.
 std::string EventLine(const v1::ContactEvent& event, int64_t ms,
@@ -40,4 +40,4 @@ class EventPrinter final : public LiveObserver {
   v1::StreamStarted started_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -8,7 +8,7 @@
 #include "tools/common/class_words.h"
 #include "tools/common/json.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 std::atomic<LivePlayer*> running_player = nullptr;
@@ -110,4 +110,4 @@ absl::Status RunLive(const std::shared_ptr<grpc::Channel>& channel,
   return status;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -15,11 +15,11 @@
 #include "grpcpp/channel.h"
 #include "tools/stream/live_player.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // With `json`, each line of standard output is one JSON object.
 absl::Status RunLive(const std::shared_ptr<grpc::Channel>& channel,
                      SkinDriver& driver, const LivePlayer::Options& options,
                      bool json);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

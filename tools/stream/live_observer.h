@@ -14,7 +14,7 @@
 #include "client/stream/skin_frame.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class LiveObserver {
  public:
@@ -31,4 +31,4 @@ class LiveObserver {
   virtual void OnRead() = 0;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

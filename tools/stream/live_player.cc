@@ -11,7 +11,7 @@
 #include "core/base/status_macros.h"
 #include "tools/common/rate_news.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // Frames whose rate is compared with the configured one.
@@ -272,4 +272,4 @@ void LivePlayer::ReportNews() {
   stuck_ = statistics.stuck_taxels;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -41,7 +41,7 @@
 #include "tools/common/measured_rate.h"
 #include "tools/stream/live_observer.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct LiveContact {
   // Counts from 1.
@@ -176,4 +176,4 @@ class LivePlayer {
   std::optional<double> noticed_hz_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -29,7 +29,7 @@
 #include "tools/stream/report.h"
 #include "tools/stream/trial_player.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 struct Flags {
@@ -421,6 +421,8 @@ int Main(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client
 
-int main(int argc, char** argv) { return tactus::client::Main(argc, argv); }
+int main(int argc, char** argv) {
+  return tactus::internal::client::Main(argc, argv);
+}

@@ -11,7 +11,7 @@
 #include "tools/common/monitor.h"
 #include "tools/common/terminal.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using SteadyClock = std::chrono::steady_clock;
@@ -99,4 +99,4 @@ absl::Status RunMonitor(const std::shared_ptr<grpc::Channel>& channel,
   return player.Run();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -15,10 +15,10 @@
 #include "grpcpp/channel.h"
 #include "tools/stream/live_player.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // INVALID_CONFIG without a terminal; else how the stream ended.
 absl::Status RunMonitor(const std::shared_ptr<grpc::Channel>& channel,
                         SkinDriver& driver, LivePlayer::Options options);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -7,7 +7,7 @@
 #include "core/base/status_macros.h"
 #include "core/data/recording/recording_reader.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 bool IsRecording(absl::string_view path) {
   return absl::EndsWith(path, ".mcap");
@@ -97,4 +97,4 @@ absl::Status FinishRecorder(Recorder* recorder, const std::string& path,
   return status;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -27,7 +27,7 @@
 #include "client/recording/recorder.h"
 #include "tools/common/json.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 bool IsRecording(absl::string_view path);
 
@@ -68,4 +68,4 @@ Json ToJson(const AnswerCheck& check);
 absl::Status FinishRecorder(Recorder* recorder, const std::string& path,
                             std::FILE* out);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

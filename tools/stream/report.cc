@@ -13,7 +13,7 @@
 #include "tools/common/class_words.h"
 #include "tools/common/percentile.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // JSON has no NaN.
@@ -255,4 +255,4 @@ std::vector<double> Report::DecisionTimes() const {
   return times;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

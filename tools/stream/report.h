@@ -20,7 +20,7 @@
 #include "tools/common/json.h"
 #include "tools/stream/trial_player.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class Report {
  public:
@@ -78,4 +78,4 @@ class Report {
   TrialPlayer::Totals totals_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -14,7 +14,7 @@
 #include "core/data/trial_id.h"
 #include "tools/common/rate_news.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using std::chrono::nanoseconds;
@@ -214,4 +214,4 @@ absl::Status TrialPlayer::AwaitAnswer(uint64_t sequence) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

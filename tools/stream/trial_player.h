@@ -30,7 +30,7 @@
 #include "client/stream/resumable_stream.h"
 #include "grpcpp/channel.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // The final answer for one trial.
 struct TrialResult {
@@ -135,4 +135,4 @@ class TrialPlayer {
   std::vector<double> rtt_us_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -13,7 +13,7 @@
 #include "tools/trainctl/unknown_word.h"
 #include "tools/trainctl/verbs.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 void Report(const absl::Status& status) {
@@ -76,4 +76,4 @@ int RunTrainctl(int argc, char** argv) {
   return ExitCodeOf(status);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

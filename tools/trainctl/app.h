@@ -9,7 +9,7 @@
 
 #include "tools/trainctl/command.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // Adds all commands of the program to `app`.
 void AddCommands(CLI::App& app, const SelectCommand& select);
@@ -17,4 +17,4 @@ void AddCommands(CLI::App& app, const SelectCommand& select);
 // Runs one command line. Returns the exit code (exit_code.h).
 int RunTrainctl(int argc, char** argv);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

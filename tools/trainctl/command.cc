@@ -25,7 +25,7 @@
 #include "core/data/trial_layout.h"
 #include "core/files/file_bytes.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 std::string& MutableCommandLine() {
@@ -208,4 +208,4 @@ absl::StatusOr<std::shared_ptr<const CompiledModel>> LoadModel(
   return model;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -23,7 +23,7 @@
 #include "core/import/odd_rates.h"
 #include "tools/common/json.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // The work of a sub-command. It runs after the command line is parsed.
 using Command = std::function<absl::Status()>;
@@ -94,4 +94,4 @@ absl::Status MakeFolder(const std::string& path);
 absl::StatusOr<std::shared_ptr<const CompiledModel>> LoadModel(
     const std::string& path);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

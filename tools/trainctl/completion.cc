@@ -8,7 +8,7 @@
 #include "absl/strings/str_join.h"
 #include "tools/trainctl/command.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // The words that may follow `command`.
@@ -97,4 +97,4 @@ void AddCompletion(CLI::App& app, const SelectCommand& select) {
   });
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

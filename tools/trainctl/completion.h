@@ -12,11 +12,11 @@
 
 #include "CLI/CLI.hpp"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 enum class Shell { kBash, kZsh };
 
 // `app` is the root of the commands.
 std::string CompletionScript(const CLI::App& app, Shell shell);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

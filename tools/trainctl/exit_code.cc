@@ -7,7 +7,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr char kPayload[] = "tactus/exit-code";
@@ -30,4 +30,4 @@ ExitCode ExitCodeOf(const absl::Status& status) {
   return static_cast<ExitCode>(code);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -9,7 +9,7 @@
 
 #include "absl/status/status.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 enum ExitCode {
   kExitOk = 0,
@@ -37,4 +37,4 @@ absl::Status WithExitCode(absl::Status status, ExitCode code);
 // is about a flag, so that its message begins with "--"; else kExitError.
 ExitCode ExitCodeOf(const absl::Status& status);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

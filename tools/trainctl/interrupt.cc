@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <utility>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr char kSignal = 's';
@@ -52,4 +52,4 @@ void Interrupt::Run() {
   if (byte == kSignal) action_();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -13,7 +13,7 @@
 #include <functional>
 #include <thread>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class Interrupt {
  public:
@@ -33,4 +33,4 @@ class Interrupt {
   std::thread thread_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -3,5 +3,5 @@
 #include "tools/trainctl/app.h"
 
 int main(int argc, char** argv) {
-  return tactus::client::RunTrainctl(argc, argv);
+  return tactus::internal::client::RunTrainctl(argc, argv);
 }

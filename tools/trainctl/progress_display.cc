@@ -12,7 +12,7 @@
 #include "tools/trainctl/command.h"
 #include "tools/trainctl/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr double kQuietSeconds = 1;
@@ -124,4 +124,4 @@ void ProgressDisplay::Show(const std::string& detail) {
   shown_width_ = width;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -21,7 +21,7 @@
 #include "absl/strings/string_view.h"
 #include "core/base/work.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // "[####      ]  41 %".
 std::string ProgressBar(double fraction);
@@ -81,4 +81,4 @@ class ProgressDisplay {
   size_t shown_width_ = 0;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr const char* kBlocks[] = {"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
@@ -37,4 +37,4 @@ std::string Sparkline(std::span<const double> values, size_t width) {
   return line;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -10,11 +10,11 @@
 #include <span>
 #include <string>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // At most `width` characters, each the mean of as many values, from the lowest
 // to the highest block. Values that are not finite are left out. Equal values
 // are lowest blocks.
 std::string Sparkline(std::span<const double> values, size_t width);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

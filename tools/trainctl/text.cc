@@ -8,7 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "core/data/trial.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 std::string Percent(double fraction) {
   return absl::StrFormat("%.2f %%", 100 * fraction);
@@ -68,4 +68,4 @@ Json IntervalToJson(const Interval& interval) {
   return {interval.low, interval.high};
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -21,7 +21,7 @@
 #include "core/skin/layout.h"
 #include "tools/common/json.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 std::string Percent(double fraction);
 
@@ -48,4 +48,4 @@ std::string SkinText(const SkinLayout& skin);
 // [low, high], as JSON.
 Json IntervalToJson(const Interval& interval);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -7,7 +7,7 @@
 #include "absl/strings/str_join.h"
 #include "core/base/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // Insertions, deletions, replacements and swaps of neighbours that turn `a`
@@ -137,4 +137,4 @@ std::string UnknownWord(const CLI::App& app,
   return "";
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

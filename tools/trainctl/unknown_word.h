@@ -14,7 +14,7 @@
 
 #include "CLI/CLI.hpp"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // Empty if all commands and flags are known. `app` is the root of the commands.
 std::string UnknownWord(const CLI::App& app,
@@ -23,4 +23,4 @@ std::string UnknownWord(const CLI::App& app,
 // Every command of the program as users write it, e.g. "trainctl jobs list".
 std::vector<std::string> CommandPaths(const CLI::App& app);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -10,7 +10,7 @@
 #include "CLI/CLI.hpp"
 #include "tools/trainctl/command.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 #define TACTUS_VERB(verb) \
   void Add##verb(CLI::App& app, const SelectCommand& select);
@@ -21,4 +21,4 @@ namespace tactus::client {
 #undef TACTUS_SERVER_VERB
 #undef TACTUS_STAND_IN_VERB
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

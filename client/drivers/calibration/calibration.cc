@@ -11,7 +11,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 absl::Status CheckNumbers(absl::string_view name,
@@ -176,4 +176,4 @@ LayoutThresholds ThresholdsFor(const Calibration& calibration, double scale) {
   return found;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

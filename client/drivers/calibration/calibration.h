@@ -24,7 +24,7 @@
 #include "client/drivers/calibration/taxel_faults.h"
 #include "core/skin/layout.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct Calibration {
   // Names the skin and how it is connected.
@@ -99,4 +99,4 @@ inline double LoadOf(const Calibration& calibration, size_t taxel,
   return calibration.gains[taxel]->Load(reading);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -7,7 +7,7 @@
 #include "core/base/status_macros.h"
 #include "nlohmann/json.hpp"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using InUseJson = nlohmann::json;
@@ -89,4 +89,4 @@ absl::StatusOr<CalibrationInUse> CalibrationInUseFromJson(
   return in_use;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -18,7 +18,7 @@
 #include "absl/strings/string_view.h"
 #include "client/drivers/calibration/calibration.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct CalibrationInUse {
   // Names the skin and how it is connected.
@@ -41,4 +41,4 @@ std::string ToJson(const CalibrationInUse& in_use);
 absl::StatusOr<CalibrationInUse> CalibrationInUseFromJson(
     absl::string_view json);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -10,7 +10,7 @@
 #include "core/skin/layout_json.h"
 #include "nlohmann/json.hpp"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using Json = nlohmann::json;
@@ -232,4 +232,4 @@ absl::StatusOr<Calibration> CalibrationFromJson(absl::string_view json) {
   return made;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

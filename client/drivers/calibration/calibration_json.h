@@ -17,7 +17,7 @@
 #include "absl/strings/string_view.h"
 #include "client/drivers/calibration/calibration.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // Largest text that is read.
 inline constexpr size_t kMaxCalibrationBytes = 16 * 1024 * 1024;
@@ -33,4 +33,4 @@ absl::Status CheckDepth(absl::string_view json);
 // text.
 absl::StatusOr<Calibration> CalibrationFromJson(absl::string_view json);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

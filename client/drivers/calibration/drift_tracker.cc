@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 DriftTracker::DriftTracker(size_t taxels, const Options& options)
     : weight_(-std::expm1(-1 / (options.time_s * options.sample_rate_hz))),
@@ -29,4 +29,4 @@ void DriftTracker::Step(std::span<const double> above_baseline,
   }
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

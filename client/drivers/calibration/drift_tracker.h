@@ -20,7 +20,7 @@
 #include <span>
 #include <vector>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class DriftTracker {
  public:
@@ -51,4 +51,4 @@ class DriftTracker {
   bool frozen_ = false;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 absl::StatusOr<GainCurve> GainCurve::Make(std::vector<GainPoint> points) {
   if (points.empty()) {
@@ -42,4 +42,4 @@ double GainCurve::Load(double reading) const {
   return begin.load + (reading - begin.reading) * slope;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

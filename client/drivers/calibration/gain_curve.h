@@ -18,7 +18,7 @@
 
 #include "absl/status/statusor.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct GainPoint {
   // Above the taxel's baseline, in the numbers that the skin sends.
@@ -48,4 +48,4 @@ class GainCurve {
   std::vector<GainPoint> points_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

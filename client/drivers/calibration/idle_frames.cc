@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 IdleFrames::IdleFrames(const SkinInfo& info, size_t frames)
     : info_(info),
@@ -37,4 +37,4 @@ void RawValues(const SkinInfo& info, const SkinFrame& frame,
   }
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

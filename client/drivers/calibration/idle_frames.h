@@ -19,7 +19,7 @@
 
 #include "client/stream/skin_frame.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class IdleFrames {
  public:
@@ -60,4 +60,4 @@ class IdleFrames {
 void RawValues(const SkinInfo& info, const SkinFrame& frame,
                std::span<float> values);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

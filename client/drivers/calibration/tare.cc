@@ -8,7 +8,7 @@
 #include "client/drivers/calibration/taxel_noise.h"
 #include "core/base/errors.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr size_t kParts = 4;
@@ -119,4 +119,4 @@ std::vector<int> OutstandingTaxels(const IdleFrames& idle,
   return found;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

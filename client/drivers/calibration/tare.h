@@ -29,7 +29,7 @@
 #include "absl/status/statusor.h"
 #include "client/drivers/calibration/idle_frames.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // Fewest frames of a tare.
 inline constexpr size_t kMinTareFrames = 20;
@@ -52,4 +52,4 @@ absl::StatusOr<std::vector<double>> Tare(const IdleFrames& idle,
 std::vector<int> OutstandingTaxels(const IdleFrames& idle,
                                    const std::vector<double>& baseline);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

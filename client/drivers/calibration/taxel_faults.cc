@@ -4,7 +4,7 @@
 
 #include "client/drivers/calibration/tare.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr double kUsualChanges = 0.1;
@@ -64,4 +64,4 @@ std::vector<int> UnfeltTaxels(const IdleFrames& idle,
   return unfelt;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

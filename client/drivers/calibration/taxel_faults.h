@@ -22,7 +22,7 @@
 #include "client/drivers/calibration/idle_frames.h"
 #include "client/drivers/calibration/taxel_noise.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // Row-major indices, rising. A taxel has one fault at most.
 struct TaxelFaults {
@@ -46,4 +46,4 @@ std::vector<int> UnfeltTaxels(const IdleFrames& idle,
                               const std::vector<TaxelNoise>& noise,
                               std::span<const float> largest);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

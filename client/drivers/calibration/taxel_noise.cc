@@ -5,7 +5,7 @@
 
 #include "core/skin/idle_thresholds.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr double kLeastSteps = 0.3;
@@ -64,4 +64,4 @@ std::vector<double> StepNoise(const IdleFrames& idle) {
   return noise;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -14,7 +14,7 @@
 
 #include "client/drivers/calibration/idle_frames.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // In the numbers that the skin sends.
 struct TaxelNoise {
@@ -44,4 +44,4 @@ inline constexpr double kDeviationsPerMedian = 1.4826;
 // 0 if there are no values.
 double MedianOf(std::vector<double> values);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -23,7 +23,7 @@
 #include "absl/status/statusor.h"
 #include "client/drivers/can/can_frame.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // Counted since the object was made; Open does not reset them.
 struct CanCounters {
@@ -55,4 +55,4 @@ class CanBus {
   virtual CanCounters counters() const = 0;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <span>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct CanError {
   // The controller has left the bus after too many errors, until a restart.
@@ -38,4 +38,4 @@ inline CanError ReadCanError(uint32_t id, std::span<const uint8_t> data) {
   return error;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

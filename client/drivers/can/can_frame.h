@@ -15,7 +15,7 @@
 #include <initializer_list>
 #include <span>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct CanFrame {
   // 11 bits, or 29 if `extended`.
@@ -65,4 +65,4 @@ inline bool PassesAny(std::span<const CanFilter> filters,
                      [&](const CanFilter& f) { return f.Passes(frame); });
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -17,7 +17,7 @@
 #include <cstring>
 #include <vector>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // A second of a full bus.
@@ -192,4 +192,4 @@ CanSockets& CanSockets::System() {
   return *sockets;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

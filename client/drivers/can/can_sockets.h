@@ -18,7 +18,7 @@
 
 #include "client/drivers/can/can_frame.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class CanSockets {
  public:
@@ -53,4 +53,4 @@ class CanSockets {
   static CanSockets& System();
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -15,7 +15,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 struct UsbId {
@@ -489,4 +489,4 @@ absl::StatusOr<bool> GsUsb::Receive(CanFrame& frame, int64_t timeout_ns) {
 
 CanCounters GsUsb::counters() const { return counters_; }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

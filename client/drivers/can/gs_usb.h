@@ -20,7 +20,7 @@
 #include "client/drivers/can/can_bus.h"
 #include "client/drivers/clock.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct GsUsbOptions {
   uint32_t bit_rate = 1'000'000;
@@ -58,4 +58,4 @@ class GsUsb : public CanBus {
   std::unique_ptr<Device> device_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -8,7 +8,7 @@
 #include "client/drivers/can/can_error.h"
 #include "core/base/errors.h"
 
-namespace tactus::client::gs_usb {
+namespace tactus::internal::client::gs_usb {
 namespace {
 
 void AppendNumber(uint32_t number, std::vector<uint8_t>& bytes) {
@@ -175,4 +175,4 @@ int64_t StampClock::HostTimeNs(uint32_t stamp_us, int64_t now_ns) {
   return last_host_ns_;
 }
 
-}  // namespace tactus::client::gs_usb
+}  // namespace tactus::internal::client::gs_usb

@@ -23,7 +23,7 @@
 #include "absl/status/statusor.h"
 #include "client/drivers/can/can_frame.h"
 
-namespace tactus::client::gs_usb {
+namespace tactus::internal::client::gs_usb {
 
 enum class Request : uint8_t {
   kHostFormat = 0,
@@ -130,4 +130,4 @@ class StampClock {
   int64_t last_host_ns_ = 0;
 };
 
-}  // namespace tactus::client::gs_usb
+}  // namespace tactus::internal::client::gs_usb

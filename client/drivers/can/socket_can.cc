@@ -12,7 +12,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 static_assert(sizeof(can_frame) == 16, "as CanSockets::Message holds it");
@@ -155,4 +155,4 @@ absl::StatusOr<bool> SocketCan::Use(const CanSockets::Message& message,
   return !frame.remote;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -20,7 +20,7 @@
 #include "client/drivers/can/can_sockets.h"
 #include "client/drivers/clock.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class SocketCan : public CanBus {
  public:
@@ -56,4 +56,4 @@ class SocketCan : public CanBus {
   CanCounters counters_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -1,6 +1,6 @@
 #include "client/drivers/icub_skin/board_messages.h"
 
-namespace tactus::client::icub {
+namespace tactus::internal::client::icub {
 namespace {
 
 constexpr uint8_t kDiscover = 0xFF;
@@ -110,4 +110,4 @@ std::optional<bool> ReadTransmit(const CanFrame& frame, int address) {
   return frame.data[1] == 0;
 }
 
-}  // namespace tactus::client::icub
+}  // namespace tactus::internal::client::icub

@@ -25,7 +25,7 @@
 
 #include "client/drivers/can/can_frame.h"
 
-namespace tactus::client::icub {
+namespace tactus::internal::client::icub {
 
 inline constexpr int kFirstBoard = 1;
 inline constexpr int kLastBoard = 14;
@@ -116,4 +116,4 @@ std::optional<TriangleConfig> ReadTriangleConfig(const CanFrame& frame,
 // True for start, false for stop.
 std::optional<bool> ReadTransmit(const CanFrame& frame, int address);
 
-}  // namespace tactus::client::icub
+}  // namespace tactus::internal::client::icub

@@ -8,7 +8,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::client::icub {
+namespace tactus::internal::client::icub {
 namespace {
 
 // Periods that are waited at most until stopped boards are silent.
@@ -250,4 +250,4 @@ std::string IcubSkin::Missing() const {
   return silent.empty() ? "scans are incomplete" : absl::StrJoin(silent, "; ");
 }
 
-}  // namespace tactus::client::icub
+}  // namespace tactus::internal::client::icub

@@ -24,7 +24,7 @@
 #include "client/drivers/icub_skin/scan_assembler.h"
 #include "client/drivers/icub_skin/skin_patch.h"
 
-namespace tactus::client::icub {
+namespace tactus::internal::client::icub {
 
 struct IcubSkinOptions {
   // 1 to 255. On one bus, 7 boards need more than 30.
@@ -80,4 +80,4 @@ class IcubSkin : public CanSkinProtocol {
   SkinScan scan_;
 };
 
-}  // namespace tactus::client::icub
+}  // namespace tactus::internal::client::icub

@@ -11,7 +11,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::client::icub {
+namespace tactus::internal::client::icub {
 namespace {
 
 constexpr size_t kMaxValues =
@@ -120,4 +120,4 @@ absl::StatusOr<TaxelPositions> ParsePositions(absl::string_view text) {
   return positions;
 }
 
-}  // namespace tactus::client::icub
+}  // namespace tactus::internal::client::icub

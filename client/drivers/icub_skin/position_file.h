@@ -22,7 +22,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace tactus::client::icub {
+namespace tactus::internal::client::icub {
 
 struct TaxelPosition {
   bool present = false;
@@ -47,4 +47,4 @@ struct TaxelPositions {
 // no row has a taxel.
 absl::StatusOr<TaxelPositions> ParsePositions(absl::string_view text);
 
-}  // namespace tactus::client::icub
+}  // namespace tactus::internal::client::icub

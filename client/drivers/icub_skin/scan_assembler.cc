@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-namespace tactus::client::icub {
+namespace tactus::internal::client::icub {
 
 ScanAssembler::ScanAssembler(std::vector<SkinBoard> boards, int64_t period_ns)
     : boards_(std::move(boards)),
@@ -144,4 +144,4 @@ void ScanAssembler::Reset() {
   }
 }
 
-}  // namespace tactus::client::icub
+}  // namespace tactus::internal::client::icub

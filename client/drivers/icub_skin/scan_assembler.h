@@ -32,7 +32,7 @@
 
 #include "client/drivers/icub_skin/triangle_frames.h"
 
-namespace tactus::client::icub {
+namespace tactus::internal::client::icub {
 
 struct SkinBoard {
   // kFirstBoard to kLastBoard.
@@ -131,4 +131,4 @@ class ScanAssembler {
   std::vector<BoardState> states_;
 };
 
-}  // namespace tactus::client::icub
+}  // namespace tactus::internal::client::icub

@@ -19,7 +19,7 @@
 #include "core/base/status_macros.h"
 #include "core/skin/taxel_grid.h"
 
-namespace tactus::client::icub {
+namespace tactus::internal::client::icub {
 namespace {
 
 constexpr absl::string_view kForearmV1 = "13,12:0-3+6+8-9";
@@ -239,7 +239,7 @@ std::vector<std::optional<Eigen::Vector3d>> CellPositions(
 }
 
 absl::Status Validate(const SkinPatch& patch) {
-  TACTUS_RETURN_IF_ERROR(tactus::Validate(patch.layout));
+  TACTUS_RETURN_IF_ERROR(tactus::internal::Validate(patch.layout));
   TACTUS_RETURN_IF_ERROR(CheckOneAxis("an iCub's skin", patch.layout));
   if (patch.boards.empty()) {
     return InvalidConfig("boards", "none", "at least one");
@@ -258,4 +258,4 @@ absl::Status Validate(const SkinPatch& patch) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus::client::icub
+}  // namespace tactus::internal::client::icub

@@ -24,7 +24,7 @@
 #include "client/drivers/icub_skin/scan_assembler.h"
 #include "core/skin/layout.h"
 
-namespace tactus::client::icub {
+namespace tactus::internal::client::icub {
 
 inline constexpr uint16_t kThermalDots = 1U << 6 | 1U << 10;
 
@@ -69,4 +69,4 @@ std::vector<std::optional<Eigen::Vector3d>> CellPositions(
 // which is a cell or -1.
 absl::Status Validate(const SkinPatch& patch);
 
-}  // namespace tactus::client::icub
+}  // namespace tactus::internal::client::icub

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace tactus::client::icub {
+namespace tactus::internal::client::icub {
 namespace {
 
 constexpr uint8_t kHead = 0x40;
@@ -70,4 +70,4 @@ std::optional<TrianglePart> DecodePart(const CanFrame& frame) {
   return part;
 }
 
-}  // namespace tactus::client::icub
+}  // namespace tactus::internal::client::icub

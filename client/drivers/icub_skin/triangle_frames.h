@@ -19,7 +19,7 @@
 
 #include "client/drivers/icub_skin/board_messages.h"
 
-namespace tactus::client::icub {
+namespace tactus::internal::client::icub {
 
 struct TriangleStatus {
   // Bit k: dot k is out of the converter's range.
@@ -62,4 +62,4 @@ bool IsSkinData(const CanFrame& frame);
 // Nothing if the frame is no part of a triangle.
 std::optional<TrianglePart> DecodePart(const CanFrame& frame);
 
-}  // namespace tactus::client::icub
+}  // namespace tactus::internal::client::icub

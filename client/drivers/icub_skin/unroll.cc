@@ -7,7 +7,7 @@
 #include "Eigen/Eigenvalues"
 #include "Eigen/QR"
 
-namespace tactus::client::icub {
+namespace tactus::internal::client::icub {
 namespace {
 
 // Normals of a flat patch have less than this fraction of their squares in
@@ -72,4 +72,4 @@ std::vector<Eigen::Vector3d> Unroll(
   return flat;
 }
 
-}  // namespace tactus::client::icub
+}  // namespace tactus::internal::client::icub

@@ -17,11 +17,11 @@
 
 #include "Eigen/Core"
 
-namespace tactus::client::icub {
+namespace tactus::internal::client::icub {
 
 // One normal for each point, of unit length or zero. Metres.
 std::vector<Eigen::Vector3d> Unroll(
     const std::vector<Eigen::Vector3d>& points,
     const std::vector<Eigen::Vector3d>& normals);
 
-}  // namespace tactus::client::icub
+}  // namespace tactus::internal::client::icub

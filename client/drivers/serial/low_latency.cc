@@ -10,7 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 int KernelControl(int file, unsigned long request, serial_struct* line) {
@@ -87,4 +87,4 @@ std::string LowLatency::ToText(const std::string& path,
   return text;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -19,7 +19,7 @@
 #include <functional>
 #include <string>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class LowLatency {
  public:
@@ -61,4 +61,4 @@ class LowLatency {
   bool changed_ = false;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

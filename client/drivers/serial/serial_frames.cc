@@ -8,7 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr uint8_t kFirst = 0xAA;
@@ -273,4 +273,4 @@ void SerialFrames::Drop(size_t bytes) {
   times_.erase(times_.begin(), times_.begin() + count);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -32,7 +32,7 @@
 #include <string>
 #include <vector>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 enum class SerialFormat { kAscii, kAa55 };
 
@@ -140,4 +140,4 @@ class SerialFrames {
   std::vector<size_t> places_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

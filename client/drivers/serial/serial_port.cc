@@ -12,7 +12,7 @@
 
 #include "core/base/errors.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 struct Rate {
@@ -99,4 +99,4 @@ absl::StatusOr<size_t> SerialPort::Read(std::span<uint8_t> bytes,
                  count == 0 ? "the device is gone" : std::strerror(errno));
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -24,7 +24,7 @@
 #include "absl/status/statusor.h"
 #include "client/drivers/serial/low_latency.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class SerialPort {
  public:
@@ -55,4 +55,4 @@ class SerialPort {
   std::string latency_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

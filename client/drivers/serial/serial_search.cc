@@ -13,7 +13,7 @@
 #include "client/drivers/serial/serial_port.h"
 #include "core/base/errors.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 namespace fs = std::filesystem;
@@ -149,4 +149,4 @@ absl::StatusOr<SerialFound> FindSerialSkin(SerialFormat format,
   return InvalidConfig("--port", "auto", "one of several: " + ListText(skins));
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

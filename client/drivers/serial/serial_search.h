@@ -23,7 +23,7 @@
 #include "client/drivers/clock.h"
 #include "client/drivers/serial/serial_shape.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct SerialSearch {
   // Folders with links that name adapters, and with ttyUSB* and ttyACM*.
@@ -60,4 +60,4 @@ absl::StatusOr<SerialFound> FindSerialSkin(SerialFormat format,
                                            const SerialSearch& search,
                                            Clock& clock = Clock::System());
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

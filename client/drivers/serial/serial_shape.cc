@@ -8,7 +8,7 @@
 #include "absl/strings/str_join.h"
 #include "core/base/limits.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr uint8_t kSyncFirst = 0xAA;
@@ -133,4 +133,4 @@ const SerialShapeFinder::Sync* SerialShapeFinder::Find(uint64_t at) const {
   return found != syncs_.end() && found->at == at ? &*found : nullptr;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -22,7 +22,7 @@
 
 #include "client/drivers/serial/serial_frames.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct SerialShape {
   SerialFormat format = SerialFormat::kAscii;
@@ -83,4 +83,4 @@ class SerialShapeFinder {
   int64_t last_ns_ = 0;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

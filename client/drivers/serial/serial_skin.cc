@@ -10,7 +10,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // Setup waits for this many frames of a slow skin.
@@ -125,4 +125,4 @@ std::string SerialSkin::Missing() const {
   return absl::StrCat(text, ": check baud rate, format and layout");
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

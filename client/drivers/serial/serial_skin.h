@@ -23,7 +23,7 @@
 #include "client/drivers/skin_device.h"
 #include "core/skin/layout.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct SerialSkinOptions {
   SerialFormat format = SerialFormat::kAscii;
@@ -73,4 +73,4 @@ class SerialSkin : public SkinDevice {
   uint64_t blocks_before_ = 0;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

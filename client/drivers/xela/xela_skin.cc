@@ -8,7 +8,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr uint32_t kFirstId = 0x710;
@@ -161,4 +161,4 @@ std::string XelaSkin::Missing() const {
   return "nothing comes from taxels" + missing;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -26,7 +26,7 @@
 #include "client/drivers/can_skin_protocol.h"
 #include "core/skin/layout.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // 4 x 4 taxels 4.7 mm apart of three axes, the load being Z, in counts, with
 // nominal thresholds.
@@ -80,4 +80,4 @@ class XelaSkin : public CanSkinProtocol {
   uint64_t incomplete_ = 0;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -10,7 +10,7 @@
 #include "core/base/status_macros.h"
 #include "core/skin/taxel_values.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
@@ -157,4 +157,4 @@ Trial ContactCutter::Take() {
   return trial;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

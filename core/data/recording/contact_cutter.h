@@ -25,7 +25,7 @@
 #include "core/skin/layout.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class ContactCutter {
  public:
@@ -73,4 +73,4 @@ class ContactCutter {
   uint64_t missing_ = 0;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

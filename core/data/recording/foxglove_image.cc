@@ -12,7 +12,7 @@
 #include "google/protobuf/io/zero_copy_stream_impl_lite.h"
 #include "google/protobuf/timestamp.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using google::protobuf::FieldDescriptorProto;
@@ -118,4 +118,4 @@ std::string FoxgloveImage::Encode(const v1::FrameBatch& batch,
   return bytes;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -19,7 +19,7 @@
 #include "core/skin/layout.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class FoxgloveImage {
  public:
@@ -36,4 +36,4 @@ class FoxgloveImage {
   SkinLayout layout_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

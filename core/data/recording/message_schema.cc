@@ -5,7 +5,7 @@
 #include "core/base/serialize.h"
 #include "google/protobuf/descriptor.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Files come after those that they import.
@@ -32,4 +32,4 @@ McapSchema JsonSchema(const std::string& name) {
   return {name, "jsonschema", R"({"type": "object"})"};
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -13,11 +13,11 @@
 #include "core/files/mcap/mcap_records.h"
 #include "google/protobuf/descriptor.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 McapSchema MessageSchema(const google::protobuf::Descriptor& message);
 
 // The schema of JSON objects of any kind.
 McapSchema JsonSchema(const std::string& name);
 
-}  // namespace tactus
+}  // namespace tactus::internal

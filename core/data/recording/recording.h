@@ -19,7 +19,7 @@
 #include "absl/strings/string_view.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Topics. All messages but the calibration, which is JSON, are protobuf.
 inline constexpr char kFrameTopic[] = "/skin/frames";
@@ -77,4 +77,4 @@ using RecordingEvent =
                  v1::FrameBatch, v1::EndOfTrial, v1::Answer,
                  RecordedCalibration, RawFrame>;
 
-}  // namespace tactus
+}  // namespace tactus::internal

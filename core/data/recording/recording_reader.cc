@@ -11,7 +11,7 @@
 #include "core/skin/layout_proto.h"
 #include "core/skin/taxel_values.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // x y z qx qy qz qw.
@@ -228,4 +228,4 @@ absl::Status RecordingReader::Invalid(absl::string_view message) const {
                    Printable(file_->message().channel->topic), " ", message));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -30,7 +30,7 @@
 #include "core/files/mcap/mcap_reader.h"
 #include "core/skin/layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class RecordingReader {
  public:
@@ -96,4 +96,4 @@ class RecordingReader {
   bool has_raw_ = false;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -10,7 +10,7 @@
 #include "core/skin/layout_proto.h"
 #include "core/skin/taxel_values.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 template <typename Message>
@@ -173,4 +173,4 @@ absl::Status RecordingWriter::Finish(const RecordingTexts& values) {
   return file_->Finish();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

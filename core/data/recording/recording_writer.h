@@ -25,7 +25,7 @@
 #include "core/data/recording/recording.h"
 #include "core/files/mcap/mcap_writer.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class RecordingWriter {
  public:
@@ -79,4 +79,4 @@ class RecordingWriter {
   int64_t time_ns_ = 0;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

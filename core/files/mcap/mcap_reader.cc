@@ -13,7 +13,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr uint64_t kBlockBytes = 64 * 1024;
@@ -339,4 +339,4 @@ absl::Status McapReader::WrongChecksum(absl::string_view what, uint32_t found,
                                          what, record_offset_, found, stated));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -30,7 +30,7 @@
 #include "absl/strings/string_view.h"
 #include "core/files/mcap/mcap_records.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 enum class McapRead { kMessage, kMetadata, kEnd };
 
@@ -120,4 +120,4 @@ class McapReader {
   McapMetadata metadata_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

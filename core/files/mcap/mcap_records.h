@@ -19,7 +19,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 inline constexpr absl::string_view kMcapMagic("\x89MCAP0\r\n", 8);
 // Opcode and length of a record.
@@ -131,4 +131,4 @@ class McapCursor {
   bool good_ = true;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -13,7 +13,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 void PutRecord(McapOpcode opcode, absl::string_view content, std::string* out) {
@@ -314,4 +314,4 @@ absl::Status McapWriter::Sync() {
   return status_;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

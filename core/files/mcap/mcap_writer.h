@@ -32,7 +32,7 @@
 #include "absl/strings/string_view.h"
 #include "core/files/mcap/mcap_records.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct McapWriterOptions {
   // Who wrote the file; a field of the header.
@@ -119,4 +119,4 @@ class McapWriter {
   std::map<uint16_t, std::vector<std::pair<uint64_t, uint64_t>>> index_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr double kExactSum = 1e-9;
@@ -205,4 +205,4 @@ absl::StatusOr<GaussianHmm> HmmOf(const HmmFields& fields,
   return hmm;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

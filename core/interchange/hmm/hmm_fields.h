@@ -17,7 +17,7 @@
 #include "absl/strings/string_view.h"
 #include "core/hmm/gaussian_hmm.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Row-major.
 struct NumberArray {
@@ -61,4 +61,4 @@ HmmFields FieldsOf(const GaussianHmm& hmm);
 absl::StatusOr<GaussianHmm> HmmOf(const HmmFields& fields,
                                   absl::string_view where);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -17,7 +17,7 @@
 #include "core/classify/model.h"
 #include "core/interchange/model/foreign_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 enum class HmmJsonStyle {
   // startprob_, transmat_, means_, covars_, covariance_type.
@@ -35,4 +35,4 @@ std::string HmmsToJson(const Model& model, HmmJsonStyle style);
 absl::StatusOr<ForeignModel> HmmsFromJson(absl::string_view path,
                                           absl::string_view text);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -15,7 +15,7 @@
 #include "core/interchange/model/inputs_json.h"
 #include "core/interchange/model/model_file_error.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr char kClassNames[] = "class_names";
@@ -178,4 +178,4 @@ absl::StatusOr<ForeignModel> HmmsFromNpz(absl::string_view path,
   return model;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -18,7 +18,7 @@
 #include "core/classify/model.h"
 #include "core/interchange/model/foreign_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // The model must be valid. INVALID_MODEL if it has more arrays than a file can
 // hold.
@@ -30,4 +30,4 @@ absl::StatusOr<std::string> HmmsToNpz(const Model& model);
 absl::StatusOr<ForeignModel> HmmsFromNpz(absl::string_view path,
                                          absl::string_view bytes);
 
-}  // namespace tactus
+}  // namespace tactus::internal

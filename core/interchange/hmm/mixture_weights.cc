@@ -5,7 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 std::vector<double> WeightsOf(const HmmMixture& mixture) {
   std::vector<double> weights;
@@ -29,4 +29,4 @@ absl::Status SetWeights(const std::vector<double>& weights,
   return Annotate(Validate(*mixture), where);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

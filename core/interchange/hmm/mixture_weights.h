@@ -15,7 +15,7 @@
 #include "absl/strings/string_view.h"
 #include "core/hmm/mixture.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 std::vector<double> WeightsOf(const HmmMixture& mixture);
 
@@ -25,4 +25,4 @@ std::vector<double> WeightsOf(const HmmMixture& mixture);
 absl::Status SetWeights(const std::vector<double>& weights,
                         absl::string_view where, HmmMixture* mixture);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -10,7 +10,7 @@
 #include "core/base/status_macros.h"
 #include "nlohmann/json.hpp"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using nlohmann::json;
@@ -248,4 +248,4 @@ absl::StatusOr<std::vector<KerasLayerConfig>> ParseKerasConfig(
   return out;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

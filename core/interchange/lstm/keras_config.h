@@ -17,7 +17,7 @@
 #include "absl/strings/string_view.h"
 #include "core/lstm/network.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct KerasLayerConfig {
   enum class Kind { kLstm, kDense, kNormalization, kActivation };
@@ -44,4 +44,4 @@ struct KerasLayerConfig {
 absl::StatusOr<std::vector<KerasLayerConfig>> ParseKerasConfig(
     absl::string_view text, int major_version);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -22,7 +22,7 @@
 #include "core/interchange/lstm/onnx_names.h"
 #include "core/interchange/model/model_file_error.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // An array of weights; columns 0 for a vector.
@@ -422,4 +422,4 @@ absl::StatusOr<ForeignModel> LstmsFromKeras(const std::string& path,
   return model;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

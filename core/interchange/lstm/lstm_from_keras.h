@@ -20,7 +20,7 @@
 #include "absl/status/statusor.h"
 #include "core/interchange/model/foreign_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // What a file of weights does not state: Keras' defaults.
 struct KerasOptions {
@@ -36,4 +36,4 @@ struct KerasOptions {
 absl::StatusOr<ForeignModel> LstmsFromKeras(const std::string& path,
                                             const KerasOptions& options);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -15,7 +15,7 @@
 #include "core/interchange/model/inputs_json.h"
 #include "core/interchange/model/model_file_error.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr int64_t kMinOpset = 7;
@@ -99,4 +99,4 @@ absl::StatusOr<ForeignModel> LstmsFromOnnx(absl::string_view path,
   return model;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -20,11 +20,11 @@
 #include "absl/strings/string_view.h"
 #include "core/interchange/model/foreign_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // INVALID_MODEL naming `path`, and the node or tensor that is wrong. `path` is
 // for error messages only.
 absl::StatusOr<ForeignModel> LstmsFromOnnx(absl::string_view path,
                                            absl::string_view bytes);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -18,7 +18,7 @@
 #include "core/interchange/lstm/onnx_tensor.h"
 #include "core/interchange/lstm/onnx_value.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using Kind = OnnxValue::Kind;
@@ -593,4 +593,4 @@ absl::StatusOr<std::vector<LstmNetwork>> NetworksOf(
   return GraphReader(graph, opset).Read();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -16,10 +16,10 @@
 #include "core/interchange/lstm/onnx_subset.pb.h"
 #include "core/lstm/network.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // At least one network; all are valid. INVALID_MODEL naming the node.
 absl::StatusOr<std::vector<LstmNetwork>> NetworksOf(
     const onnx::GraphProto& graph, int64_t opset);
 
-}  // namespace tactus
+}  // namespace tactus::internal

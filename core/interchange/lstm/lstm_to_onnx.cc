@@ -12,7 +12,7 @@
 #include "core/interchange/lstm/onnx_subset.pb.h"
 #include "core/interchange/model/inputs_json.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
@@ -268,4 +268,4 @@ absl::StatusOr<std::string> LstmsToOnnx(const Model& model, OnnxGraph graph) {
   return SerializeDeterministic(out);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -17,7 +17,7 @@
 #include "absl/status/statusor.h"
 #include "core/classify/model.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 enum class OnnxGraph {
   // Opset 11: `input` [T, 1, I] -> `probability` [T, 1, classes], from a state
@@ -34,4 +34,4 @@ enum class OnnxGraph {
 // The model must be valid. INVALID_MODEL if it has no LSTMs.
 absl::StatusOr<std::string> LstmsToOnnx(const Model& model, OnnxGraph graph);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/limits.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Hidden layers and the output layer.
@@ -197,4 +197,4 @@ std::optional<LstmNetwork> NetworkStack::Finish(bool softmax,
   return network;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

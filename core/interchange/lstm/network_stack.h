@@ -27,7 +27,7 @@
 
 #include "core/lstm/network.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class NetworkStack {
  public:
@@ -78,4 +78,4 @@ class NetworkStack {
   std::optional<Affine> pending_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 #include "core/base/status_macros.h"
 #include "core/interchange/lstm/onnx_tensor.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr char kTime = 'T';
@@ -219,4 +219,4 @@ absl::Status MoveAxes(const OnnxNode& node, const OnnxTensors& tensors,
   return Reshape(node, tensors, data->stack->width(), data);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

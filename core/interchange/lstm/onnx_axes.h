@@ -15,7 +15,7 @@
 #include "core/interchange/lstm/onnx_node.h"
 #include "core/interchange/lstm/onnx_value.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // The inputs of a node behind its first one, null where they are not stored in
 // the file.
@@ -30,4 +30,4 @@ bool MovesAxes(const OnnxNode& node);
 absl::Status MoveAxes(const OnnxNode& node, const OnnxTensors& tensors,
                       OnnxData* data);
 
-}  // namespace tactus
+}  // namespace tactus::internal

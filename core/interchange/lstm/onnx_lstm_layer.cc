@@ -11,7 +11,7 @@
 #include "core/base/text.h"
 #include "core/interchange/lstm/onnx_names.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Alpha and beta are rounded to float in the file.
@@ -136,4 +136,4 @@ absl::StatusOr<OnnxLstmLayer> LayerOf(const OnnxNode& node,
   return layer;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

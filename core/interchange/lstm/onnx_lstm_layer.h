@@ -15,7 +15,7 @@
 #include "core/interchange/lstm/onnx_tensor.h"
 #include "core/lstm/network.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct OnnxLstmLayer {
   LstmLayer weights;
@@ -31,4 +31,4 @@ absl::StatusOr<OnnxLstmLayer> LayerOf(const OnnxNode& node,
                                       const OnnxNumbers& r,
                                       const OnnxNumbers* b);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 // Constants only.
 #pragma once
 
-namespace tactus {
+namespace tactus::internal {
 
 // TensorProto.data_type.
 inline constexpr int kOnnxFloat = 1;
@@ -36,4 +36,4 @@ inline constexpr float kHardSigmoidBeta = 0.5F;
 inline constexpr char kOnnxClassNames[] = "tactus.class_names";
 inline constexpr char kOnnxInputs[] = "tactus.inputs";
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -4,7 +4,7 @@
 #include "core/base/errors.h"
 #include "core/base/text.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 const std::string& NoName() {
@@ -52,4 +52,4 @@ absl::Status OnnxNode::Invalid(absl::string_view message) const {
                                 " (", node_->op_type(), ") ", message));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

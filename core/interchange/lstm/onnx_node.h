@@ -18,7 +18,7 @@
 #include "absl/strings/string_view.h"
 #include "core/interchange/lstm/onnx_subset.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class OnnxNode {
  public:
@@ -48,4 +48,4 @@ class OnnxNode {
   int index_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -10,7 +10,7 @@
 #include "core/base/text.h"
 #include "core/interchange/lstm/onnx_names.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
@@ -80,4 +80,4 @@ absl::StatusOr<OnnxNumbers> NumbersOf(const onnx::TensorProto& tensor) {
   return out;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

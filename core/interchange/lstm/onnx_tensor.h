@@ -14,7 +14,7 @@
 #include "absl/status/statusor.h"
 #include "core/interchange/lstm/onnx_subset.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Row-major.
 struct OnnxNumbers {
@@ -27,4 +27,4 @@ struct OnnxNumbers {
 // calls for.
 absl::StatusOr<OnnxNumbers> NumbersOf(const onnx::TensorProto& tensor);
 
-}  // namespace tactus
+}  // namespace tactus::internal

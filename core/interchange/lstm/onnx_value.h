@@ -19,7 +19,7 @@
 #include "core/interchange/lstm/onnx_subset.pb.h"
 #include "core/lstm/network.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // How far the data has come: the graph's input, behind LSTM layers, behind
 // linear layers too, behind the softmax.
@@ -72,4 +72,4 @@ inline OnnxValue MakeValue(OnnxData data) {
   return value;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -16,7 +16,7 @@
 
 #include "core/classify/model.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // The HMMs of one class.
 struct NamedMixture {
@@ -41,4 +41,4 @@ struct ForeignModel {
   double sample_rate_hz = 0;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

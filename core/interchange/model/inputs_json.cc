@@ -10,7 +10,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // A number of the object `json`; `absent` if there is no such key.
@@ -103,4 +103,4 @@ absl::Status ReadInputs(const OrderedJson& json, ForeignModel* model) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -23,7 +23,7 @@
 #include "core/interchange/model/foreign_model.h"
 #include "nlohmann/json.hpp"
 
-namespace tactus {
+namespace tactus::internal {
 
 using OrderedJson = nlohmann::ordered_json;
 
@@ -36,4 +36,4 @@ void AddInputs(const std::vector<ModelInput>& inputs,
 // absent changes nothing. INVALID_MODEL naming the key.
 absl::Status ReadInputs(const OrderedJson& json, ForeignModel* model);
 
-}  // namespace tactus
+}  // namespace tactus::internal

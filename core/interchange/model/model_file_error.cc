@@ -5,7 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 absl::Status InvalidModelFile(absl::string_view path,
                               absl::string_view message) {
@@ -20,4 +20,4 @@ absl::Status AsModelFileError(const absl::Status& status) {
                    v1::ERROR_REASON_INVALID_MODEL, status.message());
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

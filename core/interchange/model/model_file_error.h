@@ -11,7 +11,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // INVALID_ARGUMENT, reason INVALID_MODEL: "path: message".
 absl::Status InvalidModelFile(absl::string_view path,
@@ -22,4 +22,4 @@ absl::Status InvalidModelFile(absl::string_view path,
 // as they are.
 absl::Status AsModelFileError(const absl::Status& status);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -13,7 +13,7 @@
 #include "core/sim/coupled/coupled_equations.h"
 #include "core/sim/model/equilibrium.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr double kStepShare = 0.7;
@@ -369,4 +369,4 @@ absl::StatusOr<std::vector<Trajectory>> IntegrateCoupled(
   return CoupledRun(scene, options).Go();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -23,7 +23,7 @@
 #include "core/sim/coupled/coupled_scene.h"
 #include "core/sim/model/trajectory.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct CoupledOptions {
   // Rate of the trajectories; a multiple of 100 Hz, 500 to
@@ -40,4 +40,4 @@ struct CoupledOptions {
 absl::StatusOr<std::vector<Trajectory>> IntegrateCoupled(
     const CoupledScene& scene, const CoupledOptions& options);
 
-}  // namespace tactus
+}  // namespace tactus::internal

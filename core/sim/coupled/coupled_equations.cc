@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tactus {
+namespace tactus::internal {
 
 CoupledMatrix CoupledEquations(const CoupledScene& scene,
                                const CoupledPhases& phases, double speed) {
@@ -50,4 +50,4 @@ double FastestRate(const CoupledScene& scene, const CoupledPhases& phases) {
          arm.actuator_damping / arm.arm_mass_kg;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -18,7 +18,7 @@
 #include "core/sim/coupled/coupled_scene.h"
 #include "core/sim/model/contact_phase.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Places in the state. Each object has its deformation (m; below 0 when
 // apart), its speed (m/s), and the integral of the deformation while touching
@@ -44,4 +44,4 @@ CoupledMatrix CoupledEquations(const CoupledScene& scene,
 // No root of A is larger, 1/s.
 double FastestRate(const CoupledScene& scene, const CoupledPhases& phases);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -5,7 +5,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 CoupledObject ObjectOf(const ContactScene& scene) {
   return {.mass_kg = scene.object_mass_kg,
@@ -36,4 +36,4 @@ absl::Status Validate(const CoupledScene& scene) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -18,7 +18,7 @@
 #include "absl/status/status.h"
 #include "core/sim/model/scene.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // As in ContactScene.
 struct CoupledObject {
@@ -48,4 +48,4 @@ CoupledObject ObjectOf(const ContactScene& scene);
 // OK if every field is in range; else INVALID_SCENE naming the field.
 absl::Status Validate(const CoupledScene& scene);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -8,7 +8,7 @@
 #include "core/sim/coupled/coupled.h"
 #include "core/sim/skin/block_filter.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 absl::StatusOr<CoupledScene> SceneOf(std::span<const PressedObject> objects) {
@@ -78,4 +78,4 @@ absl::StatusOr<double> ArmAfter(double seconds,
   return runs.front().samples.back().x_arm;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

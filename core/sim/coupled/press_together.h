@@ -21,7 +21,7 @@
 #include "core/sim/model/trial_spec.h"
 #include "core/sim/skin/simulated_contact.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // A contact that would ring faster, rad/s, is softened until it does not: its
 // steps would be too many (coupled.h). A force F then presses arm and object,
@@ -45,4 +45,4 @@ absl::StatusOr<std::vector<SimulatedContact>> PressTogether(
 absl::StatusOr<double> ArmAfter(double seconds,
                                 std::span<const PressedObject> objects);
 
-}  // namespace tactus
+}  // namespace tactus::internal

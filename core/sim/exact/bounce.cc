@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using std::numbers::pi;
@@ -281,4 +281,4 @@ double BounceTrain::PressBy(BounceMoment& moment) {
   return 0;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -21,7 +21,7 @@
 #include "core/sim/model/equilibrium.h"
 #include "core/sim/model/scene.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // An instant at which contact is made or lost: the arm's motion relative to its
 // equilibrium point, and its approach to the object.
@@ -89,4 +89,4 @@ class BounceTrain {
   double sine_ = 0;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -8,7 +8,7 @@
 #include "core/sim/skin/block_filter.h"
 #include "core/sim/skin/butterworth.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // What one leap may add, as shares of the tolerance: to the speed of the
@@ -316,4 +316,4 @@ double RideBounces(const BounceRide& ride, double time, PieceSink& sink,
   return Rider(ride, sink, summary).Go(time, next);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

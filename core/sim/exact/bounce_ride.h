@@ -20,7 +20,7 @@
 #include "core/sim/model/equilibrium.h"
 #include "core/sim/model/scene.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // A bound on the change of the filtered force (relative to the friction) and of
 // the filtered area (relative to the face) if each sample takes the mean of the
@@ -56,4 +56,4 @@ struct BounceRide {
 double RideBounces(const BounceRide& ride, double time, PieceSink& sink,
                    PhaseStart& next, PieceSummary& summary);
 
-}  // namespace tactus
+}  // namespace tactus::internal

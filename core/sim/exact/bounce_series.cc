@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr int kSeriesTerms = BounceSeries::kTerms;
@@ -132,4 +132,4 @@ bool BounceSeries::Double() {
   return true;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

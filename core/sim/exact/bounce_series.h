@@ -15,7 +15,7 @@
 
 #include <array>
 
-namespace tactus {
+namespace tactus::internal {
 
 // The change of kLag to kContact by one or several bounces. Padded to a whole
 // vector register.
@@ -68,4 +68,4 @@ class BounceSeries {
   std::array<BounceChange, kTerms> coefficients_ = {};
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

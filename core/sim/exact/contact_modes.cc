@@ -5,7 +5,7 @@
 #include <cmath>
 #include <complex>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using Root = std::complex<double>;
@@ -200,4 +200,4 @@ ContactModes::ContactModes(const ContactScene& scene)
                  (scene.actuator_stiffness + stiffness) / scene.arm_mass_kg);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

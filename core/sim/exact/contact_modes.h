@@ -15,7 +15,7 @@
 #include "core/sim/exact/damped_pair.h"
 #include "core/sim/model/scene.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct ContactModes {
   // `scene` is valid.
@@ -32,4 +32,4 @@ struct ContactModes {
   DampedPair fast;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

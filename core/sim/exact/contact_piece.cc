@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 struct Split {
@@ -239,4 +239,4 @@ ModalFunction ContactPiece::ObjectSpeed() const {
   return f;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -21,7 +21,7 @@
 #include "core/sim/model/equilibrium.h"
 #include "core/sim/model/scene.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Holds the deformation and its rate instead of the arm's position and
 // velocity: the small deformation of a stiff contact would be lost in the
@@ -99,4 +99,4 @@ class ContactPiece {
   PairState ringing_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Terms of the power series that reach double precision at Short() times.
@@ -114,4 +114,4 @@ double DampedPair::Bound(const PairState& start, double span) const {
   return std::min(sum, std::sqrt(value * value + sine * sine));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -12,7 +12,7 @@
 // thread-safe. Source: paper, eqs. 9 to 11.
 #pragma once
 
-namespace tactus {
+namespace tactus::internal {
 
 struct PairState {
   double value = 0;
@@ -68,4 +68,4 @@ class DampedPair {
   double reach_;  // largest value of the sine over its frequency, s
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

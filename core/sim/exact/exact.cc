@@ -14,7 +14,7 @@
 #include "core/sim/exact/first_crossing.h"
 #include "core/sim/model/equilibrium.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 enum class Ending { kHorizon, kContact, kFriction };
@@ -247,4 +247,4 @@ absl::StatusOr<Trajectory> IntegrateExact(const ContactScene& scene,
   return sampler.Finish(summary);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -19,7 +19,7 @@
 #include "core/sim/model/scene.h"
 #include "core/sim/model/trajectory.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct ExactOptions {
   // Rate of the trajectory; a multiple of 100 Hz.
@@ -45,4 +45,4 @@ absl::StatusOr<PieceSummary> SolvePieces(const ContactScene& scene,
 absl::StatusOr<Trajectory> IntegrateExact(const ContactScene& scene,
                                           const ExactOptions& options);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Rounding error of a derivative, as a fraction of its terms.
@@ -256,4 +256,4 @@ double FirstCrossing(const ModalFunction& f, double horizon) {
   return horizon + 1;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -17,7 +17,7 @@
 
 #include "core/sim/exact/damped_pair.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // f(t) = start + slope t + curvature t^2 / 2 + the changes of the pairs since
 // 0.
@@ -36,4 +36,4 @@ struct ModalFunction {
 // + 1 if there is none. f(0) >= 0; if f(0) = 0 and f falls at once, returns 0.
 double FirstCrossing(const ModalFunction& f, double horizon);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr double kInterval = 1 / kSignalRateHz;
@@ -359,4 +359,4 @@ void PieceSignals::Take(const ContactPiece& piece, double duration) {
   }
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

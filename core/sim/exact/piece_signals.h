@@ -22,7 +22,7 @@
 #include "core/sim/skin/block_filter.h"
 #include "core/sim/skin/signals.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class PieceSignals : public PieceSink {
  public:
@@ -119,4 +119,4 @@ class PieceSignals : public PieceSink {
   IdealSignals signals_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

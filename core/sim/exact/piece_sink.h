@@ -13,7 +13,7 @@
 #include "core/sim/exact/contact_piece.h"
 #include "core/sim/model/trajectory.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // How a sink receives a train of bounces.
 enum class BounceDetail {
@@ -51,4 +51,4 @@ struct PieceSummary {
   bool moved = false;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -3,7 +3,7 @@
 #include "core/base/status_macros.h"
 #include "core/sim/exact/piece_signals.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 absl::StatusOr<SimulatedContact> SimulateContact(
     const TrialSpec& spec, const SimulateOptions& options) {
@@ -31,4 +31,4 @@ absl::StatusOr<std::vector<SimulatedContact>> SimulateWithTwin(
   return contacts;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -18,7 +18,7 @@
 #include "core/sim/model/trial_spec.h"
 #include "core/sim/skin/simulated_contact.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct SimulateOptions {
   // False: the area signal stays 0.
@@ -35,4 +35,4 @@ absl::StatusOr<SimulatedContact> SimulateContact(
 absl::StatusOr<std::vector<SimulatedContact>> SimulateWithTwin(
     const TrialSpec& spec);
 
-}  // namespace tactus
+}  // namespace tactus::internal

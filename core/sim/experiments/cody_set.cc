@@ -13,7 +13,7 @@
 #include "core/sim/skin/block_filter.h"
 #include "core/sim/skin/record_contact.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Name, hard, movable, stiffness, mass, friction. The free ones yield to less
@@ -193,4 +193,4 @@ absl::StatusOr<Trial> CodySkinTrial(const CodySpec& spec,
   return trial;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -37,7 +37,7 @@
 #include "core/skin/geometry.h"
 #include "core/skin/layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 inline constexpr double kCodyWindowS = 1.2;
 inline constexpr int kCodyRepetitions = 4;
@@ -87,4 +87,4 @@ absl::StatusOr<Trial> CodySkinTrial(const CodySpec& spec,
                                     const SimulatedContact& contact,
                                     const SkinModel& skin, uint64_t seed);
 
-}  // namespace tactus
+}  // namespace tactus::internal

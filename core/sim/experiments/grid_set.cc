@@ -5,7 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/random.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Apart from the streams of the trials' noise.
@@ -48,4 +48,4 @@ std::string ConditionName(const RobotCondition& robot) {
                       robot.goal_m);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

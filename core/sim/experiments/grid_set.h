@@ -20,7 +20,7 @@
 #include "core/sim/model/materials.h"
 #include "core/sim/model/trial_spec.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // From half the paper's stiffnesses and speeds to twice, spaced evenly by
 // ratio: {250, 630, 1600, 4000} N/m x {0.0025, 0.0063, 0.016, 0.04} m/s x
@@ -37,4 +37,4 @@ std::vector<TrialSpec> DrawSpecs(
 // "k630-v0.016-g0.02": stiffness, velocity and goal.
 std::string ConditionName(const RobotCondition& robot);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -5,7 +5,7 @@
 
 #include "core/sim/skin/block_filter.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Metres along the normal at `frame`, from the place of the touch. Beyond the
@@ -77,4 +77,4 @@ std::vector<LinkStep> LinkPath::Steps(size_t frames) const {
   return steps;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

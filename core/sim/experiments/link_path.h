@@ -19,7 +19,7 @@
 #include "core/sim/skin/record_contacts.h"
 #include "core/skin/layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class LinkPath {
  public:
@@ -54,4 +54,4 @@ class LinkPath {
   std::vector<Leg> legs_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

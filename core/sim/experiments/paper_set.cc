@@ -1,6 +1,6 @@
 #include "core/sim/experiments/paper_set.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr int kEdges = 10;
@@ -48,4 +48,4 @@ std::vector<TrialSpec> TrialSpecs(const std::vector<RobotCondition>& robots,
   return specs;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

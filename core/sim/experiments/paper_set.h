@@ -22,7 +22,7 @@
 #include "core/sim/model/materials.h"
 #include "core/sim/model/trial_spec.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Robot conditions: every combination of these values.
 struct RobotGrid {
@@ -43,4 +43,4 @@ std::vector<TrialSpec> TrialSpecs(
     const std::vector<RobotCondition>& robots,
     std::span<const Material> materials = Materials());
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -18,7 +18,7 @@
 #include "core/sim/skin/block_filter.h"
 #include "core/sim/skin/record_contacts.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Trials come from other streams than the contacts of the world.
@@ -382,4 +382,4 @@ absl::StatusOr<std::vector<Trial>> SceneTrialsAlone(const SkinModel& skin,
   return trials;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

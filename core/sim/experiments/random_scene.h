@@ -39,7 +39,7 @@
 #include "core/data/trial.h"
 #include "core/sim/skin/skin_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // A load below this is none, N: the rest of the anti-aliasing filter's answer
 // after a contact was lost. The best skin's noise is as large.
@@ -81,4 +81,4 @@ absl::StatusOr<std::vector<Trial>> SceneTrialsAlone(const SkinModel& skin,
                                                     uint64_t seed,
                                                     uint64_t number);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -4,7 +4,7 @@
 #include "core/sim/exact/simulate_contact.h"
 #include "core/sim/experiments/world_draws.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Contacts come from other streams than the noise of other protocols.
@@ -59,4 +59,4 @@ absl::StatusOr<Trial> WorldSignals(const SignalNoise& noise, uint64_t seed,
   return trial;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

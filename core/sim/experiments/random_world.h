@@ -36,7 +36,7 @@
 #include "core/sim/skin/record_contact.h"
 #include "core/sim/skin/skin_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // An object that moved less than this by the end of a contact is labelled
 // unmoved: an impact may shift an object by a micrometre, which nobody would
@@ -63,4 +63,4 @@ absl::StatusOr<Trial> WorldTrial(const SkinModel& skin, uint64_t seed,
 absl::StatusOr<Trial> WorldSignals(const SignalNoise& noise, uint64_t seed,
                                    uint64_t number);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_format.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 Material DrawMaterial(Random& random) {
@@ -65,4 +65,4 @@ std::string WorldCondition(const RobotCondition& robot) {
       static_cast<int>(std::floor(std::log2(robot.velocity))));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

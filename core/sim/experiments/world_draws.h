@@ -17,7 +17,7 @@
 #include "core/sim/skin/record_contact.h"
 #include "core/sim/skin/skin_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // `low` to `high`, both above 0.
 double LogUniformBetween(double low, double high, Random& random);
@@ -35,4 +35,4 @@ void DrawPoseErrors(const SkinModel& skin, Random& random,
 // The octave of the arm's stiffness and speed, "k512-v2^-7".
 std::string WorldCondition(const RobotCondition& robot);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -15,7 +15,7 @@
 // Thread-safe: functions without state.
 #pragma once
 
-namespace tactus {
+namespace tactus::internal {
 
 enum class ContactPhase { kStuck, kSliding, kCoasting, kApart };
 
@@ -27,4 +27,4 @@ inline bool Sliding(ContactPhase phase) {
   return phase == ContactPhase::kSliding || phase == ContactPhase::kCoasting;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

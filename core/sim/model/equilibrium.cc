@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace tactus {
+namespace tactus::internal {
 
 std::vector<EquilibriumLeg> EquilibriumLegs(const ContactScene& scene) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -17,4 +17,4 @@ std::vector<EquilibriumLeg> EquilibriumLegs(const ContactScene& scene) {
   return legs;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

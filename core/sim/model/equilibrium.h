@@ -15,7 +15,7 @@
 
 #include "core/sim/model/scene.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct EquilibriumLeg {
   // Where the point would have been at the touch at this speed, m.
@@ -34,4 +34,4 @@ struct EquilibriumLeg {
 // the goal is reached leaves out the rest.
 std::vector<EquilibriumLeg> EquilibriumLegs(const ContactScene& scene);
 
-}  // namespace tactus
+}  // namespace tactus::internal

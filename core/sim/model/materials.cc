@@ -23,7 +23,7 @@ asm(".section .rodata\n"
 extern const char kMaterialsBegin[] asm("tactus_materials_begin");
 extern const char kMaterialsEnd[] asm("tactus_materials_end");
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 struct Column {
@@ -153,4 +153,4 @@ Friction Cube::TableFriction() const {
   return surface == Surface::kWood ? material.wood : material.glass;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -16,7 +16,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 enum class Surface { kWood, kGlass };
 
@@ -58,4 +58,4 @@ struct Cube {
   Friction TableFriction() const;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 absl::Status CheckRange(absl::string_view field, double value, double low,
@@ -79,4 +79,4 @@ absl::Status Validate(const ContactScene& scene) {
                     kMaxSceneDurationS);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

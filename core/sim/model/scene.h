@@ -16,7 +16,7 @@
 
 #include "absl/status/status.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 inline constexpr double kGravity = 9.81;  // m/s^2
 // Mass of the forearm of the robot Cody, kg (paper, "Experimental Setup").
@@ -73,4 +73,4 @@ double CriticalDamping(double actuator_stiffness, double arm_mass_kg);
 // OK if every field is in range; else INVALID_SCENE naming the field.
 absl::Status Validate(const ContactScene& scene);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace tactus {
+namespace tactus::internal {
 
 struct TrajectorySample {
   double x_arm = 0;   // m
@@ -47,4 +47,4 @@ struct Trajectory {
   EventCounts events;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -1,6 +1,6 @@
 #include "core/sim/model/trial_spec.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 ContactScene SceneOf(const TrialSpec& spec) {
   ContactScene scene;
@@ -29,4 +29,4 @@ TrialSpec FixedTwin(const TrialSpec& spec) {
   return twin;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

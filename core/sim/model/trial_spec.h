@@ -17,7 +17,7 @@
 #include "core/sim/model/materials.h"
 #include "core/sim/model/scene.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 inline constexpr double kPaperGoal = 0.019;          // m
 inline constexpr double kHardStiffness = 100'000.0;  // N/m; hard from here up
@@ -49,4 +49,4 @@ ContactScene SceneOf(const TrialSpec& spec);
 // The same trial with the object fixed.
 TrialSpec FixedTwin(const TrialSpec& spec);
 
-}  // namespace tactus
+}  // namespace tactus::internal

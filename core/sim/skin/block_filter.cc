@@ -4,7 +4,7 @@
 
 #include "core/sim/skin/butterworth.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 static_assert(kSignalRateHz == kFilterBlock * kSkinRateHz);
@@ -78,4 +78,4 @@ BlockFilter::Column BlockFilter::Advance(const Column& state,
   return next;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -16,7 +16,7 @@
 #include <array>
 #include <cstddef>
 
-namespace tactus {
+namespace tactus::internal {
 
 inline constexpr double kSkinRateHz = 100;
 inline constexpr double kAntiAliasHz = 200;
@@ -78,4 +78,4 @@ inline void Add(double factor, const BlockFilter::Column& column,
   for (size_t i = 0; i < to.size(); ++i) to[i] += factor * column[i];
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

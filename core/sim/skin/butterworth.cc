@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace tactus {
+namespace tactus::internal {
 
 Butterworth6::Butterworth6(double cutoff_hz, double rate_hz) {
   using std::numbers::pi;
@@ -46,4 +46,4 @@ void Butterworth6::set_state(const std::array<double, 6>& state) {
   }
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

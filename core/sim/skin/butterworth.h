@@ -12,7 +12,7 @@
 
 #include <array>
 
-namespace tactus {
+namespace tactus::internal {
 
 class Butterworth6 {
  public:
@@ -37,4 +37,4 @@ class Butterworth6 {
   std::array<Section, 3> sections_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace tactus::dent_kernels::HWY_NAMESPACE {
+namespace tactus::internal::dent_kernels::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 template <class V>
@@ -42,11 +42,11 @@ void Cut(const Dent& dent, const double* HWY_RESTRICT places, size_t count,
   }
 }
 
-}  // namespace tactus::dent_kernels::HWY_NAMESPACE
+}  // namespace tactus::internal::dent_kernels::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace tactus::dent_kernels {
+namespace tactus::internal::dent_kernels {
 
 HWY_EXPORT(Cut);
 
@@ -56,5 +56,5 @@ void Cut(const Dent& dent, std::span<const double> places, const double* widths,
   (dent, places.data(), places.size(), widths, volumes, areas);
 }
 
-}  // namespace tactus::dent_kernels
+}  // namespace tactus::internal::dent_kernels
 #endif  // HWY_ONCE

@@ -14,7 +14,7 @@
 #include <cstddef>
 #include <span>
 
-namespace tactus::dent_kernels {
+namespace tactus::internal::dent_kernels {
 
 // Its depth at s across and y along the strips, m: depth + rise y -
 // curvature s^2, where that is above 0 and s between low and high.
@@ -34,4 +34,4 @@ inline constexpr size_t kStrips = 8;
 void Cut(const Dent& dent, std::span<const double> places, const double* widths,
          double* volumes, double* areas);
 
-}  // namespace tactus::dent_kernels
+}  // namespace tactus::internal::dent_kernels

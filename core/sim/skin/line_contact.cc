@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Strips of each row of taxels, for faces that are tilted or end in a row.
@@ -167,4 +167,4 @@ void LineContact::Press(double force, const PressedFace& face) {
   for (double& taxel : taxels_) taxel *= force / sum;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -27,7 +27,7 @@
 #include "core/skin/geometry.h"
 #include "core/skin/layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct PressedFace {
   // Edge of the square face, m, above 0.
@@ -106,4 +106,4 @@ class LineContact {
   std::vector<double> taxels_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 #include "core/sim/skin/block_filter.h"
 #include "core/sim/skin/record_contacts.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr double kTiltDeviation = 0.5 * std::numbers::pi / 180;
@@ -68,4 +68,4 @@ bool Detectable(const Trial& trial, const SkinLayout& layout) {
   return false;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

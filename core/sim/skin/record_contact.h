@@ -22,7 +22,7 @@
 #include "core/sim/skin/skin_model.h"
 #include "core/skin/geometry.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Where a contact happens, and how well the robot knows its pose.
 struct Placement {
@@ -51,4 +51,4 @@ Trial RecordContact(const SimulatedContact& contact, const SkinModel& skin,
 // by light touch, whichever `layout` has. `trial` has taxels of `layout`.
 bool Detectable(const Trial& trial, const SkinLayout& layout);
 
-}  // namespace tactus
+}  // namespace tactus::internal

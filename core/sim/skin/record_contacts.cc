@@ -8,7 +8,7 @@
 #include "core/sim/skin/line_contact.h"
 #include "core/sim/skin/taxel_kernels.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // The electronics behind each taxel.
@@ -157,4 +157,4 @@ Trial RecordContacts(const Trial& metadata,
   return trial;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

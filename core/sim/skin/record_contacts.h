@@ -27,7 +27,7 @@
 #include "core/sim/skin/skin_model.h"
 #include "core/skin/geometry.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // A contact and where and when it presses. `contact` must outlive it.
 struct PlacedContact {
@@ -68,4 +68,4 @@ Trial RecordContacts(const Trial& metadata,
                      const SkinModel& skin, const LinkMotion& motion,
                      Random& random);
 
-}  // namespace tactus
+}  // namespace tactus::internal

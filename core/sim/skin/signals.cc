@@ -6,7 +6,7 @@
 #include "core/base/errors.h"
 #include "core/base/gaussian.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 FeatureVector Variances(const std::vector<FeatureVector>& samples) {
@@ -60,4 +60,4 @@ void AddNoise(const SignalNoise& noise, Random& random,
   }
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

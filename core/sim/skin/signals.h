@@ -20,7 +20,7 @@
 #include "core/features/feature.h"
 #include "core/sim/model/materials.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Largest strain. Without this limit, the smallest soft cubes would be pressed
 // flat.
@@ -72,4 +72,4 @@ absl::StatusOr<NoiseReading> ParseNoiseReading(absl::string_view name);
 void AddNoise(const SignalNoise& noise, Random& random,
               std::vector<FeatureVector>& samples);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -5,7 +5,7 @@
 #include "core/base/random.h"
 #include "core/sim/skin/block_filter.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 std::string SimulatedContact::Label() const {
   return absl::StrCat(hard() ? "H" : "S", moved ? "M" : "U");
@@ -42,4 +42,4 @@ Trial SignalTrial(const SimulatedContact& contact, const SignalNoise& noise,
   return trial;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -19,7 +19,7 @@
 #include "core/sim/model/trial_spec.h"
 #include "core/sim/skin/signals.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct SimulatedContact {
   TrialSpec spec;
@@ -41,4 +41,4 @@ struct SimulatedContact {
 Trial SignalTrial(const SimulatedContact& contact, const SignalNoise& noise,
                   uint64_t seed);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -5,7 +5,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 void SetThresholds(double contact, double onset, SkinModel& skin) {
@@ -61,4 +61,4 @@ absl::StatusOr<SkinModel> SkinModelNamed(absl::string_view name) {
   return InvalidConfig("skin", name, "paper, good or measured");
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

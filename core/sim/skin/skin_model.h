@@ -25,7 +25,7 @@
 #include "absl/strings/string_view.h"
 #include "core/skin/layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct SkinModel {
   std::string name;
@@ -60,4 +60,4 @@ struct SkinModel {
 // INVALID_CONFIG for any other name.
 absl::StatusOr<SkinModel> SkinModelNamed(absl::string_view name);
 
-}  // namespace tactus
+}  // namespace tactus::internal

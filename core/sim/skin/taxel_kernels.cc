@@ -8,7 +8,7 @@
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace tactus::taxel_kernels::HWY_NAMESPACE {
+namespace tactus::internal::taxel_kernels::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Runs step(d, i) for whole vectors, then one by one.
@@ -61,11 +61,11 @@ void Quantise(const double* HWY_RESTRICT readings, size_t count, double step,
   });
 }
 
-}  // namespace tactus::taxel_kernels::HWY_NAMESPACE
+}  // namespace tactus::internal::taxel_kernels::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace tactus::taxel_kernels {
+namespace tactus::internal::taxel_kernels {
 
 HWY_EXPORT(Read);
 HWY_EXPORT(Quantise);
@@ -81,5 +81,5 @@ void Quantise(std::span<const double> readings, double step, uint16_t* steps) {
   (readings.data(), readings.size(), step, steps);
 }
 
-}  // namespace tactus::taxel_kernels
+}  // namespace tactus::internal::taxel_kernels
 #endif  // HWY_ONCE

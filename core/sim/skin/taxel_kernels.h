@@ -14,7 +14,7 @@
 #include <cstdint>
 #include <span>
 
-namespace tactus::taxel_kernels {
+namespace tactus::internal::taxel_kernels {
 
 struct Electronics {
   // Standard deviation of the noise, N.
@@ -44,4 +44,4 @@ void Read(std::span<const double> forces, const Electronics& electronics,
 // up. No reading is below 0; `step` is above 0.
 void Quantise(std::span<const double> readings, double step, uint16_t* steps);
 
-}  // namespace tactus::taxel_kernels
+}  // namespace tactus::internal::taxel_kernels

@@ -9,7 +9,7 @@
 #include "tests/client/drivers/calibration/synthetic_skin.h"
 #include "tests/support/allocation_counter.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::HasSubstr;
@@ -228,10 +228,10 @@ TEST(CalibratedDriverTest, ReadAllocatesNothing) {
   ASSERT_TRUE(driver.Activate().ok());
   SkinFrame frame;
   for (int t = 0; t < 3; ++t) ASSERT_TRUE(driver.Read(frame).ok());
-  const tactus::testing::AllocationCounter counter;
+  const tactus::internal::testing::AllocationCounter counter;
   for (int t = 0; t < 100; ++t) ASSERT_TRUE(driver.Read(frame).ok());
   EXPECT_EQ(counter.count(), 0);
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -14,7 +14,7 @@
 #include "tools/fakeskin/icub_boards.h"
 #include "tools/fakeskin/play_peer.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::ElementsAre;
@@ -561,4 +561,4 @@ TEST(PlayPeerTest, SimulatedBoardsAnswerOnABus) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -30,7 +30,7 @@
 #include "tools/common/percentile.h"
 #include "tools/fakeskin/icub_boards.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class NumberedScans {
  public:
@@ -145,4 +145,4 @@ inline absl::StatusOr<DriverCost> MeasureDriver(SkinDriver& driver,
   return cost;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -19,7 +19,7 @@
 #include "core/base/errors.h"
 #include "tools/fakeskin/can_peer.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class ManualClock : public Clock {
  public:
@@ -106,4 +106,4 @@ class MemoryBus : public CanBus {
   CanCounters counters_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

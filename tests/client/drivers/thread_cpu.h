@@ -18,7 +18,7 @@
 
 #include "client/drivers/skin_driver.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class ThreadCpu : public SkinDriver {
  public:
@@ -68,4 +68,4 @@ class ThreadCpu : public SkinDriver {
   std::atomic<int64_t> system_ns_ = 0;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

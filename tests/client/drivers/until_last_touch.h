@@ -15,7 +15,7 @@
 #include "client/drivers/skin_driver.h"
 #include "tools/fakeskin/sim_touches.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class UntilLastTouch : public SkinDriver {
  public:
@@ -41,4 +41,4 @@ class UntilLastTouch : public SkinDriver {
   Clock* const clock_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -4,7 +4,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/allocation_counter.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::ElementsAre;
@@ -102,4 +102,4 @@ TEST(AnswerConvertTest, AnAnswerLikeTheOneBeforeAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

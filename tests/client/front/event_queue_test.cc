@@ -4,7 +4,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/allocation_counter.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 Event Numbered(uint64_t contact) {
@@ -60,4 +60,4 @@ TEST(EventQueueTest, KeepsItsMemory) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

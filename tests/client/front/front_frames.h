@@ -17,7 +17,7 @@
 #include "tactus/stream.h"
 #include "tests/server/support/requests.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 inline Skin CodySkin() { return {.name = "cody-forearm", .scale = kStep}; }
 
@@ -126,4 +126,4 @@ inline std::string AllOf(const Answer& answer) {
   return text;
 }
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

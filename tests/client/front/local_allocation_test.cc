@@ -7,7 +7,7 @@
 #include "tests/support/allocation_counter.h"
 #include "tests/support/small_model.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using testing::CodyFrame;
@@ -41,4 +41,4 @@ TEST(ClassifierTest, AFrameAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

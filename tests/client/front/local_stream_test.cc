@@ -19,7 +19,7 @@
 #include "tests/support/scratch_dir.h"
 #include "tests/support/small_model.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using testing::AllOf;
@@ -226,4 +226,4 @@ TEST(ClassifierTest, ErrorsNameWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

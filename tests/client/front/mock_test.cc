@@ -5,7 +5,7 @@
 #include "gtest/gtest.h"
 #include "tests/client/front/front_frames.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::CodyFrame;
@@ -105,4 +105,4 @@ TEST(MockStreamTest, FailuresAndNoticesComeWhenTheTestSaysSo) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -14,7 +14,7 @@
 #include "tests/client/stream/restarted_server.h"
 #include "tests/server/support/test_server.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using std::chrono::milliseconds;
@@ -254,4 +254,4 @@ TEST(ClientTest, NoticesHaveAText) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -19,7 +19,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/allocation_counter.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::AllOf;
@@ -309,4 +309,4 @@ TEST(ArmModelTest, AsManyJointsAsAllowedAreRead) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

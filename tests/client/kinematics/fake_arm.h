@@ -12,7 +12,7 @@
 
 #include "client/kinematics/arm_model.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class FakeChain : public ArmChain {
  public:
@@ -34,4 +34,4 @@ inline double TurnOf(const Pose& pose) {
   return 2 * std::atan2(pose.orientation.z(), pose.orientation.w());
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -14,7 +14,7 @@
 #include "tests/client/kinematics/fake_arm.h"
 #include "tests/support/allocation_counter.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::HasSubstr;
@@ -192,4 +192,4 @@ TEST(JointPosesTest, OneThreadPushesWhileAnotherAsks) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

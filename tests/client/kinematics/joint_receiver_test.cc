@@ -19,7 +19,7 @@
 #include "gtest/gtest.h"
 #include "tests/client/kinematics/fake_arm.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::ElementsAre;
@@ -163,4 +163,4 @@ TEST(JointReceiverTest, AddressesThatCannotBeUsedAreErrors) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/scratch_dir.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr uint64_t kFrames = 3'000;
@@ -124,4 +124,4 @@ TEST(RecorderThreadsTest, ResultsMayComeWhileItEnds) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

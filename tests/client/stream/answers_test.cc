@@ -9,7 +9,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/scripted_server.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr int64_t kMs = 1'000'000;
@@ -122,4 +122,4 @@ TEST(AnswersTest, ValuesOfTwoClassesDecideNone) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

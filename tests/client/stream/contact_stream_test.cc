@@ -10,7 +10,7 @@
 #include "tests/server/support/test_server.h"
 #include "tests/support/scripted_server.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using testing::DenseU16;
@@ -249,4 +249,4 @@ TEST(FrameEncoderTest, FloatsTravelAsTheyAre) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

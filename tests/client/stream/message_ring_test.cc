@@ -7,7 +7,7 @@
 #include "core/base/random.h"
 #include "gtest/gtest.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 bool Push(MessageRing& ring, const std::string& record) {
@@ -64,4 +64,4 @@ TEST(MessageRingTest, RefusesWhatNeverFits) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

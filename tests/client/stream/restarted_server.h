@@ -20,7 +20,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/child_tactusd.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 class RestartedServer {
  public:
@@ -63,4 +63,4 @@ class RestartedServer {
   const std::string address_;
 };
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

@@ -18,7 +18,7 @@
 #include "tests/support/scripted_server.h"
 #include "tests/support/time_limit.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using std::chrono::milliseconds;
@@ -441,4 +441,4 @@ TEST(ResumableStreamFaultsTest, SendWaitsForRoom) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

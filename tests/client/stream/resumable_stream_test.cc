@@ -22,7 +22,7 @@
 #include "tests/client/stream/restarted_server.h"
 #include "tests/server/support/requests.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using std::chrono::milliseconds;
@@ -287,4 +287,4 @@ TEST(ResumableStreamTest, KilledAnywhere) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -17,7 +17,7 @@
 #include "tests/support/allocation_counter.h"
 #include "tests/support/small_model.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using server::StreamSession;
@@ -443,4 +443,4 @@ TEST(StreamHistoryTest, AllocatesNothingOnceItIsFull) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

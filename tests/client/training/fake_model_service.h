@@ -13,7 +13,7 @@
 #include "server/rpc/status.h"
 #include "tests/client/training/fake_state.h"
 
-namespace tactus::client::testing {
+namespace tactus::internal::client::testing {
 
 class FakeModelService : public v1::ModelService::Service {
  public:
@@ -196,4 +196,4 @@ class FakeModelService : public v1::ModelService::Service {
   FakeState& state_;
 };
 
-}  // namespace tactus::client::testing
+}  // namespace tactus::internal::client::testing

@@ -10,7 +10,7 @@
 #include "server/rpc/status.h"
 #include "tests/client/training/fake_state.h"
 
-namespace tactus::client::testing {
+namespace tactus::internal::client::testing {
 
 class FakeOperationService : public v1::OperationService::Service {
  public:
@@ -101,4 +101,4 @@ class FakeOperationService : public v1::OperationService::Service {
   FakeState& state_;
 };
 
-}  // namespace tactus::client::testing
+}  // namespace tactus::internal::client::testing

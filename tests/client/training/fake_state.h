@@ -12,7 +12,7 @@
 
 #include "tests/client/training/fake_training_server.h"
 
-namespace tactus::client::testing {
+namespace tactus::internal::client::testing {
 
 inline constexpr int64_t kNever = -1;
 
@@ -92,4 +92,4 @@ struct FakeState {
   int write_calls = 0;
 };
 
-}  // namespace tactus::client::testing
+}  // namespace tactus::internal::client::testing

@@ -8,7 +8,7 @@
 #include "tests/client/training/fake_state.h"
 #include "tests/client/training/fake_training_service.h"
 
-namespace tactus::client::testing {
+namespace tactus::internal::client::testing {
 
 FakeTrainingServer::FakeTrainingServer(
     const std::string& address,
@@ -135,4 +135,4 @@ void FakeTrainingServer::SetAlias(const v1::Alias& alias) {
   state_->aliases[alias.name()] = alias;
 }
 
-}  // namespace tactus::client::testing
+}  // namespace tactus::internal::client::testing

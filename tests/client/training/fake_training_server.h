@@ -27,7 +27,7 @@
 #include "tactus/v1/operations.grpc.pb.h"
 #include "tactus/v1/training.grpc.pb.h"
 
-namespace tactus::client::testing {
+namespace tactus::internal::client::testing {
 
 struct FakeState;
 class FakeTrainingService;
@@ -97,4 +97,4 @@ class FakeTrainingServer {
   int port_ = 0;
 };
 
-}  // namespace tactus::client::testing
+}  // namespace tactus::internal::client::testing

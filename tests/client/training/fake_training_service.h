@@ -14,7 +14,7 @@
 #include "server/rpc/status.h"
 #include "tests/client/training/fake_state.h"
 
-namespace tactus::client::testing {
+namespace tactus::internal::client::testing {
 
 class FakeTrainingService : public v1::TrainingService::Service {
  public:
@@ -320,4 +320,4 @@ class FakeTrainingService : public v1::TrainingService::Service {
   FakeState& state_;
 };
 
-}  // namespace tactus::client::testing
+}  // namespace tactus::internal::client::testing

@@ -8,7 +8,7 @@
 #include "tests/client/training/fake_training_server.h"
 #include "tests/client/training/sample_trials.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::ElementsAre;
@@ -137,4 +137,4 @@ TEST_F(OperationWatcherTest, WrongAnswersAreRefused) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -14,7 +14,7 @@
 #include "server/rpc/status.h"
 #include "tests/support/small_trials.h"
 
-namespace tactus::client::testing {
+namespace tactus::internal::client::testing {
 
 // Trials of different lengths, all random, with ids in rising order.
 inline std::vector<Trial> SampleTrials(int count) {
@@ -35,7 +35,8 @@ inline std::vector<Trial> SampleTrials(int count) {
 // The pack, put together without the uploader.
 inline std::string PackOf(const std::vector<Trial>& trials) {
   std::string pack;
-  for (const Trial& trial : trials) pack += tactus::testing::Packed(trial);
+  for (const Trial& trial : trials)
+    pack += tactus::internal::testing::Packed(trial);
   return pack;
 }
 
@@ -60,4 +61,4 @@ inline RetryOptions NoWaits() {
   return {.limit = 8, .sleep = [](std::chrono::milliseconds) {}};
 }
 
-}  // namespace tactus::client::testing
+}  // namespace tactus::internal::client::testing

@@ -10,7 +10,7 @@
 #include "tests/client/training/sample_trials.h"
 #include "tests/support/sealed_bundle.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using testing::FakeTrainingServer;
@@ -98,7 +98,7 @@ TEST_F(TrainingClientTest, BundlesTravelBothWays) {
   std::string payload(3'000'000, '\0');
   Random random(1);
   for (char& c : payload) c = static_cast<char>(random.Index(256));
-  const std::string bundle = tactus::testing::SealedBundle(payload);
+  const std::string bundle = tactus::internal::testing::SealedBundle(payload);
   const auto imported = client_.ImportModel("models/arm", bundle);
   ASSERT_TRUE(imported.ok()) << imported.status();
   EXPECT_EQ(imported->name(), "models/arm/versions/1");
@@ -129,4 +129,4 @@ TEST_F(TrainingClientTest, ASilentServerIsNotAwaitedForEver) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

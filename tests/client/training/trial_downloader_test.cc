@@ -6,7 +6,7 @@
 #include "tests/client/training/fake_training_server.h"
 #include "tests/client/training/sample_trials.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using testing::FakeTrainingServer;
@@ -98,4 +98,4 @@ TEST_F(TrialDownloaderTest, TheErrorOfTheSinkEndsIt) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

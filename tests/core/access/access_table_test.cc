@@ -9,7 +9,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -111,4 +111,4 @@ TEST(TokenLineTest, IsALineOfTheFile) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

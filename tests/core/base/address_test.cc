@@ -3,7 +3,7 @@
 #include "core/base/errors.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(AddressTest, OnlyTheUnixPrefixMakesAUnixSocket) {
@@ -50,4 +50,4 @@ TEST(AddressTest, OtherTextIsRefused) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

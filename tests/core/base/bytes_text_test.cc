@@ -2,7 +2,7 @@
 
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(BytesTextTest, HasThreeDigitsAndAUnit) {
@@ -14,4 +14,4 @@ TEST(BytesTextTest, HasThreeDigitsAndAUnit) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -5,7 +5,7 @@
 #include "core/base/random.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // One bit after another, with the reversed polynomial 0x82f63b78 (RFC 3385).
@@ -41,4 +41,4 @@ TEST(Crc32cTest, PiecesGiveTheSame) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -4,7 +4,7 @@
 
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(ErrorsTest, CarryReasonThingValueAndRemedy) {
@@ -59,4 +59,4 @@ TEST(ErrorsTest, EveryReasonIsWellFormed) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

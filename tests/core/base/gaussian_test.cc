@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/for_each_target.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // The standard library's logarithm, sine and cosine.
@@ -45,4 +45,4 @@ TEST(FillGaussianTest, KeepsItsBits) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

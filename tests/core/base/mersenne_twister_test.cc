@@ -6,7 +6,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/for_each_target.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(MersenneTwisterTest, DrawsWhatTheStandardsEngineDraws) {
@@ -46,4 +46,4 @@ TEST(MersenneTwisterTest, ACopyDrawsTheSameNumbers) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -5,7 +5,7 @@
 
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // The standard fixes mt19937_64: its 10,000th number from the default seed is
@@ -53,4 +53,4 @@ TEST(RandomTest, StreamsDifferAndRepeat) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -3,7 +3,7 @@
 #include "absl/strings/escaping.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // FIPS 180-2, appendices B.1 and B.2.
@@ -19,4 +19,4 @@ TEST(Sha256Test, GivesThePublishedDigests) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

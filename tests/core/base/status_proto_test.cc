@@ -3,7 +3,7 @@
 #include "core/base/errors.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(StatusProtoTest, EverythingComesBack) {
@@ -29,4 +29,4 @@ TEST(StatusProtoTest, AnUnknownCodeIsAnError) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

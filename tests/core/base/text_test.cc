@@ -5,7 +5,7 @@
 #include "core/base/limits.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using std::string_literals::operator""s;
@@ -107,4 +107,4 @@ TEST(QuotedTest, LongTextIsCut) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

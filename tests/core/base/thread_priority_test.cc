@@ -10,7 +10,7 @@
 
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 struct Priority {
@@ -57,4 +57,4 @@ TEST(ThreadPriorityTest, PromptThreadsKeepTheirNicenessAndHaveShortSlices) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

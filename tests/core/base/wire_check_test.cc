@@ -4,7 +4,7 @@
 #include "gtest/gtest.h"
 #include "tactus/v1/trial.pb.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -65,4 +65,4 @@ TEST(WireCheckTest, RefusesWrongEncodings) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

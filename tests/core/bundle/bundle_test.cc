@@ -9,7 +9,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/small_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 Model FullModel() {
@@ -305,4 +305,4 @@ TEST(ModelFromProtoTest, UnknownEnumeratorsAndNamesAreRefused) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

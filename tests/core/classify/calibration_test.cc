@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/small_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr double kNoBias[2] = {0, 0};
@@ -157,4 +157,4 @@ TEST(ValidateCalibrationTest, EachSpoiltTableIsRefused) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/small_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(CompiledModelTest, EachInconsistencyIsRefused) {
@@ -66,4 +66,4 @@ TEST(RunWarmUpTest, PassesForItsAnswerAndFailsForAnother) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

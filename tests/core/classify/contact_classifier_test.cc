@@ -10,7 +10,7 @@
 #include "tests/support/allocation_counter.h"
 #include "tests/support/small_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 std::shared_ptr<const CompiledModel> SmallCompiled() {
@@ -416,4 +416,4 @@ TEST(ContactClassifierTest, AFrameAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

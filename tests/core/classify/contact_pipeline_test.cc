@@ -10,7 +10,7 @@
 #include "tests/support/allocation_counter.h"
 #include "tests/support/small_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 class ContactPipelineTest : public ::testing::Test {
@@ -275,4 +275,4 @@ TEST_F(ContactPipelineTest, AFrameAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -5,7 +5,7 @@
 #include "core/base/random.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Force grows by the root of time and ends in a plateau, as pushed objects do;
@@ -95,4 +95,4 @@ TEST(CourseWatchTest, ARestartForgetsWhatWasSeen) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

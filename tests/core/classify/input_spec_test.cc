@@ -7,7 +7,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/small_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(MakeInputTest, TransformsThenScalesInTheOrderOfTheSpec) {
@@ -85,4 +85,4 @@ TEST(ValidateInputSpecTest, EachSpoiltFieldIsRefused) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

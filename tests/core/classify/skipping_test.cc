@@ -7,7 +7,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/small_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using Numbers = std::vector<double>;
@@ -304,4 +304,4 @@ TEST_F(SkippingTest, AllRulesTogetherAreAsExact) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

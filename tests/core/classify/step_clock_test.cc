@@ -5,7 +5,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 std::vector<uint64_t> Steps(const StepIntervals& intervals, uint64_t frames) {
@@ -52,4 +52,4 @@ TEST(StepClockTest, AResetStartsOver) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

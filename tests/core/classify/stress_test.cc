@@ -13,7 +13,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/small_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -279,4 +279,4 @@ TEST_F(SkinStressTest, TaxelsOfAnySize) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

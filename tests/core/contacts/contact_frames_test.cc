@@ -3,7 +3,7 @@
 #include "core/base/random.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 bool Same(const ContactFrame& a, const ContactFrame& b) {
@@ -101,4 +101,4 @@ TEST(ContactFramesTest, NumbersLeaveTheWholeSkinAlone) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -5,7 +5,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/small_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -57,4 +57,4 @@ TEST(ContactSetTest, TrialsFitTheModelThatClassifiesThem) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/eval/synthetic_contacts.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(MakeFoldsTest, EveryContactIsTestedOnceAndNeverWithItsGroup) {
@@ -75,4 +75,4 @@ TEST(MakeFoldsTest, OneGroupIsNoProtocol) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

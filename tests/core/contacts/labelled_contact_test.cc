@@ -4,7 +4,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 Trial TaxelTrial(int frames) {
@@ -117,4 +117,4 @@ TEST(ExtractContactTest, AReleaseLeavesTheLastContact) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -2,7 +2,7 @@
 
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 const std::vector<std::string> kClasses = {"HU", "HM", "SU", "SM"};
@@ -64,4 +64,4 @@ TEST(QuestionTruthTest, WithoutMotionTheLabelIsTheAnswer) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -12,7 +12,7 @@
 #include "tests/support/flat_layout.h"
 #include "tests/support/small_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr ExtractContactsOptions kAsAServer = {
@@ -212,4 +212,4 @@ TEST(ExtractContactsTest, AnswersEqualThoseOfThePipeline) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

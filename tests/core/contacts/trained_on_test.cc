@@ -7,7 +7,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -85,4 +85,4 @@ TEST_F(TrainedOnTest, BundlesOfEarlierReleasesNameTheirFile) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

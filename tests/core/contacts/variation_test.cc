@@ -6,7 +6,7 @@
 #include "core/sim/exact/exact.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Motion is the place in the contact, force its square.
@@ -286,4 +286,4 @@ TEST(VariedContactsTest, StiffnessRestsWhereClassesAreNotOfIt) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

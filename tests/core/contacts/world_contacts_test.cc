@@ -7,7 +7,7 @@
 #include "core/base/run_on_threads.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(ParseWorldRecipeTest, TakesEveryPart) {
@@ -186,4 +186,4 @@ TEST(MakeWorldContactsTest, TheLabelSoFarEndsAsTheLabel) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

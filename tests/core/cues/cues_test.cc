@@ -7,7 +7,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/allocation_counter.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using Samples = std::vector<ContactSample>;
@@ -417,4 +417,4 @@ TEST(CueTest, ResetForgetsAndStepAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -5,7 +5,7 @@
 #include "core/cues/cue_tracker.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 ContactSample Pulled(double force, double first, double second) {
@@ -92,4 +92,4 @@ TEST(ShearCuesTest, WithoutShearCuesAreFiniteAndConstant) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

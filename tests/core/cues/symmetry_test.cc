@@ -7,7 +7,7 @@
 #include "core/cues/cue_tracker.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr int kTaxels = 12;
@@ -134,4 +134,4 @@ TEST(SymmetryTest, EveryCueSaysWhatItMeans) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -11,7 +11,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/data/trial_samples.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::HasSubstr;
@@ -127,4 +127,4 @@ TEST(AxesTrialTest, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

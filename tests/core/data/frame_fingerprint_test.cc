@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/data/trial_samples.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 template <typename Number>
@@ -88,4 +88,4 @@ TEST(FrameFingerprintTest, OfAllHasNoOrder) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

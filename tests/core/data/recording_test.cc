@@ -12,7 +12,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/scratch_dir.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::HasSubstr;
@@ -444,4 +444,4 @@ TEST(RecordingTest, AFrameBeforeTheConfigurationIsRefused) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 // where LeakSanitizer runs, only our own leaks count.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr int kFlips = 4000;
@@ -94,4 +94,4 @@ TEST_F(TrialFileDamageTest, OverwrittenRangesAreRefusedOrHarmless) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

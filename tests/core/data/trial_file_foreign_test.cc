@@ -9,7 +9,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/data/trial_samples.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::HasSubstr;
@@ -385,4 +385,4 @@ with h5py.File(sys.argv[1], 'w') as f:
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -12,7 +12,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/data/trial_samples.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::HasSubstr;
@@ -179,4 +179,4 @@ TEST(TrialFileTest, AFullDiskIsAnErrorAndLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

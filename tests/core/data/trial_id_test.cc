@@ -2,7 +2,7 @@
 
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(TrialIdTest, OneRule) {
@@ -37,4 +37,4 @@ TEST(TrialIdTest, EachIsHandedOutOnce) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

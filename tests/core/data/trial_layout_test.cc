@@ -8,7 +8,7 @@
 #include "core/base/errors.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 std::string Write(const std::string& text) {
@@ -122,4 +122,4 @@ TEST(LayoutOfTrialTest, RefusesAnotherUnit) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/data/trial_samples.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::HasSubstr;
@@ -150,4 +150,4 @@ TEST(TrialCsvTest, TaxelsAreInTheirUnit) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/small_trials.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::Packed;
@@ -137,4 +137,4 @@ TEST(TrialPackTest, TheSinksErrorEndsIt) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

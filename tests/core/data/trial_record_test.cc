@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/data/trial_samples.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::HasSubstr;
@@ -245,4 +245,4 @@ INSTANTIATE_TEST_SUITE_P(
                   [](Record& r) { r.clear_sample_rate_hz(); }}));
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

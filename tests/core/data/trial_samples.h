@@ -11,7 +11,7 @@
 #include "core/data/trial.h"
 #include "tests/support/scratch_dir.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // A trial with every field set: signals, u16 (or f32) taxels and poses.
 inline Trial FullTrial(uint64_t seed, int frames, bool floats = false) {
@@ -152,4 +152,4 @@ inline bool SameBits(const Trial& a, const Trial& b) {
          SameTouches(a.touches, b.touches);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/data/trial_samples.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::HasSubstr;
@@ -200,4 +200,4 @@ INSTANTIATE_TEST_SUITE_P(
                  [](Trial& t) { t.touches.resize(65, t.touches[0]); }}));
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

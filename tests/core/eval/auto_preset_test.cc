@@ -7,7 +7,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/eval/synthetic_contacts.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::PointersTo;
@@ -201,4 +201,4 @@ TEST(AutoPresetTest, TheWorkIsThatOfTheLoops) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

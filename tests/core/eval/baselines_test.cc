@@ -10,10 +10,10 @@
 #include "gtest/gtest.h"
 #include "tests/core/eval/synthetic_contacts.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
-using ::tactus::testing::PointersTo;
+using ::tactus::internal::testing::PointersTo;
 
 // A contact whose largest area is `area`; it is touched before and after.
 LabelledContact OfSize(const std::string& label, double area) {
@@ -130,4 +130,4 @@ TEST(BaselinesTest, TheNearestContactAnswers) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/eval/synthetic_contacts.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::PointersTo;
@@ -110,4 +110,4 @@ TEST(ChoiceFoldsTest, ManyConditionsStayWhole) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -4,7 +4,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/eval/synthetic_contacts.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::PointersTo;
@@ -152,4 +152,4 @@ TEST(ChosenOptionsTest, AnUnknownPresetIsRefused) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -5,7 +5,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/eval/synthetic_contacts.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 FitOptions QuickOptions() {
@@ -144,4 +144,4 @@ TEST(EvaluateModelTest, RefusesWhatTheModelCannotAnswer) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

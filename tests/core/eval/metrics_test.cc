@@ -4,7 +4,7 @@
 
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(MetricsTest, ConfusionAndAccuracyCount) {
@@ -57,4 +57,4 @@ TEST(MetricsTest, ErrorsOfEstimatesAreSummedUp) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

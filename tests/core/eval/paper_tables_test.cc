@@ -13,7 +13,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/shared_data.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr Experiment kExperiments[] = {Experiment::kSimulation,
@@ -100,4 +100,4 @@ TEST(PaperTablesTest, NumbersAreThoseOfThePapersSource) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

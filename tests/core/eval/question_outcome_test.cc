@@ -8,7 +8,7 @@
 #include "core/contacts/question_truth.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 const std::vector<std::string> kClasses = {"HU", "HM", "SU", "SM"};
@@ -209,4 +209,4 @@ TEST(SummariseTest, CountsDecisionsAlarmsAndLateChanges) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

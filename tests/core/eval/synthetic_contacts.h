@@ -12,7 +12,7 @@
 #include "core/base/random.h"
 #include "core/contacts/labelled_contact.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 // `per_class` contacts of each of HU, HM, SU, SM in two conditions and three
 // materials, `frames` frames at 100 Hz. Larger `noise` makes classes overlap.
@@ -53,4 +53,4 @@ inline std::vector<const LabelledContact*> PointersTo(
   return pointers;
 }
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/eval/synthetic_contacts.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(AreaUnderRocTest, CountsPairsInOrderAndTiesByHalves) {
@@ -105,4 +105,4 @@ TEST(EvaluateUnknownTest, RefusesTwoCategories) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -8,7 +8,7 @@
 #include "tests/support/allocation_counter.h"
 #include "tests/support/flat_layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr int kRows = 6;
@@ -112,4 +112,4 @@ TEST(AxesTest, ContactsAreThoseOfTheLoads) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

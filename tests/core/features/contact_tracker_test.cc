@@ -10,7 +10,7 @@
 #include "tests/support/allocation_counter.h"
 #include "tests/support/flat_layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr auto kNoContact = ContactState::kNoContact;
@@ -429,4 +429,4 @@ TEST(ContactTrackerTest, StepAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

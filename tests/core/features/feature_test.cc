@@ -3,7 +3,7 @@
 #include "core/base/errors.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(FeatureTest, SubsetsReadAndWriteInTheOrderGiven) {
@@ -30,4 +30,4 @@ TEST(FeatureTest, AnythingElseIsRefusedByName) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -10,7 +10,7 @@
 #include "tests/support/flat_layout.h"
 #include "tests/support/for_each_target.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Skins of all sizes; regions of all sizes, most of them 3 x 3.
@@ -169,4 +169,4 @@ TEST(LightTouchBitsTest, TheFilterHasTheBitsOfItsDefinition) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tactus {
+namespace tactus::internal {
 
 LightTouchReference::LightTouchReference(const SkinLayout& layout,
                                          double sample_rate_hz)
@@ -123,4 +123,4 @@ bool LightTouchReference::Valid(size_t taxel) const {
   return layout_.mask.empty() || layout_.mask[taxel] != 0;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -17,7 +17,7 @@
 
 #include "core/skin/layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class LightTouchReference {
  public:
@@ -59,4 +59,4 @@ class LightTouchReference {
   std::vector<char> touched_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

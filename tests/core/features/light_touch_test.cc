@@ -10,7 +10,7 @@
 #include "tests/support/allocation_counter.h"
 #include "tests/support/flat_layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr double kLightRate = 100;
@@ -391,4 +391,4 @@ TEST(LightTouchTest, MeansDoNotBecomeDenormal) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -11,7 +11,7 @@
 #include "tests/support/allocation_counter.h"
 #include "tests/support/flat_layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::FlatLayout;
@@ -119,4 +119,4 @@ TEST(LoadProfileTest, ZeroOutsideTouchAndNothingIsAllocated) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -10,7 +10,7 @@
 #include "core/base/random.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 const Eigen::Vector3d kWayOutwards(0, 0.6, 0.8);
@@ -256,4 +256,4 @@ TEST(RecentPosesTest, AReplayFromAKeptPoseIsEqual) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -8,7 +8,7 @@
 #include "opencv2/core/utility.hpp"
 #include "opencv2/imgproc.hpp"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 bool Touched(const SkinLayout& layout, const std::vector<float>& taxels,
@@ -136,4 +136,4 @@ ReferenceSegmentation OpenCvSegmentation(const SkinLayout& layout,
   return result;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -8,7 +8,7 @@
 
 #include "core/features/segmenter.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct ReferenceSegmentation {
   // 0 is background; the numbering of regions is the reference's own.
@@ -29,4 +29,4 @@ ReferenceSegmentation FloodFill(const SkinLayout& layout,
 ReferenceSegmentation OpenCvSegmentation(const SkinLayout& layout,
                                          const std::vector<float>& taxels);
 
-}  // namespace tactus
+}  // namespace tactus::internal

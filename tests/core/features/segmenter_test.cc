@@ -16,7 +16,7 @@
 #include "tests/support/flat_layout.h"
 #include "tests/support/shared_data.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 SkinLayout MakeLayout(int rows, int columns, bool wrap,
@@ -386,4 +386,4 @@ TEST(SegmenterTest, FindsTheContactInARealForearmFrame) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

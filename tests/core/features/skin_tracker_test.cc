@@ -11,7 +11,7 @@
 #include "tests/support/allocation_counter.h"
 #include "tests/support/flat_layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // A rectangle of taxels that read `value`; columns may cross the seam.
@@ -508,4 +508,4 @@ TEST(SkinTrackerTest, AFrameAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

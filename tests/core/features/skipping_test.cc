@@ -7,7 +7,7 @@
 #include "core/features/contact_tracker.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 struct Recording {
@@ -231,4 +231,4 @@ TEST(SkippingTest, QuietRowsOfLightTouchChangeNoFeature) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

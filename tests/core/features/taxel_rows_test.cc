@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/flat_layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // The same sets as pairs of row and column.
@@ -90,4 +90,4 @@ TEST(TaxelRowsTest, SetsAreThoseOfPlaces) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

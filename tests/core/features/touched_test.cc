@@ -9,7 +9,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/for_each_target.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr float kThreshold = 0.01F;
@@ -82,4 +82,4 @@ TEST(TouchedTest, SumsAreRightAndTheSameBitsAtAnyWidth) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -20,7 +20,7 @@
 #include "core/features/skin_tracker.h"
 #include "tests/support/flat_layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr int kRows = 24;
@@ -111,17 +111,18 @@ bool Write(const std::string& path, bool wrap, uint64_t seed) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal
 
 int main(int argc, char** argv) {
   if (argc != 3) return 2;
   const std::string folder = argv[1];
   const uint64_t seed = std::strtoull(argv[2], nullptr, 10);
-  if (!tactus::Write(folder + "/flat", false, seed) ||
-      !tactus::Write(folder + "/round", true, seed)) {
+  if (!tactus::internal::Write(folder + "/flat", false, seed) ||
+      !tactus::internal::Write(folder + "/round", true, seed)) {
     std::cerr << "tracking_samples: cannot write to " << folder << "\n";
     return 1;
   }
-  std::cout << tactus::kRows << " " << tactus::kColumns << "\n";
+  std::cout << tactus::internal::kRows << " " << tactus::internal::kColumns
+            << "\n";
   return 0;
 }

@@ -9,7 +9,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/scratch_dir.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::ElementsAre;
@@ -321,4 +321,4 @@ TEST(McapTest, ChannelsAndSchemasMayBeRepeatedButNotChanged) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

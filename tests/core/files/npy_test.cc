@@ -7,7 +7,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::ElementsAre;
@@ -160,4 +160,4 @@ TEST(NpyTest, AMissingFileIsAnIoError) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

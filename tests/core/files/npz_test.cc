@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/data/trial_samples.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::ElementsAre;
@@ -238,4 +238,4 @@ INSTANTIATE_TEST_SUITE_P(All, NamedArrayTest,
                          testing::Values(kStored, kDeflated));
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include "tests/core/hmm/random_model.h"
 #include "tests/reference/hmm/compiled_hmm.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 GaussianHmm Good(CovarianceType type) {
@@ -103,4 +103,4 @@ TEST(GaussianHmmTest, CovarianceTypesConvert) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -12,7 +12,7 @@
 #include "tests/reference/hmm/forward_filter.h"
 #include "tests/reference/hmm/viterbi_filter.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr double kRelative = 1e-9;
@@ -108,4 +108,4 @@ TEST(GhmmTest, OneBaumWelchUpdateAgrees) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -13,7 +13,7 @@
 #include "tests/reference/hmm/forward_filter.h"
 #include "tests/reference/hmm/viterbi_filter.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Scores of a class by the log-domain filters of its components.
@@ -209,4 +209,4 @@ TEST(HmmBankTest, DimensionsMustAgree) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -12,7 +12,7 @@
 #include "tests/core/hmm/random_model.h"
 #include "tests/reference/hmm/forward_filter.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using Quad = __float128;
@@ -113,4 +113,4 @@ TEST(LongContactTest, DoubleLogDomain) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/hmm/random_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 HmmMixture ThreeModels() {
@@ -55,4 +55,4 @@ TEST(MixtureTest, EachFaultIsRefusedByName) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

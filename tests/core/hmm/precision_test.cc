@@ -16,7 +16,7 @@
 #include "tests/reference/hmm/forward_filter.h"
 #include "tests/reference/hmm/viterbi_filter.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr double kTolerance = 1e-12;
@@ -366,4 +366,4 @@ TEST(PrecisionTest, MillionEqualFrames) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -18,7 +18,7 @@
 #include "core/hmm/gaussian_hmm.h"
 #include "tests/core/hmm/random_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 using Quad = __float128;
 
@@ -117,4 +117,4 @@ inline double RelativeError(double got, Quad want) {
   return static_cast<double>(fabsq((got - want) / want));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

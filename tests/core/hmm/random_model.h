@@ -14,7 +14,7 @@
 #include "core/hmm/mixture.h"
 #include "core/hmm/scaled_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 inline void Normalise(double* values, int count) {
   double sum = 0;
@@ -94,4 +94,4 @@ inline int ScoredInDouble(const std::vector<HmmMixture>& categories) {
       [&](const GaussianHmm* model) { return !FitsFloat(*model, scale); }));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

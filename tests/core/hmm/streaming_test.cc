@@ -12,7 +12,7 @@
 #include "tests/reference/hmm/viterbi_filter.h"
 #include "tests/support/allocation_counter.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(StreamingTest, FramesAllocateNothing) {
@@ -113,4 +113,4 @@ TEST(StreamingTest, TenMillionFrames) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include "core/hmm/kmeans.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(KMeansTest, FindsWellSeparatedGroups) {
@@ -161,4 +161,4 @@ TEST(TrainMixtureTest, BadOptionsAreRefused) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -13,7 +13,7 @@
 #include "tests/core/hmm/random_model.h"
 #include "tests/reference/hmm/forward_filter.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Owns sequences and shows them as views.
@@ -440,4 +440,4 @@ TEST(InitPaperTest, BadOptionsAreRefused) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -13,7 +13,7 @@
 #include "nghttp2/nghttp2.h"
 #include "tests/support/allocation_counter.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -293,4 +293,4 @@ TEST(Http2VetTest, RandomBytes) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

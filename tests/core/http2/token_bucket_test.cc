@@ -2,7 +2,7 @@
 
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr int64_t kSecond = 1'000'000'000;
@@ -29,4 +29,4 @@ TEST(TokenBucketTest, AClockThatStepsBackGivesNothing) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -4,7 +4,7 @@
 #include "core/base/random.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // `frames` of a 1 x 4 skin: noise up to 1 in the first `idle`, later 100 on
@@ -85,4 +85,4 @@ TEST(IdleNoiseTest, ManyValuesAreThinnedOut) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -11,7 +11,7 @@
 #include "core/import/import.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 inline absl::StatusOr<std::vector<Trial>> ImportAll(
     const std::string& path, const ImportOptions& options = {}) {
@@ -28,4 +28,4 @@ inline absl::StatusOr<std::vector<Trial>> ImportAll(
   return trials;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

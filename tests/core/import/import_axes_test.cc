@@ -13,7 +13,7 @@
 #include "tests/core/import/import_all.h"
 #include "tests/support/flat_layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -216,4 +216,4 @@ TEST_F(ImportAxesTest, ARecordingKeepsItsNumbers) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

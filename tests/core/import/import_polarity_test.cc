@@ -6,7 +6,7 @@
 #include "tests/core/import/import_all.h"
 #include "tests/support/scratch_dir.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -108,4 +108,4 @@ TEST_F(ImportPolarityTest, NamesEachMistake) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -12,7 +12,7 @@
 #include "tests/support/flat_layout.h"
 #include "tests/support/scratch_dir.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -289,4 +289,4 @@ TEST(ImportRecordingTest, AnImpossibleValueIsNamed) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include "tests/core/data/trial_samples.h"
 #include "tests/core/import/import_all.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -465,4 +465,4 @@ INSTANTIATE_TEST_SUITE_P(
         std::pair("y,x,a,b,c,d\n0,0,0,0,0,0\n", "column y is out of order")));
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -16,7 +16,7 @@
 #include "tests/core/import/import_all.h"
 #include "tests/support/shared_data.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -228,4 +228,4 @@ TEST(RecordingsTest, IcubHasItsTrials) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -5,7 +5,7 @@
 #include "core/base/random.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Noise of deviation 1 around 100; that of taxel 20 is `loud` times larger.
@@ -81,4 +81,4 @@ TEST(LightNoiseTest, FewFramesOrNoNoiseGiveNothing) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

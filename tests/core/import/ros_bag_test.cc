@@ -15,7 +15,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/import/import_all.h"
 
-namespace tactus::bag_test {
+namespace tactus::internal::bag_test {
 
 // What hrl_haptic_manip's TaxelArray has, and a text and a constant to skip.
 constexpr char kTaxels[] = R"(# Test.
@@ -81,27 +81,27 @@ struct Raw {
   }
 };
 
-}  // namespace tactus::bag_test
+}  // namespace tactus::internal::bag_test
 
 namespace ros {
 namespace message_traits {
 
 template <>
-struct MD5Sum<tactus::bag_test::Raw> {
-  static const char* value(const tactus::bag_test::Raw& raw) {
+struct MD5Sum<tactus::internal::bag_test::Raw> {
+  static const char* value(const tactus::internal::bag_test::Raw& raw) {
     return raw.type == "test/Pose" ? "0123456789abcdef0123456789abcdef"
                                    : "fedcba9876543210fedcba9876543210";
   }
 };
 template <>
-struct DataType<tactus::bag_test::Raw> {
-  static const char* value(const tactus::bag_test::Raw& raw) {
+struct DataType<tactus::internal::bag_test::Raw> {
+  static const char* value(const tactus::internal::bag_test::Raw& raw) {
     return raw.type.c_str();
   }
 };
 template <>
-struct Definition<tactus::bag_test::Raw> {
-  static const char* value(const tactus::bag_test::Raw& raw) {
+struct Definition<tactus::internal::bag_test::Raw> {
+  static const char* value(const tactus::internal::bag_test::Raw& raw) {
     return raw.definition.c_str();
   }
 };
@@ -111,13 +111,14 @@ struct Definition<tactus::bag_test::Raw> {
 namespace serialization {
 
 template <>
-struct Serializer<tactus::bag_test::Raw> {
+struct Serializer<tactus::internal::bag_test::Raw> {
   template <typename Stream>
-  static void write(Stream& stream, const tactus::bag_test::Raw& raw) {
+  static void write(Stream& stream,
+                    const tactus::internal::bag_test::Raw& raw) {
     std::memcpy(stream.advance(static_cast<uint32_t>(raw.bytes.size())),
                 raw.bytes.data(), raw.bytes.size());
   }
-  static uint32_t serializedLength(const tactus::bag_test::Raw& raw) {
+  static uint32_t serializedLength(const tactus::internal::bag_test::Raw& raw) {
     return static_cast<uint32_t>(raw.bytes.size());
   }
 };
@@ -125,7 +126,7 @@ struct Serializer<tactus::bag_test::Raw> {
 }  // namespace serialization
 }  // namespace ros
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -299,4 +300,4 @@ TEST_F(RosBagTest, IsImportedAsAFolder) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

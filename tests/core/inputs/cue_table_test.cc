@@ -6,7 +6,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/eval/synthetic_contacts.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr StepIntervals kSteps = {4, 8};
@@ -83,4 +83,4 @@ TEST_F(CueTableTest, KeepsTheValuesOfEachContactIfTheyAreFew) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

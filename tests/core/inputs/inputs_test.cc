@@ -5,7 +5,7 @@
 
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Force rises by 1 a frame from `first`.
@@ -71,4 +71,4 @@ TEST(WalkCuesTest, VisitsTouchedFramesThatAreDue) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/eval/synthetic_contacts.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 class LstmInputsTest : public ::testing::Test {
@@ -88,4 +88,4 @@ TEST_F(LstmInputsTest, TheBytesAreAtMostThoseStated) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -12,7 +12,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/data/trial_samples.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 inline std::string GoldenPath(const std::string& name) {
   const char* root = std::getenv("TACTUS_SOURCE_DIR");
@@ -26,4 +26,4 @@ inline std::string Golden(const std::string& name) {
   return bytes;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -15,7 +15,7 @@
 #include "tests/core/interchange/samples.h"
 #include "tests/reference/hmm/forward_filter.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct HmmSequence {
   // [T][D].
@@ -62,4 +62,4 @@ inline std::vector<HmmSequence> HmmSequences(const Model& model) {
   return sequences;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

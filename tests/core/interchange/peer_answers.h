@@ -16,7 +16,7 @@
 #include "nlohmann/json.hpp"
 #include "tests/core/interchange/samples.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct PeerAnswer {
   // Name of the file, in the folder of the JSON file.
@@ -46,4 +46,4 @@ inline double Difference(const std::vector<LstmNetwork>& networks,
   return LargestDifference(rows, answer.probability);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -17,7 +17,7 @@
 #include "tests/core/interchange/peer_answers.h"
 #include "tests/core/interchange/samples.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using nlohmann::json;
@@ -134,4 +134,4 @@ TEST(RecordedAnswersTest, LibghmmGivesOurLikelihoods) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

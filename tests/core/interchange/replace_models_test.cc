@@ -7,7 +7,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/interchange/samples.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -142,4 +142,4 @@ TEST(ReplaceModelsTest, WhatDoesNotFitIsRefused) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -19,7 +19,7 @@
 #include "tests/core/lstm/lstm_cases.h"
 #include "tests/support/small_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // [T][inputs] or [T][classes].
 using Rows = std::vector<std::vector<double>>;
@@ -115,4 +115,4 @@ inline std::vector<double> HmmObservations(const Model& model, size_t k,
   return RandomObservations(model.hmms[k].components.front(), frames, random);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

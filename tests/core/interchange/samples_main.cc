@@ -20,7 +20,7 @@
 #include "tests/core/interchange/peer_answers.h"
 #include "tests/core/interchange/samples.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using nlohmann::json;
@@ -91,18 +91,18 @@ absl::Status Read(const std::string& folder) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal
 
 int main(int argc, char** argv) {
   const std::string verb = argc >= 3 ? argv[1] : "";
   absl::Status status;
   if (verb == "write" && argc == 4) {
-    status = tactus::WriteBundle(argv[3], argv[2]);
+    status = tactus::internal::WriteBundle(argv[3], argv[2]);
   } else if (verb == "write" && argc == 3) {
-    status =
-        tactus::Write(tactus::NetworkSamples(), tactus::HmmSample(), argv[2]);
+    status = tactus::internal::Write(tactus::internal::NetworkSamples(),
+                                     tactus::internal::HmmSample(), argv[2]);
   } else if (verb == "read" && argc == 3) {
-    status = tactus::Read(argv[2]);
+    status = tactus::internal::Read(argv[2]);
   } else {
     std::cerr << "usage: interchange_samples write DIR [BUNDLE] | read DIR\n";
     return 2;

@@ -12,7 +12,7 @@
 #include "tests/reference/lstm/plain_lstm.h"
 #include "tests/support/allocation_counter.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 LstmNetwork Network(Activation activation, GateActivation gate,
@@ -146,4 +146,4 @@ TEST(LstmGradientTest, TheSecondBatchAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

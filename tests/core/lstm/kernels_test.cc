@@ -10,7 +10,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/lstm/training_cases.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 LstmBuffer Numbers(size_t size, uint64_t seed, double spread = 1) {
@@ -241,4 +241,4 @@ TEST(LstmKernelsTest, AWholeGradientHasTheSameBitsAtEveryWidth) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

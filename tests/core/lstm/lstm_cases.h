@@ -12,7 +12,7 @@
 #include "core/lstm/network.h"
 #include "core/lstm/stepper.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 inline constexpr Activation kActivations[] = {Activation::kTanh,
                                               Activation::kSoftsign};
@@ -110,4 +110,4 @@ inline double LargestDifference(const std::vector<std::vector<double>>& a,
   return largest;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

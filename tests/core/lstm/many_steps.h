@@ -16,7 +16,7 @@
 #include "tests/core/lstm/lstm_cases.h"
 #include "tests/reference/lstm/plain_lstm.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 inline void ExpectNoDrift(int steps) {
   // The forget gates are about 0.7: of older steps less than 1e-100 is left.
@@ -48,4 +48,4 @@ inline void ExpectNoDrift(int steps) {
   }
 }
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

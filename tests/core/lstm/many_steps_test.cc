@@ -1,7 +1,7 @@
 // Ten million steps of one sequence.
 #include "tests/core/lstm/many_steps.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(LstmManyStepsTest, TenMillionStepsDoNotDrift) {
@@ -9,4 +9,4 @@ TEST(LstmManyStepsTest, TenMillionStepsDoNotDrift) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

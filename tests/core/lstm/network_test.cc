@@ -8,7 +8,7 @@
 #include "core/lstm/stepper.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 LstmNetwork PaperNetwork(int inputs = 2, uint64_t seed = 1) {
@@ -134,4 +134,4 @@ TEST(LstmNetworkTest, EachFaultIsRefusedByName) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

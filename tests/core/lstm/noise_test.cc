@@ -10,7 +10,7 @@
 #include "tests/reference/lstm/gradient.h"
 #include "tests/reference/lstm/plain_lstm.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(DropoutTest, DropsTheGivenFractionAndKeepsTheMean) {
@@ -117,4 +117,4 @@ TEST(DropoutTest, TheGradientIsThatOfTheDisturbedLoss) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

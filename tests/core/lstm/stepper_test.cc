@@ -12,7 +12,7 @@
 #include "tests/reference/lstm/plain_lstm.h"
 #include "tests/support/allocation_counter.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 void ExpectDistribution(const LstmStepper& stepper) {
@@ -246,4 +246,4 @@ TEST(LstmStepperTest, StepAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -10,7 +10,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/lstm/lstm_cases.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Exit status of the scripts where torch cannot be imported.
@@ -81,4 +81,4 @@ std::optional<json> AskTorch(const std::string& script, const json& cases) {
   return json::parse(std::ifstream(dir.File("answers.json")));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

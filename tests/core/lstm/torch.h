@@ -12,7 +12,7 @@
 #include "core/lstm/network.h"
 #include "nlohmann/json.hpp"
 
-namespace tactus {
+namespace tactus::internal {
 
 nlohmann::json ToJson(const LstmNetwork& network);
 
@@ -24,4 +24,4 @@ std::optional<nlohmann::json> AskTorch(const std::string& script,
 // The folder of the sources.
 std::string SourceDir();
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -10,7 +10,7 @@
 #include "nlohmann/json.hpp"
 #include "tests/core/lstm/lstm_cases.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using nlohmann::json;
@@ -49,4 +49,4 @@ TEST(LstmTorchTest, AgreesWithPyTorch) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

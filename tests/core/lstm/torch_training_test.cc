@@ -15,7 +15,7 @@
 #include "tests/core/lstm/training_cases.h"
 #include "tests/reference/lstm/gradient.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using nlohmann::json;
@@ -163,4 +163,4 @@ TEST(LstmTorchTrainingTest, AgreesWithPyTorchOnThePapersNetwork) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

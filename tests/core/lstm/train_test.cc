@@ -11,7 +11,7 @@
 #include "tests/core/lstm/training_cases.h"
 #include "tests/reference/lstm/plain_lstm.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Which of two pulses, on two inputs and at random times, comes first; a third
@@ -379,4 +379,4 @@ TEST(TrainLstmTest, EachBadSequenceIsRefused) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -12,7 +12,7 @@
 #include "core/lstm/sequence.h"
 #include "tests/core/lstm/lstm_cases.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Holds the numbers that `views` show.
 struct TrainingSet {
@@ -72,4 +72,4 @@ inline std::vector<NamedTensor> Tensors(LstmNetwork& network) {
   return tensors;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include "core/base/random.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Samples with decaying variance along random directions, off the origin.
@@ -135,4 +135,4 @@ TEST(PcaNearestTest, BadInputIsRefused) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

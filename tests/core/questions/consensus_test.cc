@@ -6,7 +6,7 @@
 #include "core/base/random.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using Pair = std::array<double, 2>;
@@ -61,4 +61,4 @@ TEST(ConsensusTest, OfManyValuesTheLaterOneIsKept) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

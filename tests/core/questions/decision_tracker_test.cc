@@ -7,7 +7,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/allocation_counter.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using Pair = std::array<double, 2>;
@@ -134,4 +134,4 @@ TEST(DecisionTrackerTest, AFrameAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

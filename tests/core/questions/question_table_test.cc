@@ -4,7 +4,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -114,4 +114,4 @@ TEST(QuestionTableTest, OnlyWhatTheClassesOfTheDataAnswerIsAsked) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -4,7 +4,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -86,4 +86,4 @@ TEST(ValueProbabilityTest, SumsTheClassesOfEachValue) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

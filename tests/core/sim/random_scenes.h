@@ -9,7 +9,7 @@
 #include "core/base/random.h"
 #include "core/sim/model/scene.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 inline double LogUniform(Random& random, double low, double high) {
   return low * std::exp(random.Uniform() * std::log(high / low));
@@ -46,4 +46,4 @@ inline double RingingRate(const ContactScene& scene) {
                    (1 / scene.arm_mass_kg + 1 / scene.object_mass_kg));
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

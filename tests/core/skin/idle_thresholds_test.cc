@@ -2,7 +2,7 @@
 
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(IdleThresholdsTest, MarginsAreHalfOfTheSpreadOrTheLeast) {
@@ -25,4 +25,4 @@ TEST(IdleThresholdsTest, QuantilesAreMeasuredValues) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

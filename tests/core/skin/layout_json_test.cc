@@ -4,7 +4,7 @@
 #include "core/base/random.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(LayoutJsonTest, EveryBitComesBack) {
@@ -48,4 +48,4 @@ TEST(LayoutJsonTest, APresetMayBeNamed) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

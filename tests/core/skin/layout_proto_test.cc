@@ -3,7 +3,7 @@
 #include "core/base/errors.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(LayoutFromProtoTest, ANameAloneIsAPreset) {
@@ -199,4 +199,4 @@ TEST(LayoutFromProtoTest, BadGeometriesAreRefusedWithReason) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

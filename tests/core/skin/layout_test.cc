@@ -7,7 +7,7 @@
 #include "core/skin/geometry.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(LayoutPresetTest, PresetsAreValid) {
@@ -137,4 +137,4 @@ TEST(SkinDifferenceTest, NamesTheFirstDifference) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 #include "core/base/random.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // 3 x 4 taxels.
@@ -95,4 +95,4 @@ TEST(SumShearTest, SumsTheTwoOtherAxesOfTheTaxels) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

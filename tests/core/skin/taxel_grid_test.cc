@@ -6,7 +6,7 @@
 #include "core/base/errors.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 std::vector<Eigen::Vector3d> Square(int rows, int columns, double pitch) {
@@ -89,4 +89,4 @@ TEST(TaxelGridTest, WhatIsNoSkinIsRefused) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

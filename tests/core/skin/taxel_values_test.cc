@@ -13,7 +13,7 @@
 
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr float kLimit = 1e12F;
@@ -131,4 +131,4 @@ TEST(TaxelValuesTest, OneBadValueAnywhereIsSeen) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

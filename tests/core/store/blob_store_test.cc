@@ -9,7 +9,7 @@
 #include "tests/support/crash_file_system.h"
 #include "tests/support/scratch_dir.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::CrashFileSystem;
@@ -162,4 +162,4 @@ TEST_F(BlobStoreTest, ManyThreadsStoreTheSameBytes) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

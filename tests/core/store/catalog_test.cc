@@ -13,7 +13,7 @@
 #include "tests/support/crash_vfs.h"
 #include "tests/support/scratch_dir.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::CrashFileSystem;
@@ -342,4 +342,4 @@ TEST_F(CatalogTest, AnErrorOfTheDiskLeavesTheOldState) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

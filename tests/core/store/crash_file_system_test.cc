@@ -4,7 +4,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/scratch_dir.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 namespace {
 
 using Loss = CrashFileSystem::Loss;
@@ -70,4 +70,4 @@ TEST(CrashFileSystemTest, FailsOnceOrForEver) {
 }
 
 }  // namespace
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

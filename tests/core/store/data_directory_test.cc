@@ -5,7 +5,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/scratch_dir.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -67,4 +67,4 @@ TEST_F(DataDirectoryTest, AFolderThatCannotBeMade) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/scratch_dir.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -85,4 +85,4 @@ TEST_F(DiskReserveTest, IsASmallPartOfADisk) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

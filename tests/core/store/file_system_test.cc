@@ -5,7 +5,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/scratch_dir.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -81,4 +81,4 @@ TEST_F(FileSystemTest, WritesAtomically) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

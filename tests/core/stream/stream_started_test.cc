@@ -5,7 +5,7 @@
 #include "tests/server/support/requests.h"
 #include "tests/support/small_model.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -31,4 +31,4 @@ TEST(StreamStartedTest, SaysWhatTheModelAnswers) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -10,7 +10,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr int kTaxels = 30;
@@ -132,4 +132,4 @@ TEST(TaxelEmbeddingTest, WrongSizesAndWeightsAreRefused) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

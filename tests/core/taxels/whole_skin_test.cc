@@ -5,7 +5,7 @@
 
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr int kSkinTaxels = 40;
@@ -88,4 +88,4 @@ TEST(WholeSkinTrackerTest, FramesWithoutLoadAreFinite) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

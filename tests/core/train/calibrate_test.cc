@@ -7,7 +7,7 @@
 #include "core/eval/metrics.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr double kNoBias[2] = {0, 0};
@@ -224,4 +224,4 @@ TEST(FitCalibrationTest, TooFewEstimatesSayNothingOfTheStiffness) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -5,7 +5,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/eval/synthetic_contacts.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr size_t kThresholds = kTriedThresholds.size();
@@ -136,4 +136,4 @@ TEST(FitDecisionsTest, QuestionsAreThoseOfTheLabelTable) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -15,7 +15,7 @@
 #include "tests/core/eval/synthetic_contacts.h"
 #include "tests/support/flat_layout.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Contacts of three classes that differ in the shares of the load on two of
@@ -204,4 +204,4 @@ TEST(FitPatternTest, CopiesAndIdealSignalsAreRefused) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

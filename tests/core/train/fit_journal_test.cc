@@ -11,7 +11,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/eval/synthetic_contacts.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Keeps parts in memory; cancels at the question number `cancel_at`, from 1.
@@ -213,4 +213,4 @@ TEST_F(FitJournalTest, AllFoldsByMaterialTrainAnEstimator) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -12,7 +12,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/eval/synthetic_contacts.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 FitOptions QuickOptions() {
@@ -454,4 +454,4 @@ TEST(ClassNamesTest, ThePapersFourComeFirst) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

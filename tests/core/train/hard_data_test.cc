@@ -14,7 +14,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/eval/synthetic_contacts.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -128,4 +128,4 @@ TEST(HardDataTest, OneClassIsRefused) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 #include "core/base/random.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr WeightBounds kBounds[] = {{0, 2}, {0, 2}};
@@ -100,4 +100,4 @@ TEST(FitSoftmaxTest, SeparableDataStayWithinTheBounds) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

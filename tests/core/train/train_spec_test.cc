@@ -10,7 +10,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::Contains;
@@ -132,4 +132,4 @@ TEST(TrainSpecTest, WhatCannotBeDoneIsRefusedBeforeTheWork) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using Numbers = PlainClassifier::Numbers;
@@ -371,4 +371,4 @@ void PlainClassifier::AgreeOnStates() {
   }
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

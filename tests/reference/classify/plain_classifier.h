@@ -24,7 +24,7 @@
 #include "core/questions/question.h"
 #include "tests/reference/classify/plain_cues.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class PlainClassifier {
  public:
@@ -94,4 +94,4 @@ class PlainClassifier {
   std::optional<ObjectEstimate> object_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/strip.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // N, m^2 and m.
@@ -197,4 +197,4 @@ long double PlainCues::Roughness(Signal a, long double floor) const {
                          floor * floor * 1e-6L);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

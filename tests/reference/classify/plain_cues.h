@@ -20,7 +20,7 @@
 #include "absl/strings/string_view.h"
 #include "core/cues/cue.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class PlainCues {
  public:
@@ -68,4 +68,4 @@ class PlainCues {
       std::vector<std::optional<long double>>(CueCount());
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

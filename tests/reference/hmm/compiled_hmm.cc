@@ -4,7 +4,7 @@
 
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 absl::StatusOr<CompiledHmm> CompiledHmm::Create(const GaussianHmm& model) {
   TACTUS_RETURN_IF_ERROR(Validate(model));
@@ -37,4 +37,4 @@ CompiledHmm::CompiledHmm(const GaussianHmm& model)
   log_probability_.push_back(0);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -17,7 +17,7 @@
 #include "core/hmm/gaussian_hmm.h"
 #include "tests/reference/hmm/emission_table.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class CompiledHmm {
  public:
@@ -61,4 +61,4 @@ class CompiledHmm {
   std::vector<double> log_probability_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -8,7 +8,7 @@
 #include "Eigen/Core"
 #include "core/base/limits.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // States evaluated side by side, so that the compiler can vectorise.
@@ -102,4 +102,4 @@ void EmissionTable::LogDensity(std::span<const double> observation,
   }
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -16,7 +16,7 @@
 
 #include "core/hmm/gaussian_hmm.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class EmissionTable {
  public:
@@ -50,4 +50,4 @@ class EmissionTable {
   std::vector<double> blocks_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace tactus {
+namespace tactus::internal {
 
 ForwardFilter::ForwardFilter(const CompiledHmm& hmm)
     : hmm_(&hmm), storage_(5 * static_cast<size_t>(hmm.states())) {
@@ -58,4 +58,4 @@ void ForwardFilter::Skip(int missing) {
   }
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -27,7 +27,7 @@
 #include "tests/reference/hmm/compiled_hmm.h"
 #include "tests/reference/hmm/recursion.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class ForwardFilter {
  public:
@@ -65,4 +65,4 @@ class ForwardFilter {
   CompensatedSum log_likelihood_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

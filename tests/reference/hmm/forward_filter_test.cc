@@ -9,7 +9,7 @@
 #include "tests/core/hmm/random_model.h"
 #include "tests/reference/hmm/viterbi_filter.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr CovarianceType kTypes[] = {CovarianceType::kFull,
@@ -128,4 +128,4 @@ TEST(ForwardFilterTest, SkipSumsOverTheMissingObservation) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr double kMinusInfinity = -std::numeric_limits<double>::infinity();
@@ -82,4 +82,4 @@ void CompensatedSum::Add(double value) {
   sum_ = sum;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

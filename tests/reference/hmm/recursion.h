@@ -14,7 +14,7 @@
 
 #include "tests/reference/hmm/compiled_hmm.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Sums of probabilities above this have lost nothing to underflow: what a
 // belief drops is below 1e-299.
@@ -50,4 +50,4 @@ class CompensatedSum {
   double rest_ = 0;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace tactus {
+namespace tactus::internal {
 
 ViterbiFilter::ViterbiFilter(const CompiledHmm& hmm)
     : hmm_(&hmm), storage_(3 * static_cast<size_t>(hmm.states())) {
@@ -68,4 +68,4 @@ int ViterbiFilter::best_state() const {
                           storage_.begin());
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

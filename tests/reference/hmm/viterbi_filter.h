@@ -18,7 +18,7 @@
 #include "tests/reference/hmm/compiled_hmm.h"
 #include "tests/reference/hmm/recursion.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 class ViterbiFilter {
  public:
@@ -48,4 +48,4 @@ class ViterbiFilter {
   CompensatedSum score_;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

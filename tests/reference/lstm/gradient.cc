@@ -4,7 +4,7 @@
 #include "core/base/random.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 absl::StatusOr<LstmGradient> LossAndGradient(
     const LstmNetwork& network, std::span<const LstmSequence> batch,
@@ -25,4 +25,4 @@ absl::StatusOr<LstmGradient> LossAndGradient(
   return result;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -19,7 +19,7 @@
 #include "core/lstm/network.h"
 #include "core/lstm/sequence.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct LstmGradient {
   // Mean over the batch.
@@ -35,4 +35,4 @@ absl::StatusOr<LstmGradient> LossAndGradient(
     const LstmLossOptions& options, const LstmNoise& noise = {},
     uint64_t seed = 0);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 double Gate(GateActivation activation, double x) {
@@ -168,4 +168,4 @@ double PlainLoss(const LstmNetwork& network,
   return total / static_cast<double>(batch.size());
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

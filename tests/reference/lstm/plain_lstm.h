@@ -15,7 +15,7 @@
 #include "core/lstm/network.h"
 #include "core/lstm/sequence.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Output of the dense layer after each step of `inputs`, [T][classes + 2R].
 std::vector<std::vector<double>> PlainOutputs(
@@ -30,4 +30,4 @@ double PlainLoss(const LstmNetwork& network,
                  std::span<const LstmSequence> batch,
                  const LstmLossOptions& options);
 
-}  // namespace tactus
+}  // namespace tactus::internal

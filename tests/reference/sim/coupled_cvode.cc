@@ -10,7 +10,7 @@
 #include "core/sim/model/equilibrium.h"
 #include "tests/reference/sim/cvode_handles.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr double kRelative = 1e-11;
@@ -249,4 +249,4 @@ absl::StatusOr<std::vector<Trajectory>> IntegrateCoupledCvode(
   return CoupledSolver(scene, sample_rate_hz).Go();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

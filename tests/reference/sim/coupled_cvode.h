@@ -19,11 +19,11 @@
 #include "core/sim/coupled/coupled_scene.h"
 #include "core/sim/model/trajectory.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // One for each object. INVALID_SCENE for a bad scene, NUMERICAL_FAILURE if the
 // solver gives up.
 absl::StatusOr<std::vector<Trajectory>> IntegrateCoupledCvode(
     const CoupledScene& scene, double sample_rate_hz);
 
-}  // namespace tactus
+}  // namespace tactus::internal

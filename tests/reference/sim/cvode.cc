@@ -13,7 +13,7 @@
 #include "tests/reference/sim/phase_equations.h"
 #include "tests/reference/sim/read_signals.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr int kMaxOrder = 5;
@@ -342,4 +342,4 @@ absl::StatusOr<SimulatedContact> SimulateByCvode(const TrialSpec& spec,
   return contact;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

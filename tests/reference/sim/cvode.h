@@ -21,7 +21,7 @@
 #include "core/sim/model/trial_spec.h"
 #include "core/sim/skin/simulated_contact.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 struct SolverOptions {
   double relative_tolerance = 1e-4;
@@ -54,4 +54,4 @@ absl::StatusOr<SimulatedContact> SimulateByCvode(const TrialSpec& spec,
                                                  const SolverOptions& options,
                                                  bool area = true);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -14,7 +14,7 @@
 
 #include <memory>
 
-namespace tactus {
+namespace tactus::internal {
 
 struct ContextDelete {
   void operator()(_SUNContext* context) const { SUNContext_Free(&context); }
@@ -41,4 +41,4 @@ using CvodeLinearSolver =
     std::unique_ptr<_generic_SUNLinearSolver, LinearSolverDelete>;
 using CvodeMemory = std::unique_ptr<void, CvodeDelete>;
 
-}  // namespace tactus
+}  // namespace tactus::internal

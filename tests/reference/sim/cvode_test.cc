@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/find_material.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 ContactScene SceneFor(const char* material, double edge, Surface surface,
@@ -325,4 +325,4 @@ TEST(IntegrateCvodeTest, AnExtremeSceneIsFinite) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -8,7 +8,7 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using Real = long double;
@@ -344,4 +344,4 @@ absl::StatusOr<Trajectory> IntegrateReference(const ContactScene& scene,
   return ReferenceRun(scene, sample_rate_hz, step_share).Go();
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -16,7 +16,7 @@
 #include "core/sim/model/scene.h"
 #include "core/sim/model/trajectory.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // INVALID_SCENE for a bad scene, NUMERICAL_FAILURE if it would need more than
 // 10^9 steps.
@@ -27,4 +27,4 @@ absl::StatusOr<Trajectory> IntegrateReference(const ContactScene& scene,
                                               double sample_rate_hz,
                                               double step_share = 0.7);
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-namespace tactus {
+namespace tactus::internal {
 
 PhaseEquations::PhaseEquations(const ContactScene& scene, ContactPhase p,
                                const EquilibriumLeg& leg)
@@ -72,4 +72,4 @@ double PhaseEquations::Impulse(double span, const double* from,
           span * rate_change / 12);
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

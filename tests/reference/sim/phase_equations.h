@@ -16,7 +16,7 @@
 #include "core/sim/model/equilibrium.h"
 #include "core/sim/model/scene.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // State: deformation x_arm - x_uobj (m; below 0 when apart), v_arm, x_uobj,
 // v_uobj. The deformation is a separate state because a stiff
@@ -58,4 +58,4 @@ struct PhaseEquations {
   ContactPhase phase;
 };
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 #include "core/sim/skin/block_filter.h"
 #include "core/sim/skin/butterworth.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 double UnclampedStrain(const Cube& cube, double force) {
@@ -50,4 +50,4 @@ IdealSignals ReadSignals(const Cube& cube, const Trajectory& trajectory,
   return signals;
 }
 
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -17,7 +17,7 @@
 #include "core/sim/model/trajectory.h"
 #include "core/sim/skin/signals.h"
 
-namespace tactus {
+namespace tactus::internal {
 
 // Force and area enter the filter as means over each interval of the
 // trajectory. Both are 0 while arm and object are apart, so short impacts count
@@ -26,4 +26,4 @@ namespace tactus {
 IdealSignals ReadSignals(const Cube& cube, const Trajectory& trajectory,
                          bool area = true);
 
-}  // namespace tactus
+}  // namespace tactus::internal

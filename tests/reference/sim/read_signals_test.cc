@@ -6,7 +6,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/find_material.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 Trajectory ConstantPress(double force, double seconds_apart) {
@@ -48,4 +48,4 @@ TEST(ReadSignalsTest, CountsClampedSamples) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

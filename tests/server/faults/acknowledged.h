@@ -20,7 +20,7 @@
 #include "client/training/training_client.h"
 #include "gtest/gtest.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 // The trials of a version, as a pack.
 inline absl::StatusOr<std::string> Download(client::TrainingClient& client,
@@ -163,4 +163,4 @@ struct Acknowledged {
   }
 };
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

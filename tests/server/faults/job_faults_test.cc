@@ -20,7 +20,7 @@
 #include "tests/server/support/training_server.h"
 #include "tests/support/scratch_dir.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using client::TrainingClient;
@@ -429,4 +429,4 @@ TEST_F(JobFaultsTest, APromotionThatArrivesTwiceMovesTheAliasOnce) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -16,7 +16,7 @@
 #include "tests/support/scratch_dir.h"
 #include "tests/support/small_trials.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using std::chrono::milliseconds;
@@ -322,4 +322,4 @@ TEST(KillTest, NothingThatWasAcknowledgedIsLost) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

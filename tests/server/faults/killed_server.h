@@ -28,7 +28,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/child_tactusd.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 class KilledServer {
  public:
@@ -158,4 +158,4 @@ class KilledServer {
   std::map<std::string, int> counts_;
 };
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

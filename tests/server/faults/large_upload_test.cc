@@ -8,7 +8,7 @@
 #include "tests/support/scratch_dir.h"
 #include "tests/support/small_trials.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using std::chrono::duration;
@@ -62,4 +62,4 @@ TEST(LargeUploadTest, TakesLessThan16MibOfMemory) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

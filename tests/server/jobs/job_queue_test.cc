@@ -14,7 +14,7 @@
 #include "spdlog/spdlog.h"
 #include "tests/server/records/stores.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 using std::chrono::milliseconds;
@@ -472,4 +472,4 @@ TEST_F(JobQueueTest, AFailedJobHasItsLog) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

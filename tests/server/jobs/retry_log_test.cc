@@ -4,7 +4,7 @@
 
 #include "gtest/gtest.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 // A job whose end could not be stored wrote a line each second.
@@ -19,4 +19,4 @@ TEST(RetryLogTest, ANightOfFailuresIsSeventeenLines) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -4,7 +4,7 @@
 #include "core/base/text.h"
 #include "gtest/gtest.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 TEST(ResourceNamesTest, GoodNames) {
@@ -105,4 +105,4 @@ TEST(ResourceNamesTest, NumbersSortByTheirValue) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -4,7 +4,7 @@
 #include "gtest/gtest.h"
 #include "tests/server/records/stores.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr int64_t kLimit = 8L << 20;
@@ -66,4 +66,4 @@ TEST_F(BlobPartsTest, RefusesLargeAndMissingBlobs) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

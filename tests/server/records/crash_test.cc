@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "tests/server/records/stores.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 namespace fs = std::filesystem;
@@ -330,4 +330,4 @@ TEST_F(CrashTest, OperationsSurviveAFailedOperation) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

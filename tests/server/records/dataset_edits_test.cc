@@ -6,7 +6,7 @@
 #include "server/records/quotas.h"
 #include "tests/server/records/stores.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 v1::RelabelTrialsRequest Relabelling(const std::string& id,
@@ -127,4 +127,4 @@ TEST_F(DatasetEditsTest, TrialsThatAreLeftOutLeaveNoBlob) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "tests/server/records/stores.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 using ::testing::ElementsAre;
@@ -216,4 +216,4 @@ TEST_F(DatasetStoreTest, IsNotDeletedWhileInUse) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

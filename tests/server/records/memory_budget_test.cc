@@ -6,7 +6,7 @@
 
 #include "gtest/gtest.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 TEST(MemoryBudgetTest, TryTakeTakesWhatIsFree) {
@@ -41,4 +41,4 @@ TEST(MemoryBudgetTest, LeasesNeverExceedIt) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -7,7 +7,7 @@
 #include "gtest/gtest.h"
 #include "tests/server/records/stores.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 using ::testing::ElementsAre;
@@ -292,4 +292,4 @@ TEST_F(ModelStoreTest, ADamagedBundleIsReportedAndNotServed) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -13,7 +13,7 @@
 
 #include "gtest/gtest.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 // Runs `sql` on the catalogue of the data directory `path`.
 inline void RunSql(const std::string& path, const std::string& sql) {
@@ -34,4 +34,4 @@ inline void MakeOldDirectory(const std::string& path) {
   std::filesystem::remove(path + "/reserve");
 }
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

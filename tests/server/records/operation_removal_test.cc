@@ -2,7 +2,7 @@
 #include "gtest/gtest.h"
 #include "tests/server/records/stores.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 using ::testing::ElementsAre;
@@ -112,4 +112,4 @@ TEST_F(OperationRemovalTest, AgeRemovesAllButTheNewestHundred) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

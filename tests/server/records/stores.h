@@ -26,7 +26,7 @@
 #include "tests/support/small_model.h"
 #include "tests/support/small_trials.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 
 inline const Caller kCaller = {"tester", "unix:"};
 inline constexpr char kDataset[] = "datasets/d";
@@ -102,4 +102,4 @@ struct Stores {
   std::unique_ptr<ModelStore> models;
 };
 
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

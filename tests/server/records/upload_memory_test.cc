@@ -3,7 +3,7 @@
 #include "gtest/gtest.h"
 #include "tests/server/records/stores.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 // The process's largest resident memory since ForgetPeak, KiB.
@@ -55,4 +55,4 @@ TEST(UploadMemoryTest, SixtyFourMebibytesTakeLessThanSixteen) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "tests/server/records/stores.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 using ::testing::AllOf;
@@ -327,4 +327,4 @@ TEST_F(UploadStoreTest, EachClientHasItsOwnRequestIds) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -9,7 +9,7 @@
 #include "server/registry/default_bundle.h"
 #include "tests/support/small_model.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 std::string Bundle(uint64_t seed = 0) {
@@ -126,4 +126,4 @@ TEST(ModelRegistryTest, SwapsUnderLookUps) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

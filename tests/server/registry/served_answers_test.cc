@@ -14,7 +14,7 @@
 #include "server/registry/default_bundle.h"
 #include "tests/reference/classify/plain_classifier.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 // Neither trained on nor tested with elsewhere.
@@ -210,4 +210,4 @@ TEST_F(ServedAnswersTest, StayFiniteWithDenormalFrames) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -7,7 +7,7 @@
 #include "tests/server/support/requests.h"
 #include "tests/support/small_model.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 class SupersededTest : public ::testing::Test {
@@ -89,4 +89,4 @@ TEST_F(SupersededTest, AStreamThatStartsLaterHasTheNewVersion) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

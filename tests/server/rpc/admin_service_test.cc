@@ -14,7 +14,7 @@
 #include "tests/server/support/test_server.h"
 #include "tests/server/support/training_server.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -249,4 +249,4 @@ TEST(SweepTest, AbandonedUploadsGoAtTheStartAndLater) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

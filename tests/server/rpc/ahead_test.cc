@@ -5,7 +5,7 @@
 #include "gtest/gtest.h"
 #include "tests/server/support/test_server.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::ConfigRequest;
@@ -85,4 +85,4 @@ INSTANTIATE_TEST_SUITE_P(Transports, AheadTest, ::testing::Bool(),
                          });
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -2,7 +2,7 @@
 
 #include "gtest/gtest.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 TEST(AnswerPacingTest, EverySixteenthReadComesFirst) {
@@ -57,4 +57,4 @@ TEST(AnswerPacingTest, UpToFourAnswersShareAFlush) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

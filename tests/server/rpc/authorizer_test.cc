@@ -14,7 +14,7 @@
 #include "gtest/gtest.h"
 #include "tests/server/support/test_server.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 using ::testing::HasSubstr;
@@ -205,4 +205,4 @@ TEST_F(AuthorizerTest, AStreamIsCheckedWhenItBegins) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

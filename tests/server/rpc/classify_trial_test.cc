@@ -8,7 +8,7 @@
 #include "tests/server/support/raw_call.h"
 #include "tests/server/support/test_server.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr char kMethod[] = "/tactus.v1.ContactService/ClassifyTrial";
@@ -128,4 +128,4 @@ TEST(ClassifyTrialDrainTest, ADrainingServerRefuses) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

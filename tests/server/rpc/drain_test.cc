@@ -7,7 +7,7 @@
 #include "server/ops/health_probe.h"
 #include "tests/server/support/test_server.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::ConfigRequest;
@@ -106,4 +106,4 @@ TEST(DrainTest, AReaderThatNeverReadsCannotHoldTheServer) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

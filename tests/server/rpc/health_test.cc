@@ -6,7 +6,7 @@
 #include "gtest/gtest.h"
 #include "tests/server/support/test_server.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using grpc::health::v1::Health;
@@ -88,4 +88,4 @@ TEST(HealthTest, WatchersComeAndGo) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -10,7 +10,7 @@
 #include "gtest/gtest.h"
 #include "server/listen/socket_address.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 TEST(PeerTest, IsAHostOrANetwork) {
@@ -94,4 +94,4 @@ TEST(PeerTest, AConnectionHasThePeerOfItsCalls) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

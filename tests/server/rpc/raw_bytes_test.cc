@@ -8,7 +8,7 @@
 #include "tests/server/support/raw_call.h"
 #include "tests/server/support/test_server.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 class RawBytesTest : public ::testing::Test {
@@ -57,4 +57,4 @@ TEST_F(RawBytesTest, BeyondTheLimitOfGrpc) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 #include "tests/server/support/raw_call.h"
 #include "tests/server/support/test_server.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 testing::RawAnswer ListServices(const testing::TestServer& server) {
@@ -32,4 +32,4 @@ TEST(ReflectionTest, ListsTheContactService) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -16,7 +16,7 @@
 #include "tests/server/support/test_server.h"
 #include "tests/server/support/tls_files.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // The lowest role that may call a method; nothing: everyone may.
@@ -242,4 +242,4 @@ TEST(RoleMatrixTest, WithoutTokensEverythingIsOpenOnThisHost) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -5,7 +5,7 @@
 #include "tests/server/support/bad_input.h"
 #include "tests/server/support/test_server.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::BadInput;
@@ -51,4 +51,4 @@ INSTANTIATE_TEST_SUITE_P(Table, StreamContractTest,
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

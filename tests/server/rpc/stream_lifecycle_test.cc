@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "tests/server/support/test_server.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::ConfigRequest;
@@ -229,4 +229,4 @@ TEST(StreamLifecycleTest, SlowReaderLosesInterimsOnly) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -22,7 +22,7 @@
 #include "tests/support/child_tactusd.h"
 #include "tests/support/scratch_dir.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using std::chrono::milliseconds;
@@ -251,4 +251,4 @@ TEST(TactusdTest, ASecondSignalEndsItAtOnce) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -14,7 +14,7 @@
 #include "tests/server/support/test_server.h"
 #include "tests/server/support/training_server.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using testing::RawCall;
@@ -549,4 +549,4 @@ TEST(TrainingServiceTest, ATrialThatIsNotValidIsNamed) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

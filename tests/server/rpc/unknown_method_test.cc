@@ -3,7 +3,7 @@
 #include "tests/server/support/raw_call.h"
 #include "tests/server/support/test_server.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(UnknownMethodTest, IsUnimplementedAndOthersAreServed) {
@@ -19,4 +19,4 @@ TEST(UnknownMethodTest, IsUnimplementedAndOthersAreServed) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -10,7 +10,7 @@
 #include "tests/server/support/requests.h"
 #include "tests/server/support/test_models.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr double kAxesScale = testing::kStep;
@@ -166,4 +166,4 @@ TEST(AxesTest, AStreamGivesThePipelinesBits) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -7,7 +7,7 @@
 #include "tests/server/support/requests.h"
 #include "tests/server/support/test_models.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 using testing::BadInput;
@@ -57,4 +57,4 @@ INSTANTIATE_TEST_SUITE_P(Table, BadInputTest,
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

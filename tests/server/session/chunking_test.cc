@@ -8,7 +8,7 @@
 #include "tests/server/support/requests.h"
 #include "tests/server/support/test_models.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 using testing::Counts;
@@ -165,4 +165,4 @@ TEST(ChunkingTest, AnyPackingGivesThePipelinesBits) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

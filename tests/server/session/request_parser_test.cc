@@ -10,7 +10,7 @@
 #include "tests/server/support/requests.h"
 #include "tests/support/allocation_counter.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 using google::protobuf::io::ArrayInputStream;
@@ -78,4 +78,4 @@ TEST(RequestParserTest, FramesAfterFramesAllocateNothing) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

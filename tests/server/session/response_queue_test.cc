@@ -3,7 +3,7 @@
 #include "core/base/limits.h"
 #include "gtest/gtest.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 // Sequences of the answers that wait, in order of writing.
@@ -95,4 +95,4 @@ TEST(ResponseQueueTest, DividesComputeTimeAndReportsWaitingTime) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -12,7 +12,7 @@
 #include "tests/server/support/requests.h"
 #include "tests/server/support/test_models.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 using testing::Counts;
@@ -212,4 +212,4 @@ TEST(SeveralContactsTest, ThreadsChangeNoBit) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -9,7 +9,7 @@
 #include "tests/server/support/test_models.h"
 #include "tests/support/allocation_counter.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 using testing::Counts;
@@ -187,4 +187,4 @@ TEST_F(SessionSkippingTest, NoEncodingAllocates) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -15,7 +15,7 @@
 #include "tests/server/support/test_models.h"
 #include "tests/support/allocation_counter.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 using State = StreamSession::State;
@@ -556,4 +556,4 @@ TEST_F(StreamSessionTest, SessionsRunSideBySide) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -10,7 +10,7 @@
 #include "tests/server/support/requests.h"
 #include "tests/server/support/test_models.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 using testing::ConfigRequest;
@@ -218,4 +218,4 @@ TEST_F(TrialSessionTest, ARequestOfEmptyBatchesEndsAtTheFirst) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

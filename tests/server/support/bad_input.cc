@@ -8,7 +8,7 @@
 #include "core/base/limits.h"
 #include "tests/server/support/requests.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 namespace {
 
 using absl::StatusCode;
@@ -427,4 +427,4 @@ std::vector<BadInput> BadInputs() {
   return table.Take();
 }
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

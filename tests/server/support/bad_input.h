@@ -12,7 +12,7 @@
 #include "absl/status/status.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 struct BadInput {
   std::string name;
@@ -30,4 +30,4 @@ inline std::ostream& operator<<(std::ostream& out, const BadInput& bad) {
   return out << bad.name;
 }
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

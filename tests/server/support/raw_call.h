@@ -11,7 +11,7 @@
 #include "grpcpp/channel.h"
 #include "grpcpp/generic/generic_stub.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 struct RawAnswer {
   absl::Status status;
@@ -66,4 +66,4 @@ inline RawAnswer RawCall(const std::shared_ptr<grpc::Channel>& channel,
   return answer;
 }
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

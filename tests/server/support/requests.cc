@@ -5,7 +5,7 @@
 
 #include "core/base/random.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 namespace {
 
 template <typename Type>
@@ -146,4 +146,4 @@ std::vector<float> Newtons(const Counts& counts) {
   return values;
 }
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

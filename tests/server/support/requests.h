@@ -10,7 +10,7 @@
 #include "core/skin/frame.h"
 #include "tactus/v1/contact.pb.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 inline constexpr int kCodyTaxels = 16 * 24;
 // Newtons per step of the u16 encoding used here; a power of two, so that the
@@ -47,4 +47,4 @@ void AddPose(const Pose& pose, v1::FrameBatch* batch);
 // What the server must see: the values in newtons.
 std::vector<float> Newtons(const Counts& counts);
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

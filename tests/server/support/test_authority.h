@@ -20,7 +20,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 class TestAuthority {
  public:
@@ -80,4 +80,4 @@ class TestAuthority {
   std::string folder_;
 };
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

@@ -10,7 +10,7 @@
 #include "server/session/model_source.h"
 #include "tests/support/small_model.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 class TestModels : public server::ModelSource {
  public:
@@ -45,4 +45,4 @@ class TestModels : public server::ModelSource {
   std::shared_ptr<const CompiledModel> vitac_;
 };
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

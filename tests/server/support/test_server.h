@@ -17,7 +17,7 @@
 #include "tests/server/support/requests.h"
 #include "tests/server/support/test_models.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 // Waits for `condition`, for as long as a loaded machine may need.
 template <typename Condition>
@@ -122,4 +122,4 @@ inline void ExpectGoodStream(const std::shared_ptr<grpc::Channel>& channel,
   EXPECT_EQ(final_answer.contacts(0).state(), v1::Contact::STATE_TOUCHING);
 }
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

@@ -20,7 +20,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 class TlsFiles {
  public:
@@ -52,4 +52,4 @@ class TlsFiles {
   bool made_ = false;
 };
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

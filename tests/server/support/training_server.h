@@ -32,7 +32,7 @@
 #include "tests/support/small_model.h"
 #include "tests/support/small_trials.h"
 
-namespace tactus::testing {
+namespace tactus::internal::testing {
 
 // A training of less than a second on the newest version of "datasets/arm".
 inline v1::TrainModelRequest SmallTraining() {
@@ -171,4 +171,4 @@ class TrainingServer {
   std::unique_ptr<v1::AdminService::Stub> admin_;
 };
 
-}  // namespace tactus::testing
+}  // namespace tactus::internal::testing

@@ -11,7 +11,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/scratch_dir.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 // The events of a file, as the server reads them.
@@ -75,4 +75,4 @@ TEST(EventWriterTest, ProgressGrowsAndEndsAtOne) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/scratch_dir.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 class FileJournalTest : public ::testing::Test {
@@ -45,4 +45,4 @@ TEST_F(FileJournalTest, TellsOfCancellation) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

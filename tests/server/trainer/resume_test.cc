@@ -26,7 +26,7 @@
 #include "tests/support/crash_file_system.h"
 #include "tests/support/scratch_dir.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 using std::chrono::duration;
@@ -274,4 +274,4 @@ TEST_F(ResumeTest, ADiskThatFailsAtEachOperation) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -13,7 +13,7 @@
 #include "tests/support/scratch_dir.h"
 #include "tests/support/small_trials.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 constexpr int kUsable = 16;
@@ -64,4 +64,4 @@ TEST(UnusableTrialsTest, AreCountedAndTheFirstAreNamed) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -11,7 +11,7 @@
 #include "core/base/run_on_threads.h"
 #include "gtest/gtest.h"
 
-namespace tactus::server {
+namespace tactus::internal::server {
 namespace {
 
 // Computes until the calling thread has yielded `more` times. Goes on for ever
@@ -79,4 +79,4 @@ TEST(YieldTimerTest, ReadsOfAPipeGoOn) {
 }
 
 }  // namespace
-}  // namespace tactus::server
+}  // namespace tactus::internal::server

@@ -4,7 +4,7 @@
 #include "core/base/random.h"
 #include "gtest/gtest.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // 200 frames at `hz`, with jitter, losses and a pause.
@@ -65,4 +65,4 @@ TEST(MeasuredRateTest, MoreThanFivePercentIsRefused) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -3,13 +3,13 @@
 #include "gtest/gtest.h"
 #include "tests/support/flat_layout.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 SkinInfo SmallSkin() {
   SkinInfo info;
-  info.layout =
-      tactus::testing::FlatLayout("small", 2, 2, TaxelUnit::kCounts, 2, 3);
+  info.layout = tactus::internal::testing::FlatLayout("small", 2, 2,
+                                                      TaxelUnit::kCounts, 2, 3);
   info.layout.mask = {1, 1, 1, 0};
   info.scale = 0.5;
   return info;
@@ -58,4 +58,4 @@ TEST(MonitorTest, TheFullScaleFollowsThePeakAndSinks) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -12,7 +12,7 @@
 #include "tools/common/skin_heatmap.h"
 #include "tools/common/terminal.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::ElementsAre;
@@ -20,8 +20,8 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 SkinLayout Grid(int rows, int columns) {
-  return tactus::testing::FlatLayout("grid", rows, columns, TaxelUnit::kNewton,
-                                     0.01, 0.02);
+  return tactus::internal::testing::FlatLayout("grid", rows, columns,
+                                               TaxelUnit::kNewton, 0.01, 0.02);
 }
 
 MonitorState Example() {
@@ -196,4 +196,4 @@ TEST(TerminalTest, ColoursNeedUtf8AndNoVeto) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

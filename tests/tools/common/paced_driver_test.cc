@@ -3,7 +3,7 @@
 #include "client/drivers/sim_driver.h"
 #include "gtest/gtest.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // Time passes only while somebody sleeps.
@@ -51,4 +51,4 @@ TEST(PacedDriverTest, FramesComeWhenTheyAreDue) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -3,7 +3,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using gs_usb::Request;
@@ -65,4 +65,4 @@ TEST(GsUsbFirmwareTest, FramesAndEchoesHaveStampsOfOneClock) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

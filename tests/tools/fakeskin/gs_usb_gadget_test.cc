@@ -6,7 +6,7 @@
 #include "gtest/gtest.h"
 #include "tests/tools/fakeskin/played_function_fs.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using gs_usb::Request;
@@ -49,4 +49,4 @@ TEST(GsUsbGadgetTest, FramesWhileItIsStoppedAreNotMalformed) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

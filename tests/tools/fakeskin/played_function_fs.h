@@ -29,7 +29,7 @@
 #include "tests/support/scratch_dir.h"
 #include "tools/fakeskin/function_fs.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class PlayedFunctionFs {
  public:
@@ -91,4 +91,4 @@ class PlayedFunctionFs {
   std::array<int, 3> pipes_ = {};
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -12,7 +12,7 @@
 #include "tools/figures/pareto.h"
 #include "tools/figures/sheet.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::ElementsAre;
@@ -161,4 +161,4 @@ TEST(ParetoTest, AgreesWithComparingAllPairs) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -12,7 +12,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/png_image.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 namespace fs = std::filesystem;
@@ -280,4 +280,4 @@ TEST(FigureTest, WhatCannotBeDrawnIsRefused) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

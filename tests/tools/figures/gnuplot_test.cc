@@ -10,7 +10,7 @@
 #include "tests/support/png_image.h"
 #include "tools/figures/gnuplot_script.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 namespace fs = std::filesystem;
@@ -147,4 +147,4 @@ TEST(GnuplotScriptTest, ShortenedTextFits) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -17,7 +17,7 @@
 #include "tools/load/latency_histogram.h"
 #include "tools/load/schedule.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using testing::TestServer;
@@ -206,4 +206,4 @@ TEST(LoadOptionsTest, NobodyListensAndBadOptions) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

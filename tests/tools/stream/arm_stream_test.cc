@@ -29,7 +29,7 @@
 #include "tools/fakeskin/sim_touches.h"
 #include "tools/stream/live_player.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using testing::ChildTactusd;
@@ -285,4 +285,4 @@ TEST(ArmSourceTest, FlagsThatDoNotFitAreRefused) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

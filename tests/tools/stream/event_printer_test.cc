@@ -3,7 +3,7 @@
 #include "gtest/gtest.h"
 #include "tools/common/json.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using v1::ContactEvent;
@@ -69,4 +69,4 @@ TEST(EventLineTest, JsonHasWhatIsMeantAndNothingElse) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

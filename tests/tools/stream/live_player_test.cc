@@ -13,7 +13,7 @@
 #include "tools/fakeskin/sim_touches.h"
 #include "tools/stream/trial_player.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using testing::ChildTactusd;
@@ -205,4 +205,4 @@ TEST(LivePlayerTest, ASkinThatTheModelWasNotTrainedOnIsRefused) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

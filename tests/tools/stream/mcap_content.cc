@@ -13,7 +13,7 @@
 #include "core/files/mcap/mcap_reader.h"
 #include "nlohmann/json.hpp"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 void PrintLastChunk(const std::string& bytes) {
@@ -77,8 +77,9 @@ int Main(const std::string& path, const std::string& mode) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal
 
 int main(int argc, char** argv) {
-  return argc < 2 ? 2 : tactus::Main(argv[1], argc > 2 ? argv[2] : "");
+  return argc < 2 ? 2
+                  : tactus::internal::Main(argv[1], argc > 2 ? argv[2] : "");
 }

@@ -18,7 +18,7 @@
 #include "tools/stream/record_replay.h"
 #include "tools/stream/trial_player.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::HasSubstr;
@@ -567,4 +567,4 @@ TEST(RecorderTest, AFullDiskEndsTheRecordingAndNotTheStream) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -12,7 +12,7 @@
 #include "tools/stream/live_player.h"
 #include "tools/stream/trial_player.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using std::chrono::milliseconds;
@@ -118,4 +118,4 @@ TEST(ResumedPlayersTest, ALiveSkinGoesOn) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -8,7 +8,7 @@
 #include "tools/stream/live_player.h"
 #include "tools/stream/trial_player.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 TEST(PlayersTest, TheRobotHasAName) {
@@ -44,4 +44,4 @@ TEST(PlayersTest, TheRobotHasAName) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

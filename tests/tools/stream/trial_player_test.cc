@@ -17,7 +17,7 @@
 #include "tools/common/percentile.h"
 #include "tools/stream/report.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using testing::TestServer;
@@ -395,4 +395,4 @@ TEST(PercentileTest, TakesTheNearestRank) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -12,7 +12,7 @@
 #include "tests/client/drivers/can/mock_adapter.h"
 #include "tests/client/drivers/driver_cost.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 TEST(UsbCostTest, AForearmOverUsb) {
@@ -40,4 +40,4 @@ TEST(UsbCostTest, AForearmOverUsb) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -15,7 +15,7 @@
 #include "tools/fakeskin/sim_touches.h"
 #include "tools/stream/live_player.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 TEST(UsbStreamTest, ContactsAreClassifiedOverUsb) {
@@ -84,4 +84,4 @@ TEST(UsbStreamTest, ContactsAreClassifiedOverUsb) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

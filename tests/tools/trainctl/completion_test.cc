@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/scratch_dir.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 class CompletionTest : public ::testing::Test {
@@ -62,4 +62,4 @@ TEST_F(CompletionTest, ZshHasTheSameTable) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

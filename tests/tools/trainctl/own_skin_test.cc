@@ -13,7 +13,7 @@
 #include "tests/support/png_image.h"
 #include "tests/support/trainctl_run.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using client::Json;
@@ -199,4 +199,4 @@ TEST_F(OwnSkinTest, APageNeedsItsFolder) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

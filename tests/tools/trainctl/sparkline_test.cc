@@ -6,7 +6,7 @@
 #include "gtest/gtest.h"
 #include "tools/trainctl/fit/learning_curves.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 std::string Line(const std::vector<double>& values, size_t width) {
@@ -54,4 +54,4 @@ TEST(LearningCurvesTest, LikelihoodsBeginWithTheFirstIteration) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -2,7 +2,7 @@
 
 #include "gtest/gtest.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 TEST(TextTest, TimesAndSizesAreShort) {
@@ -14,4 +14,4 @@ TEST(TextTest, TimesAndSizesAreShort) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -11,7 +11,7 @@
 #include "tools/figures/axis.h"
 #include "tools/trainctl/data/skin_strip.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // Columns of the sheet, in pixels. To the right of the axes stand the colour
@@ -470,4 +470,4 @@ GnuplotScript ScriptOf(const ContactTrace& trace) {
   return script;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -20,7 +20,7 @@
 #include "tools/figures/gnuplot_script.h"
 #include "tools/trainctl/data/contact_trace.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 inline constexpr int kContactPictureWidth = 1600;
 // Pictures of the skin in the strip.
@@ -38,4 +38,4 @@ std::vector<size_t> PicturedFrames(const ContactTrace& trace);
 // as they are.
 std::string DescribeClass(absl::string_view name);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -8,7 +8,7 @@
 #include "core/features/contact_time.h"
 #include "core/features/contact_tracker.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // Enough for percentiles of noise.
@@ -146,4 +146,4 @@ Json ContactSummary::ToJson() const {
           {"longest_loss_of_touch_s", Spread(loss_s_)}};
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -21,7 +21,7 @@
 #include "core/skin/layout.h"
 #include "tools/common/json.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class ContactSummary {
  public:
@@ -55,4 +55,4 @@ class ContactSummary {
   std::vector<double> change_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

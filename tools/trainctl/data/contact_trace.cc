@@ -16,7 +16,7 @@
 #include "core/features/contact_time.h"
 #include "core/features/contact_tracker.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 void AppendScores(const ContactClassifier& classifier, ContactTrace& trace) {
@@ -169,4 +169,4 @@ absl::StatusOr<ContactTrace> TraceContact(
   return trace;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

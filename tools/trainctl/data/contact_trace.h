@@ -24,7 +24,7 @@
 #include "core/features/feature.h"
 #include "core/skin/layout.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct ContactTrace {
   // Name and label of the trial.
@@ -69,4 +69,4 @@ absl::StatusOr<ContactTrace> TraceContact(
     const Trial& trial, const SkinLayout& given,
     const std::shared_ptr<const CompiledModel>& model);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -15,7 +15,7 @@
 #include "tools/trainctl/command.h"
 #include "tools/trainctl/progress_display.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 namespace fs = std::filesystem;
@@ -128,4 +128,4 @@ void AddExportTrials(CLI::App& app, const SelectCommand& select) {
   command->callback([=] { select([=] { return RunExportTrials(*flags); }); });
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -22,7 +22,7 @@
 #include "tools/trainctl/progress_display.h"
 #include "tools/trainctl/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 struct ImportFlags {
@@ -176,4 +176,4 @@ void AddImport(CLI::App& app, const SelectCommand& select) {
   command->callback([=] { select([=] { return RunImport(*flags); }); });
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

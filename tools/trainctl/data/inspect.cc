@@ -16,7 +16,7 @@
 #include "tools/trainctl/command.h"
 #include "tools/trainctl/data/contact_summary.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 struct InspectFlags {
@@ -170,4 +170,4 @@ void AddInspect(CLI::App& app, const SelectCommand& select) {
   command->callback([=] { select([=] { return RunInspect(*flags); }); });
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -5,7 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/data/trial_loads.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 void RestingLoad::Add(const Trial& trial) {
   if (!trial.skin || trial.taxels.frames() == 0) return;
@@ -42,4 +42,4 @@ std::string RestingLoad::Text() const {
       "or a higher threshold\n");
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -15,7 +15,7 @@
 
 #include "core/data/trial.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class RestingLoad {
  public:
@@ -34,4 +34,4 @@ class RestingLoad {
   std::vector<float> taxels_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -12,7 +12,7 @@
 #include "tools/trainctl/data/contact_picture.h"
 #include "tools/trainctl/data/contact_trace.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 struct ShowFlags {
@@ -80,4 +80,4 @@ void AddShow(CLI::App& app, const SelectCommand& select) {
   command->callback([=] { select([=] { return RunShow(*flags); }); });
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -16,7 +16,7 @@
 #include "tools/trainctl/data/simulate_one.h"
 #include "tools/trainctl/progress_display.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr const char* kLabels[] = {"HU", "HM", "SU", "SM"};
@@ -241,4 +241,4 @@ void AddSimulate(CLI::App& app, const SelectCommand& select) {
   });
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

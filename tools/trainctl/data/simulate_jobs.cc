@@ -16,7 +16,7 @@
 #include "core/sim/skin/skin_model.h"
 #include "tools/trainctl/exit_code.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // The protocol's grid, with the values of the command line where there are any.
@@ -228,4 +228,4 @@ absl::StatusOr<SimulateJobs> MakeJobs(const SimulateFlags& flags,
                        "paper, grid, cody or random");
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

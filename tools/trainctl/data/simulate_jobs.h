@@ -21,7 +21,7 @@
 #include "core/sim/experiments/random_scene.h"
 #include "core/skin/layout.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct SimulateFlags {
   std::string protocol = "paper";
@@ -78,4 +78,4 @@ std::string NoiseOrDefault(const std::string& noise);
 absl::StatusOr<SimulateJobs> MakeJobs(const SimulateFlags& flags,
                                       const SkinLayout& layout);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

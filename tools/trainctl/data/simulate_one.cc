@@ -11,7 +11,7 @@
 #include "core/sim/exact/exact.h"
 #include "tools/trainctl/command.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr char kKeys[] =
@@ -101,4 +101,4 @@ absl::Status SimulateOne(const OneContactFlags& flags, std::ostream& out) {
   return absl::OkStatus();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

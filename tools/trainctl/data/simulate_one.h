@@ -22,7 +22,7 @@
 #include "absl/strings/string_view.h"
 #include "core/sim/model/scene.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct OneContactFlags {
   // The JSON text, or @ and the name of a file that holds it; empty: the
@@ -41,4 +41,4 @@ absl::StatusOr<ContactScene> ParseScene(absl::string_view json);
 // bad flag, IO for an unreadable file, NUMERICAL_FAILURE.
 absl::Status SimulateOne(const OneContactFlags& flags, std::ostream& out);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -7,7 +7,7 @@
 #include "opencv2/core.hpp"
 #include "opencv2/imgproc.hpp"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // Taxels around the contact that a window shows.
@@ -166,4 +166,4 @@ SkinStrip DrawSkinStrip(const SkinLayout& layout, const SkinWindow& window,
   return strip;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -22,7 +22,7 @@
 
 #include "core/skin/layout.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // A part of the skin. Columns count on past the last one where they wrap.
 struct SkinWindow {
@@ -69,4 +69,4 @@ SkinStrip DrawSkinStrip(const SkinLayout& layout, const SkinWindow& window,
                         const std::vector<std::span<const float>>& frames,
                         double largest, const SkinStripSize& size);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -4,7 +4,7 @@
 #include "absl/strings/str_format.h"
 #include "tools/trainctl/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 namespace {
 
@@ -102,4 +102,4 @@ Json ChoiceToJson(const std::optional<PresetChoice>& chosen) {
           {"chance", choice.chance}};
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

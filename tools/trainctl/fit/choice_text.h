@@ -13,11 +13,11 @@
 #include "core/eval/auto_preset.h"
 #include "tools/trainctl/command.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // Several lines; empty if nothing was chosen.
 std::string ChoiceText(const std::optional<PresetChoice>& chosen);
 // Null if nothing was chosen.
 Json ChoiceToJson(const std::optional<PresetChoice>& chosen);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -11,7 +11,7 @@
 #include "tools/common/json.h"
 #include "tools/trainctl/command.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 struct CuesFlags {
@@ -112,4 +112,4 @@ void AddCues(CLI::App& app, const SelectCommand& select) {
   });
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

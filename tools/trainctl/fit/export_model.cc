@@ -11,7 +11,7 @@
 #include "core/interchange/lstm/lstm_to_onnx.h"
 #include "tools/trainctl/command.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 struct ExportModelFlags {
@@ -88,4 +88,4 @@ void AddExportModel(CLI::App& app, const SelectCommand& select) {
   command->callback([=] { select([=] { return RunExportModel(*flags); }); });
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

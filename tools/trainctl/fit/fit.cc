@@ -15,7 +15,7 @@
 #include "tools/trainctl/fit/learning_curves.h"
 #include "tools/trainctl/progress_display.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 struct FitCommandFlags {
@@ -125,4 +125,4 @@ void AddFit(CLI::App& app, const SelectCommand& select) {
   command->callback([=] { select([=] { return RunFit(*flags); }); });
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -10,7 +10,7 @@
 #include "core/train/train_spec.h"
 #include "tools/trainctl/exit_code.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 void FitFlags::Add(CLI::App& command) {
   options_ = spec.Add(command);
@@ -107,4 +107,4 @@ absl::StatusOr<FitOptions> FitFlags::Options(absl::string_view preset) const {
   return options;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

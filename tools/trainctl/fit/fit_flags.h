@@ -23,7 +23,7 @@
 #include "tools/trainctl/command.h"
 #include "tools/trainctl/fit/spec_flags.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct FitFlags {
   SpecFlags spec;
@@ -59,4 +59,4 @@ struct FitFlags {
   std::vector<const CLI::Option*> options_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -18,7 +18,7 @@
 #include "tools/trainctl/command.h"
 #include "tools/trainctl/progress_display.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 struct ImportModelFlags {
@@ -213,4 +213,4 @@ void AddImportModel(CLI::App& app, const SelectCommand& select) {
   command->callback([=] { select([=] { return RunImportModel(*flags); }); });
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -6,7 +6,7 @@
 #include "absl/strings/str_format.h"
 #include "tools/trainctl/sparkline.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr size_t kWidth = 12;
@@ -29,4 +29,4 @@ std::string LearningCurves::Text() const {
                       absl::StrFormat(" %.4g", values.back()));
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class LearningCurves {
  public:
@@ -33,4 +33,4 @@ class LearningCurves {
   bool likelihood_ = false;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

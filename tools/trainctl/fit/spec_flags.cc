@@ -13,7 +13,7 @@
 #include "core/questions/question_table.h"
 #include "tools/trainctl/exit_code.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 const std::map<std::string, v1::Truth> kTruths = {{"", v1::TRUTH_UNSPECIFIED},
@@ -146,4 +146,4 @@ absl::StatusOr<v1::TrainSpec> TrainSpecOf(const SpecFlags& flags) {
   return spec;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -20,7 +20,7 @@
 #include "absl/status/statusor.h"
 #include "tactus/v1/operations.pb.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // As users write them; what is empty is the preset's or the server's.
 struct SpecFlags {
@@ -47,4 +47,4 @@ struct SpecFlags {
 // table. ApplySpec and the server check the rest.
 absl::StatusOr<v1::TrainSpec> TrainSpecOf(const SpecFlags& flags);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -7,7 +7,7 @@
 #include "tools/trainctl/remote/flags.h"
 #include "tools/trainctl/remote/proto_json.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 struct EditFlags {
@@ -110,4 +110,4 @@ void AddDatasetEdits(CLI::App& app, const SelectCommand& select) {
   }
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

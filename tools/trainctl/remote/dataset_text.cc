@@ -11,7 +11,7 @@
 #include "core/base/text.h"
 #include "tools/trainctl/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 std::string LabelsText(const v1::DatasetVersion& version) {
@@ -51,4 +51,4 @@ std::string OriginText(const v1::DatasetVersion& version) {
   return text + "\n";
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -11,7 +11,7 @@
 
 #include "tactus/v1/training.pb.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // One line: name, time, trials and their labels, what was added and removed.
 std::string VersionText(const v1::DatasetVersion& version);
@@ -20,4 +20,4 @@ std::string VersionText(const v1::DatasetVersion& version);
 // trials that were there already; empty if there is nothing to say.
 std::string OriginText(const v1::DatasetVersion& version);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

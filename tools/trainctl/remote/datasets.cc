@@ -27,7 +27,7 @@
 #include "tools/trainctl/remote/proto_json.h"
 #include "tools/trainctl/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr char kCollection[] = "datasets";
@@ -494,4 +494,4 @@ void AddDatasets(CLI::App& app, const SelectCommand& select) {
   }
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

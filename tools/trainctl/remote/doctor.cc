@@ -8,7 +8,7 @@
 #include "tools/trainctl/remote/doctor_report.h"
 #include "tools/trainctl/remote/flags.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 struct DoctorFlags {
@@ -70,4 +70,4 @@ void AddDoctor(CLI::App& app, const SelectCommand& select) {
   command->callback([=] { select([flags] { return Examine(*flags); }); });
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -18,7 +18,7 @@
 #include "tools/trainctl/remote/tls_probe.h"
 #include "tools/trainctl/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using Severity = CheckResult::Severity;
@@ -220,4 +220,4 @@ std::vector<CheckResult> CheckServer(const RemoteFlags& flags) {
   return ServerCheck(flags).Run();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -12,11 +12,11 @@
 #include "core/store/data_check.h"
 #include "tools/trainctl/remote/flags.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // Checks, in this order, and ends where nothing further can be checked: the
 // certificate, the connection and the credential, versions, clock, data
 // directory, what streams get.
 std::vector<CheckResult> CheckServer(const RemoteFlags& flags);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -9,7 +9,7 @@
 #include "tools/common/json.h"
 #include "tools/trainctl/exit_code.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using Severity = CheckResult::Severity;
@@ -58,4 +58,4 @@ absl::Status PrintChecks(const std::vector<CheckResult>& results, bool json) {
                       errors > 0 ? kExitDoctorErrors : kExitDoctorWarnings);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

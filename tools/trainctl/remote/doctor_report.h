@@ -12,10 +12,10 @@
 #include "absl/status/status.h"
 #include "core/store/data_check.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // Prints to stdout. OK if all checks are; else an error with the exit code 1
 // for warnings or 2 for errors.
 absl::Status PrintChecks(const std::vector<CheckResult>& results, bool json);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -13,7 +13,7 @@
 #include "tools/trainctl/remote/report.h"
 #include "tools/trainctl/verbs.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 struct RemoteEvaluateFlags {
@@ -168,4 +168,4 @@ void AddRemoteEvaluate(CLI::App& app, const SelectCommand& select) {
       "  trainctl evaluate --dataset=arm --protocol=loco --preset=paper");
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -16,7 +16,7 @@
 #include "tools/common/token_file.h"
 #include "tools/trainctl/exit_code.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // What to do if nothing answered, by what gRPC says about it.
@@ -146,4 +146,4 @@ std::string NewRequestId() {
                          random(), random());
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

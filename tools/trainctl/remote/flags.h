@@ -22,7 +22,7 @@
 #include "client/training/training_client.h"
 #include "tools/trainctl/command.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct RemoteFlags {
   std::string server;
@@ -73,4 +73,4 @@ absl::Status UploadTrialFile(TrainingClient& client, const std::string& name,
 // An identifier for a request that no other request has.
 std::string NewRequestId();
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

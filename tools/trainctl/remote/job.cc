@@ -22,7 +22,7 @@
 #include "tools/trainctl/remote/proto_json.h"
 #include "tools/trainctl/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 std::string Subject(const v1::Operation& job) {
@@ -302,4 +302,4 @@ absl::Status FollowJob(TrainingClient& client, const RemoteFlags& flags,
   return ended.status();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -16,7 +16,7 @@
 #include "tactus/v1/operations.pb.h"
 #include "tools/trainctl/remote/flags.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // One line: name, kind, state, times, and what it is about.
 std::string JobLine(const v1::Operation& job);
@@ -34,4 +34,4 @@ absl::Status StatusOfJob(const v1::Operation& job);
 absl::Status FollowJob(TrainingClient& client, const RemoteFlags& flags,
                        const v1::Operation& job);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -12,7 +12,7 @@
 #include "tools/trainctl/remote/proto_json.h"
 #include "tools/trainctl/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 std::string PartOf(const v1::LearningPoint& point) {
@@ -105,4 +105,4 @@ void JobDisplay::WriteLine(const std::string& text) {
   out_ << "trainctl: " << text << "\n" << std::flush;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

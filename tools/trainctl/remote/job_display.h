@@ -22,7 +22,7 @@
 #include "tools/trainctl/fit/learning_curves.h"
 #include "tools/trainctl/progress_display.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class JobDisplay {
  public:
@@ -47,4 +47,4 @@ class JobDisplay {
   v1::Operation::State state_ = v1::Operation::STATE_UNSPECIFIED;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

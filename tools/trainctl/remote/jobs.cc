@@ -12,7 +12,7 @@
 #include "tools/trainctl/remote/job.h"
 #include "tools/trainctl/remote/proto_json.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 const std::map<std::string, v1::Operation::State>& States() {
@@ -155,4 +155,4 @@ void AddJobs(CLI::App& app, const SelectCommand& select) {
   }
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -20,7 +20,7 @@
 #include "tools/trainctl/remote/proto_json.h"
 #include "tools/trainctl/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr char kDefaultAlias[] = "default";
@@ -449,4 +449,4 @@ void AddModels(CLI::App& app, const SelectCommand& select) {
   }
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

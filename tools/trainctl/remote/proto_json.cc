@@ -12,7 +12,7 @@
 #include "google/protobuf/descriptor.h"
 #include "tactus/v1/common.pb.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using google::protobuf::FieldDescriptor;
@@ -120,4 +120,4 @@ Json ToJson(const Message& message) {
 
 void PrintJson(const Json& json) { std::cout << JsonText(json) << "\n"; }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -15,7 +15,7 @@
 #include "google/protobuf/message.h"
 #include "tools/common/json.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 Json ToJson(const google::protobuf::Message& message);
 
@@ -32,4 +32,4 @@ void PrintJson(const Json& json);
 // The name of an enum's value as in JSON, e.g. "succeeded".
 std::string EnumText(const google::protobuf::EnumValueDescriptor& value);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

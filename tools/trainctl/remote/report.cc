@@ -11,7 +11,7 @@
 #include "tools/trainctl/report/evaluate_report.h"
 #include "tools/trainctl/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 double Fraction(const v1::Accuracy& accuracy) {
@@ -96,4 +96,4 @@ absl::Status WriteRemoteReport(const std::string& folder,
                         EvaluationPage(parts));
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

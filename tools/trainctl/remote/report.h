@@ -15,7 +15,7 @@
 #include "tactus/v1/operations.pb.h"
 #include "tools/common/json.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // As EvaluationToJson() names the figures; those that are missing are left out.
 Json ReportToJson(const v1::EvaluationReport& report);
@@ -25,4 +25,4 @@ Json ReportToJson(const v1::EvaluationReport& report);
 absl::Status WriteRemoteReport(const std::string& folder,
                                const v1::Operation& job);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

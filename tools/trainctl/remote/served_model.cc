@@ -3,7 +3,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/drivers/clock.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 std::string ServedModel::Open(const std::shared_ptr<grpc::Channel>& channel,
                               const SkinInfo& info, const std::string& model,
@@ -52,4 +52,4 @@ std::string ServedModel::Ended(absl::Status status) {
                       status.message());
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -19,7 +19,7 @@
 #include "grpcpp/channel.h"
 #include "tools/common/monitor.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class ServedModel {
  public:
@@ -44,4 +44,4 @@ class ServedModel {
   std::unique_ptr<ContactStream> stream_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -12,7 +12,7 @@
 #include "tools/trainctl/remote/proto_json.h"
 #include "tools/trainctl/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 std::string LimitText(int64_t limit) {
@@ -135,4 +135,4 @@ void AddServer(CLI::App& app, const SelectCommand& select) {
   AddRemoteCommand(drain, select, Drain);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -11,7 +11,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 template <typename Type, void (*kFree)(Type*)>
@@ -87,4 +87,4 @@ absl::StatusOr<TlsProbe> ProbeTls(const std::string& address,
   return probe;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

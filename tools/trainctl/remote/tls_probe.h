@@ -15,7 +15,7 @@
 
 #include "absl/status/statusor.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct TlsProbe {
   // Why the certificate is not accepted, e.g. "certificate has expired"; empty
@@ -30,4 +30,4 @@ struct TlsProbe {
 absl::StatusOr<TlsProbe> ProbeTls(const std::string& address,
                                   const std::string& roots);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -25,7 +25,7 @@
 #include "tools/trainctl/command.h"
 #include "tools/trainctl/exit_code.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 struct TokensFlags {
@@ -214,4 +214,4 @@ void AddTokens(CLI::App& app, const SelectCommand& select) {
   list->callback([=] { select([=] { return ListTokens(*flags); }); });
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

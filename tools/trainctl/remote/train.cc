@@ -8,7 +8,7 @@
 #include "tools/trainctl/remote/flags.h"
 #include "tools/trainctl/remote/job.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 struct RemoteTrainFlags {
@@ -89,4 +89,4 @@ void AddTrain(CLI::App& app, const SelectCommand& select) {
                    });
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -16,7 +16,7 @@
 #include "tools/trainctl/command.h"
 #include "tools/trainctl/report/score_trace.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 struct ClassifyFlags {
@@ -207,4 +207,4 @@ void AddClassify(CLI::App& app, const SelectCommand& select) {
   command->callback([=] { select([=] { return RunClassify(*flags); }); });
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

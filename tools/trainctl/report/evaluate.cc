@@ -34,7 +34,7 @@
 #include "tools/trainctl/report/touch_report.h"
 #include "tools/trainctl/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr char kLeaveOneCategoryOut[] = "leave-one-category-out";
@@ -445,4 +445,4 @@ void AddEvaluate(CLI::App& app, const SelectCommand& select) {
   command->callback([=] { select([=] { return RunEvaluate(*flags); }); });
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

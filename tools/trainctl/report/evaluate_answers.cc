@@ -4,7 +4,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // A field of a CSV file; in quotes if it holds what separates fields.
@@ -38,4 +38,4 @@ std::string AnswersCsv(const Evaluation& result,
   return csv;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -23,10 +23,10 @@
 #include "core/contacts/labelled_contact.h"
 #include "core/eval/evaluation.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // `contacts` are those of the evaluation.
 std::string AnswersCsv(const Evaluation& result,
                        const std::vector<const LabelledContact*>& contacts);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -8,7 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "tools/trainctl/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr int kBins = 15;
@@ -184,4 +184,4 @@ LinePlot DecisionPlot(const NamedEvaluation& shown) {
   return plot;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

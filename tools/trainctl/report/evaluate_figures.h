@@ -23,7 +23,7 @@
 #include "core/eval/paper_tables.h"
 #include "tools/figures/line_plot.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct NamedEvaluation {
   // Name of the algorithm: "fused".
@@ -67,4 +67,4 @@ LinePlot ReliabilityPlot(const NamedEvaluation& shown);
 // since onset.
 LinePlot DecisionPlot(const NamedEvaluation& shown);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

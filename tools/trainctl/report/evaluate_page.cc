@@ -10,7 +10,7 @@
 #include "tools/trainctl/report/question_report.h"
 #include "tools/trainctl/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 std::string PercentOrDash(const Json& fraction) {
@@ -317,4 +317,4 @@ std::string EvaluationPage(const EvaluationPageParts& parts) {
   return html.Finish();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

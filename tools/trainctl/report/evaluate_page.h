@@ -24,7 +24,7 @@
 #include "core/eval/evaluation.h"
 #include "tools/common/json.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // The contacts whose true class got the lowest probability, the lowest first,
 // at most 12: trial, label, answer, probability of the answer and of the label.
@@ -62,4 +62,4 @@ struct EvaluationPageParts {
 // All text is escaped. Parts that the evaluation does not have are left out.
 std::string EvaluationPage(const EvaluationPageParts& parts);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

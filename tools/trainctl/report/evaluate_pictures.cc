@@ -14,7 +14,7 @@
 #include "tools/trainctl/data/contact_trace.h"
 #include "tools/trainctl/report/evaluate_figures.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr char kPhase[] = "draw pictures";
@@ -89,4 +89,4 @@ absl::StatusOr<std::vector<std::string>> DrawTrials(
   return pictures;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -29,7 +29,7 @@
 #include "tools/common/json.h"
 #include "tools/trainctl/report/evaluate_page.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // IO if pictures cannot be drawn here.
 absl::Status CheckPictures();
@@ -48,4 +48,4 @@ absl::StatusOr<std::vector<std::string>> DrawTrials(
     const std::shared_ptr<const CompiledModel>& model,
     const Progress& progress = {});
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -11,7 +11,7 @@
 #include "tools/trainctl/report/question_report.h"
 #include "tools/trainctl/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 Json ToJson(const EstimateErrors& errors) {
@@ -410,4 +410,4 @@ std::string UnknownText(const std::vector<UnknownResult>& results) {
   return text;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

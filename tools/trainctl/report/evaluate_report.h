@@ -18,7 +18,7 @@
 #include "core/eval/unknown.h"
 #include "tools/trainctl/command.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // `trials` counts the trials of the file; those without an outcome were never
 // felt. Absent estimates and decisions are null.
@@ -51,4 +51,4 @@ std::string EvaluationText(const Json& evaluation);
 Json UnknownToJson(const std::vector<UnknownResult>& results);
 std::string UnknownText(const std::vector<UnknownResult>& results);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -4,7 +4,7 @@
 #include "absl/strings/escaping.h"
 #include "tools/common/json.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr char kStyle[] =
@@ -113,4 +113,4 @@ std::string Html::Finish() const {
   return absl::StrCat(text_, "</main>\n</body>\n</html>\n");
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -17,7 +17,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // `text` for the content of an element or an attribute in quotes. What is not
 // UTF-8 and control characters become U+FFFD.
@@ -54,4 +54,4 @@ class Html {
   std::string text_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -4,7 +4,7 @@
 #include "absl/strings/str_format.h"
 #include "tools/trainctl/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 Json Milliseconds(const std::optional<double>& seconds) {
@@ -194,4 +194,4 @@ void AddQuestions(const Json& questions, Html& html) {
   }
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -33,7 +33,7 @@
 #include "tools/common/json.h"
 #include "tools/trainctl/report/html.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // An object with one entry per question; null if nothing was asked.
 Json QuestionsToJson(const Evaluation& result);
@@ -44,4 +44,4 @@ std::string QuestionsText(const Json& questions);
 // A heading and tables; nothing for null.
 void AddQuestions(const Json& questions, Html& html);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

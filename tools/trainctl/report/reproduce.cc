@@ -15,7 +15,7 @@
 #include "tools/trainctl/report/reproduce_report.h"
 #include "tools/trainctl/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 struct ReproduceFlags {
@@ -205,4 +205,4 @@ void AddReproduce(CLI::App& app, const SelectCommand& select) {
   command->callback([=] { select([=] { return RunReproduce(*flags); }); });
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -9,7 +9,7 @@
 #include "core/skin/layout.h"
 #include "tools/trainctl/data/simulate_jobs.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using Extracted = std::vector<std::optional<LabelledContact>>;
@@ -68,4 +68,4 @@ absl::StatusOr<LoadedContacts> SimulateExperiment(Experiment experiment,
   return data;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -17,7 +17,7 @@
 #include "core/eval/paper_tables.h"
 #include "tools/trainctl/command.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // Simulates one experiment and reports to `progress`.
 //
@@ -31,4 +31,4 @@ absl::StatusOr<LoadedContacts> SimulateExperiment(Experiment experiment,
                                                   const std::string& noise,
                                                   const Progress& progress);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

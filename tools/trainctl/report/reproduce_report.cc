@@ -13,7 +13,7 @@
 #include "core/base/status_macros.h"
 #include "tools/figures/figure.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // Columns of a matrix in text.
@@ -236,4 +236,4 @@ absl::Status WriteFigures(const std::vector<ReproducedRow>& rows,
   return absl::OkStatus();
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -21,7 +21,7 @@
 #include "tools/figures/confusion_matrix.h"
 #include "tools/trainctl/command.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // One row of a table of the paper and its result here.
 struct ReproducedRow {
@@ -72,4 +72,4 @@ ConfusionMatrix ConfusionFigure(const ReproducedRow& row);
 absl::Status WriteFigures(const std::vector<ReproducedRow>& rows,
                           const std::string& folder);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

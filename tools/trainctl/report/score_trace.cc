@@ -9,7 +9,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 std::vector<double> ToVector(std::span<const double> values) {
@@ -76,4 +76,4 @@ std::string ScoreText(const Json& steps) {
   return text;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -18,7 +18,7 @@
 #include "core/classify/contact_classifier.h"
 #include "tools/common/json.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class ScoreTrace {
  public:
@@ -51,4 +51,4 @@ class ScoreTrace {
 // For people: one line per step and model.
 std::string ScoreText(const Json& steps);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

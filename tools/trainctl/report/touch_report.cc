@@ -7,7 +7,7 @@
 #include "tools/trainctl/report/evaluate_figures.h"
 #include "tools/trainctl/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 Json TouchesToJson(const TouchCounts& counts, const Evaluation& result,
                    const std::vector<const LabelledContact*>& contacts) {
@@ -52,4 +52,4 @@ std::string TouchesText(const Json& touches) {
                 touches["found"].get<int>() + touches["merged"].get<int>()));
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

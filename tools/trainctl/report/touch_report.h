@@ -18,7 +18,7 @@
 #include "core/eval/evaluation.h"
 #include "tools/common/json.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // `contacts` in the order of the outcomes of `result`.
 Json TouchesToJson(const TouchCounts& counts, const Evaluation& result,
@@ -27,4 +27,4 @@ Json TouchesToJson(const TouchCounts& counts, const Evaluation& result,
 // Two lines.
 std::string TouchesText(const Json& touches);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

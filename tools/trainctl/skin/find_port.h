@@ -10,9 +10,9 @@
 #include "absl/status/status.h"
 #include "tools/common/skin_source.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // Prints on standard error what it found.
 absl::Status FindPortAloud(SkinSourceOptions& options);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -9,7 +9,7 @@
 #include "core/base/status_macros.h"
 #include "core/files/csv.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr int kEachTaxel = -1;
@@ -54,4 +54,4 @@ absl::StatusOr<std::vector<std::optional<GainCurve>>> ReadGains(
   return gains;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

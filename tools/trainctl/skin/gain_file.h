@@ -16,11 +16,11 @@
 #include "absl/status/statusor.h"
 #include "client/drivers/calibration/gain_curve.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // One element per taxel; nothing for those without a curve. IO,
 // TRIAL_FILE_INVALID, or INVALID_CONFIG with the taxel.
 absl::StatusOr<std::vector<std::optional<GainCurve>>> ReadGains(
     const std::string& path, int taxels);
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

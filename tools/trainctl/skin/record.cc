@@ -24,7 +24,7 @@
 #include "tools/trainctl/skin/trial_journal.h"
 #include "tools/trainctl/skin/trial_recorder.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using SteadyClock = std::chrono::steady_clock;
@@ -347,4 +347,4 @@ void AddRecord(CLI::App& app, const SelectCommand& select) {
   command->callback([=] { select([=] { return RunRecord(*flags); }); });
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

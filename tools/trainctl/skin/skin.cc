@@ -13,7 +13,7 @@
 #include "tools/trainctl/command.h"
 #include "tools/trainctl/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 struct SkinFlags {
@@ -131,4 +131,4 @@ void AddSkin(CLI::App& app, const SelectCommand& select) {
   command->callback([=] { select([=] { return RunSkin(*flags); }); });
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -23,7 +23,7 @@
 #include "tools/trainctl/skin/gain_file.h"
 #include "tools/trainctl/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -284,4 +284,4 @@ void AddSkinCalibrate(CLI::App& app, const SelectCommand& select) {
   command->callback([=] { select([=] { return RunCalibrate(*flags); }); });
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -10,7 +10,7 @@
 #include "tools/trainctl/skin/find_port.h"
 #include "tools/trainctl/text.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 struct FindFlags {
@@ -90,4 +90,4 @@ void AddSkinFind(CLI::App& app, const SelectCommand& select) {
   command->callback([=] { select([=] { return RunFind(*flags); }); });
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -19,7 +19,7 @@
 #include "core/files/draft_file.h"
 #include "core/files/file_bytes.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 namespace fs = std::filesystem;
@@ -202,4 +202,4 @@ absl::StatusOr<size_t> TrialJournal::Finish() {
   return present_;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -25,7 +25,7 @@
 #include "client/stream/skin_frame.h"
 #include "tools/trainctl/skin/trial_recorder.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 class TrialJournal {
  public:
@@ -74,4 +74,4 @@ class TrialJournal {
   std::vector<std::string> parts_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -10,7 +10,7 @@
 #include "client/drivers/calibration/idle_frames.h"
 #include "core/features/contact_time.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr char kUndo = 'u';
@@ -233,4 +233,4 @@ std::string TrialRecorder::KeysText() const {
   return text + "u undo  s skip  q quit";
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -30,7 +30,7 @@
 #include "core/data/trial.h"
 #include "core/features/contact_tracker.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 struct RecorderOptions {
   // 1 to 9 different names.
@@ -130,4 +130,4 @@ class TrialRecorder {
   std::vector<size_t> history_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -6,7 +6,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/flat_layout.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::HasSubstr;
@@ -14,8 +14,8 @@ using ::testing::HasSubstr;
 Calibration SmallCalibration() {
   Calibration made;
   made.device = "serial \"palm\" \\ é";
-  made.layout =
-      tactus::testing::FlatLayout("small", 1, 3, TaxelUnit::kCounts, 10, 15);
+  made.layout = tactus::internal::testing::FlatLayout(
+      "small", 1, 3, TaxelUnit::kCounts, 10, 15);
   made.created_ms = 1'790'000'000'123;
   made.frames = 300;
   made.sample_rate_hz = 29.97;
@@ -98,4 +98,4 @@ TEST(CalibrationJsonTest, EachFaultIsNamed) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

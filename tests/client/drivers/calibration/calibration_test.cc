@@ -12,7 +12,7 @@
 #include "gtest/gtest.h"
 #include "tests/client/drivers/calibration/synthetic_skin.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::ElementsAre;
@@ -275,4 +275,4 @@ TEST(DriftTrackerTest, AMaskedTaxelFreezesNothing) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

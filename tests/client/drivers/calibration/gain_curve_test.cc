@@ -6,7 +6,7 @@
 #include "core/base/errors.h"
 #include "gtest/gtest.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 TEST(GainCurveTest, IsLinearBetweenItsPointsAndBeyond) {
@@ -42,4 +42,4 @@ TEST(GainCurveTest, AReadingStandsForOneLoad) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

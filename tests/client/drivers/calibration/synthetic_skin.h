@@ -19,7 +19,7 @@
 #include "client/drivers/skin_driver.h"
 #include "core/base/random.h"
 
-namespace tactus::client::testing {
+namespace tactus::internal::client::testing {
 
 struct SyntheticShape {
   int rows = 4;
@@ -100,4 +100,4 @@ class SyntheticSkin : public SkinDriver {
   int64_t frame_ = 0;
 };
 
-}  // namespace tactus::client::testing
+}  // namespace tactus::internal::client::testing

@@ -11,7 +11,7 @@
 #include "gtest/gtest.h"
 #include "tests/client/drivers/can/mock_adapter.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 // A device without a peer, whose ioctls are replayed.
@@ -97,4 +97,4 @@ TEST(GsUsbPcapTest, OtherBytesAreNotAnswered) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

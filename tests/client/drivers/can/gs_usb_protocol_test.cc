@@ -6,7 +6,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace tactus::client::gs_usb {
+namespace tactus::internal::client::gs_usb {
 namespace {
 
 using ::testing::ElementsAre;
@@ -169,4 +169,4 @@ TEST(StampClockTest, ALongSilenceStartsAnew) {
 }
 
 }  // namespace
-}  // namespace tactus::client::gs_usb
+}  // namespace tactus::internal::client::gs_usb

@@ -15,7 +15,7 @@
 #include "tests/client/drivers/can/mock_adapter.h"
 #include "tools/fakeskin/icub_boards.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using std::chrono::milliseconds;
@@ -314,4 +314,4 @@ TEST_F(GsUsbTest, AForearmOverUsbLosesNothingAndComesBack) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

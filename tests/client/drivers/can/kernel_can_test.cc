@@ -13,7 +13,7 @@
 #include "tests/client/drivers/driver_cost.h"
 #include "tools/fakeskin/play_peer.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::HasSubstr;
@@ -132,4 +132,4 @@ TEST(KernelCanRestartTest, TheKernelUnderstandsTheRequest) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

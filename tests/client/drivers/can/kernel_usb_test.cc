@@ -23,7 +23,7 @@
 #include "tools/fakeskin/gs_usb_gadget.h"
 #include "tools/fakeskin/play_peer.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::HasSubstr;
@@ -211,4 +211,4 @@ TEST_F(KernelUsbTest, AnAdapterThatIsResetGoesOn) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -11,7 +11,7 @@
 
 #include "absl/strings/str_format.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr char kNode[] = "/dev/bus/usb/001/007";
@@ -369,4 +369,4 @@ void MockAdapter::Discard(UMockdevIoctlClient* client,
   umockdev_ioctl_client_complete(client, 0, 0);
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

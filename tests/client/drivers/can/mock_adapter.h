@@ -22,7 +22,7 @@
 #include "tools/fakeskin/can_peer.h"
 #include "tools/fakeskin/gs_usb_firmware.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // The USB device of a gs_usb adapter in /sys of `testbed`, number 7 on bus 1.
 inline constexpr char kMockAdapterSysPath[] = "/sys/devices/usb1/1-1";
@@ -113,4 +113,4 @@ class MockAdapter {
   std::deque<Urb> done_;
 };
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

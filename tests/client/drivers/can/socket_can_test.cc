@@ -14,7 +14,7 @@
 #include "gtest/gtest.h"
 #include "tests/client/drivers/memory_bus.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::HasSubstr;
@@ -220,4 +220,4 @@ TEST(CanSocketsTest, AnInterfaceThatIsNotThereIsAnError) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -6,7 +6,7 @@
 #include "core/base/random.h"
 #include "gtest/gtest.h"
 
-namespace tactus::client::icub {
+namespace tactus::internal::client::icub {
 namespace {
 
 void ExpectBytes(const CanFrame& frame, uint32_t id,
@@ -161,4 +161,4 @@ TEST(TriangleFramesTest, AnyReadingComesBack) {
 }
 
 }  // namespace
-}  // namespace tactus::client::icub
+}  // namespace tactus::internal::client::icub

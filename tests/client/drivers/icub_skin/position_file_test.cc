@@ -5,7 +5,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace tactus::client::icub {
+namespace tactus::internal::client::icub {
 namespace {
 
 using ::testing::ElementsAre;
@@ -55,4 +55,4 @@ TEST(PositionFileTest, RowsAreLimited) {
 }
 
 }  // namespace
-}  // namespace tactus::client::icub
+}  // namespace tactus::internal::client::icub

@@ -7,7 +7,7 @@
 #include "core/base/random.h"
 #include "gtest/gtest.h"
 
-namespace tactus::client::icub {
+namespace tactus::internal::client::icub {
 namespace {
 
 constexpr int64_t kPeriodNs = 20'000'000;
@@ -292,4 +292,4 @@ TEST(ScanAssemblerTest, StrangersAreIgnoredOrCounted) {
 }
 
 }  // namespace
-}  // namespace tactus::client::icub
+}  // namespace tactus::internal::client::icub

@@ -7,7 +7,7 @@
 #include "core/base/errors.h"
 #include "gtest/gtest.h"
 
-namespace tactus::client::icub {
+namespace tactus::internal::client::icub {
 namespace {
 
 TEST(SkinPatchTest, TheForearmsHave23And24Triangles) {
@@ -192,4 +192,4 @@ TEST(SkinPatchTest, CellsMustFitTheLayout) {
 }
 
 }  // namespace
-}  // namespace tactus::client::icub
+}  // namespace tactus::internal::client::icub

@@ -11,7 +11,7 @@
 #include "tests/client/drivers/serial/talking_skin.h"
 #include "tests/support/scratch_dir.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using Answer = LowLatency::Answer;
@@ -93,4 +93,4 @@ TEST(LowLatencyTest, APseudoTerminalHasNone) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

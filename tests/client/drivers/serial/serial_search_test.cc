@@ -13,7 +13,7 @@
 #include "tests/support/scratch_dir.h"
 #include "tools/common/skin_source.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::AllOf;
@@ -243,4 +243,4 @@ TEST_F(SerialSearchTest, APortThatIsNamedIsNotSearched) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -15,7 +15,7 @@
 #include "tests/client/drivers/serial/talking_skin.h"
 #include "tests/support/shared_data.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using testing::AsBytes;
@@ -325,4 +325,4 @@ TEST(SerialSkinTest, RealPressesHaveTheSameFeaturesAsTheirArrays) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -27,7 +27,7 @@
 #include "absl/strings/str_cat.h"
 #include "gtest/gtest.h"
 
-namespace tactus::client::testing {
+namespace tactus::internal::client::testing {
 
 using Values = std::vector<uint16_t>;
 
@@ -109,4 +109,4 @@ class TalkingSkin {
   std::thread thread_;
 };
 
-}  // namespace tactus::client::testing
+}  // namespace tactus::internal::client::testing

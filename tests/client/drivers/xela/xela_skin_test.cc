@@ -17,7 +17,7 @@
 #include "tests/support/scratch_dir.h"
 #include "tools/fakeskin/xela_patch.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::HasSubstr;
@@ -254,4 +254,4 @@ TEST(XelaSkinTest, ConfigureNamesWhatIsMissing) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

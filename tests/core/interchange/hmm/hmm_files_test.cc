@@ -15,7 +15,7 @@
 #include "tests/core/interchange/golden.h"
 #include "tests/core/interchange/samples.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using nlohmann::json;
@@ -292,4 +292,4 @@ TEST(HmmFilesTest, DamageIsRefusedOrGivesAValidModel) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

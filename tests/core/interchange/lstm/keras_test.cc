@@ -16,7 +16,7 @@
 // libhdf5 does not free all that it read of a damaged file.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using nlohmann::json;
@@ -305,4 +305,4 @@ TEST(ReadModelFileTest, PicklesAndUnknownEndingsAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

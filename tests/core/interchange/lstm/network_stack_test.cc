@@ -10,7 +10,7 @@
 #include "tests/core/interchange/samples.h"
 #include "tests/reference/lstm/plain_lstm.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -225,4 +225,4 @@ TEST(NetworkStackTest, EachFaultIsNamed) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

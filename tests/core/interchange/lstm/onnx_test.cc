@@ -8,7 +8,7 @@
 #include "tests/core/interchange/golden.h"
 #include "tests/core/interchange/samples.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -391,4 +391,4 @@ TEST(OnnxTest, DamageIsRefusedOrGivesAValidNetwork) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

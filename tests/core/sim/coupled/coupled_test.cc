@@ -8,7 +8,7 @@
 #include "tests/core/sim/random_scenes.h"
 #include "tests/reference/sim/coupled_cvode.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // A scene of 0.3 s whose contact rings so slowly that steps can follow.
@@ -195,4 +195,4 @@ TEST(IntegrateCoupledTest, EachBadFieldIsNamed) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

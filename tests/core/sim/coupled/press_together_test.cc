@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/find_material.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TrialSpec Spec(const char* material, bool fixed = false) {
@@ -76,4 +76,4 @@ TEST(PressTogetherTest, NothingToPressIsAnError) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -4,7 +4,7 @@
 
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // A sequence of changes that a polynomial of degree 5 gives exactly.
@@ -61,4 +61,4 @@ TEST(BounceSeriesTest, NeedsToKnowEnoughToDouble) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/sim/random_scenes.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using Root = std::complex<long double>;
@@ -90,4 +90,4 @@ TEST(DampedPairTest, SmallChangesKeepTheirDigits) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -13,7 +13,7 @@
 #include "tests/reference/sim/read_signals.h"
 #include "tests/support/find_material.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Largest force, area or motion error, as a fraction of the reference's peak.
@@ -429,4 +429,4 @@ TEST(IntegrateExactTest, ABadRateIsNamed) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/sim/random_scenes.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 double Value(const ModalFunction& f, double t) {
@@ -113,4 +113,4 @@ TEST(FirstCrossingTest, NeverLaterThanADenseScan) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

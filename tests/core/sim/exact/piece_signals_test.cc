@@ -13,7 +13,7 @@
 #include "tests/reference/sim/read_signals.h"
 #include "tests/support/find_material.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Sample by sample at 2 kHz (ReadSignals) and frame by frame in closed form
@@ -117,4 +117,4 @@ TEST(BlockFilterTest, TakesPowersOfARampAtOnce) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

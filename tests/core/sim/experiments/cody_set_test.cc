@@ -9,7 +9,7 @@
 #include "core/sim/skin/record_contact.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 const SkinLayout& Forearm() {
@@ -201,4 +201,4 @@ TEST(CodySpecsTest, FacesDoNotGiveHardnessAway) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -5,7 +5,7 @@
 #include "core/sim/experiments/paper_set.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 double VarianceOf(const IdealSignals& signals, int feature) {
@@ -48,4 +48,4 @@ TEST(PaperSetTest, CountsAreThePapersWithinThreeAndNoiseIsTheirMean) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 #include "core/sim/experiments/paper_set.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TEST(GridTest, HasNoConditionOfThePaper) {
@@ -74,4 +74,4 @@ TEST(DrawSpecsTest, FollowsTheSeed) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

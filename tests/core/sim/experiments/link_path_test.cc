@@ -3,7 +3,7 @@
 #include "core/sim/skin/skin_model.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // A contact during which the arm moves back at `speed` (m/s).
@@ -51,4 +51,4 @@ TEST(LinkPathTest, FollowsEachContactAndTurnsSmoothly) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/find_material.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 TrialSpec Spec(const char* material, double edge) {
@@ -99,4 +99,4 @@ TEST(SignalTrialTest, SameSeedSameBitsOtherSeedOtherNoise) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

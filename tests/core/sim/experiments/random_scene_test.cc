@@ -9,7 +9,7 @@
 #include "core/skin/geometry.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 SkinModel NoiseFree() {
@@ -203,4 +203,4 @@ TEST(SceneTrialTest, EachBadOptionIsNamed) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -7,7 +7,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 double Correlation(const std::vector<double>& a, const std::vector<double>& b) {
@@ -93,4 +93,4 @@ TEST(RandomWorldTest, AllCategoriesOccurAndTrialsAreValid) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

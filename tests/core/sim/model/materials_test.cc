@@ -6,7 +6,7 @@
 #include "core/base/errors.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 constexpr char kHeader[] =
@@ -65,4 +65,4 @@ TEST(ParseMaterialsTest, NamesLineAndColumn) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -10,7 +10,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/find_material.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 ContactScene GoodScene() {
@@ -159,4 +159,4 @@ TEST(SetApproachTest, PositionsBeforeTheTouchLeadToIt) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

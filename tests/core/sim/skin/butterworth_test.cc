@@ -5,7 +5,7 @@
 
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // The published transfer function of a 6th-order Butterworth low-pass at 0.2
@@ -55,4 +55,4 @@ TEST(Butterworth6Test, GainIsButterworthAtEveryRate) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/for_each_target.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // The dent of one strip of width 1, at the depth in its middle.
@@ -71,4 +71,4 @@ TEST(DentKernelsTest, CutWhatOneStripAtATimeCuts) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -8,7 +8,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 SkinLayout Forearm() { return *LayoutPreset("cody-forearm"); }
@@ -165,4 +165,4 @@ TEST(LineContactTest, ARealContactIsASampleOfIt) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

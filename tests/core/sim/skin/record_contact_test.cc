@@ -11,7 +11,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/find_material.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -295,4 +295,4 @@ TEST(SkinModelTest, AnUntouchedSkinFeelsNothing) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

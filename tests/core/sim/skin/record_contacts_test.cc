@@ -5,7 +5,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/find_material.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 SimulatedContact SteadyContact(double force, size_t samples) {
@@ -91,4 +91,4 @@ TEST(RecordContactsTest, OnlyTheGivenSamplesPress) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -6,7 +6,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/find_material.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // k = 2 * 0.1 * 2e6 = 4e5 N/m; 4000 N press 0.01 m, a strain of 0.1;
@@ -75,4 +75,4 @@ TEST(ParseNoiseReadingTest, KnowsTwoNames) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -9,7 +9,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/for_each_target.h"
 
-namespace tactus {
+namespace tactus::internal {
 namespace {
 
 // Lengths that are no multiple of a vector's.
@@ -80,4 +80,4 @@ TEST(TaxelKernelsTest, QuantisesByRoundingHalvesUp) {
 }
 
 }  // namespace
-}  // namespace tactus
+}  // namespace tactus::internal

@@ -11,7 +11,7 @@
 #include "tools/figures/gnuplot.h"
 #include "tools/trainctl/data/skin_strip.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::ElementsAre;
@@ -183,4 +183,4 @@ TEST(ContactPictureTest, ClassesOfTheDefaultBundleAreSpeltOut) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

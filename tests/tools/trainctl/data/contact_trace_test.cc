@@ -10,7 +10,7 @@
 #include "tests/tools/trainctl/data/touch_trial.h"
 #include "tools/trainctl/data/contact_summary.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::Each;
@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
 std::shared_ptr<const CompiledModel> SmallCompiled() {
-  auto model = CompiledModel::Create(tactus::testing::SmallModel());
+  auto model = CompiledModel::Create(tactus::internal::testing::SmallModel());
   EXPECT_TRUE(model.ok()) << model.status();
   return *model;
 }
@@ -115,4 +115,4 @@ TEST(ContactTraceTest, IdealSignalsHaveCurvesAndNoSkin) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -13,7 +13,7 @@
 #include "tests/tools/trainctl/data/touch_trial.h"
 #include "tools/trainctl/verbs.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 namespace fs = std::filesystem;
@@ -83,4 +83,4 @@ TEST_F(ShowTest, ABundleThatIsNotThereIsAnError) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -6,7 +6,7 @@
 #include "core/base/errors.h"
 #include "gtest/gtest.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 SimulateFlags RandomFlags() {
@@ -91,4 +91,4 @@ TEST(SimulateJobsTest, BadCombinationsAreNamed) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -10,7 +10,7 @@
 #include "gtest/gtest.h"
 #include "tests/reference/sim/cvode.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 constexpr char kScene[] =
@@ -130,4 +130,4 @@ TEST(SimulateOneTest, BadFlagsAreNamed) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

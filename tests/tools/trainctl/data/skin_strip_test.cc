@@ -4,10 +4,10 @@
 #include "gtest/gtest.h"
 #include "tests/support/flat_layout.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
-using ::tactus::testing::FlatLayout;
+using ::tactus::internal::testing::FlatLayout;
 using ::testing::Each;
 using ::testing::ElementsAre;
 
@@ -127,4 +127,4 @@ TEST(SkinWindowTest, EndsWithTheSkin) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -11,7 +11,7 @@
 #include "core/data/trial.h"
 #include "core/skin/layout.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 
 // Frames of the layout "cody-forearm" at 100 Hz. Rows 5 to 7 and columns 9 to
 // 11 are touched from frame 10 on: frame i by (i - 9) / 20 N, at most 2 N, and
@@ -39,4 +39,4 @@ inline Trial TouchTrial(int frames, int touched_until) {
   return trial;
 }
 
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

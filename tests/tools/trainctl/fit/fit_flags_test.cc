@@ -5,7 +5,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/scratch_dir.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::Contains;
@@ -86,4 +86,4 @@ TEST(FitFlagsTest, QuestionsAreReadFromAFile) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

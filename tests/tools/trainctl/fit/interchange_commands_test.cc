@@ -17,16 +17,16 @@
 #include "tests/support/trainctl_run.h"
 #include "tools/common/json.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
-using tactus::testing::RunTrainctl;
-using tactus::testing::TrainctlRun;
+using tactus::internal::testing::RunTrainctl;
+using tactus::internal::testing::TrainctlRun;
 using ::testing::HasSubstr;
 
 std::string WriteBundle(const ScratchDir& dir) {
-  Model model = tactus::testing::SmallModel();
-  tactus::testing::AddLstms(2, model);
+  Model model = tactus::internal::testing::SmallModel();
+  tactus::internal::testing::AddLstms(2, model);
   for (int t = 0; t < 50; ++t) {
     model.warm_up.samples.push_back({{0.1 * t, 1e-4, 0.001 * t}, 0.1 * t});
   }
@@ -258,7 +258,8 @@ TEST(ScoresTest, RawScoresAreThoseOfTheExportedModels) {
 
 TEST(ScoresTest, ABundleWithoutNetworksHasTheScoresOfItsHmms) {
   const ScratchDir dir;
-  WriteBytes(dir / "hmms.tactus", *EncodeBundle(tactus::testing::SmallModel()));
+  WriteBytes(dir / "hmms.tactus",
+             *EncodeBundle(tactus::internal::testing::SmallModel()));
   const Json scores = Inside(
       RunTrainctl("classify --scores --json --model=" + dir / "hmms.tactus" +
                   " --data=" + WriteContacts(dir, "HU")));
@@ -277,4 +278,4 @@ TEST(ScoresTest, ABundleWithoutNetworksHasTheScoresOfItsHmms) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -6,7 +6,7 @@
 #include "tactus/v1/training.pb.h"
 #include "tests/client/training/sample_trials.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 TEST(ProtoJsonTest, FieldsKeepTheirNamesAndNumbers) {
@@ -53,4 +53,4 @@ TEST(ProtoJsonTest, EnumsAndErrorsAreText) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

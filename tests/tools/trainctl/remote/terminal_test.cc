@@ -11,11 +11,11 @@
 #include "tests/support/flat_layout.h"
 #include "tests/support/pty_program.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
-using tactus::testing::ChildTactusd;
-using tactus::testing::PtyProgram;
+using tactus::internal::testing::ChildTactusd;
+using tactus::internal::testing::PtyProgram;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
@@ -42,9 +42,9 @@ class AtTheTerminalTest : public ::testing::Test {
   static Trial Touch(int number) {
     Trial trial;
     trial.label = "any";
-    SetSkin(
-        tactus::testing::FlatLayout("bench", 4, 6, TaxelUnit::kCounts, 30, 40),
-        trial);
+    SetSkin(tactus::internal::testing::FlatLayout("bench", 4, 6,
+                                                  TaxelUnit::kCounts, 30, 40),
+            trial);
     trial.taxels.rows = 4;
     trial.taxels.columns = 6;
     for (int t = 0; t < 180; ++t) {
@@ -276,4 +276,4 @@ TEST_F(AtTheTerminalTest, AnErrorOfTheServerEndsTheMonitorAndItsScreen) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

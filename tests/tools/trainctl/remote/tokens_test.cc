@@ -16,7 +16,7 @@
 #include "tools/common/token_file.h"
 #include "tools/trainctl/verbs.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::HasSubstr;
@@ -175,4 +175,4 @@ TEST_F(TokensTest, RemoveKeepsTheLastEntry) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -19,7 +19,7 @@
 #include "tools/trainctl/app.h"
 #include "tools/trainctl/exit_code.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::AllOf;
@@ -76,12 +76,12 @@ class TrainctlAdminTest : public ::testing::Test {
   ScratchDir folder_;
   const std::string address_ = "unix:" + (folder_ / "s");
   std::atomic<int> drains_ = 0;
-  std::optional<tactus::testing::TrainingServer> server_;
+  std::optional<tactus::internal::testing::TrainingServer> server_;
 };
 
 TEST_F(TrainctlAdminTest, ShowsTheStateOfTheServer) {
   Start();
-  server_->Upload("datasets/arm", tactus::testing::SmallPack());
+  server_->Upload("datasets/arm", tactus::internal::testing::SmallPack());
   AdminRun run = Run({"server", "info"});
   ASSERT_EQ(run.exit, 0) << run.err;
   EXPECT_THAT(run.out, AllOf(HasSubstr(kVersion), HasSubstr("0 of 2000"),
@@ -92,7 +92,7 @@ TEST_F(TrainctlAdminTest, ShowsTheStateOfTheServer) {
 
 TEST_F(TrainctlAdminTest, ListsTheAuditLog) {
   Start();
-  server_->Upload("datasets/arm", tactus::testing::SmallPack());
+  server_->Upload("datasets/arm", tactus::internal::testing::SmallPack());
   AdminRun run = Run({"server", "audit"});
   ASSERT_EQ(run.exit, 0) << run.err;
   EXPECT_THAT(run.out,
@@ -199,7 +199,8 @@ TEST_F(TrainctlAdminTest, DoctorKnowsTheRoleOfAToken) {
 
 TEST_F(TrainctlAdminTest, DoctorSeesAModelThatIsNotServed) {
   const std::string data = folder_ / "data";
-  const std::string bundle = *EncodeBundle(tactus::testing::SmallModel());
+  const std::string bundle =
+      *EncodeBundle(tactus::internal::testing::SmallModel());
   {
     server::ModelRegistry registry;
     const auto backend =
@@ -222,7 +223,7 @@ TEST_F(TrainctlAdminTest, DoctorSeesAModelThatIsNotServed) {
 }
 
 TEST_F(TrainctlAdminTest, DoctorJudgesTheCertificate) {
-  const tactus::testing::TlsFiles tls;
+  const tactus::internal::testing::TlsFiles tls;
   server::TactusServer::Options serving;
   serving.tls = *server::ReadTlsIdentity(tls.certificate(), tls.key());
   serving.listen = {"127.0.0.1:0"};
@@ -238,7 +239,7 @@ TEST_F(TrainctlAdminTest, DoctorJudgesTheCertificate) {
   EXPECT_EQ(run.Severity("certificate"), "warning") << run.out;
   EXPECT_THAT(run.Check("certificate")["text"], HasSubstr("ends in"));
   EXPECT_EQ(run.exit, kExitDoctorWarnings);
-  const tactus::testing::TestAuthority other;
+  const tactus::internal::testing::TestAuthority other;
   run = doctor("127.0.0.1", other.file());
   EXPECT_EQ(run.exit, kExitDoctorErrors);
   EXPECT_EQ(run.Severity("certificate"), "error") << run.out;
@@ -247,7 +248,7 @@ TEST_F(TrainctlAdminTest, DoctorJudgesTheCertificate) {
 
 // gRPC only reports a handshake that failed.
 TEST_F(TrainctlAdminTest, DoctorSaysThatACertificateHasEnded) {
-  const tactus::testing::TestAuthority authority;
+  const tactus::internal::testing::TestAuthority authority;
   const auto identity = authority.Issue("localhost", -1);
   ASSERT_FALSE(identity.certificate.empty()) << "needs the openssl program";
   server::TactusServer::Options serving;
@@ -280,4 +281,4 @@ TEST_F(TrainctlAdminTest, DoctorChecksADirectory) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

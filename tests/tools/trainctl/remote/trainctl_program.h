@@ -17,7 +17,7 @@
 #include "tools/common/json.h"
 #include "tools/trainctl/app.h"
 
-namespace tactus::client::testing {
+namespace tactus::internal::client::testing {
 
 struct Outcome {
   int exit = -1;
@@ -40,4 +40,4 @@ inline Outcome Trainctl(std::vector<std::string> arguments) {
   return outcome;
 }
 
-}  // namespace tactus::client::testing
+}  // namespace tactus::internal::client::testing

@@ -23,7 +23,7 @@
 #include "tools/common/json.h"
 #include "tools/trainctl/remote/flags.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::AllOf;
@@ -421,7 +421,7 @@ TEST_F(TrainctlRemoteTest, JobsAreListedAndCancelled) {
 }
 
 TEST_F(TrainctlRemoteTest, ModelsAreServedAndRolledBack) {
-  const std::string bundle = tactus::testing::SealedBundle("a model");
+  const std::string bundle = tactus::internal::testing::SealedBundle("a model");
   std::ofstream(Path("in.tactus")) << bundle;
   Outcome outcome = Trainctl(
       {"models", "import", "arm", "--bundle=" + Path("in.tactus"), "--json"});
@@ -539,7 +539,7 @@ TEST_F(TrainctlRemoteTest, EachTroubleSaysWhatToDo) {
 }
 
 std::shared_ptr<grpc::ServerCredentials> Tls(
-    const tactus::testing::TlsFiles& files) {
+    const tactus::internal::testing::TlsFiles& files) {
   grpc::SslServerCredentialsOptions options;
   options.pem_key_cert_pairs.push_back(
       {ReadText(files.key()), ReadText(files.certificate())});
@@ -547,9 +547,9 @@ std::shared_ptr<grpc::ServerCredentials> Tls(
 }
 
 TEST_F(TrainctlRemoteTest, ARefusedCertificateSaysWhatToDo) {
-  const tactus::testing::TlsFiles files;
-  const tactus::testing::TlsFiles others;
-  const tactus::testing::TlsFiles elsewhere("DNS:elsewhere");
+  const tactus::internal::testing::TlsFiles files;
+  const tactus::internal::testing::TlsFiles others;
+  const tactus::internal::testing::TlsFiles elsewhere("DNS:elsewhere");
   ASSERT_TRUE(files.made() && others.made() && elsewhere.made());
   const auto list = [](const FakeTrainingServer& server,
                        const std::string& ca) {
@@ -581,4 +581,4 @@ TEST(FullNameTest, ShortNamesBecomeFull) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

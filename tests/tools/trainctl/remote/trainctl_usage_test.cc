@@ -12,7 +12,7 @@
 #include "tests/client/training/sample_trials.h"
 #include "tests/tools/trainctl/remote/trainctl_program.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 TEST(TrainctlUsageTest, WrongUsageHasItsExitCode) {
@@ -142,4 +142,4 @@ TEST(TrainctlUsageTest, ExamplesOfTheHelpUseKnownFlags) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

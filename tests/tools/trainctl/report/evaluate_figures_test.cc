@@ -7,7 +7,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/text_boxes.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::DoubleNear;
@@ -182,4 +182,4 @@ TEST(ReliabilityPlotTest, TextsDoNotOverlap) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

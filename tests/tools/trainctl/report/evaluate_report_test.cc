@@ -8,7 +8,7 @@
 #include "tools/trainctl/report/evaluate_page.h"
 #include "tools/trainctl/report/touch_report.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::HasSubstr;
@@ -305,4 +305,4 @@ TEST(EvaluatePageTest, LeavesOutWhatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -9,7 +9,7 @@
 #include "tests/support/text_boxes.h"
 #include "tools/trainctl/command.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 namespace fs = std::filesystem;
@@ -172,4 +172,4 @@ TEST(ReproduceReportTest, AFolderThatCannotBeMadeIsAnIoError) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client

@@ -12,7 +12,7 @@
 #include "tests/support/flat_layout.h"
 #include "tools/trainctl/skin/trial_journal.h"
 
-namespace tactus::client {
+namespace tactus::internal::client {
 namespace {
 
 using ::testing::ElementsAre;
@@ -21,8 +21,8 @@ namespace fs = std::filesystem;
 
 SkinInfo RecorderSkin() {
   SkinInfo info;
-  info.layout =
-      tactus::testing::FlatLayout("bench", 2, 3, TaxelUnit::kCounts, 5, 10);
+  info.layout = tactus::internal::testing::FlatLayout(
+      "bench", 2, 3, TaxelUnit::kCounts, 5, 10);
   info.scale = 0.5;
   info.sample_rate_hz = 100;
   return info;
@@ -430,4 +430,4 @@ TEST_F(TrialJournalTest, ADamagedPartIsNamed) {
 }
 
 }  // namespace
-}  // namespace tactus::client
+}  // namespace tactus::internal::client
