@@ -7,6 +7,7 @@
 #include "client/drivers/calibrated_driver.h"
 #include "client/drivers/calibration/calibration_in_use.h"
 #include "client/drivers/calibration/calibration_json.h"
+#include "client/drivers/calibration/cross_axis.h"
 #include "client/drivers/calibration/tare.h"
 #include "client/drivers/can/can_error.h"
 #include "client/drivers/can/gs_usb.h"
@@ -220,6 +221,11 @@ static void DriftTrackerExample(size_t taxels,
                                 std::span<const double> contact_thresholds,
                                 std::span<const uint8_t> mask) {
 #include "client/drivers/calibration/drift_tracker.h.inc"
+}
+
+static absl::Status CrossAxisExample(std::span<const KnownLoad> known) {
+#include "client/drivers/calibration/cross_axis.h.inc"
+  return absl::OkStatus();
 }
 
 static absl::Status CalibrationExample(const IdleFrames& idle,
