@@ -7,7 +7,6 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client/drivers/calibration/tare.h"
-#include "client/drivers/one_axis.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
@@ -43,22 +42,22 @@ absl::StatusOr<SkinInfo> CalibratedDriver::OnConfigure() {
   }
   TACTUS_ASSIGN_OR_RETURN(raw_info_, driver_->Configure());
   layout_ = raw_info_.layout;
-  TACTUS_RETURN_IF_ERROR(CheckOneAxis("a calibrated skin", layout_));
-  const auto taxels = static_cast<size_t>(layout_.taxels());
-  gate_.assign(taxels, 0);
-  baseline_.assign(taxels, 0);
-  numbers_.resize(taxels);
-  above_.resize(taxels);
+  const auto values = static_cast<size_t>(layout_.values());
+  gate_.assign(layout_.taxels(), 0);
+  baseline_.assign(values, 0);
+  numbers_.resize(values);
+  above_.resize(values);
   if (calibration) {
     TACTUS_RETURN_IF_ERROR(CheckFits(*calibration, options_.device, layout_));
     layout_ = WithMasked(std::move(layout_), calibration->faults.All());
     baseline_ = calibration->baseline;
     if (!layout_.light_touch) gate_ = calibration->contact_threshold;
   }
+  loads_.emplace(layout_, calibration ? calibration->cross_axis : CrossAxes());
   if (!options_.tare.empty()) {
-    if (options_.tare.size() != taxels) {
+    if (options_.tare.size() != values) {
       return InvalidConfig("numbers of the earlier tare", options_.tare.size(),
-                           absl::StrCat(taxels));
+                           absl::StrCat(values));
     }
     baseline_ = options_.tare;
     tared_ = true;
@@ -77,6 +76,7 @@ absl::Status CalibratedDriver::OnActivate() {
         baseline_.size(),
         DriftTracker::Options{.time_s = options_.drift_time_s,
                               .sample_rate_hz = raw_info_.sample_rate_hz});
+    touch_.emplace(*options_.calibration);
   }
   if (options_.tare_frames == 0) return absl::OkStatus();
   const absl::Status tared = TareNow();
@@ -101,12 +101,9 @@ absl::Status CalibratedDriver::TareNow() {
                                   options_.tare_frames, " frames came"));
     }
   }
-  std::optional<EarlierBaseline> before;
-  if (options_.calibration) {
-    before = {options_.calibration->baseline,
-              options_.calibration->contact_threshold};
-  }
-  TACTUS_ASSIGN_OR_RETURN(baseline_, Tare(idle, before ? &*before : nullptr));
+  TACTUS_ASSIGN_OR_RETURN(
+      baseline_,
+      Tare(idle, options_.calibration ? &*options_.calibration : nullptr));
   tared_ = true;
   return absl::OkStatus();
 }
@@ -130,23 +127,35 @@ void CalibratedDriver::Convert(SkinFrame& frame) {
     above_[i] = numbers_[i] - baseline_[i];
   }
   if (drift_) {
-    drift_->Step(above_, options_.calibration->contact_threshold, layout_.mask);
+    drift_->Step(above_, *touch_, layout_.mask);
+    for (size_t i = 0; i < above_.size(); ++i) above_[i] -= drift_->drift()[i];
   }
   frame.capture_time_ns = raw_.capture_time_ns;
   frame.missing_before = raw_.missing_before;
   frame.pose = raw_.pose;
   frame.u16.clear();
+  frame.i16.clear();
   frame.f32.resize(numbers_.size());
-  for (size_t i = 0; i < numbers_.size(); ++i) {
-    const double reading = above_[i] - (drift_ ? drift_->drift()[i] : 0);
-    double load = 0;
-    if (reading > 0 && reading >= gate_[i]) {
-      load = options_.calibration
-                 ? LoadOf(*options_.calibration, i, reading, raw_info_.scale)
-                 : reading * raw_info_.scale;
+  const size_t axes = loads_->axes();
+  for (size_t taxel = 0; taxel < gate_.size(); ++taxel) {
+    const AxisVector loads = loads_->Of(taxel, above_);
+    const bool felt = loads_->Normal(loads) >= gate_[taxel];
+    for (size_t axis = 0; axis < axes; ++axis) {
+      frame.f32[axes * taxel + axis] = felt ? LoadAlong(taxel, loads[axis]) : 0;
     }
-    frame.f32[i] = std::min(static_cast<float>(load), limits::kMaxTaxelValue);
   }
+}
+
+float CalibratedDriver::LoadAlong(size_t taxel, double load) const {
+  if (loads_->Matrix(taxel) == nullptr) {
+    load = options_.calibration
+               ? LoadOf(*options_.calibration, taxel, load, raw_info_.scale)
+               : load * raw_info_.scale;
+  }
+  const double most = limits::kMaxTaxelValue;
+  const double least = layout_.signed_values ? -most : 0;
+  // The sum has no negative zero.
+  return static_cast<float>(std::clamp(load, least, most)) + 0.0F;
 }
 
 DriverStatistics CalibratedDriver::Statistics() const {

@@ -8,15 +8,18 @@
 //                                              .tare_frames = 100});
 //   TACTUS_ASSIGN_OR_RETURN(const SkinInfo info, driver.Configure());
 //
-// The load of a taxel is
+// The loads of a taxel, one per axis, are
 //
 //   reading = number that the skin sent - baseline - drift
-//   load = 0 if reading < the taxel's contact threshold, or below 0
-//          gain curve (reading), or scale * reading without a curve
+//   load = cross-axis matrix * readings, or scale * reading without a matrix,
+//          or gain curve (reading) on a skin of one axis that has a curve
+//   load = 0 along all axes if the load of the taxel, as
+//          core/skin/normal_loads.h makes it, is below its contact threshold
+//   load = 0 if it is below 0, unless the layout has signed values
 //
 // computed in double and rounded once to the float that a stream sends and a
 // trial file stores, so the same frames give the same bits. Taxels that the
-// calibration found faulty are masked. A skin with light touch keeps readings
+// calibration found faulty are masked. A skin with light touch keeps loads
 // below the threshold, because light touch needs them.
 //
 // Activate tares the skin: it reads `tare_frames` frames and fails if the skin
@@ -32,9 +35,11 @@
 #include <string>
 #include <vector>
 
+#include "client/drivers/calibration/axis_loads.h"
 #include "client/drivers/calibration/calibration.h"
 #include "client/drivers/calibration/calibration_in_use.h"
 #include "client/drivers/calibration/drift_tracker.h"
+#include "client/drivers/calibration/touch_thresholds.h"
 #include "client/drivers/clock.h"
 #include "client/drivers/skin_driver.h"
 
@@ -84,18 +89,23 @@ class CalibratedDriver : public SkinDriver {
  private:
   absl::Status TareNow();
   void Convert(SkinFrame& frame);
+  // The load along one axis, of the taxel's loads of AxisLoads.
+  float LoadAlong(size_t taxel, double load) const;
 
   SkinDriver* const driver_;
   const CalibratedDriverOptions options_;
   Clock* const clock_;
   SkinInfo raw_info_;
   SkinLayout layout_;
-  // Per taxel: readings below it are 0; 0 if there is none.
+  std::optional<AxisLoads> loads_;
+  // Per taxel: loads below it are 0; 0 if there is none.
   std::vector<double> gate_;
   std::vector<double> baseline_;
   // The baseline is that of a tare.
   bool tared_ = false;
   std::optional<DriftTracker> drift_;
+  // Given if the drift is followed.
+  std::optional<TouchThresholds> touch_;
   SkinFrame raw_;
   std::vector<float> numbers_;
   std::vector<double> above_;

@@ -4,6 +4,19 @@
 #include <cstddef>
 
 namespace tactus::internal {
+namespace {
+
+template <typename Value>
+double QuantileOf(std::vector<Value>& values, double fraction) {
+  const auto place = std::min(
+      static_cast<size_t>(fraction * static_cast<double>(values.size())),
+      values.size() - 1);
+  const auto at = values.begin() + static_cast<ptrdiff_t>(place);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+}  // namespace
 
 IdleThresholds ThresholdsAbove(double median, double high,
                                double least_margin) {
@@ -15,12 +28,11 @@ IdleThresholds ThresholdsAbove(double median, double high,
 }
 
 double IdleQuantile(std::vector<float> values, double fraction) {
-  const auto place = std::min(
-      static_cast<size_t>(fraction * static_cast<double>(values.size())),
-      values.size() - 1);
-  const auto at = values.begin() + static_cast<ptrdiff_t>(place);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
+  return QuantileOf(values, fraction);
+}
+
+double IdleQuantile(std::vector<double> values, double fraction) {
+  return QuantileOf(values, fraction);
 }
 
 }  // namespace tactus::internal

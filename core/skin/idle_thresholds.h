@@ -30,5 +30,6 @@ IdleThresholds ThresholdsAbove(double median, double high, double least_margin);
 // The smallest value that a fraction above `fraction` of the values does not
 // exceed; the largest value at most. There is at least one value.
 double IdleQuantile(std::vector<float> values, double fraction);
+double IdleQuantile(std::vector<double> values, double fraction);
 
 }  // namespace tactus::internal

@@ -8,7 +8,11 @@
 #include "client/drivers/calibration/calibration_in_use.h"
 #include "client/drivers/calibration/calibration_json.h"
 #include "client/drivers/calibration/cross_axis.h"
+#include "client/drivers/calibration/drift_tracker.h"
+#include "client/drivers/calibration/press_sweep.h"
 #include "client/drivers/calibration/tare.h"
+#include "client/drivers/calibration/taxel_noise.h"
+#include "client/drivers/calibration/touch_thresholds.h"
 #include "client/drivers/can/can_error.h"
 #include "client/drivers/can/gs_usb.h"
 #include "client/drivers/can/gs_usb_protocol.h"
@@ -201,13 +205,14 @@ void Touch(int taxel);
 
 static void TaxelNoiseExample(const IdleFrames& idle,
                               const std::vector<double>& baseline,
-                              double value) {
+                              const SkinLayout& layout,
+                              const CrossAxes& cross_axis, double load) {
 #include "client/drivers/calibration/taxel_noise.h.inc"
 }
 
 static void TaxelFaultsExample(const IdleFrames& idle,
                                const std::vector<double>& baseline,
-                               const std::vector<TaxelNoise>& noise) {
+                               const std::vector<ValueNoise>& noise) {
 #include "client/drivers/calibration/taxel_faults.h.inc"
 }
 
@@ -216,9 +221,9 @@ static absl::Status GainCurveExample() {
   return absl::OkStatus();
 }
 
-static void DriftTrackerExample(size_t taxels,
+static void DriftTrackerExample(size_t values,
                                 std::span<const double> above_baseline,
-                                std::span<const double> contact_thresholds,
+                                const Calibration& calibration,
                                 std::span<const uint8_t> mask) {
 #include "client/drivers/calibration/drift_tracker.h.inc"
 }
@@ -226,6 +231,28 @@ static void DriftTrackerExample(size_t taxels,
 static absl::Status CrossAxisExample(std::span<const KnownLoad> known) {
 #include "client/drivers/calibration/cross_axis.h.inc"
   return absl::OkStatus();
+}
+
+static void AxisLoadsExample(const SkinLayout& layout,
+                             const Calibration& calibration,
+                             std::span<const double> readings,
+                             double contact_threshold) {
+#include "client/drivers/calibration/axis_loads.h.inc"
+}
+
+void Freeze();
+
+static void TouchThresholdsExample(const Calibration& calibration,
+                                   std::span<const double> readings) {
+#include "client/drivers/calibration/touch_thresholds.h.inc"
+}
+
+bool Pressing();
+
+static void PressSweepExample(const IdleFrames& idle,
+                              const Calibration& calibration,
+                              const SkinFrame& frame) {
+#include "client/drivers/calibration/press_sweep.h.inc"
 }
 
 static absl::Status CalibrationExample(const IdleFrames& idle,

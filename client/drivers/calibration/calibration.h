@@ -1,8 +1,8 @@
 // File: calibration.h
 //
 // Calibration: what was measured of the taxels of one skin: baselines, noise,
-// thresholds, gain curves and faults. All numbers but loads are those that the
-// skin sends.
+// thresholds, gain curves or cross-axis matrices, and faults. All numbers but
+// loads are those that the skin sends.
 //
 //   TACTUS_ASSIGN_OR_RETURN(
 //       const Calibration calibration,
@@ -19,6 +19,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/drivers/calibration/cross_axis.h"
 #include "client/drivers/calibration/gain_curve.h"
 #include "client/drivers/calibration/idle_frames.h"
 #include "client/drivers/calibration/taxel_faults.h"
@@ -36,14 +37,19 @@ struct Calibration {
   // Frames that were measured, and their rate.
   int64_t frames = 0;
   double sample_rate_hz = 0;
-  // One number per taxel. Thresholds are above the baseline.
+  // One number per value of a frame, in its order: per taxel and axis.
   std::vector<double> baseline;
   std::vector<double> deviation;
+  // One number per taxel, above the baseline: its load as AxisLoads makes it,
+  // in the layout's unit if there are cross-axis matrices.
   std::vector<double> contact_threshold;
   std::vector<double> onset_threshold;
   // Empty: a load is the layout's scale times the reading. Else one per taxel;
-  // nothing for taxels without a curve.
+  // nothing for taxels without a curve. Empty for three axes.
   std::vector<std::optional<GainCurve>> gains;
+  // Empty: a load is the layout's scale times the reading along the same axis.
+  // Else taxels without a matrix are masked or faulty. Empty for one axis.
+  CrossAxes cross_axis;
   TaxelFaults faults;
 
   bool operator==(const Calibration&) const = default;
@@ -59,22 +65,24 @@ struct CalibrateOptions {
   bool pressed_later = false;
   // Thresholds lie at least so far above the noise, in the skin's numbers.
   double least_margin = 0;
+  // Those of the calibration.
+  CrossAxes cross_axis = {};
 };
 
 // The calibration of a skin that nothing touches. INVALID_CONFIG if `before`
-// does not fit or the skin has several axes or signed values;
+// does not fit or there are not as many matrices as the skin takes;
 // INVALID_TRAINING_DATA if no taxel that the layout does not mask ever changed
 // and `pressed_later` is not set; else the errors of Tare.
 absl::StatusOr<Calibration> Calibrate(const IdleFrames& idle,
                                       const CalibrateOptions& options);
 
-// OK if every part is in range and has one element per taxel; else
+// OK if every part is in range and has as many elements as it must; else
 // INVALID_CONFIG.
 absl::Status Validate(const Calibration& calibration);
 
-// OK if the calibration is one of this device and of a skin of this name, shape
-// and unit; else INVALID_CONFIG. Thresholds, lengths and masks of the layout
-// may differ.
+// OK if the calibration is one of this device and of a skin of this name,
+// shape, axes and unit, and has a matrix, if any, for each taxel that counts;
+// else INVALID_CONFIG. Thresholds, lengths and masks of the layout may differ.
 absl::Status CheckFits(const Calibration& calibration,
                        const std::string& device, const SkinLayout& layout);
 
@@ -90,7 +98,8 @@ struct LayoutThresholds {
 };
 LayoutThresholds ThresholdsFor(const Calibration& calibration, double scale);
 
-// The load of a reading above the baseline of taxel `taxel`.
+// The load of a reading above the baseline of taxel `taxel`, which has no
+// matrix.
 inline double LoadOf(const Calibration& calibration, size_t taxel,
                      double reading, double scale) {
   if (calibration.gains.empty() || !calibration.gains[taxel]) {

@@ -25,7 +25,8 @@ struct CalibrationInUse {
   std::string device;
   // Nothing if the skin was only tared.
   std::optional<Calibration> calibration = std::nullopt;
-  // Offsets of a tare at the start, one per taxel; empty if there was none.
+  // Offsets of a tare at the start, one per value of a frame; empty if there
+  // was none.
   std::vector<double> tare = {};
   // The time over which the drift was followed; 0: it was not.
   double drift_time_s = 0;

@@ -7,12 +7,14 @@ namespace tactus::internal::client {
 IdleFrames::IdleFrames(const SkinInfo& info, size_t frames)
     : info_(info),
       frames_(frames),
-      taxels_(static_cast<size_t>(info.layout.taxels())),
-      values_(frames_ * taxels_) {}
+      axes_(static_cast<size_t>(info.layout.axes)),
+      values_per_frame_(static_cast<size_t>(info.layout.values())),
+      values_(frames_ * values_per_frame_) {}
 
 void IdleFrames::Add(const SkinFrame& frame) {
   if (complete()) return;
-  RawValues(info_, frame, {values_.data() + count_ * taxels_, taxels_});
+  RawValues(info_, frame,
+            {&values_[count_ * values_per_frame_], values_per_frame_});
   ++count_;
 }
 
@@ -20,9 +22,11 @@ double IdleFrames::resolution() const {
   return info_.taxel_type == v1::TAXEL_TYPE_FLOAT32 ? 0 : 1;
 }
 
-std::vector<float> IdleFrames::Series(size_t taxel) const {
+std::vector<float> IdleFrames::Series(size_t value) const {
   std::vector<float> series(count_);
-  for (size_t t = 0; t < count_; ++t) series[t] = values_[t * taxels_ + taxel];
+  for (size_t t = 0; t < count_; ++t) {
+    series[t] = values_[t * values_per_frame_ + value];
+  }
   return series;
 }
 

@@ -8,9 +8,12 @@
 //     TACTUS_ASSIGN_OR_RETURN(const ReadResult result, driver.Read(frame));
 //     if (result == ReadResult::kFrame) idle.Add(frame);
 //   }
-//   const std::vector<float> taxel = idle.Series(17);
+//   const std::vector<float> value = idle.Series(17);
 //
-// Memory: 4 bytes per taxel and frame. Not thread-safe.
+// A frame has a value per taxel and axis, in the order of
+// core/skin/layout.h.
+//
+// Memory: 4 bytes per value and frame. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -31,7 +34,13 @@ class IdleFrames {
   bool complete() const { return count_ == frames_; }
 
   size_t frames() const { return count_; }
-  size_t taxels() const { return taxels_; }
+  size_t taxels() const { return values_per_frame_ / axes_; }
+  size_t axes() const { return axes_; }
+  // Values of a frame.
+  size_t values() const { return values_per_frame_; }
+  size_t TaxelOf(size_t value) const { return value / axes_; }
+  // A touch may move a value either way: the layout has three axes, or signs.
+  bool both_ways() const { return axes_ > 1 || info_.layout.signed_values; }
   // False for taxels that the layout masks.
   bool valid(size_t taxel) const {
     return info_.layout.mask.empty() || info_.layout.mask[taxel] != 0;
@@ -40,18 +49,19 @@ class IdleFrames {
   // else 0, which stands for unknown.
   double resolution() const;
   const SkinInfo& info() const { return info_; }
-  // The values of one frame, and of one taxel in all frames.
+  // The values of one frame, and one value in all frames.
   std::span<const float> Frame(size_t frame) const {
-    return {&values_[frame * taxels_], taxels_};
+    return {&values_[frame * values_per_frame_], values_per_frame_};
   }
-  std::vector<float> Series(size_t taxel) const;
+  std::vector<float> Series(size_t value) const;
 
  private:
   const SkinInfo info_;
   const size_t frames_;
-  const size_t taxels_;
+  const size_t axes_;
+  const size_t values_per_frame_;
   size_t count_ = 0;
-  // frames x taxels
+  // frames x taxels x axes
   std::vector<float> values_;
 };
 

@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/drivers/calibration/taxel_noise.h"
+#include "client/drivers/calibration/touch_thresholds.h"
 #include "core/base/errors.h"
 
 namespace tactus::internal::client {
@@ -33,6 +34,12 @@ double RangeOfParts(const std::vector<float>& series) {
   return most - least;
 }
 
+// " along x", or nothing on a skin of one axis.
+std::string Along(const IdleFrames& idle, size_t value) {
+  if (idle.axes() == 1) return "";
+  return absl::StrCat(" along ", kAxisNames[value % idle.axes()]);
+}
+
 absl::Status Touched(size_t taxel, absl::string_view why) {
   return InvalidTrainingData(absl::StrCat("the skin is touched: taxel ", taxel,
                                           " ", why, ", or mask the taxel"));
@@ -40,37 +47,43 @@ absl::Status Touched(size_t taxel, absl::string_view why) {
 
 absl::Status CompareParts(const IdleFrames& idle) {
   const std::vector<double> noise = StepNoise(idle);
-  for (size_t i = 0; i < idle.taxels(); ++i) {
-    if (!idle.valid(i)) continue;
+  for (size_t i = 0; i < idle.values(); ++i) {
+    if (!idle.valid(idle.TaxelOf(i))) continue;
     const double range = RangeOfParts(idle.Series(i));
     if (range > kTouchDeviations * noise[i] &&
         range > kTouchSteps * idle.resolution()) {
-      return Touched(
-          i, absl::StrFormat("changed by %.3g, and its noise is %.3g; take "
-                             "everything off the skin",
-                             range, noise[i]));
+      return Touched(idle.TaxelOf(i),
+                     absl::StrFormat("changed%s by %.3g, and its noise is "
+                                     "%.3g; take everything off the skin",
+                                     Along(idle, i), range, noise[i]));
     }
   }
   return absl::OkStatus();
 }
 
-absl::Status CompareWith(const EarlierBaseline& before, const IdleFrames& idle,
+absl::Status CompareWith(const Calibration& before, const IdleFrames& idle,
                          const std::vector<double>& baseline) {
-  std::vector<double> rises;
-  for (size_t i = 0; i < idle.taxels(); ++i) {
-    if (idle.valid(i)) rises.push_back(baseline[i] - before.baseline[i]);
+  std::vector<double> rises(baseline.size());
+  for (size_t i = 0; i < rises.size(); ++i) {
+    rises[i] = baseline[i] - before.baseline[i];
   }
-  const double common = MedianOf(rises);
-  for (size_t i = 0; i < idle.taxels(); ++i) {
-    const double rise = baseline[i] - before.baseline[i] - common;
-    if (idle.valid(i) && rise > before.contact_threshold[i]) {
-      return Touched(
-          i, absl::StrFormat(
-                 "is %.3g above its baseline in the calibration, beyond the "
-                 "%.3g of the whole skin; take everything off the skin, or "
-                 "calibrate again",
-                 rise, common));
+  const AxisVector common = AxisMedians(idle, rises);
+  for (size_t i = 0; i < rises.size(); ++i) rises[i] -= common[i % idle.axes()];
+  const TouchThresholds thresholds(before);
+  for (size_t taxel = 0; taxel < idle.taxels(); ++taxel) {
+    if (!idle.valid(taxel) || !(thresholds.Excess(taxel, rises) > 0)) continue;
+    size_t most = idle.axes() * taxel;
+    for (size_t i = most; i < idle.axes() * (taxel + 1); ++i) {
+      if (std::abs(rises[i]) > std::abs(rises[most])) most = i;
     }
+    return Touched(
+        taxel,
+        absl::StrFormat("is%s %.3g %s its baseline in the calibration, beyond "
+                        "the %.3g of the whole skin; take everything off the "
+                        "skin, or calibrate again",
+                        Along(idle, most), std::abs(rises[most]),
+                        rises[most] < 0 ? "below" : "above",
+                        common[most % idle.axes()]));
   }
   return absl::OkStatus();
 }
@@ -78,7 +91,7 @@ absl::Status CompareWith(const EarlierBaseline& before, const IdleFrames& idle,
 }  // namespace
 
 absl::StatusOr<std::vector<double>> Tare(const IdleFrames& idle,
-                                         const EarlierBaseline* before) {
+                                         const Calibration* before) {
   if (idle.frames() < kMinTareFrames) {
     return InvalidConfig("frames of a tare", idle.frames(),
                          absl::StrCat(kMinTareFrames, " or more"));
@@ -86,10 +99,10 @@ absl::StatusOr<std::vector<double>> Tare(const IdleFrames& idle,
   if (const absl::Status status = CompareParts(idle); !status.ok()) {
     return status;
   }
-  std::vector<double> baseline(idle.taxels());
+  std::vector<double> baseline(idle.values());
   for (size_t t = 0; t < idle.frames(); ++t) {
     const auto frame = idle.Frame(t);
-    for (size_t i = 0; i < idle.taxels(); ++i) baseline[i] += frame[i];
+    for (size_t i = 0; i < baseline.size(); ++i) baseline[i] += frame[i];
   }
   for (double& mean : baseline) mean /= static_cast<double>(idle.frames());
   if (before != nullptr) {
@@ -99,24 +112,38 @@ absl::StatusOr<std::vector<double>> Tare(const IdleFrames& idle,
   return baseline;
 }
 
-std::vector<int> OutstandingTaxels(const IdleFrames& idle,
-                                   const std::vector<double>& baseline) {
-  std::vector<double> valid;
-  for (size_t i = 0; i < baseline.size(); ++i) {
-    if (idle.valid(i)) valid.push_back(baseline[i]);
+std::vector<bool> OutstandingValues(const IdleFrames& idle,
+                                    const std::vector<double>& baseline) {
+  const AxisVector medians = AxisMedians(idle, baseline);
+  std::vector<double> beside(baseline.size());
+  for (size_t i = 0; i < beside.size(); ++i) {
+    beside[i] = std::abs(baseline[i] - medians[i % idle.axes()]);
   }
-  const double median = MedianOf(valid);
-  for (double& value : valid) value = std::abs(value - median);
-  const double level =
-      std::max(kOutstandingDeviations * kDeviationsPerMedian * MedianOf(valid),
-               kOutstandingSteps * idle.resolution());
-  std::vector<int> found;
-  for (size_t i = 0; i < baseline.size(); ++i) {
-    if (idle.valid(i) && baseline[i] > median + level) {
-      found.push_back(static_cast<int>(i));
-    }
+  const AxisVector usual = AxisMedians(idle, beside);
+  std::vector<bool> found(baseline.size());
+  for (size_t i = 0; i < found.size(); ++i) {
+    const size_t axis = i % idle.axes();
+    const double level =
+        std::max(kOutstandingDeviations * kDeviationsPerMedian * usual[axis],
+                 kOutstandingSteps * idle.resolution());
+    found[i] = idle.valid(idle.TaxelOf(i)) &&
+               (baseline[i] > medians[axis] + level ||
+                (idle.both_ways() && baseline[i] < medians[axis] - level));
   }
   return found;
+}
+
+std::vector<int> OutstandingTaxels(const IdleFrames& idle,
+                                   const std::vector<double>& baseline) {
+  const std::vector<bool> values = OutstandingValues(idle, baseline);
+  std::vector<int> taxels;
+  for (size_t i = 0; i < values.size(); ++i) {
+    const auto taxel = static_cast<int>(idle.TaxelOf(i));
+    if (values[i] && (taxels.empty() || taxels.back() != taxel)) {
+      taxels.push_back(taxel);
+    }
+  }
+  return taxels;
 }
 
 }  // namespace tactus::internal::client

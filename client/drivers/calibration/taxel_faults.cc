@@ -23,45 +23,40 @@ std::vector<int> TaxelFaults::All() const {
 
 TaxelFaults FindFaults(const IdleFrames& idle,
                        const std::vector<double>& baseline,
-                       const std::vector<TaxelNoise>& noise) {
+                       const std::vector<ValueNoise>& noise) {
   std::vector<double> deviations;
   std::vector<double> changes;
-  for (size_t i = 0; i < idle.taxels(); ++i) {
-    if (!idle.valid(i)) continue;
-    deviations.push_back(noise[i].deviation);
-    changes.push_back(noise[i].changes);
+  for (const ValueNoise& value : noise) {
+    deviations.push_back(value.deviation);
+    changes.push_back(value.changes);
   }
-  const double noisy = std::max(kNoisyTimes * MedianOf(deviations),
-                                kNoisySteps * idle.resolution());
-  const bool changing = MedianOf(changes) >= kUsualChanges;
-  const std::vector<int> outstanding = OutstandingTaxels(idle, baseline);
+  const AxisVector usual_noise = AxisMedians(idle, deviations);
+  const AxisVector usual_changes = AxisMedians(idle, changes);
+  const std::vector<bool> outstanding = OutstandingValues(idle, baseline);
   TaxelFaults faults;
-  for (size_t i = 0; i < idle.taxels(); ++i) {
-    if (!idle.valid(i)) continue;
-    const int taxel = static_cast<int>(i);
-    if (noise[i].changes > 0) {
-      if (noise[i].deviation > noisy) faults.noisy.push_back(taxel);
-    } else if (std::ranges::binary_search(outstanding, taxel)) {
-      faults.stuck.push_back(taxel);
-    } else if (changing) {
-      faults.dead.push_back(taxel);
+  for (size_t taxel = 0; taxel < idle.taxels(); ++taxel) {
+    if (!idle.valid(taxel)) continue;
+    bool stuck = false;
+    bool dead = false;
+    bool noisy = false;
+    for (size_t axis = 0; axis < idle.axes(); ++axis) {
+      const size_t i = idle.axes() * taxel + axis;
+      if (noise[i].changes > 0) {
+        noisy |= noise[i].deviation > std::max(kNoisyTimes * usual_noise[axis],
+                                               kNoisySteps * idle.resolution());
+      } else if (outstanding[i]) {
+        stuck = true;
+      } else {
+        dead |= usual_changes[axis] >= kUsualChanges;
+      }
     }
+    if (!stuck && !dead && !noisy) continue;
+    (stuck  ? faults.stuck
+     : dead ? faults.dead
+            : faults.noisy)
+        .push_back(static_cast<int>(taxel));
   }
   return faults;
-}
-
-std::vector<int> UnfeltTaxels(const IdleFrames& idle,
-                              const std::vector<double>& baseline,
-                              const std::vector<TaxelNoise>& noise,
-                              std::span<const float> largest) {
-  std::vector<int> unfelt;
-  for (size_t i = 0; i < idle.taxels(); ++i) {
-    const double above = largest[i] - baseline[i];
-    if (idle.valid(i) && above < noise[i].onset_threshold) {
-      unfelt.push_back(static_cast<int>(i));
-    }
-  }
-  return unfelt;
 }
 
 }  // namespace tactus::internal::client

@@ -8,15 +8,18 @@
 // - noisy: has more than 6 times the median noise of the skin, and more than 2
 //   steps of its numbers
 //
+// On a skin of three axes each axis is examined beside the same axis of the
+// others. A taxel is faulty if one of its axes is; it has the first of those
+// faults in the list above.
+//
 //   const TaxelFaults faults = FindFaults(idle, baseline, noise);
 //   for (const int taxel : faults.All()) Mask(taxel);
 //
 // Skins that read 0 where nothing presses show dead taxels only when they are
-// pressed: UnfeltTaxels finds them. Masked taxels are not examined. Plain data
+// pressed: PressSweep finds them. Masked taxels are not examined. Plain data
 // and free functions without state; thread-safe.
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "client/drivers/calibration/idle_frames.h"
@@ -37,13 +40,6 @@ struct TaxelFaults {
 
 TaxelFaults FindFaults(const IdleFrames& idle,
                        const std::vector<double>& baseline,
-                       const std::vector<TaxelNoise>& noise);
-
-// Taxels that never reached their onset threshold while somebody pressed every
-// place of the skin. `largest` holds the largest value of each taxel.
-std::vector<int> UnfeltTaxels(const IdleFrames& idle,
-                              const std::vector<double>& baseline,
-                              const std::vector<TaxelNoise>& noise,
-                              std::span<const float> largest);
+                       const std::vector<ValueNoise>& noise);
 
 }  // namespace tactus::internal::client

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/skin/idle_thresholds.h"
 
@@ -21,46 +22,78 @@ double MedianOf(std::vector<double> values) {
   return *middle;
 }
 
-std::vector<TaxelNoise> NoiseOf(const IdleFrames& idle,
-                                const std::vector<double>& baseline,
-                                double least_margin) {
-  std::vector<TaxelNoise> all(idle.taxels());
+AxisVector AxisMedians(const IdleFrames& idle,
+                       const std::vector<double>& numbers) {
+  AxisVector medians = {};
+  for (size_t axis = 0; axis < idle.axes(); ++axis) {
+    std::vector<double> valid;
+    for (size_t taxel = 0; taxel < idle.taxels(); ++taxel) {
+      if (idle.valid(taxel))
+        valid.push_back(numbers[idle.axes() * taxel + axis]);
+    }
+    medians[axis] = MedianOf(std::move(valid));
+  }
+  return medians;
+}
+
+std::vector<ValueNoise> NoiseOf(const IdleFrames& idle,
+                                const std::vector<double>& baseline) {
+  std::vector<ValueNoise> all(idle.values());
   const auto frames = static_cast<double>(idle.frames());
-  for (size_t i = 0; i < idle.taxels(); ++i) {
-    TaxelNoise& noise = all[i];
-    std::vector<float> series = idle.Series(i);
+  for (size_t i = 0; i < all.size(); ++i) {
+    ValueNoise& noise = all[i];
+    const std::vector<float> series = idle.Series(i);
     double squares = 0;
     for (size_t t = 0; t < series.size(); ++t) {
       squares += std::pow(series[t] - baseline[i], 2);
       if (t > 0 && series[t] != series[t - 1]) noise.changes += 1 / frames;
     }
     noise.deviation = std::sqrt(squares / frames);
-    const IdleThresholds found =
-        ThresholdsAbove(IdleQuantile(series, 0.5) - baseline[i],
-                        IdleQuantile(series, kIdleFraction) - baseline[i],
-                        std::max(least_margin, idle.resolution()));
-    noise.contact_threshold = found.contact_threshold;
-    noise.onset_threshold = found.onset_threshold;
   }
   return all;
 }
 
+TaxelThresholds ThresholdsOf(const IdleFrames& idle,
+                             const std::vector<double>& baseline,
+                             const AxisLoads& loads, double least_margin) {
+  const double margin = std::max(least_margin, idle.resolution());
+  TaxelThresholds thresholds;
+  std::vector<double> series(idle.frames());
+  for (size_t taxel = 0; taxel < idle.taxels(); ++taxel) {
+    for (size_t t = 0; t < series.size(); ++t) {
+      AxisVector reading = {};
+      for (size_t axis = 0; axis < idle.axes(); ++axis) {
+        const size_t i = idle.axes() * taxel + axis;
+        reading[axis] = idle.Frame(t)[i] - baseline[i];
+      }
+      series[t] = loads.Normal(loads.OfTaxel(taxel, reading));
+    }
+    const IdleThresholds found = ThresholdsAbove(
+        IdleQuantile(series, 0.5), IdleQuantile(series, kIdleFraction),
+        margin * loads.Step(taxel));
+    thresholds.contact.push_back(found.contact_threshold);
+    thresholds.onset.push_back(found.onset_threshold);
+  }
+  return thresholds;
+}
+
 std::vector<double> StepNoise(const IdleFrames& idle) {
-  std::vector<double> noise(idle.taxels());
-  std::vector<double> valid;
-  for (size_t i = 0; i < idle.taxels(); ++i) {
+  std::vector<double> noise(idle.values());
+  for (size_t i = 0; i < noise.size(); ++i) {
     const std::vector<float> series = idle.Series(i);
     std::vector<double> steps;
     for (size_t t = 1; t < series.size(); ++t) {
       steps.push_back(std::abs(series[t] - series[t - 1]));
     }
     // A difference has the noise of two values.
-    noise[i] = kDeviationsPerMedian * MedianOf(steps) / std::sqrt(2);
-    if (idle.valid(i)) valid.push_back(noise[i]);
+    noise[i] = kDeviationsPerMedian * MedianOf(std::move(steps)) / std::sqrt(2);
   }
-  const double least = std::max(kLeastSteps * idle.resolution(),
-                                kLeastOfMedian * MedianOf(valid));
-  for (double& value : noise) value = std::max(value, least);
+  const AxisVector medians = AxisMedians(idle, noise);
+  for (size_t i = 0; i < noise.size(); ++i) {
+    const double least = std::max(kLeastSteps * idle.resolution(),
+                                  kLeastOfMedian * medians[i % idle.axes()]);
+    noise[i] = std::max(noise[i], least);
+  }
   return noise;
 }
 

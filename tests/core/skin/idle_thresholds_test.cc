@@ -21,7 +21,7 @@ TEST(IdleThresholdsTest, QuantilesAreMeasuredValues) {
   for (int i = 999; i >= 0; --i) values.push_back(static_cast<float>(i));
   EXPECT_EQ(IdleQuantile(values, 0.5), 500);
   EXPECT_EQ(IdleQuantile(values, kIdleFraction), 999);
-  EXPECT_EQ(IdleQuantile({7}, kIdleFraction), 7);
+  EXPECT_EQ(IdleQuantile(std::vector<float>{7}, kIdleFraction), 7);
 }
 
 }  // namespace

@@ -11,7 +11,9 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "client/drivers/calibration/calibration_json.h"
+#include "client/drivers/calibration/press_sweep.h"
 #include "client/drivers/calibration/tare.h"
+#include "client/drivers/calibration/taxel_noise.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/files/draft_file.h"
@@ -68,34 +70,19 @@ absl::Status ReadIdle(SkinDriver& driver, IdleFrames& idle,
   return absl::OkStatus();
 }
 
-// The largest value of each taxel in the next seconds.
-absl::StatusOr<std::vector<float>> Sweep(SkinDriver& driver,
-                                         const SkinInfo& info, double seconds) {
-  std::vector<float> values(info.layout.taxels());
-  std::vector<float> largest(values.size());
+// Frames of the next seconds, in which every place of the skin is pressed.
+absl::Status Sweep(SkinDriver& driver, double seconds, PressSweep& sweep) {
   const auto begin = Clock::now();
   SkinFrame frame;
   while (SecondsSince(begin) < seconds) {
     TACTUS_ASSIGN_OR_RETURN(const ReadResult result, driver.Read(frame));
     if (result == ReadResult::kEndOfData) break;
-    if (result != ReadResult::kFrame) continue;
-    RawValues(info, frame, values);
-    for (size_t i = 0; i < values.size(); ++i) {
-      largest[i] = std::max(largest[i], values[i]);
-    }
+    if (result == ReadResult::kFrame) sweep.Add(frame);
   }
-  return largest;
-}
-
-// A taxel changed at rest, or read more than at rest in a sweep.
-bool Changed(const IdleFrames& idle, const std::vector<float>& largest) {
-  for (size_t i = 0; i < largest.size(); ++i) {
-    if (!idle.valid(i)) continue;
-    const std::vector<float> series = idle.Series(i);
-    const auto [least, most] = std::ranges::minmax(series);
-    if (most > least || largest[i] > most) return true;
-  }
-  return false;
+  if (sweep.changed()) return absl::OkStatus();
+  return InvalidTrainingData(
+      "no taxel changed, not even while the skin was to be pressed; check "
+      "that it has power and that its cable is in");
 }
 
 void AddDead(const std::vector<int>& unfelt, TaxelFaults& faults) {
@@ -203,16 +190,9 @@ absl::StatusOr<Measured> Measure(const CalibrateFlags& flags,
   if (flags.sweep_s > 0) {
     std::cerr << absl::StrFormat(
         "now press every place of the skin, for %g s\n", flags.sweep_s);
-    TACTUS_ASSIGN_OR_RETURN(const std::vector<float> largest,
-                            Sweep(driver, info, flags.sweep_s));
-    if (!Changed(idle, largest)) {
-      return InvalidTrainingData(
-          "no taxel changed, not even while the skin was to be pressed; check "
-          "that it has power and that its cable is in");
-    }
-    AddDead(UnfeltTaxels(idle, made.baseline,
-                         NoiseOf(idle, made.baseline, flags.margin), largest),
-            made.faults);
+    PressSweep sweep(idle, made);
+    TACTUS_RETURN_IF_ERROR(Sweep(driver, flags.sweep_s, sweep));
+    AddDead(sweep.Unfelt(), made.faults);
   }
   TACTUS_RETURN_IF_ERROR(driver.Finalise());
   return measured;

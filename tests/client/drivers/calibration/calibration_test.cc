@@ -5,12 +5,14 @@
 #include <numbers>
 
 #include "client/drivers/calibration/drift_tracker.h"
+#include "client/drivers/calibration/press_sweep.h"
 #include "client/drivers/calibration/tare.h"
 #include "client/drivers/sim_driver.h"
 #include "core/base/errors.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/client/drivers/calibration/synthetic_skin.h"
+#include "tests/support/flat_layout.h"
 
 namespace tactus::internal::client {
 namespace {
@@ -43,21 +45,6 @@ TEST(TareTest, FindsTheOffsetsOfTheTaxels) {
   // 5 standard errors of the mean of 400 frames.
   for (size_t i = 0; i < 32; ++i) {
     EXPECT_NEAR((*baseline)[i], skin.offset[i], 5 * 2 / std::sqrt(400)) << i;
-  }
-}
-
-// Calibrations have one number per taxel.
-TEST(CalibrateTest, SkinsOfSeveralAxesOrSignsAreRefused) {
-  for (const bool axes : {false, true}) {
-    SkinInfo info;
-    info.layout = *LayoutPreset("vitac-12x32");
-    info.layout.signed_values = true;
-    if (axes) info.layout.axes = 3;
-    const IdleFrames idle(info, 100);
-    const absl::Status status = Calibrate(idle, {}).status();
-    EXPECT_EQ(ReasonOf(status), "INVALID_CONFIG");
-    EXPECT_THAT(std::string(status.message()),
-                HasSubstr("axes of the layout of a calibration"));
   }
 }
 
@@ -207,12 +194,15 @@ TEST(CalibrateTest, ASkinThatReadsZeroAtRestHasNoDeadTaxels) {
   EXPECT_THAT(made->faults.dead, IsEmpty());
   EXPECT_THAT(made->faults.stuck, ElementsAre(7));
   // Pressed everywhere, all but taxels 7 and 12 answer.
-  std::vector<float> largest(32, 60);
-  largest[7] = 90;
-  largest[12] = 0;
-  EXPECT_THAT(UnfeltTaxels(idle, made->baseline, NoiseOf(idle, made->baseline),
-                           largest),
-              ElementsAre(7, 12));
+  PressSweep sweep(idle, *made);
+  EXPECT_TRUE(sweep.changed() == false && sweep.Unfelt().size() == 32);
+  SkinFrame pressed;
+  pressed.u16.assign(32, 60);
+  pressed.u16[7] = 90;
+  pressed.u16[12] = 0;
+  sweep.Add(pressed);
+  EXPECT_TRUE(sweep.changed());
+  EXPECT_THAT(sweep.Unfelt(), ElementsAre(7, 12));
 }
 
 TEST(CalibrateTest, FitsItsDeviceAndItsShapeOnly) {
@@ -237,9 +227,19 @@ TEST(CalibrateTest, FitsItsDeviceAndItsShapeOnly) {
   }
 }
 
+// Two taxels whose contact thresholds are 8.
+TouchThresholds PairThresholds() {
+  Calibration pair;
+  pair.layout = tactus::internal::testing::FlatLayout("pair", 1, 2,
+                                                      TaxelUnit::kCounts, 8, 9);
+  pair.contact_threshold = {8, 8};
+  pair.deviation = {1, 1};
+  return TouchThresholds(pair);
+}
+
 TEST(DriftTrackerTest, FollowsADriftAndNeverAContact) {
   DriftTracker drift(2, {.time_s = 10, .sample_rate_hz = 100});
-  const std::vector<double> thresholds = {8, 8};
+  const TouchThresholds thresholds = PairThresholds();
   // 0.2 counts per second for 100 s: an exponential mean lags by 10 s of it.
   std::vector<double> above(2);
   for (int t = 0; t < 10'000; ++t) {
@@ -269,7 +269,7 @@ TEST(DriftTrackerTest, FollowsADriftAndNeverAContact) {
 TEST(DriftTrackerTest, AMaskedTaxelFreezesNothing) {
   DriftTracker drift(2, {.time_s = 10, .sample_rate_hz = 100});
   const std::vector<uint8_t> mask = {0, 1};
-  drift.Step(std::vector<double>{1000, 1}, std::vector<double>{8, 8}, mask);
+  drift.Step(std::vector<double>{1000, 1}, PairThresholds(), mask);
   EXPECT_FALSE(drift.frozen());
   EXPECT_GT(drift.drift()[1], 0);
 }
