@@ -1,6 +1,6 @@
-// Any text as a calibration, as what a recording keeps of one, and as gain
-// curves within them. What is read must be valid, and come back with the same
-// bits.
+// Any text as a calibration of one or three axes, as what a recording keeps of
+// one, and as gain curves and cross-axis matrices within them. What is read
+// must be valid, and come back with the same bits.
 //
 // Its corpus, tests/fuzz/corpus/calibration, begins with good texts. With
 // TACTUS_SEEDS=FOLDER the empty input writes them there.
@@ -32,6 +32,22 @@ Calibration GoodCalibration(bool gains) {
   return good;
 }
 
+// A calibration of three axes, with a matrix per taxel that counts, or one for
+// all.
+Calibration GoodThreeAxes(bool one_matrix) {
+  Calibration good = GoodCalibration(false);
+  good.layout.axes = 3;
+  good.layout.normal_axis = 2;
+  good.layout.signed_values = true;
+  good.baseline = {1, -2.5, 0, 1e-3, 5, -6, 7, 8, 9, -1e9, 11, 12};
+  good.deviation.assign(12, 0.25);
+  const CrossAxis matrix = {
+      {{{0.01, -1e-3, 0}, {2e-3, 0.02, -0.0}, {-3, 1e-4, 5e-3}}}};
+  good.cross_axis.assign(one_matrix ? 1 : 4, matrix);
+  if (!one_matrix) good.cross_axis[1].reset();
+  return good;
+}
+
 // True if it is one of the two.
 bool Read(const std::string& text) {
   const auto calibration = CalibrationFromJson(text);
@@ -56,12 +72,14 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
   if (size == 0) {
     // The good texts are good.
     int number = 0;
-    for (const bool gains : {false, true}) {
-      const Calibration good = GoodCalibration(gains);
-      const CalibrationInUse in_use = {.device = good.device,
-                                       .calibration = good,
-                                       .tare = good.baseline,
-                                       .drift_time_s = gains ? 0.5 : 0};
+    for (const Calibration& good :
+         {GoodCalibration(false), GoodCalibration(true), GoodThreeAxes(false),
+          GoodThreeAxes(true)}) {
+      const CalibrationInUse in_use = {
+          .device = good.device,
+          .calibration = good,
+          .tare = good.baseline,
+          .drift_time_s = good.gains.empty() ? 0 : 0.5};
       for (const std::string& text :
            {CalibrationToJson(good), ToJson(in_use)}) {
         REQUIRE(Read(text));

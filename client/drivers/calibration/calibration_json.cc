@@ -1,10 +1,12 @@
 #include "client/drivers/calibration/calibration_json.h"
 
+#include <cmath>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "absl/types/span.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/skin/layout_json.h"
@@ -28,11 +30,17 @@ std::string TextJson(const std::string& text) {
   return json + "\"";
 }
 
-std::string NumbersJson(const std::vector<double>& numbers) {
-  const auto exact = [](std::string* out, double number) {
+// With all its bits: JSON's -0 is an integer, which has no sign.
+void AppendExact(std::string* out, double number) {
+  if (number == 0 && std::signbit(number)) {
+    absl::StrAppend(out, "-0.0");
+  } else {
     absl::StrAppendFormat(out, "%.17g", number);
-  };
-  return absl::StrCat("[", absl::StrJoin(numbers, ",", exact), "]");
+  }
+}
+
+std::string NumbersJson(absl::Span<const double> numbers) {
+  return absl::StrCat("[", absl::StrJoin(numbers, ",", AppendExact), "]");
 }
 
 std::string CurveJson(const std::optional<GainCurve>& curve) {
@@ -41,6 +49,25 @@ std::string CurveJson(const std::optional<GainCurve>& curve) {
     absl::StrAppendFormat(out, "[%.17g,%.17g]", p.reading, p.load);
   };
   return absl::StrCat("[", absl::StrJoin(curve->points(), ",", point), "]");
+}
+
+std::string MatrixJson(const std::optional<CrossAxis>& matrix) {
+  if (!matrix) return "null";
+  const auto row = [](std::string* out, const AxisVector& axes) {
+    absl::StrAppend(out, NumbersJson(axes));
+  };
+  return absl::StrCat("[", absl::StrJoin(matrix->rows, ",", row), "]");
+}
+
+// Nothing without matrices, as before there were any.
+std::string CrossAxisJson(const CrossAxes& matrices) {
+  if (matrices.empty()) return "";
+  const auto matrix = [](std::string* out,
+                         const std::optional<CrossAxis>& one) {
+    absl::StrAppend(out, MatrixJson(one));
+  };
+  return absl::StrCat("\n\"cross_axis\": [",
+                      absl::StrJoin(matrices, ",", matrix), "],");
 }
 
 // Takes the parts out of an object. The first fault is kept.
@@ -120,6 +147,17 @@ class Parts {
     return gains;
   }
 
+  // Empty if absent, as in files of one axis.
+  CrossAxes Matrices(const char* name) {
+    CrossAxes matrices;
+    if (!object_.contains(name)) return matrices;
+    for (const Json& matrix : Elements(name, object_.at(name))) {
+      matrices.emplace_back();
+      if (!matrix.is_null()) matrices.back() = Matrix(name, matrix);
+    }
+    return matrices;
+  }
+
   const absl::Status& fault() const { return fault_; }
   void Complain(const char* name, absl::string_view got,
                 absl::string_view want) {
@@ -144,6 +182,21 @@ class Parts {
       points.push_back({point[0].get<double>(), point[1].get<double>()});
     }
     return points;
+  }
+
+  CrossAxis Matrix(const char* name, const Json& json) {
+    CrossAxis matrix;
+    const Json::array_t rows = Elements(name, json);
+    bool fits = rows.size() == kMostAxes;
+    for (size_t i = 0; i < kMostAxes && fits; ++i) {
+      fits = rows[i].is_array() && rows[i].size() == kMostAxes;
+      for (size_t j = 0; j < kMostAxes && fits; ++j) {
+        fits = rows[i][j].is_number();
+        if (fits) matrix.rows[i][j] = rows[i][j].get<double>();
+      }
+    }
+    if (!fits) Complain(name, "another list", "3 rows of 3 numbers per taxel");
+    return matrix;
   }
 
   const Json& object_;
@@ -171,8 +224,9 @@ std::string CalibrationToJson(const Calibration& calibration) {
       ",\n\"deviation\": ", NumbersJson(calibration.deviation),
       ",\n\"contact_threshold\": ", NumbersJson(calibration.contact_threshold),
       ",\n\"onset_threshold\": ", NumbersJson(calibration.onset_threshold),
-      ",\n\"gains\": [", absl::StrJoin(calibration.gains, ",", curve),
-      "],\n\"dead\": ", taxels(calibration.faults.dead),
+      ",\n\"gains\": [", absl::StrJoin(calibration.gains, ",", curve), "],",
+      CrossAxisJson(calibration.cross_axis),
+      "\n\"dead\": ", taxels(calibration.faults.dead),
       ",\n\"stuck\": ", taxels(calibration.faults.stuck),
       ",\n\"noisy\": ", taxels(calibration.faults.noisy), "\n}\n");
 }
@@ -221,6 +275,7 @@ absl::StatusOr<Calibration> CalibrationFromJson(absl::string_view json) {
   made.contact_threshold = parts.Numbers("contact_threshold");
   made.onset_threshold = parts.Numbers("onset_threshold");
   made.gains = parts.Gains("gains");
+  made.cross_axis = parts.Matrices("cross_axis");
   made.faults = {parts.Taxels("dead"), parts.Taxels("stuck"),
                  parts.Taxels("noisy")};
   TACTUS_RETURN_IF_ERROR(parts.fault());

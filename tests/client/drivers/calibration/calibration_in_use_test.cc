@@ -40,6 +40,27 @@ TEST(CalibrationInUseTest, ComesBackWithTheSameBits) {
   EXPECT_EQ(*again, in_use);
 }
 
+TEST(CalibrationInUseTest, ThreeAxesComeBackWithTheSameBits) {
+  CalibrationInUse in_use = InUseSample();
+  Calibration& made = *in_use.calibration;
+  made.layout.axes = 3;
+  made.layout.signed_values = true;
+  made.baseline = {1, 2, 3, 0.1, -4, -5, -1.0 / 3, 7, 8, 9, 10, 11};
+  made.deviation.assign(12, 1.0 / 3);
+  made.gains.clear();
+  made.cross_axis = {
+      CrossAxis{{{{0.1, 1.0 / 3, -5}, {4, 1e-300, 6}, {7, 8, 9}}}}};
+  in_use.tare = made.baseline;
+  const auto again = CalibrationInUseFromJson(ToJson(in_use));
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_EQ(*again, in_use);
+  // A tare of one axis is not one of three.
+  in_use.tare.resize(4);
+  EXPECT_THAT(
+      std::string(CalibrationInUseFromJson(ToJson(in_use)).status().message()),
+      ::testing::HasSubstr("numbers of tare is 4; it must be 12"));
+}
+
 TEST(CalibrationInUseTest, EveryMistakeIsNamed) {
   const std::string good = ToJson(InUseSample());
   const std::tuple<const char*, const char*, const char*> changes[] = {
