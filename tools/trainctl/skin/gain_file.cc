@@ -3,18 +3,13 @@
 #include <map>
 #include <utility>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/files/csv.h"
+#include "tools/trainctl/skin/taxel_cell.h"
 
 namespace tactus::internal::client {
-namespace {
-
-constexpr int kEachTaxel = -1;
-
-}  // namespace
 
 absl::StatusOr<std::vector<std::optional<GainCurve>>> ReadGains(
     const std::string& path, int taxels) {
@@ -24,14 +19,8 @@ absl::StatusOr<std::vector<std::optional<GainCurve>>> ReadGains(
   TACTUS_ASSIGN_OR_RETURN(const size_t load_column, table.Column("load"));
   std::map<int, std::vector<GainPoint>> points;
   for (size_t row = 0; row < table.rows(); ++row) {
-    const absl::string_view text = table.text(row, taxel_column);
-    int taxel = kEachTaxel;
-    if (text != "*" &&
-        (!absl::SimpleAtoi(text, &taxel) || taxel < 0 || taxel >= taxels)) {
-      return table.RowError(
-          row, absl::StrCat("taxel is ", text, "; it must be * or 0 to ",
-                            taxels - 1));
-    }
+    TACTUS_ASSIGN_OR_RETURN(const int taxel,
+                            TaxelCell(table, row, taxel_column, taxels));
     GainPoint point;
     TACTUS_ASSIGN_OR_RETURN(point.reading, table.Number(row, reading_column));
     TACTUS_ASSIGN_OR_RETURN(point.load, table.Number(row, load_column));
