@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -23,6 +24,7 @@
 #include "tools/trainctl/command.h"
 #include "tools/trainctl/skin/find_port.h"
 #include "tools/trainctl/skin/gain_file.h"
+#include "tools/trainctl/skin/load_file.h"
 #include "tools/trainctl/text.h"
 
 namespace tactus::internal::client {
@@ -38,6 +40,7 @@ struct CalibrateFlags {
   size_t frames = 300;
   std::string before;
   std::string gains;
+  std::string loads;
   double sweep_s = 0;
   double margin = 0;
   std::string out;
@@ -101,6 +104,8 @@ struct Measured {
   Calibration calibration;
   double rate_hz = 0;
   double scale = 1;
+  // With --loads.
+  std::optional<LoadFile> known;
   std::vector<int> outstanding;
 };
 
@@ -108,18 +113,21 @@ void Print(const CalibrateFlags& flags, const Measured& measured) {
   const Calibration& made = measured.calibration;
   const LayoutThresholds thresholds = ThresholdsFor(made, measured.scale);
   if (flags.json) {
-    std::cout << JsonText(
-                     Json{{"device", made.device},
-                          {"frames", made.frames},
-                          {"rate_hz", measured.rate_hz},
-                          {"baseline_median", MedianOf(made.baseline)},
-                          {"deviation_median", MedianOf(made.deviation)},
-                          {"contact_threshold", thresholds.contact_threshold},
-                          {"onset_threshold", thresholds.onset_threshold},
-                          {"dead", made.faults.dead},
-                          {"stuck", made.faults.stuck},
-                          {"noisy", made.faults.noisy},
-                          {"outstanding", measured.outstanding}})
+    std::cout << JsonText(Json{
+                     {"device", made.device},
+                     {"frames", made.frames},
+                     {"rate_hz", measured.rate_hz},
+                     {"baseline_median", MedianOf(made.baseline)},
+                     {"deviation_median", MedianOf(made.deviation)},
+                     {"contact_threshold", thresholds.contact_threshold},
+                     {"onset_threshold", thresholds.onset_threshold},
+                     {"dead", made.faults.dead},
+                     {"stuck", made.faults.stuck},
+                     {"noisy", made.faults.noisy},
+                     {"outstanding", measured.outstanding},
+                     {"loads_residual", measured.known
+                                            ? Json(measured.known->residual)
+                                            : Json()}})
               << "\n";
     return;
   }
@@ -133,6 +141,14 @@ void Print(const CalibrateFlags& flags, const Measured& measured) {
       *std::ranges::max_element(made.deviation), ListOr(made.faults.dead),
       ListOr(made.faults.stuck), ListOr(made.faults.noisy),
       thresholds.contact_threshold, thresholds.onset_threshold);
+  if (measured.known) {
+    const AxisVector& residual = measured.known->residual;
+    std::cout << absl::StrFormat(
+        "loads of %d lines are fitted with an error (RMS) of %.3g, %.3g and "
+        "%.3g %s along x, y and z\n",
+        measured.known->lines, residual[0], residual[1], residual[2],
+        made.layout.unit == TaxelUnit::kNewton ? "newtons" : "counts");
+  }
   if (!measured.outstanding.empty()) {
     std::cout << "far above the others at rest, so look whether something lies "
                  "there: "
@@ -146,7 +162,18 @@ absl::StatusOr<Measured> Measure(const CalibrateFlags& flags,
   if (!flags.before.empty()) {
     TACTUS_ASSIGN_OR_RETURN(before, ReadCalibration(flags.before));
   }
+  Measured measured;
   TACTUS_ASSIGN_OR_RETURN(const SkinInfo info, driver.Configure());
+  TACTUS_RETURN_IF_ERROR(CheckLoadFlags(flags.gains, flags.loads, info.layout));
+  std::vector<std::optional<GainCurve>> gains;
+  if (!flags.gains.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(gains,
+                            ReadGains(flags.gains, info.layout.taxels()));
+  }
+  if (!flags.loads.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(measured.known,
+                            ReadLoads(flags.loads, info.layout.taxels()));
+  }
   TACTUS_RETURN_IF_ERROR(driver.Activate());
   const std::string device = DeviceId(flags.source);
   std::cerr << absl::StrFormat(
@@ -162,7 +189,6 @@ absl::StatusOr<Measured> Measure(const CalibrateFlags& flags,
   MeasuredRate rate;
   TACTUS_RETURN_IF_ERROR(ReadIdle(driver, idle, rate));
   TACTUS_RETURN_IF_ERROR(rate.Check(info.sample_rate_hz));
-  Measured measured;
   measured.rate_hz = rate.hz();
   measured.scale = info.scale;
   std::cerr << absl::StrFormat("measured rate: %.2f Hz\n", rate.hz());
@@ -171,7 +197,9 @@ absl::StatusOr<Measured> Measure(const CalibrateFlags& flags,
       Calibrate(idle, {.device = device,
                        .before = before ? &*before : nullptr,
                        .pressed_later = flags.sweep_s > 0,
-                       .least_margin = flags.margin}));
+                       .least_margin = flags.margin,
+                       .cross_axis = measured.known ? measured.known->cross_axis
+                                                    : CrossAxes()}));
   Calibration& made = measured.calibration;
   made.created_ms = std::chrono::duration_cast<std::chrono::milliseconds>(
                         std::chrono::system_clock::now().time_since_epoch())
@@ -183,10 +211,7 @@ absl::StatusOr<Measured> Measure(const CalibrateFlags& flags,
       measured.outstanding.push_back(taxel);
     }
   }
-  if (!flags.gains.empty()) {
-    TACTUS_ASSIGN_OR_RETURN(made.gains,
-                            ReadGains(flags.gains, info.layout.taxels()));
-  }
+  made.gains = std::move(gains);
   if (flags.sweep_s > 0) {
     std::cerr << absl::StrFormat(
         "now press every place of the skin, for %g s\n", flags.sweep_s);
@@ -245,7 +270,13 @@ void AddSkinCalibrate(CLI::App& app, const SelectCommand& select) {
   command
       ->add_option("--gains", flags->gains,
                    "CSV file with columns taxel, reading and load "
-                   "(docs/drivers.md)")
+                   "(docs/drivers.md), for a skin of one axis")
+      ->check(CLI::ExistingFile);
+  command
+      ->add_option("--loads", flags->loads,
+                   "CSV file with columns taxel, reading_x, reading_y, "
+                   "reading_z, load_x, load_y and load_z (docs/drivers.md), "
+                   "for a skin of three axes")
       ->check(CLI::ExistingFile);
   command
       ->add_option("--sweep", flags->sweep_s,

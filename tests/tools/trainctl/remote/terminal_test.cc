@@ -183,6 +183,95 @@ TEST_F(AtTheTerminalTest, ACalibrationIsMeasuredAndUsed) {
   EXPECT_EQ(trial->taxels.f32[0], 0);
 }
 
+// A skin of three axes that is pressed and pulled at, 100 counts a newton.
+Trial Pull(int number) {
+  Trial trial;
+  trial.label = "any";
+  SkinLayout layout = tactus::internal::testing::FlatLayout(
+      "pulled", 4, 6, TaxelUnit::kNewton, 0.3, 0.4);
+  layout.axes = 3;
+  layout.normal_axis = 2;
+  layout.signed_values = true;
+  SetSkin(layout, trial);
+  trial.taxels.SetShape(layout);
+  constexpr int kPull[] = {50, -30, 200};
+  for (int t = 0; t < 180; ++t) {
+    trial.time.push_back(0.01 * t);
+    for (int i = 0; i < 72; ++i) {
+      const bool touched = t >= 90 && t < 120 && i / 3 == 8;
+      trial.taxels.i16.push_back(static_cast<int16_t>(
+          100 * (i % 3) - 70 + (t * 7 + i * 5 + number) % 3 +
+          (touched ? kPull[i % 3] : 0)));
+    }
+  }
+  return trial;
+}
+
+TEST_F(AtTheTerminalTest, ThreeAxesAreCalibratedByKnownLoads) {
+  const std::string data = "--data=" + Path("pulls.h5");
+  auto writer = TrialFileWriter::Create(Path("pulls.h5"), {});
+  ASSERT_TRUE(writer.ok());
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(writer->Append(Pull(i)).ok());
+  ASSERT_TRUE(writer->Close().ok());
+  std::ofstream(Path("loads.csv"))
+      << "taxel,reading_x,reading_y,reading_z,load_x,load_y,load_z\n"
+         "*,100,0,0,1,0,0\n*,0,100,0,0,1,0\n*,0,0,100,0,0,1\n"
+         "*,0,0,200,0,0,2.1\n";
+  std::ofstream(Path("gains.csv")) << "taxel,reading,load\n*,40,1\n";
+  const std::vector<std::string> calibrate = {
+      TRAINCTL,
+      "skin",
+      "calibrate",
+      "--driver=replay",
+      data,
+      "--frames=80",
+      "--out=" + Path("cal.json"),
+      "--layout-out=" + Path("skin.json")};
+  const auto with = [](std::vector<std::string> command,
+                       const std::string& option) {
+    command.push_back(option);
+    return command;
+  };
+  PtyProgram gains(with(calibrate, "--gains=" + Path("gains.csv")));
+  EXPECT_EQ(gains.Wait(), 2);
+  EXPECT_THAT(gains.output(),
+              HasSubstr("--gains is given for a skin of three axes"));
+  EXPECT_FALSE(fs::exists(Path("cal.json")));
+  PtyProgram loads(with(calibrate, "--loads=" + Path("loads.csv")));
+  EXPECT_EQ(loads.Wait(), 0) << loads.output();
+  // By hand: (100 x 1 + 200 x 2.1) / (100^2 + 200^2) = 0.0104 newtons a count
+  // leave errors of 0.04 and -0.02 newtons in four lines.
+  EXPECT_THAT(loads.output(),
+              HasSubstr("loads of 4 lines are fitted with an error (RMS) of "));
+  EXPECT_THAT(loads.output(), HasSubstr("0.0224 newtons along x, y and z"));
+  std::ifstream file(Path("cal.json"));
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const auto made = CalibrationFromJson(text);
+  ASSERT_TRUE(made.ok()) << made.status();
+  ASSERT_EQ(made->cross_axis.size(), 1U);
+  ASSERT_EQ(made->baseline.size(), 72U);
+  EXPECT_NEAR(made->baseline[8 * 3 + 2], 131, 0.2);
+  EXPECT_NEAR(made->cross_axis[0]->rows[2][2], 0.0104, 1e-12);
+  PtyProgram program({TRAINCTL, "record", "--driver=replay", data,
+                      "--labels=HU,HM", "--out=" + Path("out.h5"),
+                      "--calibration=" + Path("cal.json")});
+  ASSERT_TRUE(program.WaitFor("press the key"));
+  program.Type("1");
+  ASSERT_TRUE(program.WaitFor("kept: HU 1"));
+  program.Type("q");
+  EXPECT_EQ(program.Wait(), 0);
+  const auto trial = TrialFileReader::Open(Path("out.h5"))->Read(0);
+  ASSERT_TRUE(trial.ok());
+  const std::vector<float>& values = trial->taxels.f32;
+  ASSERT_GT(values.size(), 72U * 70);
+  // Half a second before the touch, and in it.
+  for (int i = 0; i < 72; ++i) EXPECT_EQ(values[i], 0) << i;
+  const float* pulled = &values[72 * 60 + 24];
+  EXPECT_NEAR(pulled[0], 0.5, 0.02);
+  EXPECT_NEAR(pulled[1], -0.3, 0.02);
+  EXPECT_NEAR(pulled[2], 2.08, 0.03);
+}
+
 TEST_F(AtTheTerminalTest, AServersModelIsOptional) {
   PtyProgram program(Record({"--server=unix:" + Path("nobody.sock")}));
   ASSERT_TRUE(program.WaitFor("no model: "));
