@@ -16,8 +16,9 @@ namespace {
 // noise.
 constexpr double kLeastDirection = 1e-3;
 
-// One row per known load.
-using AxisColumns = Eigen::Matrix<double, Eigen::Dynamic, kMostAxes>;
+// One row per known load, one column per axis. Eigen computes thin singular
+// vectors only of matrices whose width is not fixed.
+using AxisColumns = Eigen::MatrixXd;
 
 absl::Status CheckAxisNumbers(absl::string_view name, const AxisVector& axes) {
   for (size_t axis = 0; axis < kMostAxes; ++axis) {

@@ -43,8 +43,10 @@ class ThreeAxisSkin : public SyntheticSkin {
       counts_per_newton.push_back(counts);
     }
     load = [this](int64_t frame, size_t value) {
-      return drift(frame) +
-             Reading(value / 3, newtons(frame, value / 3))[value % 3];
+      const AxisVector newton = newtons(frame, value / 3);
+      // Most frames are untouched.
+      if (newton == AxisVector{}) return drift(frame);
+      return drift(frame) + Reading(value / 3, newton)[value % 3];
     };
   }
 
