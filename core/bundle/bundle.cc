@@ -62,9 +62,8 @@ absl::StatusOr<absl::string_view> OpenEnvelope(absl::string_view bytes) {
     return BundleCorrupt("its SHA-256 checksum does not match");
   }
   const auto version = ReadNumber<uint32_t>(bytes, kVersionOffset);
-  if (version != kBundleFormatVersion &&
-      version != kBundleFormatVersionHidden) {
-    return BundleVersion(version, kBundleFormatVersionHidden);
+  if (version < kBundleFormatVersion || version > kBundleFormatVersionRidge) {
+    return BundleVersion(version, kBundleFormatVersionRidge);
   }
   const absl::string_view payload = body.substr(kPayloadOffset);
   if (ReadNumber<uint64_t>(bytes, kLengthOffset) != payload.size()) {
@@ -76,6 +75,7 @@ absl::StatusOr<absl::string_view> OpenEnvelope(absl::string_view bytes) {
 }  // namespace
 
 uint32_t BundleFormatVersion(const Model& model) {
+  if (model.ridge) return kBundleFormatVersionRidge;
   const auto has_hidden = [](const LstmNetwork& network) {
     return !network.hidden.empty();
   };

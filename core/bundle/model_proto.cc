@@ -424,6 +424,58 @@ absl::StatusOr<WarmUpTrial> FromProto(const v1::WarmUpTrial& in,
   return trial;
 }
 
+void ToProto(const Ridge& ridge, v1::Ridge* out) {
+  const HistorySpec& history = ridge.history;
+  out->set_rows(history.rows);
+  out->set_columns(history.columns);
+  out->set_block(history.block);
+  out->mutable_scale()->Add(history.scale.begin(), history.scale.end());
+  out->mutable_mixed_channel()->Add(history.mixed_channel.begin(),
+                                    history.mixed_channel.end());
+  Assign(history.mixed_weight, out->mutable_mixed_weight());
+  Assign(history.threshold, out->mutable_threshold());
+  Assign(ridge.offset, out->mutable_offset());
+  Assign(ridge.gain, out->mutable_gain());
+  Assign(ridge.weight, out->mutable_weight());
+  Assign(ridge.bias, out->mutable_bias());
+}
+
+absl::StatusOr<Ridge> FromProto(const v1::Ridge& in) {
+  constexpr uint32_t kMost = limits::kMaxTaxels;
+  if (in.rows() > kMost || in.columns() > kMost || in.block() > kMost ||
+      in.scale_size() != kHistoryViews) {
+    return InvalidModel(
+        "rows, columns, block and scales of the ridge",
+        absl::StrCat(in.rows(), ", ", in.columns(), ", ", in.block(), " and ",
+                     in.scale_size()),
+        absl::StrCat("at most ", kMost, ", and ", kHistoryViews, " scales"));
+  }
+  Ridge ridge;
+  HistorySpec& history = ridge.history;
+  history.rows = static_cast<int>(in.rows());
+  history.columns = static_cast<int>(in.columns());
+  history.block = static_cast<int>(in.block());
+  std::ranges::copy(in.scale(), history.scale.begin());
+  for (const uint32_t channel : in.mixed_channel()) {
+    // Larger ones would wrap around.
+    if (channel > kMaxHistoryCells) {
+      return InvalidModel("mixed channel of the history", channel,
+                          absl::StrCat("at most ", kMaxHistoryCells));
+    }
+    history.mixed_channel.push_back(static_cast<uint16_t>(channel));
+  }
+  const auto copy = [](const auto& from, std::vector<float>& to) {
+    to.assign(from.begin(), from.end());
+  };
+  copy(in.mixed_weight(), history.mixed_weight);
+  copy(in.threshold(), history.threshold);
+  copy(in.offset(), ridge.offset);
+  copy(in.gain(), ridge.gain);
+  copy(in.weight(), ridge.weight);
+  copy(in.bias(), ridge.bias);
+  return ridge;
+}
+
 }  // namespace
 
 v1::ModelBundle ModelToProto(const Model& model) {
@@ -443,6 +495,7 @@ v1::ModelBundle ModelToProto(const Model& model) {
     }
   }
   bundle.set_hmm_score(kHmmScores.ToWire(model.hmm_score));
+  if (model.ridge) ToProto(*model.ridge, bundle.mutable_ridge());
   for (const LstmNetwork& network : model.lstms) {
     ToProto(network, bundle.add_lstm());
   }
@@ -486,6 +539,9 @@ absl::StatusOr<Model> ModelFromProto(const v1::ModelBundle& bundle) {
   }
   TACTUS_ASSIGN_OR_RETURN(model.hmm_score,
                           kHmmScores.FromWire(bundle.hmm_score()));
+  if (bundle.has_ridge()) {
+    TACTUS_ASSIGN_OR_RETURN(model.ridge, FromProto(bundle.ridge()));
+  }
   for (const v1::LstmNetwork& row : bundle.lstm()) {
     TACTUS_ASSIGN_OR_RETURN(LstmNetwork lstm, FromProto(row));
     model.lstms.push_back(std::move(lstm));

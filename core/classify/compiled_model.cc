@@ -32,7 +32,9 @@ absl::StatusOr<std::shared_ptr<const CompiledModel>> CompiledModel::Create(
   compiled->questions_ =
       m.questions.empty() ? DefaultQuestions(m.class_names) : m.questions;
   compiled->rules_ = RulesOf(m.calibration, compiled->questions_);
-  TACTUS_ASSIGN_OR_RETURN(compiled->hmms_, HmmBank::Create(m.hmms));
+  if (!m.ridge) {
+    TACTUS_ASSIGN_OR_RETURN(compiled->hmms_, HmmBank::Create(m.hmms));
+  }
   for (const LstmNetwork& network : m.lstms) {
     TACTUS_ASSIGN_OR_RETURN(auto lstm, CompiledLstm::Create(network));
     compiled->lstms_.push_back(std::move(lstm));

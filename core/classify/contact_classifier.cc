@@ -58,13 +58,17 @@ ContactClassifier::ContactClassifier(std::shared_ptr<const CompiledModel> model,
       sources_(SourcesOf(groups_)),
       cues_(model_->model().inputs.sample_rate_hz, groups_,
             &model_->model().inputs.embedding),
-      hmms_(model_->hmms(), model_->model().hmm_score),
       hmm_clock_(model_->model().inputs.hmm_steps),
       lstm_clock_(model_->model().inputs.lstm_steps),
       tracker_(RulesFor(*model_, options)) {
   const Model& m = model_->model();
   const Calibration& c = m.calibration;
   skipped_[SkipRule::kUnusedCues] = CountUnused(groups_);
+  if (m.ridge) {
+    ridge_.emplace(&*m.ridge);
+  } else {
+    hmms_.emplace(*model_->hmms(), m.hmm_score);
+  }
   hmm_input_.resize(m.inputs.hmm.size());
   const size_t classes = m.class_names.size();
   log_likelihood_.resize(classes);
@@ -111,7 +115,8 @@ void ContactClassifier::Reset() {
   const Model& m = model_->model();
   const std::vector<double>& prior = m.calibration.prior;
   cues_.Reset();
-  hmms_.Reset();
+  if (hmms_) hmms_->Reset();
+  if (ridge_) ridge_->Reset();
   for (LstmStepper& lstm : lstms_) lstm.Reset();
   if (estimator_) estimator_->Reset();
   std::fill(log_likelihood_.begin(), log_likelihood_.end(), 0.0);
@@ -153,7 +158,7 @@ void ContactClassifier::Step(const ContactSample& sample,
   frames_ += missing_before + 1;
   ++scored_frames_;
   cues_.Step(sample, frames_);
-  StepHmms(missing_before);
+  StepHmms(sample, missing_before);
   evaluated_now_ = false;
   const bool left_course = !look_lstms_.empty() && watch_.Step(sample);
   const bool stepped = StepLstmsIfDue();
@@ -164,17 +169,24 @@ void ContactClassifier::Step(const ContactSample& sample,
   UpdateQuestions();
 }
 
-void ContactClassifier::StepHmms(uint64_t missing_before) {
+void ContactClassifier::StepHmms(const ContactSample& sample,
+                                 uint64_t missing_before) {
   if (options_.scorers == Scorers::kLstms) return;
-  hmms_.Skip(hmm_clock_.SkipMissing(frames_, missing_before,
-                                    limits::kMaxBridgedFrames));
+  const int skipped = hmm_clock_.SkipMissing(frames_, missing_before,
+                                             limits::kMaxBridgedFrames);
+  if (hmms_) hmms_->Skip(skipped);
+  if (ridge_) ridge_->Step(sample.loads);
   if (!hmm_clock_.Tick(frames_)) return;
-  MakeInput(model_->model().inputs.hmm, cues_, hmm_input_);
   ++hmm_steps_;
   step_due_ = true;
   scores_changed_ = true;
-  hmms_.Step(hmm_input_);
-  hmms_.LogLikelihood(log_likelihood_);
+  if (ridge_) {
+    ridge_->Score(log_likelihood_);
+  } else {
+    MakeInput(model_->model().inputs.hmm, cues_, hmm_input_);
+    hmms_->Step(hmm_input_);
+    hmms_->LogLikelihood(log_likelihood_);
+  }
 }
 
 bool ContactClassifier::StepLstmsIfDue() {
@@ -315,7 +327,7 @@ void ContactClassifier::UpdateProbabilities() {
   const double best =
       *std::max_element(log_likelihood_.begin(), log_likelihood_.end());
   unknown_ = UnknownProbability(
-      point, best / static_cast<double>(hmm_steps_),
+      point, best / evidence_steps(),
       object_ ? std::optional(object_->log10_stiffness) : std::nullopt);
 }
 

@@ -7,13 +7,13 @@
 //   classifier.probability();
 //
 // Scores the HMMs of every class with the incremental forward algorithm (or
-// Viterbi) and steps the LSTMs, both at the model's intervals (step_clock.h).
-// Between two steps, a look evaluates the LSTMs on a copy of their state, which
-// is then forgotten: a model with a state question (question.h) takes one when
-// the contact leaves its course (course_watch.h) and while a state is not sure.
-// What it says of a state is what the last two evaluations agree on
-// (consensus.h). Memory is constant; nothing allocates. Skips what skip_rules.h
-// allows.
+// Viterbi), or the ridge in their place, and steps the LSTMs, both at the
+// model's intervals (step_clock.h). Between two steps, a look evaluates the
+// LSTMs on a copy of their state, which is then forgotten: a model with a state
+// question (question.h) takes one when the contact leaves its course
+// (course_watch.h) and while a state is not sure. What it says of a state is
+// what the last two evaluations agree on (consensus.h). Memory is constant;
+// nothing allocates. Skips what skip_rules.h allows.
 //
 // Shares ownership of the model. Not thread-safe: one per stream.
 #pragma once
@@ -45,7 +45,8 @@ struct Decision {
 
 // Models that take part in the answer.
 enum class Scorers {
-  // HMMs and LSTMs fused; the HMMs alone if there is no LSTM.
+  // HMMs and LSTMs fused; the HMMs alone if there is no LSTM. A ridge counts as
+  // the HMMs, here and below.
   kAll,
   kHmms,
   // Needs LSTMs. Without HMMs no contact is unknown.
@@ -96,6 +97,11 @@ class ContactClassifier {
   uint64_t frames() const { return frames_; }
   // Steps of the HMMs so far.
   uint64_t hmm_steps() const { return hmm_steps_; }
+  // What the best score is divided by before it is compared with those of
+  // training: a log-likelihood grows with each step, a ridge's score does not.
+  double evidence_steps() const {
+    return model_->model().ridge ? 1 : static_cast<double>(hmm_steps_);
+  }
   // Steps of the LSTMs so far, and looks between them.
   uint64_t lstm_steps() const { return lstm_steps_; }
   uint64_t looks() const { return looks_; }
@@ -103,7 +109,7 @@ class ContactClassifier {
   // order of InputSpec; of no meaning before the first.
   std::span<const double> hmm_input() const { return hmm_input_; }
   std::span<const double> lstm_input() const { return lstm_input_; }
-  // One log p(HMM inputs | class) per class.
+  // One log p(HMM inputs | class) per class, or the ridge's scores.
   std::span<const double> log_likelihood() const { return log_likelihood_; }
   // Log of the LSTMs' mean probability before calibration at their last step
   // or look, one per class; empty unless LSTMs take part.
@@ -132,8 +138,8 @@ class ContactClassifier {
   bool uses_spread() const { return (sources_ & kFromSpread) != 0; }
   // False if no input is made from ContactSample::shear.
   bool uses_shear() const { return (sources_ & kFromShear) != 0; }
-  // True if an input is made from ContactSample::loads.
-  bool uses_taxels() const { return UsesTaxels(model_->model().inputs); }
+  // True if an input is made from ContactSample::loads, or there is a ridge.
+  bool uses_taxels() const { return TaxelsNeeded(model_->model()) > 0; }
   // Steps of the LSTMs that Options::savings left out, over all contacts.
   uint64_t saved_steps() const { return saved_steps_; }
   // Counts over all contacts; never reset.
@@ -157,7 +163,7 @@ class ContactClassifier {
 
  private:
   void MakeLstms();
-  void StepHmms(uint64_t missing_before);
+  void StepHmms(const ContactSample& sample, uint64_t missing_before);
   // Steps the LSTMs if a step is due, or counts why the step was skipped.
   // Returns true if they were stepped.
   bool StepLstmsIfDue();
@@ -186,7 +192,9 @@ class ContactClassifier {
   CueSources sources_;
 
   CueTracker cues_;
-  BankFilter hmms_;
+  // One of the two.
+  std::optional<BankFilter> hmms_;
+  std::optional<RidgeScorer> ridge_;
   // Empty if the LSTMs are never stepped.
   std::vector<LstmStepper> lstms_;
   std::optional<LstmStepper> estimator_;

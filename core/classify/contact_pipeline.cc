@@ -51,7 +51,7 @@ absl::Status CheckPoses(bool with_poses, const Model& model) {
 
 int MostContacts(const Model& model, const ContactPipeline::Options& options) {
   if (options.max_contacts > 0) return options.max_contacts;
-  const bool sees_skin = UsesProfile(model.inputs) || UsesTaxels(model.inputs);
+  const bool sees_skin = UsesProfile(model.inputs) || TaxelsNeeded(model) > 0;
   return sees_skin || options.release_after_s < 0 ? 1 : limits::kMaxContacts;
 }
 

@@ -121,9 +121,10 @@ int CountUnused(CueGroups groups) {
   return count;
 }
 
-absl::Status Validate(const InputSpec& spec, bool has_lstm) {
-  if (spec.hmm.empty()) {
-    return InvalidModel("number of HMM inputs", 0, "at least 1");
+absl::Status Validate(const InputSpec& spec, bool has_hmms, bool has_lstm) {
+  if (spec.hmm.empty() == has_hmms) {
+    return InvalidModel("number of HMM inputs", spec.hmm.size(),
+                        has_hmms ? "at least 1" : "0 without HMMs");
   }
   if (spec.lstm.empty() == has_lstm) {
     return InvalidModel("number of LSTM inputs", spec.lstm.size(),

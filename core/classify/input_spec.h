@@ -46,6 +46,6 @@ CueGroups CuesNeeded(const InputSpec& spec, bool with_lstms);
 int CountUnused(CueGroups groups);
 
 // Returns INVALID_MODEL that names what is wrong.
-absl::Status Validate(const InputSpec& spec, bool has_lstm);
+absl::Status Validate(const InputSpec& spec, bool has_hmms, bool has_lstm);
 
 }  // namespace tactus::internal

@@ -57,7 +57,29 @@ absl::Status CheckQuestions(const Model& model) {
   return absl::OkStatus();
 }
 
+absl::Status CheckRidge(const Model& model) {
+  const Ridge& ridge = *model.ridge;
+  if (!model.hmms.empty() || !model.inputs.hmm.empty()) {
+    return InvalidModel(
+        "HMMs and their inputs",
+        absl::StrCat(model.hmms.size(), " and ", model.inputs.hmm.size()),
+        "none beside a ridge");
+  }
+  TACTUS_RETURN_IF_ERROR(Validate(ridge));
+  const HistorySpec& history = ridge.history;
+  if (ridge.classes() != model.classes() || history.rows != model.layout.rows ||
+      history.columns != model.layout.columns) {
+    return InvalidModel("classes, rows and columns of the ridge",
+                        absl::StrCat(ridge.classes(), ", ", history.rows,
+                                     " and ", history.columns),
+                        absl::StrCat(model.classes(), ", ", model.layout.rows,
+                                     " and ", model.layout.columns));
+  }
+  return absl::OkStatus();
+}
+
 absl::Status CheckHmms(const Model& model) {
+  if (model.ridge) return CheckRidge(model);
   if (model.hmms.size() != model.class_names.size()) {
     return InvalidModel("number of HMM mixtures", model.hmms.size(),
                         absl::StrCat(model.classes(), ", one per class"));
@@ -178,8 +200,8 @@ absl::Status CheckWarmUpAnswer(absl::string_view name,
 // The taxels of the warm-up trial.
 absl::Status CheckLoads(const Model& model) {
   const WarmUpTrial& trial = model.warm_up;
-  const bool needed = model.inputs.embedding.taxels > 0;
-  const size_t ends = needed ? trial.samples.size() : 0;
+  const int taxels = TaxelsNeeded(model);
+  const size_t ends = taxels > 0 ? trial.samples.size() : 0;
   if (trial.load_ends.size() != ends) {
     return InvalidModel("warm_up.load_ends size", trial.load_ends.size(),
                         absl::StrCat(ends));
@@ -190,10 +212,9 @@ absl::Status CheckLoads(const Model& model) {
                         "the last of rising warm_up.load_ends");
   }
   for (const TaxelLoad& load : trial.loads) {
-    if (load.taxel >= static_cast<uint32_t>(model.inputs.embedding.taxels)) {
-      return InvalidModel(
-          "warm_up taxel", load.taxel,
-          absl::StrCat("below ", model.inputs.embedding.taxels));
+    if (load.taxel >= static_cast<uint32_t>(taxels)) {
+      return InvalidModel("warm_up taxel", load.taxel,
+                          absl::StrCat("below ", taxels));
     }
     // Written so that a NaN fails.
     if (!(load.root >= 0 && load.root <= limits::kMaxSignal)) {
@@ -253,7 +274,8 @@ absl::Status Validate(const Model& model) {
   const bool has_lstm = !model.lstms.empty();
   TACTUS_RETURN_IF_ERROR(CheckClassNames(model.class_names));
   TACTUS_RETURN_IF_ERROR(CheckQuestions(model));
-  TACTUS_RETURN_IF_ERROR(Validate(model.inputs, has_lstm));
+  TACTUS_RETURN_IF_ERROR(
+      Validate(model.inputs, !model.ridge.has_value(), has_lstm));
   TACTUS_RETURN_IF_ERROR(CheckHmms(model));
   TACTUS_RETURN_IF_ERROR(CheckLstms(model));
   TACTUS_RETURN_IF_ERROR(
@@ -274,6 +296,14 @@ ContactSample WarmUpTrial::Sample(size_t i) const {
   const size_t begin = i == 0 ? 0 : load_ends[i - 1];
   sample.loads = std::span(loads).subspan(begin, load_ends[i] - begin);
   return sample;
+}
+
+int TaxelsNeeded(const Model& model) {
+  return model.ridge ? model.layout.taxels() : model.inputs.embedding.taxels;
+}
+
+bool NeedsSkin(const Model& model) {
+  return model.ridge.has_value() || NeedsSkin(model.inputs);
 }
 
 void RemoveEstimator(Model& model) {

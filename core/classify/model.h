@@ -27,6 +27,7 @@
 #include "core/hmm/mixture.h"
 #include "core/lstm/network.h"
 #include "core/questions/question.h"
+#include "core/ridge/ridge.h"
 #include "core/skin/layout.h"
 #include "core/taxels/taxel_embedding.h"
 
@@ -46,7 +47,7 @@ struct ModelInput {
 
 // How the frames of a contact become model inputs.
 struct InputSpec {
-  // At least one.
+  // At least one, or none for a model with a ridge.
   std::vector<ModelInput> hmm;
   StepIntervals hmm_steps;
   // Empty without an LSTM.
@@ -148,8 +149,11 @@ struct Model {
   // CompiledModel::questions() returns either.
   std::vector<Question> questions;
   InputSpec inputs;
-  // One mixture per class.
+  // One mixture per class; none for a model with a ridge.
   std::vector<HmmMixture> hmms;
+  // Instead of HMMs: its scores are what log-likelihoods are of HMMs, at the
+  // steps of HMMs.
+  std::optional<Ridge> ridge;
   Score hmm_score = Score::kForward;
   // Networks of one shape. Their mean probability is the LSTMs' answer. Empty
   // for HMMs alone.
@@ -178,6 +182,13 @@ struct Model {
 // place where the parts of a model are compared. INVALID_MODEL naming what is
 // wrong, or INVALID_CONFIG for the layout.
 absl::Status Validate(const Model& model);
+
+// Taxels of the skin that the model looks at; 0 if it looks at none.
+int TaxelsNeeded(const Model& model);
+
+// True if it looks at more of the skin than the features, so that ideal signals
+// cannot be classified.
+bool NeedsSkin(const Model& model);
 
 // Removes the estimator with the borders that are its estimates'. Without
 // estimates no object is unknown for being soft.

@@ -24,8 +24,8 @@
 
 #include "absl/status/statusor.h"
 #include "core/base/work.h"
+#include "core/contacts/choice_folds.h"
 #include "core/contacts/labelled_contact.h"
-#include "core/eval/choice_folds.h"
 #include "core/train/fit_options.h"
 
 namespace tactus::internal {

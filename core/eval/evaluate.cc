@@ -224,7 +224,7 @@ absl::StatusOr<Evaluation> EvaluateModel(
     return InvalidConfig("algorithm", "lstm",
                          "hmm or fused: the bundle holds no LSTM");
   }
-  if (NeedsSkin(model->model().inputs) &&
+  if (NeedsSkin(model->model()) &&
       std::any_of(
           contacts.begin(), contacts.end(),
           [](const LabelledContact* contact) { return IsIdeal(*contact); })) {

@@ -39,6 +39,10 @@ absl::StatusOr<size_t> ClassIndex(const std::string& name, const Model& model) {
 }
 
 absl::Status ReplaceHmms(const ForeignModel& foreign, Model& model) {
+  if (model.ridge) {
+    return InvalidModel("the model", "one with a ridge",
+                        "one with HMMs, for others to replace them");
+  }
   std::set<size_t> replaced;
   for (const NamedMixture& named : foreign.hmms) {
     TACTUS_ASSIGN_OR_RETURN(const size_t index,

@@ -27,6 +27,9 @@ using Scores = std::vector<std::vector<double>>;
 
 // HMMs are never made more confident, because frames are not independent.
 constexpr WeightBounds kHmmBounds = {1e-4, 1};
+// A ridge's scores are about 0 and 1.
+constexpr WeightBounds kRidgeBounds = {1e-2, 100};
+constexpr double kRidgeSharpness = 8;
 constexpr WeightBounds kLstmBounds = {1e-4, 4};
 // Bounds of the tempered log-probabilities' weights in the fused answer.
 constexpr WeightBounds kFusedBounds = {0, 2};
@@ -141,8 +144,9 @@ void FitAnswers(std::span<const ScoredContact> contacts, Calibration& c) {
   std::vector<double> lstm_loss;
   std::vector<double> fused_loss;
   for (size_t time = 0; time < c.frames.size(); ++time) {
-    const Member hmm = FitMember(contacts, &ScoredContact::log_likelihood, time,
-                                 kHmmBounds, log_prior);
+    const Member hmm = FitMember(
+        contacts, &ScoredContact::log_likelihood, time,
+        contacts.front().of_ridge ? kRidgeBounds : kHmmBounds, log_prior);
     c.hmm_inverse_temperature.push_back(hmm.fit.weights[0]);
     Append(hmm.fit.bias, c.hmm_bias);
     if (!has_lstm) continue;
@@ -221,6 +225,7 @@ std::vector<double> CalibrationFrames(double rate,
 ScoredContact ScoreContact(const std::shared_ptr<const CompiledModel>& model,
                            const LabelledContact& contact) {
   ScoredContact scored;
+  scored.of_ridge = model->model().ridge.has_value();
   const std::vector<std::string>& names = model->model().class_names;
   const bool so_far = model->model().truth == Truth::kSoFar;
   ContactClassifier classifier(model, {});
@@ -238,7 +243,7 @@ ScoredContact ScoreContact(const std::shared_ptr<const CompiledModel>& model,
           {*classifier.object(), std::log10(contact.stiffness),
            contact.object_motion[classifier.frames() - 1]});
     }
-    scored.hmm_steps.push_back(static_cast<double>(classifier.hmm_steps()));
+    scored.hmm_steps.push_back(classifier.evidence_steps());
     if (model->estimator() != nullptr) {
       scored.log10_stiffness.push_back(
           classifier.object() ? classifier.object()->log10_stiffness
@@ -266,7 +271,8 @@ HeldOutSkill SkillOf(std::span<const ScoredContact> contacts) {
     const std::vector<double>& scores = contact.log_likelihood.back();
     const std::vector<double> zeros(scores.size(), 0.0);
     std::vector<double> probability(scores.size());
-    TemperedPosterior(zeros, scores, 1, zeros, probability);
+    TemperedPosterior(zeros, scores, contact.of_ridge ? kRidgeSharpness : 1,
+                      zeros, probability);
     if (!contact.lstm_score.empty()) {
       std::vector<double> lstm(scores.size());
       TemperedPosterior(zeros, contact.lstm_score.back(), 1, zeros, lstm);

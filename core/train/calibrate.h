@@ -40,7 +40,8 @@ std::vector<double> CalibrationFrames(double rate,
 struct ScoredContact {
   // The class at each time: the label, or the label so far.
   std::vector<int> labels;
-  // [times][classes]; a contact shorter than a time gives its last.
+  // [times][classes], of the HMMs or of the ridge; a contact shorter than a
+  // time gives its last.
   std::vector<std::vector<double>> log_likelihood;
   // [times][classes], the LSTMs' log-probabilities; empty without an LSTM.
   std::vector<std::vector<double>> lstm_score;
@@ -52,11 +53,13 @@ struct ScoredContact {
     double moved_m = 0;
   };
   std::vector<Estimate> estimates;
-  // Number of steps of the HMMs up to each time.
+  // ContactClassifier::evidence_steps() at each time.
   std::vector<double> hmm_steps;
   // [times]: estimated stiffness, log10 N/m; NaN before the first estimate.
   // Empty without an estimator.
   std::vector<double> log10_stiffness;
+  // The scores are those of a ridge.
+  bool of_ridge = false;
 };
 
 // Scores one contact with a model that was not fitted to it. Its label must be

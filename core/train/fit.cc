@@ -13,6 +13,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/classify/warm_up.h"
+#include "core/contacts/choice_folds.h"
 #include "core/contacts/class_counts.h"
 #include "core/contacts/folds.h"
 #include "core/contacts/trained_on.h"
@@ -100,6 +101,23 @@ void SetRequirements(const std::vector<const LabelledContact*>& contacts,
       contacts.front()->with_poses ? PoseNeed::kNeeded : PoseNeed::kIgnored;
 }
 
+// A ridge sees taxels alone.
+absl::Status CheckRidge(const std::vector<const LabelledContact*>& contacts,
+                        const FitOptions& options) {
+  if (options.variations.copies > 0) {
+    return InvalidConfig("copies", options.variations.copies,
+                         "0 with a ridge, which sees taxels");
+  }
+  for (const LabelledContact* contact : contacts) {
+    if (IsIdeal(*contact)) {
+      return InvalidTrainingData(absl::StrCat(
+          "contact ", ContactName(*contact),
+          " is of ideal signals, but a ridge takes taxels of a skin"));
+    }
+  }
+  return absl::OkStatus();
+}
+
 // Ideal signals have no taxels, so they have no load profile. Copies of
 // contacts have none either.
 absl::Status CheckCues(const std::vector<const LabelledContact*>& contacts,
@@ -166,6 +184,11 @@ std::vector<std::vector<int>> MakeInnerFolds(
       }
       return groups;
     }
+  }
+  if (options.inner_folds == InnerFolds::kChoice) {
+    ChoiceFolds folds = FoldsForChoice(contacts);
+    if (folds.by != FoldsBy::kClasses) return std::move(folds.folds);
+    return StratifiedFolds(contacts, options.calibration_folds);
   }
   auto by_condition = MakeFolds(contacts, Protocol::kLeaveOneConditionOut);
   if (by_condition.ok() && by_condition->size() <= kMaxConditions &&
@@ -464,7 +487,7 @@ absl::Status AddWarmUp(const std::vector<const LabelledContact*>& contacts,
     WarmUpTrial& trial = model.warm_up;
     trial.samples.push_back(frame.sample);
     trial.samples.back().loads = {};
-    if (model.inputs.embedding.taxels == 0) continue;
+    if (TaxelsNeeded(model) == 0) continue;
     trial.loads.insert(trial.loads.end(), frame.sample.loads.begin(),
                        frame.sample.loads.end());
     trial.load_ends.push_back(static_cast<uint32_t>(trial.loads.size()));
@@ -494,7 +517,9 @@ absl::StatusOr<Model> FitModel(
   TACTUS_RETURN_IF_ERROR(CheckContacts(contacts));
   const FitOptions options = SuitedToAxes(given, contacts);
   const std::vector<std::string> class_names = ClassNames(contacts);
-  TACTUS_RETURN_IF_ERROR(CheckCues(contacts, options.hmm_cues, options));
+  TACTUS_RETURN_IF_ERROR(options.ridge
+                             ? CheckRidge(contacts, options)
+                             : CheckCues(contacts, options.hmm_cues, options));
   if (options.lstm.networks > 0) {
     TACTUS_RETURN_IF_ERROR(CheckCues(contacts, options.lstm.cues, options));
   }

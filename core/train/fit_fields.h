@@ -28,6 +28,15 @@ void Fields(Archive& archive, HmmMixture& mixture) {
 }
 
 template <class Archive>
+void Fields(Archive& archive, Ridge& ridge) {
+  HistorySpec& history = ridge.history;
+  for (float& scale : history.scale) archive(scale);
+  archive(history.rows, history.columns, history.block, history.mixed_channel,
+          history.mixed_weight, history.threshold, ridge.offset, ridge.gain,
+          ridge.weight, ridge.bias);
+}
+
+template <class Archive>
 void Fields(Archive& archive, LstmLayer& layer) {
   archive(layer.inputs, layer.cells, layer.kernel, layer.recurrent, layer.bias);
 }
@@ -63,7 +72,8 @@ void Fields(Archive& archive, ScoredContact::Estimate& estimate) {
 template <class Archive>
 void Fields(Archive& archive, ScoredContact& scored) {
   archive(scored.labels, scored.log_likelihood, scored.lstm_score,
-          scored.estimates, scored.hmm_steps, scored.log10_stiffness);
+          scored.estimates, scored.hmm_steps, scored.log10_stiffness,
+          scored.of_ridge);
 }
 
 template <class Archive>
@@ -133,14 +143,14 @@ void Fields(Archive& archive, QuestionTable& table) {
 }
 template <class Archive>
 void Fields(Archive& archive, FitOptions& options) {
-  auto& [features, hmm_cues, log_features, hmm_steps, states, hmms_per_class,
-         score, max_iterations, covariance_floor, lstm, questions, truth,
-         variations, inner_folds, calibration_folds, held_out, calibrate,
-         shares, seed] = options;
-  archive(features, hmm_cues, log_features, hmm_steps, states, hmms_per_class,
-          score, max_iterations, covariance_floor, lstm, questions, truth,
-          variations, inner_folds, calibration_folds, held_out, calibrate,
-          shares, seed);
+  auto& [ridge, features, hmm_cues, log_features, hmm_steps, states,
+         hmms_per_class, score, max_iterations, covariance_floor, lstm,
+         questions, truth, variations, inner_folds, calibration_folds, held_out,
+         calibrate, shares, seed] = options;
+  archive(ridge, features, hmm_cues, log_features, hmm_steps, states,
+          hmms_per_class, score, max_iterations, covariance_floor, lstm,
+          questions, truth, variations, inner_folds, calibration_folds,
+          held_out, calibrate, shares, seed);
 }
 
 }  // namespace tactus::internal

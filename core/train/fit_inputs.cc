@@ -18,7 +18,8 @@ constexpr size_t kKeptCueBytes = size_t{32} << 20;
 absl::StatusOr<TaxelEmbedding> EmbeddingFor(const FitRun& run,
                                             const VariedContacts& contacts) {
   const FitOptions& options = run.options;
-  std::vector<Cue> cues = CuesFor(options.hmm_cues, options.features);
+  std::vector<Cue> cues;
+  if (!options.ridge) cues = CuesFor(options.hmm_cues, options.features);
   if (options.lstm.networks > 0) {
     std::ranges::copy(CuesFor(options.lstm.cues, options.features),
                       std::back_inserter(cues));
@@ -60,7 +61,9 @@ absl::StatusOr<InputSpec> FitHmmInputs(const FitRun& run,
   const FitOptions& options = run.options;
   InputSpec spec;
   spec.hmm_steps = options.hmm_steps;
+  spec.sample_rate_hz = contacts.Original(0).sample_rate_hz;
   TACTUS_ASSIGN_OR_RETURN(spec.embedding, EmbeddingFor(run, contacts));
+  if (options.ridge) return spec;
   spec.hmm =
       FitInputs(contacts, Available(options.hmm_cues, options, spec.embedding),
                 {.log_features = options.log_features,
@@ -68,7 +71,6 @@ absl::StatusOr<InputSpec> FitHmmInputs(const FitRun& run,
                  .embedding = &spec.embedding,
                  .kept_bytes = kKeptCueBytes},
                 parallel, table);
-  spec.sample_rate_hz = contacts.Original(0).sample_rate_hz;
   return spec;
 }
 

@@ -45,6 +45,12 @@ absl::StatusOr<HmmMixture> FitClassHmms(
     const InputSpec& spec, const CueTable& table, int label,
     const ParallelFor& parallel, const Progress& progress);
 
+// The ridge of all contacts, which must be of one skin.
+absl::StatusOr<Ridge> FitContactRidge(
+    const FitRun& run, const std::string& part,
+    const std::vector<const LabelledContact*>& contacts,
+    const Progress& progress);
+
 // Trains the network number `n`. One that estimates the object needs inputs
 // with targets.
 absl::StatusOr<LstmNetwork> FitLstm(const FitRun& run, const std::string& part,

@@ -125,6 +125,17 @@ FitOptions WholeSkinPreset() {
   return options;
 }
 
+// Few recordings of one skin.
+FitOptions RidgePreset() {
+  FitOptions options;
+  options.ridge = true;
+  options.features = {Feature::kForce};
+  options.hmm_steps = {.min = 5, .max = 50, .first = 1, .divisor = 8};
+  options.inner_folds = InnerFolds::kChoice;
+  options.lstm = RecordingsLstm(WithShear(CuesOfGroup("whole_skin")));
+  return options;
+}
+
 }  // namespace
 
 absl::StatusOr<FitOptions> FitPreset(absl::string_view name) {
@@ -132,10 +143,12 @@ absl::StatusOr<FitOptions> FitPreset(absl::string_view name) {
   if (name == "paper") return PaperPreset();
   if (name == "world") return WorldPreset();
   if (name == "profile") return ProfilePreset();
+  if (name == "ridge") return RidgePreset();
   if (name == "pattern") return PatternPreset();
   if (name == "whole-skin") return WholeSkinPreset();
-  return InvalidConfig("preset", name,
-                       "tuned, world, paper, pattern, whole-skin or profile");
+  return InvalidConfig(
+      "preset", name,
+      "tuned, world, paper, ridge, pattern, whole-skin or profile");
 }
 
 std::vector<Cue> CuesFor(const std::vector<Cue>& cues,
@@ -189,7 +202,7 @@ bool UsesWholeSkin(const FitOptions& options) {
   const auto of_skin = [](Cue cue) {
     return (SourcesOf(cue) & (kFromTaxels | kFromProfile)) != 0;
   };
-  return std::ranges::any_of(options.hmm_cues, of_skin) ||
+  return options.ridge || std::ranges::any_of(options.hmm_cues, of_skin) ||
          (options.lstm.networks > 0 &&
           (std::ranges::any_of(options.lstm.cues, of_skin) ||
            std::ranges::any_of(options.lstm.stretched_cues, of_skin)));

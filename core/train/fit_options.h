@@ -51,7 +51,12 @@ struct LstmFit {
 };
 
 // What each inner fold of a calibration leaves out.
-enum class InnerFolds { kConditions, kMaterials };
+enum class InnerFolds {
+  kConditions,
+  kMaterials,
+  // What the contacts ask for (choice_folds.h): groups, else conditions.
+  kChoice,
+};
 
 // How frequent the classes are where a model will be used.
 enum class ClassShares {
@@ -60,6 +65,8 @@ enum class ClassShares {
 };
 
 struct FitOptions {
+  // A ridge (core/ridge) in place of HMMs. It sees all taxels, and no cues.
+  bool ridge = false;
   // Features that models may use. Cues that need others are left out.
   std::vector<Feature> features = {Feature::kForce, Feature::kMotion,
                                    Feature::kArea};
@@ -131,6 +138,8 @@ bool UsesWholeSkin(const FitOptions& options);
 // answers about the class so far.
 // "profile": mixtures of HMMs on the load profile, for recordings on a skin
 // whose place matters (research/recordings.md).
+// "ridge": a linear classifier of all taxels so far, for few trials
+// (core/ridge).
 // "pattern": mixtures of HMMs on a learned linear embedding of all taxels, for
 // skins on which the place or the pattern of the load is the information.
 // "whole-skin": the same on the whole skin's load without its places, for

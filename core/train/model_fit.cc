@@ -44,7 +44,7 @@ ModelFit::ModelFit(const FitRun& run, std::string prefix,
   model_.hmm_score = run.options.score;
   model_.truth = run.options.truth;
   model_.layout = contacts.front()->layout;
-  model_.hmms.resize(run.class_names.size());
+  if (!run.options.ridge) model_.hmms.resize(run.class_names.size());
 }
 
 size_t ModelFit::InputBytes() const {
@@ -58,7 +58,7 @@ size_t ModelFit::InputBytes() const {
 }
 
 absl::Status ModelFit::FitHmmInputs(const ParallelFor& parallel) {
-  hmm_contacts_.MeasureNoise(parallel);
+  if (!run_.options.ridge) hmm_contacts_.MeasureNoise(parallel);
   TACTUS_ASSIGN_OR_RETURN(
       model_.inputs,
       tactus::internal::FitHmmInputs(run_, absl::StrCat(prefix_, "inputs"),
@@ -81,9 +81,8 @@ absl::Status ModelFit::FitLstmInputs(bool keep) {
 
 int ModelFit::NetworkOf(int task) const {
   if (networks_ == 0) return -1;
-  const int classes = static_cast<int>(run_.class_names.size());
   if (task == 0) return 0;
-  return task <= classes ? -1 : task - classes;
+  return task <= FirstTasks() ? -1 : task - FirstTasks();
 }
 
 int ModelFit::ClassOf(int task) const {
@@ -91,6 +90,7 @@ int ModelFit::ClassOf(int task) const {
 }
 
 int ModelFit::QuickestTask() const {
+  if (run_.options.ridge) return networks_ == 0 ? 0 : 1;
   const auto contacts_of = [&](const std::string& name) {
     return std::ranges::count(hmm_contacts_.originals(), name,
                               &LabelledContact::label);
@@ -109,6 +109,12 @@ double ModelFit::Weight(int task) const {
 absl::Status ModelFit::FitTask(int task, const Progress& progress,
                                const ParallelFor& parallel) {
   if (const int n = NetworkOf(task); n >= 0) return FitNetwork(n, progress);
+  if (run_.options.ridge) {
+    TACTUS_ASSIGN_OR_RETURN(
+        model_.ridge, FitContactRidge(run_, absl::StrCat(prefix_, "ridge"),
+                                      hmm_contacts_.originals(), progress));
+    return absl::OkStatus();
+  }
   const int c = ClassOf(task);
   TACTUS_ASSIGN_OR_RETURN(
       model_.hmms[c],

@@ -60,8 +60,9 @@ class ModelFit {
     lstm_inputs_.reset();
   }
 
-  // Tasks: the first network, the HMMs of each class, then further networks.
-  int tasks() const { return networks_ + run_.class_names.size(); }
+  // Tasks: the first network, the HMMs of each class or the ridge, then further
+  // networks.
+  int tasks() const { return networks_ + FirstTasks(); }
   // The task that comes first to an iteration: the HMMs of the class with the
   // fewest contacts.
   int QuickestTask() const;
@@ -76,6 +77,10 @@ class ModelFit {
   Model TakeModel();
 
  private:
+  // Tasks that are not networks.
+  int FirstTasks() const {
+    return run_.options.ridge ? 1 : static_cast<int>(run_.class_names.size());
+  }
   // The number of the network that a task trains; -1 for HMMs.
   int NetworkOf(int task) const;
   int ClassOf(int task) const;

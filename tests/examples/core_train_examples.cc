@@ -10,6 +10,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/work.h"
 #include "core/contacts/anytime.h"
+#include "core/contacts/choice_folds.h"
 #include "core/contacts/class_counts.h"
 #include "core/contacts/contact_frames.h"
 #include "core/contacts/contact_set.h"
@@ -24,7 +25,6 @@
 #include "core/contacts/world_contacts.h"
 #include "core/eval/auto_preset.h"
 #include "core/eval/baselines.h"
-#include "core/eval/choice_folds.h"
 #include "core/eval/chosen_options.h"
 #include "core/eval/evaluate.h"
 #include "core/eval/evaluate_nearest.h"
@@ -91,7 +91,7 @@ static absl::Status AutoPresetExample(const Contacts& contacts,
 }
 
 static void ChoiceFoldsExample(const Contacts& contacts) {
-#include "core/eval/choice_folds.h.inc"
+#include "core/contacts/choice_folds.h.inc"
 }
 
 static absl::Status OutOfFoldExample(const Contacts& contacts,

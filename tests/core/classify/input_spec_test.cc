@@ -58,7 +58,12 @@ TEST(UsesProfileTest, LooksAtBothModels) {
 
 TEST(ValidateInputSpecTest, EachSpoiltFieldIsRefused) {
   const InputSpec good = testing::SmallModel().inputs;
-  EXPECT_TRUE(Validate(good, false).ok());
+  EXPECT_TRUE(Validate(good, true, false).ok());
+  // A ridge stands in place of HMMs.
+  EXPECT_FALSE(Validate(good, false, false).ok());
+  InputSpec of_ridge = good;
+  of_ridge.hmm.clear();
+  EXPECT_TRUE(Validate(of_ridge, false, false).ok());
   using Spoil = void (*)(InputSpec&);
   const Spoil spoils[] = {
       [](InputSpec& s) { s.hmm.clear(); },
@@ -80,7 +85,7 @@ TEST(ValidateInputSpecTest, EachSpoiltFieldIsRefused) {
   for (size_t i = 0; i < std::size(spoils); ++i) {
     InputSpec spec = good;
     spoils[i](spec);
-    EXPECT_EQ(ReasonOf(Validate(spec, false)), "INVALID_MODEL") << i;
+    EXPECT_EQ(ReasonOf(Validate(spec, true, false)), "INVALID_MODEL") << i;
   }
 }
 

@@ -7,10 +7,12 @@
 
 #include "core/base/errors.h"
 #include "core/base/random.h"
+#include "core/bundle/bundle.h"
 #include "core/bundle/model_proto.h"
 #include "core/classify/compiled_model.h"
 #include "core/classify/contact_classifier.h"
 #include "core/train/fit.h"
+#include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/core/eval/synthetic_contacts.h"
 #include "tests/support/flat_layout.h"
@@ -149,7 +151,7 @@ TEST(FitTaxelEmbeddingTest, TooManyOrNoTaxelsAreRefused) {
 
 TEST(FitPatternTest, AModelOfTaxelsSurvivesItsFile) {
   const auto contacts = ContactsByPattern();
-  for (const char* preset : {"pattern", "whole-skin"}) {
+  for (const char* preset : {"pattern", "whole-skin", "ridge"}) {
     SCOPED_TRACE(preset);
     FitOptions options = *FitPreset(preset);
     options.lstm.networks = 1;
@@ -174,33 +176,64 @@ TEST(FitPatternTest, AModelOfTaxelsSurvivesItsFile) {
   }
 }
 
-TEST(FitPatternTest, ThePresetPatternFindsThePattern) {
+TEST(FitPatternTest, PresetsOfTaxelsFindThePattern) {
   const auto contacts = ContactsByPattern();
-  auto model = FitModel(testing::PointersTo(contacts), *FitPreset("pattern"),
-                        RunSerially);
-  ASSERT_TRUE(model.ok()) << model.status();
-  auto compiled = CompiledModel::Create(*std::move(model));
-  ASSERT_TRUE(compiled.ok()) << compiled.status();
-  for (const LabelledContact& contact : contacts) {
-    ContactClassifier classifier(*compiled, {});
-    for (const auto& frame : contact.frames) classifier.StepOrHold(frame, 0);
-    EXPECT_GT(classifier.probability()[contact.label[0] - 'a'], 0.5)
-        << contact.id;
+  for (const char* preset : {"pattern", "ridge"}) {
+    SCOPED_TRACE(preset);
+    auto model = FitModel(testing::PointersTo(contacts), *FitPreset(preset),
+                          RunSerially);
+    ASSERT_TRUE(model.ok()) << model.status();
+    auto compiled = CompiledModel::Create(*std::move(model));
+    ASSERT_TRUE(compiled.ok()) << compiled.status();
+    for (const LabelledContact& contact : contacts) {
+      ContactClassifier classifier(*compiled, {});
+      EXPECT_TRUE(classifier.uses_taxels());
+      for (const auto& frame : contact.frames) classifier.StepOrHold(frame, 0);
+      EXPECT_GT(classifier.probability()[contact.label[0] - 'a'], 0.5)
+          << contact.id;
+    }
   }
 }
 
+TEST(FitPatternTest, ARidgeStandsAlone) {
+  const auto contacts = ContactsByPattern();
+  const auto model =
+      FitModel(testing::PointersTo(contacts), *FitPreset("ridge"), RunSerially);
+  ASSERT_TRUE(model.ok()) << model.status();
+  EXPECT_TRUE(NeedsSkin(*model));
+  EXPECT_EQ(BundleFormatVersion(*model), kBundleFormatVersionRidge);
+  EXPECT_EQ(model->poses, PoseNeed::kEither);
+  Model broken = *model;
+  broken.hmms.resize(broken.class_names.size());
+  EXPECT_THAT(Validate(broken).message(),
+              ::testing::HasSubstr("none beside a ridge"));
+  broken = *model;
+  broken.ridge->bias.push_back(0);
+  EXPECT_EQ(ReasonOf(Validate(broken)), "INVALID_MODEL");
+  broken = *model;
+  broken.layout = testing::FlatLayout(3, 3);
+  EXPECT_THAT(Validate(broken).message(),
+              ::testing::HasSubstr("rows and columns of the ridge"));
+  broken = *model;
+  broken.ridge.reset();
+  EXPECT_EQ(ReasonOf(Validate(broken)), "INVALID_MODEL");
+}
+
 TEST(FitPatternTest, CopiesAndIdealSignalsAreRefused) {
-  auto contacts = ContactsByPattern();
-  FitOptions options = *FitPreset("pattern");
-  options.variations.copies = 1;
-  const auto reason = [&] {
-    return ReasonOf(
-        FitModel(testing::PointersTo(contacts), options, RunSerially).status());
-  };
-  EXPECT_EQ(reason(), "INVALID_CONFIG");
-  options.variations.copies = 0;
-  contacts.back().layout = {};
-  EXPECT_EQ(reason(), "INVALID_TRAINING_DATA");
+  for (const char* preset : {"pattern", "ridge"}) {
+    auto contacts = ContactsByPattern();
+    FitOptions options = *FitPreset(preset);
+    options.variations.copies = 1;
+    const auto reason = [&] {
+      return ReasonOf(
+          FitModel(testing::PointersTo(contacts), options, RunSerially)
+              .status());
+    };
+    EXPECT_EQ(reason(), "INVALID_CONFIG");
+    options.variations.copies = 0;
+    for (LabelledContact& contact : contacts) contact.layout = {};
+    EXPECT_EQ(reason(), "INVALID_TRAINING_DATA");
+  }
 }
 
 }  // namespace

@@ -125,7 +125,7 @@ absl::Status TraceSignals(const Trial& trial,
   SetTimes(0, std::vector<bool>(trial.signals.size(), true),
            trial.sample_rate_hz, trace);
   if (model == nullptr) return absl::OkStatus();
-  if (NeedsSkin(model->model().inputs)) {
+  if (NeedsSkin(model->model())) {
     return InvalidConfig(absl::StrCat("trial ", trial.id), "ideal signals",
                          "taxels: the model sees the whole skin");
   }

@@ -51,7 +51,7 @@ absl::StatusOr<Json> InspectBundle(const std::string& path) {
   TACTUS_RETURN_IF_ERROR(RunWarmUp(*compiled));
   const Model& model = compiled->model();
   Json hmms = Json::object();
-  for (int k = 0; k < model.classes(); ++k) {
+  for (size_t k = 0; k < model.hmms.size(); ++k) {
     hmms[model.class_names[k]] = {
         {"components", model.hmms[k].components.size()},
         {"states", model.hmms[k].components.front().states}};
@@ -66,6 +66,8 @@ absl::StatusOr<Json> InspectBundle(const std::string& path) {
               {"lstm_cues", CueNames(model.inputs.lstm)},
               {"sample_rate_hz", model.inputs.sample_rate_hz},
               {"hmms", hmms},
+              {"ridge_numbers",
+               model.ridge ? Json(model.ridge->offset.size()) : Json(nullptr)},
               {"lstms", model.lstms.size()},
               {"lstm_parameters", model.lstms.empty()
                                       ? Json(nullptr)

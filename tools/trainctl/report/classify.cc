@@ -81,7 +81,7 @@ absl::StatusOr<Json> ClassifyTaxels(
 absl::StatusOr<Json> ClassifySignals(
     const Trial& trial, const std::shared_ptr<const CompiledModel>& model,
     ScoreTrace* trace) {
-  if (NeedsSkin(model->model().inputs)) {
+  if (NeedsSkin(model->model())) {
     return InvalidConfig(absl::StrCat("trial ", trial.id), "ideal signals",
                          "taxels: the model sees the whole skin");
   }

@@ -1,4 +1,4 @@
-#include "core/eval/choice_folds.h"
+#include "core/contacts/choice_folds.h"
 
 #include <map>
 #include <set>

@@ -1,0 +1,52 @@
+// File: fit_ridge.h
+//
+// Fitting a Ridge to labelled contacts: ridge regression of class indicators,
+// solved in the dual because there are more numbers than contacts.
+//
+//   TACTUS_ASSIGN_OR_RETURN(const Ridge ridge,
+//                           FitRidge(samples, {.rows = 4, .columns = 6}));
+//
+// Each contact gives the numbers of its first quarter, of its first half and of
+// all of it, so that the ridge answers at any time. The strength of the penalty
+// is the one whose answers to left-out contacts have the least log loss; those
+// answers have a closed form. Source: S. An et al., "Fast Cross-Validation
+// Algorithms for Least Squares Support Vector Machine and Kernel Ridge
+// Regression" (Pattern Recognition 40, 2007).
+//
+// Deterministic: the same samples and options give the same bits. Thread-safe:
+// free functions without state.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/ridge/ridge.h"
+
+namespace tactus::internal {
+
+// A contact as the fit takes it.
+struct RidgeSample {
+  // The touched taxels of each touched frame; at least one frame.
+  std::vector<std::span<const TaxelLoad>> frames;
+  int label = 0;
+  // Contacts of one group are left out together when the penalty is chosen.
+  int group = 0;
+};
+
+struct RidgeOptions {
+  int rows = 0;
+  int columns = 0;
+  int classes = 0;
+  uint64_t seed = 1;
+  // Called between the parts of the work; an error ends it.
+  std::function<absl::Status()> go_on = [] { return absl::OkStatus(); };
+};
+
+absl::StatusOr<Ridge> FitRidge(std::span<const RidgeSample> samples,
+                               const RidgeOptions& options);
+
+}  // namespace tactus::internal
