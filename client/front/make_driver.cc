@@ -255,16 +255,19 @@ absl::StatusOr<std::unique_ptr<Driver>> MakeIcub(Options options, bool is_usb) {
 absl::StatusOr<std::unique_ptr<Driver>> MakeDriver(
     const std::string& name, const DriverOptions& options) {
   const internal::client::Options given(options);
-  if (internal::client::IsDriverLibrary(name))
+  if (internal::client::IsDriverLibrary(name)) {
     return internal::client::LoadDriver(name, options);
+  }
   if (name == "sim") return internal::client::MakeSim(given);
   if (name == "replay") return internal::client::MakeReplay(given);
   if (name == "serial") return internal::client::MakeSerial(given);
   if (name == "xela-can") return internal::client::MakeXela(given);
-  if (name == "icub-can")
+  if (name == "icub-can") {
     return internal::client::MakeIcub(given, /*is_usb=*/false);
-  if (name == "icub-usb")
+  }
+  if (name == "icub-usb") {
     return internal::client::MakeIcub(given, /*is_usb=*/true);
+  }
   return internal::InvalidConfig("driver", internal::Quoted(name),
                                  internal::client::kDriverNames);
 }

@@ -77,7 +77,8 @@ class ContactClassifier {
 
   // Takes the features of the next frame. `missing_before` frames were lost
   // directly before it. The HMMs predict across the steps that were due in them
-  // (at most limits::kMaxBridgedFrames); the LSTMs do not take those steps.
+  // (at most limits::kMaxBridgedFrames); the LSTMs do not take those steps, and
+  // a ridge leaves the frames out.
   void Step(const ContactSample& sample, uint64_t missing_before);
 
   // Takes a frame in which touch was lost: time passes, scores stay as they

@@ -7,11 +7,11 @@
 //                           FitRidge(samples, {.rows = 4, .columns = 6}));
 //
 // Each contact gives the numbers of its first quarter, of its first half and of
-// all of it, so that the ridge answers at any time. The strength of the penalty
-// is the one whose answers to left-out contacts have the least log loss; those
-// answers have a closed form. Source: S. An et al., "Fast Cross-Validation
-// Algorithms for Least Squares Support Vector Machine and Kernel Ridge
-// Regression" (Pattern Recognition 40, 2007).
+// all of it, so that the ridge answers at any time. Several strengths of the
+// penalty are tried on left-out contacts, and the one with the least log loss
+// is taken. Answers to left-out contacts have a closed form. Source: S. An et
+// al., "Fast Cross-Validation Algorithms for Least Squares Support Vector
+// Machine and Kernel Ridge Regression" (Pattern Recognition 40, 2007).
 //
 // Deterministic: the same samples and options give the same bits. Thread-safe:
 // free functions without state.

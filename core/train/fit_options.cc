@@ -125,7 +125,8 @@ FitOptions WholeSkinPreset() {
   return options;
 }
 
-// Few recordings of one skin.
+// Few recordings of one skin. It leaves the motion out, so that streams may
+// have poses or not.
 FitOptions RidgePreset() {
   FitOptions options;
   options.ridge = true;
