@@ -51,6 +51,12 @@ void ImportNotes::AddRate(const std::string& name, double stated_hz,
   rates_.Add(name, stated_hz, measured_hz);
 }
 
+void ImportNotes::SetEstimatedRate(const std::string& name, double rate_hz) {
+  estimated_rate_ = absl::StrCat(
+      "sample_rate_hz is taken from the times of ", name, ": ", rate_hz,
+      " Hz for all trials; a skin that streams must have that rate within 5 %");
+}
+
 void ImportNotes::AddNames(const Trial& trial) {
   labels_.Add(trial.label);
   conditions_.Add(trial.condition);
@@ -102,6 +108,7 @@ void ImportNotes::Tell(
                         " trials were dropped, because they have the time of "
                         "the frame before"));
   }
+  if (!estimated_rate_.empty()) remark(estimated_rate_);
   if (!rates_.empty()) remark(rates_.Remark());
 }
 

@@ -35,6 +35,8 @@ class ImportNotes {
   void AddDropped(size_t frames);
   // The times of `name` have another rate than the stated one.
   void AddRate(const std::string& name, double stated_hz, double measured_hz);
+  // No rate was stated; that of the times of `name` is taken for all trials.
+  void SetEstimatedRate(const std::string& name, double rate_hz);
   // The names of a trial's class, condition and group.
   void AddNames(const Trial& trial);
 
@@ -55,6 +57,7 @@ class ImportNotes {
   size_t dropped_frames_ = 0;
   size_t dropped_trials_ = 0;
   OddRates rates_;
+  std::string estimated_rate_;
 };
 
 }  // namespace tactus::internal

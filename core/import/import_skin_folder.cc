@@ -1,6 +1,7 @@
 #include "core/import/import_skin_folder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <set>
@@ -31,6 +32,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr char kNoRate[] =
+    "is missing, and there are no times to tell it; give it in skin.json or as "
+    "a column of the table. By it models know how long a contact lasts, when "
+    "it is over, and when to take a step";
+
 class SkinFolder {
  public:
   SkinFolder(std::string folder, SkinFile skin, TrialTable table)
@@ -48,7 +54,10 @@ class SkinFolder {
   }
   // What the trials that were read give to remark on.
   const ImportNotes& notes() const { return notes_; }
-  void ForgetNotes() { notes_ = {}; }
+  void ForgetNotes() {
+    notes_ = {};
+    NoteRate();
+  }
 
   // A trial with everything but checked thresholds.
   absl::StatusOr<Trial> Read(size_t row) {
@@ -83,6 +92,11 @@ class SkinFolder {
   }
 
  private:
+  void NoteRate() {
+    if (rate_from_.empty()) return;
+    notes_.SetEstimatedRate(rate_from_, skin_.sample_rate_hz);
+  }
+
   absl::Status TakeTexts(size_t row, Trial& trial) const {
     trial.id = table_.Has("id") ? table_.Text(row, "id")
                                 : absl::StrFormat("%06d", row);
@@ -138,6 +152,10 @@ class SkinFolder {
     TACTUS_ASSIGN_OR_RETURN(
         trial.sample_rate_hz,
         table_.Number(row, "sample_rate_hz", skin_.sample_rate_hz));
+    // Times may tell it, but events become frames by it.
+    if (trial.sample_rate_hz == 0 && skin_.events == EventRule::kNone) {
+      return absl::OkStatus();
+    }
     if (trial.sample_rate_hz >= limits::kMinSampleRateHz &&
         trial.sample_rate_hz <= limits::kMaxSampleRateHz) {
       return absl::OkStatus();
@@ -145,7 +163,7 @@ class SkinFolder {
     return table_.Error(
         row, "sample_rate_hz",
         trial.sample_rate_hz == 0
-            ? "is missing; give it in skin.json or as a column of the table"
+            ? std::string(kNoRate)
             : absl::StrCat("is ", trial.sample_rate_hz, "; it must be ",
                            limits::kMinSampleRateHz, " to ",
                            limits::kMaxSampleRateHz));
@@ -251,6 +269,9 @@ class SkinFolder {
       }
     }
     if (trial.time.empty()) {
+      if (trial.sample_rate_hz == 0) {
+        return table_.Error(row, "sample_rate_hz", kNoRate);
+      }
       for (size_t t = 0; t < frames; ++t) {
         trial.time.push_back(static_cast<double>(t) / trial.sample_rate_hz);
       }
@@ -288,7 +309,31 @@ class SkinFolder {
     cut(trial.taxels.f32, size);
   }
 
-  absl::Status CheckTime(size_t row, const Trial& trial) {
+  // Takes the rate of this trial's times, to three digits, for all trials that
+  // state none: a model is fitted to one rate.
+  absl::Status EstimateRate(size_t row, Trial& trial) {
+    constexpr int kDigits = 3;
+    const double measured =
+        CheckRate(trial.time, limits::kMinSampleRateHz).measured_hz;
+    if (!(measured >= limits::kMinSampleRateHz &&
+          measured <= limits::kMaxSampleRateHz)) {
+      return table_.Error(
+          row, "sample_rate_hz",
+          absl::StrCat("is missing, and the times of ", File(row), " say ",
+                       measured, " Hz; a rate is ", limits::kMinSampleRateHz,
+                       " to ", limits::kMaxSampleRateHz, " Hz"));
+    }
+    // Digits before the point count too.
+    const double unit =
+        std::pow(10.0, std::floor(std::log10(measured)) + 1 - kDigits);
+    skin_.sample_rate_hz = std::round(measured / unit) * unit;
+    trial.sample_rate_hz = skin_.sample_rate_hz;
+    rate_from_ = File(row);
+    NoteRate();
+    return absl::OkStatus();
+  }
+
+  absl::Status CheckTime(size_t row, Trial& trial) {
     const std::vector<double>& time = trial.time;
     for (size_t t = 1; t < time.size(); ++t) {
       if (time[t] > time[t - 1]) continue;
@@ -308,6 +353,9 @@ class SkinFolder {
                                  " frames have the time of the one before. If "
                                  "such frames may go, say \"repeated_times\": "
                                  "\"dropped\" in skin.json")));
+    }
+    if (trial.sample_rate_hz == 0) {
+      TACTUS_RETURN_IF_ERROR(EstimateRate(row, trial));
     }
     const RateCheck check = CheckRate(time, trial.sample_rate_hz);
     if (!check.error.empty()) {
@@ -340,6 +388,8 @@ class SkinFolder {
   SkinFile skin_;
   const TrialTable table_;
   ImportNotes notes_;
+  // The recording whose times tell the rate; empty if it is stated.
+  std::string rate_from_;
   // The file of many trials that was read last.
   mutable std::string whole_name_;
   mutable ArrayFile whole_;

@@ -66,6 +66,32 @@ class ImportSkinTest : public ::testing::Test {
   const ScratchDir dir_;
 };
 
+// Times of 20 ms and a bit. All trials get one rate, because a model has one.
+TEST_F(ImportSkinTest, ARateThatIsNotStatedIsThatOfTheTimes) {
+  std::string skin = kSkin;
+  skin.resize(skin.rfind(','));
+  Write("skin.json", skin + ", \"time_column\": \"t\"}");
+  Write("trials.csv", "frames,label\na.csv,x\nb.csv,y\n");
+  Write("a.csv", "t,a,b,c,d\n0.000,0,0,0,9\n0.0201,0,0,0,9\n0.0401,0,0,0,9\n");
+  Write("b.csv", "t,a,b,c,d\n0.000,0,0,0,9\n0.0199,0,0,0,9\n0.0399,0,0,0,9\n");
+  std::vector<std::string> remarks;
+  const auto trials =
+      ImportAll(dir_.path(),
+                {.remark = [&](const auto& text) { remarks.push_back(text); }});
+  ASSERT_TRUE(trials.ok()) << trials.status();
+  // 2 / 0.0401 s is 49.875 Hz.
+  EXPECT_NEAR(trials->at(0).sample_rate_hz, 49.9, 1e-9);
+  EXPECT_EQ(trials->at(1).sample_rate_hz, trials->at(0).sample_rate_hz);
+  EXPECT_THAT(remarks, ::testing::Contains(HasSubstr(
+                           "sample_rate_hz is taken from the times of a.csv: "
+                           "49.9 Hz for all trials")));
+  // Frames without times.
+  Write("skin.json", skin + "}");
+  Write("trials.csv", "frames,label\na.npy,x\nb.npy,y\n");
+  EXPECT_THAT(std::string(ImportAll(dir_.path()).status().message()),
+              HasSubstr("is missing, and there are no times to tell it"));
+}
+
 TEST_F(ImportSkinTest, ReadsFramesLabelsAndTheSkin) {
   const auto trials = ImportAll(dir_.path());
   ASSERT_TRUE(trials.ok()) << trials.status();
