@@ -62,8 +62,9 @@ absl::StatusOr<absl::string_view> OpenEnvelope(absl::string_view bytes) {
     return BundleCorrupt("its SHA-256 checksum does not match");
   }
   const auto version = ReadNumber<uint32_t>(bytes, kVersionOffset);
-  if (version < kBundleFormatVersion || version > kBundleFormatVersionRidge) {
-    return BundleVersion(version, kBundleFormatVersionRidge);
+  if (version < kBundleFormatVersion ||
+      version > kBundleFormatVersionRecordings) {
+    return BundleVersion(version, kBundleFormatVersionRecordings);
   }
   const absl::string_view payload = body.substr(kPayloadOffset);
   if (ReadNumber<uint64_t>(bytes, kLengthOffset) != payload.size()) {
@@ -75,7 +76,9 @@ absl::StatusOr<absl::string_view> OpenEnvelope(absl::string_view bytes) {
 }  // namespace
 
 uint32_t BundleFormatVersion(const Model& model) {
-  if (model.ridge) return kBundleFormatVersionRidge;
+  if (!HasHmms(model) || model.calibration.hold_after_frames > 0) {
+    return kBundleFormatVersionRecordings;
+  }
   const auto has_hidden = [](const LstmNetwork& network) {
     return !network.hidden.empty();
   };

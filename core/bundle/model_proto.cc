@@ -9,6 +9,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/bundle/learner_proto.h"
 #include "core/classify/input_spec.h"
 #include "core/skin/layout_proto.h"
 
@@ -285,6 +286,7 @@ void ToProto(const Calibration& c, v1::Calibration* out) {
   out->set_held(c.held);
   Assign(c.question_threshold, out->mutable_question_threshold());
   Assign(c.question_frames, out->mutable_question_frames());
+  out->set_hold_after_frames(c.hold_after_frames);
 }
 
 // What bundles of earlier releases do not hold.
@@ -321,6 +323,7 @@ Calibration FromProto(const v1::Calibration& in) {
   c.held = in.held();
   c.question_threshold = ToVector(in.question_threshold());
   c.question_frames = ToVector(in.question_frames());
+  c.hold_after_frames = in.hold_after_frames();
   FillIn(c);
   return c;
 }
@@ -353,6 +356,8 @@ void ToProto(const Provenance& provenance, v1::Provenance* out) {
   out->set_note(provenance.note);
   Assign(provenance.trial_fingerprints, out->mutable_trial_fingerprints());
   out->set_data_sha256(provenance.data_sha256);
+  out->set_groups(provenance.groups);
+  out->set_conditions(provenance.conditions);
 }
 
 Provenance FromProto(const v1::Provenance& in) {
@@ -363,7 +368,9 @@ Provenance FromProto(const v1::Provenance& in) {
           in.data(),
           in.note(),
           {in.trial_fingerprints().begin(), in.trial_fingerprints().end()},
-          in.data_sha256()};
+          in.data_sha256(),
+          in.groups(),
+          in.conditions()};
 }
 
 void ToProto(const WarmUpTrial& trial, bool has_profile, v1::WarmUpTrial* out) {
@@ -424,58 +431,6 @@ absl::StatusOr<WarmUpTrial> FromProto(const v1::WarmUpTrial& in,
   return trial;
 }
 
-void ToProto(const Ridge& ridge, v1::Ridge* out) {
-  const HistorySpec& history = ridge.history;
-  out->set_rows(history.rows);
-  out->set_columns(history.columns);
-  out->set_block(history.block);
-  out->mutable_scale()->Add(history.scale.begin(), history.scale.end());
-  out->mutable_mixed_channel()->Add(history.mixed_channel.begin(),
-                                    history.mixed_channel.end());
-  Assign(history.mixed_weight, out->mutable_mixed_weight());
-  Assign(history.threshold, out->mutable_threshold());
-  Assign(ridge.offset, out->mutable_offset());
-  Assign(ridge.gain, out->mutable_gain());
-  Assign(ridge.weight, out->mutable_weight());
-  Assign(ridge.bias, out->mutable_bias());
-}
-
-absl::StatusOr<Ridge> FromProto(const v1::Ridge& in) {
-  constexpr uint32_t kMost = limits::kMaxTaxels;
-  if (in.rows() > kMost || in.columns() > kMost || in.block() > kMost ||
-      in.scale_size() != kHistoryViews) {
-    return InvalidModel(
-        "rows, columns, block and scales of the ridge",
-        absl::StrCat(in.rows(), ", ", in.columns(), ", ", in.block(), " and ",
-                     in.scale_size()),
-        absl::StrCat("at most ", kMost, ", and ", kHistoryViews, " scales"));
-  }
-  Ridge ridge;
-  HistorySpec& history = ridge.history;
-  history.rows = static_cast<int>(in.rows());
-  history.columns = static_cast<int>(in.columns());
-  history.block = static_cast<int>(in.block());
-  std::ranges::copy(in.scale(), history.scale.begin());
-  for (const uint32_t channel : in.mixed_channel()) {
-    // Larger ones would wrap around.
-    if (channel > kMaxHistoryCells) {
-      return InvalidModel("mixed channel of the history", channel,
-                          absl::StrCat("at most ", kMaxHistoryCells));
-    }
-    history.mixed_channel.push_back(static_cast<uint16_t>(channel));
-  }
-  const auto copy = [](const auto& from, std::vector<float>& to) {
-    to.assign(from.begin(), from.end());
-  };
-  copy(in.mixed_weight(), history.mixed_weight);
-  copy(in.threshold(), history.threshold);
-  copy(in.offset(), ridge.offset);
-  copy(in.gain(), ridge.gain);
-  copy(in.weight(), ridge.weight);
-  copy(in.bias(), ridge.bias);
-  return ridge;
-}
-
 }  // namespace
 
 v1::ModelBundle ModelToProto(const Model& model) {
@@ -495,7 +450,7 @@ v1::ModelBundle ModelToProto(const Model& model) {
     }
   }
   bundle.set_hmm_score(kHmmScores.ToWire(model.hmm_score));
-  if (model.ridge) ToProto(*model.ridge, bundle.mutable_ridge());
+  LearnersToProto(model, bundle);
   for (const LstmNetwork& network : model.lstms) {
     ToProto(network, bundle.add_lstm());
   }
@@ -539,9 +494,7 @@ absl::StatusOr<Model> ModelFromProto(const v1::ModelBundle& bundle) {
   }
   TACTUS_ASSIGN_OR_RETURN(model.hmm_score,
                           kHmmScores.FromWire(bundle.hmm_score()));
-  if (bundle.has_ridge()) {
-    TACTUS_ASSIGN_OR_RETURN(model.ridge, FromProto(bundle.ridge()));
-  }
+  TACTUS_RETURN_IF_ERROR(LearnersFromProto(bundle, model));
   for (const v1::LstmNetwork& row : bundle.lstm()) {
     TACTUS_ASSIGN_OR_RETURN(LstmNetwork lstm, FromProto(row));
     model.lstms.push_back(std::move(lstm));

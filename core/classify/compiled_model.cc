@@ -32,7 +32,7 @@ absl::StatusOr<std::shared_ptr<const CompiledModel>> CompiledModel::Create(
   compiled->questions_ =
       m.questions.empty() ? DefaultQuestions(m.class_names) : m.questions;
   compiled->rules_ = RulesOf(m.calibration, compiled->questions_);
-  if (!m.ridge) {
+  if (HasHmms(m)) {
     TACTUS_ASSIGN_OR_RETURN(compiled->hmms_, HmmBank::Create(m.hmms));
   }
   for (const LstmNetwork& network : m.lstms) {

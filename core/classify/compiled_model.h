@@ -36,7 +36,7 @@ class CompiledModel {
   const std::vector<Question>& questions() const { return questions_; }
   // When each question is decided.
   const std::vector<DecisionRule>& rules() const { return rules_; }
-  // The HMMs of all classes; null for a model with a ridge.
+  // The HMMs of all classes; null for a model without HMMs.
   const HmmBank* hmms() const { return hmms_ ? &*hmms_ : nullptr; }
   // Empty without an LSTM.
   const std::vector<CompiledLstm>& lstms() const { return lstms_; }

@@ -66,6 +66,10 @@ ContactClassifier::ContactClassifier(std::shared_ptr<const CompiledModel> model,
   skipped_[SkipRule::kUnusedCues] = CountUnused(groups_);
   if (m.ridge) {
     ridge_.emplace(&*m.ridge);
+  } else if (m.nearest) {
+    nearest_.emplace(&*m.nearest);
+  } else if (m.trees) {
+    trees_.emplace(&*m.trees);
   } else {
     hmms_.emplace(*model_->hmms(), m.hmm_score);
   }
@@ -117,6 +121,8 @@ void ContactClassifier::Reset() {
   cues_.Reset();
   if (hmms_) hmms_->Reset();
   if (ridge_) ridge_->Reset();
+  if (nearest_) nearest_->Reset();
+  if (trees_) trees_->Reset();
   for (LstmStepper& lstm : lstms_) lstm.Reset();
   if (estimator_) estimator_->Reset();
   std::fill(log_likelihood_.begin(), log_likelihood_.end(), 0.0);
@@ -135,6 +141,7 @@ void ContactClassifier::Reset() {
   object_.reset();
   unknown_ = 0;
   frames_ = 0;
+  holds_ = false;
   scored_frames_ = 0;
   hmm_steps_ = 0;
   best_class_ = static_cast<int>(std::max_element(prior.begin(), prior.end()) -
@@ -157,12 +164,15 @@ void ContactClassifier::Step(const ContactSample& sample,
                              uint64_t missing_before) {
   frames_ += missing_before + 1;
   ++scored_frames_;
+  const uint32_t hold_after = model_->model().calibration.hold_after_frames;
+  holds_ = hold_after > 0 && frames_ > hold_after;
   cues_.Step(sample, frames_);
   StepHmms(sample, missing_before);
   evaluated_now_ = false;
-  const bool left_course = !look_lstms_.empty() && watch_.Step(sample);
+  const bool left_course =
+      !look_lstms_.empty() && !holds_ && watch_.Step(sample);
   const bool stepped = StepLstmsIfDue();
-  if (!stepped) LookIfDue(left_course);
+  if (!stepped && !holds_) LookIfDue(left_course);
   UpdateProbabilities();
   if (stepped) UpdateSettled();
   UpdateDecision();
@@ -171,17 +181,23 @@ void ContactClassifier::Step(const ContactSample& sample,
 
 void ContactClassifier::StepHmms(const ContactSample& sample,
                                  uint64_t missing_before) {
-  if (options_.scorers == Scorers::kLstms) return;
+  if (options_.scorers == Scorers::kLstms || holds_) return;
   const int skipped = hmm_clock_.SkipMissing(frames_, missing_before,
                                              limits::kMaxBridgedFrames);
   if (hmms_) hmms_->Skip(skipped);
   if (ridge_) ridge_->Step(sample.loads);
+  if (nearest_) nearest_->Step(sample.loads);
+  if (trees_) trees_->Step(sample.loads);
   if (!hmm_clock_.Tick(frames_)) return;
   ++hmm_steps_;
   step_due_ = true;
   scores_changed_ = true;
   if (ridge_) {
     ridge_->Score(log_likelihood_);
+  } else if (nearest_) {
+    nearest_->Score(log_likelihood_);
+  } else if (trees_) {
+    trees_->Score(log_likelihood_);
   } else {
     MakeInput(model_->model().inputs.hmm, cues_, hmm_input_);
     hmms_->Step(hmm_input_);
@@ -191,7 +207,7 @@ void ContactClassifier::StepHmms(const ContactSample& sample,
 
 bool ContactClassifier::StepLstmsIfDue() {
   const Model& m = model_->model();
-  if (m.lstms.empty() || !lstm_clock_.Tick(frames_)) return false;
+  if (m.lstms.empty() || holds_ || !lstm_clock_.Tick(frames_)) return false;
   // Whether the step is taken or left out.
   step_due_ = true;
   if (lstms_.empty()) {

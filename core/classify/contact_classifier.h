@@ -7,7 +7,7 @@
 //   classifier.probability();
 //
 // Scores the HMMs of every class with the incremental forward algorithm (or
-// Viterbi), or the ridge in their place, and steps the LSTMs, both at the
+// Viterbi), or what stands in their place, and steps the LSTMs, both at the
 // model's intervals (step_clock.h). Between two steps, a look evaluates the
 // LSTMs on a copy of their state, which is then forgotten: a model with a state
 // question (question.h) takes one when the contact leaves its course
@@ -45,7 +45,8 @@ struct Decision {
 
 // Models that take part in the answer.
 enum class Scorers {
-  // HMMs and LSTMs fused; the HMMs alone if there is no LSTM. A ridge counts as
+  // HMMs and LSTMs fused; the HMMs alone if there is no LSTM. A ridge and
+  // nearest neighbours count as
   // the HMMs, here and below.
   kAll,
   kHmms,
@@ -78,7 +79,7 @@ class ContactClassifier {
   // Takes the features of the next frame. `missing_before` frames were lost
   // directly before it. The HMMs predict across the steps that were due in them
   // (at most limits::kMaxBridgedFrames); the LSTMs do not take those steps, and
-  // a ridge leaves the frames out.
+  // learners that see all taxels leave the frames out.
   void Step(const ContactSample& sample, uint64_t missing_before);
 
   // Takes a frame in which touch was lost: time passes, scores stay as they
@@ -99,9 +100,10 @@ class ContactClassifier {
   // Steps of the HMMs so far.
   uint64_t hmm_steps() const { return hmm_steps_; }
   // What the best score is divided by before it is compared with those of
-  // training: a log-likelihood grows with each step, a ridge's score does not.
+  // training: a log-likelihood grows with each step, other
+  // scores do not.
   double evidence_steps() const {
-    return model_->model().ridge ? 1 : static_cast<double>(hmm_steps_);
+    return hmms_ ? static_cast<double>(hmm_steps_) : 1;
   }
   // Steps of the LSTMs so far, and looks between them.
   uint64_t lstm_steps() const { return lstm_steps_; }
@@ -110,7 +112,8 @@ class ContactClassifier {
   // order of InputSpec; of no meaning before the first.
   std::span<const double> hmm_input() const { return hmm_input_; }
   std::span<const double> lstm_input() const { return lstm_input_; }
-  // One log p(HMM inputs | class) per class, or the ridge's scores.
+  // One log p(HMM inputs | class) per class, or the scores of what
+  // stands in place of HMMs.
   std::span<const double> log_likelihood() const { return log_likelihood_; }
   // Log of the LSTMs' mean probability before calibration at their last step
   // or look, one per class; empty unless LSTMs take part.
@@ -139,7 +142,8 @@ class ContactClassifier {
   bool uses_spread() const { return (sources_ & kFromSpread) != 0; }
   // False if no input is made from ContactSample::shear.
   bool uses_shear() const { return (sources_ & kFromShear) != 0; }
-  // True if an input is made from ContactSample::loads, or there is a ridge.
+  // True if an input is made from ContactSample::loads, or there are
+  // no HMMs.
   bool uses_taxels() const { return TaxelsNeeded(model_->model()) > 0; }
   // Steps of the LSTMs that Options::savings left out, over all contacts.
   uint64_t saved_steps() const { return saved_steps_; }
@@ -196,6 +200,8 @@ class ContactClassifier {
   // One of the two.
   std::optional<BankFilter> hmms_;
   std::optional<RidgeScorer> ridge_;
+  std::optional<NearestScorer> nearest_;
+  std::optional<TreesScorer> trees_;
   // Empty if the LSTMs are never stepped.
   std::vector<LstmStepper> lstms_;
   std::optional<LstmStepper> estimator_;
@@ -242,6 +248,8 @@ class ContactClassifier {
   StepClock lstm_clock_;
   uint64_t frames_ = 0;
   uint64_t scored_frames_ = 0;
+  // Models take no more steps (Calibration::hold_after_frames).
+  bool holds_ = false;
   uint64_t hmm_steps_ = 0;
   int best_class_ = 0;
   // Ring of the best classes of the last frames.

@@ -57,29 +57,49 @@ absl::Status CheckQuestions(const Model& model) {
   return absl::OkStatus();
 }
 
-absl::Status CheckRidge(const Model& model) {
-  const Ridge& ridge = *model.ridge;
+// A ridge, nearest neighbours or trees, `name`, of so many classes and of this
+// skin.
+absl::Status CheckFromTaxels(absl::string_view name, int classes,
+                             const FrameViews& views, const Model& model) {
   if (!model.hmms.empty() || !model.inputs.hmm.empty()) {
     return InvalidModel(
         "HMMs and their inputs",
         absl::StrCat(model.hmms.size(), " and ", model.inputs.hmm.size()),
-        "none beside a ridge");
+        absl::StrCat("none beside ", name));
   }
-  TACTUS_RETURN_IF_ERROR(Validate(ridge));
-  const HistorySpec& history = ridge.history;
-  if (ridge.classes() != model.classes() || history.rows != model.layout.rows ||
-      history.columns != model.layout.columns) {
-    return InvalidModel("classes, rows and columns of the ridge",
-                        absl::StrCat(ridge.classes(), ", ", history.rows,
-                                     " and ", history.columns),
-                        absl::StrCat(model.classes(), ", ", model.layout.rows,
-                                     " and ", model.layout.columns));
+  if (classes != model.classes() || views.rows != model.layout.rows ||
+      views.columns != model.layout.columns) {
+    return InvalidModel(
+        absl::StrCat("classes, rows and columns of ", name),
+        absl::StrCat(classes, ", ", views.rows, " and ", views.columns),
+        absl::StrCat(model.classes(), ", ", model.layout.rows, " and ",
+                     model.layout.columns));
   }
   return absl::OkStatus();
 }
 
 absl::Status CheckHmms(const Model& model) {
-  if (model.ridge) return CheckRidge(model);
+  if (model.ridge.has_value() + model.nearest.has_value() +
+          model.trees.has_value() >
+      1) {
+    return InvalidModel("ridge, nearest neighbours and trees", "several",
+                        "one of them");
+  }
+  if (model.ridge) {
+    TACTUS_RETURN_IF_ERROR(Validate(*model.ridge));
+    return CheckFromTaxels("a ridge", model.ridge->classes(),
+                           model.ridge->history, model);
+  }
+  if (model.nearest) {
+    TACTUS_RETURN_IF_ERROR(Validate(*model.nearest));
+    return CheckFromTaxels("nearest neighbours", model.nearest->classes,
+                           model.nearest->views, model);
+  }
+  if (model.trees) {
+    TACTUS_RETURN_IF_ERROR(Validate(*model.trees));
+    return CheckFromTaxels("trees", model.trees->classes, model.trees->history,
+                           model);
+  }
   if (model.hmms.size() != model.class_names.size()) {
     return InvalidModel("number of HMM mixtures", model.hmms.size(),
                         absl::StrCat(model.classes(), ", one per class"));
@@ -274,8 +294,7 @@ absl::Status Validate(const Model& model) {
   const bool has_lstm = !model.lstms.empty();
   TACTUS_RETURN_IF_ERROR(CheckClassNames(model.class_names));
   TACTUS_RETURN_IF_ERROR(CheckQuestions(model));
-  TACTUS_RETURN_IF_ERROR(
-      Validate(model.inputs, !model.ridge.has_value(), has_lstm));
+  TACTUS_RETURN_IF_ERROR(Validate(model.inputs, HasHmms(model), has_lstm));
   TACTUS_RETURN_IF_ERROR(CheckHmms(model));
   TACTUS_RETURN_IF_ERROR(CheckLstms(model));
   TACTUS_RETURN_IF_ERROR(
@@ -285,6 +304,9 @@ absl::Status Validate(const Model& model) {
     TACTUS_RETURN_IF_ERROR(CheckLayout(layout));
   }
   TACTUS_RETURN_IF_ERROR(CheckEmbedding(model));
+  if (model.skin_range) {
+    TACTUS_RETURN_IF_ERROR(Validate(*model.skin_range, model.layout.taxels()));
+  }
   TACTUS_RETURN_IF_ERROR(CheckRelease(model.release_after_s));
   TACTUS_RETURN_IF_ERROR(CheckProvenance(model.provenance));
   return CheckWarmUp(model);
@@ -298,12 +320,16 @@ ContactSample WarmUpTrial::Sample(size_t i) const {
   return sample;
 }
 
+bool HasHmms(const Model& model) {
+  return !model.ridge && !model.nearest && !model.trees;
+}
+
 int TaxelsNeeded(const Model& model) {
-  return model.ridge ? model.layout.taxels() : model.inputs.embedding.taxels;
+  return HasHmms(model) ? model.inputs.embedding.taxels : model.layout.taxels();
 }
 
 bool NeedsSkin(const Model& model) {
-  return model.ridge.has_value() || NeedsSkin(model.inputs);
+  return !HasHmms(model) || NeedsSkin(model.inputs);
 }
 
 void RemoveEstimator(Model& model) {

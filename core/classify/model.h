@@ -26,10 +26,13 @@
 #include "core/features/feature.h"
 #include "core/hmm/mixture.h"
 #include "core/lstm/network.h"
+#include "core/nearest/nearest.h"
 #include "core/questions/question.h"
 #include "core/ridge/ridge.h"
 #include "core/skin/layout.h"
+#include "core/taxels/skin_range.h"
 #include "core/taxels/taxel_embedding.h"
+#include "core/trees/trees.h"
 
 namespace tactus::internal {
 
@@ -102,6 +105,9 @@ struct Calibration {
   // Factors on the standard deviations of the object estimate.
   double stiffness_deviation_scale = 1;
   double moved_deviation_scale = 1;
+  // Frames since onset after which the models take no more steps, so that the
+  // answer stays; 0 if they always do. For data in which later frames mislead.
+  uint32_t hold_after_frames = 0;
   // One probability per class; they sum to 1.
   std::vector<double> prior;
   // A decision is a probability >= threshold for this many frames.
@@ -124,6 +130,10 @@ struct Provenance {
   std::vector<uint64_t> trial_fingerprints;
   // SHA-256 of the data as a whole, in hexadecimal digits; empty if unknown.
   std::string data_sha256;
+  // Groups (LabelledContact::material) and conditions of the trials; a model of
+  // one of each has seen one session at most. 0 if unknown.
+  uint32_t groups = 0;
+  uint32_t conditions = 0;
 };
 
 // Touched frames of one contact and the answers that they must give.
@@ -149,11 +159,15 @@ struct Model {
   // CompiledModel::questions() returns either.
   std::vector<Question> questions;
   InputSpec inputs;
-  // One mixture per class; none for a model with a ridge.
+  // One mixture per class; none for a model with one of the three below.
   std::vector<HmmMixture> hmms;
-  // Instead of HMMs: its scores are what log-likelihoods are of HMMs, at the
-  // steps of HMMs.
+  // Instead of HMMs, at most one of them: its scores are what log-likelihoods
+  // are of HMMs, at the steps of HMMs.
   std::optional<Ridge> ridge;
+  std::optional<Nearest> nearest;
+  std::optional<Trees> trees;
+  // What the taxels read in training; nothing if the model does not see them.
+  std::optional<SkinRange> skin_range;
   Score hmm_score = Score::kForward;
   // Networks of one shape. Their mean probability is the LSTMs' answer. Empty
   // for HMMs alone.
@@ -182,6 +196,9 @@ struct Model {
 // place where the parts of a model are compared. INVALID_MODEL naming what is
 // wrong, or INVALID_CONFIG for the layout.
 absl::Status Validate(const Model& model);
+
+// False if a ridge, nearest neighbours or trees answer in their place.
+bool HasHmms(const Model& model);
 
 // Taxels of the skin that the model looks at; 0 if it looks at none.
 int TaxelsNeeded(const Model& model);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <set>
+#include <string>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/limits.h"
@@ -26,13 +28,25 @@ bool AllHaveFingerprints(const std::vector<const LabelledContact*>& contacts) {
   });
 }
 
+uint32_t CountDistinct(const std::vector<const LabelledContact*>& contacts,
+                       std::string LabelledContact::*field) {
+  std::set<std::string> values;
+  for (const LabelledContact* contact : contacts) {
+    values.insert(contact->*field);
+  }
+  return static_cast<uint32_t>(values.size());
+}
+
 }  // namespace
 
 void SetTrainedOn(const std::vector<const LabelledContact*>& contacts,
                   Provenance& provenance) {
   std::vector<uint64_t>& known = provenance.trial_fingerprints;
   known.clear();
+  provenance.groups = provenance.conditions = 0;
   if (!AllHaveFingerprints(contacts)) return;
+  provenance.groups = CountDistinct(contacts, &LabelledContact::material);
+  provenance.conditions = CountDistinct(contacts, &LabelledContact::condition);
   for (const LabelledContact* contact : contacts) {
     if (!IdentifiesRecording(contact->fingerprint)) continue;
     known.push_back(Prefix(contact->fingerprint));

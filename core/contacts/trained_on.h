@@ -38,8 +38,9 @@ struct TestedData {
   std::string name = {};
 };
 
-// Notes the fingerprints of the contacts, if all have one and there are not too
-// many.
+// Notes how many groups and conditions the contacts have, and their
+// fingerprints unless there are too many; nothing of contacts without
+// fingerprints.
 void SetTrainedOn(const std::vector<const LabelledContact*>& contacts,
                   Provenance& provenance);
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <functional>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
@@ -17,43 +17,97 @@ namespace {
 
 using Contacts = std::vector<const LabelledContact*>;
 
+const FitOptions& OptionsOf(const ChoiceRequest& request,
+                            const std::string& preset) {
+  return std::ranges::find(request.presets, preset,
+                           [](const auto& named) { return named.first; })
+      ->second;
+}
+
 FitOptions WithNetworks(FitOptions options, int networks) {
   options.lstm.networks = networks;
   return options;
 }
 
-// Compares candidates and remembers the best.
+// What a candidate costs per frame and in training, compared with others.
+int CostOf(const FitOptions& options) {
+  constexpr int kMostLearners = 10;
+  if (options.lstm.networks > 0) return kMostLearners + options.lstm.networks;
+  return static_cast<int>(options.learner);
+}
+
+// A candidate that was compared.
+struct Compared {
+  std::string preset;
+  FitOptions options;
+  std::vector<bool> right;
+  int right_count = 0;
+};
+
+// True if `best` has more right answers by more than one standard error of the
+// difference.
+bool ClearlyWorse(const Compared& candidate, const Compared& best) {
+  const auto contacts = static_cast<double>(best.right.size());
+  const double more = best.right_count - candidate.right_count;
+  double apart = 0;
+  for (size_t i = 0; i < best.right.size(); ++i) {
+    apart += best.right[i] != candidate.right[i];
+  }
+  return more > std::sqrt(apart - more * more / contacts);
+}
+
+// The cheapest of those that are not clearly worse than the best; the first of
+// equal ones. There must be some.
+const Compared& Cheapest(const std::vector<Compared>& candidates) {
+  const Compared* best = &candidates.front();
+  for (const Compared& candidate : candidates) {
+    if (candidate.right_count > best->right_count) best = &candidate;
+  }
+  const Compared* chosen = best;
+  for (const Compared& candidate : candidates) {
+    if (ClearlyWorse(candidate, *best)) continue;
+    const auto rank = [](const Compared& c) {
+      return std::pair(CostOf(c.options), -c.right_count);
+    };
+    const bool earlier = &candidate < chosen;
+    if (rank(candidate) < rank(*chosen) ||
+        (earlier && rank(candidate) == rank(*chosen))) {
+      chosen = &candidate;
+    }
+  }
+  return *chosen;
+}
+
+// Compares candidates and remembers their answers.
 class Comparison {
  public:
   Comparison(const Contacts& contacts, const ChoiceFolds& folds,
              const ParallelFor& parallel, const Progress& progress,
+             const std::function<void(const ChoiceCandidate&, int contacts)>&
+                 considered,
              PresetChoice& choice)
       : contacts_(contacts),
         folds_(folds),
         parallel_(parallel),
         progress_(progress),
+        considered_(considered),
         choice_(choice) {}
 
-  // Returns the right answers; nothing if the models do not suit the contacts.
-  std::optional<int> Try(const std::string& preset, const FitOptions& options) {
-    const auto right = CountOutOfFoldRight(contacts_, folds_.folds, options,
-                                           parallel_, progress_);
-    ChoiceCandidate& candidate = Add(preset, options);
+  // Nothing if the models do not suit the contacts.
+  void Try(const std::string& preset, const FitOptions& options) {
+    auto right =
+        RightOutOfFold(contacts_, folds_.folds, options, parallel_, progress_);
+    ChoiceCandidate candidate = {preset, options.lstm.networks,
+                                 options.learner};
     if (!right.ok()) {
       candidate.unfit = std::string(right.status().message());
-      return std::nullopt;
+      Add(std::move(candidate));
+      return;
     }
-    candidate.right = *right;
-    if (*right > most_) {
-      most_ = *right;
-      choice_.name = preset;
-      choice_.options = options;
-    }
-    return *right;
+    candidate.right = static_cast<int>(std::ranges::count(*right, true));
+    Add(candidate);
+    compared_.push_back({preset, options, *std::move(right), candidate.right});
   }
-
-  // What is tried next is better than what was tried before.
-  void PreferNext() { most_ = -1; }
 
   // As Try, if the work of its LSTMs fits into what is left of the limit.
   void TryWithinLimit(const std::string& preset, const FitOptions& options) {
@@ -66,10 +120,11 @@ class Comparison {
       work += LstmWork(rest, options) / 1e9;
     }
     if (work > choice_.work_limit) {
-      ChoiceCandidate& candidate = Add(preset, options);
-      candidate.unfit = absl::StrCat(
-          "with it the comparison takes ", std::llround(std::ceil(work)),
-          " billion multiplications, and the limit is ", choice_.work_limit);
+      Add({preset, options.lstm.networks, options.learner, 0,
+           absl::StrCat("with it the comparison takes ",
+                        std::llround(std::ceil(work)),
+                        " billion multiplications, and the limit is ",
+                        choice_.work_limit)});
       return;
     }
     work_ = work;
@@ -77,22 +132,44 @@ class Comparison {
     Try(preset, options);
   }
 
+  // In the order in which they were tried.
+  const std::vector<Compared>& compared() const { return compared_; }
+
  private:
-  ChoiceCandidate& Add(const std::string& preset, const FitOptions& options) {
-    choice_.candidates.push_back({preset, options.lstm.networks});
-    return choice_.candidates.back();
+  void Add(ChoiceCandidate candidate) {
+    if (considered_) {
+      considered_(candidate, static_cast<int>(contacts_.size()));
+    }
+    choice_.candidates.push_back(std::move(candidate));
   }
 
   const Contacts& contacts_;
   const ChoiceFolds& folds_;
   const ParallelFor& parallel_;
   const Progress progress_;
+  const std::function<void(const ChoiceCandidate&, int)>& considered_;
   PresetChoice& choice_;
-  int most_ = -1;
+  std::vector<Compared> compared_;
   double work_ = 0;
 };
 
+// Why none of the candidates was compared.
+absl::Status NoneSuits(const PresetChoice& choice) {
+  std::string why;
+  for (const ChoiceCandidate& candidate : choice.candidates) {
+    absl::StrAppend(&why, why.empty() ? "" : "; ", candidate.preset, ": ",
+                    candidate.unfit);
+  }
+  return InvalidTrainingData(
+      absl::StrCat("no preset suits the contacts: ", why));
+}
+
 }  // namespace
+
+bool IsChosen(const ChoiceCandidate& candidate, const PresetChoice& choice) {
+  return candidate.preset == choice.name &&
+         candidate.networks == choice.options.lstm.networks;
+}
 
 absl::StatusOr<PresetChoice> ChoosePreset(const Contacts& contacts,
                                           const ChoiceRequest& request,
@@ -115,40 +192,36 @@ absl::StatusOr<PresetChoice> ChoosePreset(const Contacts& contacts,
   const Progress each =
       progress.Part("choose preset", 1)
           .Part("", 1.0 / static_cast<double>(2 * request.presets.size()));
-  Comparison comparison(contacts, folds, parallel, each, choice);
-  // Those that suit the contacts, by their right answers.
-  std::vector<std::pair<int, size_t>> ranked;
-  for (size_t i = 0; i < request.presets.size(); ++i) {
-    const auto& [name, options] = request.presets[i];
-    const auto right = comparison.Try(name, WithNetworks(options, 0));
-    if (right) ranked.emplace_back(-*right, i);
+  Comparison comparison(contacts, folds, parallel, each, request.considered,
+                        choice);
+  for (const auto& [name, options] : request.presets) {
+    comparison.Try(name, WithNetworks(options, 0));
   }
-  if (ranked.empty()) {
-    std::string why;
-    for (const ChoiceCandidate& candidate : choice.candidates) {
-      absl::StrAppend(&why, why.empty() ? "" : "; ", candidate.preset, ": ",
-                      candidate.unfit);
+  if (comparison.compared().empty()) return NoneSuits(choice);
+  std::vector<Compared> ranked = comparison.compared();
+  std::ranges::stable_sort(ranked, std::greater<>(), &Compared::right_count);
+  for (const Compared& alone : ranked) {
+    const int given = OptionsOf(request, alone.preset).lstm.networks;
+    const int networks = request.networks_given ? given : std::max(given, 1);
+    // Few contacts make a ridge; LSTMs beside it would need many.
+    if (networks == 0 ||
+        (alone.options.learner != Learner::kHmms && !request.networks_given)) {
+      continue;
     }
-    return InvalidTrainingData(
-        absl::StrCat("no preset suits the contacts: ", why));
+    comparison.TryWithinLimit(alone.preset,
+                              WithNetworks(alone.options, networks));
   }
-  std::ranges::stable_sort(ranked);
+  std::vector<Compared> pool = comparison.compared();
   // Whoever asks for LSTMs gets the preset that is best with them.
-  if (request.networks_given) comparison.PreferNext();
-  for (const auto& [negative, i] : ranked) {
-    const auto& [name, options] = request.presets[i];
-    const int networks = request.networks_given
-                             ? options.lstm.networks
-                             : std::max(options.lstm.networks, 1);
-    if (networks > 0) {
-      comparison.TryWithinLimit(name, WithNetworks(options, networks));
-    }
+  if (request.networks_given && pool.size() > ranked.size()) {
+    pool.erase(pool.begin(), pool.begin() + ranked.size());
   }
+  const Compared& chosen = Cheapest(pool);
+  choice.name = chosen.preset;
+  choice.options = chosen.options;
   if (request.networks_given) {
-    const auto chosen =
-        std::ranges::find(request.presets, choice.name,
-                          [](const auto& preset) { return preset.first; });
-    choice.options.lstm.networks = chosen->second.lstm.networks;
+    choice.options.lstm.networks =
+        OptionsOf(request, chosen.preset).lstm.networks;
   }
   TACTUS_ASSIGN_OR_RETURN(const Baselines baselines,
                           MeasureBaselines(contacts, folds.folds));

@@ -78,10 +78,12 @@ absl::StatusOr<ChosenOptions> ChooseOptions(
     return chosen;
   }
   ChoiceRequest choice = {.networks_given = request.networks_given,
-                          .work_limit = request.choice_work};
-  for (const char* preset :
-       {"profile", "pattern", "whole-skin", "tuned", "paper"}) {
+                          .work_limit = request.choice_work,
+                          .considered = request.considered};
+  for (const char* preset : {"profile", "pattern", "whole-skin", "tuned",
+                             "paper", "ridge", "trees", "nearest"}) {
     TACTUS_ASSIGN_OR_RETURN(FitOptions options, request.options_of(preset));
+    options.inner_folds = InnerFolds::kChoice;
     if (request.skip_unusable) SkipUnusable(options, chosen);
     choice.presets.emplace_back(preset, std::move(options));
   }

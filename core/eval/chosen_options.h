@@ -44,6 +44,7 @@ struct OptionsRequest {
   // See ChoiceRequest.
   bool networks_given = false;
   int choice_work = kDefaultChoiceWork;
+  std::function<void(const ChoiceCandidate&, int contacts)> considered = {};
   // The options of a preset, with what else was asked for.
   std::function<absl::StatusOr<FitOptions>(absl::string_view preset)>
       options_of;

@@ -258,7 +258,8 @@ absl::StatusOr<Evaluation> EvaluateProtocol(
   }
   FitOptions fit = options;
   if (algorithm == Algorithm::kHmm) fit.lstm.networks = 0;
-  if (protocol.kind == Protocol::kLeaveOneMaterialOut) {
+  if (protocol.kind == Protocol::kLeaveOneMaterialOut &&
+      fit.inner_folds == InnerFolds::kConditions) {
     fit.inner_folds = InnerFolds::kMaterials;
   }
   TACTUS_ASSIGN_OR_RETURN(const auto folds, MakeFolds(contacts, protocol));

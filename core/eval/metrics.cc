@@ -52,6 +52,18 @@ double ExpectedCalibrationError(std::span<const Outcome> outcomes) {
   return outcomes.empty() ? 0 : error / static_cast<double>(outcomes.size());
 }
 
+SureAnswers CountSure(std::span<const Outcome> outcomes,
+                      std::span<const double> unknown, double least) {
+  SureAnswers sure;
+  for (size_t i = 0; i < outcomes.size(); ++i) {
+    const int answer = outcomes[i].answer();
+    if (unknown[i] >= 0.5 || outcomes[i].probability[answer] < least) continue;
+    ++sure.count;
+    sure.right += answer == outcomes[i].label;
+  }
+  return sure;
+}
+
 double MeanLogLoss(std::span<const Outcome> outcomes) {
   constexpr double kMinProbability = 1e-12;
   double sum = 0;

@@ -40,6 +40,17 @@ double Accuracy(std::span<const Outcome> outcomes);
 // (Guo et al., ICML 2017, eq. 3). 0 for none.
 double ExpectedCalibrationError(std::span<const Outcome> outcomes);
 
+// The answers that are given if only sure ones are: those to contacts whose
+// probability of being unknown is below 0.5 and whose top probability is at
+// least `least`.
+struct SureAnswers {
+  int count = 0;
+  int right = 0;
+};
+// `unknown` has one probability per outcome.
+SureAnswers CountSure(std::span<const Outcome> outcomes,
+                      std::span<const double> unknown, double least);
+
 // Mean of -log(probability of the label), each probability at least 1e-12, and
 // mean of the squared distance of the probabilities from the label (Brier,
 // 1950): 0 to 2. 0 without outcomes.

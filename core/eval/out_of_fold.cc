@@ -25,12 +25,16 @@ absl::Status ScoreFold(const Contacts& contacts, const std::vector<int>& fold,
                           FitModel(rest, options, RunSerially, progress));
   TACTUS_ASSIGN_OR_RETURN(const auto compiled,
                           CompiledModel::Create(std::move(model)));
-  for (const int i : fold) scores[i] = ScoreContact(compiled, *contacts[i]);
+  const std::vector<double> frames =
+      FramesToCalibrate(contacts, options, compiled->model().inputs);
+  for (const int i : fold) {
+    scores[i] = ScoreContact(compiled, *contacts[i], frames);
+  }
   return absl::OkStatus();
 }
 
 // The class with the highest score after the last calibration time: of the
-// LSTMs if there are some, else of the HMMs.
+// LSTMs if there are some, else of the HMMs or of the ridge.
 int AnswerOf(const ScoredContact& scored) {
   const std::vector<double>& scores = scored.lstm_score.empty()
                                           ? scored.log_likelihood.back()
@@ -40,7 +44,7 @@ int AnswerOf(const ScoredContact& scored) {
 
 }  // namespace
 
-absl::StatusOr<int> CountOutOfFoldRight(
+absl::StatusOr<std::vector<bool>> RightOutOfFold(
     const Contacts& contacts, const std::vector<std::vector<int>>& folds,
     const FitOptions& options, const ParallelFor& parallel,
     const Progress& progress) {
@@ -59,10 +63,11 @@ absl::StatusOr<int> CountOutOfFoldRight(
   for (const absl::Status& failure : failures) {
     TACTUS_RETURN_IF_ERROR(failure);
   }
-  return static_cast<int>(
-      std::ranges::count_if(scores, [](const ScoredContact& scored) {
-        return AnswerOf(scored) == scored.labels.back();
-      }));
+  std::vector<bool> right;
+  for (const ScoredContact& scored : scores) {
+    right.push_back(AnswerOf(scored) == scored.labels.back());
+  }
+  return right;
 }
 
 }  // namespace tactus::internal

@@ -1,12 +1,12 @@
 // File: out_of_fold.h
 //
-// How many contacts the models of other folds answer rightly. One model is
+// Which contacts the models of other folds answer rightly. One model is
 // fitted per fold and not calibrated: a calibration would need inner folds, and
 // the best class of HMMs or of LSTMs alone hardly depends on it.
 //
 //   TACTUS_ASSIGN_OR_RETURN(
-//       const int right,
-//       CountOutOfFoldRight(contacts, folds, options, RunSerially));
+//       const std::vector<bool> right,
+//       RightOutOfFold(contacts, folds, options, RunSerially));
 //
 // Deterministic. Contacts must outlive the call. Thread-safe: free functions
 // without state.

@@ -39,8 +39,8 @@ absl::StatusOr<size_t> ClassIndex(const std::string& name, const Model& model) {
 }
 
 absl::Status ReplaceHmms(const ForeignModel& foreign, Model& model) {
-  if (model.ridge) {
-    return InvalidModel("the model", "one with a ridge",
+  if (!HasHmms(model)) {
+    return InvalidModel("the model", "one without HMMs",
                         "one with HMMs, for others to replace them");
   }
   std::set<size_t> replaced;

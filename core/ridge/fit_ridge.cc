@@ -19,9 +19,7 @@ using Matrix = Eigen::MatrixXd;
 using Rows =
     Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// Parts of a contact that give a row each.
-constexpr std::array<double, 3> kParts = {0.25, 0.5, 1};
-constexpr size_t kPartCount = kParts.size();
+constexpr size_t kPartCount = kHistoryParts.size();
 // Penalties, relative to the mean of the diagonal of the kernel matrix.
 constexpr std::array<double, 7> kPenalties = {1e-4, 1e-3, 3e-3, 1e-2,
                                               3e-2, 0.1,  0.5};
@@ -34,49 +32,12 @@ constexpr size_t kThresholdFrames = 16;
 // A number that varies less than this fraction of its mean does not count.
 constexpr double kConstant = 1e-6;
 
-// The frame, from 1, that ends a part of a contact.
-size_t EndOf(double part, size_t frames) {
-  return std::max<size_t>(
-      1, static_cast<size_t>(std::lround(part * static_cast<double>(frames))));
-}
-
-// Sets the scales of the views to the roots of the mean squares of their
-// channels that are not 0.
-void FitScales(std::span<const RidgeSample> samples, HistorySpec& spec) {
-  double raw = 0;
-  double root = 0;
-  double shape = 0;
-  double count = 0;
-  for (const RidgeSample& sample : samples) {
-    for (const auto loads : sample.frames) {
-      double whole = 0;
-      double squares = 0;
-      for (const TaxelLoad& load : loads) {
-        const double value = static_cast<double>(load.root) * load.root;
-        whole += value;
-        squares += value * value;
-      }
-      if (whole <= 0) continue;
-      raw += squares;
-      root += whole;
-      shape += 1;
-      count += static_cast<double>(loads.size());
-    }
-  }
-  if (count == 0) return;
-  const double sums[kHistoryViews] = {raw, root, shape};
-  for (int view = 0; view < kHistoryViews; ++view) {
-    spec.scale[view] = static_cast<float>(1 / std::sqrt(sums[view] / count));
-  }
-}
-
 // Draws the channels of each kernel: some of them, with random weights.
 void DrawMixtures(uint64_t seed, HistorySpec& spec) {
   Random random = Random::ForStream(seed, 0);
   const int cells = spec.cells();
   const int most = std::min(cells, kMiniMixed);
-  spec.mixed_channel.assign(size_t{kHistoryViews} * kMiniKernels * kMiniMixed,
-                            0);
+  spec.mixed_channel.assign(size_t{kFrameViews} * kMiniKernels * kMiniMixed, 0);
   spec.mixed_weight.assign(spec.mixed_channel.size(), 0);
   std::vector<uint16_t> order(cells);
   for (size_t first = 0; first < spec.mixed_channel.size();
@@ -94,10 +55,10 @@ void DrawMixtures(uint64_t seed, HistorySpec& spec) {
 }
 
 // Sets the thresholds of each kernel to quantiles of its values.
-void FitThresholds(std::span<const RidgeSample> samples, uint64_t seed,
+void FitThresholds(std::span<const HistorySample> samples, uint64_t seed,
                    HistorySpec& spec) {
   Random random = Random::ForStream(seed, 1);
-  constexpr size_t kSeries = size_t{kHistoryViews} * kMiniDilationCount;
+  constexpr size_t kSeries = size_t{kFrameViews} * kMiniDilationCount;
   spec.threshold.assign(kSeries * kMiniThresholds * kMiniKernels, 0);
   std::vector<size_t> order(samples.size());
   std::iota(order.begin(), order.end(), size_t{0});
@@ -139,15 +100,15 @@ void FitThresholds(std::span<const RidgeSample> samples, uint64_t seed,
 }
 
 // The numbers of all parts of all contacts, a row each.
-Rows MakeRows(std::span<const RidgeSample> samples, const HistorySpec& spec) {
+Rows MakeRows(std::span<const HistorySample> samples, const HistorySpec& spec) {
   const auto numbers = static_cast<Eigen::Index>(spec.numbers());
   Rows rows(static_cast<Eigen::Index>(samples.size() * kPartCount), numbers);
   TouchHistory history(&spec);
   Eigen::Index row = 0;
-  for (const RidgeSample& sample : samples) {
+  for (const HistorySample& sample : samples) {
     history.Reset();
     size_t t = 0;
-    for (const double part : kParts) {
+    for (const double part : kHistoryParts) {
       for (const size_t end = EndOf(part, sample.frames.size()); t < end; ++t) {
         history.Step(sample.frames[t]);
       }
@@ -177,7 +138,7 @@ void FitScaling(const Rows& rows, Ridge& ridge) {
 // The statistics, the stretches and the kernels count as much as each other,
 // however many they are.
 std::vector<float> BlockWeights(const HistorySpec& spec) {
-  const size_t channels = static_cast<size_t>(spec.channels()) * kHistoryViews;
+  const size_t channels = static_cast<size_t>(spec.channels()) * kFrameViews;
   const size_t statistics = channels * kHistoryStatistics;
   const size_t stretches = channels * kHistoryStretches;
   std::vector<float> weights(spec.numbers());
@@ -193,7 +154,7 @@ std::vector<float> BlockWeights(const HistorySpec& spec) {
 
 // Sum of the log losses of the contacts, at the best sharpness.
 double LogLossOf(const Matrix& predicted,
-                 std::span<const RidgeSample> samples) {
+                 std::span<const HistorySample> samples) {
   double least = std::numeric_limits<double>::infinity();
   for (const double sharpness : kSharpness) {
     double loss = 0;
@@ -221,9 +182,10 @@ Matrix LeftOut(const Matrix& inverse, const Matrix& alpha, const Matrix& wanted,
 }
 
 std::vector<std::vector<Eigen::Index>> ContactsOfGroups(
-    std::span<const RidgeSample> samples) {
+    std::span<const HistorySample> samples) {
   int most = 0;
-  for (const RidgeSample& sample : samples) most = std::max(most, sample.group);
+  for (const HistorySample& sample : samples)
+    most = std::max(most, sample.group);
   std::vector<std::vector<Eigen::Index>> groups(most + 1);
   for (size_t s = 0; s < samples.size(); ++s) {
     groups[samples[s].group].push_back(static_cast<Eigen::Index>(s));
@@ -234,7 +196,7 @@ std::vector<std::vector<Eigen::Index>> ContactsOfGroups(
 
 // The class indicators of `parts` rows a contact, less the shares of the
 // classes.
-Matrix Indicators(std::span<const RidgeSample> samples, size_t parts,
+Matrix Indicators(std::span<const HistorySample> samples, size_t parts,
                   const Eigen::RowVectorXd& share) {
   Matrix wanted(static_cast<Eigen::Index>(samples.size() * parts),
                 share.size());
@@ -251,7 +213,7 @@ Matrix Penalised(Matrix kernel, double penalty) {
 }
 
 // The best penalty for whole contacts. `kernel` is that of all rows.
-absl::StatusOr<double> ChoosePenalty(std::span<const RidgeSample> samples,
+absl::StatusOr<double> ChoosePenalty(std::span<const HistorySample> samples,
                                      const Matrix& kernel,
                                      const Eigen::RowVectorXd& share,
                                      const RidgeOptions& options) {
@@ -282,14 +244,12 @@ absl::StatusOr<double> ChoosePenalty(std::span<const RidgeSample> samples,
 
 }  // namespace
 
-absl::StatusOr<Ridge> FitRidge(std::span<const RidgeSample> samples,
+absl::StatusOr<Ridge> FitRidge(std::span<const HistorySample> samples,
                                const RidgeOptions& options) {
   Ridge ridge;
   HistorySpec& spec = ridge.history;
-  spec.rows = options.rows;
-  spec.columns = options.columns;
-  spec.block = HistoryBlock(options.rows, options.columns);
-  FitScales(samples, spec);
+  static_cast<FrameViews&>(spec) =
+      FitViews(samples, options.rows, options.columns);
   DrawMixtures(options.seed, spec);
   FitThresholds(samples, options.seed, spec);
   TACTUS_RETURN_IF_ERROR(options.go_on());
@@ -309,7 +269,7 @@ absl::StatusOr<Ridge> FitRidge(std::span<const RidgeSample> samples,
   TACTUS_RETURN_IF_ERROR(options.go_on());
 
   Eigen::RowVectorXd share = Eigen::RowVectorXd::Zero(options.classes);
-  for (const RidgeSample& sample : samples) share[sample.label] += 1;
+  for (const HistorySample& sample : samples) share[sample.label] += 1;
   share /= static_cast<double>(samples.size());
   TACTUS_ASSIGN_OR_RETURN(const double penalty,
                           ChoosePenalty(samples, kernel, share, options));

@@ -20,22 +20,13 @@
 #include <cstdint>
 #include <functional>
 #include <span>
-#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/ridge/history_sample.h"
 #include "core/ridge/ridge.h"
 
 namespace tactus::internal {
-
-// A contact as the fit takes it.
-struct RidgeSample {
-  // The touched taxels of each touched frame; at least one frame.
-  std::vector<std::span<const TaxelLoad>> frames;
-  int label = 0;
-  // Contacts of one group are left out together when the penalty is chosen.
-  int group = 0;
-};
 
 struct RidgeOptions {
   int rows = 0;
@@ -46,7 +37,7 @@ struct RidgeOptions {
   std::function<absl::Status()> go_on = [] { return absl::OkStatus(); };
 };
 
-absl::StatusOr<Ridge> FitRidge(std::span<const RidgeSample> samples,
+absl::StatusOr<Ridge> FitRidge(std::span<const HistorySample> samples,
                                const RidgeOptions& options);
 
 }  // namespace tactus::internal

@@ -90,8 +90,11 @@ void Standardise(const float* HWY_RESTRICT x, const float* HWY_RESTRICT offset,
   }
 }
 
-float DotProduct(const float* HWY_RESTRICT x, const float* HWY_RESTRICT y,
-                 size_t count) {
+// The sum over all numbers of term(x, y), which takes two vectors or two
+// numbers, in kDotStripes partial sums.
+template <class Term>
+float SumInStripes(const float* HWY_RESTRICT x, const float* HWY_RESTRICT y,
+                   size_t count, const Term& term) {
   constexpr hn::CappedTag<float, 16> d;
   constexpr size_t kLanes = hn::MaxLanes(d);
   constexpr size_t kParts = kDotStripes / kLanes;
@@ -101,19 +104,44 @@ float DotProduct(const float* HWY_RESTRICT x, const float* HWY_RESTRICT y,
   for (; i + kDotStripes <= count; i += kDotStripes) {
     for (size_t p = 0; p < kParts; ++p) {
       const size_t at = i + p * kLanes;
-      parts[p] = hn::Add(parts[p],
-                         hn::Mul(hn::LoadU(d, x + at), hn::LoadU(d, y + at)));
+      parts[p] =
+          hn::Add(parts[p], term(hn::LoadU(d, x + at), hn::LoadU(d, y + at)));
     }
   }
   float sums[kDotStripes];
   for (size_t p = 0; p < kParts; ++p) {
     hn::StoreU(parts[p], d, sums + p * kLanes);
   }
-  for (size_t s = 0; i + s < count; ++s) sums[s] += x[i + s] * y[i + s];
+  // The rest, with zeros behind it.
+  float left_x[kDotStripes] = {};
+  float left_y[kDotStripes] = {};
+  std::copy(x + i, x + count, left_x);
+  std::copy(y + i, y + count, left_y);
+  for (size_t p = 0; p < kParts; ++p) {
+    const size_t at = p * kLanes;
+    hn::StoreU(
+        hn::Add(hn::LoadU(d, sums + at),
+                term(hn::LoadU(d, left_x + at), hn::LoadU(d, left_y + at))),
+        d, sums + at);
+  }
   for (size_t width = kDotStripes / 2; width > 0; width /= 2) {
     for (size_t s = 0; s < width; ++s) sums[s] += sums[s + width];
   }
   return sums[0];
+}
+
+float DotProduct(const float* HWY_RESTRICT x, const float* HWY_RESTRICT y,
+                 size_t count) {
+  return SumInStripes(x, y, count,
+                      [](auto a, auto b) { return hn::Mul(a, b); });
+}
+
+float SquaredDistance(const float* HWY_RESTRICT x, const float* HWY_RESTRICT y,
+                      size_t count) {
+  return SumInStripes(x, y, count, [](auto a, auto b) {
+    const auto apart = hn::Sub(a, b);
+    return hn::Mul(apart, apart);
+  });
 }
 
 }  // namespace tactus::internal::HWY_NAMESPACE
@@ -127,6 +155,7 @@ HWY_EXPORT(StepMiniKernels);
 HWY_EXPORT(AddScaled);
 HWY_EXPORT(Standardise);
 HWY_EXPORT(DotProduct);
+HWY_EXPORT(SquaredDistance);
 
 void AddChannels(const float* values, size_t count, const ChannelSums& sums) {
   HWY_DYNAMIC_DISPATCH(AddChannels)(values, count, sums);
@@ -149,6 +178,10 @@ void Standardise(std::span<const float> x, std::span<const float> offset,
 
 float DotProduct(std::span<const float> x, std::span<const float> y) {
   return HWY_DYNAMIC_DISPATCH(DotProduct)(x.data(), y.data(), x.size());
+}
+
+float SquaredDistance(std::span<const float> x, std::span<const float> y) {
+  return HWY_DYNAMIC_DISPATCH(SquaredDistance)(x.data(), y.data(), x.size());
 }
 
 }  // namespace tactus::internal

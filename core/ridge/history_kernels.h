@@ -16,6 +16,9 @@ namespace tactus::internal {
 
 // Channels are padded to a multiple of this.
 inline constexpr size_t kChannelPadding = 8;
+constexpr size_t PaddedChannels(size_t channels) {
+  return (channels + kChannelPadding - 1) / kChannelPadding * kChannelPadding;
+}
 
 // One element per channel.
 struct ChannelSums {
@@ -54,5 +57,7 @@ void Standardise(std::span<const float> x, std::span<const float> offset,
 // The sum of products, in kDotStripes partial sums.
 inline constexpr size_t kDotStripes = 32;
 float DotProduct(std::span<const float> x, std::span<const float> y);
+// The sum of squared differences, likewise.
+float SquaredDistance(std::span<const float> x, std::span<const float> y);
 
 }  // namespace tactus::internal

@@ -4,7 +4,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
-#include "core/base/limits.h"
 #include "core/base/status_macros.h"
 
 namespace tactus::internal {
@@ -32,41 +31,17 @@ absl::Status CheckSmall(absl::string_view name,
 
 }  // namespace
 
-int HistoryBlock(int rows, int columns) {
-  HistorySpec spec;
-  spec.rows = rows;
-  spec.columns = columns;
-  while (spec.cells() > kMaxHistoryCells) ++spec.block;
-  return spec.block;
-}
-
 absl::Status Validate(const HistorySpec& spec) {
-  if (spec.rows < 1 || spec.columns < 1 ||
-      spec.rows > limits::kMaxTaxels / spec.columns) {
-    return InvalidModel("rows and columns of the history",
-                        absl::StrCat(spec.rows, " x ", spec.columns),
-                        absl::StrCat("1 to ", limits::kMaxTaxels, " taxels"));
-  }
-  if (spec.block != HistoryBlock(spec.rows, spec.columns)) {
-    return InvalidModel("block of the history", spec.block,
-                        absl::StrCat(HistoryBlock(spec.rows, spec.columns)));
-  }
-  for (const float scale : spec.scale) {
-    // Written so that a NaN fails.
-    if (!(scale > 0 && scale <= limits::kMaxSignal)) {
-      return InvalidModel(
-          "scale of the history", scale,
-          absl::StrCat("above 0, at most ", limits::kMaxSignal));
-    }
-  }
-  constexpr size_t kMixed = size_t{kHistoryViews} * kMiniKernels * kMiniMixed;
+  TACTUS_RETURN_IF_ERROR(Validate(static_cast<const FrameViews&>(spec)));
+  const size_t any = spec.has_kernels() ? 1 : 0;
+  const size_t mixed = any * kFrameViews * kMiniKernels * kMiniMixed;
   TACTUS_RETURN_IF_ERROR(
-      CheckSize("mixed channels", spec.mixed_channel.size(), kMixed));
+      CheckSize("mixed channels", spec.mixed_channel.size(), mixed));
   TACTUS_RETURN_IF_ERROR(
-      CheckSize("mixed weights", spec.mixed_weight.size(), kMixed));
-  TACTUS_RETURN_IF_ERROR(CheckSize("thresholds", spec.threshold.size(),
-                                   size_t{kHistoryViews} * kMiniDilationCount *
-                                       kMiniThresholds * kMiniKernels));
+      CheckSize("mixed weights", spec.mixed_weight.size(), mixed));
+  TACTUS_RETURN_IF_ERROR(CheckSize(
+      "thresholds", spec.threshold.size(),
+      any * kFrameViews * kMiniDilationCount * kMiniThresholds * kMiniKernels));
   for (const uint16_t channel : spec.mixed_channel) {
     if (channel >= spec.channels()) {
       return InvalidModel("mixed channel of the history", channel,

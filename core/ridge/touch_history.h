@@ -11,13 +11,12 @@
 //
 // - of each channel (history_spec.h) kHistoryStatistics statistics, one
 //   statistic of all channels after the other;
-// - of each channel its means over kHistoryStretches stretches of equal length,
-//   stretch by stretch. The frames lie in at most 20 blocks of one length; when
-//   these are full, neighbours are put together, so that memory is constant;
+// - of each channel its means over kHistoryStretches stretches (stretches.h),
+//   stretch by stretch;
 // - of each kernel (mini_kernels.h), dilation and threshold the fraction of
 //   frames in which the kernel's value is above the threshold, as
-//   HistorySpec::threshold is ordered. Before the first frame the skin is taken
-//   to be untouched.
+//   HistorySpec::threshold is ordered; none without kernels. Before the first
+//   frame the skin is taken to be untouched.
 //
 // Step and Write allocate nothing; the time of Step does not depend on the
 // frames before. The same frames give the same bits on every processor. Refers
@@ -56,12 +55,7 @@ class TouchHistory {
   std::span<const float> kernel_values() const { return kernel_values_; }
 
  private:
-  static constexpr int kBlocks = 2 * kHistoryStretches;
-
-  void ReadFrame(std::span<const TaxelLoad> loads);
-  void StepBlocks();
   void StepKernels();
-  void WriteStretches(std::span<float> numbers) const;
 
   const HistorySpec* spec_;
   // Channels of all views.
@@ -78,13 +72,7 @@ class TouchHistory {
   std::vector<float> short_mean_;
   std::vector<float> long_mean_;
   std::vector<uint32_t> active_;
-  // Means of the full blocks, [kBlocks][channels], and the sum of the block
-  // that is filled.
-  std::vector<float> block_mean_;
-  std::vector<double> block_sum_;
-  uint64_t block_length_ = 1;
-  uint64_t block_frames_ = 0;
-  int blocks_ = 0;
+  Stretches stretches_;
   // The series of the kernels in the last kMiniReach frames,
   // [views][kMiniReach][kMiniLanes].
   std::vector<float> series_;

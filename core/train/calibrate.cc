@@ -27,9 +27,10 @@ using Scores = std::vector<std::vector<double>>;
 
 // HMMs are never made more confident, because frames are not independent.
 constexpr WeightBounds kHmmBounds = {1e-4, 1};
-// A ridge's scores are about 0 and 1.
-constexpr WeightBounds kRidgeBounds = {1e-2, 100};
-constexpr double kRidgeSharpness = 8;
+// The scores of a ridge are about 0 and 1, those of nearest neighbours about -1
+// and below.
+constexpr WeightBounds kBoundedBounds = {1e-2, 100};
+constexpr double kBoundedSharpness = 8;
 constexpr WeightBounds kLstmBounds = {1e-4, 4};
 // Bounds of the tempered log-probabilities' weights in the fused answer.
 constexpr WeightBounds kFusedBounds = {0, 2};
@@ -146,7 +147,7 @@ void FitAnswers(std::span<const ScoredContact> contacts, Calibration& c) {
   for (size_t time = 0; time < c.frames.size(); ++time) {
     const Member hmm = FitMember(
         contacts, &ScoredContact::log_likelihood, time,
-        contacts.front().of_ridge ? kRidgeBounds : kHmmBounds, log_prior);
+        contacts.front().bounded ? kBoundedBounds : kHmmBounds, log_prior);
     c.hmm_inverse_temperature.push_back(hmm.fit.weights[0]);
     Append(hmm.fit.bias, c.hmm_bias);
     if (!has_lstm) continue;
@@ -176,6 +177,27 @@ void FitAnswers(std::span<const ScoredContact> contacts, Calibration& c) {
       c.fused_bias.resize(c.fused_bias.size() + classes);
     }
   }
+}
+
+// The calibrated answer to a scored contact at one of the calibration's times.
+void PosteriorAt(const ScoredContact& contact, size_t time,
+                 std::span<const double> log_prior, const Calibration& c,
+                 std::span<double> probability) {
+  const size_t classes = log_prior.size();
+  const auto bias = [&](const std::vector<double>& table) {
+    return std::span(table).subspan(time * classes, classes);
+  };
+  TemperedPosterior(log_prior, contact.log_likelihood[time],
+                    c.hmm_inverse_temperature[time], bias(c.hmm_bias),
+                    probability);
+  if (contact.lstm_score.empty()) return;
+  const std::vector<double> hmm(probability.begin(), probability.end());
+  std::vector<double> lstm(classes);
+  TemperedPosterior(log_prior, contact.lstm_score[time],
+                    c.lstm_inverse_temperature[time], bias(c.lstm_bias), lstm);
+  const CalibrationPoint weights = {.hmm_weight = c.hmm_weight[time],
+                                    .lstm_weight = c.lstm_weight[time]};
+  FusePosteriors(hmm, lstm, weights, bias(c.fused_bias), probability);
 }
 
 // Scales the estimated deviations so that 68.3 % of the errors lie within one
@@ -209,7 +231,8 @@ void FitEstimateScales(std::span<const ScoredContact> contacts,
 }  // namespace
 
 std::vector<double> CalibrationFrames(double rate,
-                                      const StepIntervals& lstm_steps) {
+                                      const StepIntervals& lstm_steps,
+                                      size_t longest) {
   std::vector<double> distinct;
   for (const double early_s : {0.01, 0.03}) {
     const double frame = std::max(1.0, std::round(early_s * rate));
@@ -219,13 +242,17 @@ std::vector<double> CalibrationFrames(double rate,
   }
   std::ranges::copy(AnytimeFrames(rate), std::back_inserter(distinct));
   distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+  while (distinct.back() < static_cast<double>(longest)) {
+    distinct.push_back(2 * distinct.back());
+  }
   return distinct;
 }
 
 ScoredContact ScoreContact(const std::shared_ptr<const CompiledModel>& model,
-                           const LabelledContact& contact) {
+                           const LabelledContact& contact,
+                           const std::vector<double>& frames) {
   ScoredContact scored;
-  scored.of_ridge = model->model().ridge.has_value();
+  scored.bounded = !HasHmms(model->model());
   const std::vector<std::string>& names = model->model().class_names;
   const bool so_far = model->model().truth == Truth::kSoFar;
   ContactClassifier classifier(model, {});
@@ -250,9 +277,6 @@ ScoredContact ScoreContact(const std::shared_ptr<const CompiledModel>& model,
                               : std::numeric_limits<double>::quiet_NaN());
     }
   };
-  const InputSpec& inputs = model->model().inputs;
-  const std::vector<double> frames =
-      CalibrationFrames(contact.sample_rate_hz, inputs.lstm_steps);
   size_t next = 0;
   WalkFrames(contact, classifier, [&](size_t) {
     for (; next < frames.size() &&
@@ -271,7 +295,7 @@ HeldOutSkill SkillOf(std::span<const ScoredContact> contacts) {
     const std::vector<double>& scores = contact.log_likelihood.back();
     const std::vector<double> zeros(scores.size(), 0.0);
     std::vector<double> probability(scores.size());
-    TemperedPosterior(zeros, scores, contact.of_ridge ? kRidgeSharpness : 1,
+    TemperedPosterior(zeros, scores, contact.bounded ? kBoundedSharpness : 1,
                       zeros, probability);
     if (!contact.lstm_score.empty()) {
       std::vector<double> lstm(scores.size());
@@ -303,6 +327,30 @@ void FitCalibration(std::span<const ScoredContact> contacts,
   FitUnknown(contacts, c);
   FitAnswers(contacts, c);
   FitEstimateScales(contacts, c);
+}
+
+void HoldTheBestAnswer(std::span<const ScoredContact> contacts,
+                       Calibration& calibration) {
+  Calibration& c = calibration;
+  std::vector<double> log_prior;
+  for (const double p : c.prior) log_prior.push_back(std::log(p));
+  std::vector<double> probability(c.prior.size());
+  int most = -1;
+  size_t best = 0;
+  for (size_t time = 0; time < c.frames.size(); ++time) {
+    int right = 0;
+    for (const ScoredContact& contact : contacts) {
+      PosteriorAt(contact, time, log_prior, c, probability);
+      right += std::ranges::max_element(probability) - probability.begin() ==
+               contact.labels[time];
+    }
+    // The last of equal ones, so that no evidence is lost without need.
+    if (right < most) continue;
+    most = right;
+    best = time;
+  }
+  c.hold_after_frames =
+      best + 1 < c.frames.size() ? static_cast<uint32_t>(c.frames[best]) : 0;
 }
 
 void PresumeEvenShares(std::span<const ScoredContact> contacts,

@@ -14,9 +14,9 @@
 // the better of the two answers.
 //
 //   std::vector<ScoredContact> scored;
-//   scored.push_back(ScoreContact(model_without_it, contact));
-//   FitCalibration(scored, CalibrationFrames(/*rate=*/100),
-//                  model.calibration);
+//   const auto frames = CalibrationFrames(/*rate=*/100);
+//   scored.push_back(ScoreContact(model_without_it, contact, frames));
+//   FitCalibration(scored, frames, model.calibration);
 //
 // Thread-safe: free functions without state.
 #pragma once
@@ -32,15 +32,18 @@ namespace tactus::internal {
 
 // Frames since onset at which calibrations are fitted: those of AnytimeFrames
 // that differ. Before them 0.01 and 0.03 s, if LSTMs of these steps have a
-// first one that early (StepIntervals::first).
+// first one that early (StepIntervals::first). After them each twice the last,
+// until a contact of `longest` frames has ended.
 std::vector<double> CalibrationFrames(double rate,
-                                      const StepIntervals& lstm_steps = {});
+                                      const StepIntervals& lstm_steps = {},
+                                      size_t longest = 0);
 
 // A held-out contact's scores at each calibration time.
 struct ScoredContact {
   // The class at each time: the label, or the label so far.
   std::vector<int> labels;
-  // [times][classes], of the HMMs or of the ridge; a contact shorter than a
+  // [times][classes], of the HMMs or of what stands in their place; a contact
+  // shorter than a
   // time gives its last.
   std::vector<std::vector<double>> log_likelihood;
   // [times][classes], the LSTMs' log-probabilities; empty without an LSTM.
@@ -58,14 +61,15 @@ struct ScoredContact {
   // [times]: estimated stiffness, log10 N/m; NaN before the first estimate.
   // Empty without an estimator.
   std::vector<double> log10_stiffness;
-  // The scores are those of a ridge.
-  bool of_ridge = false;
+  // The scores do not grow with the steps: there are no HMMs.
+  bool bounded = false;
 };
 
 // Scores one contact with a model that was not fitted to it. Its label must be
-// a class of the model.
+// a class of the model. `frames`: CalibrationFrames().
 ScoredContact ScoreContact(const std::shared_ptr<const CompiledModel>& model,
-                           const LabelledContact& contact);
+                           const LabelledContact& contact,
+                           const std::vector<double>& frames);
 
 // How good the scores are after the last calibration time, without any
 // temperature, a uniform prior, and HMMs and LSTMs with equal weights.
@@ -81,6 +85,12 @@ HeldOutSkill SkillOf(std::span<const ScoredContact> contacts);
 void FitCalibration(std::span<const ScoredContact> contacts,
                     const std::vector<double>& frames,
                     Calibration& calibration);
+
+// Lets a fitted calibration hold the answer (Calibration::hold_after_frames)
+// from the time on at which most contacts are answered rightly, so that frames
+// that mislead change nothing. If that is the last time, nothing is held.
+void HoldTheBestAnswer(std::span<const ScoredContact> contacts,
+                       Calibration& calibration);
 
 // Makes a fitted calibration answer as if all classes were equally frequent.
 // The share of a class is the fraction of `contacts` that have its label in the

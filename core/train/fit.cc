@@ -19,6 +19,7 @@
 #include "core/contacts/trained_on.h"
 #include "core/train/calibrate.h"
 #include "core/train/fit_decisions.h"
+#include "core/train/measure_skin_range.h"
 #include "core/train/model_fit.h"
 #include "core/train/usable.h"
 
@@ -101,18 +102,18 @@ void SetRequirements(const std::vector<const LabelledContact*>& contacts,
       contacts.front()->with_poses ? PoseNeed::kNeeded : PoseNeed::kIgnored;
 }
 
-// A ridge sees taxels alone.
-absl::Status CheckRidge(const std::vector<const LabelledContact*>& contacts,
-                        const FitOptions& options) {
+// Learners without cues see taxels alone.
+absl::Status CheckTaxels(const std::vector<const LabelledContact*>& contacts,
+                         const FitOptions& options) {
   if (options.variations.copies > 0) {
     return InvalidConfig("copies", options.variations.copies,
-                         "0 with a ridge, which sees taxels");
+                         "0 with a learner that sees taxels");
   }
   for (const LabelledContact* contact : contacts) {
     if (IsIdeal(*contact)) {
       return InvalidTrainingData(absl::StrCat(
           "contact ", ContactName(*contact),
-          " is of ideal signals, but a ridge takes taxels of a skin"));
+          " is of ideal signals, but the learner takes taxels of a skin"));
     }
   }
   return absl::OkStatus();
@@ -376,6 +377,7 @@ LearningPoint PointOf(const Fold& fold, int number, size_t folds) {
 // Compiles the models of all folds, and scores the contacts of those that have
 // no scores yet.
 absl::Status ScoreFolds(const std::vector<const LabelledContact*>& contacts,
+                        const std::vector<double>& frames,
                         const ParallelFor& parallel, const Progress& progress,
                         const FitRun& run, std::vector<Fold>& folds) {
   std::vector<std::pair<Fold*, int>> tasks;
@@ -397,7 +399,8 @@ absl::Status ScoreFolds(const std::vector<const LabelledContact*>& contacts,
   TACTUS_RETURN_IF_ERROR(RunAll(parallel, tasks.size(), [&](int t) {
     TACTUS_RETURN_IF_ERROR(run.GoOn());
     const auto [fold, i] = tasks[t];
-    fold->scores[i] = ScoreContact(fold->model, *contacts[fold->contacts[i]]);
+    fold->scores[i] =
+        ScoreContact(fold->model, *contacts[fold->contacts[i]], frames);
     scoring.Add(1 / static_cast<double>(tasks.size()));
     return absl::OkStatus();
   }));
@@ -448,8 +451,9 @@ absl::Status FitQuestions(const std::vector<const LabelledContact*>& contacts,
 
 // Fits the calibration to the scores that each inner fold gets from the models
 // of the other folds.
-absl::Status Calibrate(ClassShares shares, std::vector<Fold>& folds,
-                       Model& model) {
+absl::Status Calibrate(const FitOptions& options,
+                       const std::vector<double>& frames,
+                       std::vector<Fold>& folds, Model& model) {
   std::vector<ScoredContact> all;
   for (Fold& fold : folds) {
     std::ranges::move(fold.scores, std::back_inserter(all));
@@ -463,11 +467,11 @@ absl::Status Calibrate(ClassShares shares, std::vector<Fold>& folds,
   if (!model.estimator) {
     for (ScoredContact& contact : all) contact.log10_stiffness.clear();
   }
-  FitCalibration(
-      all,
-      CalibrationFrames(model.inputs.sample_rate_hz, model.inputs.lstm_steps),
-      model.calibration);
-  if (shares == ClassShares::kEven) {
+  FitCalibration(all, frames, model.calibration);
+  if (options.inner_folds == InnerFolds::kChoice) {
+    HoldTheBestAnswer(all, model.calibration);
+  }
+  if (options.shares == ClassShares::kEven) {
     PresumeEvenShares(all, model.calibration);
   }
   return absl::OkStatus();
@@ -497,6 +501,18 @@ absl::Status AddWarmUp(const std::vector<const LabelledContact*>& contacts,
 
 }  // namespace
 
+std::vector<double> FramesToCalibrate(
+    const std::vector<const LabelledContact*>& contacts,
+    const FitOptions& options, const InputSpec& inputs) {
+  size_t longest = 0;
+  if (options.inner_folds == InnerFolds::kChoice) {
+    for (const LabelledContact* contact : contacts) {
+      longest = std::max(longest, contact->frames.size());
+    }
+  }
+  return CalibrationFrames(inputs.sample_rate_hz, inputs.lstm_steps, longest);
+}
+
 std::vector<std::string> ClassNames(
     const std::vector<const LabelledContact*>& contacts) {
   constexpr std::array<const char*, 4> kFirst = {"HU", "HM", "SU", "SM"};
@@ -517,8 +533,8 @@ absl::StatusOr<Model> FitModel(
   TACTUS_RETURN_IF_ERROR(CheckContacts(contacts));
   const FitOptions options = SuitedToAxes(given, contacts);
   const std::vector<std::string> class_names = ClassNames(contacts);
-  TACTUS_RETURN_IF_ERROR(options.ridge
-                             ? CheckRidge(contacts, options)
+  TACTUS_RETURN_IF_ERROR(options.learner != Learner::kHmms
+                             ? CheckTaxels(contacts, options)
                              : CheckCues(contacts, options.hmm_cues, options));
   if (options.lstm.networks > 0) {
     TACTUS_RETURN_IF_ERROR(CheckCues(contacts, options.lstm.cues, options));
@@ -555,12 +571,16 @@ absl::StatusOr<Model> FitModel(
     left_out.contacts = held.left_out;
     left_out.model = std::move(compiled);
   }
-  TACTUS_RETURN_IF_ERROR(ScoreFolds(contacts, parallel, progress, run, folds));
+  const std::vector<double> frames =
+      FramesToCalibrate(contacts, options, model.inputs);
+  TACTUS_RETURN_IF_ERROR(
+      ScoreFolds(contacts, frames, parallel, progress, run, folds));
   if (options.calibrate) {
-    TACTUS_RETURN_IF_ERROR(Calibrate(options.shares, folds, model));
+    TACTUS_RETURN_IF_ERROR(Calibrate(options, frames, folds, model));
     TACTUS_RETURN_IF_ERROR(FitQuestions(contacts, parallel, run, folds, model));
   }
   SetRequirements(contacts, options.features, model);
+  if (NeedsSkin(model)) model.skin_range = MeasureSkinRange(contacts);
   TACTUS_RETURN_IF_ERROR(AddWarmUp(contacts, model));
   model.provenance.trials = static_cast<uint32_t>(contacts.size());
   model.provenance.seed = options.seed;

@@ -24,6 +24,12 @@
 
 namespace tactus::internal {
 
+// The times at which the answers of models of these inputs are calibrated
+// (CalibrationFrames).
+std::vector<double> FramesToCalibrate(
+    const std::vector<const LabelledContact*>& contacts,
+    const FitOptions& options, const InputSpec& inputs);
+
 // Returns the labels of `contacts`: HU, HM, SU, SM first if present, then the
 // others in alphabetical order.
 std::vector<std::string> ClassNames(

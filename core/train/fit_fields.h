@@ -37,6 +37,22 @@ void Fields(Archive& archive, Ridge& ridge) {
 }
 
 template <class Archive>
+void Fields(Archive& archive, Trees& trees) {
+  HistorySpec& history = trees.history;
+  for (float& scale : history.scale) archive(scale);
+  archive(history.rows, history.columns, history.block, trees.classes,
+          trees.number, trees.threshold, trees.child, trees.root);
+}
+
+template <class Archive>
+void Fields(Archive& archive, Nearest& nearest) {
+  FrameViews& views = nearest.views;
+  for (float& scale : views.scale) archive(scale);
+  archive(views.rows, views.columns, views.block, nearest.view, nearest.gain,
+          nearest.sample, nearest.label, nearest.classes);
+}
+
+template <class Archive>
 void Fields(Archive& archive, LstmLayer& layer) {
   archive(layer.inputs, layer.cells, layer.kernel, layer.recurrent, layer.bias);
 }
@@ -73,7 +89,7 @@ template <class Archive>
 void Fields(Archive& archive, ScoredContact& scored) {
   archive(scored.labels, scored.log_likelihood, scored.lstm_score,
           scored.estimates, scored.hmm_steps, scored.log10_stiffness,
-          scored.of_ridge);
+          scored.bounded);
 }
 
 template <class Archive>
@@ -143,11 +159,11 @@ void Fields(Archive& archive, QuestionTable& table) {
 }
 template <class Archive>
 void Fields(Archive& archive, FitOptions& options) {
-  auto& [ridge, features, hmm_cues, log_features, hmm_steps, states,
+  auto& [learner, features, hmm_cues, log_features, hmm_steps, states,
          hmms_per_class, score, max_iterations, covariance_floor, lstm,
          questions, truth, variations, inner_folds, calibration_folds, held_out,
          calibrate, shares, seed] = options;
-  archive(ridge, features, hmm_cues, log_features, hmm_steps, states,
+  archive(learner, features, hmm_cues, log_features, hmm_steps, states,
           hmms_per_class, score, max_iterations, covariance_floor, lstm,
           questions, truth, variations, inner_folds, calibration_folds,
           held_out, calibrate, shares, seed);

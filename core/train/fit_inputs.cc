@@ -19,7 +19,8 @@ absl::StatusOr<TaxelEmbedding> EmbeddingFor(const FitRun& run,
                                             const VariedContacts& contacts) {
   const FitOptions& options = run.options;
   std::vector<Cue> cues;
-  if (!options.ridge) cues = CuesFor(options.hmm_cues, options.features);
+  if (options.learner == Learner::kHmms)
+    cues = CuesFor(options.hmm_cues, options.features);
   if (options.lstm.networks > 0) {
     std::ranges::copy(CuesFor(options.lstm.cues, options.features),
                       std::back_inserter(cues));
@@ -63,7 +64,7 @@ absl::StatusOr<InputSpec> FitHmmInputs(const FitRun& run,
   spec.hmm_steps = options.hmm_steps;
   spec.sample_rate_hz = contacts.Original(0).sample_rate_hz;
   TACTUS_ASSIGN_OR_RETURN(spec.embedding, EmbeddingFor(run, contacts));
-  if (options.ridge) return spec;
+  if (options.learner != Learner::kHmms) return spec;
   spec.hmm =
       FitInputs(contacts, Available(options.hmm_cues, options, spec.embedding),
                 {.log_features = options.log_features,

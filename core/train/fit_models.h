@@ -45,8 +45,16 @@ absl::StatusOr<HmmMixture> FitClassHmms(
     const InputSpec& spec, const CueTable& table, int label,
     const ParallelFor& parallel, const Progress& progress);
 
-// The ridge of all contacts, which must be of one skin.
+// What stands in place of HMMs, of all contacts, which must be of one skin.
 absl::StatusOr<Ridge> FitContactRidge(
+    const FitRun& run, const std::string& part,
+    const std::vector<const LabelledContact*>& contacts,
+    const Progress& progress);
+absl::StatusOr<Trees> FitContactTrees(
+    const FitRun& run, const std::string& part,
+    const std::vector<const LabelledContact*>& contacts,
+    const Progress& progress);
+absl::StatusOr<Nearest> FitContactNearest(
     const FitRun& run, const std::string& part,
     const std::vector<const LabelledContact*>& contacts,
     const Progress& progress);

@@ -129,7 +129,7 @@ FitOptions WholeSkinPreset() {
 // have poses or not.
 FitOptions RidgePreset() {
   FitOptions options;
-  options.ridge = true;
+  options.learner = Learner::kRidge;
   options.features = {Feature::kForce};
   options.hmm_steps = {.min = 5, .max = 50, .first = 1, .divisor = 8};
   options.inner_folds = InnerFolds::kChoice;
@@ -137,7 +137,20 @@ FitOptions RidgePreset() {
   return options;
 }
 
+// As the ridge, by another learner of all taxels.
+FitOptions TaxelsPreset(Learner learner) {
+  FitOptions options = RidgePreset();
+  options.learner = learner;
+  return options;
+}
+
 }  // namespace
+
+Learner LearnerOf(const Model& model) {
+  if (model.ridge) return Learner::kRidge;
+  if (model.trees) return Learner::kTrees;
+  return model.nearest ? Learner::kNearest : Learner::kHmms;
+}
 
 absl::StatusOr<FitOptions> FitPreset(absl::string_view name) {
   if (name == "tuned") return TunedPreset();
@@ -145,11 +158,13 @@ absl::StatusOr<FitOptions> FitPreset(absl::string_view name) {
   if (name == "world") return WorldPreset();
   if (name == "profile") return ProfilePreset();
   if (name == "ridge") return RidgePreset();
+  if (name == "trees") return TaxelsPreset(Learner::kTrees);
+  if (name == "nearest") return TaxelsPreset(Learner::kNearest);
   if (name == "pattern") return PatternPreset();
   if (name == "whole-skin") return WholeSkinPreset();
-  return InvalidConfig(
-      "preset", name,
-      "tuned, world, paper, ridge, pattern, whole-skin or profile");
+  return InvalidConfig("preset", name,
+                       "tuned, world, paper, ridge, trees, nearest, pattern, "
+                       "whole-skin or profile");
 }
 
 std::vector<Cue> CuesFor(const std::vector<Cue>& cues,
@@ -203,7 +218,8 @@ bool UsesWholeSkin(const FitOptions& options) {
   const auto of_skin = [](Cue cue) {
     return (SourcesOf(cue) & (kFromTaxels | kFromProfile)) != 0;
   };
-  return options.ridge || std::ranges::any_of(options.hmm_cues, of_skin) ||
+  return options.learner != Learner::kHmms ||
+         std::ranges::any_of(options.hmm_cues, of_skin) ||
          (options.lstm.networks > 0 &&
           (std::ranges::any_of(options.lstm.cues, of_skin) ||
            std::ranges::any_of(options.lstm.stretched_cues, of_skin)));

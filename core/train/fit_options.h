@@ -54,7 +54,9 @@ struct LstmFit {
 enum class InnerFolds {
   kConditions,
   kMaterials,
-  // What the contacts ask for (choice_folds.h): groups, else conditions.
+  // What the contacts ask for (choice_folds.h): groups, else conditions. The
+  // answers are fitted up to the end of the longest contact, and hold where
+  // later frames mislead.
   kChoice,
 };
 
@@ -64,9 +66,23 @@ enum class ClassShares {
   kEven,      // equally frequent
 };
 
+// What answers beside the LSTMs.
+enum class Learner {
+  // HMMs of each class, on cues.
+  kHmms,
+  // A linear classifier (core/ridge). It sees all taxels, and no cues.
+  kRidge,
+  // Extremely randomised trees (core/trees), likewise.
+  kTrees,
+  // One nearest neighbour (core/nearest), likewise.
+  kNearest,
+};
+
+// The learner that a model has.
+Learner LearnerOf(const Model& model);
+
 struct FitOptions {
-  // A ridge (core/ridge) in place of HMMs. It sees all taxels, and no cues.
-  bool ridge = false;
+  Learner learner = Learner::kHmms;
   // Features that models may use. Cues that need others are left out.
   std::vector<Feature> features = {Feature::kForce, Feature::kMotion,
                                    Feature::kArea};
@@ -140,6 +156,8 @@ bool UsesWholeSkin(const FitOptions& options);
 // whose place matters (research/recordings.md).
 // "ridge": a linear classifier of all taxels so far, for few trials
 // (core/ridge).
+// "trees": randomised trees on the same (core/trees).
+// "nearest": the class of the most similar contact (core/nearest).
 // "pattern": mixtures of HMMs on a learned linear embedding of all taxels, for
 // skins on which the place or the pattern of the load is the information.
 // "whole-skin": the same on the whole skin's load without its places, for

@@ -44,7 +44,8 @@ ModelFit::ModelFit(const FitRun& run, std::string prefix,
   model_.hmm_score = run.options.score;
   model_.truth = run.options.truth;
   model_.layout = contacts.front()->layout;
-  if (!run.options.ridge) model_.hmms.resize(run.class_names.size());
+  if (run.options.learner == Learner::kHmms)
+    model_.hmms.resize(run.class_names.size());
 }
 
 size_t ModelFit::InputBytes() const {
@@ -58,7 +59,8 @@ size_t ModelFit::InputBytes() const {
 }
 
 absl::Status ModelFit::FitHmmInputs(const ParallelFor& parallel) {
-  if (!run_.options.ridge) hmm_contacts_.MeasureNoise(parallel);
+  if (run_.options.learner == Learner::kHmms)
+    hmm_contacts_.MeasureNoise(parallel);
   TACTUS_ASSIGN_OR_RETURN(
       model_.inputs,
       tactus::internal::FitHmmInputs(run_, absl::StrCat(prefix_, "inputs"),
@@ -90,7 +92,7 @@ int ModelFit::ClassOf(int task) const {
 }
 
 int ModelFit::QuickestTask() const {
-  if (run_.options.ridge) return networks_ == 0 ? 0 : 1;
+  if (run_.options.learner != Learner::kHmms) return networks_ == 0 ? 0 : 1;
   const auto contacts_of = [&](const std::string& name) {
     return std::ranges::count(hmm_contacts_.originals(), name,
                               &LabelledContact::label);
@@ -109,10 +111,23 @@ double ModelFit::Weight(int task) const {
 absl::Status ModelFit::FitTask(int task, const Progress& progress,
                                const ParallelFor& parallel) {
   if (const int n = NetworkOf(task); n >= 0) return FitNetwork(n, progress);
-  if (run_.options.ridge) {
+  if (run_.options.learner == Learner::kRidge) {
     TACTUS_ASSIGN_OR_RETURN(
         model_.ridge, FitContactRidge(run_, absl::StrCat(prefix_, "ridge"),
                                       hmm_contacts_.originals(), progress));
+    return absl::OkStatus();
+  }
+  if (run_.options.learner == Learner::kTrees) {
+    TACTUS_ASSIGN_OR_RETURN(
+        model_.trees, FitContactTrees(run_, absl::StrCat(prefix_, "trees"),
+                                      hmm_contacts_.originals(), progress));
+    return absl::OkStatus();
+  }
+  if (run_.options.learner == Learner::kNearest) {
+    TACTUS_ASSIGN_OR_RETURN(
+        model_.nearest,
+        FitContactNearest(run_, absl::StrCat(prefix_, "nearest"),
+                          hmm_contacts_.originals(), progress));
     return absl::OkStatus();
   }
   const int c = ClassOf(task);

@@ -79,7 +79,9 @@ class ModelFit {
  private:
   // Tasks that are not networks.
   int FirstTasks() const {
-    return run_.options.ridge ? 1 : static_cast<int>(run_.class_names.size());
+    return run_.options.learner != Learner::kHmms
+               ? 1
+               : static_cast<int>(run_.class_names.size());
   }
   // The number of the network that a task trains; -1 for HMMs.
   int NetworkOf(int task) const;

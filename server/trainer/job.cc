@@ -18,6 +18,7 @@
 #include "core/contacts/trained_on.h"
 #include "core/data/frame_fingerprint.h"
 #include "core/data/trial_record.h"
+#include "core/eval/choice_proto.h"
 #include "core/eval/chosen_options.h"
 #include "core/eval/evaluate.h"
 #include "core/store/blob_store.h"
@@ -143,28 +144,6 @@ void AddUnusable(const std::vector<std::string>& names,
 std::string DataName(const std::string& dataset_version,
                      const v1::JobSpec& spec) {
   return absl::StrCat(dataset_version, " ", spec.dataset_sha256());
-}
-
-v1::PresetChoice ToProto(const PresetChoice& choice) {
-  v1::PresetChoice proto;
-  proto.set_preset(choice.name);
-  proto.set_networks(choice.options.lstm.networks);
-  for (const ChoiceCandidate& candidate : choice.candidates) {
-    v1::PresetCandidate& added = *proto.add_candidates();
-    added.set_preset(candidate.preset);
-    added.set_networks(candidate.networks);
-    added.set_correct(candidate.right);
-    added.set_unfit(candidate.unfit);
-  }
-  proto.set_contacts(choice.contacts);
-  proto.set_folds(choice.folds);
-  proto.set_by_condition(choice.by == FoldsBy::kConditions);
-  proto.set_by_group(choice.by == FoldsBy::kGroups);
-  proto.set_work(choice.work);
-  proto.set_work_limit(choice.work_limit);
-  proto.set_nearest_correct(choice.nearest_right);
-  proto.set_chance(choice.chance);
-  return proto;
 }
 
 OptionsRequest RequestOf(const v1::TrainSpec& spec, bool without_poses) {

@@ -49,6 +49,11 @@ std::unique_ptr<Benchmark> MakeTrainLstmBenchmark();
 // or if N objects are not N contacts.
 std::unique_ptr<Benchmark> MakeSessionBenchmark();
 
+// The learners for few trials, of 300 made-up contacts of 20 x 20 taxels in 2
+// and in 20 classes. Rows few-trials/LEARNER/N_classes/: frame (ns of a step),
+// answer (ns of the scores), stream (KiB of memory), fit (s of one core).
+std::unique_ptr<Benchmark> MakeFewTrialsBenchmark();
+
 // Each rule of skip_rules.h on and off, on 64 contacts of the random world as
 // the skin `good` records them, with the default bundle. Rows skipping/RULE: ns
 // per frame, before the onset or after it, whichever the rule is for. The error

@@ -31,6 +31,7 @@ int Main(int argc, char** argv) {
   add(MakeLstmBenchmark());
   add(MakeTrainLstmBenchmark());
   add(MakeSessionBenchmark());
+  add(MakeFewTrialsBenchmark());
   add(MakeSkippingBenchmark());
   add(MakeSimBenchmark());
   add(MakeIdleBenchmark());

@@ -9,6 +9,7 @@
 #include "core/base/status_macros.h"
 #include "core/bundle/bundle.h"
 #include "core/bundle/field_count.h"
+#include "core/bundle/learner_proto.h"
 #include "core/bundle/model_proto.h"
 #include "core/classify/calibration.h"
 #include "core/classify/compiled_model.h"
@@ -28,6 +29,11 @@ namespace tactus::internal::examples {
 
 static void BundleExample(const std::string& bytes) {
 #include "core/bundle/bundle.h.inc"
+}
+
+static absl::Status LearnerProtoExample(Model& model, v1::ModelBundle& bundle) {
+#include "core/bundle/learner_proto.h.inc"
+  return absl::OkStatus();
 }
 
 static void FieldCountExample(const std::string& bytes) {

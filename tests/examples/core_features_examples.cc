@@ -25,6 +25,7 @@
 #include "core/skin/normal_loads.h"
 #include "core/skin/pose_spacing.h"
 #include "core/skin/taxel_values.h"
+#include "core/taxels/skin_range.h"
 #include "core/taxels/taxel_embedding.h"
 #include "core/taxels/whole_skin.h"
 
@@ -89,6 +90,14 @@ static void TaxelLoadExample() {
 static void TaxelEmbeddingExample(const TaxelEmbedding& embedding,
                                   const ContactSample& sample) {
 #include "core/taxels/taxel_embedding.h.inc"
+}
+
+void Tell(std::span<const SkinRangeWatch::Reading> differing);
+
+static void SkinRangeExample(
+    const SkinRange& range,
+    const std::vector<std::span<const TaxelLoad>>& frames) {
+#include "core/taxels/skin_range.h.inc"
 }
 
 static void WholeSkinExample(const ContactSample& sample) {

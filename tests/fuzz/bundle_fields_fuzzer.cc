@@ -1,9 +1,12 @@
-// Changes fields of the default bundle, or of a small model that is quicker to
-// load, repairs length and checksum, and loads the result as the server does.
-// Whatever is accepted must classify: every number that a stream would send is
-// finite, every distribution sums to 1.
+// Changes fields of the default bundle, of a small model that is quicker to
+// load, or of one with another learner than HMMs, repairs length and checksum,
+// and loads the result as the server does. Whatever is accepted must classify:
+// every number that a stream would send is finite, every distribution sums to
+// 1.
 #include <fuzzer/FuzzedDataProvider.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -14,8 +17,10 @@
 #include "core/bundle/bundle.h"
 #include "core/bundle/model_proto.h"
 #include "core/classify/contact_classifier.h"
+#include "core/train/fit.h"
 #include "google/protobuf/message.h"
 #include "server/registry/default_bundle.h"
+#include "tests/support/pattern_contacts.h"
 #include "tests/support/sealed_bundle.h"
 #include "tests/support/small_model.h"
 
@@ -72,6 +77,8 @@ void SetValue(FuzzedDataProvider& data, const FieldDescriptor* field,
       SET(Double, Number(data));
     case FieldDescriptor::CPPTYPE_FLOAT:
       SET(Float, static_cast<float>(Number(data)));
+    case FieldDescriptor::CPPTYPE_INT32:
+      SET(Int32, static_cast<int32_t>(Whole(data)));
     case FieldDescriptor::CPPTYPE_UINT32:
       SET(UInt32, static_cast<uint32_t>(Whole(data)));
     case FieldDescriptor::CPPTYPE_UINT64:
@@ -166,6 +173,8 @@ void Classify(
     FuzzedDataProvider& data,
     const std::shared_ptr<const tactus::internal::CompiledModel>& model) {
   tactus::internal::ContactClassifier classifier(model, {});
+  const auto taxels =
+      static_cast<uint32_t>(tactus::internal::TaxelsNeeded(model->model()));
   for (int i = 0; i < 30; ++i) {
     tactus::internal::ContactSample sample = {
         {1.0 + i, 1e-4 * i, 1e-3 * i}, 2.0 + i, {}};
@@ -177,6 +186,16 @@ void Classify(
                 {}};
       sample.profile.fill(data.ConsumeFloatingPointInRange(0.0, 1e8));
     }
+    std::vector<tactus::internal::TaxelLoad> loads;
+    for (uint32_t taxel = 0; taxel < std::min(taxels, 40U);
+         taxel += data.ConsumeIntegralInRange(1U, 9U)) {
+      const bool largest = data.ConsumeBool();
+      loads.push_back(
+          {taxel,
+           std::sqrt(largest ? tactus::internal::limits::kMaxTaxelValue
+                             : data.ConsumeFloatingPointInRange(1e-6F, 1e3F))});
+    }
+    sample.loads = loads;
     classifier.Step(sample, data.ConsumeIntegralInRange(0, 20));
     RequireDistribution(classifier.probability());
     RequireDistribution(classifier.hmm_probability());
@@ -203,6 +222,16 @@ tactus::v1::ModelBundle DefaultModel() {
           ->model());
 }
 
+// A model of three classes, by a preset without HMMs.
+tactus::v1::ModelBundle FittedModel(const char* preset) {
+  const auto contacts = tactus::internal::testing::ContactsByPattern();
+  std::vector<const tactus::internal::LabelledContact*> pointers;
+  for (const auto& contact : contacts) pointers.push_back(&contact);
+  return tactus::internal::ModelToProto(*tactus::internal::FitModel(
+      pointers, *tactus::internal::FitPreset(preset),
+      tactus::internal::RunSerially));
+}
+
 tactus::v1::ModelBundle SmallModel() {
   tactus::internal::Model model = tactus::internal::testing::SmallModel();
   model.layout = *tactus::internal::LayoutPreset("cody-forearm");
@@ -226,9 +255,13 @@ tactus::v1::ModelBundle SmallModel() {
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
   static const auto* const large = new tactus::v1::ModelBundle(DefaultModel());
   static const auto* const small = new tactus::v1::ModelBundle(SmallModel());
+  static const auto* const fitted = new std::array{
+      FittedModel("ridge"), FittedModel("trees"), FittedModel("nearest")};
   FuzzedDataProvider data(bytes, size);
-  tactus::v1::ModelBundle bundle =
-      data.ConsumeIntegralInRange(0, 15) == 0 ? *large : *small;
+  const int which = data.ConsumeIntegralInRange(0, 15);
+  tactus::v1::ModelBundle bundle = which == 0  ? *large
+                                   : which < 7 ? (*fitted)[which % 3]
+                                               : *small;
   for (int n = data.ConsumeIntegralInRange(0, 6); n > 0; --n) {
     Mutate(data, &bundle);
   }

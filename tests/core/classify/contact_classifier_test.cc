@@ -370,6 +370,27 @@ TEST(ContactClassifierTest, AHeldCalibrationIsReadAtSteps) {
 }
 
 // Only frames that are due count, however few lie between.
+TEST(ContactClassifierTest, AnAnswerHoldsAfterTheFramesOfTheCalibration) {
+  Model model = testing::SmallModel();
+  model.calibration.hold_after_frames = 20;
+  const auto held = *CompiledModel::Create(model);
+  ContactClassifier holding(held, {});
+  ContactClassifier other(SmallCompiled(), {});
+  for (int round = 0; round < 2; ++round) {
+    for (int t = 0; t < 60; ++t) {
+      const ContactSample& sample = t < 20 ? kHard : kSoftMoved;
+      holding.Step(sample, 0);
+      if (t < 20) other.Step(sample, 0);
+      for (int k = 0; k < 4; ++k) {
+        ASSERT_EQ(holding.log_likelihood()[k], other.log_likelihood()[k]) << t;
+      }
+    }
+    EXPECT_EQ(holding.frames(), 60u);
+    holding.Reset();
+    other.Reset();
+  }
+}
+
 TEST(ContactClassifierTest, HmmsRestBetweenTheirIntervals) {
   Model model = testing::SmallModel();
   ContactClassifier every_frame(*CompiledModel::Create(model), {});

@@ -34,6 +34,8 @@ TEST_F(TrainedOnTest, ComparesFrames) {
   SetTrainedOn(Contacts(0, 100), provenance);
   EXPECT_EQ(provenance.trial_fingerprints.size(), 100u);
   EXPECT_TRUE(std::ranges::is_sorted(provenance.trial_fingerprints));
+  EXPECT_EQ(provenance.groups, 1u);
+  EXPECT_EQ(provenance.conditions, 1u);
   struct Case {
     int first, end, contacts;
   };
@@ -65,6 +67,7 @@ TEST_F(TrainedOnTest, ComparesTheDataIfTheBundleNamesNoTrials) {
   // Simulated contacts have no fingerprints.
   SetTrainedOn(Contacts(0, 3, false), provenance);
   EXPECT_TRUE(provenance.trial_fingerprints.empty());
+  EXPECT_EQ(provenance.groups, 0u);
   EXPECT_EQ(DataSha256(Contacts(0, 3, false)), "");
 }
 

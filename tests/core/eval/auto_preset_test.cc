@@ -2,10 +2,12 @@
 
 #include "core/base/errors.h"
 #include "core/base/random.h"
+#include "core/eval/choice_proto.h"
 #include "core/inputs/inputs.h"
 #include "core/train/lstm_work.h"
 #include "gtest/gtest.h"
 #include "tests/core/eval/synthetic_contacts.h"
+#include "tests/support/pattern_contacts.h"
 
 namespace tactus::internal {
 namespace {
@@ -94,6 +96,60 @@ TEST(AutoPresetTest, ACandidateThatDoesNotSuitIsLeftOut) {
                    Hmms({{"profile", *FitPreset("profile")}}), RunSerially);
   EXPECT_EQ(ReasonOf(none.status()), "INVALID_TRAINING_DATA");
   EXPECT_NE(none.status().message().find("profile: "), absl::string_view::npos);
+}
+
+TEST(AutoPresetTest, OfEquallyGoodOnesTheCheaperIsChosen) {
+  const auto contacts = testing::ContactsByPattern();
+  FitOptions pattern = *FitPreset("pattern");
+  pattern.hmms_per_class = 1;
+  const FitOptions ridge = *FitPreset("ridge");
+  const FitOptions nearest = *FitPreset("nearest");
+  const auto choice = ChoosePreset(
+      PointersTo(contacts),
+      Hmms({{"nearest", nearest}, {"ridge", ridge}, {"pattern", pattern}}),
+      RunSerially);
+  ASSERT_TRUE(choice.ok()) << choice.status();
+  ASSERT_EQ(Compared(*choice),
+            (std::vector<std::string>{"nearest", "ridge", "pattern"}));
+  for (const ChoiceCandidate& candidate : choice->candidates) {
+    if (candidate.networks > 0) continue;
+    EXPECT_GE(candidate.right, 34) << candidate.preset;
+  }
+  EXPECT_EQ(choice->name, "pattern");
+}
+
+TEST(AutoPresetTest, WhatIsClearlyBetterIsChosenAtAnyCost) {
+  const auto contacts = testing::ContactsByPattern();
+  // The force alone says nothing here.
+  const auto choice = ChoosePreset(PointersTo(contacts),
+                                   Hmms({{"force", HmmOf({Cue::kForce})},
+                                         {"nearest", *FitPreset("nearest")}}),
+                                   RunSerially);
+  ASSERT_TRUE(choice.ok()) << choice.status();
+  EXPECT_EQ(choice->name, "nearest");
+  EXPECT_EQ(choice->options.learner, Learner::kNearest);
+}
+
+TEST(AutoPresetTest, AChoiceGoesOverTheWireAndBack) {
+  PresetChoice choice;
+  choice.name = "ridge";
+  choice.options.learner = Learner::kRidge;
+  choice.candidates = {{"pattern", 0, Learner::kHmms, 20},
+                       {"ridge", 0, Learner::kRidge, 30},
+                       {"nearest", 0, Learner::kNearest, 0, "too many"}};
+  choice.contacts = 36;
+  choice.folds = 3;
+  choice.by = FoldsBy::kGroups;
+  choice.chance = 0.25;
+  const PresetChoice back = FromProto(ToProto(choice));
+  EXPECT_EQ(back.name, "ridge");
+  EXPECT_EQ(back.options.learner, Learner::kRidge);
+  ASSERT_EQ(back.candidates.size(), 3u);
+  EXPECT_EQ(back.candidates[2].learner, Learner::kNearest);
+  EXPECT_EQ(back.candidates[2].unfit, "too many");
+  EXPECT_EQ(back.candidates[1].right, 30);
+  EXPECT_EQ(back.by, FoldsBy::kGroups);
+  EXPECT_EQ(back.chance, 0.25);
 }
 
 // Classes that only the order of the load tells apart: an LSTM learns it, and

@@ -47,14 +47,14 @@ TEST(ChosenOptionsTest, WithoutANameItDependsOnThePoses) {
   ASSERT_TRUE(without.ok()) << without.status();
   ASSERT_TRUE(without->choice.has_value());
   EXPECT_EQ(without->preset, without->choice->name);
-  // The contacts are ideal signals, which three presets are not for.
+  // The contacts are ideal signals, which six presets are not for.
   int unfit = 0;
   for (const ChoiceCandidate& candidate : without->choice->candidates) {
     unfit += !candidate.unfit.empty();
   }
-  EXPECT_EQ(unfit, 3);
+  EXPECT_EQ(unfit, 6);
   // Two with HMMs alone and with an LSTM.
-  EXPECT_EQ(without->choice->candidates.size(), 5u + 2u);
+  EXPECT_EQ(without->choice->candidates.size(), 8u + 2u);
 }
 
 // Whether `preset` needs the whole skin, with an LSTM on these cues.

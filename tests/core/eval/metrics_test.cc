@@ -56,5 +56,18 @@ TEST(MetricsTest, ErrorsOfEstimatesAreSummedUp) {
   EXPECT_EQ(SummariseErrors({}).count, 0);
 }
 
+TEST(MetricsTest, OnlyKnownContactsWithALargeProbabilityGetASureAnswer) {
+  const std::vector<Outcome> outcomes = {{0, {0.97, 0.03}},
+                                         {1, {0.96, 0.04}},
+                                         {0, {0.94, 0.06}},
+                                         {1, {0.02, 0.98}},
+                                         {1, {0.02, 0.98}}};
+  const std::vector<double> unknown = {0.1, 0.1, 0.1, 0.49, 0.5};
+  const SureAnswers sure = CountSure(outcomes, unknown, 0.95);
+  EXPECT_EQ(sure.count, 3);
+  EXPECT_EQ(sure.right, 2);
+  EXPECT_EQ(CountSure({}, {}, 0.95).count, 0);
+}
+
 }  // namespace
 }  // namespace tactus::internal

@@ -20,7 +20,7 @@ constexpr int kColumns = 4;
 // Contacts of which class k presses column k hardest; `noise` blurs that.
 struct Touches {
   std::vector<std::unique_ptr<Frames>> frames;
-  std::vector<RidgeSample> samples;
+  std::vector<HistorySample> samples;
 };
 
 Touches MakeTouches(int classes, int of_each, double noise, uint64_t seed) {
@@ -52,7 +52,7 @@ int RightOf(const Ridge& ridge, const Touches& touches) {
   RidgeScorer scorer(&ridge);
   std::vector<double> scores(ridge.classes());
   int right = 0;
-  for (const RidgeSample& sample : touches.samples) {
+  for (const HistorySample& sample : touches.samples) {
     scorer.Reset();
     for (const auto frame : sample.frames) scorer.Step(frame);
     scorer.Score(scores);
@@ -77,7 +77,7 @@ TEST(FitRidgeTest, IsAtTheMinimum) {
   const auto ridge = FitRidge(touches.samples, OptionsFor(3));
   ASSERT_TRUE(ridge.ok());
   const size_t numbers = ridge->offset.size();
-  const size_t channels = size_t{kRows * kColumns + 1} * kHistoryViews;
+  const size_t channels = size_t{kRows * kColumns + 1} * kFrameViews;
   const auto block = [&](size_t i) {
     const size_t statistics = channels * kHistoryStatistics;
     const size_t stretches = channels * kHistoryStretches;
@@ -90,7 +90,7 @@ TEST(FitRidgeTest, IsAtTheMinimum) {
   std::vector<double> gradient(numbers);
   TouchHistory history(&ridge->history);
   std::vector<float> row(numbers);
-  for (const RidgeSample& sample : touches.samples) {
+  for (const HistorySample& sample : touches.samples) {
     for (const double part : {0.25, 0.5, 1.0}) {
       history.Reset();
       const auto end =
@@ -140,7 +140,7 @@ TEST(FitRidgeTest, GivesTheSameBits) {
 TEST(FitRidgeTest, PoorDataGiveFiniteAnswers) {
   // Equal contacts, of one frame, in one group, and classes of one contact.
   Touches touches = MakeTouches(2, 1, 0, 5);
-  for (RidgeSample& sample : touches.samples) {
+  for (HistorySample& sample : touches.samples) {
     sample.frames.resize(1);
     sample.group = 0;
   }
@@ -152,7 +152,7 @@ TEST(FitRidgeTest, PoorDataGiveFiniteAnswers) {
   EXPECT_TRUE(Validate(*ridge).ok()) << Validate(*ridge);
   RightOf(*ridge, touches);
   // Nothing differs from contact to contact.
-  for (RidgeSample& sample : touches.samples) {
+  for (HistorySample& sample : touches.samples) {
     sample.frames = touches.samples[0].frames;
   }
   const auto constant = FitRidge(touches.samples, OptionsFor(2));

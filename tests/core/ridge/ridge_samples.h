@@ -29,7 +29,7 @@ inline HistorySpec RandomSpec(int rows, int columns, Random& random) {
   spec.columns = columns;
   spec.block = HistoryBlock(rows, columns);
   spec.scale = {0.5F, 2, 0.25F};
-  const size_t mixed = size_t{kHistoryViews} * kMiniKernels * kMiniMixed;
+  const size_t mixed = size_t{kFrameViews} * kMiniKernels * kMiniMixed;
   for (size_t i = 0; i < mixed; ++i) {
     spec.mixed_channel.push_back(
         static_cast<uint16_t>(random.Index(spec.channels())));
@@ -38,8 +38,8 @@ inline HistorySpec RandomSpec(int rows, int columns, Random& random) {
     spec.mixed_weight.push_back(ends ? 0
                                      : static_cast<float>(random.Gaussian()));
   }
-  const size_t thresholds = size_t{kHistoryViews} * kMiniDilationCount *
-                            kMiniThresholds * kMiniKernels;
+  const size_t thresholds =
+      size_t{kFrameViews} * kMiniDilationCount * kMiniThresholds * kMiniKernels;
   for (size_t i = 0; i < thresholds; ++i) {
     spec.threshold.push_back(static_cast<float>(random.Gaussian()));
   }

@@ -118,8 +118,8 @@ class PlainHistory {
   }
 
   void AddKernels(std::vector<double>& numbers) const {
-    const size_t channels = series_.front().size() / kHistoryViews;
-    for (int view = 0; view < kHistoryViews; ++view) {
+    const size_t channels = series_.front().size() / kFrameViews;
+    for (int view = 0; view < kFrameViews; ++view) {
       for (int d = 0; d < kMiniDilationCount; ++d) {
         for (int threshold = 0; threshold < kMiniThresholds; ++threshold) {
           for (int k = 0; k < kMiniKernels; ++k) {
@@ -191,7 +191,7 @@ TEST(TouchHistoryTest, AgreesWithAllFramesAtOnce) {
       const std::vector<double> want = PlainHistory(*spec, frames).Numbers();
       ASSERT_EQ(got.size(), want.size());
       size_t at_thresholds = 0;
-      const size_t kernels = size_t{kHistoryViews} * kMiniDilationCount *
+      const size_t kernels = size_t{kFrameViews} * kMiniDilationCount *
                              kMiniThresholds * kMiniKernels;
       for (size_t i = 0; i < got.size(); ++i) {
         const double error = std::abs(got[i] - want[i]);
@@ -228,7 +228,7 @@ TEST(TouchHistoryTest, KeepsItsPrecisionOverAMillionFrames) {
   std::vector<float> numbers(spec.numbers());
   history.Write(numbers);
   const double mean = sum / kFrames;
-  const size_t channels = 3 * kHistoryViews;
+  const size_t channels = 3 * kFrameViews;
   EXPECT_NEAR(numbers[1], mean, 1e-4 * mean);
   EXPECT_NEAR(numbers[channels + 1], std::sqrt(square / kFrames - mean * mean),
               1e-3);

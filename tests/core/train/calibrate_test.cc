@@ -16,6 +16,10 @@ TEST(CalibrationFramesTest, FollowTheSamplingRate) {
   EXPECT_EQ(CalibrationFrames(100),
             (std::vector<double>{10, 25, 50, 120, 250, 500}));
   EXPECT_EQ(CalibrationFrames(2), (std::vector<double>{1, 2, 5, 10}));
+  // Up to the end of a long contact.
+  EXPECT_EQ(CalibrationFrames(2, {}, 10), (std::vector<double>{1, 2, 5, 10}));
+  EXPECT_EQ(CalibrationFrames(2, {}, 21),
+            (std::vector<double>{1, 2, 5, 10, 20, 40}));
 }
 
 // Scores drawn so that log-odds s are right with probability sigmoid(s / 20):
@@ -117,6 +121,44 @@ double FusedLogOdds(const Calibration& c, double hmm, double lstm) {
   BiasAt(c.fused_bias, point, bias);
   FusePosteriors(of_hmm, of_lstm, point, bias, fused);
   return std::log(fused[1] / fused[0]);
+}
+
+// Contacts whose scores are right at `right_times` of six times.
+std::vector<ScoredContact> RightAt(const std::vector<std::vector<int>>& times) {
+  std::vector<ScoredContact> contacts;
+  for (size_t i = 0; i < times.size(); ++i) {
+    ScoredContact& contact = contacts.emplace_back();
+    const int label = static_cast<int>(i % 2);
+    contact.labels.assign(6, label);
+    contact.hmm_steps.assign(6, 1);
+    contact.bounded = true;
+    for (int t = 0; t < 6; ++t) {
+      const bool right = std::ranges::count(times[i], t) > 0;
+      const bool one = (label == 1) == right;
+      contact.log_likelihood.push_back({one ? 0.0 : 1.0, one ? 1.0 : 0.0});
+    }
+  }
+  return contacts;
+}
+
+uint32_t HeldAfter(const std::vector<std::vector<int>>& times) {
+  const auto contacts = RightAt(times);
+  Calibration c;
+  c.prior = {0.5, 0.5};
+  FitCalibration(contacts, CalibrationFrames(100), c);
+  EXPECT_EQ(c.hold_after_frames, 0u);
+  HoldTheBestAnswer(contacts, c);
+  EXPECT_TRUE(Validate(c, 2, false).ok());
+  return c.hold_after_frames;
+}
+
+TEST(HoldTheBestAnswerTest, HoldsWhatLaterFramesWouldSpoil) {
+  const std::vector<int> always = {0, 1, 2, 3, 4, 5};
+  EXPECT_EQ(HeldAfter({always, always, always, always}), 0u);
+  EXPECT_EQ(HeldAfter({always, always, always, {3, 4, 5}}), 0u);
+  // The last of equal times: 10, 25, 50, 120, 250 and 500 frames.
+  EXPECT_EQ(HeldAfter({always, always, always, {2, 3}}), 120u);
+  EXPECT_EQ(HeldAfter({always, always, always, {2, 3}, {4}, always}), 250u);
 }
 
 // By Bayes' rule the log-odds of the shares are added to those of the sensors.

@@ -16,39 +16,10 @@
 #include "gtest/gtest.h"
 #include "tests/core/eval/synthetic_contacts.h"
 #include "tests/support/flat_layout.h"
+#include "tests/support/pattern_contacts.h"
 
 namespace tactus::internal {
 namespace {
-
-// Contacts of three classes that differ in the shares of the load on two of
-// twelve taxels; the others only vary.
-std::vector<LabelledContact> ContactsByPattern() {
-  constexpr double kShift[][2] = {{0.6, 0}, {-0.6, 0}, {0, 0.6}};
-  Random random(11);
-  std::vector<LabelledContact> contacts;
-  for (int i = 0; i < 36; ++i) {
-    LabelledContact contact;
-    contact.id = std::to_string(i);
-    contact.label = std::string(1, static_cast<char>('a' + i % 3));
-    contact.layout = testing::FlatLayout(3, 4);
-    contact.layout.name = "patch";
-    contact.with_poses = false;
-    for (int n = 0; n < 30; ++n) {
-      std::vector<TaxelLoad> loads;
-      for (uint32_t t = 0; t < 12; ++t) {
-        double root = 3 + 0.5 * random.Gaussian();
-        if (t == 4) root += kShift[i % 3][0];
-        if (t == 9) root += kShift[i % 3][1];
-        loads.push_back({t, static_cast<float>(std::max(root, 0.01))});
-      }
-      ContactFrame frame = {IdealSample({1, 1e-4, 0})};
-      frame.sample.loads = loads;
-      contact.frames.push_back(frame);
-    }
-    contacts.push_back(std::move(contact));
-  }
-  return contacts;
-}
 
 // Between over within variance of number `d` of the last frames.
 double Separation(const std::vector<LabelledContact>& contacts,
@@ -75,7 +46,7 @@ double Separation(const std::vector<LabelledContact>& contacts,
 }
 
 TEST(FitTaxelEmbeddingTest, SeparatesClassesBetterThanAnyTaxel) {
-  const auto contacts = ContactsByPattern();
+  const auto contacts = testing::ContactsByPattern();
   auto embedding =
       FitTaxelEmbedding(testing::PointersTo(contacts), {"a", "b", "c"}, {});
   ASSERT_TRUE(embedding.ok()) << embedding.status();
@@ -125,7 +96,7 @@ TEST(FitTaxelEmbeddingTest, ManyClassesHaveAllTheirDiscriminants) {
 }
 
 TEST(FitTaxelEmbeddingTest, TooManyOrNoTaxelsAreRefused) {
-  auto contacts = ContactsByPattern();
+  auto contacts = testing::ContactsByPattern();
   for (LabelledContact& contact : contacts) {
     contact.layout = testing::FlatLayout(64, 64);
     contact.layout.name = "large";
@@ -150,7 +121,7 @@ TEST(FitTaxelEmbeddingTest, TooManyOrNoTaxelsAreRefused) {
 }
 
 TEST(FitPatternTest, AModelOfTaxelsSurvivesItsFile) {
-  const auto contacts = ContactsByPattern();
+  const auto contacts = testing::ContactsByPattern();
   for (const char* preset : {"pattern", "whole-skin", "ridge"}) {
     SCOPED_TRACE(preset);
     FitOptions options = *FitPreset(preset);
@@ -177,8 +148,8 @@ TEST(FitPatternTest, AModelOfTaxelsSurvivesItsFile) {
 }
 
 TEST(FitPatternTest, PresetsOfTaxelsFindThePattern) {
-  const auto contacts = ContactsByPattern();
-  for (const char* preset : {"pattern", "ridge"}) {
+  const auto contacts = testing::ContactsByPattern();
+  for (const char* preset : {"pattern", "ridge", "trees", "nearest"}) {
     SCOPED_TRACE(preset);
     auto model = FitModel(testing::PointersTo(contacts), *FitPreset(preset),
                           RunSerially);
@@ -196,12 +167,12 @@ TEST(FitPatternTest, PresetsOfTaxelsFindThePattern) {
 }
 
 TEST(FitPatternTest, ARidgeStandsAlone) {
-  const auto contacts = ContactsByPattern();
+  const auto contacts = testing::ContactsByPattern();
   const auto model =
       FitModel(testing::PointersTo(contacts), *FitPreset("ridge"), RunSerially);
   ASSERT_TRUE(model.ok()) << model.status();
   EXPECT_TRUE(NeedsSkin(*model));
-  EXPECT_EQ(BundleFormatVersion(*model), kBundleFormatVersionRidge);
+  EXPECT_EQ(BundleFormatVersion(*model), kBundleFormatVersionRecordings);
   EXPECT_EQ(model->poses, PoseNeed::kEither);
   Model broken = *model;
   broken.hmms.resize(broken.class_names.size());
@@ -213,15 +184,54 @@ TEST(FitPatternTest, ARidgeStandsAlone) {
   broken = *model;
   broken.layout = testing::FlatLayout(3, 3);
   EXPECT_THAT(Validate(broken).message(),
-              ::testing::HasSubstr("rows and columns of the ridge"));
+              ::testing::HasSubstr("rows and columns of a ridge"));
   broken = *model;
   broken.ridge.reset();
   EXPECT_EQ(ReasonOf(Validate(broken)), "INVALID_MODEL");
 }
 
+TEST(FitPatternTest, NearestNeighboursStandAlone) {
+  const auto contacts = testing::ContactsByPattern();
+  const auto model = FitModel(testing::PointersTo(contacts),
+                              *FitPreset("nearest"), RunSerially);
+  ASSERT_TRUE(model.ok()) << model.status();
+  EXPECT_TRUE(NeedsSkin(*model));
+  EXPECT_FALSE(HasHmms(*model));
+  EXPECT_EQ(BundleFormatVersion(*model), kBundleFormatVersionRecordings);
+  const auto read = DecodeBundle(*EncodeBundle(*model));
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ((*read)->model().nearest->sample, model->nearest->sample);
+  EXPECT_EQ((*read)->model().nearest->view, model->nearest->view);
+  Model broken = *model;
+  broken.ridge.emplace();
+  EXPECT_EQ(ReasonOf(Validate(broken)), "INVALID_MODEL");
+  broken = *model;
+  broken.hmms.resize(broken.class_names.size());
+  EXPECT_THAT(Validate(broken).message(),
+              ::testing::HasSubstr("none beside nearest neighbours"));
+  broken = *model;
+  broken.layout = testing::FlatLayout(3, 3);
+  EXPECT_THAT(Validate(broken).message(),
+              ::testing::HasSubstr("rows and columns of nearest neighbours"));
+}
+
+TEST(FitPatternTest, TreesStandAlone) {
+  const auto contacts = testing::ContactsByPattern();
+  const auto model =
+      FitModel(testing::PointersTo(contacts), *FitPreset("trees"), RunSerially);
+  ASSERT_TRUE(model.ok()) << model.status();
+  EXPECT_TRUE(NeedsSkin(*model));
+  EXPECT_EQ(BundleFormatVersion(*model), kBundleFormatVersionRecordings);
+  const auto read = DecodeBundle(*EncodeBundle(*model));
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ((*read)->model().trees->number, model->trees->number);
+  EXPECT_EQ((*read)->model().trees->threshold, model->trees->threshold);
+  EXPECT_EQ((*read)->model().trees->root, model->trees->root);
+}
+
 TEST(FitPatternTest, CopiesAndIdealSignalsAreRefused) {
-  for (const char* preset : {"pattern", "ridge"}) {
-    auto contacts = ContactsByPattern();
+  for (const char* preset : {"pattern", "ridge", "nearest"}) {
+    auto contacts = testing::ContactsByPattern();
     FitOptions options = *FitPreset(preset);
     options.variations.copies = 1;
     const auto reason = [&] {

@@ -175,7 +175,7 @@ TEST_F(ResumeTest, AutoChoosesAPreset) {
   const v1::PresetChoice& choice = outcome.result().preset_choice();
   EXPECT_EQ(choice.contacts(), 24u);
   EXPECT_EQ(choice.folds(), 3u);
-  ASSERT_EQ(choice.candidates_size(), 5);
+  ASSERT_EQ(choice.candidates_size(), 8);
   uint32_t most = 0;
   int unfit = 0;
   for (const v1::PresetCandidate& candidate : choice.candidates()) {
@@ -183,7 +183,7 @@ TEST_F(ResumeTest, AutoChoosesAPreset) {
     unfit += candidate.unfit().empty() ? 0 : 1;
   }
   // Those for taxels: the trials are ideal signals.
-  EXPECT_EQ(unfit, 3);
+  EXPECT_EQ(unfit, 6);
   for (const v1::PresetCandidate& candidate : choice.candidates()) {
     if (candidate.preset() == choice.preset()) {
       EXPECT_EQ(candidate.correct(), most);

@@ -56,38 +56,45 @@ absl::StatusOr<Json> InspectBundle(const std::string& path) {
         {"components", model.hmms[k].components.size()},
         {"states", model.hmms[k].components.front().states}};
   }
-  return Json{{"kind", "bundle"},
-              {"format_version", BundleFormatVersion(model)},
-              {"bytes", bytes.size()},
-              {"sha256", BundleSha256(bytes)},
-              {"classes", model.class_names},
-              {"features", FeaturesToString(FeaturesUsed(model.inputs))},
-              {"hmm_cues", CueNames(model.inputs.hmm)},
-              {"lstm_cues", CueNames(model.inputs.lstm)},
-              {"sample_rate_hz", model.inputs.sample_rate_hz},
-              {"hmms", hmms},
-              {"ridge_numbers",
-               model.ridge ? Json(model.ridge->offset.size()) : Json(nullptr)},
-              {"lstms", model.lstms.size()},
-              {"lstm_parameters", model.lstms.empty()
-                                      ? Json(nullptr)
-                                      : Json(model.lstms[0].parameter_count())},
-              {"layout", model.layout.name},
-              {"skin", model.layout.name.empty()
-                           ? Json("any")
-                           : Json::parse(LayoutToJson(model.layout))},
-              {"release_after_s", model.release_after_s},
-              {"decision",
-               {{"threshold", model.calibration.decision_threshold},
-                {"frames", model.calibration.decision_frames}}},
-              {"provenance",
-               {{"command", model.provenance.command},
-                {"version", model.provenance.version},
-                {"trials", model.provenance.trials},
-                {"seed", model.provenance.seed},
-                {"data", model.provenance.data},
-                {"note", model.provenance.note}}},
-              {"warm_up", "passed"}};
+  return Json{
+      {"kind", "bundle"},
+      {"format_version", BundleFormatVersion(model)},
+      {"bytes", bytes.size()},
+      {"sha256", BundleSha256(bytes)},
+      {"classes", model.class_names},
+      {"features", FeaturesToString(FeaturesUsed(model.inputs))},
+      {"hmm_cues", CueNames(model.inputs.hmm)},
+      {"lstm_cues", CueNames(model.inputs.lstm)},
+      {"sample_rate_hz", model.inputs.sample_rate_hz},
+      {"hmms", hmms},
+      {"ridge_numbers",
+       model.ridge ? Json(model.ridge->offset.size()) : Json(nullptr)},
+      {"nearest_samples",
+       model.nearest ? Json(model.nearest->label.size()) : Json(nullptr)},
+      {"tree_nodes",
+       model.trees ? Json(model.trees->number.size()) : Json(nullptr)},
+      {"lstms", model.lstms.size()},
+      {"lstm_parameters", model.lstms.empty()
+                              ? Json(nullptr)
+                              : Json(model.lstms[0].parameter_count())},
+      {"layout", model.layout.name},
+      {"skin", model.layout.name.empty()
+                   ? Json("any")
+                   : Json::parse(LayoutToJson(model.layout))},
+      {"release_after_s", model.release_after_s},
+      {"decision",
+       {{"threshold", model.calibration.decision_threshold},
+        {"frames", model.calibration.decision_frames}}},
+      {"provenance",
+       {{"command", model.provenance.command},
+        {"version", model.provenance.version},
+        {"trials", model.provenance.trials},
+        {"seed", model.provenance.seed},
+        {"data", model.provenance.data},
+        {"groups", model.provenance.groups},
+        {"conditions", model.provenance.conditions},
+        {"note", model.provenance.note}}},
+      {"warm_up", "passed"}};
 }
 
 absl::StatusOr<Json> InspectTrials(const std::string& path,

@@ -1,5 +1,8 @@
 #include "tools/trainctl/fit/choice_text.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "tools/trainctl/text.h"
@@ -8,10 +11,17 @@ namespace tactus::internal::client {
 
 namespace {
 
-// "HMMs", "HMMs + 2 LSTMs".
-std::string ModelsText(int networks) {
-  if (networks == 0) return "HMMs";
-  return absl::StrCat("HMMs + ", networks, networks == 1 ? " LSTM" : " LSTMs");
+// "HMMs", "HMMs + 2 LSTMs", "ridge".
+std::string ModelsText(Learner learner, int networks) {
+  const std::string alone = LearnerText(learner);
+  if (networks == 0) return alone;
+  return absl::StrCat(alone, " + ", networks,
+                      networks == 1 ? " LSTM" : " LSTMs");
+}
+
+double AccuracyOf(const ChoiceCandidate& candidate,
+                  const PresetChoice& choice) {
+  return static_cast<double>(candidate.right) / choice.contacts;
 }
 
 std::string FoldsText(FoldsBy by) {
@@ -22,32 +32,39 @@ std::string FoldsText(FoldsBy by) {
 
 }  // namespace
 
+std::string LearnerText(Learner learner) {
+  constexpr const char* kNames[] = {"HMMs", "ridge", "trees", "1-NN"};
+  return kNames[static_cast<int>(learner)];
+}
+
+std::string CandidateLine(const ChoiceCandidate& candidate, int contacts) {
+  return absl::StrFormat("  %-10s  %-14s  %s", candidate.preset,
+                         ModelsText(candidate.learner, candidate.networks),
+                         candidate.unfit.empty()
+                             ? PercentOf(candidate.right, contacts)
+                             : absl::StrCat("not compared: ", candidate.unfit));
+}
+
 std::string ChoiceText(const std::optional<PresetChoice>& chosen) {
   if (!chosen) return "";
   const PresetChoice& choice = *chosen;
-  const int networks = choice.options.lstm.networks;
   std::string text = absl::StrFormat(
-      "Preset %s with %s, chosen by %d folds of %d contacts (%s):\n",
-      choice.name, ModelsText(networks), choice.folds, choice.contacts,
-      FoldsText(choice.by));
+      "Preset %s (%s), chosen by %d folds of %d contacts (%s):\n", choice.name,
+      ModelsText(choice.options.learner, choice.options.lstm.networks),
+      choice.folds, choice.contacts, FoldsText(choice.by));
   int best = 0;
   for (const ChoiceCandidate& candidate : choice.candidates) {
-    absl::StrAppendFormat(
-        &text, "  %-10s  %-14s  %s%s\n", candidate.preset,
-        ModelsText(candidate.networks),
-        candidate.unfit.empty()
-            ? PercentOf(candidate.right, choice.contacts)
-            : absl::StrCat("not compared: ", candidate.unfit),
-        candidate.preset == choice.name && candidate.networks == networks
-            ? "  <- chosen"
-            : "");
+    absl::StrAppend(&text, CandidateLine(candidate, choice.contacts),
+                    IsChosen(candidate, choice) ? "  <- chosen" : "", "\n");
     best = std::max(best, candidate.right);
   }
-  absl::StrAppendFormat(&text, "  %-26s  %s, on summaries of the contacts\n",
-                        "1-NN",
+  absl::StrAppendFormat(&text, "  %-26s  %s\n", "1-NN of summaries",
                         PercentOf(choice.nearest_right, choice.contacts));
   absl::StrAppendFormat(&text, "  %-26s  %s\n", "chance",
                         Percent(choice.chance));
+  text +=
+      "Chosen is the cheapest that is not clearly worse than the best: HMMs "
+      "cost least, then a ridge, trees, 1-NN, and LSTMs.\n";
   absl::StrAppendFormat(
       &text,
       "Rows with an LSTM count the answers of the LSTM alone; the model fuses "
@@ -70,14 +87,14 @@ Json ChoiceToJson(const std::optional<PresetChoice>& chosen) {
   Json unfit = Json::array();
   Json candidates = Json::array();
   for (const ChoiceCandidate& candidate : choice.candidates) {
-    const double accuracy =
-        static_cast<double>(candidate.right) / choice.contacts;
+    const double accuracy = AccuracyOf(candidate, choice);
     Json json = {{"preset", candidate.preset},
                  {"networks", candidate.networks}};
     if (candidate.unfit.empty()) {
       json["right"] = candidate.right;
       json["accuracy"] = accuracy;
-      if (candidate.networks == 0) hmm_accuracy[candidate.preset] = accuracy;
+      if (candidate.networks == 0 && candidate.learner == Learner::kHmms)
+        hmm_accuracy[candidate.preset] = accuracy;
     } else {
       json["unfit"] = candidate.unfit;
       if (candidate.networks == 0) {
@@ -100,6 +117,24 @@ Json ChoiceToJson(const std::optional<PresetChoice>& chosen) {
           {"nearest_accuracy",
            static_cast<double>(choice.nearest_right) / choice.contacts},
           {"chance", choice.chance}};
+}
+
+Json CandidatesToJson(const std::optional<PresetChoice>& chosen) {
+  Json list = Json::array();
+  if (!chosen) return list;
+  for (const ChoiceCandidate& candidate : chosen->candidates) {
+    if (!candidate.unfit.empty()) continue;
+    const double accuracy = AccuracyOf(candidate, *chosen);
+    list.push_back(
+        {{"name",
+          absl::StrCat(candidate.preset, " (",
+                       ModelsText(candidate.learner, candidate.networks), ")")},
+         {"accuracy", accuracy},
+         {"standard_error",
+          std::sqrt(accuracy * (1 - accuracy) / chosen->contacts)},
+         {"chosen", IsChosen(candidate, *chosen)}});
+  }
+  return list;
 }
 
 }  // namespace tactus::internal::client

@@ -15,9 +15,19 @@
 
 namespace tactus::internal::client {
 
+// "HMMs", "ridge", "trees" or "1-NN".
+std::string LearnerText(Learner learner);
+
+// A candidate and how many of the contacts it answered rightly, without the end
+// of the line.
+std::string CandidateLine(const ChoiceCandidate& candidate, int contacts);
+
 // Several lines; empty if nothing was chosen.
 std::string ChoiceText(const std::optional<PresetChoice>& chosen);
 // Null if nothing was chosen.
 Json ChoiceToJson(const std::optional<PresetChoice>& chosen);
+// Name, accuracy, its standard error, and whether it was chosen, of each
+// candidate that was compared; an empty list if nothing was chosen.
+Json CandidatesToJson(const std::optional<PresetChoice>& chosen);
 
 }  // namespace tactus::internal::client

@@ -48,6 +48,15 @@ class FitCurves : public FitJournal {
 };
 
 absl::Status RunFit(const FitCommandFlags& flags) {
+// Says, on standard error, what nobody can know of such a model.
+void RemarkOneSession(const Provenance& provenance) {
+  if (provenance.groups != 1 || provenance.conditions != 1) return;
+  std::cerr << "trainctl: all trials are of one session, as far as they say: "
+               "how well the model answers on another day, or to other "
+               "objects, is not known. Record several, and give them a group "
+               "or a condition each.\n";
+}
+
   // A bundle that cannot be written is found before the work, not after it.
   TACTUS_RETURN_IF_ERROR(DraftFile::Create(flags.out).status());
   ProgressDisplay display;
@@ -55,7 +64,7 @@ absl::Status RunFit(const FitCommandFlags& flags) {
       const LoadedContacts loaded,
       flags.fit.Load(flags.data, flags.layout, display.progress()));
   TACTUS_ASSIGN_OR_RETURN(const ChosenOptions chosen,
-                          flags.fit.Choose(loaded, display.progress()));
+                          flags.fit.Choose(loaded, display));
   const FitOptions& options = chosen.options;
   FitCurves curves(&display);
   TACTUS_ASSIGN_OR_RETURN(
@@ -74,6 +83,7 @@ absl::Status RunFit(const FitCommandFlags& flags) {
   TACTUS_RETURN_IF_ERROR(WriteFileBytes(flags.out, bytes));
   if (flags.json) {
     std::cout << JsonText(Json{{"bundle", flags.out},
+  RemarkOneSession(model.provenance);
                                {"sha256", BundleSha256(bytes)},
                                {"bytes", bytes.size()},
                                {"trials", loaded.trials},

@@ -1,5 +1,7 @@
 #include "tools/trainctl/fit/fit_flags.h"
 
+#include <iostream>
+
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "core/base/errors.h"
@@ -9,6 +11,7 @@
 #include "core/train/choose_cues.h"
 #include "core/train/train_spec.h"
 #include "tools/trainctl/exit_code.h"
+#include "tools/trainctl/fit/choice_text.h"
 
 namespace tactus::internal::client {
 
@@ -71,11 +74,16 @@ absl::StatusOr<LoadedContacts> FitFlags::Load(const std::string& data,
 }
 
 absl::StatusOr<ChosenOptions> FitFlags::Choose(
-    const LoadedContacts& loaded, const Progress& progress,
+    const LoadedContacts& loaded, ProgressDisplay& display,
     const std::optional<Protocol>& protocol) const {
   OptionsRequest request = Request(loaded.without_poses);
   request.protocol = protocol;
-  return ChooseOptions(loaded.Pointers(), request, RunOnThreads, progress);
+  request.considered = [&](const ChoiceCandidate& candidate, int contacts) {
+    display.Clear();
+    std::cerr << CandidateLine(candidate, contacts) << "\n";
+  };
+  return ChooseOptions(loaded.Pointers(), request, RunOnThreads,
+                       display.progress());
 }
 
 absl::StatusOr<FitOptions> FitFlags::Options(absl::string_view preset) const {

@@ -22,6 +22,7 @@
 #include "core/train/fit.h"
 #include "tools/trainctl/command.h"
 #include "tools/trainctl/fit/spec_flags.h"
+#include "tools/trainctl/progress_display.h"
 
 namespace tactus::internal::client {
 
@@ -46,10 +47,11 @@ struct FitFlags {
   absl::StatusOr<LoadedContacts> Load(const std::string& data,
                                       const std::string& layout,
                                       const Progress& progress) const;
+  // Each candidate of a choice becomes a line on standard error.
   // The options for these contacts, which the result points to. `protocol`: how
   // they will be evaluated, if they will.
   absl::StatusOr<ChosenOptions> Choose(
-      const LoadedContacts& loaded, const Progress& progress,
+      const LoadedContacts& loaded, ProgressDisplay& display,
       const std::optional<Protocol>& protocol = {}) const;
 
  private:

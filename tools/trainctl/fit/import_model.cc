@@ -99,6 +99,8 @@ absl::Status Calibrate(const ImportModelFlags& flags, Model& model) {
       const LoadedContacts loaded,
       LoadContacts(flags.calibrate, flags.layout, display.progress()));
   TACTUS_ASSIGN_OR_RETURN(const auto compiled, CompiledModel::Create(model));
+  const std::vector<double> frames =
+      CalibrationFrames(model.inputs.sample_rate_hz, model.inputs.lstm_steps);
   std::vector<ScoredContact> scored;
   for (const LabelledContact& contact : loaded.contacts) {
     if (std::ranges::find(model.class_names, contact.label) ==
@@ -113,16 +115,13 @@ absl::Status Calibrate(const ImportModelFlags& flags, Model& model) {
           "contact ", contact.id, " has ", contact.sample_rate_hz,
           " frames per second; the bundle has ", model.inputs.sample_rate_hz));
     }
-    scored.push_back(ScoreContact(compiled, contact));
+    scored.push_back(ScoreContact(compiled, contact, frames));
   }
   if (scored.empty()) {
     return InvalidTrainingData(
         absl::StrCat(flags.calibrate, " has no contact to calibrate with"));
   }
-  FitCalibration(
-      scored,
-      CalibrationFrames(model.inputs.sample_rate_hz, model.inputs.lstm_steps),
-      model.calibration);
+  FitCalibration(scored, frames, model.calibration);
   return absl::OkStatus();
 }
 

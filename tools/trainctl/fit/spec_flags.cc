@@ -53,11 +53,11 @@ absl::Status SetCount(const char* flag, const std::optional<int>& count,
 
 std::vector<const CLI::Option*> SpecFlags::Add(CLI::App& command) {
   return {
-      command.add_option(
-          "--preset", preset,
-          "auto, tuned, world, paper, pattern, ridge, whole-skin or "
-          "profile; default: auto for a skin without poses, "
-          "else tuned"),
+      command.add_option("--preset", preset,
+                         "auto, tuned, world, paper, pattern, ridge, trees, "
+                         "nearest, whole-skin or "
+                         "profile; default: auto for a skin without poses, "
+                         "else tuned"),
       command.add_option("--choice-work", choice_work,
                          "With preset auto: work that LSTMs may cost while "
                          "presets are compared, in billions of "

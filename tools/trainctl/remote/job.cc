@@ -15,6 +15,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 #include "core/contacts/trained_on.h"
+#include "core/eval/choice_proto.h"
 #include "tools/trainctl/exit_code.h"
 #include "tools/trainctl/fit/choice_text.h"
 #include "tools/trainctl/interrupt.h"
@@ -146,24 +147,7 @@ std::string ComparisonText(const v1::Operation& job,
 
 std::optional<PresetChoice> ChoiceOf(const v1::OperationResult& result) {
   if (!result.has_preset_choice()) return std::nullopt;
-  const v1::PresetChoice& proto = result.preset_choice();
-  PresetChoice choice;
-  choice.name = proto.preset();
-  choice.options.lstm.networks = static_cast<int>(proto.networks());
-  for (const v1::PresetCandidate& candidate : proto.candidates()) {
-    choice.candidates.push_back(
-        {candidate.preset(), static_cast<int>(candidate.networks()),
-         static_cast<int>(candidate.correct()), candidate.unfit()});
-  }
-  choice.contacts = static_cast<int>(proto.contacts());
-  choice.folds = static_cast<int>(proto.folds());
-  if (proto.by_condition()) choice.by = FoldsBy::kConditions;
-  if (proto.by_group()) choice.by = FoldsBy::kGroups;
-  choice.work = static_cast<int>(proto.work());
-  choice.work_limit = static_cast<int>(proto.work_limit());
-  choice.nearest_right = static_cast<int>(proto.nearest_correct());
-  choice.chance = proto.chance();
-  return choice;
+  return FromProto(result.preset_choice());
 }
 
 // How to see the job again.

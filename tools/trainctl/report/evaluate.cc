@@ -121,7 +121,7 @@ absl::Status RunUnknown(const EvaluateFlags& flags) {
       const LoadedContacts loaded,
       LoadContacts(flags.data, flags.layout, display.progress()));
   TACTUS_ASSIGN_OR_RETURN(const ChosenOptions chosen,
-                          flags.fit.Choose(loaded, display.progress()));
+                          flags.fit.Choose(loaded, display));
   TACTUS_ASSIGN_OR_RETURN(const auto results,
                           EvaluateUnknown(chosen.contacts, chosen.options,
                                           RunOnThreads, display.progress()));
@@ -155,7 +155,9 @@ struct EvaluationRun {
 
 absl::StatusOr<EvaluationRun> RunProtocol(const EvaluateFlags& flags,
                                           const LoadedContacts& loaded,
-                                          const Progress& progress) {
+                                          ProgressDisplay& display) {
+  const Progress progress = display.progress();
+  Learner learner = Learner::kHmms;
   // Nearest neighbours are not fitted by a preset.
   FitFlags fit = flags.fit;
   if (flags.algorithm == "1nn" && fit.spec.preset.empty())
@@ -165,7 +167,7 @@ absl::StatusOr<EvaluationRun> RunProtocol(const EvaluateFlags& flags,
       ParseProtocol(flags.protocol,
                     flags.folds.value_or(Protocol::kDefaultFolds)));
   TACTUS_ASSIGN_OR_RETURN(ChosenOptions chosen,
-                          fit.Choose(loaded, progress, protocol));
+                          fit.Choose(loaded, display, protocol));
   const FitOptions& options = chosen.options;
   TACTUS_ASSIGN_OR_RETURN(const Algorithm algorithm,
                           ChosenAlgorithm(flags, options.lstm.networks > 0));
@@ -206,13 +208,21 @@ std::string Title(const EvaluateFlags& flags, const EvaluationRun& run) {
       flags.model.empty()
           ? flags.protocol
           : std::filesystem::path(flags.model).filename().string(),
-      AlgorithmName(run.result.algorithm),
-      reduced ? " (there is no LSTM to fuse)" : "", run.features);
+      AnswersName(run), reduced ? " (there is no LSTM to fuse)" : "",
+      run.features);
+      LearnerOf(model->model()),
 }
 
 // What evaluations by a bundle say of the trials that it was fitted to; a model
 // of a protocol has never seen those that it is tested on.
 Json TrainedOnToJson(const TrainedOn& trained) {
+// "lstm", "fused", and for "hmm" what is in its place.
+std::string AnswersName(const EvaluationRun& run) {
+  if (run.result.algorithm != Algorithm::kHmm || run.learner == Learner::kHmms)
+    return std::string(AlgorithmName(run.result.algorithm));
+  return LearnerText(run.learner);
+}
+
   constexpr const char* kBases[] = {"unknown", "frames", "data", "name"};
   return {{"basis", kBases[static_cast<int>(trained.basis)]},
           {"contacts", trained.contacts},
@@ -240,6 +250,7 @@ void Print(const EvaluateFlags& flags, const EvaluationRun& run,
     }
     json["seconds"] = SecondsSinceStart();
     std::cout << JsonText(json) << "\n";
+    json["learner"] = LearnerText(run.learner);
     return;
   }
   const std::string warning = fitted ? "" : TrainedOnText(run.trained);
@@ -251,6 +262,7 @@ void Print(const EvaluateFlags& flags, const EvaluationRun& run,
   }
   if (fitted) {
     std::cout << absl::StrFormat("preset %s, seed %d, ", run.chosen.preset,
+      json["candidates"] = CandidatesToJson(run.chosen.choice);
                                  flags.fit.spec.seed);
   }
   std::cout << absl::StrFormat("%s trials, %.1f s\n", WithCommas(trials),
@@ -322,8 +334,7 @@ std::vector<std::pair<std::string, std::string>> Facts(
   } else {
     facts.emplace_back("bundle", flags.model);
   }
-  facts.emplace_back("algorithm",
-                     std::string(AlgorithmName(run.result.algorithm)));
+  facts.emplace_back("algorithm", AnswersName(run));
   facts.emplace_back("features", run.features);
   facts.emplace_back("program", absl::StrCat("trainctl ", kVersion));
   facts.emplace_back("command", CommandLine());
@@ -383,7 +394,7 @@ absl::Status RunEvaluate(const EvaluateFlags& flags) {
   TACTUS_ASSIGN_OR_RETURN(
       const EvaluationRun run,
       model ? RunModel(flags, model, loaded, display.progress())
-            : RunProtocol(flags, loaded, display.progress()));
+            : RunProtocol(flags, loaded, display));
   if (!flags.figures.empty()) {
     TACTUS_RETURN_IF_ERROR(Draw(flags, run.result));
   }

@@ -106,6 +106,35 @@ Json AnytimeToJson(const Evaluation& result, bool so_far) {
   return json;
 }
 
+// Answers of which the model is sure.
+Json SelectiveToJson(const Evaluation& result) {
+  constexpr double kLeast = 0.95;
+  const SureAnswers sure = CountSure(result.final, result.unknown, kLeast);
+  return {
+      {"least_probability", kLeast},
+      {"answered", sure.count},
+      {"right", sure.right},
+      {"coverage", result.final.empty()
+                       ? 0.0
+                       : static_cast<double>(sure.count) / result.final.size()},
+      {"accuracy", sure.count == 0
+                       ? Json(nullptr)
+                       : Json(static_cast<double>(sure.right) / sure.count)}};
+}
+
+std::string SelectiveLine(const Json& selective, int felt) {
+  const int answered = selective["answered"].get<int>();
+  if (answered == 0) {
+    return "No answer in the end has a probability of at least 0.95\n";
+  }
+  return absl::StrFormat(
+      "Of %s answers in the end, %s have a probability of at least 0.95, and "
+      "%s of these are right: %s\n",
+      WithCommas(felt), WithCommas(answered),
+      WithCommas(selective["right"].get<int>()),
+      PercentOf(selective["right"].get<int>(), answered));
+}
+
 std::string ErrorLine(absl::string_view what, const Json& errors,
                       double scale) {
   return absl::StrFormat(
@@ -345,6 +374,7 @@ Json EvaluationToJson(const Evaluation& result, int trials) {
   json.update(ConfusionToJson(result.class_names, confusion));
   json.update(Json{{"ece", ExpectedCalibrationError(result.final)},
                    {"reliability", ToJson(ReliabilityBins(result.final))},
+                   {"selective", SelectiveToJson(result)},
                    {"decision", ToJson(result.decisions)},
                    {"questions", QuestionsToJson(result)},
                    {"estimate", ToJson(result.final_estimates)},
@@ -369,6 +399,7 @@ std::string EvaluationText(const Json& r) {
       "Expected calibration error %.3f, log loss %.3f, Brier score %.3f\n",
       r["truth"] == "so-far" ? "so far" : "in the end", r["ece"].get<double>(),
       r["log_loss"].get<double>(), r["brier_score"].get<double>());
+  text += SelectiveLine(r["selective"], felt);
   if (const Json& d = r["decision"]; !d.is_null()) {
     text += DecisionLine(d, felt);
   }
