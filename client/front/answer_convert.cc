@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/stream/frame_encoder.h"
+#include "client/stream/skin_notice_text.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
@@ -245,6 +246,9 @@ std::optional<Notice> ToNotice(const v1::StreamNotice& notice) {
           .text = absl::StrCat("frames come at ", notice.measured_rate_hz(),
                                " Hz by their capture times, not at ",
                                notice.stated_rate_hz())};
+    case v1::StreamNotice::KIND_SKIN_DIFFERS:
+      return Notice{.kind = Notice::Kind::kSkinDiffers,
+                    .text = SkinNoticeText(notice)};
     default:
       return std::nullopt;
   }

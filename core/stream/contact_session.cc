@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/base/status_macros.h"
+#include "core/stream/skin_notice.h"
 
 namespace tactus::internal {
 
@@ -14,7 +15,11 @@ ContactSession::ContactSession(const StreamSettings& settings,
       sink_(sink),
       decoder_(settings_),
       writer_(&settings_),
-      rate_(settings_.pipeline.sample_rate_hz) {}
+      rate_(settings_.pipeline.sample_rate_hz) {
+  const auto& range = model_->model().skin_range;
+  const auto taxels = static_cast<size_t>(settings_.layout.taxels());
+  if (range && range->most.size() == taxels) skin_watch_.emplace(&*range);
+}
 
 ContactPipeline& ContactSession::Pipeline() {
   if (pipeline_ == nullptr) {
@@ -49,12 +54,27 @@ void ContactSession::WatchRate(const v1::FrameBatch& batch, uint64_t missing) {
   notice->set_stated_rate_hz(rate_.stated_hz());
 }
 
+void ContactSession::WatchSkin() {
+  // A model that sees all taxels follows one contact, which has them all.
+  for (const ContactReport& contact : pipeline_->contacts()) {
+    if (contact.released()) {
+      if (skin_watch_->EndContact()) {
+        WriteSkinNotice(*model_->model().skin_range, *skin_watch_,
+                        sink_->AddNotice());
+      }
+    } else if (contact.features->touched) {
+      skin_watch_->Step(contact.features->loads);
+    }
+  }
+}
+
 void ContactSession::OnFrame(const v1::FrameBatch& batch, uint32_t index,
                              uint64_t missing_before) {
   FrameView frame = decoder_.Frame(batch, index);
   frame.missing_before = missing_before;
   ContactPipeline& pipeline = Pipeline();
   pipeline.Step(frame);
+  if (skin_watch_) WatchSkin();
   ++frames_;
   ++trial_frames_;
   writer_.OnFrame(pipeline, frame, batch.first_sequence() + index,
@@ -99,6 +119,10 @@ bool ContactSession::HasChanged() {
 
 void ContactSession::OnEndOfTrial() {
   writer_.Write(Pipeline(), true, sink_->AddKept());
+  if (skin_watch_ && skin_watch_->EndContact()) {
+    WriteSkinNotice(*model_->model().skin_range, *skin_watch_,
+                    sink_->AddNotice());
+  }
   Pipeline().EndTrial();
   writer_.OnEndOfTrial();
   rate_.Pause();

@@ -25,6 +25,7 @@
 #include "core/stream/answer_writer.h"
 #include "core/stream/frame_decoder.h"
 #include "core/stream/stream_settings.h"
+#include "core/taxels/skin_range.h"
 #include "tactus/v1/contact.pb.h"
 
 namespace tactus::internal {
@@ -59,6 +60,9 @@ class ContactSession {
   // Adds a notice, once per stream, if the capture times are those of another
   // rate. `missing` frames were lost before `batch`.
   void WatchRate(const v1::FrameBatch& batch, uint64_t missing);
+  // Adds a notice, once per stream, if the contacts read unlike any of
+  // training.
+  void WatchSkin();
   // True if the cadence asks for an interim answer after this frame.
   bool IsDue();
   // True if the contacts, or what they probably are, differ from those of the
@@ -74,6 +78,8 @@ class ContactSession {
   FrameDecoder decoder_;
   AnswerWriter writer_;
   RateWatch rate_;
+  // Nothing if the model does not know what the taxels read in training.
+  std::optional<SkinRangeWatch> skin_watch_;
 
   uint64_t frames_ = 0;
   // Frames of the open trial; 0 if none is open.

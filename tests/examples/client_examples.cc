@@ -16,6 +16,7 @@
 #include "client/stream/resumable_stream.h"
 #include "client/stream/robot_id.h"
 #include "client/stream/skin_frame.h"
+#include "client/stream/skin_notice_text.h"
 #include "client/stream/stream_history.h"
 #include "client/stream/watchdog.h"
 #include "core/base/limits.h"
@@ -39,6 +40,12 @@ void Show(const std::string& class_name);
 static void AnswersExample(const v1::StreamStarted& started,
                            const v1::Answer& answer) {
 #include "client/stream/answers.h.inc"
+}
+
+void Print(const std::string& text);
+
+static void SkinNoticeTextExample(const v1::StreamNotice& notice) {
+#include "client/stream/skin_notice_text.h.inc"
 }
 
 static absl::Status ContactStreamExample(const SkinInfo& info,

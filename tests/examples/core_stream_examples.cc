@@ -7,6 +7,7 @@
 #include "core/stream/answer_writer.h"
 #include "core/stream/contact_session.h"
 #include "core/stream/frame_decoder.h"
+#include "core/stream/skin_notice.h"
 #include "core/stream/spare_messages.h"
 #include "core/stream/stream_settings.h"
 #include "core/stream/stream_started.h"
@@ -41,6 +42,11 @@ static absl::Status FrameDecoderExample(const StreamSettings& settings,
                                         ContactPipeline& pipeline) {
 #include "core/stream/frame_decoder.h.inc"
   return absl::OkStatus();
+}
+
+static void SkinNoticeExample(const SkinRange& range, SkinRangeWatch& watch,
+                              AnswerSink* sink) {
+#include "core/stream/skin_notice.h.inc"
 }
 
 static void StreamSettingsExample(const v1::StreamConfig& config) {

@@ -217,7 +217,7 @@ TEST(BreakingChangesTest, EachMutationIsFound) {
        }},
       {"FrameBatch: message is gone",
        [&](auto& set) { frames(set)->set_name("Frames"); }},
-      {"StreamNotice.Kind: number 3, ",
+      {"StreamNotice.Kind: number 4, ",
        [&](auto& set) {
          FindMessage(set, "StreamNotice")
              ->mutable_enum_type(0)

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client/stream/answers.h"
+#include "client/stream/skin_notice_text.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "tools/common/rate_news.h"
@@ -160,6 +161,9 @@ void LivePlayer::OnResponse(const v1::ClassifyContactResponse& response) {
   if (response.notice().kind() == v1::StreamNotice::KIND_RATE_DIFFERS) {
     const std::lock_guard lock(mutex_);
     noticed_hz_ = response.notice().measured_rate_hz();
+  }
+  if (response.notice().kind() == v1::StreamNotice::KIND_SKIN_DIFFERS) {
+    on_news_(SkinNoticeText(response.notice()));
   }
   if (!response.has_answer()) return;
   const v1::Answer& answer = response.answer();

@@ -246,6 +246,7 @@ absl::Status Run(const Flags& flags) {
   std::vector<absl::Status> statuses(flags.parallel);
   std::vector<std::thread> threads;
   std::string rate_news;
+  std::string skin_news;
   for (int i = 0; i < flags.parallel; ++i) {
     threads.emplace_back([&, i] {
       const auto driver = MakeDriver(flags, i, check);
@@ -266,14 +267,16 @@ absl::Status Run(const Flags& flags) {
       const std::lock_guard lock(mutex);
       report.AddTotals(player.totals());
       if (rate_news.empty()) rate_news = player.totals().rate_news;
+      if (skin_news.empty()) skin_news = player.totals().skin_news;
       if (!player.class_names().empty()) {
         report.SetClassNames(player.class_names());
       }
     });
   }
   for (std::thread& thread : threads) thread.join();
-  if (!rate_news.empty()) {
-    std::fprintf(stderr, "tactus-stream: %s\n", rate_news.c_str());
+  for (const std::string& news : {rate_news, skin_news}) {
+    if (news.empty()) continue;
+    std::fprintf(stderr, "tactus-stream: %s\n", news.c_str());
   }
   std::FILE* const out = flags.json ? stderr : stdout;
   const absl::Status recorded =

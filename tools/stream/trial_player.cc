@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client/stream/answers.h"
+#include "client/stream/skin_notice_text.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
@@ -176,6 +177,10 @@ void TrialPlayer::OnResponse(const v1::ClassifyContactResponse& response) {
     const std::lock_guard lock(mutex_);
     totals_.rate_news = RateNews(response.notice().measured_rate_hz(),
                                  response.notice().stated_rate_hz());
+  }
+  if (response.notice().kind() == v1::StreamNotice::KIND_SKIN_DIFFERS) {
+    const std::lock_guard lock(mutex_);
+    totals_.skin_news = SkinNoticeText(response.notice());
   }
   if (!response.has_answer()) return;
   const v1::Answer& answer = response.answer();

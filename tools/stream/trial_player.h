@@ -85,6 +85,8 @@ class TrialPlayer {
     // What users read if the trials' times are those of another rate than
     // theirs; else empty.
     std::string rate_news = {};
+    // The same if the skin reads unlike in training.
+    std::string skin_news = {};
   };
   using OnTrial = std::function<void(const TrialResult&)>;
 

@@ -48,6 +48,8 @@ struct Notice {
     kModelSuperseded,
     // The capture times are those of another rate than the skin's.
     kRateDiffers,
+    // Some taxels read unlike in any recording that the model was fitted to.
+    kSkinDiffers,
   };
 
   Kind kind = Kind::kDraining;

@@ -74,6 +74,26 @@ TEST(AnswerConvertTest, IndicesBecomeNames) {
             "120 ms: contact 3 merged into contact 2");
 }
 
+TEST(AnswerConvertTest, ANoticeOfAnUnlikeSkinNamesItsTaxels) {
+  v1::StreamNotice notice;
+  notice.set_kind(v1::StreamNotice::KIND_SKIN_DIFFERS);
+  notice.set_differing_taxels(5);
+  for (uint32_t i = 0; i < 4; ++i) {
+    v1::TaxelReading* taxel = notice.add_taxels();
+    taxel->set_taxel(10 + i);
+    taxel->set_load(40);
+    taxel->set_least_trained(0.5);
+    taxel->set_most_trained(2.25);
+  }
+  const auto converted = ToNotice(notice);
+  ASSERT_TRUE(converted.has_value());
+  EXPECT_EQ(converted->kind, Notice::Kind::kSkinDiffers);
+  EXPECT_EQ(converted->text,
+            "5 taxels read unlike any recording of training, in several "
+            "contacts: taxel 10 40 (0.5 to 2.25 in training), taxel 11 40 (0.5 "
+            "to 2.25 in training), taxel 12 40 (0.5 to 2.25 in training), ...");
+}
+
 TEST(AnswerConvertTest, WhatIsAbsentIsNotLeftFromBefore) {
   const AnswerConverter converter(Started());
   Answer answer;

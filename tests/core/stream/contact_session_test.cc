@@ -1,11 +1,13 @@
 #include "core/stream/contact_session.h"
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/base/errors.h"
+#include "core/skin/layout.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/server/support/requests.h"
@@ -94,6 +96,49 @@ TEST(ContactSessionTest, AWrongBatchChangesNothing) {
   EXPECT_EQ(session.frames(), 1u);
   ASSERT_TRUE(session.OnFrames(DenseU16(7, {Touch(1)}).frames()).ok());
   EXPECT_EQ(sink.answer().frames_missing(), 1u);
+}
+
+// A model of all taxels that has never felt any load.
+Model ModelWithSkinRange() {
+  Model model = testing::SmallModel();
+  model.layout = *LayoutPreset("cody-forearm");
+  model.hmms.clear();
+  model.inputs.hmm.clear();
+  Nearest& nearest = model.nearest.emplace();
+  nearest.views.rows = model.layout.rows;
+  nearest.views.columns = model.layout.columns;
+  nearest.views.block = HistoryBlock(model.layout.rows, model.layout.columns);
+  nearest.classes = model.classes();
+  nearest.gain.assign(nearest.numbers(), 1);
+  nearest.sample.assign(nearest.numbers() * model.classes(), 0);
+  nearest.label = {0, 1, 2, 3};
+  const size_t taxels = model.layout.taxels();
+  model.skin_range = {std::vector<float>(taxels), std::vector<float>(taxels)};
+  return model;
+}
+
+TEST(ContactSessionTest, ASkinThatReadsUnlikeTrainingIsToldOnce) {
+  const auto model = CompiledModel::Create(ModelWithSkinRange());
+  ASSERT_TRUE(model.ok()) << model.status();
+  Sink sink;
+  ContactSession session(Settings(v1::RESULT_CADENCE_EVERY_FRAME), *model,
+                         &sink);
+  uint64_t sequence = 1;
+  for (int contact = 1; contact <= 12; ++contact) {
+    const auto batch = DenseU16(sequence, {Untouched(), Touch(2), Touch(2)});
+    sequence += 3;
+    ASSERT_TRUE(session.OnFrames(batch.frames()).ok());
+    session.OnEndOfTrial();
+    const bool told = contact == SkinRangeWatch::kContacts;
+    EXPECT_EQ(std::ranges::count(sink.Take(), "notice"), told) << contact;
+  }
+  const v1::StreamNotice& notice = sink.notice();
+  EXPECT_EQ(notice.kind(), v1::StreamNotice::KIND_SKIN_DIFFERS);
+  // Those that Touch() presses.
+  EXPECT_EQ(notice.differing_taxels(), 4u);
+  ASSERT_EQ(notice.taxels_size(), 4);
+  EXPECT_GT(notice.taxels(0).load(), 0);
+  EXPECT_EQ(notice.taxels(0).most_trained(), 0);
 }
 
 // What light touch still feels of a load that is gone shrinks to where the load
