@@ -21,7 +21,9 @@
 #include "core/data/touch.h"
 #include "core/data/trial.h"
 #include "core/data/trial_csv.h"
+#include "core/data/trial_fields.h"
 #include "core/data/trial_file.h"
+#include "core/data/trial_filter.h"
 #include "core/data/trial_id.h"
 #include "core/data/trial_layout.h"
 #include "core/data/trial_loads.h"
@@ -350,6 +352,19 @@ static absl::Status TrialFileExample(const std::string& path,
 }
 
 absl::Status Use(const std::string& id);
+
+std::string FieldOf(const Trial& trial, const std::string& field);
+
+static absl::Status TrialFieldsExample(const TrialFilter& filter,
+                                       const Trial& trial) {
+#include "core/data/trial_fields.h.inc"
+  return absl::OkStatus();
+}
+
+static absl::Status TrialFilterExample(const Trial& trial) {
+#include "core/data/trial_filter.h.inc"
+  return absl::OkStatus();
+}
 
 static absl::Status TrialPackExample(const Trial& trial) {
 #include "core/data/trial_pack.h.inc"

@@ -21,7 +21,9 @@
 #include "core/contacts/trained_on.h"
 #include "core/contacts/world_contacts.h"
 #include "core/data/frame_fingerprint.h"
+#include "core/data/trial_fields.h"
 #include "core/data/trial_file.h"
+#include "core/data/trial_filter.h"
 #include "core/data/trial_layout.h"
 #include "core/files/file_bytes.h"
 
@@ -118,25 +120,45 @@ absl::StatusOr<std::vector<LabelledContact>> FollowTrial(
   return std::move(found.contacts);
 }
 
+// The trials that `source` selects.
+absl::StatusOr<TrialFilter> WantedTrials(const TrialSource& source) {
+  if (IsWorldRecipe(source.path)) {
+    return InvalidConfig("--where", "given with a recipe of contacts",
+                         "absent: a recipe says which");
+  }
+  TACTUS_ASSIGN_OR_RETURN(TrialFilter filter, TrialFilter::Parse(source.where));
+  TACTUS_RETURN_IF_ERROR(CheckTrialFields(filter.fields()));
+  return filter;
+}
+
 }  // namespace
 
-absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
-                                            const std::string& layout_path,
+absl::StatusOr<LoadedContacts> LoadContacts(const TrialSource& source,
                                             const Progress& progress,
                                             ExtractOptions extract,
                                             int max_contacts) {
-  if (IsWorldRecipe(path)) return LoadWorld(path, progress);
+  std::optional<TrialFilter> wanted;
+  if (!source.where.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(wanted, WantedTrials(source));
+  }
+  if (IsWorldRecipe(source.path)) return LoadWorld(source.path, progress);
   SkinLayout layout;
-  if (!layout_path.empty()) {
-    TACTUS_ASSIGN_OR_RETURN(layout, ReadLayoutFile(layout_path));
+  if (!source.layout.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(layout, ReadLayoutFile(source.layout));
   }
   extract.layout = &layout;
-  TACTUS_ASSIGN_OR_RETURN(auto reader, TrialFileReader::Open(path));
+  TACTUS_ASSIGN_OR_RETURN(auto reader, TrialFileReader::Open(source.path));
   LoadedContacts loaded;
   OddRates rates;
   const Progress reading = progress.Part("read trials", 1);
   for (size_t i = 0; i < reader.size(); ++i) {
+    reading.Add(1 / static_cast<double>(reader.size()));
     TACTUS_ASSIGN_OR_RETURN(const Trial trial, reader.Read(i));
+    if (wanted && !wanted->Matches([&](const std::string& field) {
+          return TrialField(trial, field);
+        })) {
+      continue;
+    }
     rates.Add(trial);
     std::vector<LabelledContact> contacts;
     if (max_contacts > 0 && !trial.touches.empty()) {
@@ -161,10 +183,14 @@ absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
       }
       loaded.contacts.push_back(std::move(contact));
     }
-    reading.Add(1 / static_cast<double>(reader.size()));
+  }
+  if (wanted && loaded.trials == 0) {
+    return InvalidConfig("--where", source.where,
+                         absl::StrCat("one that selects some of the ",
+                                      reader.size(), " trials"));
   }
   loaded.data_sha256 = DataSha256(loaded.Pointers());
-  RemarkRates(rates, path);
+  RemarkRates(rates, source.path);
   return loaded;
 }
 

@@ -68,13 +68,26 @@ struct LoadedContacts {
   std::vector<const LabelledContact*> Pointers() const;
 };
 
-// Reads the trial file at `path`. `layout_path`, if not empty, is a JSON file
-// with the skin of trials that carry none; `extract` holds the other options of
-// ExtractContact(). With `max_contacts` above 0, trials that have touches are
-// followed as a server with so many contacts does (ExtractContacts).
-// INVALID_TRAINING_DATA if the trials have several skins or rates.
-absl::StatusOr<LoadedContacts> LoadContacts(const std::string& path,
-                                            const std::string& layout_path,
+// What --where takes.
+inline constexpr char kWhereHelp[] =
+    "Which trials: an expression over trial, source, label, condition, object, "
+    "group, stiffness and velocity, like \"condition != 'day 2' and label in "
+    "(a, b)\"; default: all";
+
+// Trials of a file.
+struct TrialSource {
+  std::string path;
+  // If not empty, a JSON file with the skin of trials that carry none.
+  std::string layout = {};
+  // If not empty, which of the trials (trial_filter.h).
+  std::string where = {};
+};
+
+// Reads trials. `extract` holds the other options of ExtractContact(). With
+// `max_contacts` above 0, trials that have touches are followed as a server
+// with so many contacts does (ExtractContacts). INVALID_TRAINING_DATA if the
+// trials have several skins or rates; INVALID_CONFIG if none is selected.
+absl::StatusOr<LoadedContacts> LoadContacts(const TrialSource& source,
                                             const Progress& progress,
                                             ExtractOptions extract = {},
                                             int max_contacts = 0);

@@ -22,6 +22,7 @@ struct FitCommandFlags {
   std::string data;
   std::string out;
   std::string layout;
+  std::string where;
   std::string note;
   double release_after_s = kDefaultReleaseAfterS;
   bool json = false;
@@ -47,7 +48,6 @@ class FitCurves : public FitJournal {
   LearningCurves curves_;
 };
 
-absl::Status RunFit(const FitCommandFlags& flags) {
 // Says, on standard error, what nobody can know of such a model.
 void RemarkOneSession(const Provenance& provenance) {
   if (provenance.groups != 1 || provenance.conditions != 1) return;
@@ -57,12 +57,14 @@ void RemarkOneSession(const Provenance& provenance) {
                "or a condition each.\n";
 }
 
+absl::Status RunFit(const FitCommandFlags& flags) {
   // A bundle that cannot be written is found before the work, not after it.
   TACTUS_RETURN_IF_ERROR(DraftFile::Create(flags.out).status());
   ProgressDisplay display;
   TACTUS_ASSIGN_OR_RETURN(
       const LoadedContacts loaded,
-      flags.fit.Load(flags.data, flags.layout, display.progress()));
+      flags.fit.Load({flags.data, flags.layout, flags.where},
+                     display.progress()));
   TACTUS_ASSIGN_OR_RETURN(const ChosenOptions chosen,
                           flags.fit.Choose(loaded, display));
   const FitOptions& options = chosen.options;
@@ -81,9 +83,9 @@ void RemarkOneSession(const Provenance& provenance) {
   model.provenance.note = flags.note;
   TACTUS_ASSIGN_OR_RETURN(const std::string bytes, EncodeBundle(model));
   TACTUS_RETURN_IF_ERROR(WriteFileBytes(flags.out, bytes));
+  RemarkOneSession(model.provenance);
   if (flags.json) {
     std::cout << JsonText(Json{{"bundle", flags.out},
-  RemarkOneSession(model.provenance);
                                {"sha256", BundleSha256(bytes)},
                                {"bytes", bytes.size()},
                                {"trials", loaded.trials},
@@ -122,6 +124,7 @@ void AddFit(CLI::App& app, const SelectCommand& select) {
                "fit --data=mine.h5 --preset=tuned --out=mine.tactus");
   command->add_option("--data", flags->data, "Trial file")->required();
   command->add_option("--out", flags->out, "Bundle to write")->required();
+  command->add_option("--where", flags->where, kWhereHelp);
   command->add_option("--layout", flags->layout,
                       "JSON file with the skin of trials that carry none");
   command

@@ -65,11 +65,10 @@ OptionsRequest FitFlags::Request(bool without_poses) const {
       .options_of = [this](absl::string_view name) { return Options(name); }};
 }
 
-absl::StatusOr<LoadedContacts> FitFlags::Load(const std::string& data,
-                                              const std::string& layout,
+absl::StatusOr<LoadedContacts> FitFlags::Load(const TrialSource& source,
                                               const Progress& progress) const {
   return ReadForFit(Request(false), [&](bool whole_skin) {
-    return LoadContacts(data, layout, progress, {.whole_skin = whole_skin});
+    return LoadContacts(source, progress, {.whole_skin = whole_skin});
   });
 }
 

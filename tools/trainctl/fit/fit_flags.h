@@ -42,14 +42,12 @@ struct FitFlags {
   std::string FirstGiven() const;
   // Returns the options of a preset, changed as the other flags say.
   absl::StatusOr<FitOptions> Options(absl::string_view preset) const;
-  // The contacts of a trial file, with what models of these flags can use of
-  // them.
-  absl::StatusOr<LoadedContacts> Load(const std::string& data,
-                                      const std::string& layout,
+  // The contacts of trials, with what models of these flags can use of them.
+  absl::StatusOr<LoadedContacts> Load(const TrialSource& source,
                                       const Progress& progress) const;
-  // Each candidate of a choice becomes a line on standard error.
   // The options for these contacts, which the result points to. `protocol`: how
   // they will be evaluated, if they will.
+  // Each candidate of a choice becomes a line on standard error.
   absl::StatusOr<ChosenOptions> Choose(
       const LoadedContacts& loaded, ProgressDisplay& display,
       const std::optional<Protocol>& protocol = {}) const;

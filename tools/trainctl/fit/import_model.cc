@@ -97,7 +97,7 @@ absl::Status Calibrate(const ImportModelFlags& flags, Model& model) {
   ProgressDisplay display;
   TACTUS_ASSIGN_OR_RETURN(
       const LoadedContacts loaded,
-      LoadContacts(flags.calibrate, flags.layout, display.progress()));
+      LoadContacts({flags.calibrate, flags.layout}, display.progress()));
   TACTUS_ASSIGN_OR_RETURN(const auto compiled, CompiledModel::Create(model));
   const std::vector<double> frames =
       CalibrationFrames(model.inputs.sample_rate_hz, model.inputs.lstm_steps);

@@ -48,6 +48,7 @@ struct EvaluateFlags {
   std::string algorithm;
   std::string layout;
   std::string figures;
+  std::string where;
   std::string report;
   std::string answers;
   bool json = false;
@@ -117,9 +118,9 @@ absl::Status Draw(const EvaluateFlags& flags, const Evaluation& result) {
 // of training.
 absl::Status RunUnknown(const EvaluateFlags& flags) {
   ProgressDisplay display;
-  TACTUS_ASSIGN_OR_RETURN(
-      const LoadedContacts loaded,
-      LoadContacts(flags.data, flags.layout, display.progress()));
+  TACTUS_ASSIGN_OR_RETURN(const LoadedContacts loaded,
+                          LoadContacts({flags.data, flags.layout, flags.where},
+                                       display.progress()));
   TACTUS_ASSIGN_OR_RETURN(const ChosenOptions chosen,
                           flags.fit.Choose(loaded, display));
   TACTUS_ASSIGN_OR_RETURN(const auto results,
@@ -155,9 +156,9 @@ struct EvaluationRun {
 
 absl::StatusOr<EvaluationRun> RunProtocol(const EvaluateFlags& flags,
                                           const LoadedContacts& loaded,
+  Learner learner = Learner::kHmms;
                                           ProgressDisplay& display) {
   const Progress progress = display.progress();
-  Learner learner = Learner::kHmms;
   // Nearest neighbours are not fitted by a preset.
   FitFlags fit = flags.fit;
   if (flags.algorithm == "1nn" && fit.spec.preset.empty())
@@ -209,13 +210,11 @@ std::string Title(const EvaluateFlags& flags, const EvaluationRun& run) {
           ? flags.protocol
           : std::filesystem::path(flags.model).filename().string(),
       AnswersName(run), reduced ? " (there is no LSTM to fuse)" : "",
-      run.features);
       LearnerOf(model->model()),
+      run.features);
 }
 
 // What evaluations by a bundle say of the trials that it was fitted to; a model
-// of a protocol has never seen those that it is tested on.
-Json TrainedOnToJson(const TrainedOn& trained) {
 // "lstm", "fused", and for "hmm" what is in its place.
 std::string AnswersName(const EvaluationRun& run) {
   if (run.result.algorithm != Algorithm::kHmm || run.learner == Learner::kHmms)
@@ -223,6 +222,8 @@ std::string AnswersName(const EvaluationRun& run) {
   return LearnerText(run.learner);
 }
 
+// of a protocol has never seen those that it is tested on.
+Json TrainedOnToJson(const TrainedOn& trained) {
   constexpr const char* kBases[] = {"unknown", "frames", "data", "name"};
   return {{"basis", kBases[static_cast<int>(trained.basis)]},
           {"contacts", trained.contacts},
@@ -249,8 +250,8 @@ void Print(const EvaluateFlags& flags, const EvaluationRun& run,
       json["seed"] = flags.fit.spec.seed;
     }
     json["seconds"] = SecondsSinceStart();
-    std::cout << JsonText(json) << "\n";
     json["learner"] = LearnerText(run.learner);
+    std::cout << JsonText(json) << "\n";
     return;
   }
   const std::string warning = fitted ? "" : TrainedOnText(run.trained);
@@ -260,9 +261,9 @@ void Print(const EvaluateFlags& flags, const EvaluationRun& run,
   if (evaluation.contains("contacts")) {
     std::cout << TouchesText(evaluation["contacts"]);
   }
+      json["candidates"] = CandidatesToJson(run.chosen.choice);
   if (fitted) {
     std::cout << absl::StrFormat("preset %s, seed %d, ", run.chosen.preset,
-      json["candidates"] = CandidatesToJson(run.chosen.choice);
                                  flags.fit.spec.seed);
   }
   std::cout << absl::StrFormat("%s trials, %.1f s\n", WithCommas(trials),
@@ -322,6 +323,7 @@ std::vector<std::pair<std::string, std::string>> Facts(
   if (flags.model.empty()) {
     facts.emplace_back(
         "protocol",
+  if (!flags.where.empty()) facts.emplace_back("trials where", flags.where);
         flags.protocol == "k-fold"
             ? absl::StrFormat("k-fold, %d folds",
                               flags.folds.value_or(Protocol::kDefaultFolds))
@@ -387,7 +389,7 @@ absl::Status RunEvaluate(const EvaluateFlags& flags) {
   ProgressDisplay display;
   TACTUS_ASSIGN_OR_RETURN(
       const LoadedContacts loaded,
-      LoadContacts(flags.data, flags.layout, display.progress(),
+      LoadContacts({flags.data, flags.layout, flags.where}, display.progress(),
                    {.release_after_s = model ? model->model().release_after_s
                                              : kNeverReleased},
                    model ? MostContacts(model->model(), {}) : 0));
@@ -457,3 +459,4 @@ void AddEvaluate(CLI::App& app, const SelectCommand& select) {
 }
 
 }  // namespace tactus::internal::client
+  command->add_option("--where", flags->where, kWhereHelp);
