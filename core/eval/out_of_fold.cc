@@ -13,14 +13,13 @@ namespace {
 
 using Contacts = std::vector<const LabelledContact*>;
 
-// Scores the contacts of `fold` with a model of all others.
+// Scores the contacts of `fold` with a model of those of `training`.
 absl::Status ScoreFold(const Contacts& contacts, const std::vector<int>& fold,
+                       const std::vector<int>& training,
                        const FitOptions& options, const Progress& progress,
                        std::vector<ScoredContact>& scores) {
   Contacts rest;
-  for (const int i : Complement(fold, static_cast<int>(contacts.size()))) {
-    rest.push_back(contacts[i]);
-  }
+  for (const int i : training) rest.push_back(contacts[i]);
   TACTUS_ASSIGN_OR_RETURN(Model model,
                           FitModel(rest, options, RunSerially, progress));
   TACTUS_ASSIGN_OR_RETURN(const auto compiled,
@@ -48,6 +47,17 @@ absl::StatusOr<std::vector<bool>> RightOutOfFold(
     const Contacts& contacts, const std::vector<std::vector<int>>& folds,
     const FitOptions& options, const ParallelFor& parallel,
     const Progress& progress) {
+  std::vector<std::vector<int>> training;
+  for (const std::vector<int>& fold : folds) {
+    training.push_back(Complement(fold, static_cast<int>(contacts.size())));
+  }
+  return RightOutOfFold(contacts, folds, training, options, parallel, progress);
+}
+
+absl::StatusOr<std::vector<bool>> RightOutOfFold(
+    const Contacts& contacts, const std::vector<std::vector<int>>& folds,
+    const std::vector<std::vector<int>>& training, const FitOptions& options,
+    const ParallelFor& parallel, const Progress& progress) {
   FitOptions fit = options;
   fit.calibrate = false;
   fit.held_out = 0;
@@ -58,7 +68,7 @@ absl::StatusOr<std::vector<bool>> RightOutOfFold(
   const Progress each =
       progress.Part("", 1 / static_cast<double>(folds.size()));
   parallel(static_cast<int>(folds.size()), [&](int f) {
-    failures[f] = ScoreFold(contacts, folds[f], fit, each, scores);
+    failures[f] = ScoreFold(contacts, folds[f], training[f], fit, each, scores);
   });
   for (const absl::Status& failure : failures) {
     TACTUS_RETURN_IF_ERROR(failure);

@@ -21,12 +21,21 @@
 
 namespace tactus::internal {
 
-// The answers are those of the LSTMs if the options have some, else of the
-// HMMs: a fitted model fuses both where that is better. The answer is that
-// after the last calibration time. The errors of FitModel.
-absl::StatusOr<int> CountOutOfFoldRight(
+// One per contact. The answers are those of the LSTMs if the options have some,
+// else of the HMMs or of the ridge: a fitted model fuses both where that is
+// better. The answer is that after the last calibration time. The errors of
+// FitModel.
+absl::StatusOr<std::vector<bool>> RightOutOfFold(
     const std::vector<const LabelledContact*>& contacts,
     const std::vector<std::vector<int>>& folds, const FitOptions& options,
+    const ParallelFor& parallel, const Progress& progress = {});
+
+// The same by models of `training`, the contacts that the model for each fold
+// is fitted to.
+absl::StatusOr<std::vector<bool>> RightOutOfFold(
+    const std::vector<const LabelledContact*>& contacts,
+    const std::vector<std::vector<int>>& folds,
+    const std::vector<std::vector<int>>& training, const FitOptions& options,
     const ParallelFor& parallel, const Progress& progress = {});
 
 }  // namespace tactus::internal

@@ -25,10 +25,12 @@
 #include "core/contacts/world_contacts.h"
 #include "core/eval/auto_preset.h"
 #include "core/eval/baselines.h"
+#include "core/eval/choice_proto.h"
 #include "core/eval/chosen_options.h"
 #include "core/eval/evaluate.h"
 #include "core/eval/evaluate_nearest.h"
 #include "core/eval/evaluation.h"
+#include "core/eval/learning_curve.h"
 #include "core/eval/metrics.h"
 #include "core/eval/out_of_fold.h"
 #include "core/eval/paper_tables.h"
@@ -50,6 +52,7 @@
 #include "core/train/fit_run.h"
 #include "core/train/fit_unknown.h"
 #include "core/train/lstm_work.h"
+#include "core/train/measure_skin_range.h"
 #include "core/train/model_fit.h"
 #include "core/train/saved_parts.h"
 #include "core/train/softmax_fit.h"
@@ -88,6 +91,22 @@ static absl::Status AutoPresetExample(const Contacts& contacts,
                                       const FitOptions& profile) {
 #include "core/eval/auto_preset.h.inc"
   return absl::OkStatus();
+}
+
+static void ChoiceProtoExample(const PresetChoice& choice,
+                               v1::OperationResult& result) {
+#include "core/eval/choice_proto.h.inc"
+}
+
+static absl::Status LearningCurveExample(const Contacts& contacts,
+                                         const Protocol& protocol,
+                                         const FitOptions& options) {
+#include "core/eval/learning_curve.h.inc"
+  return absl::OkStatus();
+}
+
+static void MeasureSkinRangeExample(const Contacts& contacts, Model& model) {
+#include "core/train/measure_skin_range.h.inc"
 }
 
 static void ChoiceFoldsExample(const Contacts& contacts) {

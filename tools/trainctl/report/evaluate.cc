@@ -31,6 +31,7 @@
 #include "tools/trainctl/report/evaluate_page.h"
 #include "tools/trainctl/report/evaluate_pictures.h"
 #include "tools/trainctl/report/evaluate_report.h"
+#include "tools/trainctl/report/next_recordings.h"
 #include "tools/trainctl/report/touch_report.h"
 #include "tools/trainctl/text.h"
 
@@ -47,10 +48,11 @@ struct EvaluateFlags {
   // Empty: what a server would answer with.
   std::string algorithm;
   std::string layout;
-  std::string figures;
   std::string where;
+  std::string figures;
   std::string report;
   std::string answers;
+  bool curve = false;
   bool json = false;
   FitFlags fit;
 };
@@ -74,6 +76,12 @@ absl::Status Check(const EvaluateFlags& flags) {
   if (flags.folds && flags.protocol != "k-fold") {
     return InvalidConfig("--folds", *flags.folds,
                          "given with --protocol=k-fold only");
+  }
+  if (flags.curve &&
+      (!flags.model.empty() || flags.protocol == kLeaveOneCategoryOut ||
+       flags.algorithm == "1nn")) {
+    return InvalidConfig("--curve", "given without models that are fitted",
+                         "absent, or given with a protocol that fits models");
   }
   if (flags.protocol == kLeaveOneCategoryOut) {
     const std::pair<const char*, const std::string*> unused[] = {
@@ -148,15 +156,16 @@ absl::Status RunUnknown(const EvaluateFlags& flags) {
 struct EvaluationRun {
   Evaluation result;
   std::string features;
+  Learner learner = Learner::kHmms;
   // Empty of a bundle.
   ChosenOptions chosen;
   // What a bundle was fitted to.
   TrainedOn trained = {};
+  std::optional<LearningCurve> curve = {};
 };
 
 absl::StatusOr<EvaluationRun> RunProtocol(const EvaluateFlags& flags,
                                           const LoadedContacts& loaded,
-  Learner learner = Learner::kHmms;
                                           ProgressDisplay& display) {
   const Progress progress = display.progress();
   // Nearest neighbours are not fitted by a preset.
@@ -175,10 +184,15 @@ absl::StatusOr<EvaluationRun> RunProtocol(const EvaluateFlags& flags,
   TACTUS_ASSIGN_OR_RETURN(Evaluation result,
                           EvaluateProtocol(chosen.contacts, protocol, algorithm,
                                            options, RunOnThreads, progress));
-  return EvaluationRun{std::move(result),
-                       FeaturesToString(options.features),
-                       std::move(chosen),
-                       {}};
+  EvaluationRun run{std::move(result), FeaturesToString(options.features),
+                    options.learner, std::move(chosen)};
+  if (flags.curve) {
+    TACTUS_ASSIGN_OR_RETURN(
+        run.curve,
+        MeasureLearningCurve(run.chosen.contacts, protocol, run.chosen.options,
+                             RunOnThreads, progress));
+  }
+  return run;
 }
 
 absl::StatusOr<EvaluationRun> RunModel(
@@ -196,9 +210,17 @@ absl::StatusOr<EvaluationRun> RunModel(
   return EvaluationRun{
       std::move(result),
       FeaturesToString(FeaturesUsed(model->model().inputs)),
+      LearnerOf(model->model()),
       {},
       FindTrainedOn(model->model().provenance, loaded.Pointers(),
                     {.sha256 = loaded.data_sha256, .name = flags.data})};
+}
+
+// "lstm", "fused", and for "hmm" what is in its place.
+std::string AnswersName(const EvaluationRun& run) {
+  if (run.result.algorithm != Algorithm::kHmm || run.learner == Learner::kHmms)
+    return std::string(AlgorithmName(run.result.algorithm));
+  return LearnerText(run.learner);
 }
 
 std::string Title(const EvaluateFlags& flags, const EvaluationRun& run) {
@@ -210,18 +232,10 @@ std::string Title(const EvaluateFlags& flags, const EvaluationRun& run) {
           ? flags.protocol
           : std::filesystem::path(flags.model).filename().string(),
       AnswersName(run), reduced ? " (there is no LSTM to fuse)" : "",
-      LearnerOf(model->model()),
       run.features);
 }
 
 // What evaluations by a bundle say of the trials that it was fitted to; a model
-// "lstm", "fused", and for "hmm" what is in its place.
-std::string AnswersName(const EvaluationRun& run) {
-  if (run.result.algorithm != Algorithm::kHmm || run.learner == Learner::kHmms)
-    return std::string(AlgorithmName(run.result.algorithm));
-  return LearnerText(run.learner);
-}
-
 // of a protocol has never seen those that it is tested on.
 Json TrainedOnToJson(const TrainedOn& trained) {
   constexpr const char* kBases[] = {"unknown", "frames", "data", "name"};
@@ -236,6 +250,7 @@ void Print(const EvaluateFlags& flags, const EvaluationRun& run,
   if (flags.json) {
     Json json = {{"protocol", fitted ? flags.protocol : "model"}};
     json["features"] = run.features;
+    json["learner"] = LearnerText(run.learner);
     json["trained_on_data"] = run.trained.contacts > 0;
     if (!fitted) {
       if (run.trained.basis == TrainingBasis::kUnknown) {
@@ -247,10 +262,10 @@ void Print(const EvaluateFlags& flags, const EvaluationRun& run,
     if (fitted) {
       json["preset"] = run.chosen.preset;
       json["choice"] = ChoiceToJson(run.chosen.choice);
+      json["candidates"] = CandidatesToJson(run.chosen.choice);
       json["seed"] = flags.fit.spec.seed;
     }
     json["seconds"] = SecondsSinceStart();
-    json["learner"] = LearnerText(run.learner);
     std::cout << JsonText(json) << "\n";
     return;
   }
@@ -261,7 +276,7 @@ void Print(const EvaluateFlags& flags, const EvaluationRun& run,
   if (evaluation.contains("contacts")) {
     std::cout << TouchesText(evaluation["contacts"]);
   }
-      json["candidates"] = CandidatesToJson(run.chosen.choice);
+  std::cout << NextRecordingsText(evaluation);
   if (fitted) {
     std::cout << absl::StrFormat("preset %s, seed %d, ", run.chosen.preset,
                                  flags.fit.spec.seed);
@@ -308,6 +323,7 @@ std::vector<std::pair<std::string, std::string>> Facts(
     const Contacts& contacts) {
   std::vector<std::pair<std::string, std::string>> facts = {
       {"data", flags.data}};
+  if (!flags.where.empty()) facts.emplace_back("trials where", flags.where);
   if (!contacts.empty()) {
     const LabelledContact& first = *contacts.front();
     std::string skin = "none: ideal signals";
@@ -323,7 +339,6 @@ std::vector<std::pair<std::string, std::string>> Facts(
   if (flags.model.empty()) {
     facts.emplace_back(
         "protocol",
-  if (!flags.where.empty()) facts.emplace_back("trials where", flags.where);
         flags.protocol == "k-fold"
             ? absl::StrFormat("k-fold, %d folds",
                               flags.folds.value_or(Protocol::kDefaultFolds))
@@ -412,6 +427,8 @@ absl::Status RunEvaluate(const EvaluateFlags& flags) {
   Json evaluation = EvaluationToJson(run.result, trials);
   NameConfusions(WrongAnswers(run.result, tested), evaluation);
   evaluation["duplicates"] = FindCopies(tested).size();
+  evaluation["groups"] = GroupsToJson(run.result, tested);
+  evaluation["learning_curve"] = CurveToJson(run.curve);
   if (loaded.touches) {
     evaluation["contacts"] = TouchesToJson(*loaded.touches, run.result, tested);
   }
@@ -443,6 +460,7 @@ void AddEvaluate(CLI::App& app, const SelectCommand& select) {
                       "answer with, which is fused if there are LSTMs");
   command->add_option("--layout", flags->layout,
                       "JSON file with the skin of trials that carry none");
+  command->add_option("--where", flags->where, kWhereHelp);
   command->add_option("--figures", flags->figures,
                       "Folder for figures of accuracy and reliability");
   command->add_option("--report", flags->report,
@@ -453,10 +471,12 @@ void AddEvaluate(CLI::App& app, const SelectCommand& select) {
   command->add_option("--answers", flags->answers,
                       "CSV file for the answer to every felt trial: trial, "
                       "label, answer, probability of each class");
+  command->add_flag("--curve", flags->curve,
+                    "Also fit to 5, 10, 20 and 50 trials of a class, and say "
+                    "whether more recordings would help");
   command->add_flag("--json", flags->json, "Print one JSON object on stdout");
   flags->fit.Add(*command);
   command->callback([=] { select([=] { return RunEvaluate(*flags); }); });
 }
 
 }  // namespace tactus::internal::client
-  command->add_option("--where", flags->where, kWhereHelp);
