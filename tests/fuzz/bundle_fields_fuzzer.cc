@@ -236,7 +236,7 @@ tactus::v1::ModelBundle SmallModel() {
   tactus::internal::Model model = tactus::internal::testing::SmallModel();
   model.layout = *tactus::internal::LayoutPreset("cody-forearm");
   model.inputs.lstm = model.inputs.hmm;
-  testing::AddLstmCalibration(model.calibration);
+  tactus::internal::testing::AddLstmCalibration(model.calibration);
   const auto network = [](int regressions) {
     return tactus::internal::RandomNetwork(
         2, {3, 2}, 4, tactus::internal::Activation::kTanh,
