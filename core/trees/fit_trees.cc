@@ -87,7 +87,7 @@ class Grower {
         continue;
       }
       const auto middle =
-          std::stable_partition(here.begin(), here.end(), [&](uint32_t row) {
+          std::partition(here.begin(), here.end(), [&](uint32_t row) {
             return table_.at(row, split.number) < split.threshold;
           });
       const size_t cut = begin + (middle - here.begin());
