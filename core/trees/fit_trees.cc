@@ -16,11 +16,11 @@ namespace {
 // Rows of numbers and their classes.
 struct Table {
   size_t numbers = 0;
-  std::vector<float> value;  // [rows][numbers]
+  std::vector<float> value;  // [numbers][rows]
   std::vector<int> label;
 
   float at(uint32_t row, size_t number) const {
-    return value[row * numbers + number];
+    return value[number * label.size() + row];
   }
 };
 
@@ -28,9 +28,10 @@ Table MakeTable(std::span<const HistorySample> samples,
                 const HistorySpec& spec) {
   Table table;
   table.numbers = spec.numbers();
-  table.value.resize(samples.size() * kHistoryParts.size() * table.numbers);
+  const size_t rows = samples.size() * kHistoryParts.size();
+  table.value.resize(rows * table.numbers);
+  std::vector<float> numbers(table.numbers);
   TouchHistory history(&spec);
-  float* row = table.value.data();
   for (const HistorySample& sample : samples) {
     history.Reset();
     size_t t = 0;
@@ -38,8 +39,12 @@ Table MakeTable(std::span<const HistorySample> samples,
       for (const size_t end = EndOf(part, sample.frames.size()); t < end; ++t) {
         history.Step(sample.frames[t]);
       }
-      history.Write({row, table.numbers});
-      row += table.numbers;
+      history.Write(numbers);
+      float* value = table.value.data() + table.label.size();
+      for (const float number : numbers) {
+        *value = number;
+        value += rows;
+      }
       table.label.push_back(sample.label);
     }
   }
@@ -60,9 +65,15 @@ class Grower {
                                        static_cast<double>(table.numbers)))))),
         left_(classes),
         all_(classes),
-        order_(table.numbers),
         trees_(trees) {
-    std::iota(order_.begin(), order_.end(), size_t{0});
+    const auto rows = static_cast<uint32_t>(table.label.size());
+    for (size_t number = 0; number < table.numbers; ++number) {
+      for (uint32_t row = 1; row < rows; ++row) {
+        if (table.at(row, number) == table.at(0, number)) continue;
+        order_.push_back(number);
+        break;
+      }
+    }
   }
 
   void Grow(Random& random) {
@@ -172,6 +183,7 @@ class Grower {
   // Rows of each class: below a threshold, and in the node.
   std::vector<int> left_;
   std::vector<int> all_;
+  // The numbers that are not the same in all rows, in any order.
   std::vector<size_t> order_;
   Trees& trees_;
 };
