@@ -59,21 +59,15 @@ bool ClearlyWorse(const Compared& candidate, const Compared& best) {
 // The cheapest of those that are not clearly worse than the best; the first of
 // equal ones. There must be some.
 const Compared& Cheapest(const std::vector<Compared>& candidates) {
-  const Compared* best = &candidates.front();
+  const Compared& best =
+      *std::ranges::max_element(candidates, {}, &Compared::right_count);
+  const auto rank = [](const Compared& c) {
+    return std::pair(CostOf(c.options), -c.right_count);
+  };
+  const Compared* chosen = &best;
   for (const Compared& candidate : candidates) {
-    if (candidate.right_count > best->right_count) best = &candidate;
-  }
-  const Compared* chosen = best;
-  for (const Compared& candidate : candidates) {
-    if (ClearlyWorse(candidate, *best)) continue;
-    const auto rank = [](const Compared& c) {
-      return std::pair(CostOf(c.options), -c.right_count);
-    };
-    const bool earlier = &candidate < chosen;
-    if (rank(candidate) < rank(*chosen) ||
-        (earlier && rank(candidate) == rank(*chosen))) {
-      chosen = &candidate;
-    }
+    if (ClearlyWorse(candidate, best)) continue;
+    if (rank(candidate) < rank(*chosen)) chosen = &candidate;
   }
   return *chosen;
 }

@@ -24,8 +24,8 @@ constexpr int kMadeFrames = 300;
 
 using MadeFrames = std::vector<std::vector<TaxelLoad>>;
 
-// Contacts of a quarter of the skin, each class with a load of its own on each
-// taxel.
+// Contacts that touch every fourth taxel. The loads of the taxels tell the
+// class.
 struct MadeContacts {
   std::vector<MadeFrames> frames;
   std::vector<HistorySample> samples;
