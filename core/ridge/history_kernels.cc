@@ -54,7 +54,8 @@ void AddChannels(const float* HWY_RESTRICT values, size_t count,
 void StepMiniKernels(const float* const* taps,
                      const float* HWY_RESTRICT thresholds,
                      float* HWY_RESTRICT values, uint32_t* HWY_RESTRICT above) {
-  const hn::CappedTag<float, 16> d;
+  const hn::CappedTag<float, 8> d;
+  static_assert(kMiniLanes % hn::MaxLanes(d) == 0);
   const hn::RebindToUnsigned<decltype(d)> du;
   const auto one = hn::Set(du, 1);
   for (size_t k = 0; k < kMiniLanes; k += hn::Lanes(d)) {

@@ -18,7 +18,7 @@ inline constexpr int kMiniTaps = 9;
 inline constexpr int kMiniKernels = 84;
 // The kernels of one tap lie together; padded to whole vectors with weights of
 // 0.
-inline constexpr int kMiniLanes = 96;
+inline constexpr int kMiniLanes = 88;
 inline constexpr std::array<int, 6> kMiniDilations = {1, 2, 4, 8, 16, 32};
 inline constexpr int kMiniDilationCount = kMiniDilations.size();
 // Thresholds with which the values of a kernel are compared.

@@ -44,16 +44,26 @@ absl::Status Validate(const Ridge& ridge) {
 RidgeScorer::RidgeScorer(const Ridge* ridge)
     : ridge_(ridge),
       history_(&ridge->history),
-      numbers_(ridge->history.numbers()) {}
+      numbers_(history_.LargestPart()) {}
 
 void RidgeScorer::Score(std::span<double> scores) {
-  history_.Write(numbers_);
-  Standardise(numbers_, ridge_->offset, ridge_->gain, kRidgeLimit, numbers_);
   for (size_t k = 0; k < scores.size(); ++k) {
-    const std::span<const float> weight(
-        ridge_->weight.data() + k * numbers_.size(), numbers_.size());
-    scores[k] = static_cast<double>(ridge_->bias[k]) +
-                static_cast<double>(DotProduct(numbers_, weight));
+    scores[k] = static_cast<double>(ridge_->bias[k]);
+  }
+  const std::span<const float> offset = ridge_->offset;
+  const std::span<const float> gain = ridge_->gain;
+  const std::span<const float> weight = ridge_->weight;
+  size_t first = 0;
+  for (int part = 0; part < history_.parts(); ++part) {
+    const size_t count = history_.WritePart(part, numbers_);
+    const std::span<float> numbers = std::span(numbers_).first(count);
+    Standardise(numbers, offset.subspan(first, count),
+                gain.subspan(first, count), kRidgeLimit, numbers);
+    for (size_t k = 0; k < scores.size(); ++k) {
+      scores[k] += static_cast<double>(
+          DotProduct(numbers, weight.subspan(k * gain.size() + first, count)));
+    }
+    first += count;
   }
 }
 

@@ -42,29 +42,31 @@ void Stretches::Step() {
 }
 
 void Stretches::Write(std::span<float> numbers) const {
+  for (int j = 0; j < kHistoryStretches; ++j) {
+    WriteStretch(j, numbers.subspan(j * channels_, channels_));
+  }
+}
+
+void Stretches::WriteStretch(int stretch, std::span<float> numbers) const {
   std::ranges::fill(numbers, 0.0F);
   if (frames_ == 0) return;
-  const auto length = static_cast<double>(block_length_);
-  const double stretch = static_cast<double>(frames_) / kHistoryStretches;
-  for (int j = 0; j < kHistoryStretches; ++j) {
-    const std::span<float> out = numbers.subspan(j * channels_, channels_);
-    const double begin = j * stretch;
-    const double end = begin + stretch;
-    for (int b = 0; b < blocks_; ++b) {
-      const double shared =
-          std::min(end, (b + 1) * length) - std::max(begin, b * length);
-      if (shared <= 0) continue;
-      AddScaled(static_cast<float>(shared / stretch),
-                mean_.data() + b * channels_, channels_, out.data());
-    }
-    // The block that is filled.
-    const double shared = end - std::max(begin, blocks_ * length);
-    if (block_frames_ == 0 || shared <= 0) continue;
-    const double weight =
-        shared / (stretch * static_cast<double>(block_frames_));
-    for (size_t i = 0; i < channels_; ++i) {
-      out[i] += static_cast<float>(weight * sum_[i]);
-    }
+  const auto block = static_cast<double>(block_length_);
+  const double length = static_cast<double>(frames_) / kHistoryStretches;
+  const double begin = stretch * length;
+  const double end = begin + length;
+  for (int b = 0; b < blocks_; ++b) {
+    const double shared =
+        std::min(end, (b + 1) * block) - std::max(begin, b * block);
+    if (shared <= 0) continue;
+    AddScaled(static_cast<float>(shared / length), mean_.data() + b * channels_,
+              channels_, numbers.data());
+  }
+  // The block that is filled.
+  const double shared = end - std::max(begin, blocks_ * block);
+  if (block_frames_ == 0 || shared <= 0) return;
+  const double weight = shared / (length * static_cast<double>(block_frames_));
+  for (size_t i = 0; i < channels_; ++i) {
+    numbers[i] += static_cast<float>(weight * sum_[i]);
   }
 }
 

@@ -39,6 +39,8 @@ class Stretches {
   // Writes kHistoryStretches means of each channel, stretch by stretch; zeros
   // before the first frame.
   void Write(std::span<float> numbers) const;
+  // The same of one stretch.
+  void WriteStretch(int stretch, std::span<float> numbers) const;
 
  private:
   static constexpr int kBlocks = 2 * kHistoryStretches;

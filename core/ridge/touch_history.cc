@@ -126,30 +126,75 @@ void TouchHistory::StepKernels() {
   }
 }
 
-void TouchHistory::Write(std::span<float> numbers) const {
+int TouchHistory::parts() const {
+  return kHistoryStatistics + kHistoryStretches +
+         (spec_->has_kernels() ? kFrameViews : 0);
+}
+
+size_t TouchHistory::LargestPart() const {
+  return std::max(channels_, spec_->threshold.size() / kFrameViews);
+}
+
+size_t TouchHistory::WritePart(int part, std::span<float> numbers) const {
+  const int view = part - kHistoryStatistics - kHistoryStretches;
+  const std::span<float> out = numbers.first(
+      view < 0 ? channels_ : spec_->threshold.size() / kFrameViews);
   if (frames_ == 0) {
-    std::ranges::fill(numbers, 0.0F);
-    return;
+    std::ranges::fill(out, 0.0F);
+  } else if (part < kHistoryStatistics) {
+    WriteStatistic(part, out);
+  } else if (view < 0) {
+    stretches_.WriteStretch(part - kHistoryStatistics, out);
+  } else {
+    WriteKernels(view, out);
   }
+  return out.size();
+}
+
+void TouchHistory::Write(std::span<float> numbers) const {
+  for (int part = 0; part < parts(); ++part) {
+    numbers = numbers.subspan(WritePart(part, numbers));
+  }
+}
+
+void TouchHistory::WriteStatistic(int statistic,
+                                  std::span<float> numbers) const {
   const double per_frame = 1 / static_cast<double>(frames_);
-  float* out = numbers.data();
-  for (size_t i = 0; i < channels_; ++i) {
-    const double mean = sum_[i] * per_frame;
-    out[i] = static_cast<float>(mean);
-    out[channels_ + i] = static_cast<float>(
-        std::sqrt(std::max(square_[i] * per_frame - mean * mean, 0.0)));
-    out[4 * channels_ + i] = static_cast<float>(steps_[i] * per_frame);
-    out[5 * channels_ + i] =
-        static_cast<float>(static_cast<double>(active_[i]) * per_frame);
+  const auto write = [&](const auto& number_of) {
+    for (size_t i = 0; i < numbers.size(); ++i) {
+      numbers[i] = static_cast<float>(number_of(i));
+    }
+  };
+  switch (statistic) {
+    case 0:
+      return write([&](size_t i) { return sum_[i] * per_frame; });
+    case 1:
+      return write([&](size_t i) {
+        const double mean = sum_[i] * per_frame;
+        return std::sqrt(std::max(square_[i] * per_frame - mean * mean, 0.0));
+      });
+    case 2:
+      return write([&](size_t i) { return largest_[i]; });
+    case 3:
+      return write([&](size_t i) { return smallest_[i]; });
+    case 4:
+      return write([&](size_t i) { return steps_[i] * per_frame; });
+    case 5:
+      return write([&](size_t i) {
+        return static_cast<double>(active_[i]) * per_frame;
+      });
+    case 6:
+      return write([&](size_t i) { return short_mean_[i]; });
+    default:
+      return write([&](size_t i) { return long_mean_[i]; });
   }
-  std::copy_n(largest_.data(), channels_, out + 2 * channels_);
-  std::copy_n(smallest_.data(), channels_, out + 3 * channels_);
-  std::copy_n(short_mean_.data(), channels_, out + 6 * channels_);
-  std::copy_n(long_mean_.data(), channels_, out + 7 * channels_);
-  stretches_.Write(numbers.subspan(kHistoryStatistics * channels_,
-                                   kHistoryStretches * channels_));
-  out += (kHistoryStatistics + kHistoryStretches) * channels_;
-  for (size_t row = 0; row < above_.size() / kMiniLanes; ++row) {
+}
+
+void TouchHistory::WriteKernels(int view, std::span<float> numbers) const {
+  const double per_frame = 1 / static_cast<double>(frames_);
+  const size_t rows = numbers.size() / kMiniKernels;
+  float* out = numbers.data();
+  for (size_t row = view * rows; row < (view + 1) * rows; ++row) {
     for (int k = 0; k < kMiniKernels; ++k) {
       *out++ = static_cast<float>(above_[row * kMiniLanes + k] * per_frame);
     }

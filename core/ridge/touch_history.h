@@ -50,12 +50,23 @@ class TouchHistory {
   // Writes HistorySpec::numbers() numbers; zeros before the first frame.
   void Write(std::span<float> numbers) const;
 
+  // The same numbers part by part, for callers without room for all of them: a
+  // part is one statistic or one stretch of all channels, or all thresholds of
+  // a view.
+  int parts() const;
+  size_t LargestPart() const;
+  // Writes the numbers of a part to the first elements of `numbers`, which has
+  // LargestPart() of them. Returns how many they are.
+  size_t WritePart(int part, std::span<float> numbers) const;
+
   // The value of each kernel at the last frame, [views][dilations][kMiniLanes];
   // of no meaning before the first.
   std::span<const float> kernel_values() const { return kernel_values_; }
 
  private:
   void StepKernels();
+  void WriteStatistic(int statistic, std::span<float> numbers) const;
+  void WriteKernels(int view, std::span<float> numbers) const;
 
   const HistorySpec* spec_;
   // Channels of all views.
