@@ -64,6 +64,17 @@ SureAnswers CountSure(std::span<const Outcome> outcomes,
   return sure;
 }
 
+std::vector<double> TopProbabilities(std::span<const Outcome> outcomes,
+                                     bool right) {
+  std::vector<double> tops;
+  for (const Outcome& outcome : outcomes) {
+    const int answer = outcome.answer();
+    if ((answer == outcome.label) != right) continue;
+    tops.push_back(outcome.probability[answer]);
+  }
+  return tops;
+}
+
 double MeanLogLoss(std::span<const Outcome> outcomes) {
   constexpr double kMinProbability = 1e-12;
   double sum = 0;

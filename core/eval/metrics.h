@@ -51,6 +51,10 @@ struct SureAnswers {
 SureAnswers CountSure(std::span<const Outcome> outcomes,
                       std::span<const double> unknown, double least);
 
+// The top probabilities of the right answers, or of the wrong ones.
+std::vector<double> TopProbabilities(std::span<const Outcome> outcomes,
+                                     bool right);
+
 // Mean of -log(probability of the label), each probability at least 1e-12, and
 // mean of the squared distance of the probabilities from the label (Brier,
 // 1950): 0 to 2. 0 without outcomes.

@@ -67,6 +67,9 @@ TEST(MetricsTest, OnlyKnownContactsWithALargeProbabilityGetASureAnswer) {
   EXPECT_EQ(sure.count, 3);
   EXPECT_EQ(sure.right, 2);
   EXPECT_EQ(CountSure({}, {}, 0.95).count, 0);
+  EXPECT_EQ(TopProbabilities(outcomes, true),
+            (std::vector<double>{0.97, 0.94, 0.98, 0.98}));
+  EXPECT_EQ(TopProbabilities(outcomes, false), std::vector<double>{0.96});
 }
 
 }  // namespace

@@ -110,6 +110,9 @@ Json AnytimeToJson(const Evaluation& result, bool so_far) {
 Json SelectiveToJson(const Evaluation& result) {
   constexpr double kLeast = 0.95;
   const SureAnswers sure = CountSure(result.final, result.unknown, kLeast);
+  const auto right = TopProbabilities(result.final, true);
+  const auto wrong = TopProbabilities(result.final, false);
+  const bool both = !right.empty() && !wrong.empty();
   return {
       {"least_probability", kLeast},
       {"answered", sure.count},
@@ -119,20 +122,27 @@ Json SelectiveToJson(const Evaluation& result) {
                        : static_cast<double>(sure.count) / result.final.size()},
       {"accuracy", sure.count == 0
                        ? Json(nullptr)
-                       : Json(static_cast<double>(sure.right) / sure.count)}};
+                       : Json(static_cast<double>(sure.right) / sure.count)},
+      {"auroc", both ? Json(AreaUnderRoc(right, wrong)) : Json(nullptr)}};
 }
 
-std::string SelectiveLine(const Json& selective, int felt) {
+std::string SelectiveLines(const Json& selective, int felt) {
   const int answered = selective["answered"].get<int>();
-  if (answered == 0) {
-    return "No answer in the end has a probability of at least 0.95\n";
+  std::string text = "No answer in the end has a probability of at least 0.95";
+  if (answered > 0) {
+    text = absl::StrFormat(
+        "Of %s answers in the end, %s have a probability of at least 0.95, and "
+        "%s of these are right: %s",
+        WithCommas(felt), WithCommas(answered),
+        WithCommas(selective["right"].get<int>()),
+        PercentOf(selective["right"].get<int>(), answered));
   }
-  return absl::StrFormat(
-      "Of %s answers in the end, %s have a probability of at least 0.95, and "
-      "%s of these are right: %s\n",
-      WithCommas(felt), WithCommas(answered),
-      WithCommas(selective["right"].get<int>()),
-      PercentOf(selective["right"].get<int>(), answered));
+  if (const Json& area = selective["auroc"]; !area.is_null()) {
+    absl::StrAppendFormat(
+        &text, "\nA right answer is surer than a wrong one in %s of all pairs",
+        Percent(area));
+  }
+  return text + "\n";
 }
 
 std::string ErrorLine(absl::string_view what, const Json& errors,
@@ -399,7 +409,7 @@ std::string EvaluationText(const Json& r) {
       "Expected calibration error %.3f, log loss %.3f, Brier score %.3f\n",
       r["truth"] == "so-far" ? "so far" : "in the end", r["ece"].get<double>(),
       r["log_loss"].get<double>(), r["brier_score"].get<double>());
-  text += SelectiveLine(r["selective"], felt);
+  text += SelectiveLines(r["selective"], felt);
   if (const Json& d = r["decision"]; !d.is_null()) {
     text += DecisionLine(d, felt);
   }
