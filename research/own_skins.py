@@ -25,7 +25,7 @@ Each run of `trainctl evaluate` is kept in FOLDER/results, so an interrupted run
 when it is started again. A kept result is used if program, trials and flags are the
 same ones; do not rebuild the program meanwhile. A named preset that is refused is a row
 that says so, and is tried again the next time. The page is printed at the end, progress
-goes to stderr. Seconds are those of one run on this machine, so run nothing beside it.
+goes to stderr.
 """
 
 import argparse
@@ -35,6 +35,7 @@ import dataclasses
 import hashlib
 import json
 import pathlib
+import resource
 import statistics
 import subprocess
 import sys
@@ -42,7 +43,7 @@ import sys
 import binned_nearest
 from intervals import wilson
 
-PRESETS = ["ridge", "nearest", "pattern", "whole-skin", "profile"]
+PRESETS = ["ridge", "trees", "nearest", "pattern", "whole-skin", "profile"]
 MOMENTS = ["0.25", "0.5", "1.2"]
 NAMED_SEED = 1  # of the runs with a named preset
 
@@ -195,7 +196,10 @@ class Runner:
         (folder / "results").mkdir(exist_ok=True)
 
     def evaluate(self, name, flags, preset, seed):
-        """The JSON of an evaluation; {"refused": why} if trainctl refuses a named preset."""
+        """The JSON of an evaluation and its CPU-seconds.
+
+        {"refused": why} if trainctl refuses a named preset.
+        """
         if name not in self.trials:
             self.trials[name] = digest(self.folder / f"{name}.h5")
         command = evaluation(name, flags, preset, seed)
@@ -206,8 +210,9 @@ class Runner:
             former = json.loads(kept.read_text())
             if former["made_by"] == made_by:
                 report(f"{kept.stem}: kept")
-                return former["result"]
+                return with_cpu_seconds(former)
         report(f"{kept.stem}: runs")
+        before = cpu_seconds_of_children()
         run = subprocess.run(
             [self.trainctl, *command],
             cwd=self.folder,
@@ -215,19 +220,35 @@ class Runner:
             text=True,
             check=False,
         )
+        cpu_seconds = cpu_seconds_of_children() - before
         if run.returncode != 0:
             why = (run.stderr.strip().splitlines() or ["no message"])[-1]
             if not preset or run.returncode < 0:
                 sys.exit(f"own_skins: {kept.stem}: trainctl {' '.join(command)}: {why}")
             report(f"{kept.stem}: refused: {why}")
             return {"refused": why.removeprefix("trainctl: ")}
-        result = json.loads(run.stdout)
+        made = {
+            "made_by": made_by,
+            "cpu_seconds": cpu_seconds,
+            "result": json.loads(run.stdout),
+        }
         # Whole or not at all.
         unfinished = kept.with_suffix(".unfinished")
-        unfinished.write_text(json.dumps({"made_by": made_by, "result": result}))
+        unfinished.write_text(json.dumps(made))
         unfinished.replace(kept)
-        report(f"{kept.stem}: {percent(result['accuracy'])} % in {result['seconds']:.0f} s")
+        result = with_cpu_seconds(made)
+        report(f"{kept.stem}: {percent(result['accuracy'])} % in {cpu_seconds:.0f} CPU s")
         return result
+
+
+def with_cpu_seconds(kept):
+    return kept["result"] | {"cpu_seconds": kept["cpu_seconds"]}
+
+
+def cpu_seconds_of_children():
+    """User and system time of all programs that this one has waited for."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
 
 
 def report(text):
@@ -262,17 +283,22 @@ def interval_of(result):
     return f"{percent(result['accuracy'])} ({percent(low)} to {percent(high)})"
 
 
+def surer(area):
+    return "-" if area is None else f"{area:.2f}"
+
+
 def learner_row(learner, result):
     if "refused" in result:
-        return row(learner, f"refused: {result['refused']}", *["-"] * 6)
+        return row(learner, f"refused: {result['refused']}", *["-"] * 7)
     sure = result["selective"]
     return row(
         learner,
         interval_of(result),
         f"{result['ece']:.3f}",
         f"{sure['answered']}, {sure['right']} right",
+        surer(sure["auroc"]),
         *[percent(result["accuracy_at"][moment]) for moment in MOMENTS],
-        f"{result['seconds']:.0f}",
+        f"{result['cpu_seconds']:.0f}",
     )
 
 
@@ -283,14 +309,17 @@ def seeds_row(results):
     def count(value):
         return f"{value:.0f}"
 
+    areas = [result["selective"]["auroc"] for result in results]
+    areas = [area for area in areas if area is not None]
     return row(
         f"default, seeds 1 to {len(results)}: mean (smallest to largest)",
         over(lambda r: r["accuracy"], percent),
         over(lambda r: r["ece"], "{:.3f}".format),
         f"{over(lambda r: r['selective']['answered'], count)}, "
         f"{over(lambda r: r['selective']['right'], count)} right",
+        spread(areas, surer) if areas else "-",
         *[over(lambda r, at=at: r["accuracy_at"][at], percent) for at in MOMENTS],
-        over(lambda r: r["seconds"], count),
+        over(lambda r: r["cpu_seconds"], count),
     )
 
 
@@ -300,6 +329,19 @@ def chosen_text(results):
     if len(counts) == 1:
         return f"`{counts[0][0]}`"
     return ", ".join(f"`{preset}` in {count}" for preset, count in counts) + " of the runs"
+
+
+def fall(result):
+    """How much larger the accuracy was at its best moment than it is in the end."""
+    return max(result["accuracy"], *result["accuracy_at"].values()) - result["accuracy"]
+
+
+def fall_line(results):
+    falls = [fall(result) for result in results]
+    return (
+        f"The largest fall from an earlier moment to the end: {percent(falls[0])} points "
+        f"(seed 1), {percent(max(falls))} (largest of the seeds)."
+    )
 
 
 def constant(result):
@@ -379,7 +421,7 @@ def commands(each, split, seeds):
 def split_lines(each, split, measured):
     first = measured.defaults[0]
     best, worst = measured.ends()
-    rest = ["-"] * 6
+    rest = ["-"] * 7
     lines = [
         "",
         f"### Split: {split.name}",
@@ -390,8 +432,8 @@ def split_lines(each, split, measured):
         f"{chosen_text(measured.defaults)}.",
         "",
         "| learner | right, % (95 % interval) | calibration error | sure answers "
-        "| 0.25 s, % | 0.5 s, % | 1.2 s, % | run, s |",
-        "|---|---|---|---|---|---|---|---|",
+        "| right surer than wrong | 0.25 s, % | 0.5 s, % | 1.2 s, % | CPU s |",
+        "|---|---|---|---|---|---|---|---|---|",
         learner_row(f"default, seed 1: `{first['preset']}`", first),
         seeds_row(measured.defaults),
     ]
@@ -402,6 +444,7 @@ def split_lines(each, split, measured):
     lines.append(row("1-NN on the first touched frame", first_frame, *rest))
     lines.append(row("constant answer", constant(first), *rest))
     lines.append(row("published", split.published, *rest))
+    lines += ["", fall_line(measured.defaults)]
     lines += choice_lines(first)
     lines += ["", "All settings of 1-NN in the same folds:", ""]
     lines += binned_nearest.table(measured.nearest, measured.count)
@@ -448,9 +491,13 @@ def head(rows):
         "- *default*: no preset is named. The interval of seed 1 is about other trials; the "
         "smallest and largest of the seeds are about other random choices.",
         "- *sure answers*: those in the end with a probability of at least 0.95.",
+        "- *right surer than wrong*: the fraction of pairs of a right and a wrong answer in which "
+        "the right one has the larger probability (AUROC). 0.5 is chance.",
         "- *0.25 s* and so on: the answer after that time, or the last one if a trial is shorter.",
-        "- *run*: wall-clock seconds of the whole evaluation, all folds and inner comparisons, "
-        "on one machine.",
+        "- *largest fall*: *right* at the best moment up to 5 s, or in the end if that is better, "
+        "minus *right* in the end.",
+        "- *CPU s*: CPU-seconds of the whole evaluation, all folds and inner comparisons, on one "
+        "machine.",
         "- *1-NN*: [`research/binned_nearest.py`](../research/binned_nearest.py), one nearest "
         "neighbour on ten time bins of all taxels, in eight settings. The best of them is picked "
         "with the answers in sight, so it is too good; a single setting taken beforehand lies "

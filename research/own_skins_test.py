@@ -28,11 +28,13 @@ right = 100 + seed - (10 if preset else 0)
 none_sure = preset == "profile"
 print(json.dumps({
     "accuracy": right / 200, "accuracy_interval": [right / 200 - 0.05, right / 200 + 0.05],
-    "ece": 0.01 * seed, "trials": 201, "felt": 200, "right": right, "seconds": 10.0 * seed,
+    "ece": 0.01 * seed, "trials": 201, "felt": 200, "right": right,
     "preset": preset or ("ridge" if seed < 3 else "pattern"), "seed": seed,
-    "accuracy_at": {"0.1": 0.1, "0.25": 0.25, "0.5": 0.3, "1.2": 0.4, "2.5": 0.4, "5": 0.5},
+    "accuracy_at": {"0.1": 0.1, "0.25": 0.25, "0.5": 0.3, "1.2": 0.4,
+                    "2.5": 0.515 if seed == 2 else 0.4, "5": 0.5},
     "selective": {"answered": 0 if none_sure else 50, "right": 0 if none_sure else 49,
-                  "coverage": 0.25, "accuracy": None if none_sure else 0.98},
+                  "coverage": 0.25, "accuracy": None if none_sure else 0.98,
+                  "auroc": None if none_sure or seed == 3 else 0.7 + 0.1 * seed},
     "confusion": [[70, 50], [40, 40]],
     "choice": None if preset else
         {"nearest_accuracy": 0.5, "chance": 0.25, "contacts": 200, "folds": 5},
@@ -89,17 +91,23 @@ class OwnSkinsTest(unittest.TestCase):
             self.assertIn(f"| licence | {each.licence} |", page)
         self.assertIn(
             "| default, seed 1: `ridge` | 50.50 (45.50 to 55.50) | 0.010 | 50, 49 right "
-            "| 25.00 | 30.00 | 40.00 | 10 |",
+            "| 0.80 | 25.00 | 30.00 | 40.00 |",
             page,
         )
         self.assertIn(
             "| default, seeds 1 to 3: mean (smallest to largest) | 51.00 (50.50 to 51.50) "
-            "| 0.020 (0.010 to 0.030) | 50 (50 to 50), 49 (49 to 49) right |",
+            "| 0.020 (0.010 to 0.030) | 50 (50 to 50), 49 (49 to 49) right "
+            "| 0.85 (0.80 to 0.90) |",
+            page,
+        )
+        self.assertIn(
+            "The largest fall from an earlier moment to the end: 0.00 points (seed 1), "
+            "0.50 (largest of the seeds).",
             page,
         )
         self.assertIn("The default chose `ridge` in 2, `pattern` in 1 of the runs.", page)
         self.assertIn("| `nearest` | refused: unknown preset nearest [INVALID_CONFIG] |", page)
-        self.assertIn("| `profile` | 45.50 (40.50 to 50.50) | 0.010 | 0, 0 right |", page)
+        self.assertIn("| `profile` | 45.50 (40.50 to 50.50) | 0.010 | 0, 0 right | - |", page)
         self.assertIn("| constant answer | 60.00 (53.08 to 66.54) |", page)
         self.assertIn("| ridge (ridge) | 60.00 | 3.46 | chosen |", page)
         self.assertIn("| pattern (HMMs) | 50.00 | 3.54 |  |", page)
@@ -154,8 +162,17 @@ class OwnSkinsTest(unittest.TestCase):
 
     def test_results_are_json(self):
         self.run_program("--seeds=1")
-        kept = json.loads((self.folder / "results" / "fabric-loco-default-1.json").read_text())
+        file = self.folder / "results" / "fabric-loco-default-1.json"
+        kept = json.loads(file.read_text())
         self.assertEqual(kept["result"]["right"], 101)
+        # The table has the time of the run that is kept.
+        self.assertGreater(kept["cpu_seconds"], 0)
+        file.write_text(json.dumps(kept | {"cpu_seconds": 123.4}))
+        self.assertIn(
+            "| default, seed 1: `ridge` | 50.50 (45.50 to 55.50) | 0.010 | 50, 49 right "
+            "| 0.80 | 25.00 | 30.00 | 40.00 | 123 |",
+            self.run_program("--seeds=1").stdout,
+        )
 
 
 if __name__ == "__main__":
