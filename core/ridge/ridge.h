@@ -56,7 +56,7 @@ class RidgeScorer {
  private:
   const Ridge* ridge_;
   TouchHistory history_;
-  // Of one part of the history.
+  // Numbers of one part of the history.
   std::vector<float> numbers_;
 };
 
