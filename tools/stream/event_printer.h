@@ -6,9 +6,7 @@
 //   EventPrinter printer(/*json=*/false);
 //   LivePlayer player(channel, &driver, {.observer = &printer}, ...);
 //
-// "contact 2  1,540 ms: slipping". As JSON, each line is an object with
-// `contact`, `ms`, `event`, and of those that are about a question `question`
-// and `value`, of those about another contact `other`.
+// event_line.h has their form.
 #pragma once
 
 #include <string>
@@ -18,10 +16,6 @@
 #include "tools/stream/live_observer.h"
 
 namespace tactus::internal::client {
-
-// The line of `event`, which happened `ms` after the contact's onset.
-std::string EventLine(const v1::ContactEvent& event, int64_t ms,
-                      const v1::StreamStarted& started, bool json);
 
 class EventPrinter final : public LiveObserver {
  public:
