@@ -19,6 +19,7 @@ readonly BUILD=(
   cmake
   g++
   libabsl-dev
+  libboost-dev
   libcli11-dev
   libeigen3-dev
   libgrpc++-dev
@@ -36,6 +37,7 @@ readonly BUILD=(
   ninja-build
   nlohmann-json3-dev
   pkgconf
+  prometheus-cpp-dev
   protobuf-compiler
   protobuf-compiler-grpc
   zlib1g-dev
@@ -50,6 +52,7 @@ readonly RUNTIME=(
   libnghttp2-14
   libopencv-core406
   libopencv-imgproc406
+  libprometheus-cpp-core1.0
   libprotobuf32
   libspdlog1.10
   libsqlite3-0
@@ -90,8 +93,10 @@ readonly TESTS=(
   libsundials-dev
   libumockdev-dev
   openssl
+  prometheus
   python3-grpcio
   python3-h5py
+  python3-prometheus-client
   python3-scipy
   python3-sklearn
   rsync

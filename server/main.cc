@@ -28,6 +28,7 @@
 #include "server/listen/descriptor_limit.h"
 #include "server/listen/self_check.h"
 #include "server/ops/authorizer.h"
+#include "server/metrics/metrics_listener.h"
 #include "server/ops/health_probe.h"
 #include "server/ops/logging.h"
 #include "server/ops/port_file.h"
@@ -281,6 +282,14 @@ absl::Status Serve(const Flags& flags, StopSignals& signals) {
   if (!flags.port_file.empty()) {
     TACTUS_RETURN_IF_ERROR(WritePortFile(flags.port_file, server->ports()[0]));
   }
+  std::unique_ptr<MetricsListener> metrics;
+  if (!flags.metrics.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(metrics,
+                            MetricsListener::Start(flags.metrics, [&server] {
+                              return server->CollectMetrics();
+                            }));
+    spdlog::info("metrics on {}, port {}", flags.metrics, metrics->port());
+  }
   Notify("READY=1");
   std::optional<SelfCheck> self_check(
       std::in_place, server->listener(),
@@ -302,6 +311,7 @@ absl::Status Serve(const Flags& flags, StopSignals& signals) {
   const StreamGate& gate = server->gate();
   spdlog::info("stopped after {} streams, {} refused, {} frames", gate.opened(),
                gate.refused(), gate.frames());
+  metrics.reset();
   spdlog::info("skipped {}", server->skipped().ToString());
   return absl::OkStatus();
 }
@@ -460,6 +470,10 @@ int Main(int argc, char** argv) {
   app.add_option("--log-level", flags.log_level,
                  "trace, debug, info, warn, error or off")
       ->capture_default_str();
+  app.add_option("--metrics", flags.metrics,
+                 "host:port, or a port of 127.0.0.1, where Prometheus reads "
+                 "/metrics; without it there is no such listener")
+      ->envname("TACTUSD_METRICS");
   app.add_option("--health-check", flags.health_check,
                  "Ask the server at this address and exit 0 if it serves");
   app.add_option("--tls-ca", flags.tls_roots,

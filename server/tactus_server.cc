@@ -15,6 +15,7 @@
 #include "grpcpp/server_builder.h"
 #include "server/ops/alarm_clock.h"
 #include "server/rpc/admin_rpcs.h"
+#include "server/rpc/monitor_rpcs.h"
 #include "server/rpc/training_rpcs.h"
 
 namespace tactus::internal::server {
@@ -105,20 +106,25 @@ absl::StatusOr<std::unique_ptr<TactusServer>> TactusServer::Start(
 
 TactusServer::TactusServer(const ModelSource* models, const Options& options)
     : options_(options),
-      contacts_(models, Either(options.authorizer, &without_tokens_),
+      models_(models),
+      start_ms_(SystemNowMs()),
+      contacts_(models, Either(options.authorizer, &without_tokens_), &metrics_,
                 {.max_streams = options.max_streams,
                  .max_streams_per_peer = options.max_streams_per_peer,
                  .max_streams_per_client = options.max_streams_per_client,
                  .idle_timeout_ms = options.idle_timeout_ms,
                  .first_message_timeout_ms = options.first_message_timeout_ms,
                  .server_version = kVersion}),
-      control_([authorizer = Either(options.authorizer, &without_tokens_)](
-                   const auto& context, const auto& method, Role role) {
-        return authorizer->Authorize(context, method, role);
-      }) {
+      control_(
+          [authorizer = Either(options.authorizer, &without_tokens_)](
+              const auto& context, const auto& method, Role role) {
+            return authorizer->Authorize(context, method, role);
+          },
+          &metrics_.rpcs) {
   AddTrainingRpcs(options.training, control_);
   AddOperationRpcs(options.training, control_);
   AddModelRpcs(options.training, control_);
+  AddMonitorRpcs(&contacts_.streams(), control_);
   AddAdminRpcs({.backend = options.training,
                 .streams = [this] { return gate().live(); },
                 .max_streams = options.max_streams,

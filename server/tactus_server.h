@@ -22,6 +22,7 @@
 #include "grpcpp/server.h"
 #include "server/jobs/training_backend.h"
 #include "server/listen/grpc_listener.h"
+#include "server/metrics/server_metrics.h"
 #include "server/ops/authorizer.h"
 #include "server/ops/guarded_credentials.h"
 #include "server/ops/tls.h"
@@ -91,6 +92,9 @@ class TactusServer {
   const ArrivalGate& arrivals() const { return arrivals_; }
   const SkipTotals& skipped() const { return contacts_.skipped(); }
 
+  // All that the server counts (docs/monitoring.md).
+  Families CollectMetrics() const;
+
  private:
   TactusServer(const ModelSource* models, const Options& options);
   absl::Status Listen();
@@ -100,7 +104,10 @@ class TactusServer {
   void Shutdown(std::chrono::system_clock::time_point deadline);
 
   const Options options_;
+  const ModelSource* const models_;
   const Authorizer without_tokens_;
+  ServerMetrics metrics_;
+  const int64_t start_ms_;
   ArrivalGate arrivals_{limits::kMaxWaitingCalls};
   CallRefuser refuser_{&arrivals_};
   ContactService contacts_;

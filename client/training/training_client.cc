@@ -105,7 +105,8 @@ TrainingClient::TrainingClient(std::shared_ptr<grpc::Channel> channel,
       training_(v1::TrainingService::NewStub(channel)),
       operations_(v1::OperationService::NewStub(channel)),
       models_(v1::ModelService::NewStub(channel)),
-      admin_(v1::AdminService::NewStub(channel)) {}
+      admin_(v1::AdminService::NewStub(channel)),
+      monitor_(v1::MonitorService::NewStub(channel)) {}
 
 std::unique_ptr<grpc::ClientContext> TrainingClient::NewContext(
     milliseconds timeout) const {

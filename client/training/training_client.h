@@ -31,6 +31,7 @@
 #include "grpcpp/client_context.h"
 #include "tactus/v1/admin.grpc.pb.h"
 #include "tactus/v1/models.grpc.pb.h"
+#include "tactus/v1/monitor.grpc.pb.h"
 #include "tactus/v1/operations.grpc.pb.h"
 #include "tactus/v1/training.grpc.pb.h"
 
@@ -121,6 +122,7 @@ class TrainingClient {
   v1::TrainingService::Stub& training() { return *training_; }
   v1::OperationService::Stub& operations() { return *operations_; }
   v1::AdminService::Stub& admin() { return *admin_; }
+  v1::MonitorService::Stub& monitor() { return *monitor_; }
   std::chrono::milliseconds timeout() const { return options_.timeout; }
   std::chrono::milliseconds long_timeout() const {
     return 10 * options_.timeout;
@@ -132,6 +134,7 @@ class TrainingClient {
   const std::unique_ptr<v1::OperationService::Stub> operations_;
   const std::unique_ptr<v1::ModelService::Stub> models_;
   const std::unique_ptr<v1::AdminService::Stub> admin_;
+  const std::unique_ptr<v1::MonitorService::Stub> monitor_;
 };
 
 // The version "datasets/D/versions/V" or "models/M/versions/V" of a resource.

@@ -9,6 +9,8 @@ absl::string_view RoleName(Role role) {
   switch (role) {
     case Role::kRobot:
       return "robot";
+    case Role::kViewer:
+      return "viewer";
     case Role::kTrainer:
       return "trainer";
     case Role::kAdmin:
@@ -18,10 +20,12 @@ absl::string_view RoleName(Role role) {
 }
 
 absl::StatusOr<Role> ParseRole(absl::string_view name) {
-  for (const Role role : {Role::kRobot, Role::kTrainer, Role::kAdmin}) {
+  for (const Role role :
+       {Role::kRobot, Role::kViewer, Role::kTrainer, Role::kAdmin}) {
     if (name == RoleName(role)) return role;
   }
-  return InvalidConfig("the role", Quoted(name), "robot, trainer or admin");
+  return InvalidConfig("the role", Quoted(name),
+                       "robot, viewer, trainer or admin");
 }
 
 }  // namespace tactus::internal

@@ -17,13 +17,15 @@ namespace tactus::internal {
 enum class Role {
   // Classify, and see which models there are.
   kRobot,
+  // See what the streams of others do.
+  kViewer,
   // Datasets, jobs, models in and out.
   kTrainer,
   // Aliases and deletion.
   kAdmin,
 };
 
-// "robot", "trainer" or "admin".
+// "robot", "viewer", "trainer" or "admin".
 absl::string_view RoleName(Role role);
 
 // INVALID_CONFIG for any other text.

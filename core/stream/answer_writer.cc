@@ -165,7 +165,7 @@ ContactEvent& AnswerWriter::AddEvent(ContactEvent::Kind kind,
 }
 
 void AnswerWriter::Write(ContactPipeline& pipeline, bool is_final,
-                         v1::Answer* answer) {
+                         bool with_taxels, v1::Answer* answer) {
   answer->set_sequence(sequence_);
   answer->set_capture_time_ns(capture_time_ns_);
   answer->set_region_count(pipeline.tracker().regions());
@@ -181,7 +181,7 @@ void AnswerWriter::Write(ContactPipeline& pipeline, bool is_final,
   }
   spare_contacts_.Resize(count, answer->mutable_contacts());
   for (int i = 0; i < count; ++i) {
-    WriteContact(pipeline, *shown[i], answer->mutable_contacts(i));
+    WriteContact(pipeline, *shown[i], with_taxels, answer->mutable_contacts(i));
   }
   WriteEvents(is_final, answer);
   if (!settings_->with_diagnostics) return;
@@ -212,9 +212,10 @@ void AnswerWriter::WriteEvents(bool is_final, v1::Answer* answer) {
 }
 
 void AnswerWriter::WriteContact(ContactPipeline& pipeline,
-                                const ContactReport& report, Contact* contact) {
+                                const ContactReport& report, bool with_taxels,
+                                Contact* contact) {
   WriteState(report, contact);
-  WritePatch(pipeline, report, contact);
+  WritePatch(pipeline, report, with_taxels, contact);
   Assign(report.classifier->probability(), contact->mutable_probability());
   WriteAnswers(report, contact);
   contact->set_unknown(report.classifier->unknown());
@@ -238,7 +239,8 @@ void AnswerWriter::WriteState(const ContactReport& report,
 }
 
 void AnswerWriter::WritePatch(ContactPipeline& pipeline,
-                              const ContactReport& report, Contact* contact) {
+                              const ContactReport& report, bool with_taxels,
+                              Contact* contact) {
   const FrameFeatures& features = *report.features;
   if (!features.touched || report.released()) {
     if (contact->has_patch()) spare_patches_.Keep(contact->release_patch());
@@ -262,7 +264,7 @@ void AnswerWriter::WritePatch(ContactPipeline& pipeline,
     patch->clear_centre_of_pressure();
   }
   patch->clear_taxels();
-  if (!settings_->with_taxels) return;
+  if (!with_taxels) return;
   const auto rows = pipeline.tracker().RowsOf(report.slot);
   const SkinLayout& layout = settings_->layout;
   for (int row = 0; row < layout.rows; ++row) {

@@ -42,7 +42,12 @@ class AnswerWriter {
 
   // Overwrites all fields of `answer` except superseded and the times of its
   // diagnostics. In a final, all contacts end.
-  void Write(ContactPipeline& pipeline, bool is_final, v1::Answer* answer);
+  void Write(ContactPipeline& pipeline, bool is_final, v1::Answer* answer) {
+    Write(pipeline, is_final, settings_->with_taxels, answer);
+  }
+  // The same with the taxels of contacts as `with_taxels` says.
+  void Write(ContactPipeline& pipeline, bool is_final, bool with_taxels,
+             v1::Answer* answer);
 
  private:
   // What a contact's answers need of its past.
@@ -65,10 +70,10 @@ class AnswerWriter {
   v1::ContactEvent& AddEvent(v1::ContactEvent::Kind kind, uint64_t contact_id);
   void WriteEvents(bool is_final, v1::Answer* answer);
   void WriteContact(ContactPipeline& pipeline, const ContactReport& report,
-                    v1::Contact* contact);
+                    bool with_taxels, v1::Contact* contact);
   void WriteState(const ContactReport& report, v1::Contact* contact) const;
   void WritePatch(ContactPipeline& pipeline, const ContactReport& report,
-                  v1::Contact* contact);
+                  bool with_taxels, v1::Contact* contact);
   void WritePlace(const SkinPoint& point, v1::SkinPlace* place) const;
   void WriteAnswers(const ContactReport& report, v1::Contact* contact);
 

@@ -1,5 +1,7 @@
 #include "core/stream/contact_session.h"
 
+#include <algorithm>
+#include <functional>
 #include <utility>
 
 #include "core/base/status_macros.h"
@@ -77,6 +79,7 @@ void ContactSession::OnFrame(const v1::FrameBatch& batch, uint32_t index,
   if (skin_watch_) WatchSkin();
   ++frames_;
   ++trial_frames_;
+  frames_missing_ += missing_before;
   writer_.OnFrame(pipeline, frame, batch.first_sequence() + index,
                   decoder_.CaptureTime(batch, index));
   const bool due = IsDue();
@@ -85,6 +88,17 @@ void ContactSession::OnFrame(const v1::FrameBatch& batch, uint32_t index,
   } else if (due) {
     writer_.Write(pipeline, false, sink_->AddInterim());
   }
+  if (tap_ == nullptr) return;
+  if (v1::Answer* seen = tap_->Want(writer_.has_events())) {
+    writer_.Write(pipeline, false, /*with_taxels=*/true, seen);
+    tap_->Take(frame, *seen);
+  }
+}
+
+int ContactSession::contacts_now() const {
+  if (pipeline_ == nullptr) return 0;
+  return static_cast<int>(std::ranges::count_if(
+      pipeline_->contacts(), std::not_fn(&ContactReport::released)));
 }
 
 SkipCounters ContactSession::skipped() const {
@@ -119,6 +133,12 @@ bool ContactSession::HasChanged() {
 
 void ContactSession::OnEndOfTrial() {
   writer_.Write(Pipeline(), true, sink_->AddKept());
+  if (tap_ != nullptr) {
+    if (v1::Answer* seen = tap_->Want(/*has_events=*/true)) {
+      writer_.Write(Pipeline(), true, /*with_taxels=*/true, seen);
+      tap_->Take({}, *seen);
+    }
+  }
   if (skin_watch_ && skin_watch_->EndContact()) {
     WriteSkinNotice(*model_->model().skin_range, *skin_watch_,
                     sink_->AddNotice());

@@ -25,6 +25,7 @@
 #include "core/stream/answer_writer.h"
 #include "core/stream/frame_decoder.h"
 #include "core/stream/stream_settings.h"
+#include "core/stream/stream_tap.h"
 #include "core/taxels/skin_range.h"
 #include "tactus/v1/contact.pb.h"
 
@@ -40,6 +41,10 @@ class ContactSession {
   ContactSession(const ContactSession&) = delete;
   ContactSession& operator=(const ContactSession&) = delete;
 
+  // Shows frames and answers to `tap` from now on, which must outlive the
+  // session; null for nobody. What the session answers stays the same.
+  void SetTap(StreamTap* tap) { tap_ = tap; }
+
   // Answers the frames as the cadence says. The errors of a FrameDecoder, which
   // change nothing.
   absl::Status OnFrames(const v1::FrameBatch& batch);
@@ -49,6 +54,13 @@ class ContactSession {
   // Frames have come since the last end of a trial.
   bool trial_open() const { return trial_frames_ > 0; }
   uint64_t frames() const { return frames_; }
+  // Frames that were lost before they came, over all trials.
+  uint64_t frames_missing() const { return frames_missing_; }
+  // Contacts that began, over all trials, and those that there are.
+  uint64_t contacts_begun() const {
+    return pipeline_ == nullptr ? 0 : pipeline_->contacts_begun();
+  }
+  int contacts_now() const;
   // Compares the capture times of the frames with the stated rate.
   const RateWatch& rate() const { return rate_; }
   // What was skipped so far.
@@ -73,6 +85,7 @@ class ContactSession {
   const StreamSettings settings_;
   const std::shared_ptr<const CompiledModel> model_;
   AnswerSink* const sink_;
+  StreamTap* tap_ = nullptr;
   // Made for the first frame, because it is most of a stream's memory.
   std::unique_ptr<ContactPipeline> pipeline_;
   FrameDecoder decoder_;
@@ -82,6 +95,7 @@ class ContactSession {
   std::optional<SkinRangeWatch> skin_watch_;
 
   uint64_t frames_ = 0;
+  uint64_t frames_missing_ = 0;
   // Frames of the open trial; 0 if none is open.
   uint64_t trial_frames_ = 0;
   // Contacts of the frame before by id, with their best classes; for

@@ -9,9 +9,18 @@
 #include "grpcpp/support/proto_buffer_reader.h"
 #include "server/ops/clock.h"
 #include "server/rpc/status.h"
-#include "spdlog/spdlog.h"
 
 namespace tactus::internal::server {
+namespace {
+
+// Lost frames of a message that are counted: a sequence number may jump by any
+// distance, and one robot must not make the sum of all useless.
+constexpr uint64_t kMostMissing = 1'000'000;
+
+double Seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
+
+}  // namespace
+
 ContactCall::ContactCall(RawContactService* service, CallQueue* queue,
                          Delegate* delegate)
     : service_(service), delegate_(delegate), call_(queue) {
@@ -25,6 +34,9 @@ void ContactCall::OnCalled(bool ok) {
     delete this;
     return;
   }
+  called_ns_ = MonotonicNs();
+  delegate_->metrics()->rpcs.Start(kMethod);
+  metrics_ = delegate_->lane_metrics(queue());
   auto options = call_.Arrive([this] { return delegate_->Admit(this); });
   if (!options.ok()) {
     Finish(ToGrpcStatus(options.status()));
@@ -72,13 +84,43 @@ void ContactCall::TakeMessage() {
   last_read_ns_ = start_ns;
   const size_t size = read_.Length();
   grpc::ProtoBufferReader bytes(&read_);
-  const bool waited = session_->state() == StreamSession::State::kWaitConfig;
+  WatchedStream* watched = observers_.watched;
+  if (watched != nullptr) watched->BeginMessage(start_ns);
   // An error ends the stream, and the line about its end shows it.
   session_->OnMessage(&bytes, size, request_).IgnoreError();
-  session_->EndRequest(start_ns, MonotonicNs());
-  if (waited && session_->state() == StreamSession::State::kStreaming) {
-    spdlog::debug("{} began", session_->LogName());
+  const int64_t end_ns = MonotonicNs();
+  session_->EndRequest(start_ns, end_ns);
+  metrics_->messages_received.fetch_add(1, std::memory_order_relaxed);
+  if (session_->contacts() == nullptr) return;
+  if (watched == nullptr) {
+    observers_ = delegate_->Open(this);
+    session_->SetTap(observers_.watched);
   }
+  Observe(start_ns, end_ns);
+}
+
+void ContactCall::Observe(int64_t start_ns, int64_t end_ns) {
+  const ContactSession& contacts = *session_->contacts();
+  const WatchedStream::Counts now = {
+      .frames = contacts.frames(),
+      .frames_missing = contacts.frames_missing(),
+      .superseded = session_->responses().superseded(),
+      .contacts = contacts.contacts_begun(),
+      .contacts_now = contacts.contacts_now()};
+  observers_.watched->EndMessage(now, end_ns);
+  const uint64_t frames = now.frames - counts_.frames;
+  if (frames > 0) {
+    constexpr auto kRelaxed = std::memory_order_relaxed;
+    metrics_->frames.fetch_add(frames, kRelaxed);
+    metrics_->frames_missing.fetch_add(
+        std::min(now.frames_missing - counts_.frames_missing, kMostMissing),
+        kRelaxed);
+    metrics_->superseded.fetch_add(now.superseded - counts_.superseded,
+                                   kRelaxed);
+    metrics_->processing.Observe(
+        Seconds(end_ns - start_ns) / static_cast<double>(frames), frames);
+  }
+  counts_ = now;
 }
 
 void ContactCall::OnNothingMore(bool idle) {
@@ -131,6 +173,11 @@ void ContactCall::StartNextRead() {
 void ContactCall::StageNextWrite() {
   const v1::ClassifyContactResponse& response =
       *session_->responses().StartWrite(MonotonicNs());
+  metrics_->messages_sent.fetch_add(1, std::memory_order_relaxed);
+  if (response.has_answer()) {
+    metrics_->waiting.Observe(Seconds(session_->responses().waited_ns()));
+    AnswerMetrics::Count(response.answer(), observers_.series);
+  }
   grpc::Slice bytes(response.ByteSizeLong());
   // Slices are const only once they are shared.
   response.SerializeWithCachedSizesToArray(const_cast<uint8_t*>(bytes.begin()));
@@ -201,13 +248,20 @@ void ContactCall::OnIdle(bool ok) {
 
 void ContactCall::Finish(const grpc::Status& status) {
   finished_ = true;
+  code_ = status.error_code();
   ++in_flight_;
   stream_.Finish(status, finish_done_.tag());
   idle_alarm_.Cancel();
 }
 
-void ContactCall::OnFinished(bool) {
+void ContactCall::OnFinished(bool ok) {
   --in_flight_;
+  delivered_ = ok && !broken_;
+  delegate_->metrics()->rpcs.Handle(kMethod,
+                                    delivered_
+                                        ? static_cast<absl::StatusCode>(code_)
+                                        : absl::StatusCode::kCancelled,
+                                    Seconds(MonotonicNs() - called_ns_));
   DeleteIfOver();
 }
 

@@ -19,6 +19,9 @@
 #include "absl/status/statusor.h"
 #include "grpcpp/alarm.h"
 #include "grpcpp/support/async_stream.h"
+#include "server/metrics/lane_metrics.h"
+#include "server/metrics/server_metrics.h"
+#include "server/monitor/watched_stream.h"
 #include "server/rpc/answer_pacing.h"
 #include "server/rpc/call_queue.h"
 #include "server/rpc/incoming_call.h"
@@ -35,6 +38,14 @@ using RawContactService = v1::ContactService::WithRawMethod_ClassifyContact<
 
 class ContactCall {
  public:
+  static constexpr char kMethod[] = "/tactus.v1.ContactService/ClassifyContact";
+
+  // Who sees what a stream does, beside its robot.
+  struct Observers {
+    WatchedStream* watched = nullptr;
+    AnswerMetrics::Series series;
+  };
+
   // Admits streams and provides what they share.
   class Delegate {
    public:
@@ -42,9 +53,15 @@ class ContactCall {
     // options of this one or why it is refused.
     virtual absl::StatusOr<StreamSession::Options> Admit(
         ContactCall* stream) = 0;
+    // A stream that was admitted has its config. Returns who sees what it does;
+    // valid until Release.
+    virtual Observers Open(ContactCall* stream) = 0;
     // A stream that was admitted has ended.
     virtual void Release(ContactCall* stream) = 0;
     virtual const ModelSource* models() const = 0;
+    virtual ServerMetrics* metrics() const = 0;
+    // What the streams of a queue count.
+    virtual LaneMetrics* lane_metrics(CallQueue* queue) = 0;
     // Time a stream has for its first message; 0 means no limit.
     virtual int first_message_timeout_ms() const = 0;
     // The message that streams of a queue parse into.
@@ -71,6 +88,10 @@ class ContactCall {
   const std::string& peer() const { return call_.peer(); }
   // The session of a stream that was admitted.
   const StreamSession& session() const { return *session_; }
+  // The client was there to take the status at the end.
+  bool delivered() const { return delivered_; }
+  // Null before the config.
+  const WatchedStream* watched() const { return observers_.watched; }
 
  private:
   using Event = MemberEvent<ContactCall>;
@@ -85,6 +106,8 @@ class ContactCall {
   void OnFinished(bool ok);
 
   void TakeMessage();
+  // Tells the observers of a message that took from `start_ns` to `end_ns`.
+  void Observe(int64_t start_ns, int64_t end_ns);
   void Advance();
   void StartNextRead();
   // Puts the next answer, which must be waiting, into write_.
@@ -113,6 +136,12 @@ class ContactCall {
 
   // From admission on.
   std::optional<StreamSession> session_;
+  LaneMetrics* metrics_ = nullptr;
+  Observers observers_;
+  // After the last message.
+  WatchedStream::Counts counts_;
+  int64_t called_ns_ = 0;
+  grpc::StatusCode code_ = grpc::StatusCode::OK;
   StreamSession::Options options_;
   v1::ClassifyContactRequest* request_ = nullptr;
   grpc::ByteBuffer read_;
@@ -128,6 +157,7 @@ class ContactCall {
   bool broken_ = false;
   // Finish was called.
   bool finished_ = false;
+  bool delivered_ = false;
   int64_t last_read_ns_ = 0;
   grpc::Alarm idle_alarm_;
 };

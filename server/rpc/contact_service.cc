@@ -8,14 +8,23 @@
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "server/ops/clock.h"
+#include "server/records/caller.h"
+#include "server/rpc/stream_families.h"
 #include "spdlog/spdlog.h"
 
 namespace tactus::internal::server {
 namespace {
 
-std::string Outcome(const absl::Status& status) {
-  if (status.ok()) return "OK";
+std::string Outcome(const absl::Status& status, bool delivered) {
+  if (status.ok()) return delivered ? "OK" : "the client was gone";
   return absl::StrCat(ReasonOf(status), ": ", status.message());
+}
+
+// What was lost and felt, if anything was.
+std::string Counts(const ContactSession* contacts) {
+  if (contacts == nullptr) return "";
+  return absl::StrCat(" (", contacts->frames_missing(), " lost) and ",
+                      contacts->contacts_begun(), " contacts");
 }
 
 // Names the rate of a stream's frames if its config says another.
@@ -30,9 +39,11 @@ std::string OddRate(const StreamSession& session) {
 }  // namespace
 
 ContactService::ContactService(const ModelSource* models,
-                               const Authorizer* authorizer, Options options)
+                               const Authorizer* authorizer,
+                               ServerMetrics* metrics, Options options)
     : models_(models),
       authorizer_(authorizer),
+      metrics_(metrics),
       options_(std::move(options)),
       gate_("streams", {.all = options_.max_streams,
                         .per_peer = options_.max_streams_per_peer}),
@@ -49,19 +60,27 @@ absl::StatusOr<StreamSession::Options> ContactService::Admit(
     ContactCall* stream) {
   new ContactCall(this, stream->queue(), this);
   auto options =
-      Enter(stream, stream->context(),
-            "/tactus.v1.ContactService/ClassifyContact", stream->peer());
+      Enter(stream, stream->context(), ContactCall::kMethod, stream->peer());
   if (options.ok()) lanes_.at(stream->queue()).streams.insert(stream);
   return options;
 }
 
 absl::StatusOr<StreamSession::Options> ContactService::Admit(TrialCall* call) {
   new TrialCall(this, call->queue(), this);
-  return Enter(call, call->context(), "/tactus.v1.ContactService/ClassifyTrial",
-               call->peer());
+  return Enter(call, call->context(), TrialCall::kMethod, call->peer());
 }
 
 absl::StatusOr<StreamSession::Options> ContactService::Enter(
+    const void* call, const grpc::ServerContext& context,
+    absl::string_view method, const std::string& peer) {
+  auto options = TryToEnter(call, context, method, peer);
+  if (!options.ok()) {
+    metrics_->refused_streams.Add(ReasonOf(options.status()));
+  }
+  return options;
+}
+
+absl::StatusOr<StreamSession::Options> ContactService::TryToEnter(
     const void* call, const grpc::ServerContext& context,
     absl::string_view method, const std::string& peer) {
   if (draining_) return Draining();
@@ -76,32 +95,56 @@ absl::StatusOr<StreamSession::Options> ContactService::Enter(
   return StreamSession::Options{
       .stream_id = absl::StrCat(next_stream_.fetch_add(1)),
       .server_version = options_.server_version,
+      .caller = caller.name,
       .idle_timeout_ms = static_cast<uint32_t>(options_.idle_timeout_ms)};
 }
 
+ContactCall::Observers ContactService::Open(ContactCall* stream) {
+  v1::OpenStream description;
+  stream->session().Describe(&description);
+  description.set_peer(stream->peer());
+  description.set_start_time_ms(SystemNowMs());
+  if (const auto left_out = stream_log_.Admit(MonotonicNs())) {
+    spdlog::info("{} began: {} ({}), {}{}", stream->session().LogName(),
+                 description.caller(), description.peer(),
+                 description.started().model_version(), LeftOut(*left_out));
+  }
+  auto series = metrics_->answers.SeriesOf(description.started());
+  return {.watched = open_streams_.Add(std::move(description)).get(),
+          .series = std::move(series)};
+}
+
 void ContactService::Release(ContactCall* stream) {
+  if (stream->watched() != nullptr) open_streams_.Remove(stream->watched());
   lanes_.at(stream->queue()).streams.erase(stream);
   clients_.Leave(stream);
-  Leave(stream->peer(), stream->session());
+  Leave(stream->peer(), stream->session(), stream->delivered());
 }
 
 void ContactService::Release(TrialCall* call) {
   clients_.Leave(call);
-  Leave(call->peer(), call->session());
+  Leave(call->peer(), call->session(), call->delivered());
 }
 
 void ContactService::Leave(const std::string& peer,
-                           const StreamSession& session) {
+                           const StreamSession& session, bool delivered) {
   const uint64_t frames = session.frames();
   if (const auto left_out = stream_log_.Admit(MonotonicNs())) {
-    spdlog::info("{} ended after {} frames: {}{}{}", session.LogName(), frames,
-                 Outcome(session.final_status()), OddRate(session),
+    spdlog::info("{} ended after {} frames{}: {}{}{}", session.LogName(),
+                 frames, Counts(session.contacts()),
+                 Outcome(session.final_status(), delivered), OddRate(session),
                  LeftOut(*left_out));
   }
   skipped_.Add(session.skipped());
   const std::lock_guard lock(mutex_);
   gate_.Leave(peer, frames);
   stream_done_.notify_all();
+}
+
+void ContactService::Collect(Families* families) const {
+  std::vector<const LaneMetrics*> lanes;
+  for (const auto& [queue, lane] : lanes_) lanes.push_back(&lane.metrics);
+  CollectStreams(lanes, gate_, skipped_, families);
 }
 
 void ContactService::StartDraining(std::chrono::milliseconds grace) {

@@ -20,6 +20,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "server/monitor/open_streams.h"
 #include "server/ops/authorizer.h"
 #include "server/ops/client_streams.h"
 #include "server/ops/log_limiter.h"
@@ -46,9 +47,9 @@ class ContactService final : public RawContactService,
     std::string server_version;
   };
 
-  // Calls need the role of a robot. Both pointers must outlive this object.
+  // Calls need the role of a robot. All pointers must outlive this object.
   ContactService(const ModelSource* models, const Authorizer* authorizer,
-                 Options options);
+                 ServerMetrics* metrics, Options options);
 
   // Accepts streams on `queue`. Call it before any queue starts.
   void Serve(CallQueue* queue);
@@ -60,6 +61,12 @@ class ContactService final : public RawContactService,
   // True once no stream is left, false after `timeout`.
   bool WaitUntilEmpty(std::chrono::milliseconds timeout);
 
+  // Adds what streams have done.
+  void Collect(Families* families) const;
+
+  // The streams that are open and configured.
+  const OpenStreams& streams() const { return open_streams_; }
+
   const StreamGate& gate() const { return gate_; }
   // Work that the streams which have ended skipped.
   const SkipTotals& skipped() const { return skipped_; }
@@ -69,18 +76,29 @@ class ContactService final : public RawContactService,
   struct Lane {
     std::unordered_set<ContactCall*> streams;
     v1::ClassifyContactRequest request;
+    LaneMetrics metrics;
   };
 
   absl::StatusOr<StreamSession::Options> Admit(ContactCall* stream) override;
   absl::StatusOr<StreamSession::Options> Admit(TrialCall* call) override;
+  ContactCall::Observers Open(ContactCall* stream) override;
   void Release(ContactCall* stream) override;
   void Release(TrialCall* call) override;
-  // The options of a call that may run, or why it may not.
+  // The options of a call that may run, or why it may not, which is counted.
   absl::StatusOr<StreamSession::Options> Enter(
       const void* call, const grpc::ServerContext& context,
       absl::string_view method, const std::string& peer);
-  void Leave(const std::string& peer, const StreamSession& session);
+  absl::StatusOr<StreamSession::Options> TryToEnter(
+      const void* call, const grpc::ServerContext& context,
+      absl::string_view method, const std::string& peer);
+  // `delivered`: the client took the end.
+  void Leave(const std::string& peer, const StreamSession& session,
+             bool delivered);
   const ModelSource* models() const override { return models_; }
+  ServerMetrics* metrics() const override { return metrics_; }
+  LaneMetrics* lane_metrics(CallQueue* queue) override {
+    return &lanes_.at(queue).metrics;
+  }
   int first_message_timeout_ms() const override {
     return options_.first_message_timeout_ms;
   }
@@ -93,9 +111,11 @@ class ContactService final : public RawContactService,
 
   const ModelSource* const models_;
   const Authorizer* const authorizer_;
+  ServerMetrics* const metrics_;
   const Options options_;
   StreamGate gate_;
   ClientStreams clients_;
+  OpenStreams open_streams_;
   SkipTotals skipped_;
   LogLimiter stream_log_{{.lines_per_second = 20, .burst = 200}};
   std::atomic<uint64_t> next_stream_ = 1;

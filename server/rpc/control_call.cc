@@ -4,6 +4,7 @@
 
 #include "core/base/errors.h"
 #include "core/base/limits.h"
+#include "server/ops/clock.h"
 #include "server/rpc/control_service.h"
 #include "server/rpc/status.h"
 
@@ -23,6 +24,8 @@ void ControlCall::OnCalled(bool ok) {
     return;
   }
   new ControlCall(service_, call_.queue());
+  called_ns_ = MonotonicNs();
+  service_->rpcs()->Start(method());
   // The event OnGone is still to come, and that of Finish.
   in_flight_ = 2;
   const absl::Status status =
@@ -47,6 +50,7 @@ void ControlCall::Work() {
 }
 
 void ControlCall::Finish(const absl::Status& status) {
+  code_ = status.code();
   stream_.Finish(ToGrpcStatus(status), finish_done_.tag());
 }
 
@@ -121,7 +125,10 @@ void ControlCall::OnGone(bool) {
   EndOperation();
 }
 
-void ControlCall::OnFinished(bool) {
+void ControlCall::OnFinished(bool ok) {
+  service_->rpcs()->Handle(
+      method(), ok ? code_ : absl::StatusCode::kCancelled,
+      static_cast<double>(MonotonicNs() - called_ns_) * 1e-9);
   if (admitted_) service_->Release(this);
   EndOperation();
 }

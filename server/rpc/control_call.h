@@ -96,6 +96,8 @@ class ControlCall final : private ControlStream {
   Caller caller_;
   // The service counts it.
   bool admitted_ = false;
+  int64_t called_ns_ = 0;
+  absl::StatusCode code_ = absl::StatusCode::kOk;
   // Events that are still to come, without that of a read or write for which
   // the handler waits.
   std::atomic<int> in_flight_ = 0;

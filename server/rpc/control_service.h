@@ -3,7 +3,7 @@
 // ControlService: the RPCs for data, jobs and models, by their names. Every
 // method that no other service registered comes here.
 //
-//   ControlService control(authorize);
+//   ControlService control(authorize, &metrics.rpcs);
 //   control.Add("/tactus.v1.ModelService/ListAliases", Role::kRobot, handler);
 //   builder.RegisterAsyncGenericService(control.generic());
 //   control.Serve(&queue);
@@ -26,6 +26,7 @@
 #include "core/access/role.h"
 #include "core/base/limits.h"
 #include "grpcpp/generic/async_generic_service.h"
+#include "server/metrics/rpc_metrics.h"
 #include "server/ops/stream_gate.h"
 #include "server/rpc/control_call.h"
 
@@ -39,8 +40,9 @@ class ControlService {
       const grpc::ServerContext& context, const std::string& method,
       Role role)>;
 
-  explicit ControlService(Authorize authorize)
-      : authorize_(std::move(authorize)) {}
+  // `rpcs` must outlive it.
+  ControlService(Authorize authorize, RpcMetrics* rpcs)
+      : authorize_(std::move(authorize)), rpcs_(rpcs) {}
   // After StopWorkers.
   ~ControlService();
 
@@ -56,6 +58,7 @@ class ControlService {
   void StopWorkers();
 
   grpc::AsyncGenericService* generic() { return &generic_; }
+  RpcMetrics* rpcs() { return rpcs_; }
   const StreamGate& gate() const { return gate_; }
 
   // For ControlCall. UNIMPLEMENTED if there is no such method; why the caller
@@ -74,6 +77,7 @@ class ControlService {
   void ServeCalls();
 
   const Authorize authorize_;
+  RpcMetrics* const rpcs_;
   grpc::AsyncGenericService generic_;
   std::map<std::string, Method> methods_;
   StreamGate gate_{"calls of data, jobs and models",

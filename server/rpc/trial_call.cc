@@ -7,6 +7,7 @@
 
 #include "core/base/errors.h"
 #include "core/base/limits.h"
+#include "server/ops/clock.h"
 #include "server/rpc/status.h"
 
 namespace tactus::internal::server {
@@ -38,6 +39,8 @@ void TrialCall::OnCalled(bool ok) {
     delete this;
     return;
   }
+  called_ns_ = MonotonicNs();
+  delegate_->metrics()->rpcs.Start(kMethod);
   auto options = call_.Arrive([this] { return delegate_->Admit(this); });
   if (!options.ok()) {
     Finish(options.status());
@@ -59,6 +62,7 @@ void TrialCall::OnTurn(bool) {
 }
 
 void TrialCall::Finish(const absl::Status& status) {
+  code_ = status.code();
   if (answer_timeout_ms_ > 0) {
     ++in_flight_;
     answer_alarm_.Set(queue()->queue(),
@@ -76,8 +80,12 @@ void TrialCall::Finish(const absl::Status& status) {
                  finished_.tag());
 }
 
-void TrialCall::OnFinished(bool) {
+void TrialCall::OnFinished(bool ok) {
   --in_flight_;
+  delivered_ = ok;
+  delegate_->metrics()->rpcs.Handle(
+      kMethod, ok ? code_ : absl::StatusCode::kCancelled,
+      static_cast<double>(MonotonicNs() - called_ns_) * 1e-9);
   answer_alarm_.Cancel();
   DeleteIfOver();
 }

@@ -19,6 +19,7 @@
 #include "absl/status/statusor.h"
 #include "grpcpp/alarm.h"
 #include "grpcpp/support/async_unary_call.h"
+#include "server/metrics/server_metrics.h"
 #include "server/rpc/call_queue.h"
 #include "server/rpc/contact_call.h"
 #include "server/rpc/incoming_call.h"
@@ -37,12 +38,15 @@ class TrialCall {
     // A call that was admitted has ended.
     virtual void Release(TrialCall* call) = 0;
     virtual const ModelSource* models() const = 0;
+    virtual ServerMetrics* metrics() const = 0;
     // The message that calls of a queue parse into.
     virtual v1::ClassifyContactRequest* request(CallQueue* queue) = 0;
 
    protected:
     ~Delegate() = default;
   };
+
+  static constexpr char kMethod[] = "/tactus.v1.ContactService/ClassifyTrial";
 
   // All three must outlive it.
   TrialCall(RawContactService* service, CallQueue* queue, Delegate* delegate);
@@ -55,6 +59,8 @@ class TrialCall {
   // The peer that made the call, as PeerOf names it.
   const std::string& peer() const { return call_.peer(); }
   const StreamSession& session() const { return trial_->session(); }
+  // The client was there to take the answer.
+  bool delivered() const { return delivered_; }
 
  private:
   using Event = MemberEvent<TrialCall>;
@@ -80,11 +86,14 @@ class TrialCall {
   Event finished_{this, &TrialCall::OnFinished};
   Event timeout_{this, &TrialCall::OnTimeout};
 
+  int64_t called_ns_ = 0;
+  absl::StatusCode code_ = absl::StatusCode::kOk;
   // 0 for none.
   uint32_t answer_timeout_ms_ = 0;
   grpc::Alarm answer_alarm_;
   // Operations whose events have not come yet, from Finish on.
   int in_flight_ = 0;
+  bool delivered_ = false;
   // Set when the call is admitted.
   std::optional<TrialSession> trial_;
 };

@@ -35,6 +35,7 @@ v1::Answer* ResponseQueue::AddAnswer(bool interim) {
     spare_.pop_back();
   }
   entry->interim = interim;
+  entry->ready_ns = 0;
   entry->request = request_;
   v1::Answer* answer = entry->response.mutable_answer();
   answer->set_superseded(superseded_);
@@ -83,10 +84,14 @@ const v1::ClassifyContactResponse* ResponseQueue::StartWrite(int64_t now_ns) {
   waiting_.erase(waiting_.begin());
   if (writing_->response.has_answer()) {
     if (!writing_->interim) --waiting_kept_;
+    // An answer that no request message ended, such as the final of a
+    // half-close, does not wait.
+    const int64_t ready_ns =
+        writing_->ready_ns == 0 ? now_ns : writing_->ready_ns;
+    waited_ns_ = std::max<int64_t>(0, now_ns - ready_ns);
     v1::Answer* answer = writing_->response.mutable_answer();
     if (answer->has_diagnostics()) {
-      answer->mutable_diagnostics()->set_queue_ns(
-          std::max<int64_t>(0, now_ns - writing_->ready_ns));
+      answer->mutable_diagnostics()->set_queue_ns(waited_ns_);
     }
   }
   return &writing_->response;

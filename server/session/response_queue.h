@@ -46,6 +46,8 @@ class ResponseQueue : public AnswerSink {
   // being written.
   const v1::ClassifyContactResponse* StartWrite(int64_t now_ns);
   void FinishWrite();
+  // Nanoseconds that the answer which is being written has waited.
+  int64_t waited_ns() const { return waited_ns_; }
 
   // True if nothing waits and nothing is being written.
   bool empty() const { return waiting_.empty() && writing_ == nullptr; }
@@ -61,6 +63,7 @@ class ResponseQueue : public AnswerSink {
     v1::ClassifyContactResponse response;
     bool interim = false;
     uint64_t request = 0;
+    // 0 until the request message has ended.
     int64_t ready_ns = 0;
   };
 
@@ -76,6 +79,7 @@ class ResponseQueue : public AnswerSink {
   size_t waiting_kept_ = 0;
   uint64_t request_ = 0;
   uint64_t superseded_ = 0;
+  int64_t waited_ns_ = 0;
   // Compute time of earlier requests without an answer.
   int64_t carried_ns_ = 0;
 };

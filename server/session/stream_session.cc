@@ -81,7 +81,7 @@ absl::Status StreamSession::OnConfig(const v1::StreamConfig& config) {
   TACTUS_ASSIGN_OR_RETURN(PinnedModel pinned, FindModel(*models_, settings_));
   pinned_ = std::move(pinned);
   contacts_.emplace(settings_, pinned_->model, &responses_);
-  WriteStarted();
+  WriteStarted(responses_.AddMessage()->mutable_started());
   return absl::OkStatus();
 }
 
@@ -95,8 +95,15 @@ void StreamSession::CheckForNewerModel() {
   }
 }
 
-void StreamSession::WriteStarted() {
-  v1::StreamStarted* started = responses_.AddMessage()->mutable_started();
+void StreamSession::Describe(v1::OpenStream* stream) const {
+  stream->set_stream_id(options_.stream_id);
+  stream->set_client_id(settings_.client_id);
+  stream->set_caller(options_.caller);
+  stream->set_sample_rate_hz(settings_.pipeline.sample_rate_hz);
+  WriteStarted(stream->mutable_started());
+}
+
+void StreamSession::WriteStarted(v1::StreamStarted* started) const {
   tactus::internal::WriteStarted(settings_, *pinned_->model, started);
   started->set_model_version(pinned_->version_name);
   started->set_bundle_sha256(pinned_->sha256);

@@ -33,6 +33,7 @@
 #include "server/session/model_source.h"
 #include "server/session/response_queue.h"
 #include "tactus/v1/contact.pb.h"
+#include "tactus/v1/monitor.pb.h"
 
 namespace tactus::internal::server {
 
@@ -41,6 +42,8 @@ class StreamSession {
   struct Options {
     std::string stream_id = {};
     std::string server_version = {};
+    // As whom the server knows the client; only for those who watch.
+    std::string caller = {};
     // Only reported to the client; 0 means no timeout.
     uint32_t idle_timeout_ms = 0;
   };
@@ -63,6 +66,13 @@ class StreamSession {
   void OnHalfClose();
   // The server will stop within `grace_ms`: adds a notice for the client.
   void OnDraining(uint32_t grace_ms);
+  // Shows frames and answers to `tap` from now on; after the config. `tap` must
+  // outlive the session.
+  void SetTap(StreamTap* tap) { contacts_->SetTap(tap); }
+  // Writes what the stream is, without its peer and its start; after the
+  // config.
+  void Describe(v1::OpenStream* stream) const;
+
   // Ends the stream from the server's side with `status`, after the final of
   // an open trial.
   void Finish(absl::Status status);
@@ -74,6 +84,10 @@ class StreamSession {
   bool wants_request() const { return !finishing_ && !responses_.full(); }
   ResponseQueue& responses() { return responses_; }
   uint64_t frames() const { return contacts_ ? contacts_->frames() : 0; }
+  // Null before the config.
+  const ContactSession* contacts() const {
+    return contacts_ ? &*contacts_ : nullptr;
+  }
   // Names the stream in logs, for example: stream 7 of client "left-arm".
   std::string LogName() const;
   // Compares the capture times of the frames with the config's rate; null
@@ -92,7 +106,7 @@ class StreamSession {
   absl::Status Take(const v1::ClassifyContactRequest& request);
   absl::Status Dispatch(const v1::ClassifyContactRequest& request);
   absl::Status OnConfig(const v1::StreamConfig& config);
-  void WriteStarted();
+  void WriteStarted(v1::StreamStarted* started) const;
   // Adds a notice, once per stream, if the name in the config now stands for
   // another version.
   void CheckForNewerModel();

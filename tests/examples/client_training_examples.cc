@@ -6,6 +6,7 @@
 
 #include "client/stream/backoff.h"
 #include "client/training/admin_client.h"
+#include "client/training/monitor_client.h"
 #include "client/training/operation_watcher.h"
 #include "client/training/retry.h"
 #include "client/training/training_client.h"
@@ -29,6 +30,13 @@ static void BackoffExample(uint64_t seed) {
 
 static absl::Status AdminClientExample(TrainingClient& client) {
 #include "client/training/admin_client.h.inc"
+  return absl::OkStatus();
+}
+
+void Show(const v1::StreamUpdate& update);
+
+static absl::Status MonitorClientExample(TrainingClient& client) {
+#include "client/training/monitor_client.h.inc"
   return absl::OkStatus();
 }
 

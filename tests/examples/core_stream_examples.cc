@@ -11,6 +11,7 @@
 #include "core/stream/spare_messages.h"
 #include "core/stream/stream_settings.h"
 #include "core/stream/stream_started.h"
+#include "core/stream/stream_tap.h"
 
 namespace tactus::internal::examples {
 
@@ -35,6 +36,10 @@ static absl::Status ContactSessionExample(
     const v1::FrameBatch& batch) {
 #include "core/stream/contact_session.h.inc"
   return absl::OkStatus();
+}
+
+static void StreamTapExample(ContactSession& session, StreamTap& tap) {
+#include "core/stream/stream_tap.h.inc"
 }
 
 static absl::Status FrameDecoderExample(const StreamSettings& settings,

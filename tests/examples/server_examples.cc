@@ -112,6 +112,7 @@ static void ControlCallExample(ControlService* service, CallQueue* queue) {
 }
 
 static void ControlServiceExample(const ControlService::Authorize& authorize,
+                                  ServerMetrics& metrics,
                                   const ControlService::Handler& handler,
                                   grpc::ServerBuilder& builder,
                                   CallQueue& queue) {

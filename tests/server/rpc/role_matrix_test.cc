@@ -35,6 +35,8 @@ Matrix Expected() {
   add("ModelService", Role::kRobot,
       {"ListModelVersions", "GetModelVersion", "ListAliases",
        "ListAliasHistory"});
+  add("MonitorService", Role::kViewer,
+      {"ListStreams", "WatchStream", "WatchAll"});
   add("ModelService", Role::kTrainer, {"ExportModel", "ImportModel"});
   add("ModelService", Role::kAdmin,
       {"DeleteModelVersion", "UpdateAlias", "PromoteModel", "RollbackAlias"});
@@ -74,10 +76,11 @@ TEST(RoleMatrixTest, HasEveryRpcOfTheContract) {
 std::string Outcome(const std::shared_ptr<grpc::Channel>& channel,
                     const std::string& method,
                     const std::string& authorization) {
-  const auto answer = testing::RawCall(
-      channel, method, "",
-      {.authorization = authorization,
-       .first_only = method == "/grpc.health.v1.Health/Watch"});
+  const auto answer =
+      testing::RawCall(channel, method, "",
+                       {.authorization = authorization,
+                        .first_only = method.ends_with("/Watch") ||
+                                      method.ends_with("WatchAll")});
   const std::string reason = ReasonOf(answer.status);
   if (reason == "UNAUTHENTICATED" || reason == "PERMISSION_DENIED") {
     return reason;
@@ -92,6 +95,13 @@ std::string Outcome(const std::shared_ptr<grpc::Channel>& channel,
                                                   : answer.status.ToString();
   }
   // What needs no data directory.
+  if (method.find("Monitor") != std::string::npos) {
+    // There is no stream.
+    const bool ok = method.find("WatchStream") == std::string::npos
+                        ? answer.status.ok() || absl::IsCancelled(answer.status)
+                        : reason == "STREAM_NOT_FOUND";
+    return ok ? "served" : answer.status.ToString();
+  }
   if (method == "/tactus.v1.AdminService/GetServerInfo" ||
       method == "/tactus.v1.AdminService/Drain") {
     return answer.bytes.empty() ? answer.status.ToString() : "served";
@@ -106,7 +116,8 @@ std::string Want(std::optional<Role> least, std::optional<Role> role) {
   return *role < *least ? "PERMISSION_DENIED" : "served";
 }
 
-constexpr Role kRoles[] = {Role::kRobot, Role::kTrainer, Role::kAdmin};
+constexpr Role kRoles[] = {Role::kRobot, Role::kViewer, Role::kTrainer,
+                           Role::kAdmin};
 
 class RoleServer {
  public:

@@ -41,6 +41,21 @@ TEST(ResponseQueueTest, NewRequestSupersedesWaitingInterimsOnly) {
   EXPECT_EQ(Drain(queue), (std::vector<uint64_t>{2, 4}));
 }
 
+TEST(ResponseQueueTest, SaysHowLongAnAnswerWaited) {
+  ResponseQueue queue;
+  queue.BeginRequest();
+  queue.AddKept();
+  queue.EndRequest(/*elapsed_ns=*/10, /*now_ns=*/1000);
+  ASSERT_NE(queue.StartWrite(1500), nullptr);
+  EXPECT_EQ(queue.waited_ns(), 500);
+  queue.FinishWrite();
+  // The final of a half-close belongs to no message; the entry is used again.
+  queue.BeginRequest();
+  queue.AddKept();
+  ASSERT_NE(queue.StartWrite(9000), nullptr);
+  EXPECT_EQ(queue.waited_ns(), 0);
+}
+
 TEST(ResponseQueueTest, TheOneBeingWrittenStaysAsItIs) {
   ResponseQueue queue;
   queue.BeginRequest();

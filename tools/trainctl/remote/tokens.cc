@@ -195,7 +195,7 @@ void AddTokens(CLI::App& app, const SelectCommand& select) {
                "arm-7.token");
   create->add_option("--name", flags->name, "Names the caller in logs")
       ->required();
-  create->add_option("--role", flags->role, "robot, trainer or admin")
+  create->add_option("--role", flags->role, "robot, viewer, trainer or admin")
       ->required();
   create->add_option("--file", flags->file,
                      "Tokens file to add it to; without it, the line is "
