@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -27,8 +28,8 @@
 #include "server/jobs/training_backend.h"
 #include "server/listen/descriptor_limit.h"
 #include "server/listen/self_check.h"
-#include "server/ops/authorizer.h"
 #include "server/metrics/metrics_listener.h"
+#include "server/ops/authorizer.h"
 #include "server/ops/health_probe.h"
 #include "server/ops/logging.h"
 #include "server/ops/port_file.h"
@@ -50,6 +51,8 @@ struct Flags {
   std::vector<std::string> models;
   std::string port_file;
   std::string log_level = "info";
+  LogFormat log_format = LogFormat::kText;
+  std::string metrics;
   std::string health_check;
   std::optional<std::string> tls_certificate;
   std::optional<std::string> tls_key;
@@ -251,7 +254,7 @@ void Notify(absl::string_view state) {
 }
 
 absl::Status Serve(const Flags& flags, StopSignals& signals) {
-  TACTUS_RETURN_IF_ERROR(StartLogging(flags.log_level));
+  TACTUS_RETURN_IF_ERROR(StartLogging(flags.log_level, flags.log_format));
   ModelRegistry registry;
   TACTUS_RETURN_IF_ERROR(LoadModels(flags.models, registry));
   TactusServer::Options options = flags.server;
@@ -279,9 +282,6 @@ absl::Status Serve(const Flags& flags, StopSignals& signals) {
   TACTUS_ASSIGN_OR_RETURN(auto server, TactusServer::Start(&registry, options));
   LogListeners(options, *server);
   WarnOfDirectListeners(options.listen);
-  if (!flags.port_file.empty()) {
-    TACTUS_RETURN_IF_ERROR(WritePortFile(flags.port_file, server->ports()[0]));
-  }
   std::unique_ptr<MetricsListener> metrics;
   if (!flags.metrics.empty()) {
     TACTUS_ASSIGN_OR_RETURN(metrics,
@@ -289,6 +289,9 @@ absl::Status Serve(const Flags& flags, StopSignals& signals) {
                               return server->CollectMetrics();
                             }));
     spdlog::info("metrics on {}, port {}", flags.metrics, metrics->port());
+  }
+  if (!flags.port_file.empty()) {
+    TACTUS_RETURN_IF_ERROR(WritePortFile(flags.port_file, server->ports()[0]));
   }
   Notify("READY=1");
   std::optional<SelfCheck> self_check(
@@ -308,10 +311,10 @@ absl::Status Serve(const Flags& flags, StopSignals& signals) {
   self_check.reset();
   if (training != nullptr) training->Stop();
   server->Stop();
+  metrics.reset();
   const StreamGate& gate = server->gate();
   spdlog::info("stopped after {} streams, {} refused, {} frames", gate.opened(),
                gate.refused(), gate.frames());
-  metrics.reset();
   spdlog::info("skipped {}", server->skipped().ToString());
   return absl::OkStatus();
 }
@@ -467,13 +470,17 @@ int Main(int argc, char** argv) {
                  "Silence that ends a stream; 0 for none")
       ->check(CLI::Range(0, 86'400'000))
       ->capture_default_str();
-  app.add_option("--log-level", flags.log_level,
-                 "trace, debug, info, warn, error or off")
-      ->capture_default_str();
   app.add_option("--metrics", flags.metrics,
                  "host:port, or a port of 127.0.0.1, where Prometheus reads "
                  "/metrics; without it there is no such listener")
       ->envname("TACTUSD_METRICS");
+  app.add_option("--log-level", flags.log_level,
+                 "trace, debug, info, warn, error or off")
+      ->capture_default_str();
+  app.add_option("--log-format", flags.log_format,
+                 "text, or json: an object with time, level and message")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, LogFormat>{
+          {"text", LogFormat::kText}, {"json", LogFormat::kJson}}));
   app.add_option("--health-check", flags.health_check,
                  "Ask the server at this address and exit 0 if it serves");
   app.add_option("--tls-ca", flags.tls_roots,

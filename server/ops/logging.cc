@@ -17,9 +17,11 @@ namespace {
 
 constexpr size_t kMaxTextBytes = 2'000;
 
-// The message as one line of printable ASCII.
+// The message as one line of printable ASCII; in JSON, what must be is escaped.
 class OneLine final : public spdlog::custom_flag_formatter {
  public:
+  explicit OneLine(LogFormat format) : format_(format) {}
+
   void format(const spdlog::details::log_msg& message, const std::tm&,
               spdlog::memory_buf_t& line) override {
     constexpr char kHex[] = "0123456789abcdef";
@@ -27,17 +29,24 @@ class OneLine final : public spdlog::custom_flag_formatter {
     for (const char c : message.payload) {
       if (left-- == 0) break;
       if (c >= 0x20 && c < 0x7f) {
+        if (format_ == LogFormat::kJson && (c == '"' || c == '\\')) {
+          line.push_back('\\');
+        }
         line.push_back(c);
         continue;
       }
+      if (format_ == LogFormat::kJson) line.push_back('\\');
       const auto byte = static_cast<unsigned char>(c);
       const char escaped[] = {'\\', 'x', kHex[byte >> 4], kHex[byte & 15]};
       line.append(escaped, escaped + sizeof(escaped));
     }
   }
   std::unique_ptr<custom_flag_formatter> clone() const override {
-    return std::make_unique<OneLine>();
+    return std::make_unique<OneLine>(format_);
   }
+
+ private:
+  const LogFormat format_;
 };
 
 // Libraries report errors of single connections and messages, which strangers
@@ -64,7 +73,7 @@ void LogForProtobuf(google::protobuf::LogLevel level, const char*, int,
 
 }  // namespace
 
-absl::Status StartLogging(const std::string& level) {
+absl::Status StartLogging(const std::string& level, LogFormat format) {
   const spdlog::level::level_enum parsed = spdlog::level::from_str(level);
   // from_str returns off for words that it does not know.
   if (parsed == spdlog::level::off && level != "off") {
@@ -72,7 +81,11 @@ absl::Status StartLogging(const std::string& level) {
                          "trace, debug, info, warn, error or off");
   }
   auto formatter = std::make_unique<spdlog::pattern_formatter>();
-  formatter->add_flag<OneLine>('*').set_pattern("%Y-%m-%dT%H:%M:%S.%e %L %*");
+  formatter->add_flag<OneLine>('*', format)
+      .set_pattern(format == LogFormat::kJson
+                       ? R"({"time":"%Y-%m-%dT%H:%M:%S.%e","level":"%l",)"
+                         R"("message":"%*"})"
+                       : "%Y-%m-%dT%H:%M:%S.%e %L %*");
   spdlog::set_default_logger(spdlog::stderr_logger_mt("tactusd"));
   spdlog::set_formatter(std::move(formatter));
   spdlog::set_level(parsed);

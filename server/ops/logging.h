@@ -1,9 +1,9 @@
 // File: logging.h
 //
-// Logging of the process: one line per event on standard error. Nothing is
-// logged per frame.
+// Logging of the process: one line per event on standard error, as text or as a
+// JSON object with time, level and message. Nothing is logged per frame.
 //
-//   TACTUS_RETURN_IF_ERROR(StartLogging("info"));
+//   TACTUS_RETURN_IF_ERROR(StartLogging("info", LogFormat::kText));
 //   spdlog::info("listening on {}", address);
 //
 // Whatever a message contains, it stays one line of printable ASCII: control
@@ -18,7 +18,9 @@
 
 namespace tactus::internal::server {
 
+enum class LogFormat { kText, kJson };
+
 // `level` is trace, debug, info, warn, error or off; INVALID_CONFIG otherwise.
-absl::Status StartLogging(const std::string& level);
+absl::Status StartLogging(const std::string& level, LogFormat format);
 
 }  // namespace tactus::internal::server
