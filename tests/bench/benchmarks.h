@@ -49,6 +49,11 @@ std::unique_ptr<Benchmark> MakeTrainLstmBenchmark();
 // or if N objects are not N contacts.
 std::unique_ptr<Benchmark> MakeSessionBenchmark();
 
+// What it costs a stream of contacts of the random world that somebody could
+// watch it (row watched/unwatched) and that somebody does (row
+// watched/watched): ns of a frame beside the same stream that nobody can see.
+std::unique_ptr<Benchmark> MakeWatchedBenchmark();
+
 // The learners for few trials, of 300 made-up contacts of 20 x 20 taxels in 2
 // and in 20 classes. Rows few-trials/LEARNER/N_classes/: frame (ns of a step),
 // answer (ns of the scores), stream (KiB of memory), fit (s of one core).

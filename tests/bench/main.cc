@@ -32,6 +32,7 @@ int Main(int argc, char** argv) {
   add(MakeTrainLstmBenchmark());
   add(MakeSessionBenchmark());
   add(MakeFewTrialsBenchmark());
+  add(MakeWatchedBenchmark());
   add(MakeSkippingBenchmark());
   add(MakeSimBenchmark());
   add(MakeIdleBenchmark());
