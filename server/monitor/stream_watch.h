@@ -12,6 +12,7 @@
 // while there is a watch with frames.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 
@@ -21,6 +22,8 @@ namespace tactus::internal::server {
 
 class StreamWatch {
  public:
+  static constexpr std::chrono::milliseconds kLook{16};
+
   struct Options {
     // 0: none, only counts.
     uint32_t frames_per_second = limits::kMaxWatchedRateHz;
@@ -34,15 +37,19 @@ class StreamWatch {
   StreamWatch& operator=(const StreamWatch&) = delete;
 
   // Writes what is new; false, and nothing is written, if nothing is or if it
-  // is too early for the next frame.
+  // is too early for the next frame. Called every kLook or so, it asks for a
+  // frame shortly before it is due.
   bool Update(int64_t now_ns, v1::StreamUpdate* update);
   // The last update said that the stream has ended.
   bool ended() const { return ended_; }
   const WatchedStream* stream() const { return stream_.get(); }
 
  private:
+  bool ReadFrame(int64_t now_ns, bool ends, v1::StreamUpdate* update);
+
   const std::shared_ptr<WatchedStream> stream_;
   const Options options_;
+  // Nanoseconds from one frame to the next.
   const int64_t period_ns_;
   WatchedStream::Cursor cursor_;
   bool described_ = false;

@@ -11,16 +11,8 @@ namespace {
 
 constexpr double kHzPerNs = 1e9;
 constexpr int64_t kRateWindowNs = 2'000'000'000;
-// Frames a second that are kept for watchers: twice as many as they see, so
-// that what they see is new.
-constexpr double kKeptRateHz = 2.0 * limits::kMaxWatchedRateHz;
-
 static_assert(std::endian::native == std::endian::little,
               "taxels are sent as they lie in memory");
-
-uint32_t StrideOf(double sample_rate_hz) {
-  return static_cast<uint32_t>(std::max(1.0, sample_rate_hz / kKeptRateHz));
-}
 
 uint64_t NumberOf(const std::string& id) {
   uint64_t number = 0;
@@ -31,8 +23,7 @@ uint64_t NumberOf(const std::string& id) {
 
 WatchedStream::WatchedStream(v1::OpenStream description)
     : description_(std::move(description)),
-      number_(NumberOf(description_.stream_id())),
-      stride_(StrideOf(description_.sample_rate_hz())) {}
+      number_(NumberOf(description_.stream_id())) {}
 
 void WatchedStream::EndMessage(const Counts& counts, int64_t now_ns) {
   constexpr auto kRelaxed = std::memory_order_relaxed;
@@ -56,8 +47,8 @@ void WatchedStream::EndMessage(const Counts& counts, int64_t now_ns) {
 
 v1::Answer* WatchedStream::Want(bool has_events) {
   if (watchers_.load(std::memory_order_relaxed) == 0) return nullptr;
-  if (++since_shown_ < stride_ && !has_events) return nullptr;
-  return &answer_;
+  const bool wanted = has_events || asked_.load(std::memory_order_relaxed);
+  return wanted ? &answer_ : nullptr;
 }
 
 void WatchedStream::Take(const FrameView& frame, const v1::Answer& answer) {
@@ -74,7 +65,7 @@ void WatchedStream::Take(const FrameView& frame, const v1::Answer& answer) {
   }
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock) return;
-  since_shown_ = 0;
+  asked_.store(false, std::memory_order_relaxed);
   events_.resize(limits::kMaxWatchedEvents);
   for (v1::WatchedEvent& event : waiting_) {
     events_[event_count_++ % events_.size()] = std::move(event);

@@ -10,12 +10,14 @@
 //
 //   stream.AddWatcher();                       // any thread
 //   WatchedStream::Cursor cursor;
+//   stream.Ask();
 //   stream.ReadNew(now_ns, true, &cursor, &update);
 //   stream.RemoveWatcher();
 //
-// While nobody watches, a frame costs one relaxed load. While somebody does,
-// the stream's thread never waits: if a watcher holds the lock, the watchers
-// miss a frame, and its events come with the next one.
+// While nobody watches, a frame costs one relaxed load. While somebody does, the
+// stream shows a frame after each Ask, and those with events, so that a watcher
+// costs as much as it looks. The stream's thread never waits: if a watcher
+// holds the lock, the next frame is shown instead.
 #pragma once
 
 #include <atomic>
@@ -67,6 +69,8 @@ class WatchedStream final : public StreamTap {
   void WriteCounts(int64_t now_ns, v1::StreamCounts* counts) const;
   void AddWatcher() { ++watchers_; }
   void RemoveWatcher() { --watchers_; }
+  // Asks for the next frame to be shown.
+  void Ask() { asked_.store(true, std::memory_order_relaxed); }
   // Writes the newest frame and the events that `cursor` has not seen, and
   // moves it on. False, and nothing is written, if there are none.
   bool ReadNew(int64_t now_ns, bool with_taxels, Cursor* cursor,
@@ -78,12 +82,9 @@ class WatchedStream final : public StreamTap {
  private:
   const v1::OpenStream description_;
   const uint64_t number_;
-  // Frames from one that watchers may see to the next.
-  const uint32_t stride_;
 
   // Used on the stream's thread alone.
   int64_t message_ns_ = 0;
-  uint32_t since_shown_ = 0;
   v1::Answer answer_;
   // Frames and time at the start of the window that a rate is measured in.
   uint64_t window_frames_ = 0;
@@ -99,6 +100,7 @@ class WatchedStream final : public StreamTap {
   std::atomic<int64_t> last_message_ns_ = 0;
 
   std::atomic<int> watchers_ = 0;
+  std::atomic<bool> asked_ = false;
   std::atomic<bool> ended_ = false;
 
   // Events that watchers may not have seen; the stream's thread adds to

@@ -27,9 +27,6 @@ namespace tactus::internal::server {
 namespace {
 
 constexpr char kMonitorService[] = "/tactus.v1.MonitorService/";
-// Between two looks at the streams: half of the time between two frames that a
-// watcher is shown at the most.
-constexpr std::chrono::milliseconds kTick(16);
 // Streams of a page, so that a page is less than a megabyte.
 constexpr int kPage = 100;
 // A message with more updates than fit in this is sent as several.
@@ -105,7 +102,7 @@ absl::Status WatchStream(const OpenStreams& streams,
     if (watch.Update(MonotonicNs(), response.mutable_update())) {
       TACTUS_RETURN_IF_ERROR(WriteMessage(call, response));
     }
-    std::this_thread::sleep_for(kTick);
+    std::this_thread::sleep_for(StreamWatch::kLook);
   }
   return absl::OkStatus();
 }
@@ -168,7 +165,7 @@ absl::Status WatchAll(const OpenStreams& streams,
       TACTUS_RETURN_IF_ERROR(WriteMessage(call, response));
       answered = true;
     }
-    std::this_thread::sleep_for(kTick);
+    std::this_thread::sleep_for(StreamWatch::kLook);
   }
   return WorkCancelled("the watch");
 }

@@ -118,6 +118,7 @@ class WatchedBenchmark : public Benchmark {
           continue;
         v1::StreamUpdate update;
         stream.ReadNew(3, true, &cursor, &update);
+        stream.Ask();
       }
     }
     return seconds * 1e9 / static_cast<double>(frames);
