@@ -22,10 +22,9 @@ std::string RobotOf(const v1::OpenStream& stream) {
 }
 
 std::string RateText(const v1::OpenStream& stream) {
+  const std::string stated = absl::StrFormat("%g Hz", stream.sample_rate_hz());
   const double rate = stream.counts().measured_rate_hz();
-  return absl::StrFormat("%s of %g Hz",
-                         rate == 0 ? "?" : absl::StrFormat("%.1f", rate),
-                         stream.sample_rate_hz());
+  return rate == 0 ? stated : absl::StrFormat("%.1f of %s", rate, stated);
 }
 
 absl::Status List(TrainingClient& client, const RemoteFlags& flags) {
