@@ -14,10 +14,10 @@
 //   stream.ReadNew(now_ns, true, &cursor, &update);
 //   stream.RemoveWatcher();
 //
-// While nobody watches, a frame costs one relaxed load. While somebody does, the
-// stream shows a frame after each Ask, and those with events, so that a watcher
-// costs as much as it looks. The stream's thread never waits: if a watcher
-// holds the lock, the next frame is shown instead.
+// While nobody watches, a frame costs one relaxed load. While somebody does,
+// the stream shows a frame after each Ask, and those with events, so that a
+// watcher costs as much as it looks. The stream's thread never waits: if a
+// watcher holds the lock, the next frame is shown instead.
 #pragma once
 
 #include <atomic>
