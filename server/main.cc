@@ -471,7 +471,7 @@ int Main(int argc, char** argv) {
       ->check(CLI::Range(0, 86'400'000))
       ->capture_default_str();
   app.add_option("--metrics", flags.metrics,
-                 "host:port, or a port of 127.0.0.1, where Prometheus reads "
+                 "IP:port, or a port of 127.0.0.1, where Prometheus reads "
                  "/metrics; without it there is no such listener")
       ->envname("TACTUSD_METRICS");
   app.add_option("--log-level", flags.log_level,

@@ -1,7 +1,7 @@
 // File: metrics_listener.h
 //
-// MetricsListener: answers GET /metrics on an address of its own, for
-// Prometheus, in the text format or as OpenMetrics, whatever is asked for.
+// MetricsListener: lets Prometheus read the metrics of a server. It has its own
+// address and answers GET /metrics there, as text or as OpenMetrics.
 //
 //   TACTUS_ASSIGN_OR_RETURN(const auto listener,
 //                           MetricsListener::Start("9464", collect));

@@ -9,8 +9,9 @@
 namespace tactus::internal::server {
 namespace {
 
-constexpr double kHzPerNs = 1e9;
+constexpr double kNsPerS = 1e9;
 constexpr int64_t kRateWindowNs = 2'000'000'000;
+
 static_assert(std::endian::native == std::endian::little,
               "taxels are sent as they lie in memory");
 
@@ -40,7 +41,7 @@ void WatchedStream::EndMessage(const Counts& counts, int64_t now_ns) {
   if (now_ns - window_ns_ < kRateWindowNs) return;
   const auto window = static_cast<double>(now_ns - window_ns_);
   const auto frames = static_cast<double>(counts.frames - window_frames_);
-  measured_rate_hz_.store(frames * kHzPerNs / window, kRelaxed);
+  measured_rate_hz_.store(frames * kNsPerS / window, kRelaxed);
   window_ns_ = now_ns;
   window_frames_ = counts.frames;
 }
