@@ -148,7 +148,9 @@ TEST(WatchedStreamTest, AStreamNeverWaitsForItsWatchers) {
   for (uint64_t s = 1; s <= kFrames; ++s) Show(stream, s, 1);
   // What waits comes with the next frame that finds the lock free.
   const WatchedStream::Cursor before = stream.Now();
-  while (stream.Now().frames == before.frames) Show(stream, kFrames + 1, 1);
+  for (uint64_t s = kFrames + 1; stream.Now().frames == before.frames; ++s) {
+    Show(stream, s, 1);
+  }
   over = true;
   watcher.join();
   EXPECT_GE(events + left_out, kFrames);
