@@ -108,6 +108,7 @@ void NearestScorer::Score(std::span<double> scores) {
     }
     score = std::max(score, -distance);
   }
+  for (double& score : scores) score = -std::log(kEqualDistance - score);
 }
 
 }  // namespace tactus::internal

@@ -27,6 +27,9 @@ namespace tactus::internal {
 // Samples times numbers that a model keeps at most: 32 MB.
 inline constexpr size_t kMostNearestNumbers = size_t{1} << 23;
 
+// Squared distances well below this count as 0; a typical one is 1.
+inline constexpr double kEqualDistance = 1e-3;
+
 struct Nearest {
   FrameViews views;
   // The view whose channels are compared.
@@ -73,8 +76,10 @@ class NearestScorer {
   void Reset() { stretches_.Reset(); }
   // Takes the touched taxels of the next touched frame.
   void Step(std::span<const TaxelLoad> loads) { stretches_.Step(loads); }
-  // Writes a score per class: the squared distance to its nearest sample, times
-  // -1.
+  // Writes a score per class: minus the logarithm of the squared distance to
+  // its nearest sample and kEqualDistance. So what counts is how many times
+  // nearer a class is than another, and a contact that is far from all says no
+  // more than one that is near.
   void Score(std::span<double> scores);
 
  private:

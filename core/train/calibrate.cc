@@ -27,8 +27,8 @@ using Scores = std::vector<std::vector<double>>;
 
 // HMMs are never made more confident, because frames are not independent.
 constexpr WeightBounds kHmmBounds = {1e-4, 1};
-// The scores of a ridge are about 0 and 1, those of nearest neighbours about -1
-// and below.
+// The scores of a ridge are about 0 and 1, those of nearest neighbours
+// logarithms of distances that are about 1.
 constexpr WeightBounds kBoundedBounds = {1e-2, 100};
 constexpr double kBoundedSharpness = 8;
 constexpr WeightBounds kLstmBounds = {1e-4, 4};

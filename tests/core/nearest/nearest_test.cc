@@ -105,7 +105,7 @@ TEST(NearestTest, AnswersToContactsOfOtherStrength) {
   }
 }
 
-TEST(NearestTest, ScoresAreSquaredDistances) {
+TEST(NearestTest, ScoresAreLogarithmsOfSquaredDistances) {
   const Touches training = MakeTouches(2, 5, 3);
   const Touches other = MakeTouches(2, 1, 4);
   const auto nearest = FitNearest(training.samples, OptionsFor(2));
@@ -132,7 +132,7 @@ TEST(NearestTest, ScoresAreSquaredDistances) {
     of_class = std::min(of_class, distance);
   }
   for (int k = 0; k < 2; ++k) {
-    EXPECT_NEAR(scores[k], -least[k], 1e-5 * least[k]) << k;
+    EXPECT_NEAR(scores[k], -std::log(least[k] + 1e-3), 1e-5) << k;
   }
 }
 
@@ -144,9 +144,9 @@ TEST(NearestTest, ARecordedContactHasADistanceOfZero) {
   for (const auto frame : training.samples[3].frames) scorer.Step(frame);
   std::vector<double> scores(2);
   scorer.Score(scores);
-  EXPECT_EQ(scores[training.samples[3].label], 0);
+  EXPECT_EQ(scores[training.samples[3].label], -std::log(1e-3));
   // Others are about 1 away: that is what the gain is for.
-  EXPECT_LT(scores[1 - training.samples[3].label], -0.5);
+  EXPECT_LT(scores[1 - training.samples[3].label], -std::log(0.5));
 }
 
 TEST(NearestTest, TheLargestLoadsHaveAFiniteDistance) {
