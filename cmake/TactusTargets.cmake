@@ -24,7 +24,7 @@ function(tactus_library name)
     set_source_files_properties(${ARG_APART}
       PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   endif()
-  tactus_unity(${name} 8)
+  tactus_unity(${name} 20)
   target_include_directories(${name}
     PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
   target_link_libraries(${name} PUBLIC ${ARG_DEPS})
@@ -55,7 +55,7 @@ function(tactus_test name)
   set_source_files_properties(
     ${PROJECT_SOURCE_DIR}/tests/support/allocation_counter.cc
     PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-  tactus_unity(${name} 6)
+  tactus_unity(${name} 20)
   set_target_properties(${name} PROPERTIES
     RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   add_test(NAME ${name} COMMAND ${ARG_LAUNCHER} $<TARGET_FILE:${name}>)

@@ -34,7 +34,7 @@ using testing::RawCall;
 constexpr char kDataset[] = "datasets/arm";
 constexpr char kTraining[] = "/tactus.v1.TrainingService/";
 // What the server may take beside what it had.
-constexpr double kMostMib = 100;
+constexpr double kMostMibOfUnknown = 100;
 
 // `bytes` of empty fields with the number 99: each takes 3 bytes here, and 48
 // and more in memory.
@@ -156,7 +156,7 @@ TEST(UnknownFieldsTest, OfRequestsAreNotKept) {
       EXPECT_EQ(trainer.Train(large), "MESSAGE_TOO_LARGE");
       EXPECT_EQ(trainer.Train(nested), "MALFORMED_REQUEST");
     }
-    EXPECT_TRUE(server.PeakIsBelow(first + kMostMib));
+    EXPECT_TRUE(server.PeakIsBelow(first + kMostMibOfUnknown));
     std::printf("60 calls: %.0f MiB, before %.0f\n", server.PeakMib(), first);
     EXPECT_EQ(trainer.Operations(), 1);
     EXPECT_TRUE(robot.IsServed());
@@ -165,7 +165,7 @@ TEST(UnknownFieldsTest, OfRequestsAreNotKept) {
     EXPECT_EQ(server.Wait(), 0);
   }
   ChildTactusd server(Flags(folder / "data"));
-  EXPECT_TRUE(server.PeakIsBelow(first + kMostMib));
+  EXPECT_TRUE(server.PeakIsBelow(first + kMostMibOfUnknown));
   std::printf("after a restart: %.0f MiB\n", server.PeakMib());
 }
 

@@ -12,7 +12,7 @@ namespace {
 constexpr int kPairTerms = 14;
 constexpr double kNegligible = 1e-18;
 // Longer than any contact, s.
-constexpr double kForever = 1e9;
+constexpr double kEndlessReach = 1e9;
 
 constexpr std::array<double, kPairTerms + 2> kPairInverse = [] {
   std::array<double, kPairTerms + 2> inverse = {};
@@ -34,7 +34,7 @@ DampedPair::DampedPair(double damping, double stiffness)
   // The sine over its frequency is at most the time, so that its envelope
   // peaks at 1 / e / the slower decay.
   const double slower = split_ > 0 ? slowest_ : decay_;
-  reach_ = slower > 0 ? 1 / (std::numbers::e * slower) : kForever;
+  reach_ = slower > 0 ? 1 / (std::numbers::e * slower) : kEndlessReach;
   if (frequency_ > 0) reach_ = std::min(reach_, 1 / frequency_);
   if (split_ > 0) reach_ = std::min(reach_, 0.5 / split_);
 }

@@ -16,7 +16,7 @@
 namespace tactus::internal {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDenormal = std::numeric_limits<double>::denorm_min();
 
@@ -140,17 +140,17 @@ TEST(StressTest, CovariancesNearlySingularOrHuge) {
 }
 
 TEST(StressTest, ModelsWithoutMeaningAreRefused) {
-  for (const double bad : {0.0, -1.0, kNan, kInfinity}) {
+  for (const double bad : {0.0, -1.0, kNan, kInf}) {
     Model model = FullModel();
     model.hmms[1].components[0].covariances[2] = bad;
     EXPECT_EQ(ReasonOf(CompiledModel::Create(model).status()), "INVALID_MODEL");
   }
-  for (const double bad : {-0.1, 1.1, kNan, kInfinity}) {
+  for (const double bad : {-0.1, 1.1, kNan, kInf}) {
     Model model = FullModel();
     model.hmms[2].components[0].transition[0] = bad;
     EXPECT_EQ(ReasonOf(CompiledModel::Create(model).status()), "INVALID_MODEL");
   }
-  for (const double bad : {kNan, kInfinity}) {
+  for (const double bad : {kNan, kInf}) {
     Model model = FullModel();
     model.hmms[0].components[0].means[1] = bad;
     EXPECT_EQ(ReasonOf(CompiledModel::Create(model).status()), "INVALID_MODEL");
@@ -159,7 +159,7 @@ TEST(StressTest, ModelsWithoutMeaningAreRefused) {
 
 // A filter must stay finite at these values, although no session accepts them.
 TEST(StressTest, NumbersThatAreNoneLeaveTheHmmsNormalised) {
-  for (const double bad : {kNan, kInfinity, -kInfinity}) {
+  for (const double bad : {kNan, kInf, -kInf}) {
     ExpectSoundContact(testing::SmallModel(), [bad](int t) {
       return t == 50 ? FeatureVector{bad, bad, bad} : Press(t);
     });

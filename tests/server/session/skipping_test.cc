@@ -16,8 +16,8 @@ using testing::Counts;
 using testing::Touch;
 using testing::Untouched;
 
-using Encode = v1::ClassifyContactRequest (*)(uint64_t,
-                                              const std::vector<Counts>&);
+using EncodeFrames = v1::ClassifyContactRequest (*)(uint64_t,
+                                                    const std::vector<Counts>&);
 
 v1::ClassifyContactRequest Config(bool f32) {
   auto request = testing::ConfigRequest();
@@ -143,7 +143,7 @@ TEST_F(SessionSkippingTest, LowEffortLeavesOutTheLstms) {
 // From the bytes of the message to the answer, one and several frames each.
 TEST_F(SessionSkippingTest, NoEncodingAllocates) {
   struct Case {
-    Encode encode;
+    EncodeFrames encode;
     bool f32;
   };
   for (const Case& c :

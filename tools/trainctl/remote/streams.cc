@@ -90,8 +90,8 @@ class UpdatePrinter {
   std::map<std::string, v1::OpenStream> streams_;
 };
 
-absl::Status Watch(TrainingClient& client, const RemoteFlags& flags,
-                   const std::string& id) {
+absl::Status WatchStreams(TrainingClient& client, const RemoteFlags& flags,
+                          const std::string& id) {
   MonitorClient monitor(&client);
   const Interrupt interrupt([&monitor] { monitor.Cancel(); });
   UpdatePrinter printer;
@@ -139,7 +139,7 @@ void AddStreams(CLI::App& app, const SelectCommand& select) {
   watch.add_option("stream", *id, "Its id, as list prints it; default: all");
   AddRemoteCommand(watch, select,
                    [id](TrainingClient& client, const RemoteFlags& flags) {
-                     return Watch(client, flags, *id);
+                     return WatchStreams(client, flags, *id);
                    });
 }
 

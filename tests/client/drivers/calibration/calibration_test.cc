@@ -12,6 +12,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/client/drivers/calibration/synthetic_skin.h"
+#include "tests/client/drivers/calibration/three_axis_skin.h"
 #include "tests/support/flat_layout.h"
 
 namespace tactus::internal::client {
@@ -20,20 +21,8 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using testing::ReadIdle;
 using testing::SyntheticSkin;
-
-IdleFrames ReadIdle(SkinDriver& skin, size_t frames) {
-  const auto info = skin.Configure();
-  EXPECT_TRUE(info.ok()) << info.status();
-  EXPECT_TRUE(skin.Activate().ok());
-  IdleFrames idle(*info, frames);
-  SkinFrame frame;
-  while (!idle.complete()) {
-    EXPECT_TRUE(skin.Read(frame).ok());
-    idle.Add(frame);
-  }
-  return idle;
-}
 
 TEST(TareTest, FindsTheOffsetsOfTheTaxels) {
   SyntheticSkin skin({});

@@ -11,7 +11,7 @@
 namespace tactus::internal {
 namespace {
 
-SkinLayout Forearm() { return *LayoutPreset("cody-forearm"); }
+SkinLayout ForearmLayout() { return *LayoutPreset("cody-forearm"); }
 
 // The same bed of springs on a fine grid, with the indentation by bisection.
 std::vector<double> PressedOnGrid(const SkinLayout& layout,
@@ -67,10 +67,10 @@ double LargestDifference(const std::vector<double>& a,
 
 TEST(LineContactTest, EqualsABedOfSpringsOnAFineGrid) {
   Random random(5);
-  SkinLayout flat = Forearm();
+  SkinLayout flat = ForearmLayout();
   flat.wrap_columns = false;
   for (int n = 0; n < 24; ++n) {
-    const SkinLayout layout = n % 3 == 2 ? flat : Forearm();
+    const SkinLayout layout = n % 3 == 2 ? flat : ForearmLayout();
     const SkinPoint centre = {random.Uniform(0, layout.rows - 1),
                               random.Uniform(0, layout.columns - 1)};
     const PressedFace face = {
@@ -87,7 +87,7 @@ TEST(LineContactTest, EqualsABedOfSpringsOnAFineGrid) {
 }
 
 TEST(LineContactTest, TheTaxelsCarryTheWholeForce) {
-  LineContact contact(Forearm(), {.row = 0.2, .column = 23.7});
+  LineContact contact(ForearmLayout(), {.row = 0.2, .column = 23.7});
   for (const double force : {1e-6, 0.01, 3.0, 40.0}) {
     contact.Press(force, {.edge_m = 0.06, .bedding_n_m3 = 1e6, .tilt_rad = 1});
     EXPECT_NEAR(
@@ -102,7 +102,7 @@ TEST(LineContactTest, TheTaxelsCarryTheWholeForce) {
 TEST(LineContactTest, NothingIsLeftOfTheLastPress) {
   Random random(9);
   const SkinPoint centre = {.row = 3.2, .column = 23.4};
-  LineContact one(Forearm(), centre);
+  LineContact one(ForearmLayout(), centre);
   const PressedFace soft = {
       .edge_m = 0.09, .bedding_n_m3 = 1e5, .tilt_rad = 0.01};
   const PressedFace hard = {.edge_m = 0.02, .bedding_n_m3 = 2e7};
@@ -110,7 +110,7 @@ TEST(LineContactTest, NothingIsLeftOfTheLastPress) {
     const double force = random.Index(4) == 0 ? 0 : 1.0 + random.Index(2);
     const PressedFace& face = random.Index(2) == 0 ? soft : hard;
     one.Press(force, face);
-    LineContact fresh(Forearm(), centre);
+    LineContact fresh(ForearmLayout(), centre);
     fresh.Press(force, face);
     ASSERT_EQ(one.taxels(), fresh.taxels());
     if (force > 0) {
@@ -121,7 +121,7 @@ TEST(LineContactTest, NothingIsLeftOfTheLastPress) {
 
 // As long as the line is narrower than the face.
 TEST(LineContactTest, AnUnclippedIndentationHasItsClosedForm) {
-  const SkinLayout layout = Forearm();
+  const SkinLayout layout = ForearmLayout();
   LineContact contact(layout, {.row = 7, .column = 5});
   const double edge = 3 * layout.row_pitch_m;
   contact.Press(2, {.edge_m = edge, .bedding_n_m3 = 2e7});
@@ -133,7 +133,7 @@ TEST(LineContactTest, AnUnclippedIndentationHasItsClosedForm) {
 }
 
 TEST(LineContactTest, AHardObjectTouchesALineAndASoftOneWraps) {
-  LineContact contact(Forearm(), {.row = 7, .column = 5});
+  LineContact contact(ForearmLayout(), {.row = 7, .column = 5});
   const auto columns = [&](double youngs_modulus) {
     contact.Press(
         3, {.edge_m = 0.1, .bedding_n_m3 = Bedding(youngs_modulus, 0.1, 2e7)});
@@ -150,7 +150,7 @@ TEST(LineContactTest, AHardObjectTouchesALineAndASoftOneWraps) {
 // The real frame of this forearm (docs/simulator.md): 9 N on four rows and two
 // columns, 0.56 to 1.53 N each.
 TEST(LineContactTest, ARealContactIsASampleOfIt) {
-  LineContact contact(Forearm(), {.row = 7.5, .column = 9.45});
+  LineContact contact(ForearmLayout(), {.row = 7.5, .column = 9.45});
   contact.Press(9, {.edge_m = 0.043,
                     .bedding_n_m3 = Bedding(1e9, 0.043, 2e7),
                     .tilt_rad = -0.003});

@@ -9,10 +9,13 @@
 #include "core/sim/experiments/paper_set.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/core/sim/skin/ideal_skin.h"
 #include "tests/support/find_material.h"
 
 namespace tactus::internal {
 namespace {
+
+using testing::IdealSkin;
 
 using ::testing::HasSubstr;
 
@@ -23,14 +26,6 @@ SimulatedContact SteadyContact(size_t samples) {
   contact.signals.samples.assign(samples, {2, 0.0016, 0.003});
   contact.signals.object_motion.assign(samples, 0.001);
   return contact;
-}
-
-// A skin without noise.
-SkinModel IdealSkin() {
-  SkinModel skin = *SkinModelNamed("good");
-  skin.noise_n = 0;
-  skin.step_n = 0;
-  return skin;
 }
 
 Placement Middle() {

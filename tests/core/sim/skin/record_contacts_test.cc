@@ -3,10 +3,13 @@
 #include <numeric>
 
 #include "gtest/gtest.h"
+#include "tests/core/sim/skin/ideal_skin.h"
 #include "tests/support/find_material.h"
 
 namespace tactus::internal {
 namespace {
+
+using testing::IdealSkin;
 
 SimulatedContact SteadyContact(double force, size_t samples) {
   SimulatedContact contact;
@@ -14,14 +17,6 @@ SimulatedContact SteadyContact(double force, size_t samples) {
   contact.signals.samples.assign(samples, {force, 0.0016, 0.003});
   contact.signals.object_motion.assign(samples, 0);
   return contact;
-}
-
-// A skin without noise and steps.
-SkinModel IdealSkin() {
-  SkinModel skin = *SkinModelNamed("good");
-  skin.noise_n = 0;
-  skin.step_n = 0;
-  return skin;
 }
 
 std::vector<double> Frame(const Trial& trial, size_t frame) {
