@@ -28,47 +28,20 @@ fi
 work=$(mktemp -d)
 server=""   # the tactusd that we started
 
+# shellcheck source=deploy/demo-parts.sh
+. deploy/demo-parts.sh
 clean_up() {
-  if [[ -n $server ]]; then
-    kill -TERM "$server" 2>/dev/null || true
-    wait "$server" 2>/dev/null || true
-  fi
+  stop_programs ${server:+"$server"}
   rm -rf "$work"
 }
 trap clean_up EXIT
 
-die() { printf 'demo: %s\n' "$*" >&2; exit 1; }
-
-# build: installs and builds what is missing.
-build() {
-  # A build folder that has the tests keeps them.
-  local fresh=()
-  [[ -e build/release/CMakeCache.txt ]] || fresh=(-D TACTUS_BUILD_TESTS=OFF)
-  deploy/install-deps.sh &&
-    cmake --preset release "${fresh[@]}" &&
-    cmake --build --preset release --parallel "$(nproc)" \
-      --target tactusd tactus-stream
-}
-# Its lines would hide those of the demo, so they are shown if it fails. Stdout
-# may be one JSON object, so all but tactus-stream speaks on stderr.
-echo "demo: building (the first time takes minutes; tail -f $work/build.log)" >&2
-build >"$work/build.log" 2>&1 || {
-  cat "$work/build.log" >&2
-  die "building failed"
-}
-
+# Stdout may be one JSON object, so all but tactus-stream speaks on stderr.
+build_programs demo tactusd tactus-stream
 "$BIN/tactusd" --listen=127.0.0.1:0 --port-file="$work/port" \
   >"$work/tactusd.log" 2>&1 &
 server=$!
-for ((i = 0; i < 100; ++i)); do
-  [[ ! -s $work/port ]] || break
-  kill -0 "$server" 2>/dev/null || break
-  sleep 0.1
-done
-if [[ ! -s $work/port ]]; then
-  cat "$work/tactusd.log" >&2
-  die "tactusd did not begin to serve"
-fi
+await_file demo "$work/port" "$server" "$work/tactusd.log"
 
 # stream OPTION...: simulated contacts in real time.
 stream() {

@@ -71,14 +71,17 @@ readonly IMAGE=(
   mmdebstrap
   python3-yaml
 )
-# What the programs can do without: robots' URDF files and their kinematics.
+# What the programs can do without: robots' URDF files and their kinematics, and
+# the console's page.
 readonly PROGRAMS=(
   liborocos-kdl-dev
   liburdfdom-dev
+  npm
 )
 # The tests, the benchmarks, and the independent references of both.
 readonly TESTS=(
   ccache
+  chromium
   clang-14
   clang-format
   doxygen
@@ -130,6 +133,8 @@ if [[ $list_only == yes ]]; then
 fi
 
 is_installed() {
+  # Other packages of nodejs than Debian's bring npm along.
+  [[ $1 != npm ]] || ! command -v npm >/dev/null || return 0
   dpkg-query --show --showformat='${db:Status-Status}\n' "$1" 2>/dev/null |
     grep -qx installed
 }

@@ -27,50 +27,23 @@ done
 work=$(mktemp -d)
 server=""   # the tactusd that we started
 
+# shellcheck source=deploy/demo-parts.sh
+. deploy/demo-parts.sh
 clean_up() {
-  if [[ -n $server ]]; then
-    kill -TERM "$server" 2>/dev/null || true
-    wait "$server" 2>/dev/null || true
-  fi
+  stop_programs ${server:+"$server"}
   rm -rf "$work"
 }
 trap clean_up EXIT
 
-die() {
-  printf 'train-demo: %s\n' "$*" >&2
-  cat "$work/tactusd.log" >&2
-  exit 1
-}
-
-# build: installs and builds what is missing.
-build() {
-  # A build folder that has the tests keeps them.
-  local fresh=()
-  [[ -e build/release/CMakeCache.txt ]] || fresh=(-D TACTUS_BUILD_TESTS=OFF)
-  deploy/install-deps.sh &&
-    cmake --preset release "${fresh[@]}" &&
-    cmake --build --preset release --parallel "$(nproc)" \
-      --target tactusd tactus-trainer trainctl tactus-stream
-}
 if [[ $build == yes ]]; then
-  echo "train-demo: building (the first time takes minutes;" \
-    "tail -f $work/build.log)" >&2
-  build >"$work/build.log" 2>&1 || {
-    cat "$work/build.log" >&2
-    echo "train-demo: building failed" >&2
-    exit 1
-  }
+  build_programs train-demo tactusd tactus-trainer trainctl tactus-stream
 fi
 
 export TACTUS_SERVER=unix:$work/tactusd.sock
 "$bin/tactusd" --listen="$TACTUS_SERVER" --data-dir="$work/data" \
   >"$work/tactusd.log" 2>&1 &
 server=$!
-for ((i = 0; i < 300; ++i)); do
-  [[ ! -S $work/tactusd.sock ]] || break
-  kill -0 "$server" 2>/dev/null || die "tactusd ended"
-  sleep 0.1
-done
+await_file train-demo "$work/tactusd.sock" "$server" "$work/tactusd.log"
 
 # show COMMAND...: prints a command as a user would type it, and runs it.
 show() {
@@ -107,7 +80,9 @@ show tactus-stream --server="$TACTUS_SERVER" --driver=replay \
 show trainctl models rollback
 show trainctl models history
 served=$("$bin/trainctl" models alias --json | tr -d ' \n')
-[[ $served == *'"model_version":"models/default/versions/1"'* ]] ||
-  die "the rollback did not restore the version before: $served"
+[[ $served == *'"model_version":"models/default/versions/1"'* ]] || {
+  echo "train-demo: the version before did not come back: $served" >&2
+  exit 1
+}
 echo
 echo "trained, promoted, streamed and rolled back"

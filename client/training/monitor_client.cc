@@ -74,7 +74,8 @@ absl::Status MonitorClient::WatchStream(const v1::WatchStreamRequest& request,
 }
 
 absl::Status MonitorClient::WatchAll(const v1::WatchAllRequest& request,
-                                     const OnUpdate& on_update) {
+                                     const OnUpdate& on_update,
+                                     const std::function<void()>& on_response) {
   return Watch<v1::WatchAllResponse>(
       "WatchAll",
       [&](grpc::ClientContext* context) {
@@ -84,6 +85,7 @@ absl::Status MonitorClient::WatchAll(const v1::WatchAllRequest& request,
         for (const v1::StreamUpdate& update : response.updates()) {
           TACTUS_RETURN_IF_ERROR(OnUpdateOf(update, on_update));
         }
+        on_response();
         return absl::OkStatus();
       });
 }

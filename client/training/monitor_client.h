@@ -40,8 +40,10 @@ class MonitorClient {
   // numbers do not fit the stream.
   absl::Status WatchStream(const v1::WatchStreamRequest& request,
                            const OnUpdate& on_update);
-  absl::Status WatchAll(const v1::WatchAllRequest& request,
-                        const OnUpdate& on_update);
+  // Also calls `on_response` after each response; the first comes at once.
+  absl::Status WatchAll(
+      const v1::WatchAllRequest& request, const OnUpdate& on_update,
+      const std::function<void()>& on_response = [] {});
 
   // Ends a watch, also one that begins later.
   void Cancel();

@@ -1,63 +1,22 @@
 #include "server/metrics/metrics_listener.h"
 
-#include <arpa/inet.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <list>
 
 #include "core/base/errors.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/support/raw_connection.h"
 
 namespace tactus::internal::server {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
+using testing::RawConnection;
 using ::testing::StartsWith;
 
-// A connection to a port of this host; a stranger decides what it says.
-class Connection {
- public:
-  explicit Connection(int port) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
-    sockaddr_in address = {};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(static_cast<uint16_t>(port));
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    const timeval patience = {.tv_sec = 20, .tv_usec = 0};
-    setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
-    connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof(address));
-  }
-  ~Connection() { close(socket_); }
-  Connection(const Connection&) = delete;
-  Connection& operator=(const Connection&) = delete;
-
-  void Send(const std::string& bytes) const {
-    size_t sent = 0;
-    while (sent < bytes.size()) {
-      const ssize_t now =
-          send(socket_, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
-      if (now <= 0) return;
-      sent += static_cast<size_t>(now);
-    }
-  }
-  std::string ReadAll() const {
-    std::string text;
-    char part[4096];
-    ssize_t count = 0;
-    while ((count = recv(socket_, part, sizeof(part), 0)) > 0) {
-      text.append(part, static_cast<size_t>(count));
-    }
-    return text;
-  }
-
- private:
-  const int socket_;
-};
-
 std::string Ask(int port, const std::string& request) {
-  const Connection connection(port);
+  const RawConnection connection(port);
   connection.Send(request + "\r\nHost: x\r\n\r\n");
   return connection.ReadAll();
 }
@@ -110,11 +69,11 @@ TEST(MetricsListenerTest, AnswersAfterHostileConnections) {
             std::string(1'000'000, 'b'),
         std::string("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n"),
         std::string("GET /metrics HTTP/9.9\r\n\r\n")}) {
-    const Connection connection(listener->port());
+    const RawConnection connection(listener->port());
     connection.Send(bytes);
   }
   // Some say nothing and stay: their time runs out.
-  std::list<Connection> silent;
+  std::list<RawConnection> silent;
   for (int i = 0; i < 8; ++i) silent.emplace_back(listener->port());
   EXPECT_THAT(Ask(listener->port(), "GET /metrics HTTP/1.1"),
               HasSubstr("seven 7"));

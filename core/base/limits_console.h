@@ -1,0 +1,33 @@
+// File: limits_console.h
+//
+// Limits of the console: of browsers, and of what they send.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace tactus::internal::limits {
+
+// Connections of browsers; those beyond are closed.
+inline constexpr int kMaxBrowserConnections = 512;
+// Pages that watch robots, of these connections.
+inline constexpr int kMaxLivePages = 64;
+// A request's line and header, and its body.
+inline constexpr uint32_t kMaxBrowserHeaderBytes = 8 * 1024;
+inline constexpr uint64_t kMaxBrowserBodyBytes = 16 * 1024;
+// A message of a page that watches, and how many it sends a second.
+inline constexpr size_t kMaxPageMessageBytes = 64;
+inline constexpr int kMaxPageMessagesPerS = 300;
+// Seconds for a request to come, and for a response to go.
+inline constexpr int kBrowserPatienceS = 10;
+// People who are signed in, and for how many hours.
+inline constexpr size_t kMaxSignIns = 256;
+inline constexpr int kSignInHours = 12;
+// Tokens that are checked at once.
+inline constexpr int kMaxTokenChecks = 16;
+// A file of the page.
+inline constexpr size_t kMaxPageFileBytes = 4 * 1024 * 1024;
+// Servers that one console shows.
+inline constexpr size_t kMaxConsoleServers = 16;
+
+}  // namespace tactus::internal::limits

@@ -1,0 +1,71 @@
+#!/usr/bin/env bash
+# Shows in a browser what robots feel; on a fresh Debian 12 this is all it takes.
+#
+#   deploy/console.sh                a server, four simulated robots, the console
+#   deploy/console.sh --port=8080    at this port of this machine; 0: a free one
+#   deploy/console.sh --robots=20    so many robots
+#   deploy/console.sh --for=60       ends by itself after so many seconds
+#   deploy/console.sh --bin=FOLDER   with programs that are built already
+#
+# Installs and builds what is missing, prints the console's address, and runs
+# until Ctrl-C. Then it stops all that it started.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+port=8080
+robots=4
+seconds=infinity
+bin=build/release/bin
+build=yes
+for arg in "$@"; do
+  case "$arg" in
+    --port=*) port=${arg#--port=} ;;
+    --robots=*) robots=${arg#--robots=} ;;
+    --for=*) seconds=${arg#--for=} ;;
+    --bin=*) bin=${arg#--bin=} build=no ;;
+    -h | --help) sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "$0"; exit 0 ;;
+    *) echo "console.sh: unknown option '$arg' (try --help)" >&2; exit 2 ;;
+  esac
+done
+for number in "$port" "$robots"; do
+  if [[ ! $number =~ ^[0-9]+$ ]]; then
+    echo "console.sh: '$number' is no number (try --help)" >&2
+    exit 2
+  fi
+done
+
+work=$(mktemp -d)
+programs=()   # that we started, the last ones first
+
+# shellcheck source=deploy/demo-parts.sh
+. deploy/demo-parts.sh
+clean_up() {
+  stop_programs "${programs[@]}"
+  rm -rf "$work"
+}
+trap clean_up EXIT
+trap 'exit 0' INT TERM
+
+if [[ $build == yes ]]; then
+  build_programs console tactusd tactus-stream tactus-console console_page
+fi
+
+server=unix:$work/tactusd.sock
+"$bin/tactusd" --listen="$server" >"$work/tactusd.log" 2>&1 &
+programs=("$!")
+await_file console "$work/tactusd.sock" "$!" "$work/tactusd.log"
+
+# Each robot touches other things, one or two at once, until it is stopped.
+for ((robot = 1; robot <= robots; ++robot)); do
+  "$bin/tactus-stream" --server="$server" --driver=sim --rate=real \
+    --client-id="arm-$robot" --seed="$robot" --objects=$((1 + robot % 2)) \
+    --events --trials=1000000 >/dev/null 2>"$work/arm-$robot.log" &
+  programs=("$!" "${programs[@]}")
+done
+
+"$bin/tactus-console" --server="$server" --listen="127.0.0.1:$port" &
+programs=("$!" "${programs[@]}")
+# In the background, so that Ctrl-C need not wait for it.
+sleep "$seconds" &
+programs=("$!" "${programs[@]}")
+wait "$!"

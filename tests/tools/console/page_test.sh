@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# The console's page in Debian's Chromium, against a real server and robots.
+#
+#   page_test.sh BIN WORK    programs in BIN; packages and pictures go to WORK
+#
+# Exits with 77 if there is no Chromium or no npm.
+set -euo pipefail
+source_dir=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+bin=$(cd "$1" && pwd)
+mkdir -p "$2"
+cd "$2"
+for program in chromium npm node; do
+  command -v "$program" >/dev/null || {
+    echo "page_test: $program is not installed"
+    exit 77
+  }
+done
+if [[ ! -e $bin/../share/tactus/console/index.html ]]; then
+  echo "page_test: the page is not built" >&2
+  exit 1
+fi
+# The source folder stays as it is.
+cp "$source_dir"/{package.json,package-lock.json,.npmrc,*.mjs} .
+if ! cmp -s package-lock.json installed-lock.json; then
+  npm ci --silent
+  cp package-lock.json installed-lock.json
+fi
+TACTUS_BIN=$bin node --test --test-concurrency=1 page_test.mjs

@@ -1,0 +1,64 @@
+#include "tools/console/sign_ins.h"
+
+#include <set>
+
+#include "core/base/limits_console.h"
+#include "gtest/gtest.h"
+
+namespace tactus::internal::console {
+namespace {
+
+using std::chrono::hours;
+using std::chrono::seconds;
+
+const SignIns::Time kFirst = SignIns::Time() + hours(1'000);
+
+TEST(SignInsTest, FindsWhoIsSignedInUntilTheEnd) {
+  SignIns sign_ins;
+  const std::string cookie = sign_ins.Add("secret", kFirst);
+  ASSERT_NE(sign_ins.Find(cookie, kFirst), nullptr);
+  EXPECT_EQ(sign_ins.Find(cookie, kFirst)->token, "secret");
+  EXPECT_EQ(sign_ins.Find("", kFirst), nullptr);
+  EXPECT_EQ(sign_ins.Find(cookie.substr(1), kFirst), nullptr);
+  const auto end = kFirst + hours(limits::kSignInHours);
+  EXPECT_NE(sign_ins.Find(cookie, end - seconds(1)), nullptr);
+  EXPECT_EQ(sign_ins.Find(cookie, end), nullptr);
+  sign_ins.Remove(cookie);
+  EXPECT_EQ(sign_ins.Find(cookie, kFirst), nullptr);
+}
+
+TEST(SignInsTest, SecretsAreNewEachTime) {
+  SignIns sign_ins;
+  std::set<std::string> secrets;
+  for (int i = 0; i < 100; ++i) {
+    const std::string cookie = sign_ins.Add("same", kFirst);
+    secrets.insert(cookie);
+    secrets.insert(sign_ins.Find(cookie, kFirst)->csrf);
+    EXPECT_EQ(cookie.size(), 64u);
+  }
+  EXPECT_EQ(secrets.size(), 200u);
+}
+
+TEST(SignInsTest, TheOldestGoWhenThereAreTooMany) {
+  SignIns sign_ins;
+  const std::string first = sign_ins.Add("first", kFirst);
+  const std::string second = sign_ins.Add("second", kFirst + seconds(1));
+  for (size_t i = 2; i < limits::kMaxSignIns; ++i) {
+    sign_ins.Add("other", kFirst + seconds(i));
+  }
+  const auto later = kFirst + hours(1);
+  EXPECT_NE(sign_ins.Find(first, later), nullptr);
+  sign_ins.Add("one more", later);
+  EXPECT_EQ(sign_ins.Find(first, later), nullptr);
+  EXPECT_NE(sign_ins.Find(second, later), nullptr);
+}
+
+TEST(SignInsTest, ComparesSecrets) {
+  EXPECT_TRUE(SameSecret("abc", "abc"));
+  EXPECT_FALSE(SameSecret("abc", "abd"));
+  EXPECT_FALSE(SameSecret("abc", "ab"));
+  EXPECT_FALSE(SameSecret("abc", ""));
+}
+
+}  // namespace
+}  // namespace tactus::internal::console

@@ -1,0 +1,27 @@
+// File: browser.h
+//
+// Serves one connection of a browser: the page's files, who is signed in, and
+// the WebSocket of a page.
+//
+//   ServeBrowser(std::move(socket), &browsers, tls);  // tls: null for none
+//
+//   GET  /api/session   who is signed in, and the names of the servers
+//   POST /api/sign-in   {"token": "..."}; sets the cookie
+//   POST /api/sign-out  with the header X-CSRF-Token
+//   GET  /api/live      a WebSocket (live_page.h)
+//
+// For the thread that serves browsers. `browsers` and `tls` must outlive the
+// connection, which keeps itself alive.
+#pragma once
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ssl/context.hpp>
+
+#include "tools/console/browsers.h"
+
+namespace tactus::internal::console {
+
+void ServeBrowser(boost::asio::ip::tcp::socket socket, Browsers* browsers,
+                  boost::asio::ssl::context* tls);
+
+}  // namespace tactus::internal::console

@@ -1,0 +1,69 @@
+#include "tools/console/doorkeeper.h"
+
+#include "absl/strings/str_cat.h"
+#include "client/training/monitor_client.h"
+#include "client/training/training_client.h"
+#include "core/base/address.h"
+#include "core/base/errors.h"
+
+namespace tactus::internal::console {
+namespace {
+
+constexpr std::chrono::seconds kAnswerPatience(5);
+
+}  // namespace
+
+absl::Status Doorkeeper::Ask(const std::string& token) const {
+  absl::Status first;
+  for (const ServerAddress& server : servers_) {
+    if (!token.empty() && !server.channel.tls_roots &&
+        !StaysOnThisHost(server.address)) {
+      return InvalidConfig(
+          absl::StrCat("the console's connection to ", server.address), "plain",
+          "TLS (--tls-ca), because a token must not leave the console's host "
+          "unencrypted");
+    }
+    client::TrainingClient client(
+        client::MakeTrainingChannel(server.address, server.channel),
+        {.token = token, .timeout = kAnswerPatience});
+    const auto streams = client::MonitorClient(&client).ListStreams();
+    if (streams.ok()) return absl::OkStatus();
+    if (first.ok()) first = streams.status();
+  }
+  return first;
+}
+
+std::string Doorkeeper::SignInWith(const std::string& token) {
+  return sign_ins_.Add(token, SignIns::Time::clock::now());
+}
+
+void Doorkeeper::SignOut(const std::string& cookie) {
+  sign_ins_.Remove(cookie);
+}
+
+void Doorkeeper::Open() {
+  if (everybody_ != nullptr) return;
+  auto everybody = std::make_shared<SignIn>();
+  everybody->csrf = NewSecret();
+  everybody->end = SignIns::Time::max();
+  everybody_ = std::move(everybody);
+}
+
+Doorkeeper::Person Doorkeeper::Find(const std::string& cookie) const {
+  if (everybody_ != nullptr) return everybody_;
+  return sign_ins_.Find(cookie, SignIns::Time::clock::now());
+}
+
+std::shared_ptr<LiveFeed> Doorkeeper::FeedOf(const Person& person) {
+  std::erase_if(feeds_by_token_,
+                [](const auto& item) { return item.second.expired(); });
+  std::weak_ptr<LiveFeed>& slot = feeds_by_token_[person->token];
+  auto feed = slot.lock();
+  if (feed == nullptr) {
+    feed = std::make_shared<LiveFeed>(servers_, person->token);
+    slot = feed;
+  }
+  return feed;
+}
+
+}  // namespace tactus::internal::console

@@ -1,0 +1,24 @@
+// Making elements. Text goes in as text, never as markup, because names come
+// from robots and servers.
+
+type Child = Node | string;
+
+export function element<K extends keyof HTMLElementTagNameMap>(
+    tag: K, attributes: Record<string, string> = {},
+    ...children: Child[]): HTMLElementTagNameMap[K] {
+  const made = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    made.setAttribute(name, value);
+  }
+  made.append(...children);
+  return made;
+}
+
+// Sets the text if it differs: writing the same text again costs a layout.
+export function setText(node: Node, text: string): void {
+  if (node.textContent !== text) node.textContent = text;
+}
+
+export function byId(id: string): HTMLElement {
+  return document.getElementById(id)!;
+}

@@ -1,0 +1,49 @@
+#include "tools/console/request_checks.h"
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "absl/strings/string_view.h"
+#include "absl/strings/strip.h"
+#include "core/base/address.h"
+
+namespace tactus::internal::console {
+namespace {
+
+absl::string_view HeaderOf(const Request& request, http::field field) {
+  const auto value = request[field];
+  return {value.data(), value.size()};
+}
+
+}  // namespace
+
+bool HasAllowedHost(const Request& request, bool is_loopback) {
+  const absl::string_view host = HeaderOf(request, http::field::host);
+  if (!is_loopback) return !host.empty();
+  if (IsUnixAddress(host)) return false;
+  // Without a port it is that of the scheme.
+  return StaysOnThisHost(host) || StaysOnThisHost(absl::StrCat(host, ":80"));
+}
+
+bool IsOwnOrigin(const Request& request) {
+  absl::string_view origin = HeaderOf(request, http::field::origin);
+  if (!absl::ConsumePrefix(&origin, "https://") &&
+      !absl::ConsumePrefix(&origin, "http://")) {
+    return false;
+  }
+  return !origin.empty() && origin == HeaderOf(request, http::field::host);
+}
+
+std::string CookieOf(const Request& request) {
+  for (absl::string_view part :
+       absl::StrSplit(HeaderOf(request, http::field::cookie), ';')) {
+    part = absl::StripAsciiWhitespace(part);
+    if (absl::ConsumePrefix(&part, kCookieName) &&
+        absl::ConsumePrefix(&part, "=")) {
+      return std::string(part);
+    }
+  }
+  return "";
+}
+
+}  // namespace tactus::internal::console

@@ -1,0 +1,31 @@
+// File: request_checks.h
+//
+// Whether a request comes from the console's own page.
+//
+//   if (!HasAllowedHost(request, is_loopback)) return Forbidden();
+//   if (!IsOwnOrigin(request)) return Forbidden();
+//   const std::string cookie = CookieOf(request);
+//
+// Thread-safe: free functions without state.
+#pragma once
+
+#include <string>
+
+#include "tools/console/responses.h"
+
+namespace tactus::internal::console {
+
+// False if a console listens on this machine alone and the browser took
+// another name for it: a page elsewhere could have that name point here.
+bool HasAllowedHost(const Request& request, bool is_loopback);
+
+// True if the header "Origin" names the host that the request is for. Browsers
+// add it to requests that change something and to those of WebSockets.
+bool IsOwnOrigin(const Request& request);
+
+constexpr char kCookieName[] = "tactus";
+
+// The value of the console's cookie; empty if there is none.
+std::string CookieOf(const Request& request);
+
+}  // namespace tactus::internal::console
