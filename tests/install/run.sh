@@ -6,9 +6,10 @@
 #      `install-deps.sh --build` and runs with those of --runtime;
 #   2. docs/your-first-client.md: `cmake --install` of that build, the example
 #      built against it and run against tactusd;
-#   3. deploy/tactusd.service: its commands in a root with the packages of
-#      --runtime and --proxy; both units checked by systemd-analyze, their
-#      programs started as they say, contacts streamed through the proxy.
+#   3. deploy/tactusd.service and deploy/tactus-console.service: their commands
+#      in a root with the packages of --runtime and --proxy; the units checked by
+#      systemd-analyze, their programs started as they say, contacts streamed
+#      through the proxy, the console asked. The page is that of build/release.
 #
 #   tests/install/run.sh         as root; six to nine minutes
 #
@@ -51,7 +52,7 @@ in_build() {
 }
 built=$PWD/build/release
 in_build "$PWD/deploy/install-deps.sh" --build
-in_build cmake --build "$built" --target tactus_component_client
+in_build cmake --build "$built" --target tactus_component_client tactus-console
 for component in base client; do
   in_build cmake --install "$built" --component "$component" \
     --prefix /usr/local >/dev/null
@@ -80,15 +81,17 @@ unit=$(in_storage from --pull-never --ulimit "$FILES" "$base")
 unit_root=$(in_storage mount "$unit")
 install -d "$unit_root/project/build/release/bin"
 cp -r deploy "$unit_root/project/"
-cp "$work"/build/release/bin/{tactusd,tactus-trainer,trainctl} \
+cp "$work"/build/release/bin/{tactusd,tactus-trainer,trainctl,tactus-console} \
   "$unit_root/project/build/release/bin/"
+cp -r build/release/share "$unit_root/project/build/release/" ||
+  die "the page is not built: cmake --build --preset release --target console_page"
 in_unit() { run_in "$unit" -- "$@"; }
-sed -n 's/^#   //p' deploy/tactusd.service | grep -E '^(deploy/|install )' \
+sed -n 's/^#   //p' deploy/tactusd.service deploy/tactus-console.service | grep -E '^(deploy/|install )' \
   >"$unit_root/project/commands"
 cat "$unit_root/project/commands"
 in_unit bash -euc 'cd /project && . ./commands'
 in_unit apt-get -qq install --yes --no-install-recommends systemd >/dev/null
-for service in tactusd tactusd-proxy; do
+for service in tactusd tactusd-proxy tactus-console; do
   in_unit systemd-analyze verify --man=no \
     "/etc/systemd/system/$service.service"
 done
@@ -117,5 +120,18 @@ stream 127.0.0.1:50051
 as_user trainctl models list --server=unix:/run/tactus/tactusd.sock
 ! as_user trainctl models list --server=127.0.0.1:50051 ||
   die "a stranger may list models through the proxy"
+
+mapfile -t words < <(exec_start tactus-console)
+as_user "${words[@]}" &
+runners+=("$!")
+ask_console() {
+  # shellcheck disable=SC2016  # the inner shell expands it
+  as_user bash -euc 'exec 3<>/dev/tcp/127.0.0.1/8080
+    printf "GET $1 HTTP/1.0\r\nHost: localhost\r\n\r\n" >&3; cat <&3' - "$1"
+}
+wait_for "$!" ask_console / || die "the unit's console does not serve"
+[[ $(ask_console /) == *"<title>Tactus"* ]] || die "the console has no page"
+[[ $(ask_console /api/session) == *'"signed_in":true'* ]] ||
+  die "the unit's console does not reach the unit's server"
 
 say "every way to install works"

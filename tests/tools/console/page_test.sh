@@ -1,7 +1,10 @@
 #!/usr/bin/env bash
 # The console's page in Debian's Chromium, against a real server and robots.
 #
-#   page_test.sh BIN WORK    programs in BIN; packages and pictures go to WORK
+#   page_test.sh BIN WORK           programs in BIN; packages and pictures go to
+#                                   WORK
+#   BENCH_SECONDS=60 page_test.sh BIN WORK page_bench.mjs
+#                                   prints how long frames take to the screen
 #
 # Exits with 77 if there is no Chromium or no npm.
 set -euo pipefail
@@ -25,4 +28,9 @@ if ! cmp -s package-lock.json installed-lock.json; then
   npm ci --silent
   cp package-lock.json installed-lock.json
 fi
-TACTUS_BIN=$bin node --test --test-concurrency=1 page_test.mjs
+export TACTUS_BIN=$bin
+if [[ $# -gt 2 ]]; then
+  node "$3"
+else
+  node --test page_test.mjs
+fi

@@ -14,6 +14,13 @@ export class LivePage {
   private readonly robots = new Robots();
   private readonly tiles = new Map<string, Tile>();
   private readonly grid = element('div', { class: 'grid' });
+  private readonly sight = new IntersectionObserver((entries) => {
+    for (const { target, isIntersecting } of entries) {
+      const tile = this.tileOf.get(target);
+      if (tile) tile.inSight = isIntersecting;
+    }
+  });
+  private readonly tileOf = new WeakMap<Element, Tile>();
   private readonly live: Live;
   private full?: FullView;
   private lost = false;
@@ -40,6 +47,7 @@ export class LivePage {
     window.removeEventListener('hashchange', this.route);
     window.removeEventListener('keydown', this.onKey);
     this.full?.close();
+    this.sight.disconnect();
   }
 
   private take(decoded: Decoded): void {
@@ -83,6 +91,7 @@ export class LivePage {
     const robots = this.robots.sorted();
     for (const [key, tile] of this.tiles) {
       if (this.robots.byKey.get(key) === tile.robot) continue;
+      this.sight.unobserve(tile.root);
       tile.root.remove();
       this.tiles.delete(key);
     }
@@ -91,6 +100,8 @@ export class LivePage {
       if (tile === undefined) {
         tile = new Tile(robot);
         this.tiles.set(robot.key, tile);
+        this.tileOf.set(tile.root, tile);
+        this.sight.observe(tile.root);
       }
       const there = this.grid.children[i];
       if (there !== tile.root) this.grid.insertBefore(tile.root, there ?? null);

@@ -32,6 +32,8 @@ export class Tile {
   private readonly facts = element('p', { class: 'facts' });
   private last?: Contact;
   private drawn = -1;
+  // False while the tile is scrolled out of sight: then it is not drawn.
+  inSight = true;
 
   constructor(readonly robot: Robot) {
     this.skin = new SkinView(robot);
@@ -51,7 +53,7 @@ export class Tile {
     const stale = stalenessOf(this.robot, now);
     this.root.classList.toggle('is-stale', stale !== '');
     setText(this.stale, stale);
-    if (this.drawn === this.robot.frames) return false;
+    if (!this.inSight || this.drawn === this.robot.frames) return false;
     this.drawn = this.robot.frames;
     const contacts = this.robot.frame?.answer.contacts ?? [];
     this.skin.draw(this.robot.taxels, contacts);
