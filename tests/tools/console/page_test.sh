@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# The console's page in Debian's Chromium, against a real server and robots.
+# The console's page in Debian's Chromium: its states, against a made-up
+# console, and what people do, against a real server and robots.
 #
 #   page_test.sh BIN WORK           programs in BIN; packages and pictures go to
 #                                   WORK
@@ -32,5 +33,6 @@ export TACTUS_BIN=$bin
 if [[ $# -gt 2 ]]; then
   node "$3"
 else
+  node states_test.mjs "$bin/../share/tactus/console" states
   node --test page_test.mjs
 fi

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Bundles the console's page.
 #
-#   build.sh OUT WORK   writes index.html, app.js, app.css and favicon.svg to OUT;
-#                       WORK keeps the packages of the lock file
+#   build.sh OUT WORK   writes index.html, app.js, app.css and favicon.svg to
+#                       OUT; WORK keeps the packages of the lock file
 set -euo pipefail
 source_dir=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 mkdir -p "$1" "$2"

@@ -9,7 +9,7 @@ const ANCHORS = [
 
 const STEPS = 256;
 
-// Colours as canvas pixels, 0xAABBGGRR.
+// Colours as canvas pixels, 0xAABBGGRR, at even places of the scale.
 export const COLORS: Uint32Array = makeColors();
 
 function makeColors(): Uint32Array {
@@ -26,8 +26,9 @@ function makeColors(): Uint32Array {
   return colors;
 }
 
-// The colour of a load between 0 and `full`: by its root, because a light
-// contact beside a hard one must be seen, too.
+// The colour of a load between 0 and `full`. The scale goes by the square root,
+// so that a light touch is seen beside a heavy one: a quarter of the full load
+// is in its middle.
 export function colorOf(load: number, full: number): number {
   const part = full > 0 ? Math.min(Math.max(load / full, 0), 1) : 0;
   return COLORS[Math.round(Math.sqrt(part) * (STEPS - 1))]!;

@@ -4,7 +4,11 @@ import { decode, type Decoded } from './messages';
 
 export interface Session {
   signed_in: boolean;
-  needs_token: boolean;
+  // False: the servers serve this machine without a token, and there is nothing
+  // to sign out of.
+  needs_token?: boolean;
+  // As whom the servers know the person, if the console says so.
+  name?: string;
   csrf: string;
   servers: string[];
 }
@@ -18,6 +22,7 @@ const HIDDEN_MS = 1000;
 
 export async function readSession(): Promise<Session> {
   const response = await fetch('/api/session', { cache: 'no-store' });
+  if (!response.ok) throw new Error(`status ${response.status}`);
   return await response.json() as Session;
 }
 
@@ -38,26 +43,37 @@ export async function signOut(csrf: string): Promise<void> {
 }
 
 export interface LiveHandlers {
-  // Called with each message; the next one is asked for after it has returned
-  // and the page has been drawn.
   onMessage: (decoded: Decoded) => void;
   onLost: () => void;
-  onSignedOut: (reason: string) => void;
+  onSignedOut: () => void;
 }
 
-// Watches the robots until stop(); connects again after a loss.
+// Watches the robots until stop(); connects again after a loss. Whoever draws
+// calls askNext() after it has drawn, and gets one more message. A browser that
+// is slow thus asks seldom.
 export class Live {
   private socket?: WebSocket;
   private pause = FIRST_PAUSE_MS;
   private stopped = false;
-  private timer = 0;
+  private reconnect = 0;
+  private hidden = 0;
+  // A message has come, and the next one is not asked for.
+  private owesAsk = false;
 
   constructor(private readonly handlers: LiveHandlers) { this.connect(); }
 
   stop(): void {
     this.stopped = true;
-    clearTimeout(this.timer);
+    clearTimeout(this.reconnect);
+    clearTimeout(this.hidden);
     this.socket?.close();
+  }
+
+  askNext(): void {
+    if (!this.owesAsk) return;
+    this.owesAsk = false;
+    clearTimeout(this.hidden);
+    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send('next');
   }
 
   private connect(): void {
@@ -65,33 +81,25 @@ export class Live {
     const socket = new WebSocket(`${scheme}://${location.host}/api/live`);
     socket.binaryType = 'arraybuffer';
     this.socket = socket;
+    this.owesAsk = false;
     socket.onopen = () => socket.send('next');
     socket.onmessage = (event) => {
       this.pause = FIRST_PAUSE_MS;
+      this.owesAsk = true;
+      this.hidden = window.setTimeout(() => this.askNext(), HIDDEN_MS);
       this.handlers.onMessage(decode(event.data as ArrayBuffer));
-      this.askAfterDrawing(socket);
     };
     socket.onclose = (event) => {
+      clearTimeout(this.hidden);
       if (this.stopped) return;
       if (event.code === SIGNED_OUT) {
         this.stopped = true;
-        this.handlers.onSignedOut(event.reason);
+        this.handlers.onSignedOut();
         return;
       }
       this.handlers.onLost();
-      this.timer = window.setTimeout(() => this.connect(), this.pause);
+      this.reconnect = window.setTimeout(() => this.connect(), this.pause);
       this.pause = Math.min(2 * this.pause, LONGEST_PAUSE_MS);
     };
-  }
-
-  private askAfterDrawing(socket: WebSocket): void {
-    let asked = false;
-    const ask = () => {
-      if (asked || socket.readyState !== WebSocket.OPEN) return;
-      asked = true;
-      socket.send('next');
-    };
-    requestAnimationFrame(ask);
-    window.setTimeout(ask, HIDDEN_MS);
   }
 }

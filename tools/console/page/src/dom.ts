@@ -19,6 +19,12 @@ export function setText(node: Node, text: string): void {
   if (node.textContent !== text) node.textContent = text;
 }
 
+// Sets the attribute if it differs, so that nothing reads it out twice.
+export function setAttribute(
+    node: Element, name: string, value: string): void {
+  if (node.getAttribute(name) !== value) node.setAttribute(name, value);
+}
+
 export function byId(id: string): HTMLElement {
   return document.getElementById(id)!;
 }

@@ -2,238 +2,207 @@
 // be paused and scrubbed, and a taxel can be picked.
 
 import { AnswersView } from './answers';
-import { Curves, type Mark } from './curves';
+import { Charts } from './charts';
+import { ContactChoice } from './contact_choice';
 import { element, setText } from './dom';
-import { History, largest, lastContact, taxelCount } from './history';
+import { EventList } from './event_list';
+import { FactsView, stalenessOf, StaleView } from './facts';
+import type { History, Moment } from './history';
+import { noteDrawn } from './measures';
 import { geometryOf, loadOf, type Robot } from './robots';
 import { SkinView } from './skin';
-import { factsOf, stalenessOf } from './tile';
-import { eventText, isFelt, modelOf, number, unitOf } from './words';
+import { Transport } from './transport';
+import { isFelt, modelOf, quantity, unitOf } from './words';
 
-// Curves are drawn so often; the skin is drawn with each frame.
+// Curves and numbers change so often; the skin with each frame.
 const CURVES_MS = 200;
-const SHOWN_EVENTS = 100;
+const NUMBERS_MS = 100;
+const MOST_VALUES = 12;
 
 export class FullView {
   readonly root: HTMLElement;
-  private readonly history = new History();
   private readonly skin: SkinView;
   private readonly answers: AnswersView;
-  private readonly stale = element('p', { class: 'stale' });
-  private readonly facts = element('p', { class: 'facts' });
-  private readonly pickText = element('p', { class: 'pick', role: 'status' });
-  private readonly events = element('ol', { class: 'events' });
-  private readonly slider = element('input', {
-    type: 'range', min: '0', max: '0', step: '1',
-    'aria-label': 'moment of the last three minutes' });
-  private readonly pauseButton = element('button', { type: 'button' }, 'Pause');
-  private readonly loads: Curves;
-  private readonly areas: Curves;
-  private readonly questions: Curves[];
-  private readonly observer: ResizeObserver;
+  private readonly choice = new ContactChoice(() => this.draw());
+  private readonly facts: FactsView;
+  private readonly stale = new StaleView();
+  private readonly pickText = element('p', { class: 'pick' });
+  private readonly transport: Transport;
+  private readonly charts: Charts;
+  private readonly events: EventList;
   // The moment that is shown; the newest one if undefined.
   private at?: number;
   private drawn = -1;
+  private numbersAt = 0;
   private curvesAt = 0;
-  private shownEvents = 0;
 
-  constructor(readonly robot: Robot) {
-    const { questions } = robot.stream.started;
-    const unit = unitOf(geometryOf(robot));
-    const pick = (time: number) => this.goTo(time);
+  constructor(readonly robot: Robot, private readonly history: History) {
+    const goTo = (time: number) => this.show(this.history.nearest(time));
+    history.setViewed(true);
     this.skin = new SkinView(robot);
-    this.answers = new AnswersView(questions);
-    this.loads = new Curves('load', ['force', 'largest taxel', 'picked taxel'],
-      unit, undefined, pick);
-    this.areas = new Curves('touched', ['taxels'], '', undefined, pick);
-    this.questions = questions.map((question) =>
-      new Curves(question.name, question.values, 'probability', [0, 1], pick));
-    const plots = [this.loads, ...this.questions, this.areas];
-    const charts = element('section', { class: 'charts',
-      'aria-label': 'curves over time' }, ...plots.map((plot) => plot.root));
-    this.root = this.lay(charts);
-    this.observer = new ResizeObserver(() => {
-      for (const plot of plots) plot.resize(charts.clientWidth);
-    });
-    this.observer.observe(charts);
-    this.listen();
-  }
-
-  // Takes the robot's newest frame.
-  take(): void { this.history.add(this.robot); }
-
-  update(now: number): void {
-    const stale = stalenessOf(this.robot, now);
-    this.root.classList.toggle('is-stale', stale !== '');
-    setText(this.stale, stale);
-    this.showEvents();
-    if (this.at !== undefined || this.drawn === this.robot.frames) return;
-    this.drawn = this.robot.frames;
-    this.draw(now - this.curvesAt > CURVES_MS);
-    if (now - this.curvesAt > CURVES_MS) this.curvesAt = now;
-  }
-
-  close(): void {
-    this.observer.disconnect();
-    this.loads.destroy();
-    this.areas.destroy();
-    for (const plot of this.questions) plot.destroy();
-  }
-
-  // True if the key was for this view.
-  onKey(event: KeyboardEvent): boolean {
-    const inSkin = event.target === this.skin.root;
-    const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
-    if (event.key === ' ' && !(event.target instanceof HTMLButtonElement)) {
-      this.togglePause();
-    } else if (inSkin && event.key.startsWith('Arrow')) {
-      this.movePick(event.key);
-    } else if (step !== undefined && event.target !== this.slider &&
-        this.at !== undefined) {
-      this.show(this.at + step);
-    } else {
-      return false;
-    }
-    event.preventDefault();
-    return true;
-  }
-
-  private lay(charts: HTMLElement): HTMLElement {
-    this.skin.root.tabIndex = 0;
-    this.skin.root.setAttribute('role', 'group');
-    this.skin.root.setAttribute('aria-label',
-      'skin; arrow keys pick a taxel');
-    return element('section', { class: 'full', 'data-robot': this.robot.name },
-      element('header', { class: 'full-head' },
-        element('a', { href: '#', class: 'back' }, '← All robots'),
-        element('h1', {}, this.robot.name),
-        element('span', { class: 'model' }, modelOf(this.robot.stream))),
-      element('div', { class: 'full-grid' },
-        element('section', { class: 'full-skin', 'aria-label': 'skin' },
-          element('div', { class: 'skin-box' }, this.skin.root, this.stale),
-          this.pickText, this.facts,
-          element('div', { class: 'scrub' }, this.pauseButton, this.slider),
-          this.answers.root),
-        charts,
-        element('section', { class: 'event-box' },
-          element('h2', {}, 'Events'), this.events)));
-  }
-
-  private listen(): void {
-    this.pauseButton.addEventListener('click', () => this.togglePause());
-    this.slider.addEventListener('input', () => {
-      this.show(Number(this.slider.value));
-    });
+    this.answers = new AnswersView(robot.stream.started.questions,
+      unitOf(geometryOf(robot)), MOST_VALUES);
+    this.facts = new FactsView(robot);
+    this.transport = new Transport(() => this.togglePause(),
+      (index) => this.show(index), () => this.draw());
+    this.charts = new Charts(robot, history, goTo);
+    this.events = new EventList(robot, goTo);
+    this.root = this.lay();
     this.skin.root.addEventListener('pointerdown', (event) => {
       const taxel = this.skin.taxelAt(event);
       this.pick(taxel === this.skin.picked ? undefined : taxel);
     });
   }
 
+  get isPaused(): boolean { return this.at !== undefined; }
+
+  update(now: number): void {
+    const stale = stalenessOf(this.robot, now);
+    this.root.classList.toggle('is-stale', stale !== '');
+    this.stale.show(stale);
+    this.events.update();
+    if (this.drawn === this.robot.frames) return;
+    if (this.at !== undefined) {
+      // The window of the slider moves on.
+      this.drawn = this.robot.frames;
+      return this.show(this.at);
+    }
+    const moment = this.history.at(this.history.end - 1);
+    if (moment === undefined) return;
+    this.drawn = this.robot.frames;
+    this.skin.draw(moment.taxels, moment.contacts);
+    noteDrawn(this.robot);
+    if (now - this.numbersAt > NUMBERS_MS) {
+      this.numbersAt = now;
+      this.drawNumbers(moment);
+    }
+    if (now - this.curvesAt > CURVES_MS) {
+      this.curvesAt = now;
+      this.drawCurves();
+    }
+  }
+
+  close(): void {
+    this.history.setViewed(false);
+    this.skin.close();
+    this.charts.close();
+  }
+
+  // A key for this view: space pauses, arrows go through frames or taxels.
+  onKey(event: KeyboardEvent): void {
+    const { target, key } = event;
+    const inSkin = target === this.skin.root;
+    const step = { ArrowLeft: -1, ArrowRight: 1 }[key];
+    if (key === ' ' && !(target instanceof HTMLButtonElement)) {
+      this.togglePause();
+    } else if (inSkin && key.startsWith('Arrow')) {
+      this.movePick(key);
+    } else if (step !== undefined && target !== this.transport.slider &&
+        this.at !== undefined) {
+      this.show(this.at + step);
+    } else {
+      return;
+    }
+    event.preventDefault();
+  }
+
+  private lay(): HTMLElement {
+    const { root } = this.skin;
+    root.tabIndex = 0;
+    root.setAttribute('role', 'group');
+    root.setAttribute('aria-label', 'Skin; arrow keys pick a taxel');
+    // Nothing is beside it that must be as high.
+    const box = element('div', { class: 'skin-box' }, root, this.stale.root);
+    box.style.aspectRatio = String(Math.max(this.skin.aspect, 1));
+    return element('div', { class: 'full', 'data-robot': this.robot.name },
+      element('header', { class: 'full-head' },
+        element('a', { href: '#', class: 'back' }, '← All robots'),
+        element('h1', {}, this.robot.name),
+        element('p', { class: 'model' }, modelOf(this.robot.stream))),
+      element('div', { class: 'full-grid' },
+        element('section', { class: 'full-skin card' },
+          element('h2', { class: 'unseen' }, 'Skin and answers'),
+          box, this.facts.root, this.pickText, this.transport.root,
+          this.choice.root, this.answers.root),
+        this.charts.root, this.events.root));
+  }
+
   private togglePause(): void {
     if (this.at === undefined) {
-      this.show(this.history.moments.length - 1);
+      this.show(this.history.end - 1);
     } else {
       this.at = undefined;
-      setText(this.pauseButton, 'Pause');
-      this.draw(true);
+      this.draw();
     }
   }
 
   private show(at: number): void {
-    const last = this.history.moments.length - 1;
-    if (last < 0) return;
-    this.at = Math.min(Math.max(at, 0), last);
-    setText(this.pauseButton, 'Go on');
-    this.draw(true);
-  }
-
-  private goTo(time: number): void {
-    const times = this.history.times();
-    let best = 0;
-    times.forEach((t, i) => {
-      if (Math.abs(t - time) < Math.abs(times[best]! - time)) best = i;
-    });
-    this.show(best);
+    if (this.history.moments.length === 0) return;
+    this.at = Math.min(Math.max(at, this.history.first), this.history.end - 1);
+    this.draw();
   }
 
   private pick(taxel: number | undefined): void {
     this.skin.picked = taxel;
-    this.draw(true);
+    this.draw();
   }
 
   private movePick(key: string): void {
-    const { columns } = geometryOf(this.robot);
+    const { rows, columns } = geometryOf(this.robot);
     const step = { ArrowLeft: -1, ArrowRight: 1, ArrowUp: -columns,
       ArrowDown: columns }[key] ?? 0;
-    const next = (this.skin.picked ?? -step) + step;
-    if (next >= 0 && next < taxelCount(this.robot)) this.pick(next);
+    const picked = this.skin.picked;
+    const next = picked === undefined ? 0 : picked + step;
+    if (next >= 0 && next < rows * columns) this.pick(next);
   }
 
-  private draw(withCurves: boolean): void {
-    const { moments } = this.history;
-    const moment = moments[this.at ?? moments.length - 1];
+  private get moment(): Moment | undefined {
+    return this.history.at(this.at ?? this.history.end - 1);
+  }
+
+  // Draws all at once, after something was done.
+  private draw(): void {
+    const { moment } = this;
     if (moment === undefined) return;
     this.skin.draw(moment.taxels, moment.contacts);
-    const contact = largest(moment) ?? lastContact(this.history, this.robot);
-    this.answers.show(contact, moment.contacts.some(isFelt));
-    setText(this.facts, factsOf(this.robot));
-    this.describePick(moment.taxels);
-    this.slider.max = String(moments.length - 1);
-    this.slider.value = String(this.at ?? moments.length - 1);
-    this.slider.setAttribute('aria-valuetext', `${moment.time.toFixed(2)} s`);
-    if (withCurves) {
-      this.drawCurves(this.at === undefined ? undefined : moment.time);
-    }
+    this.drawNumbers(moment);
+    this.drawCurves();
   }
 
-  private describePick(taxels: Float32Array): void {
-    const taxel = this.skin.picked;
-    if (taxel === undefined) {
-      return setText(this.pickText, 'Pick a taxel for its value.');
+  private drawNumbers(moment: Moment): void {
+    const felt = moment.contacts.filter(isFelt);
+    const shown = this.choice.of(felt) ?? this.lastContact();
+    this.answers.show(shown, felt.length > 0, felt.length - 1);
+    this.facts.update();
+    this.skin.describe();
+    setText(this.pickText, this.pickWords(moment.taxels));
+    const { first, end } = this.history;
+    this.transport.show(first, end, this.at ?? end - 1, moment.time,
+      this.isPaused);
+  }
+
+  // The last one that was felt at or before the moment that is shown.
+  private lastContact() {
+    if (this.at === undefined) return this.robot.last;
+    for (let i = this.at; i >= this.history.first; --i) {
+      const contact = this.history.at(i)!.contacts.find(isFelt);
+      if (contact !== undefined) return contact;
     }
+    return undefined;
+  }
+
+  private drawCurves(): void {
+    this.charts.draw(this.transport.span, this.at ?? this.history.end - 1,
+      this.isPaused, this.skin.picked);
+  }
+
+  private pickWords(taxels: Float32Array): string {
+    const taxel = this.skin.picked;
+    if (taxel === undefined) return 'Pick a taxel to see its load.';
     const { columns } = geometryOf(this.robot);
     const load = loadOf(this.robot, taxels, taxel);
-    setText(this.pickText, `taxel ${taxel} (row ${Math.floor(taxel / columns)}, ` +
-      `column ${taxel % columns}): ${number(load)} ` +
-      unitOf(geometryOf(this.robot)));
-  }
-
-  private drawCurves(cursor: number | undefined): void {
-    const { history, robot } = this;
-    const times = history.times();
-    const marks: Mark[] = robot.events
-      .map((event) => ({ time: history.timeOf(event.capture_time_ns),
-        text: eventText(event, robot.stream) }))
-      .filter((mark) => mark.time >= (times[0] ?? 0));
-    const { picked } = this.skin;
-    this.loads.set(times, [
-      history.series((m) => largest(m)?.patch.force ?? 0),
-      history.series((m) => largest(m)?.patch.max_force ?? 0),
-      history.series((m) =>
-        picked === undefined ? null : loadOf(robot, m.taxels, picked)),
-    ], marks, cursor);
-    this.areas.set(times, [
-      history.series((m) => largest(m)?.patch.area_taxels ?? 0)],
-    marks, cursor);
-    this.questions.forEach((plot, q) => {
-      const values = robot.stream.started.questions[q]!.values;
-      plot.set(times, values.map((_, v) => history.series((m) =>
-        largest(m)?.answers[q]?.probability[v] ?? null)), marks, cursor);
-    });
-  }
-
-  private showEvents(): void {
-    const { events, stream } = this.robot;
-    const last = events[events.length - 1];
-    const stamp = last ? Number(last.sequence) * 1e3 + events.length : 0;
-    if (stamp === this.shownEvents) return;
-    this.shownEvents = stamp;
-    const lines = events.slice(-SHOWN_EVENTS).reverse().map((event) =>
-      element('li', {},
-        element('span', { class: 'when' },
-          `${this.history.timeOf(event.capture_time_ns).toFixed(2)} s`),
-        eventText(event, stream)));
-    this.events.replaceChildren(...lines);
+    return `taxel ${taxel} (row ${Math.floor(taxel / columns)}, ` +
+      `column ${taxel % columns}): ` +
+      quantity(load, unitOf(geometryOf(this.robot)));
   }
 }

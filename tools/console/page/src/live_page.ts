@@ -1,39 +1,56 @@
 // The live page: a tile for each robot, or one robot in full.
 
+import { Announcer } from './announcer';
 import { Live } from './connection';
 import { byId, element, setText } from './dom';
+import { stalenessOf } from './facts';
 import { FullView } from './full_view';
+import { History } from './history';
+import { forgetDrawn, noteMessage } from './measures';
 import type { Decoded } from './messages';
 import { Robots, type Robot } from './robots';
-import { stalenessOf, Tile } from './tile';
+import { Tile } from './tile';
+import { isFelt, plural } from './words';
 
-// Delays that are kept for tests.
-const MOST_DELAYS = 20_000;
+// Texts about all robots change so often.
+const STATE_MS = 250;
 
 export class LivePage {
   private readonly robots = new Robots();
   private readonly tiles = new Map<string, Tile>();
   private readonly grid = element('div', { class: 'grid' });
-  private readonly sight = new IntersectionObserver((entries) => {
-    for (const { target, isIntersecting } of entries) {
-      const tile = this.tileOf.get(target);
-      if (tile) tile.inSight = isIntersecting;
-    }
-  });
+  private readonly list = element('div', { class: 'live' },
+    element('h1', { class: 'unseen' }, 'Robots'), this.grid);
+  private readonly empty = emptyText();
+  private readonly loading = element('p', { class: 'loading quiet' },
+    'Waiting for the console ...');
   private readonly tileOf = new WeakMap<Element, Tile>();
+  private readonly histories = new WeakMap<Robot, History>();
+  private readonly announcer = new Announcer();
+  private readonly observer: IntersectionObserver;
   private readonly live: Live;
   private full?: FullView;
   private lost = false;
   private heard = false;
-  private received = 0;
-  private frame = 0;
+  private stateAt = -Infinity;
+  private animation = 0;
 
-  constructor(private readonly main: HTMLElement,
-      onSignedOut: (reason: string) => void) {
-    main.replaceChildren(this.grid);
+  constructor(private readonly main: HTMLElement, onSignedOut: () => void) {
+    this.empty.hidden = true;
+    this.list.append(this.loading, this.empty);
+    main.replaceChildren(this.list);
+    this.observer = new IntersectionObserver((entries) => {
+      for (const { target, isIntersecting } of entries) {
+        const tile = this.tileOf.get(target);
+        if (tile) tile.seen = isIntersecting;
+      }
+    });
     this.live = new Live({
       onMessage: (decoded) => this.take(decoded),
-      onLost: () => { this.lost = true; },
+      onLost: () => {
+        this.lost = true;
+        this.robots.lose();
+      },
       onSignedOut,
     });
     window.addEventListener('hashchange', this.route);
@@ -43,47 +60,38 @@ export class LivePage {
 
   close(): void {
     this.live.stop();
-    cancelAnimationFrame(this.frame);
+    cancelAnimationFrame(this.animation);
+    this.observer.disconnect();
     window.removeEventListener('hashchange', this.route);
     window.removeEventListener('keydown', this.onKey);
     this.full?.close();
-    this.sight.disconnect();
+    for (const tile of this.tiles.values()) tile.close();
   }
 
   private take(decoded: Decoded): void {
     this.lost = false;
     this.heard = true;
-    this.received = performance.now();
-    const fresh = this.robots.take(decoded, this.received);
-    if (this.full && fresh.includes(this.full.robot)) this.full.take();
-    const waited = decoded.message.waited_us / 1000;
-    for (const robot of fresh) {
-      this.waiting.push(Number(robot.frame!.age_us) / 1000 + waited);
-    }
-    ++window.tactus.messages;
+    noteMessage();
+    const fresh = this.robots.take(decoded, performance.now());
+    for (const robot of fresh) this.historyOf(robot).add();
+    this.followRobot();
   }
 
-  // Delays of frames that came and are not drawn yet, without the drawing.
-  private waiting: number[] = [];
-
+  // Draws what has come, then asks for more.
   private readonly loop = (): void => {
-    this.frame = requestAnimationFrame(this.loop);
+    this.animation = requestAnimationFrame(this.loop);
     const now = performance.now();
-    this.showState(now);
-    this.followRobot();
+    if (now - this.stateAt > STATE_MS) {
+      this.stateAt = now;
+      this.showState(now);
+    }
     if (this.full) {
       this.full.update(now);
     } else {
       this.layTiles();
-      for (const tile of this.tiles.values()) {
-        if (tile.update(now)) ++window.tactus.framesDrawn;
-      }
+      for (const tile of this.tiles.values()) tile.update(now);
     }
-    const drawing = performance.now() - this.received;
-    const { delays } = window.tactus;
-    for (const delay of this.waiting) delays.push(delay + drawing);
-    delays.splice(0, delays.length - MOST_DELAYS);
-    this.waiting = [];
+    this.live.askNext();
   };
 
   // Adds tiles of new robots, and removes those of robots that are gone.
@@ -91,9 +99,11 @@ export class LivePage {
     const robots = this.robots.sorted();
     for (const [key, tile] of this.tiles) {
       if (this.robots.byKey.get(key) === tile.robot) continue;
-      this.sight.unobserve(tile.root);
+      this.observer.unobserve(tile.root);
+      tile.close();
       tile.root.remove();
       this.tiles.delete(key);
+      forgetDrawn(key);
     }
     robots.forEach((robot, i) => {
       let tile = this.tiles.get(robot.key);
@@ -101,68 +111,134 @@ export class LivePage {
         tile = new Tile(robot);
         this.tiles.set(robot.key, tile);
         this.tileOf.set(tile.root, tile);
-        this.sight.observe(tile.root);
+        this.observer.observe(tile.root);
       }
       const there = this.grid.children[i];
       if (there !== tile.root) this.grid.insertBefore(tile.root, there ?? null);
     });
-    if (robots.length > 0 || !this.heard) {
-      this.main.querySelector('.empty')?.remove();
-    } else if (this.main.querySelector('.empty') === null) {
-      this.main.append(emptyText());
+    this.loading.hidden = this.heard;
+    const connected = this.robots.servers.find(
+      (server) => server.state === 'connected');
+    this.empty.hidden = robots.length > 0 || connected === undefined;
+    if (connected) {
+      setText(this.empty.querySelector('.server')!, connected.address);
     }
-  }
-
-  // Shows the next stream of the robot that is viewed, if that has ended.
-  private followRobot(): void {
-    const robot = this.full?.robot;
-    if (!robot || this.robots.byKey.get(robot.key) === robot) return;
-    const next = this.robots.successorOf(robot);
-    if (next) this.view(next);
-  }
-
-  private view(robot: Robot | undefined): void {
-    this.full?.close();
-    this.full = robot ? new FullView(robot) : undefined;
-    this.main.replaceChildren(this.full?.root ?? this.grid);
   }
 
   private showState(now: number): void {
     const all = [...this.robots.byKey.values()];
-    const fine = all.filter((robot) => stalenessOf(robot, now) === '').length;
-    setText(byId('summary'), !this.heard ? '' :
-      `${fine} of ${all.length} robots send`);
-    const notice = byId('notice');
-    const trouble = this.lost ? ['The console does not answer. Reconnecting ...']
-      : this.robots.servers.filter((server) => server.state !== 'connected')
-        .map((server) => `${server.address}: ${server.state}` +
-          (server.error ? ` (${server.error})` : ''));
-    notice.hidden = trouble.length === 0;
-    setText(notice, trouble.join('\n'));
+    const fresh = all.filter((robot) => stalenessOf(robot, now) === '');
+    const count = fresh.length === all.length ? plural(all.length, 'robot') :
+      `${fresh.length} of ${plural(all.length, 'robot')} streaming`;
+    setText(byId('summary'), this.heard && all.length > 0 ? count : '');
+    const trouble = this.lost ?
+      ['The console does not answer. Reconnecting ...'] :
+      this.robots.servers.filter((server) => server.state !== 'connected')
+        .map(({ address, state, error }) => `${address}: ` +
+          (state === 'refused' ? 'refused' : 'connecting again') +
+          (error ? ` (${error})` : ''));
+    byId('notice').hidden = trouble.length === 0;
+    setText(byId('notice'), trouble.join('\n'));
+    if (!this.heard) return;
+    this.announcer.say(this.full ? wordsOf(this.full.robot, now) :
+      all.length === 0 ? 'No robots.' : `${count}.`, now);
+  }
+
+  // A robot that comes again is shown in place of its former stream, and one
+  // that is named in the address as soon as it comes.
+  private followRobot(): void {
+    if (this.full === undefined) return this.route();
+    const { robot, isPaused } = this.full;
+    if (isPaused || this.robots.byKey.get(robot.key) === robot) return;
+    const successor = this.robots.successorOf(robot) ??
+      this.robots.byKey.get(robot.key);
+    if (successor === undefined) return;
+    history.replaceState(null, '', `#robot=${encodeURIComponent(
+      successor.key)}`);
+    this.open(successor);
   }
 
   private readonly route = (): void => {
-    const match = /^#robot=(.+)$/.exec(location.hash);
-    const robot = match ?
-      this.robots.byKey.get(decodeURIComponent(match[1]!)) : undefined;
-    if (robot === this.full?.robot) return;
-    this.view(robot);
-    this.main.focus();
-    window.scrollTo(0, 0);
+    const key = keyOfAddress();
+    if (key === undefined) return this.openList();
+    // A robot that is gone stays in sight until somebody leaves it.
+    if (this.full?.robot.key === key) return;
+    const robot = this.robots.byKey.get(key);
+    if (robot) this.open(robot);
+    else this.openList();
   };
 
-  private readonly onKey = (event: KeyboardEvent): void => {
+  private historyOf(robot: Robot): History {
+    let history = this.histories.get(robot);
+    if (history === undefined) {
+      history = new History(robot);
+      this.histories.set(robot, history);
+    }
+    return history;
+  }
+
+  private open(robot: Robot): void {
+    this.full?.close();
+    this.full = new FullView(robot, this.historyOf(robot));
+    this.main.replaceChildren(this.full.root);
+    this.main.focus();
+    window.scrollTo(0, 0);
+    this.stateAt = -Infinity;
+  }
+
+  private openList(): void {
     if (this.full === undefined) return;
+    const { key } = this.full.robot;
+    this.full.close();
+    this.full = undefined;
+    this.main.replaceChildren(this.list);
+    this.layTiles();
+    const tile = this.tiles.get(key);
+    if (tile) tile.link.focus();
+    else this.main.focus();
+  }
+
+  private readonly onKey = (event: KeyboardEvent): void => {
+    if (this.full === undefined || event.ctrlKey || event.altKey ||
+        event.metaKey) {
+      return;
+    }
     if (event.key === 'Escape') location.hash = '';
     else this.full.onKey(event);
   };
 }
 
+// The robot's key in the address; undefined if there is none.
+function keyOfAddress(): string | undefined {
+  const match = /^#robot=(.+)$/.exec(location.hash);
+  if (!match) return undefined;
+  try {
+    return decodeURIComponent(match[1]!);
+  } catch {
+    return undefined;
+  }
+}
+
+// What a robot does, for people who listen.
+function wordsOf(robot: Robot, now: number): string {
+  const stale = stalenessOf(robot, now);
+  if (stale) return `${robot.name}: ${stale.replace(/ .*/, '')}.`;
+  const felt = (robot.frame?.answer.contacts ?? []).filter(isFelt);
+  if (felt.length === 0) return `${robot.name}: no contact.`;
+  const { questions } = robot.stream.started;
+  const decided = felt[0]!.answers.map((answer, q) => answer.decision ?
+    `${questions[q]?.name} ${questions[q]?.values[answer.decision.value]}` :
+    '').filter((text) => text !== '');
+  return `${robot.name}: ${plural(felt.length, 'contact')}` +
+    (decided.length > 0 ? `, ${decided.join(', ')}.` : '.');
+}
+
 function emptyText(): HTMLElement {
-  return element('div', { class: 'empty' },
-    element('h1', {}, 'No robot is streaming'),
-    element('p', {}, 'This starts a simulated one:'),
-    element('pre', {}, 'tactus-stream --driver=sim --rate=real ' +
-      '--client-id=arm-1 --trials=1000'),
+  return element('section', { class: 'empty' },
+    element('h2', {}, 'No robot is streaming'),
+    element('p', {}, 'Start a simulated one:'),
+    element('pre', {}, 'tactus-stream --server=',
+      element('span', { class: 'server' }),
+      ' --driver=sim --rate=real --client-id=arm-1 --trials=1000'),
     element('p', { class: 'quiet' }, 'It appears here as soon as it streams.'));
 }

@@ -1,42 +1,36 @@
 // The console's page: signs in, then shows what robots feel.
 
 import { signOut, type Session } from './connection';
-import { byId } from './dom';
+import { byId, setText } from './dom';
 import { LivePage } from './live_page';
 import { awaitSession, signInForm } from './sign_in';
 
-declare global {
-  interface Window {
-    // For tests: how long frames took from the server to the screen.
-    tactus: { delays: number[]; framesDrawn: number; messages: number };
-  }
-}
-
-window.tactus = { delays: [], framesDrawn: 0, messages: 0 };
+const SIGNED_OUT = 'The sign-in is no longer valid. Please sign in again.';
 
 function notify(text: string): void {
   byId('notice').hidden = text === '';
-  byId('notice').textContent = text;
+  setText(byId('notice'), text);
 }
 
 function showSignIn(message: string): void {
-  byId('sign-out').hidden = true;
-  byId('summary').textContent = '';
+  byId('person').hidden = true;
+  setText(byId('summary'), '');
   notify('');
   byId('main').replaceChildren(signInForm(message, showLive));
-  document.getElementById('token')!.focus();
+  byId('token').focus();
 }
 
 function showLive(session: Session): void {
-  const page = new LivePage(byId('main'), (reason) => {
+  const page = new LivePage(byId('main'), () => {
     page.close();
-    void start(reason);
+    void start(SIGNED_OUT);
   });
-  const button = byId('sign-out') as HTMLButtonElement;
-  button.hidden = !session.needs_token;
-  button.onclick = () => {
+  byId('person').hidden = session.needs_token === false;
+  setText(byId('name'), session.name ?? '');
+  byId('sign-out').onclick = () => {
     page.close();
-    void signOut(session.csrf).then(() => showSignIn(''));
+    const done = () => showSignIn('');
+    signOut(session.csrf).then(done, done);
   };
 }
 

@@ -11,6 +11,8 @@ export interface Geometry {
   layout: string;
   rows: number;
   columns: number;
+  row_pitch_m: number;
+  column_pitch_m: number;
   unit: string;
   contact_threshold: number;
   masked_taxels: number[];
@@ -21,12 +23,10 @@ export interface Geometry {
 export interface OpenStream {
   stream_id: string;
   client_id: string;
-  caller: string;
   start_time_ms: string;
   sample_rate_hz: number;
   started: {
     model_version: string;
-    class_names: string[];
     questions: Question[];
     geometry: Geometry;
   };
@@ -37,7 +37,6 @@ export interface Counts {
   frames_missing: string;
   superseded: string;
   contacts: string;
-  contacts_now: number;
   measured_rate_hz: number;
   silent_ms: string;
 }
@@ -45,10 +44,11 @@ export interface Counts {
 export interface Decision {
   value: number;
   time_since_onset_ns: string;
-  revised: boolean;
+  changes: number;
+  changed_time_since_onset_ns: string;
 }
 
-export interface Answer {
+export interface QuestionAnswer {
   probability: number[];
   decision?: Decision;
 }
@@ -57,7 +57,6 @@ export interface Patch {
   force: number;
   max_force: number;
   area_taxels: number;
-  area_m2: number;
   centroid_row: number;
   centroid_column: number;
   taxels: number[];
@@ -69,7 +68,7 @@ export interface Contact {
   time_since_onset_ns: string;
   // Absent while the contact is not felt.
   patch?: Patch;
-  answers: Answer[];
+  answers: QuestionAnswer[];
   unknown: number;
 }
 
@@ -101,7 +100,6 @@ export interface Update {
   counts?: Counts;
   frame?: Frame;
   events: WatchedEvent[];
-  events_left_out: number;
   ended: boolean;
 }
 
@@ -114,6 +112,7 @@ export interface ServerState {
 export interface Message {
   servers: ServerState[];
   updates: { server: number; taxels: number; update: Update }[];
+  console_time_ms: number;
   waited_us: number;
 }
 
@@ -127,8 +126,23 @@ export interface Decoded {
 export function decode(bytes: ArrayBuffer): Decoded {
   const length = new DataView(bytes).getUint32(0, true);
   const text = new TextDecoder().decode(new Uint8Array(bytes, 4, length));
-  return {
-    message: JSON.parse(text) as Message,
-    taxels: new Float32Array(bytes, 4 + length),
-  };
+  const message = JSON.parse(text) as Message;
+  for (const { update } of message.updates) complete(update);
+  return { message, taxels: new Float32Array(bytes, 4 + length) };
+}
+
+// Lists that are empty may be left out of JSON.
+function complete(update: Update): void {
+  update.events ??= [];
+  const { opened, frame } = update;
+  if (opened) {
+    opened.started.questions ??= [];
+    opened.started.geometry.masked_taxels ??= [];
+  }
+  if (!frame) return;
+  frame.answer.contacts ??= [];
+  for (const contact of frame.answer.contacts) {
+    contact.answers ??= [];
+    if (contact.patch) contact.patch.taxels ??= [];
+  }
 }

@@ -11,18 +11,20 @@ export function signInForm(message: string,
     type: 'password', id: 'token', autocomplete: 'current-password',
     required: '', 'aria-describedby': 'token-help' });
   const button = element('button', { type: 'submit' }, 'Sign in');
-  const form = element('form', { class: 'sign-in' },
+  const form = element('form', { class: 'sign-in card' },
     element('h1', {}, 'Sign in'),
-    element('label', { for: 'token' }, 'Token'), input,
-    element('p', { id: 'token-help', class: 'quiet' },
-      'The one by which the server knows you. Whoever runs the server makes ' +
-      'one with: trainctl tokens create --role=viewer'),
-    error, button);
+    error,
+    element('label', { for: 'token' }, 'Token'), input, button,
+    element('div', { id: 'token-help', class: 'quiet' },
+      element('p', {}, 'The server knows you by a token. Whoever runs the ' +
+        'server makes one that may watch, with'),
+      element('pre', {}, 'trainctl tokens create --name=YOU \\\n' +
+        '  --role=viewer --file=tokens')));
   form.addEventListener('submit', (event) => {
     event.preventDefault();
     button.disabled = true;
     setText(error, '');
-    void signIn(input.value.trim()).then((answer) => {
+    signIn(input.value.trim()).then((answer) => {
       button.disabled = false;
       if (typeof answer !== 'string') return done(answer);
       setText(error, answer);

@@ -1,0 +1,333 @@
+// Tests the states of the console's page in a browser, against a made-up
+// console.
+//
+//   node states_test.mjs PAGE_DIR PICTURES_DIR [CHROMIUM [TEST ...]]
+//
+// No check asks how long something takes: the machine may be busy. Rates are
+// printed.
+
+import { mkdir } from 'node:fs/promises';
+
+import { chromium } from 'playwright-core';
+
+import { BrowserPage } from './browser_page.mjs';
+import { FakeConsole } from './fake_console.mjs';
+import { FakeRobot, makeRobots } from './fake_robot.mjs';
+
+const [pageDir, pictures, executablePath = '/usr/bin/chromium', ...chosen] =
+  process.argv.slice(2);
+const IMAGE = '<img src=x onerror="window.hacked=1">';
+const SCRIPT = '"><script>window.hacked=1</script>';
+
+const tally = {
+  passed: 0,
+  failed: 0,
+  check(condition, text) {
+    if (condition) ++this.passed;
+    else ++this.failed;
+    if (!condition) console.log(`    FAILED ${text}`);
+  },
+};
+
+const tests = {
+  async 'no robot'({ page }) {
+    tally.check(await page.untilText('No robot is streaming'), 'empty state');
+    tally.check((await page.text()).includes('tactus-stream --server='),
+      'the empty state says what to do');
+    await page.examine('empty');
+  },
+
+  async 'one robot'({ page }) {
+    await page.page.waitForSelector('[data-robot="arm-1"]');
+    await page.untilText('✓ hard');
+    await page.examine('one');
+  },
+
+  async 'four robots'({ page }) {
+    await page.page.waitForSelector('[data-robot="arm-4"]');
+    tally.check((await page.names()).join() === 'arm-1,arm-2,arm-3,arm-4',
+      'tiles in the order of their names');
+    tally.check(await page.untilText('✓ hard'), 'a decision is marked');
+    tally.check(await page.untilText('? unknown'), 'an unknown is marked');
+    tally.check(await page.untilText('12 frames lost'), 'losses are shown');
+    const label = '[data-robot="arm-2"] canvas[role="img"]';
+    tally.check(await page.until((selector) => /2 contacts, largest .* N/.test(
+      document.querySelector(selector).ariaLabel), label), 'the skin in words');
+    await page.examine('four');
+  },
+
+  async 'twenty robots'({ page }) {
+    await page.page.waitForSelector('[data-robot="arm-20"]');
+    await page.examine('twenty');
+    // So high that all tiles are in sight.
+    await page.page.setViewportSize({ width: 1440, height: 3200 });
+    await page.page.waitForTimeout(500);
+    const { counts, seconds, messages } = await page.page.evaluate(async () => {
+      const before = new Map(window.tactus.drawn);
+      const begun = performance.now();
+      const heard = window.tactus.messages;
+      await new Promise((resolve) => setTimeout(resolve, 6000));
+      const spent = (performance.now() - begun) / 1000;
+      const drawn = [...window.tactus.drawn].map(([key, count]) =>
+        count - (before.get(key) ?? 0));
+      return { counts: drawn, seconds: spent,
+        messages: window.tactus.messages - heard };
+    });
+    tally.check(counts.length === 20 && Math.min(...counts) > 0,
+      `all 20 robots are drawn (${counts})`);
+    const rates = counts.map((count) => count / seconds);
+    console.log('    frames drawn per second and robot: ' +
+      `${Math.min(...rates).toFixed(1)} to ` +
+      `${Math.max(...rates).toFixed(1)}; ` +
+      `messages ${(messages / seconds).toFixed(1)}`);
+    const delays = await page.page.evaluate(() => [...window.tactus.delays]
+      .sort((a, b) => a - b));
+    const at = (part) => delays[Math.floor(part * (delays.length - 1))];
+    console.log(`    delay in ms: half ${at(0.5).toFixed(1)}, ` +
+      `99 % ${at(0.99).toFixed(1)}`);
+  },
+
+  async 'only tiles in sight are drawn'({ page, fake }) {
+    fake.robots.push(...makeRobots(20).slice(1));
+    await page.page.waitForSelector('[data-robot="arm-20"]');
+    await page.page.setViewportSize({ width: 768, height: 500 });
+    await page.page.waitForTimeout(500);
+    const grown = await page.page.evaluate(async () => {
+      const before = new Map(window.tactus.drawn);
+      await new Promise((resolve) => setTimeout(resolve, 1500));
+      return [...window.tactus.drawn].filter(([key, count]) =>
+        count > (before.get(key) ?? 0)).length;
+    });
+    tally.check(grown > 0 && grown < 20, `${grown} of 20 tiles are drawn`);
+  },
+
+  async 'full view'({ page, fake }) {
+    fake.robots.push(...makeRobots(4).slice(1));
+    await page.page.waitForSelector('[data-robot="arm-2"]');
+    await page.page.focus('[data-robot="arm-2"] a');
+    await page.page.keyboard.press('Enter');
+    await page.page.waitForSelector('.full[data-robot="arm-2"]');
+    tally.check(page.page.url().includes('#robot=0%2F2'), 'its address');
+    tally.check(await page.untilText('touched', '.events li'), 'an event');
+    await page.untilText('now mobility moved', '.events li');
+    await page.untilText('✓ moved');
+    await page.examine('full');
+    tally.check(await page.page.$$eval('.chart canvas', (all) =>
+      all.length === 5 && all.every((c) => c.width > 0)), 'five charts');
+    await pauseAndScrub(page);
+    await pickTaxels(page);
+    await chooseContact(page);
+    await page.examine('paused');
+    await page.page.keyboard.press('Escape');
+    await page.page.waitForSelector('.grid [data-robot="arm-1"]');
+    tally.check(await page.page.evaluate(() => document.activeElement
+      .closest('[data-robot]')?.dataset.robot) === 'arm-2',
+    'Escape goes back to the tile');
+  },
+
+  async 'an address of a robot'({ page, fake }) {
+    await page.page.goto(`${fake.url}#robot=0%2F1`);
+    await page.page.reload();
+    await page.page.waitForSelector('.full[data-robot="arm-1"]');
+    tally.check(true, 'opens it');
+    await page.page.goto(`${fake.url}#robot=%E0%A4%A`);
+    tally.check(await page.page.waitForSelector('.grid [data-robot]')
+      .then(() => true, () => false), 'a broken address shows all robots');
+  },
+
+  async 'silent, lost, and again'({ page, fake }) {
+    fake.robots.push(...makeRobots(4).slice(1));
+    await page.page.waitForSelector('[data-robot="arm-4"]');
+    fake.robots[0].silent = true;
+    fake.end(fake.robots[1]);
+    tally.check(await page.untilText('silent for', '[data-robot="arm-1"]'),
+      'a silent robot');
+    tally.check(await page.untilText('ended', '[data-robot="arm-2"]'),
+      'a robot that has ended');
+    await page.examine('stale');
+    const again = new FakeRobot(21, 'arm-2');
+    fake.robots.push(again);
+    await page.until(() => document.querySelector(
+      '[data-robot="arm-2"] .stale').hidden);
+    tally.check((await page.names()).join() === 'arm-1,arm-2,arm-3,arm-4',
+      'a robot that comes again takes its place');
+    fake.setServer('connecting', `no route ${IMAGE}`);
+    tally.check(await page.untilText('offline', '[data-robot="arm-3"]'),
+      'a server that goes');
+    tally.check(await page.untilText(`no route ${IMAGE}`, '#notice'),
+      'its error is text');
+    await page.examine('offline');
+    fake.robots.splice(2, 1);
+    fake.setServer('connected');
+    tally.check(await page.until(() => !document.querySelector(
+      '[data-robot="arm-3"]')), 'a robot that does not return goes');
+    tally.check(await page.until(() => document.querySelector(
+      '[data-robot="arm-4"] .stale').hidden), 'a server that returns');
+    tally.check((await page.names()).join() === 'arm-1,arm-2,arm-4',
+      'no robot is there twice');
+  },
+
+  async 'the console goes and returns'({ page, fake }) {
+    await page.page.waitForSelector('[data-robot="arm-1"]');
+    const { port } = fake;
+    await fake.close();
+    tally.check(await page.untilText('Reconnecting', '#notice'), 'it says so');
+    tally.check(await page.untilText('offline', '[data-robot="arm-1"]'),
+      'robots are offline');
+    await page.examine('reconnecting');
+    const other = new FakeConsole(pageDir, fake.robots);
+    await other.listen(port);
+    tally.check(await page.until(() =>
+      document.querySelector('#notice').hidden &&
+      document.querySelector('[data-robot="arm-1"] .stale').hidden),
+    'it goes on');
+    tally.check((await page.names()).length === 1, 'no robot is there twice');
+    await other.close();
+  },
+
+  async 'a full view outlives its stream'({ page, fake }) {
+    await page.page.click('[data-robot="arm-1"] a');
+    await page.page.waitForSelector('.full');
+    fake.end(fake.robots[0]);
+    tally.check(await page.untilText('ended', '.full .stale'), 'it has ended');
+    fake.robots.push(new FakeRobot(9, 'arm-1'));
+    tally.check(await page.until(() => location.hash === '#robot=0%2F9'),
+      'the next stream takes its place');
+  },
+
+  async 'a refused server'({ page, fake }) {
+    fake.setServer('refused', 'the token has no role');
+    tally.check(await page.untilText('refused (the token has no role)',
+      '#notice'), 'its text');
+    await page.examine('refused');
+  },
+
+  async 'sign-in'({ page, fake }) {
+    await page.page.waitForSelector('#token');
+    tally.check((await page.text()).includes('trainctl tokens create'),
+      'it says where tokens come from');
+    await page.examine('sign-in');
+    await page.page.fill('#token', 'wrong');
+    await page.page.keyboard.press('Enter');
+    tally.check(await page.untilText(
+      'the token is unknown <img src=x', '.error'), 'a wrong token');
+    await page.examine('wrong-token');
+    await page.page.fill('#token', 'right');
+    await page.page.keyboard.press('Enter');
+    await page.page.waitForSelector('[data-robot="arm-1"]');
+    tally.check((await page.text('#person')).includes('lab'), 'who it is');
+    fake.signOut();
+    tally.check(await page.untilText('no longer valid', '.error'),
+      'a sign-in that ends');
+    await page.page.fill('#token', 'right');
+    await page.page.keyboard.press('Enter');
+    await page.page.waitForSelector('[data-robot="arm-1"]');
+    await page.page.click('#sign-out');
+    await page.page.waitForSelector('#token');
+    tally.check(!fake.signedIn, 'sign-out');
+  },
+
+  async 'names of strangers'({ page, fake }) {
+    fake.robots.push(new FakeRobot(2, SCRIPT), new FakeRobot(3,
+      'a-robot-with-a-name-of-128-bytes-'.repeat(4).slice(0, 128), {
+        questions: [{ name: IMAGE, kind: 'KIND_STATE',
+          values: [SCRIPT, IMAGE, 'averyveryverylongclassname'.repeat(4)] }],
+      }));
+    await page.page.waitForSelector('[data-robot^="a-robot"]');
+    const names = await page.names();
+    tally.check(names.includes(IMAGE) && names.includes(SCRIPT), 'all there');
+    tally.check((await page.text('.grid')).includes(IMAGE), 'names are text');
+    await page.examine('strangers');
+    await page.page.click('[data-robot^="a-robot"] a');
+    await page.page.waitForSelector('.full');
+    await page.untilText('touched', '.events li');
+    await page.examine('strangers-full');
+    tally.check(await page.page.$$eval('main img, main script',
+      (all) => all.length === 0), 'none of them is an element');
+  },
+};
+
+async function pauseAndScrub(page) {
+  const moment = () => page.text('.time');
+  await page.page.keyboard.press('Space');
+  tally.check(await page.untilText('Go on', '.pause'), 'space pauses');
+  const paused = await moment();
+  await page.page.waitForTimeout(400);
+  tally.check(await moment() === paused, 'the moment stays');
+  await page.page.keyboard.press('ArrowLeft');
+  const before = await moment();
+  tally.check(before < paused, `left steps back (${paused}, ${before})`);
+  await page.page.keyboard.press('ArrowRight');
+  tally.check(await moment() === paused, 'right steps forward');
+  await page.page.focus('.transport input');
+  await page.page.keyboard.press('Home');
+  tally.check(await moment() < before, 'the slider goes to the first frame');
+  const box = await page.page.locator('.chart .u-over').first().boundingBox();
+  await page.page.mouse.move(box.x + box.width - 60, box.y + 40);
+  await page.page.mouse.down();
+  const there = await moment();
+  await page.page.mouse.move(box.x + box.width - 20, box.y + 40);
+  await page.page.mouse.up();
+  tally.check(there < await moment(), 'dragging on a chart goes there');
+  await page.page.focus('.skin');
+  await page.page.keyboard.press('Space');
+  tally.check(await page.untilText('live', '.time'), 'space goes on');
+  await page.page.keyboard.press('Space');
+}
+
+async function pickTaxels(page) {
+  await page.page.focus('.skin');
+  await page.page.keyboard.press('ArrowRight');
+  await page.page.keyboard.press('ArrowRight');
+  await page.page.keyboard.press('ArrowDown');
+  tally.check((await page.text('.pick')).startsWith(
+    'taxel 25 (row 1, column 1): '), 'arrow keys pick a taxel');
+  const box = await page.page.locator('.skin').boundingBox();
+  await page.page.mouse.click(box.x + box.width * 2.5 / 24,
+    box.y + box.height * 3.5 / 16);
+  tally.check((await page.text('.pick')).startsWith(
+    'taxel 74 (row 3, column 2): '), 'a click picks a taxel');
+}
+
+// In a moment with two contacts.
+async function chooseContact(page) {
+  await page.page.focus('.transport input');
+  for (let i = 0; i < 200 && !await page.page.isVisible('.choice'); ++i) {
+    await page.page.keyboard.press('ArrowLeft');
+  }
+  const second = page.page.locator('.choice button').nth(2);
+  const id = await second.innerText();
+  await second.click();
+  tally.check((await page.text('.answers-title')).startsWith(`contact ${id}, `),
+    'a contact can be chosen');
+}
+
+// How many robots there are at first.
+const ROBOTS = { 'no robot': 0, 'four robots': 4, 'twenty robots': 20 };
+
+await mkdir(pictures, { recursive: true });
+const browser = await chromium.launch({ executablePath,
+  args: ['--no-sandbox', '--headless=new'] });
+for (const [name, run] of Object.entries(tests)) {
+  if (chosen.length > 0 && !chosen.includes(name)) continue;
+  console.log(`  ${name}`);
+  const robots = name === 'names of strangers' ?
+    [new FakeRobot(1, IMAGE)] : makeRobots(ROBOTS[name] ?? 1);
+  const fake = new FakeConsole(pageDir, robots,
+    name === 'sign-in' ? { token: 'right' } : {});
+  const url = await fake.listen();
+  const page = await BrowserPage.open(browser, url, tally, pictures);
+  try {
+    await run({ page, fake });
+    tally.check(!fake.faults, `${name}: one question at a time`);
+    await page.close(name);
+  } catch (error) {
+    tally.check(false, `${name}: ${error.stack}`);
+    await page.page.screenshot({ path: `${pictures}/failed.png` });
+    await page.context.close();
+  }
+  await fake.close();
+}
+await browser.close();
+console.log(`${tally.passed} checks passed, ${tally.failed} failed`);
+process.exit(tally.failed > 0 ? 1 : 0);
