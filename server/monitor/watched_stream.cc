@@ -99,8 +99,7 @@ void WatchedStream::WriteCounts(int64_t now_ns,
 
 WatchedStream::Cursor WatchedStream::Now() {
   const std::lock_guard lock(mutex_);
-  return {.frames = std::max<uint64_t>(shown_count_, 1) - 1,
-          .events = event_count_};
+  return {.frames = shown_count_, .events = event_count_};
 }
 
 bool WatchedStream::ReadNew(int64_t now_ns, bool with_taxels, Cursor* cursor,

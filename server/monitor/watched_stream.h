@@ -75,8 +75,8 @@ class WatchedStream final : public StreamTap {
   // moves it on. False, and nothing is written, if there are none.
   bool ReadNew(int64_t now_ns, bool with_taxels, Cursor* cursor,
                v1::StreamUpdate* update);
-  // A cursor of a watcher that comes now: it sees the newest frame, and events
-  // from now on.
+  // A cursor of a watcher that comes now: it sees frames and events from now
+  // on. What was shown last may be old, because nobody may have asked since.
   Cursor Now();
 
  private:
