@@ -34,9 +34,10 @@ constexpr std::array<absl::string_view, 5> kFileRooms = {
     "connections", "files", "data", "import", "store"};
 
 // Rooms of the server that tests run without a network.
-constexpr std::array<absl::string_view, 6> kRoomsWithoutGrpc = {
-    "server/session/", "server/names/", "server/registry/",
-    "server/records/", "server/jobs/",  "server/trainer/"};
+constexpr std::array<absl::string_view, 7> kRoomsWithoutGrpc = {
+    "server/session/",    "server/names/", "server/registry/",
+    "server/records/",    "server/jobs/",  "server/trainer/",
+    "server/contact_log/"};
 
 constexpr std::array<absl::string_view, 6> kNotForComputing = {
     "thread", "mutex", "chrono", "fstream", "filesystem", "iostream"};
