@@ -39,6 +39,7 @@ std::string Doorkeeper::SignInWith(const std::string& token) {
 
 void Doorkeeper::SignOut(const std::string& cookie) {
   sign_ins_.Remove(cookie);
+  everybody_ = nullptr;
 }
 
 void Doorkeeper::Open() {

@@ -40,6 +40,7 @@ class Doorkeeper {
 
   // Returns the cookie.
   std::string SignInWith(const std::string& token);
+  // Also ends what Open began: servers may want tokens by now.
   void SignOut(const std::string& cookie);
   // Everybody may watch, as the servers say.
   void Open();

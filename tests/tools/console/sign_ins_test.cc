@@ -4,6 +4,7 @@
 
 #include "core/base/limits_console.h"
 #include "gtest/gtest.h"
+#include "tools/console/doorkeeper.h"
 
 namespace tactus::internal::console {
 namespace {
@@ -51,6 +52,15 @@ TEST(SignInsTest, TheOldestGoWhenThereAreTooMany) {
   sign_ins.Add("one more", later);
   EXPECT_EQ(sign_ins.Find(first, later), nullptr);
   EXPECT_NE(sign_ins.Find(second, later), nullptr);
+}
+
+TEST(DoorkeeperTest, ServersThatWantTokensNowAreOpenToNobody) {
+  Doorkeeper doorkeeper({});
+  doorkeeper.Open();
+  EXPECT_NE(doorkeeper.Find(""), nullptr);
+  doorkeeper.SignOut("");
+  EXPECT_EQ(doorkeeper.Find(""), nullptr);
+  EXPECT_FALSE(doorkeeper.is_open());
 }
 
 TEST(SignInsTest, ComparesSecrets) {
