@@ -6,8 +6,9 @@
 //   TACTUS_ASSIGN_OR_RETURN(const auto console, Console::Start(options));
 //   std::printf("http://127.0.0.1:%d/\n", console->port());
 //
-// It shows a person what the person's token may see, and nothing else. One thread serves all browsers; calls to servers have their own. Serving
-// ends with the object.
+// It shows a person what the person's token may see, and nothing else. One
+// thread serves all browsers; calls to servers have their own. Serving ends
+// with the object.
 #pragma once
 
 #include <memory>
