@@ -27,6 +27,16 @@ inline constexpr int kSignInHours = 12;
 inline constexpr int kMaxTokenChecks = 16;
 // A file of the page.
 inline constexpr size_t kMaxPageFileBytes = 4 * 1024 * 1024;
+// A request of a page to a server, as JSON, and the response, of protobuf and
+// then as JSON.
+inline constexpr uint64_t kMaxPageCallBytes = 256 * 1024;
+inline constexpr int kMaxPageReplyBytes = 4 * 1024 * 1024;
+inline constexpr size_t kMaxPageReplyJsonBytes = 16 * 1024 * 1024;
+// Such requests that one person, and all people, have under way, and seconds
+// for one.
+inline constexpr int kMaxPageCallsOfPerson = 8;
+inline constexpr int kMaxPageCalls = 32;
+inline constexpr int kPageCallS = 60;
 // Servers that one console shows.
 inline constexpr size_t kMaxConsoleServers = 16;
 

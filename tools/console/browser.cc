@@ -1,11 +1,14 @@
 #include "tools/console/browser.h"
 
+#include <boost/asio/steady_timer.hpp>
 #include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/errors.h"
 #include "core/base/limits_console.h"
 #include "tools/console/live_page.h"
+#include "tools/console/page_json.h"
 #include "tools/console/request_checks.h"
 #include "tools/console/responses.h"
 
@@ -18,6 +21,8 @@ using asio::ip::tcp;
 using boost::system::error_code;
 
 constexpr std::chrono::seconds kPatience(limits::kBrowserPatienceS);
+// How often a call looks whether somebody waits for it.
+constexpr std::chrono::milliseconds kLook(250);
 
 http::status StatusOf(const absl::Status& status) {
   switch (status.code()) {
@@ -70,21 +75,39 @@ class Browser : public std::enable_shared_from_this<Browser<Stream>> {
   void Read() {
     parser_.emplace();
     parser_->header_limit(limits::kMaxBrowserHeaderBytes);
-    parser_->body_limit(limits::kMaxBrowserBodyBytes);
+    parser_->body_limit(limits::kMaxPageCallBytes);
     Lowest().expires_after(kPatience);
+    http::async_read_header(
+        stream_, buffer_, *parser_,
+        [self = this->shared_from_this()](error_code error, size_t) {
+          if (error) return self->OnRead(error);
+          self->ReadBody();
+        });
+  }
+
+  // Only who may call a server may send a large body.
+  void ReadBody() {
+    const uint64_t limit = MayCallServers() ? limits::kMaxPageCallBytes
+                                            : limits::kMaxBrowserBodyBytes;
+    parser_->body_limit(limit);
+    const auto length = parser_->content_length();
+    if (length && *length > limit) return BodyTooLarge();
     http::async_read(stream_, buffer_, *parser_,
                      [self = this->shared_from_this()](
                          error_code error, size_t) { self->OnRead(error); });
   }
 
-  void OnRead(error_code error) {
-    if (error == http::error::body_limit) {
-      return Write(
-          ErrorResponse(http::status::payload_too_large,
-                        absl::StrCat("a body has at most ",
-                                     limits::kMaxBrowserBodyBytes, " bytes")),
+  void BodyTooLarge() {
+    Write(ErrorResponse(
+              http::status::payload_too_large,
+              absl::StrCat("a body has at most ", limits::kMaxBrowserBodyBytes,
+                           " bytes, and that of a call at most ",
+                           limits::kMaxPageCallBytes)),
           false);
-    }
+  }
+
+  void OnRead(error_code error) {
+    if (error == http::error::body_limit) return BodyTooLarge();
     if (error) return Shutdown();
     const Request& request = parser_->get();
     if (!HasAllowedHost(request, browsers_.is_loopback)) {
@@ -99,6 +122,7 @@ class Browser : public std::enable_shared_from_this<Browser<Stream>> {
     if (target == "/api/session" && reads) return Session();
     if (target == "/api/sign-in") return SignIn();
     if (target == "/api/sign-out") return SignOut();
+    if (IsPageCall(target)) return CallServer(target);
     const PageFile* file = FindPageFile(browsers_.files, target);
     if (file == nullptr) {
       return Write(ErrorResponse(http::status::not_found, "no such page"));
@@ -131,7 +155,7 @@ class Browser : public std::enable_shared_from_this<Browser<Stream>> {
   }
 
   void Session() {
-    const auto person = browsers_.doorkeeper.Find(CookieOf(parser_->get()));
+    const auto person = FindPerson();
     if (person != nullptr) return Write(SessionResponse(person.get()));
     // Perhaps the servers want no token.
     Ask("", [this](const absl::Status& status) {
@@ -164,16 +188,81 @@ class Browser : public std::enable_shared_from_this<Browser<Stream>> {
     });
   }
 
+  // True if it is the page of `person` that asks, and no other one.
+  bool IsFrom(const Doorkeeper::Person& person) const {
+    const Request& request = parser_->get();
+    const auto csrf = request["X-CSRF-Token"];
+    return IsOwnOrigin(request) && person != nullptr &&
+           SameSecret({csrf.data(), csrf.size()}, person->csrf);
+  }
+
+  bool MayCallServers() const {
+    const Request& request = parser_->get();
+    const auto target = request.target();
+    return IsPageCall({target.data(), target.size()}) &&
+           HasAllowedHost(request, browsers_.is_loopback) &&
+           IsFrom(FindPerson());
+  }
+
+  void CallServer(const std::string& path) {
+    const Request& request = parser_->get();
+    if (request.method() != http::verb::post) return WrongMethod();
+    if (!IsOwnOrigin(request)) return Forbidden();
+    const auto person = FindPerson();
+    if (person == nullptr) return WriteSignedOut();
+    if (!IsFrom(person)) return Forbidden();
+    const auto target = FindPageMethod(path);
+    if (!target) {
+      return Write(ErrorResponse(http::status::not_found,
+                                 "pages may not call such a method"));
+    }
+    // The calls have their own patience.
+    Lowest().expires_never();
+    calling_ = true;
+    call_ = browsers_.page_calls->Start(
+        *target, person, std::move(parser_->get().body()),
+        [weak = this->weak_from_this(), person](Response response) {
+          const auto self = weak.lock();
+          if (self != nullptr) self->OnReply(person, std::move(response));
+        });
+    if (calling_) WatchCall(person);
+  }
+
+  // Ends the call if nobody waits for it, or if the person signs out.
+  void WatchCall(const Doorkeeper::Person& person) {
+    timer_.expires_after(kLook);
+    timer_.async_wait([self = this->shared_from_this(), person](error_code) {
+      if (!self->calling_) return;
+      if (HasGone(self->Lowest().socket().native_handle()) ||
+          self->FindPerson() != person) {
+        self->call_->Cancel();
+      }
+      self->WatchCall(person);
+    });
+  }
+
+  Doorkeeper::Person FindPerson() const {
+    return browsers_.doorkeeper.Find(CookieOf(parser_->get()));
+  }
+
+  void OnReply(const Doorkeeper::Person& person, Response response) {
+    calling_ = false;
+    timer_.cancel();
+    call_ = nullptr;
+    // What a person may see is for that person alone.
+    if (FindPerson() != person) return WriteSignedOut();
+    Write(std::move(response));
+  }
+
+  void WriteSignedOut() {
+    Write(ErrorOfCall(Unauthenticated("nobody is signed in here")));
+  }
+
   void SignOut() {
     const Request& request = parser_->get();
     if (request.method() != http::verb::post) return WrongMethod();
     const std::string cookie = CookieOf(request);
-    const auto person = browsers_.doorkeeper.Find(cookie);
-    const auto csrf = request["X-CSRF-Token"];
-    if (!IsOwnOrigin(request) || person == nullptr ||
-        !SameSecret({csrf.data(), csrf.size()}, person->csrf)) {
-      return Forbidden();
-    }
+    if (!IsFrom(browsers_.doorkeeper.Find(cookie))) return Forbidden();
     browsers_.doorkeeper.SignOut(cookie);
     Response response = EmptyResponse();
     SetCookie("", 0, response);
@@ -257,6 +346,10 @@ class Browser : public std::enable_shared_from_this<Browser<Stream>> {
                              limits::kMaxBrowserBodyBytes};
   std::optional<http::request_parser<http::string_body>> parser_;
   Response response_;
+  // A call of a server, while it is under way.
+  std::shared_ptr<ServerCalls::Call> call_;
+  bool calling_ = false;
+  asio::steady_timer timer_{stream_.get_executor()};
 };
 
 }  // namespace

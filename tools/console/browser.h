@@ -9,6 +9,9 @@
 //   POST /api/sign-in   {"token": "..."}; sets the cookie
 //   POST /api/sign-out  with the header X-CSRF-Token
 //   GET  /api/live      a WebSocket (live_page.h)
+//   POST /api/servers/<number>/<Service>/<Method>
+//                       a call of a server (page_methods.h), with the header
+//                       X-CSRF-Token; message and response as JSON
 //
 // For the thread that serves browsers. `browsers` and `tls` must outlive the
 // connection, which keeps itself alive.

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "tools/console/doorkeeper.h"
+#include "tools/console/page_calls.h"
 #include "tools/console/page_files.h"
 #include "tools/console/waker.h"
 
@@ -19,6 +20,7 @@ struct Browsers {
   std::shared_ptr<Waker> waker;
   // Calls to servers block; they run here.
   boost::asio::thread_pool* calls = nullptr;
+  PageCalls* page_calls = nullptr;
   // Browsers of this machine alone can reach the console.
   bool is_loopback = true;
   bool uses_tls = false;

@@ -70,12 +70,16 @@ class Console::Impl {
       : browsers_{.files = std::move(files),
                   .doorkeeper = Doorkeeper(std::move(options.servers)),
                   .waker = std::make_shared<Waker>(&context_),
-                  .calls = &calls_} {}
+                  .calls = &calls_},
+        page_calls_(browsers_.doorkeeper.servers(), &calls_, browsers_.waker) {
+    browsers_.page_calls = &page_calls_;
+  }
 
   ~Impl() {
     context_.stop();
     if (thread_.joinable()) thread_.join();
     browsers_.waker->Stop();
+    page_calls_.Stop();
     calls_.join();
   }
 
@@ -123,6 +127,7 @@ class Console::Impl {
   // Outlives the pages, whose feeds end there.
   asio::thread_pool calls_{kCallThreads};
   Browsers browsers_;
+  PageCalls page_calls_;
   asio::io_context context_{1};
   tcp::acceptor acceptor_{context_};
   asio::steady_timer timer_{context_};

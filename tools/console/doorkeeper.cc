@@ -5,6 +5,7 @@
 #include "client/training/training_client.h"
 #include "core/base/address.h"
 #include "core/base/errors.h"
+#include "core/base/status_macros.h"
 
 namespace tactus::internal::console {
 namespace {
@@ -13,16 +14,22 @@ constexpr std::chrono::seconds kAnswerPatience(5);
 
 }  // namespace
 
+absl::Status MayTakeToken(const ServerAddress& server,
+                          const std::string& token) {
+  if (token.empty() || server.channel.tls_roots ||
+      StaysOnThisHost(server.address)) {
+    return absl::OkStatus();
+  }
+  return InvalidConfig(
+      absl::StrCat("the console's connection to ", server.address), "plain",
+      "TLS (--tls-ca), because a token must not leave the console's host "
+      "unencrypted");
+}
+
 absl::Status Doorkeeper::Ask(const std::string& token) const {
   absl::Status first;
   for (const ServerAddress& server : servers_) {
-    if (!token.empty() && !server.channel.tls_roots &&
-        !StaysOnThisHost(server.address)) {
-      return InvalidConfig(
-          absl::StrCat("the console's connection to ", server.address), "plain",
-          "TLS (--tls-ca), because a token must not leave the console's host "
-          "unencrypted");
-    }
+    TACTUS_RETURN_IF_ERROR(MayTakeToken(server, token));
     client::TrainingClient client(
         client::MakeTrainingChannel(server.address, server.channel),
         {.token = token, .timeout = kAnswerPatience});

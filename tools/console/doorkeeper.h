@@ -25,6 +25,11 @@
 
 namespace tactus::internal::console {
 
+// OK if a server may be sent a token: it is on the console's host, or its
+// connection is encrypted. An empty token may go everywhere.
+absl::Status MayTakeToken(const ServerAddress& server,
+                          const std::string& token);
+
 class Doorkeeper {
  public:
   using Person = std::shared_ptr<const SignIn>;

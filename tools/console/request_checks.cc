@@ -1,5 +1,7 @@
 #include "tools/console/request_checks.h"
 
+#include <poll.h>
+
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
@@ -32,6 +34,11 @@ bool IsOwnOrigin(const Request& request) {
     return false;
   }
   return !origin.empty() && origin == HeaderOf(request, http::field::host);
+}
+
+bool HasGone(int socket) {
+  pollfd state = {.fd = socket, .events = POLLRDHUP, .revents = 0};
+  return poll(&state, 1, 0) > 0;
 }
 
 std::string CookieOf(const Request& request) {

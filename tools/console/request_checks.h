@@ -1,10 +1,13 @@
 // File: request_checks.h
 //
-// Whether a request comes from the console's own page.
+// Whether a request comes from the console's own page, and whether somebody
+// still waits for the response.
 //
 //   if (!HasAllowedHost(request, is_loopback)) return Forbidden();
 //   if (!IsOwnOrigin(request)) return Forbidden();
 //   const std::string cookie = CookieOf(request);
+//
+//   if (HasGone(socket)) return Cancel();
 //
 // Thread-safe: free functions without state.
 #pragma once
@@ -24,6 +27,10 @@ bool HasAllowedHost(const Request& request, bool is_loopback);
 bool IsOwnOrigin(const Request& request);
 
 constexpr char kCookieName[] = "tactus";
+
+// True if the other side has closed the connection, also if it said something
+// before that nobody has read.
+bool HasGone(int socket);
 
 // The value of the console's cookie; empty if there is none.
 std::string CookieOf(const Request& request);

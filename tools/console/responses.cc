@@ -1,5 +1,7 @@
 #include "tools/console/responses.h"
 
+#include <utility>
+
 namespace tactus::internal::console {
 namespace {
 
@@ -32,6 +34,13 @@ Response JsonResponse(http::status status, const client::Json& json) {
   Response response = NewResponse(status);
   response.set(http::field::content_type, "application/json");
   response.body() = client::JsonText(json);
+  return response;
+}
+
+Response JsonTextResponse(std::string json) {
+  Response response = NewResponse(http::status::ok);
+  response.set(http::field::content_type, "application/json");
+  response.body() = std::move(json);
   return response;
 }
 

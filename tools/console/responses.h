@@ -24,6 +24,8 @@ using Response = http::response<http::string_body>;
 
 Response FileResponse(const PageFile& file);
 Response JsonResponse(http::status status, const client::Json& json);
+// Text that is JSON already.
+Response JsonTextResponse(std::string json);
 // {"error": text}.
 Response ErrorResponse(http::status status, absl::string_view text);
 // Without a body.

@@ -6,92 +6,22 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "core/access/access_table.h"
 #include "core/base/errors.h"
 #include "core/base/limits_console.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "server/ops/authorizer.h"
-#include "tests/server/support/test_server.h"
-#include "tests/support/raw_connection.h"
-#include "tests/support/scratch_dir.h"
+#include "tests/tools/console/console_fixture.h"
 
 namespace tactus::internal::console {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
-using testing::RawConnection;
 using ::testing::StartsWith;
-using testing::TestServer;
 
 constexpr char kUpgrade[] =
     "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
     "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n";
-
-// A server, with tokens or without, and a console that shows it.
-class ConsoleTest : public ::testing::Test {
- protected:
-  void Start(bool with_tokens) {
-    server::TactusServer::Options options;
-    options.listen = {"127.0.0.1:0"};
-    if (with_tokens) {
-      const std::string tokens = folder_ / "tokens";
-      std::ofstream(tokens) << *TokenLine("ann", Role::kViewer, "ann-token")
-                            << *TokenLine("arm", Role::kRobot, "arm-token");
-      authorizer_ = *server::Authorizer::Open(tokens);
-      options.authorizer = authorizer_.get();
-    }
-    server_.emplace(options);
-    for (const char* name :
-         {"index.html", "app.js", "app.css", "favicon.svg"}) {
-      std::ofstream(folder_ / name) << "this is " << name;
-    }
-    options_.servers = {
-        {absl::StrCat("127.0.0.1:", server_->server().ports()[0]), {}}};
-    options_.listen = "127.0.0.1:0";
-    options_.page = folder_.path();
-    auto console = Console::Start(options_);
-    ASSERT_TRUE(console.ok()) << console.status();
-    console_ = *std::move(console);
-    origin_ = absl::StrCat("localhost:", console_->port());
-  }
-
-  // The whole response to a request without its host.
-  std::string Ask(const std::string& line, const std::string& header = "",
-                  const std::string& body = "") const {
-    const RawConnection connection(console_->port());
-    connection.Send(absl::StrCat(
-        line, " HTTP/1.1\r\nHost: ", origin_, "\r\n", header,
-        body.empty() ? ""
-                     : absl::StrCat("Content-Length: ", body.size(), "\r\n"),
-        "\r\n", body));
-    connection.EndSending();
-    return connection.ReadAll();
-  }
-  std::string OwnOrigin() const {
-    return absl::StrCat("Origin: http://", origin_, "\r\n");
-  }
-  std::string SignIn(const std::string& token) const {
-    return Ask("POST /api/sign-in", OwnOrigin(),
-               absl::StrCat("{\"token\":\"", token, "\"}"));
-  }
-  // What follows `name` in a response, up to `end`.
-  static std::string After(const std::string& text, const std::string& name,
-                           char end) {
-    const size_t begin = text.find(name);
-    if (begin == std::string::npos) return "";
-    const size_t from = begin + name.size();
-    return text.substr(from, text.find(end, from) - from);
-  }
-
-  ScratchDir folder_;
-  std::shared_ptr<server::Authorizer> authorizer_;
-  std::optional<TestServer> server_;
-  ConsoleOptions options_;
-  std::unique_ptr<Console> console_;
-  std::string origin_;
-};
 
 TEST_F(ConsoleTest, ServesThePageAndNothingElse) {
   Start(false);
