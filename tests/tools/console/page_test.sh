@@ -35,4 +35,5 @@ if [[ $# -gt 2 ]]; then
 else
   node states_test.mjs "$bin/../share/tactus/console" states
   node --test page_test.mjs
+  node --test pages_test.mjs
 fi

@@ -19,6 +19,15 @@ export class Programs {
     return program;
   }
 
+  // Resolves when the program has done its work; rejects if it fails.
+  run(name, ...flags) {
+    const program = this.start(name, ...flags);
+    program.stdout.resume();
+    return new Promise((resolve, reject) => program.once('exit', (code) =>
+      code === 0 ? resolve() :
+        reject(new Error(`${name} ${flags.join(' ')} ends with ${code}`))));
+  }
+
   // Resolves with the first line that `pattern` matches.
   line(program, pattern) {
     const lines = createInterface({ input: program.stdout });

@@ -7,7 +7,7 @@ import { element, setAttribute, setText } from './dom';
 import type { Series } from './history';
 
 // Curves differ by dashes, too. The names are those of app.css.
-const DASHES = [[], [7, 4], [2, 3], [10, 3, 2, 3], [4, 4]];
+export const DASHES = [[], [7, 4], [2, 3], [10, 3, 2, 3], [4, 4]];
 const COLORS = DASHES.map((_, i) => `--curve-${i + 1}`);
 const HEIGHT = 112;
 // Frames that are farther apart are not joined by a line.
@@ -171,7 +171,7 @@ export class Chart {
 }
 
 // A colour of app.css; light and dark have their own.
-function colorNamed(name: string): string {
+export function colorNamed(name: string): string {
   return getComputedStyle(document.documentElement).getPropertyValue(name);
 }
 

@@ -8,6 +8,7 @@ import { FullView } from './full_view';
 import { History } from './history';
 import { forgetDrawn, noteMessage } from './measures';
 import type { Decoded } from './messages';
+import type { Page, PageKind } from './page';
 import { Robots, type Robot } from './robots';
 import { Tile } from './tile';
 import { isFelt, plural } from './words';
@@ -15,7 +16,14 @@ import { isFelt, plural } from './words';
 // Texts about all robots change so often.
 const STATE_MS = 250;
 
-export class LivePage {
+export const LIVE: PageKind = {
+  id: '',
+  title: 'Live',
+  ofOneServer: false,
+  open: ({ main, onSignedOut }) => new LivePage(main, onSignedOut),
+};
+
+class LivePage implements Page {
   private readonly robots = new Robots();
   private readonly tiles = new Map<string, Tile>();
   private readonly grid = element('div', { class: 'grid' });

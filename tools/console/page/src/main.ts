@@ -1,8 +1,8 @@
-// The console's page: signs in, then shows what robots feel.
+// The console's page: signs in, then shows what the address names.
 
 import { signOut, type Session } from './connection';
 import { byId, setText } from './dom';
-import { LivePage } from './live_page';
+import { Router } from './router';
 import { awaitSession, signInForm } from './sign_in';
 
 const SIGNED_OUT = 'The sign-in is no longer valid. Please sign in again.';
@@ -16,19 +16,23 @@ function showSignIn(message: string): void {
   byId('person').hidden = true;
   setText(byId('summary'), '');
   notify('');
-  byId('main').replaceChildren(signInForm(message, showLive));
+  byId('main').replaceChildren(signInForm(message, showPages));
   byId('token').focus();
 }
 
-function showLive(session: Session): void {
-  const page = new LivePage(byId('main'), () => {
-    page.close();
+function showPages(session: Session): void {
+  let over = false;
+  const router = new Router(session, () => {
+    if (over) return;
+    over = true;
+    router.close();
     void start(SIGNED_OUT);
   });
   byId('person').hidden = session.needs_token === false;
   setText(byId('name'), session.name ?? '');
   byId('sign-out').onclick = () => {
-    page.close();
+    over = true;
+    router.close();
     const done = () => showSignIn('');
     signOut(session.csrf).then(done, done);
   };
@@ -38,7 +42,7 @@ async function start(reason = ''): Promise<void> {
   const session = await awaitSession(() =>
     notify('The console does not answer. Trying again ...'));
   notify('');
-  if (session.signed_in) showLive(session);
+  if (session.signed_in) showPages(session);
   else showSignIn(reason);
 }
 

@@ -1,0 +1,89 @@
+// Calls of a server, by the console. Messages are JSON of protobuf: numbers of
+// 64 bits come as text.
+
+import { readSession } from './connection';
+
+export class ApiError extends Error {
+  constructor(readonly code: string, readonly reason: string, message: string,
+      readonly metadata: Record<string, string> = {}) {
+    super(message);
+  }
+
+  get isDenied(): boolean { return this.reason === 'PERMISSION_DENIED'; }
+}
+
+export type Role = 'robot' | 'viewer' | 'trainer' | 'admin';
+const ROLES: string[] = ['robot', 'viewer', 'trainer', 'admin'];
+
+export class Api {
+  private asked?: Promise<Role | undefined>;
+
+  // `server`: its number in the session's list.
+  constructor(readonly server: number, readonly address: string,
+      private readonly csrf: string,
+      private readonly onSignedOut: () => void) {}
+
+  // `method` like "ModelService/ListAliases". Throws an ApiError.
+  async call<Response>(method: string, request: object = {},
+      signal?: AbortSignal): Promise<Response> {
+    let response;
+    try {
+      response = await fetch(`/api/servers/${this.server}/${method}`, {
+        method: 'POST', body: JSON.stringify(request), signal: signal ?? null,
+        headers: { 'Content-Type': 'application/json',
+          'X-CSRF-Token': this.csrf },
+      });
+    } catch (error) {
+      if (signal?.aborted) throw error;
+      throw new ApiError('OFFLINE', '', 'The console does not answer.');
+    }
+    if (response.ok) return await response.json() as Response;
+    const error = await errorOf(response);
+    // The server may refuse a token that another one takes.
+    if (response.status === 401 && !(await readSession()).signed_in) {
+      this.onSignedOut();
+    }
+    throw error;
+  }
+
+  // True if the server lets the person do what needs `role`; undefined if it
+  // does not say. Asked once: the refusal of what only admins may names the
+  // caller's role.
+  async may(role: Role): Promise<boolean | undefined> {
+    this.asked ??= this.call('AdminService/GetServerInfo').then(
+      (): Role => 'admin',
+      (error) => error instanceof ApiError && error.isDenied ?
+        error.metadata.role as Role : undefined);
+    const own = await this.asked;
+    return own === undefined ? undefined :
+      ROLES.indexOf(own) >= ROLES.indexOf(role);
+  }
+}
+
+// All pages of a list; `items` is the name of the list in a response.
+export async function listAll<Item>(api: Api, method: string, items: string,
+    signal?: AbortSignal, most = 10): Promise<Item[]> {
+  const all: Item[] = [];
+  let page_token = '';
+  for (let i = 0; i < most; ++i) {
+    const response = await api.call<Record<string, unknown>>(method,
+      { page_size: 1000, page_token }, signal);
+    all.push(...response[items] as Item[]);
+    page_token = response.next_page_token as string;
+    if (page_token === '') break;
+  }
+  return all;
+}
+
+async function errorOf(response: Response): Promise<ApiError> {
+  try {
+    const { code, reason, message, metadata, error } = await response.json();
+    return new ApiError(code ?? '', reason ?? '',
+      message ?? error ?? `status ${response.status}`, metadata ?? {});
+  } catch {
+    return new ApiError('', '', `status ${response.status}`);
+  }
+}
+
+// The same request sent twice does its work once.
+export function newRequestId(): string { return crypto.randomUUID(); }
