@@ -67,13 +67,14 @@ export class BrowserPage {
   }
 
   // Checks a state in light and dark, at three widths, and keeps pictures.
-  async examine(state, fullPage = true) {
+  // `settles`: milliseconds for what moves.
+  async examine(state, fullPage = true, settles = 400) {
     for (const colorScheme of ['light', 'dark']) {
       await this.page.emulateMedia({ colorScheme });
       await this.checkAxe(`${state}, ${colorScheme}`);
       for (const width of WIDTHS) {
         await this.page.setViewportSize({ width, height: HEIGHT });
-        await this.page.waitForTimeout(400);
+        await this.page.waitForTimeout(settles);
         const over = await this.page.evaluate(() =>
           document.documentElement.scrollWidth - window.innerWidth);
         this.tally.check(over <= 0, `${state}: no horizontal scroll at ` +

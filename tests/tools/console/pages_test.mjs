@@ -51,8 +51,25 @@ const see = async (page, text, selector) => assert.ok(
   await page.untilText(text, selector), `"${text}" is not there; but:\n` +
     await page.text());
 
+const examine = (page, state, fullPage = true) =>
+  page.examine(state, fullPage, 80);
+
 const press = (page, name) =>
   page.page.getByRole('button', { name, exact: true }).click();
+
+// Those of docs/console.md; the other one is train-model-1440-light.png.
+async function drawPictures(page, socket, address, trainctl) {
+  await trainctl('datasets', 'relabel', 'arm', '000504', '--label=SM',
+    '--reason=it moved');
+  await page.page.goto(`${address}#data/arm/2`);
+  await see(page, '1 relabelled: it moved');
+  await see(page, '000504');
+  await page.page.screenshot({ path: 'picture-data.png' });
+  for (const name of ['arm-1', 'arm-2']) programs.robot(socket, name);
+  await page.page.goto(`${address}#server`);
+  await see(page, 'Hz', 'td');
+  await page.page.screenshot({ path: 'picture-server.png' });
+}
 
 async function signIn(page, token) {
   await page.page.getByLabel('Token').fill(token);
@@ -64,7 +81,7 @@ test('data: versions, trials, and their changes', async () => {
   const page = await show(address, '#data');
   await see(page, 'There is no dataset yet');
   await see(page, 'trainctl datasets create arm');
-  await page.examine('data-empty');
+  await page.checkAxe('data-empty');
 
   await addData(trainctl, `--description=${HOSTILE}`);
   await page.page.reload();
@@ -94,13 +111,13 @@ test('data: versions, trials, and their changes', async () => {
   await press(page, 'Relabel 1 ...');
   await page.page.getByLabel('New label').fill(HOSTILE);
   await page.page.getByLabel('Reason').fill(`a typo ${HOSTILE}`);
-  await page.examine('data-relabel', false);
+  await page.checkAxe('data-relabel');
   await page.page.keyboard.press('Enter');
   await see(page, 'Relabelled 1 trial: this is arm@2 now.', '#told');
   await see(page, `1 relabelled: a typo ${HOSTILE}`);
   await see(page, HOSTILE, '.bars');
   await see(page, 'From version');
-  await page.examine('data');
+  await examine(page, 'data');
   await page.page.goto(`${address}#data/arm/1`);
   await see(page, 'Versions never change');
   assert.ok(await page.page.locator('tbody input').first().isDisabled());
@@ -122,7 +139,7 @@ test('data: versions, trials, and their changes', async () => {
 });
 
 test('training: a job, a model, and its aliases', async () => {
-  const { address, trainctl } = await begin('train');
+  const { socket, address, trainctl } = await begin('train');
   await addData(trainctl);
   const page = await show(address, '#train');
   await see(page, 'No job yet');
@@ -143,7 +160,7 @@ test('training: a job, a model, and its aliases', async () => {
   await page.page.goto(`${address}#train/job/2`);
   await see(page, 'succeeded', '.state');
   await page.page.locator('.learning canvas').waitFor();
-  await page.examine('train-job');
+  await examine(page, 'train-job');
   await page.page.getByRole('link', { name: 'arm@1' }).first().click();
   await see(page, 'It was not evaluated yet.');
   await press(page, 'Evaluate ...');
@@ -152,7 +169,7 @@ test('training: a job, a model, and its aliases', async () => {
   assert.equal(await page.page.locator('.confusion tbody td.right').count(), 4);
   await page.page.goto(`${address}#train/model/arm/1`);
   await see(page, '95 % interval');
-  await page.examine('train-model');
+  await examine(page, 'train-model');
 
   await press(page, 'Promote ...');
   await press(page, 'Promote');
@@ -170,12 +187,13 @@ test('training: a job, a model, and its aliases', async () => {
   await press(page, 'Set');
   await see(page, 'on arm@1: accuracy');
   await see(page, '5 % get arm@1');
-  await page.examine('train');
+  await examine(page, 'train');
   await press(page, 'Roll back ... default');
   await press(page, 'Roll back to arm@1');
   await see(page, 'default names arm@1 again.', '#told');
   await page.page.getByRole('link', { name: 'default', exact: true }).click();
   await see(page, 'rolled back');
+  await drawPictures(page, socket, address, trainctl);
   await page.close('train');
 });
 
@@ -187,7 +205,7 @@ test('the server: streams, changes, and its end', async () => {
   await see(page, HOSTILE, 'td');
   await see(page, 'datasets/arm/versions/1');
   await see(page, 'of at most');
-  await page.examine('server');
+  await examine(page, 'server');
   await page.page.getByLabel('Only what begins with').fill('uploads/');
   assert.ok(await page.until(() =>
     !document.body.innerText.includes('datasets/arm')));
@@ -200,7 +218,7 @@ test('the server: streams, changes, and its end', async () => {
   await see(page, 'The server ends: 1 stream', '#told');
   assert.ok(await page.until(() =>
     document.querySelector('[role=alert]') !== null));
-  await page.examine('server-gone');
+  await page.checkAxe('server-gone');
   await page.close('server');
 });
 
@@ -224,7 +242,7 @@ test('roles: what a token may not do is read-only', async () => {
   for (const name of ['Train a model ...', 'Promote ... default@1']) {
     assert.ok(await page.page.getByRole('button', { name }).isDisabled());
   }
-  await page.examine('train-read-only');
+  await page.checkAxe('train-read-only');
   await page.page.goto(`${address}#server`);
   await see(page, 'No stream is open');
   assert.ok(await page.page.getByRole('button', { name: 'Drain ...' })
@@ -276,6 +294,7 @@ test('no text of a server is markup', async () => {
     const json = spoil(await response.json(), '');
     await route.fulfill({ response, json });
   });
+  await page.page.reload();
   for (const [where, text] of [['data', 'unix'], ['data/arm/1', '60 trials'],
     ['train', 'arm@1'], ['train/job/1', 'succeeded'],
     ['train/job/2', 'Accuracy'], ['train/model/arm/1', 'paper'],

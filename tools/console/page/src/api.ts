@@ -10,6 +10,11 @@ export class ApiError extends Error {
   }
 
   get isDenied(): boolean { return this.reason === 'PERMISSION_DENIED'; }
+
+  // True if the console or the server does not answer.
+  get isAway(): boolean {
+    return this.code === 'OFFLINE' || this.code === 'UNAVAILABLE';
+  }
 }
 
 export type Role = 'robot' | 'viewer' | 'trainer' | 'admin';
@@ -55,6 +60,7 @@ export class Api {
       (error) => error instanceof ApiError && error.isDenied ?
         error.metadata.role as Role : undefined);
     const own = await this.asked;
+    if (own === undefined) this.asked = undefined;
     return own === undefined ? undefined :
       ROLES.indexOf(own) >= ROLES.indexOf(role);
   }

@@ -6,7 +6,7 @@ import type { Session } from './connection';
 import { byId, element, setText } from './dom';
 import type { Page, PageKind } from './page';
 import { PAGES } from './pages';
-import { tellDone } from './parts/states';
+import { leaveTold } from './parts/states';
 
 export class Router {
   private page?: Page;
@@ -42,11 +42,11 @@ export class Router {
     setText(byId('summary'), '');
     byId('notice').hidden = true;
     setText(byId('notice'), '');
-    tellDone('');
     for (const dialog of document.querySelectorAll('dialog')) dialog.close();
   }
 
   private readonly go = (): void => {
+    leaveTold();
     const address = addressOf(location.hash);
     const kind = PAGES.find(({ id }) => id === address.page) ?? PAGES[0]!;
     const { servers } = this.session;
@@ -60,14 +60,21 @@ export class Router {
           this.onSignedOut);
       }
       this.showWays(server);
-      const main = byId('main');
-      this.page = kind.open({ main, api: this.api!,
+      this.page = kind.open({ main: byId('main'), api: this.api!,
         onSignedOut: this.onSignedOut });
-      if (!isFirst) main.focus();
+      if (!isFirst) byId('main').focus();
       window.scrollTo(0, 0);
     }
     this.page.show?.(address.path);
+    this.keepFocus(kind);
   };
+
+  // What had the focus may be gone. The live page looks after its own.
+  private keepFocus({ id }: PageKind): void {
+    if (id === '' || document.activeElement !== document.body) return;
+    byId('main').focus();
+    window.scrollTo(0, 0);
+  }
 
   private showWays(server: number): void {
     byId('server').hidden = !this.kind!.ofOneServer ||

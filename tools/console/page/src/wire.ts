@@ -78,6 +78,8 @@ export interface Evaluation {
   calibration_error: number;
   class_names: string[];
   confusion: number[];
+  anytime_s: number[];
+  anytime: Accuracy[];
   trained_on_data?: boolean;
   trained_on_contacts: number;
   wrong: { name: string; label: string; answer: string }[];

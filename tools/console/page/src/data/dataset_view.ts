@@ -25,8 +25,7 @@ export class DatasetView {
       pageHead(dataset, link(hrefOf('data', api.server), '← All datasets'),
         this.description),
       element('div', { class: 'columns' }, this.versions.root,
-        element('div', { class: 'stack' }, this.labels.root,
-          this.difference.root)),
+        this.labels.root, this.difference.root),
       this.place);
   }
 

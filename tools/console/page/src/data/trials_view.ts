@@ -154,7 +154,7 @@ export class TrialsView {
         const number = nameParts(version.name)[1]!;
         tellDone(`${verb === 'Remove' ? 'Removed' : 'Relabelled'} ` +
           `${plural(trials.length, 'trial')}: this is ` +
-          `${this.dataset}@${number} now.`);
+          `${this.dataset}@${number} now.`, true);
         location.hash = hrefOf('data', this.api.server, this.dataset, number);
       },
     });

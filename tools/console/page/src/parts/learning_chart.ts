@@ -24,12 +24,17 @@ export class LearningChart {
   // The phase that is shown; at first the newest.
   readonly choice = element('select', { 'aria-label': 'Phase' });
   private points: LearningPoint[] = [];
+  // What was chosen for lack of a choice.
+  private shownFirst = '';
   private plot?: uPlot;
   private shape = '';
   private readonly observer = new ResizeObserver(() => this.resize());
+  private readonly dark = matchMedia('(prefers-color-scheme: dark)');
+  private readonly redraw = (): void => this.plot?.redraw();
 
   constructor() {
     this.observer.observe(this.root);
+    this.dark.addEventListener('change', this.redraw);
     this.choice.addEventListener('change', () => this.show(this.points));
   }
 
@@ -60,6 +65,7 @@ export class LearningChart {
 
   close(): void {
     this.observer.disconnect();
+    this.dark.removeEventListener('change', this.redraw);
     this.plot?.destroy();
   }
 
@@ -68,10 +74,24 @@ export class LearningChart {
     const phases = [...new Set(this.points.map(({ phase }) => phase))];
     const { options, value } = this.choice;
     if (options.length === phases.length) return;
-    const wasNewest = this.choice.selectedIndex === options.length - 1;
+    const chosen = value !== '' && value !== this.shownFirst ? value :
+      this.newestCurve(phases);
     this.choice.replaceChildren(...phases.map((phase) =>
       element('option', {}, phase)));
-    this.choice.value = wasNewest ? phases[phases.length - 1]! : value;
+    this.choice.value = chosen;
+    if (chosen !== value) this.shownFirst = chosen;
+  }
+
+  // Of phases some have one point for each part, which is no curve.
+  private newestCurve(phases: string[]): string {
+    const counts = new Map<string, number>();
+    const curves = new Set<string>();
+    for (const { phase, part } of this.points) {
+      const count = (counts.get(`${phase}\n${part}`) ?? 0) + 1;
+      counts.set(`${phase}\n${part}`, count);
+      if (count > 1) curves.add(phase);
+    }
+    return [...phases, ...curves].pop()!;
   }
 
   private draw(title: string, parts: string[],
@@ -120,7 +140,8 @@ function optionsOf(parts: string[]): uPlot.Options {
     series: [{}, ...parts.map((label, i) => ({
       label, stroke: () => colorNamed(`--curve-${i % DASHES.length + 1}`),
       dash: DASHES[i % DASHES.length]!, width: 1.75, spanGaps: true,
-      points: { show: false },
+      // A part with one iteration has no line.
+      points: { show: true, size: 5 },
     }))],
   };
 }

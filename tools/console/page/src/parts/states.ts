@@ -31,6 +31,8 @@ export function emptyBox(title: string, text: string, command?: string):
     ...(command ? [element('pre', {}, command)] : []));
 }
 
+const AWAY_MS = 5000;
+
 // A part that loads: it says so, then shows what came or what went wrong. Of
 // loads that overlap, the newest counts; what is shown stays until it is there.
 export class Part {
@@ -47,8 +49,6 @@ export class Part {
     this.body.append(element('p', { class: 'quiet' }, 'Loading ...'));
   }
 
-  get signal(): AbortSignal | undefined { return this.aborter?.signal; }
-
   async load(make: (signal: AbortSignal) => Promise<Node[]>): Promise<void> {
     if (this.closed) return;
     this.aborter?.abort();
@@ -61,15 +61,28 @@ export class Part {
       if (!aborter.signal.aborted) this.show(...nodes);
     } catch (error) {
       if (aborter.signal.aborted) return;
-      this.show(errorBox(error, () => void this.load(make)));
+      this.fail(error, () => void this.load(make));
     }
     if (!aborter.signal.aborted) this.root.removeAttribute('aria-busy');
   }
 
-  // Calls `again` after a while, unless something is loaded before.
+  // Calls `again` after a while, unless something is loaded before or nobody
+  // looks.
   later(ms: number, again: () => void): void {
     clearTimeout(this.timer);
-    if (!this.closed) this.timer = window.setTimeout(again, ms);
+    if (this.closed) return;
+    this.timer = window.setTimeout(() => {
+      if (document.hidden) this.later(ms, again);
+      else again();
+    }, ms);
+  }
+
+  // What is out of reach may come back.
+  private fail(error: unknown, again: () => void): void {
+    const box = errorBox(error, again);
+    // The same text is not read out again.
+    if (this.body.textContent !== box.textContent) this.show(box);
+    if (error instanceof ApiError && error.isAway) this.later(AWAY_MS, again);
   }
 
   // The focus stays on what has the same name.
@@ -96,9 +109,18 @@ function nameOf(node: Element): string {
     node.getAttribute('aria-label') ?? node.textContent].join(' ');
 }
 
-// Says that something was done, and shows it until the next thing is.
-export function tellDone(text: string): void {
+// What was done, until the address changes; with `thenGo`, until it changes
+// once more.
+let keepTold = false;
+
+export function tellDone(text: string, thenGo = false): void {
   const told = document.getElementById('told')!;
+  keepTold = thenGo;
   told.hidden = text === '';
   setText(told, text);
+}
+
+export function leaveTold(): void {
+  if (!keepTold) tellDone('');
+  keepTold = false;
 }

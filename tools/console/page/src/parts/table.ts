@@ -27,12 +27,17 @@ export function table(caption: string, columns: (Column | string)[],
     title === '' ? element('td') :
       element('th', { scope: 'col', ...classOf(i) }, title)));
   const body = rows.map((row) => element('tr', {}, ...row.map((cell, i) =>
-    element('td', classOf(i), cell))));
+    element('td', isMoment(cell) ? { class: 'moment' } : classOf(i), cell))));
   return element('div', { class: 'table-box', tabindex: '0', role: 'region',
     'aria-label': caption },
   element('table', {},
     element('caption', { class: 'unseen' }, caption),
     element('thead', {}, head), element('tbody', {}, ...body)));
+}
+
+// Such a cell stays on one line.
+function isMoment(cell: Cell): boolean {
+  return typeof cell === 'string' && /^\d{4}-\d\d-\d\d /.test(cell);
 }
 
 export function facts(...pairs: [string, Cell][]): HTMLElement {

@@ -32,7 +32,9 @@ export async function askPromote(api: Api, version: string,
           alias: `aliases/${alias}`, etag: known?.etag ?? '',
           model_version: fullName('models', version),
           force: force === 'yes' } });
-      if (isActive(operation) || operation.error) return openJob(api, operation);
+      if (isActive(operation) || operation.error) {
+        return openJob(api, operation);
+      }
       tellDone(`${alias} names ${version} now.`);
       done();
     },

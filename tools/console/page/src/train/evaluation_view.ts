@@ -27,7 +27,7 @@ export function evaluationView(report: Evaluation): HTMLElement {
     element('h2', {}, 'Evaluation'), ...warning,
     element('div', { class: 'evaluation' }, facts(...rows),
       confusionTable(report)),
-    ...wrongAnswers(report));
+    ...accuracyOverTime(report), ...wrongAnswers(report));
 }
 
 // Rows are true classes. Each cell has the share of its row, and the count.
@@ -61,6 +61,15 @@ function cellOf(count: number, whole: number, right: boolean):
   cell.append(count === 0 ? '–' : `${Math.round(100 * count / whole)} %`);
   if (count > 0) cell.append(element('small', {}, String(count)));
   return cell;
+}
+
+function accuracyOverTime({ anytime, anytime_s }: Evaluation): Node[] {
+  if (anytime.length === 0) return [];
+  return [element('details', {},
+    element('summary', {}, 'Accuracy over the time since onset'),
+    table('Accuracy over time', [{ title: 'Seconds', number: true },
+      'Accuracy'], anytime.map((accuracy, i) =>
+      [String(anytime_s[i]), accuracyText(accuracy)])))];
 }
 
 function wrongAnswers({ wrong }: Evaluation): Node[] {

@@ -6,7 +6,7 @@ import { element } from '../dom';
 import { Pager } from '../parts/pager';
 import { emptyBox, Part } from '../parts/states';
 import { button, buttons, link, table, type Cell } from '../parts/table';
-import { moment, shortName, word } from '../parts/texts';
+import { moment, nameParts, shortName, share, word } from '../parts/texts';
 import type { Operation } from '../wire';
 import { percent } from '../words';
 import { askEvaluate, askTrain } from './questions';
@@ -57,9 +57,21 @@ export class JobList {
       operations.map((job): Cell[] => {
         const number = shortName(job.name);
         return [link(hrefOf('train', this.api.server, 'job', number), number),
-          purposeOf(job), stateOf(job), resultOf(job),
+          purposeOf(job), stateOf(job), this.resultOf(job),
           moment(job.create_time_ms), job.requester];
       }));
+  }
+
+  private resultOf(job: Operation): Cell {
+    if (job.error?.message) return job.error.message;
+    const accuracy = job.result?.evaluation?.accuracy;
+    if (accuracy) {
+      return `${share(accuracy.correct, accuracy.contacts)} ` +
+        `(${accuracy.correct} of ${accuracy.contacts})`;
+    }
+    const made = job.result?.model_version;
+    return made ? link(hrefOf('train', this.api.server, 'model',
+      ...nameParts(made)), shortName(made)) : '';
   }
 }
 
@@ -95,15 +107,4 @@ export function stateOf(job: Operation): HTMLElement {
     'aria-label': 'progress of the phase' });
   return element('span', { class: 'running' }, text, bar,
     element('span', { class: 'quiet' }, `${percent(fraction)} ${phase}`));
-}
-
-function resultOf(job: Operation): string {
-  if (job.error?.message) return job.error.message;
-  const accuracy = job.result?.evaluation?.accuracy;
-  if (accuracy) {
-    return `${(100 * accuracy.correct / accuracy.contacts).toFixed(1)} % ` +
-      `(${accuracy.correct} of ${accuracy.contacts})`;
-  }
-  if (job.result?.model_version) return shortName(job.result.model_version);
-  return '';
 }

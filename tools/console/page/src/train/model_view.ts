@@ -29,8 +29,12 @@ export class ModelView {
       this.results.root, this.newest);
     this.loadOrigin();
     this.loadResults();
-    void api.may('trainer').then((may) => { evaluate.disabled = may === false; });
-    void api.may('admin').then((may) => { promote.disabled = may === false; });
+    void api.may('trainer').then((may) => {
+      evaluate.disabled = may === false;
+    });
+    void api.may('admin').then((may) => {
+      promote.disabled = may === false;
+    });
   }
 
   close(): void {

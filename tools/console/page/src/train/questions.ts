@@ -111,5 +111,5 @@ export async function askEvaluate(api: Api, version: string): Promise<void> {
 export function openJob(api: Api, operation: Operation): void {
   const number = shortName(operation.name);
   location.hash = hrefOf('train', api.server, 'job', number);
-  tellDone(`Job ${number} is requested.`);
+  tellDone(`Job ${number} is requested.`, true);
 }
