@@ -245,6 +245,7 @@ test('roles: what a token may not do is read-only', async () => {
   await page.checkAxe('train-read-only');
   await page.page.goto(`${address}#server`);
   await see(page, 'No stream is open');
+  await see(page, 'needs the role admin', '.denied');
   assert.ok(await page.page.getByRole('button', { name: 'Drain ...' })
     .isDisabled());
 
@@ -316,6 +317,7 @@ test('several servers: one is chosen', async () => {
     `--server=unix:${second.socket}`);
   const page = await show(address, '#data');
   await see(page, 'There is no dataset yet');
+  await examine(page, 'servers');
   await page.page.getByLabel('Server', { exact: true }).selectOption('1');
   await see(page, 'unix');
   assert.ok(page.page.url().endsWith('#data@1'), page.page.url());
@@ -327,4 +329,20 @@ test('several servers: one is chosen', async () => {
   await see(page, 'No robot is streaming');
   assert.ok(await page.page.locator('#server').isHidden());
   await page.close('servers');
+});
+
+test('a console that is started again knows its page again', async () => {
+  const { socket, address } = await begin('again');
+  const flags = [`--server=unix:${socket}`, `--listen=${new URL(address).host}`];
+  const page = await show(address, '#server');
+  await see(page, 'Runs for');
+  await programs.stop(programs.consoles.pop());
+  await page.page.getByRole('link', { name: 'Data' }).click();
+  await see(page, 'The console does not answer.', '[role=alert]');
+  await page.checkAxe('no console');
+  const second = programs.start('tactus-console', ...flags);
+  await programs.line(second, /^console: /);
+  await press(page, 'Try again');
+  await see(page, 'There is no dataset yet');
+  await page.close('again');
 });

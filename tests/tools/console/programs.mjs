@@ -10,6 +10,8 @@ import { setTimeout as sleep } from 'node:timers/promises';
 export class Programs {
   folder = mkdtempSync(join(tmpdir(), 'tactus-page-'));
   running = new Set();
+  // Those that console() started, the newest last.
+  consoles = [];
 
   start(name, ...flags) {
     const program = spawn(join(process.env.TACTUS_BIN, name), flags,
@@ -64,6 +66,7 @@ export class Programs {
   async console(socket, ...flags) {
     const program = this.start('tactus-console', `--server=unix:${socket}`,
       '--listen=127.0.0.1:0', ...flags);
+    this.consoles.push(program);
     const match = await this.line(program, /^console: (http\S+)$/);
     program.stdout.resume();
     return match[1];

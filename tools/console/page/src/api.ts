@@ -1,7 +1,7 @@
 // Calls of a server, by the console. Messages are JSON of protobuf: numbers of
 // 64 bits come as text.
 
-import { readSession } from './connection';
+import { readSession, type Session } from './connection';
 
 export class ApiError extends Error {
   constructor(readonly code: string, readonly reason: string, message: string,
@@ -24,31 +24,46 @@ export class Api {
   private asked?: Promise<Role | undefined>;
 
   // `server`: its number in the session's list.
-  constructor(readonly server: number, readonly address: string,
-      private readonly csrf: string,
+  constructor(readonly server: number, private readonly session: Session,
       private readonly onSignedOut: () => void) {}
+
+  get address(): string { return this.session.servers[this.server]!; }
 
   // `method` like "ModelService/ListAliases". Throws an ApiError.
   async call<Response>(method: string, request: object = {},
       signal?: AbortSignal): Promise<Response> {
-    let response;
+    const response = await this.post(method, request, signal);
+    if (response.ok) return await response.json() as Response;
+    if (!await this.isRenewed(response)) throw await errorOf(response);
+    const again = await this.post(method, request, signal);
+    if (again.ok) return await again.json() as Response;
+    throw await errorOf(again);
+  }
+
+  private async post(method: string, request: object, signal?: AbortSignal):
+      Promise<Response> {
     try {
-      response = await fetch(`/api/servers/${this.server}/${method}`, {
+      return await fetch(`/api/servers/${this.server}/${method}`, {
         method: 'POST', body: JSON.stringify(request), signal: signal ?? null,
         headers: { 'Content-Type': 'application/json',
-          'X-CSRF-Token': this.csrf },
+          'X-CSRF-Token': this.session.csrf },
       });
     } catch (error) {
       if (signal?.aborted) throw error;
       throw new ApiError('OFFLINE', '', 'The console does not answer.');
     }
-    if (response.ok) return await response.json() as Response;
-    const error = await errorOf(response);
-    // The server may refuse a token that another one takes.
-    if (response.status === 401 && !(await readSession()).signed_in) {
-      this.onSignedOut();
-    }
-    throw error;
+  }
+
+  // True if the person has signed in anew, in another window or because the
+  // console was started again, and this page did not know. A server may also
+  // refuse a token that another server takes.
+  private async isRenewed({ status }: Response): Promise<boolean> {
+    if (status !== 401 && status !== 403) return false;
+    const { signed_in, csrf } = await readSession().catch(() => this.session);
+    if (!signed_in) this.onSignedOut();
+    const isNew = signed_in && csrf !== this.session.csrf;
+    this.session.csrf = csrf;
+    return isNew;
   }
 
   // True if the server lets the person do what needs `role`; undefined if it

@@ -56,8 +56,7 @@ export class Router {
       const isFirst = this.kind === undefined;
       this.kind = kind;
       if (this.api?.server !== server) {
-        this.api = new Api(server, servers[server]!, this.session.csrf,
-          this.onSignedOut);
+        this.api = new Api(server, this.session, this.onSignedOut);
       }
       this.showWays(server);
       this.page = kind.open({ main: byId('main'), api: this.api!,

@@ -5,6 +5,11 @@ import { ApiError } from '../api';
 import { element, setText } from '../dom';
 
 export function errorBox(error: unknown, retry?: () => void): HTMLElement {
+  if (error instanceof ApiError && error.reason === 'NO_DATA_DIRECTORY') {
+    return emptyBox('This server keeps no data', 'It only classifies. ' +
+      'A server keeps data and trains if it is started with a folder:',
+    'tactusd --data-dir=FOLDER');
+  }
   const denied = error instanceof ApiError && error.isDenied;
   const box = element('div', { class: denied ? 'denied' : 'error',
     role: denied ? 'note' : 'alert' },

@@ -12,7 +12,7 @@ import { plural } from '../words';
 import { AuditList } from './audit_list';
 import { StreamList } from './stream_list';
 
-const AGAIN_MS = 10_000;
+const AGAIN_MS = 7000;
 
 export const SERVER: PageKind = {
   id: 'server',

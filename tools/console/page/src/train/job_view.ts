@@ -1,7 +1,7 @@
 // One job: its state, its learning curve, its log, and what it made.
 
 import { hrefOf } from '../address';
-import type { Api } from '../api';
+import { ApiError, type Api } from '../api';
 import { element, setText } from '../dom';
 import { ask } from '../parts/dialog';
 import { LearningChart } from '../parts/learning_chart';
@@ -14,7 +14,12 @@ import { isActive, purposeOf, stateOf } from './job_list';
 
 // A job is asked for after pauses that grow while nothing is new.
 const FIRST_MS = 1000;
-const LONGEST_MS = 10_000;
+const LONGEST_MS = 8000;
+
+interface Watched {
+  operation: Operation;
+  points: LearningPoint[];
+}
 
 export class JobView {
   readonly root: HTMLElement;
@@ -50,10 +55,7 @@ export class JobView {
 
   private look(): void {
     void this.state.load(async (signal) => {
-      const { operation, points } = await this.api.call<{
-        operation: Operation; points: LearningPoint[]; }>(
-        'OperationService/WatchOperation',
-        { name: `operations/${this.number}` }, signal);
+      const { operation, points } = await this.read(signal);
       this.showCurve(points);
       this.readLog();
       const active = isActive(operation);
@@ -66,6 +68,22 @@ export class JobView {
       if (active) this.state.later(this.pause, () => this.look());
       return [this.factsOf(operation)];
     });
+  }
+
+  private async read(signal: AbortSignal): Promise<Watched> {
+    const request = { name: `operations/${this.number}` };
+    try {
+      return await this.api.call<Watched>('OperationService/WatchOperation',
+        request, signal);
+    } catch (error) {
+      // The points of a very long training are too many for one response.
+      if (!(error instanceof ApiError) || error.code !== 'RESOURCE_EXHAUSTED') {
+        throw error;
+      }
+      const { operation } = await this.api.call<Watched>(
+        'OperationService/GetOperation', request, signal);
+      return { operation, points: [] };
+    }
   }
 
   private factsOf(job: Operation): HTMLElement {
