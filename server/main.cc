@@ -15,16 +15,19 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
+#include "absl/strings/str_cat.h"
 #include "absl/synchronization/mutex.h"
 #include "core/base/address.h"
 #include "core/base/arguments.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
+#include "core/base/limits_contact_log.h"
 #include "core/base/limits_training.h"
 #include "core/base/status_macros.h"
 #include "core/base/thread_priority.h"
 #include "core/base/version.h"
 #include "grpcpp/create_channel.h"
+#include "server/contact_log/contact_log.h"
 #include "server/jobs/training_backend.h"
 #include "server/listen/descriptor_limit.h"
 #include "server/listen/self_check.h"
@@ -53,6 +56,8 @@ struct Flags {
   std::string log_level = "info";
   LogFormat log_format = LogFormat::kText;
   std::string metrics;
+  // Bytes; 0: contacts are not kept.
+  uint64_t keep_contacts = 0;
   std::string health_check;
   std::optional<std::string> tls_certificate;
   std::optional<std::string> tls_key;
@@ -219,6 +224,23 @@ void WarnOfDirectListeners(const std::vector<std::string>& addresses) {
   }
 }
 
+absl::StatusOr<std::unique_ptr<ContactLog>> OpenContactLog(
+    const Flags& flags, const ModelSource& models) {
+  if (flags.keep_contacts == 0) return std::unique_ptr<ContactLog>();
+  TACTUS_ASSIGN_OR_RETURN(
+      auto log,
+      ContactLog::Open({.folder = absl::StrCat(flags.data_dir, "/contacts"),
+                        .max_bytes = static_cast<int64_t>(flags.keep_contacts),
+                        .models = &models}));
+  for (const std::string& line : log->damage()) {
+    spdlog::error("the contact log is damaged: {}", line);
+  }
+  spdlog::info("keeps contacts: {} are there, in {} of {} bytes",
+               log->totals().contacts, log->totals().bytes,
+               log->totals().max_bytes);
+  return log;
+}
+
 // Tokens on a plain connection can be read on the way.
 void WarnOfPlainTokens(const Flags& flags) {
   if (!flags.tokens || flags.tls_certificate) return;
@@ -260,6 +282,9 @@ absl::Status Serve(const Flags& flags, StopSignals& signals) {
   TactusServer::Options options = flags.server;
   TACTUS_ASSIGN_OR_RETURN(const auto training, OpenTraining(flags, &registry));
   options.training = training.get();
+  TACTUS_ASSIGN_OR_RETURN(const auto contact_log,
+                          OpenContactLog(flags, registry));
+  options.contact_log = contact_log.get();
   FitConnections(flags.behind_proxy, options);
   if (flags.tls_certificate) {
     TACTUS_ASSIGN_OR_RETURN(
@@ -370,6 +395,13 @@ int Main(int argc, char** argv) {
   app.add_option("--data-dir", flags.data_dir,
                  "Folder for datasets, jobs and models; without it, the server "
                  "only classifies");
+  app.add_option("--keep-contacts", flags.keep_contacts,
+                 "Keep the last contacts in the data directory, in so many "
+                 "bytes, such as 1G: people see them with trainctl contacts, "
+                 "and make training data of them")
+      ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false))
+      ->check(CLI::Range(static_cast<uint64_t>(limits::kMinContactLogBytes),
+                         uint64_t{1} << 50));
   app.add_option("--trainer", flags.trainer,
                  "Program that runs jobs; default: tactus-trainer beside this "
                  "program");
@@ -514,6 +546,10 @@ int Main(int argc, char** argv) {
     std::fprintf(stderr,
                  "tactusd: --tls-client-ca needs --tls-cert and --tls-key, and "
                  "--tokens, whose file gives certificates their roles\n");
+    return 1;
+  }
+  if (flags.keep_contacts > 0 && flags.data_dir.empty()) {
+    std::fprintf(stderr, "tactusd: --keep-contacts needs --data-dir\n");
     return 1;
   }
   if (flags.server.listen.empty()) flags.server.listen = {"127.0.0.1:50051"};

@@ -55,6 +55,31 @@ void CollectModels(const ModelSource& models, Families* families) {
   families->push_back(std::move(info));
 }
 
+void CollectContactLog(const ContactLog::Totals& totals, Families* families) {
+  AddOne(GaugeFamily("tactus_contact_log_contacts", "Contacts that are kept."),
+         {}, static_cast<double>(totals.contacts), families);
+  AddOne(GaugeFamily("tactus_contact_log_bytes", "What they have on disk."), {},
+         static_cast<double>(totals.bytes), families);
+  AddOne(GaugeFamily("tactus_contact_log_max_bytes", "What they may have."), {},
+         static_cast<double>(totals.max_bytes), families);
+  AddOne(CounterFamily("tactus_contact_log_left_out_total",
+                       "Contacts, or several at the same time, that could not "
+                       "be kept."),
+         {}, static_cast<double>(totals.left_out), families);
+  Family shadow = CounterFamily(
+      "tactus_shadow_contacts_total",
+      "Contacts that a shadow answered, by whether the served model did so, "
+      "too.");
+  Add({{"answer", "same"}}, static_cast<double>(totals.shadow_agrees), &shadow);
+  Add({{"answer", "other"}}, static_cast<double>(totals.shadow_differs),
+      &shadow);
+  families->push_back(std::move(shadow));
+  AddOne(CounterFamily("tactus_shadow_skipped_total",
+                       "Recordings that no shadow answered, because the server "
+                       "was busy."),
+         {}, static_cast<double>(totals.shadow_skipped), families);
+}
+
 }  // namespace
 
 Families TactusServer::CollectMetrics() const {
@@ -73,6 +98,9 @@ Families TactusServer::CollectMetrics() const {
   metrics_.answers.Collect(&families);
   CollectModels(*models_, &families);
   if (options_.training != nullptr) CollectData(*options_.training, &families);
+  if (options_.contact_log != nullptr) {
+    CollectContactLog(options_.contact_log->totals(), &families);
+  }
   return families;
 }
 

@@ -15,6 +15,7 @@
 #include "grpcpp/server_builder.h"
 #include "server/ops/alarm_clock.h"
 #include "server/rpc/admin_rpcs.h"
+#include "server/rpc/contact_log_rpcs.h"
 #include "server/rpc/monitor_rpcs.h"
 #include "server/rpc/training_rpcs.h"
 
@@ -114,7 +115,8 @@ TactusServer::TactusServer(const ModelSource* models, const Options& options)
                  .max_streams_per_client = options.max_streams_per_client,
                  .idle_timeout_ms = options.idle_timeout_ms,
                  .first_message_timeout_ms = options.first_message_timeout_ms,
-                 .server_version = kVersion}),
+                 .server_version = kVersion,
+                 .contact_log = options.contact_log}),
       control_(
           [authorizer = Either(options.authorizer, &without_tokens_)](
               const auto& context, const auto& method, Role role) {
@@ -125,6 +127,7 @@ TactusServer::TactusServer(const ModelSource* models, const Options& options)
   AddOperationRpcs(options.training, control_);
   AddModelRpcs(options.training, control_);
   AddMonitorRpcs(&contacts_.streams(), control_);
+  AddContactLogRpcs(options.contact_log, models, options.training, control_);
   AddAdminRpcs({.backend = options.training,
                 .streams = [this] { return gate().live(); },
                 .max_streams = options.max_streams,

@@ -20,6 +20,7 @@
 #include "core/base/limits.h"
 #include "grpcpp/channel.h"
 #include "grpcpp/server.h"
+#include "server/contact_log/contact_log.h"
 #include "server/jobs/training_backend.h"
 #include "server/listen/grpc_listener.h"
 #include "server/metrics/server_metrics.h"
@@ -61,6 +62,8 @@ class TactusServer {
     // Serves data, jobs and models; null: those RPCs end with
     // NO_DATA_DIRECTORY. Must outlive the server.
     TrainingBackend* training = nullptr;
+    // Keeps contacts; null: none are kept. Must outlive the server.
+    ContactLog* contact_log = nullptr;
     // Decides who may call what; null: as an Authorizer without a tokens file.
     // Must outlive the server.
     const Authorizer* authorizer = nullptr;

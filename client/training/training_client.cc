@@ -106,7 +106,8 @@ TrainingClient::TrainingClient(std::shared_ptr<grpc::Channel> channel,
       operations_(v1::OperationService::NewStub(channel)),
       models_(v1::ModelService::NewStub(channel)),
       admin_(v1::AdminService::NewStub(channel)),
-      monitor_(v1::MonitorService::NewStub(channel)) {}
+      monitor_(v1::MonitorService::NewStub(channel)),
+      contact_log_(v1::ContactLogService::NewStub(channel)) {}
 
 std::unique_ptr<grpc::ClientContext> TrainingClient::NewContext(
     milliseconds timeout) const {

@@ -30,6 +30,7 @@
 #include "client/stream/channel.h"
 #include "grpcpp/client_context.h"
 #include "tactus/v1/admin.grpc.pb.h"
+#include "tactus/v1/contact_log.grpc.pb.h"
 #include "tactus/v1/models.grpc.pb.h"
 #include "tactus/v1/monitor.grpc.pb.h"
 #include "tactus/v1/operations.grpc.pb.h"
@@ -123,6 +124,7 @@ class TrainingClient {
   v1::OperationService::Stub& operations() { return *operations_; }
   v1::AdminService::Stub& admin() { return *admin_; }
   v1::MonitorService::Stub& monitor() { return *monitor_; }
+  v1::ContactLogService::Stub& contact_log() { return *contact_log_; }
   std::chrono::milliseconds timeout() const { return options_.timeout; }
   std::chrono::milliseconds long_timeout() const {
     return 10 * options_.timeout;
@@ -135,6 +137,7 @@ class TrainingClient {
   const std::unique_ptr<v1::ModelService::Stub> models_;
   const std::unique_ptr<v1::AdminService::Stub> admin_;
   const std::unique_ptr<v1::MonitorService::Stub> monitor_;
+  const std::unique_ptr<v1::ContactLogService::Stub> contact_log_;
 };
 
 // The version "datasets/D/versions/V" or "models/M/versions/V" of a resource.

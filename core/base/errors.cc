@@ -342,6 +342,13 @@ absl::Status NoDataDirectory() {
                    "the server keeps no data; start it with --data-dir=FOLDER");
 }
 
+absl::Status NoContactLog() {
+  return MakeError(StatusCode::kFailedPrecondition,
+                   v1::ERROR_REASON_NO_CONTACT_LOG,
+                   "the server keeps no contacts; start it with "
+                   "--data-dir=FOLDER --keep-contacts=SIZE");
+}
+
 absl::Status InvalidName(absl::string_view name, absl::string_view want) {
   return InvalidValue(v1::ERROR_REASON_INVALID_NAME, "name", Quoted(name),
                       want);

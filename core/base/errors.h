@@ -124,6 +124,7 @@ absl::Status NoFirstMessage(int timeout_ms);
 
 // Storage and jobs. `what` and `name` say which thing was wrong.
 absl::Status NoDataDirectory();
+absl::Status NoContactLog();
 absl::Status InvalidName(absl::string_view name, absl::string_view want);
 // NOT_FOUND with one of the reasons that end in _NOT_FOUND; `kind` is the word
 // for the thing, e.g. "dataset", and `advice` what to do, e.g. "trainctl

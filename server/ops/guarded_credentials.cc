@@ -32,7 +32,7 @@ constexpr absl::string_view kRequested[] = {
     "/tactus.v1.ContactService/",  "/grpc.health.v1.Health/",
     "/tactus.v1.TrainingService/", "/tactus.v1.OperationService/",
     "/tactus.v1.ModelService/",    "/tactus.v1.AdminService/",
-    "/tactus.v1.MonitorService/"};
+    "/tactus.v1.MonitorService/",  "/tactus.v1.ContactLogService/"};
 
 // Calls of unknown services end here too: gRPC would queue them first.
 grpc_status_code Admit(absl::string_view path, const Guards& guards) {

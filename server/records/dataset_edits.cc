@@ -15,6 +15,8 @@
 #include "core/store/records.h"
 #include "server/records/dataset_store.h"
 #include "server/records/request_key.h"
+#include "server/records/trial_info.h"
+#include "server/records/trial_merge.h"
 #include "tactus/v1/trial.pb.h"
 
 namespace tactus::internal::server {
@@ -30,6 +32,8 @@ struct DatasetStore::Edit {
   std::optional<std::string> label;
   std::string reason;
   std::string request_id;
+  // Set for new trials, in place of the other fields.
+  const NewTrials* added = nullptr;
 };
 
 namespace {
@@ -125,6 +129,19 @@ absl::StatusOr<v1::DatasetVersion> DatasetStore::Remove(
                caller);
 }
 
+absl::StatusOr<v1::DatasetVersion> DatasetStore::Take(const NewTrials& trials,
+                                                      const Caller& caller) {
+  return Apply({.verb = "contacts",
+                .dataset = trials.dataset,
+                .trials = {},
+                .from_label = {},
+                .label = std::nullopt,
+                .reason = trials.reason,
+                .request_id = trials.request_id,
+                .added = &trials},
+               caller);
+}
+
 absl::StatusOr<v1::DatasetVersion> DatasetStore::Apply(const Edit& edit,
                                                        const Caller& caller) {
   TACTUS_RETURN_IF_ERROR(
@@ -160,7 +177,9 @@ absl::StatusOr<v1::DatasetVersion> DatasetStore::Apply(const Edit& edit,
   auto version = AddLocked(
       edit.dataset,
       [&](std::vector<v1::TrialInfo> held) -> absl::StatusOr<Content> {
-        auto content = Edited(edit, caller, std::move(held));
+        auto content = edit.added != nullptr
+                           ? Merged(*edit.added, caller, std::move(held))
+                           : Edited(edit, caller, std::move(held));
         if (!content.ok()) return content;
         for (const v1::TrialInfo& trial : content->trials) {
           stored.push_back(trial.sha256());
@@ -213,15 +232,65 @@ absl::StatusOr<DatasetStore::Content> DatasetStore::Edited(
   }));
   BlobStore::Batch batch = data_->blobs().NewBatch();
   for (const size_t i : chosen) {
-    TACTUS_RETURN_IF_ERROR(StoreRelabelled(batch, *edit.label, held[i]));
+    TACTUS_RETURN_IF_ERROR(
+        StoreRelabelled(batch, *edit.label, caller, held[i]));
   }
   TACTUS_RETURN_IF_ERROR(batch.Commit());
   content.trials = std::move(held);
   return content;
 }
 
+absl::StatusOr<DatasetStore::Content> DatasetStore::Merged(
+    const NewTrials& trials, const Caller& caller,
+    std::vector<v1::TrialInfo> held) const {
+  TACTUS_RETURN_IF_ERROR(data_->reserve().Check());
+  BlobStore::Batch batch = data_->blobs().NewBatch();
+  std::vector<v1::TrialInfo> made;
+  int64_t bytes = 0;
+  for (size_t i = 0; i < trials.count; ++i) {
+    TACTUS_ASSIGN_OR_RETURN(const v1::TrialRecord record, trials.make(i));
+    TACTUS_ASSIGN_OR_RETURN(const Trial trial, FromRecord(record));
+    const std::string text = SerializeDeterministic(record);
+    bytes += static_cast<int64_t>(text.size());
+    // Nothing is written that would not fit.
+    TACTUS_RETURN_IF_ERROR(data_->catalog().Look([&](const Transaction& look) {
+      return CheckStoredBytes(look, quotas_, caller.name, bytes);
+    }));
+    TACTUS_ASSIGN_OR_RETURN(const std::string sha256, batch.Add(text));
+    made.push_back(InfoOf(record, trial, sha256, text.size()));
+  }
+  AddFingerprints(held);
+  TACTUS_ASSIGN_OR_RETURN(TrialMerge merge,
+                          MergeTrials(held, made, {.replace_labels = true}));
+  TACTUS_RETURN_IF_ERROR(batch.Commit());
+  Content content;
+  content.trials = std::move(merge.kept);
+  content.about.set_change(v1::DatasetVersion::CHANGE_CONTACTS);
+  content.about.set_reason(trials.reason);
+  content.about.set_relabelled(merge.relabelled);
+  content.about.set_renamed(static_cast<uint32_t>(merge.new_ids.size()));
+  BlobStore::Batch renamed = data_->blobs().NewBatch();
+  for (const size_t i : merge.added) {
+    v1::TrialInfo& trial = content.trials.emplace_back(made[i]);
+    if (const auto id = merge.new_ids.find(i); id != merge.new_ids.end()) {
+      TACTUS_RETURN_IF_ERROR(
+          StoreRenamed(data_->blobs(), renamed, id->second, trial));
+    }
+  }
+  TACTUS_RETURN_IF_ERROR(renamed.Commit());
+  std::set<std::string> used;
+  for (const v1::TrialInfo& trial : content.trials) used.insert(trial.sha256());
+  std::vector<std::string> unused;
+  for (const v1::TrialInfo& trial : made) {
+    if (!used.contains(trial.sha256())) unused.push_back(trial.sha256());
+  }
+  RemoveUnused(unused);
+  return content;
+}
+
 absl::Status DatasetStore::StoreRelabelled(BlobStore::Batch& batch,
                                            const std::string& label,
+                                           const Caller& caller,
                                            v1::TrialInfo& trial) const {
   TACTUS_ASSIGN_OR_RETURN(
       const std::string bytes,
@@ -234,6 +303,11 @@ absl::Status DatasetStore::StoreRelabelled(BlobStore::Batch& batch,
         " touches with a label each, which no relabelling changes; upload it "
         "with other labels instead"));
   }
+  v1::Labelling labelling;
+  labelling.set_by(caller.name);
+  labelling.set_time_ms(now_());
+  labelling.set_before(record.label());
+  *record.mutable_labelling() = labelling;
   record.set_label(label);
   const std::string relabelled = SerializeDeterministic(record);
   if (relabelled.size() > limits::kMaxTrialRecordBytes) {
@@ -246,6 +320,7 @@ absl::Status DatasetStore::StoreRelabelled(BlobStore::Batch& batch,
   TACTUS_ASSIGN_OR_RETURN(*trial.mutable_sha256(), batch.Add(relabelled));
   trial.set_bytes(static_cast<int64_t>(relabelled.size()));
   trial.set_label(label);
+  *trial.mutable_labelling() = std::move(labelling);
   return absl::OkStatus();
 }
 

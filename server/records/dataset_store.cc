@@ -102,6 +102,8 @@ const char* VerbOf(const v1::DatasetVersion& version) {
       return "relabel";
     case v1::DatasetVersion::CHANGE_REMOVE:
       return "remove";
+    case v1::DatasetVersion::CHANGE_CONTACTS:
+      return "label";
     default:
       return "create";
   }

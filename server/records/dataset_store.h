@@ -93,6 +93,21 @@ class DatasetStore {
   absl::StatusOr<v1::DatasetVersion> Remove(
       const v1::RemoveTrialsRequest& request, const Caller& caller);
 
+  // Trials that a server makes.
+  struct NewTrials {
+    std::string dataset;
+    size_t count = 0;
+    // Makes one of them, from 0 to `count`; called for each in turn.
+    std::function<absl::StatusOr<v1::TrialRecord>(size_t index)> make = {};
+    std::string reason;
+    std::string request_id;
+  };
+  // Makes a new version with these trials; one with the frames of a trial that
+  // is held takes its place. The same version for a repeated request. The
+  // errors of `make`, QUOTA_EXCEEDED.
+  absl::StatusOr<v1::DatasetVersion> Take(const NewTrials& trials,
+                                          const Caller& caller);
+
   // Sets the fingerprints that are missing, from the blobs. Trials whose blobs
   // are damaged keep none.
   void AddFingerprints(std::vector<v1::TrialInfo>& trials) const;
@@ -114,9 +129,12 @@ class DatasetStore {
   // The content of the edited version.
   absl::StatusOr<Content> Edited(const Edit& edit, const Caller& caller,
                                  std::vector<v1::TrialInfo> held) const;
-  // A copy of the trial's blob with another label.
+  // The content of the version with new trials.
+  absl::StatusOr<Content> Merged(const NewTrials& trials, const Caller& caller,
+                                 std::vector<v1::TrialInfo> held) const;
+  // A copy of the trial's blob with the label that `caller` gave.
   absl::Status StoreRelabelled(BlobStore::Batch& batch,
-                               const std::string& label,
+                               const std::string& label, const Caller& caller,
                                v1::TrialInfo& trial) const;
   // AddVersion with the lock.
   absl::StatusOr<v1::DatasetVersion> AddLocked(absl::string_view name,

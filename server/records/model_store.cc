@@ -203,7 +203,8 @@ absl::StatusOr<v1::ModelVersion> ModelStore::Get(absl::string_view name) const {
   }
   for (const v1::Alias& alias : aliases) {
     if (alias.model_version() == found->name() ||
-        alias.canary().model_version() == found->name()) {
+        alias.canary().model_version() == found->name() ||
+        alias.shadow_version() == found->name()) {
       found->add_aliases(alias.name());
     }
   }
@@ -314,7 +315,8 @@ absl::Status ModelStore::Delete(absl::string_view name, const Caller& caller) {
           for (const v1::Alias& alias : aliases) {
             if (alias.model_version() == name ||
                 alias.previous_version() == name ||
-                alias.canary().model_version() == name) {
+                alias.canary().model_version() == name ||
+                alias.shadow_version() == name) {
               return ModelInUse(name, alias.name());
             }
           }
@@ -370,6 +372,9 @@ void ModelStore::Serve(const v1::Alias& alias) {
     target.canary_version = alias.canary().model_version();
     target.canary_per_mille = alias.canary().per_mille();
   }
+  if (CheckServed(alias.shadow_version()).ok()) {
+    target.shadow_version = alias.shadow_version();
+  }
   registry_->SetAlias(alias.name().substr(sizeof kAliases), target);
 }
 
@@ -400,6 +405,9 @@ absl::StatusOr<v1::Alias> ModelStore::UpdateAlias(
       return InvalidConfig("canary.per_mille", share, "1 to 1000");
     }
   }
+  if (!wanted.shadow_version().empty()) {
+    TACTUS_RETURN_IF_ERROR(CheckServed(wanted.shadow_version()));
+  }
   v1::Alias alias;
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Change([&](Transaction& change) -> absl::Status {
@@ -414,6 +422,7 @@ absl::StatusOr<v1::Alias> ModelStore::UpdateAlias(
         TACTUS_RETURN_IF_ERROR(CheckEtag(alias, wanted.etag()));
         alias.clear_canary();
         if (wanted.has_canary()) *alias.mutable_canary() = wanted.canary();
+        alias.set_shadow_version(wanted.shadow_version());
         alias.clear_gate();
         if (wanted.has_gate()) {
           // From here on the dataset is in use and can't be deleted.
@@ -466,6 +475,9 @@ absl::StatusOr<v1::Alias> ModelStore::Promote(
         alias.set_model_version(spec.model_version());
         if (alias.canary().model_version() == spec.model_version()) {
           alias.clear_canary();
+        }
+        if (alias.shadow_version() == spec.model_version()) {
+          alias.clear_shadow_version();
         }
         v1::AliasChange entry;
         entry.set_model_version(alias.model_version());

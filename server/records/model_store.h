@@ -82,7 +82,7 @@ class ModelStore {
 
   absl::StatusOr<std::vector<v1::Alias>> Aliases() const;
   absl::StatusOr<v1::Alias> GetAlias(absl::string_view name) const;
-  // Sets canary and gate of `wanted`. DATASET_NOT_FOUND.
+  // Sets canary, gate and shadow of `wanted`. DATASET_NOT_FOUND.
   absl::StatusOr<v1::Alias> UpdateAlias(const v1::UpdateAliasRequest& wanted,
                                         const Caller& caller);
   // Lets the alias name the version, without looking at its gate. `forced` is

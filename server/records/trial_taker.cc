@@ -8,33 +8,16 @@
 #include "core/base/limits_training.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
-#include "core/data/frame_fingerprint.h"
 #include "core/data/trial_id.h"
 #include "core/data/trial_pack.h"
 #include "core/data/trial_record.h"
+#include "server/records/trial_info.h"
 
 namespace tactus::internal::server {
 namespace {
 
 // What is known of one trial: its TrialInfo, and its draft's name.
 constexpr int64_t kKnownBytes = 1'024;
-
-v1::TrialInfo InfoOf(const v1::TrialRecord& record, const Trial& trial,
-                     const std::string& sha256, size_t bytes) {
-  v1::TrialInfo info;
-  info.set_sha256(sha256);
-  info.set_bytes(static_cast<int64_t>(bytes));
-  info.set_id(record.id());
-  info.set_label(record.label());
-  info.set_condition(record.condition());
-  info.set_object(record.object());
-  info.set_material(record.material());
-  info.set_layout(record.geometry().layout());
-  info.set_frames(static_cast<uint32_t>(record.time_size()));
-  info.set_source(record.source());
-  info.set_frames_sha256(FrameFingerprint(trial));
-  return info;
-}
 
 }  // namespace
 
@@ -95,6 +78,11 @@ absl::Status TrialTaker::Store(absl::string_view bytes) {
   if (const std::string fault = TrialIdFault(record.id()); !fault.empty()) {
     return InvalidTrial(
         absl::StrCat("trial ", Quoted(record.id()), ": id: ", fault));
+  }
+  if (record.has_labelling()) {
+    return InvalidTrial(
+        absl::StrCat("trial ", Quoted(record.id()),
+                     ": labelling: only a server says who labelled a trial"));
   }
   TACTUS_ASSIGN_OR_RETURN(const Trial trial, FromRecord(record));
   TACTUS_ASSIGN_OR_RETURN(const std::string sha256, batch_.Add(bytes));

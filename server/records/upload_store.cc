@@ -19,6 +19,7 @@
 #include "server/names/resource_names.h"
 #include "server/records/audit_log.h"
 #include "server/records/request_key.h"
+#include "server/records/trial_info.h"
 #include "server/records/trial_merge.h"
 #include "tactus/v1/trial.pb.h"
 
@@ -321,7 +322,8 @@ absl::StatusOr<DatasetStore::Content> UploadStore::StoreTrials(
   for (const size_t i : merge.added) {
     v1::TrialInfo& trial = content.trials.emplace_back(taker->trials()[i]);
     if (const auto id = merge.new_ids.find(i); id != merge.new_ids.end()) {
-      TACTUS_RETURN_IF_ERROR(Rename(id->second, batch, trial));
+      TACTUS_RETURN_IF_ERROR(
+          StoreRenamed(data_->blobs(), batch, id->second, trial));
     }
     used.insert(trial.sha256());
   }
@@ -333,27 +335,6 @@ absl::StatusOr<DatasetStore::Content> UploadStore::StoreTrials(
   datasets_->RemoveUnused(unused);
   if (notes != nullptr) *notes = std::move(merge.notes);
   return content;
-}
-
-absl::Status UploadStore::Rename(const std::string& id, BlobStore::Batch& batch,
-                                 v1::TrialInfo& trial) {
-  TACTUS_ASSIGN_OR_RETURN(
-      const std::string bytes,
-      data_->blobs().Read(trial.sha256(), limits::kMaxTrialRecordBytes));
-  TACTUS_ASSIGN_OR_RETURN(v1::TrialRecord record,
-                          StoredTrialRecord(bytes, trial.sha256()));
-  record.set_id(id);
-  const std::string renamed = SerializeDeterministic(record);
-  if (renamed.size() > limits::kMaxTrialRecordBytes) {
-    return InvalidTrial(
-        absl::StrCat("trial ", Quoted(trial.id()),
-                     ": id: names another recording of the "
-                     "dataset, and there is no room for a longer one"));
-  }
-  TACTUS_ASSIGN_OR_RETURN(*trial.mutable_sha256(), batch.Add(renamed));
-  trial.set_bytes(static_cast<int64_t>(renamed.size()));
-  trial.set_id(id);
-  return absl::OkStatus();
 }
 
 absl::StatusOr<v1::DatasetVersion> UploadStore::Finish(

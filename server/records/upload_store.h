@@ -137,9 +137,6 @@ class UploadStore {
   absl::StatusOr<DatasetStore::Content> StoreTrials(
       const v1::StoredUpload& upload, std::vector<v1::TrialInfo> held,
       uint32_t* known, std::vector<v1::TrialNote>* notes);
-  // Stores the trial under another id.
-  absl::Status Rename(const std::string& id, BlobStore::Batch& batch,
-                      v1::TrialInfo& trial);
   absl::StatusOr<std::unique_ptr<TrialTaker>> ReadTrials(const std::string& id,
                                                          int64_t size);
 

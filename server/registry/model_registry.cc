@@ -128,6 +128,18 @@ absl::StatusOr<PinnedModel> ModelRegistry::Find(
   return ModelNotFound(name, KnownNames(name));
 }
 
+std::optional<PinnedModel> ModelRegistry::Shadow(absl::string_view name) const {
+  absl::string_view rest = name.empty() ? "default" : name;
+  absl::ConsumePrefix(&rest, kAliases);
+  const std::lock_guard lock(mutex_);
+  const auto alias = aliases_.find(rest);
+  if (alias == aliases_.end()) return std::nullopt;
+  absl::string_view version = alias->second.shadow_version;
+  if (!absl::ConsumePrefix(&version, kModels)) return std::nullopt;
+  const PinnedModel* found = FindVersion(version);
+  return found == nullptr ? std::nullopt : std::optional(*found);
+}
+
 std::vector<std::string> ModelRegistry::KnownNames(
     absl::string_view name) const {
   absl::ConsumePrefix(&name, kModels);

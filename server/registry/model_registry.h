@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,13 +27,15 @@
 
 namespace tactus::internal::server {
 
-// What an alias names. Both are "models/M/versions/V".
+// What an alias names. All are "models/M/versions/V".
 struct AliasTarget {
   std::string version;
   // Some robots get this one; empty for none.
   std::string canary_version = {};
   // Robots of 1,000 that get it.
   uint32_t canary_per_mille = 0;
+  // Answers contacts once more, unseen; empty for none.
+  std::string shadow_version = {};
 };
 
 class ModelRegistry : public ModelSource {
@@ -54,6 +57,7 @@ class ModelRegistry : public ModelSource {
 
   absl::StatusOr<PinnedModel> Find(absl::string_view name,
                                    absl::string_view client_id) const override;
+  std::optional<PinnedModel> Shadow(absl::string_view name) const override;
   uint64_t generation() const override { return generation_.load(); }
 
   std::vector<PinnedModel> Newest() const override;

@@ -8,6 +8,7 @@
 #include "grpcpp/impl/codegen/proto_utils.h"
 #include "grpcpp/support/proto_buffer_reader.h"
 #include "server/ops/clock.h"
+#include "server/records/caller.h"
 #include "server/rpc/status.h"
 
 namespace tactus::internal::server {
@@ -87,16 +88,27 @@ void ContactCall::TakeMessage() {
   WatchedStream* watched = observers_.watched;
   if (watched != nullptr) watched->BeginMessage(start_ns);
   // An error ends the stream, and the line about its end shows it.
-  session_->OnMessage(&bytes, size, request_).IgnoreError();
+  const bool taken = session_->OnMessage(&bytes, size, request_).ok();
   const int64_t end_ns = MonotonicNs();
   session_->EndRequest(start_ns, end_ns);
   metrics_->messages_received.fetch_add(1, std::memory_order_relaxed);
   if (session_->contacts() == nullptr) return;
-  if (watched == nullptr) {
-    observers_ = delegate_->Open(this);
-    session_->SetTap(observers_.watched);
-  }
+  if (watched == nullptr) Open();
   Observe(start_ns, end_ns);
+  if (taken && observers_.recorder != nullptr) {
+    observers_.recorder->EndMessage(
+        request_->has_frames() ? &request_->frames() : nullptr, SystemNowMs());
+  }
+}
+
+void ContactCall::Open() {
+  observers_ = delegate_->Open(this);
+  if (observers_.recorder == nullptr) {
+    session_->SetTap(observers_.watched);
+    return;
+  }
+  taps_.emplace(observers_.watched, observers_.recorder.get());
+  session_->SetTap(&*taps_);
 }
 
 void ContactCall::Observe(int64_t start_ns, int64_t end_ns) {
@@ -267,6 +279,9 @@ void ContactCall::OnFinished(bool ok) {
 
 void ContactCall::DeleteIfOver() {
   if (!finished_ || in_flight_ > 0) return;
+  if (observers_.recorder != nullptr) {
+    observers_.recorder->EndStream(SystemNowMs());
+  }
   if (session_) delegate_->Release(this);
   delete this;
 }

@@ -19,6 +19,7 @@
 #include "absl/status/statusor.h"
 #include "grpcpp/alarm.h"
 #include "grpcpp/support/async_stream.h"
+#include "server/contact_log/contact_recorder.h"
 #include "server/metrics/lane_metrics.h"
 #include "server/metrics/server_metrics.h"
 #include "server/monitor/watched_stream.h"
@@ -26,6 +27,7 @@
 #include "server/rpc/call_queue.h"
 #include "server/rpc/incoming_call.h"
 #include "server/session/stream_session.h"
+#include "server/session/tap_pair.h"
 #include "tactus/v1/contact.grpc.pb.h"
 
 namespace tactus::internal::server {
@@ -43,6 +45,8 @@ class ContactCall {
   // Who sees what a stream does, beside its robot.
   struct Observers {
     WatchedStream* watched = nullptr;
+    // Null if contacts are not kept.
+    std::unique_ptr<ContactRecorder> recorder = {};
     AnswerMetrics::Series series;
   };
 
@@ -106,6 +110,8 @@ class ContactCall {
   void OnFinished(bool ok);
 
   void TakeMessage();
+  // Asks who sees the stream, once it has its config.
+  void Open();
   // Tells the observers of a message that took from `start_ns` to `end_ns`.
   void Observe(int64_t start_ns, int64_t end_ns);
   void Advance();
@@ -138,6 +144,7 @@ class ContactCall {
   std::optional<StreamSession> session_;
   LaneMetrics* metrics_ = nullptr;
   Observers observers_;
+  std::optional<TapPair> taps_;
   // After the last message.
   WatchedStream::Counts counts_;
   int64_t called_ns_ = 0;

@@ -109,9 +109,18 @@ ContactCall::Observers ContactService::Open(ContactCall* stream) {
                  description.caller(), description.peer(),
                  description.started().model_version(), LeftOut(*left_out));
   }
-  auto series = metrics_->answers.SeriesOf(description.started());
-  return {.watched = open_streams_.Add(std::move(description)).get(),
-          .series = std::move(series)};
+  ContactCall::Observers observers;
+  observers.series = metrics_->answers.SeriesOf(description.started());
+  if (options_.contact_log != nullptr) {
+    v1::RecordedStream recorded;
+    *recorded.mutable_config() = stream->session().config();
+    *recorded.mutable_started() = description.started();
+    recorded.set_caller(description.caller());
+    recorded.set_peer(description.peer());
+    observers.recorder = options_.contact_log->Record(std::move(recorded));
+  }
+  observers.watched = open_streams_.Add(std::move(description)).get();
+  return observers;
 }
 
 void ContactService::Release(ContactCall* stream) {

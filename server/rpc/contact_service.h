@@ -20,6 +20,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "server/contact_log/contact_log.h"
 #include "server/monitor/open_streams.h"
 #include "server/ops/authorizer.h"
 #include "server/ops/client_streams.h"
@@ -45,6 +46,8 @@ class ContactService final : public RawContactService,
     int idle_timeout_ms = 0;
     int first_message_timeout_ms = 0;
     std::string server_version;
+    // Where contacts are kept; null if they are not.
+    ContactLog* contact_log = nullptr;
   };
 
   // Calls need the role of a robot. All pointers must outlive this object.

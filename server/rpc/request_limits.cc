@@ -14,7 +14,9 @@ constexpr std::pair<absl::string_view, size_t> kLarge[] = {
     // A chunk of bytes.
     {"WriteUploadRequest", limits::kMaxUploadMessageBytes},
     {"ImportModelRequest", limits::kMaxUploadMessageBytes},
-    // Names of many trials.
+    // Names of many trials or contacts.
+    {"ListContactsRequest", 64UL * 1024},
+    {"LabelContactsRequest", limits::kMaxUploadMessageBytes},
     {"RelabelTrialsRequest", limits::kMaxUploadMessageBytes},
     {"RemoveTrialsRequest", limits::kMaxUploadMessageBytes},
 };

@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,12 @@ class ModelSource {
   // MODEL_NOT_FOUND for any other name.
   virtual absl::StatusOr<PinnedModel> Find(
       absl::string_view name, absl::string_view client_id) const = 0;
+
+  // The version that answers the contacts of streams with this name of a model
+  // once more, unseen; nothing if there is none.
+  virtual std::optional<PinnedModel> Shadow(absl::string_view /*name*/) const {
+    return std::nullopt;
+  }
 
   // The newest version of each model, by name.
   virtual std::vector<PinnedModel> Newest() const { return {}; }

@@ -80,6 +80,7 @@ absl::Status StreamSession::OnConfig(const v1::StreamConfig& config) {
   generation_ = models_->generation();
   TACTUS_ASSIGN_OR_RETURN(PinnedModel pinned, FindModel(*models_, settings_));
   pinned_ = std::move(pinned);
+  config_ = config;
   contacts_.emplace(settings_, pinned_->model, &responses_);
   WriteStarted(responses_.AddMessage()->mutable_started());
   return absl::OkStatus();

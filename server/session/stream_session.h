@@ -72,6 +72,8 @@ class StreamSession {
   // Writes what the stream is, without its peer and its start; after the
   // config.
   void Describe(v1::OpenStream* stream) const;
+  // The config as the robot sent it.
+  const v1::StreamConfig& config() const { return config_; }
 
   // Ends the stream from the server's side with `status`, after the final of
   // an open trial.
@@ -118,6 +120,7 @@ class StreamSession {
   absl::Status final_status_;
 
   // Set by config.
+  v1::StreamConfig config_;
   StreamSettings settings_;
   std::optional<PinnedModel> pinned_;
   // Generation of models_ when it was asked last.

@@ -6,6 +6,7 @@
 
 #include "client/stream/backoff.h"
 #include "client/training/admin_client.h"
+#include "client/training/contact_log_client.h"
 #include "client/training/monitor_client.h"
 #include "client/training/operation_watcher.h"
 #include "client/training/retry.h"
@@ -34,6 +35,13 @@ static absl::Status AdminClientExample(TrainingClient& client) {
 }
 
 void Show(const v1::StreamUpdate& update);
+
+static absl::Status ContactLogClientExample(
+    TrainingClient& client, const v1::ListContactsRequest& request,
+    const v1::LabelContactsRequest& labels) {
+#include "client/training/contact_log_client.h.inc"
+  return absl::OkStatus();
+}
 
 static absl::Status MonitorClientExample(TrainingClient& client) {
 #include "client/training/monitor_client.h.inc"

@@ -1,5 +1,6 @@
 // What the examples of public headers need around them. They only have to
 // compile. The build takes each .inc from the comment of the header it names.
+#include <deque>
 #include <fstream>
 #include <iostream>
 #include <set>
@@ -11,6 +12,7 @@
 #include "core/base/rate_watch.h"
 #include "core/base/status_macros.h"
 #include "core/data/frame_fingerprint.h"
+#include "core/data/frames/frames_trial.h"
 #include "core/data/recording/contact_cutter.h"
 #include "core/data/recording/foxglove_image.h"
 #include "core/data/recording/message_schema.h"
@@ -89,6 +91,12 @@ static absl::Status TrialIdExample(
 static void FrameFingerprintExample(const Trial& trial,
                                     std::set<std::string>& seen) {
 #include "core/data/frame_fingerprint.h.inc"
+}
+
+static void FramesTrialExample(const std::deque<v1::FrameBatch>& frames,
+                               v1::TaxelType type, double scale, double rate_hz,
+                               const SkinLayout& layout) {
+#include "core/data/frames/frames_trial.h.inc"
 }
 
 static absl::Status ContactCutterExample(const v1::StreamConfig& config,

@@ -20,8 +20,10 @@
 #include "server/monitor/open_streams.h"
 #include "server/monitor/stream_watch.h"
 #include "server/monitor/watched_stream.h"
+#include "server/rpc/contact_log_rpcs.h"
 #include "server/rpc/monitor_rpcs.h"
 #include "server/rpc/stream_families.h"
+#include "server/session/tap_pair.h"
 #include "spdlog/spdlog.h"
 
 namespace tactus::internal::server::examples {
@@ -83,10 +85,21 @@ static void StreamWatchExample(const std::shared_ptr<WatchedStream>& stream,
 #include "server/monitor/stream_watch.h.inc"
 }
 
+static void TapPairExample(WatchedStream& watched, ContactRecorder& recorder,
+                           ContactSession& session) {
+#include "server/session/tap_pair.h.inc"
+}
+
 static void WatchedStreamExample(const v1::OpenStream& description,
                                  ContactSession& session, int64_t now_ns) {
   v1::StreamUpdate update;
 #include "server/monitor/watched_stream.h.inc"
+}
+
+static void ContactLogRpcsExample(ContactLog* log, const ModelSource& models,
+                                  TrainingBackend* backend,
+                                  ControlService& control) {
+#include "server/rpc/contact_log_rpcs.h.inc"
 }
 
 static void MonitorRpcsExample(const OpenStreams& open_streams,

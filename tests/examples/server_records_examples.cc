@@ -29,6 +29,7 @@
 #include "server/records/quotas.h"
 #include "server/records/request_key.h"
 #include "server/records/spool.h"
+#include "server/records/trial_info.h"
 #include "server/records/trial_merge.h"
 #include "server/records/trial_taker.h"
 #include "server/records/upload_store.h"
@@ -53,6 +54,15 @@ static absl::Status AuditExample(Transaction& change, const Catalog& catalog,
                                  const Caller& caller, int64_t now,
                                  const std::string& name) {
 #include "server/records/audit_log.h.inc"
+  return absl::OkStatus();
+}
+
+static absl::Status TrialInfoExample(const v1::TrialRecord& record,
+                                     const Trial& trial,
+                                     const std::string& sha256,
+                                     const std::string& bytes, BlobStore& blobs,
+                                     BlobStore::Batch& batch) {
+#include "server/records/trial_info.h.inc"
   return absl::OkStatus();
 }
 

@@ -1,20 +1,16 @@
 #include "core/data/recording/contact_cutter.h"
 
-#include <bit>
-#include <cstring>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/data/frames/frames_trial.h"
 #include "core/skin/taxel_values.h"
 
 namespace tactus::internal {
 namespace {
-
-static_assert(std::endian::native == std::endian::little,
-              "values are copied from the wire as they are");
 
 // What a trial has before its onset.
 constexpr int64_t kBeforeNs = 1'000'000'000;
@@ -30,18 +26,6 @@ ContactTracker::Options TrackerOptions(const v1::StreamConfig& config) {
     options.release_after_s = config.release_after_ms() / 1e3;
   }
   return options;
-}
-
-Pose PoseOf(const v1::FrameBatch& frame) {
-  const auto& p = frame.poses();
-  return {{p[0], p[1], p[2]}, Eigen::Quaterniond(p[6], p[3], p[4], p[5])};
-}
-
-template <typename Value>
-void AppendTaxels(const std::string& bytes, std::vector<Value>& values) {
-  const size_t before = values.size();
-  values.resize(before + bytes.size() / sizeof(Value));
-  std::memcpy(values.data() + before, bytes.data(), bytes.size());
 }
 
 }  // namespace
@@ -127,32 +111,8 @@ bool ContactCutter::EndTrial() {
 void ContactCutter::Cut() { contact_ = std::exchange(frames_, {}); }
 
 Trial ContactCutter::Take() {
-  Trial trial;
-  trial.sample_rate_hz = rate_hz_;
-  trial.taxels.SetShape(layout_);
-  missing_ = 0;
-  const int64_t start_ns = contact_.front().first_capture_time_ns();
-  uint64_t expected = contact_.front().first_sequence();
-  for (const v1::FrameBatch& frame : contact_) {
-    missing_ += frame.first_sequence() - expected;
-    expected = frame.first_sequence() + 1;
-    trial.time.push_back(
-        static_cast<double>(frame.first_capture_time_ns() - start_ns) / 1e9);
-    if (type_ == v1::TAXEL_TYPE_UINT16) {
-      AppendTaxels(frame.taxels(), trial.taxels.u16);
-    } else if (type_ == v1::TAXEL_TYPE_INT16) {
-      AppendTaxels(frame.taxels(), trial.taxels.i16);
-    } else {
-      AppendTaxels(frame.taxels(), trial.taxels.f32);
-    }
-    if (frame.poses_size() > 0) trial.poses.push_back(PoseOf(frame));
-  }
-  if (type_ != v1::TAXEL_TYPE_FLOAT32) {
-    trial.taxels.scale = scale_;
-  } else {
-    for (float& value : trial.taxels.f32) value = ScaledTaxel(value, scale_);
-  }
-  SetSkin(layout_, trial);
+  Trial trial = TrialOfFrames(contact_, type_, scale_, rate_hz_, layout_);
+  missing_ = MissingFrames(contact_);
   contact_.clear();
   return trial;
 }

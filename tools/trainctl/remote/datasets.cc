@@ -193,6 +193,21 @@ struct ShowFlags {
   std::string material;
 };
 
+// Who gave the label, and what was taken for true before.
+std::string LabellingText(const v1::TrialInfo& trial) {
+  if (!trial.has_labelling()) return "";
+  const v1::Labelling& labelling = trial.labelling();
+  return absl::StrFormat(
+      "  %s by %s, %s, was %s%s",
+      labelling.prefilled() ? "confirmed" : "labelled",
+      Printable(labelling.by()), TimeText(labelling.time_ms()),
+      Printable(labelling.before()),
+      labelling.model_version().empty()
+          ? ""
+          : absl::StrFormat(" with %s by %s", Percent(labelling.confidence()),
+                            Printable(labelling.model_version())));
+}
+
 absl::Status ShowTrials(TrainingClient& client, const ShowFlags& show,
                         bool json) {
   TACTUS_ASSIGN_OR_RETURN(
@@ -210,9 +225,10 @@ absl::Status ShowTrials(TrainingClient& client, const ShowFlags& show,
   }
   for (const v1::TrialInfo& trial : trials) {
     std::cout << absl::StrFormat(
-        "%s  %-4s  %d frames  %s  %s  %s  %s  %s\n", trial.id(), trial.label(),
-        trial.frames(), BytesText(trial.bytes()), trial.condition(),
-        trial.material(), trial.layout(), Printable(trial.source()));
+        "%s  %-4s  %d frames  %s  %s  %s  %s  %s%s\n", trial.id(),
+        trial.label(), trial.frames(), BytesText(trial.bytes()),
+        trial.condition(), trial.material(), trial.layout(),
+        Printable(trial.source()), LabellingText(trial));
   }
   return absl::OkStatus();
 }

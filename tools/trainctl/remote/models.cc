@@ -61,6 +61,9 @@ std::string AliasText(const v1::Alias& alias) {
                           alias.canary().model_version(),
                           0.1 * alias.canary().per_mille());
   }
+  if (!alias.shadow_version().empty()) {
+    absl::StrAppend(&text, "  shadow: ", alias.shadow_version(), "\n");
+  }
   if (alias.has_gate()) {
     absl::StrAppendFormat(
         &text,
@@ -154,6 +157,8 @@ struct AliasFlags {
   std::string canary;
   double canary_share = 0.1;
   bool no_canary = false;
+  std::string shadow;
+  bool no_shadow = false;
   std::string gate;
   double accuracy_margin = 0;
   double log_loss_margin = 0;
@@ -161,7 +166,8 @@ struct AliasFlags {
   bool no_gate = false;
 
   bool Changes() const {
-    return !canary.empty() || no_canary || !gate.empty() || no_gate;
+    return !canary.empty() || no_canary || !shadow.empty() || no_shadow ||
+           !gate.empty() || no_gate;
   }
 };
 
@@ -207,10 +213,17 @@ absl::Status ChangeAlias(TrainingClient& client, const AliasFlags& flags,
     if (flags.etag.empty()) request.set_etag(alias->etag());
     if (alias->has_canary()) *request.mutable_canary() = alias->canary();
     if (alias->has_gate()) *request.mutable_gate() = alias->gate();
+    request.set_shadow_version(alias->shadow_version());
   } else if (ReasonOf(alias.status()) != "ALIAS_NOT_FOUND") {
     return alias.status();
   }
   if (flags.no_canary) request.clear_canary();
+  if (flags.no_shadow) request.clear_shadow_version();
+  if (!flags.shadow.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(const v1::ModelVersion version,
+                            client.GetModelVersion(ModelName(flags.shadow)));
+    request.set_shadow_version(version.name());
+  }
   if (flags.no_gate) request.clear_gate();
   if (!flags.canary.empty()) {
     TACTUS_ASSIGN_OR_RETURN(const v1::ModelVersion version,
@@ -352,6 +365,12 @@ void AddAliasVerbs(CLI::App& group, const SelectCommand& select) {
       ->capture_default_str();
   command.add_flag("--no-canary", flags->no_canary, "Remove the canary")
       ->excludes(canary);
+  CLI::Option* shadow = command.add_option(
+      "--shadow", flags->shadow,
+      "Version that answers logged contacts once more; robots see nothing of "
+      "it (trainctl contacts list --disagreeing)");
+  command.add_flag("--no-shadow", flags->no_shadow, "Remove the shadow")
+      ->excludes(shadow);
   CLI::Option* gate = command.add_option(
       "--gate", flags->gate,
       "Dataset version on which a new version must be as good as the present "
