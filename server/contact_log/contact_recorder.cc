@@ -1,7 +1,7 @@
 #include "server/contact_log/contact_recorder.h"
 
 #include <algorithm>
-#include <numeric>
+#include <cstring>
 #include <utility>
 
 #include "google/protobuf/io/coded_stream.h"
@@ -27,8 +27,10 @@ ContactRecorder::ContactRecorder(
     : pool_(pool),
       sink_(sink),
       light_touch_(stream->started().geometry().has_light_touch()),
+      with_poses_(stream->config().with_poses()),
       settled_frames_(
-          static_cast<uint64_t>(kSettledS * RateOf(stream->config())) + 1) {
+          static_cast<uint64_t>(kSettledS * RateOf(stream->config())) + 1),
+      spacing_(RateOf(stream->config())) {
   current_.stream = std::move(stream);
 }
 
@@ -44,10 +46,7 @@ void ContactRecorder::Take(const FrameView& /*frame*/,
     // The final of a trial shows the contact that ended last.
     if (answer.is_final() || answer.contacts().empty()) return;
     recording_ = true;
-    current_.exact =
-        from_trial_start_ ||
-        (!light_touch_ && std::accumulate(before_.begin(), before_.end(),
-                                          uint64_t{0}) >= settled_frames_);
+    current_.exact = IsSettled();
   }
   open_ = answer.is_final()
               ? 0
@@ -60,10 +59,33 @@ void ContactRecorder::Take(const FrameView& /*frame*/,
                   limits::kMaxRecordingChunks);
 }
 
+bool ContactRecorder::IsSettled() const {
+  if (from_trial_start_) return true;
+  if (light_touch_) return false;
+  if (!before_[0].has_start || before_[0].start_bytes > 0) return false;
+  uint64_t frames = 0;
+  for (const Before& before : before_) frames += before.frames;
+  return frames >= settled_frames_;
+}
+
+bool ContactRecorder::StepPoses(const v1::FrameBatch& frames) {
+  if (!with_poses_) return true;
+  bool is_start = false;
+  for (uint32_t i = 0; i < frames.frame_count(); ++i) {
+    const bool counts_gap = i == 0 && next_sequence_ > 0;
+    spacing_.Step(counts_gap ? frames.first_sequence() - next_sequence_ : 0);
+    const bool kept = spacing_.Keep();
+    if (i == 0) is_start = kept;
+  }
+  next_sequence_ = frames.first_sequence() + frames.frame_count();
+  return is_start;
+}
+
 void ContactRecorder::EndMessage(const v1::FrameBatch* frames, int64_t now_ms) {
   if (waiting_.count > 0 && sink_->TryTake(waiting_)) waiting_.count = 0;
+  const bool is_start = frames != nullptr && StepPoses(*frames);
   if (frames != nullptr && !recording_) {
-    KeepBefore(*frames);
+    KeepBefore(*frames, is_start);
   } else if (frames != nullptr && !current_.cut && !lost_) {
     current_.cut = !Append(v1::Recording::kFramesFieldNumber, *frames,
                            limits::kMaxFrameChunks);
@@ -75,28 +97,49 @@ void ContactRecorder::EndMessage(const v1::FrameBatch* frames, int64_t now_ms) {
   }
 }
 
-void ContactRecorder::KeepBefore(const v1::FrameBatch& frames) {
+void ContactRecorder::KeepBefore(const v1::FrameBatch& frames, bool is_start) {
+  if (current_.count == 0 && !is_start) return;
   const auto keep = [&] {
+    const int chunks = current_.count;
+    const uint32_t used = chunks == 0 ? 0 : current_.sizes[chunks - 1];
     if (!Append(v1::Recording::kFramesFieldNumber, frames,
                 limits::kBeforeContactChunks)) {
       return false;
     }
-    before_[current_.count - 1] += frames.frame_count();
+    Before& before = before_[current_.count - 1];
+    if (is_start && !before.has_start) {
+      before.has_start = true;
+      before.start_bytes = current_.count == chunks ? used : 0;
+      before.start_frames = before.frames;
+    }
+    before.frames += frames.frame_count();
     return true;
   };
   if (keep()) return;
   if (current_.count == limits::kBeforeContactChunks) {
-    pool_->Give(current_.chunks[0]);
-    std::shift_left(current_.chunks.begin(), current_.chunks.end(), 1);
-    std::shift_left(current_.sizes.begin(), current_.sizes.end(), 1);
-    std::shift_left(before_.begin(), before_.end(), 1);
-    before_.back() = 0;
-    --current_.count;
-    from_trial_start_ = false;
+    DropOldestBefore();
     if (keep()) return;
   }
   // There must be no gap between these frames and the contact.
   Begin(/*at_trial_start=*/false);
+}
+
+void ContactRecorder::DropOldestBefore() {
+  pool_->Give(current_.chunks[0]);
+  std::shift_left(current_.chunks.begin(), current_.chunks.end(), 1);
+  std::shift_left(current_.sizes.begin(), current_.sizes.end(), 1);
+  std::shift_left(before_.begin(), before_.end(), 1);
+  before_.back() = {};
+  --current_.count;
+  from_trial_start_ = false;
+  Before& first = before_[0];
+  if (!first.has_start || first.start_bytes == 0) return;
+  uint8_t* const bytes = pool_->bytes(current_.chunks[0]).data();
+  current_.sizes[0] -= first.start_bytes;
+  std::memmove(bytes, bytes + first.start_bytes, current_.sizes[0]);
+  first.frames -= first.start_frames;
+  first.start_bytes = 0;
+  first.start_frames = 0;
 }
 
 bool ContactRecorder::Append(int field,
@@ -148,6 +191,10 @@ void ContactRecorder::Begin(bool at_trial_start) {
   current_.cut = false;
   current_.exact = false;
   from_trial_start_ = at_trial_start;
+  if (at_trial_start) {
+    spacing_.Reset();
+    next_sequence_ = 0;
+  }
   before_ = {};
   recording_ = false;
   open_ = 0;

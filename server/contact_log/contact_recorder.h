@@ -21,6 +21,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "core/skin/pose_spacing.h"
 #include "core/stream/stream_tap.h"
 #include "server/contact_log/chunk_pool.h"
 #include "server/contact_log/finished_recording.h"
@@ -67,13 +68,21 @@ class ContactRecorder final : public StreamTap {
   bool Append(int field, const google::protobuf::MessageLite& message,
               int most_chunks);
   // Keeps frames before a contact, in place of the oldest if need be.
-  void KeepBefore(const v1::FrameBatch& frames);
+  // `is_start`: a recording may begin with them (StepPoses).
+  void KeepBefore(const v1::FrameBatch& frames, bool is_start);
+  void DropOldestBefore();
+  // Takes the poses of a message. True if the estimates that a replay makes
+  // of them are those of the stream if it begins here: always without poses.
+  bool StepPoses(const v1::FrameBatch& frames);
+  // True if answers from here on do not depend on what is not kept.
+  bool IsSettled() const;
   void Finish(int64_t now_ms);
   // Begins anew, at the start of a trial or within one.
   void Begin(bool at_trial_start);
   ChunkPool* const pool_;
   RecordingSink* const sink_;
   const bool light_touch_;
+  const bool with_poses_;
   // Frames before a contact from which on its answers do not depend on earlier
   // ones: poses count for 0.2 s, and a contact lasts for 0.5 s longer than its
   // touch.
@@ -84,8 +93,20 @@ class ContactRecorder final : public StreamTap {
   // A finished one that the sink had no time for.
   FinishedRecording waiting_;
   bool from_trial_start_ = true;
-  // Frames before a contact, in each chunk.
-  std::array<uint64_t, limits::kBeforeContactChunks> before_ = {};
+  // Frames before a contact in a chunk.
+  struct Before {
+    uint64_t frames = 0;
+    // The first message that a recording may begin with: bytes and frames of
+    // the chunk before it.
+    bool has_start = false;
+    uint32_t start_bytes = 0;
+    uint64_t start_frames = 0;
+  };
+  std::array<Before, limits::kBeforeContactChunks> before_ = {};
+  // Those of the stream, and the sequence number that follows, 0 at the start
+  // of a trial.
+  PoseSpacing spacing_;
+  uint64_t next_sequence_ = 0;
   // A contact has begun since; how many there are now.
   bool recording_ = false;
   int open_ = 0;
