@@ -54,9 +54,11 @@ void ContactRecorder::Take(const FrameView& /*frame*/,
                     answer.contacts(), [](const v1::Contact& contact) {
                       return contact.state() != v1::Contact::STATE_RELEASED;
                     }));
-  if (lost_) return;
-  lost_ = !Append(v1::Recording::kAnswersFieldNumber, answer,
-                  limits::kMaxRecordingChunks);
+  if (lost_ || Append(v1::Recording::kAnswersFieldNumber, answer,
+                      limits::kMaxRecordingChunks)) {
+    return;
+  }
+  Lose();
 }
 
 bool ContactRecorder::IsSettled() const {
@@ -86,9 +88,11 @@ void ContactRecorder::EndMessage(const v1::FrameBatch* frames, int64_t now_ms) {
   const bool is_start = frames != nullptr && StepPoses(*frames);
   if (frames != nullptr && !recording_) {
     KeepBefore(*frames, is_start);
-  } else if (frames != nullptr && !current_.cut && !lost_) {
-    current_.cut = !Append(v1::Recording::kFramesFieldNumber, *frames,
-                           limits::kMaxFrameChunks);
+  } else if (frames != nullptr && !current_.cut && !lost_ &&
+             !Append(v1::Recording::kFramesFieldNumber, *frames,
+                     limits::kMaxFrameChunks)) {
+    current_.cut = current_.count >= limits::kMaxFrameChunks;
+    if (!current_.cut) Lose();
   }
   if (recording_ && open_ == 0) {
     Finish(now_ms);
@@ -170,6 +174,11 @@ bool ContactRecorder::Append(int field,
   return true;
 }
 
+void ContactRecorder::Lose() {
+  lost_ = true;
+  current_.GiveBack(*pool_);
+}
+
 void ContactRecorder::Finish(int64_t now_ms) {
   if (lost_) {
     sink_->OnLeftOut();
@@ -203,9 +212,13 @@ void ContactRecorder::Begin(bool at_trial_start) {
 }
 
 void ContactRecorder::EndStream(int64_t now_ms) {
+  const auto hand_over = [this] {
+    if (waiting_.count > 0) sink_->Take(waiting_);
+    waiting_.count = 0;
+  };
+  hand_over();
   if (recording_) Finish(now_ms);
-  if (waiting_.count > 0) sink_->Take(waiting_);
-  waiting_.count = 0;
+  hand_over();
 }
 
 }  // namespace tactus::internal::server

@@ -76,6 +76,8 @@ class ContactRecorder final : public StreamTap {
   bool StepPoses(const v1::FrameBatch& frames);
   // True if answers from here on do not depend on what is not kept.
   bool IsSettled() const;
+  // Gives the stretch up, and its memory back.
+  void Lose();
   void Finish(int64_t now_ms);
   // Begins anew, at the start of a trial or within one.
   void Begin(bool at_trial_start);
@@ -110,7 +112,7 @@ class ContactRecorder final : public StreamTap {
   // A contact has begun since; how many there are now.
   bool recording_ = false;
   int open_ = 0;
-  // An answer found no room: the stretch is worth nothing.
+  // Something found no room: the stretch is worth nothing.
   bool lost_ = false;
   bool trial_ended_ = false;
 };
