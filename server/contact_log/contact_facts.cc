@@ -68,7 +68,8 @@ v1::ContactPicture PictureOf(std::span<const float> loads, float most,
 }
 
 // Adds to each contact its largest taxel, and the frame that it is in. Returns
-// the capture time of the last frame in milliseconds.
+// the latest capture time in milliseconds: of a contact that is cut, that of
+// its last answer, because its last frames are not kept.
 absl::StatusOr<int64_t> AddPictures(
     const v1::Recording& recording, const v1::RecordedStream& stream,
     std::map<uint64_t, v1::LoggedContact>& contacts) {
@@ -76,14 +77,14 @@ absl::StatusOr<int64_t> AddPictures(
                           ParseStreamConfig(stream.config()));
   FrameDecoder decoder(settings);
   NormalLoads normal(settings.layout);
-  int64_t last_ms = 0;
+  int64_t last_ms = recording.answers().rbegin()->capture_time_ns() / kNsPerMs;
   for (const v1::FrameBatch& batch : recording.frames()) {
     TACTUS_RETURN_IF_ERROR(decoder.Check(batch));
     for (uint32_t i = 0; i < batch.frame_count(); ++i) {
       const auto loads = normal.Of(decoder.Frame(batch, i).taxels);
       const float most = *std::ranges::max_element(loads);
       const uint64_t sequence = batch.first_sequence() + i;
-      last_ms = decoder.CaptureTime(batch, i) / kNsPerMs;
+      last_ms = std::max(last_ms, decoder.CaptureTime(batch, i) / kNsPerMs);
       for (auto& [id, contact] : contacts) {
         const bool within = sequence >= contact.onset_sequence() &&
                             sequence <= contact.end_sequence();
@@ -131,6 +132,7 @@ absl::StatusOr<v1::StoredContacts> StoreRecording(
   if (!parsed.ParseFromString(bytes)) {
     return DataLost("a recording", "is no message");
   }
+  if (parsed.answers().empty()) return DataLost("a recording", "has no answer");
   auto contacts = ContactsOf(parsed, *recording.stream);
   TACTUS_ASSIGN_OR_RETURN(const int64_t last_ms,
                           AddPictures(parsed, *recording.stream, contacts));
