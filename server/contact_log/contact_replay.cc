@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -118,23 +119,29 @@ class Viewer final : public StreamTap {
 
 using Contacts = std::map<uint64_t, v1::LoggedContact>;
 
-// The contact of a replay that shares most frames with the logged one; null if
-// none shares any.
+// The contact of a replay that shares most frames with the logged one, whose id
+// would be `own` if all was as before; null if none shares any.
 const v1::LoggedContact* BestMatch(const Contacts& contacts,
-                                   const v1::LoggedContact& logged) {
+                                   const v1::LoggedContact& logged,
+                                   uint64_t own) {
+  const auto apart = [](uint64_t a, uint64_t b) {
+    return static_cast<int64_t>(std::max(a, b) - std::min(a, b));
+  };
   const v1::LoggedContact* best = nullptr;
-  int64_t most = 0;
+  std::tuple<int64_t, int64_t, bool> most = {0, 0, false};
   for (const auto& [id, contact] : contacts) {
     const auto begin =
         std::max(contact.onset_sequence(), logged.onset_sequence());
     const auto end = std::min(contact.end_sequence(), logged.end_sequence());
     if (end < begin) continue;
-    // If two lie within it, the one that begins with it is meant.
-    const auto late = static_cast<int64_t>(
-        begin - std::min(contact.onset_sequence(), logged.onset_sequence()));
-    const int64_t shared = 2 * static_cast<int64_t>(end - begin + 1) - late;
-    if (best != nullptr && shared <= most) continue;
-    most = shared;
+    // Among two that lie within it, the one that begins with it; among two that
+    // hold it, the one that ends with it.
+    const std::tuple<int64_t, int64_t, bool> match = {
+        2 * (apart(end, begin) + 1) -
+            apart(contact.onset_sequence(), logged.onset_sequence()),
+        -apart(contact.end_sequence(), logged.end_sequence()), id == own};
+    if (std::get<0>(match) <= 0 || (best != nullptr && match <= most)) continue;
+    most = match;
     best = &contact;
   }
   return best;
@@ -190,7 +197,9 @@ absl::StatusOr<v1::ReplayContactResponse> ReplayContact(
   *response.mutable_contact() = contact;
   response.set_same_answers(replayed.same);
   *response.mutable_started() = std::move(replayed.started);
-  if (const auto* found = BestMatch(replayed.contacts, contact)) {
+  const auto* found = BestMatch(replayed.contacts, contact,
+                                contact.contact_id() - FirstId(stored) + 1);
+  if (found != nullptr) {
     response.set_contact_id(found->contact_id());
     *response.mutable_replayed() = *found;
     response.mutable_replayed()->set_begin_time_ms(contact.begin_time_ms());
@@ -201,10 +210,12 @@ absl::StatusOr<v1::ReplayContactResponse> ReplayContact(
 absl::Status AddShadow(const PinnedModel& shadow, v1::StoredContacts* stored) {
   TACTUS_ASSIGN_OR_RETURN(const Replayed replayed,
                           Replay(*stored, shadow, {.max_frames = 1}, nullptr));
+  const uint64_t first_id = FirstId(*stored);
   for (v1::LoggedContact& contact : *stored->mutable_contacts()) {
     v1::ShadowAnswer& answer = *contact.mutable_shadow();
     answer.set_model_version(shadow.version_name);
-    const auto* found = BestMatch(replayed.contacts, contact);
+    const auto* found = BestMatch(replayed.contacts, contact,
+                                  contact.contact_id() - first_id + 1);
     if (found == nullptr) continue;
     answer.set_label(found->label());
     answer.set_confidence(found->confidence());

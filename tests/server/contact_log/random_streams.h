@@ -80,6 +80,20 @@ inline SkinLayout Skin(const StreamKind& kind) {
   return layout;
 }
 
+// What a robot may ask for, most of it in some streams only.
+inline void SetOptions(uint64_t seed, v1::StreamConfig& config) {
+  Random random = Random::ForStream(seed, 1);
+  config.set_with_taxels(random.Uniform() < 0.3);
+  config.set_with_diagnostics(random.Uniform() < 0.7);
+  if (random.Uniform() < 0.2) config.set_effort(v1::EFFORT_LOW);
+  if (random.Uniform() < 0.3) {
+    config.set_max_contacts(1 + static_cast<uint32_t>(random.Index(3)));
+  }
+  if (random.Uniform() < 0.3) {
+    config.set_release_after_ms(30 + static_cast<uint32_t>(random.Index(1500)));
+  }
+}
+
 inline std::vector<Object> Objects(const StreamKind& kind, Random& random) {
   std::vector<Object> objects;
   // Frames in 10 ms.
@@ -198,6 +212,7 @@ inline RandomStream MakeStream(const StreamKind& kind, uint64_t seed) {
   config.set_sample_rate_hz(kind.rate_hz);
   config.set_with_poses(kind.poses);
   if (kind.type != v1::TAXEL_TYPE_FLOAT32) config.set_scale(testing::kStep);
+  random_stream::SetOptions(seed, config);
   const auto objects = random_stream::Objects(kind, random);
   const size_t frame_bytes =
       kind.sparse ? 0
