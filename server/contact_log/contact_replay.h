@@ -25,8 +25,8 @@ struct ReplayOptions {
   bool with_taxels = true;
 };
 
-// `place`: that of the contact in `stored`. DATA_LOST; the errors of ContactPipeline::Check
-// if the model does not fit the stream.
+// `place`: that of the contact in `stored`. DATA_LOST; the errors of
+// ContactPipeline::Check if the model does not fit the stream.
 absl::StatusOr<v1::ReplayContactResponse> ReplayContact(
     const v1::StoredContacts& stored, uint32_t place, const PinnedModel& model,
     const ReplayOptions& options);
