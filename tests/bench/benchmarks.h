@@ -50,8 +50,9 @@ std::unique_ptr<Benchmark> MakeTrainLstmBenchmark();
 std::unique_ptr<Benchmark> MakeSessionBenchmark();
 
 // What it costs a stream of contacts of the random world that somebody could
-// watch it (row watched/unwatched) and that somebody does (row
-// watched/watched): ns of a frame beside the same stream that nobody can see.
+// watch it (row watched/unwatched), that somebody does (row watched/watched),
+// and that its contacts are kept (row watched/kept): ns of a frame beside the
+// same stream that nobody can see.
 std::unique_ptr<Benchmark> MakeWatchedBenchmark();
 
 // The learners for few trials, of 300 made-up contacts of 20 x 20 taxels in 2

@@ -4,10 +4,12 @@
 
 #include "absl/status/status.h"
 #include "core/base/status_macros.h"
+#include "server/contact_log/contact_recorder.h"
 #include "server/monitor/watched_stream.h"
 #include "server/registry/default_bundle.h"
 #include "server/registry/model_registry.h"
 #include "server/session/stream_session.h"
+#include "server/session/tap_pair.h"
 #include "tests/bench/benchmarks.h"
 #include "tests/bench/rendered_frames.h"
 #include "tests/bench/timing.h"
@@ -21,7 +23,7 @@ constexpr int kTrials = 8;
 constexpr size_t kFramesPerRead = 3;
 
 // Who sees a stream beside its robot.
-enum class Seen { kByNobody, kIfAsked, kByWatcher };
+enum class Seen { kByNobody, kIfAsked, kByWatcher, kKept };
 
 v1::ClassifyContactRequest ConfigOf(const SkinModel& skin) {
   v1::ClassifyContactRequest request;
@@ -49,11 +51,29 @@ std::vector<v1::ClassifyContactRequest> MessagesOf(const RenderedTrial& trial) {
   return messages;
 }
 
+// Takes what was recorded, as the thread that writes it would.
+class NoDisk final : public server::RecordingSink {
+ public:
+  explicit NoDisk(server::ChunkPool* pool) : pool_(*pool) {}
+  bool TryTake(server::FinishedRecording& recording) override {
+    recording.GiveBack(pool_);
+    return true;
+  }
+  void Take(server::FinishedRecording& recording) override {
+    recording.GiveBack(pool_);
+  }
+  void OnLeftOut() override {}
+
+ private:
+  server::ChunkPool& pool_;
+};
+
 class WatchedBenchmark : public Benchmark {
  public:
   const char* name() const override { return "watched"; }
   const char* description() const override {
-    return "What it costs a stream that others may watch it, and that they do";
+    return "What it costs a stream that others may watch it, that they do, and "
+           "that its contacts are kept";
   }
 
   absl::StatusOr<std::vector<BenchRow>> Run(bool quick) override {
@@ -68,10 +88,12 @@ class WatchedBenchmark : public Benchmark {
     std::vector<double> nobody;
     std::vector<double> asked;
     std::vector<double> watched;
+    std::vector<double> kept;
     for (int i = 0; i < (quick ? 2 : 41); ++i) {
       for (auto [seen, times] : {std::pair(Seen::kByNobody, &nobody),
                                  std::pair(Seen::kIfAsked, &asked),
-                                 std::pair(Seen::kByWatcher, &watched)}) {
+                                 std::pair(Seen::kByWatcher, &watched),
+                                 std::pair(Seen::kKept, &kept)}) {
         TACTUS_ASSIGN_OR_RETURN(const double ns, MeasureFrame(seen));
         // The first round warms the caches.
         if (i > 0) times->push_back(ns);
@@ -86,12 +108,13 @@ class WatchedBenchmark : public Benchmark {
                       .peer_name = "the same stream, which nobody can see"};
     };
     return std::vector<BenchRow>{row("watched/unwatched", asked),
-                                 row("watched/watched", watched)};
+                                 row("watched/watched", watched),
+                                 row("watched/kept", kept)};
   }
 
  private:
   // Processor time of a message, without its parsing and its writing.
-  absl::StatusOr<double> MeasureFrame(Seen seen) const {
+  absl::StatusOr<double> MeasureFrame(Seen seen) {
     double seconds = 0;
     size_t frames = 0;
     for (const auto& messages : trials_) {
@@ -101,7 +124,12 @@ class WatchedBenchmark : public Benchmark {
       session.Describe(&description);
       server::WatchedStream stream(std::move(description));
       server::WatchedStream::Cursor cursor;
+      auto recorded = std::make_shared<v1::RecordedStream>();
+      *recorded->mutable_config() = config_.config();
+      server::ContactRecorder recorder(&pool_, &sink_, recorded);
+      server::TapPair taps(&stream, &recorder);
       if (seen != Seen::kByNobody) session.SetTap(&stream);
+      if (seen == Seen::kKept) session.SetTap(&taps);
       if (seen == Seen::kByWatcher) stream.AddWatcher();
       for (const auto& message : messages) {
         const double start = ThreadSeconds();
@@ -111,6 +139,7 @@ class WatchedBenchmark : public Benchmark {
         if (seen != Seen::kByNobody) {
           stream.EndMessage({.frames = session.contacts()->frames()}, 2);
         }
+        if (seen == Seen::kKept) recorder.EndMessage(&message.frames(), 2);
         session.responses().StartWrite(3);
         session.responses().FinishWrite();
         seconds += ThreadSeconds() - start;
@@ -125,6 +154,8 @@ class WatchedBenchmark : public Benchmark {
   }
 
   server::ModelRegistry models_;
+  server::ChunkPool pool_{64};
+  NoDisk sink_{&pool_};
   v1::ClassifyContactRequest config_;
   std::vector<std::vector<v1::ClassifyContactRequest>> trials_;
 };
