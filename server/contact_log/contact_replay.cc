@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/limits_contact_log.h"
 #include "core/base/serialize.h"
 #include "core/base/status_macros.h"
 #include "core/stream/contact_session.h"
@@ -81,13 +82,18 @@ class Viewer final : public StreamTap {
       *again_.add_answers() = answer;
     }
     if (response_ == nullptr || answer.is_final()) return;
-    const uint64_t at = seen_++ * options_.max_frames / total_;
+    if (seen_ == 0) most_ = MostFrames(frame, answer);
+    const uint64_t at = seen_++ * most_ / total_;
     const bool due = at != std::exchange(shown_, at) || seen_ == 1;
     if (!due && !has_events_) return;
-    v1::WatchedFrame& out = *response_->add_frames();
+    v1::WatchedFrame out;
     *out.mutable_answer() = answer;
-    if (!options_.with_taxels) return;
-    out.set_taxels(frame.taxels.data(), frame.taxels.size_bytes());
+    if (options_.with_taxels) {
+      out.set_taxels(frame.taxels.data(), frame.taxels.size_bytes());
+    }
+    bytes_ += out.ByteSizeLong();
+    if (bytes_ > limits::kMaxReplayBytes) return;
+    response_->add_frames()->Swap(&out);
   }
 
   // All that was answered has come again, and nothing else.
@@ -96,6 +102,14 @@ class Viewer final : public StreamTap {
   const v1::Recording& again() const { return again_; }
 
  private:
+  // As many frames as were asked for, or as fit.
+  uint64_t MostFrames(const FrameView& frame, const v1::Answer& answer) const {
+    const size_t bytes = answer.ByteSizeLong() +
+                         (options_.with_taxels ? frame.taxels.size_bytes() : 0);
+    return std::min<uint64_t>(
+        options_.max_frames, std::max<size_t>(1, limits::kReplayBytes / bytes));
+  }
+
   void Compare(const v1::Answer& answer) {
     const int next = compared_++;
     same_ = same_ && next < recording_.answers_size() &&
@@ -112,6 +126,8 @@ class Viewer final : public StreamTap {
   bool has_events_ = false;
   uint64_t seen_ = 0;
   uint64_t shown_ = 0;
+  uint64_t most_ = 1;
+  size_t bytes_ = 0;
   int compared_ = 0;
   bool same_ = true;
   v1::Recording again_;
