@@ -1,14 +1,12 @@
 #include "tools/console/browser.h"
 
-#include <boost/asio/steady_timer.hpp>
 #include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "core/base/errors.h"
 #include "core/base/limits_console.h"
 #include "tools/console/live_page.h"
-#include "tools/console/page_json.h"
+#include "tools/console/page_call.h"
 #include "tools/console/request_checks.h"
 #include "tools/console/responses.h"
 
@@ -21,8 +19,6 @@ using asio::ip::tcp;
 using boost::system::error_code;
 
 constexpr std::chrono::seconds kPatience(limits::kBrowserPatienceS);
-// How often a call looks whether somebody waits for it.
-constexpr std::chrono::milliseconds kLook(250);
 
 http::status StatusOf(const absl::Status& status) {
   switch (status.code()) {
@@ -209,7 +205,7 @@ class Browser : public std::enable_shared_from_this<Browser<Stream>> {
     if (request.method() != http::verb::post) return WrongMethod();
     if (!IsOwnOrigin(request)) return Forbidden();
     const auto person = FindPerson();
-    if (person == nullptr) return WriteSignedOut();
+    if (person == nullptr) return Write(SignedOutResponse());
     if (!IsFrom(person)) return Forbidden();
     const auto target = FindPageMethod(path);
     if (!target) {
@@ -218,44 +214,19 @@ class Browser : public std::enable_shared_from_this<Browser<Stream>> {
     }
     // The calls have their own patience.
     Lowest().expires_never();
-    calling_ = true;
-    call_ = browsers_.page_calls->Start(
-        *target, person, std::move(parser_->get().body()),
-        [weak = this->weak_from_this(), person](Response response) {
-          const auto self = weak.lock();
-          if (self != nullptr) self->OnReply(person, std::move(response));
-        });
-    if (calling_) WatchCall(person);
-  }
-
-  // Ends the call if nobody waits for it, or if the person signs out.
-  void WatchCall(const Doorkeeper::Person& person) {
-    timer_.expires_after(kLook);
-    timer_.async_wait([self = this->shared_from_this(), person](error_code) {
-      if (!self->calling_) return;
-      if (HasGone(self->Lowest().socket().native_handle()) ||
-          self->FindPerson() != person) {
-        self->call_->Cancel();
-      }
-      self->WatchCall(person);
-    });
+    RunPageCall({.browsers = &browsers_,
+                 .executor = stream_.get_executor(),
+                 .socket = Lowest().socket().native_handle(),
+                 .cookie = CookieOf(request),
+                 .target = *target,
+                 .body = std::move(parser_->get().body())},
+                [self = this->shared_from_this()](Response response) {
+                  self->Write(std::move(response));
+                });
   }
 
   Doorkeeper::Person FindPerson() const {
     return browsers_.doorkeeper.Find(CookieOf(parser_->get()));
-  }
-
-  void OnReply(const Doorkeeper::Person& person, Response response) {
-    calling_ = false;
-    timer_.cancel();
-    call_ = nullptr;
-    // What a person may see is for that person alone.
-    if (FindPerson() != person) return WriteSignedOut();
-    Write(std::move(response));
-  }
-
-  void WriteSignedOut() {
-    Write(ErrorOfCall(Unauthenticated("nobody is signed in here")));
   }
 
   void SignOut() {
@@ -346,10 +317,6 @@ class Browser : public std::enable_shared_from_this<Browser<Stream>> {
                              limits::kMaxBrowserBodyBytes};
   std::optional<http::request_parser<http::string_body>> parser_;
   Response response_;
-  // A call of a server, while it is under way.
-  std::shared_ptr<ServerCalls::Call> call_;
-  bool calling_ = false;
-  asio::steady_timer timer_{stream_.get_executor()};
 };
 
 }  // namespace
