@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Shows in a browser what robots feel; on a fresh Debian 12 this is all it takes.
 #
-#   deploy/console.sh                a server, four simulated robots, the console
+#   deploy/console.sh                a server with a small dataset, four simulated
+#                                    robots, the console
 #   deploy/console.sh --port=8080    at this port of this machine; 0: a free one
 #   deploy/console.sh --robots=20    so many robots
 #   deploy/console.sh --for=60       ends by itself after so many seconds
@@ -47,13 +48,26 @@ trap clean_up EXIT
 trap 'exit 0' INT TERM
 
 if [[ $build == yes ]]; then
-  build_programs console tactusd tactus-stream tactus-console console_page
+  build_programs console tactusd tactus-trainer tactus-stream trainctl \
+    tactus-console console_page
 fi
 
 server=unix:$work/tactusd.sock
-"$bin/tactusd" --listen="$server" >"$work/tactusd.log" 2>&1 &
+"$bin/tactusd" --listen="$server" --data-dir="$work/data" \
+  >"$work/tactusd.log" 2>&1 &
 programs=("$!")
 await_file console "$work/tactusd.sock" "$!" "$work/tactusd.log"
+
+# Trials to look at and to train on.
+{
+  "$bin/trainctl" simulate --protocol=grid --sample=120 --out="$work/trials.h5" &&
+    "$bin/trainctl" datasets create demo --server="$server" &&
+    "$bin/trainctl" datasets upload demo --data="$work/trials.h5" \
+      --server="$server"
+} >"$work/trainctl.log" 2>&1 || {
+  cat "$work/trainctl.log" >&2
+  exit 1
+}
 
 # Each robot touches other things, one or two at once, until it is stopped.
 for ((robot = 1; robot <= robots; ++robot)); do
