@@ -26,6 +26,15 @@ absl::Status MayTakeToken(const ServerAddress& server,
       "unencrypted");
 }
 
+absl::Status MayCall(const SignIn& person, bool is_loopback) {
+  if (is_loopback || !person.token.empty()) return absl::OkStatus();
+  return MakeError(
+      absl::StatusCode::kPermissionDenied, v1::ERROR_REASON_PERMISSION_DENIED,
+      "on other machines than the console's this needs a token, and the server "
+      "has none; start tactusd with --tokens=FILE",
+      {{"role", "none"}});
+}
+
 absl::Status Doorkeeper::Ask(const std::string& token) const {
   absl::Status first;
   for (const ServerAddress& server : servers_) {

@@ -30,6 +30,12 @@ namespace tactus::internal::console {
 absl::Status MayTakeToken(const ServerAddress& server,
                           const std::string& token);
 
+// OK if a person's page may call servers. A server without tokens trusts its
+// own host, and so the console, with everything; people on other machines must
+// not borrow that trust, so they need a token. `is_loopback`: the console
+// listens on its own machine alone.
+absl::Status MayCall(const SignIn& person, bool is_loopback);
+
 class Doorkeeper {
  public:
   using Person = std::shared_ptr<const SignIn>;

@@ -26,6 +26,9 @@ class PageCall : public std::enable_shared_from_this<PageCall> {
 
   void Run() {
     if (person_ == nullptr) return End(SignedOutResponse());
+    const absl::Status status =
+        MayCall(*person_, request_.browsers->is_loopback);
+    if (!status.ok()) return End(ErrorOfCall(status));
     call_ = request_.browsers->page_calls->Start(
         request_.target, person_, std::move(request_.body),
         [weak = weak_from_this()](Response response) {

@@ -51,7 +51,8 @@ const see = async (page, text, selector) => assert.ok(
   await page.untilText(text, selector), `"${text}" is not there; but:\n` +
     await page.text());
 
-const examine = (page, state, fullPage = true) =>
+// Pictures of what is in sight: those of whole pages take long.
+const examine = (page, state, fullPage = false) =>
   page.examine(state, fullPage, 80);
 
 const press = (page, name) =>
@@ -169,7 +170,7 @@ test('training: a job, a model, and its aliases', async () => {
   assert.equal(await page.page.locator('.confusion tbody td.right').count(), 4);
   await page.page.goto(`${address}#train/model/arm/1`);
   await see(page, '95 % interval');
-  await examine(page, 'train-model');
+  await examine(page, 'train-model', true);
 
   await press(page, 'Promote ...');
   await press(page, 'Promote');

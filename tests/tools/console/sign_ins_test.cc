@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "core/base/errors.h"
 #include "core/base/limits_console.h"
 #include "gtest/gtest.h"
 #include "tools/console/doorkeeper.h"
@@ -61,6 +62,25 @@ TEST(DoorkeeperTest, ServersThatWantTokensNowAreOpenToNobody) {
   doorkeeper.SignOut("");
   EXPECT_EQ(doorkeeper.Find(""), nullptr);
   EXPECT_FALSE(doorkeeper.is_open());
+}
+
+TEST(DoorkeeperTest, StrangersDoNotBorrowTheTrustInTheConsolesHost) {
+  SignIn everybody;
+  EXPECT_TRUE(MayCall(everybody, /*is_loopback=*/true).ok());
+  EXPECT_EQ(ReasonOf(MayCall(everybody, /*is_loopback=*/false)),
+            "PERMISSION_DENIED");
+  everybody.token = "ann-token";
+  EXPECT_TRUE(MayCall(everybody, /*is_loopback=*/false).ok());
+}
+
+TEST(DoorkeeperTest, ATokenLeavesTheHostOnlyEncrypted) {
+  const ServerAddress here{"127.0.0.1:1", {}};
+  const ServerAddress there{"arm.lab:50051", {}};
+  const ServerAddress safe{"arm.lab:50051", {.tls_roots = "roots"}};
+  EXPECT_TRUE(MayTakeToken(here, "token").ok());
+  EXPECT_TRUE(MayTakeToken(safe, "token").ok());
+  EXPECT_TRUE(MayTakeToken(there, "").ok());
+  EXPECT_EQ(ReasonOf(MayTakeToken(there, "token")), "INVALID_CONFIG");
 }
 
 TEST(SignInsTest, ComparesSecrets) {
