@@ -3,7 +3,6 @@
 #include <chrono>
 #include <utility>
 
-#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/limits_contact_log.h"
@@ -173,24 +172,23 @@ absl::Status ContactLog::Append(const v1::LogRecord& record) {
   const std::string bytes = record.SerializeAsString();
   auto id = ring_->Append(bytes);
   // The disk is full: the oldest go first.
-  const std::string full = v1::ErrorReason_Name(v1::ERROR_REASON_STORAGE_FULL);
-  while (!id.ok() && absl::StrContains(full, ReasonOf(id.status()))) {
+  while (ReasonOf(id.status()) == "STORAGE_FULL") {
     const auto dropped = ring_->DropOldest();
     if (!dropped.ok() || !*dropped) break;
     id = ring_->Append(bytes);
   }
-  TACTUS_RETURN_IF_ERROR(id.status());
-  AddToIndex(*id, record);
+  if (id.ok()) AddToIndex(*id, record);
+  // Also after an error: old records may have been removed before it.
   while (true) {
     {
       const std::lock_guard lock(index_mutex_);
       index_.ForgetBefore(ring_->first_id());
       if (index_.size() <= limits::kMaxLoggedContacts) break;
     }
-    TACTUS_ASSIGN_OR_RETURN(const bool dropped, ring_->DropOldest());
-    if (!dropped) break;
+    const auto dropped = ring_->DropOldest();
+    if (!dropped.ok() || !*dropped) break;
   }
-  return absl::OkStatus();
+  return id.status();
 }
 
 void ContactLog::GiveRoomBack() {
