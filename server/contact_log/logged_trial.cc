@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
@@ -23,6 +24,8 @@ namespace tactus::internal::server {
 namespace {
 
 constexpr int kPoseNumbers = 7;
+// Memory of a frame beside its taxels while it is made a trial, at the most.
+constexpr size_t kFrameCost = 256;
 
 // Divides batches into single dense frames.
 class FrameDivider {
@@ -31,7 +34,8 @@ class FrameDivider {
       : value_bytes_(settings.taxel_bytes()),
         frame_bytes_(value_bytes_ *
                      static_cast<size_t>(settings.layout.values())),
-        period_ns_(settings.frame_period_ns()) {}
+        period_ns_(settings.frame_period_ns()),
+        mask_(ValueMask(settings.layout)) {}
 
   size_t frame_bytes() const { return frame_bytes_; }
 
@@ -49,6 +53,7 @@ class FrameDivider {
       } else {
         frame.set_taxels(batch.taxels().substr(i * frame_bytes_, frame_bytes_));
       }
+      ClearMasked(*frame.mutable_taxels());
       if (batch.poses().empty()) continue;
       const auto pose = batch.poses().begin() + int64_t{i} * kPoseNumbers;
       frame.mutable_poses()->Add(pose, pose + kPoseNumbers);
@@ -56,6 +61,14 @@ class FrameDivider {
   }
 
  private:
+  // What nobody looks at may be anything, but a trial has numbers only.
+  void ClearMasked(std::string& taxels) const {
+    for (size_t i = 0; i < mask_.size(); ++i) {
+      if (mask_[i] != 0) continue;
+      std::memset(taxels.data() + i * value_bytes_, 0, value_bytes_);
+    }
+  }
+
   void Fill(const v1::SparseFrames& sparse, uint32_t index, size_t& entry,
             std::string& taxels) const {
     taxels.assign(frame_bytes_, '\0');
@@ -72,6 +85,8 @@ class FrameDivider {
   const size_t value_bytes_;
   const size_t frame_bytes_;
   const double period_ns_;
+  // As in FrameDecoder.
+  const std::vector<uint8_t> mask_;
 };
 
 absl::StatusOr<std::deque<v1::FrameBatch>> FramesOf(
@@ -86,7 +101,8 @@ absl::StatusOr<std::deque<v1::FrameBatch>> FramesOf(
   }
   // Sparse frames are small; a trial has them in full.
   const uint64_t bytes = count * divider.frame_bytes();
-  if (bytes > limits::kMaxTrialRecordBytes / 2) {
+  if (bytes > limits::kMaxTrialRecordBytes / 2 ||
+      count * kFrameCost > limits::kMaxTrialRecordBytes) {
     return InvalidTrial(absl::StrCat("the contact has ", count, " frames of ",
                                      divider.frame_bytes(),
                                      " bytes each, too much for a trial"));
@@ -144,6 +160,11 @@ absl::StatusOr<v1::TrialRecord> TrialOf(
   if (stored.contacts_size() > 1) {
     for (const auto& [place, label] : labels) {
       const auto& contact = stored.contacts(static_cast<int>(place));
+      if (contact.onset_sequence() > frames.back().first_sequence()) {
+        return InvalidTrial(absl::StrCat(
+            contact.name(), " has no frames: it began when those of ",
+            first.name(), " were too many to be kept"));
+      }
       Touch& touch = trial.touches.emplace_back();
       touch.begin_s = TimeOf(contact.onset_sequence(), frames, trial);
       touch.end_s = TimeOf(contact.end_sequence(), frames, trial);
