@@ -239,7 +239,7 @@ int64_t PeakBytes() {
   return int64_t{usage.ru_maxrss} * 1024;
 }
 
-// A touch that only the end of the trial ends, and then `messages` messages of 64
+// A touch that only the end of the trial ends, and `messages` messages of 64
 // frames without a value.
 KeptRecordings::Kept LongSparse(v1::StreamConfig config, int messages) {
   config.set_never_release(true);
