@@ -3,7 +3,6 @@
 #include "absl/strings/str_cat.h"
 #include "client/training/monitor_client.h"
 #include "client/training/training_client.h"
-#include "core/base/address.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 
@@ -13,18 +12,6 @@ namespace {
 constexpr std::chrono::seconds kAnswerPatience(5);
 
 }  // namespace
-
-absl::Status MayTakeToken(const ServerAddress& server,
-                          const std::string& token) {
-  if (token.empty() || server.channel.tls_roots ||
-      StaysOnThisHost(server.address)) {
-    return absl::OkStatus();
-  }
-  return InvalidConfig(
-      absl::StrCat("the console's connection to ", server.address), "plain",
-      "TLS (--tls-ca), because a token must not leave the console's host "
-      "unencrypted");
-}
 
 absl::Status MayCall(const SignIn& person, bool is_loopback) {
   if (is_loopback || !person.token.empty()) return absl::OkStatus();

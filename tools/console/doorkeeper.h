@@ -21,14 +21,10 @@
 
 #include "absl/status/status.h"
 #include "tools/console/live_feed.h"
+#include "tools/console/server_address.h"
 #include "tools/console/sign_ins.h"
 
 namespace tactus::internal::console {
-
-// OK if a server may be sent a token: it is on the console's host, or its
-// connection is encrypted. An empty token may go everywhere.
-absl::Status MayTakeToken(const ServerAddress& server,
-                          const std::string& token);
 
 // OK if a person's page may call servers. A server without tokens trusts its
 // own host, and so the console, with everything; people on other machines must

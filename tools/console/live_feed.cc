@@ -38,6 +38,7 @@ class LiveFeed::Watch {
  public:
   Watch(const ServerAddress& server, const std::string& token, LiveFeed* feed)
       : address_(server.address),
+        may_ask_(MayTakeToken(server, token)),
         client_(client::MakeTrainingChannel(server.address, server.channel),
                 {.token = token}),
         monitor_(&client_),
@@ -76,6 +77,14 @@ class LiveFeed::Watch {
 
  private:
   void Run() {
+    if (!may_ask_.ok()) {
+      {
+        const std::lock_guard lock(mutex_);
+        SetState(kRefused, std::string(may_ask_.message()));
+      }
+      feed_->OnNews();
+      return;
+    }
     std::chrono::milliseconds pause = kFirstPause;
     while (true) {
       const absl::Status status = monitor_.WatchAll(
@@ -120,6 +129,7 @@ class LiveFeed::Watch {
   }
 
   const std::string address_;
+  const absl::Status may_ask_;
   client::TrainingClient client_;
   client::MonitorClient monitor_;
   LiveFeed* const feed_;

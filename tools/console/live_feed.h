@@ -20,15 +20,10 @@
 #include <string>
 #include <vector>
 
-#include "client/stream/channel.h"
 #include "tools/console/robot_news.h"
+#include "tools/console/server_address.h"
 
 namespace tactus::internal::console {
-
-struct ServerAddress {
-  std::string address;
-  client::ChannelOptions channel;
-};
 
 class LiveFeed {
  public:

@@ -1,6 +1,8 @@
 #include "tools/console/sign_ins.h"
 
 #include <set>
+#include <string>
+#include <thread>
 
 #include "core/base/errors.h"
 #include "core/base/limits_console.h"
@@ -81,6 +83,19 @@ TEST(DoorkeeperTest, ATokenLeavesTheHostOnlyEncrypted) {
   EXPECT_TRUE(MayTakeToken(safe, "token").ok());
   EXPECT_TRUE(MayTakeToken(there, "").ok());
   EXPECT_EQ(ReasonOf(MayTakeToken(there, "token")), "INVALID_CONFIG");
+}
+
+// Signing in asks the servers in their order, and ends with the first that
+// takes the token.
+TEST(LiveFeedTest, APlainServerElsewhereGetsNoToken) {
+  const LiveFeed feed({{"arm.lab:50051", {}}}, "token");
+  constexpr int kTries = 1'000;
+  for (int i = 0; i < kTries && !feed.IsRefused(); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_TRUE(feed.IsRefused());
+  LiveFeed::Cursor cursor;
+  EXPECT_NE(feed.Write(cursor).find("--tls-ca"), std::string::npos);
 }
 
 TEST(SignInsTest, ComparesSecrets) {
