@@ -38,7 +38,7 @@ inline constexpr uint32_t kDefaultReplayFrames = 200;
 inline constexpr uint32_t kMaxReplayFrames = 1'000;
 // Bytes of its frames, for which fewer are shown, and those with events too: a
 // client of gRPC takes messages of 4 MiB.
-inline constexpr size_t kReplayBytes = 2UL * 1024 * 1024;
-inline constexpr size_t kMaxReplayBytes = 3UL * 1024 * 1024;
+inline constexpr size_t kReplayedBytes = 2UL * 1024 * 1024;
+inline constexpr size_t kMaxReplayedBytes = 3UL * 1024 * 1024;
 
 }  // namespace tactus::internal::limits

@@ -92,7 +92,7 @@ class Viewer final : public StreamTap {
       out.set_taxels(frame.taxels.data(), frame.taxels.size_bytes());
     }
     bytes_ += out.ByteSizeLong();
-    if (bytes_ > limits::kMaxReplayBytes) return;
+    if (bytes_ > limits::kMaxReplayedBytes) return;
     response_->add_frames()->Swap(&out);
   }
 
@@ -107,7 +107,8 @@ class Viewer final : public StreamTap {
     const size_t bytes = answer.ByteSizeLong() +
                          (options_.with_taxels ? frame.taxels.size_bytes() : 0);
     return std::min<uint64_t>(
-        options_.max_frames, std::max<size_t>(1, limits::kReplayBytes / bytes));
+        options_.max_frames,
+        std::max<size_t>(1, limits::kReplayedBytes / bytes));
   }
 
   void Compare(const v1::Answer& answer) {
