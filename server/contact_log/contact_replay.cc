@@ -192,6 +192,7 @@ absl::StatusOr<Replayed> Replay(const v1::StoredContacts& stored,
   if (!answers.empty() && answers.rbegin()->is_final()) session.OnEndOfTrial();
   Replayed replayed;
   v1::RecordedStream stream = stored.stream();
+  stream.clear_started();
   WriteStarted(settings, *model.model, stream.mutable_started());
   stream.mutable_started()->set_model_version(model.version_name);
   stream.mutable_started()->set_bundle_sha256(model.sha256);

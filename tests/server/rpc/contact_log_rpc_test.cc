@@ -173,6 +173,8 @@ TEST(ContactLogRpcTest, AReplayHasTheSameBits) {
   for (int i = 0; i < 2; ++i) {
     const auto replay = keeping.Replay(list.contacts(1 - i).name());
     EXPECT_TRUE(replay.same_answers());
+    EXPECT_EQ(replay.started().class_names_size(), 4);
+    EXPECT_EQ(replay.replayed().label(), replay.contact().label());
     EXPECT_EQ(replay.frames_size(), kFrames);
     ASSERT_EQ(replay.contact_id(), 1u);
     const v1::Answer& last = replay.frames(kFrames - 1).answer();
