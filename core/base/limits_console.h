@@ -27,9 +27,9 @@ inline constexpr int kSignInHours = 12;
 inline constexpr int kMaxTokenChecks = 16;
 // A file of the page.
 inline constexpr size_t kMaxPageFileBytes = 4 * 1024 * 1024;
-// A request of a page to a server, as JSON, and the response, of protobuf and
-// then as JSON.
-inline constexpr uint64_t kMaxPageCallBytes = 256 * 1024;
+// A request of a page to a server, as JSON, which has room for 1,000 labels of
+// contacts; and the response, of protobuf and then as JSON.
+inline constexpr uint64_t kMaxPageCallBytes = 512 * 1024;
 inline constexpr int kMaxPageReplyBytes = 4 * 1024 * 1024;
 inline constexpr size_t kMaxPageReplyJsonBytes = 16 * 1024 * 1024;
 // Such requests that one person, and all people, have under way, and seconds

@@ -36,4 +36,5 @@ else
   node states_test.mjs "$bin/../share/tactus/console" states
   node --test page_test.mjs
   node --test pages_test.mjs
+  node --test contacts_test.mjs
 fi

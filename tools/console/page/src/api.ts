@@ -29,6 +29,9 @@ export class Api {
 
   get address(): string { return this.session.servers[this.server]!; }
 
+  // The name of the person's sign-in; empty without one.
+  get person(): string { return this.session.name ?? ''; }
+
   // `method` like "ModelService/ListAliases". Throws an ApiError.
   async call<Response>(method: string, request: object = {},
       signal?: AbortSignal): Promise<Response> {

@@ -176,6 +176,7 @@ export function colorNamed(name: string): string {
 }
 
 function timeText(time: number): string {
+  if (time < 0) return `-${timeText(-time)}`;
   const minutes = Math.floor(time / 60);
   const rest = time - 60 * minutes;
   const text = Number.isInteger(rest) ? String(rest).padStart(2, '0') :

@@ -1,7 +1,7 @@
 // Making elements. Text goes in as text, never as markup, because names come
 // from robots and servers.
 
-type Child = Node | string;
+export type Child = Node | string;
 
 export function element<K extends keyof HTMLElementTagNameMap>(
     tag: K, attributes: Record<string, string> = {},

@@ -214,7 +214,7 @@ function beginOf(robot: Robot, consoleMs: number): number {
 }
 
 // The next of 1, 2, 5, 10, ... so that the scale changes seldom.
-function roundUp(load: number): number {
+export function roundUp(load: number): number {
   if (!(load > 0)) return 0;
   const power = 10 ** Math.floor(Math.log10(load));
   for (const step of [1, 2, 5]) {

@@ -10,6 +10,11 @@ export function errorBox(error: unknown, retry?: () => void): HTMLElement {
       'A server keeps data and trains if it is started with a folder:',
     'tactusd --data-dir=FOLDER');
   }
+  if (error instanceof ApiError && error.reason === 'NO_CONTACT_LOG') {
+    return emptyBox('This server keeps no contacts', 'It forgets what robots ' +
+      'touch. A server keeps the last contacts if it is started with a size ' +
+      'for them:', 'tactusd --data-dir=FOLDER --keep-contacts=1G');
+  }
   const denied = error instanceof ApiError && error.isDenied;
   const box = element('div', { class: denied ? 'denied' : 'error',
     role: denied ? 'note' : 'alert' },

@@ -1,0 +1,65 @@
+// The console's page of contacts in a browser, for tests.
+
+import assert from 'node:assert/strict';
+
+import { BrowserPage } from './browser_page.mjs';
+
+const tally = { check: (condition, text) => assert.ok(condition, text) };
+
+export class ContactsPage {
+  static async open(browser, url) {
+    return new ContactsPage(await BrowserPage.open(browser, url, tally, '.'));
+  }
+
+  constructor(shown) { this.shown = shown; }
+
+  get page() { return this.shown.page; }
+
+  until(condition, argument) { return this.shown.until(condition, argument); }
+
+  async see(text, selector) {
+    assert.ok(await this.shown.untilText(text, selector),
+      `"${text}" is not there; but:\n${await this.shown.text()}`);
+  }
+
+  press(name) {
+    return this.page.getByRole('button', { name, exact: true }).click();
+  }
+
+  // What is in the list.
+  rows() {
+    return this.page.$$eval('[data-contact]', (rows) => rows.map((row) => {
+      const text = (selector) => row.querySelector(selector)?.innerText ?? '';
+      return { number: row.dataset.contact, robot: text('.robot'),
+        answered: text('.answered .value'),
+        percent: parseInt(text('.answered .percent'), 10),
+        draft: text('.draft'), given: text('.given') };
+    }));
+  }
+
+  async untilRows(condition, argument) {
+    for (let tries = 0; tries < 400; ++tries) {
+      if (condition(await this.rows(), argument)) return true;
+      await this.page.waitForTimeout(50);
+    }
+    return false;
+  }
+
+  // Until the frames of the open contact are there.
+  async untilPlayable() {
+    assert.ok(await this.until(() => document.querySelector(
+      '.contact-view:not([aria-busy]) .opinions') !== null));
+  }
+
+  // The number of the contact that has the focus.
+  current() {
+    return this.page.evaluate(() =>
+      document.activeElement.closest('[data-contact]')?.dataset.contact);
+  }
+
+  examine(state) { return this.shown.examine(state, true, 80); }
+
+  checkAxe(state) { return this.shown.checkAxe(state); }
+
+  close() { return this.shown.close('contacts'); }
+}
