@@ -22,6 +22,14 @@ export class ContactsPage {
       `"${text}" is not there; but:\n${await this.shown.text()}`);
   }
 
+  // What a job takes minutes for.
+  async seeSlowly(text, selector) {
+    for (let tries = 0; tries < 12; ++tries) {
+      if (await this.shown.untilText(text, selector)) return;
+    }
+    await this.see(text, selector);
+  }
+
   press(name) {
     return this.page.getByRole('button', { name, exact: true }).click();
   }
@@ -45,6 +53,16 @@ export class ContactsPage {
     return false;
   }
 
+  // Until the log has so many, which it writes a moment after they end.
+  async reloadUntil(count) {
+    for (let tries = 0; tries < 40; ++tries) {
+      await this.page.reload();
+      assert.ok(await this.untilRows((rows) => rows.length > 0));
+      if ((await this.rows()).length >= count) return;
+    }
+    assert.fail(`fewer than ${count} contacts`);
+  }
+
   // Until the frames of the open contact are there.
   async untilPlayable() {
     assert.ok(await this.until(() => document.querySelector(
@@ -57,7 +75,10 @@ export class ContactsPage {
       document.activeElement.closest('[data-contact]')?.dataset.contact);
   }
 
-  examine(state) { return this.shown.examine(state, true, 80); }
+  async examine(state) {
+    await this.page.evaluate(() => window.scrollTo(0, 0));
+    await this.shown.examine(state, true, 80);
+  }
 
   checkAxe(state) { return this.shown.checkAxe(state); }
 

@@ -71,10 +71,9 @@ class ContactsPage implements Page {
     this.bar = new LabelBar(api, this.drafts, () => this.undo(),
       () => this.list.load());
     this.root = element('div', { class: 'page contacts' },
-      pageHead('Contacts'), this.bar.root,
+      pageHead('Contacts', undefined, keysText()), this.bar.root,
       element('div', { class: 'contact-columns' }, this.list.root,
         this.view.root));
-    this.list.root.append(keysText());
     main.replaceChildren(this.root);
     window.addEventListener('keydown', this.onKey);
     this.readModels();

@@ -52,7 +52,8 @@ export function answeredCell(contact: Logged): HTMLElement {
 }
 
 export function answerLine(answer: LoggedAnswer, named = true): HTMLElement {
-  const parts: Child[] = [`${answer.value} ${percent(answer.probability)}`];
+  const parts: Child[] = [element('b', {},
+    `${answer.value} ${percent(answer.probability)}`)];
   if (named) {
     parts.unshift(element('span', { class: 'quiet' }, `${answer.question} `));
   }
