@@ -70,11 +70,11 @@ export class ContactsList {
       this.newest = isNewest ? response.contacts[0]?.name ?? '' : undefined;
       if (isNewest) this.pollLater();
       else void this.poll().catch(() => undefined).then(() => this.pollLater());
-      // After the rows are there.
-      queueMicrotask(() => {
+      // After the rows are there: only then can one have the focus.
+      setTimeout(() => {
         const { turned } = this;
         this.turned = 0;
-        if (!signal.aborted) this.handlers.onShown(turned);
+        if (!signal.aborted && !this.closed) this.handlers.onShown(turned);
       });
       return nodes;
     });
