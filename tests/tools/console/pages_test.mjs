@@ -93,8 +93,8 @@ test('data: versions, trials, and their changes', async () => {
   assert.equal(await page.page.locator('.bars li').count(), 4);
 
   // By label, then by text.
-  const ids = () => page.page.locator('tbody [type=checkbox]').count();
-  assert.equal(await ids(), 50);
+  assert.ok(await page.until(() =>
+    document.querySelectorAll('tbody [type=checkbox]').length === 50));
   await press(page, 'After →');
   assert.ok(await page.until(() =>
     document.querySelectorAll('tbody [type=checkbox]').length === 10));
