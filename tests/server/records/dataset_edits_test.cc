@@ -55,17 +55,23 @@ TEST_F(DatasetEditsTest, ARepeatedRequestMakesOneVersion) {
   EXPECT_EQ(stores_->datasets->GetHistory(kDataset)->versions.size(), 3u);
 }
 
-// Only the label of the record differs.
+// Only the label of the record differs, and what is said of who gave it.
 TEST_F(DatasetEditsTest, ARelabelledRecordKeepsEverythingElse) {
   Open();
   ASSERT_TRUE(stores_->datasets->Relabel(Relabelling(""), kCaller).ok());
   Trial trial = testing::SmallTrial(0, 3);
-  trial.label = "X";
-  const std::string want = Sha256Hex(ToRecord(trial).SerializeAsString());
+  v1::TrialRecord record = ToRecord(trial);
+  v1::Labelling& labelling = *record.mutable_labelling();
+  labelling.set_by(kCaller.name);
+  labelling.set_time_ms(stores_->time_ms);
+  labelling.set_before(record.label());
+  record.set_label("X");
+  const std::string want = Sha256Hex(record.SerializeAsString());
   const auto trials =
       stores_->datasets->Trials(*stores_->datasets->Version(kDataset));
   EXPECT_EQ(trials->front().sha256(), want);
   EXPECT_EQ(trials->front().label(), "X");
+  EXPECT_EQ(trials->front().labelling().before(), "SU");
 }
 
 // Each touch has its own label; the trial's is that of the first.
