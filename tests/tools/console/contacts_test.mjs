@@ -218,13 +218,15 @@ test('labels are given by keys and clicks, and saved', async () => {
   await page.close();
 });
 
-// That of docs/console.md.
-test('many robots have touched', async () => {
-  const { socket, address } = log;
+// The picture of docs/console.md.
+test('several robots have touched', async () => {
+  const { socket, address } = await begin('shown', '--keep-contacts=64M');
   await Promise.all([4, 5, 6].map((seed) =>
-    touch(socket, `arm-${seed}`, 3, seed)));
+    touch(socket, `arm-${seed}`, 4, seed)));
   const page = await ContactsPage.open(browser, `${address}#contacts`);
-  await page.reloadUntil(16);
+  await page.reloadUntil(8);
+  await page.page.getByLabel('Order').selectOption('uncertain');
+  assert.ok(await page.until(() => location.hash.includes('order=uncertain')));
   await page.see('4', '.classes kbd');
   for (const key of ['1', 'Enter', '4']) await page.page.keyboard.press(key);
   await page.see('3 labels', '.count');
