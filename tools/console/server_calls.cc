@@ -71,7 +71,9 @@ void ServerCalls::Call::ReportEnd() {
         status_, "the call", std::chrono::seconds(limits::kPageCallS));
   }
   reply.messages = std::move(messages_);
-  done_(std::move(reply));
+  // What it holds may hold this call.
+  const Done done = std::exchange(done_, nullptr);
+  done(std::move(reply));
 }
 
 ServerCalls::ServerCalls() : thread_([this] { Take(); }) {}
