@@ -1,8 +1,8 @@
 // File: contact_log.h
 //
-// ContactLog: the last contacts of all streams, on disk. Streams' recorders
-// hand over what they finished, and a thread of its own, at low priority,
-// writes it.
+// ContactLog: the last contacts of all streams, on disk. The recorders of the
+// streams hand over what they finished. The log has a thread of low priority,
+// which writes it.
 //
 //   TACTUS_ASSIGN_OR_RETURN(const auto log, ContactLog::Open(options));
 //   const auto recorder = log->Record(stream);

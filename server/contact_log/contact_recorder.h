@@ -81,6 +81,7 @@ class ContactRecorder final : public StreamTap {
   void Finish(int64_t now_ms);
   // Begins anew, at the start of a trial or within one.
   void Begin(bool at_trial_start);
+
   ChunkPool* const pool_;
   RecordingSink* const sink_;
   const bool light_touch_;

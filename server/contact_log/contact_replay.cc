@@ -18,7 +18,7 @@
 namespace tactus::internal::server {
 namespace {
 
-// Takes the answers for the robot, who has had his.
+// Drops the answers for the robot: it got them when the contact happened.
 class NoRobot final : public AnswerSink {
  public:
   v1::Answer* AddInterim() override { return &answer_; }

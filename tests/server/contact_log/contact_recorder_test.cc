@@ -20,7 +20,7 @@ using Kept = KeptRecordings::Kept;
 
 // A firm contact has ended when it was not felt for 0.25 s.
 constexpr int kEndFrames = 25;
-// Frames of this skin that fit into a chunk, each in a message of its own.
+// How many messages of one frame of this skin fit into a chunk.
 constexpr uint64_t kChunkFrames = 90;
 
 uint64_t FirstFrame(const Kept& kept) {

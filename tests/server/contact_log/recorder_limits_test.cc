@@ -55,8 +55,8 @@ TEST(RecorderLimitsTest, WithoutMemoryContactsAreLeftOut) {
   EXPECT_EQ(with.rig.taken_chunks(), 0u);
 }
 
-// In mid-contact. What is kept of it would have no end, and no sign of that
-// beside `cut`, which is said of contacts that are too long.
+// Memory runs out in mid-contact. Such a contact would be kept without its end.
+// Nothing would show that: `cut` means a contact that is too long.
 TEST(RecorderLimitsTest, AContactThatRunsOutOfMemoryIsLeftOut) {
   for (const size_t chunks : {1, 2, 3, 5}) {
     SCOPED_TRACE(chunks);

@@ -55,7 +55,7 @@ TEST_F(DatasetEditsTest, ARepeatedRequestMakesOneVersion) {
   EXPECT_EQ(stores_->datasets->GetHistory(kDataset)->versions.size(), 3u);
 }
 
-// Only the label of the record differs, and what is said of who gave it.
+// A relabelled record has another label, and says who gave it. All else stays.
 TEST_F(DatasetEditsTest, ARelabelledRecordKeepsEverythingElse) {
   Open();
   ASSERT_TRUE(stores_->datasets->Relabel(Relabelling(""), kCaller).ok());

@@ -54,7 +54,7 @@ class KeepingServer {
     for (const auto& response : stream.rest()) {
       if (response.answer().is_final()) finals.push_back(response.answer());
     }
-    // The stream's end is told before what it recorded is handed over.
+    // The server ends the stream first, and hands over the recording then.
     EXPECT_TRUE(testing::Eventually(
         [&] { return List({}).kept() >= kept_ + seeds.size(); }));
     kept_ = List({}).kept();

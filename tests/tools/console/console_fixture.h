@@ -88,8 +88,8 @@ class ConsoleTest : public ::testing::Test {
     return Ask("POST /api/sign-in", OwnOrigin(),
                absl::StrCat("{\"token\":\"", token, "\"}"));
   }
-  // The headers of a page of somebody who has signed in with `token`, or of
-  // everybody for an empty one.
+  // The headers that a page sends after a sign-in with `token`. An empty token
+  // means no sign-in.
   std::string PageOf(const std::string& token) const {
     const std::string response =
         token.empty() ? Ask("GET /api/session") : SignIn(token);
