@@ -6,6 +6,8 @@
 #                                   WORK
 #   BENCH_SECONDS=60 page_test.sh BIN WORK page_bench.mjs
 #                                   prints how long frames take to the screen
+#   page_test.sh BIN WORK robots_bench.mjs
+#                                   prints how long robots wait meanwhile
 #
 # Exits with 77 if there is no Chromium or no npm.
 set -euo pipefail
@@ -37,4 +39,7 @@ else
   node --test page_test.mjs
   node --test pages_test.mjs
   node --test contacts_test.mjs
+  node --test slow_network_test.mjs
+  node --test tls_test.mjs
+  node --test hostile_test.mjs
 fi
