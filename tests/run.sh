@@ -3,8 +3,8 @@
 #
 #   tests/run.sh               installs what is missing, checks format and scripts,
 #                              builds the release preset, runs the quick tests
-#   tests/run.sh --full        the long tests and research/ too, and trains the
-#                              default bundle again
+#   tests/run.sh --full        the long tests and research/ too, trains the
+#                              default bundle again, and --install
 #   tests/run.sh --sanitize    the quick tests under the asan and tsan presets
 #                              too (tsan: those of code that has threads)
 #   tests/run.sh --install     every way to install, from minimal roots
@@ -22,7 +22,7 @@ install=no
 vm=no
 for arg in "$@"; do
   case "$arg" in
-    --full) full=yes ;;
+    --full) full=yes install=yes ;;
     --sanitize) sanitize=yes ;;
     --install) install=yes ;;
     --vm) vm=yes ;;
