@@ -1,6 +1,7 @@
-# tactusd in a small image, with tactus-trainer and trainctl. HAProxy, which
-# stands before it where others can connect, is the target "proxy";
-# deploy/compose.yaml runs both. deploy/check-image.sh builds and tries them.
+# tactusd in a small image, with tactus-trainer, trainctl and tactus-console.
+# HAProxy, which stands before them where others can connect, is the target
+# "proxy"; deploy/compose.yaml runs all. deploy/check-image.sh builds and tries
+# them.
 #
 #   docker build -t tactusd . && docker run --rm -p 127.0.0.1:50051:50051 tactusd
 #   docker run --rm --entrypoint trainctl tactusd --help
@@ -14,11 +15,17 @@ COPY deploy/install-deps.sh /deploy/
 RUN /deploy/install-deps.sh --proxy \
  && rm -rf /var/lib/apt/lists/* /var/cache/apt/* /var/cache/debconf/*-old \
            /var/log/dpkg.log /var/log/apt /deploy
-COPY deploy/haproxy.cfg /etc/haproxy/haproxy.cfg
-RUN haproxy -c -f /etc/haproxy/haproxy.cfg
+COPY deploy/haproxy.cfg deploy/haproxy-console.cfg /etc/haproxy/
+RUN haproxy -c -f /etc/haproxy/haproxy.cfg -f /etc/haproxy/haproxy-console.cfg
 USER haproxy
-EXPOSE 50051
+EXPOSE 50051 8080
 ENTRYPOINT ["haproxy", "-f", "/etc/haproxy/haproxy.cfg"]
+
+FROM debian:bookworm-slim AS page
+COPY deploy/install-deps.sh /deploy/
+RUN /deploy/install-deps.sh --page
+COPY tools/console/page /page
+RUN /page/build.sh /share/tactus/console /tmp/page
 
 FROM debian:bookworm-slim AS build
 # Where the sources lie, and further options of CMake; the check sets both, so
@@ -37,10 +44,10 @@ COPY tools ${SOURCE}/tools
 RUN cmake -S ${SOURCE} -B ${SOURCE}/build/release -G Ninja \
       -DCMAKE_BUILD_TYPE=Release -DTACTUS_BUILD_TESTS=OFF ${CMAKE_OPTIONS} \
  && cmake --build ${SOURCE}/build/release \
-      --target tactusd tactus-trainer trainctl \
+      --target tactusd tactus-trainer trainctl tactus-console \
  && install -d /programs \
  && cd ${SOURCE}/build/release/bin \
- && install -s tactusd tactus-trainer trainctl /programs/
+ && install -s tactusd tactus-trainer trainctl tactus-console /programs/
 
 FROM debian:bookworm-slim AS tactusd
 COPY deploy/install-deps.sh /deploy/
@@ -55,9 +62,10 @@ RUN /deploy/install-deps.sh --runtime \
             --shell /usr/sbin/nologin tactus \
  && install -d -o 10001 -g 10001 /data
 COPY --from=build /programs/ /usr/local/bin/
+COPY --from=page /share/ /usr/local/share/
 # Fails here, not in the field, when a shared library is missing.
-RUN tactusd --help >/dev/null && tactus-trainer --help >/dev/null \
- && trainctl --help >/dev/null
+RUN for program in tactusd tactus-trainer trainctl tactus-console; do \
+      $program --help >/dev/null || exit 1; done
 VOLUME /data
 USER 10001:10001
 EXPOSE 50051

@@ -8,7 +8,8 @@
 #      Dockerfile as it stands; objects that ccache has are not compiled again;
 #   3. both run as deploy/compose.yaml says, as the images' users: the image's
 #      own health check, then simulated contacts streamed by tactus-stream
-#      through the proxy, trainctl, then SIGTERM and a clean exit;
+#      through the proxy, trainctl, the console asked through the proxy, then
+#      SIGTERM and a clean exit;
 #   4. the image's compressed size, under 150 MB.
 #
 #   deploy/check-image.sh                  as root on Debian 12
@@ -41,11 +42,13 @@ done
 work=${keep:-$(mktemp -d "${TMPDIR:-/var/tmp}/tactus-image.XXXXXX")}
 server_runner=""   # the 'buildah run' of tactusd
 proxy_runner=""    # that of HAProxy
+console_runner=""  # that of tactus-console
 
 clean_up() {
   local status=$?
   [[ -z $proxy_runner ]] || kill_below "$proxy_runner"
   [[ -z $server_runner ]] || kill_below "$server_runner"
+  [[ -z $console_runner ]] || kill_below "$console_runner"
   leave_network
   if [[ -z $keep ]]; then
     in_storage rm --all >/dev/null 2>&1 || true
@@ -76,6 +79,9 @@ options=(--build-arg SOURCE="$PWD"
   --build-arg CMAKE_OPTIONS=-DTACTUS_WERROR=ON
   --volume "$work/build:$PWD/build")
 mapfile -t -O "${#options[@]}" options < <(ccache_options)
+# npm trusts whom this machine trusts beside the usual authorities.
+own=/usr/local/share/ca-certificates
+[[ ! -d $own ]] || options+=(--volume "$own:$own:ro")
 # build_image TARGET NAME
 build_image() {
   in_storage bud --isolation chroot --pull-never --format docker \
@@ -103,17 +109,22 @@ for image in "$IMAGE" "$PROXY"; do
 done
 
 say "serve, as deploy/compose.yaml says"
-# compose EXPRESSION: words of the service tactusd in compose.yaml.
+# compose SERVICE EXPRESSION: words of a service in compose.yaml.
 compose() {
   /usr/bin/python3 -c "import sys, yaml
-service = yaml.safe_load(open('deploy/compose.yaml'))['services']['tactusd']
-print('\n'.join($1))"
+service = yaml.safe_load(open('deploy/compose.yaml'))['services']['$1']
+print('\n'.join($2))"
 }
-mapfile -t command < <(compose "service['command']")
-mapfile -t probe < <(compose "service['healthcheck']['test'][1:]")
-[[ $(compose "[service['network_mode']]") == service:proxy ]] ||
-  die "tactusd is not in the proxy's network"
-[[ $(compose "service['volumes']") == *data:/data* ]] ||
+mapfile -t command < <(compose tactusd "service['command']")
+mapfile -t probe < <(compose tactusd "service['healthcheck']['test'][1:]")
+mapfile -t proxy_command < <(compose proxy "service['command']")
+mapfile -t console_command < <(
+  compose console "service['entrypoint'] + service['command']")
+for service in tactusd console; do
+  [[ $(compose "$service" "[service['network_mode']]") == service:proxy ]] ||
+    die "$service is not in the proxy's network"
+done
+[[ $(compose tactusd "service['volumes']") == *data:/data* ]] ||
   die "compose.yaml keeps /data in no named volume"
 enter_network
 proxy=$(in_storage from --pull-never --ulimit "$FILES" "$PROXY")
@@ -122,7 +133,7 @@ root=$(in_storage mount "$container")
 # Its tmpfs.
 install -d -o 10001 -g 10001 -m 700 "$root/run/tactus"
 
-run_in "$proxy" -- haproxy -f /etc/haproxy/haproxy.cfg &
+run_in "$proxy" -- haproxy -f /etc/haproxy/haproxy.cfg "${proxy_command[@]}" &
 proxy_runner=$!
 run_in "$container" -- "${entry[@]}" "${command[@]}" &
 server_runner=$!
@@ -151,6 +162,17 @@ trainctl doctor --server="$admin" || [[ $? -eq 1 ]]
 ! trainctl datasets list --server=127.0.0.1:50051 2>"$work/refused" ||
   die "a stranger may list datasets through the proxy"
 grep -q UNAUTHENTICATED "$work/refused" || die "refused without UNAUTHENTICATED"
+
+say "the console, through the proxy"
+run_in "$container" -- "${console_command[@]}" &
+console_runner=$!
+ask() { ask_console "$1" run_in "$container" --; }
+has_page() { [[ $(ask /) == *"<title>Tactus"* ]]; }
+wait_for "$console_runner" has_page || die "the console has no page"
+[[ $(ask /api/session) == *'"signed_in":false'* ]] ||
+  die "the console lets a stranger watch"
+kill_below "$console_runner"
+console_runner=""
 
 say "stop"
 kill -TERM "$server"

@@ -103,6 +103,14 @@ number() {
 print(json.load(open(sys.argv[1]))[sys.argv[2]])' "$work/stream.json" "$1"
 }
 
+# ask_console PATH COMMAND...: what the console on port 8080 answers, asked by a
+# shell that COMMAND runs.
+ask_console() {
+  # shellcheck disable=SC2016  # the inner shell expands it
+  "${@:2}" bash -euc 'exec 3<>/dev/tcp/127.0.0.1/8080
+    printf "GET $1 HTTP/1.0\r\nHost: localhost\r\n\r\n" >&3; cat <&3' - "$1"
+}
+
 # make_base NAME: a Debian 12 base made by mmdebstrap from this machine's own
 # package sources, as the image NAME.
 make_base() {

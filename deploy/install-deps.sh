@@ -4,8 +4,10 @@
 #   deploy/install-deps.sh            to build and run all programs
 #   deploy/install-deps.sh --tests    and to build and run tests and benchmarks
 #   deploy/install-deps.sh --build    to build tactusd, tactus-trainer, trainctl
-#   deploy/install-deps.sh --runtime  to run these three, built already
+#                                     and tactus-console without its page
+#   deploy/install-deps.sh --runtime  to run these four, built already
 #   deploy/install-deps.sh --proxy    to run HAProxy before tactusd
+#   deploy/install-deps.sh --page     to build the console's page
 #   deploy/install-deps.sh --image    to run deploy/check-image.sh
 #   deploy/install-deps.sh --list     (with any of these) only prints the names
 #
@@ -29,6 +31,7 @@ readonly BUILD=(
   libnghttp2-dev
   libopencv-core-dev
   libopencv-imgproc-dev
+  libpq-dev
   libprotobuf-dev
   libspdlog-dev
   libsqlitecpp-dev
@@ -52,6 +55,7 @@ readonly RUNTIME=(
   libnghttp2-14
   libopencv-core406
   libopencv-imgproc406
+  libpq5
   libprometheus-cpp-core1.0
   libprotobuf32
   libspdlog1.10
@@ -71,11 +75,13 @@ readonly IMAGE=(
   mmdebstrap
   python3-yaml
 )
-# What the programs can do without: robots' URDF files and their kinematics, and
-# the console's page.
+# What the programs can do without: robots' URDF files and their kinematics.
 readonly PROGRAMS=(
   liborocos-kdl-dev
   liburdfdom-dev
+)
+# The console's page.
+readonly PAGE=(
   npm
 )
 # The tests, the benchmarks, and the independent references of both.
@@ -96,6 +102,7 @@ readonly TESTS=(
   libsundials-dev
   libumockdev-dev
   openssl
+  postgresql-15
   prometheus
   python3-grpcio
   python3-h5py
@@ -112,7 +119,7 @@ usage() {
   sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "$0"
 }
 
-packages=("${BUILD[@]}" "${PROGRAMS[@]}")
+packages=("${BUILD[@]}" "${PROGRAMS[@]}" "${PAGE[@]}")
 list_only=no
 for arg in "$@"; do
   case "$arg" in
@@ -120,6 +127,7 @@ for arg in "$@"; do
     --build) packages=("${BUILD[@]}") ;;
     --runtime) packages=("${RUNTIME[@]}") ;;
     --proxy) packages=("${PROXY[@]}") ;;
+    --page) packages=("${PAGE[@]}") ;;
     --image) packages=("${IMAGE[@]}") ;;
     --list) list_only=yes ;;
     -h | --help) usage; exit 0 ;;

@@ -52,7 +52,7 @@ in_build() {
 }
 built=$PWD/build/release
 in_build "$PWD/deploy/install-deps.sh" --build
-in_build cmake --build "$built" --target tactus_component_client tactus-console
+in_build cmake --build "$built" --target tactus_component_client
 for component in base client; do
   in_build cmake --install "$built" --component "$component" \
     --prefix /usr/local >/dev/null
@@ -124,15 +124,10 @@ as_user trainctl models list --server=unix:/run/tactus/tactusd.sock
 mapfile -t words < <(exec_start tactus-console)
 as_user "${words[@]}" &
 runners+=("$!")
-ask_console() {
-  # shellcheck disable=SC2016  # the inner shell expands it
-  as_user bash -euc 'exec 3<>/dev/tcp/127.0.0.1/8080
-    printf "GET $1 HTTP/1.0\r\nHost: localhost\r\n\r\n" >&3; cat <&3' - "$1"
-}
-wait_for "$!" ask_console / || die "the unit's console does not serve"
-[[ $(ask_console /) == *"<title>Tactus"* ]] || die "the console has no page"
+wait_for "$!" ask_console / as_user || die "the unit's console does not serve"
+[[ $(ask_console / as_user) == *"<title>Tactus"* ]] || die "the console has no page"
 # The server behind a proxy has no tokens yet, and shows robots to no stranger.
-[[ $(ask_console /api/session) == *'"signed_in":false'* ]] ||
+[[ $(ask_console /api/session as_user) == *'"signed_in":false'* ]] ||
   die "the unit's console lets a stranger watch"
 
 say "every way to install works"
