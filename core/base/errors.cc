@@ -349,6 +349,23 @@ absl::Status NoContactLog() {
                    "--data-dir=FOLDER --keep-contacts=SIZE");
 }
 
+absl::Status CatalogUnavailable(absl::string_view catalog,
+                                absl::string_view error) {
+  return MakeError(
+      StatusCode::kUnavailable, v1::ERROR_REASON_CATALOG_UNAVAILABLE,
+      absl::StrCat("the catalogue ", catalog, " does not answer: ", error,
+                   "; try again when the database is there"),
+      {{"catalog", std::string(catalog)}});
+}
+
+absl::Status TakenOver(absl::string_view what, absl::string_view holder) {
+  return MakeError(
+      StatusCode::kAborted, v1::ERROR_REASON_CATALOG_UNAVAILABLE,
+      absl::StrCat(what, ": this server was silent for too long, and ", holder,
+                   " goes on with it; try again"),
+      {{"holder", std::string(holder)}});
+}
+
 absl::Status InvalidName(absl::string_view name, absl::string_view want) {
   return InvalidValue(v1::ERROR_REASON_INVALID_NAME, "name", Quoted(name),
                       want);

@@ -125,6 +125,12 @@ absl::Status NoFirstMessage(int timeout_ms);
 // Storage and jobs. `what` and `name` say which thing was wrong.
 absl::Status NoDataDirectory();
 absl::Status NoContactLog();
+// `catalog`: its address without a password; `error`: what came instead of an
+// answer.
+absl::Status CatalogUnavailable(absl::string_view catalog,
+                                absl::string_view error);
+// ABORTED: this server was taken for dead, and `holder` goes on with `what`.
+absl::Status TakenOver(absl::string_view what, absl::string_view holder);
 absl::Status InvalidName(absl::string_view name, absl::string_view want);
 // NOT_FOUND with one of the reasons that end in _NOT_FOUND; `kind` is the word
 // for the thing, e.g. "dataset", and `advice` what to do, e.g. "trainctl

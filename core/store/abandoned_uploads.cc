@@ -35,8 +35,14 @@ absl::StatusOr<std::vector<v1::StoredUpload>> AbandonedUploads(
   return uploads;
 }
 
-std::string UploadFile(const v1::StoredUpload& upload) {
+std::string UploadId(const v1::StoredUpload& upload) {
   return upload.name().substr(std::min(sizeof kUploads, upload.name().size()));
+}
+
+std::string UploadFile(const v1::StoredUpload& upload) {
+  return upload.copy() == 0
+             ? UploadId(upload)
+             : absl::StrCat(UploadId(upload), "-", upload.copy());
 }
 
 absl::StatusOr<uint64_t> NextUpload(const Transaction& look) {
@@ -46,7 +52,7 @@ absl::StatusOr<uint64_t> NextUpload(const Transaction& look) {
 absl::Status RemoveUpload(Transaction& change, const v1::StoredUpload& upload,
                           absl::string_view caller, int64_t now_ms) {
   uint64_t number = 0;
-  if (!absl::SimpleAtoi(UploadFile(upload), &number)) {
+  if (!absl::SimpleAtoi(UploadId(upload), &number)) {
     return DataLost(upload.name(), "the upload has no number");
   }
   TACTUS_RETURN_IF_ERROR(KeepNumber(change, Table::kUploads, kUploads));

@@ -30,8 +30,11 @@ bool IsAbandoned(const v1::StoredUpload& upload, int64_t now_ms);
 absl::StatusOr<std::vector<v1::StoredUpload>> AbandonedUploads(
     const Transaction& look, int64_t now_ms);
 
-// The name of the upload's file in the folder of uploads: what follows the
-// slash of its name.
+// What follows the slash of its name.
+std::string UploadId(const v1::StoredUpload& upload);
+
+// The name of the upload's file in the folder of uploads: its id, and the
+// number of the copy behind it if it was copied.
 std::string UploadFile(const v1::StoredUpload& upload);
 
 // Removes the record, with an entry of `caller` in the audit log. The number of

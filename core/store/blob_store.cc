@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 #include "core/base/errors.h"
+#include "core/base/limits_catalog.h"
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 
@@ -13,6 +14,7 @@ namespace tactus::internal {
 namespace {
 
 constexpr char kDrafts[] = "/drafts";
+constexpr char kRemoved[] = "/removed";
 
 }  // namespace
 
@@ -20,18 +22,37 @@ absl::StatusOr<std::unique_ptr<BlobStore>> BlobStore::Open(FileSystem& files,
                                                            std::string folder) {
   TACTUS_RETURN_IF_ERROR(files.MakeDirectory(folder));
   TACTUS_RETURN_IF_ERROR(files.RemoveAll(folder + kDrafts));
+  return OpenAs(files, std::move(folder), "");
+}
+
+absl::StatusOr<std::unique_ptr<BlobStore>> BlobStore::OpenShared(
+    FileSystem& files, std::string folder, absl::string_view name) {
+  TACTUS_RETURN_IF_ERROR(files.MakeDirectory(folder));
+  TACTUS_RETURN_IF_ERROR(files.MakeDirectory(folder + kRemoved));
+  return OpenAs(files, std::move(folder), std::string(name));
+}
+
+absl::StatusOr<std::unique_ptr<BlobStore>> BlobStore::OpenAs(FileSystem& files,
+                                                             std::string folder,
+                                                             std::string name) {
   TACTUS_RETURN_IF_ERROR(files.MakeDirectory(folder + kDrafts));
+  if (!name.empty()) {
+    TACTUS_RETURN_IF_ERROR(
+        files.MakeDirectory(absl::StrCat(folder, kDrafts, "/", name)));
+  }
   for (int i = 0; i < 256; ++i) {
     TACTUS_RETURN_IF_ERROR(files.MakeDirectory(
         absl::StrCat(folder, "/", absl::Hex(i, absl::kZeroPad2))));
   }
   TACTUS_RETURN_IF_ERROR(files.SyncDirectory(folder));
-  return std::unique_ptr<BlobStore>(new BlobStore(files, std::move(folder)));
+  return std::unique_ptr<BlobStore>(
+      new BlobStore(files, std::move(folder), std::move(name)));
 }
 
 BlobStore::Batch BlobStore::NewBatch() {
   Batch batch(this);
-  batch.prefix_ = absl::StrCat(folder_, kDrafts, "/", batches_++, "-");
+  batch.prefix_ = absl::StrCat(folder_, kDrafts, "/", name_,
+                               name_.empty() ? "" : "/", batches_++, "-");
   return batch;
 }
 
@@ -54,14 +75,53 @@ absl::StatusOr<std::string> BlobStore::Read(const std::string& sha256,
 }
 
 absl::Status BlobStore::Remove(const std::string& sha256) {
-  return files_.Remove(PathOf(sha256));
+  if (name_.empty()) return files_.Remove(PathOf(sha256));
+  TACTUS_ASSIGN_OR_RETURN(const bool exists, Has(sha256));
+  if (!exists) return absl::OkStatus();
+  return files_.Rename(PathOf(sha256),
+                       absl::StrCat(folder_, kRemoved, "/", sha256));
+}
+
+absl::Status BlobStore::Sweep(
+    int64_t now_ms, absl::FunctionRef<bool(const std::string& name)> is_alive,
+    absl::FunctionRef<absl::StatusOr<bool>(const std::string& sha256)>
+        is_used) {
+  if (name_.empty()) return absl::OkStatus();
+  TACTUS_ASSIGN_OR_RETURN(const auto drafts, files_.List(folder_ + kDrafts));
+  for (const std::string& name : drafts) {
+    if (is_alive(name)) continue;
+    TACTUS_RETURN_IF_ERROR(
+        files_.RemoveAll(absl::StrCat(folder_, kDrafts, "/", name)));
+  }
+  TACTUS_ASSIGN_OR_RETURN(const auto removed, files_.List(folder_ + kRemoved));
+  std::map<std::string, int64_t> since;
+  for (const std::string& sha256 : removed) {
+    const std::string path = absl::StrCat(folder_, kRemoved, "/", sha256);
+    TACTUS_ASSIGN_OR_RETURN(const bool used, is_used(sha256));
+    TACTUS_ASSIGN_OR_RETURN(const bool again, Has(sha256));
+    if (used && !again) {
+      TACTUS_RETURN_IF_ERROR(files_.Rename(path, PathOf(sha256)));
+      continue;
+    }
+    const auto known = removed_since_.find(sha256);
+    const int64_t first =
+        known == removed_since_.end() ? now_ms : known->second;
+    if (now_ms - first >= limits::kRemovedBlobMs) {
+      TACTUS_RETURN_IF_ERROR(files_.Remove(path));
+    } else {
+      since[sha256] = first;
+    }
+  }
+  removed_since_ = std::move(since);
+  return absl::OkStatus();
 }
 
 absl::StatusOr<std::vector<std::string>> BlobStore::List() const {
   std::vector<std::string> blobs;
   TACTUS_ASSIGN_OR_RETURN(const auto folders, files_.List(folder_));
   for (const std::string& folder : folders) {
-    if (absl::StrCat("/", folder) == kDrafts) continue;
+    const std::string place = absl::StrCat("/", folder);
+    if (place == kDrafts || place == kRemoved) continue;
     TACTUS_ASSIGN_OR_RETURN(const auto names,
                             files_.List(absl::StrCat(folder_, "/", folder)));
     for (const std::string& name : names) {

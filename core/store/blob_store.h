@@ -17,11 +17,13 @@
 
 #include <atomic>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "absl/functional/function_ref.h"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
@@ -66,6 +68,11 @@ class BlobStore {
   // Creates the directory if it does not exist.
   static absl::StatusOr<std::unique_ptr<BlobStore>> Open(FileSystem& files,
                                                          std::string folder);
+  // A directory that several processes share; `name` is unique among them, and
+  // a file name. What is removed there lies in "removed" for a while, because a
+  // process that was taken for dead may still remove what another one wants.
+  static absl::StatusOr<std::unique_ptr<BlobStore>> OpenShared(
+      FileSystem& files, std::string folder, absl::string_view name);
 
   Batch NewBatch();
 
@@ -75,6 +82,13 @@ class BlobStore {
                                    int64_t limit) const;
   // Removes a blob; OK if it does not exist.
   absl::Status Remove(const std::string& sha256);
+  // In a shared directory: deletes the drafts of processes that are not alive,
+  // puts back what was removed and is used, and deletes what has lain there for
+  // limits::kRemovedBlobMs, as this process has seen it.
+  absl::Status Sweep(
+      int64_t now_ms, absl::FunctionRef<bool(const std::string& name)> is_alive,
+      absl::FunctionRef<absl::StatusOr<bool>(const std::string& sha256)>
+          is_used);
   // The SHA-256 of all blobs, sorted.
   absl::StatusOr<std::vector<std::string>> List() const;
 
@@ -82,12 +96,19 @@ class BlobStore {
   std::string PathOf(absl::string_view sha256) const;
 
  private:
-  BlobStore(FileSystem& files, std::string folder)
-      : files_(files), folder_(std::move(folder)) {}
+  BlobStore(FileSystem& files, std::string folder, std::string name)
+      : files_(files), folder_(std::move(folder)), name_(std::move(name)) {}
+  static absl::StatusOr<std::unique_ptr<BlobStore>> OpenAs(FileSystem& files,
+                                                           std::string folder,
+                                                           std::string name);
 
   FileSystem& files_;
   const std::string folder_;
+  // This process among those that share the directory; empty: it is alone.
+  const std::string name_;
   std::atomic<uint64_t> batches_ = 0;
+  // When Sweep saw it first.
+  std::map<std::string, int64_t> removed_since_;
 };
 
 // The file of a blob in the store in `folder`.

@@ -48,6 +48,13 @@ enum class Table {
   kJobLogs = 13,
   // Which data directory the catalogue belongs to.
   kDirectory = 14,
+  // The servers and workers that share the catalogue.
+  kReplicas = 15,
+  // Locks that they hold.
+  kLeases = 16,
+  // That they live: a number of each, which grows. A change of these alone is
+  // no news.
+  kBeats = 17,
 };
 
 struct CatalogEntry {

@@ -34,13 +34,16 @@ absl::StatusOr<std::unique_ptr<DataDirectory>> DataDirectory::Open(
 }
 
 absl::Status DataDirectory::OpenParts(const std::string& vfs) {
-  catalog_.reset();
+  own_catalog_.reset();
   TACTUS_RETURN_IF_ERROR(CheckCatalogFile(files_, folder_));
   auto catalog = OpenSqliteCatalog(CatalogPath(folder_), vfs);
   absl::Status status = catalog.status();
   if (status.ok()) status = (*catalog)->Check();
   TACTUS_RETURN_IF_ERROR(WithRestoreAdvice(folder_, status));
-  catalog_ = *std::move(catalog);
+  own_catalog_ = *std::move(catalog);
+  own_locks_ = std::make_unique<LocalLocks>();
+  catalog_ = own_catalog_.get();
+  locks_ = own_locks_.get();
   TACTUS_RETURN_IF_ERROR(CheckCatalogBelongs(files_, folder_, *catalog_));
   TACTUS_RETURN_IF_ERROR(files_.MakeDirectory(UploadFolder()));
   TACTUS_RETURN_IF_ERROR(files_.MakeDirectory(JobFolder()));
@@ -50,9 +53,36 @@ absl::Status DataDirectory::OpenParts(const std::string& vfs) {
   return MarkDirectory(files_, folder_, *catalog_);
 }
 
+absl::StatusOr<std::unique_ptr<DataDirectory>> DataDirectory::OpenShared(
+    FileSystem& files, const std::string& folder, const std::string& name,
+    Catalog* catalog, Locks* locks) {
+  std::unique_ptr<DataDirectory> data(new DataDirectory(files, folder));
+  data->catalog_ = catalog;
+  data->locks_ = locks;
+  TACTUS_RETURN_IF_ERROR(files.MakeDirectory(folder));
+  if (const absl::Status belongs = CheckCatalogBelongs(files, folder, *catalog);
+      absl::IsDataLoss(belongs)) {
+    return DataLost(folder,
+                    "it is not the folder of this catalogue; give the one that "
+                    "the other servers of the catalogue have");
+  } else {
+    TACTUS_RETURN_IF_ERROR(belongs);
+  }
+  TACTUS_RETURN_IF_ERROR(files.MakeDirectory(data->UploadFolder()));
+  TACTUS_RETURN_IF_ERROR(files.MakeDirectory(data->JobFolder()));
+  TACTUS_ASSIGN_OR_RETURN(
+      data->blobs_, BlobStore::OpenShared(files, data->BlobFolder(), name));
+  // The catalogue needs no room there, so deletions work without a reserve.
+  data->reserve_ = std::make_unique<DiskReserve>(files, folder + "/reserve", 0);
+  TACTUS_ASSIGN_OR_RETURN(data->catalog_is_older_,
+                          CatalogIsOlder(files, folder, *catalog));
+  TACTUS_RETURN_IF_ERROR(MarkDirectory(files, folder, *catalog));
+  return data;
+}
+
 DataDirectory::~DataDirectory() {
   // Before the lock.
-  catalog_.reset();
+  own_catalog_.reset();
 }
 
 std::string DataDirectory::BlobFolder() const { return folder_ + "/blobs"; }

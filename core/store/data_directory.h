@@ -15,6 +15,10 @@
 //                           DataDirectory::Open(PosixFileSystem(), "/data"));
 //   BlobStore& blobs = data->blobs();
 //
+// Servers that share a catalogue share a folder with blobs/, uploads/, jobs/
+// and lost+found/. The file system must rename atomically, and show to all of them
+// what one has synced (NFS, CephFS, Lustre).
+//
 // Thread-safe. `files` must outlive it.
 #pragma once
 
@@ -28,6 +32,7 @@
 #include "core/store/directory_lock.h"
 #include "core/store/disk_reserve.h"
 #include "core/store/file_system.h"
+#include "core/store/locks.h"
 
 namespace tactus::internal {
 
@@ -39,12 +44,20 @@ class DataDirectory {
   static absl::StatusOr<std::unique_ptr<DataDirectory>> Open(
       FileSystem& files, const std::string& folder,
       const std::string& vfs = "");
+  // The folder that the servers of `catalog` share; `name` is this one's among
+  // them. Both must outlive it.
+  static absl::StatusOr<std::unique_ptr<DataDirectory>> OpenShared(
+      FileSystem& files, const std::string& folder, const std::string& name,
+      Catalog* catalog, Locks* locks);
   ~DataDirectory();
 
   FileSystem& files() const { return files_; }
   Catalog& catalog() const { return *catalog_; }
   BlobStore& blobs() const { return *blobs_; }
   DiskReserve& reserve() const { return *reserve_; }
+  Locks& locks() const { return *locks_; }
+  // True if other servers use it, too.
+  bool is_shared() const { return own_catalog_ == nullptr; }
   // True if the catalogue is older than the folder: what was stored since is in
   // no record.
   bool catalog_is_older() const { return catalog_is_older_; }
@@ -64,7 +77,11 @@ class DataDirectory {
   FileSystem& files_;
   const std::string folder_;
   std::unique_ptr<DirectoryLock> lock_;
-  std::unique_ptr<Catalog> catalog_;
+  // Null if they are shared.
+  std::unique_ptr<Catalog> own_catalog_;
+  std::unique_ptr<Locks> own_locks_;
+  Catalog* catalog_ = nullptr;
+  Locks* locks_ = nullptr;
   std::unique_ptr<BlobStore> blobs_;
   std::unique_ptr<DiskReserve> reserve_;
   bool catalog_is_older_ = false;

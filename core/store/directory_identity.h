@@ -11,7 +11,7 @@
 //   TACTUS_RETURN_IF_ERROR(MarkDirectory(files, folder, *catalog));
 //
 // Errors: DATA_LOST with what to restore, and those of storage. Thread-safe:
-// free functions without state; one process at a time may mark a directory.
+// free functions without state.
 #pragma once
 
 #include <string>

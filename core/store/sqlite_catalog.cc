@@ -17,11 +17,10 @@
 #include "SQLiteCpp/Transaction.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "core/base/crc32c.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
-#include "core/base/text.h"
 #include "core/store/file_system.h"
+#include "core/store/record_seal.h"
 #include "core/store/tables.h"
 
 namespace tactus::internal {
@@ -105,16 +104,6 @@ std::string Text(const SQLite::Column& column) {
                      static_cast<size_t>(column.getBytes()));
 }
 
-// The CRC32C of a record, as the bytes behind its value. SQLite's own check
-// does not read what values hold.
-std::string Seal(Table table, absl::string_view key, absl::string_view value) {
-  uint32_t crc = ExtendCrc32c(0, absl::StrCat(static_cast<int>(table), "/"));
-  crc = ExtendCrc32c(ExtendCrc32c(crc, key), value);
-  std::string seal(sizeof crc, '\0');
-  std::memcpy(seal.data(), &crc, sizeof crc);
-  return seal;
-}
-
 // What is known of the records of one table: how many there are, and the sum of
 // their seals modulo 2^64.
 struct Tally {
@@ -128,7 +117,7 @@ struct Tally {
  private:
   // `sealed` ends with the seal.
   void Count(absl::string_view sealed, int sign) {
-    uint32_t seal = 0;
+    RecordSeal seal = 0;
     const size_t size = std::min(sealed.size(), sizeof seal);
     std::memcpy(&seal, sealed.data() + sealed.size() - size, size);
     records += sign;
@@ -215,27 +204,6 @@ std::string Differences(SQLite::Database& database) {
   return absl::StrJoin(differences, ", ");
 }
 
-// The value of a sealed record.
-absl::StatusOr<std::string> Unseal(Table table, absl::string_view key,
-                                   std::string sealed) {
-  if (sealed.size() >= sizeof(uint32_t)) {
-    const std::string seal = sealed.substr(sealed.size() - sizeof(uint32_t));
-    sealed.resize(sealed.size() - sizeof(uint32_t));
-    if (seal == Seal(table, key, sealed)) return sealed;
-  }
-  return DataLost(Quoted(key), "the record does not have its CRC32C");
-}
-
-// The smallest text that is above all texts that begin with `prefix`; empty if
-// there is none.
-std::string EndOfPrefix(std::string prefix) {
-  while (!prefix.empty() && static_cast<unsigned char>(prefix.back()) == 0xff) {
-    prefix.pop_back();
-  }
-  if (!prefix.empty()) ++prefix.back();
-  return prefix;
-}
-
 class SqliteTransaction final : public Transaction {
  public:
   SqliteTransaction(SQLite::Database& database, const std::string& path)
@@ -249,7 +217,7 @@ class SqliteTransaction final : public Transaction {
       query.bind(1, static_cast<int>(table));
       Bind(query, 2, key);
       if (!query.executeStep()) return std::nullopt;
-      return Unseal(table, key, Text(query.getColumn(0)));
+      return UnsealRecord(table, key, Text(query.getColumn(0)));
     });
   }
 
@@ -272,8 +240,9 @@ class SqliteTransaction final : public Transaction {
       std::vector<CatalogEntry> entries;
       while (query.executeStep()) {
         const std::string key = Text(query.getColumn(0));
-        TACTUS_ASSIGN_OR_RETURN(const std::string value,
-                                Unseal(table, key, Text(query.getColumn(1))));
+        TACTUS_ASSIGN_OR_RETURN(
+            const std::string value,
+            UnsealRecord(table, key, Text(query.getColumn(1))));
         entries.push_back({key, value});
       }
       return entries;
@@ -288,7 +257,7 @@ class SqliteTransaction final : public Transaction {
                                "INSERT OR REPLACE INTO records VALUES (?,?,?)");
       change.bind(1, static_cast<int>(table));
       Bind(change, 2, key);
-      const std::string sealed = absl::StrCat(value, Seal(table, key, value));
+      const std::string sealed = SealRecord(table, key, value);
       Bind(change, 3, sealed);
       change.exec();
       changes_[static_cast<int>(table)].Add(sealed);

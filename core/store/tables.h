@@ -29,6 +29,9 @@ inline constexpr std::pair<Table, const char*> kTables[] = {
     {Table::kNumbers, "numbers"},
     {Table::kJobLogs, "job logs"},
     {Table::kDirectory, "data directory"},
+    {Table::kReplicas, "replicas"},
+    {Table::kLeases, "leases"},
+    {Table::kBeats, "signs of life"},
 };
 
 }  // namespace tactus::internal

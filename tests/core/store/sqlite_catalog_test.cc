@@ -1,4 +1,4 @@
-#include "core/store/catalog.h"
+#include "core/store/sqlite_catalog.h"
 
 #include <sqlite3.h>
 
@@ -7,9 +7,9 @@
 #include "core/base/errors.h"
 #include "core/base/random.h"
 #include "core/base/status_macros.h"
-#include "core/store/sqlite_catalog.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/support/catalog_access.h"
 #include "tests/support/crash_vfs.h"
 #include "tests/support/scratch_dir.h"
 
@@ -18,8 +18,9 @@ namespace {
 
 using testing::CrashFileSystem;
 using testing::CrashVfs;
-using ::testing::ElementsAre;
-using ::testing::IsEmpty;
+using testing::Get;
+using testing::Put;
+using testing::Scan;
 using Loss = CrashFileSystem::Loss;
 
 std::unique_ptr<Catalog> Open(const std::string& path,
@@ -29,54 +30,7 @@ std::unique_ptr<Catalog> Open(const std::string& path,
   return *std::move(catalog);
 }
 
-absl::Status Put(Catalog& catalog, const std::string& key,
-                 const std::string& value, Table table = Table::kTrials) {
-  return catalog.Change(
-      [&](Transaction& change) { return change.Put(table, key, value); });
-}
-
-// Nothing after an error, which `status` receives.
-std::vector<CatalogEntry> Scan(const Catalog& catalog,
-                               const ScanOptions& options = {},
-                               Table table = Table::kTrials,
-                               absl::Status* status = nullptr) {
-  std::vector<CatalogEntry> entries;
-  const absl::Status looked =
-      catalog.Look([&](const Transaction& look) -> absl::Status {
-        TACTUS_ASSIGN_OR_RETURN(entries, look.Scan(table, options));
-        return absl::OkStatus();
-      });
-  if (status == nullptr) {
-    EXPECT_TRUE(looked.ok()) << looked;
-  } else {
-    *status = looked;
-  }
-  return entries;
-}
-
-std::vector<std::string> Keys(const Catalog& catalog,
-                              const ScanOptions& options) {
-  std::vector<std::string> keys;
-  for (const CatalogEntry& entry : Scan(catalog, options)) {
-    keys.push_back(entry.key);
-  }
-  return keys;
-}
-
-std::optional<std::string> Get(const Catalog& catalog, const std::string& key,
-                               Table table = Table::kTrials) {
-  std::optional<std::string> value;
-  EXPECT_TRUE(catalog
-                  .Look([&](const Transaction& look) {
-                    auto got = look.Get(table, key);
-                    if (got.ok()) value = *got;
-                    return got.status();
-                  })
-                  .ok());
-  return value;
-}
-
-class CatalogTest : public ::testing::Test {
+class SqliteCatalogTest : public ::testing::Test {
  protected:
   // Runs SQL on the file behind the catalogue's back.
   void Sql(const std::string& sql) {
@@ -91,76 +45,7 @@ class CatalogTest : public ::testing::Test {
   const std::string path_ = folder_ / "catalog.db";
 };
 
-TEST_F(CatalogTest, KeepsBytes) {
-  const std::string bytes("\0\xff'\"\n", 5);
-  {
-    auto catalog = Open(path_);
-    ASSERT_TRUE(Put(*catalog, bytes, bytes).ok());
-    ASSERT_TRUE(Put(*catalog, "empty", "").ok());
-    ASSERT_TRUE(Put(*catalog, "empty", "other", Table::kAudit).ok());
-    ASSERT_TRUE(Put(*catalog, "twice", "1").ok());
-    ASSERT_TRUE(Put(*catalog, "twice", "2").ok());
-  }
-  auto catalog = Open(path_);
-  EXPECT_EQ(Get(*catalog, bytes), bytes);
-  EXPECT_EQ(Get(*catalog, "empty"), "");
-  EXPECT_EQ(Get(*catalog, "empty", Table::kAudit), "other");
-  EXPECT_EQ(Get(*catalog, "twice"), "2");
-  EXPECT_EQ(Get(*catalog, "no"), std::nullopt);
-  EXPECT_TRUE(catalog->Check().ok());
-}
-
-TEST_F(CatalogTest, ATransactionIsAllOrNothing) {
-  auto catalog = Open(path_);
-  ASSERT_TRUE(Put(*catalog, "a", "old").ok());
-  const absl::Status status = catalog->Change([](Transaction& change) {
-    EXPECT_TRUE(change.Put(Table::kTrials, "a", "new").ok());
-    EXPECT_TRUE(change.Put(Table::kAudit, "b", "new").ok());
-    EXPECT_EQ(*change.Get(Table::kTrials, "a"), "new");
-    return IoError("test", "it fails");
-  });
-  EXPECT_EQ(ReasonOf(status), "IO");
-  EXPECT_EQ(Get(*catalog, "a"), "old");
-  EXPECT_EQ(Get(*catalog, "b", Table::kAudit), std::nullopt);
-  ASSERT_TRUE(catalog
-                  ->Change([](Transaction& change) {
-                    EXPECT_TRUE(change.Erase(Table::kTrials, "no").ok());
-                    return change.Erase(Table::kTrials, "a");
-                  })
-                  .ok());
-  EXPECT_EQ(Get(*catalog, "a"), std::nullopt);
-}
-
-TEST_F(CatalogTest, ScansInTheOrderOfBytes) {
-  auto catalog = Open(path_);
-  for (const char* key :
-       {"b/2", "b/1", "a", "b", "b0", "c\xff", "c\xff\xff", "\xff", "b/3"}) {
-    ASSERT_TRUE(Put(*catalog, key, "").ok());
-  }
-  EXPECT_THAT(Keys(*catalog, {}),
-              ElementsAre("a", "b", "b/1", "b/2", "b/3", "b0", "c\xff",
-                          "c\xff\xff", "\xff"));
-  EXPECT_THAT(Keys(*catalog, {.prefix = "b/"}),
-              ElementsAre("b/1", "b/2", "b/3"));
-  EXPECT_THAT(Keys(*catalog, {.prefix = "b/", .backwards = true}),
-              ElementsAre("b/3", "b/2", "b/1"));
-  EXPECT_THAT(Keys(*catalog, {.prefix = "b/", .after = "b/1"}),
-              ElementsAre("b/2", "b/3"));
-  EXPECT_THAT(
-      Keys(*catalog, {.prefix = "b/", .after = "b/3", .backwards = true}),
-      ElementsAre("b/2", "b/1"));
-  EXPECT_THAT(Keys(*catalog, {.after = "b/3", .limit = 2}),
-              ElementsAre("b0", "c\xff"));
-  EXPECT_THAT(Keys(*catalog, {.limit = 1, .backwards = true}),
-              ElementsAre("\xff"));
-  EXPECT_THAT(Keys(*catalog, {.prefix = "c\xff"}),
-              ElementsAre("c\xff", "c\xff\xff"));
-  EXPECT_THAT(Keys(*catalog, {.prefix = "\xff"}), ElementsAre("\xff"));
-  EXPECT_THAT(Keys(*catalog, {.limit = 0}), IsEmpty());
-  EXPECT_THAT(Keys(*catalog, {.prefix = "x"}), IsEmpty());
-}
-
-TEST_F(CatalogTest, OtherVersionsAreRefused) {
+TEST_F(SqliteCatalogTest, OtherVersionsAreRefused) {
   { ASSERT_TRUE(Put(*Open(path_), "a", "1").ok()); }
   for (const int version : {kCatalogVersion + 1, 2147483647, -1, -2147483647}) {
     Sql("PRAGMA user_version = " + std::to_string(version));
@@ -171,7 +56,7 @@ TEST_F(CatalogTest, OtherVersionsAreRefused) {
   EXPECT_EQ(Get(*Open(path_), "a"), "1");
 }
 
-TEST_F(CatalogTest, WhatIsNoDatabaseIsRefused) {
+TEST_F(SqliteCatalogTest, WhatIsNoDatabaseIsRefused) {
   WriteBytes(path_, std::string(5000, 'x'));
   EXPECT_EQ(ReasonOf(OpenSqliteCatalog(path_).status()), "DATA_LOST");
   EXPECT_EQ(ReasonOf(OpenSqliteCatalog(folder_.path()).status()), "IO");
@@ -180,7 +65,7 @@ TEST_F(CatalogTest, WhatIsNoDatabaseIsRefused) {
 }
 
 // What becomes of damaged databases.
-class DamagedCatalogTest : public CatalogTest {
+class DamagedCatalogTest : public SqliteCatalogTest {
  protected:
   static constexpr size_t kPage = 4096;
 
@@ -269,7 +154,7 @@ TEST_F(DamagedCatalogTest, NoFlippedByteOfTheFirstPageChangesARecord) {
 
 // For each operation of SQLite's and each loss: every change is there or not,
 // in order, and those that returned OK are there.
-TEST_F(CatalogTest, CrashAtEachOperation) {
+TEST_F(SqliteCatalogTest, CrashAtEachOperation) {
   constexpr int kChanges = 4;
   int points = 0;
   for (const Loss loss : CrashFileSystem::kLosses) {
@@ -317,7 +202,7 @@ TEST_F(CatalogTest, CrashAtEachOperation) {
   EXPECT_GT(points, 40);
 }
 
-TEST_F(CatalogTest, AnErrorOfTheDiskLeavesTheOldState) {
+TEST_F(SqliteCatalogTest, AnErrorOfTheDiskLeavesTheOldState) {
   CrashFileSystem files;
   const CrashVfs vfs(&files);
   auto catalog = Open(path_, vfs.name());
