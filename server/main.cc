@@ -26,13 +26,15 @@
 #include "core/base/status_macros.h"
 #include "core/base/thread_priority.h"
 #include "core/base/version.h"
+#include "core/postgres/pg_connection.h"
+#include "core/postgres/postgres_catalog.h"
 #include "grpcpp/create_channel.h"
 #include "server/contact_log/contact_log.h"
 #include "server/jobs/training_backend.h"
-#include "server/listen/descriptor_limit.h"
 #include "server/listen/self_check.h"
 #include "server/metrics/metrics_listener.h"
 #include "server/ops/authorizer.h"
+#include "server/ops/file_watch.h"
 #include "server/ops/health_probe.h"
 #include "server/ops/logging.h"
 #include "server/ops/port_file.h"
@@ -40,6 +42,7 @@
 #include "server/ops/signals.h"
 #include "server/registry/default_bundle.h"
 #include "server/registry/model_registry.h"
+#include "server/start_checks.h"
 #include "server/tactus_server.h"
 #include "spdlog/spdlog.h"
 
@@ -66,6 +69,9 @@ struct Flags {
   std::optional<std::string> tokens;
   int self_check_ms = limits::kSelfCheckMs;
   std::string data_dir;
+  std::string catalog;
+  std::string blobs;
+  std::string jobs = "local";
   std::string trainer;
   int64_t job_memory_mb = 0;
   int64_t quota_stored_mb = limits::kMaxClientBytes / kBytesPerMb;
@@ -148,10 +154,12 @@ std::string HostName() {
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
 }
 
-// Null without --data-dir.
+// Null without --data-dir or --catalog.
 absl::StatusOr<std::unique_ptr<TrainingBackend>> OpenTraining(
     const Flags& flags, ModelRegistry* registry) {
-  if (flags.data_dir.empty()) return std::unique_ptr<TrainingBackend>();
+  if (flags.data_dir.empty() && flags.catalog.empty()) {
+    return std::unique_ptr<TrainingBackend>();
+  }
   JobProcess::Options process = {
       .program = TrainerProgram(flags),
       .memory_bytes = flags.job_memory_mb * kBytesPerMb};
@@ -159,7 +167,10 @@ absl::StatusOr<std::unique_ptr<TrainingBackend>> OpenTraining(
   TACTUS_ASSIGN_OR_RETURN(
       auto training,
       TrainingBackend::Open(
-          {.folder = flags.data_dir,
+          {.folder = flags.catalog.empty() ? flags.data_dir : flags.blobs,
+           .shared = {.catalog = flags.catalog,
+                      .address = flags.server.listen.front()},
+           .runs_jobs = flags.jobs == "local",
            .jobs = {.process = process, .host = HostName()},
            .quotas = {.stored_bytes = flags.quota_stored_mb * kBytesPerMb,
                       .datasets = flags.quota_datasets,
@@ -171,57 +182,14 @@ absl::StatusOr<std::unique_ptr<TrainingBackend>> OpenTraining(
   for (const std::string& failure : training->failures()) {
     spdlog::error("not served: {}", failure);
   }
-  spdlog::info("data directory {}", flags.data_dir);
+  if (const Replica* const replica = training->replica(); replica != nullptr) {
+    spdlog::info("{} of {}, folder {}", replica->name(),
+                 ShownAddress(flags.catalog), flags.blobs);
+  } else {
+    spdlog::info("data directory {}", flags.data_dir);
+  }
   training->Start();
   return training;
-}
-
-// Lowers the limits of connections to what the limit of open files allows.
-// Behind a proxy, which is one peer, there are none per peer.
-void FitConnections(bool behind_proxy, TactusServer::Options& options) {
-  const int descriptors = RaiseDescriptorLimit();
-  const int fit = ConnectionsThatFit(descriptors);
-  if (options.max_connections > fit) {
-    spdlog::warn(
-        "serving at most {} connections, because at most {} files may "
-        "be open (ulimit -n)",
-        fit, descriptors);
-    options.max_connections = fit;
-  }
-  if (behind_proxy) {
-    options.max_connections_per_peer = options.max_connections;
-    options.max_streams_per_peer = 0;
-    return;
-  }
-  // One peer never takes all, so that others can still connect.
-  options.max_connections_per_peer =
-      std::min(options.max_connections_per_peer,
-               std::max(1, options.max_connections / 2));
-}
-
-void LogListeners(const TactusServer::Options& options,
-                  const TactusServer& server) {
-  for (size_t i = 0; i < options.listen.size(); ++i) {
-    const std::string& address = options.listen[i];
-    if (IsUnixAddress(address)) {
-      spdlog::info("listening on {}, plaintext", address);
-    } else {
-      spdlog::info("listening on {}, port {}, {}", address, server.ports()[i],
-                   options.tls ? "TLS" : "plaintext");
-    }
-  }
-}
-
-// What bytes of a stranger can do to gRPC only a proxy stops.
-void WarnOfDirectListeners(const std::vector<std::string>& addresses) {
-  for (const std::string& address : addresses) {
-    if (StaysOnThisHost(address)) continue;
-    spdlog::warn(
-        "{} is open to other hosts: unless only a proxy reaches it, hostile "
-        "hosts can slow down the streams, and a fault of gRPC can end this "
-        "process; see \"A proxy in front\" in docs/security.md",
-        address);
-  }
 }
 
 absl::StatusOr<std::unique_ptr<ContactLog>> OpenContactLog(
@@ -254,10 +222,9 @@ void WarnOfPlainTokens(const Flags& flags) {
 void ReloadTokens(Authorizer& authorizer) {
   const absl::Status status = authorizer.Reload();
   if (status.ok()) {
-    spdlog::info("signal {}: the tokens file is loaded again", SIGHUP);
+    spdlog::info("the tokens file is loaded again");
   } else {
-    spdlog::error("signal {}: the old tokens stay: {}", SIGHUP,
-                  std::string(status.message()));
+    spdlog::error("the old tokens stay: {}", std::string(status.message()));
   }
 }
 
@@ -328,11 +295,17 @@ absl::Status Serve(const Flags& flags, StopSignals& signals) {
               [&flags](const std::string& address, const absl::Status& error) {
                 EndAsUnreachable(address, error, flags.self_check_ms);
               }});
+  // Servers that share a catalogue share the file, and one person changes it.
+  std::optional<FileWatch> tokens;
+  if (flags.tokens && !flags.catalog.empty()) {
+    tokens.emplace(*flags.tokens, [&authorizer] { ReloadTokens(*authorizer); });
+  }
   const int signal =
       flags.tokens ? signals.Wait([&authorizer] { ReloadTokens(*authorizer); })
                    : signals.Wait();
   Notify("STOPPING=1");
   spdlog::info("signal {}: draining {} streams", signal, server->gate().live());
+  tokens.reset();
   self_check.reset();
   if (training != nullptr) training->Stop();
   server->Stop();
@@ -395,6 +368,31 @@ int Main(int argc, char** argv) {
   app.add_option("--data-dir", flags.data_dir,
                  "Folder for datasets, jobs and models; without it, the server "
                  "only classifies");
+  auto* const catalog =
+      app.add_option("--catalog", flags.catalog,
+                     "postgresql://... of the catalogue that several servers "
+                     "share, instead of one in --data-dir; the password is "
+                     "better in PGPASSFILE")
+          ->envname("TACTUSD_CATALOG")
+          ->check(CLI::Validator(
+              [](const std::string& text) {
+                return IsPostgresAddress(text)
+                           ? std::string()
+                           : std::string("must begin with postgresql://");
+              },
+              "ADDRESS"));
+  auto* const blobs = app.add_option(
+      "--blobs", flags.blobs,
+      "Folder for the bytes of datasets, jobs and models, which all servers of "
+      "--catalog share");
+  catalog->needs(blobs);
+  blobs->needs(catalog);
+  app.add_option(
+         "--jobs", flags.jobs,
+         "Who runs trainings and evaluations: local, this server; none, "
+         "other servers or workers of --catalog")
+      ->check(CLI::IsMember({"local", "none"}))
+      ->capture_default_str();
   app.add_option("--keep-contacts", flags.keep_contacts,
                  "Keep the last contacts in the data directory, in so many "
                  "bytes, such as 1G: people see them with trainctl contacts, "

@@ -18,6 +18,8 @@ inline constexpr int kCatalogConnections = 8;
 // take it for dead.
 inline constexpr int kReplicaBeatMs = 1'000;
 inline constexpr int kReplicaDeadMs = 10'000;
+// Milliseconds after which the record of a dead process is removed.
+inline constexpr int kForgetReplicaMs = 3'600'000;
 // Milliseconds for a lock that somebody else has.
 inline constexpr int kLockPatienceMs = 60'000;
 

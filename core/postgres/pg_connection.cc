@@ -114,6 +114,9 @@ absl::Status PgConnection::Connect(Time until) {
     TACTUS_RETURN_IF_ERROR(Wait(next == PGRES_POLLING_WRITING, until));
     next = PQconnectPoll(connection_);
   }
+  // Notices say what is not worth a line, such as that a table exists.
+  PQsetNoticeProcessor(
+      connection_, [](void*, const char*) {}, nullptr);
   if (PQsetnonblocking(connection_, 1) != 0) {
     return Lost(TextOf(PQerrorMessage(connection_)));
   }

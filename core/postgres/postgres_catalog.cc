@@ -167,7 +167,8 @@ class PostgresCatalog final : public Catalog {
 
   absl::Status Check() const override {
     TACTUS_RETURN_IF_ERROR(WithConnection(CheckVersion));
-    for (const auto& [table, name] : kTables) {
+    for (const auto& named : kTables) {
+      const Table table = named.first;
       ScanOptions options = {.limit = kRecordsPerCheck};
       while (true) {
         std::vector<CatalogEntry> entries;

@@ -9,8 +9,8 @@
 //
 // Transactions are serialisable: one that meets another one's changes runs
 // again. If the connection is lost while a change commits, the database is
-// asked whether it did. CATALOG_UNAVAILABLE if the database does not answer within
-// limits::kCatalogChangeMs; the next transaction tries anew.
+// asked whether it did. CATALOG_UNAVAILABLE if the database does not answer
+// within limits::kCatalogChangeMs; the next transaction tries anew.
 //
 // The functions of several threads run side by side, on
 // limits::kCatalogConnections connections.

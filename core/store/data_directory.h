@@ -16,8 +16,8 @@
 //   BlobStore& blobs = data->blobs();
 //
 // Servers that share a catalogue share a folder with blobs/, uploads/, jobs/
-// and lost+found/. The file system must rename atomically, and show to all of them
-// what one has synced (NFS, CephFS, Lustre).
+// and lost+found/. The file system must rename atomically, and show to all of
+// them what one has synced (NFS, CephFS, Lustre).
 //
 // Thread-safe. `files` must outlive it.
 #pragma once

@@ -7,7 +7,7 @@
 //   TACTUS_ASSIGN_OR_RETURN(const auto lock, locks->Take("datasets"));
 //   return catalog.Change([&](Transaction& change) -> absl::Status {
 //     TACTUS_RETURN_IF_ERROR(lock->StillHeld(change));
-//     ...
+//     return change.Erase(Table::kDatasets, "d");
 //   });
 //
 // Thread-safe; a Lock may be handed from thread to thread. Both must outlive

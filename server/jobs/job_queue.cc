@@ -156,21 +156,45 @@ bool JobQueue::IsCancelled(const std::string& name) const {
   return cancelled_.contains(name);
 }
 
-std::string JobQueue::NextJob(bool training) {
-  auto queued = operations_->InState(Operation::STATE_QUEUED);
-  while (!queued.ok() && !stopping_) {
-    Rest(training, "jobs", queued.status());
-    queued = operations_->InState(Operation::STATE_QUEUED);
+JobQueue::Job JobQueue::NextJob(bool training) {
+  std::vector<Operation::State> states = {Operation::STATE_QUEUED};
+  // What another server runs is its own as long as it lives.
+  if (data_->is_shared()) {
+    states.push_back(Operation::STATE_RUNNING);
+    states.push_back(Operation::STATE_CANCELLING);
   }
-  if (!queued.ok()) return "";
-  for (const std::string& name : *queued) {
-    const auto operation = operations_->Get(name);
-    if (operation.ok() &&
-        (operation->kind() == Operation::KIND_TRAIN) == training) {
-      return name;
+  for (const Operation::State state : states) {
+    auto waiting = operations_->InState(state);
+    while (!waiting.ok() && !stopping_) {
+      Rest(training, "jobs", waiting.status());
+      waiting = operations_->InState(state);
+    }
+    if (!waiting.ok()) return {};
+    for (const std::string& name : *waiting) {
+      const auto operation = operations_->Get(name);
+      if (!operation.ok() ||
+          (operation->kind() == Operation::KIND_TRAIN) != training) {
+        continue;
+      }
+      auto lock = data_->locks().TryTake(name);
+      if (lock.ok() && *lock != nullptr) return {name, *std::move(lock)};
     }
   }
-  return "";
+  return {};
+}
+
+bool JobQueue::IsOwn(const Job& job) const {
+  return !absl::IsAborted(data_->catalog().Look(
+      [&](const Transaction& look) { return job.lock->StillHeld(look); }));
+}
+
+void JobQueue::LookForCancellation(const std::string& name) {
+  const auto operation = operations_->Get(name);
+  if (!operation.ok() || operation->state() != Operation::STATE_CANCELLING) {
+    return;
+  }
+  const std::lock_guard lock(mutex_);
+  cancelled_.insert(name);
 }
 
 void JobQueue::Serve(bool training) {
@@ -180,9 +204,9 @@ void JobQueue::Serve(bool training) {
       const std::lock_guard lock(mutex_);
       seen = wakes_;
     }
-    const std::string name = NextJob(training);
-    if (!name.empty()) {
-      Run(name, training);
+    const Job job = NextJob(training);
+    if (!job.name.empty()) {
+      Run(job, training);
       continue;
     }
     std::unique_lock lock(mutex_);
@@ -201,61 +225,75 @@ void JobQueue::Rest(bool training, absl::string_view what,
   wake_.wait_for(lock, kRest, [&] { return stopping_.load(); });
 }
 
-void JobQueue::Run(const std::string& name, bool training) {
-  auto operation = operations_->Change(name, [&](Operation& job) {
-    // It may have been cancelled in between.
-    if (job.state() != Operation::STATE_QUEUED)
-      return WorkCancelled(job.name());
-    job.set_state(Operation::STATE_RUNNING);
-    job.set_attempts(job.attempts() + 1);
-    if (job.start_time_ms() == 0) job.set_start_time_ms(now_());
-    return absl::OkStatus();
-  });
+void JobQueue::Run(const Job& job, bool training) {
+  const std::string& name = job.name;
+  auto operation = operations_->Change(
+      name,
+      [&](Operation& found) {
+        // It may have been cancelled in between.
+        if (HasEnded(found)) return WorkCancelled(found.name());
+        if (found.state() == Operation::STATE_CANCELLING) {
+          // Its server died before it could end it.
+          found.set_state(Operation::STATE_CANCELLED);
+          found.set_end_time_ms(now_());
+          return absl::OkStatus();
+        }
+        found.set_state(Operation::STATE_RUNNING);
+        found.set_attempts(found.attempts() + 1);
+        if (found.start_time_ms() == 0) found.set_start_time_ms(now_());
+        return absl::OkStatus();
+      },
+      job.lock.get());
   if (!operation.ok()) {
     if (ReasonOf(operation.status()) == "CANCELLED") return;
     return Rest(training, name, operation.status());
   }
+  if (HasEnded(*operation)) return RemoveFolder(name);
   spdlog::info("{}: attempt {}", name, operation->attempts());
   Operation done = *operation;
-  const absl::Status status = RunProcess(done);
+  const absl::Status status = RunProcess(*job.lock, done);
+  if (!IsOwn(job)) {
+    spdlog::warn("{}: another server goes on with it", name);
+    return;
+  }
   // Before the end is stored: an operation that has ended has its log.
   const auto id = ParseName(name, "operations");
   KeepLog(name, id->id);
   const bool interrupted = IsInterrupted(status);
-  if (stopping_ && interrupted) return;
+  if (stopping_ && (interrupted || absl::IsUnavailable(status))) return;
   const bool may_repeat =
       interrupted && ++interruptions_[training][name] < options_.attempts;
   bool again = false;
-  const auto end = [&](Operation& job) {
-    const bool cancelled = job.state() == Operation::STATE_CANCELLING;
+  const auto end = [&](Operation& ended) {
+    const bool cancelled = ended.state() == Operation::STATE_CANCELLING;
     again = may_repeat && !cancelled;
     if (again) {
-      job.set_state(Operation::STATE_QUEUED);
+      ended.set_state(Operation::STATE_QUEUED);
       return absl::OkStatus();
     }
-    job.set_end_time_ms(now_());
-    *job.mutable_progress() = done.progress();
+    ended.set_end_time_ms(now_());
+    *ended.mutable_progress() = done.progress();
     if (status.ok()) {
-      job.set_state(Operation::STATE_SUCCEEDED);
-      *job.mutable_result() = done.result();
+      ended.set_state(Operation::STATE_SUCCEEDED);
+      *ended.mutable_result() = done.result();
     } else if (cancelled) {
-      job.set_state(Operation::STATE_CANCELLED);
-      *job.mutable_error() = ToStatusProto(WorkCancelled(name));
+      ended.set_state(Operation::STATE_CANCELLED);
+      *ended.mutable_error() = ToStatusProto(WorkCancelled(name));
     } else {
-      job.set_state(Operation::STATE_FAILED);
-      *job.mutable_error() = ToStatusProto(status);
+      ended.set_state(Operation::STATE_FAILED);
+      *ended.mutable_error() = ToStatusProto(status);
       // The figures of a comparison that failed the gate.
-      if (done.has_result()) *job.mutable_result() = done.result();
+      if (done.has_result()) *ended.mutable_result() = done.result();
     }
     return absl::OkStatus();
   };
   // A job whose end cannot be stored would be RUNNING for ever.
-  auto stored = operations_->Change(name, end);
-  while (!stored.ok() && !stopping_) {
+  auto stored = operations_->Change(name, end, job.lock.get());
+  while (!stored.ok() && !stopping_ && !absl::IsAborted(stored.status())) {
     // The room that is missing may be the job's.
     if (!again) RemoveFolder(name);
     Rest(training, name, stored.status());
-    stored = operations_->Change(name, end);
+    stored = operations_->Change(name, end, job.lock.get());
   }
   if (!stored.ok()) return;
   storage_[training].Succeeds();
@@ -277,7 +315,7 @@ void JobQueue::RemoveFolder(const std::string& name) {
   data_->files().RemoveAll(data_->JobPath(id->id)).IgnoreError();
 }
 
-absl::Status JobQueue::RunProcess(Operation& operation) {
+absl::Status JobQueue::RunProcess(const Lock& lock, Operation& operation) {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
                           ParseName(operation.name(), "operations"));
   const std::string folder = data_->JobPath(name.id);
@@ -285,16 +323,20 @@ absl::Status JobQueue::RunProcess(Operation& operation) {
                           WriteSpec(operation, folder));
   TACTUS_ASSIGN_OR_RETURN(const auto process,
                           JobProcess::Start(options_.process, folder));
-  TACTUS_RETURN_IF_ERROR(Follow(operation.name(), *process));
+  TACTUS_RETURN_IF_ERROR(Follow(lock, operation.name(), *process));
   const JobProcess::End end = process->Wait(kPatience);
   if (const auto latest = operations_->Get(operation.name()); latest.ok()) {
     *operation.mutable_progress() = latest->progress();
   }
   if (!end.ok) return Explain(operation.name(), folder, end);
+  absl::Status taken = TakeOutcome(lock, folder, operation);
+  while (absl::IsUnavailable(taken) && !stopping_) {
+    Rest(operation.kind() == Operation::KIND_TRAIN, operation.name(), taken);
+    taken = TakeOutcome(lock, folder, operation);
+  }
   // A gate may let go of its dataset while it is compared on, and a model may
   // be deleted while it is evaluated.
-  return ExplainModels(operation,
-                       dataset.Explain(TakeOutcome(folder, operation)));
+  return ExplainModels(operation, dataset.Explain(taken));
 }
 
 absl::Status JobQueue::Explain(const std::string& name,
@@ -385,7 +427,8 @@ absl::StatusOr<PinnedVersion> JobQueue::WriteSpec(
   return version;
 }
 
-absl::Status JobQueue::Follow(const std::string& name, JobProcess& process) {
+absl::Status JobQueue::Follow(const Lock& lock, const std::string& name,
+                              JobProcess& process) {
   std::vector<v1::LearningPoint> points;
   v1::OperationProgress progress;
   auto stored = steady_clock::now();
@@ -393,16 +436,21 @@ absl::Status JobQueue::Follow(const std::string& name, JobProcess& process) {
   std::optional<steady_clock::time_point> asked;
   TACTUS_ASSIGN_OR_RETURN(const Operation operation, operations_->Get(name));
   const auto store = [&]() -> absl::Status {
-    if (points.empty()) return absl::OkStatus();
+    // Other servers see what is stored.
+    if (points.empty() && !data_->is_shared()) return absl::OkStatus();
     stored = steady_clock::now();
-    TACTUS_RETURN_IF_ERROR(operations_->AddPoints(name, points));
-    points.clear();
+    if (!points.empty()) {
+      TACTUS_RETURN_IF_ERROR(operations_->AddPoints(name, points, &lock));
+      points.clear();
+    }
     return operations_
-        ->Change(name,
-                 [&](Operation& job) {
-                   *job.mutable_progress() = progress;
-                   return absl::OkStatus();
-                 })
+        ->Change(
+            name,
+            [&](Operation& job) {
+              *job.mutable_progress() = progress;
+              return absl::OkStatus();
+            },
+            &lock)
         .status();
   };
   while (true) {
@@ -429,8 +477,12 @@ absl::Status JobQueue::Follow(const std::string& name, JobProcess& process) {
         operations_->ShowProgress(name, progress);
       }
     }
-    if (now - stored >= options_.store_interval)
-      TACTUS_RETURN_IF_ERROR(store());
+    if (now - stored >= options_.store_interval) {
+      const absl::Status kept = store();
+      // The database may be back soon; what is not stored waits.
+      if (!kept.ok() && !absl::IsUnavailable(kept)) return kept;
+      if (data_->is_shared()) LookForCancellation(name);
+    }
     if (stopping_) process.Terminate(true);
     if (IsCancelled(name)) {
       if (!asked.has_value()) {
@@ -444,7 +496,7 @@ absl::Status JobQueue::Follow(const std::string& name, JobProcess& process) {
   return store();
 }
 
-absl::Status JobQueue::TakeOutcome(const std::string& folder,
+absl::Status JobQueue::TakeOutcome(const Lock& lock, const std::string& folder,
                                    Operation& operation) {
   TACTUS_ASSIGN_OR_RETURN(
       const std::string bytes,
@@ -457,15 +509,15 @@ absl::Status JobQueue::TakeOutcome(const std::string& folder,
   *operation.mutable_result() = outcome.result();
   switch (operation.kind()) {
     case Operation::KIND_TRAIN:
-      return Publish(folder, operation);
+      return Publish(lock, folder, operation);
     case Operation::KIND_PROMOTE:
-      return MoveAlias(operation);
+      return MoveAlias(lock, operation);
     default:
       return absl::OkStatus();
   }
 }
 
-absl::Status JobQueue::Publish(const std::string& folder,
+absl::Status JobQueue::Publish(const Lock& lock, const std::string& folder,
                                Operation& operation) {
   TACTUS_ASSIGN_OR_RETURN(const std::string bundle,
                           ReadWhole(data_->files(), folder + "/bundle.tactus",
@@ -482,18 +534,25 @@ absl::Status JobQueue::Publish(const std::string& folder,
   TACTUS_ASSIGN_OR_RETURN(
       const v1::ModelVersion version,
       models_->AddVersion(operation.train().model(), bundle, origin,
-                          {operation.requester(), ""}));
+                          {operation.requester(), ""}, &lock));
   operation.mutable_result()->set_model_version(version.name());
   return absl::OkStatus();
 }
 
-absl::Status JobQueue::MoveAlias(Operation& operation) {
+absl::Status JobQueue::MoveAlias(const Lock& lock, Operation& operation) {
   const v1::Comparison& comparison = operation.result().comparison();
   if (!comparison.passed()) return GateNotPassed(comparison.failure());
-  return models_
-      ->Promote(operation.promote(), /*forced=*/false,
-                {operation.requester(), ""})
-      .status();
+  TACTUS_ASSIGN_OR_RETURN(
+      const v1::Alias moved,
+      models_->Promote(operation.promote(), /*forced=*/false,
+                       {operation.requester(), ""},
+                       [&](Transaction& change) -> absl::StatusOr<bool> {
+                         TACTUS_RETURN_IF_ERROR(lock.StillHeld(change));
+                         return true;
+                       }));
+  *operation.mutable_result()->mutable_lagging_replicas() =
+      moved.lagging_replicas();
+  return absl::OkStatus();
 }
 
 }  // namespace tactus::internal::server

@@ -11,7 +11,9 @@
 //
 // A job whose process ends without a result starts again from its checkpoints,
 // at most Options::attempts times since the server started; then it fails with
-// JOB_CRASHED. If the server ends, its jobs go on when it starts again.
+// JOB_CRASHED. If the server ends, its jobs go on when it starts again, or at
+// another server of the same catalogue. A server that only was slow, and whose
+// job another one has, stores nothing of it any more.
 //
 // Training has one thread, evaluation and promotion another, so that a
 // promotion never waits for a training. Thread-safe. What it is given must
@@ -70,9 +72,17 @@ class JobQueue {
 
  private:
   void Serve(bool training);
-  // The oldest queued operation of this kind; empty if there is none.
-  std::string NextJob(bool training);
-  void Run(const std::string& name, bool training);
+  // An operation and the right to run it.
+  struct Job {
+    std::string name;
+    std::unique_ptr<Lock> lock;
+  };
+  // The oldest operation of this kind that waits, or whose server died; without
+  // a name if there is none.
+  Job NextJob(bool training);
+  void Run(const Job& job, bool training);
+  // False if another server goes on with the job.
+  bool IsOwn(const Job& job) const;
   // The end of the file "log" of a job's folder; nothing if there is no file.
   absl::StatusOr<std::optional<v1::StoredLog>> ReadLog(
       const std::string& id) const;
@@ -86,7 +96,7 @@ class JobQueue {
   void Rest(bool training, absl::string_view what, const absl::Status& error);
   // Starts the process of a job, and returns how the operation ends: OK with
   // the result in `operation`, or why it failed.
-  absl::Status RunProcess(v1::Operation& operation);
+  absl::Status RunProcess(const Lock& lock, v1::Operation& operation);
   // The error of a process that ended without an outcome.
   absl::Status Explain(const std::string& name, const std::string& folder,
                        const JobProcess::End& end) const;
@@ -101,10 +111,15 @@ class JobQueue {
   // works on.
   absl::StatusOr<PinnedVersion> WriteSpec(const v1::Operation& operation,
                                           const std::string& folder) const;
-  absl::Status Follow(const std::string& name, JobProcess& process);
-  absl::Status TakeOutcome(const std::string& folder, v1::Operation& operation);
-  absl::Status Publish(const std::string& folder, v1::Operation& operation);
-  absl::Status MoveAlias(v1::Operation& operation);
+  absl::Status Follow(const Lock& lock, const std::string& name,
+                      JobProcess& process);
+  absl::Status TakeOutcome(const Lock& lock, const std::string& folder,
+                           v1::Operation& operation);
+  absl::Status Publish(const Lock& lock, const std::string& folder,
+                       v1::Operation& operation);
+  absl::Status MoveAlias(const Lock& lock, v1::Operation& operation);
+  // Whether somebody has cancelled it at another server.
+  void LookForCancellation(const std::string& name);
   bool IsCancelled(const std::string& name) const;
 
   DataDirectory* const data_;

@@ -1,43 +1,84 @@
 #include "server/jobs/training_backend.h"
 
+#include <algorithm>
 #include <mutex>
 #include <utility>
 
 #include "core/base/status_macros.h"
+#include "core/base/version.h"
 #include "core/store/file_system.h"
 #include "spdlog/spdlog.h"
 
 namespace tactus::internal::server {
+namespace {
+
+// What follows the slash of a replica's name.
+std::string IdOf(const std::string& name) {
+  return name.substr(name.find('/') + 1);
+}
+
+}  // namespace
+
+absl::StatusOr<TrainingBackend::Parts> TrainingBackend::OpenParts(
+    const Options& options) {
+  Parts parts;
+  if (options.shared.catalog.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(
+        parts.data, DataDirectory::Open(PosixFileSystem(), options.folder));
+    return parts;
+  }
+  TACTUS_ASSIGN_OR_RETURN(parts.catalog,
+                          OpenPostgresCatalog(options.shared.catalog));
+  v1::StoredReplica about;
+  about.set_host(options.jobs.host);
+  about.set_address(options.shared.address);
+  about.set_version(kVersion);
+  about.set_start_time_ms(options.now ? options.now() : SystemNowMs());
+  TACTUS_ASSIGN_OR_RETURN(
+      parts.replica,
+      Replica::Register(parts.catalog.get(), about, options.shared.pace));
+  parts.locks =
+      std::make_unique<SharedLocks>(parts.catalog.get(), parts.replica.get());
+  TACTUS_ASSIGN_OR_RETURN(
+      parts.data,
+      DataDirectory::OpenShared(PosixFileSystem(), options.folder,
+                                IdOf(parts.replica->name()),
+                                parts.catalog.get(), parts.locks.get()));
+  return parts;
+}
+
 absl::StatusOr<std::unique_ptr<TrainingBackend>> TrainingBackend::Open(
     const Options& options, ModelRegistry* registry) {
-  TACTUS_ASSIGN_OR_RETURN(
-      auto data, DataDirectory::Open(PosixFileSystem(), options.folder));
+  TACTUS_ASSIGN_OR_RETURN(Parts parts, OpenParts(options));
   std::unique_ptr<TrainingBackend> backend(
-      new TrainingBackend(std::move(data), options, registry));
-  if (backend->data_->catalog_is_older()) {
+      new TrainingBackend(std::move(parts), options, registry));
+  if (backend->data().catalog_is_older()) {
     spdlog::warn(
-        "{}: catalog.db is older than the directory: it is a copy, or its "
-        "write-ahead log was lost. What was stored since is in no record; "
+        "{}: the catalogue is older than the directory: it is a copy, or its "
+        "last changes were lost. What was stored since is in no record; "
         "trainctl doctor finds it and moves it to lost+found",
         options.folder);
   }
-  TACTUS_RETURN_IF_ERROR(backend->operations_.Restore());
-  TACTUS_ASSIGN_OR_RETURN(backend->failures_, backend->models_.Restore());
+  if (backend->replica() == nullptr) {
+    TACTUS_RETURN_IF_ERROR(backend->operations_.Restore());
+  }
+  TACTUS_RETURN_IF_ERROR(backend->FollowModels());
   return backend;
 }
 
-TrainingBackend::TrainingBackend(std::unique_ptr<DataDirectory> data,
-                                 const Options& options,
+TrainingBackend::TrainingBackend(Parts parts, const Options& options,
                                  ModelRegistry* registry)
     : now_(options.now ? options.now : SystemNowMs),
-      data_(std::move(data)),
+      parts_(std::move(parts)),
+      catalog_(options.shared.catalog),
+      runs_jobs_(options.runs_jobs),
       quotas_(options.quotas),
       sweep_interval_(options.sweep_interval_ms),
-      datasets_(data_.get(), now_, quotas_),
-      uploads_(data_.get(), &datasets_, now_, quotas_),
-      operations_(data_.get(), now_, quotas_, options.retention),
-      models_(data_.get(), registry, now_, quotas_),
-      jobs_(data_.get(), &datasets_, &models_, &operations_, options.jobs,
+      datasets_(parts_.data.get(), now_, quotas_),
+      uploads_(parts_.data.get(), &datasets_, now_, quotas_),
+      operations_(parts_.data.get(), now_, quotas_, options.retention),
+      models_(parts_.data.get(), registry, now_, quotas_, parts_.replica.get()),
+      jobs_(parts_.data.get(), &datasets_, &models_, &operations_, options.jobs,
             now_) {}
 
 TrainingBackend::~TrainingBackend() { Stop(); }
@@ -52,7 +93,48 @@ void TrainingBackend::Start() {
       lock.lock();
     }
   });
-  jobs_.Start();
+  if (runs_jobs_) jobs_.Start();
+  if (replica() == nullptr) return;
+  // A job whose server has died is no news of the catalogue.
+  replica()->Start([this] {
+    parts_.locks->ReleaseAgain();
+    jobs_.Wake();
+  });
+  news_ = std::make_unique<CatalogNews>(catalog_, [this] { OnNews(); });
+}
+
+void TrainingBackend::OnNews() {
+  replica()->OnNews();
+  operations_.OnNews();
+  jobs_.Wake();
+  if (const absl::Status followed = FollowModels(); !followed.ok()) {
+    spdlog::warn("models: {}", followed.ToString());
+  }
+}
+
+absl::Status TrainingBackend::FollowModels() {
+  TACTUS_ASSIGN_OR_RETURN(const auto followed, models_.Follow());
+  {
+    const std::lock_guard lock(mutex_);
+    failures_ = followed.failures;
+  }
+  if (replica() == nullptr) return absl::OkStatus();
+  return replica()->SayServed(followed.change);
+}
+
+absl::Status TrainingBackend::SweepShared() {
+  TACTUS_RETURN_IF_ERROR(replica()->ForgetDead());
+  // Asked anew for each: a server may just have begun.
+  const auto is_alive = [&](const std::string& id) {
+    const auto replicas = replica()->All();
+    return !replicas.ok() ||
+           std::ranges::any_of(*replicas, [&](const Replica::Seen& seen) {
+             return seen.alive && IdOf(seen.about.name()) == id;
+           });
+  };
+  return data().blobs().Sweep(now_(), is_alive, [&](const std::string& sha256) {
+    return datasets_.IsUsed(sha256);
+  });
 }
 
 void TrainingBackend::Sweep() {
@@ -68,6 +150,10 @@ void TrainingBackend::Sweep() {
   } else if (*old > 0) {
     spdlog::info("removed {} old jobs", *old);
   }
+  if (replica() == nullptr) return;
+  if (const absl::Status swept = SweepShared(); !swept.ok()) {
+    spdlog::error("removed blobs: {}", swept.ToString());
+  }
 }
 
 void TrainingBackend::Stop() {
@@ -76,6 +162,8 @@ void TrainingBackend::Stop() {
     stopping_ = true;
     wake_.notify_all();
   }
+  news_.reset();
+  if (replica() != nullptr) replica()->Stop();
   if (sweeper_.joinable()) sweeper_.join();
   operations_.StopWaiting();
   jobs_.Stop();

@@ -1,7 +1,8 @@
 // File: training_backend.h
 //
 // TrainingBackend: everything behind the services for data, jobs and models, on
-// one data directory.
+// one data directory, or on the catalogue and the folder that several servers
+// share.
 //
 //   TACTUS_ASSIGN_OR_RETURN(auto backend,
 //                           TrainingBackend::Open(options, &registry));
@@ -24,6 +25,7 @@
 #include "absl/status/statusor.h"
 #include "core/base/limits.h"
 #include "core/base/limits_training.h"
+#include "core/postgres/postgres_catalog.h"
 #include "core/store/data_directory.h"
 #include "server/jobs/job_queue.h"
 #include "server/records/dataset_store.h"
@@ -33,13 +35,29 @@
 #include "server/records/quotas.h"
 #include "server/records/upload_store.h"
 #include "server/registry/model_registry.h"
+#include "server/replicas/replica.h"
+#include "server/replicas/shared_locks.h"
 
 namespace tactus::internal::server {
 
 class TrainingBackend {
  public:
+  // A catalogue that several servers share.
+  struct Shared {
+    // postgresql://...; empty: this server has a catalogue of its own.
+    std::string catalog = {};
+    // Where it listens; empty for a worker.
+    std::string address = {};
+    Replica::Pace pace = {};
+  };
+
   struct Options {
+    // The data directory; with a shared catalogue, the folder that its servers
+    // share (DataDirectory::OpenShared).
     std::string folder = {};
+    Shared shared = {};
+    // False: others run them.
+    bool runs_jobs = true;
     JobQueue::Options jobs = {};
     // Milliseconds since 1970 (UTC); the system's clock if empty.
     NowMs now = {};
@@ -70,14 +88,19 @@ class TrainingBackend {
   void Stop();
 
   // Stored versions that could not be loaded, each with its error.
-  const std::vector<std::string>& failures() const { return failures_; }
+  std::vector<std::string> failures() const {
+    const std::lock_guard lock(mutex_);
+    return failures_;
+  }
 
-  DataDirectory& data() { return *data_; }
+  DataDirectory& data() { return *parts_.data; }
   DatasetStore& datasets() { return datasets_; }
   UploadStore& uploads() { return uploads_; }
   OperationStore& operations() { return operations_; }
   ModelStore& models() { return models_; }
   JobQueue& jobs() { return jobs_; }
+  // This server among those of its catalogue; null if it is alone.
+  Replica* replica() { return parts_.replica.get(); }
   const Quotas& quotas() const { return quotas_; }
   // Memory of the lists of trials that calls hold for a moment.
   MemoryBudget& listing() { return listing_; }
@@ -86,12 +109,29 @@ class TrainingBackend {
   int64_t now_ms() const { return now_(); }
 
  private:
-  TrainingBackend(std::unique_ptr<DataDirectory> data, const Options& options,
-                  ModelRegistry* registry);
+  // In the order in which they are made. Without a shared catalogue, only the
+  // last.
+  struct Parts {
+    std::unique_ptr<Catalog> catalog;
+    std::unique_ptr<Replica> replica;
+    std::unique_ptr<SharedLocks> locks;
+    std::unique_ptr<DataDirectory> data;
+  };
+
+  static absl::StatusOr<Parts> OpenParts(const Options& options);
+  TrainingBackend(Parts parts, const Options& options, ModelRegistry* registry);
   void Sweep();
+  // Deletes what lies in a shared folder and nobody needs.
+  absl::Status SweepShared();
+  // The catalogue has changed, perhaps.
+  void OnNews();
+  // Serves what it says.
+  absl::Status FollowModels();
 
   const NowMs now_;
-  const std::unique_ptr<DataDirectory> data_;
+  const Parts parts_;
+  const std::string catalog_;
+  const bool runs_jobs_;
   const Quotas quotas_;
   const std::chrono::milliseconds sweep_interval_;
   DatasetStore datasets_;
@@ -102,8 +142,9 @@ class TrainingBackend {
   MemoryBudget listing_{limits::kMaxListingBytes};
   MemoryBudget downloads_{limits::kMaxDownloadBytes};
   std::vector<std::string> failures_;
+  std::unique_ptr<CatalogNews> news_;
 
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable wake_;
   bool stopping_ = false;
   std::thread sweeper_;

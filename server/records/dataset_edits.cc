@@ -155,7 +155,7 @@ absl::StatusOr<v1::DatasetVersion> DatasetStore::Apply(const Edit& edit,
       !fault.empty()) {
     return InvalidConfig("request_id", Quoted(edit.request_id), fault);
   }
-  const std::lock_guard lock(mutex_);
+  TACTUS_ASSIGN_OR_RETURN(const auto lock, data_->locks().Take(kChanges));
   TACTUS_ASSIGN_OR_RETURN(const v1::Dataset dataset, Get(edit.dataset));
   const std::string request = RequestKey(
       absl::StrCat(edit.verb, "/", dataset.name()), caller, edit.request_id);
@@ -175,7 +175,7 @@ absl::StatusOr<v1::DatasetVersion> DatasetStore::Apply(const Edit& edit,
   }
   std::vector<std::string> stored;
   auto version = AddLocked(
-      edit.dataset,
+      *lock, edit.dataset,
       [&](std::vector<v1::TrialInfo> held) -> absl::StatusOr<Content> {
         auto content = edit.added != nullptr
                            ? Merged(*edit.added, caller, std::move(held))

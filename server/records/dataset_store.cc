@@ -255,13 +255,13 @@ absl::StatusOr<uint32_t> DatasetStore::NextVersion(
 absl::StatusOr<v1::DatasetVersion> DatasetStore::AddVersion(
     absl::string_view name, MakeContent make, absl::string_view requester,
     const Caller& caller, Join also) {
-  const std::lock_guard lock(mutex_);
-  return AddLocked(name, make, requester, caller, also);
+  TACTUS_ASSIGN_OR_RETURN(const auto lock, data_->locks().Take(kChanges));
+  return AddLocked(*lock, name, make, requester, caller, also);
 }
 
 absl::StatusOr<v1::DatasetVersion> DatasetStore::AddLocked(
-    absl::string_view name, MakeContent make, absl::string_view requester,
-    const Caller& caller, Join also) {
+    const Lock& lock, absl::string_view name, MakeContent make,
+    absl::string_view requester, const Caller& caller, Join also) {
   TACTUS_ASSIGN_OR_RETURN(v1::Dataset dataset, Get(name));
   std::vector<v1::TrialInfo> held;
   if (dataset.latest_version() > 0) {
@@ -319,6 +319,7 @@ absl::StatusOr<v1::DatasetVersion> DatasetStore::AddLocked(
                           ParseVersionName(version.name(), kDatasets));
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Change([&](Transaction& change) -> absl::Status {
+        TACTUS_RETURN_IF_ERROR(lock.StillHeld(change));
         for (const auto& [sha256, trial] : trials) {
           const auto known = before.find(sha256);
           if (known != before.end() &&
@@ -371,9 +372,33 @@ void DatasetStore::RemoveUnused(const std::vector<std::string>& blobs) const {
   }
 }
 
+absl::StatusOr<bool> DatasetStore::IsUsed(const std::string& blob) const {
+  bool used = false;
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Look([&](const Transaction& look) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(const auto trial,
+                                look.Get(Table::kTrials, blob));
+        used = trial.has_value();
+        TACTUS_ASSIGN_OR_RETURN(
+            const auto datasets,
+            ScanRecords<v1::DatasetVersion>(look, Table::kDatasetVersions, {}));
+        for (const v1::DatasetVersion& version : datasets) {
+          used |= version.sha256() == blob;
+        }
+        TACTUS_ASSIGN_OR_RETURN(
+            const auto models,
+            ScanRecords<v1::ModelVersion>(look, Table::kModelVersions, {}));
+        for (const v1::ModelVersion& version : models) {
+          used |= version.blob_sha256() == blob;
+        }
+        return absl::OkStatus();
+      }));
+  return used;
+}
+
 absl::StatusOr<uint32_t> DatasetStore::Delete(absl::string_view name,
                                               const Caller& caller) {
-  const std::lock_guard lock(mutex_);
+  TACTUS_ASSIGN_OR_RETURN(const auto lock, data_->locks().Take(kChanges));
   TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
                           ParseName(name, kDatasets));
   if (parsed.version != 0) return InvalidName(name, "datasets/ID");
@@ -412,6 +437,7 @@ absl::StatusOr<uint32_t> DatasetStore::Delete(absl::string_view name,
   TACTUS_RETURN_IF_ERROR(data_->reserve().With([&]() -> absl::Status {
     TACTUS_RETURN_IF_ERROR(data_->catalog().Change([&](Transaction& change)
                                                        -> absl::Status {
+      TACTUS_RETURN_IF_ERROR(lock->StillHeld(change));
       TACTUS_RETURN_IF_ERROR(CheckUnused(change, parsed.Parent()));
       for (const v1::DatasetVersion& version : versions) {
         TACTUS_ASSIGN_OR_RETURN(const ResourceName key,

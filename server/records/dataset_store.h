@@ -14,7 +14,6 @@
 #pragma once
 
 #include <functional>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -114,6 +113,8 @@ class DatasetStore {
   // Removes those of the blobs that are no trial of any version. Only for
   // callers within AddVersion, which holds the lock.
   void RemoveUnused(const std::vector<std::string>& blobs) const;
+  // True if a trial, a dataset version or a model version is stored in it.
+  absl::StatusOr<bool> IsUsed(const std::string& blob) const;
 
   // Deletes a dataset, its versions, and the blobs that no other version
   // holds. Returns the number of trials that were removed. DATASET_IN_USE if a
@@ -122,6 +123,10 @@ class DatasetStore {
 
  private:
   struct Edit;
+
+  // The lock that is held while versions are made or deleted: blobs that are
+  // about to be used must not be removed.
+  static constexpr char kChanges[] = "datasets";
 
   // Makes a new version by an edit; the same one for a repeated request.
   absl::StatusOr<v1::DatasetVersion> Apply(const Edit& edit,
@@ -137,7 +142,8 @@ class DatasetStore {
                                const std::string& label, const Caller& caller,
                                v1::TrialInfo& trial) const;
   // AddVersion with the lock.
-  absl::StatusOr<v1::DatasetVersion> AddLocked(absl::string_view name,
+  absl::StatusOr<v1::DatasetVersion> AddLocked(const Lock& lock,
+                                               absl::string_view name,
                                                MakeContent make,
                                                absl::string_view requester,
                                                const Caller& caller, Join also);
@@ -149,9 +155,6 @@ class DatasetStore {
   const NowMs now_;
   const Quotas quotas_;
   const size_t max_trials_;
-  // Held while versions are made or deleted: blobs that are about to be used
-  // must not be removed.
-  std::mutex mutex_;
 };
 
 }  // namespace tactus::internal::server

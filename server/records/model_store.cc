@@ -1,5 +1,7 @@
 #include "server/records/model_store.h"
 
+#include <chrono>
+#include <set>
 #include <utility>
 
 #include "absl/strings/match.h"
@@ -10,6 +12,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 #include "core/bundle/bundle.h"
+#include "core/store/numbers.h"
 #include "core/store/records.h"
 #include "server/names/resource_names.h"
 #include "server/records/audit_log.h"
@@ -21,23 +24,10 @@ namespace {
 
 constexpr char kModels[] = "models";
 constexpr char kAliases[] = "aliases";
-constexpr int kMaxHistory = 1'000;
-constexpr uint32_t kMaxPerMille = 1'000;
-
-absl::StatusOr<std::optional<v1::Alias>> FindAlias(const Transaction& look,
-                                                   const ResourceName& name) {
-  return GetRecord<v1::Alias>(look, Table::kAliases, name.id);
-}
-
-absl::Status NoAlias(const ResourceName& name) {
-  return NoSuch(v1::ERROR_REASON_ALIAS_NOT_FOUND, "alias", name.ToString(),
-                "trainctl models alias shows those that do");
-}
-
-absl::Status CheckEtag(const v1::Alias& alias, absl::string_view etag) {
-  if (etag.empty() || etag == alias.etag()) return absl::OkStatus();
-  return EtagMismatch(alias.name(), etag, alias.etag());
-}
+// The number of the last change of versions or aliases.
+constexpr char kServedChanges[] = "served changes";
+// For other servers that do not serve a change yet.
+constexpr std::chrono::milliseconds kPatienceWithOthers(2'000);
 
 // The newest version of each model first.
 absl::StatusOr<std::vector<v1::ModelVersion>> VersionsOf(
@@ -74,19 +64,27 @@ absl::StatusOr<ResourceName> ParseOwnModel(absl::string_view model,
 
 }  // namespace
 
-absl::StatusOr<std::vector<std::string>> ModelStore::Restore() {
-  const std::lock_guard lock(mutex_);
+absl::StatusOr<ModelStore::Followed> ModelStore::Follow() {
+  const std::lock_guard lock(following_);
+  Followed followed;
   std::vector<v1::ModelVersion> versions;
   std::vector<v1::Alias> aliases;
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Look([&](const Transaction& look) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(followed.change,
+                                LastNumber(look, kServedChanges));
         TACTUS_ASSIGN_OR_RETURN(versions, VersionsOf(look, ""));
         TACTUS_ASSIGN_OR_RETURN(
             aliases, ScanRecords<v1::Alias>(look, Table::kAliases, {}));
         return absl::OkStatus();
       }));
-  std::vector<std::string> failures;
+  std::set<std::string> stored;
   for (const v1::ModelVersion& version : versions) {
+    stored.insert(version.name());
+    if (failures_.contains(version.name()) ||
+        CheckServed(version.name()).ok()) {
+      continue;
+    }
     TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
                             ParseVersionName(version.name(), kModels));
     auto bundle = Bundle(version);
@@ -95,21 +93,60 @@ absl::StatusOr<std::vector<std::string>> ModelStore::Restore() {
     if (pinned.ok()) {
       registry_->Add(name.id, name.version, *std::move(pinned));
     } else {
-      failures.push_back(
-          absl::StrCat(version.name(), ": ", pinned.status().message()));
+      std::string failure =
+          absl::StrCat(version.name(), ": ", pinned.status().message());
+      // What is damaged stays so; a folder that cannot be read may be back.
+      if (absl::IsDataLoss(pinned.status())) {
+        failures_[version.name()] = failure;
+      } else {
+        followed.failures.push_back(std::move(failure));
+      }
     }
   }
   for (const v1::Alias& alias : aliases) Serve(alias);
-  return failures;
+  // Only now: no alias names them any longer.
+  for (const std::string& version : registry_->versions()) {
+    TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
+                            ParseVersionName(version, kModels));
+    if (!stored.contains(version) && !registry_->IsBuiltIn(name.id)) {
+      registry_->Remove(name.id, name.version);
+    }
+  }
+  for (const auto& [version, failure] : failures_) {
+    if (stored.contains(version)) followed.failures.push_back(failure);
+  }
+  return followed;
+}
+
+void ModelStore::ServeChange(v1::Alias* alias) {
+  const auto followed = Follow();
+  if (!followed.ok() || replica_ == nullptr || alias == nullptr) return;
+  // It serves the change even if it cannot say so.
+  replica_->SayServed(followed->change).IgnoreError();
+  const auto lagging =
+      replica_->WaitServed(followed->change, kPatienceWithOthers);
+  if (!lagging.ok()) return;
+  for (const std::string& name : *lagging) alias->add_lagging_replicas(name);
+}
+
+absl::Status ModelStore::FollowOthers() {
+  return replica_ == nullptr ? absl::OkStatus() : Follow().status();
+}
+
+absl::Status ModelStore::CountChange(Transaction& change) {
+  TACTUS_ASSIGN_OR_RETURN(const uint32_t last,
+                          LastNumber(change, kServedChanges));
+  return change.Put(Table::kNumbers, kServedChanges, NumberKey(last + 1));
 }
 
 absl::StatusOr<v1::ModelVersion> ModelStore::AddVersion(
     absl::string_view model, absl::string_view bundle, v1::ModelVersion origin,
-    const Caller& caller) {
+    const Caller& caller, const Lock* job) {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName parent,
                           ParseOwnModel(model, *registry_));
-  TACTUS_ASSIGN_OR_RETURN(PinnedModel pinned, ModelRegistry::Load(bundle));
-  const std::lock_guard lock(mutex_);
+  TACTUS_ASSIGN_OR_RETURN(const PinnedModel pinned,
+                          ModelRegistry::Load(bundle));
+  TACTUS_ASSIGN_OR_RETURN(const auto lock, data_->locks().Take(kChanges));
   v1::ModelVersion version = std::move(origin);
   uint32_t number = 0;
   bool known = false;
@@ -146,13 +183,16 @@ absl::StatusOr<v1::ModelVersion> ModelStore::AddVersion(
   version.set_requester(caller.name);
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Change([&](Transaction& change) -> absl::Status {
+        TACTUS_RETURN_IF_ERROR(lock->StillHeld(change));
+        if (job != nullptr) TACTUS_RETURN_IF_ERROR(job->StillHeld(change));
         TACTUS_RETURN_IF_ERROR(PutRecord(change, Table::kModelVersions,
                                          CatalogKey(name), version));
         TACTUS_RETURN_IF_ERROR(
             change.Put(Table::kNumbers, parent.Parent(), NumberKey(number)));
+        TACTUS_RETURN_IF_ERROR(CountChange(change));
         return Audit(change, caller, now_(), "create", version.name());
       }));
-  registry_->Add(name.id, name.version, std::move(pinned));
+  ServeChange();
   return version;
 }
 
@@ -295,13 +335,15 @@ absl::StatusOr<Page<v1::ModelVersion>> ModelStore::List(
 absl::Status ModelStore::Delete(absl::string_view name, const Caller& caller) {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
                           ParseVersionName(name, kModels));
-  const std::lock_guard lock(mutex_);
+  TACTUS_ASSIGN_OR_RETURN(const auto lock, data_->locks().Take(kChanges));
   std::string blob;
   bool shared = false;
   // A full disk must not prevent what makes room.
   return data_->reserve().With([&]() -> absl::Status {
     TACTUS_RETURN_IF_ERROR(
         data_->catalog().Change([&](Transaction& change) -> absl::Status {
+          TACTUS_RETURN_IF_ERROR(lock->StillHeld(change));
+          shared = false;
           TACTUS_ASSIGN_OR_RETURN(
               const auto version,
               GetRecord<v1::ModelVersion>(change, Table::kModelVersions,
@@ -327,37 +369,15 @@ absl::Status ModelStore::Delete(absl::string_view name, const Caller& caller) {
           }
           TACTUS_RETURN_IF_ERROR(
               change.Erase(Table::kModelVersions, CatalogKey(parsed)));
+          TACTUS_RETURN_IF_ERROR(CountChange(change));
           return Audit(change, caller, now_(), "delete", name);
         }));
-    registry_->Remove(parsed.id, parsed.version);
+    ServeChange();
     // A blob that stays behind costs room, nothing else: the version is
     // deleted.
     if (!shared) data_->blobs().Remove(blob).IgnoreError();
     return absl::OkStatus();
   });
-}
-
-absl::StatusOr<std::vector<v1::Alias>> ModelStore::Aliases() const {
-  std::vector<v1::Alias> aliases;
-  TACTUS_RETURN_IF_ERROR(
-      data_->catalog().Look([&](const Transaction& look) -> absl::Status {
-        TACTUS_ASSIGN_OR_RETURN(
-            aliases, ScanRecords<v1::Alias>(look, Table::kAliases, {}));
-        return absl::OkStatus();
-      }));
-  return aliases;
-}
-
-absl::StatusOr<v1::Alias> ModelStore::GetAlias(absl::string_view name) const {
-  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed, ParseName(name, kAliases));
-  std::optional<v1::Alias> found;
-  TACTUS_RETURN_IF_ERROR(
-      data_->catalog().Look([&](const Transaction& look) -> absl::Status {
-        TACTUS_ASSIGN_OR_RETURN(found, FindAlias(look, parsed));
-        return absl::OkStatus();
-      }));
-  if (!found.has_value()) return NoAlias(parsed);
-  return *std::move(found);
 }
 
 absl::Status ModelStore::CheckServed(absl::string_view version) const {
@@ -376,168 +396,6 @@ void ModelStore::Serve(const v1::Alias& alias) {
     target.shadow_version = alias.shadow_version();
   }
   registry_->SetAlias(alias.name().substr(sizeof kAliases), target);
-}
-
-absl::Status ModelStore::PutAlias(Transaction& change, v1::Alias& alias,
-                                  const v1::AliasChange* entry) {
-  const std::string id = alias.name().substr(sizeof kAliases);
-  TACTUS_ASSIGN_OR_RETURN(const uint64_t number,
-                          NextNumber(change, Table::kAudit));
-  // Every change has an entry in the audit log, so its number never repeats.
-  alias.set_etag(absl::StrCat(number));
-  if (entry != nullptr) {
-    TACTUS_RETURN_IF_ERROR(PutRecord(change, Table::kAliasChanges,
-                                     absl::StrCat(id, "/", NumberKey(number)),
-                                     *entry));
-  }
-  return PutRecord(change, Table::kAliases, id, alias);
-}
-
-absl::StatusOr<v1::Alias> ModelStore::UpdateAlias(
-    const v1::UpdateAliasRequest& wanted, const Caller& caller) {
-  TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
-                          ParseName(wanted.name(), kAliases));
-  const std::lock_guard lock(mutex_);
-  if (wanted.has_canary()) {
-    TACTUS_RETURN_IF_ERROR(CheckServed(wanted.canary().model_version()));
-    const uint32_t share = wanted.canary().per_mille();
-    if (share < 1 || share > kMaxPerMille) {
-      return InvalidConfig("canary.per_mille", share, "1 to 1000");
-    }
-  }
-  if (!wanted.shadow_version().empty()) {
-    TACTUS_RETURN_IF_ERROR(CheckServed(wanted.shadow_version()));
-  }
-  v1::Alias alias;
-  TACTUS_RETURN_IF_ERROR(
-      data_->catalog().Change([&](Transaction& change) -> absl::Status {
-        TACTUS_ASSIGN_OR_RETURN(const auto old, FindAlias(change, name));
-        if (old.has_value()) {
-          alias = *old;
-        } else {
-          alias.set_name(name.ToString());
-          const auto served = registry_->Find(name.id, "");
-          if (served.ok()) alias.set_model_version(served->version_name);
-        }
-        TACTUS_RETURN_IF_ERROR(CheckEtag(alias, wanted.etag()));
-        alias.clear_canary();
-        if (wanted.has_canary()) *alias.mutable_canary() = wanted.canary();
-        alias.set_shadow_version(wanted.shadow_version());
-        alias.clear_gate();
-        if (wanted.has_gate()) {
-          // From here on the dataset is in use and can't be deleted.
-          TACTUS_RETURN_IF_ERROR(
-              DatasetStore::VersionIn(change, wanted.gate().dataset_version())
-                  .status());
-          *alias.mutable_gate() = wanted.gate();
-        }
-        TACTUS_RETURN_IF_ERROR(PutAlias(change, alias, nullptr));
-        return Audit(change, caller, now_(), "update", alias.name());
-      }));
-  Serve(alias);
-  return alias;
-}
-
-absl::StatusOr<v1::Alias> ModelStore::Promote(
-    const v1::PromoteSpec& spec, bool forced, const Caller& caller,
-    absl::FunctionRef<absl::StatusOr<bool>(Transaction&)> also) {
-  TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
-                          ParseName(spec.alias(), kAliases));
-  const std::lock_guard lock(mutex_);
-  v1::Alias alias;
-  TACTUS_RETURN_IF_ERROR(
-      data_->catalog().Change([&](Transaction& change) -> absl::Status {
-        TACTUS_ASSIGN_OR_RETURN(const auto old, FindAlias(change, name));
-        TACTUS_ASSIGN_OR_RETURN(const bool wanted, also(change));
-        if (!wanted) {
-          if (old.has_value()) alias = *old;
-          return absl::OkStatus();
-        }
-        TACTUS_RETURN_IF_ERROR(CheckServed(spec.model_version()));
-        if (old.has_value()) {
-          alias = *old;
-        } else {
-          alias.set_name(name.ToString());
-          // What streams of this name got so far, to be able to go back to it.
-          const auto before = registry_->Find(name.id, "");
-          if (before.ok()) alias.set_model_version(before->version_name);
-        }
-        // A job that moved the alias runs again if the server crashed before
-        // its end was stored.
-        if (old.has_value() && alias.model_version() == spec.model_version() &&
-            alias.canary().model_version() != spec.model_version()) {
-          return absl::OkStatus();
-        }
-        TACTUS_RETURN_IF_ERROR(CheckEtag(alias, spec.etag()));
-        if (alias.model_version() != spec.model_version()) {
-          alias.set_previous_version(alias.model_version());
-        }
-        alias.set_model_version(spec.model_version());
-        if (alias.canary().model_version() == spec.model_version()) {
-          alias.clear_canary();
-        }
-        if (alias.shadow_version() == spec.model_version()) {
-          alias.clear_shadow_version();
-        }
-        v1::AliasChange entry;
-        entry.set_model_version(alias.model_version());
-        entry.set_time_ms(now_());
-        entry.set_requester(caller.name);
-        entry.set_forced(forced);
-        TACTUS_RETURN_IF_ERROR(PutAlias(change, alias, &entry));
-        return Audit(change, caller, now_(), forced ? "force" : "promote",
-                     alias.name());
-      }));
-  Serve(alias);
-  return alias;
-}
-
-absl::StatusOr<v1::Alias> ModelStore::Rollback(absl::string_view name,
-                                               absl::string_view etag,
-                                               const Caller& caller) {
-  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed, ParseName(name, kAliases));
-  const std::lock_guard lock(mutex_);
-  v1::Alias alias;
-  TACTUS_RETURN_IF_ERROR(
-      data_->catalog().Change([&](Transaction& change) -> absl::Status {
-        TACTUS_ASSIGN_OR_RETURN(const auto old, FindAlias(change, parsed));
-        if (!old.has_value()) return NoAlias(parsed);
-        alias = *old;
-        TACTUS_RETURN_IF_ERROR(CheckEtag(alias, etag));
-        if (!CheckServed(alias.previous_version()).ok()) {
-          return NothingToRollBack(alias.name());
-        }
-        alias.mutable_model_version()->swap(*alias.mutable_previous_version());
-        // A robot that got the canary gets the restored version too.
-        alias.clear_canary();
-        v1::AliasChange entry;
-        entry.set_model_version(alias.model_version());
-        entry.set_time_ms(now_());
-        entry.set_requester(caller.name);
-        entry.set_rollback(true);
-        TACTUS_RETURN_IF_ERROR(PutAlias(change, alias, &entry));
-        return Audit(change, caller, now_(), "roll back", alias.name());
-      }));
-  Serve(alias);
-  return alias;
-}
-
-absl::StatusOr<std::vector<v1::AliasChange>> ModelStore::History(
-    absl::string_view name) const {
-  TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed, ParseName(name, kAliases));
-  std::vector<v1::AliasChange> changes;
-  TACTUS_RETURN_IF_ERROR(
-      data_->catalog().Look([&](const Transaction& look) -> absl::Status {
-        TACTUS_ASSIGN_OR_RETURN(const auto alias, FindAlias(look, parsed));
-        if (!alias.has_value()) return NoAlias(parsed);
-        TACTUS_ASSIGN_OR_RETURN(
-            changes, ScanRecords<v1::AliasChange>(look, Table::kAliasChanges,
-                                                  {.prefix = parsed.id + "/",
-                                                   .limit = kMaxHistory,
-                                                   .backwards = true}));
-        return absl::OkStatus();
-      }));
-  return changes;
 }
 
 }  // namespace tactus::internal::server

@@ -4,7 +4,7 @@
 // ModelRegistry in step: what is stored can be found by streams.
 //
 //   ModelStore models(data, &registry, now);
-//   TACTUS_RETURN_IF_ERROR(models.Restore().status());
+//   TACTUS_RETURN_IF_ERROR(models.Follow().status());
 //   auto version = models.AddVersion("models/grasps", bundle, origin, caller);
 //   auto alias = models.Promote(spec, /*forced=*/false, caller);
 //
@@ -17,7 +17,10 @@
 // those of storage. Thread-safe. What it is given must outlive it.
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,38 +29,51 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "core/store/data_directory.h"
+#include "server/names/resource_names.h"
 #include "server/records/caller.h"
 #include "server/records/paging.h"
 #include "server/records/quotas.h"
 #include "server/records/spool.h"
 #include "server/registry/model_registry.h"
+#include "server/replicas/replica.h"
 #include "tactus/v1/models.pb.h"
 
 namespace tactus::internal::server {
 
 class ModelStore {
  public:
+  // `replica`: this server among those of its catalogue; null if it is alone.
   ModelStore(DataDirectory* data, ModelRegistry* registry, NowMs now,
-             const Quotas& quotas = {})
+             const Quotas& quotas = {}, Replica* replica = nullptr)
       : data_(data),
         registry_(registry),
         now_(std::move(now)),
-        quotas_(quotas) {}
+        quotas_(quotas),
+        replica_(replica) {}
 
-  // Loads all stored versions and aliases into the registry. Returns, beside
-  // OK, the versions that could not be loaded, each with its error; their
-  // aliases are not served.
-  absl::StatusOr<std::vector<std::string>> Restore();
+  // What Follow has found.
+  struct Followed {
+    // Number of the last change of versions and aliases that is served now.
+    uint64_t change = 0;
+    // Versions that could not be loaded, each with its error; their aliases are
+    // not served.
+    std::vector<std::string> failures;
+  };
+
+  // Brings the registry to what is stored: at the start, and after changes that
+  // other servers of the catalogue may have made.
+  absl::StatusOr<Followed> Follow();
 
   // Makes a bundle the next version of "models/M". The number of a version is
   // never used again, even if the version is deleted. `origin` has the fields
   // that say how it was made. A second call with the same `origin.operation`
   // returns the version of the first. INVALID_NAME if the model is built in;
-  // QUOTA_EXCEEDED.
+  // QUOTA_EXCEEDED. Makes none if `job` is no longer held.
   absl::StatusOr<v1::ModelVersion> AddVersion(absl::string_view model,
                                               absl::string_view bundle,
                                               v1::ModelVersion origin,
-                                              const Caller& caller);
+                                              const Caller& caller,
+                                              const Lock* job = nullptr);
   // The same of a bundle that a caller has sent. Decodes one at a time.
   // BUNDLE_CORRUPT also if it has fields that are not known.
   absl::StatusOr<v1::ModelVersion> Import(absl::string_view model,
@@ -102,12 +118,26 @@ class ModelStore {
       absl::string_view name) const;
 
  private:
+  // The lock that is held during changes.
+  static constexpr char kChanges[] = "models";
+
+  static absl::StatusOr<std::optional<v1::Alias>> FindAlias(
+      const Transaction& look, const ResourceName& name);
+  static absl::Status NoAlias(const ResourceName& name);
   // Stores `alias` with a new etag and the entry of its history.
   absl::Status PutAlias(Transaction& change, v1::Alias& alias,
                         const v1::AliasChange* entry);
   // MODEL_NOT_FOUND unless streams can find the version.
   absl::Status CheckServed(absl::string_view version) const;
   void Serve(const v1::Alias& alias);
+  // Follow, after a change that was made whatever becomes of this: a server
+  // that cannot look now does it with the next news. Then waits for the other
+  // servers to serve it, too; `alias` receives those that do not.
+  void ServeChange(v1::Alias* alias = nullptr);
+  // Before a change that names versions which other servers may have made.
+  absl::Status FollowOthers();
+  // Counts a change of versions or aliases.
+  static absl::Status CountChange(Transaction& change);
   // MODEL_NOT_FOUND if `error` came about because the version was deleted since
   // it was found, else the same error.
   absl::Status Explain(const v1::ModelVersion& version,
@@ -117,10 +147,13 @@ class ModelStore {
   ModelRegistry* const registry_;
   const NowMs now_;
   const Quotas quotas_;
+  Replica* const replica_;
   // Held while an imported bundle is in memory.
   std::mutex importing_;
-  // Held during changes, so that catalogue and registry change in one order.
-  std::mutex mutex_;
+  // Held while the registry follows, so that it never goes back.
+  std::mutex following_;
+  // Versions that could not be loaded.
+  std::map<std::string, std::string> failures_;
 };
 
 }  // namespace tactus::internal::server

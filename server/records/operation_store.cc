@@ -293,13 +293,16 @@ absl::StatusOr<std::vector<v1::LearningPoint>> OperationStore::Points(
 }
 
 absl::StatusOr<Operation> OperationStore::Change(
-    absl::string_view name,
-    absl::FunctionRef<absl::Status(Operation&)> change) {
+    absl::string_view name, absl::FunctionRef<absl::Status(Operation&)> change,
+    const Lock* lock) {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
                           ParseName(name, kOperations));
   Operation operation;
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Change([&](Transaction& transaction) -> absl::Status {
+        if (lock != nullptr) {
+          TACTUS_RETURN_IF_ERROR(lock->StillHeld(transaction));
+        }
         TACTUS_ASSIGN_OR_RETURN(operation, FindByName(transaction, parsed));
         TACTUS_RETURN_IF_ERROR(change(operation));
         return PutRecord(transaction, Table::kOperations, CatalogKey(parsed),
@@ -310,11 +313,13 @@ absl::StatusOr<Operation> OperationStore::Change(
 }
 
 absl::Status OperationStore::AddPoints(
-    absl::string_view name, const std::vector<v1::LearningPoint>& points) {
+    absl::string_view name, const std::vector<v1::LearningPoint>& points,
+    const Lock* lock) {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed,
                           ParseName(name, kOperations));
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Change([&](Transaction& change) -> absl::Status {
+        if (lock != nullptr) TACTUS_RETURN_IF_ERROR(lock->StillHeld(change));
         TACTUS_ASSIGN_OR_RETURN(auto known, PointsOf(change, parsed));
         uint64_t number = known.size();
         for (const v1::LearningPoint& point : points) {
@@ -396,7 +401,7 @@ absl::StatusOr<OperationStore::Update> OperationStore::WaitForChange(
     std::unique_lock lock(mutex_);
     const auto changes = [&] {
       const auto live = live_.find(name);
-      return live == live_.end() ? uint64_t{1} : live->second.changes;
+      return news_ + (live == live_.end() ? uint64_t{1} : live->second.changes);
     };
     changed_.wait_for(lock, timeout,
                       [&] { return stopping_ || changes() != cursor->change; });
@@ -414,6 +419,12 @@ absl::StatusOr<OperationStore::Update> OperationStore::WaitForChange(
     cursor->points = points.size();
   }
   return update;
+}
+
+void OperationStore::OnNews() {
+  const std::lock_guard lock(mutex_);
+  ++news_;
+  changed_.notify_all();
 }
 
 void OperationStore::StopWaiting() {

@@ -92,9 +92,11 @@ class OperationStore {
 
   // Changes an operation, stores it, and wakes watchers. The function's error
   // becomes the result, and nothing changes.
+  // Nothing changes either if `lock` is no longer held.
   absl::StatusOr<v1::Operation> Change(
       absl::string_view name,
-      absl::FunctionRef<absl::Status(v1::Operation&)> change);
+      absl::FunctionRef<absl::Status(v1::Operation&)> change,
+      const Lock* lock = nullptr);
   // Removes an operation that has ended. OPERATION_ACTIVE if it has not;
   // PERMISSION_DENIED for others than its requester and admins.
   absl::Status Delete(absl::string_view name, const Caller& caller);
@@ -103,7 +105,8 @@ class OperationStore {
   absl::StatusOr<int> RemoveOld();
   // Appends to the learning curve.
   absl::Status AddPoints(absl::string_view name,
-                         const std::vector<v1::LearningPoint>& points);
+                         const std::vector<v1::LearningPoint>& points,
+                         const Lock* lock = nullptr);
   // Keeps the log of a job, in place of the one before.
   absl::Status SaveLog(absl::string_view name, const v1::StoredLog& log);
   // The log that was saved last; nothing if none was.
@@ -119,6 +122,8 @@ class OperationStore {
   // none, at most for `timeout`. The update is empty of points if none came.
   absl::StatusOr<Update> WaitForChange(absl::string_view name, Cursor* cursor,
                                        std::chrono::milliseconds timeout) const;
+  // Other servers may have changed any operation: wakes all watchers.
+  void OnNews();
   // Ends all waits, now and later.
   void StopWaiting();
 
@@ -140,6 +145,8 @@ class OperationStore {
   mutable std::condition_variable changed_;
   // By name; of operations that changed since the start.
   std::map<std::string, Live, std::less<>> live_;
+  // How often OnNews was called.
+  uint64_t news_ = 0;
   bool stopping_ = false;
 };
 

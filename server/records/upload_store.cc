@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "absl/cleanup/cleanup.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "core/base/crc32c.h"
@@ -110,23 +109,41 @@ absl::StatusOr<v1::StoredUpload> UploadStore::GetOwn(
   return upload;
 }
 
-absl::Status UploadStore::Hold(const std::string& id) {
-  const std::lock_guard lock(mutex_);
-  if (!held_.insert(id).second) {
-    return UploadBusy(absl::StrCat(kUploads, "/", id));
+absl::StatusOr<std::unique_ptr<Lock>> UploadStore::Hold(const std::string& id) {
+  const std::string name = absl::StrCat(kUploads, "/", id);
+  TACTUS_ASSIGN_OR_RETURN(auto lock, data_->locks().TryTake(name));
+  if (lock == nullptr) return UploadBusy(name);
+  return lock;
+}
+
+absl::Status UploadStore::Copy(const Lock& lock, v1::StoredUpload& upload) {
+  v1::StoredUpload copy = upload;
+  copy.set_copy(upload.copy() + 1);
+  const std::string from = data_->UploadPath(UploadFile(upload));
+  const std::string to = data_->UploadPath(UploadFile(copy));
+  TACTUS_ASSIGN_OR_RETURN(const auto file, data_->files().Append(to));
+  // One that was begun before, by a server that died over it.
+  TACTUS_RETURN_IF_ERROR(data_->files().Truncate(to, 0));
+  for (int64_t done = 0; done < upload.committed_size(); done += kReadBytes) {
+    TACTUS_ASSIGN_OR_RETURN(
+        const std::string bytes,
+        data_->files().Read(
+            from, done, std::min(kReadBytes, upload.committed_size() - done)));
+    TACTUS_RETURN_IF_ERROR(file->Append(bytes));
   }
-  return absl::OkStatus();
+  TACTUS_RETURN_IF_ERROR(file->Sync());
+  TACTUS_RETURN_IF_ERROR(data_->files().SyncDirectory(data_->UploadFolder()));
+  TACTUS_RETURN_IF_ERROR(Save(lock, copy));
+  upload = copy;
+  return data_->files().Remove(from);
 }
 
-void UploadStore::Release(const std::string& id) {
-  const std::lock_guard lock(mutex_);
-  held_.erase(id);
-}
-
-absl::Status UploadStore::Save(const v1::StoredUpload& upload) {
+absl::Status UploadStore::Save(const Lock& lock,
+                               const v1::StoredUpload& upload) {
   TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
                           ParseName(upload.name(), kUploads));
   return data_->catalog().Change([&](Transaction& change) -> absl::Status {
+    TACTUS_RETURN_IF_ERROR(lock.StillHeld(change));
     TACTUS_ASSIGN_OR_RETURN(const v1::StoredUpload old,
                             FindUpload(change, name));
     TACTUS_RETURN_IF_ERROR(
@@ -141,15 +158,18 @@ absl::StatusOr<std::unique_ptr<UploadStore::Writer>> UploadStore::Write(
   TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed, ParseName(name, kUploads));
   // Before it is held: others must not be able to keep it from its owner.
   TACTUS_RETURN_IF_ERROR(GetOwn(name, caller).status());
-  TACTUS_RETURN_IF_ERROR(Hold(parsed.id));
+  TACTUS_ASSIGN_OR_RETURN(auto lock, Hold(parsed.id));
   // Releases the upload when it is destroyed.
-  std::unique_ptr<Writer> writer(new Writer(this, parsed.id));
+  std::unique_ptr<Writer> writer(new Writer(this, std::move(lock)));
   TACTUS_ASSIGN_OR_RETURN(writer->upload_, Get(name));
   const int64_t committed = writer->upload_.committed_size();
   if (!writer->upload_.dataset_version().empty()) {
     return OffsetMismatch(-1, committed);
   }
-  const std::string path = data_->UploadPath(parsed.id);
+  if (writer->lock_->taken_over()) {
+    TACTUS_RETURN_IF_ERROR(Copy(*writer->lock_, writer->upload_));
+  }
+  const std::string path = data_->UploadPath(UploadFile(writer->upload_));
   TACTUS_ASSIGN_OR_RETURN(writer->file_, data_->files().Append(path));
   TACTUS_ASSIGN_OR_RETURN(const int64_t size, data_->files().Size(path));
   if (size < committed) {
@@ -159,7 +179,7 @@ absl::StatusOr<std::unique_ptr<UploadStore::Writer>> UploadStore::Write(
   if (size > committed) {
     TACTUS_RETURN_IF_ERROR(data_->files().Truncate(path, committed));
   }
-  writer->taker_ = TakeTaker(parsed.id, committed);
+  writer->taker_ = TakeTaker(UploadFile(writer->upload_), committed);
   writer->size_ = committed;
   writer->crc32c_ = writer->upload_.crc32c();
   return writer;
@@ -167,9 +187,8 @@ absl::StatusOr<std::unique_ptr<UploadStore::Writer>> UploadStore::Write(
 
 UploadStore::Writer::~Writer() {
   if (taker_ != nullptr && taker_->size() == upload_.committed_size()) {
-    store_->KeepTaker(id_, std::move(taker_));
+    store_->KeepTaker(UploadFile(upload_), std::move(taker_));
   }
-  store_->Release(id_);
 }
 
 absl::Status UploadStore::Writer::Append(int64_t offset,
@@ -216,11 +235,12 @@ absl::Status UploadStore::Writer::Commit() {
   next.set_committed_size(size_);
   next.set_crc32c(crc32c_);
   next.set_write_time_ms(store_->now_());
-  if (const absl::Status saved = store_->Save(next); !saved.ok()) {
+  if (const absl::Status saved = store_->Save(*lock_, next); !saved.ok()) {
     // What does not count must not use up the disk.
     fault_ = saved;
     data->files()
-        .Truncate(data->UploadPath(id_), upload_.committed_size())
+        .Truncate(data->UploadPath(UploadFile(upload_)),
+                  upload_.committed_size())
         .IgnoreError();
     return saved;
   }
@@ -228,37 +248,37 @@ absl::Status UploadStore::Writer::Commit() {
   return absl::OkStatus();
 }
 
-std::unique_ptr<TrialTaker> UploadStore::NewTaker(const std::string& id,
+std::unique_ptr<TrialTaker> UploadStore::NewTaker(const std::string& file,
                                                   MemoryBudget* known) {
   return std::make_unique<TrialTaker>(
       TrialTaker::Sources{.blobs = &data_->blobs(),
                           .parsing = &parsing_,
                           .known = known,
-                          .read = [this, path = data_->UploadPath(id)](
+                          .read = [this, path = data_->UploadPath(file)](
                                       int64_t offset, int64_t size) {
                             return data_->files().Read(path, offset, size);
                           }});
 }
 
-std::unique_ptr<TrialTaker> UploadStore::TakeTaker(const std::string& id,
+std::unique_ptr<TrialTaker> UploadStore::TakeTaker(const std::string& file,
                                                    int64_t size) {
-  if (size == 0) return NewTaker(id, &known_);
+  if (size == 0) return NewTaker(file, &known_);
   const std::lock_guard lock(mutex_);
   const auto kept =
       std::find_if(takers_.begin(), takers_.end(),
-                   [&](const auto& taker) { return taker.first == id; });
+                   [&](const auto& taker) { return taker.first == file; });
   if (kept == takers_.end()) return nullptr;
   auto taker = std::move(kept->second);
   takers_.erase(kept);
   return taker->size() == size ? std::move(taker) : nullptr;
 }
 
-void UploadStore::KeepTaker(const std::string& id,
+void UploadStore::KeepTaker(const std::string& file,
                             std::unique_ptr<TrialTaker> taker) {
   // Its drafts are removed without the lock.
   std::unique_ptr<TrialTaker> oldest;
   const std::lock_guard lock(mutex_);
-  takers_.emplace_back(id, std::move(taker));
+  takers_.emplace_back(file, std::move(taker));
   if (takers_.size() > kKeptTakers) {
     oldest = std::move(takers_.front().second);
     takers_.pop_front();
@@ -266,10 +286,10 @@ void UploadStore::KeepTaker(const std::string& id,
 }
 
 absl::StatusOr<std::unique_ptr<TrialTaker>> UploadStore::ReadTrials(
-    const std::string& id, int64_t size) {
+    const std::string& file, int64_t size) {
   // Finish works on one upload after another, so it needs no share of `known_`.
-  auto taker = NewTaker(id, nullptr);
-  const std::string path = data_->UploadPath(id);
+  auto taker = NewTaker(file, nullptr);
+  const std::string path = data_->UploadPath(file);
   while (taker->size() < size) {
     TACTUS_ASSIGN_OR_RETURN(
         const std::string bytes,
@@ -281,17 +301,17 @@ absl::StatusOr<std::unique_ptr<TrialTaker>> UploadStore::ReadTrials(
 }
 
 absl::StatusOr<std::unique_ptr<TrialTaker>> UploadStore::CheckTrials(
-    const std::string& id, int64_t size) {
-  auto taker = TakeTaker(id, size);
+    const std::string& file, int64_t size) {
+  auto taker = TakeTaker(file, size);
   if (taker != nullptr) {
     // Their blobs may have been deleted since.
     TACTUS_ASSIGN_OR_RETURN(const bool exist, taker->BlobsExist());
     TACTUS_ASSIGN_OR_RETURN(const int64_t stored,
-                            data_->files().Size(data_->UploadPath(id)));
+                            data_->files().Size(data_->UploadPath(file)));
     if (!exist || stored < size) taker.reset();
   }
   if (taker == nullptr) {
-    TACTUS_ASSIGN_OR_RETURN(taker, ReadTrials(id, size));
+    TACTUS_ASSIGN_OR_RETURN(taker, ReadTrials(file, size));
   }
   TACTUS_RETURN_IF_ERROR(taker->End());
   return taker;
@@ -343,10 +363,9 @@ absl::StatusOr<v1::DatasetVersion> UploadStore::Finish(
   *known = 0;
   TACTUS_ASSIGN_OR_RETURN(const ResourceName parsed, ParseName(name, kUploads));
   TACTUS_RETURN_IF_ERROR(GetOwn(name, caller).status());
-  TACTUS_RETURN_IF_ERROR(Hold(parsed.id));
-  const auto release = absl::MakeCleanup([&] { Release(parsed.id); });
+  TACTUS_ASSIGN_OR_RETURN(const auto lock, Hold(parsed.id));
   TACTUS_ASSIGN_OR_RETURN(v1::StoredUpload upload, Get(name));
-  const std::string path = data_->UploadPath(parsed.id);
+  const std::string path = data_->UploadPath(UploadFile(upload));
   if (!upload.dataset_version().empty()) {
     data_->files().Remove(path).IgnoreError();
     return datasets_->Version(upload.dataset_version());
@@ -368,7 +387,9 @@ absl::StatusOr<v1::DatasetVersion> UploadStore::Finish(
             return StoreTrials(upload, std::move(held), known, notes);
           },
           upload.requester(), caller,
-          [&](Transaction& change, const v1::DatasetVersion& made) {
+          [&](Transaction& change,
+              const v1::DatasetVersion& made) -> absl::Status {
+            TACTUS_RETURN_IF_ERROR(lock->StillHeld(change));
             upload.set_dataset_version(made.name());
             return PutRecord(change, Table::kUploads, CatalogKey(parsed),
                              upload);
@@ -388,10 +409,9 @@ absl::StatusOr<int> UploadStore::RemoveAbandoned() {
       }));
   int removed = 0;
   for (const v1::StoredUpload& found : abandoned) {
-    const std::string id = UploadFile(found);
     // Somebody writes to it again.
-    if (!Hold(id).ok()) continue;
-    const auto release = absl::MakeCleanup([&] { Release(id); });
+    const auto lock = Hold(UploadId(found));
+    if (!lock.ok()) continue;
     bool gone = false;
     TACTUS_RETURN_IF_ERROR(data_->reserve().With([&] {
       return data_->catalog().Change([&](Transaction& change) -> absl::Status {
@@ -399,13 +419,15 @@ absl::StatusOr<int> UploadStore::RemoveAbandoned() {
                                 ParseName(found.name(), kUploads));
         TACTUS_ASSIGN_OR_RETURN(const v1::StoredUpload upload,
                                 FindUpload(change, name));
+        TACTUS_RETURN_IF_ERROR((*lock)->StillHeld(change));
         gone = IsAbandoned(upload, now);
         return gone ? RemoveUpload(change, upload, "tactusd", now)
                     : absl::OkStatus();
       });
     }));
     if (!gone) continue;
-    TACTUS_RETURN_IF_ERROR(data_->files().Remove(data_->UploadPath(id)));
+    TACTUS_RETURN_IF_ERROR(
+        data_->files().Remove(data_->UploadPath(UploadFile(found))));
     ++removed;
   }
   TACTUS_RETURN_IF_ERROR(RemoveStrayFiles());
@@ -423,14 +445,21 @@ absl::Status UploadStore::RemoveStrayFiles() {
       }));
   LostAndFound lost(data_->files(), data_->folder());
   for (const std::string& file : files) {
-    const auto upload = Get(absl::StrCat(kUploads, "/", file));
-    // A finished upload's file could not be removed when it was finished.
-    const bool stray = upload.ok() ? !upload->dataset_version().empty()
-                                   : absl::IsNotFound(upload.status());
-    if (!stray || !Hold(file).ok()) continue;
-    const auto release = absl::MakeCleanup([&] { Release(file); });
+    const std::string id = file.substr(0, file.find('-'));
+    // A finished upload's file could not be removed when it was finished, nor
+    // one that was copied.
+    const auto is_stray = [&] {
+      const auto upload = Get(absl::StrCat(kUploads, "/", id));
+      return upload.ok() ? !upload->dataset_version().empty() ||
+                               UploadFile(*upload) != file
+                         : absl::IsNotFound(upload.status());
+    };
+    if (!is_stray()) continue;
+    const auto lock = Hold(id);
+    // Somebody may have copied it in between.
+    if (!lock.ok() || !is_stray()) continue;
     uint64_t number = 0;
-    const bool given = absl::SimpleAtoi(file, &number) && number < next;
+    const bool given = absl::SimpleAtoi(id, &number) && number < next;
     // A number that was never given: the catalogue is an older copy.
     TACTUS_RETURN_IF_ERROR(given
                                ? data_->files().Remove(data_->UploadPath(file))

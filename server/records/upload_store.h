@@ -27,7 +27,6 @@
 #include <deque>
 #include <memory>
 #include <mutex>
-#include <set>
 #include <string>
 #include <utility>
 
@@ -63,10 +62,11 @@ class UploadStore {
 
    private:
     friend class UploadStore;
-    Writer(UploadStore* store, std::string id) : store_(store), id_(id) {}
+    Writer(UploadStore* store, std::unique_ptr<Lock> lock)
+        : store_(store), lock_(std::move(lock)) {}
 
     UploadStore* const store_;
-    const std::string id_;
+    const std::unique_ptr<Lock> lock_;
     v1::StoredUpload upload_;
     std::unique_ptr<AppendableFile> file_;
     // Checks the trials while they arrive; null if bytes are missing.
@@ -117,28 +117,29 @@ class UploadStore {
  private:
   friend class Writer;
   // Takes the upload for one caller; UPLOAD_BUSY.
-  absl::Status Hold(const std::string& id);
-  void Release(const std::string& id);
-  absl::Status Save(const v1::StoredUpload& upload);
+  absl::StatusOr<std::unique_ptr<Lock>> Hold(const std::string& id);
+  absl::Status Save(const Lock& lock, const v1::StoredUpload& upload);
+  // A file of its own for who goes on with the upload of a dead server.
+  absl::Status Copy(const Lock& lock, v1::StoredUpload& upload);
   absl::Status RemoveStrayFiles();
   // One that takes a pack from its beginning. `known`: as TrialTaker::Sources.
-  std::unique_ptr<TrialTaker> NewTaker(const std::string& id,
+  std::unique_ptr<TrialTaker> NewTaker(const std::string& file,
                                        MemoryBudget* known);
   // The trials of an upload's first `size` bytes as they arrived; null if they
   // must be read from its file.
-  std::unique_ptr<TrialTaker> TakeTaker(const std::string& id, int64_t size);
+  std::unique_ptr<TrialTaker> TakeTaker(const std::string& file, int64_t size);
   // Keeps it until the next call, or a few others, have come.
-  void KeepTaker(const std::string& id, std::unique_ptr<TrialTaker> taker);
+  void KeepTaker(const std::string& file, std::unique_ptr<TrialTaker> taker);
   // The trials of the whole pack, checked, and not yet blobs.
-  absl::StatusOr<std::unique_ptr<TrialTaker>> CheckTrials(const std::string& id,
-                                                          int64_t size);
+  absl::StatusOr<std::unique_ptr<TrialTaker>> CheckTrials(
+      const std::string& file, int64_t size);
   // The content of the version that the upload becomes, beside the `held`
   // trials of the one before. Makes a blob of each trial.
   absl::StatusOr<DatasetStore::Content> StoreTrials(
       const v1::StoredUpload& upload, std::vector<v1::TrialInfo> held,
       uint32_t* known, std::vector<v1::TrialNote>* notes);
-  absl::StatusOr<std::unique_ptr<TrialTaker>> ReadTrials(const std::string& id,
-                                                         int64_t size);
+  absl::StatusOr<std::unique_ptr<TrialTaker>> ReadTrials(
+      const std::string& file, int64_t size);
 
   DataDirectory* const data_;
   DatasetStore* const datasets_;
@@ -147,8 +148,6 @@ class UploadStore {
   MemoryBudget parsing_{limits::kMaxParsingBytes};
   MemoryBudget known_{limits::kMaxKnownTrialBytes};
   std::mutex mutex_;
-  // Uploads that someone writes to.
-  std::set<std::string> held_;
   // Takers of uploads that nobody holds; the one kept last is at the end.
   std::deque<std::pair<std::string, std::unique_ptr<TrialTaker>>> takers_;
 };

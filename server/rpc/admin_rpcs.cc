@@ -1,5 +1,6 @@
 #include "server/rpc/admin_rpcs.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/base/status_macros.h"
@@ -14,6 +15,29 @@
 
 namespace tactus::internal::server {
 namespace {
+
+absl::Status FillReplicas(TrainingBackend& backend,
+                          v1::GetServerInfoResponse& info) {
+  if (backend.replica() == nullptr) return absl::OkStatus();
+  TACTUS_ASSIGN_OR_RETURN(const auto replicas, backend.replica()->All());
+  uint64_t newest = 0;
+  for (const Replica::Seen& seen : replicas) {
+    newest = std::max(newest, seen.about.served_change());
+  }
+  for (const Replica::Seen& seen : replicas) {
+    const bool is_worker = seen.about.address().empty();
+    v1::Replica& replica = *info.add_replicas();
+    replica.set_name(seen.about.name());
+    replica.set_host(seen.about.host());
+    replica.set_address(seen.about.address());
+    replica.set_version(seen.about.version());
+    replica.set_start_time_ms(seen.about.start_time_ms());
+    replica.set_is_this(seen.is_this);
+    replica.set_alive(seen.alive);
+    replica.set_up_to_date(is_worker || seen.about.served_change() == newest);
+  }
+  return absl::OkStatus();
+}
 
 constexpr char kAdminService[] = "/tactus.v1.AdminService/";
 
@@ -36,7 +60,7 @@ absl::Status DescribeData(TrainingBackend& backend,
   for (const std::string& failure : backend.failures()) {
     info->add_not_served(failure);
   }
-  return absl::OkStatus();
+  return FillReplicas(backend, *info);
 }
 
 absl::StatusOr<v1::ListAuditLogResponse> ListAuditLog(

@@ -84,14 +84,16 @@ absl::StatusOr<v1::PromoteModelResponse> PromoteModel(
   }
   operation.set_state(v1::Operation::STATE_SUCCEEDED);
   // In one transaction: the same request, sent twice at once, moves it once.
-  TACTUS_RETURN_IF_ERROR(backend.models()
-                             .Promote(spec, gated, caller,
-                                      [&](Transaction& change) {
-                                        return backend.operations().CreateIn(
-                                            change, request.request_id(),
-                                            caller, &operation);
-                                      })
-                             .status());
+  TACTUS_ASSIGN_OR_RETURN(
+      const v1::Alias moved,
+      backend.models().Promote(spec, gated, caller, [&](Transaction& change) {
+        return backend.operations().CreateIn(change, request.request_id(),
+                                             caller, &operation);
+      }));
+  if (moved.lagging_replicas_size() > 0) {
+    *operation.mutable_result()->mutable_lagging_replicas() =
+        moved.lagging_replicas();
+  }
   return response;
 }
 

@@ -30,14 +30,14 @@ constexpr std::array<absl::string_view, 1> kPlainHeaders = {
     "core/data/trial.h"};
 
 // Rooms that read and write files or connections; all others only compute.
-constexpr std::array<absl::string_view, 5> kFileRooms = {
-    "connections", "files", "data", "import", "store"};
+constexpr std::array<absl::string_view, 6> kFileRooms = {
+    "connections", "files", "data", "import", "postgres", "store"};
 
 // Rooms of the server that tests run without a network.
-constexpr std::array<absl::string_view, 7> kRoomsWithoutGrpc = {
-    "server/session/",    "server/names/", "server/registry/",
-    "server/records/",    "server/jobs/",  "server/trainer/",
-    "server/contact_log/"};
+constexpr std::array<absl::string_view, 8> kRoomsWithoutGrpc = {
+    "server/session/",     "server/names/",   "server/registry/",
+    "server/records/",     "server/jobs/",    "server/trainer/",
+    "server/contact_log/", "server/replicas/"};
 
 constexpr std::array<absl::string_view, 6> kNotForComputing = {
     "thread", "mutex", "chrono", "fstream", "filesystem", "iostream"};

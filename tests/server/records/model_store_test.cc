@@ -283,10 +283,10 @@ TEST_F(ModelStoreTest, ADamagedBundleIsReportedAndNotServed) {
   auto data = *DataDirectory::Open(PosixFileSystem(), folder_ / "data");
   ModelRegistry registry;
   ModelStore models(data.get(), &registry, [] { return int64_t{1}; });
-  const auto failures = models.Restore();
-  ASSERT_TRUE(failures.ok()) << failures.status();
-  ASSERT_EQ(failures->size(), 1u);
-  EXPECT_THAT(failures->front(), ::testing::HasSubstr(one));
+  const auto followed = models.Follow();
+  ASSERT_TRUE(followed.ok()) << followed.status();
+  ASSERT_EQ(followed->failures.size(), 1u);
+  EXPECT_THAT(followed->failures.front(), ::testing::HasSubstr(one));
   EXPECT_TRUE(registry.Find(two, "").ok());
   EXPECT_FALSE(registry.Find("palm", "").ok());
 }

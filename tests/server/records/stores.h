@@ -59,8 +59,8 @@ struct Stores {
     models = std::make_unique<ModelStore>(data.get(), &registry, now, quotas);
     EXPECT_TRUE(registry.AddBuiltIn("default", TestBundle(0)).ok());
     EXPECT_TRUE(operations->Restore().ok());
-    const auto failures = models->Restore();
-    EXPECT_TRUE(failures.ok() && failures->empty());
+    const auto followed = models->Follow();
+    EXPECT_TRUE(followed.ok() && followed->failures.empty());
   }
 
   // Writes from the committed size on, in chunks.

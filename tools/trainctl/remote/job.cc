@@ -196,6 +196,10 @@ std::string ResultText(const v1::Operation& job) {
                           unusable > named ? ", ..." : "");
   }
   if (result.has_comparison()) text += ComparisonText(job, result.comparison());
+  if (result.lagging_replicas_size() > 0) {
+    absl::StrAppend(&text, "does not serve it yet: ",
+                    absl::StrJoin(result.lagging_replicas(), ", "), "\n");
+  }
   if (result.has_evaluation() && !result.has_comparison()) {
     text += ReportText("evaluation", result.evaluation());
     text += ConfusionText(result.evaluation());

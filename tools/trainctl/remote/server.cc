@@ -47,6 +47,17 @@ void PrintData(const v1::GetServerInfoResponse& info) {
   for (const std::string& failure : info.not_served()) {
     absl::PrintF("not served      %s\n", Printable(failure));
   }
+  for (const v1::Replica& replica : info.replicas()) {
+    absl::PrintF("%-15s %s%s%s%s\n", Printable(replica.name()),
+                 replica.address().empty()
+                     ? "worker"
+                     : absl::StrCat("server at ", Printable(replica.address())),
+                 absl::StrCat(" on ", Printable(replica.host())),
+                 replica.is_this() ? ", this one" : "",
+                 !replica.alive()       ? ", silent"
+                 : replica.up_to_date() ? ""
+                                        : ", serves older models");
+  }
 }
 
 absl::Status PrintInfo(TrainingClient& client, const RemoteFlags& flags) {
