@@ -1,17 +1,13 @@
 #include "tools/console/live_feed.h"
 
 #include <algorithm>
-#include <bit>
 #include <chrono>
 #include <condition_variable>
-#include <cstring>
 #include <thread>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "client/training/monitor_client.h"
 #include "client/training/training_client.h"
-#include "tools/common/json.h"
 
 namespace tactus::internal::console {
 namespace {
@@ -21,9 +17,6 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kFirstPause(500);
 constexpr std::chrono::milliseconds kLongestPause(5'000);
 constexpr char kRefused[] = "refused";
-
-static_assert(std::endian::native == std::endian::little,
-              "lengths and taxels are sent as they lie in memory");
 
 // True if another try cannot help: the server does not want this person.
 bool SaysNo(const absl::Status& status) {
@@ -67,12 +60,12 @@ class LiveFeed::Watch {
     const std::lock_guard lock(mutex_);
     return states_;
   }
-  void Write(RobotNews::Cursor& cursor, int server, client::Json& states,
-             RobotNews::Message& message) const {
+  ServerNews Read(RobotNews::Cursor& cursor) const {
     const std::lock_guard lock(mutex_);
-    states.push_back(
-        {{"address", address_}, {"state", state_}, {"error", error_}});
-    news_.Write(cursor, server, Clock::now(), message);
+    return {.address = address_,
+            .state = state_,
+            .error = error_,
+            .news = news_.Read(cursor)};
   }
 
  private:
@@ -187,29 +180,15 @@ bool LiveFeed::HasNews(const Cursor& cursor) const {
   return states != cursor.states;
 }
 
-std::string LiveFeed::Write(Cursor& cursor) const {
+std::vector<ServerNews> LiveFeed::Read(Cursor& cursor) const {
   cursor.servers.resize(watches_.size());
   cursor.states = 0;
-  client::Json states = client::Json::array();
-  RobotNews::Message message;
+  std::vector<ServerNews> news;
   for (size_t i = 0; i < watches_.size(); ++i) {
     cursor.states += watches_[i]->states();
-    watches_[i]->Write(cursor.servers[i], static_cast<int>(i), states, message);
+    news.push_back(watches_[i]->Read(cursor.servers[i]));
   }
-  const int64_t now_ms =
-      std::chrono::duration_cast<std::chrono::milliseconds>(
-          std::chrono::system_clock::now().time_since_epoch())
-          .count();
-  std::string json =
-      absl::StrCat("{\"servers\":", client::JsonText(states), ",\"updates\":[",
-                   message.updates, "],\"console_time_ms\":", now_ms,
-                   ",\"waited_us\":", message.waited.count(), "}");
-  uint32_t length = static_cast<uint32_t>(json.size());
-  length = (length + 3) & ~uint32_t{3};
-  json.resize(length, ' ');
-  std::string bytes(sizeof length, '\0');
-  std::memcpy(bytes.data(), &length, sizeof length);
-  return absl::StrCat(bytes, json, message.taxels);
+  return news;
 }
 
 }  // namespace tactus::internal::console

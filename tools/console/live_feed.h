@@ -6,7 +6,7 @@
 //   auto feed = std::make_shared<LiveFeed>(servers, token);
 //   const int id = feed->Subscribe([] { WakePage(); });  // on any thread
 //   LiveFeed::Cursor cursor;
-//   if (feed->HasNews(cursor)) SendBinary(feed->Write(cursor));
+//   if (feed->HasNews(cursor)) Send(feed->Read(cursor));
 //   feed->Unsubscribe(id);
 //
 // A thread per server watches it, and connects again after a loss. Thread-safe;
@@ -24,6 +24,15 @@
 #include "tools/console/server_address.h"
 
 namespace tactus::internal::console {
+
+// What is new of a server and its robots.
+struct ServerNews {
+  std::string address = {};
+  // "connecting", "connected" or "refused".
+  std::string state = {};
+  std::string error = {};
+  RobotNews::News news = {};
+};
 
 class LiveFeed {
  public:
@@ -46,8 +55,8 @@ class LiveFeed {
   // True if no server lets the person watch.
   bool IsRefused() const;
   bool HasNews(const Cursor& cursor) const;
-  // A message for a page: the length of its JSON, the JSON, and taxels.
-  std::string Write(Cursor& cursor) const;
+  // One entry for each server, in their order. Moves `cursor` on.
+  std::vector<ServerNews> Read(Cursor& cursor) const;
 
  private:
   class Watch;

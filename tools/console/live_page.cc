@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/base/limits_console.h"
+#include "tools/console/live_message.h"
 
 namespace tactus::internal::console {
 namespace {
@@ -129,7 +130,7 @@ void LivePage<Stream>::Send() {
   asked_ = false;
   writing_ = true;
   timer_.cancel();
-  outgoing_ = feed_->Write(cursor_);
+  outgoing_ = LiveMessage(feed_->Read(cursor_), RobotNews::Time::clock::now());
   socket_.async_write(
       asio::buffer(outgoing_),
       [self = this->shared_from_this()](error_code error, size_t) {

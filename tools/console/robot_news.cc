@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "core/base/limits_monitor.h"
 #include "google/protobuf/util/json_util.h"
-#include "tools/common/json.h"
 
 namespace tactus::internal::console {
 namespace {
@@ -24,28 +22,38 @@ std::string JsonOf(const google::protobuf::Message& message) {
   return status.ok() ? json : "{}";
 }
 
+template <class Message>
+SharedItem<Message> ItemOf(const Message& message) {
+  return std::make_shared<const NewsItem<Message>>(
+      NewsItem<Message>{message, JsonOf(message)});
+}
+
+SharedItem<v1::WatchedFrame> FrameItem(const v1::WatchedFrame& frame) {
+  auto item = std::make_shared<NewsItem<v1::WatchedFrame>>();
+  item->message = frame;
+  std::string taxels = std::move(*item->message.mutable_taxels());
+  item->message.clear_taxels();
+  item->json = JsonOf(item->message);
+  item->message.set_taxels(std::move(taxels));
+  return item;
+}
+
 }  // namespace
 
 void RobotNews::Add(const v1::StreamUpdate& update, Time now) {
   Robot& robot = robots_[update.stream_id()];
   robot.news = ++news_;
-  if (update.has_opened()) {
-    robot.id = client::JsonText(update.stream_id());
-    robot.opened = JsonOf(update.opened());
-  }
-  if (update.has_counts()) robot.counts = JsonOf(update.counts());
+  if (update.has_opened()) robot.opened = ItemOf(update.opened());
+  if (update.has_counts()) robot.counts = ItemOf(update.counts());
   if (update.has_frame()) {
-    v1::WatchedFrame frame = update.frame();
-    robot.taxels = std::move(*frame.mutable_taxels());
-    frame.clear_taxels();
-    robot.frame = JsonOf(frame);
+    robot.frame = FrameItem(update.frame());
     robot.frame_time = now;
     ++robot.frames;
   }
   robot.event_count += update.events_left_out();
   for (const v1::WatchedEvent& event : update.events()) {
     ++robot.event_count;
-    robot.events.push_back(JsonOf(event));
+    robot.events.push_back(ItemOf(event));
     if (robot.events.size() > limits::kMaxWatchedEvents) {
       robot.events.pop_front();
     }
@@ -79,58 +87,52 @@ bool RobotNews::HasNews(const Cursor& cursor) const {
   });
 }
 
-void RobotNews::Write(Cursor& cursor, int server, Time now,
-                      Message& message) const {
+RobotNews::News RobotNews::Read(Cursor& cursor) const {
+  News news;
   if (cursor.connection != connection_) {
+    news.anew = true;
     cursor.connection = connection_;
     cursor.streams.clear();
   }
+  // Robots that are forgotten have ended, also for those who look seldom.
   std::erase_if(cursor.streams, [&](const auto& item) {
-    return !robots_.contains(item.first);
+    if (robots_.contains(item.first)) return false;
+    if (!item.second.ended) {
+      news.robots.push_back({.stream_id = item.first, .ended = true});
+    }
+    return true;
   });
   for (const auto& [id, robot] : robots_) {
     Seen& seen = cursor.streams[id];
     if (seen.opened && seen.news == robot.news) continue;
-    WriteRobot(robot, server, now, seen, message);
+    news.robots.push_back(UpdateOf(id, robot, seen));
   }
+  return news;
 }
 
-void RobotNews::WriteRobot(const Robot& robot, int server, Time now, Seen& seen,
-                           Message& message) {
-  const bool has_frame = robot.frames > seen.frame;
-  int64_t taxels = -1;
-  if (has_frame && !robot.taxels.empty()) {
-    taxels = static_cast<int64_t>(message.taxels.size() / sizeof(float));
-    message.taxels += robot.taxels;
-  }
-  std::string& out = message.updates;
-  absl::StrAppend(&out, out.empty() ? "" : ",", "{\"server\":", server,
-                  ",\"taxels\":", taxels,
-                  ",\"update\":{\"stream_id\":", robot.id);
-  if (!seen.opened) absl::StrAppend(&out, ",\"opened\":", robot.opened);
-  if (!robot.counts.empty()) {
-    absl::StrAppend(&out, ",\"counts\":", robot.counts);
-  }
-  if (has_frame) {
-    absl::StrAppend(&out, ",\"frame\":", robot.frame);
-    message.waited = std::max(
-        message.waited, std::chrono::duration_cast<std::chrono::microseconds>(
-                            now - robot.frame_time));
+RobotUpdate RobotNews::UpdateOf(const std::string& id, const Robot& robot,
+                                Seen& seen) {
+  RobotUpdate update = {
+      .stream_id = id, .counts = robot.counts, .ended = robot.ended};
+  if (!seen.opened) update.opened = robot.opened;
+  if (robot.frames > seen.frame) {
+    update.frame = robot.frame;
+    update.frame_time = robot.frame_time;
   }
   const uint64_t kept = robot.event_count - robot.events.size();
-  // A browser that comes late has missed nothing; it sees those that are kept.
+  // A watcher that comes late has missed nothing; it sees those that are kept.
   if (!seen.opened) seen.events = kept;
   const uint64_t first = std::max(seen.events, kept);
-  absl::StrAppend(&out, ",\"events_left_out\":", first - seen.events,
-                  ",\"events\":[");
-  for (uint64_t e = first; e < robot.event_count; ++e) {
-    absl::StrAppend(&out, e > first ? "," : "", robot.events[e - kept]);
-  }
-  absl::StrAppend(&out, "],\"ended\":", robot.ended ? "true" : "false", "}}");
+  update.events_left_out = first - seen.events;
+  update.events.assign(
+      robot.events.begin() + static_cast<ptrdiff_t>(first - kept),
+      robot.events.end());
   seen = {.opened = true,
           .news = robot.news,
           .frame = robot.frames,
-          .events = robot.event_count};
+          .events = robot.event_count,
+          .ended = robot.ended};
+  return update;
 }
 
 }  // namespace tactus::internal::console

@@ -1,22 +1,24 @@
 // File: robot_news.h
 //
-// RobotNews: what browsers have not seen of the robots of one server.
+// RobotNews: what those who watch have not seen of the robots of one server.
 //
 //   RobotNews news;
 //   news.Add(update, now);                     // as MonitorClient brings it
-//   RobotNews::Cursor cursor;                  // of one browser
-//   RobotNews::Message message;
-//   news.Write(cursor, /*server=*/0, now, message);
+//   RobotNews::Cursor cursor;                  // of one watcher
+//   for (const RobotUpdate& robot : news.Read(cursor).robots) Show(robot);
 //
-// A browser that looks seldom gets the newest frame, and the last events. Each
-// update becomes JSON once, whoever looks. Memory is bounded by the robots that
-// a server shows with frames (limits_monitor.h). Not thread-safe.
+// A watcher that looks seldom gets the newest frame, and the last events. Each
+// message becomes JSON once, whoever looks, and watchers share it: nothing is
+// copied for one of them. Memory is bounded by the robots that a server shows
+// with frames (limits_monitor.h). Not thread-safe; what Read returns is never
+// changed, so any thread may use it.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -24,58 +26,79 @@
 
 namespace tactus::internal::console {
 
+// A message and its JSON.
+template <class Message>
+struct NewsItem {
+  Message message;
+  std::string json;
+};
+template <class Message>
+using SharedItem = std::shared_ptr<const NewsItem<Message>>;
+
+// What a watcher has not seen of a robot.
+struct RobotUpdate {
+  std::string stream_id = {};
+  // Null if the robot was described before.
+  SharedItem<v1::OpenStream> opened = {};
+  // Null if the server has not counted yet.
+  SharedItem<v1::StreamCounts> counts = {};
+  // Null if there is no newer one. Its JSON is without taxels.
+  SharedItem<v1::WatchedFrame> frame = {};
+  // When the frame came.
+  std::chrono::steady_clock::time_point frame_time = {};
+  // The oldest first.
+  std::vector<SharedItem<v1::WatchedEvent>> events = {};
+  uint64_t events_left_out = 0;
+  bool ended = false;
+};
+
 class RobotNews {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  // What a browser has seen.
+  // What a watcher has seen.
   struct Seen {
     bool opened = false;
     uint64_t news = 0;
     uint64_t frame = 0;
     uint64_t events = 0;
+    bool ended = false;
   };
   struct Cursor {
     uint64_t connection = 0;
     std::map<std::string, Seen> streams;
   };
-  // What a browser is sent.
-  struct Message {
-    // Objects of JSON, with commas between them.
-    std::string updates;
-    // Values of single precision in the memory's order.
-    std::string taxels;
-    // The longest time that a frame of it has waited.
-    std::chrono::microseconds waited{0};
+  struct News {
+    // True if the connection is another one: streams of the one before are
+    // void.
+    bool anew = false;
+    std::vector<RobotUpdate> robots;
   };
 
   void Add(const v1::StreamUpdate& update, Time now);
   // The connection is lost: its streams are forgotten.
   void Clear();
-  // True if Write would write something.
+  // True if Read would return a robot.
   bool HasNews(const Cursor& cursor) const;
-  // Adds what is new to `message` and moves `cursor` on.
-  void Write(Cursor& cursor, int server, Time now, Message& message) const;
+  // Returns what is new and moves `cursor` on.
+  News Read(Cursor& cursor) const;
 
  private:
   struct Robot {
-    // JSON.
-    std::string id;
-    std::string opened;
-    std::string counts;
-    std::string frame;
-    std::string taxels;
+    SharedItem<v1::OpenStream> opened;
+    SharedItem<v1::StreamCounts> counts;
+    SharedItem<v1::WatchedFrame> frame;
     Time frame_time;
     // How often something came, frames and events.
     uint64_t news = 0;
     uint64_t frames = 0;
     uint64_t event_count = 0;
-    std::deque<std::string> events;
+    std::deque<SharedItem<v1::WatchedEvent>> events;
     bool ended = false;
   };
 
-  static void WriteRobot(const Robot& robot, int server, Time now, Seen& seen,
-                         Message& message);
+  static RobotUpdate UpdateOf(const std::string& id, const Robot& robot,
+                              Seen& seen);
   // Keeps some of the newest of those that ended.
   void ForgetEnded();
 

@@ -6,12 +6,12 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "nlohmann/json.hpp"
+#include "tools/console/live_message.h"
 
 namespace tactus::internal::console {
 namespace {
 
 using nlohmann::json;
-using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
 const RobotNews::Time kNow = RobotNews::Time() + std::chrono::hours(1);
@@ -38,17 +38,21 @@ v1::StreamUpdate Frame(const std::string& id, uint64_t sequence,
 // What a page gets, parsed.
 struct Page {
   RobotNews::Cursor cursor;
-  RobotNews::Message message;
+  json message;
+  std::string taxels;
 
   json Read(const RobotNews& news, RobotNews::Time now = kNow) {
-    message = {};
-    news.Write(cursor, 0, now, message);
-    return json::parse("[" + message.updates + "]");
+    const std::string bytes =
+        LiveMessage({{.address = "lab", .news = news.Read(cursor)}}, now);
+    uint32_t length = 0;
+    std::memcpy(&length, bytes.data(), sizeof length);
+    message = json::parse(bytes.substr(sizeof length, length));
+    taxels = bytes.substr(sizeof length + length);
+    return message["updates"];
   }
   float Taxel(size_t i) const {
     float value = 0;
-    std::memcpy(&value, message.taxels.data() + i * sizeof(float),
-                sizeof(float));
+    std::memcpy(&value, taxels.data() + i * sizeof(float), sizeof(float));
     return value;
   }
 };
@@ -97,7 +101,7 @@ TEST(RobotNewsTest, ASlowPageGetsTheNewestFrameAndAllEvents) {
   EXPECT_EQ(updates[0]["update"]["events_left_out"], 0);
   EXPECT_EQ(page.Taxel(updates[0]["taxels"]), 5);
   EXPECT_EQ(page.Taxel(updates[1]["taxels"]), 9);
-  EXPECT_EQ(page.message.waited, microseconds(50'000));
+  EXPECT_EQ(page.message["waited_us"], 50'000);
 }
 
 TEST(RobotNewsTest, SaysHowManyEventsAreLeftOut) {
@@ -143,6 +147,45 @@ TEST(RobotNewsTest, StreamsThatEndedAreForgottenInTime) {
   }
   Page page;
   EXPECT_EQ(page.Read(news).size(), 64u);
+}
+
+TEST(RobotNewsTest, ThoseWhoLookSeldomHearOfTheEndOfAForgottenRobot) {
+  RobotNews news;
+  Page page;
+  news.Add(Opened("first"), kNow);
+  page.Read(news);
+  v1::StreamUpdate end;
+  end.set_stream_id("first");
+  end.set_ended(true);
+  news.Add(end, kNow);
+  for (int i = 0; i < 100; ++i) {
+    v1::StreamUpdate update = Opened(std::to_string(i));
+    update.set_ended(true);
+    news.Add(update, kNow);
+  }
+  const json updates = page.Read(news);
+  EXPECT_EQ(updates[0]["update"]["stream_id"], "first");
+  EXPECT_EQ(updates[0]["update"]["ended"], true);
+  EXPECT_TRUE(page.Read(news).empty());
+}
+
+TEST(RobotNewsTest, WatchersShareFramesAndEvents) {
+  RobotNews news;
+  news.Add(Opened("1"), kNow);
+  v1::StreamUpdate update = Frame("1", 7, {1, 2.5});
+  update.add_events()->set_sequence(7);
+  news.Add(update, kNow);
+  RobotNews::Cursor one;
+  RobotNews::Cursor other;
+  const RobotUpdate mine = news.Read(one).robots[0];
+  const RobotUpdate theirs = news.Read(other).robots[0];
+  EXPECT_EQ(mine.frame, theirs.frame);
+  EXPECT_EQ(mine.events, theirs.events);
+  EXPECT_EQ(mine.frame->message.taxels(), update.frame().taxels());
+  EXPECT_EQ(mine.events[0]->message.sequence(), 7u);
+  // What somebody holds stays as it is.
+  news.Add(Frame("1", 8, {3, 4}), kNow);
+  EXPECT_EQ(mine.frame->message.answer().sequence(), 7u);
 }
 
 TEST(RobotNewsTest, TextOfRobotsStaysText) {

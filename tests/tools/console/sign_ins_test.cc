@@ -95,7 +95,7 @@ TEST(LiveFeedTest, APlainServerElsewhereGetsNoToken) {
   }
   EXPECT_TRUE(feed.IsRefused());
   LiveFeed::Cursor cursor;
-  EXPECT_NE(feed.Write(cursor).find("--tls-ca"), std::string::npos);
+  EXPECT_NE(feed.Read(cursor)[0].error.find("--tls-ca"), std::string::npos);
 }
 
 TEST(SignInsTest, ComparesSecrets) {
