@@ -9,6 +9,7 @@
 #include "tools/console/page_call.h"
 #include "tools/console/request_checks.h"
 #include "tools/console/responses.h"
+#include "tools/console/watch_socket.h"
 
 namespace tactus::internal::console {
 namespace {
@@ -145,8 +146,9 @@ class Browser : public std::enable_shared_from_this<Browser<Stream>> {
           http::status::service_unavailable,
           absl::StrCat(limits::kMaxLivePages, " pages watch already")));
     }
-    std::make_shared<LivePage<Stream>>(std::move(stream_), &browsers_,
-                                       CookieOf(request))
+    std::make_shared<WatchSocket<Stream>>(std::move(stream_), &browsers_,
+                                          FindPerson(),
+                                          std::make_unique<LivePage>())
         ->Run(request);
   }
 

@@ -58,6 +58,16 @@ Doorkeeper::Person Doorkeeper::Find(const std::string& cookie) const {
   return sign_ins_.Find(cookie, SignIns::Time::clock::now());
 }
 
+bool Doorkeeper::IsSignedIn(const Person& person) const {
+  return person == everybody_ ||
+         sign_ins_.Has(person, SignIns::Time::clock::now());
+}
+
+void Doorkeeper::EndSignIn(const Person& person) {
+  sign_ins_.Remove(person);
+  everybody_ = nullptr;
+}
+
 std::shared_ptr<LiveFeed> Doorkeeper::FeedOf(const Person& person) {
   std::erase_if(feeds_by_token_,
                 [](const auto& item) { return item.second.expired(); });

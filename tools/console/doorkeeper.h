@@ -54,6 +54,10 @@ class Doorkeeper {
   bool is_open() const { return everybody_ != nullptr; }
   // Null if nobody is signed in with this cookie.
   Person Find(const std::string& cookie) const;
+  // True until the person's sign-in ends.
+  bool IsSignedIn(const Person& person) const;
+  // Ends the sign-in: the servers no longer take the person's token.
+  void EndSignIn(const Person& person);
   // What the person sees: one feed for all of a person's pages. It lasts as
   // long as somebody holds it.
   std::shared_ptr<LiveFeed> FeedOf(const Person& person);

@@ -51,9 +51,22 @@ std::shared_ptr<const SignIn> SignIns::Find(absl::string_view cookie,
   return found->second;
 }
 
+bool SignIns::Has(const std::shared_ptr<const SignIn>& sign_in,
+                  Time now) const {
+  return sign_in->end > now &&
+         std::ranges::any_of(by_cookie_, [&](const auto& item) {
+           return item.second == sign_in;
+         });
+}
+
 void SignIns::Remove(absl::string_view cookie) {
   const auto found = by_cookie_.find(cookie);
   if (found != by_cookie_.end()) by_cookie_.erase(found);
+}
+
+void SignIns::Remove(const std::shared_ptr<const SignIn>& sign_in) {
+  std::erase_if(by_cookie_,
+                [&](const auto& item) { return item.second == sign_in; });
 }
 
 }  // namespace tactus::internal::console

@@ -44,7 +44,9 @@ class SignIns {
   std::string Add(std::string token, Time now);
   // Null if nobody is signed in with this cookie, or no longer.
   std::shared_ptr<const SignIn> Find(absl::string_view cookie, Time now) const;
+  bool Has(const std::shared_ptr<const SignIn>& sign_in, Time now) const;
   void Remove(absl::string_view cookie);
+  void Remove(const std::shared_ptr<const SignIn>& sign_in);
 
  private:
   std::map<std::string, std::shared_ptr<const SignIn>, std::less<>> by_cookie_;

@@ -57,6 +57,26 @@ TEST(SignInsTest, TheOldestGoWhenThereAreTooMany) {
   EXPECT_NE(sign_ins.Find(second, later), nullptr);
 }
 
+TEST(DoorkeeperTest, ASignInIsOneUntilItEnds) {
+  Doorkeeper doorkeeper({});
+  const std::string ann = doorkeeper.SignInWith("ann-token");
+  const auto first = doorkeeper.Find(ann);
+  const auto second = doorkeeper.Find(doorkeeper.SignInWith("ann-token"));
+  EXPECT_TRUE(doorkeeper.IsSignedIn(first));
+  doorkeeper.EndSignIn(first);
+  EXPECT_FALSE(doorkeeper.IsSignedIn(first));
+  EXPECT_EQ(doorkeeper.Find(ann), nullptr);
+  EXPECT_TRUE(doorkeeper.IsSignedIn(second));
+  doorkeeper.Open();
+  const auto everybody = doorkeeper.Find("");
+  EXPECT_TRUE(doorkeeper.IsSignedIn(everybody));
+  doorkeeper.EndSignIn(everybody);
+  EXPECT_FALSE(doorkeeper.IsSignedIn(everybody));
+  // Whoever comes next is somebody else.
+  doorkeeper.Open();
+  EXPECT_FALSE(doorkeeper.IsSignedIn(everybody));
+}
+
 TEST(DoorkeeperTest, ServersThatWantTokensNowAreOpenToNobody) {
   Doorkeeper doorkeeper({});
   doorkeeper.Open();
