@@ -33,6 +33,7 @@ readonly BUILD=(
   libopencv-imgproc-dev
   libpq-dev
   libprotobuf-dev
+  libprotoc-dev
   libspdlog-dev
   libsqlitecpp-dev
   libssl-dev
@@ -97,7 +98,6 @@ readonly TESTS=(
   libghmm-dev
   libgmock-dev
   libgtest-dev
-  libprotoc-dev
   librosbag-storage-dev
   libsundials-dev
   libumockdev-dev

@@ -14,7 +14,9 @@
 #include "core/data/frame_fingerprint.h"
 #include "core/data/frames/frames_trial.h"
 #include "core/data/recording/contact_cutter.h"
+#include "core/data/recording/foxglove_contacts.h"
 #include "core/data/recording/foxglove_image.h"
+#include "core/data/recording/foxglove_schema.h"
 #include "core/data/recording/message_schema.h"
 #include "core/data/recording/recording.h"
 #include "core/data/recording/recording_reader.h"
@@ -108,9 +110,20 @@ static absl::Status ContactCutterExample(const v1::StreamConfig& config,
 
 using v1::TAXEL_TYPE_UINT16;
 
+static void FoxgloveContactsExample(const SkinLayout& layout,
+                                    const v1::StreamStarted& started,
+                                    const v1::Answer& answer) {
+#include "core/data/recording/foxglove_contacts.h.inc"
+}
+
 static void FoxgloveImageExample(const SkinLayout& layout,
-                                 const v1::FrameBatch& batch) {
+                                 const v1::FrameBatch& batch, int64_t time_ns,
+                                 std::span<const float> taxels) {
 #include "core/data/recording/foxglove_image.h.inc"
+}
+
+static void FoxgloveSchemaExample() {
+#include "core/data/recording/foxglove_schema.h.inc"
 }
 
 static void MessageSchemaExample() {

@@ -1,22 +1,19 @@
 #include "core/data/recording/foxglove_image.h"
 
+#include <bit>
 #include <cmath>
-#include <span>
+#include <cstring>
 #include <vector>
 
-#include "core/base/serialize.h"
+#include "core/data/recording/foxglove_schema.h"
 #include "core/skin/normal_loads.h"
 #include "core/skin/taxel_values.h"
-#include "google/protobuf/descriptor.pb.h"
-#include "google/protobuf/io/coded_stream.h"
-#include "google/protobuf/io/zero_copy_stream_impl_lite.h"
-#include "google/protobuf/timestamp.pb.h"
 
 namespace tactus::internal {
 namespace {
 
-using google::protobuf::FieldDescriptorProto;
-using google::protobuf::io::CodedOutputStream;
+static_assert(std::endian::native == std::endian::little,
+              "pixels are little-endian");
 
 // Field numbers of foxglove.RawImage.
 enum ImageField {
@@ -29,93 +26,77 @@ enum ImageField {
   kFrameId = 7,
 };
 
-constexpr int64_t kNsPerSecond = 1'000'000'000;
+constexpr char kRawImage[] = R"(
+message RawImage {
+  google.protobuf.Timestamp timestamp = 1;
+  string frame_id = 7;
+  fixed32 width = 2;
+  fixed32 height = 3;
+  string encoding = 4;
+  fixed32 step = 5;
+  bytes data = 6;
+})";
 
-// The value of a pixel that is 4 onset thresholds above 0 is 127.
+// A pixel that is 4 onset thresholds above 0 is half as bright as white.
 constexpr double kHalfGrey = 4;
-
-// The tag of a field: wire type 2 has a length, wire type 5 has 32 bits.
-void WriteBytes(int field, const std::string& bytes, CodedOutputStream& out) {
-  out.WriteTag(static_cast<uint32_t>(field) << 3 | 2);
-  out.WriteVarint32(static_cast<uint32_t>(bytes.size()));
-  out.WriteString(bytes);
-}
-
-void WriteFixed(int field, uint32_t value, CodedOutputStream& out) {
-  out.WriteTag(static_cast<uint32_t>(field) << 3 | 5);
-  out.WriteLittleEndian32(value);
-}
 
 }  // namespace
 
 McapSchema FoxgloveImage::Schema() {
-  google::protobuf::FileDescriptorSet files;
-  google::protobuf::Timestamp::descriptor()->file()->CopyTo(files.add_file());
-  google::protobuf::FileDescriptorProto& file = *files.add_file();
-  file.set_name("foxglove/RawImage.proto");
-  file.set_package("foxglove");
-  file.set_syntax("proto3");
-  file.add_dependency("google/protobuf/timestamp.proto");
-  google::protobuf::DescriptorProto& message = *file.add_message_type();
-  message.set_name("RawImage");
-  const auto add = [&](const char* name, ImageField number,
-                       FieldDescriptorProto::Type type) {
-    FieldDescriptorProto& field = *message.add_field();
-    field.set_name(name);
-    field.set_number(number);
-    field.set_label(FieldDescriptorProto::LABEL_OPTIONAL);
-    field.set_type(type);
-    if (number == kTimestamp) field.set_type_name(".google.protobuf.Timestamp");
-  };
-  add("timestamp", kTimestamp, FieldDescriptorProto::TYPE_MESSAGE);
-  add("frame_id", kFrameId, FieldDescriptorProto::TYPE_STRING);
-  add("width", kWidth, FieldDescriptorProto::TYPE_FIXED32);
-  add("height", kHeight, FieldDescriptorProto::TYPE_FIXED32);
-  add("encoding", kEncoding, FieldDescriptorProto::TYPE_STRING);
-  add("step", kStep, FieldDescriptorProto::TYPE_FIXED32);
-  add("data", kData, FieldDescriptorProto::TYPE_BYTES);
-  return {"foxglove.RawImage", "protobuf", SerializeDeterministic(files)};
+  return FoxgloveSchema("foxglove.RawImage", kRawImage);
 }
 
-std::string FoxgloveImage::Encode(const v1::FrameBatch& batch,
-                                  v1::TaxelType type, double scale) const {
+std::vector<double> FoxgloveImage::Brightness(std::span<const float> values,
+                                              double scale,
+                                              double white) const {
   const double half = kHalfGrey * layout_.onset_threshold;
-  // As they were sent, without a rounding; loads scale as values do.
-  std::vector<float> values(layout_.values());
-  ScaleTaxels(type, batch.taxels().data(), 1, values);
   NormalLoads normal(layout_);
   const std::span<const float> loads = normal.Of(values);
-  std::string pixels(static_cast<size_t>(layout_.taxels()), '\0');
+  std::vector<double> pixels(static_cast<size_t>(layout_.taxels()));
   for (size_t i = 0; i < pixels.size(); ++i) {
     if (!layout_.mask.empty() && layout_.mask[i] == 0) continue;
     const double value = scale * loads[i];
     // NaN is black too.
     if (!(value > 0)) continue;
-    const double grey = std::isinf(value) ? 255 : 255 * value / (value + half);
-    pixels[i] = static_cast<char>(static_cast<uint8_t>(std::lround(grey)));
+    pixels[i] = std::isinf(value) ? white : white * value / (value + half);
   }
-  google::protobuf::Timestamp time;
-  int64_t seconds = batch.first_capture_time_ns() / kNsPerSecond;
-  int64_t ns = batch.first_capture_time_ns() % kNsPerSecond;
-  if (ns < 0) {
-    ns += kNsPerSecond;
-    --seconds;
+  return pixels;
+}
+
+std::string FoxgloveImage::Encode(const v1::FrameBatch& batch,
+                                  v1::TaxelType type, double scale) const {
+  // As they were sent, without a rounding; loads scale as values do.
+  std::vector<float> values(static_cast<size_t>(layout_.values()));
+  ScaleTaxels(type, batch.taxels().data(), 1, values);
+  std::string pixels;
+  for (const double grey : Brightness(values, scale, 255)) {
+    pixels += static_cast<char>(static_cast<uint8_t>(std::lround(grey)));
   }
-  time.set_seconds(seconds);
-  time.set_nanos(static_cast<int32_t>(ns));
-  std::string bytes;
-  {
-    google::protobuf::io::StringOutputStream stream(&bytes);
-    CodedOutputStream out(&stream);
-    WriteBytes(kTimestamp, time.SerializeAsString(), out);
-    WriteFixed(kWidth, static_cast<uint32_t>(layout_.columns), out);
-    WriteFixed(kHeight, static_cast<uint32_t>(layout_.rows), out);
-    WriteBytes(kEncoding, "mono8", out);
-    WriteFixed(kStep, static_cast<uint32_t>(layout_.columns), out);
-    WriteBytes(kData, pixels, out);
-    WriteBytes(kFrameId, layout_.name, out);
+  return Message(batch.first_capture_time_ns(), "mono8", pixels);
+}
+
+std::string FoxgloveImage::EncodeFloats(int64_t time_ns,
+                                        std::span<const float> values) const {
+  std::string pixels;
+  for (const double brightness : Brightness(values, 1, 1)) {
+    const auto pixel = static_cast<float>(brightness);
+    pixels.append(reinterpret_cast<const char*>(&pixel), sizeof pixel);
   }
-  return bytes;
+  return Message(time_ns, "32FC1", pixels);
+}
+
+std::string FoxgloveImage::Message(int64_t time_ns, const char* encoding,
+                                   const std::string& pixels) const {
+  const auto rows = static_cast<uint32_t>(layout_.rows);
+  ProtoFields image;
+  image.AddTime(kTimestamp, time_ns);
+  image.AddFixed(kWidth, static_cast<uint32_t>(layout_.columns));
+  image.AddFixed(kHeight, rows);
+  image.AddBytes(kEncoding, encoding);
+  image.AddFixed(kStep, static_cast<uint32_t>(pixels.size()) / rows);
+  image.AddBytes(kData, pixels);
+  image.AddBytes(kFrameId, layout_.name);
+  return image.bytes();
 }
 
 }  // namespace tactus::internal

@@ -7,9 +7,8 @@
 #include "core/data/recording/recording_writer.h"
 #include "core/skin/layout_proto.h"
 #include "gmock/gmock.h"
-#include "google/protobuf/descriptor.pb.h"
-#include "google/protobuf/dynamic_message.h"
 #include "gtest/gtest.h"
+#include "tests/core/data/foreign_decoder.h"
 #include "tests/support/scratch_dir.h"
 
 namespace tactus::internal {
@@ -279,32 +278,6 @@ TEST(RecordingTest, CutOffAtEachByteOfItsLastChunkItReturnsWhatIsBefore) {
     }
   }
 }
-
-// Decodes the messages as another program does: with what is in the file alone.
-class ForeignDecoder {
- public:
-  explicit ForeignDecoder(const McapSchema& schema) {
-    google::protobuf::FileDescriptorSet files;
-    EXPECT_TRUE(files.ParseFromString(schema.data));
-    for (const auto& file : files.file()) {
-      EXPECT_NE(pool_.BuildFile(file), nullptr) << file.name();
-    }
-    type_ = pool_.FindMessageTypeByName(schema.name);
-    EXPECT_NE(type_, nullptr) << schema.name;
-  }
-  std::string Text(absl::string_view data) {
-    const std::unique_ptr<google::protobuf::Message> message(
-        factory_.GetPrototype(type_)->New());
-    EXPECT_TRUE(message->ParseFromString(std::string(data)));
-    EXPECT_TRUE(message->GetReflection()->GetUnknownFields(*message).empty());
-    return message->ShortDebugString();
-  }
-
- private:
-  google::protobuf::DescriptorPool pool_;
-  google::protobuf::DynamicMessageFactory factory_{&pool_};
-  const google::protobuf::Descriptor* type_ = nullptr;
-};
 
 TEST(RecordingTest, OtherProgramsDecodeAllMessages) {
   const ScratchDir folder;
