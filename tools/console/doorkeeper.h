@@ -52,8 +52,12 @@ class Doorkeeper {
   // Everybody may watch, as the servers say.
   void Open();
   bool is_open() const { return everybody_ != nullptr; }
+  // Who everybody is; null if the servers want a token.
+  Person Everybody() const { return everybody_; }
   // Null if nobody is signed in with this cookie.
   Person Find(const std::string& cookie) const;
+  // Null if it is nobody's key for watching.
+  Person FindByWatchKey(absl::string_view key) const;
   // True until the person's sign-in ends.
   bool IsSignedIn(const Person& person) const;
   // Ends the sign-in: the servers no longer take the person's token.

@@ -38,6 +38,7 @@ std::string SignIns::Add(std::string token, Time now) {
   auto sign_in = std::make_shared<SignIn>();
   sign_in->token = std::move(token);
   sign_in->csrf = NewSecret();
+  sign_in->watch_key = NewSecret();
   sign_in->end = now + std::chrono::hours(limits::kSignInHours);
   std::string cookie = NewSecret();
   by_cookie_.emplace(cookie, std::move(sign_in));
@@ -49,6 +50,17 @@ std::shared_ptr<const SignIn> SignIns::Find(absl::string_view cookie,
   const auto found = by_cookie_.find(cookie);
   if (found == by_cookie_.end() || found->second->end <= now) return nullptr;
   return found->second;
+}
+
+std::shared_ptr<const SignIn> SignIns::FindByWatchKey(absl::string_view key,
+                                                      Time now) const {
+  std::shared_ptr<const SignIn> found;
+  for (const auto& [cookie, sign_in] : by_cookie_) {
+    if (SameSecret(key, sign_in->watch_key) && sign_in->end > now) {
+      found = sign_in;
+    }
+  }
+  return found;
 }
 
 bool SignIns::Has(const std::shared_ptr<const SignIn>& sign_in,

@@ -33,6 +33,8 @@ struct SignIn {
   std::string token;
   // Requests that change something repeat it, which other sites cannot.
   std::string csrf;
+  // For programs that watch in the person's name, and do nothing else.
+  std::string watch_key;
   std::chrono::steady_clock::time_point end;
 };
 
@@ -44,6 +46,8 @@ class SignIns {
   std::string Add(std::string token, Time now);
   // Null if nobody is signed in with this cookie, or no longer.
   std::shared_ptr<const SignIn> Find(absl::string_view cookie, Time now) const;
+  std::shared_ptr<const SignIn> FindByWatchKey(absl::string_view key,
+                                               Time now) const;
   bool Has(const std::shared_ptr<const SignIn>& sign_in, Time now) const;
   void Remove(absl::string_view cookie);
   void Remove(const std::shared_ptr<const SignIn>& sign_in);

@@ -38,9 +38,31 @@ TEST(SignInsTest, SecretsAreNewEachTime) {
     const std::string cookie = sign_ins.Add("same", kFirst);
     secrets.insert(cookie);
     secrets.insert(sign_ins.Find(cookie, kFirst)->csrf);
+    secrets.insert(sign_ins.Find(cookie, kFirst)->watch_key);
     EXPECT_EQ(cookie.size(), 64u);
   }
-  EXPECT_EQ(secrets.size(), 200u);
+  EXPECT_EQ(secrets.size(), 300u);
+}
+
+TEST(SignInsTest, AWatchKeyIsGoodUntilTheEndOfItsSignIn) {
+  SignIns sign_ins;
+  const std::string cookie = sign_ins.Add("ann", kFirst);
+  sign_ins.Add("bob", kFirst);
+  const auto ann = sign_ins.Find(cookie, kFirst);
+  const std::string key = ann->watch_key;
+  EXPECT_EQ(sign_ins.FindByWatchKey(key, kFirst), ann);
+  for (const std::string& other :
+       {std::string(), cookie, ann->csrf, key.substr(1), key + "0"}) {
+    EXPECT_EQ(sign_ins.FindByWatchKey(other, kFirst), nullptr) << other;
+  }
+  EXPECT_EQ(sign_ins.Find(key, kFirst), nullptr);
+  const auto end = kFirst + hours(limits::kSignInHours);
+  EXPECT_TRUE(sign_ins.Has(ann, end - seconds(1)));
+  EXPECT_FALSE(sign_ins.Has(ann, end));
+  EXPECT_EQ(sign_ins.FindByWatchKey(key, end), nullptr);
+  sign_ins.Remove(ann);
+  EXPECT_FALSE(sign_ins.Has(ann, kFirst));
+  EXPECT_EQ(sign_ins.FindByWatchKey(key, kFirst), nullptr);
 }
 
 TEST(SignInsTest, TheOldestGoWhenThereAreTooMany) {
