@@ -1,5 +1,9 @@
 #include "tools/console/watch_socket.h"
 
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+
 #include <utility>
 
 #include "core/base/limits_console.h"
@@ -14,6 +18,9 @@ using boost::system::error_code;
 
 // How long a viewer waits for news.
 constexpr std::chrono::seconds kLongestSilence(1);
+// Bytes that wait to be sent, beyond which a write waits. The system's default
+// holds seconds of frames that are old when they are read.
+constexpr int kMostUnsentBytes = 32 * 1024;
 // A code of the range for applications.
 constexpr uint16_t kSignedOut = 4401;
 
@@ -47,7 +54,11 @@ WatchSocket<Stream>::~WatchSocket() {
 template <class Stream>
 void WatchSocket<Stream>::Run(const Request& request,
                               const std::string& protocol) {
-  beast::get_lowest_layer(socket_).expires_never();
+  auto& lowest = beast::get_lowest_layer(socket_);
+  lowest.expires_never();
+  // If the system refuses, frames are only older.
+  setsockopt(lowest.socket().native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT,
+             &kMostUnsentBytes, sizeof kMostUnsentBytes);
   socket_.set_option(websocket::stream_base::timeout{
       .handshake_timeout = std::chrono::seconds(limits::kBrowserPatienceS),
       .idle_timeout = std::chrono::seconds(6 * limits::kBrowserPatienceS),
