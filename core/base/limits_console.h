@@ -18,6 +18,14 @@ inline constexpr uint64_t kMaxBrowserBodyBytes = 16 * 1024;
 // A message of a page that watches, and how many it sends a second.
 inline constexpr size_t kMaxPageMessageBytes = 64;
 inline constexpr int kMaxPageMessagesPerS = 300;
+// A message of a program that watches by the protocol of Foxglove, which has
+// room for 400 subscriptions, and how many it sends a second. Robots that it is
+// shown; it subscribes once to each of their channels. Remarks that wait for
+// it.
+inline constexpr size_t kMaxFoxgloveMessageBytes = 16 * 1024;
+inline constexpr int kMaxFoxgloveMessagesPerS = 1'000;
+inline constexpr size_t kMaxFoxgloveRobots = 64;
+inline constexpr size_t kMaxFoxgloveRemarks = 16;
 // Seconds for a request to come, and for a response to go.
 inline constexpr int kBrowserPatienceS = 10;
 // People who are signed in, and for how many hours.

@@ -38,6 +38,17 @@ class RawConnection {
       sent += static_cast<size_t>(now);
     }
   }
+  // Up to `end`, and perhaps more; all if it does not come.
+  std::string ReadUntil(const std::string& end) const {
+    std::string text;
+    char part[4096];
+    ssize_t count = 0;
+    while (text.find(end) == std::string::npos &&
+           (count = recv(socket_, part, sizeof(part), 0)) > 0) {
+      text.append(part, static_cast<size_t>(count));
+    }
+    return text;
+  }
   std::string ReadAll() const {
     std::string text;
     char part[4096];

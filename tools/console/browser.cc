@@ -4,11 +4,15 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "core/base/limits_console.h"
+#include "tools/console/foxglove_page.h"
+#include "tools/console/foxglove_protocol.h"
 #include "tools/console/live_page.h"
 #include "tools/console/page_call.h"
 #include "tools/console/request_checks.h"
 #include "tools/console/responses.h"
+#include "tools/console/watch_rights.h"
 #include "tools/console/watch_socket.h"
 
 namespace tactus::internal::console {
@@ -113,7 +117,7 @@ class Browser : public std::enable_shared_from_this<Browser<Stream>> {
                                  "address it as localhost"));
     }
     const std::string target(request.target());
-    if (beast::websocket::is_upgrade(request)) return Upgrade(target);
+    if (beast::websocket::is_upgrade(request)) return Upgrade();
     const bool reads = request.method() == http::verb::get ||
                        request.method() == http::verb::head;
     if (target == "/api/session" && reads) return Session();
@@ -132,24 +136,67 @@ class Browser : public std::enable_shared_from_this<Browser<Stream>> {
     Write(ErrorResponse(http::status::method_not_allowed, "no such method"));
   }
 
-  void Upgrade(const std::string& target) {
+  void Upgrade() {
     const Request& request = parser_->get();
-    if (target != "/api/live") {
+    if (PathOf(request) == "/foxglove") return UpgradeFoxglove();
+    if (request.target() != "/api/live") {
       return Write(ErrorResponse(http::status::not_found, "no such page"));
     }
     if (!IsOwnOrigin(request)) {
       return Write(ErrorResponse(http::status::forbidden,
                                  "only the console's own page may watch"));
     }
+    Watch(FindPerson(), std::make_unique<LivePage>());
+  }
+
+  void UpgradeFoxglove() {
+    const Request& request = parser_->get();
+    if (!IsLocalProgram(request, browsers_.is_loopback) ||
+        browsers_.doorkeeper.is_open()) {
+      return WatchAsFoxglove();
+    }
+    Ask("", [this](const absl::Status& status) {
+      if (status.ok()) {
+        browsers_.doorkeeper.Open();
+      } else if (StatusOf(status) != http::status::unauthorized) {
+        return Write(ErrorResponse(StatusOf(status), status.message()));
+      }
+      WatchAsFoxglove();
+    });
+  }
+
+  void WatchAsFoxglove() {
+    const Request& request = parser_->get();
+    const auto person =
+        FindWatcher(request, browsers_.doorkeeper, browsers_.is_loopback);
+    if (person == nullptr) {
+      return Write(ErrorResponse(
+          http::status::forbidden,
+          "take the address that the console's page Live copies for you; it "
+          "is good until you sign out"));
+    }
+    const auto offered = request[http::field::sec_websocket_protocol];
+    const std::string protocol =
+        FoxgloveProtocolOf({offered.data(), offered.size()});
+    if (protocol.empty()) {
+      return Write(
+          ErrorResponse(http::status::bad_request,
+                        absl::StrCat("the subprotocol must be one of ",
+                                     absl::StrJoin(kFoxgloveProtocols, ", "))));
+    }
+    Watch(person, std::make_unique<FoxglovePage>(browsers_.session), protocol);
+  }
+
+  void Watch(const Doorkeeper::Person& person, std::unique_ptr<Viewer> viewer,
+             const std::string& protocol = "") {
     if (browsers_.live_pages >= limits::kMaxLivePages) {
       return Write(ErrorResponse(
           http::status::service_unavailable,
           absl::StrCat(limits::kMaxLivePages, " pages watch already")));
     }
     std::make_shared<WatchSocket<Stream>>(std::move(stream_), &browsers_,
-                                          FindPerson(),
-                                          std::make_unique<LivePage>())
-        ->Run(request);
+                                          person, std::move(viewer))
+        ->Run(parser_->get(), protocol);
   }
 
   void Session() {
@@ -277,11 +324,13 @@ class Browser : public std::enable_shared_from_this<Browser<Stream>> {
     for (const ServerAddress& server : browsers_.doorkeeper.servers()) {
       servers.push_back(server.address);
     }
-    return JsonResponse(http::status::ok,
-                        {{"signed_in", person != nullptr},
-                         {"needs_token", !browsers_.doorkeeper.is_open()},
-                         {"csrf", person != nullptr ? person->csrf : ""},
-                         {"servers", std::move(servers)}});
+    return JsonResponse(
+        http::status::ok,
+        {{"signed_in", person != nullptr},
+         {"needs_token", !browsers_.doorkeeper.is_open()},
+         {"csrf", person != nullptr ? person->csrf : ""},
+         {"watch_key", person != nullptr ? person->watch_key : ""},
+         {"servers", std::move(servers)}});
   }
 
   void SetCookie(const std::string& value, int seconds,

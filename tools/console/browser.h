@@ -1,7 +1,7 @@
 // File: browser.h
 //
 // Serves one connection of a browser: the page's files, who is signed in, and
-// the WebSocket of a page.
+// the WebSockets of those who watch.
 //
 //   ServeBrowser(std::move(socket), &browsers, tls);  // tls: null for none
 //
@@ -9,6 +9,12 @@
 //   POST /api/sign-in   {"token": "..."}; sets the cookie
 //   POST /api/sign-out  with the header X-CSRF-Token
 //   GET  /api/live      a WebSocket (live_page.h)
+//   GET  /foxglove?key=<key>
+//                       a WebSocket (foxglove_page.h). The key is that of a
+//                       sign-in; with it, the request may come from anywhere.
+//                       The console's own page needs none, nor does a program
+//                       on the console's host that is no browser, if the
+//                       servers want no token.
 //   POST /api/servers/<number>/<Service>/<Method>
 //                       a call of a server (page_methods.h), with the header
 //                       X-CSRF-Token; message and response as JSON

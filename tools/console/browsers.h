@@ -6,10 +6,12 @@
 
 #include <boost/asio/thread_pool.hpp>
 #include <memory>
+#include <string>
 
 #include "tools/console/doorkeeper.h"
 #include "tools/console/page_calls.h"
 #include "tools/console/page_files.h"
+#include "tools/console/sign_ins.h"
 #include "tools/console/waker.h"
 
 namespace tactus::internal::console {
@@ -24,6 +26,8 @@ struct Browsers {
   // Browsers of this machine alone can reach the console.
   bool is_loopback = true;
   bool uses_tls = false;
+  // Differs from that of any other console, and of this one after a restart.
+  std::string session = NewSecret();
   // How many there are now.
   int connections = 0;
   int live_pages = 0;

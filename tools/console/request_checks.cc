@@ -17,6 +17,11 @@ absl::string_view HeaderOf(const Request& request, http::field field) {
   return {value.data(), value.size()};
 }
 
+absl::string_view TargetOf(const Request& request) {
+  const auto target = request.target();
+  return {target.data(), target.size()};
+}
+
 }  // namespace
 
 bool HasAllowedHost(const Request& request, bool is_loopback) {
@@ -34,6 +39,25 @@ bool IsOwnOrigin(const Request& request) {
     return false;
   }
   return !origin.empty() && origin == HeaderOf(request, http::field::host);
+}
+
+bool HasOrigin(const Request& request) {
+  return request.find(http::field::origin) != request.end();
+}
+
+absl::string_view PathOf(const Request& request) {
+  const absl::string_view target = TargetOf(request);
+  return target.substr(0, target.find('?'));
+}
+
+std::optional<std::string> WatchKeyOf(const Request& request) {
+  const absl::string_view target = TargetOf(request);
+  const size_t mark = target.find('?');
+  if (mark == absl::string_view::npos) return std::nullopt;
+  for (absl::string_view part : absl::StrSplit(target.substr(mark + 1), '&')) {
+    if (absl::ConsumePrefix(&part, "key=")) return std::string(part);
+  }
+  return std::nullopt;
 }
 
 bool HasGone(int socket) {

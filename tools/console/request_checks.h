@@ -12,8 +12,10 @@
 // Thread-safe: free functions without state.
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "absl/strings/string_view.h"
 #include "tools/console/responses.h"
 
 namespace tactus::internal::console {
@@ -25,6 +27,16 @@ bool HasAllowedHost(const Request& request, bool is_loopback);
 // True if the header "Origin" names the host that the request is for. Browsers
 // add it to requests that change something and to those of WebSockets.
 bool IsOwnOrigin(const Request& request);
+
+// True if the request has such a header: a browser's page made it, or a program
+// that looks like one.
+bool HasOrigin(const Request& request);
+
+// The path of a request without what follows a question mark.
+absl::string_view PathOf(const Request& request);
+
+// What a request gives as "key" behind the question mark; none if it does not.
+std::optional<std::string> WatchKeyOf(const Request& request);
 
 constexpr char kCookieName[] = "tactus";
 
