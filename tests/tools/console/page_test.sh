@@ -42,4 +42,5 @@ else
   node --test slow_network_test.mjs
   node --test tls_test.mjs
   node --test hostile_test.mjs
+  node --test foxglove_test.mjs
 fi
