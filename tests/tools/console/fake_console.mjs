@@ -126,7 +126,7 @@ export class FakeConsole {
   session() {
     return { signed_in: this.signedIn, name: this.token ? 'lab' : '',
       needs_token: this.token !== undefined, csrf: 'csrf-1',
-      servers: ['127.0.0.1:50051'] };
+      watch_key: this.signedIn ? 'watch-1' : '', servers: ['127.0.0.1:50051'] };
   }
 
   welcome(socket) {

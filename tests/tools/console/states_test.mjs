@@ -195,6 +195,30 @@ const tests = {
       'the next stream takes its place');
   },
 
+  async 'an address for Foxglove'({ page, fake }) {
+    await page.context.grantPermissions(['clipboard-read', 'clipboard-write']);
+    const copy = page.page.getByRole('button',
+      { name: 'Copy address for Foxglove' });
+    await copy.focus();
+    await page.page.keyboard.press('Enter');
+    tally.check(await page.untilText('The address is copied', '#told'),
+      'it says so');
+    const address = `ws://127.0.0.1:${fake.port}/foxglove?key=watch-1`;
+    tally.check(await page.page.evaluate(() =>
+      navigator.clipboard.readText()) === address, 'the address');
+    await page.examine('foxglove');
+    await page.page.evaluate(() => {
+      navigator.clipboard.writeText = () => Promise.reject(new Error('no'));
+    });
+    await copy.click();
+    tally.check(await page.untilText(`The address is ${address}`, '#told'),
+      'a browser that does not copy');
+    fake.signedIn = false;
+    await copy.click();
+    tally.check(await page.untilText('Nobody is signed in', '#told'),
+      'without a sign-in there is none');
+  },
+
   async 'a refused server'({ page, fake }) {
     fake.setServer('refused', 'the token has no role');
     tally.check(await page.untilText('refused (the token has no role)',

@@ -10,6 +10,8 @@ export interface Session {
   // As whom the servers know the person, if the console says so.
   name?: string;
   csrf: string;
+  // Lets other programs watch in the person's name; empty without a sign-in.
+  watch_key?: string;
   servers: string[];
 }
 

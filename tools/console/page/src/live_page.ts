@@ -4,6 +4,7 @@ import { Announcer } from './announcer';
 import { Live } from './connection';
 import { byId, element, setText } from './dom';
 import { stalenessOf } from './facts';
+import { foxgloveButton } from './foxglove';
 import { FullView } from './full_view';
 import { History } from './history';
 import { forgetDrawn, noteMessage } from './measures';
@@ -29,6 +30,8 @@ class LivePage implements Page {
   private readonly grid = element('div', { class: 'grid' });
   private readonly list = element('div', { class: 'live' },
     element('h1', { class: 'unseen' }, 'Robots'), this.grid);
+  private readonly tools = element('p', { class: 'live-tools' },
+    foxgloveButton());
   private readonly empty = emptyText();
   private readonly loading = element('p', { class: 'loading quiet' },
     'Waiting for the console ...');
@@ -45,7 +48,7 @@ class LivePage implements Page {
 
   constructor(private readonly main: HTMLElement, onSignedOut: () => void) {
     this.empty.hidden = true;
-    this.list.append(this.loading, this.empty);
+    this.list.append(this.loading, this.empty, this.tools);
     main.replaceChildren(this.list);
     this.observer = new IntersectionObserver((entries) => {
       for (const { target, isIntersecting } of entries) {
