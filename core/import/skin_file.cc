@@ -46,6 +46,19 @@ class Fields {
     if (!fault.empty()) Complain(name, fault);
   }
 
+  // The name of a file; false if it is not beside the skin.json. A folder may
+  // come from a stranger, and errors quote what is in a file.
+  bool File(const std::string& name, std::string* value) {
+    Text(name, value);
+    const std::filesystem::path file(*value);
+    if (!file.is_absolute() &&
+        std::find(file.begin(), file.end(), "..") == file.end()) {
+      return true;
+    }
+    Complain(name, object_[name], "a file beside the skin.json");
+    return false;
+  }
+
   void Number(const std::string& name, double low, double high, double* value) {
     if (!Has(name)) return;
     const Json& json = object_[name];
@@ -179,7 +192,7 @@ void TakeShape(const std::string& folder, Fields& fields, SkinFile& skin) {
   fields.Text("name", &layout.name);
   if (layout.name.empty()) fields.Complain("name", "is missing: name the skin");
   std::string positions;
-  fields.Text("taxel_positions", &positions);
+  const bool may_read = fields.File("taxel_positions", &positions);
   const bool shaped = fields.Has("rows") || fields.Has("columns") ||
                       fields.Has("row_pitch_m") || fields.Has("column_pitch_m");
   bool preset = false;
@@ -197,8 +210,10 @@ void TakeShape(const std::string& folder, Fields& fields, SkinFile& skin) {
     fields.Complain("taxel_positions",
                     "is given with a shape; give one of the two");
   } else if (!positions.empty()) {
-    fields.Complain(
-        TakePositions(std::filesystem::path(folder) / positions, skin));
+    if (may_read) {
+      fields.Complain(
+          TakePositions(std::filesystem::path(folder) / positions, skin));
+    }
     layout.taxel_area_m2 = layout.row_pitch_m * layout.column_pitch_m;
   } else {
     for (const char* name :
@@ -510,7 +525,7 @@ absl::StatusOr<SkinFile> ReadSkinFile(const std::string& path) {
   fields.Text("dataset", &skin.dataset);
   fields.Text("bag_values", &skin.bag_values);
   fields.Text("pose_topic", &skin.pose_topic);
-  fields.Text("table", &skin.table);
+  fields.File("table", &skin.table);
   fields.Text("file_names", &skin.file_names);
   TakeTableFields(fields, skin);
   TACTUS_RETURN_IF_ERROR(fields.Finish());

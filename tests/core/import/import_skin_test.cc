@@ -376,6 +376,16 @@ INSTANTIATE_TEST_SUITE_P(
         InSkin(R"("colour": "red")", "skin.json: colour: is not known"),
         InSkin(R"("taxel_positions": "p.csv")",
                "taxel_positions: is given with a shape"),
+        // Errors quote what is in a file: none of elsewhere is read.
+        InSkin(
+            R"("table": "/etc/passwd")",
+            "skin.json: table: is \"/etc/passwd\"; it must be a file beside"),
+        InSkin(R"("table": "more/../../x.csv")",
+               "skin.json: table: is \"more/../../x.csv\"; it must be"),
+        Mistake{"skin.json",
+                R"({"name": "mine", "unit": "counts", "contact_threshold": 1,
+                    "taxel_positions": "/etc/passwd"})",
+                "skin.json: taxel_positions: is \"/etc/passwd\"; it must be"},
         InSkin(R"("masked_taxels": [4])",
                "masked_taxels: is 4; it must be a taxel from 0 to 3"),
         InSkin(R"("connectivity": 6)", "connectivity: is 6"),
