@@ -13,6 +13,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
+#include "core/base/text.h"
 #include "core/data/trial_file.h"
 #include "core/data/trial_id.h"
 #include "core/data/trial_npz.h"
@@ -236,12 +237,26 @@ absl::StatusOr<size_t> ImportFrom(const std::string& path, TrialSink sink,
 
 }  // namespace
 
+void NameUnnamed(const ImportOptions& options, Trial& trial) {
+  // The first of several contacts has the names of its trial.
+  if (!trial.touches.empty()) return;
+  if (trial.label.empty()) trial.label = options.label;
+  if (trial.condition.empty()) trial.condition = options.condition;
+}
+
 absl::StatusOr<size_t> ImportTrials(const std::string& path, TrialSink sink,
                                     const ImportOptions& options) {
+  for (const auto& [what, name] :
+       {std::pair("label of the import", options.label),
+        std::pair("condition of the import", options.condition)}) {
+    const std::string fault = TextFault(name, limits::kMaxTrialTextBytes);
+    if (!fault.empty()) return InvalidConfig(what, Quoted(name), fault);
+  }
   TrialIds ids;
   return ImportFrom(
       path,
       [&](Trial trial) {
+        NameUnnamed(options, trial);
         std::string id = ids.Unique(trial.id);
         if (id != trial.id && trial.source.empty()) trial.source = trial.id;
         trial.id = std::move(id);

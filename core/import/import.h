@@ -44,6 +44,10 @@ struct ImportOptions {
   // A pattern that takes fields from the names of a folder's files
   // (file_names.h), instead of that of the skin.json.
   std::string file_names = {};
+  // Those of trials that have none; empty: as the source says. A contact that
+  // the table of a recording leaves out stays out.
+  std::string label = {};
+  std::string condition = {};
   // If set, gets texts for people about what was left out.
   std::function<void(const std::string&)> remark = {};
 };
@@ -54,6 +58,9 @@ struct ImportOptions {
 // file and line; INVALID_CONFIG for options that the source does not take.
 absl::StatusOr<size_t> ImportTrials(const std::string& path, TrialSink sink,
                                     const ImportOptions& options = {});
+
+// Gives a trial without a label, or without a condition, that of the options.
+void NameUnnamed(const ImportOptions& options, Trial& trial);
 
 // One trial of three signals; `number` becomes its id, the file's name its
 // source.

@@ -185,6 +185,7 @@ class RecordingImport {
       Remark(absl::StrCat(what, ": left out, because the table has no label"));
       return absl::OkStatus();
     }
+    NameUnnamed(options_, trial);
     if (trial.label.empty()) {
       return TrialFileInvalid(
           path_, absl::StrCat(what,

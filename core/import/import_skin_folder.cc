@@ -39,10 +39,12 @@ constexpr char kNoRate[] =
 
 class SkinFolder {
  public:
-  SkinFolder(std::string folder, SkinFile skin, TrialTable table)
+  SkinFolder(std::string folder, SkinFile skin, TrialTable table,
+             const ImportOptions& options)
       : folder_(std::move(folder)),
         skin_(std::move(skin)),
-        table_(std::move(table)) {}
+        table_(std::move(table)),
+        options_(options) {}
 
   size_t trials() const { return table_.rows(); }
   SkinFile& skin() { return skin_; }
@@ -127,6 +129,7 @@ class SkinFolder {
       const std::string fault = TextFault(*value, limits::kMaxTrialTextBytes);
       if (!fault.empty()) return table_.Error(row, field, fault);
     }
+    NameUnnamed(options_, trial);
     if (trial.label.empty()) {
       return table_.Error(row, "label", "is empty; every trial has a class");
     }
@@ -387,6 +390,7 @@ class SkinFolder {
   const std::string folder_;
   SkinFile skin_;
   const TrialTable table_;
+  const ImportOptions& options_;
   ImportNotes notes_;
   // The recording whose times tell the rate; empty if it is stated.
   std::string rate_from_;
@@ -451,9 +455,11 @@ absl::StatusOr<size_t> ImportSkinFolder(const std::string& folder,
   std::vector<std::string> left_out;
   TACTUS_ASSIGN_OR_RETURN(
       TrialTable table,
-      from_names ? TrialTable::FromNames(folder, *names, &left_out)
+      from_names ? TrialTable::FromNames(folder, *names, &left_out,
+                                         !options.label.empty())
                  : TrialTable::Read(table_path, skin_path, skin.fields,
-                                    names ? &*names : nullptr));
+                                    names ? &*names : nullptr,
+                                    !options.label.empty()));
   if (!left_out.empty() && options.remark) {
     options.remark(absl::StrCat(
         left_out.size(), " files are left out, because their names do not fit ",
@@ -463,7 +469,7 @@ absl::StatusOr<size_t> ImportSkinFolder(const std::string& folder,
   if (table.rows() == 0) {
     return TrialFileInvalid(table_path, "names no trial");
   }
-  SkinFolder source(folder, std::move(skin), std::move(table));
+  SkinFolder source(folder, std::move(skin), std::move(table), options);
   if (source.skin().thresholds_from_idle) {
     TACTUS_RETURN_IF_ERROR(TakeThresholds(skin_path, table_path, source));
   }

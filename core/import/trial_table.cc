@@ -51,7 +51,7 @@ bool NextPlaceholder(absl::string_view* text, absl::string_view* before,
 absl::StatusOr<TrialTable> TrialTable::Read(
     const std::string& path, const std::string& skin_path,
     const std::map<std::string, std::string>& fields,
-    const FileNamePattern* names) {
+    const FileNamePattern* names, bool is_labelled) {
   TACTUS_ASSIGN_OR_RETURN(CsvTable csv, CsvTable::Read(path));
   for (const auto& [field, text] : fields) {
     absl::string_view rest = text;
@@ -78,6 +78,7 @@ absl::StatusOr<TrialTable> TrialTable::Read(
   }
   for (const absl::string_view needed : {"frames", "label"}) {
     if (table.Has(std::string(needed))) continue;
+    if (is_labelled && needed == "label") continue;
     return TrialFileInvalid(
         path, absl::StrCat("has no column ", needed, " but ",
                            Printable(absl::StrJoin(table.csv_.header(), ", ")),
@@ -104,7 +105,7 @@ absl::Status TrialTable::TakeNames(const FileNamePattern& names) {
 
 absl::StatusOr<TrialTable> TrialTable::FromNames(
     const std::string& folder, const FileNamePattern& names,
-    std::vector<std::string>* left_out) {
+    std::vector<std::string>* left_out, bool is_labelled) {
   std::vector<std::string> files;
   std::error_code error;
   for (fs::recursive_directory_iterator it(folder, error), end;
@@ -144,7 +145,7 @@ absl::StatusOr<TrialTable> TrialTable::FromNames(
   table.from_names_ = true;
   table.templates_["frames"] = "{frames}";
   TACTUS_RETURN_IF_ERROR(table.TakeNames(names));
-  if (table.Has("label")) return table;
+  if (is_labelled || table.Has("label")) return table;
   return InvalidConfig("pattern of file names", "without {label}",
                        "one with {label}, because there is no table of labels");
 }

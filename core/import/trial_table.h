@@ -27,17 +27,18 @@ class TrialTable {
   // `fields` says what a field is made of: text in which {NAME} stands for the
   // row's cell in the column NAME. Other fields are the columns of their names.
   // Fields that are neither come from the names of the files, if there are
-  // `names`. IO or TRIAL_FILE_INVALID, also if `fields` names a column that
-  // there is not; then the error is about `skin_path`.
+  // `names`. With `is_labelled`, the table needs no labels. IO or
+  // TRIAL_FILE_INVALID, also if `fields` names a column that there is not; then
+  // the error is about `skin_path`.
   static absl::StatusOr<TrialTable> Read(
       const std::string& path, const std::string& skin_path,
       const std::map<std::string, std::string>& fields,
-      const FileNamePattern* names = nullptr);
+      const FileNamePattern* names = nullptr, bool is_labelled = false);
   // A table of the files in `folder` whose names fit, in the order of their
   // names. Gives `left_out` those that have an ending of recordings and do not.
   static absl::StatusOr<TrialTable> FromNames(
       const std::string& folder, const FileNamePattern& names,
-      std::vector<std::string>* left_out);
+      std::vector<std::string>* left_out, bool is_labelled = false);
 
   size_t rows() const { return csv_.rows(); }
   bool Has(const std::string& field) const {

@@ -199,6 +199,20 @@ TEST(ImportRecordingTest, ATableNamesTheContacts) {
   }
 }
 
+TEST(ImportRecordingTest, ContactsWithoutALabelMayBeGivenOne) {
+  const ScratchDir folder;
+  WriteThreeContacts(folder / "a.mcap", "");
+  WriteBytes(folder / "t.csv", "contact,label\n1,left\n2,\n");
+  const auto trials = ImportAll(folder / "a.mcap",
+                                {.table = folder / "t.csv", .label = "other"});
+  ASSERT_TRUE(trials.ok()) << trials.status();
+  // What the table leaves out stays out.
+  ASSERT_EQ(trials->size(), 2U);
+  EXPECT_EQ((*trials)[0].label, "left");
+  EXPECT_EQ((*trials)[1].id, "000003");
+  EXPECT_EQ((*trials)[1].label, "other");
+}
+
 TEST(ImportRecordingTest, LostFramesAndEmptyTrialsAreRemarked) {
   const ScratchDir folder;
   RecordingScript script(folder / "a.mcap", 0);

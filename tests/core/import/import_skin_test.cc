@@ -130,6 +130,21 @@ TEST_F(ImportSkinTest, TheSkinAndTheTableMayBeNamed) {
   EXPECT_EQ(trials->size(), 1u);
 }
 
+TEST_F(ImportSkinTest, ATableWithoutLabelsMayBeGivenOne) {
+  Write("trials.csv", "frames\na.npy\nb.npy\n");
+  EXPECT_EQ(ReasonOf(ImportAll(dir_.path()).status()), "TRIAL_FILE_INVALID");
+  auto trials = ImportAll(dir_.path(), {.label = "cork"});
+  ASSERT_TRUE(trials.ok()) << trials.status();
+  EXPECT_EQ((*trials)[1].label, "cork");
+  // Nor need the names of files have one.
+  std::filesystem::remove(dir_ / "trials.csv");
+  trials =
+      ImportAll(dir_.path(), {.file_names = "{object}.npy", .label = "cork"});
+  ASSERT_TRUE(trials.ok()) << trials.status();
+  EXPECT_EQ((*trials)[1].label, "cork");
+  EXPECT_EQ((*trials)[1].object, "b");
+}
+
 TEST_F(ImportSkinTest, ColumnsAreMadeOfOthers) {
   Skin(R"("table": "index.csv", "fields": {
     "frames": "{trial}.npy", "label": "{hard}-{moved}",

@@ -78,6 +78,20 @@ TEST(ImportCsvTest, TheLocaleDoesNotMatter) {
   EXPECT_EQ(trials->front().time[1], 0.02);
 }
 
+TEST(ImportCsvTest, TrialsWithoutNamesGetThoseOfTheOptions) {
+  const ScratchDir dir;
+  WriteBytes(dir / "a.csv", kCsv);
+  WriteBytes(dir / "b.csv", "time,force,area,motion\n0,1,2,3\n");
+  const auto trials =
+      ImportAll(dir.path(), {.label = "SM", .condition = "day 1"});
+  ASSERT_TRUE(trials.ok()) << trials.status();
+  EXPECT_EQ((*trials)[0].label, "HU");
+  EXPECT_EQ((*trials)[1].label, "SM");
+  EXPECT_EQ((*trials)[0].condition, "day 1");
+  const auto bad = ImportAll(dir.path(), {.label = "two\nlines"});
+  EXPECT_EQ(ReasonOf(bad.status()), "INVALID_CONFIG");
+}
+
 TEST(ImportCsvTest, TheSinksErrorStopsTheImport) {
   const ScratchDir dir;
   WriteBytes(dir / "a.csv", kCsv);

@@ -171,6 +171,10 @@ void AddImport(CLI::App& app, const SelectCommand& select) {
                       "Take labels, conditions and groups from the names of "
                       "the folder's files: {label}_{group}.csv, or a regular "
                       "expression with named groups");
+  command->add_option("--label", flags->options.label,
+                      "Label of trials that have none");
+  command->add_option("--condition", flags->options.condition,
+                      "Condition of trials that have none");
   command->add_option("--out", flags->out, "Trial file to write")->required();
   command->add_flag("--json", flags->json, "Print one JSON object on stdout");
   command->callback([=] { select([=] { return RunImport(*flags); }); });
