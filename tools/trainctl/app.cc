@@ -10,6 +10,7 @@
 #include "tools/common/vetted_servers.h"
 #include "tools/trainctl/command.h"
 #include "tools/trainctl/exit_code.h"
+#include "tools/trainctl/progress_display.h"
 #include "tools/trainctl/unknown_word.h"
 #include "tools/trainctl/verbs.h"
 
@@ -47,6 +48,8 @@ int RunTrainctl(int argc, char** argv) {
       "Simulate, import and inspect labelled contacts; train, evaluate, serve "
       "and use models of them, on this machine or on a server.");
   app.set_version_flag("--version", std::string("trainctl ") + kVersion);
+  app.add_flag_callback(
+      "--quiet", [] { HideProgress(true); }, "Show no progress");
   app.require_subcommand(1);
   app.failure_message(CLI::FailureMessage::help);
 

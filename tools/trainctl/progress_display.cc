@@ -20,6 +20,8 @@ constexpr double kRefreshSeconds = 0.2;
 // Below this a time left is a guess.
 constexpr double kLeastFraction = 0.02;
 
+bool hide_progress = false;
+
 // Characters of UTF-8, each one column wide.
 size_t Width(const std::string& text) {
   return std::count_if(text.begin(), text.end(), [](char c) {
@@ -28,6 +30,8 @@ size_t Width(const std::string& text) {
 }
 
 }  // namespace
+
+void HideProgress(bool hide) { hide_progress = hide; }
 
 std::string ProgressBar(double fraction) {
   constexpr int kWidth = 10;
@@ -44,7 +48,10 @@ ProgressDisplay::ProgressDisplay()
 
 ProgressDisplay::ProgressDisplay(std::ostream& out, bool terminal,
                                  std::function<double()> seconds)
-    : out_(out), terminal_(terminal), seconds_(std::move(seconds)) {}
+    : out_(out),
+      terminal_(terminal),
+      seconds_(std::move(seconds)),
+      hidden_(hide_progress) {}
 
 Progress ProgressDisplay::progress() {
   return Progress([this](absl::string_view phase, double fraction) {
@@ -109,7 +116,7 @@ void ProgressDisplay::Enter(absl::string_view phase) {
 
 void ProgressDisplay::Show(const std::string& detail) {
   const double now = seconds_();
-  if (now < kQuietSeconds) return;
+  if (hidden_ || now < kQuietSeconds) return;
   if (!terminal_) {
     if (!announced_) out_ << "trainctl: " << phase_ << "\n" << std::flush;
     announced_ = true;

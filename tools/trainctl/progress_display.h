@@ -23,6 +23,10 @@
 
 namespace tactus::internal::client {
 
+// With `hide`, displays that are made from now on show nothing, so that stderr
+// has remarks and errors alone. Call it before threads begin.
+void HideProgress(bool hide);
+
 // "[####      ]  41 %".
 std::string ProgressBar(double fraction);
 
@@ -68,6 +72,7 @@ class ProgressDisplay {
   std::ostream& out_;
   const bool terminal_;
   const std::function<double()> seconds_;
+  const bool hidden_;
 
   std::mutex mutex_;
   std::string phase_;

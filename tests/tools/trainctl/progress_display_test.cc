@@ -27,6 +27,15 @@ TEST_F(ProgressDisplayTest, TheFirstSecondIsQuiet) {
   }
 }
 
+TEST_F(ProgressDisplayTest, MayBeHidden) {
+  HideProgress(true);
+  ProgressDisplay display(out_, /*terminal=*/false, clock_);
+  HideProgress(false);
+  now_ = 5;
+  display.progress().Part("fit", 1).Add(0.5);
+  EXPECT_EQ(out_.str(), "");
+}
+
 TEST_F(ProgressDisplayTest, APipeHasOneLineAPhase) {
   ProgressDisplay display(out_, /*terminal=*/false, clock_);
   const Progress all = display.progress();
