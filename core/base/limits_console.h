@@ -45,6 +45,29 @@ inline constexpr size_t kMaxPageReplyJsonBytes = 16 * 1024 * 1024;
 inline constexpr int kMaxPageCallsOfPerson = 8;
 inline constexpr int kMaxPageCalls = 32;
 inline constexpr int kPageCallS = 60;
+// Files that a person sends to be imported: bytes of one, how many there are,
+// and bytes of all of them. Parts of a name, which are folders but for the last
+// one, and bytes of a part.
+inline constexpr int64_t kMaxImportFileBytes = 256L * 1024 * 1024;
+inline constexpr int kMaxImportFiles = 2'000;
+inline constexpr int64_t kMaxImportBytes = 512L * 1024 * 1024;
+inline constexpr size_t kMaxImportNameParts = 8;
+inline constexpr size_t kMaxImportNamePartBytes = 200;
+// The trial file that becomes of them.
+inline constexpr int64_t kMaxImportTrialBytes = 512L * 1024 * 1024;
+// Imports of one person, and of all people. So their files take at most 2 GiB.
+inline constexpr int kMaxImportsOfPerson = 1;
+inline constexpr int kMaxImports = 2;
+// So much of a file must come in so many seconds, whatever its size.
+inline constexpr size_t kImportPartBytes = 1024 * 1024;
+inline constexpr int kImportPatienceS = 30;
+// An import that nobody asks for anything so long has been forgotten.
+inline constexpr int kImportIdleS = 900;
+// What the program that reads the files may take: memory, seconds, and bytes of
+// what it says.
+inline constexpr int64_t kMaxImportMemoryBytes = 1536L * 1024 * 1024;
+inline constexpr int kMaxImportS = 600;
+inline constexpr size_t kMaxImportTextBytes = 1024 * 1024;
 // Servers that one console shows.
 inline constexpr size_t kMaxConsoleServers = 16;
 
