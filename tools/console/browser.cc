@@ -1,5 +1,6 @@
 #include "tools/console/browser.h"
 
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -8,6 +9,8 @@
 #include "core/base/limits_console.h"
 #include "tools/console/foxglove_page.h"
 #include "tools/console/foxglove_protocol.h"
+#include "tools/console/import_request.h"
+#include "tools/console/import_target.h"
 #include "tools/console/live_page.h"
 #include "tools/console/page_call.h"
 #include "tools/console/request_checks.h"
@@ -76,7 +79,8 @@ class Browser : public std::enable_shared_from_this<Browser<Stream>> {
   void Read() {
     parser_.emplace();
     parser_->header_limit(limits::kMaxBrowserHeaderBytes);
-    parser_->body_limit(limits::kMaxPageCallBytes);
+    // How large a body may be depends on what it is for.
+    parser_->body_limit(std::numeric_limits<uint64_t>::max());
     Lowest().expires_after(kPatience);
     http::async_read_header(
         stream_, buffer_, *parser_,
@@ -88,6 +92,12 @@ class Browser : public std::enable_shared_from_this<Browser<Stream>> {
 
   // Only who may call a server may send a large body.
   void ReadBody() {
+    const auto target = parser_->get().target();
+    if (IsImport({target.data(), target.size()})) {
+      return ServeImport(std::move(stream_), std::move(buffer_),
+                         {parser_->release(), parser_->content_length()},
+                         &browsers_);
+    }
     const uint64_t limit = MayCallServers() ? limits::kMaxPageCallBytes
                                             : limits::kMaxBrowserBodyBytes;
     parser_->body_limit(limit);
@@ -235,10 +245,7 @@ class Browser : public std::enable_shared_from_this<Browser<Stream>> {
 
   // True if it is the page of `person` that asks, and no other one.
   bool IsFrom(const Doorkeeper::Person& person) const {
-    const Request& request = parser_->get();
-    const auto csrf = request["X-CSRF-Token"];
-    return IsOwnOrigin(request) && person != nullptr &&
-           SameSecret({csrf.data(), csrf.size()}, person->csrf);
+    return person != nullptr && IsFromPage(parser_->get(), person->csrf);
   }
 
   bool MayCallServers() const {

@@ -18,6 +18,8 @@
 //   POST /api/servers/<number>/<Service>/<Method>
 //                       a call of a server (page_methods.h), with the header
 //                       X-CSRF-Token; message and response as JSON
+//   POST /api/import/<server>/<step>
+//                       files that become trials (import_target.h)
 //
 // For the thread that serves browsers. `browsers` and `tls` must outlive the
 // connection, which keeps itself alive.

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "tools/console/doorkeeper.h"
+#include "tools/console/imports.h"
 #include "tools/console/page_calls.h"
 #include "tools/console/page_files.h"
 #include "tools/console/sign_ins.h"
@@ -23,6 +24,7 @@ struct Browsers {
   // Calls to servers block; they run here.
   boost::asio::thread_pool* calls = nullptr;
   PageCalls* page_calls = nullptr;
+  Imports* imports = nullptr;
   // Browsers of this machine alone can reach the console.
   bool is_loopback = true;
   bool uses_tls = false;

@@ -71,14 +71,18 @@ class Console::Impl {
                   .doorkeeper = Doorkeeper(std::move(options.servers)),
                   .waker = std::make_shared<Waker>(&context_),
                   .calls = &calls_},
-        page_calls_(browsers_.doorkeeper.servers(), &calls_, browsers_.waker) {
+        page_calls_(browsers_.doorkeeper.servers(), &calls_, browsers_.waker),
+        imports_(std::move(options.imports), &browsers_.doorkeeper,
+                 browsers_.waker) {
     browsers_.page_calls = &page_calls_;
+    browsers_.imports = &imports_;
   }
 
   ~Impl() {
     context_.stop();
     if (thread_.joinable()) thread_.join();
     browsers_.waker->Stop();
+    imports_.Stop();
     page_calls_.Stop();
     calls_.join();
   }
@@ -128,6 +132,7 @@ class Console::Impl {
   asio::thread_pool calls_{kCallThreads};
   Browsers browsers_;
   PageCalls page_calls_;
+  Imports imports_;
   asio::io_context context_{1};
   tcp::acceptor acceptor_{context_};
   asio::steady_timer timer_{context_};

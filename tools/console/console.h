@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "tools/console/imports.h"
 #include "tools/console/live_feed.h"
 
 namespace tactus::internal::console {
@@ -30,6 +31,7 @@ struct ConsoleOptions {
   // because tokens must not leave it unencrypted.
   std::string tls_certificate = {};
   std::string tls_key = {};
+  ImportSettings imports = {};
 };
 
 class Console {

@@ -84,6 +84,10 @@ int Main(int argc, char** argv) {
                  "Folder with the page's files; default: share/tactus/console "
                  "beside the program's folder")
       ->check(CLI::ExistingDirectory);
+  app.add_option("--import-folder", flags.console.imports.folder,
+                 "Folder for files that people import, for as long as that "
+                 "takes; default: $TMPDIR, or /var/tmp")
+      ->check(CLI::ExistingDirectory);
   CLI11_PARSE(app, argc, argv);
   absl::Status status = CheckArguments(argc, argv);
   if (status.ok()) status = Serve(std::move(flags), stop);

@@ -8,6 +8,7 @@
 #include "absl/strings/string_view.h"
 #include "absl/strings/strip.h"
 #include "core/base/address.h"
+#include "tools/console/sign_ins.h"
 
 namespace tactus::internal::console {
 namespace {
@@ -58,6 +59,11 @@ std::optional<std::string> WatchKeyOf(const Request& request) {
     if (absl::ConsumePrefix(&part, "key=")) return std::string(part);
   }
   return std::nullopt;
+}
+
+bool IsFromPage(const Request& request, absl::string_view csrf) {
+  const auto given = request["X-CSRF-Token"];
+  return IsOwnOrigin(request) && SameSecret({given.data(), given.size()}, csrf);
 }
 
 bool HasGone(int socket) {

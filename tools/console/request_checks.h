@@ -38,6 +38,10 @@ absl::string_view PathOf(const Request& request);
 // What a request gives as "key" behind the question mark; none if it does not.
 std::optional<std::string> WatchKeyOf(const Request& request);
 
+// True if it is also the page of the person whose sign-in has this secret
+// (SignIn::csrf).
+bool IsFromPage(const Request& request, absl::string_view csrf);
+
 constexpr char kCookieName[] = "tactus";
 
 // True if the other side has closed the connection, also if it said something
