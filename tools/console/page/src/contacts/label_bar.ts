@@ -2,25 +2,22 @@
 // button that saves them all in one new version of it.
 
 import { hrefOf } from '../address';
-import { ApiError, listAll, type Api } from '../api';
+import { ApiError, type Api } from '../api';
 import { element, setText } from '../dom';
-import { ask } from '../parts/dialog';
+import { DatasetChoice } from '../parts/dataset_choice';
 import { errorBox } from '../parts/states';
 import { button, link } from '../parts/table';
 import { nameParts, shortName } from '../parts/texts';
-import type { Dataset, DatasetVersion } from '../wire';
+import type { DatasetVersion } from '../wire';
 import { plural } from '../words';
 import type { Drafts } from './drafts';
 import { lookAgain } from './gone';
 import type { ContactLabel } from './messages';
 
-// No dataset has such a name.
-const NEW = ' new';
-
 export class LabelBar {
   readonly root: HTMLElement;
   private readonly count = element('p', { class: 'count' });
-  private readonly dataset = element('select', { id: 'label-dataset' });
+  private readonly dataset: DatasetChoice;
   private readonly reason = element('input', { type: 'text', maxlength: '1024',
     id: 'label-reason', autocomplete: 'off', placeholder: 'why, for people' });
   private readonly undo: HTMLButtonElement;
@@ -36,17 +33,19 @@ export class LabelBar {
     this.undo.append(element('kbd', { 'aria-hidden': 'true' }, 'u'),
       element('span', {}, 'Undo'));
     this.undo.setAttribute('aria-keyshortcuts', 'u');
+    this.dataset = new DatasetChoice(api, 'label-dataset', (name) =>
+      drafts.choose(name, this.reason.value));
     const tools = element('div', { class: 'label-bar-tools' }, this.count,
-      element('label', { for: 'label-dataset' }, 'for'), this.dataset,
+      element('label', { for: 'label-dataset' }, 'for'), this.dataset.root,
       element('label', { for: 'label-reason' }, 'Reason'), this.reason,
       this.undo, this.save);
     this.root = element('section', { class: 'card label-bar',
       'aria-label': 'Labels that are not saved' }, tools, this.told);
     this.reason.value = drafts.reason;
-    this.reason.addEventListener('input', () => this.choose());
-    this.dataset.addEventListener('change', () => this.onDataset());
+    this.reason.addEventListener('input', () =>
+      drafts.choose(this.dataset.value, this.reason.value));
     this.show();
-    void this.readDatasets(drafts.dataset);
+    void this.dataset.read(drafts.dataset);
   }
 
   show(): void {
@@ -69,49 +68,12 @@ export class LabelBar {
     this.show();
   }
 
-  private choose(): void {
-    this.drafts.choose(this.dataset.value, this.reason.value);
-  }
-
-  private async readDatasets(chosen: string): Promise<void> {
-    let names: string[] = [];
-    try {
-      names = (await listAll<Dataset>(this.api, 'TrainingService/ListDatasets',
-        'datasets')).map(({ name }) => shortName(name));
-    } catch {
-      // Saving says what is wrong.
-    }
-    if (chosen && !names.includes(chosen)) names.push(chosen);
-    this.dataset.replaceChildren(
-      element('option', { value: '' }, 'choose a dataset'),
-      ...names.map((name) => element('option', { value: name }, name)),
-      element('option', { value: NEW }, 'a new one ...'));
-    this.dataset.value = chosen;
-  }
-
-  private onDataset(): void {
-    if (this.dataset.value !== NEW) return this.choose();
-    this.dataset.value = this.drafts.dataset;
-    ask({
-      title: 'A new dataset',
-      fields: [{ name: 'name', label: 'Name', required: true },
-        { name: 'description', label: 'Description' }],
-      action: 'Make it',
-      run: async ({ name, description }) => {
-        await this.api.call('TrainingService/CreateDataset',
-          { name: `datasets/${name}`, description });
-        this.drafts.choose(name!, this.reason.value);
-        await this.readDatasets(name!);
-      },
-    });
-  }
-
   private async run(): Promise<void> {
     if (this.busy || this.drafts.size === 0) return;
     if (this.drafts.dataset === '') {
       this.tell(element('p', { class: 'error' }, 'Choose the dataset that ' +
         'the labels are for.'));
-      return this.dataset.focus();
+      return this.dataset.root.focus();
     }
     this.busy = true;
     this.tell();
