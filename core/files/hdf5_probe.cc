@@ -1,6 +1,7 @@
 #include "core/files/hdf5_probe.h"
 
 #include <fcntl.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -56,7 +57,10 @@ rlim_t AddressSpace() {
 }
 
 [[noreturn]] void RunChild(absl::FunctionRef<absl::Status()> read,
-                           rlim_t file_bytes, int report) {
+                           rlim_t file_bytes, int report, pid_t parent) {
+  // Nobody waits for it then.
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(kRefused);
   for (const int number : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) {
     signal(number, SIG_DFL);
   }
@@ -119,9 +123,12 @@ absl::Status ProbeInChild(const std::string& path,
   if (!ForkIsSafe()) return read();
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return IoError(path, std::strerror(errno));
+  const pid_t parent = getpid();
   const pid_t child = fork();
   const std::string error = std::strerror(errno);
-  if (child == 0) RunChild(read, static_cast<rlim_t>(info.st_size), ends[1]);
+  if (child == 0) {
+    RunChild(read, static_cast<rlim_t>(info.st_size), ends[1], parent);
+  }
   close(ends[1]);
   const std::string message = child < 0 ? "" : ReadAll(ends[0]);
   close(ends[0]);
