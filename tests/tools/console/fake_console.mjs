@@ -31,6 +31,8 @@ export class FakeConsole {
     this.signedIn = token === undefined;
     this.state = 'connected';
     this.error = '';
+    // What requests of pages get, by their paths: functions of the body.
+    this.answers = {};
     this.browsers = new Set();
     this.started = performance.now();
     this.steps = 0;
@@ -116,6 +118,12 @@ export class FakeConsole {
     if (route === 'POST /api/sign-out') {
       this.signedIn = request.headers['x-csrf-token'] !== 'csrf-1';
       return response.writeHead(this.signedIn ? 403 : 204).end();
+    }
+    const answer = this.answers[request.url.split('?')[0]];
+    if (answer) {
+      let body = '';
+      for await (const chunk of request) body += chunk;
+      return json(200, await answer(body));
     }
     const name = request.url === '/' ? 'index.html' : request.url.slice(1);
     if (!(name in TYPES)) return json(404, { error: 'no such page' });

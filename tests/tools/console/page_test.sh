@@ -38,6 +38,7 @@ else
   node states_test.mjs "$bin/../share/tactus/console" states
   node --test page_test.mjs
   node --test pages_test.mjs
+  node --test import_test.mjs
   node --test contacts_test.mjs
   node --test slow_network_test.mjs
   node --test tls_test.mjs

@@ -238,6 +238,10 @@ test('roles: what a token may not do is read-only', async () => {
   await signIn(page, viewer);
   await see(page, 'Read-only:', '.denied');
   await see(page, 'needs the role trainer');
+  await see(page, 'Read-only: your role may not change datasets.', '.drop');
+  for (const name of ['Choose files ...', 'Choose a folder ...']) {
+    assert.ok(await page.page.getByRole('button', { name }).isDisabled());
+  }
   await page.page.goto(`${address}#train`);
   await see(page, 'default@1');
   for (const name of ['Train a model ...', 'Promote ... default@1']) {

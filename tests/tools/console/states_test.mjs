@@ -251,6 +251,56 @@ const tests = {
     tally.check(!fake.signedIn, 'sign-out');
   },
 
+  async 'files to import'({ page, fake }) {
+    const state = importAnswers(fake);
+    await page.page.goto(`${fake.url}#data`);
+    tally.check(await page.untilText('Drop files or a folder here'),
+      'where files go');
+    await page.checkAxe('nothing to import');
+    const pick = (...sizes) => page.page.setInputFiles(
+      'input[type=file]:not([webkitdirectory])', sizes.map((size, i) =>
+        ({ name: `run-${i}.csv`, mimeType: 'text/csv',
+          buffer: Buffer.alloc(size) })));
+    const press = (name) =>
+      page.page.getByRole('button', { name, exact: true }).click();
+    await pick(800, 2000);
+    await press('Check');
+    tally.check(await page.untilText('a file has at most', '[role=alert]'),
+      'a file that is too large is not sent');
+    await pick(800, 400);
+    let goOn;
+    state.waits = new Promise((resolve) => { goOn = resolve; });
+    state.check = { accepted: false, remarks: [`run-0.csv: ${IMAGE}`],
+      error: `2 mistakes:\n(1) run-0.csv: line 3 ${SCRIPT}\n(2) more` };
+    await press('Check');
+    tally.check(await page.untilText('Sending 2 files', '[role=status]'),
+      'files that are sent');
+    await page.checkAxe('import-sending');
+    await press('Cancel');
+    tally.check(await page.untilText('Nothing was imported', '[role=status]'),
+      'it can be cancelled');
+    goOn();
+    await press('Check');
+    tally.check(await page.untilText(SCRIPT, '.import-answer [role=alert]'),
+      'a refusal in trainctl\'s words');
+    await page.examine('import-refused', true, 80);
+    state.check = { accepted: true, remarks: [IMAGE], result: { trials: 60,
+      frames: 6000, counts: { HU: 50, [IMAGE]: 10 }, conditions: 2, groups: 0,
+      with_poses: 60, never_felt: 1, duplicates: 0,
+      skin: { layout: IMAGE, rows: 16, columns: 24 } } };
+    await press('Check');
+    tally.check(await page.untilText('Nothing is on the server yet.'),
+      'what would be imported');
+    await page.checkAxe('import-read');
+    await page.page.getByLabel('Into the dataset').selectOption('arm');
+    await press('Import');
+    tally.check(await page.untilText('this is arm@2 now, with 60 trials'),
+      'the new version');
+    tally.check(await page.untilText('5 of the trials were there already and ' +
+      `were left out: a ${IMAGE} (there as 000017), ...`), 'what was known');
+    await page.checkAxe('import-done');
+  },
+
   async 'names of strangers'({ page, fake }) {
     fake.robots.push(new FakeRobot(2, SCRIPT), new FakeRobot(3,
       'a-robot-with-a-name-of-128-bytes-'.repeat(4).slice(0, 128), {
@@ -270,6 +320,35 @@ const tests = {
       (all) => all.length === 0), 'none of them is an element');
   },
 };
+
+// Answers of a console to an import of two files. A promise that is set keeps
+// the next answer back.
+function importAnswers(fake) {
+  const state = { waits: undefined, check: undefined };
+  const held = (answer) => async () => {
+    await state.waits;
+    return typeof answer === 'function' ? answer() : answer;
+  };
+  Object.assign(fake.answers, {
+    '/api/servers/0/TrainingService/ListDatasets': () =>
+      ({ datasets: [{ name: 'datasets/arm', description: '',
+        create_time_ms: '0', latest_version: 1, requester: 'ann' }],
+      next_page_token: '' }),
+    '/api/servers/0/AdminService/GetServerInfo': () => ({}),
+    '/api/import/0/begin': () =>
+      ({ id: 'i', file_bytes: 1000, bytes: 1500, files: 3 }),
+    '/api/import/0/file': held({ bytes: 1 }),
+    '/api/import/0/check': held(() => state.check),
+    '/api/import/0/end': () => ({}),
+    '/api/import/0/finish': () => ({ accepted: true, remarks: [], result: {
+      version: { name: 'datasets/arm/versions/2', trials: 60, added: 55,
+        duplicates: 5, relabelled: 0, renamed: 0 },
+      notes: [{ kind: 'duplicate', id: '1', source: `a ${IMAGE}`, label: 'HU',
+        other_id: '000017', other_source: '', other_label: 'HU',
+        new_id: '' }] } }),
+  });
+  return state;
+}
 
 async function pauseAndScrub(page) {
   const moment = () => page.text('.time');

@@ -43,6 +43,43 @@ export class Api {
     throw await errorOf(again);
   }
 
+  // Sends JSON or a file to the console itself; `onSent` gets how many bytes
+  // are gone. Throws an ApiError.
+  async send<Answer>(path: string, body: object | File, signal: AbortSignal,
+      onSent: (bytes: number) => void = () => undefined): Promise<Answer> {
+    const response = await this.put(path, body, signal, onSent);
+    if (response.ok) return await response.json() as Answer;
+    if (!await this.isRenewed(response)) throw await errorOf(response);
+    const again = await this.put(path, body, signal, onSent);
+    if (again.ok) return await again.json() as Answer;
+    throw await errorOf(again);
+  }
+
+  // Says something to the console, also while the page is left.
+  tell(path: string): void {
+    void fetch(path, { method: 'POST', body: '{}', keepalive: true,
+      headers: { 'X-CSRF-Token': this.session.csrf } })
+      .catch(() => undefined);
+  }
+
+  // fetch() does not say how much is sent.
+  private put(path: string, body: object | File, signal: AbortSignal,
+      onSent: (bytes: number) => void): Promise<Response> {
+    return new Promise((resolve, reject) => {
+      if (signal.aborted) return reject(signal.reason);
+      const request = new XMLHttpRequest();
+      request.open('POST', path);
+      request.setRequestHeader('X-CSRF-Token', this.session.csrf);
+      request.upload.onprogress = ({ loaded }) => onSent(loaded);
+      request.onload = () => resolve(new Response(request.responseText,
+        { status: request.status }));
+      request.onerror = () => void whyNotSent(body).then(reject);
+      request.onabort = () => reject(signal.reason);
+      signal.addEventListener('abort', () => request.abort(), { once: true });
+      request.send(body instanceof File ? body : JSON.stringify(body));
+    });
+  }
+
   private async post(method: string, request: object, signal?: AbortSignal):
       Promise<Response> {
     try {
@@ -107,6 +144,15 @@ async function errorOf(response: Response): Promise<ApiError> {
   } catch {
     return new ApiError('', '', `status ${response.status}`);
   }
+}
+
+// A browser does not say why bytes did not go.
+async function whyNotSent(body: object | File): Promise<ApiError> {
+  const isThere = !(body instanceof File) || await body.slice(0, 1)
+    .arrayBuffer().then(() => true, () => false);
+  return isThere ? new ApiError('OFFLINE', '', 'The console does not answer.') :
+    new ApiError('', '', `${(body as File).name} can no longer be read: ` +
+      'it has changed or gone. Choose it again.');
 }
 
 // The same request sent twice does its work once.

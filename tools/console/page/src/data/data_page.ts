@@ -9,6 +9,7 @@ import { link, pageHead, table } from '../parts/table';
 import { moment, shortName } from '../parts/texts';
 import type { Dataset } from '../wire';
 import { DatasetView } from './dataset_view';
+import { ImportView } from './import_view';
 
 export const DATA: PageKind = {
   id: 'data',
@@ -32,11 +33,13 @@ class DataPage implements Page {
     this.dataset = undefined;
     const { main, api } = this.context;
     if (name === undefined) {
-      const list = datasetList(this.context);
-      this.view = list;
+      const list = new Part('All datasets');
+      const load = () => showDatasets(this.context, list);
+      const files = new ImportView(api, '', load);
+      this.view = { close: () => { list.close(); files.close(); } };
       main.replaceChildren(element('div', { class: 'page' },
-        pageHead('Datasets'), list.root));
-      return;
+        pageHead('Datasets'), list.root, files.root));
+      return load();
     }
     this.dataset = new DatasetView(api, name);
     this.view = this.dataset;
@@ -47,14 +50,13 @@ class DataPage implements Page {
   close(): void { this.view?.close(); }
 }
 
-function datasetList({ api }: PageContext): Part {
-  const part = new Part('All datasets');
+function showDatasets({ api }: PageContext, part: Part): void {
   void part.load(async (signal) => {
     const datasets = await listAll<Dataset>(api,
       'TrainingService/ListDatasets', 'datasets', signal);
     if (datasets.length === 0) {
-      return [emptyBox('There is no dataset yet', 'Make one and upload ' +
-        'labelled trials to it:',
+      return [emptyBox('There is no dataset yet', 'Import files below, or ' +
+        'make one and upload labelled trials to it:',
       `trainctl datasets create arm --server=${api.address}\n` +
       `trainctl datasets upload arm --data=trials.h5 --server=${api.address}`)];
     }
@@ -71,5 +73,4 @@ function datasetList({ api }: PageContext): Part {
           moment(dataset.create_time_ms), dataset.requester];
       }))];
   });
-  return part;
 }

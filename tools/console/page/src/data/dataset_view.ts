@@ -8,6 +8,7 @@ import { bars, link, pageHead, table, type Cell } from '../parts/table';
 import { bytes, moment, nameParts } from '../parts/texts';
 import type { Dataset, DatasetVersion } from '../wire';
 import { differenceView } from './difference';
+import { ImportView } from './import_view';
 import { TrialsView } from './trials_view';
 
 export class DatasetView {
@@ -18,19 +19,27 @@ export class DatasetView {
   private trials?: TrialsView;
   private readonly place = element('div');
   private readonly description = element('p', { class: 'model' });
+  private readonly files: ImportView;
   private all?: DatasetVersion[];
+  // The version that the address names.
+  private number?: string;
 
   constructor(private readonly api: Api, readonly dataset: string) {
+    this.files = new ImportView(api, dataset, () => {
+      this.all = undefined;
+      this.show(this.number);
+    });
     this.root = element('div', { class: 'page' },
       pageHead(dataset, link(hrefOf('data', api.server), '← All datasets'),
         this.description),
       element('div', { class: 'columns' }, this.versions.root,
         this.labels.root, this.difference.root),
-      this.place);
+      this.place, this.files.root);
   }
 
   // Of version `number`; the newest one if undefined.
   show(number?: string): void {
+    this.number = number;
     void this.versions.load(async (signal) => {
       const known = this.all?.some((v) => numberOf(v) === number);
       if (!known) await this.read(signal);
@@ -44,6 +53,7 @@ export class DatasetView {
     this.labels.close();
     this.difference.close();
     this.trials?.close();
+    this.files.close();
   }
 
   private async read(signal?: AbortSignal): Promise<void> {
@@ -62,7 +72,8 @@ export class DatasetView {
   private versionTable(number?: string): HTMLElement {
     const chosen = this.chosen(number);
     if (chosen === undefined) {
-      return emptyBox('Nothing was uploaded yet', 'Upload labelled trials:',
+      return emptyBox('Nothing was uploaded yet', 'Import files below, or ' +
+        'upload labelled trials:',
         `trainctl datasets upload ${this.dataset} --data=trials.h5 ` +
         `--server=${this.api.address}`);
     }
