@@ -15,7 +15,7 @@
 # recordings (1), presets (14), paper-tables (40), explanations (20), simulator (8), world (1), touches (4),
 # served (1; less with TACTUS_SERVED_CONTACTS), upper-reference (10), fine-skin (36
 # beside a build), breadth (22), inputs (4; less with TACTUS_INPUTS_CONTACTS),
-# fit-scale (8); by its name alone eflesh (3), of the folder slip_detection/data of
+# fit-scale (8), labels (20); by its name alone eflesh (3), of the folder slip_detection/data of
 # the public repository notvenky/eFlesh.
 # Needs a release build with -D TACTUS_RESEARCH=ON. Real recordings are evaluated when TACTUS_DATA_DIR, or
 # ../shared/data beside the project, has them.
@@ -26,7 +26,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 all_pages=(signals materials taxels grid unknown default-bundle cody recordings
   presets paper-tables explanations simulator world touches served upper-reference fine-skin breadth
-  inputs fit-scale)
+  inputs fit-scale labels)
 
 # Pages of data that only some have: written when they are named.
 named_pages=(eflesh)
@@ -376,6 +376,27 @@ world() {
 # What each point of the front costs and gets wrong. Processor times are this
 # machine's; their ratios are what counts. TACTUS_SERVED_FLAGS adds flags, such
 # as --bundle=older=FILE.
+labels() {
+  title "Labels that a new material needs" "good" \
+    "10 to 203 (contacts), training 1" \
+    "the felt ones among 100 held-out contacts with the material, in each of 20 repetitions"
+  cat <<'TEXT'
+
+A model of 160 simulated contacts (protocol `grid`, preset `paper` without networks) that
+lacks natural rubber answers 300 others on arms of 250 and 1,600 N/m, of which 60 are with
+it. Some of the 300 get their labels, and a model is trained again with them: either those
+that were answered with the least certainty, as [the contact log](../../docs/contact-log.md)
+lists them, or some by chance. Errors are those on contacts with natural rubber on arms of
+630 and 4,000 N/m. A difference is that of the same repetition: below 0, the least certain
+contacts teach more.
+
+```
+TEXT
+  printf '$ research/labels_needed.py trainctl core/sim/model/materials.csv\n```\n\n'
+  OMP_NUM_THREADS=1 /usr/bin/python3 -B "$research/labels_needed.py" "$trainctl" \
+    "$root/core/sim/model/materials.csv" --folder="$stamps/labels-repetitions"
+}
+
 served() {
   local contacts=${TACTUS_SERVED_CONTACTS:-20000}
   title "The default bundle: what an answer costs" "good" "contacts 1001, training 1" \
