@@ -44,7 +44,7 @@ class TrainingBackend {
  public:
   // A catalogue that several servers share.
   struct Shared {
-    // postgresql://...; empty: this server has a catalogue of its own.
+    // Address of the database, postgresql://...; empty without one.
     std::string catalog = {};
     // Where it listens; empty for a worker.
     std::string address = {};

@@ -81,10 +81,7 @@ absl::StatusOr<ModelStore::Followed> ModelStore::Follow() {
   std::set<std::string> stored;
   for (const v1::ModelVersion& version : versions) {
     stored.insert(version.name());
-    if (failures_.contains(version.name()) ||
-        CheckServed(version.name()).ok()) {
-      continue;
-    }
+    if (CheckServed(version.name()).ok()) continue;
     TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
                             ParseVersionName(version.name(), kModels));
     auto bundle = Bundle(version);
@@ -93,17 +90,14 @@ absl::StatusOr<ModelStore::Followed> ModelStore::Follow() {
     if (pinned.ok()) {
       registry_->Add(name.id, name.version, *std::move(pinned));
     } else {
-      std::string failure =
-          absl::StrCat(version.name(), ": ", pinned.status().message());
-      // What is damaged stays so; a folder that cannot be read may be back.
-      if (absl::IsDataLoss(pinned.status())) {
-        failures_[version.name()] = failure;
-      } else {
-        followed.failures.push_back(std::move(failure));
-      }
+      followed.failures.push_back(
+          absl::StrCat(version.name(), ": ", pinned.status().message()));
     }
   }
-  for (const v1::Alias& alias : aliases) Serve(alias);
+  for (const v1::Alias& alias : aliases) {
+    followed.serves_all &= CheckServed(alias.model_version()).ok();
+    Serve(alias);
+  }
   // Only now: no alias names them any longer.
   for (const std::string& version : registry_->versions()) {
     TACTUS_ASSIGN_OR_RETURN(const ResourceName name,
@@ -112,17 +106,29 @@ absl::StatusOr<ModelStore::Followed> ModelStore::Follow() {
       registry_->Remove(name.id, name.version);
     }
   }
-  for (const auto& [version, failure] : failures_) {
-    if (stored.contains(version)) followed.failures.push_back(failure);
-  }
+  followed_.reset();
+  if (followed.failures.empty()) followed_ = followed.change;
   return followed;
+}
+
+absl::StatusOr<bool> ModelStore::HasNews() const {
+  uint64_t last = 0;
+  TACTUS_RETURN_IF_ERROR(
+      data_->catalog().Look([&](const Transaction& look) -> absl::Status {
+        TACTUS_ASSIGN_OR_RETURN(last, LastNumber(look, kServedChanges));
+        return absl::OkStatus();
+      }));
+  const std::lock_guard lock(following_);
+  return followed_ != last;
 }
 
 void ModelStore::ServeChange(v1::Alias* alias) {
   const auto followed = Follow();
   if (!followed.ok() || replica_ == nullptr || alias == nullptr) return;
   // It serves the change even if it cannot say so.
-  replica_->SayServed(followed->change).IgnoreError();
+  if (followed->serves_all) {
+    replica_->SayServed(followed->change).IgnoreError();
+  }
   const auto lagging =
       replica_->WaitServed(followed->change, kPatienceWithOthers);
   if (!lagging.ok()) return;

@@ -18,7 +18,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -53,8 +52,10 @@ class ModelStore {
 
   // What Follow has found.
   struct Followed {
-    // Number of the last change of versions and aliases that is served now.
+    // Number of the last change of versions and aliases.
     uint64_t change = 0;
+    // What each alias names is served.
+    bool serves_all = true;
     // Versions that could not be loaded, each with its error; their aliases are
     // not served.
     std::vector<std::string> failures;
@@ -63,6 +64,9 @@ class ModelStore {
   // Brings the registry to what is stored: at the start, and after changes that
   // other servers of the catalogue may have made.
   absl::StatusOr<Followed> Follow();
+  // False if Follow would find nothing: it has seen the last change, and could
+  // load all versions.
+  absl::StatusOr<bool> HasNews() const;
 
   // Makes a bundle the next version of "models/M". The number of a version is
   // never used again, even if the version is deleted. `origin` has the fields
@@ -151,9 +155,10 @@ class ModelStore {
   // Held while an imported bundle is in memory.
   std::mutex importing_;
   // Held while the registry follows, so that it never goes back.
-  std::mutex following_;
-  // Versions that could not be loaded.
-  std::map<std::string, std::string> failures_;
+  mutable std::mutex following_;
+  // The change that it has reached; none before the first time, and while a
+  // version cannot be read.
+  std::optional<uint64_t> followed_;
 };
 
 }  // namespace tactus::internal::server

@@ -119,7 +119,8 @@ class UploadStore {
   // Takes the upload for one caller; UPLOAD_BUSY.
   absl::StatusOr<std::unique_ptr<Lock>> Hold(const std::string& id);
   absl::Status Save(const Lock& lock, const v1::StoredUpload& upload);
-  // A file of its own for who goes on with the upload of a dead server.
+  // Copies the upload of a dead server into a new file, because that server may
+  // still write to the old one.
   absl::Status Copy(const Lock& lock, v1::StoredUpload& upload);
   absl::Status RemoveStrayFiles();
   // One that takes a pack from its beginning. `known`: as TrialTaker::Sources.

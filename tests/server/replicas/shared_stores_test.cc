@@ -106,6 +106,42 @@ TEST_F(SharedStoresTest, AnUploadIsHeldByOneServer) {
       "UPLOAD_BUSY");
 }
 
+// A server that was taken for dead still writes to the upload that another one
+// goes on with: what was committed stays, and what it adds does not count.
+TEST_F(SharedStoresTest, ASlowServerDoesNotHarmAnUpload) {
+  const auto slow = Start();
+  const auto b = Start();
+  ASSERT_TRUE(slow->backend->datasets().Create("datasets/d", "", kAnn).ok());
+  const std::string pack = testing::SmallPack(0, 8, 3);
+  const auto upload =
+      slow->backend->uploads().Create("datasets/d", "", false, kAnn);
+  const auto writer = slow->backend->uploads().Write(upload->name(), kAnn);
+  ASSERT_TRUE(writer.ok()) << writer.status();
+  const size_t half = pack.size() / 2;
+  const std::string part = pack.substr(0, half);
+  ASSERT_TRUE((*writer)->Append(0, part, ExtendCrc32c(0, part)).ok());
+  ASSERT_TRUE((*writer)->Commit().ok());
+  slow->backend->replica()->Stop();
+  std::unique_ptr<UploadStore::Writer> next;
+  ASSERT_TRUE(Eventually([&] {
+    auto taken = b->backend->uploads().Write(upload->name(), kAnn);
+    if (taken.ok()) next = *std::move(taken);
+    return taken.ok();
+  }));
+  EXPECT_EQ(next->committed_size(), static_cast<int64_t>(half));
+  ASSERT_TRUE((*writer)
+                  ->Append(static_cast<int64_t>(half), "stray",
+                           ExtendCrc32c(0, "stray"))
+                  .ok());
+  const absl::Status late = (*writer)->Commit();
+  EXPECT_TRUE(absl::IsAborted(late)) << late;
+  next.reset();
+  ASSERT_TRUE(Write(*b, upload->name(), pack, pack.size()).ok());
+  const auto version = Finish(*b, upload->name(), pack);
+  ASSERT_TRUE(version.ok()) << version.status();
+  EXPECT_EQ(version->trials(), 8u);
+}
+
 // Two servers make versions of one dataset at once: each builds on the one
 // before, and none is lost.
 TEST_F(SharedStoresTest, NoVersionIsLost) {
@@ -196,6 +232,28 @@ TEST_F(SharedStoresTest, AServerThatIsSilentIsNamed) {
   const auto moved = a->backend->models().Promote(spec, false, kAnn);
   ASSERT_TRUE(moved.ok()) << moved.status();
   EXPECT_THAT(moved->lagging_replicas(), ElementsAre("replicas/3"));
+}
+
+// A server that cannot read a bundle does not say that it serves it.
+TEST_F(SharedStoresTest, AServerThatCannotLoadAVersionIsNamed) {
+  const auto a = Start();
+  const auto version = a->backend->models().AddVersion(
+      "models/m", Bundle(1), v1::ModelVersion(), kAnn);
+  ASSERT_TRUE(version.ok()) << version.status();
+  const std::string path =
+      a->backend->data().blobs().PathOf(version->blob_sha256());
+  std::filesystem::rename(path, path + ".away");
+  const auto b = Start();
+  v1::PromoteSpec spec;
+  spec.set_alias("aliases/arm");
+  spec.set_model_version(version->name());
+  const auto moved = a->backend->models().Promote(spec, false, kAnn);
+  ASSERT_TRUE(moved.ok()) << moved.status();
+  EXPECT_THAT(moved->lagging_replicas(), ElementsAre("replicas/2"));
+  // It tries again with the next change.
+  std::filesystem::rename(path + ".away", path);
+  ASSERT_TRUE(a->backend->datasets().Create("datasets/d", "", kAnn).ok());
+  EXPECT_TRUE(Eventually([&] { return b->registry.Find("arm", "x").ok(); }));
 }
 
 TEST_F(SharedStoresTest, AnotherFolderIsRefused) {
