@@ -47,7 +47,7 @@ promise() { printf '%4d s  %s\n' "$SECONDS" "$*"; }
 
 # Ports that other tests do not use.
 # shellcheck disable=SC2034
-base_port=$((23000 + $$ % 2000 * 4)) proxy_port=$((base_port))
+base_port=$((23000 + $$ % 1000 * 8)) proxy_port=$((base_port))
 at() { echo "--server=unix:$work/replica-$1.sock"; }
 trainctl() { "$bin/trainctl" "$@"; }
 field() { /usr/bin/python3 -c 'import json, sys
@@ -55,7 +55,7 @@ value = json.load(sys.stdin)
 for name in sys.argv[1:]:
     value = value[int(name) if name.isdigit() else name]
 print(value)' "$@"; }
-# until COMMAND...: within half a minute.
+# await COMMAND...: until it succeeds, within half a minute.
 await() {
   local i
   for ((i = 0; i < 300; ++i)); do
@@ -157,13 +157,35 @@ sleep 1
 ! trainctl datasets list "$(at 1)" >/dev/null 2>"$work/away" ||
   die "datasets are listed without the database"
 grep -q CATALOG_UNAVAILABLE "$work/away" || die "$(cat "$work/away")"
+"$bin/tactus-stream" "$(at 1)" --driver=sim --trials=2 --rate=max --json \
+  >"$work/new.json" 2>/dev/null || die "a new stream is refused without the database"
 rm -f "$work/pg/data/postmaster.pid"
 start_postgres
 await trainctl datasets list "$(at 1)"
 wait "$restarted" || die "the robots fail while the database is away"
 cmp "$work/undisturbed" "$work/restarted" ||
   die "the answers differ when the database is away"
-promise "streams go on with the same answers while the database is away; data comes back"
+promise "while the database is away streams go on with the same answers, and new ones begin"
+
+# ------------------------------------------------------------------ tokens
+trainctl tokens create --name=ann --role=admin --file="$work/shared/tokens" \
+  >"$work/ann.token" 2>/dev/null
+trainctl tokens create --name=bob --role=admin --file="$work/shared/tokens" \
+  >"$work/bob.token" 2>/dev/null
+for number in 4 5; do start_replica "$number" --tokens="$work/shared/tokens"; done
+for number in 4 5; do
+  trainctl datasets list "$(at "$number")" --token-file="$work/bob.token" \
+    >/dev/null || die "server $number does not know a token"
+done
+trainctl tokens remove --name=bob --file="$work/shared/tokens" >/dev/null 2>&1
+sleep 1
+for number in 4 5; do
+  ! trainctl datasets list "$(at "$number")" --token-file="$work/bob.token" \
+    >/dev/null 2>&1 || die "server $number knows a token that was removed"
+  trainctl datasets list "$(at "$number")" --token-file="$work/ann.token" \
+    >/dev/null || die "server $number does not know a token that was kept"
+done
+promise "a token that was removed works at no server a second later"
 
 silent=$(trainctl server info "$(at 1)" | grep -c '^replicas/.*server' || true)
 [[ $silent -ge 3 ]] || die "server info names $silent servers"
