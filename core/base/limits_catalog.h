@@ -22,7 +22,6 @@ inline constexpr int kReplicaDeadMs = 10'000;
 inline constexpr int kForgetReplicaMs = 3'600'000;
 // Milliseconds for a lock that somebody else has.
 inline constexpr int kLockPatienceMs = 60'000;
-
 // Milliseconds for which a blob that was removed from a shared folder is kept.
 inline constexpr int64_t kRemovedBlobMs = 24L * 3'600 * 1'000;
 

@@ -84,7 +84,7 @@ class BlobStore {
   absl::Status Remove(const std::string& sha256);
   // In a shared directory: deletes the drafts of processes that are not alive,
   // puts back what was removed and is used, and deletes what has lain there for
-  // limits::kRemovedBlobMs, as this process has seen it.
+  // limits::kRemovedBlobMs, as this process has seen it. For one thread.
   absl::Status Sweep(
       int64_t now_ms, absl::FunctionRef<bool(const std::string& name)> is_alive,
       absl::FunctionRef<absl::StatusOr<bool>(const std::string& sha256)>

@@ -1,6 +1,6 @@
 // File: file_watch.h
 //
-// FileWatch: calls a function after a file has changed, on a thread of its own.
+// FileWatch: calls a function after a file has changed. A thread does it.
 //
 //   const FileWatch watch("/shared/tokens", [] { Reload(); });
 //

@@ -62,8 +62,8 @@ class Replica {
   // "replicas/R".
   const std::string& name() const { return about_.name(); }
 
-  // Begins to give signs of life. `on_beat` follows each of them, on a thread
-  // of its own.
+  // Begins to give signs of life. `on_beat` follows each of them, on the same
+  // thread.
   void Start(std::function<void()> on_beat);
   void Stop();
   // The catalogue may have changed: ends waits.

@@ -1,7 +1,7 @@
 // File: postgres_server.h
 //
-// PostgresServer: a PostgreSQL of the test's own, on a unix socket in a folder
-// of its own.
+// PostgresServer: a PostgreSQL that the test starts, on a unix socket in a new
+// folder.
 //
 //   if (!PostgresServer::IsInstalled()) GTEST_SKIP();
 //   PostgresServer server;

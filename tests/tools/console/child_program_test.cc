@@ -59,7 +59,7 @@ TEST_F(ChildProgramTest, KeepsNoMoreThanItMay) {
 }
 
 TEST_F(ChildProgramTest, FlagsOfThisProgramAreNotThoseOfTheOther) {
-  setenv("TACTUS_TOKEN_FILE", "/root/admin", 1);
+  setenv("TACTUS_TOKEN_FILE", "/etc/admin.token", 1);
   setenv("OTHER_VARIABLE", "stays", 1);
   const std::string variables = Run("env").out;
   unsetenv("TACTUS_TOKEN_FILE");
