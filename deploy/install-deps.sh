@@ -98,9 +98,11 @@ readonly TESTS=(
   libghmm-dev
   libgmock-dev
   libgtest-dev
+  libopenmpi-dev
   librosbag-storage-dev
   libsundials-dev
   libumockdev-dev
+  openmpi-bin
   openssl
   postgresql-15
   prometheus

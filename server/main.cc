@@ -44,13 +44,11 @@
 #include "server/registry/model_registry.h"
 #include "server/start_checks.h"
 #include "server/tactus_server.h"
+#include "server/training_flags.h"
 #include "spdlog/spdlog.h"
 
 namespace tactus::internal::server {
 namespace {
-
-constexpr int64_t kBytesPerMb = 1024L * 1024;
-constexpr int64_t kMsPerDay = 24L * 3'600 * 1'000;
 
 struct Flags {
   TactusServer::Options server;
@@ -68,19 +66,7 @@ struct Flags {
   std::optional<std::string> tls_client_roots;
   std::optional<std::string> tokens;
   int self_check_ms = limits::kSelfCheckMs;
-  std::string data_dir;
-  std::string catalog;
-  std::string blobs;
-  std::string jobs = "local";
-  std::string trainer;
-  int64_t job_memory_mb = 0;
-  int64_t quota_stored_mb = limits::kMaxClientBytes / kBytesPerMb;
-  int64_t quota_datasets = limits::kMaxClientDatasets;
-  int64_t quota_jobs = limits::kMaxClientQueuedJobs;
-  int64_t quota_models_mb = limits::kMaxClientModelBytes / kBytesPerMb;
-  int keep_jobs = limits::kMaxKeptJobs;
-  int64_t keep_job_days = limits::kKeptJobMs / kMsPerDay;
-  int job_threads = 0;
+  TrainingFlags training;
   bool behind_proxy = false;
 };
 
@@ -132,61 +118,23 @@ absl::Status LoadModels(const std::vector<std::string>& flags,
   return absl::OkStatus();
 }
 
-// tactus-trainer, beside this program unless the flags say otherwise.
-std::string TrainerProgram(const Flags& flags) {
-  if (!flags.trainer.empty()) return flags.trainer;
-  std::error_code error;
-  const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
-  return (self.parent_path() / "tactus-trainer").string();
-}
-
-// One processor remains for the streams, if there are several. Until the first
-// iteration, which somebody waits for, a job may have it too.
-void SetJobThreads(const Flags& flags, JobProcess::Options* process) {
-  const int all = static_cast<int>(std::thread::hardware_concurrency());
-  const bool asked = flags.job_threads > 0;
-  process->start_threads = asked ? flags.job_threads : std::max(1, all);
-  process->threads = asked ? flags.job_threads : std::max(1, all - 1);
-}
-
-std::string HostName() {
-  std::array<char, 256> name{};
-  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
-}
-
 // Null without --data-dir or --catalog.
 absl::StatusOr<std::unique_ptr<TrainingBackend>> OpenTraining(
     const Flags& flags, ModelRegistry* registry) {
-  if (flags.data_dir.empty() && flags.catalog.empty()) {
-    return std::unique_ptr<TrainingBackend>();
-  }
-  JobProcess::Options process = {
-      .program = TrainerProgram(flags),
-      .memory_bytes = flags.job_memory_mb * kBytesPerMb};
-  SetJobThreads(flags, &process);
+  if (!flags.training.given()) return std::unique_ptr<TrainingBackend>();
+  TACTUS_RETURN_IF_ERROR(flags.training.Check());
   TACTUS_ASSIGN_OR_RETURN(
       auto training,
-      TrainingBackend::Open(
-          {.folder = flags.catalog.empty() ? flags.data_dir : flags.blobs,
-           .shared = {.catalog = flags.catalog,
-                      .address = flags.server.listen.front()},
-           .runs_jobs = flags.jobs == "local",
-           .jobs = {.process = process, .host = HostName()},
-           .quotas = {.stored_bytes = flags.quota_stored_mb * kBytesPerMb,
-                      .datasets = flags.quota_datasets,
-                      .queued_jobs = flags.quota_jobs,
-                      .model_bytes = flags.quota_models_mb * kBytesPerMb},
-           .retention = {.jobs = flags.keep_jobs,
-                         .ms = flags.keep_job_days * kMsPerDay}},
-          registry));
+      TrainingBackend::Open(flags.training.Options(flags.server.listen.front()),
+                            registry));
   for (const std::string& failure : training->failures()) {
     spdlog::error("not served: {}", failure);
   }
   if (const Replica* const replica = training->replica(); replica != nullptr) {
     spdlog::info("{} of {}, folder {}", replica->name(),
-                 ShownAddress(flags.catalog), flags.blobs);
+                 ShownAddress(flags.training.catalog), flags.training.blobs);
   } else {
-    spdlog::info("data directory {}", flags.data_dir);
+    spdlog::info("data directory {}", flags.training.data_dir);
   }
   training->Start();
   return training;
@@ -197,9 +145,10 @@ absl::StatusOr<std::unique_ptr<ContactLog>> OpenContactLog(
   if (flags.keep_contacts == 0) return std::unique_ptr<ContactLog>();
   TACTUS_ASSIGN_OR_RETURN(
       auto log,
-      ContactLog::Open({.folder = absl::StrCat(flags.data_dir, "/contacts"),
-                        .max_bytes = static_cast<int64_t>(flags.keep_contacts),
-                        .models = &models}));
+      ContactLog::Open(
+          {.folder = absl::StrCat(flags.training.data_dir, "/contacts"),
+           .max_bytes = static_cast<int64_t>(flags.keep_contacts),
+           .models = &models}));
   for (const std::string& line : log->damage()) {
     spdlog::error("the contact log is damaged: {}", line);
   }
@@ -297,7 +246,7 @@ absl::Status Serve(const Flags& flags, StopSignals& signals) {
               }});
   // Servers that share a catalogue share the file, and one person changes it.
   std::optional<FileWatch> tokens;
-  if (flags.tokens && !flags.catalog.empty()) {
+  if (flags.tokens && !flags.training.catalog.empty()) {
     tokens.emplace(*flags.tokens, [&authorizer] { ReloadTokens(*authorizer); });
   }
   const int signal =
@@ -365,30 +314,14 @@ int Main(int argc, char** argv) {
                        : std::string();
           },
           "NAME=PATH"));
-  app.add_option("--data-dir", flags.data_dir,
+  app.add_option("--data-dir", flags.training.data_dir,
                  "Folder for datasets, jobs and models; without it, the server "
                  "only classifies");
-  auto* const catalog =
-      app.add_option("--catalog", flags.catalog,
-                     "postgresql://... of the catalogue that several servers "
-                     "share, instead of one in --data-dir; the password is "
-                     "better in PGPASSFILE")
-          ->envname("TACTUSD_CATALOG")
-          ->check(CLI::Validator(
-              [](const std::string& text) {
-                return IsPostgresAddress(text)
-                           ? std::string()
-                           : std::string("must begin with postgresql://");
-              },
-              "ADDRESS"));
-  auto* const blobs = app.add_option(
-      "--blobs", flags.blobs,
-      "Folder for the bytes of datasets, jobs and models, which all servers of "
-      "--catalog share");
-  catalog->needs(blobs);
-  blobs->needs(catalog);
+  flags.training.AddCatalog(app);
+  flags.training.AddJobs(app);
+  flags.training.AddQuotas(app);
   app.add_option(
-         "--jobs", flags.jobs,
+         "--jobs", flags.training.jobs,
          "Who runs trainings and evaluations: local, this server; none, "
          "other servers or workers of --catalog")
       ->check(CLI::IsMember({"local", "none"}))
@@ -400,52 +333,9 @@ int Main(int argc, char** argv) {
       ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false))
       ->check(CLI::Range(static_cast<uint64_t>(limits::kMinContactLogBytes),
                          uint64_t{1} << 50));
-  app.add_option("--trainer", flags.trainer,
-                 "Program that runs jobs; default: tactus-trainer beside this "
-                 "program");
-  app.add_option("--job-memory-mb", flags.job_memory_mb,
-                 "Memory that a job may have; 0 for no limit")
-      ->check(CLI::Range(int64_t{0}, int64_t{1} << 30))
-      ->capture_default_str();
-  const auto quota = CLI::Range(int64_t{0}, int64_t{1} << 40);
-  app.add_option(
-         "--quota-stored-mb", flags.quota_stored_mb,
-         "Megabytes that one client may store: unfinished uploads, and "
-         "trials that it added to datasets; 0 for no limit. A client is "
-         "a token, a certificate or, without these, a host")
-      ->check(quota)
-      ->capture_default_str();
-  app.add_option("--quota-datasets", flags.quota_datasets,
-                 "Datasets that one client may create; 0 for no limit")
-      ->check(quota)
-      ->capture_default_str();
-  app.add_option("--quota-jobs", flags.quota_jobs,
-                 "Queued jobs that one client may have; 0 for no limit")
-      ->check(quota)
-      ->capture_default_str();
-  app.add_option("--quota-models-mb", flags.quota_models_mb,
-                 "Megabytes of model versions that one client may make; all "
-                 "are held in memory; 0 for no limit")
-      ->check(quota)
-      ->capture_default_str();
-  app.add_option("--keep-jobs", flags.keep_jobs,
-                 "Jobs that have ended and are kept, the newest of each "
-                 "client; 0 for all")
-      ->check(CLI::Range(0, 1'000'000))
-      ->capture_default_str();
-  app.add_option("--keep-job-days", flags.keep_job_days,
-                 "How long jobs that have ended are kept; each client's newest "
-                 "100 stay at any age; 0 for all")
-      ->check(CLI::Range(int64_t{0}, int64_t{100'000}))
-      ->capture_default_str();
   app.add_option("--quota-streams", flags.server.max_streams_per_client,
                  "Streams that one client may have open; 0 for no limit")
       ->check(CLI::Range(0, 100'000))
-      ->capture_default_str();
-  app.add_option("--job-threads", flags.job_threads,
-                 "Threads of a job; 0: one less than there are processors, at "
-                 "least 1, and all of them until the first iteration")
-      ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   app.add_option("--drain-grace-ms", flags.server.drain_grace_ms,
                  "Time streams have to finish after SIGTERM, SIGINT or, "
@@ -546,7 +436,7 @@ int Main(int argc, char** argv) {
                  "--tokens, whose file gives certificates their roles\n");
     return 1;
   }
-  if (flags.keep_contacts > 0 && flags.data_dir.empty()) {
+  if (flags.keep_contacts > 0 && flags.training.data_dir.empty()) {
     std::fprintf(stderr, "tactusd: --keep-contacts needs --data-dir\n");
     return 1;
   }

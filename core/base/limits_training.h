@@ -36,4 +36,9 @@ inline constexpr int64_t kMaxClientModelBytes = 512L * 1024 * 1024;
 inline constexpr int64_t kKeptJobMs = 90L * 24 * 3'600 * 1'000;
 inline constexpr int kMaxKeptJobs = 1'000;
 
+// Shards of a batch of LSTM training.
+inline constexpr int kMaxGradientShards = 64;
+// Ranks of a training.
+inline constexpr int kMaxJobRanks = 1024;
+
 }  // namespace tactus::internal::limits

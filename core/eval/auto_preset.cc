@@ -77,6 +77,7 @@ class Comparison {
  public:
   Comparison(const Contacts& contacts, const ChoiceFolds& folds,
              const ParallelFor& parallel, const Progress& progress,
+             Ranks* ranks,
              const std::function<void(const ChoiceCandidate&, int contacts)>&
                  considered,
              PresetChoice& choice)
@@ -84,13 +85,14 @@ class Comparison {
         folds_(folds),
         parallel_(parallel),
         progress_(progress),
+        ranks_(ranks),
         considered_(considered),
         choice_(choice) {}
 
   // Nothing if the models do not suit the contacts.
   void Try(const std::string& preset, const FitOptions& options) {
-    auto right =
-        RightOutOfFold(contacts_, folds_.folds, options, parallel_, progress_);
+    auto right = RightOutOfFold(contacts_, folds_.folds, options, parallel_,
+                                progress_, ranks_);
     ChoiceCandidate candidate = {preset, options.lstm.networks,
                                  options.learner};
     if (!right.ok()) {
@@ -141,6 +143,7 @@ class Comparison {
   const ChoiceFolds& folds_;
   const ParallelFor& parallel_;
   const Progress progress_;
+  Ranks* const ranks_;
   const std::function<void(const ChoiceCandidate&, int)>& considered_;
   PresetChoice& choice_;
   std::vector<Compared> compared_;
@@ -168,7 +171,8 @@ bool IsChosen(const ChoiceCandidate& candidate, const PresetChoice& choice) {
 absl::StatusOr<PresetChoice> ChoosePreset(const Contacts& contacts,
                                           const ChoiceRequest& request,
                                           const ParallelFor& parallel,
-                                          const Progress& progress) {
+                                          const Progress& progress,
+                                          Ranks* ranks) {
   const absl::Status classes = CheckClasses(CountClasses(contacts), "contacts");
   const ChoiceFolds folds = FoldsForChoice(contacts);
   if (const absl::Status enough =
@@ -186,8 +190,8 @@ absl::StatusOr<PresetChoice> ChoosePreset(const Contacts& contacts,
   const Progress each =
       progress.Part("choose preset", 1)
           .Part("", 1.0 / static_cast<double>(2 * request.presets.size()));
-  Comparison comparison(contacts, folds, parallel, each, request.considered,
-                        choice);
+  Comparison comparison(contacts, folds, parallel, each, ranks,
+                        request.considered, choice);
   for (const auto& [name, options] : request.presets) {
     comparison.Try(name, WithNetworks(options, 0));
   }

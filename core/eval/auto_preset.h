@@ -30,6 +30,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/base/ranks.h"
 #include "core/base/work.h"
 #include "core/contacts/choice_folds.h"
 #include "core/contacts/labelled_contact.h"
@@ -92,6 +93,6 @@ bool IsChosen(const ChoiceCandidate& candidate, const PresetChoice& choice);
 absl::StatusOr<PresetChoice> ChoosePreset(
     const std::vector<const LabelledContact*>& contacts,
     const ChoiceRequest& request, const ParallelFor& parallel,
-    const Progress& progress = {});
+    const Progress& progress = {}, Ranks* ranks = nullptr);
 
 }  // namespace tactus::internal

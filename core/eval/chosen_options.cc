@@ -65,7 +65,7 @@ absl::StatusOr<bool> NeedsWholeSkin(const OptionsRequest& request) {
 absl::StatusOr<ChosenOptions> ChooseOptions(
     const std::vector<const LabelledContact*>& contacts,
     const OptionsRequest& request, const ParallelFor& parallel,
-    const Progress& progress) {
+    const Progress& progress, Ranks* ranks) {
   ChosenOptions chosen;
   chosen.contacts = contacts;
   if (!Chooses(request)) {
@@ -89,7 +89,8 @@ absl::StatusOr<ChosenOptions> ChooseOptions(
   }
   if (request.skip_unusable) SkipSmallClasses(request, chosen);
   TACTUS_ASSIGN_OR_RETURN(
-      chosen.choice, ChoosePreset(chosen.contacts, choice, parallel, progress));
+      chosen.choice,
+      ChoosePreset(chosen.contacts, choice, parallel, progress, ranks));
   chosen.preset = chosen.choice->name;
   chosen.options = chosen.choice->options;
   return chosen;

@@ -22,6 +22,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "core/base/ranks.h"
 #include "core/base/status_macros.h"
 #include "core/base/work.h"
 #include "core/contacts/folds.h"
@@ -86,6 +87,6 @@ auto ReadForFit(OptionsRequest request, const Read& read)
 absl::StatusOr<ChosenOptions> ChooseOptions(
     const std::vector<const LabelledContact*>& contacts,
     const OptionsRequest& request, const ParallelFor& parallel,
-    const Progress& progress = {});
+    const Progress& progress = {}, Ranks* ranks = nullptr);
 
 }  // namespace tactus::internal

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/base/ranks.h"
 #include "core/base/work.h"
 #include "core/contacts/labelled_contact.h"
 #include "core/train/fit_options.h"
@@ -24,11 +25,13 @@ namespace tactus::internal {
 // One per contact. The answers are those of the LSTMs if the options have some,
 // else of the HMMs or of the ridge: a fitted model fuses both where that is
 // better. The answer is that after the last calibration time. The errors of
-// FitModel.
+// FitModel. `ranks`, if there are some, share out the folds; all must call it
+// with the same arguments.
 absl::StatusOr<std::vector<bool>> RightOutOfFold(
     const std::vector<const LabelledContact*>& contacts,
     const std::vector<std::vector<int>>& folds, const FitOptions& options,
-    const ParallelFor& parallel, const Progress& progress = {});
+    const ParallelFor& parallel, const Progress& progress = {},
+    Ranks* ranks = nullptr);
 
 // The same by models of `training`, the contacts that the model for each fold
 // is fitted to.
@@ -36,6 +39,7 @@ absl::StatusOr<std::vector<bool>> RightOutOfFold(
     const std::vector<const LabelledContact*>& contacts,
     const std::vector<std::vector<int>>& folds,
     const std::vector<std::vector<int>>& training, const FitOptions& options,
-    const ParallelFor& parallel, const Progress& progress = {});
+    const ParallelFor& parallel, const Progress& progress = {},
+    Ranks* ranks = nullptr);
 
 }  // namespace tactus::internal

@@ -7,6 +7,7 @@
 
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
+#include "core/lstm/tensors.h"
 #include "core/lstm/vector_math.h"
 
 namespace tactus::internal {
@@ -15,18 +16,6 @@ namespace {
 // Mean squares below count as 0: they would fade into the denormal numbers,
 // which are slow.
 constexpr float kTiny = 1e-30F;
-
-// Calls take(weights, is_kernel) for each tensor, always in the same order.
-template <typename Network, typename Take>
-void ForEachTensor(Network& network, Take take) {
-  for (auto& layer : network.layers) {
-    take(layer.kernel, true);
-    take(layer.recurrent, true);
-    take(layer.bias, false);
-  }
-  take(network.dense_kernel, true);
-  take(network.dense_bias, false);
-}
 
 struct Rates {
   float mean;

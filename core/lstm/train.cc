@@ -11,6 +11,7 @@
 #include "core/base/errors.h"
 #include "core/base/random.h"
 #include "core/base/status_macros.h"
+#include "core/lstm/batch_gradient.h"
 
 namespace tactus::internal {
 namespace {
@@ -18,12 +19,10 @@ namespace {
 // Number of sequences that run together during validation.
 constexpr size_t kValidationBatch = 32;
 
-// Streams of random numbers: even ones shuffle epochs, odd ones draw the noise.
+// Even streams of random numbers shuffle the epochs; odd ones draw the noise of
+// batches.
 Random RandomOfEpoch(uint64_t seed, uint64_t epoch) {
   return Random::ForStream(seed, 2 * epoch);
-}
-Random RandomOfStep(uint64_t seed, uint64_t step) {
-  return Random::ForStream(seed, 2 * step + 1);
 }
 
 absl::Status CheckOptions(const LstmTrainOptions& options,
@@ -36,6 +35,9 @@ absl::Status CheckOptions(const LstmTrainOptions& options,
   }
   if (options.batch_size < 1) {
     return InvalidConfig("batch_size", options.batch_size, "at least 1");
+  }
+  if (options.shards < 1) {
+    return InvalidConfig("shards", options.shards, "at least 1");
   }
   if (options.patience < 0 || (options.patience > 0 && validation.empty())) {
     return InvalidConfig("patience", options.patience,
@@ -76,12 +78,12 @@ class Trainer {
  public:
   Trainer(LstmCheckpoint from, LstmSequenceSource& training,
           std::span<const LstmSequence> validation,
-          const LstmTrainOptions& options)
+          const LstmTrainOptions& options, Ranks& ranks)
       : state_(std::move(from)),
         training_(training),
         validation_(validation),
         options_(options),
-        backprop_(state_.network),
+        batches_(state_.network, training, options, ranks),
         gradient_(state_.network) {}
 
   absl::StatusOr<LstmTrained> Run(LstmEpochSink on_epoch,
@@ -137,10 +139,10 @@ class Trainer {
     LstmBatchLoss total;
     for (size_t from = 0; from < order_.size(); from += batch_size) {
       TACTUS_RETURN_IF_ERROR(before_batch());
-      training_.Get(std::span(order_).subspan(
-                        from, std::min(batch_size, order_.size() - from)),
-                    batch_);
-      TACTUS_RETURN_IF_ERROR(TrainBatch(done.epoch, total));
+      TACTUS_RETURN_IF_ERROR(
+          TrainBatch(std::span(order_).subspan(
+                         from, std::min(batch_size, order_.size() - from)),
+                     done.epoch, total));
     }
     const auto count = static_cast<double>(training_.size());
     done.train_loss = total.sum / count;
@@ -153,12 +155,12 @@ class Trainer {
     return absl::OkStatus();
   }
 
-  absl::Status TrainBatch(int epoch, LstmBatchLoss& total) {
-    Random random = RandomOfStep(options_.seed, state_.optimizer.steps);
-    backprop_.SetWeights(state_.network);
-    backprop_.Forward(batch_, options_.noise, random);
-    const LstmBatchLoss loss = backprop_.Loss(options_.loss);
-    backprop_.Backward(gradient_);
+  absl::Status TrainBatch(std::span<const size_t> numbers, int epoch,
+                          LstmBatchLoss& total) {
+    TACTUS_ASSIGN_OR_RETURN(
+        const LstmBatchLoss loss,
+        batches_.Compute(state_.network, numbers, state_.optimizer.steps,
+                         gradient_));
     const double norm =
         ClipGradient(options_.optimizer.gradient_clip, gradient_);
     if (!std::isfinite(loss.sum) || !std::isfinite(norm)) {
@@ -175,15 +177,16 @@ class Trainer {
 
   absl::Status ValidateEpoch(LstmEpoch& done) {
     if (validation_.empty()) return absl::OkStatus();
-    backprop_.SetWeights(state_.network);
+    LstmBackprop backprop(state_.network);
+    backprop.SetWeights(state_.network);
     LstmBatchLoss total;
     for (size_t from = 0; from < validation_.size(); from += kValidationBatch) {
       Random unused(0);
-      backprop_.Forward(
+      backprop.Forward(
           validation_.subspan(
               from, std::min(kValidationBatch, validation_.size() - from)),
           {}, unused);
-      const LstmBatchLoss loss = backprop_.Loss(options_.loss);
+      const LstmBatchLoss loss = backprop.Loss(options_.loss);
       total.sum += loss.sum;
       total.correct += loss.correct;
     }
@@ -210,10 +213,9 @@ class Trainer {
   LstmSequenceSource& training_;
   std::span<const LstmSequence> validation_;
   const LstmTrainOptions& options_;
-  LstmBackprop backprop_;
+  BatchGradient batches_;
   LstmNetwork gradient_;
   std::vector<size_t> order_;
-  std::vector<LstmSequence> batch_;
 };
 
 }  // namespace
@@ -232,18 +234,18 @@ absl::StatusOr<LstmTrained> TrainLstm(LstmCheckpoint from,
                    before_batch);
 }
 
-absl::StatusOr<LstmTrained> TrainLstm(LstmCheckpoint from,
-                                      LstmSequenceSource& training,
-                                      std::span<const LstmSequence> validation,
-                                      const LstmTrainOptions& options,
-                                      LstmEpochSink on_epoch,
-                                      LstmBatchCheck before_batch) {
+absl::StatusOr<LstmTrained> TrainLstm(
+    LstmCheckpoint from, LstmSequenceSource& training,
+    std::span<const LstmSequence> validation, const LstmTrainOptions& options,
+    LstmEpochSink on_epoch, LstmBatchCheck before_batch, Ranks* ranks) {
   TACTUS_RETURN_IF_ERROR(CheckOptions(options, validation));
   TACTUS_RETURN_IF_ERROR(CheckStart(from, options));
   TACTUS_RETURN_IF_ERROR(
       Annotate(Validate(validation, from.network), "validation"));
   if (training.size() == 0) return InvalidTrainingData("no training sequences");
-  return Trainer(std::move(from), training, validation, options)
+  OneRank alone;
+  return Trainer(std::move(from), training, validation, options,
+                 ranks == nullptr ? alone : *ranks)
       .Run(on_epoch, before_batch);
 }
 

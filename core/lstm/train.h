@@ -15,7 +15,8 @@
 // TrainLstm(checkpoint, ...) with the same data and options gives the same bits
 // as the training without interruption.
 //
-// The same seed gives the same bits, however wide the CPU's vectors are.
+// The same seed gives the same bits, however wide the CPU's vectors are and
+// however many ranks train.
 // Thread-safe: a free function that starts no thread.
 #pragma once
 
@@ -26,6 +27,7 @@
 #include "absl/functional/function_ref.h"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/base/ranks.h"
 #include "core/lstm/backprop.h"
 #include "core/lstm/loss.h"
 #include "core/lstm/network.h"
@@ -49,6 +51,10 @@ struct LstmTrainOptions {
   // the network of the epoch with the lowest. 0: trains all epochs and returns
   // the last network.
   int patience = 0;
+  // Each batch is cut into so many shards, at most. Their gradients are
+  // computed one by one, by several ranks if there are some, and summed in
+  // their order.
+  int shards = 1;
 };
 
 struct LstmEpoch {
@@ -100,12 +106,15 @@ absl::StatusOr<LstmTrained> TrainLstm(LstmCheckpoint from,
                                       LstmEpochSink on_epoch = IgnoreEpoch,
                                       LstmBatchCheck before_batch = GoOn);
 
-// The same with sequences of a source, which must be valid.
+// The same with sequences of a source, which must be valid. All `ranks`, if
+// there are some, must call it with the same arguments; each does some of the
+// shards and gets the network.
 absl::StatusOr<LstmTrained> TrainLstm(LstmCheckpoint from,
                                       LstmSequenceSource& training,
                                       std::span<const LstmSequence> validation,
                                       const LstmTrainOptions& options,
                                       LstmEpochSink on_epoch = IgnoreEpoch,
-                                      LstmBatchCheck before_batch = GoOn);
+                                      LstmBatchCheck before_batch = GoOn,
+                                      Ranks* ranks = nullptr);
 
 }  // namespace tactus::internal

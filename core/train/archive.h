@@ -17,8 +17,10 @@
 // Writers own their bytes; readers refer to the caller's. Not thread-safe.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -61,6 +63,15 @@ class ByteWriter {
     } else {
       for (const T& value : values) Put(value);
     }
+  }
+  template <typename T, size_t N>
+  void Put(const std::array<T, N>& values) {
+    for (const T& value : values) Put(value);
+  }
+  template <typename T>
+  void Put(const std::optional<T>& value) {
+    Put(value.has_value());
+    if (value.has_value()) Put(*value);
   }
   template <typename T>
   requires std::is_class_v<T>
@@ -118,6 +129,17 @@ class ByteReader {
       values.resize(Count(1));
       for (T& value : values) Get(value);
     }
+  }
+  template <typename T, size_t N>
+  void Get(std::array<T, N>& values) {
+    for (T& value : values) Get(value);
+  }
+  template <typename T>
+  void Get(std::optional<T>& value) {
+    bool has_value = false;
+    Get(has_value);
+    value.reset();
+    if (has_value) Get(value.emplace());
   }
   template <typename T>
   requires std::is_class_v<T>

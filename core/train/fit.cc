@@ -18,9 +18,11 @@
 #include "core/contacts/folds.h"
 #include "core/contacts/trained_on.h"
 #include "core/train/calibrate.h"
+#include "core/train/fit_all.h"
 #include "core/train/fit_decisions.h"
 #include "core/train/measure_skin_range.h"
 #include "core/train/model_fit.h"
+#include "core/train/share_work.h"
 #include "core/train/usable.h"
 
 namespace tactus::internal {
@@ -33,14 +35,7 @@ constexpr size_t kMaxConditions = 8;
 // calibrated. The more they miss, the more they err, and the lower its
 // probabilities become. Six groups leave out few materials at once.
 constexpr size_t kMaterialGroups = 6;
-// Memory for the LSTMs' inputs at any time, and for the contacts and the inputs
-// together. A fit takes up to 0.5 GB beside them. Contacts that exceed the
-// second leave no room for inputs.
-constexpr size_t kKeptInputBytes = size_t{1} << 30;
-constexpr size_t kFitBytes = size_t{3} << 29;
-// Fractions of a fit's time, for the progress.
-constexpr double kInputsWeight = 0.03;
-constexpr double kTrainingWeight = 0.94;
+// Fraction of a fit's time, for the progress.
 constexpr double kScoringWeight = 0.03;
 
 absl::Status CheckUniform(const std::vector<const LabelledContact*>& contacts) {
@@ -262,106 +257,6 @@ absl::StatusOr<std::vector<Fold>> MakeFoldFits(
   return folds;
 }
 
-// Runs all bodies and returns the first error in their order.
-absl::Status RunAll(const ParallelFor& parallel, size_t count,
-                    const std::function<absl::Status(int)>& body) {
-  std::vector<absl::Status> failures(count);
-  parallel(static_cast<int>(count), [&](int i) { failures[i] = body(i); });
-  for (const absl::Status& failure : failures) {
-    TACTUS_RETURN_IF_ERROR(failure);
-  }
-  return absl::OkStatus();
-}
-
-// The memory that the LSTMs' inputs may take beside the contacts.
-size_t RoomForInputs(const std::vector<const LabelledContact*>& contacts) {
-  size_t taken = 0;
-  for (const LabelledContact* contact : contacts) {
-    taken += contact->frames.bytes() +
-             contact->object_motion.size() * sizeof(double);
-  }
-  return std::min(kKeptInputBytes, kFitBytes - std::min(kFitBytes, taken));
-}
-
-// Models that are fitted together because there is room for the LSTMs' inputs
-// of all of them. A model whose inputs alone find no room makes them for each
-// batch.
-struct Wave {
-  std::vector<ModelFit*> fits;
-  size_t bytes = 0;
-};
-
-std::vector<Wave> MakeWaves(const std::vector<ModelFit*>& fits, size_t room) {
-  std::vector<Wave> waves;
-  for (ModelFit* fit : fits) {
-    const size_t bytes = fit->InputBytes();
-    // What makes inputs for each batch keeps none of them.
-    const size_t kept = bytes <= room ? bytes : 0;
-    if (waves.empty() || waves.back().bytes + kept > room) {
-      waves.emplace_back();
-    }
-    waves.back().fits.push_back(fit);
-    waves.back().bytes += kept;
-  }
-  return waves;
-}
-
-// Fits the models of a wave. Their tasks form one list, so that no thread waits
-// for the end of one model before the next begins. Whoever watches the fit sees
-// its first iterations before all inputs of all models are made: the threads of
-// `start` make the HMMs' inputs of the first model, and one of its tasks of
-// HMMs is done before the LSTMs' inputs.
-absl::Status FitWave(const Wave& wave, size_t room, const ParallelFor& start,
-                     const ParallelFor& parallel, const Progress& inputs,
-                     const Progress& training) {
-  const std::vector<ModelFit*>& fits = wave.fits;
-  const auto fit_task = [&](ModelFit* fit, int task,
-                            const ParallelFor& lent = RunSerially) {
-    return fit->FitTask(task, training.Part("", fit->Weight(task)), lent);
-  };
-  const int early = fits.front()->QuickestTask();
-  TACTUS_RETURN_IF_ERROR(fits.front()->FitHmmInputs(start));
-  TACTUS_RETURN_IF_ERROR(RunAll(parallel, fits.size(), [&](int f) {
-    ModelFit* const fit = fits[f];
-    TACTUS_RETURN_IF_ERROR(f == 0 ? fit_task(fit, early, start)
-                                  : fit->FitHmmInputs(RunSerially));
-    TACTUS_RETURN_IF_ERROR(fit->FitLstmInputs(fit->InputBytes() <= room));
-    inputs.Add(1);
-    return absl::OkStatus();
-  }));
-  std::vector<std::pair<ModelFit*, int>> tasks;
-  for (ModelFit* fit : fits) {
-    for (int task = 0; task < fit->tasks(); ++task) {
-      if (fit != fits.front() || task != early) tasks.emplace_back(fit, task);
-    }
-  }
-  const absl::Status status = RunAll(parallel, tasks.size(), [&](int i) {
-    return fit_task(tasks[i].first, tasks[i].second);
-  });
-  for (ModelFit* fit : fits) fit->DropInputs();
-  return status;
-}
-
-absl::Status FitAll(const std::vector<ModelFit*>& fits, size_t room,
-                    const ParallelFor& start, const ParallelFor& parallel,
-                    const Progress& progress) {
-  double work = 0;
-  for (const ModelFit* fit : fits) {
-    for (int task = 0; task < fit->tasks(); ++task) work += fit->Weight(task);
-  }
-  const Progress inputs = progress.Part("fit inputs", kInputsWeight)
-                              .Part("", 1 / static_cast<double>(fits.size()));
-  const Progress training =
-      progress.Part("train models", kTrainingWeight).Part("", 1 / work);
-  const ParallelFor* first = &start;
-  for (const Wave& wave : MakeWaves(fits, room)) {
-    TACTUS_RETURN_IF_ERROR(
-        FitWave(wave, room, *first, parallel, inputs, training));
-    first = &parallel;
-  }
-  return absl::OkStatus();
-}
-
 // How well a fold's models do at the end of the contacts, before calibration.
 LearningPoint PointOf(const Fold& fold, int number, size_t folds) {
   LearningPoint point = {.phase = "calibrate on left-out folds",
@@ -389,23 +284,27 @@ absl::Status ScoreFolds(const std::vector<const LabelledContact*>& contacts,
                               CompiledModel::Create(fold.fit->TakeModel()));
     }
     if (fold.model == nullptr || had_scores.back()) continue;
-    fold.scores.resize(fold.contacts.size());
     for (size_t i = 0; i < fold.contacts.size(); ++i) {
       tasks.emplace_back(&fold, static_cast<int>(i));
     }
   }
   const Progress scoring =
       progress.Part("calibrate on left-out folds", kScoringWeight);
-  TACTUS_RETURN_IF_ERROR(RunAll(parallel, tasks.size(), [&](int t) {
+  std::vector<ScoredContact> scores(tasks.size());
+  TACTUS_RETURN_IF_ERROR(ShareWork(run, parallel, scores, [&](int t) {
     TACTUS_RETURN_IF_ERROR(run.GoOn());
     const auto [fold, i] = tasks[t];
-    fold->scores[i] =
-        ScoreContact(fold->model, *contacts[fold->contacts[i]], frames);
+    scores[t] = ScoreContact(fold->model, *contacts[fold->contacts[i]], frames);
     scoring.Add(1 / static_cast<double>(tasks.size()));
     return absl::OkStatus();
   }));
+  for (size_t t = 0; t < tasks.size(); ++t) {
+    tasks[t].first->scores.push_back(std::move(scores[t]));
+  }
   for (size_t f = 0; f < folds.size(); ++f) {
-    if (folds[f].model == nullptr || had_scores[f]) continue;
+    if (folds[f].model == nullptr || had_scores[f] || !run.IsFirst()) {
+      continue;
+    }
     TACTUS_RETURN_IF_ERROR(run.saved.Put(
         absl::StrCat(folds[f].prefix, "scores"), folds[f].scores));
     run.Report(PointOf(folds[f], static_cast<int>(f), folds.size()));
@@ -440,7 +339,7 @@ absl::Status FitQuestions(const std::vector<const LabelledContact*>& contacts,
     }
   }
   std::vector<TriedDecisions> tried(tasks.size());
-  TACTUS_RETURN_IF_ERROR(RunAll(parallel, tasks.size(), [&](int t) {
+  TACTUS_RETURN_IF_ERROR(ShareWork(run, parallel, tried, [&](int t) {
     TACTUS_RETURN_IF_ERROR(run.GoOn());
     tried[t] = TryDecisions(tasks[t].first, *tasks[t].second);
     return absl::OkStatus();
@@ -529,7 +428,8 @@ std::vector<std::string> ClassNames(
 absl::StatusOr<Model> FitModel(
     const std::vector<const LabelledContact*>& contacts,
     const FitOptions& given, const ParallelFor& parallel,
-    const Progress& progress, FitJournal* journal, const ParallelFor& start) {
+    const Progress& progress, FitJournal* journal, const ParallelFor& start,
+    Ranks* ranks) {
   TACTUS_RETURN_IF_ERROR(CheckContacts(contacts));
   const FitOptions options = SuitedToAxes(given, contacts);
   const std::vector<std::string> class_names = ClassNames(contacts);
@@ -544,7 +444,13 @@ absl::StatusOr<Model> FitModel(
   TACTUS_ASSIGN_OR_RETURN(const std::vector<Question> questions,
                           QuestionsOf(options, class_names));
   const SavedParts saved(journal, contacts, options);
-  const FitRun run = {options, class_names, questions, journal, saved};
+  OneRank alone;
+  const FitRun run = {.options = options,
+                      .class_names = class_names,
+                      .questions = questions,
+                      .journal = journal,
+                      .saved = saved,
+                      .ranks = ranks == nullptr ? alone : *ranks};
   const HeldOut held = HoldOut(contacts, options);
   const auto fitted = Select(contacts, held.fitted);
   if (ClassNames(fitted) != class_names) {
@@ -561,8 +467,8 @@ absl::StatusOr<Model> FitModel(
   for (const Fold& fold : folds) {
     if (fold.fit != nullptr) fits.push_back(fold.fit.get());
   }
-  TACTUS_RETURN_IF_ERROR(FitAll(fits, RoomForInputs(contacts),
-                                start ? start : parallel, parallel, progress));
+  TACTUS_RETURN_IF_ERROR(FitAll(run, contacts, fits, start ? start : parallel,
+                                parallel, progress));
   Model model = whole.TakeModel();
   if (!held.left_out.empty()) {
     TACTUS_ASSIGN_OR_RETURN(auto compiled, CompiledModel::Create(model));

@@ -8,7 +8,8 @@
 //                           FitModel(contacts, options, RunSerially));
 //
 // Deterministic: the same contacts, options and seed give the same model,
-// however `parallel` spreads the work and wherever a journal interrupted it.
+// however `parallel` and the ranks share out the work and wherever a journal
+// interrupted it.
 // Thread-safe.
 #pragma once
 
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/base/ranks.h"
 #include "core/base/work.h"
 #include "core/classify/model.h"
 #include "core/contacts/labelled_contact.h"
@@ -44,11 +46,12 @@ std::vector<std::string> ClassNames(
 // describes. Of the provenance, the caller fills in everything but trials,
 // their fingerprints and seed. `journal` may be null and must outlive the call.
 // `start`, if there is one, lends its threads instead of those of `parallel`
-// until the first iteration.
+// until the first iteration. All `ranks`, if there are some, must call it with
+// the same contacts and options; each gets the model.
 absl::StatusOr<Model> FitModel(
     const std::vector<const LabelledContact*>& contacts,
     const FitOptions& options, const ParallelFor& parallel,
     const Progress& progress = {}, FitJournal* journal = nullptr,
-    const ParallelFor& start = {});
+    const ParallelFor& start = {}, Ranks* ranks = nullptr);
 
 }  // namespace tactus::internal

@@ -130,9 +130,9 @@ void Fields(Archive& archive, LstmNoise& noise) {
 template <class Archive>
 void Fields(Archive& archive, LstmTrainOptions& options) {
   auto& [epochs, batch_size, optimizer, cosine_decay, loss, noise, seed,
-         patience] = options;
+         patience, shards] = options;
   archive(epochs, batch_size, optimizer, cosine_decay, loss, noise, seed,
-          patience);
+          patience, shards);
 }
 template <class Archive>
 void Fields(Archive& archive, LstmFit& fit) {

@@ -76,7 +76,8 @@ absl::StatusOr<InputSpec> FitHmmInputs(const FitRun& run,
 }
 
 absl::Status FitLstmInputs(const FitRun& run, const std::string& part,
-                           const VariedContacts& contacts, InputSpec* spec) {
+                           const VariedContacts& contacts, bool put,
+                           InputSpec* spec) {
   TACTUS_ASSIGN_OR_RETURN(auto saved, run.saved.Find<InputSpec>(part));
   if (saved) {
     *spec = *std::move(saved);
@@ -96,7 +97,7 @@ absl::Status FitLstmInputs(const FitRun& run, const std::string& part,
          .limit = fit.limit,
          .embedding = &spec->embedding});
   }
-  return run.saved.Put(part, *spec);
+  return put ? run.saved.Put(part, *spec) : absl::OkStatus();
 }
 
 }  // namespace tactus::internal

@@ -20,13 +20,19 @@ absl::StatusOr<LstmNetwork> FitLstm(const FitRun& run, const std::string& part,
                                  training.seed, /*forget_bias=*/1,
                                  estimates ? kEstimateRegressions : 0)};
   }
-  progress.Add(static_cast<double>(from->history.size()) / training.epochs);
+  const bool sharded = training.shards > 1 && run.ranks.size() > 1;
+  // What all ranks make, the first one reports.
+  const bool reports = !sharded || run.IsFirst();
+  if (reports) {
+    progress.Add(static_cast<double>(from->history.size()) / training.epochs);
+  }
   const auto source = inputs.Source(estimates);
   TACTUS_ASSIGN_OR_RETURN(
       LstmTrained trained,
       TrainLstm(
           *std::move(from), *source, {}, training,
           [&](const LstmEpoch& epoch, const LstmCheckpoint& state) {
+            if (!reports) return absl::OkStatus();
             progress.Add(1.0 / training.epochs);
             run.Report({.phase = "train LSTMs",
                         .part = part,
@@ -36,7 +42,7 @@ absl::StatusOr<LstmNetwork> FitLstm(const FitRun& run, const std::string& part,
                         .accuracy = epoch.train_accuracy});
             return run.saved.Put(part, state);
           },
-          [&] { return run.GoOn(); }));
+          [&] { return run.GoOn(); }, sharded ? &run.ranks : nullptr));
   return std::move(trained.network);
 }
 

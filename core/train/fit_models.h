@@ -34,9 +34,11 @@ absl::StatusOr<InputSpec> FitHmmInputs(const FitRun& run,
                                        const ParallelFor& parallel,
                                        CueTable* table);
 
-// Adds the inputs of LSTMs to those of HMMs, if there are networks.
+// Adds the inputs of LSTMs to those of HMMs, if there are networks. `put`: puts
+// them into the journal, as one of several ranks does that make them.
 absl::Status FitLstmInputs(const FitRun& run, const std::string& part,
-                           const VariedContacts& contacts, InputSpec* spec);
+                           const VariedContacts& contacts, bool put,
+                           InputSpec* spec);
 
 // The HMMs of the class number `label`, which must have a contact. `table` is
 // that of FitHmmInputs.

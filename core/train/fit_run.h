@@ -13,6 +13,7 @@
 
 #include "absl/status/status.h"
 #include "core/base/errors.h"
+#include "core/base/ranks.h"
 #include "core/questions/question.h"
 #include "core/train/fit_journal.h"
 #include "core/train/fit_options.h"
@@ -26,12 +27,15 @@ struct FitRun {
   const std::vector<Question>& questions;
   FitJournal* journal;  // may be null
   const SavedParts& saved;
+  Ranks& ranks;
 
   // CANCELLED if the journal says so.
   absl::Status GoOn() const {
     return journal != nullptr && journal->Cancelled() ? WorkCancelled("the fit")
                                                       : absl::OkStatus();
   }
+  // The rank that keeps and reports what all have made together.
+  bool IsFirst() const { return ranks.rank() == 0; }
   void Report(const LearningPoint& point) const {
     if (journal != nullptr) journal->OnPoint(point);
   }

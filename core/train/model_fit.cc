@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
+#include "core/train/fit_fields.h"
 
 namespace tactus::internal {
 namespace {
@@ -68,10 +69,11 @@ absl::Status ModelFit::FitHmmInputs(const ParallelFor& parallel) {
   return absl::OkStatus();
 }
 
-absl::Status ModelFit::FitLstmInputs(bool keep) {
+absl::Status ModelFit::FitLstmInputs(bool keep, bool put) {
   if (networks_ > 0) lstm_contacts_.MeasureNoise();
-  TACTUS_RETURN_IF_ERROR(tactus::internal::FitLstmInputs(
-      run_, absl::StrCat(prefix_, "inputs"), lstm_contacts_, &model_.inputs));
+  TACTUS_RETURN_IF_ERROR(
+      tactus::internal::FitLstmInputs(run_, absl::StrCat(prefix_, "inputs"),
+                                      lstm_contacts_, put, &model_.inputs));
   if (networks_ > 0) {
     lstm_inputs_.emplace(lstm_contacts_, run_.class_names, model_.inputs,
                          LstmInputs::Options{.keep = keep,
@@ -108,47 +110,91 @@ double ModelFit::Weight(int task) const {
          (NetworkOf(task) >= 0 ? 1 : kHmmWeight);
 }
 
+std::string ModelFit::PartOf(int task) const {
+  if (const int n = NetworkOf(task); n >= 0) {
+    return n == lstms_ ? absl::StrCat(prefix_, "estimator")
+                       : absl::StrCat(prefix_, "lstm/", n);
+  }
+  switch (run_.options.learner) {
+    case Learner::kRidge:
+      return absl::StrCat(prefix_, "ridge");
+    case Learner::kTrees:
+      return absl::StrCat(prefix_, "trees");
+    case Learner::kNearest:
+      return absl::StrCat(prefix_, "nearest");
+    case Learner::kHmms:
+      break;
+  }
+  return absl::StrCat(prefix_, "hmm/", run_.class_names[ClassOf(task)]);
+}
+
 absl::Status ModelFit::FitTask(int task, const Progress& progress,
                                const ParallelFor& parallel) {
-  if (const int n = NetworkOf(task); n >= 0) return FitNetwork(n, progress);
-  if (run_.options.learner == Learner::kRidge) {
-    TACTUS_ASSIGN_OR_RETURN(
-        model_.ridge, FitContactRidge(run_, absl::StrCat(prefix_, "ridge"),
-                                      hmm_contacts_.originals(), progress));
-    return absl::OkStatus();
-  }
-  if (run_.options.learner == Learner::kTrees) {
-    TACTUS_ASSIGN_OR_RETURN(
-        model_.trees, FitContactTrees(run_, absl::StrCat(prefix_, "trees"),
-                                      hmm_contacts_.originals(), progress));
-    return absl::OkStatus();
-  }
-  if (run_.options.learner == Learner::kNearest) {
-    TACTUS_ASSIGN_OR_RETURN(
-        model_.nearest,
-        FitContactNearest(run_, absl::StrCat(prefix_, "nearest"),
-                          hmm_contacts_.originals(), progress));
-    return absl::OkStatus();
+  if (NetworkOf(task) >= 0) return FitNetwork(task, progress);
+  const std::string part = PartOf(task);
+  const auto& originals = hmm_contacts_.originals();
+  switch (run_.options.learner) {
+    case Learner::kRidge: {
+      TACTUS_ASSIGN_OR_RETURN(model_.ridge,
+                              FitContactRidge(run_, part, originals, progress));
+      return absl::OkStatus();
+    }
+    case Learner::kTrees: {
+      TACTUS_ASSIGN_OR_RETURN(model_.trees,
+                              FitContactTrees(run_, part, originals, progress));
+      return absl::OkStatus();
+    }
+    case Learner::kNearest: {
+      TACTUS_ASSIGN_OR_RETURN(
+          model_.nearest, FitContactNearest(run_, part, originals, progress));
+      return absl::OkStatus();
+    }
+    case Learner::kHmms:
+      break;
   }
   const int c = ClassOf(task);
-  TACTUS_ASSIGN_OR_RETURN(
-      model_.hmms[c],
-      FitClassHmms(run_, absl::StrCat(prefix_, "hmm/", run_.class_names[c]),
-                   hmm_contacts_, model_.inputs, hmm_cues_, c, parallel,
-                   progress));
+  TACTUS_ASSIGN_OR_RETURN(model_.hmms[c],
+                          FitClassHmms(run_, part, hmm_contacts_, model_.inputs,
+                                       hmm_cues_, c, parallel, progress));
   return absl::OkStatus();
 }
 
-absl::Status ModelFit::FitNetwork(int n, const Progress& progress) {
+absl::Status ModelFit::FitNetwork(int task, const Progress& progress) {
+  const int n = NetworkOf(task);
   const bool estimator = n == lstms_;
   TACTUS_ASSIGN_OR_RETURN(
       trained_[n],
-      FitLstm(run_,
-              estimator ? absl::StrCat(prefix_, "estimator")
-                        : absl::StrCat(prefix_, "lstm/", n),
-              *lstm_inputs_, model_.inputs,
+      FitLstm(run_, PartOf(task), *lstm_inputs_, model_.inputs,
               estimator ? run_.options.lstm.networks : n, estimator, progress));
   return absl::OkStatus();
+}
+
+void ModelFit::GiveTask(int task, ByteWriter& writer) const {
+  if (const int n = NetworkOf(task); n >= 0) return writer(trained_[n]);
+  switch (run_.options.learner) {
+    case Learner::kRidge:
+      return writer(*model_.ridge);
+    case Learner::kTrees:
+      return writer(*model_.trees);
+    case Learner::kNearest:
+      return writer(*model_.nearest);
+    case Learner::kHmms:
+      return writer(model_.hmms[ClassOf(task)]);
+  }
+}
+
+void ModelFit::TakeTask(int task, ByteReader& reader) {
+  if (const int n = NetworkOf(task); n >= 0) return reader(trained_[n]);
+  switch (run_.options.learner) {
+    case Learner::kRidge:
+      return reader(model_.ridge.emplace());
+    case Learner::kTrees:
+      return reader(model_.trees.emplace());
+    case Learner::kNearest:
+      return reader(model_.nearest.emplace());
+    case Learner::kHmms:
+      return reader(model_.hmms[ClassOf(task)]);
+  }
 }
 
 Model ModelFit::TakeModel() {

@@ -26,6 +26,7 @@
 #include "core/base/work.h"
 #include "core/classify/model.h"
 #include "core/contacts/varied_contacts.h"
+#include "core/train/archive.h"
 #include "core/train/fit_models.h"
 #include "core/train/fit_run.h"
 
@@ -52,8 +53,8 @@ class ModelFit {
   absl::Status FitHmmInputs(const ParallelFor& parallel);
   // Fits the scaling of the LSTMs' inputs and makes them, or makes them for
   // each batch if they are not kept. Comes after FitHmmInputs and before the
-  // other tasks.
-  absl::Status FitLstmInputs(bool keep);
+  // other tasks. `put`: this rank puts the scalings into the journal.
+  absl::Status FitLstmInputs(bool keep, bool put = true);
   // Drops the inputs. Comes after the tasks.
   void DropInputs() {
     hmm_cues_ = CueTable();
@@ -72,6 +73,18 @@ class ModelFit {
   absl::Status FitTask(int task, const Progress& progress,
                        const ParallelFor& parallel = RunSerially);
 
+  // Whether the task trains a network whose batches are cut into shards, as all
+  // ranks do together.
+  bool IsShardedNetwork(int task) const {
+    return NetworkOf(task) >= 0 && run_.options.lstm.training.shards > 1;
+  }
+  // Writes what this rank has made of the inputs or of a task, for another rank
+  // that reads it.
+  void GiveInputs(ByteWriter& writer) const { writer(model_.inputs); }
+  void GiveTask(int task, ByteWriter& writer) const;
+  void TakeInputs(ByteReader& reader) { reader(model_.inputs); }
+  void TakeTask(int task, ByteReader& reader);
+
   // The model, once all tasks are done, with a uniform prior and with
   // temperatures that leave the scores unchanged.
   Model TakeModel();
@@ -86,7 +99,9 @@ class ModelFit {
   // The number of the network that a task trains; -1 for HMMs.
   int NetworkOf(int task) const;
   int ClassOf(int task) const;
-  absl::Status FitNetwork(int n, const Progress& progress);
+  // The name of the part that a task makes.
+  std::string PartOf(int task) const;
+  absl::Status FitNetwork(int task, const Progress& progress);
 
   const FitRun& run_;
   const std::string prefix_;

@@ -8,6 +8,7 @@
 #include "absl/strings/str_join.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
+#include "core/base/limits_training.h"
 #include "core/base/status_macros.h"
 #include "core/features/feature.h"
 #include "core/questions/question_table.h"
@@ -87,6 +88,14 @@ absl::StatusOr<FitOptions> ApplySpec(const v1::TrainSpec& spec,
                            absl::StrCat("1 to ", limits::kMaxEpochs));
     }
     options.lstm.training.epochs = static_cast<int>(spec.epochs());
+  }
+  if (spec.has_gradient_shards()) {
+    if (spec.gradient_shards() < 1 ||
+        spec.gradient_shards() > limits::kMaxGradientShards) {
+      return InvalidConfig("gradient_shards", spec.gradient_shards(),
+                           absl::StrCat("1 to ", limits::kMaxGradientShards));
+    }
+    options.lstm.training.shards = static_cast<int>(spec.gradient_shards());
   }
   if (spec.has_hmms_per_class()) {
     if (spec.hmms_per_class() < 1 ||

@@ -28,9 +28,7 @@ constexpr std::chrono::milliseconds kEndPoll(2);
 // In the child, between fork and exec: only calls that are safe there. Exits
 // with 127, as a shell does, if the program cannot be run.
 [[noreturn]] void RunProgram(const JobProcess::Options& options,
-                             const std::string& folder,
-                             const std::string& start_threads,
-                             const std::string& threads, int output, int log,
+                             char* const* arguments, int output, int log,
                              pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   // The parent may have died before that.
@@ -52,8 +50,7 @@ constexpr std::chrono::milliseconds kEndPoll(2);
   for (const int number : {SIGPIPE, SIGTERM, SIGINT, SIGHUP}) {
     std::signal(number, SIG_DFL);
   }
-  execl(options.program.c_str(), options.program.c_str(), folder.c_str(),
-        start_threads.c_str(), threads.c_str(), nullptr);
+  execvp(arguments[0], arguments);
   _exit(127);
 }
 
@@ -82,12 +79,17 @@ absl::StatusOr<std::unique_ptr<JobProcess>> JobProcess::Start(
     close(log);
     return status;
   }
-  const std::string start_threads = absl::StrCat(options.start_threads);
-  const std::string threads = absl::StrCat(options.threads);
+  std::vector<std::string> words = options.launcher;
+  words.insert(words.end(),
+               {options.program, folder, absl::StrCat(options.start_threads),
+                absl::StrCat(options.threads)});
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
   const pid_t parent = getpid();
   const pid_t pid = fork();
   if (pid == 0) {
-    RunProgram(options, folder, start_threads, threads, ends[1], log, parent);
+    RunProgram(options, arguments.data(), ends[1], log, parent);
   }
   const int error = errno;
   close(log);

@@ -18,6 +18,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "tactus/v1/storage.pb.h"
@@ -29,6 +30,8 @@ class JobProcess {
   struct Options {
     // Path of the program tactus-trainer.
     std::string program = {};
+    // What starts it, with arguments: mpirun for several ranks. Empty: nothing.
+    std::vector<std::string> launcher = {};
     // Memory that it may have; 0 for no limit.
     int64_t memory_bytes = 0;
     // Processors that it uses at once, at least 1: until the first iteration,
@@ -45,8 +48,8 @@ class JobProcess {
     std::string text;
   };
 
-  // Runs `program folder start_threads threads`. Its standard error goes to the
-  // file "log" in `folder`. IO.
+  // Runs `launcher program folder start_threads threads`. Its standard error
+  // goes to the file "log" in `folder`. IO.
   static absl::StatusOr<std::unique_ptr<JobProcess>> Start(
       const Options& options, const std::string& folder);
   // Kills it if it still runs.

@@ -321,8 +321,12 @@ absl::Status JobQueue::RunProcess(const Lock& lock, Operation& operation) {
   const std::string folder = data_->JobPath(name.id);
   TACTUS_ASSIGN_OR_RETURN(const PinnedVersion dataset,
                           WriteSpec(operation, folder));
+  JobProcess::Options started = options_.process;
+  if (operation.kind() == Operation::KIND_TRAIN) {
+    started.launcher = options_.training_launcher;
+  }
   TACTUS_ASSIGN_OR_RETURN(const auto process,
-                          JobProcess::Start(options_.process, folder));
+                          JobProcess::Start(started, folder));
   TACTUS_RETURN_IF_ERROR(Follow(lock, operation.name(), *process));
   const JobProcess::End end = process->Wait(kPatience);
   if (const auto latest = operations_->Get(operation.name()); latest.ok()) {

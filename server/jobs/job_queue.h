@@ -29,6 +29,7 @@
 #include <set>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -48,6 +49,8 @@ class JobQueue {
  public:
   struct Options {
     JobProcess::Options process = {};
+    // What starts the process of a training (JobProcess::Options::launcher).
+    std::vector<std::string> training_launcher = {};
     int attempts = 3;
     // Between two writes of the learning curve.
     std::chrono::milliseconds store_interval{500};

@@ -13,6 +13,11 @@ constexpr std::chrono::milliseconds kInterval(100);
 
 }  // namespace
 
+EventWriter::EventWriter(int descriptor, Team* team)
+    : descriptor_(descriptor), team_(team) {
+  team_->WhileWaiting([this] { CatchUp(); });
+}
+
 Progress EventWriter::progress() {
   return Progress([this](absl::string_view phase, double fraction) {
     Add(phase, fraction);
@@ -20,17 +25,62 @@ Progress EventWriter::progress() {
 }
 
 void EventWriter::Add(absl::string_view phase, double fraction) {
-  const std::lock_guard lock(mutex_);
-  double& done = done_[std::string(phase)];
-  done = std::min(1.0, done + fraction);
+  {
+    const std::lock_guard lock(mutex_);
+    const int rank = team_->rank();
+    const auto found = done_.find(phase);
+    const double before = found == done_.end() ? 0 : found->second[rank];
+    SetDone(phase, rank, std::min(1.0, before + fraction));
+  }
+  Hear();
+}
+
+void EventWriter::SetDone(absl::string_view phase, int rank, double done) {
+  auto [of_phase, is_new] =
+      done_.try_emplace(std::string(phase), std::vector<double>(team_->size()));
+  of_phase->second[rank] = done;
+  double all = 0;
+  for (const double of_rank : of_phase->second) all += of_rank;
+  all = std::min(1.0, all);
   const auto now = std::chrono::steady_clock::now();
-  if (phase == phase_ && now - sent_ < kInterval && done < 1) return;
+  // What a rank has done last of a phase is not lost when others go on.
+  if (phase != phase_ && !written_) WriteProgress();
+  const bool waits = phase == phase_ && now - sent_ < kInterval && all < 1;
   phase_ = std::string(phase);
-  sent_ = now;
+  fraction_ = all;
+  written_ = false;
+  if (!waits) WriteProgress();
+}
+
+void EventWriter::WriteProgress() {
+  written_ = true;
+  sent_ = std::chrono::steady_clock::now();
   v1::JobEvent event;
   event.mutable_progress()->set_phase(phase_);
-  event.mutable_progress()->set_fraction(done);
+  event.mutable_progress()->set_fraction(fraction_);
   Write(event);
+}
+
+void EventWriter::CatchUp() {
+  Hear();
+  const std::lock_guard lock(mutex_);
+  if (!written_) WriteProgress();
+}
+
+void EventWriter::Hear() {
+  team_->Hear(
+      [this](int rank, const std::string& bytes) { Take(rank, bytes); });
+}
+
+void EventWriter::Take(int rank, const std::string& bytes) {
+  v1::JobEvent event;
+  if (!event.ParseFromString(bytes)) return;
+  const std::lock_guard lock(mutex_);
+  if (event.has_progress()) {
+    SetDone(event.progress().phase(), rank, event.progress().fraction());
+  } else {
+    Write(event);
+  }
 }
 
 void EventWriter::Send(const LearningPoint& point) {
@@ -54,6 +104,7 @@ void EventWriter::Send(const LearningPoint& point) {
 
 void EventWriter::Write(const v1::JobEvent& event) {
   const std::string body = event.SerializeAsString();
+  if (team_->rank() > 0) return team_->Tell(body);
   const auto length = static_cast<uint32_t>(body.size());
   std::string bytes(sizeof length, '\0');
   std::memcpy(bytes.data(), &length, sizeof length);

@@ -175,12 +175,13 @@ absl::StatusOr<ChosenOptions> Choose(const v1::TrainSpec& spec,
                                      const ParallelFor& parallel,
                                      const Progress& progress,
                                      v1::OperationResult& result,
-                                     std::optional<Protocol> protocol = {}) {
+                                     std::optional<Protocol> protocol = {},
+                                     Ranks* ranks = nullptr) {
   OptionsRequest request = RequestOf(spec, contacts.without_poses);
   request.protocol = protocol;
   TACTUS_ASSIGN_OR_RETURN(
       ChosenOptions chosen,
-      ChooseOptions(contacts.Pointers(), request, parallel, progress));
+      ChooseOptions(contacts.Pointers(), request, parallel, progress, ranks));
   TACTUS_RETURN_IF_ERROR(CheckUsable(chosen.contacts, chosen.options));
   AddUnusable(chosen.unusable, result);
   if (chosen.choice) *result.mutable_preset_choice() = ToProto(*chosen.choice);
@@ -190,19 +191,20 @@ absl::StatusOr<ChosenOptions> Choose(const v1::TrainSpec& spec,
 
 absl::Status Train(FileSystem& files, const std::string& folder,
                    const v1::JobSpec& spec, const JobThreads& threads,
-                   EventWriter* events, FileJournal* journal,
+                   EventWriter* events, FileJournal* journal, Team& team,
                    v1::OperationResult& result) {
   const v1::TrainSpec& train = spec.operation().train();
   TACTUS_RETURN_IF_ERROR(CheckOptions(train));
   TACTUS_ASSIGN_OR_RETURN(
       const Contacts contacts,
-      ReadForSpec(files, spec, train, threads, events->progress()));
+      ReadForSpec(files, spec, train, threads, events->common_progress()));
+  TACTUS_ASSIGN_OR_RETURN(const ChosenOptions chosen,
+                          Choose(train, contacts, threads.run,
+                                 events->progress(), result, {}, &team));
   TACTUS_ASSIGN_OR_RETURN(
-      const ChosenOptions chosen,
-      Choose(train, contacts, threads.run, events->progress(), result));
-  TACTUS_ASSIGN_OR_RETURN(Model model,
-                          FitModel(chosen.contacts, chosen.options, threads.run,
-                                   events->progress(), journal, threads.start));
+      Model model, FitModel(chosen.contacts, chosen.options, threads.run,
+                            events->progress(), journal, threads.start, &team));
+  if (team.rank() > 0) return absl::OkStatus();
   // Nothing that differs between two runs of one job: its bundle has the same
   // bytes however often the job was interrupted.
   model.provenance.command = absl::StrCat("train ", spec.operation().name());
@@ -317,7 +319,7 @@ absl::Status ComparePair(FileSystem& files, const std::string& folder,
 
 absl::Status RunJob(FileSystem& files, const std::string& folder,
                     const JobThreads& threads, EventWriter* events,
-                    FileJournal* journal) {
+                    FileJournal* journal, Team& team) {
   TACTUS_ASSIGN_OR_RETURN(const std::string bytes,
                           ReadWhole(files, folder + "/job.pb", kMaxSpecBytes));
   v1::JobSpec spec;
@@ -327,16 +329,19 @@ absl::Status RunJob(FileSystem& files, const std::string& folder,
   v1::JobOutcome outcome;
   v1::OperationResult result;
   absl::Status status;
-  switch (spec.operation().kind()) {
-    case Operation::KIND_TRAIN:
-      status = Train(files, folder, spec, threads, events, journal, result);
-      break;
-    case Operation::KIND_EVALUATE:
-      status = Evaluate(files, folder, spec, threads, events, result);
-      break;
-    default:
-      status = ComparePair(files, folder, spec, threads, events, result);
+  const Operation::Kind kind = spec.operation().kind();
+  if (kind == Operation::KIND_TRAIN) {
+    status = Train(files, folder, spec, threads, events, journal, team, result);
+  } else if (team.rank() == 0) {
+    status = kind == Operation::KIND_EVALUATE
+                 ? Evaluate(files, folder, spec, threads, events, result)
+                 : ComparePair(files, folder, spec, threads, events, result);
   }
+  // What ends one rank ends the job of all.
+  absl::StatusOr<std::string> mine = std::string();
+  if (!status.ok()) mine = status;
+  status = team.Exchange(mine).status();
+  if (team.rank() > 0) return absl::OkStatus();
   if (status.ok()) {
     *outcome.mutable_result() = std::move(result);
   } else {

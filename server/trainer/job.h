@@ -13,7 +13,7 @@
 //
 //   const absl::Status status =
 //       RunJob(files, folder, {.start = OnThreads(2), .run = OnThreads(1)},
-//              &events, &journal);
+//              &events, &journal, team);
 //
 // Not thread-safe: one job per process.
 #pragma once
@@ -24,6 +24,7 @@
 #include "core/store/file_system.h"
 #include "server/trainer/event_writer.h"
 #include "server/trainer/file_journal.h"
+#include "server/trainer/team.h"
 
 namespace tactus::internal::server {
 
@@ -35,9 +36,11 @@ struct JobThreads {
 };
 
 // Runs the job of a folder. An error of the job itself, such as unfit data, is
-// an outcome too: the result is OK when an outcome was written.
+// an outcome too: the result is OK when an outcome was written. All ranks of a
+// team must call it; they share out a training, and the first one writes the
+// outcome.
 absl::Status RunJob(FileSystem& files, const std::string& folder,
                     const JobThreads& threads, EventWriter* events,
-                    FileJournal* journal);
+                    FileJournal* journal, Team& team);
 
 }  // namespace tactus::internal::server

@@ -1,88 +1,45 @@
 // tactus-trainer: runs one job of tactusd. Started by tactusd, not by people.
 #include <unistd.h>
 
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <exception>
-#include <new>
+#include <cstring>
+#include <filesystem>
 #include <string>
 #include <system_error>
 
-#include "absl/strings/numbers.h"
-#include "core/base/errors.h"
-#include "core/base/run_on_threads.h"
-#include "core/store/file_system.h"
-#include "server/trainer/event_writer.h"
 #include "server/trainer/exit_status.h"
-#include "server/trainer/file_journal.h"
-#include "server/trainer/job.h"
-#include "server/trainer/yield_timer.h"
+#include "server/trainer/trainer_main.h"
 
 namespace tactus::internal::server {
 namespace {
 
-FileJournal* running_journal = nullptr;
-
-// Uncaught errors of memory get an exit status. Threads
-// that cannot be started have no memory for their stack.
-[[noreturn]] void OnUncaught() {
-  try {
-    if (std::current_exception() != nullptr) throw;
-  } catch (const std::bad_alloc&) {
-    _exit(kExitOutOfMemory);
-  } catch (const std::system_error& error) {
-    if (error.code() == std::errc::resource_unavailable_try_again ||
-        error.code() == std::errc::not_enough_memory) {
-      _exit(kExitOutOfMemory);
-    }
-  } catch (...) {  // Not ours to explain.
-  }
-  std::abort();
+// True if mpirun, or srun with PMIx, has started this process.
+bool IsRank() {
+  return std::getenv("OMPI_COMM_WORLD_SIZE") != nullptr ||
+         std::getenv("PMIX_RANK") != nullptr;
 }
 
-void OnTerminate(int) {
-  if (running_journal != nullptr) running_journal->Cancel();
-}
-
-int Main(int argc, char** argv) {
-  int start_threads = 0;
-  int threads = 0;
-  const bool run = argc == 4 && absl::SimpleAtoi(argv[2], &start_threads) &&
-                   absl::SimpleAtoi(argv[3], &threads) && start_threads >= 1 &&
-                   threads >= 1;
-  if (!run) {
-    const bool asked = argc == 2 && std::string(argv[1]) == "--help";
-    std::fprintf(asked ? stdout : stderr,
-                 "usage: tactus-trainer JOB_FOLDER START_THREADS THREADS\n"
-                 "Runs one training or evaluation job; tactusd starts it.\n");
-    return asked ? 0 : 2;
-  }
-  std::set_terminate(OnUncaught);
-  YieldAtIntervals();
-  const std::string folder = argv[1];
-  FileSystem& files = PosixFileSystem();
-  EventWriter events(STDOUT_FILENO);
-  const std::string parts = folder + "/parts";
-  absl::Status status = files.MakeDirectory(parts);
-  if (status.ok()) {
-    FileJournal journal(files, parts, &events);
-    running_journal = &journal;
-    std::signal(SIGTERM, OnTerminate);
-    status = RunJob(files, folder,
-                    {.start = Yielding(OnThreads(start_threads)),
-                     .run = Yielding(OnThreads(threads))},
-                    &events, &journal);
-    std::signal(SIGTERM, SIG_DFL);
-  }
-  if (status.ok()) return kExitDone;
-  std::fprintf(stderr, "tactus-trainer: %s\n", status.ToString().c_str());
-  return ReasonOf(status) == "STORAGE_FULL" ? kExitStorageFull : kExitFailed;
+// Becomes the program that knows MPI, so that this one needs none.
+int RunAsRank(char** argv) {
+  std::error_code error;
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
+  const std::string program =
+      (self.parent_path() / "tactus-trainer-mpi").string();
+  execv(program.c_str(), argv);
+  std::fprintf(stderr,
+               "tactus-trainer: %s: %s; it is built where libopenmpi-dev is "
+               "installed, and a job of several ranks needs it\n",
+               program.c_str(), std::strerror(errno));
+  return kExitFailed;
 }
 
 }  // namespace
 }  // namespace tactus::internal::server
 
 int main(int argc, char** argv) {
-  return tactus::internal::server::Main(argc, argv);
+  using namespace tactus::internal::server;
+  if (IsRank()) return RunAsRank(argv);
+  LoneTeam alone;
+  return TrainerMain(argc, argv, alone);
 }

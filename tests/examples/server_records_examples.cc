@@ -213,6 +213,7 @@ static void EventWriterExample(
     const std::vector<const LabelledContact*>& contacts,
     const FitOptions& options, const ParallelFor& parallel,
     FileJournal& journal) {
+  LoneTeam team;
 #include "server/trainer/event_writer.h.inc"
 }
 
@@ -239,7 +240,7 @@ static void RetryLogExample() {
 }
 
 static void JobExample(FileSystem& files, const std::string& folder,
-                       EventWriter& events, FileJournal& journal) {
+                       EventWriter& events, FileJournal& journal, Team& team) {
 #include "server/trainer/job.h.inc"
 }
 

@@ -34,10 +34,10 @@ constexpr std::array<absl::string_view, 6> kFileRooms = {
     "connections", "files", "data", "import", "postgres", "store"};
 
 // Rooms of the server that tests run without a network.
-constexpr std::array<absl::string_view, 8> kRoomsWithoutGrpc = {
-    "server/session/",     "server/names/",   "server/registry/",
-    "server/records/",     "server/jobs/",    "server/trainer/",
-    "server/contact_log/", "server/replicas/"};
+constexpr std::array<absl::string_view, 9> kRoomsWithoutGrpc = {
+    "server/session/",     "server/names/",    "server/registry/",
+    "server/records/",     "server/jobs/",     "server/trainer/",
+    "server/contact_log/", "server/replicas/", "server/ranks/"};
 
 constexpr std::array<absl::string_view, 6> kNotForComputing = {
     "thread", "mutex", "chrono", "fstream", "filesystem", "iostream"};

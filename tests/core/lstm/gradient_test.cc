@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/errors.h"
+#include "core/lstm/batch_gradient.h"
 #include "gtest/gtest.h"
 #include "tests/core/lstm/training_cases.h"
 #include "tests/reference/lstm/plain_lstm.h"
@@ -143,6 +144,54 @@ TEST(LstmGradientTest, TheSecondBatchAllocatesNothing) {
   run(small);
   run(large);
   EXPECT_EQ(allocations.count(), 0);
+}
+
+// Relative to the largest number of the tensor.
+double Difference(LstmNetwork& a, LstmNetwork& b) {
+  double worst = 0;
+  const auto ours = Tensors(a);
+  const auto others = Tensors(b);
+  for (size_t i = 0; i < ours.size(); ++i) {
+    double largest = 0;
+    double error = 0;
+    for (size_t k = 0; k < ours[i].values->size(); ++k) {
+      const double value = (*others[i].values)[k];
+      largest = std::max(largest, std::abs(value));
+      error = std::max(error, std::abs((*ours[i].values)[k] - value));
+    }
+    worst = std::max(worst, error / largest);
+  }
+  return worst;
+}
+
+// Without noise, which each shard draws for itself.
+TEST(LstmGradientTest, ShardsSumToTheGradientOfTheBatch) {
+  const LstmNetwork network =
+      Network(Activation::kTanh, GateActivation::kSigmoid);
+  const TrainingSet set =
+      RandomTrainingSet(network, {7, 3, 12, 5, 9, 1, 8}, 11);
+  LstmSequencesInMemory source(set.views);
+  const std::vector<size_t> numbers = {4, 0, 6, 2, 1, 5, 3};
+  LstmTrainOptions options;
+  options.noise = {.dropout = 0, .input = 0};
+  OneRank alone;
+  const auto compute = [&](int shards, LstmNetwork& gradient) {
+    options.shards = shards;
+    BatchGradient batches(network, source, options, alone);
+    return batches.Compute(network, numbers, 5, gradient);
+  };
+  LstmNetwork whole = network;
+  const auto expected = compute(1, whole);
+  ASSERT_TRUE(expected.ok()) << expected.status();
+  // More shards than sequences are as many as sequences.
+  for (const int shards : {2, 3, 7, 20}) {
+    LstmNetwork gradient = network;
+    const auto loss = compute(shards, gradient);
+    ASSERT_TRUE(loss.ok()) << loss.status();
+    EXPECT_NEAR(loss->sum, expected->sum, 1e-5 * expected->sum);
+    EXPECT_EQ(loss->correct, expected->correct);
+    EXPECT_LE(Difference(gradient, whole), 1e-5) << shards;
+  }
 }
 
 }  // namespace

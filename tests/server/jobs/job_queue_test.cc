@@ -50,7 +50,7 @@ class JobQueueTest : public ::testing::Test {
     WriteBytes(program, "#!/bin/bash\nHERE=" + folder_.path() + "\n" + script);
     chmod(program.c_str(), 0755);
     JobQueue::Options options;
-    options.process = {program, memory_bytes};
+    options.process = {.program = program, .memory_bytes = memory_bytes};
     options.host = "here";
     queue_ = std::make_unique<JobQueue>(
         stores_->data.get(), stores_->datasets.get(), stores_->models.get(),

@@ -32,7 +32,8 @@ std::vector<v1::JobEvent> EventsOf(const std::string& path) {
 TEST(EventWriterTest, SendsPointsOfAllThreadsWhole) {
   const ScratchDir folder;
   const int file = open((folder / "events").c_str(), O_WRONLY | O_CREAT, 0666);
-  EventWriter events(file);
+  LoneTeam alone;
+  EventWriter events(file, &alone);
   std::vector<std::thread> threads;
   for (int t = 0; t < 4; ++t) {
     threads.emplace_back([&, t] {
@@ -59,7 +60,8 @@ TEST(EventWriterTest, SendsPointsOfAllThreadsWhole) {
 TEST(EventWriterTest, ProgressGrowsAndEndsAtOne) {
   const ScratchDir folder;
   const int file = open((folder / "events").c_str(), O_WRONLY | O_CREAT, 0666);
-  EventWriter events(file);
+  LoneTeam alone;
+  EventWriter events(file, &alone);
   const Progress part = events.progress().Part("read trials", 1);
   for (int i = 0; i < 1000; ++i) part.Add(0.0011);
   close(file);
@@ -72,6 +74,72 @@ TEST(EventWriterTest, ProgressGrowsAndEndsAtOne) {
   }
   EXPECT_EQ(fraction, 1);
   EXPECT_LT(all.size(), 300u);
+}
+
+// The first of three ranks; what the others say is given.
+class FirstOfThree final : public Team {
+ public:
+  int rank() const override { return 0; }
+  int size() const override { return 3; }
+  absl::StatusOr<std::vector<std::string>> Exchange(
+      const absl::StatusOr<std::string>& /*mine*/) override {
+    if (while_waiting_) while_waiting_();
+    return std::vector<std::string>(3);
+  }
+  void Tell(const std::string& /*bytes*/) override { ADD_FAILURE(); }
+  void Hear(const Take& take) override {
+    auto said = std::move(said_);
+    said_.clear();
+    for (const auto& [rank, bytes] : said) take(rank, bytes);
+  }
+  void WhileWaiting(std::function<void()> call) override {
+    while_waiting_ = std::move(call);
+  }
+
+  void Say(int rank, const v1::JobEvent& event) {
+    said_.emplace_back(rank, event.SerializeAsString());
+  }
+
+ private:
+  std::vector<std::pair<int, std::string>> said_;
+  std::function<void()> while_waiting_;
+};
+
+TEST(EventWriterTest, TheFirstRankWritesWhatAllHaveDone) {
+  const ScratchDir folder;
+  const int file = open((folder / "events").c_str(), O_WRONLY | O_CREAT, 0666);
+  FirstOfThree team;
+  EventWriter events(file, &team);
+  v1::JobEvent point;
+  point.mutable_point()->set_part("lstm/1");
+  v1::JobEvent progress;
+  progress.mutable_progress()->set_phase("train models");
+  team.Say(1, point);
+  progress.mutable_progress()->set_fraction(0.25);
+  team.Say(1, progress);
+  progress.mutable_progress()->set_fraction(0.375);
+  // What came last of a rank counts.
+  team.Say(1, progress);
+  // It hears while it waits, and while it works.
+  ASSERT_TRUE(team.Exchange(std::string()).ok());
+  progress.mutable_progress()->set_fraction(0.125);
+  team.Say(2, progress);
+  const Progress own = events.progress().Part("train models", 1);
+  own.Add(0.25);
+  // One rank is in the next phase when the last of this one comes.
+  progress.mutable_progress()->set_fraction(0.375);
+  team.Say(2, progress);
+  progress.mutable_progress()->set_phase("calibrate on left-out folds");
+  team.Say(1, progress);
+  own.Add(0.125);
+  close(file);
+  const auto all = EventsOf(folder / "events");
+  ASSERT_FALSE(all.empty());
+  EXPECT_EQ(all.front().point().part(), "lstm/1");
+  ASSERT_GE(all.size(), 3u);
+  EXPECT_EQ(all.back().progress().phase(), "calibrate on left-out folds");
+  EXPECT_EQ(all[all.size() - 2].progress().phase(), "train models");
+  EXPECT_EQ(all[all.size() - 2].progress().fraction(), 1);
 }
 
 }  // namespace

@@ -16,7 +16,8 @@ class FileJournalTest : public ::testing::Test {
   ~FileJournalTest() override { close(null_); }
   ScratchDir folder_;
   const int null_ = open("/dev/null", O_WRONLY);
-  EventWriter events_{null_};
+  LoneTeam alone_;
+  EventWriter events_{null_, &alone_};
   FileJournal journal_{PosixFileSystem(), folder_.path(), &events_};
 };
 

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <csignal>
 #include <functional>
 #include <string>
@@ -17,14 +16,12 @@
 #include "core/base/status_macros.h"
 #include "core/base/status_proto.h"
 #include "core/bundle/bundle.h"
-#include "core/data/trial_record.h"
-#include "core/store/blob_store.h"
 #include "gtest/gtest.h"
 #include "server/trainer/file_journal.h"
 #include "server/trainer/job.h"
 #include "tactus/v1/storage.pb.h"
+#include "tests/server/trainer/small_job.h"
 #include "tests/support/crash_file_system.h"
-#include "tests/support/scratch_dir.h"
 
 namespace tactus::internal::server {
 namespace {
@@ -32,57 +29,9 @@ namespace {
 using std::chrono::duration;
 using std::chrono::steady_clock;
 
-// A push whose force, area and motion depend on the label.
-Trial PushTrial(int number) {
-  Random random(static_cast<uint64_t>(number) + 1);
-  Trial trial;
-  trial.id = "push-" + std::to_string(number);
-  const bool hard = number % 2 == 0;
-  const bool moves = number / 2 % 2 == 0;
-  trial.label = std::string(hard ? "H" : "S") + (moves ? "M" : "U");
-  trial.condition = "c" + std::to_string(number % 3);
-  const double scale = 1 + 0.2 * random.Uniform();
-  for (int f = 0; f < 100; ++f) {
-    const double t = 0.01 * f;
-    trial.time.push_back(t);
-    const double noise = 1 + 0.1 * random.Uniform();
-    trial.signals.push_back(
-        {scale * noise * (hard ? 8 : 2) * (0.1 + std::sqrt(t)),
-         scale * noise * (hard ? 2e-4 : 8e-4) * (0.2 + t),
-         (moves ? 0.02 * scale : 1e-4) * t * t});
-  }
-  return trial;
-}
-
 class ResumeTest : public ::testing::Test {
  protected:
-  ResumeTest() {
-    auto blobs = BlobStore::Open(PosixFileSystem(), folder_ / "blobs");
-    EXPECT_TRUE(blobs.ok()) << blobs.status();
-    BlobStore::Batch batch = (*blobs)->NewBatch();
-    for (int i = 0; i < 24; ++i) {
-      const auto sha256 = batch.Add(ToRecord(PushTrial(i)).SerializeAsString());
-      EXPECT_TRUE(sha256.ok()) << sha256.status();
-      spec_.add_trials(*sha256);
-    }
-    EXPECT_TRUE(batch.Commit().ok());
-    spec_.set_blob_folder(folder_ / "blobs");
-    spec_.set_dataset_sha256(std::string(64, 'a'));
-    v1::Operation& operation = *spec_.mutable_operation();
-    operation.set_name("operations/1");
-    operation.set_kind(v1::Operation::KIND_TRAIN);
-    operation.mutable_train()->set_dataset_version("datasets/d/versions/1");
-    operation.mutable_train()->set_networks(1);
-    operation.mutable_train()->set_epochs(5);
-    operation.mutable_train()->set_hmms_per_class(1);
-  }
-
-  std::string NewJob(const std::string& name) {
-    const std::string folder = folder_ / name;
-    std::filesystem::create_directory(folder);
-    WriteBytes(folder + "/job.pb", spec_.SerializeAsString());
-    return folder;
-  }
+  std::string NewJob(const std::string& name) { return job_.New(name); }
   static pid_t Start(const std::string& folder, const char* threads = "3") {
     const pid_t pid = fork();
     if (pid == 0) {
@@ -101,8 +50,9 @@ class ResumeTest : public ::testing::Test {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
 
-  ScratchDir folder_;
-  v1::JobSpec spec_;
+  LoneTeam alone_;
+  testing::SmallJob job_;
+  v1::JobSpec& spec_ = job_.spec();
 };
 
 TEST_F(ResumeTest, KilledTenTimesItMakesTheSameBundle) {
@@ -139,15 +89,15 @@ TEST_F(ResumeTest, KilledTenTimesItMakesTheSameBundle) {
 // Threads read the trials in any order; the bundle is the same.
 TEST_F(ResumeTest, TrialsAreReadByTheThreadsOfTheStart) {
   const int null = open("/dev/null", O_WRONLY);
-  EventWriter events(null);
+  EventWriter events(null, &alone_);
   const auto bundle = [&](const std::string& name,
                           const ParallelFor& parallel) {
     const std::string folder = NewJob(name);
     std::filesystem::create_directory(folder + "/parts");
     FileJournal journal(PosixFileSystem(), folder + "/parts", &events);
-    const absl::Status status =
-        RunJob(PosixFileSystem(), folder,
-               {.start = parallel, .run = RunSerially}, &events, &journal);
+    const absl::Status status = RunJob(PosixFileSystem(), folder,
+                                       {.start = parallel, .run = RunSerially},
+                                       &events, &journal, alone_);
     EXPECT_TRUE(status.ok()) << status;
     return ReadBytes(folder + "/bundle.tactus");
   };
@@ -209,7 +159,7 @@ TEST_F(ResumeTest, BadJobsEndWithAnOutcomeOrAStatus) {
   const std::string folder = NewJob("garbage");
   WriteBytes(folder + "/job.pb", "garbage");
   EXPECT_EQ(Wait(Start(folder)), 1);
-  EXPECT_EQ(Wait(Start(folder_ / "no")), 1);
+  EXPECT_EQ(Wait(Start(job_.Path("no"))), 1);
 }
 
 // A disk that fails at each operation of a job: the job ends with an outcome or
@@ -218,14 +168,14 @@ TEST_F(ResumeTest, BadJobsEndWithAnOutcomeOrAStatus) {
 TEST_F(ResumeTest, ADiskThatFailsAtEachOperation) {
   spec_.mutable_operation()->mutable_train()->set_networks(0);
   const int null = open("/dev/null", O_WRONLY);
-  EventWriter events(null);
+  EventWriter events(null, &alone_);
   const auto run = [&](FileSystem& files, const std::string& folder) {
     FileJournal journal(files, folder + "/parts", &events);
     return RunJob(files, folder, {.start = RunSerially, .run = RunSerially},
-                  &events, &journal);
+                  &events, &journal, alone_);
   };
   const auto new_job = [&] {
-    std::filesystem::remove_all(folder_ / "job");
+    std::filesystem::remove_all(job_.Path("job"));
     const std::string folder = NewJob("job");
     std::filesystem::create_directory(folder + "/parts");
     return folder;

@@ -49,11 +49,12 @@ TEST(UnusableTrialsTest, AreCountedAndTheFirstAreNamed) {
   std::filesystem::create_directory(folder / "job/parts");
   WriteBytes(folder / "job/job.pb", spec.SerializeAsString());
   const int null = open("/dev/null", O_WRONLY);
-  EventWriter events(null);
+  LoneTeam alone;
+  EventWriter events(null, &alone);
   FileJournal journal(PosixFileSystem(), folder / "job/parts", &events);
-  const absl::Status status =
-      RunJob(PosixFileSystem(), folder / "job",
-             {.start = RunSerially, .run = RunSerially}, &events, &journal);
+  const absl::Status status = RunJob(PosixFileSystem(), folder / "job",
+                                     {.start = RunSerially, .run = RunSerially},
+                                     &events, &journal, alone);
   close(null);
   ASSERT_TRUE(status.ok()) << status;
   v1::JobOutcome outcome;

@@ -7,6 +7,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/limits_questions.h"
+#include "core/base/limits_training.h"
 #include "core/base/status_macros.h"
 #include "core/features/feature.h"
 #include "core/files/file_bytes.h"
@@ -81,6 +82,10 @@ std::vector<const CLI::Option*> SpecFlags::Add(CLI::App& command) {
           "Number of LSTMs, instead of the preset's; 0 for none"),
       command.add_option("--epochs", epochs,
                          "Epochs of LSTM training, instead of the preset's"),
+      command.add_option("--gradient-shards", gradient_shards,
+                         "Shards of each batch of LSTM training; several "
+                         "ranks train a network of several shards together; "
+                         "default: 1"),
       command.add_option("--hmms-per-class", hmms_per_class,
                          "HMMs per class, instead of the preset's"),
       command.add_option("--with-cues", with_cues,
@@ -121,6 +126,9 @@ absl::StatusOr<v1::TrainSpec> TrainSpecOf(const SpecFlags& flags) {
   TACTUS_RETURN_IF_ERROR(
       SetCount("--epochs", flags.epochs, 1, limits::kMaxEpochs,
                [&](uint32_t count) { spec.set_epochs(count); }));
+  TACTUS_RETURN_IF_ERROR(SetCount(
+      "--gradient-shards", flags.gradient_shards, 1, limits::kMaxGradientShards,
+      [&](uint32_t count) { spec.set_gradient_shards(count); }));
   TACTUS_RETURN_IF_ERROR(SetCount(
       "--hmms-per-class", flags.hmms_per_class, 1, limits::kMaxHmmsPerClass,
       [&](uint32_t count) { spec.set_hmms_per_class(count); }));

@@ -31,6 +31,7 @@ struct SpecFlags {
   uint64_t seed = 1;
   std::optional<int> networks;
   std::optional<int> epochs;
+  std::optional<int> gradient_shards = {};
   std::optional<int> hmms_per_class;
   std::optional<int> choice_work;
   std::string with_cues;       // "force_pitch_short,force_pitch_long"

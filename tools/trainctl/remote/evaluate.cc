@@ -28,11 +28,13 @@ const std::set<std::string> kProtocols = {"loco", "leave-one-material-out",
 
 // RemoteEvaluateFlags of `evaluate` that a server can follow.
 const std::set<std::string> kKnown = {
-    "--help",           "--dataset",     "--model",        "--protocol",
-    "--preset",         "--choice-work", "--features",     "--truth",
-    "--shares",         "--seed",        "--networks",     "--epochs",
-    "--hmms-per-class", "--with-cues",   "--without-cues", "--json",
-    "--report",         "--detach",      "--server",       "--tls-ca",
+    "--help",           "--dataset",         "--model",
+    "--protocol",       "--preset",          "--choice-work",
+    "--features",       "--truth",           "--shares",
+    "--seed",           "--networks",        "--epochs",
+    "--hmms-per-class", "--with-cues",       "--without-cues",
+    "--json",           "--gradient-shards", "--report",
+    "--detach",         "--server",          "--tls-ca",
     "--token-file"};
 
 // The value of a flag; nothing if it was not given.
@@ -59,6 +61,7 @@ SpecFlags SpecFlagsOf(const CLI::App& command) {
           .seed = Given<uint64_t>(command, "--seed").value_or(1),
           .networks = Given<int>(command, "--networks"),
           .epochs = Given<int>(command, "--epochs"),
+          .gradient_shards = Given<int>(command, "--gradient-shards"),
           .hmms_per_class = Given<int>(command, "--hmms-per-class"),
           .choice_work = Given<int>(command, "--choice-work"),
           .with_cues = text("--with-cues"),

@@ -1,0 +1,68 @@
+// File: training_flags.h
+//
+// TrainingFlags: the flags about data, jobs and models, which tactusd and
+// tactus-worker share.
+//
+//   TrainingFlags flags;
+//   flags.AddCatalog(app);
+//   flags.AddJobs(app);
+//   TACTUS_RETURN_IF_ERROR(flags.Check());
+//   const TrainingBackend::Options options = flags.Options(address);
+//   TACTUS_ASSIGN_OR_RETURN(auto backend,
+//                           TrainingBackend::Open(options, &registry));
+//
+// The command line writes to the flags, which must not move after Add...().
+// Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "CLI/CLI.hpp"
+#include "absl/status/status.h"
+#include "core/base/limits.h"
+#include "core/base/limits_training.h"
+#include "server/jobs/training_backend.h"
+
+namespace tactus::internal::server {
+
+struct TrainingFlags {
+  static constexpr int64_t kBytesPerMb = 1024L * 1024;
+  static constexpr int64_t kMsPerDay = 24L * 3'600 * 1'000;
+
+  std::string data_dir;
+  std::string catalog;
+  std::string blobs;
+  std::string jobs = "local";
+  std::string trainer;
+  int64_t job_memory_mb = 0;
+  int job_threads = 0;
+  int job_ranks = 1;
+  std::string job_hosts;
+  int64_t quota_stored_mb = limits::kMaxClientBytes / kBytesPerMb;
+  int64_t quota_datasets = limits::kMaxClientDatasets;
+  int64_t quota_jobs = limits::kMaxClientQueuedJobs;
+  int64_t quota_models_mb = limits::kMaxClientModelBytes / kBytesPerMb;
+  int keep_jobs = limits::kMaxKeptJobs;
+  int64_t keep_job_days = limits::kKeptJobMs / kMsPerDay;
+
+  // --catalog and --blobs.
+  void AddCatalog(CLI::App& app);
+  // How the processes of jobs run.
+  void AddJobs(CLI::App& app);
+  // What each client may have, and which jobs are kept.
+  void AddQuotas(CLI::App& app);
+
+  // Whether there is anything to open.
+  bool given() const { return !data_dir.empty() || !catalog.empty(); }
+  // INVALID_CONFIG if jobs are to have several ranks and a program for that is
+  // missing.
+  absl::Status Check() const;
+  // `address`: where the server listens; empty for a worker.
+  TrainingBackend::Options Options(const std::string& address) const;
+
+ private:
+  std::string TrainerProgram() const;
+};
+
+}  // namespace tactus::internal::server
