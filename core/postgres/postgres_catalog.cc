@@ -154,6 +154,27 @@ class PostgresCatalog final : public Catalog {
     });
   }
 
+  absl::Status CheckExisting() const {
+    return WithConnection([&](PgConnection& connection) -> absl::Status {
+      TACTUS_ASSIGN_OR_RETURN(
+          const PgRows found,
+          connection.Run("SELECT to_regclass('tactus_catalog')::text"));
+      if (found.IsNull(0, 0)) {
+        return DataLost(ShownAddress(address_),
+                        "the database holds no catalogue of Tactus");
+      }
+      TACTUS_RETURN_IF_ERROR(CheckVersion(connection));
+      TACTUS_ASSIGN_OR_RETURN(
+          const PgRows rows,
+          connection.Run("SELECT version FROM tactus_catalog"));
+      if (rows.Integer(0, 0) >= kPostgresVersion) return absl::OkStatus();
+      return DataLost("tactus_catalog",
+                      absl::StrCat("has version ", rows.Integer(0, 0),
+                                   ", and this program ", kPostgresVersion,
+                                   "; start a server of this release once"));
+    });
+  }
+
   absl::Status Change(
       absl::FunctionRef<absl::Status(Transaction&)> change) override {
     return Try("BEGIN ISOLATION LEVEL SERIALIZABLE", change);
@@ -391,6 +412,13 @@ absl::StatusOr<std::unique_ptr<Catalog>> OpenPostgresCatalog(
     const std::string& address) {
   auto catalog = std::make_unique<PostgresCatalog>(address);
   TACTUS_RETURN_IF_ERROR(catalog->Prepare());
+  return catalog;
+}
+
+absl::StatusOr<std::unique_ptr<Catalog>> OpenExistingPostgresCatalog(
+    const std::string& address) {
+  auto catalog = std::make_unique<PostgresCatalog>(address);
+  TACTUS_RETURN_IF_ERROR(catalog->CheckExisting());
   return catalog;
 }
 

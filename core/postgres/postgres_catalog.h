@@ -40,6 +40,11 @@ bool IsPostgresAddress(absl::string_view address);
 absl::StatusOr<std::unique_ptr<Catalog>> OpenPostgresCatalog(
     const std::string& address);
 
+// The same for a catalogue that is there already; the schema stays as it is.
+// DATA_LOST if the database holds none, or one of another version.
+absl::StatusOr<std::unique_ptr<Catalog>> OpenExistingPostgresCatalog(
+    const std::string& address);
+
 // Calls a function after each change, soon after it was made, and whenever
 // changes may have been missed because the connection was lost. A thread of its
 // own does it.

@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
+#include "core/store/copy_mark.h"
 #include "core/store/directory_identity.h"
 #include "core/store/sqlite_catalog.h"
 
@@ -44,6 +45,7 @@ absl::Status DataDirectory::OpenParts(const std::string& vfs) {
   own_locks_ = std::make_unique<LocalLocks>();
   catalog_ = own_catalog_.get();
   locks_ = own_locks_.get();
+  TACTUS_RETURN_IF_ERROR(RefuseUnfinishedCopy(*catalog_, folder_));
   TACTUS_RETURN_IF_ERROR(CheckCatalogBelongs(files_, folder_, *catalog_));
   TACTUS_RETURN_IF_ERROR(files_.MakeDirectory(UploadFolder()));
   TACTUS_RETURN_IF_ERROR(files_.MakeDirectory(JobFolder()));
@@ -59,6 +61,7 @@ absl::StatusOr<std::unique_ptr<DataDirectory>> DataDirectory::OpenShared(
   std::unique_ptr<DataDirectory> data(new DataDirectory(files, folder));
   data->catalog_ = catalog;
   data->locks_ = locks;
+  TACTUS_RETURN_IF_ERROR(RefuseUnfinishedCopy(*catalog, folder));
   TACTUS_RETURN_IF_ERROR(files.MakeDirectory(folder));
   if (const absl::Status belongs = CheckCatalogBelongs(files, folder, *catalog);
       absl::IsDataLoss(belongs)) {

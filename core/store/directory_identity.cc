@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/escaping.h"
@@ -91,33 +92,8 @@ absl::StatusOr<bool> HasRecords(const Catalog& catalog) {
   return found;
 }
 
-// How many blobs and files of uploads the folder holds.
-int CountData(FileSystem& files, const std::string& folder) {
-  const std::vector<std::string> none;
-  const std::string blobs = folder + "/blobs";
-  int count =
-      static_cast<int>(files.List(folder + "/uploads").value_or(none).size());
-  for (const std::string& shelf : files.List(blobs).value_or(none)) {
-    const auto names =
-        files.List(absl::StrCat(blobs, "/", shelf)).value_or(none);
-    count += static_cast<int>(std::count_if(
-        names.begin(), names.end(),
-        [](const std::string& name) { return IsSha256Hex(name); }));
-  }
-  return count;
-}
-
 absl::Status Refuse(const std::string& folder, absl::string_view what) {
   return WithRestoreAdvice(folder, DataLost(CatalogPath(folder), what));
-}
-
-absl::StatusOr<std::string> NewId() {
-  std::string bytes(kIdBytes, '\0');
-  if (getrandom(bytes.data(), bytes.size(), 0) !=
-      static_cast<ssize_t>(bytes.size())) {
-    return IoError("getrandom", std::strerror(errno));
-  }
-  return absl::BytesToHexString(bytes);
 }
 
 }  // namespace
@@ -142,6 +118,35 @@ absl::Status WithRestoreAdvice(const std::string& folder,
                    folder,
                    " --accept-catalogue begins with what is there, and keeps "
                    "all blobs"));
+}
+
+int CountData(FileSystem& files, const std::string& folder) {
+  const std::vector<std::string> none;
+  const std::string blobs = folder + "/blobs";
+  int count =
+      static_cast<int>(files.List(folder + "/uploads").value_or(none).size());
+  for (const std::string& shelf : files.List(blobs).value_or(none)) {
+    const auto names =
+        files.List(absl::StrCat(blobs, "/", shelf)).value_or(none);
+    count += static_cast<int>(std::count_if(
+        names.begin(), names.end(),
+        [](const std::string& name) { return IsSha256Hex(name); }));
+  }
+  return count;
+}
+
+absl::StatusOr<std::string> NewId() {
+  std::string bytes(kIdBytes, '\0');
+  if (getrandom(bytes.data(), bytes.size(), 0) !=
+      static_cast<ssize_t>(bytes.size())) {
+    return IoError("getrandom", std::strerror(errno));
+  }
+  return absl::BytesToHexString(bytes);
+}
+
+absl::StatusOr<std::string> DirectoryIdOf(const Catalog& catalog) {
+  TACTUS_ASSIGN_OR_RETURN(Identity is, ReadIdentity(catalog));
+  return std::move(is.id);
 }
 
 absl::StatusOr<bool> DirectoryWasUsed(FileSystem& files,

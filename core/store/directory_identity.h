@@ -47,6 +47,15 @@ absl::StatusOr<bool> CatalogIsOlder(FileSystem& files,
                                     const std::string& folder,
                                     const Catalog& catalog);
 
+// The id that the catalogue has; empty if it has none.
+absl::StatusOr<std::string> DirectoryIdOf(const Catalog& catalog);
+
+// How many blobs and files of uploads the folder holds.
+int CountData(FileSystem& files, const std::string& folder);
+
+// A random id of 32 hexadecimal digits.
+absl::StatusOr<std::string> NewId();
+
 // Counts one more start, and gives both the id of the folder, or else that of
 // the catalogue, or else a new one.
 absl::Status MarkDirectory(FileSystem& files, const std::string& folder,

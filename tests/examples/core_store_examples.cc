@@ -13,14 +13,19 @@
 #include "core/store/audit.h"
 #include "core/store/blob_store.h"
 #include "core/store/catalog.h"
+#include "core/store/copy_mark.h"
+#include "core/store/copy_records.h"
 #include "core/store/data_check.h"
+#include "core/store/data_copy.h"
 #include "core/store/data_directory.h"
 #include "core/store/directory_identity.h"
 #include "core/store/directory_lock.h"
+#include "core/store/directory_to_copy.h"
 #include "core/store/disk_reserve.h"
 #include "core/store/disk_use.h"
 #include "core/store/file_system.h"
 #include "core/store/lost_and_found.h"
+#include "core/store/named_data.h"
 #include "core/store/numbers.h"
 #include "core/store/records.h"
 #include "core/store/sqlite_catalog.h"
@@ -135,6 +140,35 @@ static absl::Status LostAndFoundExample(FileSystem& files) {
 
 static absl::Status AcceptCatalogExample(FileSystem& files) {
 #include "core/store/accept_catalog.h.inc"
+  return absl::OkStatus();
+}
+
+static absl::Status NamedDataExample(const CatalogEntry& entry,
+                                     const std::string& sha256) {
+#include "core/store/named_data.h.inc"
+  return absl::OkStatus();
+}
+
+static absl::Status CopyMarkExample(Transaction& change, const std::string& id,
+                                    const std::string& run) {
+#include "core/store/copy_mark.h.inc"
+  return absl::OkStatus();
+}
+
+static absl::Status CopyRecordsExample(const Catalog& from, Catalog& to,
+                                       const CopyMark& mark) {
+#include "core/store/copy_records.h.inc"
+  return absl::OkStatus();
+}
+
+static absl::Status DataCopyExample(FileSystem& files, Catalog* shared,
+                                    const Progress& progress) {
+#include "core/store/data_copy.h.inc"
+  return absl::OkStatus();
+}
+
+static absl::Status DirectoryToCopyExample(FileSystem& files) {
+#include "core/store/directory_to_copy.h.inc"
   return absl::OkStatus();
 }
 

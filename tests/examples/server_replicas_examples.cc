@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/base/status_macros.h"
+#include "core/postgres/live_replicas.h"
 #include "core/postgres/pg_connection.h"
 #include "core/postgres/postgres_catalog.h"
 #include "core/store/locks.h"
@@ -37,6 +38,14 @@ static absl::StatusOr<std::string> PgConnectionExample(
 
 static absl::Status PostgresCatalogExample() {
 #include "core/postgres/postgres_catalog.h.inc"
+  return absl::OkStatus();
+}
+
+void Print(const std::string& name);
+
+static absl::Status LiveReplicasExample(
+    const std::unique_ptr<Catalog>& catalog) {
+#include "core/postgres/live_replicas.h.inc"
   return absl::OkStatus();
 }
 
