@@ -1,6 +1,7 @@
 #include "core/store/data_check.h"
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <set>
 #include <utility>
@@ -15,22 +16,20 @@
 #include "core/store/abandoned_uploads.h"
 #include "core/store/accept_catalog.h"
 #include "core/store/blob_store.h"
+#include "core/store/copy_mark.h"
 #include "core/store/directory_identity.h"
 #include "core/store/directory_lock.h"
 #include "core/store/disk_use.h"
 #include "core/store/lost_and_found.h"
-#include "core/store/records.h"
+#include "core/store/named_data.h"
 #include "core/store/sqlite_catalog.h"
 #include "core/store/tables.h"
-#include "tactus/v1/models.pb.h"
-#include "tactus/v1/operations.pb.h"
-#include "tactus/v1/training.pb.h"
+#include "tactus/v1/storage.pb.h"
 
 namespace tactus::internal {
 namespace {
 
 using Severity = CheckResult::Severity;
-using v1::Operation;
 
 constexpr int64_t kLittleBytes = 1024L * 1024 * 1024;
 constexpr int64_t kNoBytes = 64L * 1024 * 1024;
@@ -58,17 +57,22 @@ std::string NamesOf(const std::vector<std::string>& names) {
 class DataCheck {
  public:
   DataCheck(FileSystem& files, const std::string& folder,
-            const DataCheckOptions& options)
+            const SharedCatalog* shared, const DataCheckOptions& options)
       : files_(files),
         folder_(folder),
+        shared_(shared),
         options_(options),
         lost_(files, folder) {}
 
   std::vector<CheckResult> Run() {
     CheckFreeBytes();
-    if (Lock() && (!options_.accept_catalog || Accept()) && OpenCatalog()) {
+    if (shared_ != nullptr ? TakeShared()
+                           : Lock() && (!options_.accept_catalog || Accept()) &&
+                                 OpenCatalog()) {
       ReadRecords();
       CheckBlobs();
+      // What servers make at this moment is named a moment later.
+      if (at_work_) return std::move(results_);
       CheckOrphans();
       CheckUploads();
       CheckJobs();
@@ -124,6 +128,31 @@ class DataCheck {
     return true;
   }
 
+  // Reads a catalogue that servers share, with its folder.
+  bool TakeShared() {
+    if (shared_->servers.empty()) {
+      Add("lock", Severity::kOk, "no server uses the catalogue");
+    } else {
+      at_work_ = true;
+      Add("lock", Severity::kWarning,
+          absl::StrCat("servers are at work: ", NamesOf(shared_->servers)),
+          "stop them to check what nothing names, too");
+    }
+    catalog_ = shared_->catalog;
+    absl::Status status = RefuseUnfinishedCopy(*catalog_, shared_->address);
+    if (!status.ok()) return Refuse(status);
+    const auto used = DirectoryWasUsed(files_, folder_);
+    if (!used.ok()) return Refuse(used.status());
+    status = CheckCatalogBelongs(files_, folder_, *catalog_);
+    if (absl::IsDataLoss(status) || !*used) {
+      status = DataLost(folder_,
+                        "it is not the folder of this catalogue; give the one "
+                        "that the servers of the catalogue have as --blobs");
+    }
+    if (!status.ok()) return Refuse(status);
+    return CheckAge(absl::StrCat(shared_->address, " belongs to ", folder_));
+  }
+
   bool Accept() {
     const auto done = AcceptCatalog(files_, folder_);
     if (!done.ok()) {
@@ -161,9 +190,18 @@ class DataCheck {
     status = catalog.status();
     if (status.ok()) status = (*catalog)->Check();
     if (!status.ok()) return Refuse(WithRestoreAdvice(folder_, status));
-    catalog_ = *std::move(catalog);
-    status = CheckCatalogBelongs(files_, folder_, *catalog_);
+    own_catalog_ = *std::move(catalog);
+    catalog_ = own_catalog_.get();
+    status = RefuseUnfinishedCopy(*catalog_, folder_);
+    if (status.ok()) status = CheckCatalogBelongs(files_, folder_, *catalog_);
     if (!status.ok()) return Refuse(status);
+    return CheckAge(absl::StrCat("version ", *version,
+                                 ", its structure is intact, and its records "
+                                 "are those that the server wrote"));
+  }
+
+  // `good`: what to say if the catalogue is not older than the folder.
+  bool CheckAge(std::string good) {
     const auto older = CatalogIsOlder(files_, folder_, *catalog_);
     if (!older.ok()) return Refuse(older.status());
     if (*older) {
@@ -174,10 +212,7 @@ class DataCheck {
           "by no record, and the next start of the server accepts that");
       return true;
     }
-    Add("catalogue", Severity::kOk,
-        absl::StrCat("version ", *version,
-                     ", its structure is intact, and its records are those "
-                     "that the server wrote"));
+    Add("catalogue", Severity::kOk, std::move(good));
     return true;
   }
 
@@ -191,15 +226,13 @@ class DataCheck {
   // Every record has its CRC32C, and can be parsed if it names something.
   void ReadRecords() {
     size_t records = 0;
+    named_ = {};
     for (const auto& [table, name] : kTables) {
-      const absl::Status status = catalog_->Look(
-          [&, table = table](const Transaction& look) -> absl::Status {
-            TACTUS_ASSIGN_OR_RETURN(const auto entries, look.Scan(table, {}));
-            records += entries.size();
-            for (const CatalogEntry& entry : entries) {
-              TACTUS_RETURN_IF_ERROR(Take(table, entry));
-            }
-            return absl::OkStatus();
+      const absl::Status status = VisitEntries(
+          *catalog_, table,
+          [&, table = table](const CatalogEntry& entry) -> absl::Status {
+            ++records;
+            return named_.Take(table, entry);
           });
       if (status.ok()) continue;
       complete_ = false;
@@ -212,89 +245,74 @@ class DataCheck {
     }
   }
 
-  absl::Status Take(Table table, const CatalogEntry& entry) {
-    switch (table) {
-      case Table::kTrials:
-        named_.insert(entry.key);
-        return absl::OkStatus();
-      case Table::kDatasetVersions: {
-        TACTUS_ASSIGN_OR_RETURN(
-            const auto version,
-            ParseRecord<v1::DatasetVersion>(entry.key, entry.value));
-        named_.insert(version.sha256());
-        manifests_.insert(version.sha256());
-        return absl::OkStatus();
-      }
-      case Table::kModelVersions: {
-        TACTUS_ASSIGN_OR_RETURN(
-            const auto version,
-            ParseRecord<v1::ModelVersion>(entry.key, entry.value));
-        if (!version.blob_sha256().empty()) {
-          named_.insert(version.blob_sha256());
-        }
-        return absl::OkStatus();
-      }
-      case Table::kUploads: {
-        TACTUS_ASSIGN_OR_RETURN(
-            auto upload, ParseRecord<v1::StoredUpload>(entry.key, entry.value));
-        uploads_.push_back(std::move(upload));
-        return absl::OkStatus();
-      }
-      case Table::kOperations: {
-        TACTUS_ASSIGN_OR_RETURN(const auto operation,
-                                ParseRecord<Operation>(entry.key, entry.value));
-        const bool ended = operation.state() == Operation::STATE_SUCCEEDED ||
-                           operation.state() == Operation::STATE_FAILED ||
-                           operation.state() == Operation::STATE_CANCELLED;
-        const std::pair<std::string, std::string> parts =
-            absl::StrSplit(operation.name(), absl::MaxSplits('/', 1));
-        if (!ended) live_jobs_.insert(parts.second);
-        return absl::OkStatus();
-      }
-      default:
-        return absl::OkStatus();
-    }
-  }
-
   std::string PathOfBlob(const std::string& sha256) const {
     return BlobPath(absl::StrCat(folder_, "/blobs"), sha256);
   }
 
-  void CheckBlobs() {
-    std::vector<std::string> bad;
+  // What is wrong with a blob; empty if nothing is. `trials` receives those
+  // that a manifest lists.
+  std::string FaultOfBlob(const std::string& sha256,
+                          std::set<std::string>* trials) {
+    const std::string path = PathOfBlob(sha256);
+    const auto size = files_.Size(path);
+    if (!size.ok() || *size < 0) return sha256 + " is missing";
+    const auto bytes = ReadBlobFile(files_, path, sha256, *size);
+    if (!bytes.ok()) return sha256 + " is damaged";
+    if (!named_.manifests.contains(sha256)) return "";
+    for (const auto line : absl::StrSplit(*bytes, '\n', absl::SkipEmpty())) {
+      trials->insert(std::string(line));
+    }
+    return "";
+  }
+
+  // What is wrong, by blob.
+  std::map<std::string, std::string> BadBlobs() {
+    std::map<std::string, std::string> bad;
     // Manifests name trials, which the catalogue names too.
     std::set<std::string> trials;
-    for (const std::string& sha256 : named_) {
-      const std::string path = PathOfBlob(sha256);
-      const auto size = files_.Size(path);
-      if (!size.ok() || *size < 0) {
-        bad.push_back(absl::StrCat(sha256, " is missing"));
-        continue;
-      }
-      const auto bytes = ReadBlobFile(files_, path, sha256, *size);
-      if (!bytes.ok()) {
-        bad.push_back(absl::StrCat(sha256, " is damaged"));
-        continue;
-      }
-      if (!manifests_.contains(sha256)) continue;
-      for (const auto line : absl::StrSplit(*bytes, '\n', absl::SkipEmpty())) {
-        trials.insert(std::string(line));
-      }
+    for (const std::string& sha256 : named_.blobs) {
+      std::string fault = FaultOfBlob(sha256, &trials);
+      if (!fault.empty()) bad[sha256] = std::move(fault);
     }
     if (complete_) {
       for (const std::string& trial : trials) {
-        if (!named_.contains(trial)) {
-          bad.push_back(absl::StrCat("trial ", trial, " has no record"));
-        }
+        if (named_.blobs.contains(trial)) continue;
+        bad[trial] = absl::StrCat("trial ", trial, " has no record");
       }
     }
+    return bad;
+  }
+
+  void CheckBlobs() {
+    std::map<std::string, std::string> found = BadBlobs();
+    if (at_work_ && !found.empty()) {
+      // A server may have deleted a dataset meanwhile.
+      ReadRecordsAgain();
+      const std::map<std::string, std::string> again = BadBlobs();
+      std::erase_if(
+          found, [&](const auto& blob) { return !again.contains(blob.first); });
+    }
+    std::vector<std::string> bad;
+    for (auto& [sha256, fault] : found) bad.push_back(std::move(fault));
+    const size_t all = named_.blobs.size();
     if (bad.empty()) {
       Add("blobs", Severity::kOk,
-          absl::StrCat(named_.size(), " blobs have their SHA-256"));
+          absl::StrCat(all, " blobs have their SHA-256"));
     } else {
       Add("blobs", Severity::kError,
-          absl::StrCat(bad.size(), " of ", named_.size(), ": ", NamesOf(bad)),
+          absl::StrCat(bad.size(), " of ", all, ": ", NamesOf(bad)),
           "restore these files from a back-up, or delete what names them");
+    }
+  }
+
+  void ReadRecordsAgain() {
+    named_ = {};
+    for (const auto& named : kTables) {
+      const Table table = named.first;
+      // The first reading has said what is wrong.
+      VisitEntries(*catalog_, table, [&](const CatalogEntry& entry) {
+        return named_.Take(table, entry);
+      }).IgnoreError();
     }
   }
 
@@ -349,11 +367,18 @@ class DataCheck {
     std::vector<std::string> orphans;
     int64_t bytes = 0;
     for (const std::string& shelf : List("blobs")) {
+      // Servers delete what is there, or put it back.
+      if (shared_ != nullptr && shelf == "removed") continue;
       const bool drafts = shelf == "drafts";
       for (const std::string& name : List("blobs/" + shelf)) {
-        if (!drafts && (!IsSha256Hex(name) || named_.contains(name))) continue;
-        orphans.push_back(absl::StrCat("blobs/", shelf, "/", name));
-        bytes += BytesOf(absl::StrCat(folder_, "/", orphans.back()));
+        if (!drafts && (!IsSha256Hex(name) || named_.blobs.contains(name))) {
+          continue;
+        }
+        const std::string path = absl::StrCat("blobs/", shelf, "/", name);
+        // Each server that shares the folder has one for its drafts.
+        if (shared_ != nullptr && drafts && List(path).empty()) continue;
+        orphans.push_back(path);
+        bytes += BytesOf(absl::StrCat(folder_, "/", path));
       }
     }
     Report("orphans", "blobs that nothing names", orphans, bytes);
@@ -364,7 +389,7 @@ class DataCheck {
     std::vector<std::string> short_ones;
     std::vector<v1::StoredUpload> abandoned;
     std::vector<std::string> stray;
-    for (const v1::StoredUpload& upload : uploads_) {
+    for (const v1::StoredUpload& upload : named_.uploads) {
       if (!upload.dataset_version().empty()) continue;
       const std::string id = UploadFile(upload);
       const std::string path = absl::StrCat("uploads/", id);
@@ -423,7 +448,7 @@ class DataCheck {
     std::vector<std::string> folders;
     int64_t bytes = 0;
     for (const std::string& id : List("jobs")) {
-      if (live_jobs_.contains(id)) continue;
+      if (named_.live_jobs.contains(id)) continue;
       folders.push_back("jobs/" + id);
       bytes += BytesOf(absl::StrCat(folder_, "/", folders.back()));
     }
@@ -444,26 +469,33 @@ class DataCheck {
 
   FileSystem& files_;
   const std::string folder_;
+  // Null for a data directory.
+  const SharedCatalog* const shared_;
   const DataCheckOptions& options_;
   LostAndFound lost_;
   std::vector<CheckResult> results_;
   std::unique_ptr<DirectoryLock> lock_;
-  std::unique_ptr<Catalog> catalog_;
+  std::unique_ptr<Catalog> own_catalog_;
+  Catalog* catalog_ = nullptr;
+  // Servers use the catalogue at the same time.
+  bool at_work_ = false;
   // Every record could be read.
   bool complete_ = true;
-  // SHA-256 of the blobs that records name.
-  std::set<std::string> named_;
-  std::set<std::string> manifests_;
-  std::vector<v1::StoredUpload> uploads_;
-  // Ids of the operations that have not ended.
-  std::set<std::string> live_jobs_;
+  NamedData named_;
 };
 
 }  // namespace
 
 std::vector<CheckResult> CheckData(FileSystem& files, const std::string& folder,
                                    const DataCheckOptions& options) {
-  return DataCheck(files, folder, options).Run();
+  return DataCheck(files, folder, nullptr, options).Run();
+}
+
+std::vector<CheckResult> CheckSharedData(FileSystem& files,
+                                         const std::string& folder,
+                                         const SharedCatalog& shared,
+                                         const DataCheckOptions& options) {
+  return DataCheck(files, folder, &shared, options).Run();
 }
 
 }  // namespace tactus::internal

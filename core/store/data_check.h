@@ -1,7 +1,8 @@
 // File: data_check.h
 //
 // Checks a data directory that no server uses: catalogue, records, blobs, and
-// what was left behind.
+// what was left behind. Or the same of a catalogue and a folder that servers
+// share; while they are at work, only the records and what these name.
 //
 //   for (const CheckResult& result :
 //        CheckData(PosixFileSystem(), "/data", {.now_ms = now_ms})) {
@@ -14,7 +15,7 @@
 // limits::kAbandonedUploadMs. It deletes no file. It moves nothing if a record
 // cannot be read, because that record may name it.
 //
-// Thread-safe: a free function without state.
+// Thread-safe: free functions without state.
 #pragma once
 
 #include <cstdint>
@@ -22,6 +23,7 @@
 #include <string>
 #include <vector>
 
+#include "core/store/catalog.h"
 #include "core/store/file_system.h"
 
 namespace tactus::internal {
@@ -51,5 +53,21 @@ struct DataCheckOptions {
 
 std::vector<CheckResult> CheckData(FileSystem& files, const std::string& folder,
                                    const DataCheckOptions& options);
+
+// A catalogue that servers share.
+struct SharedCatalog {
+  Catalog* catalog = nullptr;
+  // Its address without a password.
+  std::string address = {};
+  // The servers that are at work on it, for people.
+  std::vector<std::string> servers = {};
+};
+
+// `folder` is the one that the servers share. Repairs nothing while they are at
+// work, and accepts no catalogue.
+std::vector<CheckResult> CheckSharedData(FileSystem& files,
+                                         const std::string& folder,
+                                         const SharedCatalog& shared,
+                                         const DataCheckOptions& options);
 
 }  // namespace tactus::internal

@@ -1,4 +1,4 @@
-// trainctl catalog copy, as a user calls it.
+// trainctl catalog copy, and doctor on what it made.
 #include <filesystem>
 #include <memory>
 
@@ -77,6 +77,40 @@ TEST_F(TrainctlCatalogTest, CopiesThereAndBack) {
   EXPECT_THAT(copied.out,
               HasSubstr(back.json()["records_sha256"].get<std::string>()));
   EXPECT_TRUE(DataFilesBelow(folder_ / "back") == FilledFiles());
+}
+
+TEST(TrainctlCatalogUsageTest, TheDoctorChecksOnePlace) {
+  const std::string catalog = "--catalog=postgresql://db/x";
+  EXPECT_EQ(Trainctl({"doctor", catalog}).exit, kExitUsage);
+  EXPECT_EQ(Trainctl({"doctor", "--repair"}).exit, kExitUsage);
+  EXPECT_EQ(Trainctl({"doctor", catalog, "--blobs=/c", "--data-dir=/d"}).exit,
+            kExitUsage);
+  EXPECT_EQ(
+      Trainctl({"doctor", catalog, "--blobs=/c", "--accept-catalogue"}).exit,
+      kExitUsage);
+}
+
+TEST_F(TrainctlCatalogTest, TheDoctorChecksWhatServersShare) {
+  std::vector<std::string> doctor = {"doctor", "--catalog" + catalog_,
+                                     "--blobs" + blobs_};
+  // Nothing is there, and nothing is made.
+  Outcome checked = Trainctl(doctor);
+  EXPECT_EQ(checked.exit, kExitDoctorErrors);
+  EXPECT_THAT(checked.out, HasSubstr("holds no catalogue"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "shared"));
+  ASSERT_EQ(CopyIn().exit, kExitOk);
+  checked = Trainctl(doctor);
+  EXPECT_THAT(checked.out, AllOf(HasSubstr("ok       blobs"),
+                                 HasSubstr("ok       orphans")));
+  const std::string job = folder_ / "shared/jobs/99";
+  std::filesystem::create_directories(job);
+  checked = Trainctl(doctor);
+  EXPECT_EQ(checked.exit, kExitDoctorWarnings);
+  EXPECT_THAT(checked.out, HasSubstr("warning  jobs"));
+  EXPECT_TRUE(std::filesystem::exists(job));
+  doctor.push_back("--repair");
+  EXPECT_THAT(Trainctl(doctor).out, HasSubstr("lost+found/1: 1 folders"));
+  EXPECT_FALSE(std::filesystem::exists(job));
 }
 
 }  // namespace
