@@ -64,9 +64,9 @@ start_replica() {
 start_proxy() {
   local number servers=""
   for ((number = 1; number <= $1; ++number)); do
-    servers+="    server replica-$number 127.0.0.1:$((base_port + number)) proto h2 check inter 500ms fall 2 maxconn 1900\\n"
+    servers+="    server replica-$number 127.0.0.1:$((base_port + number))\\n"
   done
-  sed -e "s/^    server local .*/${servers%\\n}/" \
+  sed -e "s/^    server local .*/${servers%\\n}/" -e '/^    server alone /d' \
     -e "s/:50051\"/:${proxy_port:-50051}\"/" deploy/haproxy.cfg \
     >"$work/haproxy.cfg"
   TACTUS_BIND=127.0.0.1 haproxy -db -f "$work/haproxy.cfg" \

@@ -52,7 +52,9 @@ fi
 base_port=$((proxy_port + 1000))
 make_postgres
 start_postgres
-for ((number = 1; number <= servers; ++number)); do start_replica "$number"; done
+for ((number = 1; number <= servers; ++number)); do
+  start_replica "$number" --drain-notice-ms=2000
+done
 start_proxy "$servers"
 echo "robots and people: 127.0.0.1:$proxy_port"
 echo "catalogue: $catalog"

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -68,6 +69,7 @@ struct Flags {
   int self_check_ms = limits::kSelfCheckMs;
   TrainingFlags training;
   bool behind_proxy = false;
+  int drain_notice_ms = 0;
 };
 
 absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> HealthCredentials(
@@ -253,6 +255,13 @@ absl::Status Serve(const Flags& flags, StopSignals& signals) {
       flags.tokens ? signals.Wait([&authorizer] { ReloadTokens(*authorizer); })
                    : signals.Wait();
   Notify("STOPPING=1");
+  server->AnnounceStop();
+  if (flags.drain_notice_ms > 0) {
+    spdlog::info("signal {}: NOT_SERVING, draining in {} ms", signal,
+                 flags.drain_notice_ms);
+    std::this_thread::sleep_for(
+        std::chrono::milliseconds(flags.drain_notice_ms));
+  }
   spdlog::info("signal {}: draining {} streams", signal, server->gate().live());
   tokens.reset();
   self_check.reset();
@@ -341,6 +350,12 @@ int Main(int argc, char** argv) {
                  "Time streams have to finish after SIGTERM, SIGINT or, "
                  "without --tokens, SIGHUP")
       ->check(CLI::Range(0, 3'600'000))
+      ->capture_default_str();
+  app.add_option("--drain-notice-ms", flags.drain_notice_ms,
+                 "Time before that grace in which the server reports NOT_SERVING and "
+                 "still takes streams, so that a proxy that asks for its "
+                 "health can give them to others first (deploy/haproxy.cfg)")
+      ->check(CLI::Range(0, 60'000))
       ->capture_default_str();
   app.add_option("--threads", flags.server.threads,
                  "Threads that serve streams; 0: half as many as there are "

@@ -6,7 +6,8 @@
 //   // ... until the process is to end ...
 //   server->Stop();
 //
-// Thread-safe but for Stop, which is called once. `models` must outlive it.
+// Thread-safe but for AnnounceStop and Stop, which are called once. `models`
+// must outlive it.
 #pragma once
 
 #include <chrono>
@@ -79,6 +80,10 @@ class TactusServer {
 
   // Stops without grace if Stop was not called.
   ~TactusServer();
+
+  // Reports NOT_SERVING, and goes on to serve: a proxy that asks for the health
+  // gives its next streams to others. Stop comes later.
+  void AnnounceStop() { SetServing(false); }
 
   // Reports NOT_SERVING, refuses new streams, lets those there are finish
   // within the grace, ends the rest with DRAINING. Returns within the grace
