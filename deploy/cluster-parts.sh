@@ -59,6 +59,17 @@ start_replica() {
     "$work/replica-$number.log"
 }
 
+# start_worker N [FLAGS...]: a worker of the same catalogue. Its process is
+# ${worker[N]}.
+declare -A worker
+start_worker() {
+  local number=$1
+  "$bin/tactus-worker" --catalog="$catalog" --blobs="$work/shared" "${@:2}" \
+    >>"$work/worker-$number.log" 2>&1 &
+  worker[$number]=$!
+  programs=("$!" "${programs[@]}")
+}
+
 # start_proxy COUNT: HAProxy at 127.0.0.1:50051 before that many replicas; with
 # $proxy_port at another port.
 start_proxy() {

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Three servers that share one catalogue, PostgreSQL and HAProxy, all on this
-# machine: to see how a larger Tactus works (docs/scaling.md).
+# Three servers that share one catalogue, a worker that runs their jobs,
+# PostgreSQL and HAProxy, all on this machine: to see how a larger Tactus works
+# (docs/scaling.md).
 #
 #   deploy/cluster.sh                three servers behind 127.0.0.1:50051
 #   deploy/cluster.sh --port=50051   at another port
@@ -45,7 +46,8 @@ trap 'exit 0' INT TERM
 
 if [[ $build == yes ]]; then
   deploy/install-deps.sh --tests
-  build_programs cluster tactusd tactus-trainer tactus-stream trainctl
+  build_programs cluster tactusd tactus-trainer tactus-worker tactus-stream \
+    trainctl
 fi
 # Used by cluster-parts.sh.
 # shellcheck disable=SC2034
@@ -53,8 +55,9 @@ base_port=$((proxy_port + 1000))
 make_postgres
 start_postgres
 for ((number = 1; number <= servers; ++number)); do
-  start_replica "$number" --drain-notice-ms=2000
+  start_replica "$number" --jobs=none --drain-notice-ms=2000
 done
+start_worker 1
 start_proxy "$servers"
 echo "robots and people: 127.0.0.1:$proxy_port"
 echo "catalogue: $catalog"

@@ -113,6 +113,9 @@ readonly TESTS=(
   python3-sklearn
   rsync
   shellcheck
+  slurm-client
+  slurmctld
+  slurmd
   sqlite3
   umockdev
 )

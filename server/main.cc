@@ -327,14 +327,8 @@ int Main(int argc, char** argv) {
                  "Folder for datasets, jobs and models; without it, the server "
                  "only classifies");
   flags.training.AddCatalog(app);
-  flags.training.AddJobs(app);
+  flags.training.AddJobs({"local", "slurm", "none"}, app);
   flags.training.AddQuotas(app);
-  app.add_option(
-         "--jobs", flags.training.jobs,
-         "Who runs trainings and evaluations: local, this server; none, "
-         "other servers or workers of --catalog")
-      ->check(CLI::IsMember({"local", "none"}))
-      ->capture_default_str();
   app.add_option("--keep-contacts", flags.keep_contacts,
                  "Keep the last contacts in the data directory, in so many "
                  "bytes, such as 1G: people see them with trainctl contacts, "
@@ -351,10 +345,11 @@ int Main(int argc, char** argv) {
                  "without --tokens, SIGHUP")
       ->check(CLI::Range(0, 3'600'000))
       ->capture_default_str();
-  app.add_option("--drain-notice-ms", flags.drain_notice_ms,
-                 "Time before that grace in which the server reports NOT_SERVING and "
-                 "still takes streams, so that a proxy that asks for its "
-                 "health can give them to others first (deploy/haproxy.cfg)")
+  app.add_option(
+         "--drain-notice-ms", flags.drain_notice_ms,
+         "Time before that grace in which the server reports NOT_SERVING and "
+         "still takes streams, so that a proxy that asks for its "
+         "health can give them to others first (deploy/haproxy.cfg)")
       ->check(CLI::Range(0, 60'000))
       ->capture_default_str();
   app.add_option("--threads", flags.server.threads,

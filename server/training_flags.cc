@@ -58,7 +58,17 @@ void TrainingFlags::AddCatalog(CLI::App& app) {
   folder->needs(address);
 }
 
-void TrainingFlags::AddJobs(CLI::App& app) {
+void TrainingFlags::AddJobs(const std::vector<std::string>& who,
+                            CLI::App& app) {
+  app.add_option("--jobs", jobs,
+                 "Who runs jobs: local, this process; slurm, a Slurm cluster "
+                 "the trainings and this process the rest; none, others of "
+                 "--catalog")
+      ->check(CLI::IsMember(who))
+      ->capture_default_str();
+  app.add_option("--sbatch", sbatch,
+                 "With --jobs=slurm: an argument of sbatch, like "
+                 "--partition=long; may be repeated");
   app.add_option("--trainer", trainer,
                  "Program that runs jobs; default: tactus-trainer beside this "
                  "program");
@@ -127,6 +137,17 @@ std::string TrainingFlags::TrainerProgram() const {
 }
 
 absl::Status TrainingFlags::Check() const {
+  if (jobs != "slurm") return CheckRanks();
+  for (const char* const program : {"sbatch", "scancel", "scontrol"}) {
+    if (!FindProgram(program).empty()) continue;
+    return InvalidConfig(
+        "--jobs", jobs,
+        absl::StrCat("local: there is no ", program, "; install slurm-client"));
+  }
+  return CheckRanks();
+}
+
+absl::Status TrainingFlags::CheckRanks() const {
   if (job_ranks == 1) return absl::OkStatus();
   const std::string program = TrainerProgram() + "-mpi";
   if (access(program.c_str(), X_OK) != 0) {
@@ -163,11 +184,18 @@ TrainingBackend::Options TrainingFlags::Options(
       launcher.insert(launcher.end(), {"--hostfile", job_hosts});
     }
   }
+  std::optional<SlurmJob::Options> slurm;
+  if (jobs == "slurm") {
+    slurm = {.process = process, .ranks = job_ranks, .sbatch = sbatch};
+    slurm->process.start_threads = slurm->process.threads =
+        asked ? job_threads : 1;
+  }
   return {.folder = catalog.empty() ? data_dir : blobs,
           .shared = {.catalog = catalog, .address = address},
-          .runs_jobs = jobs == "local",
+          .runs_jobs = jobs != "none",
           .jobs = {.process = process,
                    .training_launcher = launcher,
+                   .slurm = slurm,
                    .host = HostName()},
           .quotas = {.stored_bytes = quota_stored_mb * kBytesPerMb,
                      .datasets = quota_datasets,

@@ -5,7 +5,7 @@
 //
 //   TrainingFlags flags;
 //   flags.AddCatalog(app);
-//   flags.AddJobs(app);
+//   flags.AddJobs({"local", "none"}, app);
 //   TACTUS_RETURN_IF_ERROR(flags.Check());
 //   const TrainingBackend::Options options = flags.Options(address);
 //   TACTUS_ASSIGN_OR_RETURN(auto backend,
@@ -17,6 +17,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "CLI/CLI.hpp"
 #include "absl/status/status.h"
@@ -39,6 +40,7 @@ struct TrainingFlags {
   int job_threads = 0;
   int job_ranks = 1;
   std::string job_hosts;
+  std::vector<std::string> sbatch;
   int64_t quota_stored_mb = limits::kMaxClientBytes / kBytesPerMb;
   int64_t quota_datasets = limits::kMaxClientDatasets;
   int64_t quota_jobs = limits::kMaxClientQueuedJobs;
@@ -48,20 +50,21 @@ struct TrainingFlags {
 
   // --catalog and --blobs.
   void AddCatalog(CLI::App& app);
-  // How the processes of jobs run.
-  void AddJobs(CLI::App& app);
+  // Who runs jobs, one of `who`, and how.
+  void AddJobs(const std::vector<std::string>& who, CLI::App& app);
   // What each client may have, and which jobs are kept.
   void AddQuotas(CLI::App& app);
 
   // Whether there is anything to open.
   bool given() const { return !data_dir.empty() || !catalog.empty(); }
-  // INVALID_CONFIG if jobs are to have several ranks and a program for that is
-  // missing.
+  // INVALID_CONFIG if jobs are to run with several ranks, or on a Slurm
+  // cluster, and a program for that is missing.
   absl::Status Check() const;
   // `address`: where the server listens; empty for a worker.
   TrainingBackend::Options Options(const std::string& address) const;
 
  private:
+  absl::Status CheckRanks() const;
   std::string TrainerProgram() const;
 };
 

@@ -63,7 +63,7 @@ int WorkerMain(int argc, char** argv) {
   app.set_version_flag("--version", std::string("tactus-worker ") + kVersion);
   flags.training.AddCatalog(app);
   app.get_option("--catalog")->required();
-  flags.training.AddJobs(app);
+  flags.training.AddJobs({"local", "slurm"}, app);
   app.add_option("--log-level", flags.log_level,
                  "trace, debug, info, warn, error or off")
       ->capture_default_str();

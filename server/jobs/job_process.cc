@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <csignal>
 #include <cstring>
 #include <thread>
@@ -14,13 +15,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
-#include "core/base/limits.h"
 #include "core/base/thread_priority.h"
 
 namespace tactus::internal::server {
 namespace {
 
-constexpr size_t kLengthBytes = 4;
 constexpr size_t kReadBytes = 64 * 1024;
 // How often a process that closed its output is asked whether it has ended.
 constexpr std::chrono::milliseconds kEndPoll(2);
@@ -110,16 +109,13 @@ JobProcess::~JobProcess() {
 JobProcess::News JobProcess::Next(std::chrono::milliseconds timeout,
                                   v1::JobEvent* event) {
   while (true) {
-    if (buffer_.size() >= kLengthBytes) {
-      uint32_t length = 0;
-      std::memcpy(&length, buffer_.data(), sizeof length);
-      if (length > limits::kMaxJobEventBytes) return Garbage();
-      if (buffer_.size() >= kLengthBytes + length) {
-        const bool parsed = event->ParseFromArray(buffer_.data() + kLengthBytes,
-                                                  static_cast<int>(length));
-        buffer_.erase(0, kLengthBytes + length);
-        return parsed ? News::kEvent : Garbage();
-      }
+    switch (bytes_.Take(event)) {
+      case EventBytes::Found::kEvent:
+        return News::kEvent;
+      case EventBytes::Found::kGarbage:
+        return Garbage();
+      case EventBytes::Found::kNone:
+        break;
     }
     pollfd wait = {.fd = output_, .events = POLLIN, .revents = 0};
     const int ready = poll(&wait, 1, static_cast<int>(timeout.count()));
@@ -128,10 +124,9 @@ JobProcess::News JobProcess::Next(std::chrono::milliseconds timeout,
       if (errno == EINTR) continue;
       return News::kClosed;
     }
-    const size_t old_size = buffer_.size();
-    buffer_.resize(old_size + kReadBytes);
-    const ssize_t got = read(output_, buffer_.data() + old_size, kReadBytes);
-    buffer_.resize(old_size + static_cast<size_t>(got > 0 ? got : 0));
+    std::array<char, kReadBytes> buffer;
+    const ssize_t got = read(output_, buffer.data(), buffer.size());
+    if (got > 0) bytes_.Append({buffer.data(), static_cast<size_t>(got)});
     if (got == 0 || (got < 0 && errno != EINTR)) return News::kClosed;
   }
 }

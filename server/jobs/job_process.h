@@ -21,11 +21,13 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "server/jobs/event_bytes.h"
+#include "server/jobs/job_run.h"
 #include "tactus/v1/storage.pb.h"
 
 namespace tactus::internal::server {
 
-class JobProcess {
+class JobProcess final : public JobRun {
  public:
   struct Options {
     // Path of the program tactus-trainer.
@@ -39,33 +41,19 @@ class JobProcess {
     int start_threads = 1;
     int threads = 1;
   };
-  struct End {
-    // It exited with status 0.
-    bool ok = false;
-    // Its exit status; -1 if a signal ended it.
-    int status = -1;
-    // How it ended, for people: "exited with status 3", "was ended by SIGKILL".
-    std::string text;
-  };
-
   // Runs `launcher program folder start_threads threads`. Its standard error
   // goes to the file "log" in `folder`. IO.
   static absl::StatusOr<std::unique_ptr<JobProcess>> Start(
       const Options& options, const std::string& folder);
   // Kills it if it still runs.
-  ~JobProcess();
+  ~JobProcess() override;
 
-  // What Next found.
-  enum class News { kEvent, kNone, kClosed };
-  // Waits for the next event, at most for `timeout`. kClosed if there will be
-  // none: the process has closed its output, or it wrote something else and was
-  // killed for that.
-  News Next(std::chrono::milliseconds timeout, v1::JobEvent* event);
-
-  // Asks it to end (SIGTERM), or kills it (SIGKILL).
-  void Terminate(bool kill);
-  // Waits until it has ended; kills it if that takes longer than `patience`.
-  End Wait(std::chrono::milliseconds patience);
+  // kClosed if the process has closed its output, or if it wrote something else
+  // and was killed for that.
+  News Next(std::chrono::milliseconds timeout, v1::JobEvent* event) override;
+  // By SIGTERM or SIGKILL.
+  void Terminate(bool kill) override;
+  End Wait(std::chrono::milliseconds patience) override;
 
  private:
   JobProcess(pid_t pid, int output) : pid_(pid), output_(output) {}
@@ -74,8 +62,7 @@ class JobProcess {
 
   pid_t pid_;
   int output_;
-  // Bytes of an event that is not complete.
-  std::string buffer_;
+  EventBytes bytes_;
 };
 
 }  // namespace tactus::internal::server

@@ -321,14 +321,9 @@ absl::Status JobQueue::RunProcess(const Lock& lock, Operation& operation) {
   const std::string folder = data_->JobPath(name.id);
   TACTUS_ASSIGN_OR_RETURN(const PinnedVersion dataset,
                           WriteSpec(operation, folder));
-  JobProcess::Options started = options_.process;
-  if (operation.kind() == Operation::KIND_TRAIN) {
-    started.launcher = options_.training_launcher;
-  }
-  TACTUS_ASSIGN_OR_RETURN(const auto process,
-                          JobProcess::Start(started, folder));
-  TACTUS_RETURN_IF_ERROR(Follow(lock, operation.name(), *process));
-  const JobProcess::End end = process->Wait(kPatience);
+  TACTUS_ASSIGN_OR_RETURN(const auto run, Start(operation, folder));
+  TACTUS_RETURN_IF_ERROR(Follow(lock, operation.name(), *run));
+  const JobRun::End end = run->Wait(kPatience);
   if (const auto latest = operations_->Get(operation.name()); latest.ok()) {
     *operation.mutable_progress() = latest->progress();
   }
@@ -343,9 +338,19 @@ absl::Status JobQueue::RunProcess(const Lock& lock, Operation& operation) {
   return ExplainModels(operation, dataset.Explain(taken));
 }
 
+absl::StatusOr<std::unique_ptr<JobRun>> JobQueue::Start(
+    const Operation& operation, const std::string& folder) const {
+  JobProcess::Options process = options_.process;
+  if (operation.kind() == Operation::KIND_TRAIN) {
+    if (options_.slurm) return SlurmJob::Start(*options_.slurm, folder);
+    process.launcher = options_.training_launcher;
+  }
+  return JobProcess::Start(process, folder);
+}
+
 absl::Status JobQueue::Explain(const std::string& name,
                                const std::string& folder,
-                               const JobProcess::End& end) const {
+                               const JobRun::End& end) const {
   if (end.status == kExitStorageFull) {
     return StorageFull(folder,
                        absl::StrCat("no room for the result of ", name));
@@ -432,7 +437,7 @@ absl::StatusOr<PinnedVersion> JobQueue::WriteSpec(
 }
 
 absl::Status JobQueue::Follow(const Lock& lock, const std::string& name,
-                              JobProcess& process) {
+                              JobRun& run) {
   std::vector<v1::LearningPoint> points;
   v1::OperationProgress progress;
   auto stored = steady_clock::now();
@@ -459,10 +464,10 @@ absl::Status JobQueue::Follow(const Lock& lock, const std::string& name,
   };
   while (true) {
     v1::JobEvent event;
-    const JobProcess::News news = process.Next(kPoll, &event);
-    if (news == JobProcess::News::kClosed) break;
+    const JobRun::News news = run.Next(kPoll, &event);
+    if (news == JobRun::News::kClosed) break;
     const auto now = steady_clock::now();
-    if (news == JobProcess::News::kEvent) {
+    if (news == JobRun::News::kEvent) {
       const int64_t elapsed = now_() - operation.start_time_ms();
       if (event.has_point()) {
         points.push_back(event.point());
@@ -487,13 +492,13 @@ absl::Status JobQueue::Follow(const Lock& lock, const std::string& name,
       if (!kept.ok() && !absl::IsUnavailable(kept)) return kept;
       if (data_->is_shared()) LookForCancellation(name);
     }
-    if (stopping_) process.Terminate(true);
+    if (stopping_) run.Terminate(true);
     if (IsCancelled(name)) {
       if (!asked.has_value()) {
         asked = now;
-        process.Terminate(false);
+        run.Terminate(false);
       } else if (now - *asked >= kPatience) {
-        process.Terminate(true);
+        run.Terminate(true);
       }
     }
   }

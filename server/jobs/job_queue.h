@@ -36,7 +36,9 @@
 #include "absl/strings/string_view.h"
 #include "core/store/data_directory.h"
 #include "server/jobs/job_process.h"
+#include "server/jobs/job_run.h"
 #include "server/jobs/retry_log.h"
+#include "server/jobs/slurm_job.h"
 #include "server/records/caller.h"
 #include "server/records/dataset_store.h"
 #include "server/records/model_store.h"
@@ -51,6 +53,8 @@ class JobQueue {
     JobProcess::Options process = {};
     // What starts the process of a training (JobProcess::Options::launcher).
     std::vector<std::string> training_launcher = {};
+    // Trainings run on a Slurm cluster, if that is set.
+    std::optional<SlurmJob::Options> slurm = {};
     int attempts = 3;
     // Between two writes of the learning curve.
     std::chrono::milliseconds store_interval{500};
@@ -100,9 +104,11 @@ class JobQueue {
   // Starts the process of a job, and returns how the operation ends: OK with
   // the result in `operation`, or why it failed.
   absl::Status RunProcess(const Lock& lock, v1::Operation& operation);
+  absl::StatusOr<std::unique_ptr<JobRun>> Start(
+      const v1::Operation& operation, const std::string& folder) const;
   // The error of a process that ended without an outcome.
   absl::Status Explain(const std::string& name, const std::string& folder,
-                       const JobProcess::End& end) const;
+                       const JobRun::End& end) const;
   // The SHA-256 of a version's bundle; empty for a built-in one, which is no
   // blob and is written to `file`.
   absl::StatusOr<std::string> GiveModel(const std::string& version,
@@ -114,8 +120,7 @@ class JobQueue {
   // works on.
   absl::StatusOr<PinnedVersion> WriteSpec(const v1::Operation& operation,
                                           const std::string& folder) const;
-  absl::Status Follow(const Lock& lock, const std::string& name,
-                      JobProcess& process);
+  absl::Status Follow(const Lock& lock, const std::string& name, JobRun& run);
   absl::Status TakeOutcome(const Lock& lock, const std::string& folder,
                            v1::Operation& operation);
   absl::Status Publish(const Lock& lock, const std::string& folder,

@@ -190,6 +190,61 @@ for number in 4 5; do
 done
 promise "a token that was removed works at no server a second later"
 
+# ----------------------------------------------------------------- workers
+for number in "${!replica[@]}"; do
+  kill -TERM "${replica[$number]}"
+  wait "${replica[$number]}" 2>/dev/null || true
+done
+start_replica 6 --jobs=none
+# A bundle names its operation, so both servers have done as many.
+trainctl models promote skin@1 --alias=arm "$alone" >/dev/null
+start_worker 1
+start_worker 2
+trainctl "${train[@]}" "$alone" >/dev/null 2>&1
+wanted=$(trainctl models show skin@2 --json "$alone" | field sha256)
+job=$(trainctl "${train[@]}" --detach --json "$(at 6)" | field name)
+trainer_of() { pgrep -P "$1" tactus-trainer >/dev/null; }
+runner=""
+for ((i = 0; i < 400 && ${#runner} == 0; ++i)); do
+  for number in 1 2; do
+    ! trainer_of "${worker[$number]}" || runner=$number
+  done
+  sleep 0.05
+done
+[[ -n $runner ]] || die "no worker runs $job"
+sleep 1
+kill -KILL "${worker[$runner]}"
+killed=$(date +%s%N)
+await trainer_of "${worker[$((3 - runner))]}"
+promise "a job whose worker was killed goes on at another one after $((($(date +%s%N) - killed) / 1000000)) ms"
+trainctl jobs watch "${job#operations/}" "$(at 6)" >"$work/watch.log" 2>&1 ||
+  die "the job does not end: $(cat "$work/watch.log")"
+got=$(trainctl models show skin@2 --json "$(at 6)" | field sha256)
+[[ $got == "$wanted" ]] || die "its bundle is $got, that of one server alone $wanted"
+promise "its bundle, which a server without jobs serves, is the same"
+for number in 1 2; do kill -KILL "${worker[$number]}" 2>/dev/null || true; done
+
+# ------------------------------------------------------------------- Slurm
+if command -v slurmctld >/dev/null; then
+  tests/cluster/slurm.sh "$work/slurm" >"$work/slurm.log" 2>&1 &
+  programs=("$!" "${programs[@]}")
+  export SLURM_CONF=$work/slurm/slurm.conf
+  await test -e "$work/slurm/ready"
+  trainctl "${train[@]}" "$alone" >/dev/null 2>&1
+  wanted=$(trainctl models show skin@3 --json "$alone" | field sha256)
+  start_worker 3 --jobs=slurm
+  trainctl "${train[@]}" "$(at 6)" >"$work/train.log" 2>&1 ||
+    die "$(cat "$work/train.log")"
+  ran=$(squeue --noheader --states=all --format=%T | sort | uniq -c | xargs)
+  got=$(trainctl models show skin@3 --json "$(at 6)" | field sha256)
+  [[ $got == "$wanted" ]] ||
+    die "the bundle of Slurm is $got, that of one server alone $wanted"
+  [[ $ran == "1 COMPLETED" ]] || die "Slurm has run: $ran"
+  promise "a training that Slurm has run makes the same bundle"
+fi
+start_replica 1
+start_replica 2
+
 silent=$(trainctl server info "$(at 1)" | grep -c '^replicas/.*server' || true)
 [[ $silent -ge 3 ]] || die "server info names $silent servers"
 promise "all promises are kept"

@@ -12,9 +12,13 @@
 #include "core/base/status_macros.h"
 #include "core/store/records.h"
 #include "core/train/fit.h"
+#include "server/jobs/command.h"
+#include "server/jobs/event_bytes.h"
 #include "server/jobs/job_process.h"
 #include "server/jobs/job_queue.h"
+#include "server/jobs/job_run.h"
 #include "server/jobs/retry_log.h"
+#include "server/jobs/slurm_job.h"
 #include "server/jobs/training_backend.h"
 #include "server/names/resource_names.h"
 #include "server/records/audit_log.h"
@@ -233,6 +237,30 @@ static void RunOnThreadsExample(
     const std::vector<const LabelledContact*>& contacts,
     const FitOptions& options) {
 #include "core/base/run_on_threads.h.inc"
+}
+
+void Use(const v1::JobEvent& event);
+
+static void JobRunExample(JobRun& run, std::chrono::milliseconds timeout,
+                          std::chrono::milliseconds patience) {
+#include "server/jobs/job_run.h.inc"
+}
+
+static void EventBytesExample(const std::string& read_now) {
+#include "server/jobs/event_bytes.h.inc"
+}
+
+static absl::Status CommandExample() {
+#include "server/jobs/command.h.inc"
+  return absl::OkStatus();
+}
+
+static absl::Status SlurmJobExample(const SlurmJob::Options& options,
+                                    const std::string& folder,
+                                    std::chrono::milliseconds timeout,
+                                    std::chrono::milliseconds patience) {
+#include "server/jobs/slurm_job.h.inc"
+  return absl::OkStatus();
 }
 
 static void RetryLogExample() {
