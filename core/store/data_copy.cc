@@ -72,11 +72,12 @@ class DataCopy {
       return IoError(from_.folder,
                      "no server has used it. There is nothing to copy");
     }
+    // Before they are read for what they name: what changes later is seen.
+    TACTUS_ASSIGN_OR_RETURN(source_, DigestRecords(*from_.catalog));
     for (const auto& named : kTables) {
       const Table table = named.first;
       TACTUS_RETURN_IF_ERROR(
           VisitEntries(*from_.catalog, table, [&](const CatalogEntry& entry) {
-            if (IsCopied(table, entry.key)) ++records_;
             return named_.Take(table, entry);
           }));
     }
@@ -379,8 +380,9 @@ class DataCopy {
 
   absl::Status CopyAllRecords() {
     const Progress part = progress_.Part("copying records", 1);
-    return CopyRecords(*from_.catalog, *to_.catalog, mark_,
-                       [&](int64_t more) { part.Add(Share(more, records_)); });
+    return CopyRecords(*from_.catalog, *to_.catalog, mark_, [&](int64_t more) {
+      part.Add(Share(more, source_.records));
+    });
   }
 
   absl::Status CheckTarget() {
@@ -389,7 +391,7 @@ class DataCopy {
                             DigestRecords(*from_.catalog));
     TACTUS_ASSIGN_OR_RETURN(const RecordsDigest target,
                             DigestRecords(*to_.catalog));
-    if (source.sha256 != target.sha256) {
+    if (source.sha256 != source_.sha256 || source.sha256 != target.sha256) {
       return IoError(
           to_.folder,
           absl::StrCat("the source has ", source.records,
@@ -428,9 +430,9 @@ class DataCopy {
   const Progress& progress_;
   CopyReport report_;
   CopyMark mark_;
-  // What the source names, and how many records it has.
+  // The source's records at the beginning, and what they name.
+  RecordsDigest source_;
   NamedData named_;
-  int64_t records_ = 0;
   // Those of the target.
   std::unique_ptr<BlobStore> blobs_;
 };

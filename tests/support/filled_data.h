@@ -7,6 +7,7 @@
 //   EXPECT_EQ(testing::FilesBelow(a), testing::FilesBelow(b));
 #pragma once
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -26,6 +27,12 @@
 #include "tests/support/scratch_dir.h"
 
 namespace tactus::internal::testing {
+
+// From one interruption of a copy to the next one that is tried: a quick test
+// leaves most out.
+inline int StepOfInterruptions() {
+  return std::getenv("TACTUS_LONG") != nullptr ? 1 : 7;
+}
 
 inline constexpr int kFilledTrials = 5;
 // More than a transaction copies.
