@@ -415,7 +415,6 @@ class DataCopy {
   absl::Status End() {
     TACTUS_RETURN_IF_ERROR(StillOurs());
     TACTUS_RETURN_IF_ERROR(files_.RemoveAll(DraftFolder()));
-    TACTUS_RETURN_IF_ERROR(files_.SyncAll(to_.folder));
     TACTUS_RETURN_IF_ERROR(MarkDirectory(files_, to_.folder, *to_.catalog));
     TACTUS_RETURN_IF_ERROR(to_.catalog->Change(
         [&](Transaction& change) { return EndCopy(change, mark_); }));
