@@ -114,6 +114,30 @@ TEST_F(SharedCopyTest, ATargetWithRecordsIsRefused) {
   EXPECT_FALSE(std::filesystem::exists(blobs_ + "/blobs"));
 }
 
+// One that is there from the beginning, and one that starts meanwhile.
+TEST_F(SharedCopyTest, ServersAtTheCatalogueAreRefused) {
+  const auto source = OpenDirectoryToCopy(PosixFileSystem(), from_);
+  int calls = 0;
+  const auto copy = [&](int first_call) {
+    CopyPlace target = Shared();
+    calls = 0;
+    target.servers = [&calls, first_call] {
+      std::vector<std::string> servers;
+      if (++calls >= first_call) servers.push_back("replicas/3 (here, here:1)");
+      return absl::StatusOr<std::vector<std::string>>(servers);
+    };
+    return CopyData(PosixFileSystem(), (*source)->place(), target).status();
+  };
+  EXPECT_THAT(Message(copy(1)), HasSubstr("replicas/3 (here, here:1)"));
+  EXPECT_TRUE(Records(*shared_).empty());
+  EXPECT_FALSE(std::filesystem::exists(blobs_));
+  EXPECT_THAT(Message(copy(2)), HasSubstr("servers are at work"));
+  EXPECT_EQ(calls, 2);
+  EXPECT_THAT(Message(Serve()), HasSubstr("is not finished"));
+  EXPECT_TRUE(copy(3).ok());
+  EXPECT_TRUE(Serve().ok());
+}
+
 TEST_F(SharedCopyTest, AFolderOfAnotherCatalogueIsRefused) {
   ASSERT_TRUE(Serve().ok());
   auto other = OpenPostgresCatalog(server_->NewDatabase());
