@@ -176,6 +176,8 @@ section Prepare
 section "Stop and copy"
 section "Start three servers"
 [[ $(grep -c '^replicas/.*server' log) -eq 3 ]] || fail "not three servers are named"
+grep -Eq "^warning  lock .*replicas/" log || fail "the doctor does not see the servers"
+grep -q "^ok       blobs" log || fail "the doctor does not check blobs"
 export TACTUS_SERVER=unix:$work/two/tactusd.sock
 state >after-state
 diff before-state after-state || fail "the three servers have other data"
