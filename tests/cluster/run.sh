@@ -5,23 +5,24 @@
 #
 #   tests/cluster/run.sh --quick BIN    programs in BIN; about a minute
 #   tests/cluster/run.sh --ranks BIN    trainings of several ranks (ranks.sh)
+#   tests/cluster/run.sh --chaos BIN    twenty minutes of faults (chaos.sh)
 #
 # Prints one line for each promise. Exits with 77 if PostgreSQL or HAProxy is not
 # installed.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
-bin=build/release/bin ranks=""
+bin=build/release/bin other=""
 for arg in "$@"; do
   case "$arg" in
     --quick) ;;
-    --ranks) ranks=yes ;;
+    --ranks | --chaos) other=${arg#--} ;;
     -h | --help) sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "$0"; exit 0 ;;
     -*) echo "cluster: unknown option '$arg' (try --help)" >&2; exit 2 ;;
     *) bin=$arg ;;
   esac
 done
-[[ -z $ranks ]] || exec tests/cluster/ranks.sh "$bin"
+[[ -z $other ]] || exec "tests/cluster/$other.sh" "$bin"
 for program in /usr/lib/postgresql/15/bin/initdb haproxy; do
   command -v "$program" >/dev/null || {
     echo "cluster: $program is not installed"
