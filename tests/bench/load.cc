@@ -17,8 +17,11 @@ namespace tactus::internal::client {
 namespace {
 
 struct LoadBenchOptions {
-  LoadOptions load = {
-      .address = "", .robots = 200, .seconds = 5, .connections = 8};
+  LoadOptions load = {.address = "",
+                      .robots = 200,
+                      .seconds = 5,
+                      .cadence = v1::RESULT_CADENCE_EVERY_N_FRAMES,
+                      .connections = 8};
   FindMaxOptions search = {.min_robots = 100};
   int repetitions = 3;
 };

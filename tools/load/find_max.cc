@@ -22,7 +22,8 @@ absl::StatusOr<LoadReport> FindMaxRobots(
       TACTUS_ASSIGN_OR_RETURN(const LoadReport report,
                               RunLoad(options, script));
       on_test(report);
-      passed = report.ok() && report.p99_ms <= search.p99_limit_ms;
+      passed = report.ok() && report.p99_ms <= search.p99_limit_ms &&
+               report.final_p50_ms <= search.p99_limit_ms;
       if (passed) best = report;
     }
     if (!passed) too_many = robots;

@@ -9,6 +9,18 @@ namespace tactus::internal::client {
 void LatencyHistogram::Add(int64_t delay_ns) {
   delay_ns = std::max<int64_t>(0, delay_ns);
   counts_[BucketOf(delay_ns)].fetch_add(1, std::memory_order_relaxed);
+  RaiseMax(delay_ns);
+}
+
+void LatencyHistogram::Add(const LatencyHistogram& other) {
+  for (size_t i = 0; i < kBuckets; ++i) {
+    counts_[i].fetch_add(other.counts_[i].load(std::memory_order_relaxed),
+                         std::memory_order_relaxed);
+  }
+  RaiseMax(other.max_ns());
+}
+
+void LatencyHistogram::RaiseMax(int64_t delay_ns) {
   int64_t max = max_ns();
   while (delay_ns > max && !max_ns_.compare_exchange_weak(
                                max, delay_ns, std::memory_order_relaxed)) {

@@ -4,9 +4,10 @@
 //
 //   histogram.Add(delay_ns);
 //   histogram.PercentileNs(0.99);
+//   all.Add(histogram);
 //
-// Add may be called from any thread and locks nothing. What is read while
-// others add is a moment's view.
+// Add of a delay may be called from any thread and locks nothing. What is read
+// while others add is a moment's view.
 #pragma once
 
 #include <array>
@@ -20,6 +21,8 @@ class LatencyHistogram {
  public:
   // A negative delay counts as 0.
   void Add(int64_t delay_ns);
+  // Adds all delays of `other`; they keep their buckets.
+  void Add(const LatencyHistogram& other);
 
   uint64_t count() const;
   int64_t max_ns() const { return max_ns_.load(std::memory_order_relaxed); }
@@ -28,6 +31,8 @@ class LatencyHistogram {
   int64_t PercentileNs(double share) const;
 
  private:
+  void RaiseMax(int64_t delay_ns);
+
   // Every power of two is cut into 128 equal buckets.
   static constexpr int kBits = 7;
   static constexpr size_t kBuckets = (64 - kBits) << kBits;

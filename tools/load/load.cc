@@ -12,10 +12,12 @@
 
 #include "core/base/errors.h"
 #include "core/base/limits.h"
+#include "core/base/random.h"
 #include "core/base/status_macros.h"
 #include "core/base/thread_priority.h"
 #include "tools/load/event_loop.h"
 #include "tools/load/load_stream.h"
+#include "tools/load/load_tally.h"
 
 namespace tactus::internal::client {
 namespace {
@@ -33,6 +35,9 @@ constexpr seconds kOpenTimeout(30);
 // For answers after the last message.
 constexpr seconds kAnswerTimeout(3);
 constexpr seconds kCloseTimeout(10);
+// The seed's stream for the robots' last messages; Schedule uses the seed
+// itself.
+constexpr uint64_t kEndsStream = 1;
 // Cancelled streams end.
 constexpr std::chrono::hours kForEver(1);
 
@@ -65,17 +70,21 @@ class LoadTest {
       : options_(options) {
     shared_.script = &script;
     shared_.frames_per_message = options.frames_per_message;
+    shared_.cadence = options.cadence;
   }
 
   LoadReport Run() {
     OpenAll();
-    const double cpu = ProcessSeconds();
+    const double cpu_s = ProcessSeconds();
     const auto start = steady_clock::now();
     SendAll();
     AwaitAnswers();
     const std::chrono::duration<double> elapsed = steady_clock::now() - start;
-    LoadReport report = CloseAll(ProcessSeconds() - cpu, elapsed.count());
-    return report;
+    shared_.tally.elapsed_s = elapsed.count();
+    shared_.tally.cpu_s = ProcessSeconds() - cpu_s;
+    CountAnswers();
+    CloseAll();
+    return ReportOf(shared_.tally);
   }
 
  private:
@@ -117,12 +126,33 @@ class LoadTest {
     tick_ns_ = start_ns;
     const auto messages = static_cast<uint64_t>(
         std::max(1.0, options_.seconds * 1e9 / period_ns));
-    for (uint64_t message = 0; message < messages; ++message) {
+    const std::vector<uint64_t> ends = DrawEnds(messages);
+    for (uint64_t message = 0; message <= messages; ++message) {
       for (LoadStream* stream : senders_) {
-        WaitUntilDue(schedule.DueNs(stream->robot(), message));
-        stream->Offer();
+        const uint64_t end = ends[stream->robot()];
+        if (message > end || (message == end && shared_.answers_all())) {
+          continue;
+        }
+        const int64_t due_ns = schedule.DueNs(stream->robot(), message);
+        WaitUntilDue(due_ns);
+        if (message < end) {
+          stream->Offer();
+        } else {
+          stream->Close(due_ns);
+        }
       }
     }
+  }
+
+  // How many messages each robot sends. If only the last answer of a stream
+  // shows that all was processed, robots leave one by one in the last tenth of
+  // the test: a server that ends all streams at once would be slow to do so.
+  std::vector<uint64_t> DrawEnds(uint64_t messages) const {
+    std::vector<uint64_t> ends(options_.robots, messages);
+    if (shared_.answers_all()) return ends;
+    Random random = Random::ForStream(options_.seed, kEndsStream);
+    for (uint64_t& end : ends) end -= random.Index(messages / 10 + 1);
+    return ends;
   }
 
   // Takes what has come meanwhile, once a tick, even when late.
@@ -138,50 +168,46 @@ class LoadTest {
   }
 
   void AwaitAnswers() {
+    // The last message is answered even if answers were superseded.
     const auto all_answered = [this] {
       return std::all_of(senders_.begin(), senders_.end(),
                          [](const LoadStream* stream) {
-                           return stream->answered() + stream->superseded() >=
-                                  stream->offered();
+                           return stream->processed() >= stream->offered();
                          });
     };
     loop_.HandleUntil(all_answered, kAnswerTimeout);
   }
 
-  LoadReport CloseAll(double cpu_seconds, double elapsed) {
+  void CountAnswers() {
+    LoadTally& tally = shared_.tally;
+    for (const auto& stream : streams_) {
+      tally.sent += stream->offered();
+      tally.answered += stream->answered();
+      tally.answers += stream->answers();
+    }
+  }
+
+  void CloseAll() {
     for (const auto& stream : streams_) stream->Close();
     const auto all_ended = [this] { return shared_.ended == options_.robots; };
     if (!loop_.HandleUntil(all_ended, kCloseTimeout)) {
       for (const auto& stream : streams_) stream->Cancel();
       loop_.HandleUntil(all_ended, kForEver);
     }
-    LoadReport report;
-    report.robots = options_.robots;
+    LoadTally& tally = shared_.tally;
+    tally.robots = options_.robots;
     for (const auto& stream : streams_) {
-      report.sent += stream->offered();
-      report.answered += stream->answered();
-      report.superseded += stream->superseded();
+      tally.superseded += stream->superseded();
+      tally.unannounced += stream->unannounced();
       if (!stream->accepted()) {
-        ++report.refused;
+        ++tally.refused;
       } else if (!stream->status().ok()) {
-        ++report.failed;
+        ++tally.failed;
       }
-      if (!stream->status().ok() && report.first_error.empty()) {
-        report.first_error = stream->status().ToString();
+      if (!stream->status().ok() && tally.first_error.empty()) {
+        tally.first_error = stream->status().ToString();
       }
     }
-    const auto ms = [](const LatencyHistogram& histogram, double share) {
-      return static_cast<double>(histogram.PercentileNs(share)) / 1e6;
-    };
-    report.p50_ms = ms(shared_.answer_delay, 0.5);
-    report.p90_ms = ms(shared_.answer_delay, 0.9);
-    report.p99_ms = ms(shared_.answer_delay, 0.99);
-    report.p999_ms = ms(shared_.answer_delay, 0.999);
-    report.max_ms = ms(shared_.answer_delay, 1);
-    report.send_p99_ms = ms(shared_.send_delay, 0.99);
-    report.answers_per_s = static_cast<double>(report.answered) / elapsed;
-    report.cpu_share = cpu_seconds / elapsed;
-    return report;
   }
 
   const LoadOptions& options_;

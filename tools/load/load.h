@@ -14,10 +14,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "absl/status/statusor.h"
 #include "client/stream/channel.h"
+#include "tactus/v1/contact.pb.h"
 #include "tools/load/frame_script.h"
 
 namespace tactus::internal::client {
@@ -31,6 +33,8 @@ struct LoadOptions {
   // First part of `seconds`, whose messages are counted, but in no percentile.
   double warm_up_seconds = 1;
   uint32_t frames_per_message = 1;
+  // When the server answers. RESULT_CADENCE_EVERY_N_FRAMES: once a message.
+  v1::ResultCadence cadence = v1::RESULT_CADENCE_EVERY_FRAME;
   bool sparse = false;
   // Before each contact: how often skins are touched.
   double untouched_seconds = 1;
@@ -41,19 +45,27 @@ struct LoadOptions {
 
 struct LoadReport {
   int robots = 0;
-  // Messages due by the schedule, and those of them answered.
+  // Messages due by the schedule, and those of them answered: the answer to
+  // their last frame came. Where the cadence leaves frames unanswered, those
+  // that the server has certainly processed: an answer names their last frame
+  // or a later one. The last answer of a stream names its last frame.
   uint64_t sent = 0;
   uint64_t answered = 0;
   uint64_t lost() const { return sent - answered; }
-  // Lost ones that the server dropped because this client read slowly.
+  // Answers that came, without those at the ends of streams.
+  uint64_t answers = 0;
+  // Answers that the server dropped because this client read slowly.
   uint64_t superseded = 0;
+  // Contacts that answers name although no answer reported their touch. Such
+  // answers are owed at every cadence.
+  uint64_t unannounced = 0;
   // Streams that were never accepted, and that ended with an error later.
   int refused = 0;
   int failed = 0;
   // Error of the first of these.
   std::string first_error = {};
 
-  // From when a message was due to its answer, in ms.
+  // From when a message was due to the answers to its frames, in ms.
   double p50_ms = 0;
   double p90_ms = 0;
   double p99_ms = 0;
@@ -61,11 +73,17 @@ struct LoadReport {
   double max_ms = 0;
   // From when it was due until it was handed to gRPC: the generator's own.
   double send_p99_ms = 0;
+  // From when a stream was due to end to its last answer, which comes after all
+  // others: how far behind the server was. 0 if every frame is answered.
+  double final_p50_ms = 0;
   // Answers a second, and processor time of this process a second.
   double answers_per_s = 0;
   double cpu_share = 0;
 
-  bool ok() const { return lost() == 0 && refused == 0 && failed == 0; }
+  bool ok() const {
+    return lost() == 0 && superseded == 0 && unannounced == 0 && refused == 0 &&
+           failed == 0;
+  }
 };
 
 // INVALID_CONFIG for options out of range. The report states whether the server
@@ -80,7 +98,9 @@ absl::StatusOr<LoadReport> RunLoad(const LoadOptions& options);
 absl::StatusOr<FrameScript> MakeScript(const LoadOptions& options);
 
 std::string LoadToText(const LoadReport& report);
-// One JSON object with the report's fields.
-std::string LoadToJson(const LoadReport& report);
+// One JSON object with the report's fields. `max_robots` is one more: what a
+// search found.
+std::string LoadToJson(const LoadReport& report,
+                       std::optional<int> max_robots = std::nullopt);
 
 }  // namespace tactus::internal::client

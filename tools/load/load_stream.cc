@@ -1,5 +1,6 @@
 #include "tools/load/load_stream.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <utility>
@@ -46,6 +47,7 @@ void LoadStream::OnStarted(bool ok) {
   if (!ok) return;
   v1::ClassifyContactRequest request;
   *request.mutable_config() = shared_->script->config();
+  request.mutable_config()->set_cadence(shared_->cadence);
   const grpc::Slice bytes(request.SerializeAsString());
   call_->Write(grpc::ByteBuffer(&bytes, 1), write_done_.tag());
 }
@@ -60,7 +62,7 @@ void LoadStream::WriteNext() {
   const uint64_t frames = message * shared_->frames_per_message;
   const int64_t due_ns = shared_->schedule->DueNs(robot_, message);
   if (due_ns >= shared_->measure_from_ns) {
-    shared_->send_delay.Add(LoadClockNs() - due_ns);
+    shared_->tally.send_delay.Add(LoadClockNs() - due_ns);
   }
   call_->Write(shared_->script->Message(script_offset_ + message, frames + 1),
                write_done_.tag());
@@ -101,7 +103,6 @@ void LoadStream::OnRead(bool ok) {
 }
 
 void LoadStream::OnAnswer(const v1::Answer& answer, int64_t now_ns) {
-  superseded_ = answer.superseded();
   const uint64_t frames = shared_->frames_per_message;
   const uint64_t sequence = answer.sequence();
   if (sequence > written_ * frames) {
@@ -109,18 +110,37 @@ void LoadStream::OnAnswer(const v1::Answer& answer, int64_t now_ns) {
     Cancel();
     return;
   }
-  // Answers with events may come in between.
-  if (answer.is_final() || sequence <= last_sequence_ ||
-      sequence % frames != 0) {
+  superseded_ = answer.superseded();
+  CountContacts(answer);
+  const bool is_new = sequence > last_sequence_;
+  last_sequence_ = std::max(sequence, last_sequence_);
+  if (answer.is_final()) {
+    OnFinal(now_ns);
     return;
   }
-  last_sequence_ = sequence;
+  if (!is_new) return;
   const int64_t due_ns =
-      shared_->schedule->DueNs(robot_, sequence / frames - 1);
+      shared_->schedule->DueNs(robot_, (sequence - 1) / frames);
   if (due_ns >= shared_->measure_from_ns) {
-    shared_->answer_delay.Add(now_ns - due_ns);
+    shared_->tally.answer_delay.Add(now_ns - due_ns);
   }
-  ++answered_;
+  ++answers_;
+  if (sequence % frames == 0) ++answered_;
+}
+
+void LoadStream::OnFinal(int64_t now_ns) {
+  if (close_due_ns_ >= shared_->measure_from_ns && close_due_ns_ > 0) {
+    shared_->tally.final_delay.Add(now_ns - close_due_ns_);
+  }
+}
+
+void LoadStream::CountContacts(const v1::Answer& answer) {
+  for (const v1::Contact& contact : answer.contacts()) {
+    newest_contact_ = std::max(newest_contact_, contact.id());
+  }
+  for (const v1::ContactEvent& event : answer.events()) {
+    if (event.kind() == v1::ContactEvent::KIND_TOUCHED) ++touches_;
+  }
 }
 
 void LoadStream::Settle() {
@@ -128,8 +148,10 @@ void LoadStream::Settle() {
   ++shared_->settled;
 }
 
-void LoadStream::Close() {
+void LoadStream::Close(int64_t due_ns) {
+  if (closing_) return;
   closing_ = true;
+  close_due_ns_ = due_ns;
   HalfCloseIfWritten();
 }
 

@@ -13,6 +13,7 @@
 // its EventLoop is gone. Not thread-safe.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 
@@ -23,7 +24,7 @@
 #include "grpcpp/generic/generic_stub.h"
 #include "tactus/v1/contact.pb.h"
 #include "tools/load/frame_script.h"
-#include "tools/load/latency_histogram.h"
+#include "tools/load/load_tally.h"
 #include "tools/load/schedule.h"
 
 namespace tactus::internal::client {
@@ -32,14 +33,20 @@ namespace tactus::internal::client {
 struct LoadShared {
   const FrameScript* script = nullptr;
   uint32_t frames_per_message = 1;
+  v1::ResultCadence cadence = v1::RESULT_CADENCE_EVERY_FRAME;
   // Set before the first Offer.
   const Schedule* schedule = nullptr;
   // What was due earlier is not put into the histograms.
   int64_t measure_from_ns = 0;
 
-  // From when a message was due to its answer, and to its writing.
-  LatencyHistogram answer_delay;
-  LatencyHistogram send_delay;
+  // Streams add their delays.
+  LoadTally tally = {};
+
+  // False if the cadence leaves frames unanswered.
+  bool answers_all() const {
+    return cadence == v1::RESULT_CADENCE_EVERY_FRAME ||
+           cadence == v1::RESULT_CADENCE_EVERY_N_FRAMES;
+  }
 
   // Streams the server accepted or refused; streams that are over.
   int settled = 0;
@@ -57,17 +64,29 @@ class LoadStream {
   void Open(const std::shared_ptr<grpc::Channel>& channel,
             grpc::CompletionQueue* queue);
   void Offer();
-  // Half-closes once all is written.
-  void Close();
+  // Half-closes once all is written. The delay of the last answer counts from
+  // `due_ns`; 0: from nowhere.
+  void Close(int64_t due_ns = 0);
 
   void Cancel() { context_.TryCancel(); }
 
   int robot() const { return robot_; }
   bool accepted() const { return accepted_; }
   uint64_t offered() const { return offered_; }
-  uint64_t answered() const { return answered_; }
+  // See LoadReport.
+  uint64_t answered() const {
+    return shared_->answers_all() ? answered_ : processed();
+  }
+  // Messages up to the last one of which an answer names the last frame.
+  uint64_t processed() const {
+    return last_sequence_ / shared_->frames_per_message;
+  }
+  uint64_t answers() const { return answers_; }
   // Answers the server dropped because this client read slowly.
   uint64_t superseded() const { return superseded_; }
+  uint64_t unannounced() const {
+    return newest_contact_ - std::min(newest_contact_, touches_);
+  }
   // Once it ended.
   const absl::Status& status() const { return status_; }
 
@@ -85,6 +104,8 @@ class LoadStream {
   // Accepted or refused.
   void Settle();
   void OnAnswer(const v1::Answer& answer, int64_t now_ns);
+  void OnFinal(int64_t now_ns);
+  void CountContacts(const v1::Answer& answer);
 
   LoadShared* const shared_;
   const int robot_;
@@ -101,6 +122,7 @@ class LoadStream {
   // Messages that are due and not written yet; the configuration is the first.
   uint32_t pending_ = 1;
   bool closing_ = false;
+  int64_t close_due_ns_ = 0;
   // The server has sent all that it will.
   bool over_ = false;
   uint64_t offered_ = 0;
@@ -111,7 +133,11 @@ class LoadStream {
   uint64_t last_sequence_ = 0;
   bool accepted_ = false;
   uint64_t answered_ = 0;
+  uint64_t answers_ = 0;
   uint64_t superseded_ = 0;
+  // The largest id of a contact, and touches reported.
+  uint64_t newest_contact_ = 0;
+  uint64_t touches_ = 0;
   grpc::Status grpc_status_;
   absl::Status status_;
 };

@@ -1,5 +1,6 @@
 // tactus-load: an open-loop load generator for a Tactus server.
 #include <cstdio>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -23,6 +24,13 @@ struct Flags {
   bool find_max = false;
   bool json = false;
 };
+
+// Names of `--cadence`.
+const std::map<std::string, v1::ResultCadence> kCadences = {
+    {"every-frame", v1::RESULT_CADENCE_EVERY_FRAME},
+    {"every-message", v1::RESULT_CADENCE_EVERY_N_FRAMES},
+    {"on-change", v1::RESULT_CADENCE_ON_CHANGE},
+    {"events", v1::RESULT_CADENCE_EVENTS}};
 
 absl::StatusOr<LoadReport> Measure(const Flags& flags) {
   LoadOptions load = flags.load;
@@ -68,9 +76,14 @@ int Main(int argc, char** argv) {
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   app.add_option("--frames-per-message", load.frames_per_message,
-                 "Frames sent together, and answered once")
+                 "Frames sent together")
       ->check(CLI::Range(uint32_t{1}, limits::kMaxFramesPerMessage))
       ->capture_default_str();
+  app.add_option("--cadence", load.cadence,
+                 "Frames that the server answers: every-frame, every-message "
+                 "(its last), on-change, events")
+      ->transform(CLI::CheckedTransformer(kCadences))
+      ->default_str("every-frame");
   app.add_flag("--sparse", load.sparse, "Send touched taxels only");
   app.add_option("--untouched-seconds", load.untouched_seconds,
                  "Of each robot between two contacts")
@@ -102,8 +115,10 @@ int Main(int argc, char** argv) {
                  std::string(report.status().message()).c_str());
     return 2;
   }
+  const auto max_robots =
+      flags.find_max ? std::optional(report->robots) : std::nullopt;
   const std::string text =
-      flags.json ? LoadToJson(*report) + "\n" : LoadToText(*report);
+      flags.json ? LoadToJson(*report, max_robots) + "\n" : LoadToText(*report);
   std::fputs(text.c_str(), stdout);
   return report->ok() && report->robots > 0 ? 0 : 1;
 }

@@ -19,6 +19,7 @@ async function load(programs, socket, seed) {
     `--robots=${ROBOTS}`,
     '--rate=100',
     '--frames-per-message=4',
+    '--cadence=every-message',
     `--seconds=${SECONDS}`,
     `--seed=${seed}`,
     '--json',

@@ -122,7 +122,7 @@ class LoadTest : public ::testing::Test {
   // A slow machine may make the server drop answers; nothing else may get lost.
   static void ExpectWhole(const LoadReport& report, uint64_t messages) {
     EXPECT_EQ(report.sent, messages);
-    EXPECT_EQ(report.lost(), report.superseded);
+    EXPECT_LE(report.lost(), report.superseded);
     EXPECT_EQ(report.refused, 0) << report.first_error;
     EXPECT_EQ(report.failed, 0) << report.first_error;
     EXPECT_GT(report.p50_ms, 0);

@@ -1,0 +1,47 @@
+// File: load_tally.h
+//
+// LoadTally: what a load test counted. Tallies of tests that ran at the same
+// time can be added, because they hold all delays and no percentiles.
+//
+//   LoadTally all;
+//   all.Add(tally);
+//   const LoadReport report = ReportOf(all);
+//
+// Plain data. Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "tools/load/latency_histogram.h"
+#include "tools/load/load.h"
+
+namespace tactus::internal::client {
+
+struct LoadTally {
+  int robots = 0;
+  // As in LoadReport.
+  uint64_t sent = 0;
+  uint64_t answered = 0;
+  uint64_t answers = 0;
+  uint64_t superseded = 0;
+  uint64_t unannounced = 0;
+  int refused = 0;
+  int failed = 0;
+  std::string first_error = {};
+  // From when a message was due to the answers to its frames, to its writing;
+  // from when a stream was due to end to its last answer.
+  LatencyHistogram answer_delay = {};
+  LatencyHistogram send_delay = {};
+  LatencyHistogram final_delay = {};
+  // Length of the test, and processor time of its process, s.
+  double elapsed_s = 0;
+  double cpu_s = 0;
+
+  // As if `other` had been part of the same test.
+  void Add(const LoadTally& other);
+};
+
+LoadReport ReportOf(const LoadTally& tally);
+
+}  // namespace tactus::internal::client
