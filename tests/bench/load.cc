@@ -17,8 +17,7 @@ namespace tactus::internal::client {
 namespace {
 
 struct LoadBenchOptions {
-  LoadOptions load = {.address = "",
-                      .robots = 200,
+  LoadOptions load = {.robots = 200,
                       .seconds = 5,
                       .cadence = v1::RESULT_CADENCE_EVERY_N_FRAMES,
                       .connections = 8};
@@ -34,7 +33,7 @@ absl::StatusOr<std::vector<BenchRow>> FixedLoad(
     TACTUS_ASSIGN_OR_RETURN(const LoadReport report,
                             RunLoad(options.load, script));
     if (report.refused + report.failed > 0) {
-      return IoError(options.load.address, report.first_error);
+      return IoError("tactusd", report.first_error);
     }
     p50.push_back(report.p50_ms);
     p99.push_back(report.p99_ms);
@@ -93,7 +92,7 @@ class LoadBenchmark : public Benchmark {
                         absl::StrCat("--max-streams=",
                                      std::max(options.load.robots,
                                               options.search.max_robots))}));
-    options.load.address = server->address();
+    options.load.servers = {server->address()};
     TACTUS_ASSIGN_OR_RETURN(std::vector<BenchRow> rows, FixedLoad(options));
     for (const uint32_t frames : {1u, 4u}) {
       options.load.frames_per_message = frames;

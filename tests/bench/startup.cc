@@ -127,7 +127,8 @@ class IdleStreams {
   absl::Status Open(
       int count, const std::vector<std::shared_ptr<grpc::Channel>>& channels) {
     for (int i = 0; i < count; ++i) {
-      streams_.push_back(std::make_unique<LoadStream>(&shared_, Count()));
+      streams_.push_back(std::make_unique<LoadStream>(
+          &shared_, LoadStream::Options{.robot = Count()}));
       streams_.back()->Open(channels[i % channels.size()], loop_.queue());
     }
     loop_.HandleUntil([this] { return shared_.settled == Count(); }, kTimeout);

@@ -44,7 +44,7 @@ struct TrainingBenchOptions {
   int activations = 100;
   // Not empty: only promotes, on this server.
   std::string promote_on;
-  LoadOptions load = {.address = "", .robots = 100, .seconds = 10};
+  LoadOptions load = {.robots = 100, .seconds = 10};
 };
 
 double SecondsSince(steady_clock::time_point begin) {
@@ -244,7 +244,7 @@ class TrainingBenchmark : public Benchmark {
     flags.insert(flags.end(), options.server.begin(), options.server.end());
     TACTUS_ASSIGN_OR_RETURN(const auto server,
                             ChildServer::Start("tactusd", flags));
-    options.load.address = server->address();
+    options.load.servers = {server->address()};
     TrainingClient client(MakeTrainingChannel(socket, {}));
     TACTUS_ASSIGN_OR_RETURN(Trials trials,
                             Trials::Open(options.data, simulated));
@@ -316,7 +316,7 @@ class TrainingBenchmark : public Benchmark {
                                     const FrameScript& script) {
     TACTUS_ASSIGN_OR_RETURN(const LoadReport report, RunLoad(options, script));
     if (report.refused + report.failed > 0) {
-      return IoError(options.address, report.first_error);
+      return IoError("tactusd", report.first_error);
     }
     return report.p99_ms;
   }

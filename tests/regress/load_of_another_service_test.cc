@@ -17,7 +17,7 @@ using Stream = ScriptedServer::Stream;
 
 LoadReport Load(const ScriptedServer& server) {
   const FrameScript script = *FrameScript::Create({.contacts = 1});
-  const auto report = RunLoad({.address = server.address(),
+  const auto report = RunLoad({.servers = {server.address()},
                                .robots = 3,
                                .seconds = 0.1,
                                .warm_up_seconds = 0},

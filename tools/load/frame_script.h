@@ -13,9 +13,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "client/stream/skin_frame.h"
 #include "grpcpp/support/byte_buffer.h"
 #include "grpcpp/support/slice.h"
 #include "tactus/v1/contact.pb.h"
@@ -31,6 +33,10 @@ class FrameScript {
     bool sparse = false;
     // Before each contact; at most 10.
     double untouched_seconds = 1;
+    // If set, contacts are such a fraction of all frames, 0 or 0.02 to 1:
+    // untouched frames are left out or repeated. A robot's contact ends only
+    // after a pause, so above about 0.7 contacts follow one another as one.
+    std::optional<double> touched_fraction = {};
     // Simulated contacts; four are one of each class.
     size_t contacts = 8;
   };
@@ -39,10 +45,12 @@ class FrameScript {
   // a server takes.
   static absl::StatusOr<FrameScript> Create(const Options& options);
 
-  // For streams of this script: one answer a message.
+  // For streams of this script: one answer a message, if its cadence stays.
   const v1::StreamConfig& config() const { return config_; }
   // Messages at its begin that hold nothing but untouched frames.
   size_t untouched_messages() const { return untouched_messages_; }
+  // Fraction of its frames that contacts begin, hold or leave.
+  double touched_fraction() const { return touched_fraction_; }
   // Messages until it begins again.
   size_t size() const { return bodies_.size(); }
   // Message `position` modulo size(), numbered from `first_sequence` and
@@ -52,9 +60,14 @@ class FrameScript {
  private:
   FrameScript() = default;
 
+  // Encodes `frames` one after another.
+  absl::Status Encode(const SkinInfo& info, const Options& options,
+                      const std::vector<const SkinFrame*>& frames);
+
   v1::StreamConfig config_;
   int64_t frame_period_ns_ = 0;
   size_t untouched_messages_ = 0;
+  double touched_fraction_ = 0;
   // FrameBatches without first_sequence and first_capture_time_ns.
   std::vector<grpc::Slice> bodies_;
 };

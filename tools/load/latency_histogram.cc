@@ -13,11 +13,14 @@ void LatencyHistogram::Add(int64_t delay_ns) {
 }
 
 void LatencyHistogram::Add(const LatencyHistogram& other) {
-  for (size_t i = 0; i < kBuckets; ++i) {
-    counts_[i].fetch_add(other.counts_[i].load(std::memory_order_relaxed),
-                         std::memory_order_relaxed);
-  }
+  other.ForEachBucket(
+      [this](size_t i, uint64_t count) { AddToBucket(i, count); });
   RaiseMax(other.max_ns());
+}
+
+void LatencyHistogram::AddToBucket(size_t bucket, uint64_t count) {
+  if (bucket >= kBuckets) return;
+  counts_[bucket].fetch_add(count, std::memory_order_relaxed);
 }
 
 void LatencyHistogram::RaiseMax(int64_t delay_ns) {

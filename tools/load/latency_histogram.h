@@ -24,6 +24,19 @@ class LatencyHistogram {
   // Adds all delays of `other`; they keep their buckets.
   void Add(const LatencyHistogram& other);
 
+  // Delays that another histogram had in a bucket, and its maximum. Ignores
+  // buckets that do not exist.
+  void AddToBucket(size_t bucket, uint64_t count);
+  void RaiseMax(int64_t delay_ns);
+  // Calls `visit` with the number and the count of each bucket that has delays.
+  template <typename Visit>
+  void ForEachBucket(Visit visit) const {
+    for (size_t i = 0; i < kBuckets; ++i) {
+      const uint64_t count = counts_[i].load(std::memory_order_relaxed);
+      if (count > 0) visit(i, count);
+    }
+  }
+
   uint64_t count() const;
   int64_t max_ns() const { return max_ns_.load(std::memory_order_relaxed); }
   // By nearest rank, rounded up to its bucket's end but not above the maximum;
@@ -31,8 +44,6 @@ class LatencyHistogram {
   int64_t PercentileNs(double share) const;
 
  private:
-  void RaiseMax(int64_t delay_ns);
-
   // Every power of two is cut into 128 equal buckets.
   static constexpr int kBits = 7;
   static constexpr size_t kBuckets = (64 - kBits) << kBits;

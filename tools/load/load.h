@@ -6,7 +6,7 @@
 // stalls is charged for all that waited (no coordinated omission).
 //
 //   TACTUS_ASSIGN_OR_RETURN(const LoadReport report,
-//                           RunLoad({.address = "127.0.0.1:50051"}));
+//                           RunLoad({.servers = {"127.0.0.1:50051"}}));
 //   report.lost();
 //
 // One thread sends and takes the answers, every tenth of a millisecond; what
@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "client/stream/channel.h"
@@ -25,7 +26,8 @@
 namespace tactus::internal::client {
 
 struct LoadOptions {
-  std::string address;
+  // Robots are spread over them.
+  std::vector<std::string> servers = {};
   ChannelOptions channel = {};
   int robots = 200;
   double rate_hz = 100;
@@ -38,9 +40,20 @@ struct LoadOptions {
   bool sparse = false;
   // Before each contact: how often skins are touched.
   double untouched_seconds = 1;
-  // Shared by the robots; 0: one each.
+  // If set, contacts are such a fraction of all frames, 0 or 0.02 to 1, and
+  // untouched_seconds has no meaning.
+  std::optional<double> touched_fraction = {};
+  // Mean seconds after which a stream ends and the robot opens the next; 0: one
+  // stream for the whole test.
+  double arrivals_seconds = 0;
+  // So many robots take one answer a second.
+  int slow_readers = 0;
+  // Shared by the robots, at least one to each server; 0: one for each stream.
   int connections = 0;
   uint64_t seed = 1;
+  // This process simulates the robots whose number modulo `parts` is `part`.
+  int part = 0;
+  int parts = 1;
 };
 
 struct LoadReport {
@@ -59,13 +72,18 @@ struct LoadReport {
   // Contacts that answers name although no answer reported their touch. Such
   // answers are owed at every cadence.
   uint64_t unannounced = 0;
-  // Streams that were never accepted, and that ended with an error later.
+  // The same of robots that read slowly on purpose.
+  uint64_t slow_superseded = 0;
+  // Streams opened; those that were never accepted, and that ended with an
+  // error later.
+  int streams = 0;
   int refused = 0;
   int failed = 0;
   // Error of the first of these.
   std::string first_error = {};
 
-  // From when a message was due to the answers to its frames, in ms.
+  // From when a message was due to the answers to its frames, in ms; slow
+  // readers are left out.
   double p50_ms = 0;
   double p90_ms = 0;
   double p99_ms = 0;

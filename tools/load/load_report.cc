@@ -12,21 +12,28 @@ std::string FinalText(const LoadReport& report) {
                          report.final_p50_ms);
 }
 
+std::string SlowText(const LoadReport& report) {
+  if (report.slow_superseded == 0) return "";
+  return absl::StrFormat("slow readers: %d answers superseded\n",
+                         report.slow_superseded);
+}
+
 }  // namespace
 
 std::string LoadToText(const LoadReport& report) {
   std::string text = absl::StrFormat(
       "%d robots: %d messages sent, %d answered, %d lost\n"
       "answers: %d came, %d superseded, %d touches unreported\n"
-      "streams: %d refused, %d failed\n"
+      "streams: %d opened, %d refused, %d failed\n"
       "due to answer, ms: p50 %.3f  p90 %.3f  p99 %.3f  p99.9 %.3f  max %.3f\n"
       "due to sent, ms: p99 %.3f\n"
-      "%s%.0f answers/s, %.2f processors used by the generator\n",
+      "%s%s%.0f answers/s, %.2f processors used by the generator\n",
       report.robots, report.sent, report.answered, report.lost(),
-      report.answers, report.superseded, report.unannounced, report.refused,
-      report.failed, report.p50_ms, report.p90_ms, report.p99_ms,
-      report.p999_ms, report.max_ms, report.send_p99_ms, FinalText(report),
-      report.answers_per_s, report.cpu_share);
+      report.answers, report.superseded, report.unannounced, report.streams,
+      report.refused, report.failed, report.p50_ms, report.p90_ms,
+      report.p99_ms, report.p999_ms, report.max_ms, report.send_p99_ms,
+      FinalText(report), SlowText(report), report.answers_per_s,
+      report.cpu_share);
   if (!report.first_error.empty()) {
     absl::StrAppend(&text, "first error: ", report.first_error, "\n");
   }
@@ -42,6 +49,8 @@ std::string LoadToJson(const LoadReport& report,
                {"answers", report.answers},
                {"superseded", report.superseded},
                {"unannounced", report.unannounced},
+               {"slow_superseded", report.slow_superseded},
+               {"streams", report.streams},
                {"refused", report.refused},
                {"failed", report.failed},
                {"first_error", report.first_error},

@@ -30,26 +30,50 @@ int64_t LoadClockNs() {
       .count();
 }
 
-LoadStream::LoadStream(LoadShared* shared, int robot)
+LoadStream::LoadStream(LoadShared* shared, const Options& options)
     : shared_(shared),
-      robot_(robot),
-      script_offset_(OffsetOf(robot, shared->script->size())) {}
+      options_(options),
+      tally_(options.reads_slowly ? &shared->slow_tally : &shared->tally),
+      script_offset_(OffsetOf(options.robot, shared->script->size()) +
+                     options.first_message) {}
 
 void LoadStream::Open(const std::shared_ptr<grpc::Channel>& channel,
                       grpc::CompletionQueue* queue) {
   call_ = grpc::GenericStub(channel).PrepareCall(&context_, kMethod, queue);
+  ++shared_->opened;
+  ++in_flight_;
   call_->StartCall(started_.tag());
 }
 
 void LoadStream::OnStarted(bool ok) {
+  --in_flight_;
   // If the call failed, the read reports it.
-  call_->Read(&read_, read_done_.tag());
+  StartRead();
   if (!ok) return;
   v1::ClassifyContactRequest request;
   *request.mutable_config() = shared_->script->config();
   request.mutable_config()->set_cadence(shared_->cadence);
   const grpc::Slice bytes(request.SerializeAsString());
-  call_->Write(grpc::ByteBuffer(&bytes, 1), write_done_.tag());
+  Write(grpc::ByteBuffer(&bytes, 1));
+}
+
+void LoadStream::Write(const grpc::ByteBuffer& message) {
+  ++in_flight_;
+  call_->Write(message, write_done_.tag());
+}
+
+void LoadStream::StartRead() {
+  ++in_flight_;
+  call_->Read(&read_, read_done_.tag());
+}
+
+void LoadStream::ReadNext() {
+  if (std::exchange(read_waits_, false)) StartRead();
+}
+
+void LoadStream::ReadAll() {
+  hurries_ = true;
+  ReadNext();
 }
 
 void LoadStream::Offer() {
@@ -60,18 +84,18 @@ void LoadStream::Offer() {
 void LoadStream::WriteNext() {
   const uint64_t message = written_++;
   const uint64_t frames = message * shared_->frames_per_message;
-  const int64_t due_ns = shared_->schedule->DueNs(robot_, message);
+  const int64_t due_ns = DueNs(message);
   if (due_ns >= shared_->measure_from_ns) {
-    shared_->tally.send_delay.Add(LoadClockNs() - due_ns);
+    tally_->send_delay.Add(LoadClockNs() - due_ns);
   }
-  call_->Write(shared_->script->Message(script_offset_ + message, frames + 1),
-               write_done_.tag());
+  Write(shared_->script->Message(script_offset_ + message, frames + 1));
 }
 
 void LoadStream::OnWritten(bool ok) {
+  --in_flight_;
   // After a failure or the stream's end nothing will ever be written again. A
   // write may outlast the end, and the queue is shut down by then.
-  if (!ok || over_) return;
+  if (!ok || read_all_) return;
   if (--pending_ > 0) {
     WriteNext();
   } else {
@@ -80,10 +104,12 @@ void LoadStream::OnWritten(bool ok) {
 }
 
 void LoadStream::OnRead(bool ok) {
+  --in_flight_;
   const int64_t now_ns = LoadClockNs();
   if (!ok) {
-    over_ = true;
+    read_all_ = true;
     Settle();
+    ++in_flight_;
     call_->Finish(&grpc_status_, finished_.tag());
     return;
   }
@@ -99,7 +125,11 @@ void LoadStream::OnRead(bool ok) {
     // No Tactus server begins like that.
     Cancel();
   }
-  call_->Read(&read_, read_done_.tag());
+  if (accepted_ && reads_slowly() && !hurries_) {
+    read_waits_ = true;
+  } else {
+    StartRead();
+  }
 }
 
 void LoadStream::OnAnswer(const v1::Answer& answer, int64_t now_ns) {
@@ -119,10 +149,9 @@ void LoadStream::OnAnswer(const v1::Answer& answer, int64_t now_ns) {
     return;
   }
   if (!is_new) return;
-  const int64_t due_ns =
-      shared_->schedule->DueNs(robot_, (sequence - 1) / frames);
+  const int64_t due_ns = DueNs((sequence - 1) / frames);
   if (due_ns >= shared_->measure_from_ns) {
-    shared_->tally.answer_delay.Add(now_ns - due_ns);
+    tally_->answer_delay.Add(now_ns - due_ns);
   }
   ++answers_;
   if (sequence % frames == 0) ++answered_;
@@ -130,7 +159,7 @@ void LoadStream::OnAnswer(const v1::Answer& answer, int64_t now_ns) {
 
 void LoadStream::OnFinal(int64_t now_ns) {
   if (close_due_ns_ >= shared_->measure_from_ns && close_due_ns_ > 0) {
-    shared_->tally.final_delay.Add(now_ns - close_due_ns_);
+    tally_->final_delay.Add(now_ns - close_due_ns_);
   }
 }
 
@@ -152,14 +181,19 @@ void LoadStream::Close(int64_t due_ns) {
   if (closing_) return;
   closing_ = true;
   close_due_ns_ = due_ns;
+  ReadAll();
   HalfCloseIfWritten();
 }
 
 void LoadStream::HalfCloseIfWritten() {
-  if (closing_ && pending_ == 0) call_->WritesDone(half_closed_.tag());
+  if (!closing_ || pending_ > 0) return;
+  ++in_flight_;
+  call_->WritesDone(half_closed_.tag());
 }
 
 void LoadStream::OnFinished(bool) {
+  --in_flight_;
+  ended_ = true;
   status_ = FromGrpcStatus(grpc_status_);
   ++shared_->ended;
 }

@@ -3,13 +3,14 @@
 // LoadStream: one robot of a load test, on a completion queue, so that
 // thousands need no separate threads.
 //
-//   LoadStream stream(&shared, robot);
+//   LoadStream stream(&shared, {.robot = 3});
 //   stream.Open(channel, loop.queue());  // then serve until shared.settled
 //   stream.Offer();                // each time a message is due
 //   stream.Close();                // then serve until shared.ended
 //
 // A message that comes due while the one before is still being written waits
-// its turn; its delay counts from when it was due. Must live until it ended and
+// its turn; its delay counts from when it was due. A slow reader takes an
+// answer only when told to, until it is closed. Must live until it is over() or
 // its EventLoop is gone. Not thread-safe.
 #pragma once
 
@@ -39,8 +40,9 @@ struct LoadShared {
   // What was due earlier is not put into the histograms.
   int64_t measure_from_ns = 0;
 
-  // Streams add their delays.
+  // Streams add their delays: those that read slowly to the second.
   LoadTally tally = {};
+  LoadTally slow_tally = {};
 
   // False if the cadence leaves frames unanswered.
   bool answers_all() const {
@@ -48,15 +50,23 @@ struct LoadShared {
            cadence == v1::RESULT_CADENCE_EVERY_N_FRAMES;
   }
 
-  // Streams the server accepted or refused; streams that are over.
+  // Streams that were opened, that the server accepted or refused, that ended.
+  int opened = 0;
   int settled = 0;
   int ended = 0;
 };
 
 class LoadStream {
  public:
+  struct Options {
+    int robot = 0;
+    // Number of its first message among those of the robot.
+    uint64_t first_message = 0;
+    bool reads_slowly = false;
+  };
+
   // `shared` must outlive the stream.
-  LoadStream(LoadShared* shared, int robot);
+  LoadStream(LoadShared* shared, const Options& options);
 
   LoadStream(const LoadStream&) = delete;
   LoadStream& operator=(const LoadStream&) = delete;
@@ -68,14 +78,19 @@ class LoadStream {
   // `due_ns`; 0: from nowhere.
   void Close(int64_t due_ns = 0);
 
+  // Lets a slow reader take its next answer.
+  void ReadNext();
+  // It reads slowly no more.
+  void ReadAll();
+
   void Cancel() { context_.TryCancel(); }
 
-  int robot() const { return robot_; }
+  bool reads_slowly() const { return options_.reads_slowly; }
   bool accepted() const { return accepted_; }
   uint64_t offered() const { return offered_; }
   // See LoadReport.
   uint64_t answered() const {
-    return shared_->answers_all() ? answered_ : processed();
+    return shared_->answers_all() && !reads_slowly() ? answered_ : processed();
   }
   // Messages up to the last one of which an answer names the last frame.
   uint64_t processed() const {
@@ -89,6 +104,8 @@ class LoadStream {
   }
   // Once it ended.
   const absl::Status& status() const { return status_; }
+  // It ended, and no event of it is to come.
+  bool over() const { return ended_ && in_flight_ == 0; }
 
  private:
   using Event = MemberEvent<LoadStream>;
@@ -96,11 +113,17 @@ class LoadStream {
   void OnStarted(bool ok);
   void OnWritten(bool ok);
   void OnRead(bool ok);
-  void OnHalfClosed(bool) {}
+  void OnHalfClosed(bool) { --in_flight_; }
   void HalfCloseIfWritten();
   void OnFinished(bool ok);
 
+  void Write(const grpc::ByteBuffer& message);
   void WriteNext();
+  void StartRead();
+  int64_t DueNs(uint64_t message) const {
+    return shared_->schedule->DueNs(options_.robot,
+                                    options_.first_message + message);
+  }
   // Accepted or refused.
   void Settle();
   void OnAnswer(const v1::Answer& answer, int64_t now_ns);
@@ -108,8 +131,9 @@ class LoadStream {
   void CountContacts(const v1::Answer& answer);
 
   LoadShared* const shared_;
-  const int robot_;
-  // Where in the script this robot begins.
+  const Options options_;
+  LoadTally* const tally_;
+  // Where in the script this stream begins.
   const size_t script_offset_;
   grpc::ClientContext context_;
   std::unique_ptr<grpc::GenericClientAsyncReaderWriter> call_;
@@ -123,8 +147,14 @@ class LoadStream {
   uint32_t pending_ = 1;
   bool closing_ = false;
   int64_t close_due_ns_ = 0;
-  // The server has sent all that it will.
-  bool over_ = false;
+  // The server has sent all that it will; its status came.
+  bool read_all_ = false;
+  bool ended_ = false;
+  // Operations whose events have not come yet.
+  int in_flight_ = 0;
+  // A slow reader reads at once from now on; it waits to be told to read.
+  bool hurries_ = false;
+  bool read_waits_ = false;
   uint64_t offered_ = 0;
   uint64_t written_ = 0;
   grpc::ByteBuffer read_;

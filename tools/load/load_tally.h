@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <string>
 
+#include "absl/status/status.h"
 #include "tools/load/latency_histogram.h"
 #include "tools/load/load.h"
 
@@ -26,6 +27,8 @@ struct LoadTally {
   uint64_t answers = 0;
   uint64_t superseded = 0;
   uint64_t unannounced = 0;
+  uint64_t slow_superseded = 0;
+  int streams = 0;
   int refused = 0;
   int failed = 0;
   std::string first_error = {};
@@ -40,8 +43,19 @@ struct LoadTally {
 
   // As if `other` had been part of the same test.
   void Add(const LoadTally& other);
+  // The same of robots that read slowly on purpose: their delays and what they
+  // made the server drop say nothing about the server.
+  void AddSlow(const LoadTally& slow);
+
+ private:
+  void AddCounts(const LoadTally& other);
 };
 
 LoadReport ReportOf(const LoadTally& tally);
+
+// One line, with each bucket of the delays, and what it said. INVALID_CONFIG if
+// it is no such line.
+std::string TallyToText(const LoadTally& tally);
+absl::Status ReadTally(const std::string& text, LoadTally* tally);
 
 }  // namespace tactus::internal::client

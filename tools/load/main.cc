@@ -18,7 +18,7 @@ namespace tactus::internal::client {
 namespace {
 
 struct Flags {
-  LoadOptions load = {.address = "127.0.0.1:50051"};
+  LoadOptions load = {.servers = {"127.0.0.1:50051"}};
   FindMaxOptions search;
   std::optional<std::string> tls_ca;
   bool find_max = false;
@@ -56,7 +56,10 @@ int Main(int argc, char** argv) {
   CLI::App app("Loads a Tactus server with robots that do not wait.",
                "tactus-load");
   app.set_version_flag("--version", std::string("tactus-load ") + kVersion);
-  app.add_option("--server", load.address, "host:port or unix:path")
+  app.add_option("--server", load.servers,
+                 "host:port or unix:path; robots are spread over several, with "
+                 "commas between them or the flag repeated")
+      ->delimiter(',')
       ->capture_default_str();
   app.add_option("--tls-ca", flags.tls_ca,
                  "PEM file of the authorities that may vouch for the server; "
@@ -89,8 +92,22 @@ int Main(int argc, char** argv) {
                  "Of each robot between two contacts")
       ->check(CLI::Range(0.01, 10.0))
       ->capture_default_str();
+  app.add_option("--touched-fraction", load.touched_fraction,
+                 "Of all frames, those of contacts: 0, or 0.02 to 1")
+      ->check(CLI::Range(0.0, 1.0))
+      ->excludes("--untouched-seconds");
+  app.add_option(
+         "--arrivals", load.arrivals_seconds,
+         "Mean seconds until a robot ends its stream and opens another; "
+         "0: never")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  app.add_option("--slow-readers", load.slow_readers,
+                 "Robots that take one answer a second")
+      ->check(CLI::Range(0, 100'000))
+      ->capture_default_str();
   app.add_option("--connections", load.connections,
-                 "Connections the robots share; 0: one each")
+                 "Connections the robots share; 0: one for each stream")
       ->check(CLI::Range(0, 100'000))
       ->capture_default_str();
   app.add_option("--seed", load.seed, "Of the contacts and the robots' phases")

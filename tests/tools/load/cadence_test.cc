@@ -28,7 +28,7 @@ const FrameScript& Script(uint32_t frames_per_message) {
 }
 
 LoadOptions OptionsFor(const std::string& address, v1::ResultCadence cadence) {
-  return {.address = address,
+  return {.servers = {address},
           .robots = kRobots,
           .rate_hz = 400,
           .seconds = 0.5,

@@ -105,7 +105,7 @@ class LoadTest : public ::testing::Test {
 
   LoadOptions Options() {
     return {
-        .address = "127.0.0.1:" + std::to_string(server_.server().ports()[0]),
+        .servers = {"127.0.0.1:" + std::to_string(server_.server().ports()[0])},
         .robots = 4,
         .rate_hz = 200,
         .seconds = 0.3,
@@ -187,7 +187,7 @@ TEST_F(FewStreamsTest, TheSearchEndsAtTheServersLimit) {
 }
 
 TEST(LoadOptionsTest, NobodyListensAndBadOptions) {
-  const LoadOptions nobody = {.address = "unix:/no/such/socket",
+  const LoadOptions nobody = {.servers = {"unix:/no/such/socket"},
                               .robots = 2,
                               .seconds = 0.1,
                               .warm_up_seconds = 0};
