@@ -8,9 +8,9 @@
 namespace tactus::internal::client {
 
 absl::StatusOr<LoadReport> FindMaxRobots(
-    LoadOptions options, const FindMaxOptions& search,
+    const FindMaxOptions& search,
+    const std::function<absl::StatusOr<LoadReport>(int robots)>& run,
     const std::function<void(const LoadReport&)>& on_test) {
-  TACTUS_ASSIGN_OR_RETURN(const FrameScript script, MakeScript(options));
   LoadReport best;
   // The fewest that were too many.
   std::optional<int> too_many;
@@ -18,9 +18,7 @@ absl::StatusOr<LoadReport> FindMaxRobots(
   while (true) {
     bool passed = false;
     for (int i = 0; i < search.attempts && !passed; ++i) {
-      options.robots = robots;
-      TACTUS_ASSIGN_OR_RETURN(const LoadReport report,
-                              RunLoad(options, script));
+      TACTUS_ASSIGN_OR_RETURN(const LoadReport report, run(robots));
       on_test(report);
       passed = report.ok() && report.p99_ms <= search.p99_limit_ms &&
                report.final_p50_ms <= search.p99_limit_ms;
@@ -36,6 +34,19 @@ absl::StatusOr<LoadReport> FindMaxRobots(
     if (gap <= std::max(1.0, search.precision * best.robots)) return best;
     robots = best.robots + gap / 2;
   }
+}
+
+absl::StatusOr<LoadReport> FindMaxRobots(
+    LoadOptions options, const FindMaxOptions& search,
+    const std::function<void(const LoadReport&)>& on_test) {
+  TACTUS_ASSIGN_OR_RETURN(const FrameScript script, MakeScript(options));
+  return FindMaxRobots(
+      search,
+      [&options, &script](int robots) {
+        options.robots = robots;
+        return RunLoad(options, script);
+      },
+      on_test);
 }
 
 }  // namespace tactus::internal::client

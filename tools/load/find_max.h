@@ -32,7 +32,13 @@ struct FindMaxOptions {
 // The report of the largest test that lost nothing and kept the limit; one of
 // no robots if none did. The limit holds for 99 % of the answers, and for half
 // of the last answers of streams: where few frames are answered, these show
-// whether the server falls behind. `on_test` sees every test made.
+// whether the server falls behind. `run` runs a test, `on_test` sees its
+// report.
+absl::StatusOr<LoadReport> FindMaxRobots(
+    const FindMaxOptions& search,
+    const std::function<absl::StatusOr<LoadReport>(int robots)>& run,
+    const std::function<void(const LoadReport&)>& on_test);
+// The same with tests of this process.
 absl::StatusOr<LoadReport> FindMaxRobots(
     LoadOptions options, const FindMaxOptions& search,
     const std::function<void(const LoadReport&)>& on_test);

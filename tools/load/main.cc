@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "CLI/CLI.hpp"
 #include "absl/synchronization/mutex.h"
@@ -13,6 +14,7 @@
 #include "tools/common/vetted_servers.h"
 #include "tools/load/find_max.h"
 #include "tools/load/load.h"
+#include "tools/load/load_processes.h"
 
 namespace tactus::internal::client {
 namespace {
@@ -21,6 +23,8 @@ struct Flags {
   LoadOptions load = {.servers = {"127.0.0.1:50051"}};
   FindMaxOptions search;
   std::optional<std::string> tls_ca;
+  // Set in a process of a test of several.
+  std::optional<int> part;
   bool find_max = false;
   bool json = false;
 };
@@ -32,18 +36,33 @@ const std::map<std::string, v1::ResultCadence> kCadences = {
     {"on-change", v1::RESULT_CADENCE_ON_CHANGE},
     {"events", v1::RESULT_CADENCE_EVENTS}};
 
-absl::StatusOr<LoadReport> Measure(const Flags& flags) {
-  LoadOptions load = flags.load;
-  if (flags.tls_ca) {
-    TACTUS_ASSIGN_OR_RETURN(load.channel.tls_roots,
-                            ReadRootCertificates(*flags.tls_ca));
+void PrintTest(const LoadReport& test) {
+  std::fprintf(stderr, "%d robots: p99 %.3f ms, %llu lost, %d refused\n",
+               test.robots, test.p99_ms,
+               static_cast<unsigned long long>(test.lost()), test.refused);
+}
+
+// `words` are the flags as they were given.
+absl::StatusOr<LoadReport> Measure(const Flags& flags,
+                                   const std::vector<std::string>& words) {
+  const LoadOptions& load = flags.load;
+  if (load.parts == 1) {
+    return flags.find_max ? FindMaxRobots(load, flags.search, PrintTest)
+                          : RunLoad(load);
   }
-  if (!flags.find_max) return RunLoad(load);
-  return FindMaxRobots(load, flags.search, [](const LoadReport& test) {
-    std::fprintf(stderr, "%d robots: p99 %.3f ms, %llu lost, %d refused\n",
-                 test.robots, test.p99_ms,
-                 static_cast<unsigned long long>(test.lost()), test.refused);
-  });
+  TACTUS_ASSIGN_OR_RETURN(
+      const auto processes,
+      LoadProcesses::Start("/proc/self/exe", words, load.parts));
+  const auto run = [&processes](int robots) { return processes->Run(robots); };
+  return flags.find_max ? FindMaxRobots(flags.search, run, PrintTest)
+                        : run(load.robots);
+}
+
+// Prints why the test could not run, and returns the exit code.
+int Complain(const absl::Status& status) {
+  std::fprintf(stderr, "tactus-load: %s\n",
+               std::string(status.message()).c_str());
+  return 2;
 }
 
 int Main(int argc, char** argv) {
@@ -110,6 +129,13 @@ int Main(int argc, char** argv) {
                  "Connections the robots share; 0: one for each stream")
       ->check(CLI::Range(0, 100'000))
       ->capture_default_str();
+  app.add_option("--processes", load.parts,
+                 "Generators that run at the same time, each with a part of "
+                 "the robots")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  // How this program starts itself.
+  app.add_option("--part", flags.part)->group("");
   app.add_option("--seed", load.seed, "Of the contacts and the robots' phases")
       ->capture_default_str();
   app.add_flag("--find-max", flags.find_max,
@@ -120,18 +146,22 @@ int Main(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("--json", flags.json, "Print one JSON object");
   if (const absl::Status status = CheckArguments(argc, argv); !status.ok()) {
-    std::fprintf(stderr, "tactus-load: %s\n",
-                 std::string(status.message()).c_str());
-    return 2;
+    return Complain(status);
   }
   CLI11_PARSE(app, argc, argv);
 
-  const auto report = Measure(flags);
-  if (!report.ok()) {
-    std::fprintf(stderr, "tactus-load: %s\n",
-                 std::string(report.status().message()).c_str());
-    return 2;
+  if (flags.tls_ca) {
+    auto roots = ReadRootCertificates(*flags.tls_ca);
+    if (!roots.ok()) return Complain(roots.status());
+    load.channel.tls_roots = *std::move(roots);
   }
+  if (flags.part) {
+    load.part = *flags.part;
+    const absl::Status status = ServeLoadParts(load);
+    return status.ok() ? 0 : Complain(status);
+  }
+  const auto report = Measure(flags, {argv + 1, argv + argc});
+  if (!report.ok()) return Complain(report.status());
   const auto max_robots =
       flags.find_max ? std::optional(report->robots) : std::nullopt;
   const std::string text =
