@@ -8,6 +8,7 @@
 #   deploy/install-deps.sh --runtime  to run these four, built already
 #   deploy/install-deps.sh --proxy    to run HAProxy before tactusd
 #   deploy/install-deps.sh --page     to build the console's page
+#   deploy/install-deps.sh --python   to build and use the Python package
 #   deploy/install-deps.sh --image    to run deploy/check-image.sh
 #   deploy/install-deps.sh --list     (with any of these) only prints the names
 #
@@ -85,6 +86,18 @@ readonly PROGRAMS=(
 readonly PAGE=(
   npm
 )
+# The Python package (client/python), and what it needs where it runs.
+readonly PYTHON=(
+  protobuf-compiler
+  protobuf-compiler-grpc
+  python3-build
+  python3-grpcio
+  python3-numpy
+  python3-protobuf
+  python3-setuptools
+  python3-venv
+  python3-wheel
+)
 # The tests, the benchmarks, and the independent references of both.
 readonly TESTS=(
   ccache
@@ -103,14 +116,17 @@ readonly TESTS=(
   libsundials-dev
   libumockdev-dev
   openmpi-bin
+  mypy
   openssl
   postgresql-15
   prometheus
-  python3-grpcio
   python3-h5py
+  python3-matplotlib
+  python3-pandas
   python3-prometheus-client
   python3-scipy
   python3-sklearn
+  python3-tqdm
   rsync
   shellcheck
   slurm-client
@@ -128,11 +144,12 @@ packages=("${BUILD[@]}" "${PROGRAMS[@]}" "${PAGE[@]}")
 list_only=no
 for arg in "$@"; do
   case "$arg" in
-    --tests) packages+=("${TESTS[@]}") ;;
+    --tests) packages+=("${PYTHON[@]}" "${TESTS[@]}") ;;
     --build) packages=("${BUILD[@]}") ;;
     --runtime) packages=("${RUNTIME[@]}") ;;
     --proxy) packages=("${PROXY[@]}") ;;
     --page) packages=("${PAGE[@]}") ;;
+    --python) packages=("${PYTHON[@]}") ;;
     --image) packages=("${IMAGE[@]}") ;;
     --list) list_only=yes ;;
     -h | --help) usage; exit 0 ;;

@@ -1,0 +1,183 @@
+"""Frames as the bytes of a request.
+
+A request is written around the frame's buffer, without a message object: the
+taxels are copied once, into the bytes that grpc sends.
+"""
+
+from __future__ import annotations
+
+from struct import Struct
+from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
+
+import numpy
+
+from tactus._errors import Error, FrameError, invalid
+from tactus._skin import Skin
+
+MAX_FRAMES_PER_MESSAGE = 64
+MAX_MESSAGE_BYTES = 64 * 1024
+# What a message has besides its frames, at the most.
+_OVERHEAD_BYTES = 256
+_MAX_UINT64 = 2**64 - 1
+
+_POSE = Struct("<7d")
+
+# ClassifyContactRequest.end_of_trial, empty.
+END_OF_TRIAL = b"\x1a\x00"
+
+
+class Message(NamedTuple):
+    """A request with frames."""
+
+    request: bytes
+    first_sequence: int
+    frames: int
+    first_time_ns: int
+    #: Where the taxels of the first frame begin in ``request``.
+    offset: int
+
+
+def varint(value: int) -> bytes:
+    """A number as protobuf writes it."""
+    out = bytearray()
+    while value > 127:
+        out.append(value & 127 | 128)
+        value >>= 7
+    out.append(value)
+    return bytes(out)
+
+
+class FrameWriter:
+    """Packs the frames of one stream into requests."""
+
+    def __init__(self, skin: Skin, frames_per_message: int = 1) -> None:
+        if not 1 <= frames_per_message <= MAX_FRAMES_PER_MESSAGE:
+            raise invalid("frames_per_message", frames_per_message,
+                          f"1 to {MAX_FRAMES_PER_MESSAGE}")
+        self.skin = skin
+        self.period_ns = 1e9 / skin.rate_hz
+        self._dtype = numpy.dtype(skin.dtype).newbyteorder("<")
+        self._shape = skin.shape
+        values = skin.rows * skin.columns * skin.axes
+        self._flat = (values,)
+        self._bytes = values * self._dtype.itemsize
+        room = (MAX_MESSAGE_BYTES - _OVERHEAD_BYTES) // (
+            self._bytes + (_POSE.size if skin.with_poses else 0))
+        self._most = max(1, min(frames_per_message, room))
+        # Behind the count of a message with one frame: taxels and their size.
+        self._one = b"\x18\x01\x22" + varint(self._bytes)
+        self.next_sequence = 1
+        self._next_time_ns = 0
+        self._pending: List[Any] = []
+        self._poses: List[bytes] = []
+        self._first_sequence = 0
+        self._first_time_ns = 0
+
+    @property
+    def pending(self) -> int:
+        """Frames that wait for a message to be full."""
+        return len(self._pending)
+
+    def check(self, frame: Any) -> None:
+        """Raises a FrameError unless ``frame`` is one of this skin."""
+        shape = " x ".join(str(side) for side in self._shape)
+        right = f"a C-contiguous numpy array of {self.skin.dtype} and of shape {self._shape}"
+        if not isinstance(frame, numpy.ndarray):
+            raise _wrong("frame", f"a {type(frame).__name__}", right,
+                         f"numpy.asarray(frame, numpy.{self.skin.dtype})")
+        if frame.shape != self._shape and frame.shape != self._flat:
+            raise FrameError(
+                f"frame.shape is {frame.shape}; it must be {self._shape}, as the skin "
+                f"{self.skin.name} has {shape} values", reason="FRAME_SIZE_MISMATCH",
+                metadata={"field": "frame.shape", "value": str(frame.shape),
+                          "expected": str(self._shape)})
+        if frame.dtype != self._dtype:
+            raise _wrong("frame.dtype", frame.dtype.str if frame.dtype.name == self.skin.dtype
+                         else frame.dtype.name,
+                         f"{self.skin.dtype}, as skin.dtype says",
+                         f"frame.astype(numpy.{self.skin.dtype}), or another dtype in the Skin")
+        if not frame.flags.c_contiguous:
+            raise _wrong("frame", f"not contiguous (strides {frame.strides})", right,
+                         "numpy.ascontiguousarray(frame)")
+
+    def add(self, frame: Any, time_ns: Optional[int], missing: int,
+            pose: Optional[Sequence[float]]) -> Tuple[Message, ...]:
+        """Takes a frame; returns the messages that are full now."""
+        if (type(frame) is not numpy.ndarray or frame.dtype != self._dtype
+                or frame.shape != self._shape or not frame.flags.c_contiguous):
+            self.check(frame)
+        if missing < 0:
+            raise invalid("missing_before", missing, "0 or more")
+        if self.skin.with_poses or pose is not None:
+            self._add_pose(pose)
+        if time_ns is None:
+            time_ns = self._next_time_ns + round(missing * self.period_ns)
+        self._next_time_ns = time_ns + round(self.period_ns)
+        done: Tuple[Message, ...] = ()
+        if self._pending and missing:
+            # The pose of this frame belongs to the next message.
+            last = self._poses.pop() if self._poses else None
+            done = (self._message(),)
+            if last is not None:
+                self._poses.append(last)
+        sequence = self.next_sequence + missing
+        if self._most == 1:
+            self.next_sequence = sequence + 1
+            return done + (self._single(frame, sequence, time_ns),)
+        if not self._pending:
+            self._first_sequence = sequence
+            self._first_time_ns = time_ns
+        self.next_sequence = sequence + 1
+        # A copy, because the robot writes to its frame again.
+        self._pending.append(frame.tobytes())
+        if len(self._pending) == self._most:
+            done += (self._message(),)
+        return done
+
+    def flush(self) -> Tuple[Message, ...]:
+        """Returns the message that is not full, if there is one."""
+        return (self._message(),) if self._pending else ()
+
+    def _add_pose(self, pose: Optional[Sequence[float]]) -> None:
+        if not self.skin.with_poses:
+            raise FrameError("a pose was given, but the skin has none", reason="INVALID_POSE",
+                             advice="use Skin(with_poses=True), or leave the pose out")
+        if pose is None or len(pose) != 7:
+            raise FrameError(
+                f"pose has {0 if pose is None else len(pose)} numbers; it must have 7: x, y and z "
+                "in metres and the unit quaternion qx, qy, qz, qw", reason="INVALID_POSE")
+        self._poses.append(_POSE.pack(*pose))
+
+    def _single(self, frame: Any, sequence: int, time_ns: int) -> Message:
+        head = b"\x08" + varint(sequence) + b"\x10" + varint(time_ns & _MAX_UINT64) + self._one
+        size = len(head) + self._bytes
+        tail = b""
+        if self._poses:
+            tail = b"\x32" + varint(_POSE.size) + self._poses.pop()
+            size += len(tail)
+        start = b"\x12" + varint(size)
+        return Message(b"".join((start, head, frame, tail)), sequence, 1, time_ns,
+                       len(start) + len(head))
+
+    def _message(self) -> Message:
+        frames = len(self._pending)
+        head = b"".join((
+            b"\x08", varint(self._first_sequence), b"\x10",
+            varint(self._first_time_ns & _MAX_UINT64), b"\x18", varint(frames), b"\x22",
+            varint(frames * self._bytes)))
+        tail = b""
+        if self._poses:
+            poses = b"".join(self._poses)
+            tail = b"\x32" + varint(len(poses)) + poses
+            self._poses = []
+        start = b"\x12" + varint(len(head) + frames * self._bytes + len(tail))
+        request = b"".join((start, head, *self._pending, tail))
+        self._pending = []
+        return Message(request, self._first_sequence, frames, self._first_time_ns,
+                       len(start) + len(head))
+
+
+def _wrong(field: str, value: str, expected: str, advice: str) -> Error:
+    return FrameError(f"{field} is {value}; it must be {expected}", reason="INVALID_CONFIG",
+                      metadata={"field": field, "value": value, "expected": expected},
+                      advice=advice)
